@@ -1,0 +1,91 @@
+//! The binary contract between the Ferrule engine and a plugin library.
+//!
+//! A plugin exports one [`Library`] named `hal_library_<file stem>`. The engine reads it, calls
+//! [`ComponentType::create`] with a [`Host`], and from then on runs the functions that the
+//! component registered. Rules that hold for everything here:
+//!
+//! - every record is `#[repr(C)]` and begins with its own size; a field beyond that size reads as
+//!   zero, so a minor version may append fields. Majors must be equal;
+//! - lists are arrays of pointers to records, so that records may grow;
+//! - a function pointer never unwinds; a panic ends as [`Status::EFAULT`];
+//! - a value is one 64-bit [`Cell`], never accessed at another width.
+#![no_std]
+#![expect(unsafe_code, reason = "one of the crates that keep the binary contract")]
+
+mod cell;
+mod host;
+mod port;
+mod record;
+mod ring;
+mod spec;
+mod ticket;
+
+pub use cell::{Cell, Slot};
+pub use host::{ArgValue, CallHost, Host, StreamRef, host_flags};
+pub use port::PortQueue;
+pub use record::{List, Record, Status, Str};
+pub use ring::{Consumer, Got, MAX_WIDTH, Producer, RING_MAGIC, Ring};
+pub use spec::{
+    ActionSpec, ArgSpec, CommandRun, CommandSpec, ComponentType, Create, Free, FunctSpec, ItemSpec,
+    Kinematics, Library, Run, ServiceSpec, StreamSpec, TaskSpec, ThreadSpec, Use, access, arg,
+    component_flags, funct_flags, item_flags, panic_strategy, stream_direction,
+};
+pub use ticket::{Ticket, TicketState};
+
+/// Changes when an existing field or rule changes. Engine and library must agree exactly.
+pub const ABI_MAJOR: u32 = 1;
+/// Grows when something is appended. The engine must be at least as new as the library.
+pub const ABI_MINOR: u32 = 0;
+/// The longest name of a pin, parameter, signal, function, thread or component, in bytes.
+pub const NAME_LEN: usize = 55;
+
+/// The size of a record, as its first field says it.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, reason = "no record is near 4 GiB")]
+pub const fn size<T>() -> u32 {
+    size_of::<T>() as u32
+}
+
+/// HAL type codes (the values LinuxCNC uses).
+pub mod ty {
+    /// A truth value; true when the low byte is not zero.
+    pub const BIT: u8 = 1;
+    /// A 64-bit floating-point number.
+    pub const FLOAT: u8 = 2;
+    /// A signed 32-bit integer in the low half of the cell.
+    pub const S32: u8 = 3;
+    /// An unsigned 32-bit integer in the low half of the cell.
+    pub const U32: u8 = 4;
+    /// A byte queue; the cell holds the address of a [`PortQueue`](crate::PortQueue), or zero.
+    pub const PORT: u8 = 5;
+    /// A signed 64-bit integer.
+    pub const S64: u8 = 6;
+    /// An unsigned 64-bit integer.
+    pub const U64: u8 = 7;
+}
+
+/// Directions of pins and parameters (the values LinuxCNC uses).
+pub mod dir {
+    /// A pin that the component reads.
+    pub const IN: u8 = 16;
+    /// A pin that the component writes.
+    pub const OUT: u8 = 32;
+    /// A pin that both sides write.
+    pub const IO: u8 = 48;
+    /// A parameter that the component reports.
+    pub const RO: u8 = 64;
+    /// A parameter that the user sets.
+    pub const RW: u8 = 192;
+}
+
+/// Message levels (the values LinuxCNC uses).
+pub mod level {
+    /// An error.
+    pub const ERR: u8 = 1;
+    /// A warning.
+    pub const WARN: u8 = 2;
+    /// Information.
+    pub const INFO: u8 = 3;
+    /// Debugging detail.
+    pub const DBG: u8 = 4;
+}

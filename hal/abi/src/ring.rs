@@ -1,0 +1,208 @@
+//! Realtime. The shared ring for samples, streams and recordings: one producer, one consumer.
+//!
+//! A record is a sample number and `width` values. A ring of `depth` slots holds `depth - 1`
+//! records. The two sides may be different processes: neither believes an index of the other,
+//! and what never changes (depth, width, types) is kept privately, not read back from the ring.
+
+use core::sync::atomic::{
+    AtomicU64,
+    Ordering::{Acquire, Relaxed, Release},
+};
+
+/// The most values in a record.
+pub const MAX_WIDTH: usize = 21;
+/// The first word of every ring ("ferrule" and a version).
+pub const RING_MAGIC: u64 = 0x0166_6572_7275_6c65;
+
+/// The head of a ring; `depth * (width + 1)` words follow it.
+#[repr(C, align(64))]
+#[derive(Debug)]
+pub struct Ring {
+    /// [`RING_MAGIC`].
+    pub magic: u64,
+    /// How many slots.
+    pub depth: u32,
+    /// How many values a record has.
+    pub width: u32,
+    /// The type code of each value.
+    pub types: [u8; 24],
+    /// Records lost for want of room.
+    pub lost: AtomicU64,
+    apart: [u64; 2],
+    written: AtomicU64,
+    apart_too: [u64; 7],
+    taken: AtomicU64,
+    apart_again: [u64; 7],
+}
+
+const _: () = assert!(size_of::<Ring>() == 192);
+const HEAD_WORDS: usize = size_of::<Ring>() / 8;
+
+impl Ring {
+    /// The head of an empty ring.
+    pub const fn new(depth: u32, width: u32, types: [u8; 24]) -> Self {
+        Self {
+            magic: RING_MAGIC,
+            depth,
+            width,
+            types,
+            lost: AtomicU64::new(0),
+            apart: [0; 2],
+            written: AtomicU64::new(0),
+            apart_too: [0; 7],
+            taken: AtomicU64::new(0),
+            apart_again: [0; 7],
+        }
+    }
+
+    /// The bytes that a ring of this shape needs.
+    pub const fn bytes(depth: u32, width: u32) -> usize {
+        size_of::<Self>() + depth as usize * (width as usize + 1) * 8
+    }
+
+    /// How many records wait, never more than the ring can hold.
+    pub fn waiting(&self, depth: u32) -> u32 {
+        // Pairs with `Producer::put` and `Consumer::take`.
+        let n = self.written.load(Acquire).wrapping_sub(self.taken.load(Acquire));
+        u32::try_from(n).unwrap_or(u32::MAX).min(depth.saturating_sub(1))
+    }
+}
+
+/// What both sides know without asking the ring.
+#[derive(Debug)]
+struct Side {
+    ring: *const Ring,
+    depth: u32,
+    width: u32,
+}
+
+impl Side {
+    fn head(&self) -> &Ring {
+        // SAFETY: live per `Producer::new` and `Consumer::new`.
+        unsafe { &*self.ring }
+    }
+
+    fn word(&self, index: u64, i: usize) -> &AtomicU64 {
+        let slot = usize::try_from(index % u64::from(self.depth)).unwrap_or(0);
+        let at = slot * (self.width as usize + 1) + i;
+        // SAFETY: the words follow the head, and `at` is below `depth * (width + 1)`.
+        let place = unsafe { self.ring.cast::<AtomicU64>().add(HEAD_WORDS + at) };
+        // SAFETY: live and aligned as above.
+        unsafe { &*place }
+    }
+}
+
+/// The writing side.
+#[derive(Debug)]
+pub struct Producer {
+    side: Side,
+    next: u64,
+    sample: u64,
+}
+
+// SAFETY: one producer; everything shared is atomic.
+unsafe impl Send for Producer {}
+
+impl Producer {
+    /// The writing side of a ring of this shape.
+    ///
+    /// # Safety
+    /// `ring` heads a live mapping of [`Ring::bytes`] bytes, with no other producer, for as long
+    /// as this lives; `depth` and `width` are what it was made with and not zero.
+    pub unsafe fn new(ring: *const Ring, depth: u32, width: u32) -> Self {
+        let side = Side { ring, depth, width };
+        let next = side.head().written.load(Relaxed);
+        Self { side, next, sample: next }
+    }
+
+    /// Appends a record; `value(i)` gives each value. False when the ring is full (or its other
+    /// side wrote nonsense): the record is counted as lost and its number skipped.
+    pub fn put(&mut self, value: impl Fn(usize) -> u64) -> bool {
+        self.sample = self.sample.wrapping_add(1);
+        if self.room() == 0 {
+            let lost = self.side.head().lost.load(Relaxed);
+            self.side.head().lost.store(lost.wrapping_add(1), Relaxed);
+            return false;
+        }
+        self.side.word(self.next, 0).store(self.sample, Relaxed);
+        for i in 0..self.side.width as usize {
+            self.side.word(self.next, i + 1).store(value(i), Relaxed);
+        }
+        self.next = self.next.wrapping_add(1);
+        self.side.head().written.store(self.next, Release); // Pairs with `Consumer::take`.
+        true
+    }
+
+    /// How many records fit now.
+    pub fn room(&self) -> u32 {
+        // Pairs with the store in `Consumer::take`.
+        let used = self.next.wrapping_sub(self.side.head().taken.load(Acquire));
+        let most = u64::from(self.side.depth.saturating_sub(1));
+        u32::try_from(most.saturating_sub(used)).unwrap_or(0)
+    }
+
+    /// How many records wait.
+    pub fn waiting(&self) -> u32 {
+        self.side.depth.saturating_sub(1).saturating_sub(self.room())
+    }
+}
+
+/// What [`Consumer::take`] found.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Got {
+    /// A record with this number.
+    Sample(u64),
+    /// Nothing.
+    Nothing,
+    /// An index that cannot be: the other side wrote nonsense. Treated as nothing.
+    Nonsense,
+}
+
+/// The reading side.
+#[derive(Debug)]
+pub struct Consumer {
+    side: Side,
+    next: u64,
+}
+
+// SAFETY: one consumer; everything shared is atomic.
+unsafe impl Send for Consumer {}
+
+impl Consumer {
+    /// The reading side of a ring of this shape.
+    ///
+    /// # Safety
+    /// As [`Producer::new`], with no other consumer.
+    pub unsafe fn new(ring: *const Ring, depth: u32, width: u32) -> Self {
+        let side = Side { ring, depth, width };
+        let next = side.head().taken.load(Relaxed);
+        Self { side, next }
+    }
+
+    /// How many records wait; zero when the other side's index cannot be.
+    pub fn waiting(&self) -> u32 {
+        // Pairs with the store in `Producer::put`.
+        let n = self.side.head().written.load(Acquire).wrapping_sub(self.next);
+        let most = u64::from(self.side.depth.saturating_sub(1));
+        if n > most { 0 } else { u32::try_from(n).unwrap_or(0) }
+    }
+
+    /// Takes the oldest record: `value(i, bits)` receives each value.
+    pub fn take(&mut self, mut value: impl FnMut(usize, u64)) -> Got {
+        // Pairs with the store in `Producer::put`.
+        let n = self.side.head().written.load(Acquire).wrapping_sub(self.next);
+        if n == 0 {
+            return Got::Nothing;
+        }
+        if n > u64::from(self.side.depth.saturating_sub(1)) {
+            return Got::Nonsense;
+        }
+        let sample = self.side.word(self.next, 0).load(Relaxed);
+        for i in 0..self.side.width as usize {
+            value(i, self.side.word(self.next, i + 1).load(Relaxed));
+        }
+        self.next = self.next.wrapping_add(1);
+        self.side.head().taken.store(self.next, Release); // Pairs with `Producer::room`.
+        Got::Sample(sample)
+    }
+}

@@ -1,0 +1,68 @@
+//! Realtime. The answer to a command that takes machine time.
+
+use core::sync::atomic::{
+    AtomicPtr, AtomicU32, AtomicUsize,
+    Ordering::{Acquire, Relaxed, Release},
+};
+
+/// How far a command has come.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum TicketState {
+    /// Under way.
+    Pending,
+    /// Carried out.
+    Done,
+    /// Given up, with the reason.
+    Failed(&'static str),
+}
+
+/// A place where a function reports the end of a command. Owned by the engine.
+#[repr(C)]
+#[derive(Debug, Default)]
+pub struct Ticket {
+    state: AtomicU32,
+    len: AtomicUsize,
+    text: AtomicPtr<u8>,
+}
+
+impl Ticket {
+    /// A command under way.
+    pub const fn new() -> Self {
+        Self {
+            state: AtomicU32::new(0),
+            len: AtomicUsize::new(0),
+            text: AtomicPtr::new(core::ptr::null_mut()),
+        }
+    }
+
+    /// Reports success; the last access by the function that carries the command out.
+    pub fn done(&self) {
+        self.state.store(1, Release); // Pairs with `state`.
+    }
+
+    /// Reports failure; the last access by the function that carries the command out.
+    pub fn fail(&self, why: &'static str) {
+        self.text.store(why.as_ptr().cast_mut(), Relaxed);
+        self.len.store(why.len(), Relaxed);
+        self.state.store(2, Release); // Pairs with `state`.
+    }
+
+    /// How far the command has come. The text lives in the plugin's library: copy it before that
+    /// can be unloaded.
+    pub fn state(&self) -> TicketState {
+        // Pairs with `done` and `fail`.
+        match self.state.load(Acquire) {
+            0 => TicketState::Pending,
+            1 => TicketState::Done,
+            _ => {
+                let (text, len) = (self.text.load(Relaxed), self.len.load(Relaxed));
+                if text.is_null() {
+                    return TicketState::Failed("failed");
+                }
+                // SAFETY: `fail` stored a static string before the state.
+                let bytes = unsafe { core::slice::from_raw_parts(text, len) };
+                TicketState::Failed(core::str::from_utf8(bytes).unwrap_or("failed"))
+            }
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! Everything that the author of a component needs.
+//!
+//! A plain component is a struct of pins, parameters and state, and an [`Update`]:
+//!
+//! ```
+//! use hal_component::{Component, In, Out, Period, Update};
+//!
+//! /// Two-input AND gate.
+//! #[derive(Component)]
+//! struct And2 {
+//!     /// First input.
+//!     in0: In<bool>,
+//!     /// Second input.
+//!     in1: In<bool>,
+//!     /// True when both inputs are.
+//!     out: Out<bool>,
+//! }
+//!
+//! impl Update for And2 {
+//!     fn update(&mut self, _: Period) {
+//!         self.out.set(self.in0.get() && self.in1.get());
+//!     }
+//! }
+//!
+//! hal_component::export!(And2);
+//! ```
+//!
+//! A component whose pins depend on `loadrt` arguments, or with several functions, implements
+//! [`Component`] by hand and declares through the [`Builder`]; its functions are structs with
+//! `#[derive(Touch)]`, which tells the engine what each reads and writes.
+
+#![expect(unsafe_code, reason = "one of the crates that keep the binary contract")]
+
+mod args;
+pub mod bench;
+mod builder;
+mod call;
+mod item;
+mod kinematics;
+mod port;
+mod share;
+mod shim;
+mod stream;
+
+pub use args::Arg;
+pub use builder::{Builder, Decl, Error};
+pub use call::{Call, Clock, Messages, TicketHandle};
+#[doc(hidden)]
+pub use hal_abi as abi;
+pub use hal_derive::{Component, Touch};
+pub use item::{Field, In, InSet, Io, Item, Out, ParamRo, ParamRw, Value, Write};
+pub use kinematics::{Kinematics, KinematicsKind, KinematicsRef, Pose};
+pub use port::Port;
+pub use share::{Gives, Receiver, Sender, Takes, Touch, Uses};
+#[doc(hidden)]
+pub use shim::create;
+pub use stream::{StreamIn, StreamOut};
+
+/// The thread's nominal period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Period(i64);
+
+impl Period {
+    /// From nanoseconds.
+    pub const fn from_ns(ns: i64) -> Self {
+        Self(ns)
+    }
+
+    /// In nanoseconds.
+    #[inline]
+    pub const fn ns(self) -> i64 {
+        self.0
+    }
+
+    /// In seconds.
+    #[inline]
+    pub fn secs(self) -> f64 {
+        self.0 as f64 * 1e-9
+    }
+}
+
+/// The code of one HAL function or background task.
+///
+/// A function runs in a realtime thread: no locks, no allocation, no I/O, no printing. It says
+/// things through [`Messages`].
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` has no `Update`: a function needs code to run",
+    label = "write `impl Update for {Self} {{ fn update(&mut self, period: Period) {{ … }} }}`"
+)]
+pub trait Update: Touch + Send + 'static {
+    /// Runs once per period.
+    fn update(&mut self, period: Period);
+}
+
+/// A component type.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a component",
+    label = "write `#[derive(Component)]` above it, or implement `Component` by hand"
+)]
+pub trait Component: 'static {
+    /// Type name, as in `loadrt NAME`.
+    const NAME: &'static str;
+    /// What it is, in Markdown; the first line is a summary.
+    const DOC: &'static str;
+    /// Bits of [`abi::component_flags`].
+    const FLAGS: u32 = 0;
+    /// The `loadrt` arguments beside `count=`, `names=` and `personality=`.
+    const ARGS: &'static [&'static abi::ArgSpec] = &[];
+    /// The pins and parameters, where they are fixed.
+    const ITEMS: &'static [&'static abi::ItemSpec] = &[];
+    /// Declares one instance: its pins and parameters, then its functions. Touches nothing
+    /// outside: that is for [`Builder::on_open`].
+    ///
+    /// # Errors
+    /// What the engine refused, or [`Builder::fail`].
+    fn create(b: &mut Builder<'_>) -> Result<(), Error>;
+}
+
+/// Exports component types from this library.
+#[macro_export]
+macro_rules! export {
+    ($($component:ty),+ $(,)?) => {
+        /// The descriptor that the engine looks up.
+        #[unsafe(export_name = concat!("hal_library_", env!("CARGO_CRATE_NAME")))]
+        pub static HAL_LIBRARY: $crate::abi::Library = {
+            const LIST: &[&$crate::abi::ComponentType] = &[$(&$crate::describe::<$component>()),+];
+            $crate::abi::Library {
+                size: $crate::abi::size::<$crate::abi::Library>(),
+                abi_major: $crate::abi::ABI_MAJOR,
+                abi_minor: $crate::abi::ABI_MINOR,
+                panic: if cfg!(panic = "unwind") {
+                    $crate::abi::panic_strategy::UNWIND
+                } else {
+                    $crate::abi::panic_strategy::ABORT
+                },
+                components: $crate::abi::List::new(LIST),
+            }
+        };
+    };
+}
+
+#[doc(hidden)]
+#[must_use]
+pub const fn describe<C: Component>() -> abi::ComponentType {
+    abi::ComponentType {
+        size: abi::size::<abi::ComponentType>(),
+        flags: C::FLAGS,
+        name: abi::Str::new(C::NAME),
+        doc: abi::Str::new(C::DOC),
+        args: abi::List::new(C::ARGS),
+        items: abi::List::new(C::ITEMS),
+        create: Some(create::<C>),
+    }
+}

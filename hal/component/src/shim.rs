@@ -1,0 +1,141 @@
+//! The C side of functions, commands and `create`: one place for panics and for ownership.
+
+use crate::{
+    Builder, Call, Component, Error, Period, Update,
+    abi::{CallHost, Host, Status, Str, host_flags},
+};
+use core::ffi::c_void;
+use std::{
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::{Mutex, Once, PoisonError},
+};
+
+/// What the last panic of this library said, with its place.
+static LAST: Mutex<Option<String>> = Mutex::new(None);
+static HOOK: Once = Once::new();
+
+/// Runs component code; a panic becomes its text.
+fn guarded<R>(code: impl FnOnce() -> R) -> Result<R, String> {
+    catch_unwind(AssertUnwindSafe(code)).map_err(|payload| {
+        let said = LAST.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let text = payload
+            .downcast_ref::<&str>()
+            .map(|s| (*s).to_owned())
+            .or_else(|| payload.downcast_ref::<String>().cloned());
+        // A payload may panic when it is dropped: it is leaked instead.
+        let _: &mut _ = Box::leak(payload);
+        said.or(text).unwrap_or_else(|| "panicked".to_owned())
+    })
+}
+
+/// A panic of a library with a runtime of its own says nothing on the terminal: the engine
+/// reports it.
+fn quiet() {
+    HOOK.call_once(|| {
+        std::panic::set_hook(Box::new(|info| {
+            let payload = info.payload();
+            let text = payload
+                .downcast_ref::<&str>()
+                .copied()
+                .or_else(|| payload.downcast_ref::<String>().map(String::as_str))
+                .unwrap_or("panicked");
+            let place = info.location().map(|l| format!(" ({}:{})", l.file(), l.line()));
+            let said = format!("{text}{}", place.unwrap_or_default());
+            *LAST.lock().unwrap_or_else(PoisonError::into_inner) = Some(said);
+        }));
+    });
+}
+
+fn say(calls: &CallHost, text: &str) {
+    if let Some(fail) = calls.fail {
+        // SAFETY: the engine's function; `text` lives across the call.
+        unsafe { fail(calls.ctx, Str::borrow(text)) };
+    }
+}
+
+/// A function's state and the engine's record, for the report of a panic.
+pub(crate) struct Running<F> {
+    f: F,
+    calls: &'static CallHost,
+}
+
+impl<F> Running<F> {
+    pub(crate) const fn new(f: F, calls: &'static CallHost) -> Self {
+        Self { f, calls }
+    }
+}
+
+/// Moves a state to the engine's side.
+pub(crate) fn give<S>(state: S) -> *mut c_void {
+    Box::into_raw(Box::new(state)).cast()
+}
+
+/// # Safety
+/// `state` came from [`give`] as an `S` and is not used again.
+pub(crate) unsafe extern "C" fn free<S>(state: *mut c_void) {
+    // SAFETY: came from `give` and is freed once, by the engine.
+    let state = unsafe { Box::from_raw(state.cast::<S>()) };
+    drop(guarded(|| drop(state)));
+}
+
+/// Realtime.
+///
+/// # Safety
+/// `state` is a live `Running<F>` that nothing else touches during the call.
+pub(crate) unsafe extern "C" fn run<F: Update>(state: *mut c_void, period_ns: i64) -> Status {
+    // SAFETY: the engine runs a function in one thread at a time and only before `free`.
+    let running = unsafe { &mut *state.cast::<Running<F>>() };
+    match guarded(|| running.f.update(Period::from_ns(period_ns))) {
+        Ok(()) => Status::OK,
+        Err(text) => {
+            say(running.calls, &text);
+            Status::EFAULT
+        }
+    }
+}
+
+/// # Safety
+/// `state` is a live `F` that nothing else touches during the call; `call` is the engine's.
+pub(crate) unsafe extern "C" fn call<F>(state: *mut c_void, call: *const CallHost) -> Status
+where
+    F: FnMut(&Call<'_>) -> Result<(), Error>,
+{
+    // SAFETY: the engine runs commands one at a time and only before `free`.
+    let f = unsafe { &mut *state.cast::<F>() };
+    // SAFETY: the engine's record lives for the call.
+    let calls = unsafe { &*call };
+    match guarded(|| f(&Call(calls))) {
+        Ok(Ok(())) => Status::OK,
+        Ok(Err(e)) => {
+            if let Some(text) = &e.text {
+                say(calls, text);
+            }
+            e.status
+        }
+        Err(text) => {
+            say(calls, &format!("panicked: {text}"));
+            Status::EFAULT
+        }
+    }
+}
+
+/// # Safety
+/// `host` is the engine's record, live for the call.
+#[doc(hidden)]
+pub unsafe extern "C" fn create<C: Component>(host: *const Host) -> Status {
+    // SAFETY: the caller's promise.
+    let host = unsafe { &*host };
+    if host.flags & host_flags::PRIVATE != 0 {
+        quiet();
+    }
+    let (status, text) = match guarded(|| C::create(&mut Builder::new(host, C::FLAGS))) {
+        Ok(Ok(())) => return Status::OK,
+        Ok(Err(e)) => (e.status, e.text.map(std::borrow::Cow::into_owned)),
+        Err(text) => (Status::EFAULT, Some(format!("panicked: {text}"))),
+    };
+    if let (Some(text), Some(fail)) = (text, host.fail) {
+        // SAFETY: the engine's function; `text` lives across the call.
+        unsafe { fail(host.ctx, Str::borrow(&text)) };
+    }
+    status
+}

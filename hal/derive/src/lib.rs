@@ -1,0 +1,29 @@
+//! The derive macros of `hal-component`: see there.
+
+mod component;
+mod field;
+
+use proc_macro::TokenStream;
+
+/// Makes a struct of pins, parameters and state a component with one function.
+///
+/// On the struct: `#[hal(name = "type_name", function = "update", fast, personality)]`, all
+/// optional; the name is the struct's in snake case. On a field: `#[hal(name = "in-##",
+/// default = 1.0, count = b.personality(), safety)]` or `#[state]` with an optional
+/// `#[hal(default = …)]`. A name with `#` and a count makes a list of pins. Every pin and
+/// parameter needs a doc comment: it is what users read.
+#[proc_macro_derive(Component, attributes(hal, state))]
+pub fn component(input: TokenStream) -> TokenStream {
+    component::component(syn::parse_macro_input!(input as syn::DeriveInput))
+        .unwrap_or_else(|e| e.to_compile_error())
+        .into()
+}
+
+/// Says which pins, parameters and hidden state a function touches: all fields that are not
+/// `#[state]`.
+#[proc_macro_derive(Touch, attributes(hal, state))]
+pub fn touch(input: TokenStream) -> TokenStream {
+    component::touch(&syn::parse_macro_input!(input as syn::DeriveInput))
+        .unwrap_or_else(|e| e.to_compile_error())
+        .into()
+}
