@@ -1,1 +1,42 @@
-//! x
+//! Requests and replies between the Ferrule engine and its clients, and the client.
+//!
+//! On the socket each message is one line of JSON, answered in order. Floats that are not finite
+//! and 64-bit integers are strings. The same types serve inside one process: whoever can answer
+//! requests is a [`Link`].
+#![expect(unsafe_code, reason = "maps rings that the engine hands over")]
+
+mod client;
+mod info;
+mod message;
+mod pattern;
+mod place;
+mod stream;
+mod value;
+
+pub use client::Client;
+pub use info::{
+    AliasInfo, ArgInfo, CommandInfo, ComponentInfo, ComponentState, FaultInfo, FunctInfo, ItemInfo,
+    SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Usage,
+};
+pub use message::{
+    Answer, Direction, Failure, Kind, LATEST, Lock, Reply, Request, WireReply, WireRequest,
+};
+pub use pattern::Patterns;
+pub use place::{Place, valid_instance};
+pub use stream::Stream;
+pub use value::{Type, Value, ValueError};
+
+/// Something that answers requests: the engine in this process, or a connection to one.
+pub trait Link {
+    /// Carries out one request.
+    ///
+    /// # Errors
+    /// Why it was refused, in the user's words.
+    fn call(&mut self, request: Request) -> Result<Reply, Failure>;
+
+    /// Whether the engine is in this process: the programs that a script starts are then the
+    /// engine's children.
+    fn is_local(&self) -> bool {
+        false
+    }
+}

@@ -1,0 +1,111 @@
+//! The client's end of the socket.
+
+use crate::{Failure, LATEST, Link, Place, Reply, Request, Stream, WireReply, WireRequest};
+use rustix::net::{RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags};
+use std::{
+    io::{IoSliceMut, Write},
+    os::{fd::OwnedFd, unix::net::UnixStream},
+};
+
+/// A connection to an engine.
+#[derive(Debug)]
+pub struct Client {
+    socket: UnixStream,
+    buffer: Vec<u8>,
+    received: Option<OwnedFd>,
+    id: u32,
+}
+
+const EIO: i32 = -5;
+const ECONNREFUSED: i32 = -111;
+
+impl Client {
+    /// Connects and introduces this process as component `name`; empty: not listed.
+    ///
+    /// # Errors
+    /// Nobody listens, or the engine speaks another protocol.
+    pub fn connect(place: &Place, name: &str) -> Result<Self, Failure> {
+        let socket = UnixStream::connect(place.socket()).map_err(|_| {
+            let mut f =
+                Failure::new(ECONNREFUSED, format!("no instance '{}' is running", place.name()));
+            f.hint = Some("start one with 'halrun FILE', or name another with --instance".into());
+            f
+        })?;
+        let mut client = Self { socket, buffer: Vec::new(), received: None, id: 0 };
+        let pid = rustix::process::getpid().as_raw_nonzero().get();
+        let hello = Request::Hello { protocol: LATEST, name: name.to_owned(), pid };
+        match client.call(hello)? {
+            Reply::Hello { protocol: LATEST, id, .. } => {
+                client.id = id;
+                Ok(client)
+            }
+            _ => Err(Failure::new(EIO, "the engine speaks another protocol")),
+        }
+    }
+
+    /// The number of this client's component.
+    #[must_use]
+    pub const fn id(&self) -> u32 {
+        self.id
+    }
+
+    /// Attaches to a shared ring.
+    ///
+    /// # Errors
+    /// There is none of this name, it is taken, or what came is not that ring.
+    pub fn attach(&mut self, name: &str) -> Result<Stream, Failure> {
+        let reply = self.call(Request::Attach { name: name.to_owned() })?;
+        match (reply, self.received.take()) {
+            (Reply::Stream(info), Some(fd)) => {
+                Stream::map(&fd, info).map_err(|e| Failure::new(EIO, e))
+            }
+            _ => Err(Failure::new(EIO, format!("no ring came for '{name}'"))),
+        }
+    }
+
+    fn line(&mut self) -> Result<Vec<u8>, Failure> {
+        let gone = || Failure::new(EIO, "the engine has gone");
+        loop {
+            if let Some(end) = self.buffer.iter().position(|b| *b == b'\n') {
+                let rest = self.buffer.split_off(end + 1);
+                return Ok(core::mem::replace(&mut self.buffer, rest));
+            }
+            let mut chunk = vec![0; 65536];
+            let mut space = [core::mem::MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
+            let mut control = RecvAncillaryBuffer::new(&mut space);
+            let got = rustix::net::recvmsg(
+                &self.socket,
+                &mut [IoSliceMut::new(&mut chunk)],
+                &mut control,
+                RecvFlags::CMSG_CLOEXEC,
+            );
+            let n = match got {
+                Ok(m) => m.bytes,
+                Err(rustix::io::Errno::INTR) => continue,
+                Err(_) => return Err(gone()),
+            };
+            for message in control.drain() {
+                if let RecvAncillaryMessage::ScmRights(fds) = message {
+                    self.received = fds.last();
+                }
+            }
+            if n == 0 {
+                return Err(gone());
+            }
+            self.buffer.extend_from_slice(chunk.get(..n).unwrap_or_default());
+        }
+    }
+}
+
+impl Link for Client {
+    fn call(&mut self, request: Request) -> Result<Reply, Failure> {
+        let bad = |e: serde_json::Error| Failure::new(EIO, format!("unreadable answer: {e}"));
+        let mut line = serde_json::to_vec(&WireRequest { request }).map_err(bad)?;
+        line.push(b'\n');
+        self.socket.write_all(&line).map_err(|_| Failure::new(EIO, "the engine has gone"))?;
+        match serde_json::from_slice(&self.line()?).map_err(bad)? {
+            WireReply::Ok(reply) => Ok(reply),
+            WireReply::Error(failure) => Err(failure),
+        }
+    }
+}

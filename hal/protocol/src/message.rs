@@ -1,0 +1,431 @@
+//! What a client may ask, and what the engine answers.
+
+use crate::{
+    AliasInfo, CommandInfo, ComponentInfo, FunctInfo, ItemInfo, SignalInfo, StatusInfo, StreamInfo,
+    ThreadInfo, TicketInfo, Type, Value,
+};
+use serde::{Deserialize, Serialize};
+
+/// The version of this protocol; both sides must agree.
+pub const LATEST: u32 = 1;
+
+/// A pin's or parameter's direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Direction {
+    /// A pin that its component reads.
+    In,
+    /// A pin that its component writes.
+    Out,
+    /// A pin that both sides write.
+    Io,
+    /// A parameter that its component reports.
+    Ro,
+    /// A parameter that the user sets.
+    Rw,
+}
+
+impl Direction {
+    /// As `show` prints it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::In => "IN",
+            Self::Out => "OUT",
+            Self::Io => "I/O",
+            Self::Ro => "RO",
+            Self::Rw => "RW",
+        }
+    }
+
+    /// Whether it is a pin's.
+    #[must_use]
+    pub const fn is_pin(self) -> bool {
+        matches!(self, Self::In | Self::Out | Self::Io)
+    }
+}
+
+/// What [`Request::List`] lists.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// Components, newest first.
+    Components,
+    /// Pins, by name.
+    Pins,
+    /// Parameters, by name.
+    Params,
+    /// Signals, by name.
+    Signals,
+    /// Functions, by name.
+    Functs,
+    /// Threads, slowest (last created) first.
+    Threads,
+    /// Aliases of pins, by alias.
+    PinAliases,
+    /// Aliases of parameters, by alias.
+    ParamAliases,
+    /// Commands of components, by name.
+    Commands,
+    /// Shared rings, by name.
+    Streams,
+}
+
+/// Bits of the lock level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Lock(pub u8);
+
+impl Lock {
+    /// Nothing is locked.
+    pub const NONE: Self = Self(0);
+    /// Loading of components.
+    pub const LOAD: Self = Self(1);
+    /// Signals, links, aliases and functions in threads.
+    pub const CONFIG: Self = Self(2);
+    /// Parameters.
+    pub const PARAMS: Self = Self(4);
+    /// Starting and stopping.
+    pub const RUN: Self = Self(8);
+    /// Loading and configuration.
+    pub const TUNE: Self = Self(3);
+    /// Everything.
+    pub const ALL: Self = Self(255);
+}
+
+/// What a client may ask.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Request {
+    /// Who calls; the first request on a socket. A client is listed as component NAME.
+    /// Answer: [`Reply::Hello`].
+    Hello {
+        /// [`LATEST`].
+        protocol: u32,
+        /// The name that `show comp` gives it, such as `halcmd1234`; empty: not listed.
+        name: String,
+        /// Its process.
+        pid: i32,
+    },
+    /// `loadrt MODULE ARGS…`.
+    Load {
+        /// The component type.
+        module: String,
+        /// `NAME=VALUE` each.
+        args: Vec<String>,
+    },
+    /// `unloadrt NAME`.
+    Unload {
+        /// The component.
+        name: String,
+    },
+    /// `unloadrt all`: newest first.
+    UnloadAll,
+    /// `newsig`.
+    NewSignal {
+        /// Its name.
+        name: String,
+        /// Its type.
+        ty: Type,
+    },
+    /// `delsig NAME`; `delsig all` when the name is absent.
+    DeleteSignal {
+        /// Its name, or all.
+        name: Option<String>,
+    },
+    /// `net SIGNAL PINS…`, whole or not at all.
+    Net {
+        /// The signal, made if needed.
+        signal: String,
+        /// The pins, arrows removed.
+        pins: Vec<String>,
+    },
+    /// `linkps PIN SIGNAL` and `linksp`.
+    Link {
+        /// The pin.
+        pin: String,
+        /// The signal.
+        signal: String,
+    },
+    /// `unlinkp`.
+    Unlink {
+        /// The pin.
+        pin: String,
+    },
+    /// `setp`: a pin or parameter; the text is parsed by its type.
+    Set {
+        /// The pin or parameter.
+        name: String,
+        /// As the user wrote it.
+        value: String,
+    },
+    /// `getp`, `ptype`. Answer: [`Reply::Value`].
+    Get {
+        /// The pin or parameter.
+        name: String,
+    },
+    /// `sets`.
+    SetSignal {
+        /// The signal.
+        name: String,
+        /// As the user wrote it.
+        value: String,
+    },
+    /// `gets`, `stype`. Answer: [`Reply::Value`].
+    GetSignal {
+        /// The signal.
+        name: String,
+    },
+    /// `addf FUNCT THREAD POSITION`.
+    AddFunct {
+        /// The function.
+        funct: String,
+        /// The thread.
+        thread: String,
+        /// N: the N-th from the start, -N: from the end; -1 is last.
+        position: i64,
+        /// Run once in the thread's first cycle instead (`initf`).
+        init: bool,
+    },
+    /// `delf`.
+    RemoveFunct {
+        /// The function.
+        funct: String,
+        /// The thread; absent: all threads.
+        thread: Option<String>,
+    },
+    /// `start`.
+    Start,
+    /// `stop`.
+    Stop,
+    /// `alias`.
+    Alias {
+        /// Whether it is a parameter.
+        param: bool,
+        /// The item.
+        name: String,
+        /// Its new name.
+        alias: String,
+    },
+    /// `unalias`.
+    Unalias {
+        /// Whether it is a parameter.
+        param: bool,
+        /// The item or its alias.
+        name: String,
+    },
+    /// `lock`, `unlock`: sets the level.
+    SetLock {
+        /// The new level.
+        level: Lock,
+    },
+    /// `show` and `list`. Answer: the list of the kind.
+    List {
+        /// Of what.
+        kind: Kind,
+        /// An item is listed if any matches; none: all.
+        patterns: Vec<String>,
+        /// Only items of this type.
+        ty: Option<Type>,
+    },
+    /// `status`. Answer: [`Reply::Status`].
+    Status,
+    /// One component. Answer: [`Reply::Components`] with none or one.
+    Component {
+        /// Its name.
+        name: String,
+    },
+    /// `debug LEVEL`: what components' messages are shown.
+    MessageLevel {
+        /// 0 none, 1 errors, 2 warnings, 3 information, 4 and 5 everything.
+        level: u8,
+    },
+    /// `run T`: moves the virtual clock; answered when it has moved.
+    Run {
+        /// How far, in nanoseconds.
+        ns: u64,
+    },
+    /// `COMPONENT.VERB name=value …`. Answer: [`Reply::Answer`].
+    Command {
+        /// Such as `motion.jog`.
+        name: String,
+        /// `NAME=VALUE` each.
+        args: Vec<String>,
+    },
+    /// How far a command has come. Answer: [`Reply::Ticket`].
+    Ticket {
+        /// From [`Answer::ticket`].
+        id: u64,
+        /// Answer only when it is no longer under way; the virtual clock moves meanwhile.
+        wait: bool,
+    },
+    /// Waits; answered after that time on the wall.
+    Idle {
+        /// Milliseconds on the wall.
+        ms: u32,
+        /// Whether the virtual clock moves meanwhile.
+        flow: bool,
+    },
+    /// A program that this client started: it ends with the engine, and the virtual clock waits
+    /// until it has joined or ended, or has been running for a second.
+    Adopt {
+        /// Its process.
+        pid: i32,
+        /// Its name.
+        program: String,
+    },
+    /// `unloadusr NAME`: SIGTERM to its process; absent: to all.
+    EndProgram {
+        /// The component, or all.
+        name: Option<String>,
+    },
+    /// Starts recording to a VCD file; changes only.
+    Record {
+        /// The file; it is created or replaced.
+        path: String,
+        /// Which pins, signals and parameters; none: all but times.
+        patterns: Vec<String>,
+    },
+    /// Ends the recording and closes the file.
+    EndRecord,
+    /// Makes this client a component with pins of its own.
+    Join {
+        /// The component's name.
+        name: String,
+        /// How often it polls, in nanoseconds of machine time; zero: it does not.
+        poll_ns: u64,
+    },
+    /// Makes a pin of this client's component.
+    NewPin {
+        /// Absolute name.
+        name: String,
+        /// Its type.
+        ty: Type,
+        /// Its direction.
+        direction: Direction,
+    },
+    /// This client's component is complete.
+    Ready,
+    /// Writes this client's pins, then waits for its next poll and reads all of them, in order of
+    /// creation. Answer: [`Reply::Values`].
+    Poll {
+        /// Pin (by order of creation) and value.
+        writes: Vec<(u32, Value)>,
+    },
+    /// Attaches to a shared ring; its file descriptor comes with the answer [`Reply::Stream`].
+    Attach {
+        /// Such as `sampler.0`.
+        name: String,
+    },
+    /// Ends the engine.
+    Shutdown,
+}
+
+/// What the engine answers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reply {
+    /// Done.
+    Done,
+    /// Done, with sentences that a user who asked for them sees (`-v`), or warnings.
+    Noted(Vec<String>),
+    /// The engine's side of [`Request::Hello`].
+    Hello {
+        /// Its [`LATEST`].
+        protocol: u32,
+        /// The instance.
+        instance: String,
+        /// Its release.
+        version: String,
+        /// The id of this client's component.
+        id: u32,
+    },
+    /// A value with its type.
+    Value(Value),
+    /// Values in order.
+    Values {
+        /// Machine time in nanoseconds.
+        time: u64,
+        /// Of this client's pins.
+        values: Vec<Value>,
+    },
+    /// Components.
+    Components(Vec<ComponentInfo>),
+    /// Pins or parameters.
+    Items(Vec<ItemInfo>),
+    /// Signals.
+    Signals(Vec<SignalInfo>),
+    /// Functions.
+    Functs(Vec<FunctInfo>),
+    /// Threads.
+    Threads(Vec<ThreadInfo>),
+    /// Aliases.
+    Aliases(Vec<AliasInfo>),
+    /// Commands.
+    Commands(Vec<CommandInfo>),
+    /// Shared rings.
+    Streams(Vec<StreamInfo>),
+    /// The state of the instance.
+    Status(Box<StatusInfo>),
+    /// What a component's command answered.
+    Answer(Answer),
+    /// How far a command has come.
+    Ticket(TicketInfo),
+    /// A ring to attach to.
+    Stream(StreamInfo),
+}
+
+/// What a component's command answered.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Answer {
+    /// Lines for the user.
+    pub lines: Vec<String>,
+    /// Set when the command goes on in machine time.
+    pub ticket: Option<u64>,
+}
+
+/// Why a request was refused.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Failure {
+    /// A negative errno.
+    pub code: i32,
+    /// What is wrong, as LinuxCNC words it where it does.
+    pub text: String,
+    /// What would be right: a near name, the expected type, the legal range.
+    pub hint: Option<String>,
+    /// What led to it, one sentence each, printed before `text`.
+    pub before: Vec<String>,
+}
+
+impl Failure {
+    /// A failure without a hint.
+    #[must_use]
+    pub fn new(code: i32, text: impl Into<String>) -> Self {
+        Self { code, text: text.into(), hint: None, before: Vec::new() }
+    }
+}
+
+impl core::fmt::Display for Failure {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(&self.text)?;
+        self.hint.as_ref().map_or(Ok(()), |hint| write!(f, "; {hint}"))
+    }
+}
+
+impl std::error::Error for Failure {}
+
+/// A request as a line on the socket.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WireRequest {
+    /// The request.
+    pub request: Request,
+}
+
+/// A reply as a line on the socket.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WireReply {
+    /// Carried out.
+    Ok(Reply),
+    /// Refused.
+    Error(Failure),
+}

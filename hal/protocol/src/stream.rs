@@ -1,0 +1,104 @@
+//! A ring of the engine's, mapped into this process.
+
+use crate::{StreamInfo, Type, Value};
+use core::{ffi::c_void, ptr};
+use hal_abi::{Consumer, Got, Producer, RING_MAGIC, Ring};
+use rustix::mm::{MapFlags, ProtFlags, mmap, munmap};
+use std::os::fd::{AsFd, OwnedFd};
+
+/// A program's end of a shared ring.
+#[derive(Debug)]
+pub struct Stream {
+    info: StreamInfo,
+    address: *mut c_void,
+    bytes: usize,
+    end: End,
+}
+
+#[derive(Debug)]
+enum End {
+    Reads(Consumer),
+    Writes(Producer),
+}
+
+impl Stream {
+    pub(crate) fn map(fd: &OwnedFd, info: StreamInfo) -> Result<Self, String> {
+        let width = u32::try_from(info.types.len()).map_err(|e| e.to_string())?;
+        let bytes = Ring::bytes(info.depth, width);
+        let size = rustix::fs::fstat(fd.as_fd()).map_err(|e| e.to_string())?.st_size;
+        if usize::try_from(size).ok().is_none_or(|s| s < bytes) {
+            return Err("the ring is smaller than it says".into());
+        }
+        // SAFETY: a fresh shared mapping; the file is sealed against shrinking.
+        let address = unsafe {
+            mmap(
+                ptr::null_mut(),
+                bytes,
+                ProtFlags::READ | ProtFlags::WRITE,
+                MapFlags::SHARED,
+                fd.as_fd(),
+                0,
+            )
+        }
+        .map_err(|e| e.to_string())?;
+        let ring = address.cast::<Ring>().cast_const();
+        // SAFETY: mapped, and at least a head long; the magic is its first word.
+        let magic = unsafe { ring.cast::<u64>().read() };
+        let end = if magic != RING_MAGIC {
+            // SAFETY: mapped above, not used further.
+            let _ = unsafe { munmap(address, bytes) };
+            return Err("this is not a ring".into());
+        } else if info.out {
+            // SAFETY: the mapping lives as long as this; the engine admits one program.
+            End::Reads(unsafe { Consumer::new(ring, info.depth, width) })
+        } else {
+            // SAFETY: as above.
+            End::Writes(unsafe { Producer::new(ring, info.depth, width) })
+        };
+        Ok(Self { info, address, bytes, end })
+    }
+
+    /// The types of a record's values.
+    #[must_use]
+    pub fn types(&self) -> &[Type] {
+        &self.info.types
+    }
+
+    /// Takes the oldest record into `out` and gives its number; `None` when there is none.
+    pub fn take(&mut self, out: &mut Vec<Value>) -> Option<u64> {
+        let End::Reads(consumer) = &mut self.end else { return None };
+        out.clear();
+        let types = &self.info.types;
+        let got = consumer.take(|i, bits| {
+            if let Some(ty) = types.get(i) {
+                out.push(Value::from_bits(*ty, bits));
+            }
+        });
+        match got {
+            Got::Sample(n) => Some(n),
+            Got::Nothing | Got::Nonsense => None,
+        }
+    }
+
+    /// Appends a record; false when there is no room (nothing is then counted or written).
+    pub fn put(&mut self, record: &[Value]) -> bool {
+        let End::Writes(producer) = &mut self.end else { return false };
+        producer.room() > 0 && producer.put(|i| record.get(i).map_or(0, Value::bits))
+    }
+
+    /// How many records wait in the ring.
+    #[must_use]
+    pub fn waiting(&self) -> u32 {
+        match &self.end {
+            End::Reads(c) => c.waiting(),
+            End::Writes(p) => p.waiting(),
+        }
+    }
+}
+
+impl Drop for Stream {
+    fn drop(&mut self) {
+        // SAFETY: mapped in `map`, and nothing outlives this.
+        let _ = unsafe { munmap(self.address, self.bytes) };
+    }
+}

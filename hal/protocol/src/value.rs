@@ -1,0 +1,448 @@
+//! Values: how they are written, read, and carried.
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
+
+/// A HAL type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Type {
+    /// A truth value.
+    Bit,
+    /// A 64-bit floating-point number.
+    Float,
+    /// A signed 32-bit integer.
+    S32,
+    /// An unsigned 32-bit integer.
+    U32,
+    /// A byte queue.
+    Port,
+    /// A signed 64-bit integer.
+    S64,
+    /// An unsigned 64-bit integer.
+    U64,
+}
+
+/// Every accepted spelling; the first of a type is the one that is printed.
+const NAMES: &[(&str, Type)] = &[
+    ("bit", Type::Bit),
+    ("float", Type::Float),
+    ("s32", Type::S32),
+    ("u32", Type::U32),
+    ("s64", Type::S64),
+    ("u64", Type::U64),
+    ("port", Type::Port),
+    ("bool", Type::Bit),
+    ("real", Type::Float),
+    ("sint", Type::S64),
+    ("uint", Type::U64),
+    ("signed", Type::S32),
+    ("unsigned", Type::U32),
+    ("si32", Type::S32),
+    ("ui32", Type::U32),
+];
+
+impl Type {
+    /// The type of this name, old or new, in any case.
+    #[must_use]
+    pub fn parse(name: &str) -> Option<Self> {
+        NAMES.iter().find(|(n, _)| n.eq_ignore_ascii_case(name)).map(|(_, t)| *t)
+    }
+
+    /// Its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Bit => "bit",
+            Self::Float => "float",
+            Self::S32 => "s32",
+            Self::U32 => "u32",
+            Self::Port => "port",
+            Self::S64 => "s64",
+            Self::U64 => "u64",
+        }
+    }
+
+    /// Its code in the plugin contract.
+    #[must_use]
+    pub const fn code(self) -> u8 {
+        match self {
+            Self::Bit => 1,
+            Self::Float => 2,
+            Self::S32 => 3,
+            Self::U32 => 4,
+            Self::Port => 5,
+            Self::S64 => 6,
+            Self::U64 => 7,
+        }
+    }
+
+    /// The type with this code.
+    #[must_use]
+    pub const fn from_code(code: u8) -> Option<Self> {
+        Some(match code {
+            1 => Self::Bit,
+            2 => Self::Float,
+            3 => Self::S32,
+            4 => Self::U32,
+            5 => Self::Port,
+            6 => Self::S64,
+            7 => Self::U64,
+            _ => return None,
+        })
+    }
+
+    /// What a value of this type looks like, for a hint.
+    #[must_use]
+    pub const fn expects(self) -> &'static str {
+        match self {
+            Self::Bit => "expected TRUE or FALSE (or 1, 0, ON, OFF, YES, NO)",
+            Self::Float => "expected a number such as 12.5 or 1e-3",
+            Self::S32 => "expected an integer from -2147483648 to 2147483647",
+            Self::U32 => "expected an integer from 0 to 4294967295",
+            Self::S64 => "expected an integer from -9223372036854775808 to 9223372036854775807",
+            Self::U64 => "expected an integer from 0 to 18446744073709551615",
+            Self::Port => "expected a queue size from 1 to 65536",
+        }
+    }
+}
+
+/// A value with its type.
+#[derive(Clone, Copy, Debug)]
+pub enum Value {
+    /// A truth value.
+    Bit(bool),
+    /// A 64-bit floating-point number.
+    Float(f64),
+    /// A signed 32-bit integer.
+    S32(i32),
+    /// An unsigned 32-bit integer.
+    U32(u32),
+    /// A signed 64-bit integer.
+    S64(i64),
+    /// An unsigned 64-bit integer.
+    U64(u64),
+    /// A byte queue: its size in bytes, zero when there is none.
+    Port(u64),
+}
+
+impl PartialEq for Value {
+    /// Bit for bit: a NaN equals itself.
+    fn eq(&self, other: &Self) -> bool {
+        self.ty() == other.ty() && self.bits() == other.bits()
+    }
+}
+
+/// Why a text is not a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ValueError {
+    /// Not of that form.
+    Invalid,
+    /// Of that form, but too large or too small.
+    Range,
+}
+
+impl Value {
+    /// Its type.
+    #[must_use]
+    pub const fn ty(&self) -> Type {
+        match self {
+            Self::Bit(_) => Type::Bit,
+            Self::Float(_) => Type::Float,
+            Self::S32(_) => Type::S32,
+            Self::U32(_) => Type::U32,
+            Self::S64(_) => Type::S64,
+            Self::U64(_) => Type::U64,
+            Self::Port(_) => Type::Port,
+        }
+    }
+
+    /// As a cell holds it. A port's size is not what its cell holds.
+    #[must_use]
+    pub const fn bits(&self) -> u64 {
+        match *self {
+            Self::Bit(b) => b as u64,
+            Self::Float(f) => f.to_bits(),
+            Self::S32(i) => i.cast_unsigned() as u64,
+            Self::U32(u) => u as u64,
+            Self::S64(i) => i.cast_unsigned(),
+            Self::U64(u) | Self::Port(u) => u,
+        }
+    }
+
+    /// From what a cell holds.
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "32-bit values live in the low half")]
+    pub const fn from_bits(ty: Type, bits: u64) -> Self {
+        match ty {
+            Type::Bit => Self::Bit(bits & 0xff != 0),
+            Type::Float => Self::Float(f64::from_bits(bits)),
+            Type::S32 => Self::S32((bits as u32).cast_signed()),
+            Type::U32 => Self::U32(bits as u32),
+            Type::S64 => Self::S64(bits.cast_signed()),
+            Type::U64 => Self::U64(bits),
+            Type::Port => Self::Port(bits),
+        }
+    }
+
+    /// Reads what a user wrote: truth values in words or 0 and 1, integers in C's notation (0x…,
+    /// 0…) with a sign, floats as C's `strtod` (also nan, inf and 0x…).
+    ///
+    /// # Errors
+    /// The text is not of that form, or out of the type's range.
+    pub fn parse(ty: Type, text: &str) -> Result<Self, ValueError> {
+        match ty {
+            Type::Bit => {
+                let is = |words: &[&str]| words.iter().any(|w| w.eq_ignore_ascii_case(text));
+                if is(&["1", "TRUE", "ON", "YES"]) {
+                    Ok(Self::Bit(true))
+                } else if is(&["0", "FALSE", "OFF", "NO"]) {
+                    Ok(Self::Bit(false))
+                } else {
+                    Err(ValueError::Invalid)
+                }
+            }
+            Type::Float => float(text).map(Self::Float),
+            Type::S32 => narrow(integer(text)?).map(Self::S32),
+            Type::U32 => narrow(integer(text)?).map(Self::U32),
+            Type::S64 => narrow(integer(text)?).map(Self::S64),
+            Type::U64 => narrow(integer(text)?).map(Self::U64),
+            Type::Port => match narrow::<u64>(integer(text)?)? {
+                n @ 1..=65536 => Ok(Self::Port(n)),
+                _ => Err(ValueError::Range),
+            },
+        }
+    }
+}
+
+fn narrow<T: TryFrom<i128>>(n: i128) -> Result<T, ValueError> {
+    T::try_from(n).map_err(|_| ValueError::Range)
+}
+
+/// An integer in C's notation, base 0, as `strtol` reads it; trailing blanks are allowed.
+fn integer(text: &str) -> Result<i128, ValueError> {
+    let text = text.trim();
+    let (negative, digits) = match text.as_bytes().first() {
+        Some(b'-') => (true, text.get(1..).unwrap_or("")),
+        Some(b'+') => (false, text.get(1..).unwrap_or("")),
+        _ => (false, text),
+    };
+    let (radix, digits) =
+        match (digits.strip_prefix("0x").or_else(|| digits.strip_prefix("0X")), digits) {
+            (Some(hex), _) => (16, hex),
+            (None, d) if d.len() > 1 && d.starts_with('0') => (8, d.get(1..).unwrap_or("")),
+            (None, d) => (10, d),
+        };
+    if digits.is_empty() || !digits.chars().all(|c| c.is_digit(radix)) {
+        return Err(ValueError::Invalid);
+    }
+    let n = i128::from_str_radix(digits, radix).map_err(|_| ValueError::Range)?;
+    Ok(if negative { -n } else { n })
+}
+
+/// A float as `strtod` reads it in the C locale.
+fn float(text: &str) -> Result<f64, ValueError> {
+    let text = text.trim();
+    let (sign, body) = match text.strip_prefix('-') {
+        Some(rest) => (-1.0, rest),
+        None => (1.0, text.strip_prefix('+').unwrap_or(text)),
+    };
+    if body.starts_with(['+', '-']) {
+        return Err(ValueError::Invalid);
+    }
+    if let Some(hex) = body.strip_prefix("0x").or_else(|| body.strip_prefix("0X")) {
+        return hex_float(hex).map(|f| sign * f);
+    }
+    let lower = body.to_ascii_lowercase();
+    if lower == "nan" {
+        return Ok(f64::NAN);
+    }
+    if lower == "inf" || lower == "infinity" {
+        return Ok(sign * f64::INFINITY);
+    }
+    if !lower.starts_with(|c: char| c.is_ascii_digit() || c == '.') {
+        return Err(ValueError::Invalid);
+    }
+    let f: f64 = lower.parse().map_err(|_| ValueError::Invalid)?;
+    if f.is_finite() { Ok(sign * f) } else { Err(ValueError::Range) }
+}
+
+/// `10`, `1.8`, `1p4` after 0x.
+fn hex_float(text: &str) -> Result<f64, ValueError> {
+    let (mantissa, exponent) = match text.split_once(['p', 'P']) {
+        Some((m, e)) => (m, e.parse::<i32>().map_err(|_| ValueError::Invalid)?),
+        None => (text, 0),
+    };
+    let (whole, part) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+    if whole.is_empty() && part.is_empty() {
+        return Err(ValueError::Invalid);
+    }
+    let mut value = 0.0;
+    for c in whole.chars().chain(part.chars()) {
+        value = value * 16.0 + f64::from(c.to_digit(16).ok_or(ValueError::Invalid)?);
+    }
+    let places = i32::try_from(part.len()).map_err(|_| ValueError::Range)?;
+    let f = value * 2_f64.powi(exponent.saturating_sub(places.saturating_mul(4)));
+    if f.is_finite() { Ok(f) } else { Err(ValueError::Range) }
+}
+
+impl core::fmt::Display for Value {
+    /// As `getp` prints it: `TRUE`, `%.7g`, decimal.
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match *self {
+            Self::Bit(b) => f.write_str(if b { "TRUE" } else { "FALSE" }),
+            Self::Float(x) => f.write_str(&general(x)),
+            Self::S32(i) => write!(f, "{i}"),
+            Self::U32(u) => write!(f, "{u}"),
+            Self::S64(i) => write!(f, "{i}"),
+            Self::U64(u) | Self::Port(u) => write!(f, "{u}"),
+        }
+    }
+}
+
+/// C's `%.7g`.
+fn general(x: f64) -> String {
+    const DIGITS: i32 = 7;
+    if x.is_nan() {
+        return if x.is_sign_negative() { "-nan".into() } else { "nan".into() };
+    }
+    if x.is_infinite() {
+        return if x > 0.0 { "inf".into() } else { "-inf".into() };
+    }
+    if x == 0.0 {
+        return if x.is_sign_negative() { "-0".into() } else { "0".into() };
+    }
+    let scientific = format!("{x:.6e}");
+    let Some((mantissa, exponent)) = scientific.split_once('e') else { return scientific };
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let trim = |s: &str| -> String {
+        if s.contains('.') {
+            s.trim_end_matches('0').trim_end_matches('.').to_owned()
+        } else {
+            s.to_owned()
+        }
+    };
+    if !(-4..DIGITS).contains(&exponent) {
+        let sign = if exponent < 0 { '-' } else { '+' };
+        return format!("{}e{sign}{:02}", trim(mantissa), exponent.abs());
+    }
+    let places = usize::try_from(DIGITS - 1 - exponent).unwrap_or(0);
+    trim(&format!("{x:.places$}"))
+}
+
+/// On the wire: `{"float": 1.5}`, with a string where JSON's numbers do not reach.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Wire {
+    Bit(bool),
+    Float(Float),
+    S32(i32),
+    U32(u32),
+    S64(String),
+    U64(String),
+    Port(u32),
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum Float {
+    Finite(f64),
+    Other(String),
+}
+
+impl Serialize for Value {
+    fn serialize<S: Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
+        let wire = match *self {
+            Self::Bit(b) => Wire::Bit(b),
+            Self::Float(f) if f.is_finite() => Wire::Float(Float::Finite(f)),
+            Self::Float(f) => Wire::Float(Float::Other(general(f))),
+            Self::S32(i) => Wire::S32(i),
+            Self::U32(u) => Wire::U32(u),
+            Self::S64(i) => Wire::S64(i.to_string()),
+            Self::U64(u) => Wire::U64(u.to_string()),
+            Self::Port(u) => Wire::Port(u32::try_from(u).unwrap_or(u32::MAX)),
+        };
+        wire.serialize(s)
+    }
+}
+
+impl<'de> Deserialize<'de> for Value {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        Ok(match Wire::deserialize(d)? {
+            Wire::Bit(b) => Self::Bit(b),
+            Wire::Float(Float::Finite(f)) => Self::Float(f),
+            Wire::Float(Float::Other(s)) => {
+                Self::Float(float(&s).map_err(|_| D::Error::custom("not a number"))?)
+            }
+            Wire::S32(i) => Self::S32(i),
+            Wire::U32(u) => Self::U32(u),
+            Wire::S64(s) => Self::S64(s.parse().map_err(D::Error::custom)?),
+            Wire::U64(s) => Self::U64(s.parse().map_err(D::Error::custom)?),
+            Wire::Port(u) => Self::Port(u64::from(u)),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_becomes_a_value_or_says_why_not() {
+        for (ty, text, want) in [
+            (Type::Bit, "yes", Ok(Value::Bit(true))),
+            (Type::Bit, "2", Err(ValueError::Invalid)),
+            (Type::S32, "0x10", Ok(Value::S32(16))),
+            (Type::S32, "-017", Ok(Value::S32(-15))),
+            (Type::S32, "2147483648", Err(ValueError::Range)),
+            (Type::S32, "1.5", Err(ValueError::Invalid)),
+            (Type::S32, "", Err(ValueError::Invalid)),
+            (Type::S32, "0", Ok(Value::S32(0))),
+            (Type::U32, "-1", Err(ValueError::Range)),
+            (Type::U64, "18446744073709551615", Ok(Value::U64(u64::MAX))),
+            (Type::S64, "-9223372036854775808", Ok(Value::S64(i64::MIN))),
+            (Type::Float, ".25", Ok(Value::Float(0.25))),
+            (Type::Float, "0x10", Ok(Value::Float(16.0))),
+            (Type::Float, "-inf", Ok(Value::Float(f64::NEG_INFINITY))),
+            (Type::Float, "1e999", Err(ValueError::Range)),
+            (Type::Float, "1.2.3", Err(ValueError::Invalid)),
+            (Type::Float, "--1", Err(ValueError::Invalid)),
+            (Type::Port, "0", Err(ValueError::Range)),
+        ] {
+            assert_eq!(Value::parse(ty, text), want, "{ty:?} {text}");
+        }
+    }
+
+    #[test]
+    fn floats_print_as_c_prints_them() {
+        for (x, want) in [
+            (0.1, "0.1"),
+            (1e20, "1e+20"),
+            (285.714_285_714, "285.7143"),
+            (1_234_567.8, "1234568"),
+            (12_345_678.0, "1.234568e+07"),
+            (0.0001, "0.0001"),
+            (0.000_01, "1e-05"),
+            (-0.0, "-0"),
+            (9_999_999.6, "1e+07"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(Value::Float(x).to_string(), want);
+        }
+    }
+
+    #[test]
+    fn the_wire_keeps_every_bit() {
+        for v in [
+            Value::Float(f64::INFINITY),
+            Value::Float(-0.0),
+            Value::Float(0.1 + 0.2),
+            Value::S64(i64::MIN),
+            Value::U64(u64::MAX),
+            Value::U32(7),
+            Value::Bit(true),
+        ] {
+            let json = serde_json::to_string(&v).unwrap();
+            assert_eq!(serde_json::from_str::<Value>(&json).unwrap(), v, "{json}");
+        }
+    }
+}
