@@ -101,6 +101,8 @@ pub struct CallHost {
 unsafe impl Record for CallHost {
     const MIN: usize = size_of::<Self>();
 }
+// SAFETY: the engine takes these calls from any thread; components never look behind `ctx`.
+unsafe impl Sync for CallHost {}
 
 /// What a component may call while it is created.
 #[repr(C)]
