@@ -1,0 +1,56 @@
+//! Realtime. `stepgen.capture-position`: what the pulses have come to, in steps and units.
+
+use crate::{
+    freq::Scale,
+    handover::{HALF, Made, STEP, steps},
+};
+use hal_component::{Builder, Error, Out, Period, Takes, Touch, Update};
+
+/// The function.
+#[derive(Touch)]
+pub(crate) struct CapturePosition {
+    pub(crate) channels: Vec<Capture>,
+}
+
+impl Update for CapturePosition {
+    fn update(&mut self, _: Period) {
+        for c in &self.channels {
+            let accum = c.made.accum();
+            c.counts.set(steps(accum));
+            c.position_fb.set(position(accum) / c.scale.get());
+        }
+    }
+}
+
+/// One channel.
+#[derive(Touch)]
+pub(crate) struct Capture {
+    counts: Out<i32>,
+    position_fb: Out<f64>,
+    scale: Scale,
+    made: Takes<Made>,
+}
+
+impl Capture {
+    pub(crate) fn new(
+        b: &mut Builder<'_>,
+        n: usize,
+        scale: Scale,
+        made: Takes<Made>,
+    ) -> Result<Self, Error> {
+        const COUNTS: &str = "Position in steps, as of the last capture-position; it wraps";
+        const FB: &str = "Position in length units, as of the last capture-position; it moves on \
+            between two steps";
+        Ok(Self {
+            counts: b.item(&format!("stepgen.{n}.counts"), COUNTS, 0)?,
+            position_fb: b.item(&format!("stepgen.{n}.position-fb"), FB, 0.0)?,
+            scale,
+            made,
+        })
+    }
+}
+
+/// An accumulator in steps.
+pub(crate) const fn position(accum: i64) -> f64 {
+    accum.wrapping_sub(HALF) as f64 / STEP as f64
+}

@@ -1,0 +1,141 @@
+//! Realtime. The parameters that time the pulses, rounded to what the fast thread can give.
+
+use crate::{handover::ASSUMED_NS, types::StepType};
+use hal_component::{Builder, Error, ParamRw, Touch, Uses};
+
+/// The parameters of one channel's pulses, in nanoseconds.
+#[derive(Clone, Debug)]
+pub(crate) struct Params {
+    len: ParamRw<u32>,
+    space: Option<ParamRw<u32>>,
+    hold: ParamRw<u32>,
+    setup: Option<ParamRw<u32>>,
+    /// Whether a change of direction needs a delay at all.
+    delayed: bool,
+}
+
+/// Values of [`Params`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Timing {
+    /// How long a pulse is, or a state lasts.
+    pub(crate) len: u32,
+    /// How long the gap between pulses is.
+    pub(crate) space: u32,
+    /// How long the direction stays after a pulse.
+    pub(crate) hold: u32,
+    /// How long the direction is there before a pulse.
+    pub(crate) setup: u32,
+}
+
+const LEN: &str = "Length of a step pulse, or least duration of a state where there is no pulse, \
+    in ns; at least 1, and rounded up to a multiple of the period of make-pulses";
+const SPACE: &str = "Least gap between two step pulses, in ns, rounded up to a multiple of the \
+    period of make-pulses; 0 allows a pulse in every period, for ports that reset their pins";
+const HOLD: &str = "Least time from the end of a step pulse to a change of direction, in ns, \
+    rounded up to a multiple of the period of make-pulses";
+const SETUP: &str = "Least time from a change of direction to the next step pulse, in ns, \
+    rounded up to a multiple of the period of make-pulses";
+const DELAY: &str = "Least time between a step and the next one in the other direction, in ns, \
+    beyond steplen; rounded up to a multiple of the period of make-pulses";
+
+impl Params {
+    pub(crate) fn new(b: &mut Builder<'_>, n: usize, kind: &StepType) -> Result<Self, Error> {
+        let mut item = |name, doc| b.item(&format!("stepgen.{n}.{name}"), doc, 1);
+        let (delayed, directed) = match kind {
+            StepType::StepDir => (true, true),
+            StepType::UpDown => (true, false),
+            StepType::Phases { .. } => (false, false),
+        };
+        Ok(Self {
+            len: item("steplen", LEN)?,
+            space: if delayed { Some(item("stepspace", SPACE)?) } else { None },
+            hold: if directed { item("dirhold", HOLD)? } else { item("dirdelay", DELAY)? },
+            setup: if directed { Some(item("dirsetup", SETUP)?) } else { None },
+            delayed,
+        })
+    }
+
+    /// The values as they are.
+    pub(crate) fn get(&self) -> Timing {
+        Timing {
+            len: self.len.get(),
+            space: self.space.map_or(0, |p| p.get()),
+            hold: self.hold.get(),
+            setup: self.setup.map_or(0, |p| p.get()),
+        }
+    }
+
+    fn set(&self, t: Timing) {
+        self.len.set(t.len);
+        self.hold.set(t.hold);
+        if let Some(space) = &self.space {
+            space.set(t.space);
+        }
+        if let Some(setup) = &self.setup {
+            setup.set(t.setup);
+        }
+    }
+
+    fn rounded(&self, t: Timing, base_ns: i64) -> Timing {
+        let bare = self.delayed && t.hold == 0 && t.setup == 0;
+        Timing {
+            len: round_up(if t.len == 0 { 1 } else { t.len }, base_ns),
+            space: round_up(t.space, base_ns),
+            hold: round_up(if bare { 1 } else { t.hold }, base_ns),
+            setup: round_up(t.setup, base_ns),
+        }
+    }
+}
+
+impl Touch for Params {
+    fn touch(&self, uses: &mut Uses) {
+        self.len.touch(uses);
+        self.space.touch(uses);
+        self.hold.touch(uses);
+        self.setup.touch(uses);
+    }
+}
+
+/// Keeps the parameters of one channel rounded.
+#[derive(Debug)]
+pub(crate) struct Rounder {
+    params: Params,
+    base_ns: Option<i64>,
+    last: Timing,
+}
+
+impl Rounder {
+    pub(crate) fn new(params: Params) -> Self {
+        Self { params, base_ns: None, last: Timing::default() }
+    }
+
+    /// The rounded values. Parameters are written once the fast thread's period is known, so that
+    /// what the user set is not rounded to a wrong one.
+    pub(crate) fn check(&mut self, base_ns: Option<i64>) -> Timing {
+        let now = self.params.get();
+        if now != self.last || base_ns != self.base_ns {
+            self.last = self.params.rounded(now, base_ns.unwrap_or(ASSUMED_NS));
+            self.base_ns = base_ns;
+            if base_ns.is_some() {
+                self.params.set(self.last);
+            }
+        }
+        self.last
+    }
+}
+
+impl Touch for Rounder {
+    fn touch(&self, uses: &mut Uses) {
+        self.params.touch(uses);
+    }
+}
+
+/// The smallest multiple of `step` that is not less; the largest that fits when that one does
+/// not; all there is when none does.
+fn round_up(ns: u32, step: i64) -> u32 {
+    let step = if step < 1 { 1 } else { step };
+    let up = i64::from(ns).saturating_add(step - 1) / step * step;
+    let most = i64::from(u32::MAX) / step * step;
+    let fits = if up <= most { up } else { most };
+    if ns != 0 && fits == 0 { u32::MAX } else { u32::try_from(fits).unwrap_or(u32::MAX) }
+}

@@ -1,0 +1,99 @@
+//! `stepgen`.
+
+use crate::{
+    capture::{Capture, CapturePosition},
+    freq::{Freq, Scale, UpdateFreq},
+    handover::{Base, Made, Wanted},
+    params::Params,
+    pulses::{MakePulses, Pulses},
+    types::{Control, StepType},
+};
+use hal_component::{
+    Arg, Builder, Component, Error,
+    abi::{ArgSpec, component_flags},
+};
+
+/// Step pulse generators.
+#[derive(Debug)]
+pub enum Stepgen {}
+
+const DOC: &str = "\
+Step pulses for up to 16 motors, made in software.
+
+Each channel follows a commanded position or speed within its limits of speed and acceleration,
+and shows its steps as pulses or as motor phases. `stepgen.make-pulses` belongs in the fastest
+thread; `stepgen.update-freq` and `stepgen.capture-position` in a slower one, capture first.
+
+| type | outputs | cycle, in bits of the phases (A is 1) |
+|---|---|---|
+| 0 | step, dir | |
+| 1 | up, down | |
+| 2 | quadrature, A leads forward | 1 3 2 0 |
+| 3 | three phases, full step | 1 2 4 |
+| 4 | three phases, half step | 1 3 2 6 4 5 |
+| 5 | four phases, full step, one on | 1 2 4 8 |
+| 6 | four phases, full step, two on | 3 6 12 9 |
+| 7 | four phases, bipolar full step | 1 7 14 8 |
+| 8 | four phases, bipolar full step | 5 6 10 9 |
+| 9 | four phases, unipolar half step | 1 3 2 6 4 12 8 9 |
+| 10 | four phases, bipolar half step | 1 5 7 6 14 10 8 9 |
+| 11 | five phases, unipolar full step | 1 2 4 8 16 |
+| 12 | five phases, wave full step | 3 6 12 24 17 |
+| 13 | five phases, unipolar half step | 1 3 2 6 4 12 8 24 16 17 |
+| 14 | five phases, wave half step | 3 7 6 14 12 28 24 25 17 19 |
+| 15 | as many phases as `user_step_type` uses | `user_step_type` |
+
+The fastest rate is one step per `steplen` + `stepspace` (`steplen` alone for types 2 to 15); both
+count in whole periods of make-pulses. A reversal waits until `dirhold` and `dirsetup` (`dirdelay`)
+have passed, and the position waits with it. While `enable` is false a channel stands still at once.";
+
+const TYPES: ArgSpec =
+    Arg::ints("step_type", "The type of each channel, 0 to 15").required().at_most(16);
+const CONTROLS: ArgSpec =
+    Arg::texts("ctrl_type", "For each channel p: follows a position (default), v: follows a speed")
+        .at_most(16);
+const USER: ArgSpec = Arg::ints(
+    "user_step_type",
+    "The cycle of type 15: the bits of its phases in each state, 0 to 31",
+)
+.at_most(18);
+
+impl Component for Stepgen {
+    const NAME: &'static str = "stepgen";
+    const DOC: &'static str = DOC;
+    const FLAGS: u32 = component_flags::ONCE;
+    const ARGS: &'static [&'static ArgSpec] = &[&TYPES, &CONTROLS, &USER];
+
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        let types = StepType::parse(&b.arg_ints("step_type"), &b.arg_ints("user_step_type"))?;
+        let words = b.arg_texts("ctrl_type");
+        let words = (0..).map(|n| words.get(n).map(String::as_str));
+        let controls: Result<Vec<_>, _> =
+            words.take(types.len()).enumerate().map(|(n, w)| Control::parse(n, w)).collect();
+
+        let (gives_base, takes_base) = b.shared(Base::default());
+        let mut pulses =
+            MakePulses { channels: Vec::with_capacity(types.len()), base: gives_base, base_ns: 0 };
+        let mut freqs = UpdateFreq { channels: Vec::with_capacity(types.len()), base: takes_base };
+        let mut captures = CapturePosition { channels: Vec::with_capacity(types.len()) };
+        for (n, (kind, control)) in types.iter().zip(controls?).enumerate() {
+            let (asks, asked) = b.shared(Wanted::default());
+            let (makes, made) = b.shared(Made::default());
+            let enable = b.item(&format!("stepgen.{n}.enable"), ENABLE, false)?;
+            let scale = Scale(b.item(&format!("stepgen.{n}.position-scale"), SCALE, 1.0)?);
+            let params = Params::new(b, n, kind)?;
+            let shared = (enable, params.clone());
+            pulses.channels.push(Pulses::new(b, n, kind, shared, (asked, makes))?);
+            let shared = (enable, params, scale);
+            freqs.channels.push(Freq::new(b, n, control, shared, (asks, made.clone()))?);
+            captures.channels.push(Capture::new(b, n, scale, made)?);
+        }
+        b.fast_function("stepgen.make-pulses", "Makes the pulses of all channels", pulses)?;
+        b.function("stepgen.update-freq", "Turns commands into step rates", freqs)?;
+        b.function("stepgen.capture-position", "Reports the positions of all channels", captures)
+    }
+}
+
+const ENABLE: &str = "While true the channel makes steps; when it becomes false they stop at once";
+const SCALE: &str = "Steps per length unit, for commands and feedback; negative: reversed. A value \
+    smaller than 1e-20 becomes 1";

@@ -1,0 +1,122 @@
+//! Step types: which outputs a channel has, and the order in which they change.
+
+use hal_component::Error;
+use std::borrow::Cow;
+
+/// Types whose outputs are phases, from number 2 on: how many phases, and their bits in each
+/// state of the cycle (bit 0 is phase A).
+const PHASES: [(usize, &[u8]); 13] = [
+    (2, &[1, 3, 2, 0]),
+    (3, &[1, 2, 4]),
+    (3, &[1, 3, 2, 6, 4, 5]),
+    (4, &[1, 2, 4, 8]),
+    (4, &[3, 6, 12, 9]),
+    (4, &[1, 7, 14, 8]),
+    (4, &[5, 6, 10, 9]),
+    (4, &[1, 3, 2, 6, 4, 12, 8, 9]),
+    (4, &[1, 5, 7, 6, 14, 10, 8, 9]),
+    (5, &[1, 2, 4, 8, 16]),
+    (5, &[3, 6, 12, 24, 17]),
+    (5, &[1, 3, 2, 6, 4, 12, 8, 24, 16, 17]),
+    (5, &[3, 7, 6, 14, 12, 28, 24, 25, 17, 19]),
+];
+
+/// The number of the type whose cycle the user gives.
+const USER: i64 = 15;
+
+/// How a channel shows its steps.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum StepType {
+    /// A pulse, and its direction.
+    StepDir,
+    /// A pulse on one output for each direction.
+    UpDown,
+    /// A pattern that moves on by one state per step.
+    Phases {
+        /// How many outputs.
+        phases: usize,
+        /// The outputs in each state; bit 0 is phase A.
+        cycle: Cow<'static, [u8]>,
+    },
+}
+
+impl StepType {
+    /// Every channel's type, from `step_type=` and `user_step_type=`. A -1 ends either list.
+    pub(crate) fn parse(types: &[i64], user: &[i64]) -> Result<Vec<Self>, Error> {
+        let user = Self::user(user)?;
+        let given = types.iter().take_while(|t| **t != -1).enumerate();
+        let list: Result<Vec<_>, _> = given.map(|(n, t)| Self::one(n, *t, &user)).collect();
+        match list {
+            Ok(list) if list.is_empty() => {
+                Err(Error::new("STEPGEN: ERROR: no channels configured"))
+            }
+            list => list,
+        }
+    }
+
+    fn one(channel: usize, number: i64, user: &Self) -> Result<Self, Error> {
+        let known = match number {
+            0 => Some(Self::StepDir),
+            1 => Some(Self::UpDown),
+            USER => Some(user.clone()),
+            _ => usize::try_from(number).ok().and_then(|n| PHASES.get(n.checked_sub(2)?)).map(
+                |(phases, cycle)| Self::Phases { phases: *phases, cycle: Cow::Borrowed(cycle) },
+            ),
+        };
+        known.ok_or_else(|| {
+            Error::new(format!("STEPGEN: ERROR: bad stepping type '{number}', axis {channel}"))
+        })
+    }
+
+    fn user(values: &[i64]) -> Result<Self, Error> {
+        let cycle: Result<Vec<u8>, _> = values
+            .iter()
+            .take_while(|v| **v != -1)
+            .map(|v| u8::try_from(*v).ok().filter(|v| *v < 32))
+            .map(|v| {
+                v.ok_or(Error::new("STEPGEN: ERROR: bad user step type uses more than 5 phases"))
+            })
+            .collect();
+        let cycle = cycle?;
+        let used = cycle.iter().fold(0, |all, v| all | v);
+        let phases = (0..5).filter(|bit| used >> bit != 0).count();
+        Ok(Self::Phases { phases, cycle: Cow::Owned(cycle) })
+    }
+}
+
+/// What a channel follows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Control {
+    /// A position.
+    Position,
+    /// A speed.
+    Velocity,
+}
+
+impl Control {
+    /// From the first letter of one word of `ctrl_type=`.
+    pub(crate) fn parse(channel: usize, word: Option<&str>) -> Result<Self, Error> {
+        match word.and_then(|w| w.chars().next()) {
+            None | Some('p' | 'P') => Ok(Self::Position),
+            Some('v' | 'V') => Ok(Self::Velocity),
+            Some(_) => Err(Error::new(format!(
+                "STEPGEN: ERROR: bad control type '{}' for axis {channel} (must be 'p' or 'v')",
+                word.unwrap_or_default()
+            ))),
+        }
+    }
+
+    /// The pin it follows: name and documentation.
+    pub(crate) const fn pin(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Position => (
+                "position-cmd",
+                "Commanded position, in length units; while it is not finite, the last one stands",
+            ),
+            Self::Velocity => (
+                "velocity-cmd",
+                "Commanded speed, in length units per second; not a number counts as 0",
+            ),
+        }
+    }
+}
