@@ -41,6 +41,7 @@ mod port;
 mod share;
 mod shim;
 mod stream;
+pub mod trace;
 
 pub use args::Arg;
 pub use builder::{Builder, Decl, Error};
