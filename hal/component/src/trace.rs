@@ -25,6 +25,7 @@ use crate::{Component, bench::Bench};
 /// Replays every block of `table` with component type `C`: how many rows were compared.
 ///
 /// Panics at the first difference, naming its line, as a test should.
+#[track_caller]
 #[expect(clippy::panic, reason = "a table for tests")]
 pub fn replay<C: Component>(table: &str) -> usize {
     let (mut block, mut rows) = (Block::default(), 0);

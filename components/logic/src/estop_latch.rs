@@ -1,0 +1,61 @@
+//! `estop_latch`.
+use hal_component::{Component, In, Out, Period, Update};
+
+/// Latch of an emergency-stop chain.
+///
+/// It starts in fault. A rising edge of `reset` while `ok-in` is true and `fault-in` is false makes
+/// it OK; it falls back in fault as soon as `ok-in` is false or `fault-in` is true, and stays there
+/// until the next reset.
+#[derive(Component)]
+pub(crate) struct EstopLatch {
+    /// The chain before this latch is closed.
+    #[hal(default = true, safety)]
+    ok_in: In<bool>,
+    /// Something is wrong.
+    fault_in: In<bool>,
+    /// A rising edge leaves the fault, if nothing is wrong any more.
+    reset: In<bool>,
+    /// True when OK: for `ok-in` of the next latch.
+    ok_out: Out<bool>,
+    /// True when in fault.
+    #[hal(default = true)]
+    fault_out: Out<bool>,
+    /// Changes at every run while OK: for a charge pump outside.
+    watchdog: Out<bool>,
+    #[state]
+    reset_was: bool,
+}
+
+impl Update for EstopLatch {
+    fn update(&mut self, _: Period) {
+        let reset = self.reset.get();
+        let rising = reset && !self.reset_was;
+        self.reset_was = reset;
+        let good = self.ok_in.get() && !self.fault_in.get();
+        let ok = good && (rising || self.ok_out.get());
+        self.ok_out.set(ok);
+        self.fault_out.set(!ok);
+        if ok {
+            self.watchdog.set(!self.watchdog.get());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::EstopLatch;
+    use hal_component::{bench::Bench, trace::replay};
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<EstopLatch>(include_str!("../traces/estop_latch.txt")), 82);
+    }
+
+    #[test]
+    fn starts_in_fault() {
+        let mut bench = Bench::new();
+        bench.load::<EstopLatch>(&[]).unwrap();
+        assert!(bench.get::<bool>("estop-latch.0.fault-out"));
+        assert!(!bench.get::<bool>("estop-latch.0.ok-out"));
+    }
+}

@@ -1,0 +1,53 @@
+//! `flipflop`.
+use hal_component::{Component, In, Io, Period, Update};
+
+/// D flip-flop with set and reset.
+///
+/// `reset` goes before `set`, and `set` before the clock.
+#[derive(Component)]
+pub(crate) struct Flipflop {
+    /// The value that a rising edge of `clk` stores.
+    data: In<bool>,
+    /// Clock: its rising edge stores `data`. An edge under `set` or `reset` is lost.
+    clk: In<bool>,
+    /// While true, the output is true, unless `reset` is.
+    set: In<bool>,
+    /// While true, the output is false.
+    reset: In<bool>,
+    /// The stored value; what others write here is kept until the next change.
+    out: Io<bool>,
+    /// The opposite of `out`.
+    out_not: Io<bool>,
+    #[state]
+    clk_was: bool,
+}
+
+impl Update for Flipflop {
+    fn update(&mut self, _: Period) {
+        let clk = self.clk.get();
+        let rising = clk && !self.clk_was;
+        self.clk_was = clk;
+        let value = if self.reset.get() {
+            false
+        } else if self.set.get() {
+            true
+        } else if rising {
+            self.data.get()
+        } else {
+            self.out.get()
+        };
+        self.out.set(value);
+        self.out_not.set(!value);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Flipflop;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Flipflop>(include_str!("../traces/flipflop.txt")), 90);
+    }
+}

@@ -1,0 +1,43 @@
+//! `lut5`.
+use hal_component::{Component, In, Out, ParamRw, Period, Update};
+
+/// Any function of five bits, from a table.
+///
+/// The inputs form a number, `in-0` + 2·`in-1` + 4·`in-2` + 8·`in-3` + 16·`in-4`; the output is
+/// the bit of `function` with that number. `0x80000000` is a five-input AND, `0xfffffffe` an OR.
+#[derive(Component)]
+pub(crate) struct Lut5 {
+    /// Input worth 1.
+    in_0: In<bool>,
+    /// Input worth 2.
+    in_1: In<bool>,
+    /// Input worth 4.
+    in_2: In<bool>,
+    /// Input worth 8.
+    in_3: In<bool>,
+    /// Input worth 16.
+    in_4: In<bool>,
+    /// The bit of the table.
+    out: Out<bool>,
+    /// The table: bit n is the output for the inputs' number n.
+    function: ParamRw<u32>,
+}
+
+impl Update for Lut5 {
+    fn update(&mut self, _: Period) {
+        let inputs = [&self.in_4, &self.in_3, &self.in_2, &self.in_1, &self.in_0];
+        let n = inputs.iter().fold(0, |n, input| (n << 1) | u32::from(input.get()));
+        self.out.set((self.function.get() >> n) & 1 != 0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Lut5;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn every_number_as_recorded() {
+        assert_eq!(replay::<Lut5>(include_str!("../traces/lut5.txt")), 64);
+    }
+}

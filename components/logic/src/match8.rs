@@ -1,0 +1,73 @@
+//! `match8`.
+use hal_component::{Component, In, Out, Period, Update};
+
+/// Whether two numbers of eight bits are equal.
+///
+/// Several can be chained: the `out` of one is the `in` of the next.
+#[derive(Component)]
+pub(crate) struct Match8 {
+    /// Whether to compare at all; false makes the output false.
+    #[hal(default = true)]
+    in_: In<bool>,
+    /// Bit 0 of the first number.
+    a0: In<bool>,
+    /// Bit 1 of the first number.
+    a1: In<bool>,
+    /// Bit 2 of the first number.
+    a2: In<bool>,
+    /// Bit 3 of the first number.
+    a3: In<bool>,
+    /// Bit 4 of the first number.
+    a4: In<bool>,
+    /// Bit 5 of the first number.
+    a5: In<bool>,
+    /// Bit 6 of the first number.
+    a6: In<bool>,
+    /// Bit 7 of the first number.
+    a7: In<bool>,
+    /// Bit 0 of the second number.
+    b0: In<bool>,
+    /// Bit 1 of the second number.
+    b1: In<bool>,
+    /// Bit 2 of the second number.
+    b2: In<bool>,
+    /// Bit 3 of the second number.
+    b3: In<bool>,
+    /// Bit 4 of the second number.
+    b4: In<bool>,
+    /// Bit 5 of the second number.
+    b5: In<bool>,
+    /// Bit 6 of the second number.
+    b6: In<bool>,
+    /// Bit 7 of the second number.
+    b7: In<bool>,
+    /// True when `in` is and every bit of the first number equals that of the second.
+    out: Out<bool>,
+}
+
+impl Update for Match8 {
+    fn update(&mut self, _: Period) {
+        let pairs = [
+            (&self.a0, &self.b0),
+            (&self.a1, &self.b1),
+            (&self.a2, &self.b2),
+            (&self.a3, &self.b3),
+            (&self.a4, &self.b4),
+            (&self.a5, &self.b5),
+            (&self.a6, &self.b6),
+            (&self.a7, &self.b7),
+        ];
+        self.out.set(self.in_.get() && pairs.iter().all(|(a, b)| a.get() == b.get()));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Match8;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn each_bit_as_recorded() {
+        assert_eq!(replay::<Match8>(include_str!("../traces/match8.txt")), 60);
+    }
+}

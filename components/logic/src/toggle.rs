@@ -1,0 +1,66 @@
+//! `toggle`.
+use hal_component::{Component, In, Io, ParamRw, Period, Update};
+
+/// Push-on, push-off button.
+///
+/// The input is debounced by counting: each run with the button down counts up to `debounce`, each
+/// run with it up counts down to zero. The output changes when the count arrives at the top, and
+/// again only after it was at zero.
+#[derive(Component)]
+pub(crate) struct Toggle {
+    /// The button.
+    in_: In<bool>,
+    /// Changes each time the button is pressed; others may write it.
+    out: Io<bool>,
+    /// How many runs the button must be down, or up, to count as such; 0 is taken as 2.
+    #[hal(default = 2)]
+    debounce: ParamRw<u32>,
+    #[state]
+    count: u32,
+    #[state]
+    pressed: bool,
+}
+
+impl Update for Toggle {
+    fn update(&mut self, _: Period) {
+        if self.debounce.get() == 0 {
+            self.debounce.set(2);
+        }
+        let top = self.debounce.get();
+        if !self.in_.get() {
+            self.count = self.count.saturating_sub(1);
+            self.pressed &= self.count != 0;
+            return;
+        }
+        if self.count < top {
+            self.count += 1;
+        }
+        if self.count >= top && !self.pressed {
+            self.pressed = true;
+            self.out.set(!self.out.get());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Toggle;
+    use hal_component::{bench::Bench, trace::replay};
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Toggle>(include_str!("../traces/toggle.txt")), 240);
+    }
+
+    #[test]
+    fn others_may_write_the_output() {
+        let mut bench = Bench::new();
+        bench.load::<Toggle>(&[]).unwrap();
+        bench.set("toggle.0.out", true);
+        bench.set("toggle.0.in", true);
+        for wanted in [true, false, false] {
+            bench.run("toggle.0", 1_000_000);
+            assert_eq!(bench.get::<bool>("toggle.0.out"), wanted);
+        }
+    }
+}
