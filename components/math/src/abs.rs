@@ -1,0 +1,41 @@
+//! `abs`.
+use hal_component::{Component, In, Out, Period, Update};
+
+/// Absolute value and sign of a number.
+#[derive(Component)]
+pub(crate) struct Abs {
+    /// The number.
+    in_: In<f64>,
+    /// Its absolute value.
+    out: Out<f64>,
+    /// True when the number is negative, or not a number.
+    sign: Out<bool>,
+    /// True when the number is above 0.000001.
+    is_positive: Out<bool>,
+    /// True when the number is below -0.000001.
+    is_negative: Out<bool>,
+}
+
+/// Numbers closer to zero than this are neither positive nor negative.
+const ZERO: f64 = 1e-6;
+
+impl Update for Abs {
+    fn update(&mut self, _: Period) {
+        let x = self.in_.get();
+        self.out.set(x.abs());
+        self.sign.set(x < 0.0 || x.is_nan());
+        self.is_positive.set(x > ZERO);
+        self.is_negative.set(x < -ZERO);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Abs;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Abs>(include_str!("../traces/abs.txt")), 21);
+    }
+}

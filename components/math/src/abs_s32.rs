@@ -1,0 +1,38 @@
+//! `abs_s32`.
+use hal_component::{Component, In, Out, Period, Update};
+
+/// Absolute value and sign of a 32-bit number.
+#[derive(Component)]
+pub(crate) struct AbsS32 {
+    /// The number.
+    in_: In<i32>,
+    /// Its absolute value; that of -2147483648 is itself, for its opposite does not fit.
+    out: Out<i32>,
+    /// True when the number is negative.
+    sign: Out<bool>,
+    /// True when the number is above zero.
+    is_positive: Out<bool>,
+    /// True when the number is below zero.
+    is_negative: Out<bool>,
+}
+
+impl Update for AbsS32 {
+    fn update(&mut self, _: Period) {
+        let x = self.in_.get();
+        self.out.set(x.wrapping_abs());
+        self.sign.set(x < 0);
+        self.is_positive.set(x > 0);
+        self.is_negative.set(x < 0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::AbsS32;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<AbsS32>(include_str!("../traces/abs_s32.txt")), 9);
+    }
+}

@@ -1,0 +1,40 @@
+//! `comp`.
+use hal_component::{Component, In, Out, ParamRw, Period, Update};
+
+/// Compares two numbers, with hysteresis.
+#[derive(Component)]
+pub(crate) struct Comp {
+    /// First number.
+    in0: In<f64>,
+    /// Second number.
+    in1: In<f64>,
+    /// True after `in1` was above `in0` by more than half of `hyst`, false after it was below by
+    /// more than that; in between it stays as it is.
+    out: Out<bool>,
+    /// True when the numbers differ by no more than half of `hyst`.
+    equal: Out<bool>,
+    /// Hysteresis: the width of the range in which the numbers count as equal.
+    hyst: ParamRw<f64>,
+}
+
+impl Update for Comp {
+    fn update(&mut self, _: Period) {
+        let (more, half) = (self.in1.get() - self.in0.get(), self.hyst.get() / 2.0);
+        let (below, above) = (more < -half, more > half);
+        if below || above {
+            self.out.set(!below);
+        }
+        self.equal.set(!below && !above);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Comp;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Comp>(include_str!("../traces/comp.txt")), 70);
+    }
+}

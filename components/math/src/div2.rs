@@ -1,0 +1,34 @@
+//! `div2`.
+use crate::bounds::away;
+use hal_component::{Component, In, Out, ParamRw, Period, Update};
+
+/// Quotient of two numbers.
+#[derive(Component)]
+pub(crate) struct Div2 {
+    /// Dividend.
+    in0: In<f64>,
+    /// Divisor.
+    in1: In<f64>,
+    /// `in0` / `in1`, the divisor kept away from zero by `deadband`.
+    out: Out<f64>,
+    /// A divisor closer to zero than this is taken as this, with its sign (zero as positive);
+    /// positive, and set to 1e-12 when it is less.
+    deadband: ParamRw<f64>,
+}
+
+impl Update for Div2 {
+    fn update(&mut self, _: Period) {
+        self.out.set(self.in0.get() / away(self.in1.get(), &self.deadband));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Div2;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Div2>(include_str!("../traces/div2.txt")), 48);
+    }
+}

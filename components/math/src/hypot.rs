@@ -1,0 +1,33 @@
+//! `hypot`.
+use hal_component::{Component, In, Out, Period, Update};
+
+/// Length of a vector of up to three coordinates.
+#[derive(Component)]
+pub(crate) struct Hypot {
+    /// First coordinate.
+    in0: In<f64>,
+    /// Second coordinate.
+    in1: In<f64>,
+    /// Third coordinate; leave it unlinked for two.
+    in2: In<f64>,
+    /// Square root of the sum of the squares.
+    out: Out<f64>,
+}
+
+impl Update for Hypot {
+    fn update(&mut self, _: Period) {
+        let (x, y, z) = (self.in0.get(), self.in1.get(), self.in2.get());
+        self.out.set(libm::sqrt(x * x + y * y + z * z));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Hypot;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Hypot>(include_str!("../traces/hypot.txt")), 40);
+    }
+}

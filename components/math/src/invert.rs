@@ -1,0 +1,32 @@
+//! `invert`.
+use crate::bounds::away;
+use hal_component::{Component, In, Out, ParamRw, Period, Update};
+
+/// Reciprocal of a number.
+#[derive(Component)]
+pub(crate) struct Invert {
+    /// The number.
+    in_: In<f64>,
+    /// 1 / `in`, the number kept away from zero by `deadband`.
+    out: Out<f64>,
+    /// A number closer to zero than this is taken as this, with its sign (zero as positive);
+    /// positive, and set to 1e-12 when it is less.
+    deadband: ParamRw<f64>,
+}
+
+impl Update for Invert {
+    fn update(&mut self, _: Period) {
+        self.out.set(1.0 / away(self.in_.get(), &self.deadband));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Invert;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Invert>(include_str!("../traces/invert.txt")), 42);
+    }
+}

@@ -1,0 +1,37 @@
+//! `limit1`.
+use crate::bounds::{larger, smaller};
+use hal_component::{Component, In, Out, Period, Update};
+
+/// Limits a number to a range.
+#[derive(Component)]
+pub(crate) struct Limit1 {
+    /// The number.
+    in_: In<f64>,
+    /// Lowest output.
+    #[hal(default = -1e20)]
+    min_: In<f64>,
+    /// Highest output; it wins when the two cross.
+    #[hal(default = 1e20)]
+    max_: In<f64>,
+    /// The number within the range. A bound that is not a number does not bind, and what is not a
+    /// number passes.
+    out: Out<f64>,
+}
+
+impl Update for Limit1 {
+    fn update(&mut self, _: Period) {
+        let raised = larger(self.in_.get(), self.min_.get());
+        self.out.set(smaller(raised, self.max_.get()));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Limit1;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Limit1>(include_str!("../traces/limit1.txt")), 72);
+    }
+}

@@ -1,0 +1,47 @@
+//! `limit2`.
+use crate::bounds::within;
+use hal_component::{Component, In, Out, Period, Update};
+
+/// Limits a number to a range, and how fast it changes.
+#[derive(Component)]
+pub(crate) struct Limit2 {
+    /// The number.
+    in_: In<f64>,
+    /// While true, the output jumps to the number (within the range) at once.
+    load: In<bool>,
+    /// Lowest output, in units; it wins when the two cross and the number is below it.
+    #[hal(default = -1e20)]
+    min_: In<f64>,
+    /// Highest output, in units.
+    #[hal(default = 1e20)]
+    max_: In<f64>,
+    /// Highest change, in units per second; positive. Outside the range the output comes back no
+    /// faster than this either.
+    #[hal(default = 1e20)]
+    maxv: In<f64>,
+    /// The limited number.
+    out: Out<f64>,
+}
+
+impl Update for Limit2 {
+    fn update(&mut self, period: Period) {
+        let goal = within(self.in_.get(), self.min_.get(), self.max_.get());
+        if self.load.get() {
+            self.out.set(goal);
+            return;
+        }
+        let (old, step) = (self.out.get(), self.maxv.get() * period.secs());
+        self.out.set(within(goal, old - step, old + step));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Limit2;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Limit2>(include_str!("../traces/limit2.txt")), 299);
+    }
+}

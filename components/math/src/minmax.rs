@@ -1,0 +1,40 @@
+//! `minmax`.
+use crate::bounds::{larger, smaller};
+use hal_component::{Component, In, Out, Period, Update};
+
+/// Lowest and highest value of a number so far.
+#[derive(Component)]
+pub(crate) struct Minmax {
+    /// The number.
+    in_: In<f64>,
+    /// While true, both outputs are the number: the search begins anew.
+    reset: In<bool>,
+    /// The lowest value; at most 0 before the first reset.
+    min_: Out<f64>,
+    /// The highest value; at least 0 before the first reset.
+    max_: Out<f64>,
+}
+
+impl Update for Minmax {
+    fn update(&mut self, _: Period) {
+        let x = self.in_.get();
+        if self.reset.get() {
+            self.min_.set(x);
+            self.max_.set(x);
+            return;
+        }
+        self.min_.set(smaller(self.min_.get(), x));
+        self.max_.set(larger(self.max_.get(), x));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Minmax;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Minmax>(include_str!("../traces/minmax.txt")), 69);
+    }
+}

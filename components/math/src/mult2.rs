@@ -1,0 +1,30 @@
+//! `mult2`.
+use hal_component::{Component, In, Out, Period, Update};
+
+/// Product of two numbers.
+#[derive(Component)]
+pub(crate) struct Mult2 {
+    /// First number.
+    in0: In<f64>,
+    /// Second number.
+    in1: In<f64>,
+    /// `in0` · `in1`.
+    out: Out<f64>,
+}
+
+impl Update for Mult2 {
+    fn update(&mut self, _: Period) {
+        self.out.set(self.in0.get() * self.in1.get());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Mult2;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Mult2>(include_str!("../traces/mult2.txt")), 40);
+    }
+}

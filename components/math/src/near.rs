@@ -1,0 +1,42 @@
+//! `near`.
+use hal_component::{Component, In, Out, ParamRw, Period, Update};
+
+/// Whether two numbers are nearly equal.
+#[derive(Component)]
+pub(crate) struct Near {
+    /// First number.
+    in1: In<f64>,
+    /// Second number.
+    in2: In<f64>,
+    /// True when the numbers are within a factor of `scale`, or no more than `difference` apart.
+    out: Out<bool>,
+    /// The factor, for numbers of the same sign; 1 or less: only `difference` counts.
+    #[hal(default = 1.0)]
+    scale: ParamRw<f64>,
+    /// The distance, in units.
+    difference: ParamRw<f64>,
+}
+
+impl Update for Near {
+    fn update(&mut self, _: Period) {
+        let (mut a, mut b) = (self.in1.get(), self.in2.get());
+        let far = (a - b).abs();
+        if a < 0.0 {
+            (a, b) = (-a, -b);
+        }
+        let scale = self.scale.get();
+        let in_scale = scale > 1.0 && a / scale <= b && b <= a * scale;
+        self.out.set(in_scale || far <= self.difference.get());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Near;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Near>(include_str!("../traces/near.txt")), 165);
+    }
+}

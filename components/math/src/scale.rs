@@ -1,0 +1,32 @@
+//! `scale`.
+use hal_component::{Component, In, Out, Period, Update};
+
+/// A number times a gain, plus an offset.
+#[derive(Component)]
+pub(crate) struct Scale {
+    /// The number.
+    in_: In<f64>,
+    /// The gain; it is 0 until it is set.
+    gain: In<f64>,
+    /// Added to the product.
+    offset: In<f64>,
+    /// `in` · `gain` + `offset`.
+    out: Out<f64>,
+}
+
+impl Update for Scale {
+    fn update(&mut self, _: Period) {
+        self.out.set(self.in_.get() * self.gain.get() + self.offset.get());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Scale;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Scale>(include_str!("../traces/scale.txt")), 40);
+    }
+}

@@ -1,0 +1,40 @@
+//! `wcomp`.
+use hal_component::{Component, In, Out, Period, Update};
+
+/// Whether a number is inside a window.
+#[derive(Component)]
+pub(crate) struct Wcomp {
+    /// The number.
+    in_: In<f64>,
+    /// Lower edge of the window.
+    min_: In<f64>,
+    /// Upper edge of the window.
+    max_: In<f64>,
+    /// True when the number is between the edges, on neither of them.
+    out: Out<bool>,
+    /// True when the number is at the lower edge or below.
+    under: Out<bool>,
+    /// True when the number is at the upper edge or above.
+    over: Out<bool>,
+}
+
+impl Update for Wcomp {
+    fn update(&mut self, _: Period) {
+        let x = self.in_.get();
+        let (under, over) = (x <= self.min_.get(), x >= self.max_.get());
+        self.under.set(under);
+        self.over.set(over);
+        self.out.set(!under && !over);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Wcomp;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Wcomp>(include_str!("../traces/wcomp.txt")), 50);
+    }
+}
