@@ -1,0 +1,160 @@
+//! Realtime. What was last written to a register.
+
+use core::sync::atomic::{
+    AtomicU64,
+    Ordering::{AcqRel, Acquire},
+};
+
+/// The byte last written to a register, shared without a lock by all who write it.
+///
+/// Two threads may write at once; which byte the register then holds nobody knows. A number that
+/// every write changes shows it: whoever finds it changed under him marks the byte as unknown, and
+/// the next write is carried out whatever its value. So the register never keeps a wrong byte for
+/// longer than until the next write.
+#[derive(Debug)]
+pub struct Shadow(AtomicU64);
+
+/// Set when the low eight bits are what the register holds.
+const KNOWN: u64 = 1 << 8;
+/// One step of the number that every write changes.
+const STEP: u64 = 1 << 32;
+
+impl Default for Shadow {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Shadow {
+    /// Nothing written yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self(AtomicU64::new(0))
+    }
+
+    /// The byte in the register, when it is known.
+    #[must_use]
+    pub fn last(&self) -> Option<u8> {
+        byte(self.0.load(Acquire)) // Pairs with `put` and `forget`.
+    }
+
+    /// Writes `value` through `write` if the register may hold another: whether it did.
+    ///
+    /// # Errors
+    /// What `write` met; the byte is then unknown.
+    pub fn put<E>(&self, value: u8, write: impl FnOnce(u8) -> Result<(), E>) -> Result<bool, E> {
+        let before = self.0.load(Acquire); // Pairs with `put` and `forget` of others.
+        if byte(before) == Some(value) {
+            return Ok(false);
+        }
+        let done = write(value);
+        let after = number(before).wrapping_add(STEP) | KNOWN | u64::from(value);
+        // Pairs with the loads of others: who sees the byte comes after its write.
+        let alone = self.0.compare_exchange(before, after, AcqRel, Acquire).is_ok();
+        if !alone || done.is_err() {
+            self.forget();
+        }
+        done.map(|()| true)
+    }
+
+    /// Marks the byte as unknown: the next write is carried out whatever its value.
+    pub fn forget(&self) {
+        let unknown = |state| Some(number(state).wrapping_add(STEP));
+        // Pairs with the loads of `put`: one that is under way sees a new number. Cannot fail.
+        let _ = self.0.fetch_update(AcqRel, Acquire, unknown);
+    }
+}
+
+const fn number(state: u64) -> u64 {
+    state & !(STEP - 1)
+}
+
+fn byte(state: u64) -> Option<u8> {
+    let [low, ..] = state.to_le_bytes();
+    (state & KNOWN != 0).then_some(low)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Shadow;
+    use core::cell::Cell;
+
+    fn ok(_: u8) -> Result<(), ()> {
+        Ok(())
+    }
+
+    #[test]
+    fn writes_first_and_when_changed() {
+        let shadow = Shadow::new();
+        assert_eq!(shadow.last(), None);
+        for (value, written) in [(0, true), (0, false), (0xFF, true), (0xFF, false), (0, true)] {
+            assert_eq!(shadow.put(value, ok), Ok(written), "{value}");
+            assert_eq!(shadow.last(), Some(value));
+        }
+        shadow.forget();
+        assert_eq!(shadow.last(), None);
+        assert_eq!(shadow.put(0, ok), Ok(true));
+    }
+
+    #[test]
+    fn a_failed_write_is_repeated() {
+        let shadow = Shadow::new();
+        assert_eq!(shadow.put(1, ok), Ok(true));
+        assert_eq!(shadow.put(2, |_| Err("lost")), Err("lost"));
+        assert_eq!(shadow.last(), None);
+        assert_eq!(shadow.put(1, ok), Ok(true));
+    }
+
+    /// Every place at which another writer can come between: the register ends right at the
+    /// latest with the next write.
+    #[test]
+    fn a_write_between_is_noticed() {
+        for before in [None, Some(1), Some(2), Some(3)] {
+            for mine in 1..=3 {
+                for other in 1..=3 {
+                    for late in [false, true] {
+                        let register = Cell::new(before.unwrap_or(0));
+                        let shadow = Shadow::new();
+                        let plain = |v| {
+                            register.set(v);
+                            Ok::<_, ()>(())
+                        };
+                        if let Some(v) = before {
+                            shadow.put(v, plain).unwrap();
+                        }
+                        let crossed = |v| {
+                            if late {
+                                register.set(v);
+                            }
+                            shadow.put(other, plain).unwrap();
+                            if !late {
+                                register.set(v);
+                            }
+                            Ok::<_, ()>(())
+                        };
+                        shadow.put(mine, crossed).unwrap();
+                        for next in 1..=3 {
+                            let known = shadow.last();
+                            assert!(known.is_none_or(|k| k == register.get()));
+                            shadow.put(next, plain).unwrap();
+                            assert_eq!(register.get(), next);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn forgetting_amid_a_write_counts() {
+        let (register, shadow) = (Cell::new(0), Shadow::new());
+        let stopped = |v| {
+            register.set(v);
+            register.set(9);
+            shadow.forget();
+            Ok::<_, ()>(())
+        };
+        shadow.put(4, stopped).unwrap();
+        assert_eq!(shadow.last(), None);
+    }
+}
