@@ -77,6 +77,7 @@ struct Table {
     args: Args,
     failed: String,
     now: AtomicI64,
+    tick: i64,
     said: RefCell<Vec<String>>,
     fault: RefCell<String>,
     replies: RefCell<Vec<String>>,
@@ -189,6 +190,24 @@ impl Bench {
         Self { table, calls, flags }
     }
 
+    /// An empty table whose clock is real: each reading of it takes `tick_ns`.
+    #[must_use]
+    pub fn real_time(tick_ns: i64) -> Self {
+        let mut bench = Self::new();
+        bench.flags &= !host_flags::VIRTUAL;
+        bench.calls.flags = bench.flags;
+        bench.table.borrow_mut().tick = tick_ns;
+        bench
+    }
+
+    /// The same table, with hardware that is not simulated.
+    #[must_use]
+    pub fn with_hardware(mut self) -> Self {
+        self.flags &= !host_flags::SIMULATED;
+        self.calls.flags = self.flags;
+        self
+    }
+
     /// Creates instances as `loadrt` would, and opens them.
     ///
     /// # Errors
@@ -256,7 +275,11 @@ impl Bench {
         Ok(())
     }
 
-    fn open(&mut self) -> Result<(), String> {
+    /// Opens what was created.
+    ///
+    /// # Errors
+    /// What the component met.
+    pub fn open(&mut self) -> Result<(), String> {
         let opens: Vec<_> = self.table.borrow().opens.iter().map(|c| (c.run, c.state)).collect();
         opens.into_iter().try_for_each(|(run, state)| self.act(run, state))
     }
@@ -627,7 +650,8 @@ unsafe extern "C" fn message(ctx: *const c_void, _: u8, say: Str, numbers: *cons
 /// # Safety
 /// Called by a component through the records that [`Bench`] made.
 unsafe extern "C" fn now(ctx: *const c_void) -> i64 {
-    table(ctx).borrow().now.load(Relaxed)
+    let t = table(ctx).borrow();
+    t.now.fetch_add(t.tick, Relaxed)
 }
 
 /// # Safety
