@@ -1,0 +1,33 @@
+//! `mux2`.
+use hal_component::{Component, In, Out, Period, Update};
+
+/// One of two numbers.
+#[derive(Component)]
+pub(crate) struct Mux2 {
+    /// First number.
+    in0: In<f64>,
+    /// Second number.
+    in1: In<f64>,
+    /// Which: false for `in0`, true for `in1`.
+    sel: In<bool>,
+    /// The chosen number.
+    out: Out<f64>,
+}
+
+impl Update for Mux2 {
+    fn update(&mut self, _: Period) {
+        let chosen = if self.sel.get() { &self.in1 } else { &self.in0 };
+        self.out.set(chosen.get());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Mux2;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Mux2>(include_str!("../traces/mux2.txt")), 40);
+    }
+}

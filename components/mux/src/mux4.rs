@@ -1,0 +1,46 @@
+//! `mux4`.
+use hal_component::{Component, In, Out, Period, Update};
+
+/// One of four numbers.
+///
+/// The selectors form the number of the input, `sel0` + 2·`sel1`.
+#[derive(Component)]
+pub(crate) struct Mux4 {
+    /// First number.
+    in0: In<f64>,
+    /// Second number.
+    in1: In<f64>,
+    /// Third number.
+    in2: In<f64>,
+    /// Fourth number.
+    in3: In<f64>,
+    /// Selector worth 1.
+    sel0: In<bool>,
+    /// Selector worth 2.
+    sel1: In<bool>,
+    /// The chosen number.
+    out: Out<f64>,
+}
+
+impl Update for Mux4 {
+    fn update(&mut self, _: Period) {
+        let chosen = match (self.sel1.get(), self.sel0.get()) {
+            (false, false) => &self.in0,
+            (false, true) => &self.in1,
+            (true, false) => &self.in2,
+            (true, true) => &self.in3,
+        };
+        self.out.set(chosen.get());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Mux4;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Mux4>(include_str!("../traces/mux4.txt")), 60);
+    }
+}

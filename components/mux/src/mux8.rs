@@ -1,0 +1,60 @@
+//! `mux8`.
+use hal_component::{Component, In, Out, Period, Update};
+
+/// One of eight numbers.
+///
+/// The selectors form the number of the input, `sel0` + 2·`sel1` + 4·`sel2`.
+#[derive(Component)]
+pub(crate) struct Mux8 {
+    /// First number.
+    in0: In<f64>,
+    /// Second number.
+    in1: In<f64>,
+    /// Third number.
+    in2: In<f64>,
+    /// Fourth number.
+    in3: In<f64>,
+    /// Fifth number.
+    in4: In<f64>,
+    /// Sixth number.
+    in5: In<f64>,
+    /// Seventh number.
+    in6: In<f64>,
+    /// Eighth number.
+    in7: In<f64>,
+    /// Selector worth 1.
+    sel0: In<bool>,
+    /// Selector worth 2.
+    sel1: In<bool>,
+    /// Selector worth 4.
+    sel2: In<bool>,
+    /// The chosen number.
+    out: Out<f64>,
+}
+
+impl Update for Mux8 {
+    fn update(&mut self, _: Period) {
+        let chosen = match (self.sel2.get(), self.sel1.get(), self.sel0.get()) {
+            (false, false, false) => &self.in0,
+            (false, false, true) => &self.in1,
+            (false, true, false) => &self.in2,
+            (false, true, true) => &self.in3,
+            (true, false, false) => &self.in4,
+            (true, false, true) => &self.in5,
+            (true, true, false) => &self.in6,
+            (true, true, true) => &self.in7,
+        };
+        self.out.set(chosen.get());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Mux8;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Mux8>(include_str!("../traces/mux8.txt")), 100);
+    }
+}

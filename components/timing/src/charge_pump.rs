@@ -1,0 +1,86 @@
+//! `charge_pump`.
+use hal_component::{
+    Builder, Component, Error, In, Out, Period, Touch, Update, abi::component_flags,
+};
+
+/// A counter whose lowest bits are outputs.
+#[derive(Touch)]
+pub(crate) struct ChargePump {
+    enable: In<bool>,
+    outs: [Out<bool>; 3],
+    #[state]
+    count: u8,
+}
+
+impl Component for ChargePump {
+    const NAME: &'static str = "charge_pump";
+    const DOC: &'static str = "Square wave that stops when the machine does.\n\n\
+        A charge pump outside keeps a relay closed only while it is fed: link `out` to a port's \
+        pin and put the function `charge-pump` in the thread that must not stop. There is one of \
+        it, without a number in its names.";
+    const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
+
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        let pump = Self {
+            enable: b.item("charge-pump.enable", "While false, the outputs are false.", true)?,
+            outs: [
+                b.item("charge-pump.out", "Changes at every run while enabled.", false)?,
+                b.item("charge-pump.out-2", "Half the frequency of `out`.", false)?,
+                b.item("charge-pump.out-4", "A quarter of the frequency of `out`.", false)?,
+            ],
+            count: 0,
+        };
+        b.function("charge-pump", "Counts, and writes the outputs.", pump)
+    }
+}
+
+impl Update for ChargePump {
+    fn update(&mut self, _: Period) {
+        let enabled = self.enable.get();
+        if enabled {
+            self.count = self.count.wrapping_add(1);
+        }
+        for (bit, out) in self.outs.iter().enumerate() {
+            out.set(enabled && (self.count >> bit) & 1 != 0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ChargePump;
+    use hal_component::{bench::Bench, trace::replay};
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<ChargePump>(include_str!("../traces/charge_pump.txt")), 60);
+    }
+
+    #[test]
+    fn its_names_have_no_number() {
+        let mut bench = Bench::new();
+        bench.load::<ChargePump>(&[]).unwrap();
+        assert_eq!(
+            bench.names(),
+            [
+                "charge-pump.enable bit IN",
+                "charge-pump.out bit OUT",
+                "charge-pump.out-2 bit OUT",
+                "charge-pump.out-4 bit OUT"
+            ]
+        );
+        assert_eq!(bench.functs(), ["charge-pump"]);
+    }
+
+    #[test]
+    fn the_count_wraps() {
+        let mut bench = Bench::new();
+        bench.load::<ChargePump>(&[]).unwrap();
+        for run in 1..=600 {
+            bench.run("charge-pump", 1_000_000);
+            assert_eq!(bench.get::<bool>("charge-pump.out"), run & 1 != 0, "{run}");
+            assert_eq!(bench.get::<bool>("charge-pump.out-2"), run & 2 != 0, "{run}");
+            assert_eq!(bench.get::<bool>("charge-pump.out-4"), run & 4 != 0, "{run}");
+        }
+    }
+}

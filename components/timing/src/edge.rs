@@ -1,0 +1,59 @@
+//! `edge`.
+use hal_component::{Component, In, Out, ParamRo, ParamRw, Period, Update};
+
+/// Detects edges of a bit, and answers each with a pulse.
+///
+/// The first run only looks where the bit is. An edge during a pulse begins the pulse anew.
+#[derive(Component)]
+pub(crate) struct Edge {
+    /// The bit.
+    in_: In<bool>,
+    /// True at the edge and for `out-width-ns` after it, at least for one run.
+    out: Out<bool>,
+    /// The opposite of `out`.
+    out_invert: Out<bool>,
+    /// Which edge: true for the falling one, false for the rising one.
+    #[hal(default = true)]
+    in_edge: ParamRw<bool>,
+    /// True for both edges, whatever `in-edge` says.
+    both: ParamRw<bool>,
+    /// How long a pulse lasts, in nanoseconds, rounded up to whole periods; 0 or less: one run.
+    out_width_ns: ParamRw<i32>,
+    /// What is left of the pulse, in nanoseconds.
+    time_left_ns: ParamRo<i32>,
+    /// The bit at the last run.
+    last_in: ParamRo<bool>,
+    #[state]
+    has_looked: bool,
+}
+
+impl Update for Edge {
+    fn update(&mut self, period: Period) {
+        let now = self.in_.get();
+        let was = if self.has_looked { self.last_in.get() } else { now };
+        self.has_looked = true;
+        self.last_in.set(now);
+        let wanted = now != was && (self.both.get() || was == self.in_edge.get());
+        let out = if wanted {
+            self.time_left_ns.set(self.out_width_ns.get());
+            true
+        } else {
+            let left = i64::from(self.time_left_ns.get()).saturating_sub(period.ns());
+            self.time_left_ns.set(i32::try_from(left).unwrap_or(i32::MAX).max(0));
+            left > 0
+        };
+        self.out.set(out);
+        self.out_invert.set(!out);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Edge;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Edge>(include_str!("../traces/edge.txt")), 613);
+    }
+}

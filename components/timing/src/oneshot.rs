@@ -1,0 +1,77 @@
+//! `oneshot`.
+use hal_component::{Component, In, Out, ParamRw, Period, Update};
+
+/// Pulse of a given length at an edge of a bit.
+#[derive(Component)]
+pub(crate) struct Oneshot {
+    /// The bit.
+    in_: In<bool>,
+    /// While true, there is no pulse; `in` counts as false, so that it triggers afterwards when it
+    /// is true then.
+    reset: In<bool>,
+    /// Length of the pulse, in seconds; 0 or less: none.
+    width: In<f64>,
+    /// The pulse.
+    out: Out<bool>,
+    /// The opposite of `out`.
+    out_not: Out<bool>,
+    /// What is left of the pulse, in seconds; it keeps its value during a reset.
+    time_left: Out<f64>,
+    /// Whether an edge during a pulse begins the pulse anew.
+    #[hal(default = true)]
+    retriggerable: ParamRw<bool>,
+    /// Whether the rising edge triggers.
+    #[hal(default = true)]
+    rising: ParamRw<bool>,
+    /// Whether the falling edge triggers.
+    falling: ParamRw<bool>,
+    #[state]
+    was: bool,
+    #[state]
+    left: f64,
+}
+
+impl Update for Oneshot {
+    fn update(&mut self, period: Period) {
+        if self.reset.get() {
+            self.was = false;
+            self.left = 0.0;
+        } else {
+            self.count_down(period.secs());
+            self.time_left.set(self.left);
+        }
+        let out = self.left > 0.0;
+        self.out.set(out);
+        self.out_not.set(!out);
+    }
+}
+
+impl Oneshot {
+    fn count_down(&mut self, dt: f64) {
+        let now = self.in_.get();
+        let rising = now && !self.was && self.rising.get();
+        let falling = !now && self.was && self.falling.get();
+        self.was = now;
+        if self.left > 0.0 {
+            self.left -= dt;
+            if self.left < 0.0 {
+                self.left = 0.0;
+            }
+        }
+        let free = self.left <= 0.0 || self.retriggerable.get();
+        if (rising || falling) && free {
+            self.left = self.width.get();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Oneshot;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Oneshot>(include_str!("../traces/oneshot.txt")), 600);
+    }
+}

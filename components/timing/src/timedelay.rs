@@ -1,0 +1,52 @@
+//! `timedelay`.
+use hal_component::{Component, In, Out, Period, Update};
+
+/// Delays a bit, by one time when it rises and another when it falls.
+///
+/// What does not last as long as the delay is lost.
+#[derive(Component)]
+pub(crate) struct Timedelay {
+    /// The bit.
+    in_: In<bool>,
+    /// How long `in` must be true before `out` is, in seconds.
+    #[hal(default = 0.5)]
+    on_delay: In<f64>,
+    /// How long `in` must be false before `out` is, in seconds.
+    #[hal(default = 0.5)]
+    off_delay: In<f64>,
+    /// The delayed bit.
+    out: Out<bool>,
+    /// How long `in` has differed from `out`, in seconds; it keeps its last value while they are
+    /// equal.
+    elapsed: Out<f64>,
+    #[state]
+    timer: f64,
+}
+
+impl Update for Timedelay {
+    fn update(&mut self, period: Period) {
+        let on = self.in_.get();
+        if on == self.out.get() {
+            self.timer = 0.0;
+            return;
+        }
+        self.timer += period.secs();
+        self.elapsed.set(self.timer);
+        let delay = if on { &self.on_delay } else { &self.off_delay };
+        if self.timer >= delay.get() {
+            self.timer = 0.0;
+            self.out.set(on);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Timedelay;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Timedelay>(include_str!("../traces/timedelay.txt")), 240);
+    }
+}

@@ -1,0 +1,78 @@
+//! `updown`.
+use hal_component::{Component, In, Out, ParamRw, Period, Update};
+
+/// Counts the rising edges of two bits, up and down.
+#[derive(Component)]
+pub(crate) struct Updown {
+    /// Its rising edge counts up.
+    countup: In<bool>,
+    /// Its rising edge counts down.
+    countdown: In<bool>,
+    /// While true, the count is zero.
+    reset: In<bool>,
+    /// The count.
+    count: Out<i32>,
+    /// Whether the count stops at `min` and `max`.
+    clamp: ParamRw<bool>,
+    /// Whether the count goes from `max` on to `min`, and back; it goes before `clamp`.
+    wrap: ParamRw<bool>,
+    /// Highest count, if `clamp` or `wrap` is true.
+    #[hal(default = i32::MAX)]
+    max_: ParamRw<i32>,
+    /// Lowest count, if `clamp` or `wrap` is true.
+    min_: ParamRw<i32>,
+    #[state]
+    up_was: bool,
+    #[state]
+    down_was: bool,
+}
+
+impl Update for Updown {
+    fn update(&mut self, _: Period) {
+        let (up, down) = (self.countup.get(), self.countdown.get());
+        let (rises, falls) = (up && !self.up_was, down && !self.down_was);
+        (self.up_was, self.down_was) = (up, down);
+        let moved = self.count.get().wrapping_add(i32::from(rises)).wrapping_sub(i32::from(falls));
+        let count = if self.reset.get() { 0 } else { moved };
+        self.count.set(self.bound(count));
+    }
+}
+
+impl Updown {
+    fn bound(&self, count: i32) -> i32 {
+        let (min, max) = (self.min_.get(), self.max_.get());
+        let (above, below) = match (self.wrap.get(), self.clamp.get()) {
+            (true, _) => (min, max),
+            (false, true) => (max, min),
+            (false, false) => return count,
+        };
+        if count > max {
+            above
+        } else if count < min {
+            below
+        } else {
+            count
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Updown;
+    use hal_component::{bench::Bench, trace::replay};
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Updown>(include_str!("../traces/updown.txt")), 420);
+    }
+
+    #[test]
+    fn without_bounds_the_count_wraps_at_32_bits() {
+        let mut bench = Bench::new();
+        bench.load::<Updown>(&[]).unwrap();
+        bench.set("updown.0.count", i32::MAX);
+        bench.set("updown.0.countup", true);
+        bench.run("updown.0", 1_000_000);
+        assert_eq!(bench.get::<i32>("updown.0.count"), i32::MIN);
+    }
+}
