@@ -1,6 +1,43 @@
-//! The Ferrule engine.
+//! The Ferrule engine: names, arena, graph, threads, clocks, loader, recorder and server.
+//!
+//! One [`Engine`] is one instance. Its control side is single-threaded: whoever owns the `Engine`
+//! carries out requests ([`hal_protocol::Link`]) and, while it waits, serves the socket, runs
+//! background tasks and turns the virtual clock. Realtime threads share with it only what
+//! `shared.rs` holds. See `hal/README.md` for the map.
 
-use hal_protocol::{Failure, Link, Place, Reply, Request};
+#![expect(unsafe_code, reason = "one of the crates that keep the binary contract")]
+
+mod arena;
+mod args;
+mod change;
+mod clock;
+mod code;
+mod create;
+mod engine;
+mod error;
+mod graph;
+mod handover;
+mod listing;
+mod load;
+mod loader;
+mod name;
+mod near;
+mod os;
+mod record;
+mod request;
+mod ring;
+mod schedule;
+mod server;
+mod shared;
+mod sync;
+mod task;
+mod thread;
+mod wiring;
+
+pub use engine::{Ended, Engine};
+pub use error::Error;
+
+use hal_protocol::Place;
 use std::path::PathBuf;
 
 /// Which clock an instance runs on.
@@ -27,55 +64,4 @@ pub struct Options {
     pub old_names: bool,
     /// Folders with plugins, searched in order.
     pub path: Vec<PathBuf>,
-}
-
-/// A running instance.
-#[derive(Debug)]
-pub struct Engine {}
-
-/// Why [`Engine::serve`] returned.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ended {
-    /// There is no thread (any more).
-    NoThreads,
-    /// A client asked for it.
-    Shutdown,
-    /// SIGINT, SIGTERM or SIGHUP came.
-    Signal,
-    /// The time is over.
-    Time,
-}
-
-impl Engine {
-    /// Makes an instance and takes its socket.
-    ///
-    /// # Errors
-    /// Another one of this name is running, or the system refuses.
-    pub fn new(_: Options) -> Result<Self, Failure> {
-        Ok(Self {})
-    }
-    /// Serves clients until something ends it; `for_ns` bounds machine time.
-    pub fn serve(&mut self, _for_ns: Option<u64>) -> Ended {
-        Ended::NoThreads
-    }
-    /// Whether a signal or a client has asked the instance to end (a script then stops).
-    pub fn is_ending(&self) -> bool {
-        false
-    }
-    /// Messages of components and notices of the engine since the last call, for the terminal.
-    pub fn take_messages(&mut self) -> Vec<String> {
-        Vec::new()
-    }
-    /// Stops the threads, runs every stop action, ends programs, unloads everything and gives the
-    /// socket back.
-    pub fn close(self) {}
-}
-
-impl Link for Engine {
-    fn call(&mut self, _: Request) -> Result<Reply, Failure> {
-        Ok(Reply::Done)
-    }
-    fn is_local(&self) -> bool {
-        true
-    }
 }

@@ -1,0 +1,154 @@
+//! Where slots and signal cells live: 2 GiB of address space, committed in chunks, never moved.
+
+use crate::{Error, os};
+use core::ptr::NonNull;
+use hal_abi::{Cell, Slot};
+
+const RESERVED: usize = 1 << 31;
+const CHUNK: usize = 1 << 20;
+
+/// The arena. A slot reaches its cell by a distance of at most 2 GiB, hence the size.
+#[derive(Debug)]
+pub(crate) struct Arena {
+    base: NonNull<u8>,
+    committed: usize,
+    used: usize,
+    lock: bool,
+    left: bool,
+    free_slots: Vec<NonNull<Slot>>,
+    free_cells: Vec<NonNull<Cell>>,
+}
+
+impl Arena {
+    /// Reserves it; `lock` asks for memory that never faults.
+    pub(crate) fn new(lock: bool) -> Result<Self, Error> {
+        let base = os::reserve(RESERVED).ok_or(Error::OutOfMemory)?;
+        Ok(Self {
+            base,
+            committed: 0,
+            used: 64,
+            lock,
+            left: false,
+            free_slots: Vec::new(),
+            free_cells: Vec::new(),
+        })
+    }
+
+    /// Bytes in use and bytes that may be used.
+    pub(crate) fn usage(&self) -> (u64, u64) {
+        let free = self.free_slots.len() * size_of::<Slot>() + self.free_cells.len() * 8;
+        ((self.used - free) as u64, RESERVED as u64)
+    }
+
+    /// How many slots were given back.
+    pub(crate) const fn recycled(&self) -> (usize, usize) {
+        (self.free_slots.len(), self.free_cells.len())
+    }
+
+    /// Keeps the memory mapped for good: a thread that cannot be ended may use it.
+    pub(crate) const fn leave(&mut self) {
+        self.left = true;
+    }
+
+    fn place(&mut self, bytes: usize) -> Result<NonNull<u8>, Error> {
+        let end = self.used + bytes;
+        if end > RESERVED {
+            return Err(Error::OutOfMemory);
+        }
+        while end > self.committed {
+            // SAFETY: below the reservation's end.
+            let at = unsafe { self.base.add(self.committed) };
+            if !os::commit(at, CHUNK, self.lock) {
+                return Err(Error::OutOfMemory);
+            }
+            self.committed += CHUNK;
+        }
+        // SAFETY: below the reservation's end.
+        let at = unsafe { self.base.add(self.used) };
+        self.used = end;
+        Ok(at)
+    }
+
+    /// A new unlinked slot.
+    pub(crate) fn slot(&mut self, bits: u64) -> Result<NonNull<Slot>, Error> {
+        if let Some(slot) = self.free_slots.pop() {
+            // SAFETY: a slot of this arena that nobody holds.
+            let s = unsafe { slot.as_ref() };
+            s.own().store(bits);
+            s.aim(Slot::OWN);
+            return Ok(slot);
+        }
+        self.used = self.used.next_multiple_of(align_of::<Slot>());
+        let slot = self.place(size_of::<Slot>())?.cast::<Slot>();
+        // SAFETY: in bounds, aligned, not yet used.
+        unsafe { slot.write(Slot::unlinked(bits)) };
+        Ok(slot)
+    }
+
+    /// A new cell for a signal.
+    pub(crate) fn cell(&mut self, bits: u64) -> Result<NonNull<Cell>, Error> {
+        if let Some(cell) = self.free_cells.pop() {
+            // SAFETY: a cell of this arena that nobody holds.
+            unsafe { cell.as_ref() }.store(bits);
+            return Ok(cell);
+        }
+        let cell = self.place(size_of::<Cell>())?.cast::<Cell>();
+        // SAFETY: in bounds, aligned, not yet used.
+        unsafe { cell.write(Cell::new(bits)) };
+        Ok(cell)
+    }
+
+    /// Takes a slot back that nobody holds any more.
+    pub(crate) fn give_slot(&mut self, slot: NonNull<Slot>) {
+        self.free_slots.push(slot);
+    }
+
+    /// Takes a cell back that no slot is aimed at any more.
+    pub(crate) fn give_cell(&mut self, cell: NonNull<Cell>) {
+        self.free_cells.push(cell);
+    }
+
+    /// How far a cell is from a slot.
+    pub(crate) fn distance(slot: NonNull<Slot>, cell: NonNull<Cell>) -> i32 {
+        let far = cell.as_ptr().addr().cast_signed() - slot.as_ptr().addr().cast_signed();
+        i32::try_from(far).unwrap_or(Slot::OWN)
+    }
+}
+
+impl Drop for Arena {
+    fn drop(&mut self) {
+        if self.left {
+            return;
+        }
+        // SAFETY: reserved in `new`; the engine drops the arena last.
+        unsafe { os::release(self.base, RESERVED) };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Arena;
+    use core::ptr::NonNull;
+    use hal_abi::Slot;
+
+    #[test]
+    fn a_slot_reads_the_cell_it_is_aimed_at() {
+        let mut arena = Arena::new(false).unwrap();
+        let slots: Vec<_> = (0..100_000).map(|i| arena.slot(i).unwrap()).collect();
+        let cell = arena.cell(7).unwrap();
+        let first = slots[0];
+        // SAFETY: slots of a live arena.
+        let read = |slot: NonNull<Slot>| unsafe { Slot::cell(slot.as_ptr()) }.load();
+        // SAFETY: as above.
+        let aim = |distance| unsafe { first.as_ref() }.aim(distance);
+        aim(Arena::distance(first, cell));
+        assert_eq!(read(first), 7);
+        aim(Slot::OWN);
+        assert_eq!(read(first), 0);
+        assert_eq!(read(slots[99_999]), 99_999);
+        let used = arena.usage().0;
+        arena.give_slot(first);
+        assert_eq!(arena.slot(1).unwrap(), first);
+        assert_eq!(arena.usage().0, used);
+    }
+}

@@ -1,0 +1,213 @@
+//! Arguments of `loadrt` and of commands: text, checked against what the plugin declares.
+
+use crate::Error;
+use hal_abi::{ArgSpec, ArgValue, Str, arg};
+
+/// What one argument is declared as, copied from its plugin.
+#[derive(Clone, Debug)]
+pub(crate) struct Declared {
+    pub(crate) name: Box<str>,
+    pub(crate) doc: Box<str>,
+    pub(crate) default: Option<Box<str>>,
+    pub(crate) kind: u32,
+    pub(crate) most: u32,
+    pub(crate) required: bool,
+}
+
+impl Declared {
+    /// Copies a declaration; `None` when it is not one.
+    pub(crate) fn copy(spec: &ArgSpec) -> Option<Self> {
+        let text = |s: Str| {
+            // SAFETY: a declaration's strings are static in its library, which is open.
+            unsafe { s.get() }
+        };
+        let default = text(spec.default)?;
+        Some(Self {
+            name: text(spec.name)?.into(),
+            doc: text(spec.doc)?.into(),
+            default: (!default.is_empty()).then(|| default.into()),
+            kind: spec.kind,
+            most: spec.most,
+            required: spec.required != 0,
+        })
+    }
+
+    /// The name of its type.
+    pub(crate) const fn ty(&self) -> &'static str {
+        match self.kind {
+            arg::INT => "int",
+            arg::FLOAT => "float",
+            arg::INTS => "ints",
+            arg::TEXTS => "texts",
+            arg::BIT => "bit",
+            _ => "text",
+        }
+    }
+}
+
+#[derive(Clone, Debug)]
+enum Given {
+    Int(i64),
+    Float(f64),
+    Text(Box<str>),
+    Ints(Box<[i64]>),
+    Texts(Box<[Box<str>]>),
+}
+
+/// Checked arguments.
+#[derive(Debug, Default)]
+pub(crate) struct Args {
+    given: Vec<(Box<str>, Given)>,
+    /// What the plugin was shown of lists of strings.
+    shown: Vec<Box<[Str]>>,
+}
+
+impl Args {
+    /// Checks words of the form `NAME=VALUE`; every `"` is removed, as users expect.
+    pub(crate) fn parse(declared: &[Declared], words: &[String]) -> Result<Self, Error> {
+        let mut given: Vec<(Box<str>, Given)> = Vec::new();
+        for word in words {
+            let word = word.replace('"', "");
+            let (name, value) = word
+                .split_once('=')
+                .ok_or_else(|| Error::InvalidParameter { word: word.as_str().into() })?;
+            let Some(d) = declared.iter().find(|d| &*d.name == name) else {
+                let near = crate::near::nearest(name, declared.iter().map(|d| &*d.name));
+                return Err(Error::UnknownParameter { word: word.as_str().into(), near });
+            };
+            let value = read(d, value, &word)?;
+            given.retain(|(n, _)| **n != *d.name);
+            given.push((d.name.clone(), value));
+        }
+        for d in declared {
+            if given.iter().any(|(n, _)| *n == d.name) {
+                continue;
+            }
+            if d.required {
+                return Err(Error::MissingArgument { name: d.name.clone(), doc: d.doc.clone() });
+            }
+            if let Some(default) = &d.default {
+                given.push((d.name.clone(), read(d, default, default)?));
+            }
+        }
+        Ok(Self { given, shown: Vec::new() })
+    }
+
+    /// An argument as the contract shows it.
+    pub(crate) fn get(&mut self, name: &str) -> ArgValue {
+        let none = ArgValue { size: hal_abi::size::<ArgValue>(), ..ArgValue::NONE };
+        let Some((_, given)) = self.given.iter().find(|(n, _)| &**n == name) else { return none };
+        let mut value = ArgValue { given: 1, ..none };
+        match given {
+            Given::Int(i) => {
+                value.int = *i;
+                value.float = *i as f64;
+            }
+            Given::Float(f) => value.float = *f,
+            Given::Text(t) => value.text = Str::borrow(t),
+            Given::Ints(list) => (value.ints, value.len) = (list.as_ptr(), list.len()),
+            Given::Texts(list) => {
+                let shown: Box<[Str]> = list.iter().map(|t| Str::borrow(t)).collect();
+                (value.texts, value.len) = (shown.as_ptr(), shown.len());
+                self.shown.push(shown);
+            }
+        }
+        value
+    }
+}
+
+fn read(d: &Declared, value: &str, word: &str) -> Result<Given, Error> {
+    let invalid = |text: &str, expects: &'static str| Error::InvalidArgument {
+        value: text.into(),
+        word: word.into(),
+        expects,
+    };
+    let items = || -> Result<Vec<&str>, Error> {
+        let items: Vec<&str> =
+            if value.is_empty() { Vec::new() } else { value.split(',').collect() };
+        if d.most > 0 && items.len() > d.most as usize {
+            return Err(Error::TooManyItems { name: d.name.clone(), most: d.most });
+        }
+        Ok(items)
+    };
+    Ok(match d.kind {
+        arg::INT => Given::Int(
+            integer(value)
+                .ok_or_else(|| invalid(value, "expected an integer such as 10 or 0x1f"))?,
+        ),
+        arg::BIT => match hal_protocol::Value::parse(hal_protocol::Type::Bit, value) {
+            Ok(v) => Given::Int(i64::from(v.bits() != 0)),
+            Err(_) => return Err(invalid(value, hal_protocol::Type::Bit.expects())),
+        },
+        arg::FLOAT => match hal_protocol::Value::parse(hal_protocol::Type::Float, value) {
+            Ok(hal_protocol::Value::Float(f)) => Given::Float(f),
+            _ => return Err(invalid(value, hal_protocol::Type::Float.expects())),
+        },
+        arg::INTS => {
+            let mut list = Vec::new();
+            for item in items()? {
+                list.push(integer(item).ok_or_else(|| {
+                    invalid(item, "expected integers separated by commas, such as 0,0,2")
+                })?);
+            }
+            Given::Ints(list.into())
+        }
+        arg::TEXTS => Given::Texts(items()?.into_iter().map(Into::into).collect()),
+        _ => Given::Text(value.into()),
+    })
+}
+
+/// An integer in C's notation.
+fn integer(text: &str) -> Option<i64> {
+    match hal_protocol::Value::parse(hal_protocol::Type::S64, text) {
+        Ok(hal_protocol::Value::S64(i)) => Some(i),
+        _ => None,
+    }
+}
+
+/// What `loadrt` takes for components made per instance, beside their own arguments.
+#[derive(Debug, Default)]
+pub(crate) struct Instances {
+    /// How many, or their names.
+    pub(crate) count: Option<u32>,
+    /// Their names.
+    pub(crate) names: Vec<String>,
+    /// One for each, the last repeated.
+    pub(crate) personality: Vec<i64>,
+    /// All other words.
+    pub(crate) rest: Vec<String>,
+}
+
+impl Instances {
+    /// Splits the words of a `loadrt`.
+    pub(crate) fn parse(words: &[String], personality: bool) -> Result<Self, Error> {
+        let mut out = Self::default();
+        let invalid = |value: &str, word: &str| Error::InvalidArgument {
+            value: value.into(),
+            word: word.into(),
+            expects: "expected an integer such as 10 or 0x1f",
+        };
+        for word in words {
+            let plain = word.replace('"', "");
+            match plain.split_once('=') {
+                Some(("count", n)) => {
+                    let count = integer(n).and_then(|n| u32::try_from(n).ok());
+                    out.count = Some(count.ok_or_else(|| invalid(n, &plain))?);
+                }
+                Some(("names", list)) => {
+                    out.names = list.split(',').map(str::to_owned).collect();
+                }
+                Some(("personality", list)) if personality => {
+                    for item in list.split(',') {
+                        out.personality.push(integer(item).ok_or_else(|| invalid(item, &plain))?);
+                    }
+                }
+                _ => out.rest.push(word.clone()),
+            }
+        }
+        if out.count.is_some() && !out.names.is_empty() {
+            return Err(Error::CountAndNames);
+        }
+        Ok(out)
+    }
+}

@@ -1,0 +1,467 @@
+//! Everything that can be refused, in the user's words.
+
+use hal_protocol::{Failure, Type};
+
+/// Why a request was refused. Text that users know is worded as LinuxCNC words it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the sentence of each variant is its documentation")]
+pub enum Error {
+    NameTooLong {
+        what: &'static str,
+        name: Box<str>,
+    },
+    BadName {
+        what: &'static str,
+        name: Box<str>,
+    },
+    Duplicate {
+        what: &'static str,
+        name: Box<str>,
+    },
+    NotFound {
+        what: &'static str,
+        name: Box<str>,
+        near: Option<Box<str>>,
+    },
+    NoItem {
+        name: Box<str>,
+        near: Option<Box<str>>,
+    },
+    NoPin {
+        name: Box<str>,
+        near: Option<Box<str>>,
+    },
+    Locked {
+        what: &'static str,
+    },
+    LinkedElsewhere {
+        pin: Box<str>,
+        signal: Box<str>,
+        wanted: Box<str>,
+    },
+    AlreadyLinked {
+        pin: Box<str>,
+        signal: Box<str>,
+    },
+    TypeMismatch {
+        pin: Box<str>,
+        pin_type: Type,
+        signal: Box<str>,
+        signal_type: Type,
+    },
+    CannotAdd {
+        signal: Box<str>,
+        ty: Type,
+        pin: Box<str>,
+        pin_type: Type,
+    },
+    HasWriter {
+        signal: Box<str>,
+        io: bool,
+    },
+    SecondWriter {
+        signal: Box<str>,
+        direction: &'static str,
+        pin: Box<str>,
+        other_direction: &'static str,
+        other: Box<str>,
+    },
+    PortIo {
+        signal: Box<str>,
+    },
+    PortReaders {
+        signal: Box<str>,
+    },
+    NoPins,
+    SignalIsPin {
+        name: Box<str>,
+    },
+    NoSignals,
+    NotWritable {
+        what: &'static str,
+        name: Box<str>,
+        why: &'static str,
+    },
+    InvalidValue {
+        what: &'static str,
+        name: Box<str>,
+        expects: &'static str,
+    },
+    OutOfRange {
+        what: &'static str,
+        name: Box<str>,
+        expects: &'static str,
+    },
+    QueueAllocated {
+        name: Box<str>,
+    },
+    BadPosition {
+        position: i64,
+    },
+    PositionTooHigh {
+        position: i64,
+    },
+    PositionTooLow {
+        position: i64,
+    },
+    OneThreadOnly {
+        funct: Box<str>,
+    },
+    NotInUse {
+        funct: Box<str>,
+    },
+    NotInThread {
+        funct: Box<str>,
+        thread: Box<str>,
+    },
+    InitDone {
+        thread: Box<str>,
+        funct: Box<str>,
+    },
+    PeriodTooShort {
+        name: Box<str>,
+        period: i64,
+        existing: i64,
+    },
+    BadPeriod {
+        name: Box<str>,
+        period: i64,
+    },
+    ModuleExists {
+        name: Box<str>,
+    },
+    NoModule {
+        name: Box<str>,
+        searched: Box<str>,
+        near: Option<Box<str>>,
+    },
+    NotAPlugin {
+        file: Box<str>,
+        why: Box<str>,
+    },
+    WrongMajor {
+        file: Box<str>,
+        has: u32,
+        want: u32,
+    },
+    NewerMinor {
+        file: Box<str>,
+        has: u32,
+        want: u32,
+    },
+    Aborts {
+        file: Box<str>,
+    },
+    UnknownParameter {
+        word: Box<str>,
+        near: Option<Box<str>>,
+    },
+    InvalidParameter {
+        word: Box<str>,
+    },
+    InvalidArgument {
+        value: Box<str>,
+        word: Box<str>,
+        expects: &'static str,
+    },
+    TooManyItems {
+        name: Box<str>,
+        most: u32,
+    },
+    MissingArgument {
+        name: Box<str>,
+        doc: Box<str>,
+    },
+    CountAndNames,
+    InitFailed {
+        name: Box<str>,
+        why: Box<str>,
+        code: i32,
+    },
+    OpenFailed {
+        name: Box<str>,
+        why: Box<str>,
+    },
+    NotLoaded {
+        name: Box<str>,
+    },
+    NotRealtime {
+        name: Box<str>,
+    },
+    NotAProgram {
+        name: Box<str>,
+    },
+    InUseBy {
+        name: Box<str>,
+        user: Box<str>,
+    },
+    Stuck {
+        thread: Box<str>,
+        funct: Box<str>,
+    },
+    TooManyStores {
+        stores: usize,
+    },
+    Faulted {
+        funct: Box<str>,
+    },
+    OutOfMemory,
+    CommandFailed {
+        why: Box<str>,
+        code: i32,
+    },
+    NoTicket {
+        id: u64,
+    },
+    NotVirtual,
+    NotAMember,
+    StreamTaken {
+        name: Box<str>,
+    },
+    File {
+        path: Box<str>,
+        why: Box<str>,
+    },
+    NotRecording,
+    Recording {
+        path: Box<str>,
+    },
+    Running {
+        instance: Box<str>,
+    },
+    System {
+        what: &'static str,
+        why: Box<str>,
+    },
+    Protocol {
+        why: Box<str>,
+    },
+    ServiceTaken {
+        name: Box<str>,
+        by: Box<str>,
+    },
+    NoService {
+        name: Box<str>,
+        version: u32,
+    },
+}
+
+impl core::fmt::Display for Error {
+    #[expect(clippy::too_many_lines, reason = "one line for each sentence")]
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::NameTooLong { what, name } => write!(f, "{what} name '{name}' is too long"),
+            Self::BadName { what, name } => write!(f, "'{name}' cannot be the name of a {what}"),
+            Self::Duplicate { what, name } => write!(f, "duplicate {what} '{name}'"),
+            Self::NotFound { what, name, .. } => write!(f, "{what} '{name}' not found"),
+            Self::NoItem { name, .. } => write!(f, "parameter or pin '{name}': not found"),
+            Self::NoPin { name, .. } => write!(f, "Pin '{name}' does not exist"),
+            Self::Locked { what } => write!(f, "HAL is locked, {what} is not permitted"),
+            Self::LinkedElsewhere { pin, signal, wanted } => {
+                write!(f, "pin '{pin}' is linked to '{signal}', cannot link to '{wanted}'")
+            }
+            Self::AlreadyLinked { pin, signal } => {
+                write!(f, "Pin '{pin}' was already linked to signal '{signal}'")
+            }
+            Self::TypeMismatch { pin, signal, .. } => {
+                write!(f, "type mismatch '{pin}' <- '{signal}'")
+            }
+            Self::CannotAdd { signal, ty, pin, pin_type } => write!(
+                f,
+                "Signal '{signal}' of type '{}' cannot add pin '{pin}' of type '{}'",
+                ty.name(),
+                pin_type.name()
+            ),
+            Self::HasWriter { signal, io: false } => {
+                write!(f, "signal '{signal}' already has output or I/O pin(s)")
+            }
+            Self::HasWriter { signal, io: true } => {
+                write!(f, "signal '{signal}' already has output pin")
+            }
+            Self::SecondWriter { signal, direction, pin, other_direction, other } => write!(
+                f,
+                "Signal '{signal}' can not add {direction} pin '{pin}', it already has \
+                 {other_direction} pin '{other}'"
+            ),
+            Self::PortIo { signal } => {
+                write!(f, "signal '{signal}' is a port and cannot have I/O pin(s)")
+            }
+            Self::PortReaders { signal } => {
+                write!(f, "signal '{signal}' is a port and can only have one input pin")
+            }
+            Self::NoPins => f.write_str("'net' requires at least one pin, none given"),
+            Self::SignalIsPin { name } => write!(
+                f,
+                "Signal name '{name}' must not be the same as a pin.  Did you omit the signal \
+                 name?"
+            ),
+            Self::NoSignals => f.write_str("no signals found to be deleted"),
+            Self::NotWritable { what, name, .. } => write!(f, "{what} '{name}': not writable"),
+            Self::InvalidValue { what, name, .. } => write!(f, "{what} '{name}': invalid argument"),
+            Self::OutOfRange { what, name, .. } => {
+                write!(f, "{what} '{name}': value out of range")
+            }
+            Self::QueueAllocated { name } => {
+                write!(f, "signal '{name}': queue already allocated")
+            }
+            Self::BadPosition { position } => write!(f, "bad position: {position}"),
+            Self::PositionTooHigh { position } => write!(f, "position '{position}' is too high"),
+            Self::PositionTooLow { position } => write!(f, "position '{position}' is too low"),
+            Self::OneThreadOnly { funct } => {
+                write!(f, "function '{funct}' may only be added to one thread")
+            }
+            Self::NotInUse { funct } => write!(f, "function '{funct}' is not in use"),
+            Self::NotInThread { funct, thread } => {
+                write!(f, "thread '{thread}' doesn't use {funct}")
+            }
+            Self::InitDone { thread, funct } => write!(
+                f,
+                "initf: thread '{thread}' init cycle already executed; '{funct}' was NOT registered"
+            ),
+            Self::PeriodTooShort { period, existing, .. } => write!(
+                f,
+                "new thread period {period} is less than existing thread period {existing}"
+            ),
+            Self::BadPeriod { name, period } => {
+                write!(f, "thread '{name}' cannot have the period {period} ns")
+            }
+            Self::ModuleExists { name } => write!(f, "{name}: already exists"),
+            Self::NoModule { name, searched, .. } => {
+                write!(f, "{name}: no plugin library offers this component (searched {searched})")
+            }
+            Self::NotAPlugin { file, why } => write!(f, "{file}: not a plugin: {why}"),
+            Self::WrongMajor { file, has, want } => write!(
+                f,
+                "{file}: built for major version {has} of the plugin contract, this engine has {want}"
+            ),
+            Self::NewerMinor { file, has, want } => write!(
+                f,
+                "{file}: built for minor version {has} of the plugin contract, this engine has \
+                 only {want}"
+            ),
+            Self::Aborts { file } => write!(
+                f,
+                "{file}: built with panic=abort: a panic in it would end the machine's process"
+            ),
+            Self::UnknownParameter { word, .. } => write!(f, "Unknown parameter `{word}'"),
+            Self::InvalidParameter { word } => write!(f, "Invalid parameter `{word}'"),
+            Self::InvalidArgument { value, word, .. } => {
+                write!(f, "`{value}' invalid for parameter `{word}'")
+            }
+            Self::TooManyItems { name, most } => {
+                write!(f, "{name}: can only take {most} arguments")
+            }
+            Self::MissingArgument { name, .. } => write!(f, "parameter `{name}' is missing"),
+            Self::CountAndNames => f.write_str("count= and names= are mutually exclusive"),
+            Self::InitFailed { name, why, .. } | Self::OpenFailed { name, why } => {
+                write!(f, "{name}: {why}")
+            }
+            Self::NotLoaded { name } => write!(f, "component '{name}' is not loaded"),
+            Self::NotRealtime { name } => write!(f, "component '{name}' is not a realtime module"),
+            Self::NotAProgram { name } => write!(f, "'{name}' is not a userspace component"),
+            Self::InUseBy { name, user } => {
+                write!(f, "component '{name}' is in use by component '{user}'")
+            }
+            Self::Stuck { thread, funct } => {
+                write!(f, "thread '{thread}' is stuck in its cycle, in function '{funct}'")
+            }
+            Self::TooManyStores { stores } => write!(
+                f,
+                "this change takes {stores} stores at once; at most 256 are made while threads run"
+            ),
+            Self::Faulted { funct } => {
+                write!(f, "function '{funct}' has failed: threads stay stopped")
+            }
+            Self::OutOfMemory => f.write_str("insufficient memory"),
+            Self::CommandFailed { why, .. } | Self::Protocol { why } => f.write_str(why),
+            Self::NoTicket { id } => write!(f, "no command with ticket {id} is known"),
+            Self::NotVirtual => f.write_str("'run' moves the virtual clock; this one is real"),
+            Self::NotAMember => f.write_str("this client has not joined as a component"),
+            Self::StreamTaken { name } => {
+                write!(f, "stream '{name}' is in use by another program")
+            }
+            Self::File { path, why } => write!(f, "{path}: {why}"),
+            Self::NotRecording => f.write_str("nothing is being recorded"),
+            Self::Recording { path } => write!(f, "already recording to {path}"),
+            Self::Running { instance } => write!(f, "instance '{instance}' is already running"),
+            Self::System { what, why } => write!(f, "{what}: {why}"),
+            Self::ServiceTaken { name, by } => {
+                write!(f, "{name} are loaded already, by component '{by}'")
+            }
+            Self::NoService { name, version } => {
+                write!(f, "no {name} (version {version}) are loaded")
+            }
+        }
+    }
+}
+
+impl std::error::Error for Error {}
+
+impl Error {
+    /// The errno that goes with it.
+    #[must_use]
+    pub const fn errno(&self) -> i32 {
+        match self {
+            Self::NotFound { .. }
+            | Self::NoItem { .. }
+            | Self::NoPin { .. }
+            | Self::NoModule { .. }
+            | Self::NotLoaded { .. }
+            | Self::NoTicket { .. }
+            | Self::NoService { .. }
+            | Self::NoSignals => -2,
+            Self::Locked { .. } => -1,
+            Self::NotWritable { .. } => -13,
+            Self::OutOfMemory => -12,
+            Self::InUseBy { .. }
+            | Self::Stuck { .. }
+            | Self::StreamTaken { .. }
+            | Self::Recording { .. }
+            | Self::Running { .. } => -16,
+            Self::Duplicate { .. } | Self::ModuleExists { .. } | Self::ServiceTaken { .. } => -17,
+            Self::OutOfRange { .. } => -34,
+            Self::QueueAllocated { .. } => -106,
+            Self::InitFailed { code, .. } | Self::CommandFailed { code, .. } => *code,
+            _ => -22,
+        }
+    }
+
+    /// What would be right.
+    #[must_use]
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::NotFound { near, .. }
+            | Self::NoItem { near, .. }
+            | Self::NoPin { near, .. }
+            | Self::NoModule { near, .. }
+            | Self::UnknownParameter { near, .. } => {
+                near.as_ref().map(|n| format!("did you mean '{n}'?"))
+            }
+            Self::InvalidValue { expects, .. }
+            | Self::OutOfRange { expects, .. }
+            | Self::InvalidArgument { expects, .. } => Some((*expects).to_owned()),
+            Self::NotWritable { why, .. } => Some((*why).to_owned()),
+            Self::NameTooLong { .. } => Some(format!("at most {} characters", hal_abi::NAME_LEN)),
+            Self::TypeMismatch { pin, pin_type, signal, signal_type } => Some(format!(
+                "pin '{pin}' is {}, signal '{signal}' is {}",
+                pin_type.name(),
+                signal_type.name()
+            )),
+            Self::MissingArgument { doc, .. } => Some(doc.to_string()),
+            Self::PeriodTooShort { .. } => Some("create the fastest thread first".to_owned()),
+            Self::Faulted { .. } => Some("'status' says why; unload it to go on".to_owned()),
+            Self::InUseBy { user, .. } => Some(format!("unload '{user}' first")),
+            Self::LinkedElsewhere { pin, .. } | Self::AlreadyLinked { pin, .. } => {
+                Some(format!("'unlinkp {pin}' frees it"))
+            }
+            Self::NoService { name, .. } => Some(format!("load {name} first, such as trivkins")),
+            _ => None,
+        }
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(e: Error) -> Self {
+        Self { code: e.errno(), text: e.to_string(), hint: e.hint(), before: Vec::new() }
+    }
+}

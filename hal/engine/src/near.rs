@@ -1,0 +1,16 @@
+//! The name that was probably meant.
+
+/// The candidate nearest to `word`, if one is near.
+pub(crate) fn nearest<'n>(
+    word: &str,
+    names: impl IntoIterator<Item = &'n str>,
+) -> Option<Box<str>> {
+    let far = 1 + word.len() / 4;
+    names
+        .into_iter()
+        .filter(|n| n.len().abs_diff(word.len()) <= far)
+        .map(|n| (strsim::damerau_levenshtein(word, n), n))
+        .filter(|(d, _)| *d <= far)
+        .min()
+        .map(|(_, n)| n.into())
+}

@@ -1,0 +1,155 @@
+//! Everything that this crate asks of Linux: memory, scheduling, clocks, signals.
+
+use core::ptr::{NonNull, null_mut};
+use crate::sync::{AtomicBool, Ordering::Relaxed};
+
+/// Reserves address space without memory behind it.
+pub(crate) fn reserve(bytes: usize) -> Option<NonNull<u8>> {
+    // SAFETY: a fresh anonymous mapping.
+    let p = unsafe {
+        libc::mmap(
+            null_mut(),
+            bytes,
+            libc::PROT_NONE,
+            libc::MAP_PRIVATE | libc::MAP_ANONYMOUS | libc::MAP_NORESERVE,
+            -1,
+            0,
+        )
+    };
+    if p == libc::MAP_FAILED { None } else { NonNull::new(p.cast()) }
+}
+
+/// Puts memory behind a part of a reservation; locks and touches it where the system allows.
+pub(crate) fn commit(at: NonNull<u8>, bytes: usize, lock: bool) -> bool {
+    // SAFETY: within a reservation of ours.
+    let status =
+        unsafe { libc::mprotect(at.as_ptr().cast(), bytes, libc::PROT_READ | libc::PROT_WRITE) };
+    if status != 0 {
+        return false;
+    }
+    if lock {
+        // SAFETY: committed above; a refusal only means that pages may fault.
+        unsafe { libc::mlock(at.as_ptr().cast(), bytes) };
+    }
+    true
+}
+
+/// Gives a reservation back.
+///
+/// # Safety
+/// It came from [`reserve`] with this size, and nothing points into it any more.
+pub(crate) unsafe fn release(at: NonNull<u8>, bytes: usize) {
+    // SAFETY: the caller's promise.
+    unsafe { libc::munmap(at.as_ptr().cast(), bytes) };
+}
+
+/// The monotonic clock in nanoseconds.
+pub(crate) fn monotonic_ns() -> i64 {
+    let t = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
+    t.tv_sec * 1_000_000_000 + t.tv_nsec
+}
+
+/// Realtime. Sleeps until the monotonic clock reads `ns`.
+pub(crate) fn sleep_until(ns: i64) {
+    let t = libc::timespec { tv_sec: ns / 1_000_000_000, tv_nsec: ns % 1_000_000_000 };
+    loop {
+        // SAFETY: `t` lives across the call.
+        let e = unsafe {
+            libc::clock_nanosleep(
+                libc::CLOCK_MONOTONIC,
+                libc::TIMER_ABSTIME,
+                &raw const t,
+                null_mut(),
+            )
+        };
+        if e != libc::EINTR {
+            return;
+        }
+    }
+}
+
+/// Realtime. The cycle counter, or nanoseconds where there is none.
+#[inline]
+pub(crate) fn ticks() -> u64 {
+    #[cfg(target_arch = "x86_64")]
+    {
+        // SAFETY: every x86-64 processor has it.
+        unsafe { core::arch::x86_64::_rdtsc() }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        monotonic_ns().cast_unsigned()
+    }
+}
+
+/// Asks for `SCHED_FIFO` at `priority` for this thread.
+pub(crate) fn become_fifo(priority: i32) -> bool {
+    let p = libc::sched_param { sched_priority: priority };
+    // SAFETY: `p` lives across the call; 0 is this thread.
+    unsafe { libc::sched_setscheduler(0, libc::SCHED_FIFO, &raw const p) == 0 }
+}
+
+/// Whether this process may use `SCHED_FIFO`: tried on a thread that ends at once.
+pub(crate) fn may_fifo() -> bool {
+    std::thread::spawn(|| become_fifo(1)).join().unwrap_or(false)
+}
+
+/// The processors that this process may use.
+pub(crate) fn cpus() -> Vec<usize> {
+    let Ok(set) = rustix::thread::sched_getaffinity(None) else { return Vec::new() };
+    (0..rustix::thread::CpuSet::MAX_CPU).filter(|c| set.is_set(*c)).collect()
+}
+
+/// Keeps this thread on one processor.
+pub(crate) fn stay_on(cpu: usize) -> bool {
+    if cpu >= rustix::thread::CpuSet::MAX_CPU {
+        return false;
+    }
+    let mut set = rustix::thread::CpuSet::new();
+    set.set(cpu);
+    rustix::thread::sched_setaffinity(None, &set).is_ok()
+}
+
+static SIGNALLED: AtomicBool = AtomicBool::new(false);
+
+extern "C" fn on_signal(_: i32) {
+    SIGNALLED.store(true, Relaxed);
+}
+
+/// From now on SIGINT, SIGTERM and SIGHUP are only remembered; SIGPIPE is ignored.
+pub(crate) fn catch_signals() {
+    let handler = on_signal as extern "C" fn(i32);
+    for signal in [libc::SIGINT, libc::SIGTERM, libc::SIGHUP] {
+        // SAFETY: all zero is a valid `sigaction`.
+        let mut action: libc::sigaction = unsafe { core::mem::zeroed() };
+        action.sa_sigaction = handler as *const () as usize;
+        // SAFETY: a handler that only stores to an atomic; no SA_RESTART, so that waits end.
+        unsafe { libc::sigaction(signal, &raw const action, null_mut()) };
+    }
+    // SAFETY: ignoring is always valid.
+    unsafe { libc::signal(libc::SIGPIPE, libc::SIG_IGN) };
+}
+
+/// Whether one of them has come.
+pub(crate) fn signalled() -> bool {
+    SIGNALLED.load(Relaxed)
+}
+
+/// Whether a process is there; a child of ours that has ended is collected and is not.
+pub(crate) fn alive(pid: i32) -> bool {
+    // SAFETY: without a place for the status, the call only collects.
+    let waited = unsafe { libc::waitpid(pid, null_mut(), libc::WNOHANG) };
+    if waited == pid {
+        return false;
+    }
+    // SAFETY: signal 0 only asks.
+    unsafe { libc::kill(pid, 0) == 0 }
+}
+
+/// Sends SIGTERM, or SIGKILL when `hard`.
+pub(crate) fn end_process(pid: i32, hard: bool) {
+    if pid > 1 {
+        // SAFETY: a plain signal to one process.
+        unsafe { libc::kill(pid, if hard { libc::SIGKILL } else { libc::SIGTERM }) };
+    }
+}

@@ -1,0 +1,209 @@
+//! Requests, one by one.
+
+use crate::{
+    Engine, Error,
+    args::Args,
+    engine::{Pending, Program},
+    os,
+    sync::Ordering,
+};
+use hal_protocol::{Answer, Failure, LATEST, Link, Reply, Request, TicketInfo};
+
+impl Engine {
+    /// Carries out what needs no client and no waiting.
+    pub(crate) fn carry(&mut self, request: Request) -> Result<Reply, Error> {
+        match request {
+            Request::Load { module, args } => self.load(&module, &args)?,
+            Request::Unload { name } => self.unload(&name)?,
+            Request::UnloadAll => self.unload_all()?,
+            Request::NewSignal { name, ty } => {
+                self.new_signal(&name, ty)?;
+            }
+            Request::DeleteSignal { name: Some(name) } => self.delete_signal(&name)?,
+            Request::DeleteSignal { name: None } => self.delete_all_signals()?,
+            Request::Net { signal, pins } => self.net(&signal, &pins)?,
+            Request::Link { pin, signal } => self.link(&pin, &signal)?,
+            Request::Unlink { pin } => self.unlink(&pin)?,
+            Request::Set { name, value } => self.set_item(&name, &value)?,
+            Request::Get { name } => return Ok(Reply::Value(self.get_item(&name)?)),
+            Request::SetSignal { name, value } => self.set_signal(&name, &value)?,
+            Request::GetSignal { name } => return Ok(Reply::Value(self.get_signal(&name)?)),
+            Request::AddFunct { funct, thread, position, init } => {
+                self.add_funct(&funct, &thread, position, init)?;
+            }
+            Request::RemoveFunct { funct, thread } => {
+                self.remove_funct(&funct, thread.as_deref())?;
+            }
+            Request::Start => self.start_threads()?,
+            Request::Stop => {
+                self.unlocked(hal_protocol::Lock::RUN, "stop_threads")?;
+                self.stop_threads()?;
+            }
+            Request::Alias { param, name, alias } => self.alias(param, &name, &alias)?,
+            Request::Unalias { param, name } => self.unalias(param, &name)?,
+            Request::SetLock { level } => self.lock = level,
+            Request::List { kind, patterns, ty } => return Ok(self.list(kind, &patterns, ty)),
+            Request::Status => return Ok(Reply::Status(Box::new(self.status()))),
+            Request::Component { name } => {
+                let ix = self.graph.components.get(name.as_str()).copied();
+                let info = ix.and_then(|ix| self.component_info(ix));
+                return Ok(Reply::Components(info.into_iter().collect()));
+            }
+            Request::MessageLevel { level } => self.shared.level.store(level, Ordering::Relaxed),
+            Request::Command { name, args } => return self.command(&name, &args),
+            Request::Adopt { pid, program } => {
+                let since = os::monotonic_ns();
+                let joined = self
+                    .graph
+                    .components
+                    .values()
+                    .any(|ix| self.graph.component(*ix).is_some_and(|c| c.pid == Some(pid)));
+                self.programs.push(Program { pid, name: program, since, joined });
+            }
+            Request::EndProgram { name } => self.end_program(name.as_deref())?,
+            Request::Record { path, patterns } => self.record(&path, &patterns)?,
+            Request::EndRecord => self.end_recording()?,
+            Request::Shutdown => self.shutdown = true,
+            Request::Hello { .. }
+            | Request::Run { .. }
+            | Request::Ticket { .. }
+            | Request::Idle { .. }
+            | Request::Join { .. }
+            | Request::NewPin { .. }
+            | Request::Ready
+            | Request::Poll { .. }
+            | Request::Attach { .. } => return Err(Error::NotAMember),
+        }
+        Ok(Reply::Done)
+    }
+
+    /// `COMPONENT.VERB name=value …`.
+    fn command(&mut self, name: &str, words: &[String]) -> Result<Reply, Error> {
+        let owner = crate::graph::find(&self.graph.commands, "command", name)?;
+        let component = self.graph.component(owner);
+        let command = component
+            .and_then(|c| c.commands.iter().find(|c| c.name.as_str() == name))
+            .ok_or_else(|| Error::NotFound {
+            what: "command",
+            name: name.into(),
+            near: None,
+        })?;
+        let args = Args::parse(&command.args, words)?;
+        let outcome = command.code.call(args)?;
+        let ticket = outcome.ticket.map(|ticket| {
+            let id = self.next_ticket;
+            self.next_ticket += 1;
+            self.tickets.insert(id, Pending { owner, ticket });
+            id
+        });
+        Ok(Reply::Answer(Answer { lines: outcome.lines, ticket }))
+    }
+
+    /// `unloadusr`.
+    fn end_program(&mut self, name: Option<&str>) -> Result<(), Error> {
+        let programs: Vec<(String, i32)> = self
+            .graph
+            .components
+            .values()
+            .filter_map(|ix| self.graph.component(*ix))
+            .filter_map(|c| Some((c.name.as_str().to_owned(), c.pid?)))
+            .filter(|(n, _)| !n.starts_with("halcmd"))
+            .collect();
+        match name {
+            Some(name) => {
+                if let Some(ix) = self.graph.components.get(name)
+                    && self.graph.component(*ix).is_some_and(|c| c.realtime)
+                {
+                    return Err(Error::NotAProgram { name: name.into() });
+                }
+                if let Some((_, pid)) = programs.iter().find(|(n, _)| n == name) {
+                    os::end_process(*pid, false);
+                }
+            }
+            None => programs.iter().for_each(|(_, pid)| os::end_process(*pid, false)),
+        }
+        Ok(())
+    }
+
+    /// The machine time at which a `run` of `ns` ends.
+    pub(crate) fn run_end(&self, ns: u64) -> Result<i64, Error> {
+        if !self.shared.is_virtual() {
+            return Err(Error::NotVirtual);
+        }
+        Ok(self.shared.now().saturating_add(i64::try_from(ns).unwrap_or(i64::MAX)))
+    }
+
+    fn wait_for_ticket(&mut self, id: u64) -> Result<TicketInfo, Error> {
+        loop {
+            // Enough instants between looks at the socket that the look costs nothing.
+            for _ in 0..4096 {
+                let info = self.ticket(id)?;
+                if info != TicketInfo::Pending || self.is_ending() || self.fault.is_some() {
+                    return Ok(info);
+                }
+                if !self.shared.is_virtual() {
+                    break;
+                }
+                self.advance_one();
+                if self.shared.fault.get().is_some() {
+                    break;
+                }
+            }
+            self.pump(i32::from(!self.shared.is_virtual()));
+        }
+    }
+}
+
+impl Link for Engine {
+    fn call(&mut self, request: Request) -> Result<Reply, Failure> {
+        let reply = match request {
+            Request::Hello { .. } => Reply::Hello {
+                protocol: LATEST,
+                instance: self.options.place.name().to_owned(),
+                version: env!("CARGO_PKG_VERSION").to_owned(),
+                id: 0,
+            },
+            Request::Run { ns } => {
+                let end = self.run_end(ns)?;
+                let before = core::mem::replace(&mut self.target, end);
+                while self.shared.now() < end && !self.is_ending() {
+                    self.pump(1);
+                }
+                self.target = before;
+                Reply::Done
+            }
+            Request::Ticket { id, wait } => {
+                let info = if wait { self.wait_for_ticket(id)? } else { self.ticket(id)? };
+                Reply::Ticket(info)
+            }
+            Request::Idle { ms, flow } => {
+                let end = os::monotonic_ns() + i64::from(ms) * 1_000_000;
+                let before = self.target;
+                if flow {
+                    self.target = i64::MAX;
+                    self.script_waits = true;
+                }
+                loop {
+                    let left = (end - os::monotonic_ns()) / 1_000_000;
+                    self.pump(i32::try_from(left.max(0)).unwrap_or(1));
+                    if os::monotonic_ns() >= end || self.is_ending() {
+                        break;
+                    }
+                }
+                self.target = before;
+                self.script_waits = false;
+                Reply::Done
+            }
+            other => {
+                let reply = self.carry(other)?;
+                self.hear();
+                reply
+            }
+        };
+        Ok(reply)
+    }
+
+    fn is_local(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,94 @@
+//! Rings that components share with programs: memory that no program can shrink.
+
+use crate::graph::Ix;
+use core::ptr::null_mut;
+use hal_abi::{MAX_WIDTH, Ring, StreamRef, StreamSpec, stream_direction};
+use hal_protocol::{StreamInfo, Type};
+use rustix::{
+    fs::{MemfdFlags, SealFlags, fcntl_add_seals, ftruncate, memfd_create},
+    mm::{MapFlags, ProtFlags, mmap, munmap},
+};
+use std::os::fd::OwnedFd;
+
+/// A shared ring.
+#[derive(Debug)]
+pub(crate) struct SharedRing {
+    pub(crate) owner: Ix,
+    pub(crate) fd: OwnedFd,
+    pub(crate) out: bool,
+    /// The client that is attached.
+    pub(crate) attached: Option<u64>,
+    types: Vec<Type>,
+    depth: u32,
+    ring: *mut Ring,
+    bytes: usize,
+}
+
+impl SharedRing {
+    pub(crate) fn new(owner: Ix, spec: &StreamSpec) -> Result<Self, String> {
+        let width = spec.width as usize;
+        if width == 0 || width > MAX_WIDTH || spec.depth < 2 || spec.depth > 1 << 24 {
+            return Err(format!(
+                "a stream of {} values and depth {} is not possible: 1 to {MAX_WIDTH} values, \
+                 depth 2 to 16777216",
+                spec.width, spec.depth
+            ));
+        }
+        let out = match spec.direction {
+            stream_direction::OUT => true,
+            stream_direction::IN => false,
+            _ => return Err("a stream has no direction".into()),
+        };
+        let types: Option<Vec<Type>> =
+            spec.types.iter().take(width).map(|t| Type::from_code(*t)).collect();
+        let types = types.ok_or("a stream has a value of no known type")?;
+        let bytes = Ring::bytes(spec.depth, spec.width);
+        let fail = |e: rustix::io::Errno| format!("no memory for a stream: {e}");
+        let fd = memfd_create("hal-stream", MemfdFlags::CLOEXEC | MemfdFlags::ALLOW_SEALING)
+            .map_err(fail)?;
+        ftruncate(&fd, bytes as u64).map_err(fail)?;
+        fcntl_add_seals(&fd, SealFlags::SHRINK | SealFlags::GROW | SealFlags::SEAL)
+            .map_err(fail)?;
+        let flags = MapFlags::SHARED | MapFlags::POPULATE;
+        // SAFETY: a fresh shared mapping of a file sealed against shrinking.
+        let p =
+            unsafe { mmap(null_mut(), bytes, ProtFlags::READ | ProtFlags::WRITE, flags, &fd, 0) }
+                .map_err(fail)?;
+        let ring = p.cast::<Ring>();
+        // SAFETY: mapped, page-aligned, not yet shared.
+        unsafe { ring.write(Ring::new(spec.depth, spec.width, spec.types)) };
+        Ok(Self { owner, fd, out, attached: None, types, depth: spec.depth, ring, bytes })
+    }
+
+    /// What its component is given.
+    pub(crate) fn made(&self) -> StreamRef {
+        let width = u32::try_from(self.types.len()).unwrap_or(0);
+        StreamRef { ring: self.ring, depth: self.depth, width }
+    }
+
+    /// How it is described to programs.
+    pub(crate) fn info(&self, name: &str) -> StreamInfo {
+        StreamInfo {
+            name: name.to_owned(),
+            out: self.out,
+            depth: self.depth,
+            types: self.types.clone(),
+            attached: self.attached.is_some(),
+        }
+    }
+
+    /// Whether the virtual clock would lose something by moving: full, or empty with its writer
+    /// still there.
+    pub(crate) fn holds_back(&self) -> bool {
+        // SAFETY: mapped as long as this lives.
+        let waiting = unsafe { &*self.ring }.waiting(self.depth);
+        if self.out { waiting + 1 >= self.depth } else { waiting == 0 && self.attached.is_some() }
+    }
+}
+
+impl Drop for SharedRing {
+    fn drop(&mut self) {
+        // SAFETY: mapped in `new`; its component is gone, so nobody of ours uses it.
+        let _ = unsafe { munmap(self.ring.cast(), self.bytes) };
+    }
+}

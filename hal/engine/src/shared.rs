@@ -1,0 +1,175 @@
+//! Realtime. What all threads of an instance and its control side share.
+
+use crate::{
+    ClockKind,
+    change::Change,
+    handover::Boundary,
+    os,
+    record::Probe,
+    sync::{Arc, AtomicBool, AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering},
+    thread::Thread,
+};
+use arc_swap::{ArcSwap, ArcSwapOption};
+use crossbeam::queue::ArrayQueue;
+use hal_abi::Str;
+
+/// Something that a component says.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Message {
+    pub(crate) level: u8,
+    pub(crate) component: u32,
+    pub(crate) text: Str,
+    pub(crate) numbers: [f64; 8],
+    pub(crate) n: usize,
+}
+
+/// Which function failed, once.
+#[derive(Debug, Default)]
+pub(crate) struct Fault {
+    /// 0 none, 1 being written, 2 there.
+    state: AtomicU32,
+    thread: AtomicU32,
+    funct: AtomicU32,
+}
+
+impl Fault {
+    /// Records the first fault.
+    pub(crate) fn set(&self, thread: u32, funct: u32) {
+        // Pairs with itself: the first one wins.
+        if self.state.compare_exchange(0, 1, Ordering::AcqRel, Ordering::Relaxed).is_ok() {
+            self.thread.store(thread, Ordering::Relaxed);
+            self.funct.store(funct, Ordering::Relaxed);
+            self.state.store(2, Ordering::Release); // Pairs with `get`.
+        }
+    }
+
+    /// Thread and function, if one has failed.
+    pub(crate) fn get(&self) -> Option<(u32, u32)> {
+        let there = self.state.load(Ordering::Acquire) == 2; // Pairs with `set`.
+        there.then(|| (self.thread.load(Ordering::Relaxed), self.funct.load(Ordering::Relaxed)))
+    }
+
+    /// Control side: forgets it; no thread is inside a cycle.
+    pub(crate) fn clear(&self) {
+        self.state.store(0, Ordering::Release); // Pairs with `set`.
+    }
+}
+
+/// The text of a panic, kept without allocation.
+#[derive(Debug)]
+pub(crate) struct Cause {
+    len: AtomicU32,
+    bytes: [AtomicU8; 256],
+}
+
+impl Cause {
+    const fn new() -> Self {
+        Self { len: AtomicU32::new(0), bytes: [const { AtomicU8::new(0) }; 256] }
+    }
+
+    /// Keeps the first 256 bytes; the `Fault` that follows publishes them.
+    pub(crate) fn store(&self, text: &str) {
+        let mut n = 0;
+        for (place, b) in self.bytes.iter().zip(text.bytes()) {
+            place.store(b, Ordering::Relaxed);
+            n += 1;
+        }
+        self.len.store(n, Ordering::Release); // Pairs with `text`.
+    }
+
+    /// Control side: what was kept.
+    pub(crate) fn text(&self) -> String {
+        let n = self.len.load(Ordering::Acquire) as usize; // Pairs with `store`.
+        let bytes: Vec<u8> = self.bytes.iter().take(n).map(|b| b.load(Ordering::Relaxed)).collect();
+        String::from_utf8_lossy(&bytes).into_owned()
+    }
+}
+
+/// Shared by all threads of an instance and its control side.
+#[derive(Debug)]
+pub(crate) struct Shared {
+    clock: ClockKind,
+    /// Virtual: machine time. Real: the monotonic clock at machine time zero.
+    time: AtomicI64,
+    pub(crate) boundary: Boundary<Change>,
+    /// In order of creation: the fastest first.
+    pub(crate) threads: ArcSwap<Vec<Arc<Thread>>>,
+    pub(crate) fault: Fault,
+    pub(crate) cause: Cause,
+    pub(crate) probe: ArcSwapOption<Probe>,
+    messages: ArrayQueue<Message>,
+    pub(crate) lost_messages: AtomicU64,
+    /// Up to which level components' messages are shown.
+    pub(crate) level: AtomicU8,
+    /// Nanoseconds per tick, as the bits of a float.
+    tick_ns: AtomicU64,
+    pub(crate) quit: AtomicBool,
+}
+
+impl Shared {
+    pub(crate) fn new(clock: ClockKind) -> Arc<Self> {
+        let start = match clock {
+            ClockKind::Real => os::monotonic_ns(),
+            ClockKind::Virtual => 0,
+        };
+        Arc::new(Self {
+            clock,
+            time: AtomicI64::new(start),
+            boundary: Boundary::new(),
+            threads: ArcSwap::from_pointee(Vec::new()),
+            fault: Fault::default(),
+            cause: Cause::new(),
+            probe: ArcSwapOption::empty(),
+            messages: ArrayQueue::new(4096),
+            lost_messages: AtomicU64::new(0),
+            level: AtomicU8::new(hal_abi::level::ERR),
+            tick_ns: AtomicU64::new(1_f64.to_bits()),
+            quit: AtomicBool::new(false),
+        })
+    }
+
+    pub(crate) fn is_virtual(&self) -> bool {
+        self.clock == ClockKind::Virtual
+    }
+
+    /// Machine time in nanoseconds.
+    pub(crate) fn now(&self) -> i64 {
+        let t = self.time.load(Ordering::Relaxed);
+        match self.clock {
+            ClockKind::Virtual => t,
+            ClockKind::Real => os::monotonic_ns() - t,
+        }
+    }
+
+    /// Turns the virtual clock.
+    pub(crate) fn set_now(&self, ns: i64) {
+        self.time.store(ns, Ordering::Relaxed);
+    }
+
+    /// Machine time zero on the monotonic clock.
+    pub(crate) fn origin(&self) -> i64 {
+        self.time.load(Ordering::Relaxed)
+    }
+
+    /// Keeps a message for the control side, or counts it as lost.
+    pub(crate) fn say(&self, m: Message) {
+        if m.level <= self.level.load(Ordering::Relaxed) && self.messages.push(m).is_err() {
+            self.lost_messages.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    /// Control side: the oldest message.
+    pub(crate) fn heard(&self) -> Option<Message> {
+        self.messages.pop()
+    }
+
+    /// Nanoseconds for a number of ticks.
+    pub(crate) fn tick_ns(&self) -> f64 {
+        f64::from_bits(self.tick_ns.load(Ordering::Relaxed))
+    }
+
+    /// Control side: how long a tick is.
+    pub(crate) fn set_tick_ns(&self, ns: f64) {
+        self.tick_ns.store(ns.to_bits(), Ordering::Relaxed);
+    }
+}

@@ -1,0 +1,55 @@
+//! Background work of components: on the control side, never in a realtime thread.
+
+use crate::{Engine, code::Code, graph::Ix, name::Name};
+use hal_abi::Run;
+
+/// Work that is done every so often.
+#[derive(Debug)]
+pub(crate) struct Task {
+    pub(crate) name: Name,
+    pub(crate) owner: Ix,
+    period_ns: i64,
+    due: i64,
+    code: Code<Run>,
+    failed: bool,
+}
+
+impl Task {
+    pub(crate) const fn new(
+        name: Name,
+        owner: Ix,
+        period_ns: i64,
+        now: i64,
+        code: Code<Run>,
+    ) -> Self {
+        // At multiples of the period, from the next one on.
+        let due = (now.div_euclid(period_ns) + 1) * period_ns;
+        Self { name, owner, period_ns, due, code, failed: false }
+    }
+}
+
+impl Engine {
+    /// When the next task is due, in machine time.
+    pub(crate) fn next_task(&self) -> i64 {
+        self.tasks.iter().filter(|t| !t.failed).map(|t| t.due).min().unwrap_or(i64::MAX)
+    }
+
+    /// Runs every task that is due, in order of creation.
+    pub(crate) fn run_tasks(&mut self, now: i64) {
+        let mut failed = Vec::new();
+        for t in &mut self.tasks {
+            if t.failed || t.due > now {
+                continue;
+            }
+            t.due = (now.div_euclid(t.period_ns) + 1) * t.period_ns;
+            if !t.code.run(t.period_ns).is_ok() {
+                t.failed = true;
+                failed.push(t.name.clone());
+            }
+        }
+        for name in failed {
+            let cause = self.shared.cause.text();
+            self.notice(format!("task '{name}' has failed and is not run again: {cause}"));
+        }
+    }
+}

@@ -1,0 +1,223 @@
+//! Realtime. A thread and its cycle: run, time, beat.
+
+use crate::{
+    code::{Code, Ptr},
+    handover::Gate,
+    os,
+    shared::Shared,
+    sync::{Arc, AtomicBool, AtomicI64, AtomicU32, AtomicU64, Ordering},
+};
+use arc_swap::ArcSwap;
+use core::ffi::c_void;
+use hal_abi::{Run, Slot};
+
+/// Where a function's or thread's times are shown.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Account {
+    pub(crate) time: Ptr<Slot>,
+    pub(crate) tmax: Ptr<Slot>,
+    /// Functions only.
+    pub(crate) increased: Option<Ptr<Slot>>,
+}
+
+impl Account {
+    #[inline]
+    fn note(&self, ns: i32) {
+        // SAFETY: a slot of the arena, alive as long as its component.
+        unsafe { Slot::cell(self.time.0.as_ptr()) }.store(u64::from(ns.cast_unsigned()));
+        // SAFETY: as above.
+        let tmax = unsafe { Slot::cell(self.tmax.0.as_ptr()) };
+        let longest = low(tmax.load());
+        let more = ns > longest;
+        if more {
+            tmax.store(u64::from(ns.cast_unsigned()));
+        }
+        if let Some(increased) = self.increased {
+            // SAFETY: as above.
+            unsafe { Slot::cell(increased.0.as_ptr()) }.store(u64::from(more));
+        }
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "32-bit values live in the low half")]
+const fn low(bits: u64) -> i32 {
+    (bits as u32).cast_signed()
+}
+
+/// A function in a list.
+#[derive(Debug)]
+pub(crate) struct Entry {
+    run: Run,
+    state: *mut c_void,
+    account: Account,
+    /// The function's number, for reports.
+    pub(crate) id: u32,
+    #[expect(dead_code, reason = "held so that the state lives as long as the list")]
+    code: Arc<Code<Run>>,
+}
+
+// SAFETY: one thread walks a list; the state is only used by running the code.
+unsafe impl Send for Entry {}
+// SAFETY: as for `Send`.
+unsafe impl Sync for Entry {}
+
+impl Entry {
+    pub(crate) fn new(id: u32, code: Arc<Code<Run>>, account: Account) -> Self {
+        Self { run: code.run, state: code.state, account, id, code }
+    }
+}
+
+/// What a thread runs.
+#[derive(Debug, Default)]
+pub(crate) struct List {
+    /// Once, in a cycle of its own, before all others.
+    pub(crate) init: Vec<Entry>,
+    /// In every cycle.
+    pub(crate) entries: Vec<Entry>,
+}
+
+/// How late wake-ups were: up to 1 µs, 2 µs, 4 µs, … and more.
+pub(crate) const BINS: usize = 16;
+
+/// A thread.
+#[derive(Debug)]
+pub(crate) struct Thread {
+    pub(crate) id: u32,
+    pub(crate) period_ns: i64,
+    pub(crate) list: ArcSwap<List>,
+    pub(crate) gate: Gate,
+    pub(crate) account: Account,
+    pub(crate) beat: Ptr<Slot>,
+    /// When its next cycle begins: virtual, machine time; real, the monotonic clock.
+    pub(crate) due: AtomicI64,
+    pub(crate) cycles: AtomicU64,
+    pub(crate) overruns: AtomicU64,
+    pub(crate) guilty: AtomicU32,
+    pub(crate) current: AtomicU32,
+    pub(crate) init_done: AtomicBool,
+    /// Whether functions are timed.
+    pub(crate) timed: AtomicBool,
+    pub(crate) latest: AtomicI64,
+    pub(crate) latency: [AtomicU64; BINS],
+    pub(crate) end: AtomicBool,
+}
+
+/// No function.
+pub(crate) const NOBODY: u32 = u32::MAX;
+
+impl Thread {
+    pub(crate) fn new(
+        id: u32,
+        period_ns: i64,
+        account: Account,
+        beat: Ptr<Slot>,
+        timed: bool,
+        due: i64,
+    ) -> Self {
+        Self {
+            id,
+            period_ns,
+            list: ArcSwap::from_pointee(List::default()),
+            gate: Gate::new(),
+            account,
+            beat,
+            due: AtomicI64::new(due),
+            cycles: AtomicU64::new(0),
+            overruns: AtomicU64::new(0),
+            guilty: AtomicU32::new(NOBODY),
+            current: AtomicU32::new(NOBODY),
+            init_done: AtomicBool::new(false),
+            timed: AtomicBool::new(timed),
+            latest: AtomicI64::new(0),
+            latency: [const { AtomicU64::new(0) }; BINS],
+            end: AtomicBool::new(false),
+        }
+    }
+
+    /// One cycle, if threads are started. The function that took longest is returned for the
+    /// report of an overrun.
+    pub(crate) fn cycle(&self, shared: &Shared) -> u32 {
+        if !shared.boundary.enter(&self.gate) {
+            return NOBODY;
+        }
+        let mut longest = NOBODY;
+        if shared.fault.get().is_none() {
+            let list = self.list.load();
+            if self.init_done.load(Ordering::Relaxed) || list.init.is_empty() {
+                self.init_done.store(true, Ordering::Relaxed);
+                longest = if self.timed.load(Ordering::Relaxed) {
+                    self.run_timed(&list.entries, shared)
+                } else {
+                    self.run(&list.entries, shared)
+                };
+            } else {
+                self.run(&list.init, shared);
+                self.init_done.store(true, Ordering::Relaxed);
+            }
+            let n = self.cycles.load(Ordering::Relaxed).wrapping_add(1);
+            self.cycles.store(n, Ordering::Relaxed);
+            // SAFETY: a slot of the arena, alive as long as the thread.
+            unsafe { Slot::cell(self.beat.0.as_ptr()) }.store(n);
+        }
+        self.gate.leave();
+        longest
+    }
+
+    #[inline]
+    fn run(&self, entries: &[Entry], shared: &Shared) -> u32 {
+        for e in entries {
+            self.current.store(e.id, Ordering::Relaxed);
+            // SAFETY: this thread alone runs the function, and the list keeps it alive.
+            if !unsafe { (e.run)(e.state, self.period_ns) }.is_ok() {
+                shared.fault.set(self.id, e.id);
+                break;
+            }
+        }
+        self.current.store(NOBODY, Ordering::Relaxed);
+        NOBODY
+    }
+
+    /// As `run`, with one reading of the cycle counter between neighbours.
+    fn run_timed(&self, entries: &[Entry], shared: &Shared) -> u32 {
+        let tick_ns = shared.tick_ns();
+        let begin = os::ticks();
+        let (mut last, mut most, mut longest) = (begin, 0, NOBODY);
+        for e in entries {
+            self.current.store(e.id, Ordering::Relaxed);
+            // SAFETY: this thread alone runs the function, and the list keeps it alive.
+            let status = unsafe { (e.run)(e.state, self.period_ns) };
+            let now = os::ticks();
+            let ns = in_ns(now.wrapping_sub(last), tick_ns);
+            last = now;
+            e.account.note(ns);
+            if ns > most {
+                (most, longest) = (ns, e.id);
+            }
+            if !status.is_ok() {
+                shared.fault.set(self.id, e.id);
+                break;
+            }
+        }
+        self.current.store(NOBODY, Ordering::Relaxed);
+        self.account.note(in_ns(last.wrapping_sub(begin), tick_ns));
+        longest
+    }
+
+    /// Notes how late a cycle began.
+    pub(crate) fn woke(&self, late_ns: i64) {
+        if late_ns > self.latest.load(Ordering::Relaxed) {
+            self.latest.store(late_ns, Ordering::Relaxed);
+        }
+        let us = u64::try_from(late_ns / 1000).unwrap_or(0);
+        let bin = (u64::BITS - us.leading_zeros()) as usize;
+        let bin = if bin < BINS { bin } else { BINS - 1 };
+        if let Some(count) = self.latency.get(bin) {
+            count.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a float saturates")]
+fn in_ns(ticks: u64, tick_ns: f64) -> i32 {
+    (ticks as f64 * tick_ns) as i32
+}
