@@ -1,7 +1,7 @@
 //! Everything that this crate asks of Linux: memory, scheduling, clocks, signals.
 
-use core::ptr::{NonNull, null_mut};
 use crate::sync::{AtomicBool, Ordering::Relaxed};
+use core::ptr::{NonNull, null_mut};
 
 /// Reserves address space without memory behind it.
 pub(crate) fn reserve(bytes: usize) -> Option<NonNull<u8>> {
