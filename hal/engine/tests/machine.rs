@@ -1,5 +1,5 @@
 //! Small machines in virtual time, from components that are linked in.
-#![expect(missing_docs, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "tests")]
 
 use hal_engine::{ClockKind, Engine, Options};
 use hal_protocol::{Failure, Kind, Link, Place, Reply, Request, Value};
