@@ -1,4 +1,4 @@
-//! Realtime. Who runs the threads: the virtual clock, or threads of the system.
+//! Realtime. The loops that run the threads: the virtual clock, and those of the real one.
 
 use crate::{
     os,
@@ -6,7 +6,6 @@ use crate::{
     sync::{Arc, Ordering},
     thread::Thread,
 };
-use std::thread::JoinHandle;
 
 /// Runs the virtual clock up to `until`, at most `instants` moments that do something. Everything
 /// due at one moment runs, faster threads first. Returns early when the probe is nearly full or a
@@ -51,83 +50,8 @@ pub(crate) fn turn(shared: &Shared, until: i64, instants: u32) {
     }
 }
 
-/// How the system's threads are arranged.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Scheduling {
-    /// Each thread is a thread of the system with `SCHED_FIFO`, all on one processor.
-    Fifo,
-    /// One thread of the system runs all, from one timeline.
-    Timeline,
-}
-
-/// The threads of the system that run the real clock.
-#[derive(Debug)]
-pub(crate) struct Runners {
-    shared: Arc<Shared>,
-    scheduling: Scheduling,
-    cpu: Option<usize>,
-    running: Vec<(u32, JoinHandle<()>)>,
-}
-
-impl Runners {
-    /// None yet.
-    pub(crate) fn new(shared: Arc<Shared>, scheduling: Scheduling, cpu: Option<usize>) -> Self {
-        Self { shared, scheduling, cpu, running: Vec::new() }
-    }
-
-    /// Begins to run a thread that is in `shared.threads` already.
-    pub(crate) fn begin(&mut self, thread: &Arc<Thread>, rank: usize) -> std::io::Result<()> {
-        let first = thread.due.load(Ordering::Relaxed);
-        debug_assert!(first > 0);
-        let fifo = self.scheduling == Scheduling::Fifo;
-        if !fifo && !self.running.is_empty() {
-            return Ok(());
-        }
-        let (shared, cpu) = (self.shared.clone(), self.cpu);
-        let mine = fifo.then(|| thread.clone());
-        // Below the kernel's own threads, and below each faster thread.
-        let priority = 90_i32.saturating_sub(i32::try_from(rank).unwrap_or(89)).max(1);
-        let handle = std::thread::Builder::new().name("hal-thread".into()).spawn(move || {
-            if let Some(cpu) = cpu {
-                os::stay_on(cpu);
-            }
-            if fifo {
-                os::become_fifo(priority);
-            }
-            warm(&shared);
-            match mine {
-                Some(t) => run_one(&shared, &t),
-                None => run_all(&shared),
-            }
-        })?;
-        self.running.push((thread.id, handle));
-        Ok(())
-    }
-
-    /// Waits for threads that were told to end. Those that do not are left behind: false.
-    pub(crate) fn end(&mut self, ids: &[u32], all: bool, patience_ns: i64) -> bool {
-        let limit = os::monotonic_ns() + patience_ns;
-        let leaving = |id: &u32| all || (self.scheduling == Scheduling::Fifo && ids.contains(id));
-        let (gone, stay): (Vec<_>, Vec<_>) =
-            core::mem::take(&mut self.running).into_iter().partition(|(id, _)| leaving(id));
-        self.running = stay;
-        let mut clean = true;
-        for (_, handle) in gone {
-            while !handle.is_finished() && os::monotonic_ns() < limit {
-                os::sleep_until(os::monotonic_ns() + 200_000);
-            }
-            if handle.is_finished() {
-                clean &= handle.join().is_ok();
-            } else {
-                clean = false;
-            }
-        }
-        clean
-    }
-}
-
 /// Whatever allocates on first use does so before the first cycle.
-fn warm(shared: &Shared) {
+pub(crate) fn warm(shared: &Shared) {
     drop(shared.threads.load());
     drop(shared.probe.load());
     for t in shared.threads.load().iter() {
@@ -167,7 +91,8 @@ fn beat(shared: &Shared, t: &Thread, threads: &[Arc<Thread>], due: i64) {
     t.due.store(next, Ordering::Relaxed);
 }
 
-fn run_one(shared: &Shared, t: &Thread) {
+/// One thread, until it is told to end.
+pub(crate) fn run_one(shared: &Shared, t: &Thread) {
     while !t.end.load(Ordering::Relaxed) && !shared.quit.load(Ordering::Relaxed) {
         let due = t.due.load(Ordering::Relaxed);
         os::sleep_until(due);
@@ -176,7 +101,8 @@ fn run_one(shared: &Shared, t: &Thread) {
     }
 }
 
-fn run_all(shared: &Shared) {
+/// All threads in turn, from one timeline.
+pub(crate) fn run_all(shared: &Shared) {
     while !shared.quit.load(Ordering::Relaxed) {
         let threads = shared.threads.load();
         let Some(due) = threads.iter().map(|t| t.due.load(Ordering::Relaxed)).min() else {

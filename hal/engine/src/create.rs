@@ -3,19 +3,18 @@
 use crate::{
     Engine, Error,
     args::{Args, Declared},
-    code::{Code, Keep, Ptr},
-    graph::{Command, Edge, Funct, Graph, Item, Ix, Node, Service, Storage},
+    code::{Code, Keep},
+    graph::{Command, Edge, Funct, Graph, Ix, Node, Service},
+    item::NewItem,
     name::Name,
     ring::SharedRing,
     sync::Arc,
     task::Task,
-    thread::Account,
 };
 use core::{ffi::c_void, ptr::NonNull};
 use hal_abi::{
-    ABI_MINOR, ActionSpec, ArgValue, CommandRun, CommandSpec, FunctSpec, Host, ItemSpec, Record,
-    ServiceSpec, Slot, Status, Str, StreamRef, StreamSpec, TaskSpec, ThreadSpec, Use, access,
-    funct_flags, host_flags, item_flags,
+    ActionSpec, CommandRun, CommandSpec, FunctSpec, ItemSpec, ServiceSpec, Slot, Status, Str,
+    StreamRef, StreamSpec, TaskSpec, ThreadSpec, Use, access, funct_flags, item_flags,
 };
 use hal_protocol::{Direction, Type};
 use std::collections::BTreeMap;
@@ -61,45 +60,6 @@ impl<'e> Creating<'e> {
         }
     }
 
-    /// The record for one instance.
-    pub(crate) fn host(
-        &mut self,
-        prefix: &str,
-        index: u32,
-        personality: i64,
-        private: bool,
-    ) -> Host {
-        let mut flags = self.keep.calls().flags;
-        if self.engine.options.simulate {
-            flags |= host_flags::SIMULATED;
-        }
-        if private {
-            flags |= host_flags::PRIVATE;
-        }
-        Host {
-            size: hal_abi::size::<Host>(),
-            abi_minor: ABI_MINOR,
-            flags,
-            index,
-            personality,
-            prefix: Str::borrow(prefix),
-            ctx: (&raw mut *self).cast(),
-            calls: std::ptr::from_ref(self.keep.calls()),
-            fail: Some(fail),
-            arg: Some(arg),
-            item: Some(item),
-            funct: Some(funct),
-            thread: Some(thread),
-            task: Some(task),
-            command: Some(command),
-            open: Some(open),
-            stop: Some(stop),
-            stream: Some(stream),
-            offer: Some(offer),
-            find: Some(find),
-        }
-    }
-
     /// Draws the edges of what functions touch, when all of the load is declared.
     pub(crate) fn draw_edges(&mut self) {
         for (funct, uses) in core::mem::take(&mut self.created) {
@@ -129,7 +89,7 @@ impl<'e> Creating<'e> {
         }
     }
 
-    fn item(&mut self, spec: &ItemSpec) -> Result<Option<NonNull<Slot>>, Error> {
+    pub(crate) fn item(&mut self, spec: &ItemSpec) -> Result<Option<NonNull<Slot>>, Error> {
         let ty = Type::from_code(spec.ty);
         let direction = match spec.dir {
             hal_abi::dir::IN => Some(Direction::In),
@@ -178,7 +138,7 @@ impl<'e> Creating<'e> {
         unsafe { s.get() }.ok_or_else(|| self.odd("a text is not UTF-8"))
     }
 
-    fn funct(&mut self, spec: &FunctSpec) -> Result<(), Error> {
+    pub(crate) fn funct(&mut self, spec: &FunctSpec) -> Result<(), Error> {
         let Some(run) = spec.run else { return Err(self.odd("a function has no code")) };
         let code = Code::new(run, spec.state, spec.free, self.keep.clone());
         let name = Name::parse("function", self.text(spec.name)?)?;
@@ -204,14 +164,14 @@ impl<'e> Creating<'e> {
         Ok(())
     }
 
-    fn thread(&mut self, spec: &ThreadSpec) -> Result<(), Error> {
+    pub(crate) fn thread(&mut self, spec: &ThreadSpec) -> Result<(), Error> {
         let name = Name::parse("thread", self.text(spec.name)?)?;
         let ix = self.engine.new_thread(name, spec.period_ns)?;
         self.threads.push(ix);
         Ok(())
     }
 
-    fn task(&mut self, spec: &TaskSpec) -> Result<(), Error> {
+    pub(crate) fn task(&mut self, spec: &TaskSpec) -> Result<(), Error> {
         let Some(run) = spec.run else { return Err(self.odd("a task has no code")) };
         let code = Code::new(run, spec.state, spec.free, self.keep.clone());
         let name = Name::parse("task", self.text(spec.name)?)?;
@@ -223,7 +183,7 @@ impl<'e> Creating<'e> {
         Ok(())
     }
 
-    fn command(&mut self, spec: &CommandSpec) -> Result<(), Error> {
+    pub(crate) fn command(&mut self, spec: &CommandSpec) -> Result<(), Error> {
         let Some(run) = spec.run else { return Err(self.odd("a command has no code")) };
         let code = Code::new(run, spec.state, spec.free, self.keep.clone());
         let name = Name::parse("command", self.text(spec.name)?)?;
@@ -244,7 +204,7 @@ impl<'e> Creating<'e> {
         Ok(())
     }
 
-    fn stream(&mut self, spec: &StreamSpec) -> Result<StreamRef, Error> {
+    pub(crate) fn stream(&mut self, spec: &StreamSpec) -> Result<StreamRef, Error> {
         let name = Name::parse("stream", self.text(spec.name)?)?;
         if self.engine.rings.contains_key(&name) {
             return Err(Error::Duplicate { what: "stream", name: name.as_str().into() });
@@ -255,7 +215,7 @@ impl<'e> Creating<'e> {
         Ok(made)
     }
 
-    fn offer(&mut self, spec: &ServiceSpec) -> Result<(), Error> {
+    pub(crate) fn offer(&mut self, spec: &ServiceSpec) -> Result<(), Error> {
         let code = Code::new((), spec.state, spec.free, self.keep.clone());
         let name = self.text(spec.name)?;
         if let Some((by, _)) = self.engine.graph.service(name, None) {
@@ -269,7 +229,7 @@ impl<'e> Creating<'e> {
         Ok(())
     }
 
-    fn find(&mut self, name: Str, version: u32) -> Result<*const c_void, Error> {
+    pub(crate) fn find(&mut self, name: Str, version: u32) -> Result<*const c_void, Error> {
         let name = self.text(name)?;
         let (by, table) = self
             .engine
@@ -282,12 +242,12 @@ impl<'e> Creating<'e> {
         Ok(table)
     }
 
-    fn action(&self, spec: &ActionSpec) -> Option<Code<CommandRun>> {
+    pub(crate) fn action(&self, spec: &ActionSpec) -> Option<Code<CommandRun>> {
         let run = spec.run?;
         Some(Code::new(run, spec.state, spec.free, self.keep.clone()))
     }
 
-    fn answer(&mut self, result: Result<(), Error>) -> Status {
+    pub(crate) fn answer(&mut self, result: Result<(), Error>) -> Status {
         match result {
             Ok(()) => Status::OK,
             Err(e) => {
@@ -311,223 +271,4 @@ impl Graph {
             Some((*ix, service.table))
         })
     }
-}
-
-/// A pin or parameter to be made.
-pub(crate) struct NewItem {
-    pub(crate) name: Name,
-    pub(crate) other: Option<Name>,
-    pub(crate) ty: Type,
-    pub(crate) direction: Direction,
-    pub(crate) initial: u64,
-    pub(crate) storage: Option<NonNull<c_void>>,
-    pub(crate) hidden: bool,
-    pub(crate) times: bool,
-    pub(crate) doc: Arc<str>,
-}
-
-impl Engine {
-    /// Makes a pin or parameter. One with storage of its own has no slot.
-    pub(crate) fn new_item(
-        &mut self,
-        owner: Ix,
-        new: NewItem,
-    ) -> Result<(Ix, Option<NonNull<Slot>>), Error> {
-        let param = !new.direction.is_pin();
-        let what = if param { "parameter" } else { "pin" };
-        let names = self.graph.names(param);
-        for name in [Some(&new.name), new.other.as_ref()].into_iter().flatten() {
-            if names.contains_key(name) {
-                return Err(Error::Duplicate { what, name: name.as_str().into() });
-            }
-        }
-        let (storage, slot) = match new.storage {
-            Some(own) if param => (Storage::Own(own), None),
-            _ => {
-                let slot = self.arena.slot(new.initial)?;
-                (Storage::Slot(Ptr(slot)), Some(slot))
-            }
-        };
-        let (name, other) = (new.name.clone(), new.other.clone());
-        let item = Item {
-            name: new.name,
-            other: new.other,
-            alias: None,
-            ty: new.ty,
-            direction: new.direction,
-            storage,
-            hidden: new.hidden,
-            times: new.times,
-            doc: new.doc,
-        };
-        let ix = self.graph.g.add_node(Node::Item(item));
-        self.graph.g.add_edge(owner, ix, Edge::Owns);
-        let names = self.graph.names_mut(param);
-        names.insert(name, ix);
-        if let Some(other) = other {
-            names.insert(other, ix);
-        }
-        if param {
-            self.counts.params += 1;
-        } else {
-            self.counts.pins += 1;
-        }
-        Ok((ix, slot))
-    }
-
-    /// Makes the pins and parameters that show times of a function or thread.
-    pub(crate) fn new_account(
-        &mut self,
-        owner: Ix,
-        name: &Name,
-        funct: bool,
-    ) -> Result<Account, Error> {
-        let mut add = |suffix: &str, ty, direction, doc: &str| {
-            let what = if direction == Direction::Out { "pin" } else { "parameter" };
-            let name = Name::parse(what, &format!("{name}.{suffix}"))?;
-            let doc = self.graph.doc(doc);
-            let new = NewItem {
-                name,
-                other: None,
-                ty,
-                direction,
-                initial: 0,
-                storage: None,
-                hidden: false,
-                times: true,
-                doc,
-            };
-            let (_, slot) = self.new_item(owner, new)?;
-            slot.map(Ptr).ok_or(Error::OutOfMemory)
-        };
-        let time = add("time", Type::S32, Direction::Out, "Last run time, in ns.")?;
-        let tmax =
-            add("tmax", Type::S32, Direction::Rw, "Longest run time, in ns; write 0 to reset.")?;
-        let increased = if funct {
-            let doc = "Whether the longest run time grew in the last run.";
-            Some(add("tmax-increased", Type::Bit, Direction::Ro, doc)?)
-        } else {
-            None
-        };
-        Ok(Account { time, tmax, increased })
-    }
-
-    /// The item of a slot that belongs to another component.
-    fn item_at(&self, slot: *const Slot) -> Option<Ix> {
-        let all = self.graph.pins.values().chain(self.graph.params.values());
-        all.copied().find(|ix| {
-            self.graph
-                .item(*ix)
-                .and_then(Item::slot)
-                .is_some_and(|s| s.as_ptr().cast_const() == slot)
-        })
-    }
-}
-
-fn creating<'c>(ctx: *mut c_void) -> &'c mut Creating<'c> {
-    // SAFETY: the `Creating` of the load in progress; components call back on this thread only.
-    unsafe { &mut *ctx.cast::<Creating<'c>>() }
-}
-
-macro_rules! declare {
-    ($(#[$m:meta])* $name:ident, $spec:ty, |$c:ident, $s:ident| $body:expr) => {
-        $(#[$m])*
-        /// # Safety
-        /// Called by a component during `create` with the context and records of that call.
-        unsafe extern "C" fn $name(ctx: *mut c_void, spec: *const $spec) -> Status {
-            let $c = creating(ctx);
-            // SAFETY: the component's record lives across its call.
-            let read = unsafe { <$spec>::read(spec) };
-            let Some($s) = read else { return Status::EINVAL };
-            let result: Result<(), Error> = $body;
-            $c.answer(result)
-        }
-    };
-}
-
-declare!(funct, FunctSpec, |c, s| c.funct(&s));
-declare!(thread, ThreadSpec, |c, s| c.thread(&s));
-declare!(task, TaskSpec, |c, s| c.task(&s));
-declare!(command, CommandSpec, |c, s| c.command(&s));
-declare!(offer, ServiceSpec, |c, s| c.offer(&s));
-declare!(open, ActionSpec, |c, s| {
-    let code = c.action(&s);
-    c.opens.extend(code);
-    Ok(())
-});
-declare!(stop, ActionSpec, |c, s| {
-    let code = c.action(&s);
-    if let Some(component) = c.engine.graph.component_mut(c.component) {
-        component.stops.extend(code);
-    }
-    Ok(())
-});
-
-/// # Safety
-/// Called by a component during `create` with the context and records of that call.
-unsafe extern "C" fn fail(ctx: *mut c_void, text: Str) {
-    let c = creating(ctx);
-    // SAFETY: the component's text lives across its call.
-    c.failed = Some(unsafe { text.get() }.unwrap_or("failed").to_owned());
-}
-
-/// # Safety
-/// Called by a component during `create` with the context and records of that call.
-unsafe extern "C" fn arg(ctx: *mut c_void, name: Str, out: *mut ArgValue) -> Status {
-    let c = creating(ctx);
-    // SAFETY: the component's text lives across its call.
-    let value = c.args.get(unsafe { name.get() }.unwrap_or_default());
-    // SAFETY: a live place of the component's.
-    unsafe { out.write(value) };
-    Status::OK
-}
-
-/// # Safety
-/// Called by a component during `create` with the context and records of that call.
-unsafe extern "C" fn item(
-    ctx: *mut c_void,
-    spec: *const ItemSpec,
-    out: *mut *const Slot,
-) -> Status {
-    let c = creating(ctx);
-    // SAFETY: the component's record lives across its call.
-    let Some(s) = (unsafe { ItemSpec::read(spec) }) else { return Status::EINVAL };
-    let made = c.item(&s).map(|slot| {
-        // SAFETY: a live place of the component's.
-        unsafe { out.write(slot.map_or(core::ptr::null(), |s| s.as_ptr().cast_const())) };
-    });
-    c.answer(made)
-}
-
-/// # Safety
-/// Called by a component during `create` with the context and records of that call.
-unsafe extern "C" fn stream(
-    ctx: *mut c_void,
-    spec: *const StreamSpec,
-    out: *mut StreamRef,
-) -> Status {
-    let c = creating(ctx);
-    // SAFETY: the component's record lives across its call.
-    let Some(s) = (unsafe { StreamSpec::read(spec) }) else { return Status::EINVAL };
-    let made = c.stream(&s).map(|made| {
-        // SAFETY: a live place of the component's.
-        unsafe { out.write(made) };
-    });
-    c.answer(made)
-}
-
-/// # Safety
-/// Called by a component during `create` with the context and records of that call.
-unsafe extern "C" fn find(
-    ctx: *mut c_void,
-    name: Str,
-    version: u32,
-    out: *mut *const c_void,
-) -> Status {
-    let c = creating(ctx);
-    let found = c.find(name, version).map(|table| {
-        // SAFETY: a live place of the component's.
-        unsafe { out.write(table) };
-    });
-    c.answer(found)
 }

@@ -2,29 +2,23 @@
 
 use crate::{
     ClockKind, Error, Options,
+    apply::{PATIENCE_NS, Retired},
     arena::Arena,
-    change::{Change, MOST_STORES},
-    clock::{self, Runners, Scheduling},
     graph::{Graph, Ix},
     loader::Loader,
     name::Name,
     os,
-    record::{Probe, Recording},
+    record::Recording,
     ring::SharedRing,
+    runners::{Runners, Scheduling},
     server::Server,
-    shared::{Message, Shared},
+    shared::Shared,
     sync::{Arc, Ordering},
     task::Task,
-    thread::{List, Thread},
 };
-use hal_abi::{Ticket, TicketState, level};
+use hal_abi::{Ticket, TicketState};
 use hal_protocol::{Failure, FaultInfo, Lock, TicketInfo};
 use std::collections::{BTreeMap, VecDeque};
-
-/// How many instants of machine time are run between looks at the socket.
-const SLICE: u32 = 4096;
-/// How long a change may wait for a boundary, in wall time.
-const PATIENCE_NS: i64 = 2_000_000_000;
 
 /// Why [`Engine::serve`] returned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,24 +38,6 @@ pub enum Ended {
 pub(crate) struct Counts {
     pub(crate) pins: u32,
     pub(crate) params: u32,
-}
-
-/// What threads may still be using.
-#[derive(Debug)]
-enum Retired {
-    List(Arc<List>),
-    Threads(Arc<Vec<Arc<Thread>>>),
-    Probe(Arc<Probe>),
-}
-
-impl Retired {
-    fn is_free(&self) -> bool {
-        1 == match self {
-            Self::List(a) => Arc::strong_count(a),
-            Self::Threads(a) => Arc::strong_count(a),
-            Self::Probe(a) => Arc::strong_count(a),
-        }
-    }
 }
 
 /// A program that a script started.
@@ -110,10 +86,10 @@ pub struct Engine {
     pub(crate) target: i64,
     /// As far as waiting clients let it move.
     pub(crate) client_target: i64,
-    retired: Vec<Retired>,
-    messages: VecDeque<String>,
-    ticks: (u64, i64),
-    quiet: bool,
+    pub(crate) retired: Vec<Retired>,
+    pub(crate) messages: VecDeque<String>,
+    pub(crate) ticks: (u64, i64),
+    pub(crate) quiet: bool,
     /// Last: everything points into it.
     pub(crate) arena: Arena,
 }
@@ -295,248 +271,6 @@ impl Engine {
         self.programs.clear();
     }
 
-    /// One turn of the control side: messages, faults, the clock, the socket. Waits at most
-    /// `ms` on the wall when there is nothing to do.
-    pub(crate) fn pump(&mut self, ms: i32) {
-        self.hear();
-        self.notice_fault();
-        self.reap();
-        let moved = self.advance();
-        let ms = if moved { 0 } else { ms };
-        crate::server::serve_once(self, ms);
-    }
-
-    /// Moves the virtual clock where it may, or runs the tasks that are due on the real one.
-    fn advance(&mut self) -> bool {
-        self.measure_ticks();
-        let now = self.shared.now();
-        if !self.shared.is_virtual() {
-            self.run_tasks(now);
-            self.drain_recording();
-            return false;
-        }
-        let target = self.target.max(self.client_target);
-        if now >= target || self.held_back() {
-            return false;
-        }
-        if self.recording.as_ref().is_some_and(Recording::is_waiting) {
-            self.begin_recording();
-        }
-        let until = target.min(self.next_task()).min(crate::server::next_poll(self));
-        let instants = if crate::server::waits_for_ticket(self) { 1 } else { SLICE };
-        clock::turn(&self.shared, until.max(now), instants);
-        self.drain_recording();
-        let now = self.shared.now();
-        self.run_tasks(now);
-        true
-    }
-
-    /// Moves the virtual clock by one instant of machine time, for a script that waits.
-    pub(crate) fn advance_one(&mut self) {
-        let now = self.shared.now();
-        if self.held_back() {
-            return;
-        }
-        let until = self.next_task().min(crate::server::next_poll(self));
-        let until = until.min(now.saturating_add(1_000_000_000));
-        clock::turn(&self.shared, until.max(now), 1);
-        self.drain_recording();
-        let now = self.shared.now();
-        self.run_tasks(now);
-    }
-
-    /// Whether the virtual clock must wait for a program.
-    fn held_back(&mut self) -> bool {
-        let now = os::monotonic_ns();
-        self.programs.retain(|p| os::alive(p.pid));
-        let starting = self.programs.iter().any(|p| !p.joined && now - p.since < 1_000_000_000);
-        starting
-            || crate::server::owes_poll(self)
-            || (self.script_waits && self.rings.values().any(SharedRing::holds_back))
-    }
-
-    /// Learns how long a tick of the cycle counter is.
-    fn measure_ticks(&mut self) {
-        let (ticks, ns) =
-            (os::ticks().wrapping_sub(self.ticks.0), os::monotonic_ns() - self.ticks.1);
-        if ns > 1_000_000 && ticks > 0 && self.shared.tick_ns().to_bits() == 1_f64.to_bits()
-            || ns > 100_000_000
-        {
-            self.shared.set_tick_ns(ns as f64 / ticks as f64);
-        }
-    }
-
-    /// Makes a change: directly while no cycle can be under way, else at a boundary.
-    pub(crate) fn carry_out(&mut self, change: Change) -> Result<(), Error> {
-        if change.stores.is_empty() && change.lists.is_empty() {
-            return Ok(());
-        }
-        let running = self.shared.boundary.is_running() && !self.shared.is_virtual();
-        let threads = !self.shared.threads.load().is_empty();
-        if running && threads && change.stores.len() > MOST_STORES {
-            return Err(Error::TooManyStores { stores: change.stores.len() });
-        }
-        let old: Vec<_> = change.lists.iter().map(|(t, _)| t.list.load_full()).collect();
-        if running && threads {
-            self.at_boundary(&change)?;
-        } else {
-            self.settle()?;
-            change.carry_out();
-        }
-        self.retired.extend(old.into_iter().map(Retired::List));
-        Ok(())
-    }
-
-    fn at_boundary(&self, change: &Change) -> Result<(), Error> {
-        let boundary = &self.shared.boundary;
-        boundary.offer(change);
-        let limit = os::monotonic_ns() + PATIENCE_NS;
-        while !boundary.is_taken() {
-            if os::monotonic_ns() > limit && boundary.withdraw() {
-                return Err(self.stuck());
-            }
-            os::sleep_until(os::monotonic_ns() + 20_000);
-        }
-        Ok(())
-    }
-
-    /// Waits until no cycle is under way; threads are stopped.
-    pub(crate) fn settle(&mut self) -> Result<(), Error> {
-        if self.quiet || self.shared.is_virtual() {
-            return Ok(());
-        }
-        let threads = self.shared.threads.load_full();
-        let limit = os::monotonic_ns() + PATIENCE_NS;
-        for t in threads.iter() {
-            while t.gate.is_inside() {
-                if os::monotonic_ns() > limit {
-                    return Err(self.stuck());
-                }
-                os::sleep_until(os::monotonic_ns() + 20_000);
-            }
-        }
-        self.quiet = true;
-        Ok(())
-    }
-
-    /// `start`.
-    pub(crate) fn start_threads(&mut self) -> Result<(), Error> {
-        self.unlocked(Lock::RUN, "start_threads")?;
-        if let Some(f) = &self.fault {
-            let in_use = self.graph.functs.get(f.funct.as_str());
-            let in_use = in_use.and_then(|ix| self.graph.funct(*ix)).is_some_and(|f| f.users > 0);
-            if in_use {
-                return Err(Error::Faulted { funct: f.funct.as_str().into() });
-            }
-            self.shared.boundary.stop();
-            self.settle()?;
-            self.fault = None;
-            self.shared.fault.clear();
-        }
-        if self.shared.boundary.is_running() {
-            return Ok(());
-        }
-        self.renew_lists()?;
-        if self.recording.is_some() {
-            self.begin_recording();
-        }
-        self.measure_ticks();
-        self.quiet = false;
-        self.shared.boundary.start();
-        Ok(())
-    }
-
-    /// `stop`, and waits for cycles under way.
-    pub(crate) fn stop_threads(&mut self) -> Result<(), Error> {
-        self.shared.boundary.stop();
-        self.settle()
-    }
-
-    /// Keeps what threads may still use.
-    pub(crate) fn retire_threads(&mut self, old: Arc<Vec<Arc<Thread>>>) {
-        self.retired.push(Retired::Threads(old));
-    }
-
-    /// Keeps what threads may still use.
-    pub(crate) fn retire_probe(&mut self, old: Arc<Probe>) {
-        self.retired.push(Retired::Probe(old));
-    }
-
-    /// Frees what no thread uses any more.
-    pub(crate) fn reap(&mut self) {
-        if self.retired.iter().any(Retired::is_free) {
-            self.hear();
-            self.retired.retain(|r| !r.is_free());
-        }
-    }
-
-    /// Which thread does not leave its cycle.
-    pub(crate) fn stuck(&self) -> Error {
-        for ix in self.graph.threads_by_age() {
-            let Some(t) = self.graph.thread(ix) else { continue };
-            if t.thread.gate.is_inside() {
-                let funct = self.funct_name(t.thread.current.load(Ordering::Relaxed));
-                return Error::Stuck { thread: t.name.as_str().into(), funct: funct.into() };
-            }
-        }
-        Error::Stuck { thread: "?".into(), funct: "?".into() }
-    }
-
-    /// The name of a function by its number.
-    pub(crate) fn funct_name(&self, id: u32) -> String {
-        let funct = self.graph.funct(Ix::from(id));
-        funct.map_or_else(|| "?".to_owned(), |f| f.name.as_str().to_owned())
-    }
-
-    /// What to do when a function has failed: stop everything, outputs to their safe levels.
-    fn notice_fault(&mut self) {
-        let Some((thread, funct)) = self.shared.fault.get() else { return };
-        if self.fault.is_some() {
-            return;
-        }
-        let threads = self.shared.threads.load_full();
-        let slowest = threads.iter().map(|t| t.period_ns).max().unwrap_or(0);
-        let limit = os::monotonic_ns() + slowest.saturating_mul(2);
-        while threads.iter().any(|t| t.gate.is_inside()) && os::monotonic_ns() < limit {
-            os::sleep_until(os::monotonic_ns() + 20_000);
-        }
-        self.run_stops();
-        let thread = self
-            .graph
-            .threads
-            .values()
-            .filter_map(|ix| self.graph.thread(*ix))
-            .find(|t| t.thread.id == thread)
-            .map_or("?", |t| t.name.as_str());
-        let owner = self.graph.owner(Ix::from(funct)).map_or("?", |c| c.name.as_str());
-        let info = FaultInfo {
-            component: owner.to_owned(),
-            funct: self.funct_name(funct),
-            thread: thread.to_owned(),
-            cause: self.shared.cause.text(),
-        };
-        self.notice(format!(
-            "function '{}' of component '{}' failed in thread '{}': {}; all threads are stopped \
-             and outputs are at their safe levels",
-            info.funct, info.component, info.thread, info.cause
-        ));
-        self.fault = Some(info);
-    }
-
-    /// Runs every stop action.
-    pub(crate) fn run_stops(&mut self) {
-        let mut failed = Vec::new();
-        for ix in self.graph.components_by_age() {
-            let Some(c) = self.graph.component(ix) else { continue };
-            for stop in &c.stops {
-                if let Err(e) = stop.call(crate::args::Args::default()) {
-                    failed.push(format!("{}: stop action: {e}", c.name));
-                }
-            }
-        }
-        failed.into_iter().for_each(|f| self.notice(f));
-    }
-
     /// How far a command has come.
     pub(crate) fn ticket(&mut self, id: u64) -> Result<TicketInfo, Error> {
         if let Some(done) = self.finished.get(&id) {
@@ -559,55 +293,6 @@ impl Engine {
     /// Whether a lock forbids something.
     pub(crate) const fn unlocked(&self, lock: Lock, what: &'static str) -> Result<(), Error> {
         if self.lock.0 & lock.0 == 0 { Ok(()) } else { Err(Error::Locked { what }) }
-    }
-
-    /// Logs something of the engine's own.
-    pub(crate) fn notice(&mut self, text: String) {
-        tracing::warn!("{text}");
-        self.keep_message(text);
-    }
-
-    fn keep_message(&mut self, text: String) {
-        if self.messages.len() >= 1000 {
-            self.messages.pop_front();
-        }
-        self.messages.push_back(text);
-    }
-
-    /// Logs what components have said.
-    pub(crate) fn hear(&mut self) {
-        while let Some(m) = self.shared.heard() {
-            let text = self.worded(&m);
-            match m.level {
-                level::ERR => tracing::error!("{text}"),
-                level::WARN => tracing::warn!("{text}"),
-                level::INFO => tracing::info!("{text}"),
-                _ => tracing::debug!("{text}"),
-            }
-            self.keep_message(text);
-        }
-        let lost = self.shared.lost_messages.swap(0, Ordering::Relaxed);
-        if lost > 0 {
-            self.notice(format!("{lost} messages of components were lost: too many at once"));
-        }
-    }
-
-    fn worded(&self, m: &Message) -> String {
-        // SAFETY: static in a library that is open: messages are heard before one is closed.
-        let text = unsafe { m.text.get() }.unwrap_or("?");
-        let said = m
-            .numbers
-            .iter()
-            .take(m.n)
-            .fold(text.to_owned(), |s, x| s.replacen("{}", &x.to_string(), 1));
-        let by = self
-            .graph
-            .components
-            .values()
-            .filter_map(|ix| self.graph.component(*ix))
-            .find(|c| c.id == m.component)
-            .map_or("?", |c| c.name.as_str());
-        format!("{by}: {said}")
     }
 }
 

@@ -7,27 +7,36 @@
 
 #![expect(unsafe_code, reason = "one of the crates that keep the binary contract")]
 
+mod apply;
 mod arena;
 mod args;
+mod callback;
 mod change;
+mod client;
 mod clock;
 mod code;
+mod control;
 mod create;
 mod engine;
 mod error;
+mod fault;
 mod graph;
 mod handover;
+mod item;
 mod listing;
 mod load;
 mod loader;
 mod name;
 mod near;
 mod os;
+mod probe;
 mod record;
 mod request;
 mod ring;
+mod runners;
 mod schedule;
 mod server;
+mod session;
 mod shared;
 mod sync;
 mod task;

@@ -1,14 +1,13 @@
-//! Recording to VCD: a probe that the fastest thread samples, and the file that the control side
-//! writes. Changes only.
+//! Recording to VCD: the file that the control side writes from what the probe saw. Changes only.
 
 use crate::{
     Engine, Error,
     code::Ptr,
     graph::{Graph, Item},
+    probe::{Probe, Source, Watch},
     sync::{Arc, AtomicU64, Ordering},
 };
 use crossbeam::queue::ArrayQueue;
-use hal_abi::{Cell, Slot};
 use hal_protocol::{Patterns, Type, Value};
 use std::{
     collections::BTreeMap,
@@ -18,52 +17,6 @@ use std::{
 
 /// How many changes wait for the file at the most.
 const ROOM: usize = 1 << 16;
-
-#[derive(Debug)]
-enum Source {
-    Slot(Ptr<Slot>),
-    Cell(Ptr<Cell>),
-}
-
-#[derive(Debug)]
-struct Watch {
-    source: Source,
-    last: AtomicU64,
-}
-
-/// Realtime. Watches values and queues what changed.
-#[derive(Debug)]
-pub(crate) struct Probe {
-    watches: Vec<Watch>,
-    changes: ArrayQueue<(i64, u32, u64)>,
-    lost: AtomicU64,
-}
-
-impl Probe {
-    /// Whether every value could change once without loss.
-    pub(crate) fn has_room(&self) -> bool {
-        self.changes.capacity() - self.changes.len() >= self.watches.len()
-    }
-
-    /// Queues what has changed since the last call. Runs in one thread at a time.
-    pub(crate) fn sample(&self, time: i64) {
-        for (i, w) in self.watches.iter().enumerate() {
-            let bits = match w.source {
-                // SAFETY: a slot of the arena; the probe is replaced before its pin goes.
-                Source::Slot(p) => unsafe { Slot::cell(p.0.as_ptr()) }.load(),
-                // SAFETY: a cell of the arena; as above.
-                Source::Cell(p) => unsafe { p.0.as_ref() }.load(),
-            };
-            if bits != w.last.load(Ordering::Relaxed) {
-                w.last.store(bits, Ordering::Relaxed);
-                let which = u32::try_from(i).unwrap_or(u32::MAX);
-                if self.changes.push((time, which, bits)).is_err() {
-                    self.lost.fetch_add(1, Ordering::Relaxed);
-                }
-            }
-        }
-    }
-}
 
 /// A recording under way.
 #[derive(Debug)]

@@ -41,7 +41,7 @@ impl Engine {
 
     fn furnish_thread(&mut self, component: Ix, name: &Name, period: i64) -> Result<Ix, Error> {
         let account = self.new_account(component, name, false)?;
-        let beat = crate::create::NewItem {
+        let beat = crate::item::NewItem {
             name: Name::parse("pin", &format!("{name}.threadbeat"))?,
             other: None,
             ty: Type::S64,

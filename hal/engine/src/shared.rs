@@ -5,7 +5,7 @@ use crate::{
     change::Change,
     handover::Boundary,
     os,
-    record::Probe,
+    probe::Probe,
     sync::{Arc, AtomicBool, AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering},
     thread::Thread,
 };
@@ -77,11 +77,10 @@ impl Cause {
         self.len.store(n, Ordering::Release); // Pairs with `text`.
     }
 
-    /// Control side: what was kept.
-    pub(crate) fn text(&self) -> String {
+    /// Control side: what was kept, and how much of it counts.
+    pub(crate) fn bytes(&self) -> ([u8; 256], usize) {
         let n = self.len.load(Ordering::Acquire) as usize; // Pairs with `store`.
-        let bytes: Vec<u8> = self.bytes.iter().take(n).map(|b| b.load(Ordering::Relaxed)).collect();
-        String::from_utf8_lossy(&bytes).into_owned()
+        (core::array::from_fn(|i| self.bytes.get(i).map_or(0, |b| b.load(Ordering::Relaxed))), n)
     }
 }
 

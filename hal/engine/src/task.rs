@@ -48,7 +48,7 @@ impl Engine {
             }
         }
         for name in failed {
-            let cause = self.shared.cause.text();
+            let cause = self.cause();
             self.notice(format!("task '{name}' has failed and is not run again: {cause}"));
         }
     }

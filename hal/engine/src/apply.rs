@@ -1,0 +1,138 @@
+//! How a change reaches the threads, how they start and stop, and what is freed when.
+
+use crate::{
+    Engine, Error,
+    change::{Change, MOST_STORES},
+    os,
+    probe::Probe,
+    sync::Arc,
+    thread::{List, Thread},
+};
+use hal_protocol::Lock;
+
+/// How long a change may wait for a boundary, in wall time.
+pub(crate) const PATIENCE_NS: i64 = 2_000_000_000;
+
+/// What threads may still be using.
+#[derive(Debug)]
+pub(crate) enum Retired {
+    List(Arc<List>),
+    Threads(Arc<Vec<Arc<Thread>>>),
+    Probe(Arc<Probe>),
+}
+
+impl Retired {
+    fn is_free(&self) -> bool {
+        1 == match self {
+            Self::List(a) => Arc::strong_count(a),
+            Self::Threads(a) => Arc::strong_count(a),
+            Self::Probe(a) => Arc::strong_count(a),
+        }
+    }
+}
+
+impl Engine {
+    /// Makes a change: directly while no cycle can be under way, else at a boundary.
+    pub(crate) fn carry_out(&mut self, change: Change) -> Result<(), Error> {
+        if change.stores.is_empty() && change.lists.is_empty() {
+            return Ok(());
+        }
+        let running = self.shared.boundary.is_running() && !self.shared.is_virtual();
+        let threads = !self.shared.threads.load().is_empty();
+        if running && threads && change.stores.len() > MOST_STORES {
+            return Err(Error::TooManyStores { stores: change.stores.len() });
+        }
+        let old: Vec<_> = change.lists.iter().map(|(t, _)| t.list.load_full()).collect();
+        if running && threads {
+            self.at_boundary(&change)?;
+        } else {
+            self.settle()?;
+            change.carry_out();
+        }
+        self.retired.extend(old.into_iter().map(Retired::List));
+        Ok(())
+    }
+
+    fn at_boundary(&self, change: &Change) -> Result<(), Error> {
+        let boundary = &self.shared.boundary;
+        boundary.offer(change);
+        let limit = os::monotonic_ns() + PATIENCE_NS;
+        while !boundary.is_taken() {
+            if os::monotonic_ns() > limit && boundary.withdraw() {
+                return Err(self.stuck());
+            }
+            os::sleep_until(os::monotonic_ns() + 20_000);
+        }
+        Ok(())
+    }
+
+    /// Waits until no cycle is under way; threads are stopped.
+    pub(crate) fn settle(&mut self) -> Result<(), Error> {
+        if self.quiet || self.shared.is_virtual() {
+            return Ok(());
+        }
+        let threads = self.shared.threads.load_full();
+        let limit = os::monotonic_ns() + PATIENCE_NS;
+        for t in threads.iter() {
+            while t.gate.is_inside() {
+                if os::monotonic_ns() > limit {
+                    return Err(self.stuck());
+                }
+                os::sleep_until(os::monotonic_ns() + 20_000);
+            }
+        }
+        self.quiet = true;
+        Ok(())
+    }
+
+    /// `start`.
+    pub(crate) fn start_threads(&mut self) -> Result<(), Error> {
+        self.unlocked(Lock::RUN, "start_threads")?;
+        if let Some(f) = &self.fault {
+            let in_use = self.graph.functs.get(f.funct.as_str());
+            let in_use = in_use.and_then(|ix| self.graph.funct(*ix)).is_some_and(|f| f.users > 0);
+            if in_use {
+                return Err(Error::Faulted { funct: f.funct.as_str().into() });
+            }
+            self.shared.boundary.stop();
+            self.settle()?;
+            self.fault = None;
+            self.shared.fault.clear();
+        }
+        if self.shared.boundary.is_running() {
+            return Ok(());
+        }
+        self.renew_lists()?;
+        if self.recording.is_some() {
+            self.begin_recording();
+        }
+        self.measure_ticks();
+        self.quiet = false;
+        self.shared.boundary.start();
+        Ok(())
+    }
+
+    /// `stop`, and waits for cycles under way.
+    pub(crate) fn stop_threads(&mut self) -> Result<(), Error> {
+        self.shared.boundary.stop();
+        self.settle()
+    }
+
+    /// Keeps what threads may still use.
+    pub(crate) fn retire_threads(&mut self, old: Arc<Vec<Arc<Thread>>>) {
+        self.retired.push(Retired::Threads(old));
+    }
+
+    /// Keeps what threads may still use.
+    pub(crate) fn retire_probe(&mut self, old: Arc<Probe>) {
+        self.retired.push(Retired::Probe(old));
+    }
+
+    /// Frees what no thread uses any more.
+    pub(crate) fn reap(&mut self) {
+        if self.retired.iter().any(Retired::is_free) {
+            self.hear();
+            self.retired.retain(|r| !r.is_free());
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! What the control side does while it waits: it hears, turns the clock, serves, frees.
+
+use crate::{
+    Engine, clock, os, record::Recording, ring::SharedRing, shared::Message, sync::Ordering,
+};
+use hal_abi::level;
+
+/// How many instants of machine time are run between looks at the socket.
+const SLICE: u32 = 4096;
+
+impl Engine {
+    /// One turn of the control side: messages, faults, the clock, the socket. Waits at most
+    /// `ms` on the wall when there is nothing to do.
+    pub(crate) fn pump(&mut self, ms: i32) {
+        self.hear();
+        self.notice_fault();
+        self.reap();
+        let moved = self.advance();
+        let ms = if moved { 0 } else { ms };
+        crate::server::serve_once(self, ms);
+    }
+
+    /// Moves the virtual clock where it may, or runs the tasks that are due on the real one.
+    fn advance(&mut self) -> bool {
+        self.measure_ticks();
+        let now = self.shared.now();
+        if !self.shared.is_virtual() {
+            self.run_tasks(now);
+            self.drain_recording();
+            return false;
+        }
+        let target = self.target.max(self.client_target);
+        if now >= target || self.held_back() {
+            return false;
+        }
+        if self.recording.as_ref().is_some_and(Recording::is_waiting) {
+            self.begin_recording();
+        }
+        let until = target.min(self.next_task()).min(crate::server::next_poll(self));
+        let instants = if crate::server::waits_for_ticket(self) { 1 } else { SLICE };
+        clock::turn(&self.shared, until.max(now), instants);
+        self.drain_recording();
+        let now = self.shared.now();
+        self.run_tasks(now);
+        true
+    }
+
+    /// Moves the virtual clock by one instant of machine time, for a script that waits.
+    pub(crate) fn advance_one(&mut self) {
+        let now = self.shared.now();
+        if self.held_back() {
+            return;
+        }
+        let until = self.next_task().min(crate::server::next_poll(self));
+        let until = until.min(now.saturating_add(1_000_000_000));
+        clock::turn(&self.shared, until.max(now), 1);
+        self.drain_recording();
+        let now = self.shared.now();
+        self.run_tasks(now);
+    }
+
+    /// Whether the virtual clock must wait for a program.
+    fn held_back(&mut self) -> bool {
+        let now = os::monotonic_ns();
+        self.programs.retain(|p| os::alive(p.pid));
+        let starting = self.programs.iter().any(|p| !p.joined && now - p.since < 1_000_000_000);
+        starting
+            || crate::server::owes_poll(self)
+            || (self.script_waits && self.rings.values().any(SharedRing::holds_back))
+    }
+
+    /// Learns how long a tick of the cycle counter is.
+    pub(crate) fn measure_ticks(&mut self) {
+        let (ticks, ns) =
+            (os::ticks().wrapping_sub(self.ticks.0), os::monotonic_ns() - self.ticks.1);
+        if ns > 1_000_000 && ticks > 0 && self.shared.tick_ns().to_bits() == 1_f64.to_bits()
+            || ns > 100_000_000
+        {
+            self.shared.set_tick_ns(ns as f64 / ticks as f64);
+        }
+    }
+
+    /// Logs something of the engine's own.
+    pub(crate) fn notice(&mut self, text: String) {
+        tracing::warn!("{text}");
+        self.keep_message(text);
+    }
+
+    fn keep_message(&mut self, text: String) {
+        if self.messages.len() >= 1000 {
+            self.messages.pop_front();
+        }
+        self.messages.push_back(text);
+    }
+
+    /// Logs what components have said.
+    pub(crate) fn hear(&mut self) {
+        while let Some(m) = self.shared.heard() {
+            let text = self.worded(&m);
+            match m.level {
+                level::ERR => tracing::error!("{text}"),
+                level::WARN => tracing::warn!("{text}"),
+                level::INFO => tracing::info!("{text}"),
+                _ => tracing::debug!("{text}"),
+            }
+            self.keep_message(text);
+        }
+        let lost = self.shared.lost_messages.swap(0, Ordering::Relaxed);
+        if lost > 0 {
+            self.notice(format!("{lost} messages of components were lost: too many at once"));
+        }
+    }
+
+    fn worded(&self, m: &Message) -> String {
+        // SAFETY: static in a library that is open: messages are heard before one is closed.
+        let text = unsafe { m.text.get() }.unwrap_or("?");
+        let said = m
+            .numbers
+            .iter()
+            .take(m.n)
+            .fold(text.to_owned(), |s, x| s.replacen("{}", &x.to_string(), 1));
+        let by = self
+            .graph
+            .components
+            .values()
+            .filter_map(|ix| self.graph.component(*ix))
+            .find(|c| c.id == m.component)
+            .map_or("?", |c| c.name.as_str());
+        format!("{by}: {said}")
+    }
+}

@@ -1,0 +1,79 @@
+//! Threads that are stuck, functions that have failed, and what is done then.
+
+use crate::{Engine, Error, args::Args, graph::Ix, os, sync::Ordering};
+use hal_protocol::FaultInfo;
+
+impl Engine {
+    /// Which thread does not leave its cycle.
+    pub(crate) fn stuck(&self) -> Error {
+        for ix in self.graph.threads_by_age() {
+            let Some(t) = self.graph.thread(ix) else { continue };
+            if t.thread.gate.is_inside() {
+                let funct = self.funct_name(t.thread.current.load(Ordering::Relaxed));
+                return Error::Stuck { thread: t.name.as_str().into(), funct: funct.into() };
+            }
+        }
+        Error::Stuck { thread: "?".into(), funct: "?".into() }
+    }
+
+    /// The name of a function by its number.
+    pub(crate) fn funct_name(&self, id: u32) -> String {
+        let funct = self.graph.funct(Ix::from(id));
+        funct.map_or_else(|| "?".to_owned(), |f| f.name.as_str().to_owned())
+    }
+
+    /// What to do when a function has failed: stop everything, outputs to their safe levels.
+    pub(crate) fn notice_fault(&mut self) {
+        let Some((thread, funct)) = self.shared.fault.get() else { return };
+        if self.fault.is_some() {
+            return;
+        }
+        let threads = self.shared.threads.load_full();
+        let slowest = threads.iter().map(|t| t.period_ns).max().unwrap_or(0);
+        let limit = os::monotonic_ns() + slowest.saturating_mul(2);
+        while threads.iter().any(|t| t.gate.is_inside()) && os::monotonic_ns() < limit {
+            os::sleep_until(os::monotonic_ns() + 20_000);
+        }
+        self.run_stops();
+        let thread = self
+            .graph
+            .threads
+            .values()
+            .filter_map(|ix| self.graph.thread(*ix))
+            .find(|t| t.thread.id == thread)
+            .map_or("?", |t| t.name.as_str());
+        let owner = self.graph.owner(Ix::from(funct)).map_or("?", |c| c.name.as_str());
+        let info = FaultInfo {
+            component: owner.to_owned(),
+            funct: self.funct_name(funct),
+            thread: thread.to_owned(),
+            cause: self.cause(),
+        };
+        self.notice(format!(
+            "function '{}' of component '{}' failed in thread '{}': {}; all threads are stopped \
+             and outputs are at their safe levels",
+            info.funct, info.component, info.thread, info.cause
+        ));
+        self.fault = Some(info);
+    }
+
+    /// What the last panic said.
+    pub(crate) fn cause(&self) -> String {
+        let (bytes, n) = self.shared.cause.bytes();
+        String::from_utf8_lossy(bytes.get(..n).unwrap_or_default()).into_owned()
+    }
+
+    /// Runs every stop action.
+    pub(crate) fn run_stops(&mut self) {
+        let mut failed = Vec::new();
+        for ix in self.graph.components_by_age() {
+            let Some(c) = self.graph.component(ix) else { continue };
+            for stop in &c.stops {
+                if let Err(e) = stop.call(Args::default()) {
+                    failed.push(format!("{}: stop action: {e}", c.name));
+                }
+            }
+        }
+        failed.into_iter().for_each(|f| self.notice(f));
+    }
+}
