@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn as_recorded() {
-        assert_eq!(replay::<Siggen>(include_str!("../traces/siggen.txt")), 405);
+        assert_eq!(replay::<Siggen>(include_str!("../traces/siggen.txt")), 414);
     }
 
     #[test]

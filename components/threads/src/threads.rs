@@ -1,0 +1,84 @@
+//! `threads`.
+use hal_component::{
+    Arg, Builder, Component, Error,
+    abi::{ArgSpec, component_flags},
+};
+
+/// Creates threads, and nothing else.
+pub(crate) struct Threads;
+
+const IGNORED: &str = "Accepted for old scripts; every thread may use floating point.";
+
+impl Component for Threads {
+    const NAME: &'static str = "threads";
+    const DOC: &'static str = "Creates up to three realtime threads.\n\n\
+        `name1=fast period1=100000 name2=slow period2=1000000` creates two, the first with the \
+        highest priority. A thread is created when it has a name and a period above zero; no \
+        period may be shorter than that of the thread before. They go when the component is \
+        unloaded.";
+    const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
+    const ARGS: &'static [&'static ArgSpec] = &[
+        &Arg::text("name1", "Name of the first thread.").or("thread1"),
+        &Arg::int("period1", "Its period, in nanoseconds.").or("1000000"),
+        &Arg::int("fp1", IGNORED).or("1"),
+        &Arg::text("name2", "Name of the second thread; none without it."),
+        &Arg::int("period2", "Its period, in nanoseconds.").or("0"),
+        &Arg::int("fp2", IGNORED).or("1"),
+        &Arg::text("name3", "Name of the third thread; none without it."),
+        &Arg::int("period3", "Its period, in nanoseconds.").or("0"),
+        &Arg::int("fp3", IGNORED).or("1"),
+    ];
+
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        for (name, period) in [("name1", "period1"), ("name2", "period2"), ("name3", "period3")] {
+            let name = b.arg_text(name).unwrap_or_default();
+            let period = b.arg_int(period).unwrap_or(0);
+            if !name.is_empty() && period > 0 {
+                b.thread(&name, period)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Threads;
+    use hal_component::bench::Bench;
+
+    /// As measured on LinuxCNC 2.9.
+    #[test]
+    fn which_threads_are_created() {
+        for (args, wanted) in [
+            (&[][..], &[("thread1", 1_000_000)][..]),
+            (&["name2=x"], &[("thread1", 1_000_000)]),
+            (&["period2=2000000"], &[("thread1", 1_000_000)]),
+            (&["name1=a", "period1=100"], &[("a", 100)]),
+            (&["name1=a", "period1=0"], &[]),
+            (&["name1=a", "period1=-5"], &[]),
+            (&["name1=", "period1=1000000"], &[]),
+            (&["period1=0", "name2=b", "period2=500000"], &[("b", 500_000)]),
+            (&["name2=b", "period2=2000000"], &[("thread1", 1_000_000), ("b", 2_000_000)]),
+            (
+                &["name1=a", "name2=b", "period2=2000000", "name3=c", "period3=3500000", "fp1=0"],
+                &[("a", 1_000_000), ("b", 2_000_000), ("c", 3_500_000)],
+            ),
+            (
+                &["name3=c", "period3=3000000", "fp2=1", "fp3=0"],
+                &[("thread1", 1_000_000), ("c", 3_000_000)],
+            ),
+        ] {
+            let mut bench = Bench::new();
+            bench.load::<Threads>(args).unwrap();
+            let wanted: Vec<_> = wanted.iter().map(|(n, p)| ((*n).to_owned(), *p)).collect();
+            assert_eq!(bench.threads(), wanted, "{args:?}");
+            assert!(bench.names().is_empty() && bench.functs().is_empty());
+        }
+    }
+
+    #[test]
+    fn a_fourth_is_refused() {
+        let refused = Bench::new().load::<Threads>(&["name4=x"]).unwrap_err();
+        assert_eq!(refused, "Unknown parameter `name4=x'");
+    }
+}
