@@ -1,0 +1,168 @@
+//! Realtime. What the functions of a port do.
+
+use crate::{
+    device::{Device, Register, Written},
+    lines::{self, Input, Output, Pulse},
+};
+use hal_component::{Clock, Gives, Messages, Out, ParamRw, Period, Takes, Touch, Update};
+use port::{Driven, Lost, Shown};
+use std::sync::Arc;
+
+/// Pins of the simulated registers that writing sets.
+pub(crate) type Sets = Option<(Vec<Shown>, Out<u32>)>;
+
+/// Reads the lines of one port.
+#[derive(Clone, Touch)]
+pub(crate) struct Read {
+    #[state]
+    pub(crate) device: Arc<Device>,
+    /// The lines of each register that has inputs.
+    #[state]
+    pub(crate) registers: Vec<Register>,
+    /// As many lists as registers.
+    pub(crate) lines: Vec<Vec<Input>>,
+    pub(crate) asks: Vec<Driven>,
+    pub(crate) report: Report,
+}
+
+impl Update for Read {
+    fn update(&mut self, _: Period) {
+        let mut done = Ok(());
+        for (register, lines) in self.registers.iter().zip(&self.lines) {
+            match self.device.read(*register) {
+                Ok(levels) => lines::take(lines, levels),
+                Err(lost) => done = Err(lost),
+            }
+        }
+        self.report.note(done, READING_FAILED);
+    }
+}
+
+/// Writes the lines of one port.
+#[derive(Clone, Touch)]
+pub(crate) struct Write {
+    #[state]
+    pub(crate) device: Arc<Device>,
+    pub(crate) written: Gives<Written>,
+    /// None when the data lines are inputs.
+    pub(crate) data: Vec<Output>,
+    /// None when the control lines are inputs.
+    pub(crate) control: Vec<Output>,
+    pub(crate) sets: Sets,
+    pub(crate) clock: Clock,
+    pub(crate) report: Report,
+}
+
+impl Update for Write {
+    fn update(&mut self, _: Period) {
+        let ((data, idle_data), (control, idle_control)) =
+            (lines::levels(&self.data), lines::levels(&self.control));
+        self.device.note_idle(idle_data, idle_control);
+        let put = |register, levels| self.written.put(&self.device, self.clock, register, levels);
+        let data = if self.data.is_empty() { Ok(()) } else { put(Register::Data, data) };
+        let control = put(Register::Control, self.device.control(control));
+        self.report.note(data.and(control), WRITING_FAILED);
+    }
+}
+
+/// Returns lines of one port to rest, a while after they were written.
+#[derive(Touch)]
+pub(crate) struct Reset {
+    #[state]
+    pub(crate) device: Arc<Device>,
+    pub(crate) written: Takes<Written>,
+    pub(crate) data: Vec<Pulse>,
+    pub(crate) control: Vec<Pulse>,
+    /// None when the data lines are inputs: then it does not wait.
+    pub(crate) time: Option<ParamRw<u32>>,
+    pub(crate) sets: Sets,
+    pub(crate) clock: Clock,
+    pub(crate) report: Report,
+}
+
+impl Update for Reset {
+    fn update(&mut self, period: Period) {
+        let wait = self.wait(period);
+        let mut done = Ok(());
+        for (register, pulses) in [(Register::Data, &self.data), (Register::Control, &self.control)]
+        {
+            let Some((levels, since)) = self.written.last(register) else { continue };
+            let rest = lines::reset(pulses, levels);
+            if rest == levels {
+                continue;
+            }
+            pause(self.clock, since, wait);
+            done = done.and(self.written.put(&self.device, self.clock, register, rest));
+        }
+        self.report.note(done, WRITING_FAILED);
+    }
+}
+
+impl Reset {
+    /// Nanoseconds between write and reset: a quarter of the period at most, else the parameter
+    /// is corrected.
+    fn wait(&self, period: Period) -> u32 {
+        let Some(time) = self.time else { return 0 };
+        let most =
+            u32::try_from(period.ns() / 4).unwrap_or(if period.ns() < 0 { 0 } else { u32::MAX });
+        if time.get() > most {
+            time.set(most);
+        }
+        time.get()
+    }
+}
+
+/// Waits on a real clock until `wait` nanoseconds after `since`. A reading takes a nanosecond at
+/// least, so that a clock that stands still does not hold it.
+fn pause(clock: Clock, since: i64, wait: u32) {
+    if clock.is_virtual() {
+        return;
+    }
+    for _ in 0..wait {
+        if clock.now_ns().wrapping_sub(since) >= i64::from(wait) {
+            return;
+        }
+        core::hint::spin_loop();
+    }
+}
+
+/// Reads or writes every port.
+#[derive(Touch)]
+pub(crate) struct All<F: Touch> {
+    pub(crate) ports: Vec<F>,
+}
+
+impl<F: Update> Update for All<F> {
+    fn update(&mut self, period: Period) {
+        for port in &mut self.ports {
+            port.update(period);
+        }
+    }
+}
+
+const READING_FAILED: &str =
+    "parport.{}: reading failed with error {}; its inputs keep their values";
+const WRITING_FAILED: &str = "parport.{}: writing failed with error {}; it is tried again";
+
+/// Says once that a port failed, until it answers again.
+#[derive(Clone, Touch)]
+pub(crate) struct Report {
+    pub(crate) messages: Messages,
+    #[state]
+    pub(crate) port: f64,
+    #[state]
+    pub(crate) said: bool,
+}
+
+impl Report {
+    fn note(&mut self, done: Result<(), Lost>, text: &'static str) {
+        match done {
+            Ok(()) => self.said = false,
+            Err(_) if self.said => {}
+            Err(lost) => {
+                self.said = true;
+                self.messages.error(text, &[self.port, f64::from(lost.0)]);
+            }
+        }
+    }
+}
