@@ -27,6 +27,10 @@ hal_component::export!(
     xor2::Xor2,
 );
 
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+mod readme {}
+
 #[cfg(test)]
 mod tests {
     use super::{and2::And2, not::Not, or2::Or2, xor2::Xor2};

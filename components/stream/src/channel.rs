@@ -4,11 +4,18 @@ use hal_component::{
     Arg, Builder, Error, In, Out, Touch, Uses, Value,
     abi::{ArgSpec, MAX_WIDTH},
 };
+use std::ops::RangeInclusive;
+
+/// How many slots a ring can have.
+const DEPTHS: RangeInclusive<u32> = 2..=1 << 24;
 
 /// The arguments of both.
 pub(crate) const ARGS: &[&ArgSpec] = &[
-    &Arg::ints("depth", "Number of slots of each channel, 2 or more; it holds one record less.")
-        .at_most(8),
+    &Arg::ints(
+        "depth",
+        "Number of slots of each channel, 2 to 16777216; it holds one record less.",
+    )
+    .at_most(8),
     &Arg::texts(
         "cfg",
         "Types of the pins of each channel, a letter each, at most 21: `f` or `r` float, `b` bit, \
@@ -77,8 +84,9 @@ pub(crate) fn channels(b: &Builder<'_>, who: &str) -> Result<Vec<Channel>, Error
 }
 
 fn channel(who: &str, depth: i64, cfg: &str) -> Result<Channel, Error> {
-    let depth = u32::try_from(depth).ok().filter(|d| *d >= 2).ok_or_else(|| {
-        Error::new(format!("{who}: ERROR: depth {depth} is not between 2 and {}", u32::MAX))
+    let depth = u32::try_from(depth).ok().filter(|d| DEPTHS.contains(d)).ok_or_else(|| {
+        let (least, most) = (DEPTHS.start(), DEPTHS.end());
+        Error::new(format!("{who}: ERROR: depth {depth} is not between {least} and {most}"))
     })?;
     let unknown = |letter| {
         let text = "must be f (or r), b, s, u, l or k";
@@ -186,8 +194,9 @@ mod tests {
             (&["depth=0", "cfg=f"], "no channels specified"),
             (&["depth=-1", "cfg=f"], "no channels specified"),
             (&["depth=10", "cfg="], "no channels specified"),
-            (&["depth=1", "cfg=f"], "depth 1 is not between 2 and 4294967295"),
-            (&["depth=4294967296", "cfg=f"], "depth 4294967296 is not between 2 and 4294967295"),
+            (&["depth=1", "cfg=f"], "depth 1 is not between 2 and 16777216"),
+            (&["depth=16777217", "cfg=f"], "depth 16777217 is not between 2 and 16777216"),
+            (&["depth=4294967298", "cfg=f"], "depth 4294967298 is not between 2 and 16777216"),
             (
                 &["depth=10", "cfg=fxb"],
                 "unknown type 'x' in cfg 'fxb', must be f (or r), b, s, u, l or k",
