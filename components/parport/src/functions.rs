@@ -4,8 +4,8 @@ use crate::{
     device::{Device, Register, Written},
     lines::{self, Input, Output, Pulse},
 };
-use hal_component::{Clock, Gives, Messages, Out, ParamRw, Period, Takes, Touch, Update};
-use port::{Driven, Lost, Shown};
+use hal_component::{Clock, Gives, Out, ParamRw, Period, Takes, Touch, Update};
+use port::{Driven, Report, Shown};
 use std::sync::Arc;
 
 /// Pins of the simulated registers that writing sets.
@@ -21,7 +21,7 @@ pub(crate) struct Read {
     pub(crate) registers: Vec<Register>,
     /// As many lists as registers.
     pub(crate) lines: Vec<Vec<Input>>,
-    pub(crate) asks: Vec<Driven>,
+    pub(crate) asks: Option<(Vec<Driven>, Out<u32>)>,
     pub(crate) report: Report,
 }
 
@@ -140,29 +140,5 @@ impl<F: Update> Update for All<F> {
     }
 }
 
-const READING_FAILED: &str =
-    "parport.{}: reading failed with error {}; its inputs keep their values";
-const WRITING_FAILED: &str = "parport.{}: writing failed with error {}; it is tried again";
-
-/// Says once that a port failed, until it answers again.
-#[derive(Clone, Touch)]
-pub(crate) struct Report {
-    pub(crate) messages: Messages,
-    #[state]
-    pub(crate) port: f64,
-    #[state]
-    pub(crate) said: bool,
-}
-
-impl Report {
-    fn note(&mut self, done: Result<(), Lost>, text: &'static str) {
-        match done {
-            Ok(()) => self.said = false,
-            Err(_) if self.said => {}
-            Err(lost) => {
-                self.said = true;
-                self.messages.error(text, &[self.port, f64::from(lost.0)]);
-            }
-        }
-    }
-}
+const READING_FAILED: &str = "error {} when reading parport.{}: its inputs keep their values";
+const WRITING_FAILED: &str = "error {} when writing parport.{}: it is tried again";

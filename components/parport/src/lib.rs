@@ -1,7 +1,7 @@
 //! The PC's parallel port.
 //!
 //! Real ports are reached in `hardware`, the only part with unsafe code; simulated ones are
-//! [`port::Simulated`]. Functions share a port's registers through `device::Device` and what was
+//! [`Simulated`]. Functions share a port's registers through `device::Device` and what was
 //! written to them through `device::Written`, both without locks.
 #![deny(unsafe_code)]
 
@@ -20,7 +20,7 @@ mod tests;
 use crate::{
     config::PortConfig,
     device::{Device, Register, Written},
-    functions::{All, Read, Report, Reset, Write},
+    functions::{All, Read, Reset, Write},
     hardware::System,
     lines::{CONTROL, DATA, STATUS},
 };
@@ -28,6 +28,7 @@ use hal_component::{
     Arg, Builder, Component, Error, ParamRw,
     abi::{ArgSpec, component_flags},
 };
+use port::{Report, Simulated};
 use std::sync::Arc;
 
 /// `hal_parport`.
@@ -94,10 +95,9 @@ fn create_port(
     let mode = config.mode;
     let device = Arc::new(Device::new(b, index, config)?);
     let (given, taken) = b.shared(Written::default());
-    let sets = device.simulated().map(port::Simulated::written);
-    let asks = device.simulated().map(port::Simulated::read_from).unwrap_or_default();
-    let number = f64::from(u32::try_from(index).unwrap_or(u32::MAX));
-    let report = Report { messages: b.messages(), port: number, said: false };
+    let sets = device.simulated().map(Simulated::written);
+    let asks = device.simulated().map(Simulated::read_from);
+    let report = Report::new(b.messages(), u32::try_from(index).unwrap_or(u32::MAX));
     let clock = b.clock();
 
     let (mut registers, mut lines) = (vec![Register::Status], Vec::new());

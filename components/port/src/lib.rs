@@ -2,12 +2,15 @@
 //!
 //! A library for port drivers, not a plugin. A driver works through [`Access`]; in simulation that
 //! is [`Simulated`], a register file whose bits are pins. What a driver wrote last is kept in a
-//! [`Shadow`], which functions in different threads may share.
+//! [`Shadow`], which functions in different threads may share; that a device fails is said by a
+//! [`Report`].
 #![forbid(unsafe_code)]
 
+mod report;
 mod shadow;
 mod simulated;
 
+pub use report::Report;
 pub use shadow::Shadow;
 pub use simulated::{Driven, Shown, Simulated};
 

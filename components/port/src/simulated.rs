@@ -20,9 +20,13 @@ pub struct Simulated {
     shown: Vec<Shown>,
     driven: Vec<Driven>,
     config: Vec<(u8, Io<u32>)>,
-    count: AtomicU32,
-    writes: Out<u32>,
+    writes: Count,
+    reads: Count,
 }
+
+/// A number that grows, and the pin that shows it.
+#[derive(Debug)]
+struct Count(AtomicU32, Out<u32>);
 
 /// Pins that show what a driver wrote to one register.
 #[derive(Clone, Debug)]
@@ -43,13 +47,11 @@ pub struct Driven {
 
 impl Simulated {
     /// `size` registers from address `base`, all zero; its pins are hidden and named
-    /// `PREFIX.NAME`. Makes `PREFIX.writes`, which counts writes to registers.
+    /// `PREFIX.NAME`. Makes `PREFIX.writes` and `PREFIX.reads`, which count accesses to registers.
     ///
     /// # Errors
     /// As [`Builder::item`].
     pub fn new(b: &mut Builder<'_>, prefix: &str, base: u16, size: u16) -> Result<Self, Error> {
-        let about = "Number of register writes since the load; wraps at 2^32";
-        let writes = b.declare(Decl::new(&format!("{prefix}.writes"), about).hidden(), 0)?;
         Ok(Self {
             prefix: prefix.to_owned(),
             base,
@@ -57,8 +59,8 @@ impl Simulated {
             shown: Vec::new(),
             driven: Vec::new(),
             config: Vec::new(),
-            count: AtomicU32::new(0),
-            writes,
+            writes: Count::new(b, prefix, "writes")?,
+            reads: Count::new(b, prefix, "reads")?,
         })
     }
 
@@ -154,13 +156,13 @@ impl Simulated {
     /// Pins that writing registers sets.
     #[must_use]
     pub fn written(&self) -> (Vec<Shown>, Out<u32>) {
-        (self.shown.clone(), self.writes)
+        (self.shown.clone(), self.writes.1)
     }
 
-    /// Pins that reading registers asks.
+    /// Pins that reading registers asks and sets.
     #[must_use]
-    pub fn read_from(&self) -> Vec<Driven> {
-        self.driven.clone()
+    pub fn read_from(&self) -> (Vec<Driven>, Out<u32>) {
+        (self.driven.clone(), self.reads.1)
     }
 
     fn byte(&self, address: u16) -> Option<(u16, &AtomicU8)> {
@@ -177,6 +179,7 @@ impl Simulated {
 impl Access for Simulated {
     fn read(&self, address: u16) -> Result<u8, Lost> {
         let Some((offset, byte)) = self.byte(address) else { return Ok(0xFF) };
+        self.reads.grow();
         let stored = byte.load(Acquire); // Pairs with `write`.
         let driven = self.driven.iter().filter(|d| d.offset == offset);
         Ok(driven.fold(stored, |value, d| value & !d.mask | d.get()))
@@ -188,7 +191,7 @@ impl Access for Simulated {
         for shown in self.shown.iter().filter(|s| s.offset == offset) {
             shown.set(value);
         }
-        self.writes.set(self.count.fetch_add(1, Relaxed).wrapping_add(1));
+        self.writes.grow();
         Ok(())
     }
 
@@ -201,6 +204,18 @@ impl Access for Simulated {
             pin.set(value);
         }
         Ok(())
+    }
+}
+
+impl Count {
+    fn new(b: &mut Builder<'_>, prefix: &str, name: &str) -> Result<Self, Error> {
+        let about = format!("Number of register {name} since the load; wraps at 2^32");
+        let full = format!("{prefix}.{name}");
+        Ok(Self(AtomicU32::new(0), b.declare(Decl::new(&full, &about).hidden(), 0)?))
+    }
+
+    fn grow(&self) {
+        self.1.set(self.0.fetch_add(1, Relaxed).wrapping_add(1));
     }
 }
 
@@ -332,6 +347,7 @@ mod tests {
         t.access(Some(0x55), false, 0x100);
         assert_eq!((t.whole("out"), t.whole("writes")), (1, 3));
         assert_eq!(t.access(None, false, 0x100), 0x55);
+        assert_eq!((t.whole("writes"), t.whole("reads")), (3, 3));
     }
 
     #[test]
@@ -361,7 +377,7 @@ mod tests {
             t.access(Some(0x12), false, address);
             assert_eq!(t.access(None, false, address), 0xFF, "{address:#x}");
         }
-        assert_eq!(t.whole("writes"), 0);
+        assert_eq!((t.whole("writes"), t.whole("reads")), (0, 0));
     }
 
     #[test]
