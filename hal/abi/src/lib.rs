@@ -17,6 +17,7 @@ mod host;
 mod port;
 mod record;
 mod ring;
+mod service;
 mod spec;
 mod ticket;
 
@@ -25,10 +26,11 @@ pub use host::{ArgValue, CallHost, Host, StreamRef, host_flags};
 pub use port::PortQueue;
 pub use record::{List, Record, Status, Str};
 pub use ring::{Consumer, Got, MAX_WIDTH, Producer, RING_MAGIC, Ring};
+pub use service::{Kinematics, ServiceSpec};
 pub use spec::{
     ActionSpec, ArgSpec, CommandRun, CommandSpec, ComponentType, Create, Free, FunctSpec, ItemSpec,
-    Kinematics, Library, Run, ServiceSpec, StreamSpec, TaskSpec, ThreadSpec, Use, access, arg,
-    component_flags, funct_flags, item_flags, panic_strategy, stream_direction,
+    Library, Run, StreamSpec, TaskSpec, ThreadSpec, Use, access, arg, component_flags, funct_flags,
+    item_flags, panic_strategy, stream_direction,
 };
 pub use ticket::{Ticket, TicketState};
 

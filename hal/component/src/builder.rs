@@ -1,8 +1,8 @@
 //! How one instance declares itself to the engine.
 
 use crate::{
-    Call, Clock, Gives, In, Item, Kinematics, KinematicsRef, Messages, Receiver, Sender, StreamIn,
-    StreamOut, Takes, Touch, Update, Uses, Value,
+    Call, Clock, Field, Gives, In, Item, Kinematics, KinematicsRef, Messages, Receiver, Sender,
+    StreamIn, StreamOut, Takes, Touch, Update, Uses, Value,
     abi::{
         self, ActionSpec, ArgSpec, ArgValue, CommandSpec, FunctSpec, Host, ItemSpec, Status, Str,
         StreamSpec, TaskSpec, ThreadSpec, component_flags, funct_flags, host_flags, item_flags,
@@ -75,6 +75,26 @@ impl<'a> Decl<'a> {
     pub const fn safety(mut self) -> Self {
         self.flags |= item_flags::SAFETY;
         self
+    }
+}
+
+impl Decl<'static> {
+    /// The declaration as a library shows it without running code: a line of
+    /// [`Component::ITEMS`](crate::Component::ITEMS). `initial` is the first value as stored,
+    /// such as `1.5_f64.to_bits()`.
+    #[must_use]
+    pub const fn spec<F: Field>(self, initial: u64) -> ItemSpec {
+        ItemSpec {
+            size: abi::size::<ItemSpec>(),
+            flags: self.flags,
+            name: Str::new(self.name),
+            doc: Str::new(self.doc),
+            old_name: Str::new(self.old),
+            initial,
+            storage: core::ptr::null_mut(),
+            ty: F::TYPE,
+            dir: F::DIR,
+        }
     }
 }
 

@@ -397,69 +397,6 @@ impl core::fmt::Display for Error {
 
 impl std::error::Error for Error {}
 
-impl Error {
-    /// The errno that goes with it.
-    #[must_use]
-    pub const fn errno(&self) -> i32 {
-        match self {
-            Self::NotFound { .. }
-            | Self::NoItem { .. }
-            | Self::NoPin { .. }
-            | Self::NoModule { .. }
-            | Self::NotLoaded { .. }
-            | Self::NoTicket { .. }
-            | Self::NoService { .. }
-            | Self::NoSignals => -2,
-            Self::Locked { .. } => -1,
-            Self::NotWritable { .. } => -13,
-            Self::OutOfMemory => -12,
-            Self::InUseBy { .. }
-            | Self::Stuck { .. }
-            | Self::StreamTaken { .. }
-            | Self::Recording { .. }
-            | Self::Running { .. } => -16,
-            Self::Duplicate { .. } | Self::ModuleExists { .. } | Self::ServiceTaken { .. } => -17,
-            Self::OutOfRange { .. } => -34,
-            Self::QueueAllocated { .. } => -106,
-            Self::InitFailed { code, .. } | Self::CommandFailed { code, .. } => *code,
-            _ => -22,
-        }
-    }
-
-    /// What would be right.
-    #[must_use]
-    pub fn hint(&self) -> Option<String> {
-        match self {
-            Self::NotFound { near, .. }
-            | Self::NoItem { near, .. }
-            | Self::NoPin { near, .. }
-            | Self::NoModule { near, .. }
-            | Self::UnknownParameter { near, .. } => {
-                near.as_ref().map(|n| format!("did you mean '{n}'?"))
-            }
-            Self::InvalidValue { expects, .. }
-            | Self::OutOfRange { expects, .. }
-            | Self::InvalidArgument { expects, .. } => Some((*expects).to_owned()),
-            Self::NotWritable { why, .. } => Some((*why).to_owned()),
-            Self::NameTooLong { .. } => Some(format!("at most {} characters", hal_abi::NAME_LEN)),
-            Self::TypeMismatch { pin, pin_type, signal, signal_type } => Some(format!(
-                "pin '{pin}' is {}, signal '{signal}' is {}",
-                pin_type.name(),
-                signal_type.name()
-            )),
-            Self::MissingArgument { doc, .. } => Some(doc.to_string()),
-            Self::PeriodTooShort { .. } => Some("create the fastest thread first".to_owned()),
-            Self::Faulted { .. } => Some("'status' says why; unload it to go on".to_owned()),
-            Self::InUseBy { user, .. } => Some(format!("unload '{user}' first")),
-            Self::LinkedElsewhere { pin, .. } | Self::AlreadyLinked { pin, .. } => {
-                Some(format!("'unlinkp {pin}' frees it"))
-            }
-            Self::NoService { name, .. } => Some(format!("load {name} first, such as trivkins")),
-            _ => None,
-        }
-    }
-}
-
 impl From<Error> for Failure {
     fn from(e: Error) -> Self {
         Self { code: e.errno(), text: e.to_string(), hint: e.hint(), before: Vec::new() }

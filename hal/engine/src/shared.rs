@@ -115,7 +115,7 @@ impl Shared {
             clock,
             time: AtomicI64::new(start),
             boundary: Boundary::new(),
-            threads: ArcSwap::from_pointee(Vec::new()),
+            threads: ArcSwap::from_pointee(Vec::default()),
             fault: Fault::default(),
             cause: Cause::new(),
             probe: ArcSwapOption::empty(),

@@ -1,0 +1,58 @@
+//! Tables of functions that one plugin offers to others.
+
+use crate::{Free, Record, Status, Str, Use};
+use core::ffi::c_void;
+
+/// A table of functions for other plugins. Ownership as in [`FunctSpec`].
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct ServiceSpec {
+    /// `size_of::<ServiceSpec>()` as compiled.
+    pub size: u32,
+    /// The version of the table; versions must be equal.
+    pub version: u32,
+    /// What it offers, such as `kinematics`; one provider a name.
+    pub name: Str,
+    /// The table: `#[repr(C)]`, its layout fixed by name and version.
+    pub table: *const c_void,
+    /// Its state.
+    pub state: *mut c_void,
+    /// How to free the state.
+    pub free: Option<Free>,
+    /// What its functions touch: whoever calls them takes these edges over.
+    pub uses: *const Use,
+    /// How many.
+    pub n_uses: usize,
+}
+// SAFETY: `#[repr(C)]`, size first, zero is valid.
+unsafe impl Record for ServiceSpec {
+    const MIN: usize = size_of::<Self>();
+}
+
+/// The table of the service `kinematics`, version 1. A pose is x y z a b c u v w.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Kinematics {
+    /// `size_of::<Kinematics>()` as compiled.
+    pub size: u32,
+    /// How many joints it moves.
+    pub joints: u32,
+    /// 1 identity, 2 forward only, 3 inverse only, 4 both.
+    pub kind: u32,
+    /// Which joint follows each letter of a pose: index + 1 of the first, or zero.
+    pub joint_of: [u8; 12],
+    /// Passed to the functions.
+    pub ctx: *const c_void,
+    /// From joint positions to a pose. `pose` holds the last pose as a first guess.
+    pub forward: Option<
+        unsafe extern "C" fn(*const c_void, joints: *const f64, n: usize, pose: *mut f64) -> Status,
+    >,
+    /// From a pose to joint positions. `joints` holds the last positions as a first guess.
+    pub inverse: Option<
+        unsafe extern "C" fn(*const c_void, pose: *const f64, joints: *mut f64, n: usize) -> Status,
+    >,
+}
+// SAFETY: `#[repr(C)]`, size first, zero is valid.
+unsafe impl Record for Kinematics {
+    const MIN: usize = size_of::<Self>();
+}

@@ -1,0 +1,238 @@
+//! What the graph is made of.
+
+use crate::{
+    args::Declared,
+    code::{Code, Ptr},
+    name::Name,
+    sync::Arc,
+    thread::{Account, Thread},
+};
+use core::{ffi::c_void, ptr::NonNull};
+use hal_abi::{Cell, CommandRun, PortQueue, Run, Slot};
+use hal_protocol::{ComponentState, Direction, Type};
+
+/// A node.
+#[derive(Debug)]
+pub(crate) enum Node {
+    Component(Component),
+    Item(Item),
+    Signal(Signal),
+    Funct(Funct),
+    Thread(ThreadNode),
+}
+
+/// An edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Edge {
+    /// Component to what it made.
+    Owns,
+    /// Pin to signal.
+    Links,
+    /// Pin or parameter to the function that reads it.
+    Reads,
+    /// Function to the pin or parameter that it writes.
+    Writes,
+    /// Function to the function that takes its hidden state.
+    HandsOver,
+    /// Thread to function, by position.
+    Runs(u64),
+    /// Thread to function, once before all others, by position.
+    Begins(u64),
+    /// Component to the component whose service it uses.
+    Needs,
+}
+
+/// A component: one load of a plugin, or a program.
+#[derive(Debug)]
+pub(crate) struct Component {
+    pub(crate) id: u32,
+    pub(crate) name: Name,
+    pub(crate) pid: Option<i32>,
+    pub(crate) realtime: bool,
+    pub(crate) state: ComponentState,
+    pub(crate) args: Option<String>,
+    pub(crate) commands: Vec<Command>,
+    pub(crate) stops: Vec<Code<CommandRun>>,
+    pub(crate) services: Vec<Service>,
+}
+
+/// A command that a component offers.
+#[derive(Debug)]
+pub(crate) struct Command {
+    pub(crate) name: Name,
+    pub(crate) doc: Box<str>,
+    pub(crate) args: Vec<Declared>,
+    pub(crate) code: Code<CommandRun>,
+}
+
+/// A table that a component offers to others.
+#[derive(Debug)]
+pub(crate) struct Service {
+    pub(crate) name: Box<str>,
+    pub(crate) version: u32,
+    pub(crate) table: *const c_void,
+    #[expect(dead_code, reason = "held so that the table lives as long as its component")]
+    pub(crate) code: Code<()>,
+}
+
+/// Where a value is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Storage {
+    /// In the arena.
+    Slot(Ptr<Slot>),
+    /// In the component's own memory, at the width of its type.
+    Own(NonNull<c_void>),
+}
+
+/// A pin or parameter.
+#[derive(Debug)]
+pub(crate) struct Item {
+    pub(crate) name: Name,
+    /// Another name for look-up: the old one, or the new one where the old is shown.
+    pub(crate) other: Option<Name>,
+    pub(crate) alias: Option<Name>,
+    pub(crate) ty: Type,
+    pub(crate) direction: Direction,
+    pub(crate) storage: Storage,
+    pub(crate) hidden: bool,
+    /// Made by the engine: times of functions and threads.
+    pub(crate) times: bool,
+    pub(crate) doc: Arc<str>,
+}
+
+impl Item {
+    /// The name it is listed under.
+    pub(crate) fn shown(&self) -> &Name {
+        self.alias.as_ref().unwrap_or(&self.name)
+    }
+
+    /// Its slot; pins always have one.
+    pub(crate) const fn slot(&self) -> Option<NonNull<Slot>> {
+        match self.storage {
+            Storage::Slot(p) => Some(p.0),
+            Storage::Own(_) => None,
+        }
+    }
+
+    /// Its value now, as its type's bits.
+    pub(crate) fn bits(&self) -> u64 {
+        match self.storage {
+            // SAFETY: a live slot of the arena.
+            Storage::Slot(p) => unsafe { Slot::cell(p.0.as_ptr()) }.load(),
+            Storage::Own(p) => own::load(p, self.ty),
+        }
+    }
+
+    /// Sets its value.
+    pub(crate) fn put(&self, bits: u64) {
+        match self.storage {
+            // SAFETY: a live slot of the arena.
+            Storage::Slot(p) => unsafe { Slot::cell(p.0.as_ptr()) }.store(bits),
+            Storage::Own(p) => own::store(p, self.ty, bits),
+        }
+    }
+}
+
+/// Values in a component's own memory.
+mod own {
+    use crate::sync::{
+        AtomicU8, AtomicU32, AtomicU64,
+        Ordering::{Acquire, Release},
+    };
+    use core::{ffi::c_void, ptr::NonNull};
+    use hal_protocol::Type;
+
+    pub(super) fn load(p: NonNull<c_void>, ty: Type) -> u64 {
+        match ty {
+            // SAFETY: the component gave storage of this type, alive as long as it is.
+            Type::Bit => u64::from(unsafe { p.cast::<AtomicU8>().as_ref() }.load(Acquire)),
+            Type::S32 | Type::U32 | Type::Port => {
+                // SAFETY: as above.
+                u64::from(unsafe { p.cast::<AtomicU32>().as_ref() }.load(Acquire))
+            }
+            // SAFETY: as above.
+            _ => unsafe { p.cast::<AtomicU64>().as_ref() }.load(Acquire),
+        }
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "stored at exactly its width")]
+    pub(super) fn store(p: NonNull<c_void>, ty: Type, bits: u64) {
+        match ty {
+            // SAFETY: the component gave storage of this type, alive as long as it is.
+            Type::Bit => unsafe { p.cast::<AtomicU8>().as_ref() }.store(bits as u8, Release),
+            Type::S32 | Type::U32 | Type::Port => {
+                // SAFETY: as above.
+                unsafe { p.cast::<AtomicU32>().as_ref() }.store(bits as u32, Release);
+            }
+            // SAFETY: as above.
+            _ => unsafe { p.cast::<AtomicU64>().as_ref() }.store(bits, Release),
+        }
+    }
+}
+
+/// The queue of a signal of type port.
+#[derive(Debug)]
+pub(crate) struct Queue {
+    #[expect(dead_code, reason = "cells hold its address")]
+    pub(crate) queue: Box<PortQueue>,
+    #[expect(dead_code, reason = "the queue points into it")]
+    pub(crate) data: Box<[crate::sync::AtomicU8]>,
+}
+
+/// A signal.
+#[derive(Debug)]
+pub(crate) struct Signal {
+    pub(crate) name: Name,
+    pub(crate) ty: Type,
+    pub(crate) cell: Ptr<Cell>,
+    pub(crate) queue: Option<Queue>,
+    pub(crate) readers: u32,
+    pub(crate) writers: u32,
+    pub(crate) bidirs: u32,
+}
+
+impl Signal {
+    /// Its value now, as its type's bits.
+    pub(crate) fn bits(&self) -> u64 {
+        // SAFETY: a live cell of the arena.
+        unsafe { self.cell.0.as_ref() }.load()
+    }
+
+    /// Counts a pin in or out.
+    pub(crate) const fn count(&mut self, direction: Direction, up: bool) {
+        match direction {
+            Direction::In => self.readers = add_one(self.readers, up),
+            Direction::Out => self.writers = add_one(self.writers, up),
+            Direction::Io => {
+                self.bidirs = add_one(self.bidirs, up);
+                self.readers = add_one(self.readers, up);
+            }
+            Direction::Ro | Direction::Rw => {}
+        }
+    }
+}
+
+const fn add_one(n: u32, up: bool) -> u32 {
+    if up { n + 1 } else { n.saturating_sub(1) }
+}
+
+/// A function.
+#[derive(Debug)]
+pub(crate) struct Funct {
+    pub(crate) name: Name,
+    pub(crate) reentrant: bool,
+    pub(crate) code: Arc<Code<Run>>,
+    pub(crate) account: Account,
+    pub(crate) users: u32,
+}
+
+/// A thread.
+#[derive(Debug)]
+pub(crate) struct ThreadNode {
+    pub(crate) name: Name,
+    pub(crate) thread: Arc<Thread>,
+    /// The position of the next function at the end.
+    pub(crate) next: u64,
+    /// Whether its list is older than its edges.
+    pub(crate) stale: bool,
+}
