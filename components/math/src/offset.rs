@@ -1,7 +1,14 @@
 //! `offset`.
 use hal_component::{
-    Builder, Component, Error, In, Out, Period, Touch, Update, abi::component_flags,
+    Builder, Component, Decl, Error, In, Out, Period, Touch, Update,
+    abi::{ItemSpec, component_flags},
 };
+
+const OFFSET: Decl<'static> = Decl::new("offset", "The offset, in units.");
+const IN: Decl<'static> = Decl::new("in", "The number, in units.");
+const OUT: Decl<'static> = Decl::new("out", "`in` + `offset`.");
+const FB_IN: Decl<'static> = Decl::new("fb-in", "Feedback that contains the offset, in units.");
+const FB_OUT: Decl<'static> = Decl::new("fb-out", "`fb-in` - `offset`.");
 
 /// Adds an offset on the way out and takes it off on the way back.
 pub(crate) struct Offset;
@@ -11,19 +18,19 @@ impl Component for Offset {
     const DOC: &'static str = "Adds an offset to a number, and takes it off the feedback.\n\n\
         Two functions: `update-output` on the way out, `update-feedback` on the way back.";
     const FLAGS: u32 = component_flags::PARALLEL;
+    const ITEMS: &'static [&'static ItemSpec] = &[
+        &OFFSET.spec::<In<f64>>(0),
+        &IN.spec::<In<f64>>(0),
+        &OUT.spec::<Out<f64>>(0),
+        &FB_IN.spec::<In<f64>>(0),
+        &FB_OUT.spec::<Out<f64>>(0),
+    ];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let offset: In<f64> = b.item("offset", "The offset, in units.", 0.0)?;
-        let output = Output {
-            offset,
-            from: b.item("in", "The number, in units.", 0.0)?,
-            to: b.item("out", "`in` + `offset`.", 0.0)?,
-        };
-        let feedback = Feedback {
-            offset,
-            from: b.item("fb-in", "Feedback that contains the offset, in units.", 0.0)?,
-            to: b.item("fb-out", "`fb-in` - `offset`.", 0.0)?,
-        };
+        let offset: In<f64> = b.declare(OFFSET, 0.0)?;
+        let output = Output { offset, from: b.declare(IN, 0.0)?, to: b.declare(OUT, 0.0)? };
+        let feedback =
+            Feedback { offset, from: b.declare(FB_IN, 0.0)?, to: b.declare(FB_OUT, 0.0)? };
         b.function("update-output", "Adds the offset.", output)?;
         b.function("update-feedback", "Takes the offset off the feedback.", feedback)
     }

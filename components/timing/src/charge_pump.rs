@@ -1,7 +1,14 @@
 //! `charge_pump`.
 use hal_component::{
-    Builder, Component, Error, In, Out, Period, Touch, Update, abi::component_flags,
+    Builder, Component, Decl, Error, In, Out, Period, Touch, Update,
+    abi::{ItemSpec, component_flags},
 };
+
+const ENABLE: Decl<'static> =
+    Decl::new("charge-pump.enable", "While false, the outputs are false.");
+const OUT: Decl<'static> = Decl::new("charge-pump.out", "Changes at every run while enabled.");
+const OUT_2: Decl<'static> = Decl::new("charge-pump.out-2", "Half the frequency of `out`.");
+const OUT_4: Decl<'static> = Decl::new("charge-pump.out-4", "A quarter of the frequency of `out`.");
 
 /// A counter whose lowest bits are outputs.
 #[derive(Touch)]
@@ -19,15 +26,17 @@ impl Component for ChargePump {
         pin and put the function `charge-pump` in the thread that must not stop. There is one of \
         it, without a number in its names.";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
+    const ITEMS: &'static [&'static ItemSpec] = &[
+        &ENABLE.spec::<In<bool>>(1),
+        &OUT.spec::<Out<bool>>(0),
+        &OUT_2.spec::<Out<bool>>(0),
+        &OUT_4.spec::<Out<bool>>(0),
+    ];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let pump = Self {
-            enable: b.item("charge-pump.enable", "While false, the outputs are false.", true)?,
-            outs: [
-                b.item("charge-pump.out", "Changes at every run while enabled.", false)?,
-                b.item("charge-pump.out-2", "Half the frequency of `out`.", false)?,
-                b.item("charge-pump.out-4", "A quarter of the frequency of `out`.", false)?,
-            ],
+            enable: b.declare(ENABLE, true)?,
+            outs: [b.declare(OUT, false)?, b.declare(OUT_2, false)?, b.declare(OUT_4, false)?],
             count: 0,
         };
         b.function("charge-pump", "Counts, and writes the outputs.", pump)
