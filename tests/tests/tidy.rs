@@ -1,5 +1,5 @@
 //! The rules of the code base that no compiler checks.
-#![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
 
 use std::{
     collections::BTreeMap,
@@ -251,8 +251,5 @@ fn the_readme_names_every_folder() {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         let known = map.contains(&format!("`{name}`"));
         assert!(known, "hal/README.md: the code map has no `{name}`");
-    }
-    if map.is_empty() {
-        panic!("hal/README.md is empty");
     }
 }

@@ -1,107 +1,22 @@
 //! How one instance declares itself to the engine.
 
 use crate::{
-    Call, Clock, Field, Gives, In, Item, Kinematics, KinematicsRef, Messages, Receiver, Sender,
-    StreamIn, StreamOut, Takes, Touch, Update, Uses, Value,
+    Call, Clock, Decl, Error, Field, In, Item, Kinematics, Messages, Touch, Update, Uses, Value,
     abi::{
         self, ActionSpec, ArgSpec, ArgValue, CommandSpec, FunctSpec, Host, ItemSpec, Status, Str,
-        StreamSpec, TaskSpec, ThreadSpec, component_flags, funct_flags, host_flags, item_flags,
+        TaskSpec, ThreadSpec, component_flags, funct_flags, host_flags,
     },
     call::read_arg,
     item::Dir,
-    kinematics, shim,
+    shim,
 };
 use core::{ffi::c_void, ptr::NonNull};
-use crossbeam::queue::ArrayQueue;
-use std::{borrow::Cow, sync::Arc};
-
-/// Why an instance could not be made, or a command not carried out.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Error {
-    pub(crate) status: Status,
-    pub(crate) text: Option<Cow<'static, str>>,
-}
-
-impl Error {
-    /// An error in the user's words: lower case, no full stop.
-    pub fn new(text: impl Into<Cow<'static, str>>) -> Self {
-        Self { status: Status::EINVAL, text: Some(text.into()) }
-    }
-
-    /// The sentence, if it has one of its own; otherwise the engine said why.
-    #[must_use]
-    pub fn text(&self) -> Option<&str> {
-        self.text.as_deref()
-    }
-
-    pub(crate) const fn engine(status: Status) -> Self {
-        Self { status, text: None }
-    }
-}
-
-/// How an item is declared.
-#[derive(Clone, Copy, Debug)]
-pub struct Decl<'a> {
-    name: &'a str,
-    doc: &'a str,
-    old: &'a str,
-    flags: u32,
-}
-
-impl<'a> Decl<'a> {
-    /// A name within the instance (absolute for a type created once) and its documentation:
-    /// one line with unit and range.
-    #[must_use]
-    pub const fn new(name: &'a str, doc: &'a str) -> Self {
-        Self { name, doc, old: "", flags: 0 }
-    }
-
-    /// The absolute name it had before joints and axes were told apart.
-    #[must_use]
-    pub const fn old(mut self, name: &'a str) -> Self {
-        self.old = name;
-        self
-    }
-
-    /// A bit of simulated hardware: listed only when a pattern names it.
-    #[must_use]
-    pub const fn hidden(mut self) -> Self {
-        self.flags |= item_flags::HIDDEN;
-        self
-    }
-
-    /// A limit switch or e-stop input.
-    #[must_use]
-    pub const fn safety(mut self) -> Self {
-        self.flags |= item_flags::SAFETY;
-        self
-    }
-}
-
-impl Decl<'static> {
-    /// The declaration as a library shows it without running code: a line of
-    /// [`Component::ITEMS`](crate::Component::ITEMS). `initial` is the first value as stored,
-    /// such as `1.5_f64.to_bits()`.
-    #[must_use]
-    pub const fn spec<F: Field>(self, initial: u64) -> ItemSpec {
-        ItemSpec {
-            size: abi::size::<ItemSpec>(),
-            flags: self.flags,
-            name: Str::new(self.name),
-            doc: Str::new(self.doc),
-            old_name: Str::new(self.old),
-            initial,
-            storage: core::ptr::null_mut(),
-            ty: F::TYPE,
-            dir: F::DIR,
-        }
-    }
-}
+use std::borrow::Cow;
 
 /// Declares one instance.
 #[derive(Debug)]
 pub struct Builder<'h> {
-    host: &'h Host,
+    pub(crate) host: &'h Host,
     once: bool,
     /// Uses of services found so far: every function declared afterwards takes them over.
     pub(crate) borrowed: Vec<abi::Use>,
@@ -197,7 +112,7 @@ impl<'h> Builder<'h> {
         list.iter().map(|s| unsafe { s.get() }.unwrap_or_default().to_owned()).collect()
     }
 
-    fn full<'n>(&self, name: &'n str) -> Cow<'n, str> {
+    pub(crate) fn full<'n>(&self, name: &'n str) -> Cow<'n, str> {
         match (self.once, name.is_empty()) {
             (true, false) => Cow::Borrowed(name),
             (_, true) => Cow::Owned(self.prefix().to_owned()),
@@ -246,7 +161,7 @@ impl<'h> Builder<'h> {
         NonNull::new(slot.cast_mut()).map(Item::from_slot).ok_or(Error::engine(Status::EINVAL))
     }
 
-    fn uses(&self, what: &impl Touch) -> Vec<abi::Use> {
+    pub(crate) fn uses(&self, what: &impl Touch) -> Vec<abi::Use> {
         let mut uses = Uses(self.borrowed.clone());
         what.touch(&mut uses);
         uses.0
@@ -412,101 +327,11 @@ impl<'h> Builder<'h> {
         // SAFETY: the engine's function; ownership of the state passes with the call.
         check(unsafe { to(self.host.ctx, &raw const spec) })
     }
-
-    fn ring(
-        &mut self,
-        name: &str,
-        direction: u32,
-        depth: u32,
-        types: &[u8],
-    ) -> Result<Ring, Error> {
-        let name = self.full(name);
-        let mut padded = [0; 24];
-        for (to, from) in padded.iter_mut().zip(types) {
-            *to = *from;
-        }
-        let spec = StreamSpec {
-            size: abi::size::<StreamSpec>(),
-            direction,
-            name: Str::borrow(&name),
-            depth,
-            width: u32::try_from(types.len()).unwrap_or(u32::MAX),
-            types: padded,
-        };
-        let mut out = Ring { ring: core::ptr::null(), depth: 0, width: 0 };
-        let stream = self.host.stream.ok_or(Error::engine(Status::EINVAL))?;
-        // SAFETY: the engine's function; `spec` and `out` live across the call.
-        check(unsafe { stream(self.host.ctx, &raw const spec, &raw mut out) })?;
-        if out.ring.is_null() { Err(Error::engine(Status::ENOMEM)) } else { Ok(out) }
-    }
-
-    /// Makes a ring that the component writes and a program reads. `types` are the type codes of
-    /// the values of a record, at most [`abi::MAX_WIDTH`].
-    ///
-    /// # Errors
-    /// The name is taken, the shape is impossible, or memory is out.
-    pub fn stream_out(&mut self, name: &str, depth: u32, types: &[u8]) -> Result<StreamOut, Error> {
-        let r = self.ring(name, abi::stream_direction::OUT, depth, types)?;
-        // SAFETY: the engine made the ring of this shape for this component alone.
-        Ok(StreamOut(unsafe { abi::Producer::new(r.ring, r.depth, r.width) }))
-    }
-
-    /// Makes a ring that a program writes and the component reads.
-    ///
-    /// # Errors
-    /// As [`Self::stream_out`].
-    pub fn stream_in(&mut self, name: &str, depth: u32, types: &[u8]) -> Result<StreamIn, Error> {
-        let r = self.ring(name, abi::stream_direction::IN, depth, types)?;
-        // SAFETY: the engine made the ring of this shape for this component alone.
-        Ok(StreamIn(unsafe { abi::Consumer::new(r.ring, r.depth, r.width) }))
-    }
-
-    /// State (atomics) that one function hands to others: the ends say who gives and who takes.
-    #[must_use]
-    pub fn shared<T: Send + Sync>(&mut self, state: T) -> (Gives<T>, Takes<T>) {
-        let state = Arc::new(state);
-        (Gives(state.clone()), Takes(state))
-    }
-
-    /// A bounded queue of `room` values, from a command or task to a function or back.
-    #[must_use]
-    pub fn queue<T: Copy + Send>(&mut self, room: usize) -> (Sender<T>, Receiver<T>) {
-        let queue = Arc::new(ArrayQueue::new(if room == 0 { 1 } else { room }));
-        (Sender(queue.clone()), Receiver(queue))
-    }
-
-    /// Offers kinematics to other plugins.
-    ///
-    /// # Errors
-    /// Kinematics are loaded already.
-    pub fn offer_kinematics<K: Kinematics>(&mut self, k: K) -> Result<(), Error> {
-        let uses = self.uses(&k);
-        let spec = kinematics::offer(k, &uses);
-        let offer = self.host.offer.ok_or(Error::engine(Status::EINVAL))?;
-        // SAFETY: the engine's function; ownership of the state passes with the call.
-        check(unsafe { offer(self.host.ctx, &raw const spec) })
-    }
-
-    /// The kinematics that are loaded; functions declared afterwards take over what they touch.
-    ///
-    /// # Errors
-    /// None are loaded.
-    pub fn kinematics(&mut self) -> Result<KinematicsRef, Error> {
-        let find = self.host.find.ok_or(Error::engine(Status::EINVAL))?;
-        let mut table: *const c_void = core::ptr::null();
-        // SAFETY: the engine's function; `table` lives across the call.
-        check(unsafe {
-            find(self.host.ctx, Str::new(kinematics::NAME), kinematics::VERSION, &raw mut table)
-        })?;
-        // SAFETY: the engine found a table of this name and version.
-        unsafe { kinematics::found(table) }.ok_or(Error::engine(Status::EINVAL))
-    }
 }
 
 type Act = unsafe extern "C" fn(*mut c_void, *const ActionSpec) -> Status;
-type Ring = abi::StreamRef;
 
-fn check(status: Status) -> Result<(), Error> {
+pub(crate) fn check(status: Status) -> Result<(), Error> {
     if status.is_ok() { Ok(()) } else { Err(Error::engine(status)) }
 }
 

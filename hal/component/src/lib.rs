@@ -35,8 +35,10 @@ mod args;
 pub mod bench;
 mod builder;
 mod call;
+mod decl;
 mod item;
 mod kinematics;
+mod outside;
 mod port;
 mod share;
 mod shim;
@@ -44,8 +46,9 @@ mod stream;
 pub mod trace;
 
 pub use args::Arg;
-pub use builder::{Builder, Decl, Error};
+pub use builder::Builder;
 pub use call::{Call, Clock, Messages, TicketHandle};
+pub use decl::{Decl, Error};
 #[doc(hidden)]
 pub use hal_abi as abi;
 pub use hal_derive::{Component, Touch};

@@ -1,0 +1,104 @@
+//! What a component shares: rings with programs, state and queues between functions, services.
+
+use crate::{
+    Builder, Error, Gives, Kinematics, KinematicsRef, Receiver, Sender, StreamIn, StreamOut, Takes,
+    abi::{self, Status, Str, StreamSpec},
+    builder::check,
+    kinematics,
+};
+use core::ffi::c_void;
+use crossbeam::queue::ArrayQueue;
+use std::sync::Arc;
+
+type Ring = abi::StreamRef;
+
+impl Builder<'_> {
+    fn ring(
+        &mut self,
+        name: &str,
+        direction: u32,
+        depth: u32,
+        types: &[u8],
+    ) -> Result<Ring, Error> {
+        let name = self.full(name);
+        let mut padded = [0; 24];
+        for (to, from) in padded.iter_mut().zip(types) {
+            *to = *from;
+        }
+        let spec = StreamSpec {
+            size: abi::size::<StreamSpec>(),
+            direction,
+            name: Str::borrow(&name),
+            depth,
+            width: u32::try_from(types.len()).unwrap_or(u32::MAX),
+            types: padded,
+        };
+        let mut out = Ring { ring: core::ptr::null(), depth: 0, width: 0 };
+        let stream = self.host.stream.ok_or(Error::engine(Status::EINVAL))?;
+        // SAFETY: the engine's function; `spec` and `out` live across the call.
+        check(unsafe { stream(self.host.ctx, &raw const spec, &raw mut out) })?;
+        if out.ring.is_null() { Err(Error::engine(Status::ENOMEM)) } else { Ok(out) }
+    }
+
+    /// Makes a ring that the component writes and a program reads. `types` are the type codes of
+    /// the values of a record, at most [`abi::MAX_WIDTH`].
+    ///
+    /// # Errors
+    /// The name is taken, the shape is impossible, or memory is out.
+    pub fn stream_out(&mut self, name: &str, depth: u32, types: &[u8]) -> Result<StreamOut, Error> {
+        let r = self.ring(name, abi::stream_direction::OUT, depth, types)?;
+        // SAFETY: the engine made the ring of this shape for this component alone.
+        Ok(StreamOut(unsafe { abi::Producer::new(r.ring, r.depth, r.width) }))
+    }
+
+    /// Makes a ring that a program writes and the component reads.
+    ///
+    /// # Errors
+    /// As [`Self::stream_out`].
+    pub fn stream_in(&mut self, name: &str, depth: u32, types: &[u8]) -> Result<StreamIn, Error> {
+        let r = self.ring(name, abi::stream_direction::IN, depth, types)?;
+        // SAFETY: the engine made the ring of this shape for this component alone.
+        Ok(StreamIn(unsafe { abi::Consumer::new(r.ring, r.depth, r.width) }))
+    }
+
+    /// State (atomics) that one function hands to others: the ends say who gives and who takes.
+    #[must_use]
+    pub fn shared<T: Send + Sync>(&mut self, state: T) -> (Gives<T>, Takes<T>) {
+        let state = Arc::new(state);
+        (Gives(state.clone()), Takes(state))
+    }
+
+    /// A bounded queue of `room` values, from a command or task to a function or back.
+    #[must_use]
+    pub fn queue<T: Copy + Send>(&mut self, room: usize) -> (Sender<T>, Receiver<T>) {
+        let queue = Arc::new(ArrayQueue::new(if room == 0 { 1 } else { room }));
+        (Sender(queue.clone()), Receiver(queue))
+    }
+
+    /// Offers kinematics to other plugins.
+    ///
+    /// # Errors
+    /// Kinematics are loaded already.
+    pub fn offer_kinematics<K: Kinematics>(&mut self, k: K) -> Result<(), Error> {
+        let uses = self.uses(&k);
+        let spec = kinematics::offer(k, &uses);
+        let offer = self.host.offer.ok_or(Error::engine(Status::EINVAL))?;
+        // SAFETY: the engine's function; ownership of the state passes with the call.
+        check(unsafe { offer(self.host.ctx, &raw const spec) })
+    }
+
+    /// The kinematics that are loaded; functions declared afterwards take over what they touch.
+    ///
+    /// # Errors
+    /// None are loaded.
+    pub fn kinematics(&mut self) -> Result<KinematicsRef, Error> {
+        let find = self.host.find.ok_or(Error::engine(Status::EINVAL))?;
+        let mut table: *const c_void = core::ptr::null();
+        // SAFETY: the engine's function; `table` lives across the call.
+        check(unsafe {
+            find(self.host.ctx, Str::new(kinematics::NAME), kinematics::VERSION, &raw mut table)
+        })?;
+        // SAFETY: the engine found a table of this name and version.
+        unsafe { kinematics::found(table) }.ok_or(Error::engine(Status::EINVAL))
+    }
+}
