@@ -17,7 +17,7 @@ impl Update for CapturePosition {
         for c in &self.channels {
             let accum = c.made.accum();
             c.counts.set(steps(accum));
-            c.position_fb.set(position(accum) / c.scale.get());
+            c.position_fb.set(position(accum) * (1.0 / c.scale.get()));
         }
     }
 }

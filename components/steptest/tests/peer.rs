@@ -1,0 +1,21 @@
+//! The same script as LinuxCNC ran: every sample must be equal.
+
+use hal_component::bench::Bench;
+use stepgen::Stepgen;
+use steptest::Steptest;
+
+#[path = "../../stepgen/tests/replay/mod.rs"]
+mod replay;
+
+fn load(bench: &mut Bench, kind: &str, args: &[&str]) -> bool {
+    match kind {
+        "steptest" => bench.load::<Steptest>(args).is_ok(),
+        "stepgen" => bench.load::<Stepgen>(args).is_ok(),
+        _ => false,
+    }
+}
+
+#[test]
+fn runs_and_jogs() {
+    replay::check("steptest", load);
+}
