@@ -1,7 +1,7 @@
 //! How one instance declares itself to the engine.
 
 use crate::{
-    Call, Clock, Decl, Error, Field, In, Item, Kinematics, Messages, Touch, Update, Uses, Value,
+    Call, Clock, Decl, Error, In, Item, Messages, Touch, Update, Uses, Value,
     abi::{
         self, ActionSpec, ArgSpec, ArgValue, CommandSpec, FunctSpec, Host, ItemSpec, Status, Str,
         TaskSpec, ThreadSpec, component_flags, funct_flags, host_flags,

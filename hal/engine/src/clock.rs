@@ -63,8 +63,10 @@ pub(crate) fn warm(shared: &Shared) {
 /// The fastest thread's duty before its cycle.
 fn boundary(shared: &Shared, me: &Thread, threads: &[Arc<Thread>]) {
     if threads.first().is_some_and(|t| t.id == me.id) {
-        let others = threads.iter().filter(|t| t.id != me.id).map(|t| &t.gate);
-        shared.boundary.take(others, crate::change::Change::carry_out);
+        // Not `threads`: one may have been added since they were loaded.
+        let inside = |t: &Arc<Thread>| t.id != me.id && t.gate.is_inside();
+        let others_inside = || shared.threads.load().iter().any(inside);
+        shared.boundary.take(others_inside, crate::change::Change::carry_out);
     }
 }
 

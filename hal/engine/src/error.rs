@@ -1,6 +1,6 @@
 //! Everything that can be refused, in the user's words.
 
-use hal_protocol::{Failure, Type};
+use hal_protocol::Type;
 
 /// Why a request was refused. Text that users know is worded as LinuxCNC words it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -396,9 +396,3 @@ impl core::fmt::Display for Error {
 }
 
 impl std::error::Error for Error {}
-
-impl From<Error> for Failure {
-    fn from(e: Error) -> Self {
-        Self { code: e.errno(), text: e.to_string(), hint: e.hint(), before: Vec::new() }
-    }
-}

@@ -4,7 +4,7 @@
 //! change at a time to the [`Boundary`]; the fastest thread takes it before a cycle of its own,
 //! when every other gate is open, and carries it out while the others are held outside.
 
-use crate::sync::{AtomicBool, AtomicPtr, Ordering, relax};
+use crate::sync::{AtomicBool, AtomicPtr, Ordering, fence, relax};
 use core::ptr::null_mut;
 
 /// Whether one thread is inside a cycle.
@@ -22,12 +22,12 @@ impl Gate {
     /// Ends a cycle.
     pub(crate) fn leave(&self) {
         // Pairs with `is_inside`: what the cycle did is seen by whoever finds the gate open.
-        self.inside.store(false, Ordering::SeqCst);
+        self.inside.store(false, Ordering::Release);
     }
 
     /// Whether the thread is inside a cycle.
     pub(crate) fn is_inside(&self) -> bool {
-        self.inside.load(Ordering::SeqCst) // Pairs with `leave` and `Boundary::enter`.
+        self.inside.load(Ordering::Acquire) // Pairs with `leave`.
     }
 }
 
@@ -54,37 +54,42 @@ impl<C> Boundary<C> {
     /// Begins a cycle: false when threads are stopped, and the cycle is then not run.
     pub(crate) fn enter(&self, gate: &Gate) -> bool {
         loop {
-            // Pairs with `take`: either it sees this gate shut, or this sees it editing.
-            gate.inside.store(true, Ordering::SeqCst);
-            if !self.editing.load(Ordering::SeqCst) {
+            gate.inside.store(true, Ordering::Relaxed);
+            // Pairs with the fences of `take` and `stop`: either they see this gate shut, or this
+            // sees them editing or stopping.
+            fence(Ordering::SeqCst);
+            // Pairs with the end of `take`: what was carried out is seen.
+            if !self.editing.load(Ordering::Acquire) {
                 break;
             }
             gate.leave();
-            while self.editing.load(Ordering::SeqCst) {
+            while self.editing.load(Ordering::Relaxed) {
                 relax();
             }
         }
-        // Pairs with `stop`: either it sees this gate shut, or this sees the stop.
-        if self.running.load(Ordering::SeqCst) {
+        // Pairs with `start`: what was prepared is seen.
+        if self.running.load(Ordering::Acquire) {
             return true;
         }
         gate.leave();
         false
     }
 
-    /// The fastest thread's chance to carry out what is offered, outside its own cycle. `others`
-    /// are the gates of all other threads. True when it did.
-    pub(crate) fn take<'g>(
+    /// The fastest thread's chance to carry out what is offered, outside its own cycle. True when
+    /// it did. `others_inside` says whether any other thread is inside a cycle; it looks at the
+    /// threads that there are when it is called: one that was added before is then among them.
+    pub(crate) fn take(
         &self,
-        others: impl IntoIterator<Item = &'g Gate>,
+        others_inside: impl FnOnce() -> bool,
         carry_out: impl FnOnce(&C),
     ) -> bool {
-        if self.offered.load(Ordering::Acquire).is_null() {
-            return false; // Pairs with `offer`.
+        if self.offered.load(Ordering::Relaxed).is_null() {
+            return false;
         }
-        self.editing.store(true, Ordering::SeqCst); // Pairs with `enter`.
-        if others.into_iter().any(Gate::is_inside) {
-            self.editing.store(false, Ordering::SeqCst);
+        self.editing.store(true, Ordering::Relaxed);
+        fence(Ordering::SeqCst); // Pairs with the fence of `enter`.
+        if others_inside() {
+            self.editing.store(false, Ordering::Release); // Pairs with `enter`.
             return false;
         }
         // Pairs with `offer` (its contents) and `withdraw` (who gets it).
@@ -94,7 +99,7 @@ impl<C> Boundary<C> {
         if done {
             self.taken.store(true, Ordering::Release); // Pairs with `is_taken`.
         }
-        self.editing.store(false, Ordering::SeqCst); // Pairs with `enter`.
+        self.editing.store(false, Ordering::Release); // Pairs with `enter`.
         done
     }
 
@@ -118,17 +123,18 @@ impl<C> Boundary<C> {
 
     /// Control side: threads run their functions from their next cycle on.
     pub(crate) fn start(&self) {
-        self.running.store(true, Ordering::SeqCst); // Pairs with `enter`.
+        self.running.store(true, Ordering::Release); // Pairs with `enter`.
     }
 
     /// Control side: no further cycle begins. A cycle may still be under way: see
     /// [`Gate::is_inside`].
     pub(crate) fn stop(&self) {
-        self.running.store(false, Ordering::SeqCst); // Pairs with `enter`.
+        self.running.store(false, Ordering::Relaxed);
+        fence(Ordering::SeqCst); // Pairs with the fence of `enter`.
     }
 
     /// Whether threads run their functions.
     pub(crate) fn is_running(&self) -> bool {
-        self.running.load(Ordering::SeqCst)
+        self.running.load(Ordering::Relaxed)
     }
 }

@@ -1,6 +1,7 @@
 //! What goes with an error: its number, and what would be right.
 
 use crate::Error;
+use hal_protocol::Failure;
 
 impl Error {
     /// The errno that goes with it.
@@ -62,5 +63,11 @@ impl Error {
             Self::NoService { name, .. } => Some(format!("load {name} first, such as trivkins")),
             _ => None,
         }
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(e: Error) -> Self {
+        Self { code: e.errno(), text: e.to_string(), hint: e.hint(), before: Vec::new() }
     }
 }

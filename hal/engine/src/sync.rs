@@ -3,7 +3,10 @@
 pub(crate) use std::sync::atomic::{
     AtomicBool, AtomicI64, AtomicPtr, AtomicU8, AtomicU32, AtomicU64,
 };
-pub(crate) use std::sync::{Arc, atomic::Ordering};
+pub(crate) use std::sync::{
+    Arc,
+    atomic::{Ordering, fence},
+};
 
 /// Waits a moment for another thread.
 pub(crate) fn relax() {
