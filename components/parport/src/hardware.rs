@@ -275,19 +275,22 @@ mod ports {
     use core::{arch::asm, cell::Cell};
     use port::Lost;
 
+    /// How many registers a port has.
+    const COUNT: u16 = 3;
+
     thread_local! {
         /// The addresses of the ports that this thread may use, by number.
         static GRANTED: Cell<[u16; 8]> = const { Cell::new([0; 8]) };
     }
 
     pub(super) fn allowed(index: usize, base: u16) -> bool {
-        ask(index, base).is_ok()
+        ask(index, base, base).is_ok()
     }
 
     pub(super) fn read(index: usize, base: u16, address: u16) -> Result<u8, Lost> {
-        ask(index, base)?;
+        ask(index, base, address)?;
         let value: u8;
-        // SAFETY: the thread may use the three ports from `base`, which is all the driver names.
+        // SAFETY: the thread has the right to this port: `ask` saw to it.
         unsafe {
             asm!("in al, dx", out("al") value, in("dx") address, options(nomem, nostack, preserves_flags));
         }
@@ -295,7 +298,7 @@ mod ports {
     }
 
     pub(super) fn write(index: usize, base: u16, address: u16, value: u8) -> Result<(), Lost> {
-        ask(index, base)?;
+        ask(index, base, address)?;
         output(address, value);
         Ok(())
     }
@@ -308,17 +311,20 @@ mod ports {
     }
 
     fn output(address: u16, value: u8) {
-        // SAFETY: callers have the right to this port; the kernel stops those who have not.
+        // SAFETY: both callers have asked for the right to this port first.
         unsafe {
             asm!("out dx, al", in("dx") address, in("al") value, options(nomem, nostack, preserves_flags));
         }
     }
 
-    fn ask(index: usize, base: u16) -> Result<(), Lost> {
+    fn ask(index: usize, base: u16, address: u16) -> Result<(), Lost> {
+        if address.wrapping_sub(base) >= COUNT {
+            return Err(Lost::NONE);
+        }
         let mut granted = GRANTED.get();
         let Some(mine) = granted.get_mut(index) else { return Err(Lost::NONE) };
         if *mine != base {
-            grant(base, 3)?;
+            grant(base, COUNT)?;
             *mine = base;
             GRANTED.set(granted);
         }

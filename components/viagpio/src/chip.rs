@@ -1,0 +1,134 @@
+//! Realtime. The registers of the VX900 that carry the lines.
+
+use port::{Access, Lost};
+
+/// Vendor and device of the VX900's bus control and power management, as in the first double word
+/// of its configuration.
+pub(crate) const IDENTITY: u32 = 0x8410_1106;
+
+/// Configuration registers: the base of the power management registers, and the double words that
+/// hold the enables `Rx80`, `Rx95` and `Rx9B`.
+pub(crate) const BASE: u8 = 0x88;
+pub(crate) const RX80: u8 = 0x80;
+pub(crate) const RX95: u8 = 0x94;
+pub(crate) const RX9B: u8 = 0x98;
+
+/// Configuration bits that make lines outputs: register, bits to clear, bits to set.
+const ENABLES: [(u8, u32, u32); 3] = [
+    (RX9B, 0, 0x0100_0000), // Rx9B[0] = 1: GPO12.
+    (RX95, 0, 0x0000_0C00), // Rx95[3:2] = 11: GPIO1.
+    (RX80, 0x0000_0040, 0), // Rx80[6] = 0: GPIO12.
+];
+
+/// The block of power management registers is aligned to its size. The lower bits of the base
+/// register are flags.
+const BLOCK: u16 = 0xFF80;
+
+/// The input registers, from the base.
+pub(crate) const INPUTS: [u16; 2] = [0x48, 0x49];
+/// The output registers, from the base.
+pub(crate) const OUTPUTS: [u16; 3] = [0x4D, 0x4E, 0x4F];
+/// Which bits of the output registers are lines.
+pub(crate) const LINES: [u8; 3] = [0x10, 0x90, 0x04];
+
+/// Why the chip cannot be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Refused {
+    /// There is no PCI device in its place.
+    NoDevice,
+    /// The user may not use its configuration.
+    Forbidden,
+    /// Another chip is there.
+    Other(u32),
+    /// The firmware gave the registers no address.
+    NoBase,
+    /// Its registers cannot be reached.
+    Lost(Lost),
+}
+
+impl core::fmt::Display for Refused {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::NoDevice => {
+                write!(
+                    f,
+                    "there is no PCI device 00:11.0: this driver is for boards with a VIA VX900"
+                )
+            }
+            Self::Forbidden => {
+                write!(f, "PCI device 00:11.0 may not be configured: run as root")
+            }
+            Self::Other(identity) => write!(
+                f,
+                "PCI device 00:11.0 is {:04x}:{:04x}, not the VIA VX900 (1106:8410); nothing was \
+                 written to it",
+                identity & 0xFFFF,
+                identity >> 16
+            ),
+            Self::NoBase => write!(
+                f,
+                "the firmware gave the power management registers no address: look for ACPI in \
+                 the board's setup"
+            ),
+            Self::Lost(why) => write!(f, "{why}: run as root, who may use I/O ports"),
+        }?;
+        write!(f, "; or run with --simulate")
+    }
+}
+
+impl From<Lost> for Refused {
+    fn from(why: Lost) -> Self {
+        Self::Lost(why)
+    }
+}
+
+/// A chip whose lines are enabled.
+#[derive(Debug)]
+pub(crate) struct Chip {
+    base: u16,
+    /// The bits of the output registers that are not lines, as they were found.
+    rest: [u8; 3],
+}
+
+impl Chip {
+    /// Finds out that it is the right chip, then where its registers are and what they hold, and
+    /// only then writes: the enables that are not there yet.
+    pub(crate) fn bring_up(access: &dyn Access) -> Result<Self, Refused> {
+        let identity = access.read_config(0)?;
+        if identity != IDENTITY {
+            return Err(Refused::Other(identity));
+        }
+        let [low, high, ..] = access.read_config(BASE)?.to_le_bytes();
+        let base = u16::from_le_bytes([low, high]) & BLOCK;
+        if base == 0 {
+            return Err(Refused::NoBase);
+        }
+        let mut rest = [0; 3];
+        for ((rest, register), lines) in rest.iter_mut().zip(OUTPUTS).zip(LINES) {
+            *rest = access.read(base | register)? & !lines;
+        }
+        for (register, clear, set) in ENABLES {
+            let found = access.read_config(register)?;
+            let wanted = found & !clear | set;
+            if wanted != found {
+                access.write_config(register, wanted)?;
+            }
+        }
+        Ok(Self { base, rest })
+    }
+
+    /// The input registers: one read each.
+    pub(crate) fn read(&self, access: &dyn Access) -> Result<[u8; 2], Lost> {
+        let [low, high] = INPUTS.map(|register| access.read(self.base | register));
+        Ok([low?, high?])
+    }
+
+    /// Gives the lines in the output registers their levels: one write each, and no read.
+    pub(crate) fn write(&self, access: &dyn Access, levels: [u8; 3]) -> Result<(), Lost> {
+        let mut done = Ok(());
+        for ((register, rest), levels) in OUTPUTS.into_iter().zip(self.rest).zip(levels) {
+            done = done.and(access.write(self.base | register, rest | levels));
+        }
+        done
+    }
+}
