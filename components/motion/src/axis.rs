@@ -1,0 +1,65 @@
+//! Realtime. One axis letter: its limits, and its planner in teleop mode.
+
+use crate::{
+    config::AxisConfig,
+    jogger::{By, Jogger, WheelPins},
+    pins::AxisPins,
+    refusal::Refusal,
+};
+
+/// An axis letter.
+#[derive(Debug, Default)]
+pub(crate) struct Axis {
+    pub(crate) config: AxisConfig,
+    pub(crate) teleop: Jogger,
+}
+
+impl Axis {
+    /// Refuses a position beyond its limits.
+    pub(crate) fn check(&self, n: usize, pos: f64) -> Result<(), Refusal> {
+        let over = pos > self.config.max_limit + SLACK;
+        if over || pos < self.config.min_limit - SLACK {
+            let text = BEYOND.get(n).map_or("", |t| if over { t[0] } else { t[1] });
+            return Err(Refusal::new(text));
+        }
+        Ok(())
+    }
+
+    /// Writes the pins.
+    pub(crate) fn show(&self, pins: &AxisPins, pos: f64) {
+        let tp = &self.teleop.tp;
+        pins.pos_cmd.set(pos);
+        pins.teleop_pos_cmd.set(tp.target);
+        pins.teleop_vel_cmd.set(tp.vel);
+        pins.teleop_vel_lim.set(tp.max_vel);
+        pins.teleop_tp_enable.set(tp.enable);
+        pins.kb_jog_active.set(self.teleop.by == By::Command);
+        pins.wheel_jog_active.set(self.teleop.by == By::Wheel);
+    }
+}
+
+/// What rounding may add to a position, in machine units.
+const SLACK: f64 = 1e-6;
+
+const BEYOND: [[&str; 2]; 9] = [
+    ["linear move would exceed X's positive limit", "linear move would exceed X's negative limit"],
+    ["linear move would exceed Y's positive limit", "linear move would exceed Y's negative limit"],
+    ["linear move would exceed Z's positive limit", "linear move would exceed Z's negative limit"],
+    ["linear move would exceed A's positive limit", "linear move would exceed A's negative limit"],
+    ["linear move would exceed B's positive limit", "linear move would exceed B's negative limit"],
+    ["linear move would exceed C's positive limit", "linear move would exceed C's negative limit"],
+    ["linear move would exceed U's positive limit", "linear move would exceed U's negative limit"],
+    ["linear move would exceed V's positive limit", "linear move would exceed V's negative limit"],
+    ["linear move would exceed W's positive limit", "linear move would exceed W's negative limit"],
+];
+
+/// The wheel of an axis.
+pub(crate) const fn wheel(pins: &AxisPins) -> WheelPins {
+    WheelPins {
+        counts: pins.jog_counts,
+        enable: pins.jog_enable,
+        scale: pins.jog_scale,
+        vel_mode: pins.jog_vel_mode,
+        accel_fraction: pins.jog_accel_fraction,
+    }
+}

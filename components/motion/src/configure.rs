@@ -1,0 +1,228 @@
+//! `motion.configure`: checks what users give and keeps what was given.
+
+use crate::{
+    command::Command,
+    config::{AxisConfig, JointConfig, TrajConfig},
+    desk::letter,
+};
+use hal_component::{Arg, Call, Error, abi::ArgSpec};
+use std::collections::BTreeMap;
+
+pub(crate) const DOC: &str = "\
+Sets the limits of a joint (joint=), of an axis (axis=), or of coordinated moves (neither).
+
+A joint takes part once it was configured. What is not given stays as it is. All values are in
+machine units and seconds.";
+
+pub(crate) const ARGS: &[&ArgSpec] = &[
+    &Arg::int("joint", "Number of the joint, from 0."),
+    &Arg::text("axis", "Letter of the axis: x y z a b c u v w."),
+    &Arg::float("min-limit", "Lowest position of a joint or axis, in units."),
+    &Arg::float("max-limit", "Highest position of a joint or axis, in units."),
+    &Arg::float(
+        "max-velocity",
+        "Highest velocity, in units/s, above 0: of a joint (at first 1), of an axis or along a \
+         path (at first whatever the joints allow).",
+    ),
+    &Arg::float(
+        "max-acceleration",
+        "Highest acceleration, in units/s², above 0: of a joint (at first 1), of an axis or along \
+         a path (at first whatever the joints allow).",
+    ),
+    &Arg::float("ferror", "Following error of a joint allowed at max-velocity, in units."),
+    &Arg::float(
+        "min-ferror",
+        "Following error of a joint allowed at any velocity, in units; ferror if never given.",
+    ),
+    &Arg::float("home", "Where a joint goes at the end of homing, in units."),
+    &Arg::float("home-offset", "What homing calls the place where a joint stands, in units."),
+    &Arg::float("home-search-vel", "Velocity to look for a home switch; only 0 can be homed yet."),
+    &Arg::float(
+        "home-latch-vel",
+        "Velocity to find a home switch's edge; only 0 can be homed yet.",
+    ),
+    &Arg::float(
+        "home-final-vel",
+        "Velocity of the move to home, in units/s; 0 or less: max-velocity.",
+    ),
+    &Arg::float("backlash", "Backlash of a joint, in units."),
+    &Arg::float(
+        "default-velocity",
+        "Velocity of a path when none is given, in units/s, above 0; at first 1.",
+    ),
+    &Arg::text("linear-units", "Machine unit: mm, inch, or how many of them a millimetre is."),
+    &Arg::float("max-feed-override", "Highest factor of feed override, 0 or more; at first 1."),
+];
+
+/// What was configured so far.
+#[derive(Debug, Default)]
+pub(crate) struct Book {
+    joints: BTreeMap<usize, JointConfig>,
+    axes: BTreeMap<usize, AxisConfig>,
+    traj: TrajConfig,
+}
+
+/// Which arguments belong to what.
+const JOINT: &[&str] = &[
+    "min-limit",
+    "max-limit",
+    "max-velocity",
+    "max-acceleration",
+    "ferror",
+    "min-ferror",
+    "home",
+    "home-offset",
+    "home-search-vel",
+    "home-latch-vel",
+    "home-final-vel",
+    "backlash",
+];
+const AXIS: &[&str] = &["min-limit", "max-limit", "max-velocity", "max-acceleration"];
+const TRAJ: &[&str] =
+    &["max-velocity", "max-acceleration", "default-velocity", "linear-units", "max-feed-override"];
+
+impl Book {
+    /// What to send. Nothing is kept when something is wrong; [`Self::keep`] keeps it.
+    pub(crate) fn read(&self, call: &Call<'_>, joints: usize) -> Result<Command, Error> {
+        let (joint, axis) = (call.int("joint"), call.text("axis"));
+        match (joint, axis) {
+            (Some(_), Some(_)) => Err(Error::new("joint= and axis= exclude each other")),
+            (Some(n), None) => {
+                let n = crate::desk::joint(n, joints)?;
+                only(call, JOINT, "joint=")?;
+                self.joint(n, call)
+            }
+            (None, Some(text)) => {
+                let n = letter(&text)?;
+                only(call, AXIS, "axis=")?;
+                self.axis(n, call)
+            }
+            (None, None) => {
+                only(call, TRAJ, "a configuration without joint= and axis=")?;
+                self.traj(call)
+            }
+        }
+    }
+
+    pub(crate) fn keep(&mut self, command: &Command) {
+        match *command {
+            Command::Joint(n, config) => {
+                self.joints.insert(n, config);
+            }
+            Command::Axis(n, config) => {
+                self.axes.insert(n, config);
+            }
+            Command::Traj(config) => self.traj = config,
+            Command::Ask(..) => {}
+        }
+    }
+
+    fn joint(&self, n: usize, call: &Call<'_>) -> Result<Command, Error> {
+        let mut c = self.joints.get(&n).copied().unwrap_or_default();
+        limit(call, "min-limit", &mut c.min_limit)?;
+        limit(call, "max-limit", &mut c.max_limit)?;
+        ordered(c.min_limit, c.max_limit)?;
+        above(call, "max-velocity", &mut c.max_velocity)?;
+        above(call, "max-acceleration", &mut c.max_acceleration)?;
+        not_negative(call, "ferror", &mut c.ferror)?;
+        if call.float("min-ferror").is_some() {
+            let mut least = 0.0;
+            not_negative(call, "min-ferror", &mut least)?;
+            c.min_ferror = Some(least);
+        }
+        finite(call, "home", &mut c.home)?;
+        finite(call, "home-offset", &mut c.home_offset)?;
+        finite(call, "home-search-vel", &mut c.home_search_vel)?;
+        finite(call, "home-latch-vel", &mut c.home_latch_vel)?;
+        finite(call, "home-final-vel", &mut c.home_final_vel)?;
+        finite(call, "backlash", &mut c.backlash)?;
+        Ok(Command::Joint(n, c))
+    }
+
+    fn axis(&self, n: usize, call: &Call<'_>) -> Result<Command, Error> {
+        let mut c = self.axes.get(&n).copied().unwrap_or_default();
+        limit(call, "min-limit", &mut c.min_limit)?;
+        limit(call, "max-limit", &mut c.max_limit)?;
+        ordered(c.min_limit, c.max_limit)?;
+        above(call, "max-velocity", &mut c.max_velocity)?;
+        above(call, "max-acceleration", &mut c.max_acceleration)?;
+        Ok(Command::Axis(n, c))
+    }
+
+    fn traj(&self, call: &Call<'_>) -> Result<Command, Error> {
+        let mut c = self.traj;
+        above(call, "max-velocity", &mut c.max_velocity)?;
+        above(call, "max-acceleration", &mut c.max_acceleration)?;
+        above(call, "default-velocity", &mut c.default_velocity)?;
+        not_negative(call, "max-feed-override", &mut c.max_feed_override)?;
+        if let Some(text) = call.text("linear-units") {
+            c.units_per_mm = units(&text)?;
+        }
+        Ok(Command::Traj(c))
+    }
+}
+
+/// Refuses arguments that belong to something else.
+fn only(call: &Call<'_>, names: &[&str], what: &str) -> Result<(), Error> {
+    let all = JOINT.iter().chain(TRAJ).filter(|n| !names.contains(n));
+    for name in all {
+        // A number or a text: whichever it was declared as.
+        if call.float(name).is_some() {
+            return Err(Error::new(format!("{name}= does not belong to {what}")));
+        }
+    }
+    Ok(())
+}
+
+fn units(text: &str) -> Result<f64, Error> {
+    match text.to_ascii_lowercase().as_str() {
+        "mm" | "metric" => Ok(1.0),
+        "in" | "inch" | "imperial" => Ok(1.0 / 25.4),
+        number => match number.parse() {
+            Ok(n) if n > 0.0 && f64::is_finite(n) => Ok(n),
+            _ => Err(Error::new(format!(
+                "linear-units '{text}' is none of mm, inch, and a number of units per millimetre"
+            ))),
+        },
+    }
+}
+
+fn take(
+    call: &Call<'_>,
+    name: &str,
+    to: &mut f64,
+    legal: fn(f64) -> bool,
+    range: &str,
+) -> Result<(), Error> {
+    match call.float(name) {
+        None => Ok(()),
+        Some(value) if legal(value) => {
+            *to = value;
+            Ok(())
+        }
+        Some(value) => Err(Error::new(format!("{name} is {value}, must be {range}"))),
+    }
+}
+
+fn limit(call: &Call<'_>, name: &str, to: &mut f64) -> Result<(), Error> {
+    take(call, name, to, |v| !v.is_nan(), "a number")
+}
+
+fn finite(call: &Call<'_>, name: &str, to: &mut f64) -> Result<(), Error> {
+    take(call, name, to, f64::is_finite, "a finite number")
+}
+
+fn above(call: &Call<'_>, name: &str, to: &mut f64) -> Result<(), Error> {
+    take(call, name, to, |v| v > 0.0 && v.is_finite(), "above 0")
+}
+
+fn not_negative(call: &Call<'_>, name: &str, to: &mut f64) -> Result<(), Error> {
+    take(call, name, to, |v| v >= 0.0 && v.is_finite(), "0 or more")
+}
+
+fn ordered(min: f64, max: f64) -> Result<(), Error> {
+    if min <= max {
+        return Ok(());
+    }
+    Err(Error::new(format!("min-limit {min} is above max-limit {max}")))
+}

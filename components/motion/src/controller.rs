@@ -1,0 +1,121 @@
+//! Realtime. The two functions: one takes commands, the other carries them out and moves.
+
+use crate::{
+    command::{Command, Mode},
+    pins::{GeneralPins, Pins},
+    state::State,
+};
+use hal_component::{Clock, KinematicsRef, Period, Receiver, Sender, Touch, Update};
+use libm::sqrt;
+
+/// How many commands a cycle carries out: planning a move takes its time.
+const PER_CYCLE: usize = 16;
+
+/// `motion-command-handler`.
+#[derive(Debug, Touch)]
+pub(crate) struct Handler {
+    from: Receiver<Command>,
+    to: Sender<Command>,
+    /// One that the controller had no room for.
+    #[state]
+    held: Option<Command>,
+}
+
+impl Handler {
+    pub(crate) const fn new(from: Receiver<Command>, to: Sender<Command>) -> Self {
+        Self { from, to, held: None }
+    }
+}
+
+impl Update for Handler {
+    fn update(&mut self, _: Period) {
+        for _ in 0..PER_CYCLE {
+            let Some(command) = self.held.take().or_else(|| self.from.take()) else { return };
+            if let Err(command) = self.to.send(command) {
+                self.held = Some(command);
+                return;
+            }
+        }
+    }
+}
+
+/// `motion-controller`.
+#[derive(Debug, Touch)]
+pub(crate) struct Controller {
+    pub(crate) from: Receiver<Command>,
+    pub(crate) pins: Pins,
+    pub(crate) kinematics: KinematicsRef,
+    pub(crate) clock: Clock,
+    #[state]
+    pub(crate) last_ns: Option<i64>,
+    #[state]
+    pub(crate) state: State,
+}
+
+impl Update for Controller {
+    fn update(&mut self, period: Period) {
+        let dt = period.secs();
+        if dt <= 0.0 {
+            return;
+        }
+        let now = self.clock.now_ns();
+        let last = self.last_ns.replace(now).map_or(0, |last| now.wrapping_sub(last));
+        self.state.sense(&self.pins);
+        while let Some(command) = self.from.take() {
+            self.state.obey(command);
+        }
+        self.state.guard(&self.pins);
+        self.state.advance(&self.pins, dt);
+        self.pins.general.last_period.set(u32::try_from(last).unwrap_or(u32::MAX));
+        show(&self.state, &self.pins);
+    }
+}
+
+fn show(s: &State, pins: &Pins) {
+    for (joint, pins) in s.joints.iter().zip(&pins.joints) {
+        joint.show(pins, s.enabled);
+    }
+    for ((axis, pins), pos) in s.axes.iter().zip(&pins.axes).zip(s.pose) {
+        axis.show(pins, pos);
+    }
+    for (spindle, pins) in s.spindles.iter().zip(&pins.spindles) {
+        spindle.show(pins);
+    }
+    let g = &pins.general;
+    g.motion_enabled.set(s.enabled);
+    g.in_position.set(s.is_idle());
+    g.coord_mode.set(s.mode == Mode::Coord);
+    g.teleop_mode.set(s.mode == Mode::Teleop);
+    g.coord_error.set(s.coord_error);
+    g.on_soft_limit.set(s.on_soft_limit);
+    g.is_all_homed.set(s.is_all_homed());
+    g.jog_is_active.set(s.is_jogging() && !s.is_homing());
+    g.current_vel.set(velocity(s));
+    g.distance_to_go.set(s.path.distance_to_go());
+    let line = s.path.line();
+    g.motion_type.set(if line.is_some() { 2 } else { 0 });
+    let requested = line.map_or(0.0, |line| line.velocity);
+    g.requested_vel.set(requested);
+    let feed = line.map_or(0.0, |line| line.scaled(s.feed.net));
+    show_feed(g, feed, s.traj.units_per_mm);
+}
+
+fn show_feed(g: &GeneralPins, feed: f64, units_per_mm: f64) {
+    let mm = feed / units_per_mm;
+    let inches = mm / 25.4;
+    g.feed_upm.set(feed * 60.0);
+    g.feed_mm_per_second.set(mm);
+    g.feed_mm_per_minute.set(mm * 60.0);
+    g.feed_inches_per_second.set(inches);
+    g.feed_inches_per_minute.set(inches * 60.0);
+}
+
+/// Along the path, or of all jogs together.
+fn velocity(s: &State) -> f64 {
+    let together = |sum: f64| sqrt(sum);
+    match s.mode {
+        Mode::Free => together(s.active().map(|j| j.vel_cmd * j.vel_cmd).sum()),
+        Mode::Teleop => together(s.axes.iter().map(|a| a.teleop.tp.vel * a.teleop.tp.vel).sum()),
+        Mode::Coord => s.path.velocity(),
+    }
+}

@@ -1,0 +1,227 @@
+//! Realtime. What happens to positions in one cycle.
+
+use crate::{
+    axis,
+    command::Mode,
+    homing,
+    jogger::By,
+    joint,
+    line::Machine,
+    pins::Pins,
+    refusal::Refusal,
+    state::{Inputs, State},
+};
+
+impl State {
+    /// Reads the pins.
+    pub(crate) fn sense(&mut self, pins: &Pins) {
+        let g = &pins.general;
+        let before = self.inputs;
+        self.inputs = Inputs {
+            enable: g.enable.get(),
+            jog_inhibit: g.jog_inhibit.get(),
+            homing_inhibit: g.homing_inhibit.get(),
+            jog_stop: g.jog_stop.get(),
+            jog_stop_immediate: g.jog_stop_immediate.get(),
+        };
+        for (joint, pins) in self.joints.iter_mut().zip(&pins.joints) {
+            joint.sense(pins);
+        }
+        if self.inputs.jog_stop && !before.jog_stop {
+            self.stop_jogs("stopped by motion.jog-stop");
+        }
+        if self.inputs.jog_stop_immediate && !before.jog_stop_immediate {
+            self.halt_jogs("stopped by motion.jog-stop-immediate");
+        }
+        self.feed.net = self.net_feed(pins);
+    }
+
+    fn halt_jogs(&mut self, why: &'static str) {
+        let joints = self.joints.iter_mut().map(|j| &mut j.free);
+        for jogger in joints.chain(self.axes.iter_mut().map(|a| &mut a.teleop)) {
+            if matches!(jogger.by, By::Command | By::Wheel) {
+                jogger.reset(jogger.tp.pos, why);
+            }
+        }
+    }
+
+    fn net_feed(&self, pins: &Pins) -> f64 {
+        let g = &pins.general;
+        if g.feed_inhibit.get() || (self.feed.hold && g.feed_hold.get()) {
+            return 0.0;
+        }
+        let mut scale = self.feed.scale;
+        if self.feed.adaptive {
+            let wanted = g.adaptive_feed.get();
+            let most = self.traj.max_feed_override;
+            // No number and backwards are zero.
+            let wanted = if wanted > 0.0 { wanted } else { 0.0 };
+            scale *= if wanted < most { wanted } else { most };
+        }
+        scale
+    }
+
+    /// Jog wheels and homing, then the position of every joint.
+    pub(crate) fn advance(&mut self, pins: &Pins, dt: f64) {
+        self.wheels(pins);
+        for joint in &mut self.joints {
+            homing::cycle(joint, dt);
+        }
+        if let Some((set, ticket)) = self.homing
+            && (0..self.joints.len())
+                .filter(|n| set >> n & 1 == 1)
+                .all(|n| self.joints.get(n).is_none_or(|j| !j.homing.is_under_way()))
+        {
+            ticket.done();
+            self.homing = None;
+        }
+        self.on_soft_limit = false;
+        if self.enabled {
+            match self.mode {
+                Mode::Free => self.free(dt),
+                Mode::Teleop => self.teleop(dt),
+                Mode::Coord => self.coord(dt),
+            }
+            self.extras(pins, dt);
+        } else {
+            for joint in &mut self.joints {
+                joint.follow("the machine is off");
+            }
+            self.sync("the machine is off");
+        }
+        for joint in &mut self.joints {
+            joint.correct(dt, self.enabled);
+        }
+        self.end_override();
+        if self.is_idle()
+            && let Some(ticket) = self.standing.take()
+        {
+            ticket.done();
+        }
+    }
+
+    fn wheels(&mut self, pins: &Pins) {
+        let ready = self.enabled && !self.inputs.jog_inhibit && !self.is_homing();
+        let allowed = ready && self.mode == Mode::Free;
+        for (joint, pins) in self.joints.iter_mut().zip(&pins.joints) {
+            let room = joint.room();
+            let allowed = allowed && joint.active && !(joint.extra && joint.homing.homed);
+            let senses = joint.senses;
+            joint.free.wheel(&joint::wheel(pins), allowed, || {
+                // Not farther onto a switch that is overridden.
+                let mut room = room;
+                if senses.at_max {
+                    room.max = f64::NEG_INFINITY;
+                }
+                if senses.at_min {
+                    room.min = f64::INFINITY;
+                }
+                room
+            });
+        }
+        let allowed = ready && self.mode == Mode::Teleop;
+        for (n, pins) in pins.axes.iter().enumerate() {
+            let wheel = axis::wheel(pins);
+            let turned = self.axes.get(n).is_some_and(|a| a.teleop.is_turned(&wheel));
+            let room = if allowed && turned { self.axis_room(n).ok() } else { None };
+            if let Some(axis) = self.axes.get_mut(n) {
+                axis.teleop.wheel(&wheel, room.is_some(), || room.unwrap_or_default());
+            }
+        }
+    }
+
+    fn free(&mut self, dt: f64) {
+        for joint in self.joints.iter_mut().filter(|j| j.active) {
+            if !(joint.extra && joint.homing.homed) {
+                joint.place_free(dt);
+            }
+        }
+        self.find_pose();
+    }
+
+    fn teleop(&mut self, dt: f64) {
+        let before = self.pose;
+        for (axis, pos) in self.axes.iter_mut().zip(&mut self.pose) {
+            axis.teleop.step(dt);
+            *pos = axis.teleop.tp.pos;
+        }
+        if let Err(why) = self.place(dt) {
+            self.pose = before;
+            for (axis, pos) in self.axes.iter_mut().zip(before) {
+                axis.teleop.reset(pos, why.text());
+            }
+            for joint in &mut self.joints {
+                joint.place(joint.pos_cmd, dt);
+            }
+            why.say(&self.say);
+        }
+        if self.on_soft_limit {
+            self.stop_jogs("a joint is beyond its limit");
+        }
+    }
+
+    fn coord(&mut self, dt: f64) {
+        let Self { path, pose, kinematics, joints, axes, feed, .. } = self;
+        let machine = Machine { kinematics, joints, axes };
+        let before = *pose;
+        let stepped = path.step(before, dt, feed.net, machine);
+        let placed = stepped.and_then(|pose| {
+            self.pose = pose;
+            self.place(dt)
+        });
+        if let Err(why) = placed {
+            self.pose = before;
+            self.path.clear(why.text());
+            self.coord_error = true;
+            for joint in &mut self.joints {
+                joint.place(joint.pos_cmd, dt);
+            }
+            why.say(&self.say);
+        }
+    }
+
+    /// Takes the joints to the pose.
+    fn place(&mut self, dt: f64) -> Result<(), Refusal> {
+        let mut places = self.places();
+        if !self.kinematics.inverse(&self.pose, &mut places) {
+            return Err(UNREACHABLE);
+        }
+        let moved = || self.joints.iter().zip(&places).filter(|(j, _)| j.active && !j.extra);
+        if !moved().all(|(_, place)| place.is_finite()) {
+            return Err(UNREACHABLE);
+        }
+        self.on_soft_limit = moved().any(|(joint, place)| joint.is_beyond(*place));
+        for (joint, place) in self.joints.iter_mut().zip(&places) {
+            if joint.active && !joint.extra {
+                joint.place(*place, dt);
+            }
+        }
+        Ok(())
+    }
+
+    fn extras(&mut self, pins: &Pins, dt: f64) {
+        let first = self.joints.len() - pins.extras.len();
+        for (joint, pins) in self.joints.iter_mut().skip(first).zip(&pins.extras) {
+            let pos = pins.posthome_cmd.get();
+            if joint.active && joint.homing.homed && pos.is_finite() {
+                joint.place(pos, dt);
+                joint.free.tp.reset(pos);
+            }
+        }
+    }
+
+    /// Limits hold again after the jog that the override was for.
+    fn end_override(&mut self) {
+        if !self.overriding {
+            return;
+        }
+        if self.joints.iter().any(|j| j.free.tp.active) {
+            self.override_moved = true;
+        } else if self.override_moved {
+            self.overriding = false;
+            self.override_moved = false;
+        }
+    }
+}
+
+const UNREACHABLE: Refusal = Refusal::new("the kinematics cannot go there");

@@ -1,0 +1,77 @@
+//! Realtime. What switches the machine off.
+
+use crate::{pins::Pins, state::State};
+
+impl State {
+    /// Looks at every cause to switch off; answers whoever switched on.
+    pub(crate) fn guard(&mut self, pins: &Pins) {
+        if self.enabled
+            && let Some(cause) = self.cause(pins)
+        {
+            self.turn_off(cause);
+        }
+        if let Some(ticket) = self.enabling.take() {
+            ticket.done();
+        }
+    }
+
+    /// The first cause to switch off; all are told to the operator.
+    fn cause(&mut self, pins: &Pins) -> Option<&'static str> {
+        let mut cause = None;
+        if !self.inputs.enable {
+            self.say.error("motion stopped by enable input", &[]);
+            cause.get_or_insert("motion stopped by enable input");
+        }
+        for (n, _) in pins.spindles.iter().enumerate().filter(|(_, s)| s.amp_fault_in.get()) {
+            self.say.error("spindle {} amplifier fault", &[n as f64]);
+            cause.get_or_insert("spindle amplifier fault");
+        }
+        for (n, joint) in self.joints.iter_mut().enumerate().filter(|(_, j)| j.active) {
+            let on_switch = joint.senses.at_max || joint.senses.at_min;
+            let mut trip = |text, why| {
+                self.say.error(text, &[n as f64]);
+                joint.error = true;
+                cause.get_or_insert(why);
+            };
+            if on_switch && !self.overriding && !joint.homing.is_under_way() {
+                trip("joint {} on limit switch error", "joint on limit switch error");
+            }
+            if joint.senses.amp_fault {
+                trip("joint {} amplifier fault", "joint amplifier fault");
+            }
+        }
+        for (n, joint) in self.joints.iter_mut().enumerate().filter(|(_, j)| j.is_ferrored()) {
+            self.say.error("joint {} following error", &[n as f64]);
+            joint.error = true;
+            cause.get_or_insert("joint following error");
+        }
+        for (n, _) in pins.lists.misc_errors.iter().enumerate().filter(|(_, e)| e.get()) {
+            self.say.error("Motion Stopped by misc error {}", &[n as f64]);
+            cause.get_or_insert("motion stopped by misc error");
+        }
+        cause
+    }
+
+    /// Switches off: nothing moves any more, and all who wait for movement are told.
+    pub(crate) fn turn_off(&mut self, cause: &'static str) {
+        self.enabled = false;
+        self.path.clear(cause);
+        for joint in &mut self.joints {
+            joint.homing.abort();
+            joint.follow(cause);
+        }
+        for axis in &mut self.axes {
+            axis.teleop.reset(axis.teleop.tp.pos, cause);
+        }
+        for spindle in &mut self.spindles {
+            spindle.stop();
+        }
+        if let Some((_, ticket)) = self.homing.take() {
+            ticket.fail(cause);
+        }
+        if let Some(ticket) = self.enabling.take() {
+            ticket.fail(cause);
+        }
+        self.override_moved = false;
+    }
+}

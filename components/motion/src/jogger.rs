@@ -1,0 +1,208 @@
+//! Realtime. What jogs a joint or an axis: a command or a wheel.
+
+use crate::planner::SimpleTp;
+use hal_component::{In, TicketHandle};
+use libm::fabs;
+
+/// Where a coordinate may be jogged to, and how.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Room {
+    pub(crate) min: f64,
+    pub(crate) max: f64,
+    pub(crate) max_vel: f64,
+    pub(crate) max_acc: f64,
+}
+
+impl Room {
+    /// Keeps an axis at `pos` within what a joint at `joint_pos` may do, which moves by `slope`
+    /// for a unit of the axis.
+    pub(crate) fn narrow(&mut self, joint: &Self, joint_pos: f64, pos: f64, slope: f64) {
+        let a = pos + (joint.min - joint_pos) / slope;
+        let b = pos + (joint.max - joint_pos) / slope;
+        let (min, max) = if slope > 0.0 { (a, b) } else { (b, a) };
+        if min > self.min {
+            self.min = min;
+        }
+        if max < self.max {
+            self.max = max;
+        }
+        let (vel, acc) = (joint.max_vel / fabs(slope), joint.max_acc / fabs(slope));
+        if vel < self.max_vel {
+            self.max_vel = vel;
+        }
+        if acc < self.max_acc {
+            self.max_acc = acc;
+        }
+    }
+
+    /// A target within the limits; one beyond a limit ends there, and nothing ever goes back
+    /// because of a limit that it is beyond already.
+    fn bound(&self, target: f64, from: f64) -> f64 {
+        if target > from {
+            if target <= self.max {
+                target
+            } else if self.max > from {
+                self.max
+            } else {
+                from
+            }
+        } else if target < from {
+            if self.min <= target {
+                target
+            } else if self.min < from {
+                self.min
+            } else {
+                from
+            }
+        } else {
+            from
+        }
+    }
+}
+
+/// The pins of a jog wheel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WheelPins {
+    pub(crate) counts: In<i32>,
+    pub(crate) enable: In<bool>,
+    pub(crate) scale: In<f64>,
+    pub(crate) vel_mode: In<bool>,
+    pub(crate) accel_fraction: In<f64>,
+}
+
+/// What moves the coordinate now.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum By {
+    /// Nothing.
+    #[default]
+    Nobody,
+    /// A command.
+    Command,
+    /// The wheel.
+    Wheel,
+    /// Homing.
+    Homing,
+}
+
+/// A planner and who drives it.
+#[derive(Debug, Default)]
+pub(crate) struct Jogger {
+    pub(crate) tp: SimpleTp,
+    pub(crate) by: By,
+    ticket: Option<TicketHandle>,
+    old_counts: Option<i32>,
+}
+
+impl Jogger {
+    /// Goes to a target with a speed; whatever went on before is over.
+    pub(crate) fn go(
+        &mut self,
+        target: f64,
+        speed: f64,
+        room: &Room,
+        by: By,
+        ticket: Option<TicketHandle>,
+    ) {
+        self.give_up("another jog took its place");
+        self.tp.target = room.bound(target, self.tp.pos);
+        self.tp.max_vel = if speed < room.max_vel { speed } else { room.max_vel };
+        self.tp.max_acc = room.max_acc;
+        self.tp.enable = true;
+        self.tp.active = true;
+        self.by = by;
+        self.ticket = ticket;
+    }
+
+    /// Brakes; the ticket is done when it stands still.
+    pub(crate) fn stop(&mut self, why: &'static str, ticket: Option<TicketHandle>) {
+        self.tp.enable = false;
+        self.give_up(why);
+        if self.tp.active {
+            self.ticket = ticket;
+        } else if let Some(ticket) = ticket {
+            ticket.done();
+        }
+    }
+
+    /// Stands still at a position at once.
+    pub(crate) fn reset(&mut self, pos: f64, why: &'static str) {
+        self.tp.reset(pos);
+        self.by = By::Nobody;
+        self.give_up(why);
+    }
+
+    fn give_up(&mut self, why: &'static str) {
+        if let Some(ticket) = self.ticket.take() {
+            ticket.fail(why);
+        }
+    }
+
+    /// One cycle.
+    pub(crate) fn step(&mut self, dt: f64) {
+        self.tp.step(dt);
+        if !self.tp.active {
+            self.by = By::Nobody;
+            if let Some(ticket) = self.ticket.take() {
+                ticket.done();
+            }
+        }
+    }
+
+    /// Whether the wheel was turned since it was looked at.
+    pub(crate) fn is_turned(&self, pins: &WheelPins) -> bool {
+        self.old_counts.is_some_and(|old| old != pins.counts.get()) && pins.enable.get()
+    }
+
+    /// Looks at the wheel, and moves by it when that is allowed.
+    pub(crate) fn wheel(&mut self, pins: &WheelPins, allowed: bool, room: impl Fn() -> Room) {
+        let counts = pins.counts.get();
+        let old = self.old_counts.replace(counts).unwrap_or(counts);
+        let distance = f64::from(counts.wrapping_sub(old)) * pins.scale.get();
+        let free = matches!(self.by, By::Nobody | By::Wheel);
+        if !allowed || !free || !pins.enable.get() || distance == 0.0 || !distance.is_finite() {
+            return;
+        }
+        let fraction = pins.accel_fraction.get();
+        let fraction = if (0.0..=1.0).contains(&fraction) { fraction } else { 1.0 };
+        let room = room();
+        let room = Room { max_acc: room.max_acc * fraction, ..room };
+        if room.max_acc <= 0.0 {
+            return;
+        }
+        let mut target = self.tp.target + distance;
+        if pins.vel_mode.get() {
+            // No farther ahead than it takes to brake from full speed.
+            let lead = room.max_vel * room.max_vel / (2.0 * room.max_acc);
+            let way = target - self.tp.pos;
+            if fabs(way) > lead {
+                target = self.tp.pos + if way > 0.0 { lead } else { -lead };
+            }
+        }
+        self.go(target, room.max_vel, &room, By::Wheel, None);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn targets_stay_within_the_limits() {
+        for (min, max, from, target, expected) in [
+            (-50.0, 200.0, 0.0, 10.0, 10.0),
+            (-50.0, 200.0, 0.0, f64::INFINITY, 200.0),
+            (-50.0, 200.0, 0.0, -60.0, -50.0),
+            // Beyond a limit already: only towards it.
+            (-50.0, 200.0, 210.0, 220.0, 210.0),
+            (-50.0, 200.0, 210.0, 205.0, 205.0),
+            (-50.0, 200.0, -60.0, -70.0, -60.0),
+            // Crossed or no numbers: nowhere that they forbid.
+            (20.0, -20.0, 0.0, 10.0, 0.0),
+            (f64::NAN, f64::NAN, 0.0, 10.0, 0.0),
+            (-50.0, 200.0, 0.0, f64::NAN, 0.0),
+        ] {
+            let room = Room { min, max, max_vel: 1.0, max_acc: 1.0 };
+            assert_eq!(room.bound(target, from), expected, "{min} {max} {from} {target}");
+        }
+    }
+}

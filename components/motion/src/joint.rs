@@ -1,0 +1,215 @@
+//! Realtime. One joint: what it senses, where it is, and what its motor is told.
+
+use crate::{
+    config::JointConfig,
+    homing::Homing,
+    jogger::{Jogger, Room, WheelPins},
+    pins::JointPins,
+    planner::SimpleTp,
+};
+use libm::fabs;
+
+/// The inputs of this cycle.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Senses {
+    pub(crate) motor_pos_fb: f64,
+    pub(crate) amp_fault: bool,
+    pub(crate) at_max: bool,
+    pub(crate) at_min: bool,
+}
+
+/// A joint.
+#[derive(Debug, Default)]
+pub(crate) struct Joint {
+    pub(crate) config: JointConfig,
+    /// Configured, so that it takes part.
+    pub(crate) active: bool,
+    /// Follows posthome-cmd once homed, and no kinematics.
+    pub(crate) extra: bool,
+    pub(crate) senses: Senses,
+    pub(crate) pos_cmd: f64,
+    pub(crate) vel_cmd: f64,
+    acc_cmd: f64,
+    jerk_cmd: f64,
+    pub(crate) pos_fb: f64,
+    pub(crate) motor_offset: f64,
+    ferror: f64,
+    ferror_limit: f64,
+    /// It switched the machine off.
+    pub(crate) error: bool,
+    pub(crate) homing: Homing,
+    pub(crate) free: Jogger,
+    backlash: SimpleTp,
+    backlash_want: f64,
+}
+
+impl Joint {
+    pub(crate) fn new(extra: bool) -> Self {
+        Self { extra, ..Self::default() }
+    }
+
+    /// Reads the pins, and finds the following error of the last command.
+    pub(crate) fn sense(&mut self, pins: &JointPins) {
+        self.senses = Senses {
+            motor_pos_fb: pins.motor_pos_fb.get(),
+            amp_fault: pins.amp_fault_in.get(),
+            at_max: pins.pos_lim_sw_in.get(),
+            at_min: pins.neg_lim_sw_in.get(),
+        };
+        self.measure();
+    }
+
+    /// Takes a configuration, and takes part from now on.
+    pub(crate) fn configure(&mut self, config: JointConfig) {
+        self.config = config;
+        if !self.active {
+            self.active = true;
+            self.measure();
+            self.follow("the joint was configured");
+        }
+    }
+
+    fn measure(&mut self) {
+        if self.active {
+            self.pos_fb = self.senses.motor_pos_fb - (self.backlash.pos + self.motor_offset);
+        }
+        let on_its_own = self.extra && self.homing.homed;
+        self.ferror = if on_its_own { 0.0 } else { self.pos_cmd - self.pos_fb };
+        self.ferror_limit = self.config.ferror_limit(self.vel_cmd);
+    }
+
+    /// The following error is beyond its limit, or no number at all.
+    pub(crate) fn is_ferrored(&self) -> bool {
+        self.active && !(fabs(self.ferror) <= self.ferror_limit && self.ferror.is_finite())
+    }
+
+    /// While the machine is off: the command is where the joint is.
+    pub(crate) fn follow(&mut self, why: &'static str) {
+        if self.pos_fb.is_finite() {
+            self.pos_cmd = self.pos_fb;
+            self.ferror = 0.0;
+        }
+        (self.vel_cmd, self.acc_cmd, self.jerk_cmd) = (0.0, 0.0, 0.0);
+        self.free.reset(self.pos_cmd, why);
+    }
+
+    /// Where a jog may go: within the limits when it is homed, otherwise as far as the whole way
+    /// between them from here.
+    pub(crate) fn room(&self) -> Room {
+        let c = &self.config;
+        let (min, max) = if self.homing.homed {
+            (c.min_limit, c.max_limit)
+        } else {
+            let range = c.max_limit - c.min_limit;
+            (self.pos_fb - range, self.pos_fb + range)
+        };
+        Room { min, max, max_vel: c.max_velocity, max_acc: c.max_acceleration }
+    }
+
+    /// Whether a homed joint is beyond a soft limit there, by more than rounding makes.
+    pub(crate) fn is_beyond(&self, pos: f64) -> bool {
+        let c = &self.config;
+        self.homing.homed && !(c.min_limit - SLACK <= pos && pos <= c.max_limit + SLACK)
+    }
+
+    /// Takes the position of this cycle.
+    pub(crate) fn place(&mut self, pos: f64, dt: f64) {
+        let vel = (pos - self.pos_cmd) / dt;
+        self.pos_cmd = pos;
+        self.moving(vel, dt);
+    }
+
+    /// Takes position and velocity of this cycle from its own planner.
+    pub(crate) fn place_free(&mut self, dt: f64) {
+        self.free.step(dt);
+        self.pos_cmd = self.free.tp.pos;
+        self.moving(self.free.tp.vel, dt);
+    }
+
+    fn moving(&mut self, vel: f64, dt: f64) {
+        let acc = (vel - self.vel_cmd) / dt;
+        self.jerk_cmd = (acc - self.acc_cmd) / dt;
+        self.acc_cmd = acc;
+        self.vel_cmd = vel;
+    }
+
+    /// Moves the backlash correction after the direction of movement.
+    pub(crate) fn correct(&mut self, dt: f64, enabled: bool) {
+        let half = 0.5 * self.config.backlash;
+        if self.vel_cmd > 0.0 {
+            self.backlash_want = half;
+        } else if self.vel_cmd < 0.0 {
+            self.backlash_want = -half;
+        }
+        if !enabled {
+            self.backlash.vel = 0.0;
+            return;
+        }
+        self.backlash.target = self.backlash_want;
+        self.backlash.max_vel = 0.5 * self.config.max_velocity;
+        self.backlash.max_acc = 0.5 * self.config.max_acceleration;
+        self.backlash.enable = true;
+        self.backlash.step_exactly(dt);
+    }
+
+    /// Calls the place where it stands `pos`; nothing moves.
+    pub(crate) fn rename(&mut self, pos: f64) {
+        let shift = pos - self.pos_fb;
+        if !shift.is_finite() {
+            return;
+        }
+        self.pos_cmd += shift;
+        self.pos_fb += shift;
+        self.motor_offset -= shift;
+        self.free.tp.pos += shift;
+        self.free.tp.target += shift;
+    }
+
+    /// Writes the pins.
+    pub(crate) fn show(&self, pins: &JointPins, enabled: bool) {
+        let tp = &self.free.tp;
+        pins.motor_pos_cmd.set(self.pos_cmd + self.backlash.pos + self.motor_offset);
+        pins.pos_cmd.set(self.pos_cmd);
+        pins.pos_fb.set(self.pos_fb);
+        pins.vel_cmd.set(self.vel_cmd);
+        pins.acc_cmd.set(self.acc_cmd);
+        pins.jerk_cmd.set(self.jerk_cmd);
+        pins.coarse_pos_cmd.set(self.pos_cmd);
+        pins.motor_offset.set(self.motor_offset);
+        pins.backlash_corr.set(self.backlash_want);
+        pins.backlash_filt.set(self.backlash.pos);
+        pins.backlash_vel.set(self.backlash.vel);
+        pins.f_error.set(self.ferror);
+        pins.f_error_lim.set(self.ferror_limit);
+        pins.free_pos_cmd.set(tp.target);
+        pins.free_vel_lim.set(tp.max_vel);
+        pins.free_tp_enable.set(tp.enable);
+        pins.active.set(self.active);
+        pins.amp_enable_out.set(enabled && self.active);
+        pins.error.set(self.error);
+        pins.f_errored.set(self.is_ferrored());
+        pins.faulted.set(self.active && self.senses.amp_fault);
+        pins.homed.set(self.homing.homed);
+        pins.homing.set(self.homing.is_under_way());
+        pins.home_state.set(self.homing.code());
+        pins.in_position.set(!tp.active);
+        pins.pos_hard_limit.set(self.active && self.senses.at_max);
+        pins.neg_hard_limit.set(self.active && self.senses.at_min);
+        pins.kb_jog_active.set(self.free.by == crate::jogger::By::Command);
+        pins.wheel_jog_active.set(self.free.by == crate::jogger::By::Wheel);
+    }
+}
+
+/// What rounding may add to a position, in machine units.
+const SLACK: f64 = 1e-6;
+
+/// The wheel of a joint.
+pub(crate) const fn wheel(pins: &JointPins) -> WheelPins {
+    WheelPins {
+        counts: pins.jog_counts,
+        enable: pins.jog_enable,
+        scale: pins.jog_scale,
+        vel_mode: pins.jog_vel_mode,
+        accel_fraction: pins.jog_accel_fraction,
+    }
+}

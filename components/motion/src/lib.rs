@@ -1,0 +1,112 @@
+//! The motion controller: joints, axes and spindles.
+#![forbid(unsafe_code)]
+
+mod axis;
+mod command;
+mod config;
+mod configure;
+mod controller;
+mod cycle;
+mod desk;
+mod guard;
+mod homing;
+mod jogger;
+mod joint;
+mod line;
+mod obey;
+mod path;
+mod pins;
+mod planner;
+mod refusal;
+mod setup;
+mod spindle;
+mod state;
+mod status;
+
+use controller::{Controller, Handler};
+use desk::Desk;
+use hal_component::{
+    Builder, Component, Error,
+    abi::{ArgSpec, component_flags},
+};
+use pins::Pins;
+use setup::{MAX_JOINTS, Setup};
+use state::State;
+
+/// How many commands may wait for the realtime side.
+const ROOM: usize = 256;
+
+/// `loadrt motmod`.
+#[derive(Debug)]
+pub struct Motmod;
+
+impl Component for Motmod {
+    const NAME: &'static str = "motmod";
+    const DOC: &'static str = "\
+The motion controller: makes joints, axes and spindles do what commands ask.
+
+It creates `servo-thread`, and `base-thread` when there is a base period. Add
+`motion-command-handler` and then `motion-controller` to servo-thread. Kinematics such as
+`trivkins` must be loaded before it.
+
+Each joint is told its limits with `motion.configure joint=N …`; then `motion.enable` switches the
+machine on, `motion.jog` moves a joint or an axis, and `motion.move` moves along a straight line.
+It goes off by itself when `motion.enable` goes FALSE, a limit switch closes, an amplifier has a
+fault, or a joint does not follow its command.";
+    const FLAGS: u32 = component_flags::ONCE;
+    const ARGS: &'static [&'static ArgSpec] = setup::ARGS;
+
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        let setup = Setup::read(b)?;
+        let kinematics = b.kinematics()?;
+        if kinematics.joints() > MAX_JOINTS {
+            return Err(Error::new(format!(
+                "the kinematics move {} joints, motmod has at most {MAX_JOINTS}",
+                kinematics.joints()
+            )));
+        }
+        if setup.extra_joints > 0 && kinematics.kind() != hal_component::KinematicsKind::Both {
+            return Err(Error::new("num_extrajoints needs kinematics with kinstype=b"));
+        }
+        let pins = Pins::make(b, &setup)?;
+        if setup.base_period_ns > 0 {
+            b.thread("base-thread", setup.base_period_ns)?;
+        }
+        b.thread("servo-thread", setup.servo_period_ns)?;
+
+        let (to_handler, from_desk) = b.queue(ROOM);
+        let (to_controller, from_handler) = b.queue(ROOM);
+        let desk = Desk {
+            to: to_handler,
+            joints: setup.joints,
+            spindles: setup.spindles,
+            kinematics,
+            book: Default::default(),
+        };
+        desk.open(b, &pins)?;
+        b.function(
+            "motion-command-handler",
+            "Takes the commands that wait, at most 16 in a cycle.",
+            Handler::new(from_desk, to_controller),
+        )?;
+        let state = State::new(&setup, kinematics, b.messages());
+        let controller = Controller {
+            from: from_handler,
+            pins,
+            kinematics,
+            clock: b.clock(),
+            last_ns: None,
+            state,
+        };
+        b.function(
+            "motion-controller",
+            "Carries out commands, watches for faults and moves the joints.",
+            controller,
+        )
+    }
+}
+
+hal_component::export!(Motmod);
+
+#[cfg(test)]
+mod tests;

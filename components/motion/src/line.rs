@@ -1,0 +1,240 @@
+//! Realtime. One straight move: how fast its joints let it go, and where it is.
+
+use crate::{axis::Axis, joint::Joint, refusal::Refusal, setup::MAX_JOINTS};
+use hal_component::{KinematicsKind, KinematicsRef, Pose};
+use libm::{fabs, sqrt};
+
+/// The parts into which a path is divided to see how its joints move.
+const PARTS: u32 = 32;
+
+/// The positions of all joints.
+pub(crate) type Places = [f64; MAX_JOINTS];
+
+/// What a move asks for, and what it may have.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wish {
+    pub(crate) velocity: f64,
+    pub(crate) acceleration: f64,
+    /// The limit that no override may pass.
+    pub(crate) max_velocity: f64,
+}
+
+/// What moves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Machine<'m> {
+    pub(crate) kinematics: &'m KinematicsRef,
+    pub(crate) joints: &'m [Joint],
+    pub(crate) axes: &'m [Axis],
+}
+
+/// A move with its limits: velocity and acceleration are along its length.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Line {
+    pub(crate) start: Pose,
+    pub(crate) end: Pose,
+    pub(crate) length: f64,
+    pub(crate) velocity: f64,
+    pub(crate) max_velocity: f64,
+    pub(crate) acceleration: f64,
+}
+
+impl Line {
+    /// Plans a move. What is beyond a limit at its end, or on the way there when joints are not
+    /// axes, refuses it; so does a joint that was never configured.
+    pub(crate) fn plan(
+        start: Pose,
+        end: Pose,
+        wish: Wish,
+        machine: Machine<'_>,
+    ) -> Result<Self, Refusal> {
+        let mut line = Self {
+            start,
+            end,
+            length: length(&start, &end),
+            velocity: wish.velocity,
+            max_velocity: wish.max_velocity,
+            acceleration: wish.acceleration,
+        };
+        for (n, (axis, end)) in machine.axes.iter().zip(&end).enumerate() {
+            axis.check(n, *end)?;
+        }
+        let moves = line.moves(machine)?;
+        if !(line.length > 0.0 && line.length.is_finite() && moves.iter().any(|m| m.slope > 0.0)) {
+            line.length = 0.0;
+            return Ok(line);
+        }
+        line.obey_axes(machine.axes);
+        line.obey_joints(machine.joints, &moves);
+        if line.velocity > line.max_velocity {
+            line.velocity = line.max_velocity;
+        }
+        Ok(line)
+    }
+
+    fn obey_axes(&mut self, axes: &[Axis]) {
+        for ((axis, start), end) in axes.iter().zip(&self.start).zip(&self.end) {
+            let slope = fabs(end - start) / self.length;
+            if slope > 0.0 {
+                self.max_velocity = less(self.max_velocity, axis.config.max_velocity / slope);
+                self.acceleration = less(self.acceleration, axis.config.max_acceleration / slope);
+            }
+        }
+    }
+
+    fn obey_joints(&mut self, joints: &[Joint], moves: &[Move]) {
+        let moving = || joints.iter().zip(moves).filter(|(_, m)| m.slope > 0.0);
+        for (joint, m) in moving() {
+            let c = &joint.config;
+            self.max_velocity = less(self.max_velocity, c.max_velocity / m.slope);
+            if m.curve > 0.0 {
+                // Half the acceleration is for going round, half for going faster.
+                let round = sqrt(0.5 * c.max_acceleration / m.curve);
+                self.max_velocity = less(self.max_velocity, round);
+            }
+        }
+        let fastest = self.max_velocity;
+        for (joint, m) in moving() {
+            let rest = joint.config.max_acceleration - m.curve * fastest * fastest;
+            self.acceleration = less(self.acceleration, rest / m.slope);
+        }
+    }
+
+    /// The velocity with an override, which may not pass the limit.
+    pub(crate) fn scaled(&self, scale: f64) -> f64 {
+        less(self.velocity * scale, self.max_velocity)
+    }
+
+    /// Where it is after a distance.
+    pub(crate) fn at(&self, distance: f64) -> Pose {
+        if distance >= self.length {
+            return self.end;
+        }
+        let share = distance / self.length;
+        let mut pose = self.start;
+        for (p, end) in pose.iter_mut().zip(&self.end) {
+            *p += (end - *p) * share;
+        }
+        pose
+    }
+
+    /// How the joints move along it.
+    fn moves(&self, machine: Machine<'_>) -> Result<[Move; MAX_JOINTS], Refusal> {
+        let Machine { kinematics, joints, .. } = machine;
+        let parts = if kinematics.kind() == KinematicsKind::Identity { 1 } else { PARTS };
+        let step = self.length / f64::from(parts);
+        let mut moves = [Move::default(); MAX_JOINTS];
+        let mut places: Places = [0.0; MAX_JOINTS];
+        for (place, joint) in places.iter_mut().zip(joints) {
+            *place = joint.pos_cmd;
+        }
+        for part in 0..=parts {
+            let last = places;
+            let at = if part == parts { self.end } else { self.at(f64::from(part) * step) };
+            if !kinematics.inverse(&at, &mut places) || places.iter().any(|p| !p.is_finite()) {
+                return Err(UNREACHABLE);
+            }
+            for ((m, place), old) in moves.iter_mut().zip(&places).zip(&last) {
+                m.add(part, place - old, step);
+            }
+            for (n, (joint, (m, place))) in
+                joints.iter().zip(moves.iter_mut().zip(&places)).enumerate()
+            {
+                if part == 0 {
+                    m.starts_beyond = joint.is_beyond(*place);
+                } else if part == parts || !m.starts_beyond {
+                    check(n, joint, *place)?;
+                }
+                if m.slope > 0.0 && !joint.active {
+                    return Err(Refusal::joint(
+                        "linear move needs a joint that is not configured",
+                        "linear move needs joint {}, which is not configured",
+                        n,
+                    ));
+                }
+            }
+        }
+        Ok(moves)
+    }
+}
+
+const UNREACHABLE: Refusal = Refusal::new("linear move: the kinematics cannot go there");
+
+/// How one joint moves along a path.
+#[derive(Clone, Copy, Debug, Default)]
+struct Move {
+    last_way: f64,
+    last_bend: f64,
+    /// Its way for a unit of path, at most.
+    slope: f64,
+    /// How much that changes for a unit of path, at most.
+    curve: f64,
+    starts_beyond: bool,
+}
+
+impl Move {
+    /// Takes the way of a part. Between two looks it may be steeper and more curved: by what
+    /// the differences of neighbours, and of their differences, can make.
+    fn add(&mut self, part: u32, way: f64, step: f64) {
+        if part == 0 || step <= 0.0 {
+            return;
+        }
+        let bend = if part > 1 { flat(way - self.last_way) } else { 0.0 };
+        let twist = if part > 2 { fabs(flat(bend - self.last_bend)) } else { 0.0 };
+        let slope = (fabs(way) + 0.5 * fabs(bend) + 0.25 * twist) / step;
+        let curve = (fabs(bend) + 0.5 * twist) / (step * step);
+        (self.last_way, self.last_bend) = (way, bend);
+        if slope > self.slope {
+            self.slope = slope;
+        }
+        if curve > self.curve {
+            self.curve = curve;
+        }
+    }
+}
+
+/// Without what rounding makes.
+fn flat(difference: f64) -> f64 {
+    if fabs(difference) > ROUNDING { difference } else { 0.0 }
+}
+
+/// A change that small is none.
+const ROUNDING: f64 = 1e-11;
+
+fn check(n: usize, joint: &Joint, place: f64) -> Result<(), Refusal> {
+    if joint.extra || !joint.is_beyond(place) {
+        return Ok(());
+    }
+    Err(if place > joint.config.max_limit {
+        Refusal::joint(
+            "linear move would exceed a joint's positive limit",
+            "linear move would exceed joint {}'s positive limit",
+            n,
+        )
+    } else {
+        Refusal::joint(
+            "linear move would exceed a joint's negative limit",
+            "linear move would exceed joint {}'s negative limit",
+            n,
+        )
+    })
+}
+
+fn less(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
+}
+
+/// The length that counts: of x y z; without these of u v w; without these of a b c.
+fn length(start: &Pose, end: &Pose) -> f64 {
+    let part = |from: usize| {
+        let ways = start.iter().zip(end).skip(from).take(3);
+        sqrt(ways.map(|(s, e)| (e - s) * (e - s)).sum())
+    };
+    let [linear, rotary, extra] = [part(0), part(3), part(6)];
+    if linear > 0.0 {
+        linear
+    } else if extra > 0.0 {
+        extra
+    } else {
+        rotary
+    }
+}

@@ -1,0 +1,163 @@
+//! Realtime. The coordinated moves that wait, and the one under way.
+
+use crate::{
+    line::{Line, Machine, Wish},
+    planner::SimpleTp,
+    refusal::Refusal,
+};
+use hal_component::{Pose, TicketHandle};
+use std::collections::VecDeque;
+
+/// How many moves may wait.
+pub(crate) const ROOM: usize = 200;
+
+/// A move that waits.
+#[derive(Clone, Copy, Debug)]
+struct Segment {
+    end: Pose,
+    wish: Wish,
+    ticket: TicketHandle,
+}
+
+/// A path of straight moves with a stop at the end of each.
+#[derive(Debug)]
+pub(crate) struct Path {
+    waiting: VecDeque<Segment>,
+    current: Option<(Line, TicketHandle)>,
+    /// Along the current move.
+    tp: SimpleTp,
+    /// Braking to give up everything.
+    stopping: bool,
+}
+
+impl Path {
+    pub(crate) fn new() -> Self {
+        Self {
+            waiting: VecDeque::with_capacity(ROOM),
+            current: None,
+            tp: SimpleTp::default(),
+            stopping: false,
+        }
+    }
+
+    /// Appends a move; letters that are no number stay where the path ends.
+    pub(crate) fn push(
+        &mut self,
+        now: Pose,
+        to: Pose,
+        wish: Wish,
+        machine: Machine<'_>,
+        ticket: TicketHandle,
+    ) -> Result<(), Refusal> {
+        if self.stopping {
+            return Err(Refusal::new("the machine is still coming to a stop"));
+        }
+        if self.waiting.len() >= ROOM {
+            return Err(Refusal::new("200 moves are waiting already"));
+        }
+        let last = self.waiting.back().map(|s| s.end);
+        let start = last.or(self.current.map(|(line, _)| line.end)).unwrap_or(now);
+        let mut end = start;
+        for (place, wanted) in end.iter_mut().zip(to) {
+            if wanted.is_finite() {
+                *place = wanted;
+            }
+        }
+        Line::plan(start, end, wish, machine)?;
+        self.waiting.push_back(Segment { end, wish, ticket });
+        Ok(())
+    }
+
+    /// One cycle: where the machine is now. The limits are looked at when a move begins.
+    pub(crate) fn step(
+        &mut self,
+        now: Pose,
+        dt: f64,
+        scale: f64,
+        machine: Machine<'_>,
+    ) -> Result<Pose, Refusal> {
+        if self.current.is_none()
+            && !self.stopping
+            && let Some(next) = self.waiting.pop_front()
+        {
+            match Line::plan(now, next.end, next.wish, machine) {
+                Ok(line) => self.begin(line, next.ticket),
+                Err(why) => {
+                    next.ticket.fail(why.text());
+                    self.clear(why.text());
+                    return Err(why);
+                }
+            }
+        }
+        let Some((line, ticket)) = self.current else {
+            self.stopping = false;
+            return Ok(now);
+        };
+        self.tp.max_vel = if self.stopping { 0.0 } else { line.scaled(scale) };
+        if line.length > 0.0 {
+            self.tp.step_exactly(dt);
+        }
+        if self.tp.pos >= line.length && self.tp.vel == 0.0 {
+            ticket.done();
+            self.current = None;
+            self.tp.reset(0.0);
+            return Ok(line.end);
+        }
+        let pose = line.at(self.tp.pos);
+        if self.stopping && self.tp.vel == 0.0 {
+            ticket.fail("aborted");
+            self.current = None;
+            self.stopping = false;
+            self.tp.reset(0.0);
+        }
+        Ok(pose)
+    }
+
+    const fn begin(&mut self, line: Line, ticket: TicketHandle) {
+        self.tp.reset(0.0);
+        self.tp.target = line.length;
+        self.tp.max_acc = line.acceleration;
+        self.tp.enable = true;
+        self.current = Some((line, ticket));
+    }
+
+    /// Brakes along the path and forgets the rest.
+    pub(crate) fn abort(&mut self) {
+        for s in self.waiting.drain(..) {
+            s.ticket.fail("aborted");
+        }
+        self.stopping = self.current.is_some();
+    }
+
+    /// Forgets everything at once.
+    pub(crate) fn clear(&mut self, why: &'static str) {
+        for s in self.waiting.drain(..) {
+            s.ticket.fail(why);
+        }
+        if let Some((_, ticket)) = self.current.take() {
+            ticket.fail(why);
+        }
+        self.stopping = false;
+        self.tp.reset(0.0);
+    }
+
+    pub(crate) fn is_idle(&self) -> bool {
+        self.current.is_none() && self.waiting.is_empty()
+    }
+
+    /// The move under way.
+    pub(crate) const fn line(&self) -> Option<&Line> {
+        match &self.current {
+            Some((line, _)) => Some(line),
+            None => None,
+        }
+    }
+
+    pub(crate) const fn velocity(&self) -> f64 {
+        self.tp.vel
+    }
+
+    pub(crate) fn distance_to_go(&self) -> f64 {
+        self.line().map_or(0.0, |line| line.length - self.tp.pos)
+    }
+}

@@ -1,0 +1,125 @@
+//! The pins and parameters of motion, by what they belong to.
+
+mod axis;
+mod general;
+mod joint;
+mod lists;
+mod spindle;
+
+pub(crate) use axis::AxisPins;
+pub(crate) use general::{GeneralPins, Traces};
+pub(crate) use joint::JointPins;
+pub(crate) use lists::{ExtraPins, Lists, UnlockPins};
+pub(crate) use spindle::SpindlePins;
+
+use crate::setup::Setup;
+use hal_component::{Builder, Decl, Error, Field, Touch};
+
+/// The axis letters, in the order of a pose.
+pub(crate) const LETTERS: [char; 9] = ['x', 'y', 'z', 'a', 'b', 'c', 'u', 'v', 'w'];
+
+/// Declares a struct of pins with their names, defaults, old names and documentation.
+macro_rules! pins {
+    (
+        $(#[$about:meta])* $name:ident {
+            $($(#[doc = $doc:literal])+
+            $field:ident: $ty:ty = $initial:expr, $pin:literal
+                $(was $old:literal)? $([$safety:ident])?;)*
+        }
+    ) => {
+        $(#[$about])*
+        #[derive(Clone, Debug, hal_component::Touch)]
+        pub(crate) struct $name {
+            $($(#[doc = $doc])+ pub(crate) $field: $ty,)*
+        }
+
+        impl $name {
+            /// Makes them under `prefix`; where there is an old prefix, old names begin with it.
+            pub(crate) fn make(
+                b: &mut hal_component::Builder<'_>,
+                prefix: &str,
+                old: Option<&str>,
+            ) -> Result<Self, hal_component::Error> {
+                Ok(Self {
+                    $($field: $crate::pins::make(
+                        b,
+                        &[prefix, $pin],
+                        &[old.unwrap_or_default() $(, $old)?],
+                        concat!($($doc),+),
+                        $crate::pins::pins!(@safety $($safety)?),
+                        $initial,
+                    )?,)*
+                })
+            }
+        }
+    };
+    (@safety safety) => { true };
+    (@safety) => { false };
+}
+pub(crate) use pins;
+
+/// Makes one pin. `old` is the old prefix and the old name, or the prefix alone when it has none.
+pub(crate) fn make<F: Field>(
+    b: &mut Builder<'_>,
+    name: &[&str; 2],
+    old: &[&str],
+    doc: &str,
+    safety: bool,
+    initial: F::Value,
+) -> Result<F, Error> {
+    let name = name.concat();
+    let old = match old {
+        [prefix, pin] if !prefix.is_empty() => format!("{prefix}{pin}"),
+        _ => String::new(),
+    };
+    let decl = Decl::new(&name, doc.trim()).old(&old);
+    F::make(b, if safety { decl.safety() } else { decl }, initial)
+}
+
+/// Everything that motion has.
+#[derive(Clone, Debug, Touch)]
+pub(crate) struct Pins {
+    pub(crate) general: GeneralPins,
+    pub(crate) traces: Traces,
+    pub(crate) lists: Lists,
+    pub(crate) joints: Vec<JointPins>,
+    pub(crate) unlocks: Vec<UnlockPins>,
+    pub(crate) extras: Vec<ExtraPins>,
+    pub(crate) axes: Vec<AxisPins>,
+    pub(crate) spindles: Vec<SpindlePins>,
+}
+
+impl Pins {
+    pub(crate) fn make(b: &mut Builder<'_>, setup: &Setup) -> Result<Self, Error> {
+        let (mut joints, mut unlocks, mut extras) = (Vec::new(), Vec::new(), Vec::new());
+        for n in 0..setup.joints {
+            let prefix = format!("joint.{n}.");
+            joints.push(JointPins::make(b, &prefix, Some(&format!("axis.{n}.")))?);
+            if setup.unlock_mask >> n & 1 == 1 {
+                unlocks.push(UnlockPins::make(b, &prefix, Some(&format!("axis.{n}.")))?);
+            }
+            if n >= setup.joints - setup.extra_joints {
+                extras.push(ExtraPins::make(b, &prefix, None)?);
+            }
+        }
+        let mut axes = Vec::new();
+        for letter in LETTERS {
+            axes.push(AxisPins::make(b, &format!("axis.{letter}."), None)?);
+        }
+        let mut spindles = Vec::new();
+        for n in 0..setup.spindles {
+            let old = (n == 0).then_some("motion.spindle-");
+            spindles.push(SpindlePins::make(b, &format!("spindle.{n}."), old)?);
+        }
+        Ok(Self {
+            general: GeneralPins::make(b, "motion.", None)?,
+            traces: Traces::make(b, "", None)?,
+            lists: Lists::make(b, setup)?,
+            joints,
+            unlocks,
+            extras,
+            axes,
+            spindles,
+        })
+    }
+}

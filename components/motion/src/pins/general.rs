@@ -1,0 +1,167 @@
+//! The pins and parameters that exist once.
+
+use super::pins;
+use hal_component::{In, Out, ParamRo};
+
+pins! {
+    /// What motion as a whole has.
+    GeneralPins {
+        /// Factor for the feed of coordinated moves, when `motion.feed adaptive=1` switched it
+        /// on: 0 to the highest override. Negative or not a number counts as 0.
+        adaptive_feed: In<f64> = 1.0, "adaptive-feed";
+        /// TRUE stops coordinated moves along their path until it is FALSE, unless
+        /// `motion.feed hold=0` switched it off.
+        feed_hold: In<bool> = false, "feed-hold";
+        /// TRUE stops coordinated moves along their path until it is FALSE.
+        feed_inhibit: In<bool> = false, "feed-inhibit";
+        /// FALSE switches the machine off and keeps it off.
+        enable: In<bool> = true, "enable" [safety];
+        /// TRUE when a probe touches. Not used yet.
+        probe_input: In<bool> = false, "probe-input";
+        /// TRUE refuses to begin homing.
+        homing_inhibit: In<bool> = false, "homing-inhibit";
+        /// TRUE refuses to begin a jog.
+        jog_inhibit: In<bool> = false, "jog-inhibit";
+        /// Going TRUE brakes every jog to a stop.
+        jog_stop: In<bool> = false, "jog-stop";
+        /// Going TRUE ends every jog at once, without braking: drives may lose position.
+        jog_stop_immediate: In<bool> = false, "jog-stop-immediate";
+        /// TRUE while the machine is on.
+        motion_enabled: Out<bool> = false, "motion-enabled";
+        /// TRUE while nothing moves and nothing waits to move.
+        in_position: Out<bool> = false, "in-position";
+        /// TRUE in coordinated mode.
+        coord_mode: Out<bool> = false, "coord-mode";
+        /// TRUE in teleop mode: jogs move axes instead of joints.
+        teleop_mode: Out<bool> = false, "teleop-mode";
+        /// TRUE after a coordinated move was refused, until the next one is accepted.
+        coord_error: Out<bool> = false, "coord-error";
+        /// TRUE while a homed joint is beyond a soft limit in coordinated or teleop mode.
+        on_soft_limit: Out<bool> = false, "on-soft-limit";
+        /// TRUE when every active joint is homed; also when none is active.
+        is_all_homed: Out<bool> = false, "is-all-homed";
+        /// TRUE while a jog moves a joint or an axis.
+        jog_is_active: Out<bool> = false, "jog-is-active";
+        /// TRUE while external offsets are applied. Not used yet: always FALSE.
+        eoffset_active: Out<bool> = false, "eoffset-active";
+        /// TRUE while a soft limit cuts an external offset. Not used yet: always FALSE.
+        eoffset_limited: Out<bool> = false, "eoffset-limited";
+        /// TRUE while a path is run backwards. Not used yet: always FALSE.
+        tp_reverse: Out<bool> = false, "tp-reverse";
+        /// Velocity now, in machine units per second: along the path in coordinated mode,
+        /// otherwise of all jogs together.
+        current_vel: Out<f64> = 0.0, "current-vel";
+        /// Velocity that the coordinated move asks for within the machine's limits, in machine
+        /// units per second, before feed override.
+        requested_vel: Out<f64> = 0.0, "requested-vel";
+        /// Distance left of the coordinated move under way, in machine units.
+        distance_to_go: Out<f64> = 0.0, "distance-to-go";
+        /// Feed of the coordinated move, override applied, in machine units per minute.
+        feed_upm: Out<f64> = 0.0, "feed-upm";
+        /// Feed of the coordinated move in inches per minute.
+        feed_inches_per_minute: Out<f64> = 0.0, "feed-inches-per-minute";
+        /// Feed of the coordinated move in inches per second.
+        feed_inches_per_second: Out<f64> = 0.0, "feed-inches-per-second";
+        /// Feed of the coordinated move in millimetres per minute.
+        feed_mm_per_minute: Out<f64> = 0.0, "feed-mm-per-minute";
+        /// Feed of the coordinated move in millimetres per second.
+        feed_mm_per_second: Out<f64> = 0.0, "feed-mm-per-second";
+        /// What moves: 0 nothing, 1 rapid, 2 feed, 3 arc, 4 tool change, 5 probing, 6 rotary
+        /// index. Coordinated moves are feed.
+        motion_type: Out<i32> = 0, "motion-type";
+        /// Line of the program being run. Not used yet: always 0.
+        program_line: Out<i32> = 0, "program-line";
+        /// Machine time between the last two cycles in nanoseconds.
+        last_period: Out<u32> = 0, "servo.last-period";
+        /// Tool offset in x. Not used yet: always 0.
+        tooloffset_x: Out<f64> = 0.0, "tooloffset.x";
+        /// Tool offset in y. Not used yet: always 0.
+        tooloffset_y: Out<f64> = 0.0, "tooloffset.y";
+        /// Tool offset in z. Not used yet: always 0.
+        tooloffset_z: Out<f64> = 0.0, "tooloffset.z";
+        /// Tool offset in a. Not used yet: always 0.
+        tooloffset_a: Out<f64> = 0.0, "tooloffset.a";
+        /// Tool offset in b. Not used yet: always 0.
+        tooloffset_b: Out<f64> = 0.0, "tooloffset.b";
+        /// Tool offset in c. Not used yet: always 0.
+        tooloffset_c: Out<f64> = 0.0, "tooloffset.c";
+        /// Tool offset in u. Not used yet: always 0.
+        tooloffset_u: Out<f64> = 0.0, "tooloffset.u";
+        /// Tool offset in v. Not used yet: always 0.
+        tooloffset_v: Out<f64> = 0.0, "tooloffset.v";
+        /// Tool offset in w. Not used yet: always 0.
+        tooloffset_w: Out<f64> = 0.0, "tooloffset.w";
+        /// TRUE while an arc is run. Not used yet: always FALSE.
+        interp_iscircle: Out<bool> = false, "interp.iscircle";
+        /// Centre of the arc in x. Not used yet: always 0.
+        interp_arc_center_x: Out<f64> = 0.0, "interp.arc-center-x";
+        /// Centre of the arc in y. Not used yet: always 0.
+        interp_arc_center_y: Out<f64> = 0.0, "interp.arc-center-y";
+        /// Centre of the arc in z. Not used yet: always 0.
+        interp_arc_center_z: Out<f64> = 0.0, "interp.arc-center-z";
+        /// Radius of the arc. Not used yet: always 0.
+        interp_arc_radius: Out<f64> = 0.0, "interp.arc-radius";
+        /// Feed that the program asks for. Not used yet: always 0.
+        interp_feedrate: Out<f64> = 0.0, "interp.feedrate";
+        /// Direction of the path in degrees. Not used yet: always 0.
+        interp_heading: Out<f64> = 0.0, "interp.heading";
+        /// Direction across the path in degrees. Not used yet: always 0.
+        interp_normal_heading: Out<f64> = 0.0, "interp.normal-heading";
+        /// Line of the program being interpreted. Not used yet: always 0.
+        interp_line_number: Out<i32> = 0, "interp.line-number";
+        /// Kind of motion that the program asks for. Not used yet: always 0.
+        interp_motion_type: Out<i32> = 0, "interp.motion-type";
+    }
+}
+
+pins! {
+    /// Parameters for those who look into motion itself; all stay at zero.
+    Traces {
+        /// For experiments: always FALSE.
+        debug_bit_0: ParamRo<bool> = false, "motion.debug-bit-0";
+        /// For experiments: always FALSE.
+        debug_bit_1: ParamRo<bool> = false, "motion.debug-bit-1";
+        /// For experiments: always 0.
+        debug_float_0: ParamRo<f64> = 0.0, "motion.debug-float-0";
+        /// For experiments: always 0.
+        debug_float_1: ParamRo<f64> = 0.0, "motion.debug-float-1";
+        /// For experiments: always 0.
+        debug_float_2: ParamRo<f64> = 0.0, "motion.debug-float-2";
+        /// For experiments: always 0.
+        debug_float_3: ParamRo<f64> = 0.0, "motion.debug-float-3";
+        /// For experiments: always 0.
+        debug_s32_0: ParamRo<i32> = 0, "motion.debug-s32-0";
+        /// For experiments: always 0.
+        debug_s32_1: ParamRo<i32> = 0, "motion.debug-s32-1";
+        /// Position on segment 0 of the path. Not used yet: always 0.
+        tc_0_pos: ParamRo<f64> = 0.0, "tc.0.pos";
+        /// Velocity on segment 0 of the path. Not used yet: always 0.
+        tc_0_vel: ParamRo<f64> = 0.0, "tc.0.vel";
+        /// Acceleration on segment 0 of the path. Not used yet: always 0.
+        tc_0_acc: ParamRo<f64> = 0.0, "tc.0.acc";
+        /// Position on segment 1 of the path. Not used yet: always 0.
+        tc_1_pos: ParamRo<f64> = 0.0, "tc.1.pos";
+        /// Velocity on segment 1 of the path. Not used yet: always 0.
+        tc_1_vel: ParamRo<f64> = 0.0, "tc.1.vel";
+        /// Acceleration on segment 1 of the path. Not used yet: always 0.
+        tc_1_acc: ParamRo<f64> = 0.0, "tc.1.acc";
+        /// Position on segment 2 of the path. Not used yet: always 0.
+        tc_2_pos: ParamRo<f64> = 0.0, "tc.2.pos";
+        /// Velocity on segment 2 of the path. Not used yet: always 0.
+        tc_2_vel: ParamRo<f64> = 0.0, "tc.2.vel";
+        /// Acceleration on segment 2 of the path. Not used yet: always 0.
+        tc_2_acc: ParamRo<f64> = 0.0, "tc.2.acc";
+        /// Position on segment 3 of the path. Not used yet: always 0.
+        tc_3_pos: ParamRo<f64> = 0.0, "tc.3.pos";
+        /// Velocity on segment 3 of the path. Not used yet: always 0.
+        tc_3_vel: ParamRo<f64> = 0.0, "tc.3.vel";
+        /// Acceleration on segment 3 of the path. Not used yet: always 0.
+        tc_3_acc: ParamRo<f64> = 0.0, "tc.3.acc";
+        /// Position along the path. Not used yet: always 0.
+        traj_pos_out: ParamRo<f64> = 0.0, "traj.pos_out";
+        /// Velocity along the path. Not used yet: always 0.
+        traj_vel_out: ParamRo<f64> = 0.0, "traj.vel_out";
+        /// Number of the segment under way. Not used yet: always 0.
+        traj_active_tc: ParamRo<u32> = 0, "traj.active_tc";
+    }
+}

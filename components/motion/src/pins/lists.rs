@@ -1,0 +1,94 @@
+//! Pins whose number or names come from the arguments.
+
+use super::{make, pins};
+use crate::setup::{Names, Setup};
+use hal_component::{Builder, Error, Field, In, Out, Touch};
+
+pins! {
+    /// What a joint of `unlock_joints_mask` has.
+    UnlockPins {
+        /// TRUE when the joint's lock shall open for a move. Not used yet.
+        unlock: Out<bool> = false, "unlock" was "unlock";
+        /// TRUE when the joint's lock is open. Not used yet.
+        is_unlocked: In<bool> = false, "is-unlocked" was "is-unlocked";
+    }
+}
+
+pins! {
+    /// What an extra joint has.
+    ExtraPins {
+        /// Position of the joint in machine units once it is homed; not finite: it stays.
+        posthome_cmd: In<f64> = 0.0, "posthome-cmd";
+    }
+}
+
+/// Digital and analog inputs and outputs, and further causes to switch off.
+#[derive(Clone, Debug, Touch)]
+pub(crate) struct Lists {
+    digital_in: Vec<In<bool>>,
+    digital_out: Vec<Out<bool>>,
+    analog_in: Vec<In<f64>>,
+    analog_out: Vec<Out<f64>>,
+    pub(crate) misc_errors: Vec<In<bool>>,
+}
+
+impl Lists {
+    pub(crate) fn make(b: &mut Builder<'_>, setup: &Setup) -> Result<Self, Error> {
+        Ok(Self {
+            digital_in: list(
+                b,
+                &setup.digital_in,
+                ["digital-in-", "din-"],
+                "Digital input for programs, to be waited for or read. Not used yet.",
+                false,
+            )?,
+            digital_out: list(
+                b,
+                &setup.digital_out,
+                ["digital-out-", "dout-"],
+                "Digital output for programs. Not used yet: always FALSE.",
+                false,
+            )?,
+            analog_in: list(
+                b,
+                &setup.analog_in,
+                ["analog-in-", "ain-"],
+                "Analog input for programs, to be waited for or read. Not used yet.",
+                false,
+            )?,
+            analog_out: list(
+                b,
+                &setup.analog_out,
+                ["analog-out-", "aout-"],
+                "Analog output for programs. Not used yet: always 0.",
+                false,
+            )?,
+            misc_errors: list(
+                b,
+                &setup.misc_errors,
+                ["misc-error-", "err-"],
+                "TRUE switches the machine off: for a sensor or component that no other input \
+                 stands for.",
+                true,
+            )?,
+        })
+    }
+}
+
+fn list<F: Field>(
+    b: &mut Builder<'_>,
+    names: &Names,
+    [numbered, named]: [&str; 2],
+    doc: &str,
+    safety: bool,
+) -> Result<Vec<F>, Error>
+where
+    F::Value: Default,
+{
+    let tails: Vec<String> = match names {
+        Names::Count(n) => (0..*n).map(|i| format!("{numbered}{i:02}")).collect(),
+        Names::Given(list) => list.iter().map(|n| format!("{named}{n}")).collect(),
+    };
+    let initial = F::Value::default;
+    tails.iter().map(|t| make(b, &["motion.", t], &[], doc, safety, initial())).collect()
+}

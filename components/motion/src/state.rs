@@ -1,0 +1,222 @@
+//! Realtime. The machine as motion knows it, and its modes.
+
+use crate::{
+    axis::Axis,
+    command::{Joints, Mode},
+    config::TrajConfig,
+    jogger::Room,
+    joint::Joint,
+    line::Places,
+    path::Path,
+    refusal::Refusal,
+    setup::{MAX_JOINTS, Setup},
+    spindle::Spindle,
+};
+use hal_component::{KinematicsKind, KinematicsRef, Messages, Pose, TicketHandle};
+use libm::fabs;
+
+/// The inputs of this cycle that concern all.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Inputs {
+    pub(crate) enable: bool,
+    pub(crate) jog_inhibit: bool,
+    pub(crate) homing_inhibit: bool,
+    pub(crate) jog_stop: bool,
+    pub(crate) jog_stop_immediate: bool,
+}
+
+/// How the feed is scaled.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Feed {
+    pub(crate) scale: f64,
+    pub(crate) adaptive: bool,
+    pub(crate) hold: bool,
+    /// All together, in this cycle.
+    pub(crate) net: f64,
+}
+
+/// Everything but the pins.
+#[derive(Debug)]
+pub(crate) struct State {
+    pub(crate) kinematics: KinematicsRef,
+    pub(crate) say: Messages,
+    pub(crate) joints: Vec<Joint>,
+    pub(crate) axes: Vec<Axis>,
+    pub(crate) spindles: Vec<Spindle>,
+    pub(crate) traj: TrajConfig,
+    pub(crate) feed: Feed,
+    pub(crate) path: Path,
+    pub(crate) mode: Mode,
+    pub(crate) enabled: bool,
+    /// Where the axes are commanded to be.
+    pub(crate) pose: Pose,
+    pub(crate) inputs: Inputs,
+    /// Limit switches switch nothing off until a jog has ended.
+    pub(crate) overriding: bool,
+    pub(crate) override_moved: bool,
+    pub(crate) coord_error: bool,
+    pub(crate) on_soft_limit: bool,
+    pub(crate) enabling: Option<TicketHandle>,
+    pub(crate) homing: Option<(Joints, TicketHandle)>,
+    /// Done when everything stands still.
+    pub(crate) standing: Option<TicketHandle>,
+}
+
+impl State {
+    pub(crate) fn new(setup: &Setup, kinematics: KinematicsRef, say: Messages) -> Self {
+        let first_extra = setup.joints - setup.extra_joints;
+        let joint = |n| Joint::new(n >= first_extra);
+        Self {
+            kinematics,
+            say,
+            joints: (0..setup.joints).map(joint).collect(),
+            axes: (0..9).map(|_| Axis::default()).collect(),
+            spindles: vec![Spindle::default(); setup.spindles],
+            traj: TrajConfig::default(),
+            feed: Feed { scale: 1.0, adaptive: false, hold: true, net: 1.0 },
+            path: Path::new(),
+            mode: Mode::Free,
+            enabled: false,
+            pose: [0.0; 9],
+            inputs: Inputs::default(),
+            overriding: false,
+            override_moved: false,
+            coord_error: false,
+            on_soft_limit: false,
+            enabling: None,
+            homing: None,
+            standing: None,
+        }
+    }
+
+    pub(crate) fn active(&self) -> impl Iterator<Item = &Joint> {
+        self.joints.iter().filter(|j| j.active)
+    }
+
+    pub(crate) fn is_all_homed(&self) -> bool {
+        self.active().all(|j| j.homing.homed)
+    }
+
+    pub(crate) fn is_homing(&self) -> bool {
+        self.joints.iter().any(|j| j.homing.is_under_way())
+    }
+
+    pub(crate) fn is_jogging(&self) -> bool {
+        self.joints.iter().any(|j| j.free.tp.active) || self.axes.iter().any(|a| a.teleop.tp.active)
+    }
+
+    /// Nothing moves, and nothing waits to move.
+    pub(crate) fn is_idle(&self) -> bool {
+        self.path.is_idle() && !self.is_jogging() && !self.is_homing()
+    }
+
+    /// Changes the mode, which needs a machine that stands still.
+    pub(crate) fn set_mode(&mut self, mode: Mode) -> Result<(), Refusal> {
+        if mode == self.mode {
+            return Ok(());
+        }
+        if !self.is_idle() {
+            return Err(Refusal::new("the mode cannot change while the machine moves"));
+        }
+        let identity = self.kinematics.kind() == KinematicsKind::Identity;
+        if !identity && !self.is_all_homed() {
+            match mode {
+                Mode::Free => {}
+                Mode::Teleop => {
+                    return Err(Refusal::new(
+                        "all joints must be homed before going into teleop mode",
+                    ));
+                }
+                Mode::Coord => {
+                    return Err(Refusal::new(
+                        "all joints must be homed before going into coordinated mode",
+                    ));
+                }
+            }
+        }
+        self.mode = mode;
+        self.sync("the mode has changed");
+        Ok(())
+    }
+
+    /// Lets all planners begin where the joints are.
+    pub(crate) fn sync(&mut self, why: &'static str) {
+        for joint in &mut self.joints {
+            joint.free.reset(joint.pos_cmd, why);
+        }
+        self.find_pose();
+        for (axis, pos) in self.axes.iter_mut().zip(self.pose) {
+            axis.teleop.reset(pos, why);
+        }
+    }
+
+    /// The pose that the joints make.
+    pub(crate) fn find_pose(&mut self) {
+        let places = self.places();
+        let mut pose = self.pose;
+        if self.kinematics.forward(&places, &mut pose) && pose.iter().all(|p| p.is_finite()) {
+            self.pose = pose;
+        }
+    }
+
+    /// Where the joints are commanded to be.
+    pub(crate) fn places(&self) -> Places {
+        let mut places = [0.0; MAX_JOINTS];
+        for (place, joint) in places.iter_mut().zip(&self.joints) {
+            *place = joint.pos_cmd;
+        }
+        places
+    }
+
+    /// Where an axis may be jogged to, and how: within its own limits and those of its joints.
+    pub(crate) fn axis_room(&self, letter: usize) -> Result<Room, Refusal> {
+        let (Some(axis), Some(pos)) = (self.axes.get(letter), self.pose.get(letter)) else {
+            return Err(NO_JOINT);
+        };
+        let c = &axis.config;
+        let mut room = Room {
+            min: c.min_limit,
+            max: c.max_limit,
+            max_vel: c.max_velocity,
+            max_acc: c.max_acceleration,
+        };
+        let mut beside = self.pose;
+        if let Some(place) = beside.get_mut(letter) {
+            *place += BESIDE;
+        }
+        let (mut here, mut there) = (self.places(), self.places());
+        if !self.kinematics.inverse(&self.pose, &mut here)
+            || !self.kinematics.inverse(&beside, &mut there)
+        {
+            return Err(Refusal::new("cannot jog: the kinematics cannot go there"));
+        }
+        let identity = self.kinematics.kind() == KinematicsKind::Identity;
+        let mut moves = false;
+        for (n, (joint, (here, there))) in
+            self.joints.iter().zip(here.iter().zip(&there)).enumerate()
+        {
+            let mut slope = (there - here) / BESIDE;
+            if joint.extra || fabs(slope) < 1e-9 {
+                continue;
+            }
+            if identity {
+                slope = 1.0;
+            }
+            moves = true;
+            if !joint.active {
+                return Err(Refusal::joint(
+                    "a joint of this axis is not configured",
+                    "cannot jog: joint {} is not configured",
+                    n,
+                ));
+            }
+            room.narrow(&joint.room(), *here, *pos, slope);
+        }
+        if moves { Ok(room) } else { Err(NO_JOINT) }
+    }
+}
+
+/// How far aside to look for how joints follow an axis, in units.
+const BESIDE: f64 = 1e-3;
+
+const NO_JOINT: Refusal = Refusal::new("cannot jog: no joint follows this axis");

@@ -1,0 +1,156 @@
+//! The controller on the bench: motors that follow, and eyes on every cycle.
+
+mod command;
+mod fault;
+mod jog;
+mod line;
+mod pin;
+
+use crate::Motmod;
+use hal_component::{abi::TicketState, bench::Bench};
+use trivkins::Trivkins;
+
+/// The servo period in nanoseconds, and in seconds.
+const PERIOD: i64 = 1_000_000;
+const DT: f64 = 1e-3;
+
+/// The limits of the joints: velocity, acceleration, lowest and highest position.
+const LIMITS: [(f64, f64, f64, f64); 3] =
+    [(90.0, 1350.0, -50.0, 200.0), (90.0, 1350.0, -50.0, 200.0), (10.0, 35.0, -100.0, 100.0)];
+
+/// A machine of three joints whose motors are where they were commanded to be.
+struct Rig {
+    bench: Bench,
+    /// Motors that do not follow.
+    stuck: [bool; 3],
+    /// The last two commands and velocities of each joint.
+    seen: [(f64, f64); 3],
+    /// Whether velocity and acceleration are held against the limits.
+    strict: bool,
+}
+
+impl Rig {
+    /// Configured and off.
+    fn off(kinematics: &[&str]) -> Self {
+        let mut bench = Bench::new();
+        bench.load::<Trivkins>(kinematics).unwrap();
+        Self::with(bench)
+    }
+
+    /// The same, with the kinematics that are on the bench.
+    fn with(mut bench: Bench) -> Self {
+        bench.load::<Motmod>(&["num_joints=3", "num_misc_error=2"]).unwrap();
+        let rig = Self { bench, stuck: [false; 3], seen: [(0.0, 0.0); 3], strict: true };
+        for (n, (velocity, acceleration, min, max)) in LIMITS.iter().enumerate() {
+            rig.say(&format!(
+                "motion.configure joint={n} max-velocity={velocity} \
+                 max-acceleration={acceleration} min-limit={min} max-limit={max} ferror=1 \
+                 min-ferror=.25"
+            ));
+        }
+        rig
+    }
+
+    /// Configured and on.
+    fn on(kinematics: &[&str]) -> Self {
+        let mut rig = Self::off(kinematics);
+        rig.done("motion.enable");
+        rig
+    }
+
+    /// On, and every joint homed at zero.
+    fn homed(kinematics: &[&str]) -> Self {
+        let mut rig = Self::on(kinematics);
+        rig.done("motion.home joint=all");
+        rig
+    }
+
+    /// Commands; refused at once: the reason.
+    fn try_say(&self, text: &str) -> Result<Vec<String>, String> {
+        let mut words = text.split_whitespace();
+        let name = words.next().unwrap();
+        self.bench.command(name, &words.collect::<Vec<_>>())
+    }
+
+    fn say(&self, text: &str) -> Vec<String> {
+        self.try_say(text).unwrap_or_else(|e| panic!("{text}: {e}"))
+    }
+
+    /// Commands and waits for the end of it: the reason when it was given up.
+    fn wait(&mut self, text: &str) -> Result<(), &'static str> {
+        self.say(text);
+        self.end()
+    }
+
+    /// Waits for the last command.
+    fn end(&mut self) -> Result<(), &'static str> {
+        for _ in 0..200_000 {
+            match self.bench.ticket().unwrap() {
+                TicketState::Pending => self.cycle(),
+                TicketState::Done => return Ok(()),
+                TicketState::Failed(why) => return Err(why),
+            }
+        }
+        panic!("never ends")
+    }
+
+    fn done(&mut self, text: &str) {
+        self.wait(text).unwrap_or_else(|e| panic!("{text}: {e}"));
+    }
+
+    fn failed(&mut self, text: &str) -> &'static str {
+        self.wait(text).expect_err(text)
+    }
+
+    /// One servo cycle; joints on the way are held against their limits.
+    fn cycle(&mut self) {
+        self.bench.pass(PERIOD);
+        self.bench.run("motion-command-handler", PERIOD);
+        self.bench.run("motion-controller", PERIOD);
+        let on = self.is("motion.motion-enabled");
+        for (n, (velocity, acceleration, ..)) in LIMITS.iter().enumerate() {
+            let cmd = self.joint(n, "motor-pos-cmd");
+            let (last, last_vel) = self.seen[n];
+            let vel = (cmd - last) / DT;
+            if self.strict && on {
+                let acc = (vel - last_vel) / DT;
+                assert!(vel.abs() <= velocity * (1.0 + 1e-6), "joint {n}: {vel} units/s");
+                assert!(acc.abs() <= acceleration * (1.0 + 1e-4), "joint {n}: {acc} units/s²");
+            }
+            self.seen[n] = (cmd, vel);
+            if !self.stuck[n] {
+                self.bench.set(&format!("joint.{n}.motor-pos-fb"), cmd);
+            }
+        }
+    }
+
+    fn cycles(&mut self, n: usize) {
+        (0..n).for_each(|_| self.cycle());
+    }
+
+    fn joint(&self, n: usize, pin: &str) -> f64 {
+        self.bench.get(&format!("joint.{n}.{pin}"))
+    }
+
+    fn places(&self) -> [f64; 3] {
+        [0, 1, 2].map(|n| self.joint(n, "pos-cmd"))
+    }
+
+    fn is(&self, pin: &str) -> bool {
+        self.bench.get(pin)
+    }
+
+    fn float(&self, pin: &str) -> f64 {
+        self.bench.get(pin)
+    }
+
+    /// The bits out of a list that are TRUE.
+    fn which<'p>(&self, pins: &[&'p str]) -> Vec<&'p str> {
+        pins.iter().copied().filter(|p| self.is(p)).collect()
+    }
+}
+
+/// Asserts that two numbers are as close as the planner goes.
+fn near(a: f64, b: f64) {
+    assert!((a - b).abs() < 2e-6, "{a} is not {b}");
+}
