@@ -172,7 +172,7 @@ pub(crate) struct Instances {
     pub(crate) count: Option<u32>,
     /// Their names.
     pub(crate) names: Vec<String>,
-    /// One for each, the last repeated.
+    /// One for each; zero for instances beyond the list.
     pub(crate) personality: Vec<i64>,
     /// All other words.
     pub(crate) rest: Vec<String>,

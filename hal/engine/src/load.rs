@@ -77,7 +77,7 @@ impl Engine {
         let Some(create) = found.ty.create else { return Ok(()) };
         let mut creating = Creating::new(self, component, keep, args);
         for (i, prefix) in names.iter().enumerate() {
-            let personality = instances.personality.get(i).or(instances.personality.last());
+            let personality = instances.personality.get(i);
             let index = u32::try_from(i).unwrap_or(u32::MAX);
             let personality = personality.copied().unwrap_or(0);
             let host = creating.host(prefix, index, personality, found.private);
