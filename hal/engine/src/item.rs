@@ -9,7 +9,7 @@ use crate::{
     thread::Account,
 };
 use core::{ffi::c_void, ptr::NonNull};
-use hal_abi::Slot;
+use hal_abi::{Cell, Slot};
 use hal_protocol::{Direction, Type};
 
 /// A pin or parameter to be made.
@@ -100,11 +100,11 @@ impl Engine {
             slot.map(Ptr).ok_or(Error::OutOfMemory)
         };
         let time = add("time", Type::S32, Direction::Out, "Last run time, in ns.")?;
-        let tmax =
-            add("tmax", Type::S32, Direction::Rw, "Longest run time, in ns; write 0 to reset.")?;
+        let doc = "Longest run time, in ns; write 0 to reset.";
+        let tmax = own_cell(add("tmax", Type::S32, Direction::Rw, doc)?);
         let increased = if funct {
             let doc = "Whether the longest run time grew in the last run.";
-            Some(add("tmax-increased", Type::Bit, Direction::Ro, doc)?)
+            Some(own_cell(add("tmax-increased", Type::Bit, Direction::Ro, doc)?))
         } else {
             None
         };
@@ -121,4 +121,10 @@ impl Engine {
                 .is_some_and(|s| s.as_ptr().cast_const() == slot)
         })
     }
+}
+
+/// A slot's own cell: where the value of a parameter is.
+pub(crate) fn own_cell(slot: Ptr<Slot>) -> Ptr<Cell> {
+    // SAFETY: a live slot of the arena.
+    Ptr(NonNull::from(unsafe { slot.0.as_ref() }.own()))
 }

@@ -126,14 +126,14 @@ impl Engine {
                 continue;
             }
             let t = &node.thread;
-            let read = |slot: *const Slot| {
-                // SAFETY: a slot of the arena, alive as long as the thread.
-                let bits = unsafe { Slot::cell(slot) }.load();
-                match hal_protocol::Value::from_bits(Type::S32, bits) {
-                    hal_protocol::Value::S32(ns) => ns,
-                    _ => 0,
-                }
+            let read = |bits: u64| match hal_protocol::Value::from_bits(Type::S32, bits) {
+                hal_protocol::Value::S32(ns) => ns,
+                _ => 0,
             };
+            // SAFETY: a slot of the arena, alive as long as the thread.
+            let time = unsafe { Slot::cell(t.account.time.0.as_ptr()) }.load();
+            // SAFETY: a cell of the arena, alive as long as the thread.
+            let tmax = unsafe { t.account.tmax.0.as_ref() }.load();
             let guilty = t.guilty.load(Ordering::Relaxed);
             out.push(ThreadInfo {
                 period: t.period_ns,
@@ -145,8 +145,8 @@ impl Engine {
                     .filter_map(|f| self.graph.funct(f))
                     .map(|f| f.name.as_str().to_owned())
                     .collect(),
-                time: read(t.account.time.0.as_ptr()),
-                tmax: read(t.account.tmax.0.as_ptr()),
+                time: read(time),
+                tmax: read(tmax),
                 cycles: t.cycles.load(Ordering::Relaxed),
                 overruns: t.overruns.load(Ordering::Relaxed),
                 overrun_by: (guilty != crate::thread::NOBODY).then(|| self.funct_name(guilty)),

@@ -49,6 +49,7 @@ impl Engine {
                 let info = ix.and_then(|ix| self.component_info(ix));
                 return Ok(Reply::Components(info.into_iter().collect()));
             }
+            Request::Timing { thread, on } => self.time_functs(thread.as_deref(), on)?,
             Request::MessageLevel { level } => self.shared.level.store(level, Ordering::Relaxed),
             Request::Command { name, args } => return self.command(&name, &args),
             Request::Adopt { pid, program } => {

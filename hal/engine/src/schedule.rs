@@ -142,6 +142,18 @@ impl Engine {
         if self.runners.end(&ids, false, patience) { Ok(()) } else { Err(self.stuck()) }
     }
 
+    /// Whether functions of a thread, or of all, are timed.
+    pub(crate) fn time_functs(&self, thread: Option<&str>, on: bool) -> Result<(), Error> {
+        let threads = match thread {
+            Some(name) => vec![self.graph.find_thread(name)?],
+            None => self.graph.threads.values().copied().collect(),
+        };
+        for t in threads.into_iter().filter_map(|ix| self.graph.thread(ix)) {
+            t.thread.timed.store(on, crate::sync::Ordering::Relaxed);
+        }
+        Ok(())
+    }
+
     /// What a thread is to run, without the functions that go.
     pub(crate) fn list_of(&self, thread: Ix, without: &[Ix]) -> List {
         let entries = |init: bool| {

@@ -9,15 +9,17 @@ use crate::{
 };
 use arc_swap::ArcSwap;
 use core::ffi::c_void;
-use hal_abi::{Run, Slot};
+use hal_abi::{Cell, Run, Slot};
 
 /// Where a function's or thread's times are shown.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Account {
+    /// A pin.
     pub(crate) time: Ptr<Slot>,
-    pub(crate) tmax: Ptr<Slot>,
-    /// Functions only.
-    pub(crate) increased: Option<Ptr<Slot>>,
+    /// A parameter, which is never linked.
+    pub(crate) tmax: Ptr<Cell>,
+    /// A parameter; functions only.
+    pub(crate) increased: Option<Ptr<Cell>>,
 }
 
 impl Account {
@@ -26,7 +28,7 @@ impl Account {
         // SAFETY: a slot of the arena, alive as long as its component.
         unsafe { Slot::cell(self.time.0.as_ptr()) }.store(u64::from(ns.cast_unsigned()));
         // SAFETY: as above.
-        let tmax = unsafe { Slot::cell(self.tmax.0.as_ptr()) };
+        let tmax = unsafe { self.tmax.0.as_ref() };
         let longest = low(tmax.load());
         let more = ns > longest;
         if more {
@@ -34,7 +36,7 @@ impl Account {
         }
         if let Some(increased) = self.increased {
             // SAFETY: as above.
-            unsafe { Slot::cell(increased.0.as_ptr()) }.store(u64::from(more));
+            unsafe { increased.0.as_ref() }.store(u64::from(more));
         }
     }
 }

@@ -177,7 +177,7 @@ impl Engine {
             let slot = self.graph.item(*pin).and_then(crate::graph::Item::slot);
             let (Some(signal), Some(slot)) = (signal, slot) else { continue };
             stores.push(if signal.ty == Type::Port {
-                Store::Put { cell: own_cell(slot), bits: 0 }
+                Store::Put { cell: crate::item::own_cell(Ptr(slot)), bits: 0 }
             } else {
                 Store::Keep { cell: signal.cell, slot: Ptr(slot) }
             });
@@ -382,12 +382,6 @@ impl Engine {
         }
         Ok(())
     }
-}
-
-/// A slot's own cell.
-fn own_cell(slot: NonNull<Slot>) -> Ptr<Cell> {
-    // SAFETY: a live slot of the arena.
-    Ptr(NonNull::from(unsafe { slot.as_ref() }.own()))
 }
 
 /// A user's text as a value of a type.

@@ -234,6 +234,13 @@ pub enum Request {
         /// Its name.
         name: String,
     },
+    /// `timing on|off [THREAD]`: whether functions are timed (`.time`, `.tmax`).
+    Timing {
+        /// The thread; absent: all.
+        thread: Option<String>,
+        /// Whether they are.
+        on: bool,
+    },
     /// `debug LEVEL`: what components' messages are shown.
     MessageLevel {
         /// 0 none, 1 errors, 2 warnings, 3 information, 4 and 5 everything.
