@@ -281,21 +281,22 @@ impl Component for Stamp {
     }
 }
 
-/// How long a reset takes that comes `later` than its write.
-fn reset_takes(mut bench: Bench, later: i64) -> i64 {
+/// How long a reset takes that comes `later` than its write, of a pin that is high or at rest.
+fn reset_takes(mut bench: Bench, later: i64, high: bool) -> i64 {
     bench.load::<Parport>(&["cfg=378"]).unwrap();
     bench.create::<Stamp>(&[]).unwrap();
     let now = || {
         bench.run("stamp.0", MS);
         bench.get::<i64>("stamp.0.now")
     };
-    set(&bench, &["pin-02-out", "pin-02-out-reset"], true);
+    set(&bench, &["pin-02-out"], high);
+    set(&bench, &["pin-02-out-reset"], true);
     bench.set("parport.0.reset-time", 5_000_u32);
     bench.pass(1_000_000);
     bench.run("parport.0.write", 100_000);
     let written = now();
     bench.pass(later);
-    assert_eq!(sim(&bench, "data"), 1);
+    assert_eq!(sim(&bench, "data"), u32::from(high));
     bench.run("parport.0.reset", 100_000);
     assert_eq!(sim(&bench, "data"), 0);
     now() - written
@@ -304,12 +305,14 @@ fn reset_takes(mut bench: Bench, later: i64) -> i64 {
 #[test]
 fn reset_waits_on_a_real_clock_only() {
     // The clock is read four times at most beside the waiting: 100 ns each.
-    let short = reset_takes(Bench::real_time(100), 0);
+    let short = reset_takes(Bench::real_time(100), 0, true);
     assert!((5_000..=5_400).contains(&short), "{short}");
-    let late = reset_takes(Bench::real_time(100), 9_000);
+    let late = reset_takes(Bench::real_time(100), 9_000, true);
     assert!((9_000..=9_400).contains(&late), "{late}");
-    assert_eq!(reset_takes(Bench::new(), 0), 0);
-    assert_eq!(reset_takes(Bench::real_time(0), 0), 0, "a clock that stands still ends it");
+    let idle = reset_takes(Bench::real_time(100), 0, false);
+    assert!((0..=400).contains(&idle), "{idle}: nothing to wait for");
+    assert_eq!(reset_takes(Bench::new(), 0, true), 0);
+    assert_eq!(reset_takes(Bench::real_time(0), 0, true), 0, "a clock that stands still ends it");
 }
 
 #[test]

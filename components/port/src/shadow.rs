@@ -105,41 +105,49 @@ mod tests {
         assert_eq!(shadow.put(1, ok), Ok(true));
     }
 
-    /// Every place at which another writer can come between: the register ends right at the
-    /// latest with the next write.
+    /// Puts `mine` while others put theirs, just before or just after it reaches the register.
+    fn cross(before: Option<u8>, mine: u8, others: [u8; 2], late: bool) -> (Cell<u8>, Shadow) {
+        let (register, shadow) = (Cell::new(before.unwrap_or(0)), Shadow::new());
+        let plain = |v| {
+            register.set(v);
+            Ok::<_, ()>(())
+        };
+        if let Some(v) = before {
+            shadow.put(v, plain).unwrap();
+        }
+        let crossed = |v| {
+            if late {
+                register.set(v);
+            }
+            for other in others {
+                shadow.put(other, plain).unwrap();
+            }
+            if !late {
+                register.set(v);
+            }
+            Ok::<_, ()>(())
+        };
+        shadow.put(mine, crossed).unwrap();
+        (register, shadow)
+    }
+
+    /// The register is right at the latest with the next write, also when others leave the byte
+    /// that they found.
     #[test]
-    fn a_write_between_is_noticed() {
+    fn writes_between_are_noticed() {
         for before in [None, Some(1), Some(2), Some(3)] {
-            for mine in 1..=3 {
-                for other in 1..=3 {
-                    for late in [false, true] {
-                        let register = Cell::new(before.unwrap_or(0));
-                        let shadow = Shadow::new();
-                        let plain = |v| {
-                            register.set(v);
-                            Ok::<_, ()>(())
-                        };
-                        if let Some(v) = before {
-                            shadow.put(v, plain).unwrap();
-                        }
-                        let crossed = |v| {
-                            if late {
-                                register.set(v);
-                            }
-                            shadow.put(other, plain).unwrap();
-                            if !late {
-                                register.set(v);
-                            }
-                            Ok::<_, ()>(())
-                        };
-                        shadow.put(mine, crossed).unwrap();
-                        for next in 1..=3 {
-                            let known = shadow.last();
-                            assert!(known.is_none_or(|k| k == register.get()));
-                            shadow.put(next, plain).unwrap();
-                            assert_eq!(register.get(), next);
-                        }
-                    }
+            for case in 0..81_u8 {
+                let [mine, a, b, next] = [1, 3, 9, 27].map(|n| case / n % 3 + 1);
+                for late in [false, true] {
+                    let (register, shadow) = cross(before, mine, [a, b], late);
+                    let known = shadow.last();
+                    assert!(known.is_none_or(|k| k == register.get()), "{before:?} {case} {late}");
+                    let write = |v| {
+                        register.set(v);
+                        Ok::<_, ()>(())
+                    };
+                    shadow.put(next, write).unwrap();
+                    assert_eq!(register.get(), next, "{before:?} {case} {late}");
                 }
             }
         }

@@ -132,3 +132,85 @@ impl Chip {
         done
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Chip, Refused};
+    use port::{Access, Lost};
+    use std::sync::Mutex;
+
+    /// A chip whose registers all hold `byte`: it writes down what is done to it.
+    struct Log {
+        byte: u8,
+        enabled: bool,
+        identity: u32,
+        done: Mutex<Vec<String>>,
+    }
+
+    impl Log {
+        fn new(byte: u8, enabled: bool, identity: u32) -> Self {
+            Self { byte, enabled, identity, done: Mutex::default() }
+        }
+        fn note(&self, text: String) {
+            self.done.lock().unwrap().push(text);
+        }
+        fn taken(&self) -> Vec<String> {
+            core::mem::take(&mut *self.done.lock().unwrap())
+        }
+    }
+
+    impl Access for Log {
+        fn read(&self, address: u16) -> Result<u8, Lost> {
+            self.note(format!("{address:x}?"));
+            Ok(self.byte)
+        }
+        fn write(&self, address: u16, value: u8) -> Result<(), Lost> {
+            self.note(format!("{address:x}={value:02x}"));
+            Ok(())
+        }
+        fn read_config(&self, register: u8) -> Result<u32, Lost> {
+            self.note(format!("c{register:02x}?"));
+            Ok(match (register, self.enabled) {
+                (0, _) => self.identity,
+                (0x88, _) => 0x0801,
+                (0x94, true) => 0x0000_0C00,
+                (0x98, true) => 0x0100_0000,
+                (0x80, false) => 0x0000_0040,
+                _ => 0,
+            })
+        }
+        fn write_config(&self, register: u8, value: u32) -> Result<(), Lost> {
+            self.note(format!("c{register:02x}={value:08x}"));
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn everything_is_looked_at_before_anything_is_written() {
+        for (enabled, byte) in [(false, 0), (true, 0), (false, 0xFF)] {
+            let log = Log::new(byte, enabled, super::IDENTITY);
+            let chip = Chip::bring_up(&log).unwrap();
+            let looks = ["c00?", "c88?", "84d?", "84e?", "84f?"];
+            let enables: &[&str] = if enabled {
+                &["c98?", "c94?", "c80?"]
+            } else {
+                &["c98?", "c98=01000000", "c94?", "c94=00000c00", "c80?", "c80=00000000"]
+            };
+            assert_eq!(log.taken(), [&looks[..], enables].concat());
+            // Lines that the firmware left high are ours, the bits beside them are not.
+            chip.write(&log, [0; 3]).unwrap();
+            let rest = if byte == 0 { ["00"; 3] } else { ["ef", "6f", "fb"] };
+            let [a, b, c] = rest;
+            assert_eq!(log.taken(), [format!("84d={a}"), format!("84e={b}"), format!("84f={c}")]);
+            assert_eq!(chip.read(&log), Ok([byte; 2]));
+            assert_eq!(log.taken(), ["848?", "849?"]);
+        }
+    }
+
+    #[test]
+    fn another_chip_is_asked_for_its_name_only() {
+        let log = Log::new(0, false, 0x8409_1106);
+        assert_eq!(Chip::bring_up(&log).unwrap_err(), Refused::Other(0x8409_1106));
+        assert_eq!(log.taken(), ["c00?"]);
+    }
+}
