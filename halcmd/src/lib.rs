@@ -1,1 +1,39 @@
-//! The `.hal` language.
+//! The `.hal` language: lexer, INI files, one table of commands, and the interpreter; and what the
+//! programs halrun, halcmd, halsampler, halstreamer and `hal_manualtoolchange` are made of.
+//!
+//! A line of a script becomes words ([`lex`], [`vars`]), words become a [`Command`] through the
+//! one table in [`table`], and a [`Session`] carries the command out over any
+//! [`Link`](hal_protocol::Link): the engine in this process or one that runs elsewhere.
+
+mod command;
+mod error;
+mod execute;
+pub mod halcmd;
+pub mod halrun;
+pub mod ini;
+pub mod lex;
+pub mod list;
+pub mod options;
+mod parse;
+mod program;
+pub mod remote;
+mod rows;
+pub mod sampler;
+pub mod save;
+mod session;
+pub mod show;
+mod source;
+mod status;
+pub mod streamer;
+pub mod table;
+mod terminal;
+pub mod toolchange;
+mod units;
+pub mod vars;
+
+pub use command::Command;
+pub use error::Error;
+pub use session::{Outcome, Session, Style};
+pub use source::{Bytes, Lines, Physical, Stdin};
+pub use terminal::{Captured, Stdio, Terminal};
+pub use units::{UnitError, nanoseconds};

@@ -1,0 +1,9 @@
+//! Makes an instance and carries out a script.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let words: Vec<String> =
+        std::env::args_os().skip(1).map(|w| w.to_string_lossy().into_owned()).collect();
+    halcmd::halrun::main(&words)
+}

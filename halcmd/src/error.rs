@@ -1,0 +1,321 @@
+//! Why a line was refused, in the user's words.
+
+use hal_protocol::Failure;
+
+/// Why a line, a file or an option was refused. What LinuxCNC has a sentence for is worded so.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the sentence of each variant is its documentation")]
+pub enum Error {
+    /// The engine refused the request.
+    Engine(Failure),
+    /// What is wrong has been said already, with its own place.
+    Told,
+    UnterminatedQuote,
+    TooManyTokens,
+    CarriageReturn,
+    LineTooLong,
+    EmptyVariable,
+    MissingParenthesis,
+    MissingBracket,
+    VariableTooLong,
+    NoEnvironment {
+        name: Box<str>,
+    },
+    NoIniVariable {
+        section: Box<str>,
+        name: Box<str>,
+        near: Option<Box<str>>,
+    },
+    UnknownCommand {
+        word: Box<str>,
+        near: Option<Box<str>>,
+    },
+    Exactly {
+        command: &'static str,
+        wanted: usize,
+        given: usize,
+    },
+    AtLeast {
+        command: &'static str,
+        wanted: usize,
+        given: usize,
+    },
+    AtMost {
+        command: &'static str,
+        wanted: usize,
+        given: usize,
+    },
+    SignalType {
+        word: Box<str>,
+    },
+    FilterType {
+        word: Box<str>,
+    },
+    NoPin,
+    AliasKind {
+        command: &'static str,
+        word: Box<str>,
+    },
+    NoFunct,
+    NoThread,
+    Level,
+    Kind {
+        command: &'static str,
+        word: Box<str>,
+        kinds: Box<str>,
+    },
+    NoHelp {
+        word: Box<str>,
+        near: Option<Box<str>>,
+    },
+    Time {
+        word: Box<str>,
+    },
+    BadOption {
+        command: &'static str,
+        option: char,
+    },
+    NeedsArgument {
+        command: &'static str,
+        option: char,
+    },
+    LongOption {
+        program: &'static str,
+        option: Box<str>,
+    },
+    LongNeedsArgument {
+        program: &'static str,
+        option: Box<str>,
+    },
+    LongTakesNone {
+        program: &'static str,
+        option: Box<str>,
+    },
+    OptionValue {
+        program: &'static str,
+        option: Box<str>,
+        value: Box<str>,
+        why: Box<str>,
+    },
+    NoProgram,
+    Locked,
+    NotStarted {
+        program: Box<str>,
+        why: Box<str>,
+    },
+    ProgramFailed {
+        program: Box<str>,
+        status: i32,
+    },
+    ProgramKilled {
+        program: Box<str>,
+    },
+    NotReady {
+        program: Box<str>,
+        component: Box<str>,
+        failed: bool,
+    },
+    NotLoaded {
+        name: Box<str>,
+    },
+    NotAProgram {
+        name: Box<str>,
+    },
+    NoFile {
+        path: Box<str>,
+        why: Box<str>,
+    },
+    NoCommandFile {
+        path: Box<str>,
+    },
+    TooDeep {
+        path: Box<str>,
+    },
+    NoDestination {
+        path: Box<str>,
+        why: Box<str>,
+    },
+    GivenUp {
+        command: Box<str>,
+        why: Box<str>,
+    },
+    IniFile {
+        path: Box<str>,
+        why: Box<str>,
+    },
+    IniSyntax {
+        path: Box<str>,
+        line: u32,
+        why: &'static str,
+    },
+    IniNotFound {
+        file: Box<str>,
+        folders: Box<str>,
+    },
+    NotYet {
+        what: Box<str>,
+        instead: &'static str,
+    },
+    TooManyFiles {
+        files: Box<str>,
+    },
+    Extension {
+        file: Box<str>,
+    },
+    ThreadsExist,
+    Unexpected,
+}
+
+impl core::fmt::Display for Error {
+    #[expect(clippy::too_many_lines, reason = "one sentence for each variant")]
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Engine(failure) => write!(f, "{failure}"),
+            Self::Told => Ok(()),
+            Self::UnterminatedQuote => f.write_str("unterminated quoted string"),
+            Self::TooManyTokens => f.write_str("too many tokens on line"),
+            Self::CarriageReturn => f.write_str("File contains embedded carriage returns."),
+            Self::LineTooLong => f.write_str("Line too long."),
+            Self::EmptyVariable => f.write_str("Empty variable name."),
+            Self::MissingParenthesis => f.write_str("Missing close parenthesis."),
+            Self::MissingBracket => f.write_str("Missing close square bracket."),
+            Self::VariableTooLong => f.write_str("Variable name too long."),
+            Self::NoEnvironment { name } => write!(f, "Environment variable '{name}' not found."),
+            Self::NoIniVariable { section, name, near } => {
+                write!(f, "Ini variable '[{section}]{name}' not found.")?;
+                hint(f, near.as_deref())
+            }
+            Self::UnknownCommand { word, near } => {
+                write!(f, "Unknown command '{word}'")?;
+                hint(f, near.as_deref())
+            }
+            Self::Exactly { command, wanted, given } => {
+                write!(f, "{command} requires {wanted} arguments, {given} given")
+            }
+            Self::AtLeast { command, wanted, given } => {
+                write!(f, "{command} requires at least {wanted} arguments, {given} given")
+            }
+            Self::AtMost { command, wanted, given } => {
+                write!(f, "{command} requires at most {wanted} arguments, {given} given")
+            }
+            Self::SignalType { word } => write!(
+                f,
+                "Unknown signal type '{word}'; it is one of bit, float, s32, u32, s64, u64, port"
+            ),
+            Self::FilterType { word } => {
+                write!(
+                    f,
+                    "Unknown type '{word}'; it is one of bit, float, s32, u32, s64, u64, port"
+                )
+            }
+            Self::NoPin => f.write_str("'net' requires at least one pin, none given"),
+            Self::AliasKind { command, word } => {
+                write!(f, "{command} failed; its first word is pin or param, not '{word}'")
+            }
+            Self::NoFunct => f.write_str("missing function name"),
+            Self::NoThread => f.write_str("missing thread name"),
+            Self::Level => f.write_str("Debug level must be >=0 and <= 5"),
+            Self::Kind { command, word, kinds } => {
+                write!(f, "Unknown '{command}' type '{word}'; it is one of {kinds}")
+            }
+            Self::NoHelp { word, near } => {
+                write!(f, "No help for unknown command '{word}'")?;
+                hint(f, near.as_deref())
+            }
+            Self::Time { word } => {
+                write!(
+                    f,
+                    "'{word}' is not a time; write a number and ns, us, ms or s, such as 20ms"
+                )
+            }
+            Self::BadOption { command, option } => {
+                write!(f, "{command}: invalid option -- '{option}'")
+            }
+            Self::NeedsArgument { command, option } => {
+                write!(f, "{command}: option requires an argument -- '{option}'")
+            }
+            Self::LongOption { program, option } => {
+                write!(f, "{program}: unrecognized option '--{option}'")
+            }
+            Self::LongNeedsArgument { program, option } => {
+                write!(f, "{program}: option '--{option}' requires an argument")
+            }
+            Self::LongTakesNone { program, option } => {
+                write!(f, "{program}: option '--{option}' doesn't allow an argument")
+            }
+            Self::OptionValue { program, option, value, why } => {
+                write!(f, "{program}: {option} '{value}': {why}")
+            }
+            Self::NoProgram => f.write_str("execv(): No such file or directory"),
+            Self::Locked => f.write_str("HAL is locked, loading of programs is not permitted"),
+            Self::NotStarted { program, why } => write!(f, "execv({program}): {why}"),
+            Self::ProgramFailed { program, status } => {
+                write!(f, "program '{program}' failed, returned {status}")
+            }
+            Self::ProgramKilled { program } => {
+                write!(f, "program '{program}' did not exit normally")
+            }
+            Self::NotReady { program, .. } => {
+                write!(f, "{program} exited without becoming ready")
+            }
+            Self::NotLoaded { name } => write!(f, "component '{name}' is not loaded"),
+            Self::NotAProgram { name } => write!(f, "'{name}' is not a userspace component"),
+            Self::NoFile { path, why } => write!(f, "Could not open hal file '{path}': {why}"),
+            Self::NoCommandFile { path } => write!(f, "Could not open command file '{path}'"),
+            Self::TooDeep { path } => {
+                write!(f, "'{path}' is sourced within itself, or files are nested too deeply")
+            }
+            Self::NoDestination { path, why } => {
+                write!(f, "Can't open 'save' destination '{path}'; {why}")
+            }
+            Self::GivenUp { command, why } => write!(f, "{command}: {why}"),
+            Self::IniFile { path, why } => write!(f, "Could not open INI file '{path}'; {why}"),
+            Self::IniSyntax { path, line, why } => write!(f, "{path}:{line}: {why}"),
+            Self::IniNotFound { file, folders } => {
+                write!(f, "cannot find '{file}'; looked in {folders}")
+            }
+            Self::NotYet { what, instead } => write!(f, "{what} is not supported; {instead}"),
+            Self::TooManyFiles { files } => write!(f, "halrun: too many arguments <{files}>"),
+            Self::Extension { file } => {
+                write!(f, "halrun: Unknown file extension for filename=<{file}>")
+            }
+            Self::ThreadsExist => {
+                f.write_str("HAL_LIB: Cannot run 'setexact' after a thread has been created")
+            }
+            Self::Unexpected => f.write_str("the engine answered something else than was asked"),
+        }
+    }
+}
+
+impl std::error::Error for Error {}
+
+impl Error {
+    /// What led to it, one sentence each, said first.
+    #[must_use]
+    pub fn before(&self) -> Vec<String> {
+        match self {
+            Self::Engine(failure) => failure.before.clone(),
+            Self::NotReady { program, component, failed: true } => {
+                vec![format!("waitpid failed {program} {component}")]
+            }
+            _ => Vec::new(),
+        }
+    }
+}
+
+impl From<Failure> for Error {
+    fn from(failure: Failure) -> Self {
+        Self::Engine(failure)
+    }
+}
+
+/// The name among `names` that `word` was probably meant to be.
+pub(crate) fn nearest<'a>(word: &str, names: impl Iterator<Item = &'a str>) -> Option<Box<str>> {
+    let near = |name: &str| strsim::damerau_levenshtein(word, name);
+    let best = names.map(|n| (near(n), n)).min()?;
+    (best.0 <= 2 && best.0 < word.len().max(2)).then(|| best.1.into())
+}
+
+fn hint(f: &mut core::fmt::Formatter<'_>, near: Option<&str>) -> core::fmt::Result {
+    near.map_or(Ok(()), |near| write!(f, "; did you mean '{near}'?"))
+}

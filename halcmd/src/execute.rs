@@ -1,0 +1,251 @@
+//! What each command does.
+
+use crate::{
+    Command, Error, Session,
+    command::{LockChange, SaveKind, ShowKind, StatusKind},
+    error::nearest,
+    list, save, show, status, table,
+};
+use hal_protocol::{Failure, Kind, Lock, Reply, Request, StatusInfo, TicketInfo, Type};
+
+/// The code of a failure that says that something is not there.
+const ENOENT: i32 = -2;
+
+/// The sections of `show`, in order.
+const SECTIONS: &[(Kind, &str)] = &[
+    (Kind::Components, "Loaded HAL Components:"),
+    (Kind::Pins, "Component Pins:"),
+    (Kind::PinAliases, "Pin Aliases:"),
+    (Kind::Signals, "Signals:"),
+    (Kind::Params, "Parameters:"),
+    (Kind::ParamAliases, "Parameter Aliases:"),
+    (Kind::Functs, "Exported Functions:"),
+    (Kind::Threads, "Realtime Threads:"),
+];
+
+impl Session<'_> {
+    pub(crate) fn execute(&mut self, command: Command) -> Result<(), Error> {
+        match command {
+            Command::Ask(request, note) => {
+                let reply = self.ask(request)?;
+                self.done(&reply, note.as_deref());
+            }
+            Command::Value(request) => {
+                let reply = self.ask(request)?;
+                self.print(&reply, |reply| match reply {
+                    Reply::Value(value) => Some(format!("{value}\n")),
+                    _ => None,
+                })?;
+            }
+            Command::TypeOf(request) => {
+                let reply = self.ask(request)?;
+                self.print(&reply, |reply| match reply {
+                    Reply::Value(value) => Some(format!("{}\n", value.ty().name())),
+                    _ => None,
+                })?;
+            }
+            Command::Unload(name) => self.unload(name)?,
+            Command::UnloadAll => {
+                self.ask(Request::EndProgram { name: None })?;
+                self.ask(Request::UnloadAll)?;
+            }
+            Command::Launch(launch) => self.launch(&launch)?,
+            Command::AwaitEnd(name) => self.await_end(&name)?,
+            Command::Show(kind, ty, patterns) => self.show(kind, ty, &patterns)?,
+            Command::List(kind, patterns) => {
+                let reply = self.ask(Request::List { kind, patterns, ty: None })?;
+                self.listing(&reply, list::names)?;
+            }
+            Command::Save(kind, file) => self.save(kind, file.as_deref())?,
+            Command::Status(kind) => self.status(kind)?,
+            Command::Print(text) => {
+                let text = text.as_deref().unwrap_or("(null)");
+                self.complain(&format!("HALCMD MSG: {text}"));
+            }
+            Command::Echo(on) => {
+                self.terminal.out(if on { "Echo on\n" } else { "Echo off\n" });
+                self.style.echo = on;
+            }
+            Command::Source(path) => self.source(&path)?,
+            Command::Help(about) => {
+                // As the reference: what has no help is said, and is no failure.
+                let text = table::help(about.as_deref()).unwrap_or_else(|e| format!("{e}\n"));
+                self.terminal.out(&text);
+            }
+            Command::Lock(change) => self.lock(change)?,
+            Command::SetExact => self.set_exact()?,
+            Command::Component { name, args, wait } => self.component(name, args, wait)?,
+        }
+        Ok(())
+    }
+
+    /// Says what `-v` says: the engine's sentences if it has any, or ours.
+    fn done(&mut self, reply: &Reply, note: Option<&str>) {
+        if let Reply::Noted(lines) = reply {
+            for line in lines {
+                self.note(line);
+            }
+        } else if let Some(note) = note {
+            self.note(note);
+        }
+    }
+
+    /// Prints a reply in words, or as it came.
+    fn print(
+        &mut self,
+        reply: &Reply,
+        words: impl FnOnce(&Reply) -> Option<String>,
+    ) -> Result<(), Error> {
+        let text = if self.style.json {
+            format!("{}\n", serde_json::to_string(reply).map_err(|_| Error::Unexpected)?)
+        } else {
+            words(reply).ok_or(Error::Unexpected)?
+        };
+        self.terminal.out(&text);
+        Ok(())
+    }
+
+    /// The same for listings, which `-Q` keeps quiet.
+    fn listing(
+        &mut self,
+        reply: &Reply,
+        words: impl FnOnce(&Reply) -> String,
+    ) -> Result<(), Error> {
+        if self.style.silent { Ok(()) } else { self.print(reply, |reply| Some(words(reply))) }
+    }
+
+    fn unload(&mut self, name: String) -> Result<(), Error> {
+        let Reply::Components(found) = self.ask(Request::Component { name: name.clone() })? else {
+            return Err(Error::Unexpected);
+        };
+        let found = found.first().ok_or_else(|| Error::NotLoaded { name: name.as_str().into() })?;
+        if found.realtime {
+            let note = format!("Realtime module '{name}' unloaded");
+            let reply = self.ask(Request::Unload { name })?;
+            self.done(&reply, Some(&note));
+        } else {
+            self.ask(Request::EndProgram { name: Some(name) })?;
+        }
+        Ok(())
+    }
+
+    fn show(
+        &mut self,
+        wanted: Option<ShowKind>,
+        ty: Option<Type>,
+        patterns: &[String],
+    ) -> Result<(), Error> {
+        let aliases = |kind| matches!(kind, Kind::PinAliases | Kind::ParamAliases);
+        let mut sections: Vec<(Kind, &str)> = match wanted {
+            None => SECTIONS.to_vec(),
+            Some(ShowKind::Aliases) => SECTIONS.iter().copied().filter(|s| aliases(s.0)).collect(),
+            Some(ShowKind::Of(kind)) => SECTIONS.iter().copied().filter(|s| s.0 == kind).collect(),
+        };
+        if let (true, Some(ShowKind::Of(kind))) = (sections.is_empty(), wanted) {
+            sections.push((kind, "Commands:"));
+        }
+        let script = self.style.script;
+        for (kind, title) in sections {
+            let reply = self.ask(Request::List { kind, patterns: patterns.to_vec(), ty })?;
+            self.listing(&reply, |reply| show::section(reply, title, script))?;
+        }
+        Ok(())
+    }
+
+    fn save(&mut self, kind: SaveKind, file: Option<&str>) -> Result<(), Error> {
+        let text = save::write(kind, &mut |request| self.ask(request))?;
+        match file {
+            None if self.style.silent => {}
+            None => self.terminal.out(&text),
+            Some(file) => std::fs::write(file, text).map_err(|e| Error::NoDestination {
+                path: file.into(),
+                why: crate::ini::plain(&e),
+            })?,
+        }
+        Ok(())
+    }
+
+    fn status(&mut self, kind: StatusKind) -> Result<(), Error> {
+        let reply = self.ask(Request::Status)?;
+        let threads = if matches!(kind, StatusKind::All | StatusKind::Instance) && !self.style.json
+        {
+            let all = Request::List { kind: Kind::Threads, patterns: Vec::new(), ty: None };
+            match self.ask(all)? {
+                Reply::Threads(list) => list,
+                _ => return Err(Error::Unexpected),
+            }
+        } else {
+            Vec::new()
+        };
+        self.listing(&reply, |reply| match reply {
+            Reply::Status(status) => status::text(status, &threads, kind),
+            _ => String::new(),
+        })
+    }
+
+    fn lock(&mut self, change: Option<LockChange>) -> Result<(), Error> {
+        let (level, locks) = match change {
+            None => return Ok(()),
+            Some(LockChange::To(level)) => (level, level != Lock::NONE),
+            Some(LockChange::Without(bits)) => (Lock(self.state()?.lock.0 & !bits.0), false),
+        };
+        self.ask(Request::SetLock { level })?;
+        self.note(if locks { "Locking completed" } else { "Unlocking completed" });
+        Ok(())
+    }
+
+    /// The state of the instance.
+    pub(crate) fn state(&mut self) -> Result<StatusInfo, Error> {
+        match self.ask(Request::Status)? {
+            Reply::Status(status) => Ok(*status),
+            _ => Err(Error::Unexpected),
+        }
+    }
+
+    fn set_exact(&mut self) -> Result<(), Error> {
+        if self.state()?.threads.active > 0 {
+            return Err(Error::ThreadsExist);
+        }
+        self.terminal.err(
+            "Warning: setexact_for_test_suite_only is for test suites.\n\
+             Warning: periods are exact here in any case.\n",
+        );
+        Ok(())
+    }
+
+    /// Says that no component offers this command, or else what the command said.
+    fn unknown(&mut self, name: &str, failure: Failure) -> Error {
+        let all = Request::List { kind: Kind::Commands, patterns: Vec::new(), ty: None };
+        match self.ask(all) {
+            Ok(Reply::Commands(list)) if list.iter().all(|c| c.name != name) => {
+                let near = nearest(name, list.iter().map(|c| c.name.as_str()));
+                Error::UnknownCommand { word: name.into(), near }
+            }
+            _ => Error::Engine(failure),
+        }
+    }
+
+    fn component(&mut self, name: String, args: Vec<String>, wait: bool) -> Result<(), Error> {
+        let reply = match self.ask(Request::Command { name: name.clone(), args }) {
+            Err(Error::Engine(failure)) if failure.code == ENOENT => {
+                return Err(self.unknown(&name, failure));
+            }
+            other => other?,
+        };
+        self.print(&reply, |reply| match reply {
+            Reply::Answer(answer) => {
+                Some(answer.lines.iter().map(|line| format!("{line}\n")).collect())
+            }
+            _ => None,
+        })?;
+        let ticket = if let Reply::Answer(answer) = reply { answer.ticket } else { None };
+        let Some(id) = ticket.filter(|_| wait || self.style.wait) else { return Ok(()) };
+        match self.ask(Request::Ticket { id, wait: true })? {
+            Reply::Ticket(TicketInfo::Failed(why)) => {
+                Err(Error::GivenUp { command: name.into(), why: why.into() })
+            }
+            Reply::Ticket(_) => Ok(()),
+            _ => Err(Error::Unexpected),
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! The program halcmd: commands for a running instance.
+
+use crate::{
+    Bytes, Error, Outcome, Session, Stdin, Stdio, Style, Terminal,
+    ini::Ini,
+    options::{Opt, from_environment, options, usage},
+    remote::{Remote, instance_option, leave_on_signals},
+    table,
+};
+use hal_protocol::Place;
+use std::{path::Path, process::ExitCode};
+
+/// What [`OPTIONS`] may say; the first nine are those of every script.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the table of options says what each does")]
+pub enum Id {
+    Echo,
+    KeepGoing,
+    Quiet,
+    Silent,
+    Release,
+    Script,
+    Verbose,
+    VeryVerbose,
+    Ini,
+    File,
+    Help,
+    Instance,
+    Json,
+    Wait,
+}
+
+/// The options that halcmd and halrun have in common.
+pub const COMMON: [Opt<Id>; 9] = [
+    short(Id::Echo, 'e', "print each line before it is carried out"),
+    short(Id::KeepGoing, 'k', "keep going after a line that fails"),
+    short(Id::Quiet, 'q', "print errors only (the default)"),
+    short(Id::Silent, 'Q', "print no listings, and nothing but what failed"),
+    short(Id::Release, 'R', "release locks of a crashed client (there are none)"),
+    short(Id::Script, 's', "print for programs: no headers, no padding"),
+    short(Id::Verbose, 'v', "say what each command did"),
+    short(Id::VeryVerbose, 'V', "also show every message of components"),
+    Opt { value: Some("FILE"), ..short(Id::Ini, 'i', "take [SECTION]NAME from this INI file") },
+];
+
+const OPTIONS: &[Opt<Id>] = &{
+    let [a, b, c, d, e, f, g, h, i] = COMMON;
+    [
+        a,
+        b,
+        c,
+        d,
+        e,
+        f,
+        g,
+        h,
+        i,
+        short(Id::File, 'f', "take commands from FILE, or from standard input"),
+        Opt { long: Some("help"), ..short(Id::Help, 'h', "print this, or the help of a command") },
+        long("json", Id::Json, "print replies as they came"),
+        long("wait", Id::Wait, "wait until the machine has carried out a component's command"),
+        instance_option(Id::Instance),
+    ]
+};
+
+const fn short(id: Id, letter: char, help: &'static str) -> Opt<Id> {
+    Opt { id, short: Some(letter), long: None, value: None, variable: None, help }
+}
+
+const fn long(name: &'static str, id: Id, help: &'static str) -> Opt<Id> {
+    Opt { id, short: None, long: Some(name), value: None, variable: None, help }
+}
+
+/// Adds what an option says about how a session talks.
+pub fn apply(style: &mut Style, id: Id) {
+    match id {
+        Id::Echo => style.echo = true,
+        Id::KeepGoing => style.keep_going = true,
+        Id::Silent => style.silent = true,
+        Id::Script => style.script = true,
+        Id::Verbose | Id::VeryVerbose => style.verbose = true,
+        Id::Json => style.json = true,
+        Id::Wait => style.wait = true,
+        Id::Quiet | Id::Release | Id::Ini | Id::File | Id::Help | Id::Instance => {}
+    }
+}
+
+/// Runs the program with these words.
+#[must_use]
+pub fn main(words: &[String]) -> ExitCode {
+    let mut terminal = Stdio;
+    match run(words, &mut terminal) {
+        Ok(code) => ExitCode::from(code),
+        Err(error) => {
+            terminal.err(&format!("{error}\n"));
+            ExitCode::from(255)
+        }
+    }
+}
+
+fn run(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
+    let (mut given, rest) = options("halcmd", OPTIONS, words)?;
+    from_environment(OPTIONS, &|name| std::env::var(name).ok(), &mut given);
+    let has = |wanted| given.iter().any(|(id, _)| *id == wanted);
+    let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.clone();
+    let mut style = Style::default();
+    given.iter().for_each(|(id, _)| apply(&mut style, *id));
+    if has(Id::Help) {
+        let text = rest.first().map_or_else(|| Ok(help()), |name| table::help(Some(name)));
+        terminal.out(&text.unwrap_or_else(|error| format!("{error}\n")));
+        return Ok(0);
+    }
+    let file = has(Id::File);
+    if !file && rest.is_empty() {
+        if !has(Id::Release) {
+            terminal.out(&help());
+        }
+        return Ok(0);
+    }
+    if !file && has(Id::Ini) {
+        terminal.err("-i may only be used together with -f\n");
+        return Ok(1);
+    }
+    let place = Place::find(value(Id::Instance).as_deref()).map_err(|why| Error::OptionValue {
+        program: "halcmd",
+        option: "--instance".into(),
+        value: value(Id::Instance).unwrap_or_default().into(),
+        why: why.into(),
+    })?;
+    let ini = value(Id::Ini).map(|path| Ini::read(Path::new(&path))).transpose()?;
+    let text = match rest.first().filter(|_| file) {
+        Some(path) => {
+            let unreadable = |_| Error::NoCommandFile { path: path.as_str().into() };
+            Some((path.as_str(), std::fs::read(path).map_err(unreadable)?))
+        }
+        None => None,
+    };
+    leave_on_signals(1);
+    let me = format!("halcmd{}", std::process::id());
+    let instance = place.name().to_owned();
+    let mut remote = Remote::new(place, &me);
+    style.reads_input = file && text.is_none();
+    let mut session = Session::new(&mut remote, terminal, style, &instance);
+    if let Some(ini) = &ini {
+        session.set_ini(ini);
+    }
+    let outcome = match text {
+        Some((path, text)) => session.file(path, Bytes::new(text)),
+        None if file => session.file("<stdin>", Stdin::new(style.script, true)),
+        None => session.command(&rest),
+    };
+    Ok(u8::from(outcome != Outcome::Good))
+}
+
+fn help() -> String {
+    format!(
+        "\nUsage:   halcmd [options] [command [arguments]]\n         \
+         halcmd [options] -f [FILE]\n\noptions:\n{}\n\
+         'halcmd help' lists the commands, 'halcmd help COMMAND' explains one.\n",
+        usage(OPTIONS)
+    )
+}

@@ -1,0 +1,166 @@
+//! The program halrun: an engine, and the script that makes a machine of it.
+
+mod detach;
+mod machine;
+mod plan;
+mod serve;
+
+use crate::{
+    Bytes, Error, Outcome, Session, Stdin, Stdio, Terminal,
+    ini::Ini,
+    remote::{is_gone, pause},
+};
+use hal_engine::Engine;
+use hal_protocol::{Client, Link, Place, Request};
+use plan::{Action, Detach, Plan, Script};
+use serve::{Local, stay};
+use std::{path::Path, process::ExitCode};
+
+/// How long `-U` waits for the instance to end, in steps of 10 ms.
+const PATIENCE: u32 = 1000;
+
+/// Runs the program with these words.
+#[must_use]
+pub fn main(words: &[String]) -> ExitCode {
+    let mut terminal = Stdio;
+    let code = match plan::plan(words, &|name| std::env::var(name).ok()) {
+        Ok(Action::Help) => {
+            terminal.out(&plan::help());
+            0
+        }
+        Ok(Action::Stop(place)) => stop(&place, &mut terminal),
+        Ok(Action::Run(plan)) if plan.detach == Detach::Parent => {
+            detach::parent(words, &mut terminal)
+        }
+        Ok(Action::Run(plan)) => run(&plan, &mut terminal),
+        Err(error) => {
+            terminal.err(&format!("{error}\n\nFor usage try: halrun -h\n"));
+            1
+        }
+    };
+    ExitCode::from(code)
+}
+
+/// `-U`: asks the instance to end, and waits until it has.
+fn stop(place: &Place, terminal: &mut dyn Terminal) -> u8 {
+    let Ok(mut client) = Client::connect(place, "") else { return 0 };
+    if client.call(Request::Shutdown).is_err() && is_gone(place) {
+        return 0;
+    }
+    drop(client);
+    for _ in 0..PATIENCE {
+        if is_gone(place) {
+            return 0;
+        }
+        pause(10);
+    }
+    terminal.err(&format!("halrun: instance '{}' does not end\n", place.name()));
+    1
+}
+
+fn run(plan: &Plan, terminal: &mut dyn Terminal) -> u8 {
+    if Client::connect(&plan.options.place, "").is_ok() {
+        terminal.err(
+            "halrun: Realtime already running.  Use 'halrun -U' to stop existing realtime \
+             session.\n",
+        );
+        return 1;
+    }
+    match prepare(plan) {
+        Ok(files) => make(plan, &files, terminal),
+        Err(error @ (Error::NoCommandFile { .. } | Error::IniFile { .. })) => {
+            terminal.err(&format!("{error}\n"));
+            255
+        }
+        Err(error) => {
+            terminal.err(&format!("{error}\n"));
+            1
+        }
+    }
+}
+
+/// What is read before there is an engine.
+struct Files {
+    ini: Option<Ini>,
+    script: Vec<u8>,
+}
+
+fn prepare(plan: &Plan) -> Result<Files, Error> {
+    let mut script = Vec::new();
+    let ini_path = match &plan.script {
+        Script::Hal(path) => {
+            script = std::fs::read(path)
+                .map_err(|_| Error::NoCommandFile { path: path.as_str().into() })?;
+            plan.ini.as_ref()
+        }
+        Script::Ini(path) => Some(path),
+        Script::Terminal | Script::Nothing => plan.ini.as_ref(),
+    };
+    let ini = ini_path.map(|path| Ini::read(Path::new(path))).transpose()?;
+    if let (Script::Ini(_), Some(ini)) = (&plan.script, &ini) {
+        machine::refuse(ini)?;
+    }
+    Ok(Files { ini, script })
+}
+
+fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
+    serve::listen();
+    let mut options = plan.options.clone();
+    options.old_names = files.ini.as_ref().is_some_and(Ini::is_old);
+    let mut engine = match Engine::new(options) {
+        Ok(engine) => engine,
+        Err(failure) => {
+            terminal.err(&format!("halrun: {failure}\n"));
+            return 1;
+        }
+    };
+    let outcome = script(plan, files, &mut engine, terminal);
+    let code = match outcome {
+        Outcome::Good => 0,
+        Outcome::Failed => 1,
+        // A script that was asked to end is not one that failed; one that was broken off is.
+        Outcome::Ended => u8::from(serve::was_broken_off(&mut engine)),
+    };
+    if plan.detach == Detach::Child {
+        detach::tell(outcome == Outcome::Good);
+    }
+    let goes_on = outcome == Outcome::Good && !plan.interactive && plan.script != Script::Terminal;
+    if goes_on {
+        stay(plan, &mut engine);
+    }
+    engine.close();
+    // What is typed may fail without the session being a failure.
+    if plan.script == Script::Terminal && outcome == Outcome::Failed { 0 } else { code }
+}
+
+fn script(plan: &Plan, files: &Files, engine: &mut Engine, terminal: &mut dyn Terminal) -> Outcome {
+    let mut link = Local::new(engine);
+    if let Some(level) = plan.level {
+        // The level is within range.
+        drop(link.call(Request::MessageLevel { level }));
+    }
+    let instance = plan.options.place.name();
+    let mut session = Session::new(&mut link, terminal, plan.style, instance);
+    if let Some(ini) = &files.ini {
+        session.set_ini(ini);
+    }
+    if let Some(path) = &plan.record {
+        let path = path.display().to_string();
+        session.before_start(Request::Record { path, patterns: Vec::new() });
+    }
+    let typed = |session: &mut Session<'_>| {
+        session.style_mut().keep_going = true;
+        session.file("<stdin>", Stdin::new(plan.style.script, plan.interactive))
+    };
+    let outcome = match (&plan.script, &files.ini) {
+        (Script::Hal(path), _) => session.file(path, Bytes::new(files.script.clone())),
+        (Script::Ini(path), Some(ini)) => machine::start(&mut session, ini, Path::new(path)),
+        (Script::Terminal, _) => typed(&mut session),
+        (Script::Nothing | Script::Ini(_), _) => Outcome::Good,
+    };
+    let outcome = if outcome == Outcome::Good { session.settle() } else { outcome };
+    if plan.interactive && outcome != Outcome::Ended && plan.script != Script::Terminal {
+        typed(&mut session);
+    }
+    outcome
+}

@@ -1,0 +1,338 @@
+//! A machine from its INI file.
+
+use crate::{
+    Bytes, Error, Outcome, Session,
+    ini::{Entry, Ini},
+};
+use hal_protocol::{CommandInfo, Kind, Reply, Request};
+use std::path::{Path, PathBuf};
+
+const TCL: &str = "write it as a .hal file";
+const TWOPASS: &str = "name each module in one loadrt line and take TWOPASS out";
+
+/// Refuses what an INI start cannot do, before anything is made.
+pub(super) fn refuse(ini: &Ini) -> Result<(), Error> {
+    if let Some(entry) = ini.all("HAL", "TWOPASS").find(|e| !e.value.is_empty()) {
+        let what = format!("{}:{}: [HAL]TWOPASS", entry.file, entry.line).into();
+        return Err(Error::NotYet { what, instead: TWOPASS });
+    }
+    for entry in ini.all("HAL", "HALFILE").chain(ini.all("HAL", "POSTGUI_HALFILE")) {
+        let name = entry.value.split_whitespace().next().unwrap_or_default();
+        if name.ends_with(".tcl") {
+            let what = format!("{}:{}: Tcl file '{name}'", entry.file, entry.line).into();
+            return Err(Error::NotYet { what, instead: TCL });
+        }
+    }
+    Ok(())
+}
+
+/// Carries out what the INI file asks for, in order.
+pub(super) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path) -> Outcome {
+    for warning in ini.warnings() {
+        session.terminal.err(&format!("{warning}\n"));
+    }
+    let folders = Folders::of(path);
+    // Relative names in scripts are names beside the INI file.
+    if let Err(error) = std::env::set_current_dir(&folders.here) {
+        let (path, why) = (path.display().to_string().into(), crate::ini::plain(&error));
+        return failed(session, &Error::IniFile { path, why });
+    }
+    let mut machine = Machine { session, ini, folders, outcome: Outcome::Good };
+    machine.ask(Request::Load { module: "iocontrol".to_owned(), args: Vec::new() });
+    for entry in ini.all("HAL", "HALFILE") {
+        machine.file(entry, true);
+    }
+    machine.configure();
+    for entry in ini.all("HAL", "HALCMD") {
+        machine.then(|session| session.line_at(&entry.file, entry.line, &entry.value));
+    }
+    machine.ask(Request::Start);
+    for entry in ini.all("HAL", "POSTGUI_HALFILE") {
+        machine.file(entry, false);
+    }
+    machine.outcome
+}
+
+struct Machine<'a, 's> {
+    session: &'a mut Session<'s>,
+    ini: &'a Ini,
+    folders: Folders,
+    outcome: Outcome,
+}
+
+impl Machine<'_, '_> {
+    /// Does one step, unless an earlier one has ended the start.
+    fn then(&mut self, step: impl FnOnce(&mut Session<'_>) -> Outcome) {
+        let goes_on = match self.outcome {
+            Outcome::Good => true,
+            Outcome::Failed => self.session.style.keep_going,
+            Outcome::Ended => false,
+        };
+        if goes_on {
+            match step(self.session) {
+                Outcome::Good => {}
+                other => self.outcome = other,
+            }
+        }
+    }
+
+    fn ask(&mut self, request: Request) {
+        self.then(|session| match session.ask(request) {
+            Ok(_) => Outcome::Good,
+            Err(error) => failed(session, &error),
+        });
+    }
+
+    fn file(&mut self, entry: &Entry, must_exist: bool) {
+        let name = entry.value.split_whitespace().next().unwrap_or_default();
+        let found = self.folders.find(name);
+        let searched = self.folders.searched(name);
+        self.then(|session| match found {
+            Some((shown, path)) => match std::fs::read(&path) {
+                Ok(text) => session.file(&shown, Bytes::new(text)),
+                Err(e) => {
+                    let (path, why) = (shown.into(), crate::ini::plain(&e));
+                    failed(session, &Error::NoFile { path, why })
+                }
+            },
+            None if must_exist => {
+                let error = Error::IniNotFound { file: name.into(), folders: searched.into() };
+                session.terminal.err(&format!("{}:{}: {error}\n", entry.file, entry.line));
+                Outcome::Failed
+            }
+            None => {
+                session.terminal.err(&format!(
+                    "{}:{}: Warning: POSTGUI_HALFILE '{name}' is missing\n",
+                    entry.file, entry.line
+                ));
+                Outcome::Good
+            }
+        });
+    }
+
+    /// Gives motion the machine's data, if motion is loaded.
+    fn configure(&mut self) {
+        let ini = self.ini;
+        self.then(|session| {
+            let patterns = vec!["motion.configure".to_owned()];
+            let list = Request::List { kind: Kind::Commands, patterns, ty: None };
+            let command = match session.ask(list) {
+                Ok(Reply::Commands(list)) => list.into_iter().next(),
+                Ok(_) => None,
+                Err(error) => return failed(session, &error),
+            };
+            let Some(command) = command else { return Outcome::Good };
+            for args in data(ini, &command) {
+                if let Err(error) =
+                    session.ask(Request::Command { name: command.name.clone(), args })
+                {
+                    return failed(session, &error);
+                }
+            }
+            Outcome::Good
+        });
+    }
+}
+
+fn failed(session: &mut Session<'_>, error: &Error) -> Outcome {
+    session.report(error);
+    Outcome::Failed
+}
+
+/// The INI entries of coordinated moves, and the arguments they become; the first that is there
+/// counts.
+const PATH: &[(&str, &str, &str)] = &[
+    ("TRAJ", "MAX_LINEAR_VELOCITY", "max-velocity"),
+    ("TRAJ", "MAX_VELOCITY", "max-velocity"),
+    ("TRAJ", "MAX_LINEAR_ACCELERATION", "max-acceleration"),
+    ("TRAJ", "MAX_ACCELERATION", "max-acceleration"),
+    ("TRAJ", "DEFAULT_LINEAR_VELOCITY", "default-velocity"),
+    ("TRAJ", "DEFAULT_VELOCITY", "default-velocity"),
+    ("TRAJ", "LINEAR_UNITS", "linear-units"),
+    ("DISPLAY", "MAX_FEED_OVERRIDE", "max-feed-override"),
+];
+
+/// The arguments of each `motion.configure`: one for coordinated moves, one for each joint, one
+/// for each axis that has limits of its own. What the command does not know is left out.
+fn data(ini: &Ini, command: &CommandInfo) -> Vec<Vec<String>> {
+    let known = |arg: &str| command.args.iter().any(|a| a.name == arg);
+    let word = |value: &str| value.split_whitespace().next().unwrap_or_default().to_owned();
+    let mut all = Vec::new();
+    let mut path: Vec<String> = Vec::new();
+    for (section, name, arg) in PATH {
+        let given = path.iter().any(|a| a.split('=').next() == Some(arg));
+        if let Some(value) = ini.get(section, name).filter(|v| !given && !v.is_empty())
+            && known(arg)
+        {
+            path.push(format!("{arg}={}", word(value)));
+        }
+    }
+    if !path.is_empty() {
+        all.push(path);
+    }
+    let of = |section: &str, first: String| {
+        let mut args = vec![first];
+        for entry in ini.section(section) {
+            let arg = entry.name.to_ascii_lowercase().replace('_', "-");
+            let free = !args.iter().any(|a| a.split('=').next() == Some(arg.as_str()));
+            if free && known(&arg) && !entry.value.is_empty() {
+                args.push(format!("{arg}={}", word(&entry.value)));
+            }
+        }
+        args
+    };
+    let joints = if ini.is_old() { "AXIS" } else { "JOINT" };
+    for n in 0..100 {
+        let section = format!("{joints}_{n}");
+        if ini.has_section(&section) {
+            all.push(of(&section, format!("joint={n}")));
+        }
+    }
+    for letter in "XYZABCUVW".chars() {
+        let section = format!("AXIS_{letter}");
+        if ini.has_section(&section) {
+            all.push(of(&section, format!("axis={}", letter.to_ascii_lowercase())));
+        }
+    }
+    all
+}
+
+/// Where HAL files of a machine are.
+struct Folders {
+    /// The INI file's own, as the user named it.
+    named: PathBuf,
+    /// The same from the root.
+    here: PathBuf,
+    /// Libraries of HAL files.
+    libraries: Vec<PathBuf>,
+}
+
+impl Folders {
+    fn of(ini: &Path) -> Self {
+        let named = ini.parent().map(Path::to_path_buf).unwrap_or_default();
+        let here = std::path::absolute(ini)
+            .ok()
+            .and_then(|p| p.parent().map(Path::to_path_buf))
+            .unwrap_or_else(|| named.clone());
+        let asked = std::env::var("HALLIB_PATH").unwrap_or_default();
+        let whole = |f: &str| std::path::absolute(f).unwrap_or_else(|_| f.into());
+        let mut libraries: Vec<PathBuf> =
+            asked.split(':').filter(|f| !f.is_empty()).map(whole).collect();
+        if let Some(bin) = std::env::current_exe().ok().as_deref().and_then(Path::parent) {
+            libraries.push(bin.join("../share/ferrule/hallib"));
+        }
+        Self { named, here, libraries }
+    }
+
+    /// What to call the file, and where it is: beside the INI file, then in the libraries;
+    /// `LIB:name` is only in those.
+    fn find(&self, name: &str) -> Option<(String, PathBuf)> {
+        let (name, library) = name.strip_prefix("LIB:").map_or((name, false), |n| (n, true));
+        let own = self.here.join(name);
+        if !library && own.is_file() {
+            return Some((self.named.join(name).display().to_string(), own));
+        }
+        let found = self.libraries.iter().map(|l| l.join(name)).find(|p| p.is_file())?;
+        Some((found.display().to_string(), found))
+    }
+
+    fn searched(&self, name: &str) -> String {
+        let own = (!name.starts_with("LIB:")).then_some(&self.here);
+        let all: Vec<String> =
+            own.into_iter().chain(&self.libraries).map(|p| p.display().to_string()).collect();
+        all.join(", ")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hal_protocol::ArgInfo;
+
+    fn command() -> CommandInfo {
+        let arg = |name: &str| ArgInfo {
+            name: name.to_owned(),
+            ty: "float".to_owned(),
+            doc: String::new(),
+            required: false,
+            default: None,
+        };
+        let names = "joint axis min-limit max-limit max-velocity ferror home-offset \
+                     default-velocity linear-units";
+        let (name, doc) = ("motion.configure".to_owned(), String::new());
+        CommandInfo { name, doc, args: names.split_whitespace().map(arg).collect() }
+    }
+
+    fn check(text: &str, want: &[&str]) {
+        let ini = Ini::parse("m.ini", text.as_bytes()).unwrap();
+        let got: Vec<String> = data(&ini, &command()).iter().map(|a| a.join(" ")).collect();
+        assert_eq!(got, want, "{text}");
+    }
+
+    #[test]
+    fn data_of_both_kinds_of_ini_files() {
+        check(
+            "[TRAJ]\nLINEAR_UNITS = mm\nDEFAULT_VELOCITY = 9.00\nMAX_LINEAR_VELOCITY = 90.00\n\
+             [AXIS_0]\nTYPE = LINEAR\nMIN_LIMIT = -50.0\nMAX_LIMIT = 200.0 # mm\nSCALE = 4\n\
+             [AXIS_1]\nHOME_OFFSET = 0.0\n",
+            &[
+                "max-velocity=90.00 default-velocity=9.00 linear-units=mm",
+                "joint=0 min-limit=-50.0 max-limit=200.0",
+                "joint=1 home-offset=0.0",
+            ],
+        );
+        check(
+            "[AXIS_X]\nMAX_VELOCITY = 5\nMAX_LIMIT=7\n[JOINT_0]\nFERROR = 1\nFERROR = 2\n",
+            &["joint=0 ferror=1", "axis=x max-velocity=5 max-limit=7"],
+        );
+        check("[TRAJ]\nMAX_LINEAR_VELOCITY=1\nMAX_VELOCITY=2\n", &["max-velocity=1"]);
+        check("", &[]);
+    }
+
+    #[test]
+    fn what_cannot_be_done_is_refused_by_name() {
+        for (text, want) in [
+            ("[HAL]\nTWOPASS = on\n", "m.ini:2: [HAL]TWOPASS is not supported; "),
+            ("[HAL]\nHALFILE = a.tcl x y\n", "m.ini:2: Tcl file 'a.tcl' is not supported; "),
+            ("[HAL]\nPOSTGUI_HALFILE = b.tcl\n", "m.ini:2: Tcl file 'b.tcl' is not supported; "),
+        ] {
+            let ini = Ini::parse("m.ini", text.as_bytes()).unwrap();
+            let error = refuse(&ini).unwrap_err().to_string();
+            assert!(error.starts_with(want), "{error}");
+        }
+        assert_eq!(
+            refuse(&Ini::parse("m", b"[HAL]\nTWOPASS =\nHALFILE = a.hal\n").unwrap()),
+            Ok(())
+        );
+    }
+
+    #[test]
+    fn files_are_beside_the_ini_file_or_in_a_library() {
+        let folder = std::env::temp_dir().join(format!("ferrule-find-{}", std::process::id()));
+        let (own, library) = (folder.join("own"), folder.join("lib"));
+        for f in [&own, &library] {
+            std::fs::create_dir_all(f).unwrap();
+        }
+        for f in
+            [own.join("a.hal"), own.join("b.hal"), library.join("b.hal"), library.join("c.hal")]
+        {
+            std::fs::write(f, "").unwrap();
+        }
+        let folders =
+            Folders { named: "x".into(), here: own.clone(), libraries: vec![library.clone()] };
+        let found: Vec<_> = ["a.hal", "b.hal", "LIB:b.hal", "LIB:a.hal", "c.hal", "d.hal"]
+            .map(|n| folders.find(n))
+            .into();
+        std::fs::remove_dir_all(&folder).unwrap();
+        let at = |f: &Path, n: &str| Some((f.join(n).display().to_string(), f.join(n)));
+        let want = [
+            Some(("x/a.hal".to_owned(), own.join("a.hal"))),
+            Some(("x/b.hal".to_owned(), own.join("b.hal"))),
+            at(&library, "b.hal"),
+            None,
+            at(&library, "c.hal"),
+            None,
+        ];
+        assert_eq!(found, want);
+    }
+}

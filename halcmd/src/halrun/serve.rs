@@ -1,0 +1,64 @@
+//! The engine while a script runs, and afterwards.
+
+use super::plan::{Plan, Script};
+use crate::session::INTERRUPTED;
+use hal_engine::{Ended, Engine};
+use hal_protocol::{Failure, Link, Reply, Request};
+use tracing::level_filters::LevelFilter;
+
+/// Shows on standard error what components and the engine have to say, as they say it. Which
+/// messages of components those are is the engine's matter (`debug LEVEL`).
+pub(super) fn listen() {
+    let plain = tracing_subscriber::fmt()
+        .with_writer(std::io::stderr)
+        .with_max_level(LevelFilter::DEBUG)
+        .with_ansi(false)
+        .with_level(false)
+        .with_target(false)
+        .without_time();
+    // Another one may have been installed by whoever uses this as a library.
+    drop(plain.try_init());
+}
+
+/// An engine in this process: once it is ending it carries out nothing more.
+pub(super) struct Local<'a> {
+    engine: &'a mut Engine,
+}
+
+impl<'a> Local<'a> {
+    pub(super) const fn new(engine: &'a mut Engine) -> Self {
+        Self { engine }
+    }
+}
+
+impl Link for Local<'_> {
+    fn call(&mut self, request: Request) -> Result<Reply, Failure> {
+        if self.engine.is_ending() {
+            return Err(Failure::new(INTERRUPTED, "the instance is ending"));
+        }
+        let reply = self.engine.call(request);
+        // They were shown when they were logged.
+        drop(self.engine.take_messages());
+        reply
+    }
+
+    fn is_local(&self) -> bool {
+        true
+    }
+}
+
+/// Whether a script ended because of a signal, not because a line or a client asked for it.
+pub(super) fn was_broken_off(engine: &mut Engine) -> bool {
+    engine.serve(Some(0)) == Ended::Signal
+}
+
+/// Serves clients until the instance's time is over.
+pub(super) fn stay(plan: &Plan, engine: &mut Engine) {
+    if plan.script == Script::Nothing && plan.for_ns.is_none() {
+        // There need not be a thread yet.
+        let wait = Request::Idle { ms: 100, flow: !plan.options.hold };
+        while !engine.is_ending() && engine.call(wait.clone()).is_ok() {}
+    } else if !plan.batch || plan.for_ns.is_some() {
+        engine.serve(plan.for_ns);
+    }
+}

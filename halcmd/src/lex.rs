@@ -1,0 +1,228 @@
+//! Lines of a script become words.
+
+use crate::{Error, Lines, Physical, source::Bytes};
+use hal_protocol::Link;
+use nom::{
+    IResult, Parser,
+    branch::alt,
+    bytes::complete::{is_not, tag, take_while1},
+    combinator::recognize,
+    multi::{many0, many1},
+    sequence::{delimited, preceded},
+};
+
+/// The most words on a line.
+pub const MAX_WORDS: usize = 32;
+
+/// A line after joining: where it ends in the file, and what it says.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Line {
+    /// The number of its last physical line.
+    pub number: u32,
+    /// Its text.
+    pub text: Result<String, Error>,
+    /// Set on the first line that ends as DOS writes it.
+    pub dos: bool,
+}
+
+/// Joins physical lines: `\` before the end of line continues it.
+#[derive(Debug)]
+pub struct Reader<L> {
+    lines: L,
+    joins: bool,
+    number: u32,
+    dos: bool,
+}
+
+impl<L: Lines> Reader<L> {
+    /// Of a file or the terminal.
+    pub const fn new(lines: L) -> Self {
+        Self { lines, joins: true, number: 0, dos: false }
+    }
+
+    /// Of a file that another one sources: nothing is joined.
+    pub const fn plain(lines: L) -> Self {
+        Self { lines, joins: false, number: 0, dos: false }
+    }
+
+    /// The next line; none at the end (what was still to be continued is dropped).
+    pub fn next(&mut self, link: &mut dyn Link) -> Option<Line> {
+        let mut text = String::new();
+        let mut dos = false;
+        loop {
+            let Physical { mut bytes, ended } = self.lines.next(!text.is_empty(), link)?;
+            self.number += 1;
+            if ended && bytes.last() == Some(&b'\r') {
+                bytes.pop();
+                dos |= !self.dos;
+                self.dos = true;
+            }
+            if bytes.contains(&b'\r') {
+                return Some(Line { number: self.number, text: Err(Error::CarriageReturn), dos });
+            }
+            let continues = self.joins && bytes.last() == Some(&b'\\');
+            if continues {
+                bytes.pop();
+            }
+            text.push_str(&String::from_utf8_lossy(&bytes));
+            if !continues {
+                return Some(Line { number: self.number, text: Ok(text), dos });
+            }
+        }
+    }
+}
+
+/// All lines of a text, for those who have it in one piece.
+#[must_use]
+pub fn lines(text: &[u8]) -> Vec<Line> {
+    let mut reader = Reader::new(Bytes::new(text.to_vec()));
+    core::iter::from_fn(|| reader.next(&mut Nobody)).collect()
+}
+
+/// Removes what follows a `#` outside quotes.
+///
+/// # Errors
+/// A quote is not closed.
+pub fn without_comment(line: &str) -> Result<&str, Error> {
+    let (rest, kept) = uncommented(line).map_err(|_| Error::UnterminatedQuote)?;
+    if rest.is_empty() || rest.starts_with('#') { Ok(kept) } else { Err(Error::UnterminatedQuote) }
+}
+
+/// Splits at blanks; a quoted run keeps its blanks and its quotes.
+///
+/// # Errors
+/// A quote is not closed, or there are more than [`MAX_WORDS`].
+pub fn words(line: &str) -> Result<Vec<String>, Error> {
+    let (rest, words) = many0(preceded(nom::combinator::opt(take_while1(blank)), word))
+        .parse(line)
+        .map_err(|_: nom::Err<nom::error::Error<&str>>| Error::UnterminatedQuote)?;
+    if !rest.trim_matches(blank).is_empty() {
+        return Err(Error::UnterminatedQuote);
+    }
+    if words.len() > MAX_WORDS {
+        return Err(Error::TooManyTokens);
+    }
+    Ok(words.into_iter().map(str::to_owned).collect())
+}
+
+/// Whether a word is an arrow, which only people read.
+#[must_use]
+pub fn is_arrow(word: &str) -> bool {
+    matches!(word, "<=" | "=>" | "<=>")
+}
+
+const fn blank(c: char) -> bool {
+    matches!(c, ' ' | '\t' | '\r' | '\n' | '\x0b' | '\x0c')
+}
+
+fn quoted(text: &str) -> IResult<&str, &str> {
+    alt((
+        recognize(delimited(tag("\""), nom::combinator::opt(is_not("\"")), tag("\""))),
+        recognize(delimited(tag("'"), nom::combinator::opt(is_not("'")), tag("'"))),
+    ))
+    .parse(text)
+}
+
+fn word(text: &str) -> IResult<&str, &str> {
+    recognize(many1(alt((quoted, take_while1(|c| !blank(c) && c != '"' && c != '\''))))).parse(text)
+}
+
+fn uncommented(text: &str) -> IResult<&str, &str> {
+    recognize(many0(alt((quoted, is_not("#\"'"))))).parse(text)
+}
+
+/// A link for reading where nobody needs to be served meanwhile.
+struct Nobody;
+
+impl Link for Nobody {
+    fn call(
+        &mut self,
+        _: hal_protocol::Request,
+    ) -> Result<hal_protocol::Reply, hal_protocol::Failure> {
+        Ok(hal_protocol::Reply::Done)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Error, lines, without_comment, words};
+
+    fn shown(text: &[u8]) -> String {
+        let mut out = String::new();
+        for line in lines(text) {
+            let text = line.text.map_or_else(|e| format!("! {e}"), |t| format!("{t:?}"));
+            out.push_str(&format!(
+                "{}{} {text}\n",
+                line.number,
+                if line.dos { " dos" } else { "" }
+            ));
+        }
+        out
+    }
+
+    #[test]
+    fn physical_lines_become_lines() {
+        for (text, want) in [
+            ("a\nb", "1 \"a\"\n2 \"b\"\n"),
+            ("a\\\n,b\n", "2 \"a,b\"\n"),
+            ("a\\ \nb\n", "1 \"a\\\\ \"\n2 \"b\"\n"),
+            ("# c\\\nswallowed\nd\n", "2 \"# cswallowed\"\n3 \"d\"\n"),
+            ("\\\nd\n", "2 \"d\"\n"),
+            ("a\nb\\", "1 \"a\"\n"),
+            ("a\nb\\\n", "1 \"a\"\n"),
+            ("a\r\nb\r\n", "1 dos \"a\"\n2 \"b\"\n"),
+            ("a\\\r\nb\r\n", "2 dos \"ab\"\n"),
+            ("a\rb\nc\n", "1 ! File contains embedded carriage returns.\n2 \"c\"\n"),
+            ("\n\n", "1 \"\"\n2 \"\"\n"),
+            ("", ""),
+        ] {
+            assert_eq!(shown(text.as_bytes()), want, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn a_long_physical_line_is_cut() {
+        let text = format!("{}\nend\n", "x".repeat(2400));
+        let lengths: Vec<usize> =
+            lines(text.as_bytes()).iter().map(|l| l.text.as_ref().unwrap().len()).collect();
+        assert_eq!(lengths, [1023, 1023, 354, 3]);
+        let joined = format!("{}\\\n{}\n", "y".repeat(900), "z".repeat(900));
+        assert_eq!(lines(joined.as_bytes())[0].text.as_ref().unwrap().len(), 1800);
+    }
+
+    #[test]
+    fn comments_go_unless_quoted() {
+        for (line, want) in [
+            ("print x # c", Ok("print x ")),
+            ("print \"a#b\" # c", Ok("print \"a#b\" ")),
+            ("print 'a#b'#c", Ok("print 'a#b'")),
+            ("# all", Ok("")),
+            ("x#y", Ok("x")),
+            ("print \"abc", Err(Error::UnterminatedQuote)),
+            ("print 'a\"b", Err(Error::UnterminatedQuote)),
+            ("# it's fine", Ok("")),
+            ("", Ok("")),
+        ] {
+            assert_eq!(without_comment(line), want, "{line}");
+        }
+    }
+
+    #[test]
+    fn blanks_split_words_and_quotes_stay() {
+        for (line, want) in [
+            ("print \"abc#def\"", &["print", "\"abc#def\""][..]),
+            ("ab\"c d\"e", &["ab\"c d\"e"]),
+            ("a'b c'd e", &["a'b c'd", "e"]),
+            ("'a\"b' c", &["'a\"b'", "c"]),
+            (" \t a\x0bb\x0cc  ", &["a", "b", "c"]),
+            ("\"\" ''", &["\"\"", "''"]),
+            ("", &[]),
+            ("   ", &[]),
+        ] {
+            assert_eq!(words(line).unwrap(), want, "{line:?}");
+        }
+        assert_eq!(words("a \"b"), Err(Error::UnterminatedQuote));
+        assert_eq!(words(&"a ".repeat(32)).unwrap().len(), 32);
+        assert_eq!(words(&"a ".repeat(33)), Err(Error::TooManyTokens));
+    }
+}

@@ -1,0 +1,236 @@
+//! Options of programs, as POSIX has them: the first word that is no option ends them.
+
+use crate::Error;
+
+/// An option.
+#[derive(Clone, Copy, Debug)]
+pub struct Opt<T: 'static> {
+    /// What it is to the program.
+    pub id: T,
+    /// `-x`.
+    pub short: Option<char>,
+    /// `--name`.
+    pub long: Option<&'static str>,
+    /// What its argument is called, if it has one.
+    pub value: Option<&'static str>,
+    /// The environment variable that says the same.
+    pub variable: Option<&'static str>,
+    /// What it does.
+    pub help: &'static str,
+}
+
+impl<T: Copy> Opt<T> {
+    /// `-x` without more.
+    #[must_use]
+    pub const fn flag(id: T, short: char) -> Self {
+        Self { id, short: Some(short), long: None, value: None, variable: None, help: "" }
+    }
+
+    /// `-x VALUE`.
+    #[must_use]
+    pub const fn short_with(id: T, short: char, value: &'static str) -> Self {
+        Self { id, short: Some(short), long: None, value: Some(value), variable: None, help: "" }
+    }
+}
+
+/// Options with their values, in order, and the words that follow.
+pub type Given<T> = (Vec<(T, Option<String>)>, Vec<String>);
+
+/// Takes the options off the front of `words`: `-a -bc -nVALUE --long --long=VALUE --`.
+///
+/// # Errors
+/// An option is not in the table, or lacks its value.
+pub fn options<T: Copy>(
+    program: &'static str,
+    table: &[Opt<T>],
+    words: &[String],
+) -> Result<Given<T>, Error> {
+    let mut given = Vec::new();
+    let mut words = words.iter();
+    loop {
+        let rest = words.as_slice();
+        let Some(word) = words.next() else { return Ok((given, Vec::new())) };
+        if word == "--" {
+            return Ok((given, words.cloned().collect()));
+        }
+        if let Some(long) = word.strip_prefix("--") {
+            given.push(long_option(program, table, long, &mut words)?);
+        } else if word.len() > 1 && word.starts_with('-') {
+            let letters = word.get(1..).unwrap_or_default();
+            letters_of(program, table, letters, &mut words, &mut given)?;
+        } else {
+            return Ok((given, rest.to_vec()));
+        }
+    }
+}
+
+/// What the environment says for options that have a variable and were not given. A flag is set by
+/// any value but the empty one and 0.
+pub fn from_environment<T: Copy + PartialEq>(
+    table: &[Opt<T>],
+    environment: &dyn Fn(&str) -> Option<String>,
+    given: &mut Vec<(T, Option<String>)>,
+) {
+    for option in table {
+        let value = option.variable.and_then(environment).filter(|v| !v.is_empty());
+        if let Some(value) = value
+            && !given.iter().any(|(id, _)| *id == option.id)
+        {
+            if option.value.is_some() {
+                given.push((option.id, Some(value)));
+            } else if value != "0" {
+                given.push((option.id, None));
+            }
+        }
+    }
+}
+
+/// The options in lines, for a usage text.
+#[must_use]
+pub fn usage<T>(table: &[Opt<T>]) -> String {
+    let mut text = String::new();
+    for option in table {
+        let short = option.short.map_or_else(|| "   ".to_owned(), |c| format!("-{c}"));
+        let comma = if option.short.is_some() && option.long.is_some() { ", " } else { "" };
+        let long = option.long.map(|l| format!("--{l}")).unwrap_or_default();
+        let value = option.value.map(|v| format!(" {v}")).unwrap_or_default();
+        let variable = option.variable.map(|v| format!(" ({v})")).unwrap_or_default();
+        let left = format!("{short}{comma}{long}{value}");
+        text.push_str(&format!("  {left:<22} {}{variable}\n", option.help));
+    }
+    text
+}
+
+fn long_option<T: Copy>(
+    program: &'static str,
+    table: &[Opt<T>],
+    text: &str,
+    words: &mut core::slice::Iter<'_, String>,
+) -> Result<(T, Option<String>), Error> {
+    let (name, inline) =
+        text.split_once('=').map_or((text, None), |(n, v)| (n, Some(v.to_owned())));
+    let option = table
+        .iter()
+        .find(|o| o.long == Some(name))
+        .ok_or_else(|| Error::LongOption { program, option: name.into() })?;
+    match (option.value, inline) {
+        (None, None) => Ok((option.id, None)),
+        (None, Some(_)) => Err(Error::LongTakesNone { program, option: name.into() }),
+        (Some(_), Some(value)) => Ok((option.id, Some(value))),
+        (Some(_), None) => words
+            .next()
+            .map(|value| (option.id, Some(value.clone())))
+            .ok_or_else(|| Error::LongNeedsArgument { program, option: name.into() }),
+    }
+}
+
+fn letters_of<T: Copy>(
+    command: &'static str,
+    table: &[Opt<T>],
+    letters: &str,
+    words: &mut core::slice::Iter<'_, String>,
+    given: &mut Vec<(T, Option<String>)>,
+) -> Result<(), Error> {
+    let mut letters = letters.chars();
+    while let Some(letter) = letters.next() {
+        let option = table
+            .iter()
+            .find(|o| o.short == Some(letter))
+            .ok_or(Error::BadOption { command, option: letter })?;
+        if option.value.is_none() {
+            given.push((option.id, None));
+            continue;
+        }
+        let inline = Some(letters.as_str()).filter(|rest| !rest.is_empty());
+        let value = inline.map(str::to_owned).or_else(|| words.next().cloned());
+        let value = value.ok_or(Error::NeedsArgument { command, option: letter })?;
+        given.push((option.id, Some(value)));
+        return Ok(());
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TABLE: &[Opt<char>] = &[
+        Opt::flag('k', 'k'),
+        Opt::flag('f', 'f'),
+        Opt::short_with('i', 'i', "FILE"),
+        Opt {
+            id: 'F',
+            short: None,
+            long: Some("for"),
+            value: Some("TIME"),
+            variable: Some("HAL_FOR"),
+            help: "stop after TIME",
+        },
+        Opt {
+            id: 'h',
+            short: None,
+            long: Some("hold"),
+            value: None,
+            variable: Some("HAL_HOLD"),
+            help: "start stopped",
+        },
+    ];
+
+    fn shown(words: &str) -> String {
+        let words: Vec<String> = words.split(' ').map(str::to_owned).collect();
+        match options("prog", TABLE, &words) {
+            Err(e) => format!("! {e}"),
+            Ok((given, rest)) => {
+                let mut text = String::new();
+                for (id, value) in given {
+                    text.push(id);
+                    text.push_str(&value.map(|v| format!("={v}")).unwrap_or_default());
+                    text.push(' ');
+                }
+                text + "| " + &rest.join(" ")
+            }
+        }
+    }
+
+    #[test]
+    fn options_end_at_the_first_word() {
+        for (words, want) in [
+            ("-k show -k", "k | show -k"),
+            ("-kf file", "k f | file"),
+            ("-i x y", "i=x | y"),
+            ("-kix y", "k i=x | y"),
+            ("--for 2s a", "F=2s | a"),
+            ("--for=2s a", "F=2s | a"),
+            ("-- -k", "| -k"),
+            ("- x", "| - x"),
+            ("-z", "! prog: invalid option -- 'z'"),
+            ("-i", "! prog: option requires an argument -- 'i'"),
+            ("--nope", "! prog: unrecognized option '--nope'"),
+            ("--for", "! prog: option '--for' requires an argument"),
+            ("--hold=1", "! prog: option '--hold' doesn't allow an argument"),
+        ] {
+            assert_eq!(shown(words), want, "{words}");
+        }
+    }
+
+    #[test]
+    fn the_environment_says_what_the_line_does_not() {
+        let environment = |name: &str| match name {
+            "HAL_FOR" => Some("5s".to_owned()),
+            "HAL_HOLD" => Some("0".to_owned()),
+            _ => None,
+        };
+        let mut given = vec![];
+        from_environment(TABLE, &environment, &mut given);
+        assert_eq!(given, [('F', Some("5s".to_owned()))]);
+        let mut given = vec![('F', Some("1s".to_owned()))];
+        from_environment(TABLE, &environment, &mut given);
+        assert_eq!(given, [('F', Some("1s".to_owned()))]);
+    }
+
+    #[test]
+    fn usage_has_a_line_for_each() {
+        let usage = usage(TABLE);
+        assert!(usage.contains("     --for TIME          stop after TIME (HAL_FOR)\n"), "{usage}");
+    }
+}

@@ -1,0 +1,251 @@
+//! Words become commands. The table has counted the arguments already.
+
+use crate::{
+    Command, Error,
+    command::{Launch, SaveKind, ShowKind, StatusKind},
+    options::{Opt, options},
+    table::{self, KINDS, SAVES, STATUSES},
+    units::nanoseconds,
+};
+use hal_protocol::{Kind, Request, Type};
+
+pub(crate) fn first(words: &[String]) -> String {
+    words.first().cloned().unwrap_or_default()
+}
+
+/// A file's name with a leading `~` replaced.
+pub(crate) fn path(word: &str) -> String {
+    match (word.strip_prefix('~'), std::env::var("HOME")) {
+        (Some(rest), Ok(home)) if rest.is_empty() || rest.starts_with('/') => home + rest,
+        _ => word.to_owned(),
+    }
+}
+
+pub(crate) fn loadrt(words: &[String]) -> Result<Command, Error> {
+    let (module, args) = (first(words), words.get(1..).unwrap_or_default().to_vec());
+    let note = format!("Realtime module '{module}' loaded");
+    Ok(Command::Ask(Request::Load { module, args }, Some(note)))
+}
+
+pub(crate) fn unloadrt(words: &[String]) -> Result<Command, Error> {
+    let name = first(words);
+    if name == "all" {
+        return Ok(Command::Ask(Request::UnloadAll, None));
+    }
+    let note = format!("Realtime module '{name}' unloaded");
+    Ok(Command::Ask(Request::Unload { name }, Some(note)))
+}
+
+pub(crate) fn unloadusr(words: &[String]) -> Result<Command, Error> {
+    let name = Some(first(words)).filter(|n| n != "all");
+    Ok(Command::Ask(Request::EndProgram { name }, None))
+}
+
+const LAUNCH: &[Opt<char>] = &[
+    Opt::flag('w', 'w'),
+    Opt::flag('W', 'W'),
+    Opt::flag('i', 'i'),
+    Opt::short_with('n', 'n', "NAME"),
+];
+
+pub(crate) fn loadusr(words: &[String]) -> Result<Command, Error> {
+    let (given, rest) = options("loadusr", LAUNCH, words)?;
+    let mut launch = Launch::default();
+    for (option, value) in given {
+        match option {
+            'w' => launch.until_end = true,
+            'W' => launch.until_ready = true,
+            'i' => launch.ignore_status = true,
+            _ => launch.component = value,
+        }
+    }
+    let (program, args) = rest.split_first().ok_or(Error::NoProgram)?;
+    launch.program = path(program);
+    launch.args = args.to_vec();
+    Ok(Command::Launch(launch))
+}
+
+pub(crate) fn net(words: &[String]) -> Result<Command, Error> {
+    match words.split_first() {
+        Some((signal, pins)) if !pins.is_empty() => {
+            Ok(Command::Ask(Request::Net { signal: signal.clone(), pins: pins.to_vec() }, None))
+        }
+        _ => Err(Error::NoPin),
+    }
+}
+
+pub(crate) fn linkps(words: &[String]) -> Result<Command, Error> {
+    let [pin, signal] = words else { return Err(Error::Unexpected) };
+    let note = format!("Pin '{pin}' linked to signal '{signal}'");
+    Ok(Command::Ask(Request::Link { pin: pin.clone(), signal: signal.clone() }, Some(note)))
+}
+
+pub(crate) fn linksp(words: &[String]) -> Result<Command, Error> {
+    let [signal, pin] = words else { return Err(Error::Unexpected) };
+    linkps(&[pin.clone(), signal.clone()])
+}
+
+pub(crate) fn unlinkp(words: &[String]) -> Result<Command, Error> {
+    let pin = first(words);
+    let note = format!("Pin '{pin}' unlinked");
+    Ok(Command::Ask(Request::Unlink { pin }, Some(note)))
+}
+
+pub(crate) fn newsig(words: &[String]) -> Result<Command, Error> {
+    let [name, ty] = words else { return Err(Error::Unexpected) };
+    let ty = Type::parse(ty).ok_or_else(|| Error::SignalType { word: ty.as_str().into() })?;
+    Ok(Command::Ask(Request::NewSignal { name: name.clone(), ty }, None))
+}
+
+pub(crate) fn delsig(words: &[String]) -> Result<Command, Error> {
+    let name = Some(first(words)).filter(|n| n != "all");
+    let note = name.as_ref().map(|n| format!("Signal '{n}' deleted'"));
+    Ok(Command::Ask(Request::DeleteSignal { name }, note))
+}
+
+pub(crate) fn setp(words: &[String]) -> Result<Command, Error> {
+    let [name, value] = words else { return Err(Error::Unexpected) };
+    Ok(Command::Ask(Request::Set { name: name.clone(), value: value.clone() }, None))
+}
+
+pub(crate) fn sets(words: &[String]) -> Result<Command, Error> {
+    let [name, value] = words else { return Err(Error::Unexpected) };
+    Ok(Command::Ask(Request::SetSignal { name: name.clone(), value: value.clone() }, None))
+}
+
+pub(crate) fn addf(words: &[String], init: bool) -> Result<Command, Error> {
+    let [funct, thread, ..] = words else { return Err(Error::Unexpected) };
+    // As C's atoi: what is not a number is 0, which the engine refuses by name.
+    let position = words.get(2).map_or(-1, |w| leading_number(w));
+    let note = if init {
+        format!("Init function '{funct}' registered on thread '{thread}'")
+    } else {
+        format!("Function '{funct}' added to thread '{thread}'")
+    };
+    let (funct, thread) = (funct.clone(), thread.clone());
+    Ok(Command::Ask(Request::AddFunct { funct, thread, position, init }, Some(note)))
+}
+
+pub(crate) fn delf(words: &[String]) -> Result<Command, Error> {
+    let funct = words.first().ok_or(Error::NoFunct)?.clone();
+    let thread = words.get(1).ok_or(Error::NoThread)?.clone();
+    let note = format!("Function '{funct}' removed from thread '{thread}'");
+    Ok(Command::Ask(Request::RemoveFunct { funct, thread: Some(thread) }, Some(note)))
+}
+
+pub(crate) fn show(words: &[String]) -> Result<Command, Error> {
+    let Some((kind, rest)) = words.split_first() else {
+        return Ok(Command::Show(None, None, Vec::new()));
+    };
+    let kind = match kind.as_str() {
+        "all" => None,
+        "alias" => Some(ShowKind::Aliases),
+        word => {
+            let known = KINDS.iter().find(|(name, _)| *name == word);
+            Some(ShowKind::Of(known.ok_or_else(|| unknown_kind("show", word, KINDS))?.1))
+        }
+    };
+    let typed = matches!(kind, Some(ShowKind::Of(Kind::Pins | Kind::Params | Kind::Signals)));
+    let (ty, patterns) = match rest.split_first() {
+        Some((option, rest)) if typed && option == "-t" => match rest.split_first() {
+            Some((ty, rest)) => (Some(filter(ty)?), rest),
+            None => return Err(Error::NeedsArgument { command: "show", option: 't' }),
+        },
+        Some((option, rest)) if typed && option.starts_with("-t") => {
+            (Some(filter(option.strip_prefix("-t").unwrap_or_default())?), rest)
+        }
+        _ => (None, rest),
+    };
+    Ok(Command::Show(kind, ty, patterns.to_vec()))
+}
+
+pub(crate) fn list(words: &[String]) -> Result<Command, Error> {
+    let (word, patterns) = words.split_first().ok_or(Error::Unexpected)?;
+    let kind = KINDS.iter().find(|(name, _)| name == word);
+    let kind = kind.ok_or_else(|| unknown_kind("list", word, KINDS))?.1;
+    Ok(Command::List(kind, patterns.to_vec()))
+}
+
+pub(crate) fn save(words: &[String]) -> Result<Command, Error> {
+    let Some(word) = words.first() else { return Ok(Command::Save(SaveKind::All, None)) };
+    let kind = SAVES.iter().find(|(name, _)| name == word);
+    let kind = kind.ok_or_else(|| unknown_kind("save", word, SAVES))?.1;
+    Ok(Command::Save(kind, words.get(1).map(|w| path(w))))
+}
+
+pub(crate) fn status(words: &[String]) -> Result<Command, Error> {
+    let Some(word) = words.first() else { return Ok(Command::Status(StatusKind::All)) };
+    let kind = STATUSES.iter().find(|(name, _)| name == word);
+    Ok(Command::Status(kind.ok_or_else(|| unknown_kind("status", word, STATUSES))?.1))
+}
+
+pub(crate) fn alias(words: &[String]) -> Result<Command, Error> {
+    let [kind, name, alias] = words else { return Err(Error::Unexpected) };
+    let param = is_param("alias", kind)?;
+    let note = format!("{kind} '{name}' aliased to '{alias}'");
+    let (name, alias) = (name.clone(), alias.clone());
+    Ok(Command::Ask(Request::Alias { param, name, alias }, Some(note)))
+}
+
+pub(crate) fn unalias(words: &[String]) -> Result<Command, Error> {
+    let [kind, name] = words else { return Err(Error::Unexpected) };
+    let param = is_param("unalias", kind)?;
+    let note = format!("{kind} '{name}' unaliased");
+    Ok(Command::Ask(Request::Unalias { param, name: name.clone() }, Some(note)))
+}
+
+pub(crate) fn run(words: &[String]) -> Result<Command, Error> {
+    let word = first(words);
+    let ns = nanoseconds(&word).map_err(|_| Error::Time { word: word.into() })?;
+    Ok(Command::Ask(Request::Run { ns }, None))
+}
+
+pub(crate) fn record(words: &[String]) -> Result<Command, Error> {
+    let (file, patterns) = words.split_first().ok_or(Error::Unexpected)?;
+    if file == "off" && patterns.is_empty() {
+        return Ok(Command::Ask(Request::EndRecord, None));
+    }
+    let file = path(file.trim_matches('"'));
+    let whole = std::path::absolute(&file).map_or(file, |p| p.display().to_string());
+    Ok(Command::Ask(Request::Record { path: whole, patterns: patterns.to_vec() }, None))
+}
+
+pub(crate) fn debug(words: &[String]) -> Result<Command, Error> {
+    let level = u8::try_from(leading_number(&first(words))).ok().filter(|l| *l <= 5);
+    Ok(Command::Ask(Request::MessageLevel { level: level.ok_or(Error::Level)? }, None))
+}
+
+/// `COMPONENT.VERB NAME=VALUE…`: what is not in the table but has a dot.
+pub(crate) fn component(name: &str, words: &[String]) -> Result<Command, Error> {
+    if !name.contains('.') {
+        return Err(Error::UnknownCommand { word: name.into(), near: table::near(name) });
+    }
+    let wait = words.iter().any(|w| w == "--wait");
+    let args = words.iter().filter(|w| *w != "--wait").cloned().collect();
+    Ok(Command::Component { name: name.to_owned(), args, wait })
+}
+
+fn filter(word: &str) -> Result<Type, Error> {
+    Type::parse(word).ok_or_else(|| Error::FilterType { word: word.into() })
+}
+
+fn is_param(command: &'static str, word: &str) -> Result<bool, Error> {
+    match word {
+        "pin" => Ok(false),
+        "param" => Ok(true),
+        _ => Err(Error::AliasKind { command, word: word.into() }),
+    }
+}
+
+fn unknown_kind<T>(command: &'static str, word: &str, kinds: &[(&str, T)]) -> Error {
+    let kinds: Vec<&str> = kinds.iter().map(|(name, _)| *name).collect();
+    Error::Kind { command, word: word.into(), kinds: kinds.join(", ").into() }
+}
+
+fn leading_number(word: &str) -> i64 {
+    let end = word
+        .char_indices()
+        .find(|(i, c)| !(c.is_ascii_digit() || (*i == 0 && (*c == '-' || *c == '+'))))
+        .map_or(word.len(), |(i, _)| i);
+    word.get(..end).and_then(|w| w.parse().ok()).unwrap_or(0)
+}

@@ -1,0 +1,192 @@
+//! Programs that a script starts.
+
+use crate::{Error, Session, command::Launch};
+use hal_protocol::{ComponentInfo, ComponentState, Kind, Lock, Reply, Request};
+use std::{
+    path::PathBuf,
+    process::{Child, Command, ExitStatus, Stdio},
+};
+
+/// A program under way.
+pub(crate) type Program = Child;
+
+/// How long a component may take before it is said that it is waited for, in polls.
+const PATIENCE: u32 = 200;
+const POLL_MS: u32 = 10;
+
+impl Session<'_> {
+    /// `loadusr`.
+    pub(crate) fn launch(&mut self, launch: &Launch) -> Result<(), Error> {
+        let program = launch.program.as_str();
+        if self.state()?.lock.0 & Lock::LOAD.0 != 0 {
+            return Err(Error::Locked);
+        }
+        self.reap();
+        let expected = launch.expected();
+        let before = if launch.until_ready { self.components()? } else { Vec::new() };
+        let mut child = match self.spawn(launch) {
+            Ok(child) => child,
+            Err(error) => {
+                let why = crate::ini::plain(&error);
+                self.complain(&Error::NotStarted { program: program.into(), why }.to_string());
+                return Self::not_started(launch, expected);
+            }
+        };
+        let pid = i32::try_from(child.id()).unwrap_or(0);
+        self.ask(Request::Adopt { pid, program: program.to_owned() })?;
+        self.note(&format!("Program '{program}' started"));
+        let result = if launch.until_ready {
+            self.until_ready(&mut child, program, &expected, &before)
+        } else if launch.until_end {
+            self.until_end(&mut child, launch)
+        } else {
+            Ok(())
+        };
+        self.programs.push(child);
+        self.reap();
+        result
+    }
+
+    /// `waitusr`.
+    pub(crate) fn await_end(&mut self, name: &str) -> Result<(), Error> {
+        let mut waited = false;
+        loop {
+            match self.component_of(name)? {
+                None if waited => {
+                    self.note(&format!("Component '{name}' finished"));
+                    return Ok(());
+                }
+                None => {
+                    self.note(&format!("component '{name}' not found or already exited"));
+                    return Ok(());
+                }
+                Some(found) if found.realtime => {
+                    return Err(Error::NotAProgram { name: name.into() });
+                }
+                Some(_) if !waited => self.note(&format!("Waiting for component '{name}'")),
+                Some(_) => {}
+            }
+            waited = true;
+            self.ask(Request::Idle { ms: POLL_MS, flow: true })?;
+        }
+    }
+
+    /// Forgets programs that have ended.
+    pub(crate) fn reap(&mut self) {
+        self.programs.retain_mut(|child| matches!(child.try_wait(), Ok(None)));
+    }
+
+    fn spawn(&self, launch: &Launch) -> std::io::Result<Child> {
+        let program = beside(&launch.program).unwrap_or_else(|| PathBuf::from(&launch.program));
+        let mut command = Command::new(program);
+        command.args(&launch.args).env("HAL_INSTANCE", &self.instance);
+        if self.style.reads_input {
+            command.stdin(Stdio::null());
+        }
+        command.spawn()
+    }
+
+    /// A program that cannot be run counts as one that fails at once.
+    fn not_started(launch: &Launch, component: String) -> Result<(), Error> {
+        let program: Box<str> = launch.program.as_str().into();
+        if launch.until_ready {
+            Err(Error::NotReady { program, component: component.into(), failed: true })
+        } else if launch.until_end && !launch.ignore_status {
+            Err(Error::ProgramFailed { program, status: 1 })
+        } else {
+            Ok(())
+        }
+    }
+
+    fn until_ready(
+        &mut self,
+        child: &mut Child,
+        program: &str,
+        component: &str,
+        before: &[ComponentInfo],
+    ) -> Result<(), Error> {
+        let mut polls = 0;
+        let result = loop {
+            let found = self.component_of(component)?;
+            if found.is_some_and(|c| c.state == ComponentState::Ready) {
+                self.note(&format!("Component '{component}' ready"));
+                break Ok(());
+            }
+            if let Some(status) = ended(child) {
+                break Err(Error::NotReady {
+                    program: program.into(),
+                    component: component.into(),
+                    failed: !status.is_some_and(|s| s.success()),
+                });
+            }
+            self.ask(Request::Idle { ms: POLL_MS, flow: false })?;
+            polls += 1;
+            if polls == PATIENCE {
+                self.complain(&format!("Waiting for component '{component}' to become ready."));
+                for other in self.components()?.iter().filter(|c| !before.contains(c)) {
+                    self.complain(&format!(
+                        "While waiting for component '{component}', component '{}' loaded",
+                        other.name
+                    ));
+                }
+            } else if polls > PATIENCE && polls % 10 == 0 {
+                self.terminal.err(".");
+            }
+        };
+        if polls > PATIENCE {
+            self.terminal.err("\n");
+        }
+        result
+    }
+
+    fn until_end(&mut self, child: &mut Child, launch: &Launch) -> Result<(), Error> {
+        let program = launch.program.as_str();
+        let status = loop {
+            match ended(child) {
+                Some(status) => break status,
+                None => self.ask(Request::Idle { ms: POLL_MS, flow: true })?,
+            };
+        };
+        self.note(&format!("Program '{program}' finished"));
+        match status.and_then(|s| s.code()) {
+            _ if launch.ignore_status => Ok(()),
+            Some(0) => Ok(()),
+            Some(status) => Err(Error::ProgramFailed { program: program.into(), status }),
+            None => Err(Error::ProgramKilled { program: program.into() }),
+        }
+    }
+
+    fn component_of(&mut self, name: &str) -> Result<Option<ComponentInfo>, Error> {
+        match self.ask(Request::Component { name: name.to_owned() })? {
+            Reply::Components(list) => Ok(list.into_iter().next()),
+            _ => Err(Error::Unexpected),
+        }
+    }
+
+    fn components(&mut self) -> Result<Vec<ComponentInfo>, Error> {
+        let all = Request::List { kind: Kind::Components, patterns: Vec::new(), ty: None };
+        match self.ask(all)? {
+            Reply::Components(list) => Ok(list),
+            _ => Err(Error::Unexpected),
+        }
+    }
+}
+
+/// Whether a child has ended, and how (unknown if somebody else has asked first).
+fn ended(child: &mut Child) -> Option<Option<ExitStatus>> {
+    match child.try_wait() {
+        Ok(None) => None,
+        Ok(status) => Some(status),
+        Err(_) => Some(None),
+    }
+}
+
+/// A program of this name beside the one that runs.
+fn beside(program: &str) -> Option<PathBuf> {
+    if program.contains('/') {
+        return None;
+    }
+    let here = std::env::current_exe().ok()?;
+    let found = here.parent()?.join(program);
+    found.is_file().then_some(found)
+}

@@ -1,0 +1,95 @@
+//! An engine that runs elsewhere.
+
+use crate::options::Opt;
+use hal_protocol::{Client, Failure, Link, Place, Reply, Request};
+use rustix::{fs::FlockOperation, thread::NanosleepRelativeResult, time::Timespec};
+use signal_hook::{
+    consts::{SIGHUP, SIGINT, SIGTERM},
+    flag,
+};
+use std::sync::{Arc, atomic::AtomicBool};
+
+/// A connection that is made when it is first needed.
+#[derive(Debug)]
+pub struct Remote {
+    place: Place,
+    name: String,
+    client: Option<Client>,
+}
+
+impl Remote {
+    /// To the instance at `place`, as component `name`.
+    #[must_use]
+    pub fn new(place: Place, name: &str) -> Self {
+        Self { place, name: name.to_owned(), client: None }
+    }
+
+    /// The connection.
+    ///
+    /// # Errors
+    /// Nobody listens.
+    pub fn client(&mut self) -> Result<&mut Client, Failure> {
+        let client = match self.client.take() {
+            Some(client) => client,
+            None => Client::connect(&self.place, &self.name)?,
+        };
+        Ok(self.client.insert(client))
+    }
+}
+
+impl Link for Remote {
+    fn call(&mut self, request: Request) -> Result<Reply, Failure> {
+        self.client()?.call(request)
+    }
+}
+
+/// `--instance`, which every program has.
+pub const fn instance_option<T: Copy>(id: T) -> Opt<T> {
+    Opt {
+        id,
+        short: None,
+        long: Some("instance"),
+        value: Some("NAME"),
+        variable: Some("HAL_INSTANCE"),
+        help: "the instance of that name",
+    }
+}
+
+/// Leaves with this status as soon as the user or the system asks this process to end. The engine
+/// notices that the socket is closed.
+pub fn leave_on_signals(status: i32) {
+    let always = Arc::new(AtomicBool::new(true));
+    for signal in [SIGINT, SIGTERM, SIGHUP] {
+        // A signal that cannot be caught keeps its own effect, which is to end the process.
+        drop(flag::register_conditional_shutdown(signal, status, Arc::clone(&always)));
+    }
+}
+
+/// A flag that is set when the user or the system asks this process to end.
+#[must_use]
+pub fn ending_flag() -> Arc<AtomicBool> {
+    let ending = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM, SIGHUP] {
+        drop(flag::register(signal, Arc::clone(&ending)));
+    }
+    ending
+}
+
+/// Sleeps, or returns early when a signal comes. For programs that wait for what others do to
+/// shared memory, where no machine time is at hand.
+pub fn pause(ms: u32) {
+    let nanoseconds = i64::from(ms % 1000) * 1_000_000;
+    let time = Timespec { tv_sec: i64::from(ms / 1000), tv_nsec: nanoseconds };
+    match rustix::thread::nanosleep(&time) {
+        NanosleepRelativeResult::Ok
+        | NanosleepRelativeResult::Interrupted(_)
+        | NanosleepRelativeResult::Err(_) => {}
+    }
+}
+
+/// Whether the instance's process is gone: nobody holds its lock.
+#[must_use]
+pub fn is_gone(place: &Place) -> bool {
+    let Ok(file) = std::fs::File::open(place.lock()) else { return true };
+    rustix::fs::flock(&file, FlockOperation::NonBlockingLockShared).is_ok()
+}

@@ -1,0 +1,211 @@
+//! The program halsampler: prints the records of a sampler component.
+
+use crate::{
+    Stdio, Terminal,
+    options::{Opt, from_environment, options, usage},
+    remote::{Remote, ending_flag, instance_option, pause},
+};
+use hal_protocol::{Place, Request, Stream, Value};
+use std::{
+    io::Write,
+    process::ExitCode,
+    sync::atomic::{AtomicBool, Ordering::Relaxed},
+};
+
+/// How many channels there can be.
+pub(crate) const CHANNELS: u32 = 8;
+/// How long to wait for data, in milliseconds, and how many such waits lie between looks at
+/// whether the engine is still there.
+pub(crate) const WAIT_MS: u32 = 5;
+pub(crate) const LOOK_EVERY: u32 = 100;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Id {
+    Channel,
+    Count,
+    Tag,
+    Instance,
+    Help,
+}
+
+const OPTIONS: &[Opt<Id>] = &[
+    Opt {
+        help: "the sampler's channel, from 0 (the default)",
+        ..Opt::short_with(Id::Channel, 'c', "CHANNEL")
+    },
+    Opt { help: "end after this many records", ..Opt::short_with(Id::Count, 'n', "COUNT") },
+    Opt { help: "print the number of each record", ..Opt::flag(Id::Tag, 't') },
+    Opt { help: "print this", long: Some("help"), ..Opt::flag(Id::Help, 'h') },
+    instance_option(Id::Instance),
+];
+
+/// Runs the program with these words.
+#[must_use]
+pub fn main(words: &[String]) -> ExitCode {
+    match run(words) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(text) => {
+            Stdio.err(&format!("{text}\n"));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Reads the number of a channel.
+pub(crate) fn channel(text: Option<&str>) -> Result<u32, String> {
+    match text {
+        None => Ok(0),
+        Some(text) => text
+            .parse()
+            .ok()
+            .filter(|c| *c < CHANNELS)
+            .ok_or_else(|| format!("ERROR: invalid channel number '{text}'")),
+    }
+}
+
+/// What these programs say of an option that is wrong.
+pub(crate) fn option_error(error: &crate::Error) -> String {
+    match error {
+        crate::Error::BadOption { option, .. } => format!("ERROR: unknown option '{option}'"),
+        other => format!("ERROR: {other}"),
+    }
+}
+
+/// Opens the file that was named, or nothing when none was.
+pub(crate) fn one_file(rest: &[String]) -> Result<Option<&String>, String> {
+    match rest {
+        [] => Ok(None),
+        [file] => Ok(Some(file)),
+        _ => Err("ERROR: At most one filename may be specified".to_owned()),
+    }
+}
+
+fn run(words: &[String]) -> Result<(), String> {
+    let (mut given, rest) = options("halsampler", OPTIONS, words).map_err(|e| option_error(&e))?;
+    from_environment(OPTIONS, &|name| std::env::var(name).ok(), &mut given);
+    let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.clone();
+    if given.iter().any(|(id, _)| *id == Id::Help) {
+        Stdio.out(&format!("Usage: halsampler [options] [FILE]\n\noptions:\n{}", usage(OPTIONS)));
+        return Ok(());
+    }
+    let channel = channel(value(Id::Channel).as_deref())?;
+    let count = match value(Id::Count) {
+        None => u64::MAX,
+        Some(n) => n.parse().map_err(|_| format!("ERROR: invalid sample count '{n}'"))?,
+    };
+    let mut out: Box<dyn Write> = match one_file(&rest)? {
+        None => Box::new(std::io::stdout()),
+        Some(path) => {
+            let file = std::fs::File::create(path);
+            Box::new(file.map_err(|e| format!("ERROR: cannot write '{path}': {e}"))?)
+        }
+    };
+    let ending = ending_flag();
+    let place = Place::find(value(Id::Instance).as_deref())?;
+    let mut remote = Remote::new(place, &format!("halsampler{channel}"));
+    let attached = remote.client().and_then(|c| c.attach(&format!("sampler.{channel}")));
+    let stream = attached.map_err(|f| format!("ERROR: {f}"))?;
+    let tagged = given.iter().any(|(id, _)| *id == Id::Tag);
+    print(stream, &mut remote, &mut out, count, tagged, &ending)
+}
+
+fn print(
+    mut stream: Stream,
+    remote: &mut Remote,
+    out: &mut dyn Write,
+    count: u64,
+    tagged: bool,
+    ending: &AtomicBool,
+) -> Result<(), String> {
+    let mut printer = Printer { tagged, expected: 1, text: String::new() };
+    let mut record = Vec::new();
+    let mut left = count;
+    let mut empty = 0;
+    let flush = |text: &mut String, out: &mut dyn Write| {
+        let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+        text.clear();
+        written.map_err(|e| format!("ERROR: {e}"))
+    };
+    while left > 0 && !ending.load(Relaxed) {
+        if let Some(number) = stream.take(&mut record) {
+            printer.record(number, &record);
+            left -= 1;
+            empty = 0;
+            if printer.text.len() > 60_000 {
+                flush(&mut printer.text, out)?;
+            }
+            continue;
+        }
+        flush(&mut printer.text, out)?;
+        pause(WAIT_MS);
+        empty += 1;
+        if empty % LOOK_EVERY == 0 && stream.waiting() == 0 {
+            use hal_protocol::Link;
+            remote
+                .call(Request::Idle { ms: 0, flow: false })
+                .map_err(|failure| format!("ERROR: {failure}"))?;
+        }
+    }
+    flush(&mut printer.text, out)
+}
+
+/// Writes records as lines.
+struct Printer {
+    tagged: bool,
+    expected: u64,
+    text: String,
+}
+
+impl Printer {
+    fn record(&mut self, number: u64, record: &[Value]) {
+        if number != self.expected {
+            self.text.push_str("overrun\n");
+        }
+        self.expected = number.wrapping_add(1);
+        if self.tagged {
+            // Records are numbered from 1, lines from 0.
+            self.text.push_str(&format!("{} ", number.wrapping_sub(1)));
+        }
+        for value in record {
+            match value {
+                Value::Float(f) if f.is_finite() => self.text.push_str(&format!("{f:.6} ")),
+                Value::Bit(b) => self.text.push_str(if *b { "1 " } else { "0 " }),
+                other => self.text.push_str(&format!("{other} ")),
+            }
+        }
+        self.text.push('\n');
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn records_become_lines() {
+        let mut printer = Printer { tagged: true, expected: 1, text: String::new() };
+        let row = |f: f64| [Value::Float(f), Value::Bit(f > 0.0), Value::U32(7), Value::S32(-3)];
+        printer.record(1, &row(1.5));
+        printer.record(2, &row(-0.0));
+        printer.record(5, &row(f64::INFINITY));
+        printer.tagged = false;
+        printer.record(6, &[Value::S64(i64::MIN), Value::U64(u64::MAX), Value::Float(f64::NAN)]);
+        let want = "0 1.500000 1 7 -3 \n1 -0.000000 0 7 -3 \noverrun\n4 inf 1 7 -3 \n\
+                    -9223372036854775808 18446744073709551615 nan \n";
+        assert_eq!(printer.text, want);
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_in_these_words() {
+        for (words, want) in [
+            ("-n x", "ERROR: invalid sample count 'x'"),
+            ("-n -1", "ERROR: invalid sample count '-1'"),
+            ("-c 99", "ERROR: invalid channel number '99'"),
+            ("-z", "ERROR: unknown option 'z'"),
+            ("a b", "ERROR: At most one filename may be specified"),
+        ] {
+            let words: Vec<String> = words.split(' ').map(str::to_owned).collect();
+            assert_eq!(run(&words), Err(want.to_owned()));
+        }
+    }
+}

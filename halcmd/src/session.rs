@@ -1,0 +1,615 @@
+//! The interpreter: lines are carried out over a link, one after the other.
+
+use crate::{
+    Error, Lines, Terminal,
+    ini::Ini,
+    lex::{Line, Reader, without_comment, words},
+    program::Program,
+    source::Bytes,
+    table,
+    vars::{Values, replace},
+};
+use hal_protocol::{Link, Reply, Request};
+
+/// The code of a [`Failure`](hal_protocol::Failure) that only says that the instance is ending:
+/// the script ends with it, and nothing is said.
+pub(crate) const INTERRUPTED: i32 = -4;
+/// How deeply files may source each other.
+const MAX_DEPTH: u32 = 64;
+
+/// How a session talks and when it gives up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is an option of the command line")]
+pub struct Style {
+    /// `-k`: goes on after a line that fails.
+    pub keep_going: bool,
+    /// `-s`: listings are for programs.
+    pub script: bool,
+    /// `--json`: replies are printed as they came.
+    pub json: bool,
+    /// `-v`: says what each command did.
+    pub verbose: bool,
+    /// `-Q`: listings and what led to an error are not printed.
+    pub silent: bool,
+    /// `-e`: prints each line first.
+    pub echo: bool,
+    /// `--wait`: each command of a component is waited for.
+    pub wait: bool,
+    /// Standard input is read by the session: programs it starts get none.
+    pub reads_input: bool,
+}
+
+/// How a file ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// Every line was carried out.
+    Good,
+    /// A line failed.
+    Failed,
+    /// The instance is ending.
+    Ended,
+}
+
+/// An interpreter.
+pub struct Session<'a> {
+    pub(crate) link: &'a mut dyn Link,
+    pub(crate) terminal: &'a mut dyn Terminal,
+    pub(crate) style: Style,
+    pub(crate) instance: String,
+    pub(crate) programs: Vec<Program>,
+    environment: &'a dyn Fn(&str) -> Option<String>,
+    ini: Option<&'a Ini>,
+    place: (String, u32),
+    depth: u32,
+    ended: bool,
+    before_start: Option<Request>,
+}
+
+impl core::fmt::Debug for Session<'_> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Session").field("place", &self.place).finish_non_exhaustive()
+    }
+}
+
+enum Step {
+    On,
+    Quit,
+}
+
+impl<'a> Session<'a> {
+    /// An interpreter over `link`, whose instance is named so.
+    pub fn new(
+        link: &'a mut dyn Link,
+        terminal: &'a mut dyn Terminal,
+        style: Style,
+        instance: &str,
+    ) -> Self {
+        Self {
+            link,
+            terminal,
+            style,
+            instance: instance.to_owned(),
+            programs: Vec::new(),
+            environment: &|name| std::env::var(name).ok(),
+            ini: None,
+            place: ("<commandline>".to_owned(), 0),
+            depth: 0,
+            ended: false,
+            before_start: None,
+        }
+    }
+
+    /// Takes values of `[SECTION]NAME` from this file.
+    pub const fn set_ini(&mut self, ini: &'a Ini) {
+        self.ini = Some(ini);
+    }
+
+    /// Takes values of `$NAME` from here instead of this process's environment.
+    pub const fn set_environment(&mut self, environment: &'a dyn Fn(&str) -> Option<String>) {
+        self.environment = environment;
+    }
+
+    /// Sends this request before the threads are first started or the clock is first moved.
+    pub fn before_start(&mut self, request: Request) {
+        self.before_start = Some(request);
+    }
+
+    /// Changes how it talks.
+    pub const fn style_mut(&mut self) -> &mut Style {
+        &mut self.style
+    }
+
+    /// Sends what [`Self::before_start`] was given, if it was not sent yet.
+    pub fn settle(&mut self) -> Outcome {
+        let result = self.send_pending();
+        self.outcome_of(result)
+    }
+
+    /// Sends a request of the program's own.
+    ///
+    /// # Errors
+    /// The engine refused it.
+    pub fn ask(&mut self, request: Request) -> Result<Reply, Error> {
+        if matches!(request, Request::Start | Request::Run { .. }) {
+            self.send_pending()?;
+        }
+        self.call(request)
+    }
+
+    /// Carries out the lines of a file or of the terminal; `name` is what messages call it.
+    pub fn file(&mut self, name: &str, lines: impl Lines) -> Outcome {
+        self.read(name, Reader::new(lines), false)
+    }
+
+    /// Carries out one line that stands at this place.
+    pub fn line_at(&mut self, name: &str, number: u32, text: &str) -> Outcome {
+        let before = core::mem::replace(&mut self.place, (name.to_owned(), number));
+        let line = Line { number, text: Ok(text.to_owned()), dos: false };
+        let result = self.line(line, true).map(|_| ());
+        let outcome = self.outcome_of(result);
+        self.place = before;
+        outcome
+    }
+
+    /// Carries out one command whose words are known; nothing is replaced in them.
+    pub fn command(&mut self, words: &[String]) -> Outcome {
+        let result = self.words(words, true).map(|_| ());
+        self.outcome_of(result)
+    }
+
+    /// Says that something outside a script went wrong.
+    pub fn report(&mut self, error: &Error) {
+        if *error == Error::Told {
+            return;
+        }
+        if !self.style.silent {
+            for line in error.before() {
+                self.complain(&line);
+            }
+        }
+        self.complain(&error.to_string());
+    }
+
+    pub(crate) fn complain(&mut self, text: &str) {
+        let (file, line) = &self.place;
+        self.terminal.err(&format!("{file}:{line}: {text}\n"));
+    }
+
+    pub(crate) fn note(&mut self, text: &str) {
+        if self.style.verbose {
+            self.complain(text);
+        }
+    }
+
+    pub(crate) fn source(&mut self, path: &str) -> Result<(), Error> {
+        if self.depth >= MAX_DEPTH {
+            return Err(Error::TooDeep { path: path.into() });
+        }
+        let text = std::fs::read(path)
+            .map_err(|e| Error::NoFile { path: path.into(), why: crate::ini::plain(&e) })?;
+        let before = self.place.clone();
+        self.depth += 1;
+        let outcome = self.read(path, Reader::plain(Bytes::new(text)), true);
+        self.depth -= 1;
+        self.place = before;
+        if outcome == Outcome::Good { Ok(()) } else { Err(Error::Told) }
+    }
+
+    fn read<L: Lines>(&mut self, name: &str, mut reader: Reader<L>, nested: bool) -> Outcome {
+        let mut outcome = Outcome::Good;
+        while let Some(line) = reader.next(self.link) {
+            self.place = (name.to_owned(), line.number);
+            if line.dos {
+                self.complain("Warning: File contains DOS-style line endings.");
+            }
+            match self.line(line, nested) {
+                Ok(Step::On) => {}
+                Ok(Step::Quit) => break,
+                Err(_) if self.ended => return Outcome::Ended,
+                Err(error) => {
+                    self.report(&error);
+                    outcome = Outcome::Failed;
+                    if nested || !self.style.keep_going {
+                        break;
+                    }
+                }
+            }
+        }
+        outcome
+    }
+
+    fn line(&mut self, line: Line, nested: bool) -> Result<Step, Error> {
+        let text = line.text?;
+        let text = without_comment(&text)?;
+        if self.style.echo {
+            self.terminal.err(&format!("({})<echo>: {text}\n", line.number));
+        }
+        let values = Values { environment: self.environment, ini: self.ini };
+        let words = words(&replace(text, values)?)?;
+        self.words(&words, nested)
+    }
+
+    fn words(&mut self, words: &[String], nested: bool) -> Result<Step, Error> {
+        let Some(first) = words.first() else { return Ok(Step::On) };
+        if !nested && ["quit", "exit"].iter().any(|q| first.eq_ignore_ascii_case(q)) {
+            return Ok(Step::Quit);
+        }
+        let command = table::understand(words)?;
+        self.execute(command)?;
+        Ok(Step::On)
+    }
+
+    fn outcome_of(&mut self, result: Result<(), Error>) -> Outcome {
+        match result {
+            Ok(()) => Outcome::Good,
+            Err(_) if self.ended => Outcome::Ended,
+            Err(error) => {
+                self.report(&error);
+                Outcome::Failed
+            }
+        }
+    }
+
+    fn send_pending(&mut self) -> Result<(), Error> {
+        match self.before_start.take() {
+            Some(request) => self.call(request).map(|_| ()),
+            None => Ok(()),
+        }
+    }
+
+    fn call(&mut self, request: Request) -> Result<Reply, Error> {
+        self.link.call(request).map_err(|failure| {
+            if failure.code == INTERRUPTED {
+                self.ended = true;
+                return Error::Told;
+            }
+            Error::Engine(failure)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Captured, show::samples, status};
+    use hal_protocol::{Answer, Failure, Kind, Lock, TicketInfo, Value};
+
+    /// Answers as an engine would, and keeps what it was asked.
+    #[derive(Default)]
+    struct Scripted {
+        asked: Vec<String>,
+        lock: u8,
+        ending: bool,
+    }
+
+    impl Link for Scripted {
+        fn call(&mut self, request: Request) -> Result<Reply, Failure> {
+            if self.ending {
+                return Err(Failure::new(INTERRUPTED, "ending"));
+            }
+            self.asked.push(format!("{request:?}"));
+            match request {
+                Request::Get { name } if name == "bad" => {
+                    let mut failure = Failure::new(-2, "parameter or pin 'bad': not found");
+                    failure.hint = Some("did you mean 'bed'?".to_owned());
+                    failure.before = vec!["something led to it".to_owned()];
+                    Err(failure)
+                }
+                Request::Get { .. } => Ok(Reply::Value(Value::U32(31))),
+                Request::Net { .. } => Ok(Reply::Noted(vec!["linked two pins".to_owned()])),
+                Request::Status => {
+                    Ok(Reply::Status(Box::new(status::samples::status(Lock(self.lock)))))
+                }
+                Request::List { kind: Kind::Threads, .. } => Ok(samples::threads()),
+                Request::List { kind: Kind::Components, .. } => Ok(samples::components()),
+                Request::List { kind: Kind::Signals, .. } => Ok(samples::signals()),
+                Request::List { kind: Kind::Functs, .. } => Ok(samples::functs()),
+                Request::List { kind: Kind::PinAliases | Kind::ParamAliases, .. } => {
+                    Ok(samples::aliases())
+                }
+                Request::List { kind: Kind::Params, .. } => Ok(samples::params()),
+                Request::List { .. } => Ok(samples::pins()),
+                Request::Component { name } => Ok(Reply::Components(match samples::components() {
+                    Reply::Components(list) => {
+                        list.into_iter().filter(|c| c.name == name).collect()
+                    }
+                    _ => Vec::new(),
+                })),
+                Request::Command { name, .. } => Ok(Reply::Answer(Answer {
+                    lines: vec![format!("{name} says this")],
+                    ticket: Some(7),
+                })),
+                Request::Ticket { .. } => {
+                    Ok(Reply::Ticket(TicketInfo::Failed("limit switch".to_owned())))
+                }
+                Request::Shutdown => {
+                    self.ending = true;
+                    Ok(Reply::Done)
+                }
+                _ => Ok(Reply::Done),
+            }
+        }
+    }
+
+    fn run(text: &str, style: Style) -> (Outcome, Captured, Scripted) {
+        let (mut link, mut terminal) = (Scripted::default(), Captured::default());
+        let ini = Ini::parse("m.ini", b"[A]\nX = 5\n").unwrap();
+        let mut session = Session::new(&mut link, &mut terminal, style, "default");
+        session.set_ini(&ini);
+        let outcome = session.file("f.hal", Bytes::new(text.as_bytes().to_vec()));
+        (outcome, terminal, link)
+    }
+
+    /// What is printed; `!` before it when the file failed.
+    fn check(text: &str, style: Style, want: &str) {
+        let (outcome, terminal, _) = run(text, style);
+        let mark = if outcome == Outcome::Good { "" } else { "!" };
+        // How often a program was looked at before it ended is not what is tested.
+        let patient = |line: &&str| !line.contains("Waiting for") && !line.starts_with('.');
+        let all: String = terminal.all.split_inclusive('\n').filter(patient).collect();
+        assert_eq!(format!("{mark}{all}"), want, "{text}");
+    }
+
+    const KEEP: Style = Style {
+        keep_going: true,
+        script: false,
+        json: false,
+        verbose: false,
+        silent: false,
+        echo: false,
+        wait: false,
+        reads_input: false,
+    };
+
+    #[test]
+    fn errors_carry_file_and_line() {
+        let failing = "getp bad";
+        let said = "f.hal:1: something led to it\n\
+                    f.hal:1: parameter or pin 'bad': not found; did you mean 'bed'?\n";
+        check(failing, Style::default(), &format!("!{said}"));
+        check("foo\nprint x\n", Style::default(), "!f.hal:1: Unknown command 'foo'\n");
+        check(
+            "foo\n\nprint x\nprint a b\n",
+            KEEP,
+            "!f.hal:1: Unknown command 'foo'\nf.hal:3: HALCMD MSG: x\n\
+             f.hal:4: print requires at most 1 arguments, 2 given\n",
+        );
+        check(
+            "print a\\\n b\\\n c\n",
+            KEEP,
+            "!f.hal:3: print requires at most 1 arguments, 3 given\n",
+        );
+        check(
+            "print \"x\nprint [B]X\nprint $\n",
+            KEEP,
+            "!f.hal:1: unterminated quoted string\n\
+             f.hal:2: Ini variable '[B]X' not found.; did you mean '[A]X'?\n\
+             f.hal:3: Empty variable name.\n",
+        );
+        check(
+            "print a\r\nprint b\r\n",
+            KEEP,
+            "f.hal:1: Warning: File contains DOS-style line endings.\n\
+             f.hal:1: HALCMD MSG: a\nf.hal:2: HALCMD MSG: b\n",
+        );
+        check(
+            "getp bad",
+            Style { silent: true, ..KEEP },
+            "!f.hal:1: parameter or pin 'bad': not found; did you mean 'bed'?\n",
+        );
+    }
+
+    #[test]
+    fn files_end_where_they_say() {
+        check("print a\nquit\nprint b\n", KEEP, "f.hal:1: HALCMD MSG: a\n");
+        check("EXIT now # really\nprint b\n", KEEP, "");
+        check("\"quit\"\n", KEEP, "!f.hal:1: Unknown command '\"quit\"'; did you mean 'quit'?\n");
+        let (outcome, terminal, link) = run("shutdown\nprint x\nstart\nfoo\n", Style::default());
+        assert_eq!(outcome, Outcome::Ended);
+        assert_eq!(terminal.all, "f.hal:2: HALCMD MSG: x\n");
+        assert_eq!(link.asked, ["Shutdown"]);
+    }
+
+    #[test]
+    fn variables_and_quotes() {
+        check(
+            "print [A]X\nprint \"[A]X mm\"\nprint\n",
+            KEEP,
+            "f.hal:1: HALCMD MSG: 5\nf.hal:2: HALCMD MSG: \"5 mm\"\nf.hal:3: HALCMD MSG: (null)\n",
+        );
+        let (_, _, link) = run("setp a.b [A]X\na.b = [A](X)0\nloadrt m cfg=\"f b\" n=1", KEEP);
+        assert_eq!(
+            link.asked,
+            [
+                "Set { name: \"a.b\", value: \"5\" }",
+                "Set { name: \"a.b\", value: \"50\" }",
+                "Load { module: \"m\", args: [\"cfg=\\\"f b\\\"\", \"n=1\"] }",
+            ]
+        );
+    }
+
+    #[test]
+    fn values_and_types() {
+        check("getp x.u\nptype x.u\n", KEEP, "31\nu32\n");
+        check("getp x.u\n", Style { json: true, ..KEEP }, "{\"value\":{\"u32\":31}}\n");
+    }
+
+    #[test]
+    fn listings() {
+        check("list thread\n", KEEP, "slow fast \n");
+        let (_, terminal, _) = run("show\n", KEEP);
+        let headers: Vec<&str> = terminal.out.lines().filter(|l| l.ends_with(':')).collect();
+        assert_eq!(
+            headers,
+            [
+                "Loaded HAL Components:",
+                "Component Pins:",
+                "Pin Aliases:",
+                "Signals:",
+                "Parameters:",
+                "Parameter Aliases:",
+                "Exported Functions:",
+                "Realtime Threads:",
+            ]
+        );
+        let (_, terminal, _) = run("show alias\n", KEEP);
+        assert_eq!(terminal.out.matches("my-alias").count(), 2);
+        check(
+            "show pin\nlist pin\nsave\nstatus\nprint x\n",
+            Style { silent: true, ..KEEP },
+            "f.hal:5: HALCMD MSG: x\n",
+        );
+    }
+
+    #[test]
+    fn verbose_sessions_say_what_was_done() {
+        check(
+            "net s a b\naddf f t\nstart\nloadrt m\nunload not\nlock tune\n",
+            Style { verbose: true, ..KEEP },
+            "f.hal:1: linked two pins\nf.hal:2: Function 'f' added to thread 't'\n\
+             f.hal:3: Realtime threads started\nf.hal:4: Realtime module 'm' loaded\n\
+             f.hal:5: Realtime module 'not' unloaded\nf.hal:6: Locking completed\n",
+        );
+        check("net s a b\nstart\n", KEEP, "");
+    }
+
+    #[test]
+    fn echo_prints_lines_without_comments() {
+        check(
+            "echo\nprint [A]X # c\n\nunecho\nprint z\n",
+            KEEP,
+            "Echo on\n(2)<echo>: print [A]X \nf.hal:2: HALCMD MSG: 5\n(3)<echo>: \n\
+             (4)<echo>: unecho\nEcho off\nf.hal:5: HALCMD MSG: z\n",
+        );
+    }
+
+    #[test]
+    fn unload_asks_what_it_is() {
+        let (_, _, link) = run("unload not\nunload halcmd20\nunload all\n", KEEP);
+        let asked: Vec<&str> =
+            link.asked.iter().map(String::as_str).filter(|a| !a.starts_with("Component")).collect();
+        assert_eq!(
+            asked,
+            [
+                "Unload { name: \"not\" }",
+                "EndProgram { name: Some(\"halcmd20\") }",
+                "EndProgram { name: None }",
+                "UnloadAll",
+            ]
+        );
+        check("unload nocomp\n", KEEP, "!f.hal:1: component 'nocomp' is not loaded\n");
+        check("waitusr not\n", KEEP, "!f.hal:1: 'not' is not a userspace component\n");
+        check("waitusr nocomp\n", KEEP, "");
+    }
+
+    #[test]
+    fn commands_of_components_are_followed_when_asked() {
+        check("motion.jog joint=0\n", KEEP, "motion.jog says this\n");
+        check(
+            "motion.jog joint=0 --wait\n",
+            KEEP,
+            "!motion.jog says this\nf.hal:1: motion.jog: limit switch\n",
+        );
+        check(
+            "motion.jog joint=0\n",
+            Style { wait: true, ..KEEP },
+            "!motion.jog says this\nf.hal:1: motion.jog: limit switch\n",
+        );
+    }
+
+    #[test]
+    fn what_comes_before_start_is_sent_once() {
+        let (mut link, mut terminal) = (Scripted::default(), Captured::default());
+        let mut session = Session::new(&mut link, &mut terminal, KEEP, "default");
+        session.before_start(Request::EndRecord);
+        assert_eq!(
+            session.file("f", Bytes::new(b"setp a 1\nstart\nrun 1s\n".to_vec())),
+            Outcome::Good
+        );
+        assert_eq!(session.settle(), Outcome::Good);
+        let set = "Set { name: \"a\", value: \"1\" }";
+        assert_eq!(link.asked, [set, "EndRecord", "Start", "Run { ns: 1000000000 }"]);
+    }
+
+    #[test]
+    fn a_sourced_file_speaks_for_itself() {
+        let folder = std::env::temp_dir().join(format!("ferrule-source-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let write = |name: &str, text: &str| {
+            let path = folder.join(name);
+            std::fs::write(&path, text).unwrap();
+            path.display().to_string()
+        };
+        let a = write("a.hal", "print in\\\nfoo\nprint after\n");
+        let b = write("b.hal", "print [A]X\nquit\nprint after\n");
+        let own = folder.join("own.hal").display().to_string();
+        write("own.hal", &format!("source {own}\n"));
+        let (_, first, _) = run(&format!("source {a}\nprint next\n"), KEEP);
+        let (_, second, _) = run(&format!("source {b}\n"), KEEP);
+        let (_, endless, _) = run(&format!("source {own}\n"), KEEP);
+        let (_, missing, _) = run("source /nowhere.hal\n", KEEP);
+        std::fs::remove_dir_all(&folder).unwrap();
+        assert_eq!(
+            first.all,
+            format!(
+                "{a}:1: HALCMD MSG: in\\\n{a}:2: Unknown command 'foo'\nf.hal:2: HALCMD MSG: next\n"
+            )
+        );
+        assert_eq!(second.all, format!("{b}:1: HALCMD MSG: 5\n{b}:2: Unknown command 'quit'\n"));
+        let want =
+            format!("{own}:1: '{own}' is sourced within itself, or files are nested too deeply\n");
+        assert_eq!(endless.all, want);
+        assert_eq!(
+            missing.all,
+            "f.hal:1: Could not open hal file '/nowhere.hal': No such file or directory\n"
+        );
+    }
+
+    #[test]
+    fn words_of_the_command_line_are_taken_as_they_are() {
+        let (mut link, mut terminal) = (Scripted::default(), Captured::default());
+        let mut session = Session::new(&mut link, &mut terminal, KEEP, "default");
+        let words = |text: &[&str]| text.iter().map(|w| (*w).to_owned()).collect::<Vec<_>>();
+        assert_eq!(session.command(&words(&["print", "$HOME [A]X"])), Outcome::Good);
+        assert_eq!(session.command(&words(&["quit"])), Outcome::Failed);
+        assert_eq!(
+            terminal.all,
+            "<commandline>:0: HALCMD MSG: $HOME [A]X\n<commandline>:0: Unknown command 'quit'\n"
+        );
+    }
+
+    #[test]
+    fn programs_are_waited_for() {
+        check("loadusr -w true\nloadusr -w -i false\n", KEEP, "");
+        check("loadusr -w false\n", KEEP, "!f.hal:1: program 'false' failed, returned 1\n");
+        let killed = std::env::temp_dir().join(format!("ferrule-kill-{}", std::process::id()));
+        std::fs::write(&killed, "kill -9 $$\n").unwrap();
+        let path = killed.display();
+        check(
+            &format!("loadusr -w sh {path}\n"),
+            KEEP,
+            "!f.hal:1: program 'sh' did not exit normally\n",
+        );
+        std::fs::remove_file(&killed).unwrap();
+        check("loadusr -W true\n", KEEP, "!f.hal:1: true exited without becoming ready\n");
+        check(
+            "loadusr -Wn foo false\n",
+            KEEP,
+            "!f.hal:1: waitpid failed false foo\nf.hal:1: false exited without becoming ready\n",
+        );
+        check("loadusr -Wn halcmd20 true\n", KEEP, "");
+        let nothing = "/no/such/program";
+        let said = format!("f.hal:1: execv({nothing}): No such file or directory\n");
+        check(&format!("loadusr {nothing}\n"), KEEP, &said);
+        check(
+            &format!("loadusr -w {nothing}\n"),
+            KEEP,
+            &format!("!{said}f.hal:1: program '{nothing}' failed, returned 1\n"),
+        );
+        let (mut link, mut terminal) =
+            (Scripted { lock: 1, ..Scripted::default() }, Captured::default());
+        let mut session = Session::new(&mut link, &mut terminal, KEEP, "default");
+        session.file("f.hal", Bytes::new(b"loadusr true\n".to_vec()));
+        assert_eq!(terminal.all, "f.hal:1: HAL is locked, loading of programs is not permitted\n");
+    }
+}

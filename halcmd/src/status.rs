@@ -1,0 +1,200 @@
+//! What `status` prints.
+
+use crate::command::StatusKind;
+use hal_protocol::{Lock, StatusInfo, ThreadInfo, Usage};
+
+const LOCKS: &[(Lock, &str)] = &[
+    (Lock::LOAD, "  HAL_LOCK_LOAD    - loading of new components is locked\n"),
+    (Lock::CONFIG, "  HAL_LOCK_CONFIG  - link and addf is locked\n"),
+    (Lock::PARAMS, "  HAL_LOCK_PARAMS  - setting params is locked\n"),
+    (Lock::RUN, "  HAL_LOCK_RUN     - running/stopping HAL is locked\n"),
+];
+
+/// The parts that a kind of `status` has.
+#[must_use]
+pub(crate) fn text(status: &StatusInfo, threads: &[ThreadInfo], kind: StatusKind) -> String {
+    let all = kind == StatusKind::All;
+    let mut text = String::new();
+    if all || kind == StatusKind::Lock {
+        lock(&mut text, status.lock);
+    }
+    if all || kind == StatusKind::Memory {
+        memory(&mut text, status);
+    }
+    if all || kind == StatusKind::Instance {
+        instance(&mut text, status, threads);
+    }
+    text
+}
+
+fn lock(text: &mut String, lock: Lock) {
+    let level = lock.0;
+    text.push_str("HAL locking status:\n");
+    text.push_str(&format!("  current lock value {level} ({level:02x})\n"));
+    if level == 0 {
+        text.push_str("  HAL_LOCK_NONE - nothing is locked\n");
+    }
+    for (bit, line) in LOCKS {
+        if level & bit.0 != 0 {
+            text.push_str(line);
+        }
+    }
+}
+
+fn memory(text: &mut String, status: &StatusInfo) {
+    let (used, total) = status.memory;
+    text.push_str("HAL memory status\n");
+    text.push_str(&format!("  used/total shared memory:   {used}/{total}\n"));
+    let counts: [(&str, Usage); 7] = [
+        ("components:", status.components),
+        ("pins:", status.pins),
+        ("parameters:", status.params),
+        ("aliases:", status.aliases),
+        ("signals:", status.signals),
+        ("functions:", status.functs),
+        ("threads:", status.threads),
+    ];
+    for (what, n) in counts {
+        text.push_str(&format!("  active/recycled {what:<11} {}/{}\n", n.active, n.recycled));
+    }
+}
+
+fn instance(text: &mut String, status: &StatusInfo, threads: &[ThreadInfo]) {
+    text.push_str("HAL instance status\n");
+    let mut line = |what: &str, value: &str| text.push_str(&format!("  {what:<11} {value}\n"));
+    let running = if status.running { "running" } else { "stopped" };
+    let hardware = if status.simulated { "simulated" } else { "real" };
+    line("instance:", &format!("{} (process {})", status.instance, status.pid));
+    line("clock:", &format!("{}, at {}", status.clock, seconds(status.time)));
+    line("threads:", &format!("{running}; {}", status.scheduling));
+    line("hardware:", hardware);
+    for t in threads.iter().filter(|t| t.overruns > 0) {
+        let by = t.overrun_by.as_ref().map(|f| format!(", the last by '{f}'")).unwrap_or_default();
+        line("overruns:", &format!("{} of thread '{}'{by}", t.overruns, t.name));
+    }
+    if let Some(fault) = &status.fault {
+        line(
+            "fault:",
+            &format!(
+                "component '{}', function '{}' in thread '{}': {}",
+                fault.component, fault.funct, fault.thread, fault.cause
+            ),
+        );
+    }
+    if let Some((file, lost)) = &status.recording {
+        let lost = if *lost > 0 { format!(" ({lost} records lost)") } else { String::new() };
+        line("recording:", &format!("{file}{lost}"));
+    }
+}
+
+/// Nanoseconds as seconds, without a needless fraction.
+fn seconds(ns: u64) -> String {
+    let (whole, part) = (ns / 1_000_000_000, ns % 1_000_000_000);
+    let part = format!("{part:09}");
+    let part = part.trim_end_matches('0');
+    if part.is_empty() { format!("{whole} s") } else { format!("{whole}.{part} s") }
+}
+
+#[cfg(test)]
+pub(crate) mod samples {
+    use hal_protocol::{Lock, StatusInfo, Usage};
+
+    pub(crate) fn status(lock: Lock) -> StatusInfo {
+        let n = |active| Usage { active, recycled: 0 };
+        StatusInfo {
+            instance: "default".to_owned(),
+            pid: 77,
+            lock,
+            memory: (18032, 2_097_152),
+            components: n(11),
+            pins: n(75),
+            params: n(38),
+            aliases: n(2),
+            signals: n(5),
+            functs: n(12),
+            threads: n(2),
+            clock: "virtual".to_owned(),
+            time: 2_500_000_000,
+            scheduling: "all in one place".to_owned(),
+            simulated: true,
+            running: true,
+            fault: None,
+            recording: None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{samples, seconds, text};
+    use crate::{command::StatusKind, show};
+    use hal_protocol::{FaultInfo, Lock, ThreadInfo};
+
+    #[test]
+    fn locks() {
+        for (level, want) in [
+            (0, "  current lock value 0 (00)\n  HAL_LOCK_NONE - nothing is locked\n"),
+            (
+                3,
+                "  current lock value 3 (03)\n\
+                 \x20 HAL_LOCK_LOAD    - loading of new components is locked\n\
+                 \x20 HAL_LOCK_CONFIG  - link and addf is locked\n",
+            ),
+            (
+                255,
+                "  current lock value 255 (ff)\n\
+                 \x20 HAL_LOCK_LOAD    - loading of new components is locked\n\
+                 \x20 HAL_LOCK_CONFIG  - link and addf is locked\n\
+                 \x20 HAL_LOCK_PARAMS  - setting params is locked\n\
+                 \x20 HAL_LOCK_RUN     - running/stopping HAL is locked\n",
+            ),
+        ] {
+            let got = text(&samples::status(Lock(level)), &[], StatusKind::Lock);
+            assert_eq!(got, format!("HAL locking status:\n{want}"));
+        }
+    }
+
+    #[test]
+    fn memory() {
+        let got = text(&samples::status(Lock::NONE), &[], StatusKind::Memory);
+        let want = "HAL memory status\n\
+             \x20 used/total shared memory:   18032/2097152\n\
+             \x20 active/recycled components: 11/0\n\
+             \x20 active/recycled pins:       75/0\n\
+             \x20 active/recycled parameters: 38/0\n\
+             \x20 active/recycled aliases:    2/0\n\
+             \x20 active/recycled signals:    5/0\n\
+             \x20 active/recycled functions:  12/0\n\
+             \x20 active/recycled threads:    2/0\n";
+        assert_eq!(got, want);
+    }
+
+    #[test]
+    fn the_instance_says_what_went_wrong() {
+        let mut status = samples::status(Lock::NONE);
+        status.fault = Some(FaultInfo {
+            component: "siggen".to_owned(),
+            funct: "siggen.0.update".to_owned(),
+            thread: "fast".to_owned(),
+            cause: "index out of range".to_owned(),
+        });
+        status.recording = Some(("/tmp/x.vcd".to_owned(), 3));
+        let late = ThreadInfo {
+            overruns: 3,
+            overrun_by: Some("adder".to_owned()),
+            ..show::samples::thread("fast", 1_000_000, &[])
+        };
+        let want = "HAL instance status\n\
+             \x20 instance:   default (process 77)\n\
+             \x20 clock:      virtual, at 2.5 s\n\
+             \x20 threads:    running; all in one place\n\
+             \x20 hardware:   simulated\n\
+             \x20 overruns:   3 of thread 'fast', the last by 'adder'\n\
+             \x20 fault:      component 'siggen', function 'siggen.0.update' in thread 'fast': \
+             index out of range\n\
+             \x20 recording:  /tmp/x.vcd (3 records lost)\n";
+        assert_eq!(text(&status, &[late], StatusKind::Instance), want);
+        assert_eq!(seconds(3_000_000_000), "3 s");
+        assert_eq!(seconds(1), "0.000000001 s");
+    }
+}

@@ -1,0 +1,302 @@
+//! The one table of commands: parser, argument counts, help and the README's table read it.
+
+use crate::{
+    Command, Error,
+    command::{SaveKind, StatusKind},
+    error::nearest,
+    lex::is_arrow,
+    parse,
+    rows::COMMANDS,
+};
+use hal_protocol::Kind;
+
+/// A command.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Its name.
+    pub name: &'static str,
+    /// Its arguments, as help shows them.
+    pub usage: &'static str,
+    /// How few and how many arguments it takes.
+    pub args: (usize, usize),
+    /// What it does, in a line.
+    pub summary: &'static str,
+    /// What else there is to know.
+    pub help: &'static str,
+    /// Makes a command of the right number of words.
+    pub parse: fn(&[String]) -> Result<Command, Error>,
+}
+
+/// The kinds that `show` and `list` know.
+pub const KINDS: &[(&str, Kind)] = &[
+    ("comp", Kind::Components),
+    ("pin", Kind::Pins),
+    ("sig", Kind::Signals),
+    ("signal", Kind::Signals),
+    ("param", Kind::Params),
+    ("parameter", Kind::Params),
+    ("funct", Kind::Functs),
+    ("function", Kind::Functs),
+    ("thread", Kind::Threads),
+];
+
+/// The kinds that `save` knows.
+pub const SAVES: &[(&str, SaveKind)] = &[
+    ("all", SaveKind::All),
+    ("allu", SaveKind::AllWithPins),
+    ("comp", SaveKind::Components),
+    ("alias", SaveKind::Aliases),
+    ("sig", SaveKind::Signals),
+    ("signal", SaveKind::Signals),
+    ("sigu", SaveKind::LoneSignals),
+    ("link", SaveKind::Links(false)),
+    ("linka", SaveKind::Links(true)),
+    ("net", SaveKind::Nets(false)),
+    ("neta", SaveKind::Nets(true)),
+    ("netl", SaveKind::NetLines(false)),
+    ("netla", SaveKind::NetLines(true)),
+    ("netal", SaveKind::NetLines(true)),
+    ("param", SaveKind::Params),
+    ("parameter", SaveKind::Params),
+    ("thread", SaveKind::Threads),
+    ("unconnectedinpins", SaveKind::LonePins),
+];
+
+/// The parts that `status` knows.
+pub const STATUSES: &[(&str, StatusKind)] = &[
+    ("all", StatusKind::All),
+    ("lock", StatusKind::Lock),
+    ("mem", StatusKind::Memory),
+    ("instance", StatusKind::Instance),
+];
+
+/// The command of this name.
+#[must_use]
+pub fn find(name: &str) -> Option<&'static Row> {
+    COMMANDS.iter().find(|row| row.name == name)
+}
+
+/// Understands the words of a line.
+///
+/// # Errors
+/// There is no such command, or its arguments are wrong.
+pub fn understand(words: &[String]) -> Result<Command, Error> {
+    if let [name, equals, value] = words
+        && equals == "="
+    {
+        return parse::setp(&[name.clone(), value.clone()]);
+    }
+    let Some((name, rest)) = words.split_first() else { return Err(Error::Unexpected) };
+    let Some(row) = find(name) else { return parse::component(name, rest) };
+    let rest: Vec<String> = if matches!(row.name, "net" | "linkps" | "linksp") {
+        rest.iter().filter(|w| !is_arrow(w)).cloned().collect()
+    } else {
+        rest.to_vec()
+    };
+    row.count(rest.len())?;
+    (row.parse)(&rest)
+}
+
+impl Row {
+    fn count(&self, given: usize) -> Result<(), Error> {
+        let (command, (least, most)) = (self.name, self.args);
+        if least == most && given != least {
+            Err(Error::Exactly { command, wanted: least, given })
+        } else if given < least {
+            Err(Error::AtLeast { command, wanted: least, given })
+        } else if given > most {
+            Err(Error::AtMost { command, wanted: most, given })
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// The name of a command near `word`.
+#[must_use]
+pub fn near(word: &str) -> Option<Box<str>> {
+    nearest(word, COMMANDS.iter().map(|row| row.name))
+}
+
+/// What `help` prints; about one command if it is named.
+///
+/// # Errors
+/// There is none of this name.
+pub fn help(about: Option<&str>) -> Result<String, Error> {
+    let Some(name) = about else {
+        let mut text = String::from(
+            "Use 'help <command>' for more details about each command\nAvailable commands:\n",
+        );
+        for row in COMMANDS {
+            text.push_str(&format!("  {:<19} {}\n", row.name, row.summary));
+        }
+        text.push_str("  COMPONENT.VERB      a component's own command: 'commands' lists them\n");
+        return Ok(text);
+    };
+    let row = find(name).ok_or_else(|| Error::NoHelp { word: name.into(), near: near(name) })?;
+    if name == "help" {
+        return Ok(format!("{}\n", row.help));
+    }
+    let mut text = format!("{} {}", row.name, row.usage).trim_end().to_owned();
+    let mut summary = row.summary.chars();
+    let first = summary.next().map(|c| c.to_ascii_uppercase());
+    text.push_str(&format!("\n{}{}.\n", first.unwrap_or_default(), summary.as_str()));
+    if !row.help.is_empty() {
+        text.push_str(row.help);
+        text.push('\n');
+    }
+    Ok(text)
+}
+
+/// The table as the README shows it.
+#[must_use]
+pub fn markdown() -> String {
+    let mut text = String::from("| command | what it does |\n|---|---|\n");
+    for row in COMMANDS {
+        let usage = format!("{} {}", row.name, row.usage).trim_end().replace('|', "\\|");
+        text.push_str(&format!("| `{usage}` | {} |\n", row.summary));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{COMMANDS, help, markdown, understand};
+
+    fn refusal(line: &str) -> String {
+        let words: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
+        understand(&words).map_or_else(|e| e.to_string(), |c| format!("{c:?}"))
+    }
+
+    #[test]
+    fn arguments_are_counted() {
+        for (line, want) in [
+            ("setp foo", "setp requires 2 arguments, 1 given"),
+            ("unlinkp", "unlinkp requires 1 arguments, 0 given"),
+            ("list", "list requires at least 1 arguments, 0 given"),
+            ("net", "net requires at least 1 arguments, 0 given"),
+            ("net => <=", "net requires at least 1 arguments, 0 given"),
+            ("net x", "'net' requires at least one pin, none given"),
+            ("net x =>", "'net' requires at least one pin, none given"),
+            ("linkps a", "linkps requires 2 arguments, 1 given"),
+            ("linkps a <== b", "linkps requires 2 arguments, 3 given"),
+            ("print a b", "print requires at most 1 arguments, 2 given"),
+            ("help net foo", "help requires at most 1 arguments, 2 given"),
+            ("lock a b", "lock requires at most 1 arguments, 2 given"),
+            ("addf a", "addf requires at least 2 arguments, 1 given"),
+            ("start now", "start requires 0 arguments, 1 given"),
+            ("alias pin a", "alias requires 3 arguments, 2 given"),
+            ("loadrt", "loadrt requires at least 1 arguments, 0 given"),
+            ("delf", "missing function name"),
+            ("delf a", "missing thread name"),
+        ] {
+            assert_eq!(refusal(line), want, "{line}");
+        }
+    }
+
+    #[test]
+    fn words_that_mean_nothing_are_named() {
+        for (line, want) in [
+            ("PRINT x", "Unknown command 'PRINT'"),
+            ("netx a b", "Unknown command 'netx'; did you mean 'net'?"),
+            ("loadtr and2", "Unknown command 'loadtr'; did you mean 'loadrt'?"),
+            ("quit", "Unknown command 'quit'"),
+            (
+                "newsig a foo",
+                "Unknown signal type 'foo'; it is one of bit, float, s32, u32, s64, u64, port",
+            ),
+            (
+                "show foo",
+                "Unknown 'show' type 'foo'; it is one of comp, pin, sig, signal, param, \
+                 parameter, funct, function, thread",
+            ),
+            ("status foo", "Unknown 'status' type 'foo'; it is one of all, lock, mem, instance"),
+            ("debug 9", "Debug level must be >=0 and <= 5"),
+            ("run 20", "'20' is not a time; write a number and ns, us, ms or s, such as 20ms"),
+            ("loadusr", "execv(): No such file or directory"),
+            ("loadusr -x foo", "loadusr: invalid option -- 'x'"),
+            ("alias foo a b", "alias failed; its first word is pin or param, not 'foo'"),
+        ] {
+            assert_eq!(refusal(line), want, "{line}");
+        }
+    }
+
+    #[test]
+    fn lines_become_commands() {
+        for (line, want) in [
+            ("a.b = 5", "Ask(Set { name: \"a.b\", value: \"5\" }, None)"),
+            ("setp a.b 5", "Ask(Set { name: \"a.b\", value: \"5\" }, None)"),
+            ("net s a => b <= c", "Ask(Net { signal: \"s\", pins: [\"a\", \"b\", \"c\"] }, None)"),
+            (
+                "linksp s => p",
+                "Ask(Link { pin: \"p\", signal: \"s\" }, Some(\"Pin 'p' linked to signal 's'\"))",
+            ),
+            ("newsig a BOOL", "Ask(NewSignal { name: \"a\", ty: Bit }, None)"),
+            (
+                "addf f t -2",
+                "Ask(AddFunct { funct: \"f\", thread: \"t\", position: -2, init: false }, \
+                 Some(\"Function 'f' added to thread 't'\"))",
+            ),
+            ("delsig all", "Ask(DeleteSignal { name: None }, None)"),
+            ("unload all", "UnloadAll"),
+            ("unloadusr all", "Ask(EndProgram { name: None }, None)"),
+            ("show", "Show(None, None, [])"),
+            ("show pin -t bit x", "Show(Some(Of(Pins)), Some(Bit), [\"x\"])"),
+            ("show sig -treal", "Show(Some(Of(Signals)), Some(Float), [])"),
+            ("show comp -t", "Show(Some(Of(Components)), None, [\"-t\"])"),
+            ("list pin -t bit", "List(Pins, [\"-t\", \"bit\"])"),
+            ("lock tune", "Lock(Some(To(Lock(3))))"),
+            ("lock nonsense", "Lock(None)"),
+            ("unlock tune", "Lock(Some(Without(Lock(3))))"),
+            ("run 1.5ms", "Ask(Run { ns: 1500000 }, None)"),
+            ("record off", "Ask(EndRecord, None)"),
+            (
+                "motion.jog joint=0 --wait velocity=5",
+                "Component { name: \"motion.jog\", args: [\"joint=0\", \"velocity=5\"], wait: true \
+                 }",
+            ),
+        ] {
+            assert_eq!(refusal(line), want, "{line}");
+        }
+        let launch = refusal("loadusr -Wn comp prog.py -w x");
+        for part in ["until_ready: true", "Some(\"comp\")", "until_end: false", "[\"-w\", \"x\"]"] {
+            assert!(launch.contains(part), "{launch}");
+        }
+    }
+
+    #[test]
+    fn positions_are_read_as_c_reads_them() {
+        for (word, want) in [("+3", 3), ("1x", 1), ("0x1", 0), ("foo", 0), ("-1", -1)] {
+            let shown = refusal(&format!("addf f t {word}"));
+            assert!(shown.contains(&format!("position: {want},")), "{word}: {shown}");
+        }
+    }
+
+    #[test]
+    fn help_knows_every_command() {
+        let all = help(None).unwrap();
+        for row in COMMANDS {
+            assert!(
+                all.contains(&format!("\n  {:<19} {}\n", row.name, row.summary)),
+                "{}",
+                row.name
+            );
+            let text = help(Some(row.name)).unwrap();
+            assert!(text.ends_with('\n') && text.len() > 10, "{}", row.name);
+        }
+        let net = help(Some("net")).unwrap();
+        assert!(net.starts_with("net SIGNAL PIN...\nJoin pins by a signal.\n"), "{net}");
+        assert_eq!(
+            help(Some("help")).unwrap(),
+            "If you need help to use 'help', then I can't help you.\n"
+        );
+        let error = help(Some("bogus")).unwrap_err().to_string();
+        assert_eq!(error, "No help for unknown command 'bogus'");
+    }
+
+    #[test]
+    fn the_readme_has_this_table() {
+        let readme = include_str!("../README.md");
+        assert!(readme.contains(&markdown()), "halcmd/README.md should contain:\n{}", markdown());
+    }
+}

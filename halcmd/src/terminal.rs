@@ -1,0 +1,51 @@
+//! Where text for people goes.
+
+use std::io::Write;
+
+/// Standard output and standard error, or what stands for them.
+pub trait Terminal {
+    /// Writes to standard output, as it is.
+    fn out(&mut self, text: &str);
+    /// Writes to standard error, as it is.
+    fn err(&mut self, text: &str);
+}
+
+/// This process's own. A reader that has gone is not an error.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Stdio;
+
+impl Terminal for Stdio {
+    fn out(&mut self, text: &str) {
+        let mut out = std::io::stdout().lock();
+        if out.write_all(text.as_bytes()).is_ok() {
+            out.flush().unwrap_or_default();
+        }
+    }
+
+    fn err(&mut self, text: &str) {
+        std::io::stderr().lock().write_all(text.as_bytes()).unwrap_or_default();
+    }
+}
+
+/// Keeps both, in the order of writing, and each by itself.
+#[derive(Clone, Debug, Default)]
+pub struct Captured {
+    /// Both.
+    pub all: String,
+    /// Standard output.
+    pub out: String,
+    /// Standard error.
+    pub err: String,
+}
+
+impl Terminal for Captured {
+    fn out(&mut self, text: &str) {
+        self.all.push_str(text);
+        self.out.push_str(text);
+    }
+
+    fn err(&mut self, text: &str) {
+        self.all.push_str(text);
+        self.err.push_str(text);
+    }
+}

@@ -1,0 +1,75 @@
+//! Spans of time as users write them.
+
+use nom::{
+    Finish, IResult, Parser,
+    bytes::complete::tag,
+    character::complete::{digit0, digit1},
+    combinator::{all_consuming, opt},
+    sequence::preceded,
+};
+
+/// The text is not a number with a unit, or longer than 292 years.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct UnitError;
+
+const UNITS: &[(&str, u64)] =
+    &[("ns", 1), ("us", 1_000), ("µs", 1_000), ("ms", 1_000_000), ("s", 1_000_000_000)];
+
+/// Reads `20ms`, `1.5s`, `100 us`; a fraction of a nanosecond is refused.
+///
+/// # Errors
+/// See [`UnitError`].
+pub fn nanoseconds(text: &str) -> Result<u64, UnitError> {
+    let text = text.trim();
+    let split = text.find(|c: char| !c.is_ascii_digit() && c != '.').ok_or(UnitError)?;
+    let (number, unit) = text.split_at_checked(split).ok_or(UnitError)?;
+    let scale = UNITS.iter().find(|(u, _)| *u == unit.trim()).ok_or(UnitError)?.1;
+    let (_, (whole, part)) =
+        all_consuming(decimal).parse(number).finish().map_err(|_| UnitError)?;
+    let mut ns = whole.parse::<u64>().ok().and_then(|w| w.checked_mul(scale)).ok_or(UnitError)?;
+    let mut place = scale;
+    for digit in part.unwrap_or("").bytes() {
+        let worth = u64::from(digit - b'0');
+        if place < 10 && worth != 0 {
+            return Err(UnitError);
+        }
+        place /= 10;
+        ns = ns.checked_add(worth * place).ok_or(UnitError)?;
+    }
+    if i64::try_from(ns).is_ok() { Ok(ns) } else { Err(UnitError) }
+}
+
+fn decimal(text: &str) -> IResult<&str, (&str, Option<&str>)> {
+    (digit1, opt(preceded(tag("."), digit0))).parse(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{UnitError, nanoseconds};
+
+    #[test]
+    fn a_time_is_a_number_and_a_unit() {
+        for (text, want) in [
+            ("1s", Ok(1_000_000_000)),
+            ("1.5s", Ok(1_500_000_000)),
+            ("20ms", Ok(20_000_000)),
+            ("20 ms", Ok(20_000_000)),
+            ("0.1us", Ok(100)),
+            ("100µs", Ok(100_000)),
+            ("7ns", Ok(7)),
+            ("0s", Ok(0)),
+            ("1.0ns", Ok(1)),
+            ("0.5ns", Err(UnitError)),
+            ("1", Err(UnitError)),
+            ("s", Err(UnitError)),
+            ("-1s", Err(UnitError)),
+            ("1.2.3s", Err(UnitError)),
+            ("1min", Err(UnitError)),
+            ("99999999999999999999s", Err(UnitError)),
+            ("10000000000s", Err(UnitError)),
+            ("", Err(UnitError)),
+        ] {
+            assert_eq!(nanoseconds(text), want, "{text}");
+        }
+    }
+}
