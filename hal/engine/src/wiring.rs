@@ -8,10 +8,9 @@ use crate::{
     graph::{Edge, Graph, Ix, Node, Queue, Signal},
     name::Name,
 };
-use hal_abi::{Cell, PortQueue, Slot};
+use hal_abi::{PortQueue, Slot};
 use hal_protocol::{Direction, Lock, Type, Value, ValueError};
 use petgraph::{Direction::Outgoing, visit::EdgeRef};
-use std::ptr::NonNull;
 
 impl Engine {
     /// `newsig`.

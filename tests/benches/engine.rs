@@ -1,0 +1,283 @@
+//! What the engine costs: functions, virtual time, loading, pins, and programs as wholes.
+//!
+//! The first part measures inside this process; the second times whole programs and, where
+//! LinuxCNC is installed, its programs beside ours in the same run. Run it with
+//! `cargo build --release && cargo bench -p hal-tests`.
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    clippy::disallowed_methods,
+    reason = "a benchmark measures the wall clock and prints"
+)]
+
+use divan::{Bencher, counter::ItemsCount};
+use hal_engine::{ClockKind, Engine, Options};
+use hal_protocol::{Link, Place, Reply, Request};
+use std::{
+    fmt::Write,
+    path::PathBuf,
+    process::{Command, Stdio},
+    time::{Duration, Instant},
+};
+
+fn engine() -> Engine {
+    let options = Options {
+        place: Place::find(Some("bench")).unwrap(),
+        clock: ClockKind::Virtual,
+        hold: true,
+        simulate: true,
+        old_names: false,
+        path: Vec::new(),
+    };
+    let mut e = Engine::without_socket(options).unwrap();
+    e.add_static(&logic::HAL_LIBRARY);
+    e.add_static(&threads::HAL_LIBRARY);
+    e
+}
+
+fn load(e: &mut Engine, module: &str, args: &[&str]) {
+    let args = args.iter().map(|a| (*a).to_owned()).collect();
+    e.call(Request::Load { module: module.to_owned(), args }).unwrap();
+}
+
+const CHAIN: usize = 800;
+
+/// 800 gates in one thread of 1 ms, each fed by the one before.
+fn chain(timed: bool) -> Engine {
+    let mut e = engine();
+    load(&mut e, "threads", &["name1=t", "period1=1000000"]);
+    load(&mut e, "and2", &[&format!("count={CHAIN}")]);
+    for i in 0..CHAIN {
+        let (funct, thread) = (format!("and2.{i}"), "t".to_owned());
+        e.call(Request::AddFunct { funct, thread, position: -1, init: false }).unwrap();
+    }
+    for i in 1..CHAIN {
+        let pins =
+            vec![format!("and2.{}.out", i - 1), format!("and2.{i}.in0"), format!("and2.{i}.in1")];
+        e.call(Request::Net { signal: format!("s{i}"), pins }).unwrap();
+    }
+    e.call(Request::Start).unwrap();
+    e.call(Request::Run { ns: 10_000_000 }).unwrap();
+    e.call(Request::Timing { thread: None, on: timed }).unwrap();
+    e
+}
+
+/// One second of machine time: 1000 cycles of 800 functions.
+#[divan::bench(args = [false, true], sample_count = 20, sample_size = 1)]
+fn function_in_a_chain_of_800(bencher: Bencher<'_, '_>, timed: bool) {
+    let mut e = chain(timed);
+    bencher
+        .counter(ItemsCount::new(1000 * CHAIN))
+        .bench_local(|| e.call(Request::Run { ns: 1_000_000_000 }).unwrap());
+}
+
+/// Loads 250,000 gates with their times: a million pins exist at once.
+#[divan::bench(sample_count = 3, sample_size = 1)]
+fn a_million_pins(bencher: Bencher<'_, '_>) {
+    bencher.counter(ItemsCount::new(1_000_000_usize)).bench_local(|| {
+        let mut e = engine();
+        load(&mut e, "and2", &["count=250000"]);
+        let Reply::Status(s) = e.call(Request::Status).unwrap() else { panic!() };
+        assert_eq!(s.pins.active, 1_000_000);
+        e
+    });
+}
+
+/// The folder of the programs that `cargo build --release` made.
+fn programs() -> PathBuf {
+    let me = std::env::current_exe().unwrap();
+    me.parent().and_then(|deps| deps.parent()).unwrap().to_owned()
+}
+
+/// The least of several runs of a program.
+fn least(runs: u32, make: impl Fn() -> Command) -> Option<Duration> {
+    let mut best: Option<Duration> = None;
+    for _ in 0..runs {
+        let mut command = make();
+        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        let begin = Instant::now();
+        let ok = command.status().ok()?.success();
+        let took = begin.elapsed();
+        if !ok {
+            return None;
+        }
+        best = Some(best.map_or(took, |b| b.min(took)));
+    }
+    best
+}
+
+fn row(what: &str, ours: &str, theirs: &str, aim: &str) {
+    println!("{what:<52} {ours:>14} {theirs:>14}   {aim}");
+}
+
+fn ms(t: Option<Duration>) -> String {
+    t.map_or_else(|| "-".to_owned(), |t| format!("{:.2} ms", t.as_secs_f64() * 1e3))
+}
+
+/// The chain as a script that both systems read.
+fn chain_script() -> String {
+    let mut s = String::from("loadrt threads name1=t period1=1000000\n");
+    writeln!(s, "loadrt and2 count={CHAIN}").unwrap();
+    (0..CHAIN).for_each(|i| writeln!(s, "addf and2.{i} t").unwrap());
+    for i in 1..CHAIN {
+        let from = i - 1;
+        writeln!(s, "net s{i} and2.{from}.out and2.{i}.in0 and2.{i}.in1").unwrap();
+    }
+    s.push_str("start\n");
+    s
+}
+
+/// Nanoseconds per function that a thread's own account shows: the least of ten looks.
+fn account(halcmd: &dyn Fn() -> Command) -> Option<f64> {
+    let mut best: Option<f64> = None;
+    for _ in 0..10 {
+        std::thread::park_timeout(Duration::from_millis(100));
+        let out = halcmd().args(["getp", "t.time"]).output().ok()?;
+        let text = String::from_utf8(out.stdout).ok()?;
+        let time = text.trim().parse::<f64>().ok().filter(|t| *t > 0.0)?;
+        best = Some(best.map_or(time, |b| b.min(time)));
+    }
+    best.map(|t| t / CHAIN as f64)
+}
+
+/// Starts a script, measures while it runs, and ends it.
+fn while_running<R>(
+    mut halrun: Command,
+    end: &dyn Fn() -> Command,
+    f: impl Fn() -> R,
+) -> Option<R> {
+    let null = || Stdio::null();
+    let mut child = halrun.stdin(Stdio::piped()).stdout(null()).stderr(null()).spawn().ok()?;
+    std::thread::park_timeout(Duration::from_secs(2));
+    let r = f();
+    drop(end().stdout(null()).stderr(null()).status());
+    drop(child.stdin.take());
+    std::thread::park_timeout(Duration::from_millis(300));
+    drop(child.kill());
+    drop(child.wait());
+    Some(r)
+}
+
+/// LinuxCNC's program, as an ordinary user with a home of its own.
+fn peer(program: &str, home: &std::path::Path) -> Command {
+    let root = rustix::process::getuid().is_root();
+    let mut c = if root { Command::new("runuser") } else { Command::new(program) };
+    if root {
+        c.args(["-u", "nobody", "--", program]);
+    }
+    c.env("HOME", home).current_dir(home).env_remove("HAL_INSTANCE");
+    c
+}
+
+fn wholes() {
+    let bin = programs();
+    let folder = std::env::temp_dir().join(format!("hal-bench-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let open = <std::fs::Permissions as std::os::unix::fs::PermissionsExt>::from_mode(0o777);
+    std::fs::set_permissions(&folder, open).unwrap();
+    if !bin.join("halrun").is_file() {
+        println!("no halrun in {}: run `cargo build --release` first", bin.display());
+        return;
+    }
+    let installed = std::path::Path::new("/usr/lib/linuxcnc/modules/and2.so").is_file();
+    let ours = |program: &str| {
+        let mut c = Command::new(bin.join(program));
+        c.env("HAL_RUNTIME_DIR", &folder).env_remove("HAL_INSTANCE");
+        c
+    };
+    println!();
+    row("whole programs", "Ferrule", "LinuxCNC", "aim");
+
+    let script = folder.join("chain.hal");
+    std::fs::write(&script, chain_script()).unwrap();
+    let mut halrun = ours("halrun");
+    halrun.arg(&script);
+    let end = || {
+        let mut c = ours("halcmd");
+        c.arg("shutdown");
+        c
+    };
+    let measured = while_running(halrun, &end, || {
+        let each = account(&|| ours("halcmd"));
+        let get = least(50, || {
+            let mut c = ours("halcmd");
+            c.args(["getp", "and2.0.out"]);
+            c
+        });
+        (each, get)
+    });
+    let theirs = installed.then(|| {
+        let mut halrun = peer("halrun", &folder);
+        halrun.args(["-I", "chain.hal"]);
+        let end = || {
+            let mut c = peer("halrun", &folder);
+            c.arg("-U");
+            c
+        };
+        while_running(halrun, &end, || {
+            let each = account(&|| peer("halcmd", &folder));
+            // Without the cost of changing the user.
+            let get = least(50, || {
+                let mut c = peer("halcmd", &folder);
+                c.args(["getp", "and2.0.out"]);
+                c
+            });
+            let change = least(50, || peer("true", &folder));
+            (each, get.map(|g| g.saturating_sub(change.unwrap_or_default())))
+        })
+    });
+    let theirs = theirs.flatten();
+    let ns = |m: &Option<(Option<f64>, Option<Duration>)>| {
+        m.and_then(|m| m.0).map_or_else(|| "-".to_owned(), |ns| format!("{ns:.1} ns"))
+    };
+    let get = |m: &Option<(Option<f64>, Option<Duration>)>| ms(m.and_then(|m| m.1));
+    row(
+        "function in a chain of 800, with accounts",
+        &ns(&measured),
+        &ns(&theirs),
+        "half of LinuxCNC's",
+    );
+    row("halcmd getp, a whole process", &get(&measured), &get(&theirs), "beside LinuxCNC's");
+
+    let mut big =
+        String::from("loadrt threads name1=t period1=1000000\nloadrt and2 count=100000\n");
+    for i in 1..100_000 {
+        writeln!(big, "net s{i} and2.{}.out and2.{i}.in0", i - 1).unwrap();
+    }
+    let file = folder.join("big.hal");
+    std::fs::write(&file, big).unwrap();
+    let took = least(3, || {
+        let mut c = ours("halrun");
+        c.args(["--virtual", "-f"]).arg(&file);
+        c
+    });
+    row("script of 100,000 and2 and as many nets", &ms(took), "", "under 5000 ms");
+
+    let printer = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../configs/printer");
+    let run = |t: &'static str| {
+        let (bin, printer) = (ours("halrun"), printer.clone());
+        let name = bin.get_program().to_owned();
+        let runtime = folder.clone();
+        least(3, move || {
+            let mut c = Command::new(&name);
+            c.env("HAL_RUNTIME_DIR", &runtime).current_dir(&printer);
+            c.args(["--virtual", "--for", t, "printer.ini"]);
+            c
+        })
+    };
+    let ratio = run("1ms").zip(run("30s")).map(|(short, long)| {
+        let virt = Duration::from_millis(29_999).as_secs_f64();
+        virt / long.saturating_sub(short).as_secs_f64()
+    });
+    let ratio = ratio.map_or_else(|| "-".to_owned(), |r| format!("{r:.0} times"));
+    row("the printer in virtual time, against real time", &ratio, "", "300 times or more");
+    drop(std::fs::remove_dir_all(&folder));
+}
+
+fn main() {
+    divan::main();
+    if !std::env::args().any(|a| a == "--test" || a == "--list") {
+        wholes();
+    }
+}
