@@ -221,6 +221,16 @@ fn homing_names_the_place_and_goes_home() {
     assert_eq!(rig.which(&["joint.0.homed", "joint.1.homed"]), ["joint.0.homed"]);
 }
 
+/// The figure is LinuxCNC 2.9's, shown for the same joint on the same way.
+#[test]
+fn the_bit_of_the_way_that_is_not_gone() {
+    let mut rig = Rig::on(&[]);
+    rig.say("motion.configure joint=0 home-offset=3 home=0");
+    rig.done("motion.home joint=0");
+    let left = rig.joint(0, "pos-cmd");
+    assert!((left - 1.028_297e-6).abs() < 1e-12, "{left:e}");
+}
+
 #[test]
 fn homing_that_cannot_be() {
     let mut rig = Rig::on(&[]);

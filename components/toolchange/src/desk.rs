@@ -1,0 +1,158 @@
+//! The commands.
+
+use crate::{
+    pins::Pins,
+    task::{Ask, Tool},
+};
+use hal_component::{Arg, Builder, Call, Error, Sender, TicketHandle, abi::ArgSpec};
+
+type To = Sender<(Ask, TicketHandle)>;
+
+/// A command that the task carries out.
+struct Row {
+    name: &'static str,
+    doc: &'static str,
+    args: &'static [&'static ArgSpec],
+    read: fn(&Call<'_>) -> Result<Ask, Error>,
+}
+
+const TOOL: ArgSpec = Arg::int("tool", "Number of the tool, 0 for none.").required();
+const POCKET: ArgSpec =
+    Arg::int("pocket", "Pocket that the tool is kept in; the tool's number if missing.");
+
+const ROWS: &[Row] = &[
+    Row {
+        name: "iocontrol.estop-reset",
+        doc: "Leaves e-stop, if nothing outside holds it.",
+        args: &[],
+        read: |_| Ok(Ask::EstopReset),
+    },
+    Row {
+        name: "iocontrol.prepare",
+        doc: "Asks the changer to prepare a tool, and waits for it.",
+        args: &[
+            &TOOL,
+            &POCKET,
+            &Arg::int("index", "Place in the tool table; the pocket if missing."),
+        ],
+        read: |call| tool(call).map(Ask::Prepare),
+    },
+    Row {
+        name: "iocontrol.change",
+        doc: "\
+Asks the changer to put the prepared tool into the spindle, and waits for it.
+
+Nothing happens when it is there already.",
+        args: &[],
+        read: |_| Ok(Ask::Change),
+    },
+    Row {
+        name: "iocontrol.set-tool",
+        doc: "Says which tool is in the spindle; nothing is changed.",
+        args: &[&TOOL, &POCKET],
+        read: |call| tool(call).map(Ask::SetTool),
+    },
+    Row {
+        name: "iocontrol.coolant",
+        doc: "Switches coolant and lubrication; what is not given stays.",
+        args: &[
+            &Arg::bit("mist", "Mist coolant."),
+            &Arg::bit("flood", "Flood coolant."),
+            &Arg::bit("lube", "Lubrication."),
+        ],
+        read: |call| {
+            Ok(Ask::Coolant {
+                mist: call.bit("mist"),
+                flood: call.bit("flood"),
+                lube: call.bit("lube"),
+            })
+        },
+    },
+    Row {
+        name: "iocontrol.abort",
+        doc: "Switches coolant off and withdraws what the changer was asked.",
+        args: &[],
+        read: |_| Ok(Ask::Abort),
+    },
+];
+
+/// Declares all commands.
+pub(crate) fn open(b: &mut Builder<'_>, to: &To, pins: Pins) -> Result<(), Error> {
+    for row in ROWS {
+        let (to, read) = (to.clone(), row.read);
+        b.command(row.name, row.doc, row.args, move |call| ask(&to, read(call)?, call))?;
+    }
+    let to = to.clone();
+    b.command(
+        "iocontrol.estop",
+        "Puts the machine into e-stop: user-enable-out goes FALSE at once.",
+        &[],
+        move |call| {
+            // The task, which does it again with all the rest, may be a whole cycle away.
+            pins.user_enable_out.set(false);
+            ask(&to, Ask::Estop, call)
+        },
+    )?;
+    b.command(
+        "iocontrol.status",
+        "Tells e-stop, coolant, and the tools in the spindle and prepared.",
+        &[],
+        move |call| {
+            status(&pins, call);
+            Ok(())
+        },
+    )
+}
+
+fn ask(to: &To, ask: Ask, call: &Call<'_>) -> Result<(), Error> {
+    let ticket = call.ticket()?;
+    to.send((ask, ticket)).map_err(|_| {
+        ticket.fail("too many commands wait");
+        Error::new("too many commands wait for iocontrol")
+    })
+}
+
+fn tool(call: &Call<'_>) -> Result<Tool, Error> {
+    let number = number("tool", call.int("tool").unwrap_or(0))?;
+    if number == 0 {
+        return Ok(Tool { number, pocket: 0, index: 0 });
+    }
+    let pocket = match call.int("pocket") {
+        Some(given) => self::number("pocket", given)?,
+        None => number,
+    };
+    let index = match call.int("index") {
+        Some(given) => self::number("index", given)?,
+        None => pocket,
+    };
+    Ok(Tool { number, pocket, index })
+}
+
+fn number(name: &str, given: i64) -> Result<i32, Error> {
+    i32::try_from(given)
+        .ok()
+        .filter(|n| *n >= 0)
+        .ok_or_else(|| Error::new(format!("{name} is {given}, must be between 0 and {}", i32::MAX)))
+}
+
+fn status(p: &Pins, call: &Call<'_>) {
+    let bit = |value: bool| if value { "TRUE" } else { "FALSE" };
+    call.reply(&format!(
+        "machine estop={} mist={} flood={} lube={}",
+        bit(!p.emc_enable_in.get()),
+        bit(p.coolant_mist.get()),
+        bit(p.coolant_flood.get()),
+        bit(p.lube.get()),
+    ));
+    call.reply(&format!(
+        "tool number={} from-pocket={} prepared={} waits-for={}",
+        p.tool_number.get(),
+        p.tool_from_pocket.get(),
+        p.tool_prep_number.get(),
+        match (p.tool_prepare.get(), p.tool_change.get()) {
+            (true, _) => "tool-prepared",
+            (false, true) => "tool-changed",
+            (false, false) => "nothing",
+        },
+    ));
+}

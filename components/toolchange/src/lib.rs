@@ -1,0 +1,82 @@
+//! E-stop, coolant and tool changer: what a machine has beside its motion.
+#![forbid(unsafe_code)]
+
+mod desk;
+mod pins;
+mod task;
+
+use hal_component::{
+    Arg, Builder, Component, Error,
+    abi::{ArgSpec, component_flags},
+};
+use pins::Pins;
+use std::time::Duration;
+use task::Task;
+
+const DOC: &str = "\
+E-stop, coolant and tool changer.
+
+The machine comes up in e-stop: `iocontrol.estop-reset` asks the outside to leave it, by
+`iocontrol.0.user-enable-out`, and the machine is out of e-stop while
+`iocontrol.0.emc-enable-in` is TRUE. A tool is prepared and changed by handshakes: a request goes
+TRUE, the changer answers, the request goes FALSE. Link `tool-prepare` to `tool-prepared` and
+`tool-change` to `tool-changed` where nothing answers.
+
+It works in the background every `cycle_time`, not in a thread. `io` and `iov2` are other names for
+it; the further pins that `iov2` once had are not there.";
+
+const ARGS: &[&ArgSpec] =
+    &[&Arg::float("cycle_time", "How often it looks at its pins, in seconds: 0.001 to 10.")
+        .or("0.1")];
+
+/// How many commands may wait for the task.
+const ROOM: usize = 64;
+
+macro_rules! names {
+    ($($(#[$about:meta])* $ty:ident = $name:literal;)*) => {$(
+        $(#[$about])*
+        #[derive(Debug)]
+        pub struct $ty;
+
+        impl Component for $ty {
+            const NAME: &'static str = $name;
+            const DOC: &'static str = DOC;
+            const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
+            const ARGS: &'static [&'static ArgSpec] = ARGS;
+            fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+                create(b)
+            }
+        }
+    )*};
+}
+names! {
+    /// `loadrt iocontrol`.
+    Iocontrol = "iocontrol";
+    /// `loadrt io`: the same.
+    Io = "io";
+    /// `loadrt iov2`: the same.
+    Iov2 = "iov2";
+}
+
+fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+    let seconds = b.arg_float("cycle_time").unwrap_or(0.1);
+    let period = Duration::try_from_secs_f64(seconds).unwrap_or_default();
+    if !(Duration::from_millis(1)..=Duration::from_secs(10)).contains(&period) {
+        return Err(Error::new(format!("cycle_time is {seconds}, must be between 0.001 and 10")));
+    }
+    let pins = Pins::make(b)?;
+    let (to, from) = b.queue(ROOM);
+    desk::open(b, &to, pins)?;
+    let period_ns = i64::try_from(period.as_nanos()).unwrap_or(i64::MAX);
+    b.task(
+        "iocontrol",
+        "Looks at e-stop and the tool changer, and carries out commands.",
+        period_ns,
+        Task::new(pins, from),
+    )
+}
+
+hal_component::export!(Iocontrol, Io, Iov2);
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,231 @@
+//! The background task: e-stop, and the handshakes with the tool changer.
+//!
+//! ```text
+//!          prepare              tool-prepared
+//! idle ───────────▶ preparing ───────────────▶ idle, with a tool prepared
+//! idle ───────────▶ changing  ───────────────▶ idle, with the tool in the spindle
+//!          change               tool-changed
+//! ```
+
+use crate::pins::Pins;
+use hal_component::{Period, Receiver, TicketHandle, Touch, Update};
+
+/// A tool as it was asked for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tool {
+    pub(crate) number: i32,
+    pub(crate) pocket: i32,
+    pub(crate) index: i32,
+}
+
+/// What commands ask.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Ask {
+    Estop,
+    EstopReset,
+    Prepare(Tool),
+    Change,
+    SetTool(Tool),
+    Coolant { mist: Option<bool>, flood: Option<bool>, lube: Option<bool> },
+    Abort,
+}
+
+/// What the tool changer is doing.
+#[derive(Clone, Copy, Debug)]
+enum Changer {
+    Idle,
+    Preparing(Tool, TicketHandle),
+    Changing(Tool, TicketHandle),
+}
+
+/// How many cycles the outside has to leave e-stop before whoever waits is told.
+const PATIENCE: u32 = 10;
+
+/// The task.
+#[derive(Debug, Touch)]
+pub(crate) struct Task {
+    pins: Pins,
+    from: Receiver<(Ask, TicketHandle)>,
+    #[state]
+    changer: Changer,
+    #[state]
+    prepared: Option<Tool>,
+    /// Who waits for the end of e-stop, and the cycles left.
+    #[state]
+    resetting: Option<(TicketHandle, u32)>,
+    #[state]
+    was_enabled: bool,
+}
+
+impl Update for Task {
+    fn update(&mut self, _: Period) {
+        self.look_at_estop();
+        self.look_at_changer();
+        while let Some((ask, ticket)) = self.from.take() {
+            match self.obey(ask, ticket) {
+                Ok(true) => ticket.done(),
+                Ok(false) => {}
+                Err(why) => ticket.fail(why),
+            }
+        }
+    }
+}
+
+impl Task {
+    pub(crate) const fn new(pins: Pins, from: Receiver<(Ask, TicketHandle)>) -> Self {
+        Self {
+            pins,
+            from,
+            changer: Changer::Idle,
+            prepared: None,
+            resetting: None,
+            was_enabled: false,
+        }
+    }
+
+    fn look_at_estop(&mut self) {
+        let enabled = self.pins.emc_enable_in.get();
+        self.pins.user_request_enable.set(false);
+        if self.was_enabled && !enabled {
+            self.quiet("e-stop");
+            self.pins.lube.set(false);
+        }
+        self.was_enabled = enabled;
+        self.resetting = match self.resetting {
+            Some((ticket, _)) if enabled => {
+                ticket.done();
+                None
+            }
+            Some((ticket, 0)) => {
+                ticket.fail("emc-enable-in stays FALSE: something outside holds the e-stop");
+                None
+            }
+            Some((ticket, left)) => Some((ticket, left - 1)),
+            None => None,
+        };
+    }
+
+    fn look_at_changer(&mut self) {
+        let p = &self.pins;
+        match self.changer {
+            Changer::Preparing(tool, ticket) if p.tool_prepared.get() => {
+                p.tool_prepare.set(false);
+                self.prepared = Some(tool);
+                self.changer = Changer::Idle;
+                ticket.done();
+            }
+            Changer::Changing(tool, ticket) if p.tool_changed.get() => {
+                p.tool_number.set(tool.number);
+                p.tool_from_pocket.set(tool.pocket);
+                self.show_prepared(Tool { number: 0, pocket: 0, index: 0 });
+                self.pins.tool_change.set(false);
+                self.prepared = None;
+                self.changer = Changer::Idle;
+                ticket.done();
+            }
+            Changer::Idle | Changer::Preparing(..) | Changer::Changing(..) => {}
+        }
+    }
+
+    /// TRUE when it is carried out, FALSE when someone keeps the ticket.
+    fn obey(&mut self, ask: Ask, ticket: TicketHandle) -> Result<bool, &'static str> {
+        let p = self.pins;
+        match ask {
+            Ask::Estop => {
+                p.user_enable_out.set(false);
+                p.user_request_enable.set(false);
+                p.lube.set(false);
+                self.quiet("e-stop");
+                if let Some((earlier, _)) = self.resetting.take() {
+                    earlier.fail("e-stop");
+                }
+            }
+            Ask::EstopReset => {
+                if p.user_enable_out.get() && p.emc_enable_in.get() {
+                    return Ok(true);
+                }
+                p.user_enable_out.set(true);
+                p.user_request_enable.set(true);
+                if let Some((earlier, _)) = self.resetting.replace((ticket, PATIENCE)) {
+                    earlier.fail("another reset took its place");
+                }
+                return Ok(false);
+            }
+            Ask::Prepare(tool) => {
+                self.needs_rest()?;
+                self.show_prepared(tool);
+                p.tool_prepare.set(true);
+                self.prepared = None;
+                self.changer = Changer::Preparing(tool, ticket);
+                return Ok(false);
+            }
+            Ask::Change => return self.change(ticket),
+            Ask::SetTool(tool) => {
+                p.tool_number.set(tool.number);
+                p.tool_from_pocket.set(tool.pocket);
+            }
+            Ask::Coolant { mist, flood, lube } => {
+                if [mist, flood, lube].contains(&Some(true)) {
+                    self.needs_enabled()?;
+                }
+                for (pin, value) in
+                    [(p.coolant_mist, mist), (p.coolant_flood, flood), (p.lube, lube)]
+                {
+                    if let Some(value) = value {
+                        pin.set(value);
+                    }
+                }
+            }
+            Ask::Abort => self.quiet("aborted"),
+        }
+        Ok(true)
+    }
+
+    fn change(&mut self, ticket: TicketHandle) -> Result<bool, &'static str> {
+        self.needs_rest()?;
+        let Some(tool) = self.prepared else {
+            return Err("no tool is prepared: iocontrol.prepare tool=N comes first");
+        };
+        if tool.number == self.pins.tool_number.get() {
+            return Ok(true);
+        }
+        self.pins.tool_change.set(true);
+        self.changer = Changer::Changing(tool, ticket);
+        Ok(false)
+    }
+
+    fn needs_enabled(&self) -> Result<(), &'static str> {
+        if self.pins.emc_enable_in.get() { Ok(()) } else { Err("the machine is in e-stop") }
+    }
+
+    fn needs_rest(&self) -> Result<(), &'static str> {
+        self.needs_enabled()?;
+        match self.changer {
+            Changer::Idle => Ok(()),
+            Changer::Preparing(..) => Err("a tool is being prepared"),
+            Changer::Changing(..) => Err("a tool is being changed"),
+        }
+    }
+
+    fn show_prepared(&self, tool: Tool) {
+        self.pins.tool_prep_number.set(tool.number);
+        self.pins.tool_prep_pocket.set(tool.pocket);
+        self.pins.tool_prep_index.set(tool.index);
+    }
+
+    /// Coolant off, requests to the changer withdrawn. What was prepared stays prepared.
+    fn quiet(&mut self, why: &'static str) {
+        for pin in [
+            self.pins.coolant_mist,
+            self.pins.coolant_flood,
+            self.pins.tool_prepare,
+            self.pins.tool_change,
+        ] {
+            pin.set(false);
+        }
+        match core::mem::replace(&mut self.changer, Changer::Idle) {
+            Changer::Preparing(_, ticket) | Changer::Changing(_, ticket) => ticket.fail(why),
+            Changer::Idle => {}
+        }
+    }
+}
