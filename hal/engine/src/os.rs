@@ -135,15 +135,17 @@ pub(crate) fn signalled() -> bool {
     SIGNALLED.load(Relaxed)
 }
 
-/// Whether a process is there; a child of ours that has ended is collected and is not.
+/// Whether a process is there and has not ended. A child of ours that has ended is left to whoever
+/// started it, who wants its status.
 pub(crate) fn alive(pid: i32) -> bool {
-    // SAFETY: without a place for the status, the call only collects.
-    let waited = unsafe { libc::waitpid(pid, null_mut(), libc::WNOHANG) };
-    if waited == pid {
-        return false;
+    use rustix::process::{Pid, WaitId, WaitIdOptions, test_kill_process, waitid};
+    let Some(pid) = Pid::from_raw(pid) else { return false };
+    let look = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
+    match waitid(WaitId::Pid(pid), look) {
+        Ok(status) => status.is_none(),
+        // No child of ours.
+        Err(_) => test_kill_process(pid).is_ok(),
     }
-    // SAFETY: signal 0 only asks.
-    unsafe { libc::kill(pid, 0) == 0 }
 }
 
 /// Sends SIGTERM, or SIGKILL when `hard`.
