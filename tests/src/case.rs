@@ -1,0 +1,190 @@
+//! Cases as data: a folder with a script, and what must come of it.
+
+use crate::{
+    programs::{programs, root},
+    scratch::Scratch,
+};
+use std::{
+    collections::BTreeMap,
+    fmt::Write,
+    fs,
+    path::{Path, PathBuf},
+};
+
+/// A folder of `tests/hal`.
+///
+/// - `test.hal`: the script.
+/// - `expected`: status, what was printed, what was complained about, and the files that came of
+///   it. In it `<pid>` stands for any decimal number, `<hex>` for any hexadecimal one, `<dir>`
+///   for the folder in which the case runs.
+/// - `args`: what halrun is given, if not `--virtual -f test.hal`.
+/// - Every other file lies beside the script when it runs.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// The folder's name.
+    pub name: String,
+    folder: PathBuf,
+}
+
+/// How to run a case.
+#[derive(Clone, Debug, Default)]
+pub struct Around<'a> {
+    /// A program and its words that run halrun.
+    pub before: Vec<&'a str>,
+    /// What the environment is to hold.
+    pub environment: Vec<(&'a str, &'a str)>,
+}
+
+/// Every case; only those that `CASE` names the beginning of, if it is set.
+pub fn cases() -> Vec<Case> {
+    let wanted = std::env::var("CASE").unwrap_or_default();
+    let mut cases: Vec<Case> = fs::read_dir(root().join("tests/hal"))
+        .unwrap()
+        .map(|e| e.unwrap().path())
+        .filter(|p| p.join("test.hal").is_file())
+        .map(|folder| Case {
+            name: folder.file_name().unwrap().to_string_lossy().into_owned(),
+            folder,
+        })
+        .filter(|c| c.name.starts_with(&wanted))
+        .collect();
+    cases.sort_by(|a, b| a.name.cmp(&b.name));
+    cases
+}
+
+impl Case {
+    /// Runs it: everything that came of it, as `expected` has it.
+    pub fn run(&self, around: &Around<'_>) -> String {
+        let scratch = Scratch::copy_of(&self.folder);
+        let given = scratch.files();
+        let args = given.get("args").map_or("--virtual -f test.hal".into(), |args| {
+            String::from_utf8_lossy(args).trim().to_owned()
+        });
+        let mut command = scratch.command(&around.before, "halrun");
+        command.args(args.split_whitespace()).envs(around.environment.iter().copied());
+        let output = scratch.run(&mut command);
+        let mut text = output.status.map_or("killed\n".into(), |s| format!("status {s}\n"));
+        let mut files = vec![
+            ("stdout".to_owned(), output.stdout.into_bytes()),
+            ("stderr".to_owned(), output.stderr.into_bytes()),
+        ];
+        let new = |(name, bytes): &(String, Vec<u8>)| given.get(name) != Some(bytes);
+        files.extend(scratch.files().into_iter().filter(new));
+        for left in scratch.left() {
+            files.push((format!("left behind: {left}"), Vec::new()));
+        }
+        for (name, bytes) in files.iter().filter(|(_, bytes)| !bytes.is_empty()) {
+            let body = String::from_utf8_lossy(bytes);
+            let end = if body.ends_with('\n') { "" } else { "\\\n" };
+            write!(text, "--- {name}\n{body}{end}").unwrap();
+        }
+        let places = [(programs(), "<bin>"), (scratch.path(), "<dir>")];
+        places.iter().fold(text, |t, (p, word)| t.replace(&p.display().to_string(), word))
+    }
+
+    /// Runs it and compares. With `UPDATE_EXPECT=1`, what came of it becomes what is expected.
+    ///
+    /// # Errors
+    /// Something else came of it: what, and where it differs.
+    pub fn check(&self) -> Result<(), String> {
+        let path = self.folder.join("expected");
+        let expected = fs::read_to_string(&path).unwrap_or_default();
+        let got = self.run(&Around::default());
+        if matches(&expected, &got) {
+            return Ok(());
+        }
+        if std::env::var_os("UPDATE_EXPECT").is_some() {
+            fs::write(&path, merged(&expected, &got)).unwrap();
+            return Ok(());
+        }
+        Err(format!("{}:\n{}", short(&path), difference(&expected, &got)))
+    }
+}
+
+/// Runs something for every case, several at once; fails with all that went wrong.
+pub fn for_each(cases: &[Case], run: impl Fn(&Case) -> Result<(), String> + Sync) {
+    let lanes = 4;
+    let wrong: BTreeMap<&str, String> = std::thread::scope(|scope| {
+        let lanes: Vec<_> = (0..lanes)
+            .map(|lane| {
+                let own: Vec<&Case> = cases.iter().skip(lane).step_by(lanes).collect();
+                let run = &run;
+                scope.spawn(move || {
+                    let wrong = own.into_iter().filter_map(|c| Some((&*c.name, run(c).err()?)));
+                    wrong.collect::<Vec<_>>()
+                })
+            })
+            .collect();
+        lanes.into_iter().flat_map(|lane| lane.join().unwrap()).collect()
+    });
+    let texts: Vec<String> = wrong.into_values().collect();
+    assert!(texts.is_empty(), "{} of {} cases:\n{}", texts.len(), cases.len(), texts.join("\n"));
+}
+
+/// Whether two texts are the same but for what `expected` leaves open.
+fn matches(expected: &str, got: &str) -> bool {
+    expected.lines().count() == got.lines().count()
+        && expected.ends_with('\n') == got.ends_with('\n')
+        && expected.lines().zip(got.lines()).all(|(e, g)| line_matches(e, g))
+}
+
+fn line_matches(expected: &str, got: &str) -> bool {
+    let open = [("<pid>", 10), ("<hex>", 16)];
+    let next = open.iter().filter_map(|(w, radix)| Some((expected.find(w)?, w, radix))).min();
+    let Some((at, word, radix)) = next else { return expected == got };
+    let (before, after) = (expected.get(..at), expected.get(at + word.len()..));
+    let Some(rest) = before.and_then(|b| got.strip_prefix(b)) else { return false };
+    let digits = rest.find(|c: char| !c.is_digit(*radix)).unwrap_or(rest.len());
+    digits > 0 && line_matches(after.unwrap_or_default(), rest.get(digits..).unwrap_or_default())
+}
+
+/// What came, with the open places that `expected` has where it still fits.
+fn merged(expected: &str, got: &str) -> String {
+    let old: Vec<&str> = expected.lines().filter(|l| l.contains('<')).collect();
+    got.lines().fold(String::new(), |mut text, line| {
+        text.push_str(old.iter().find(|o| line_matches(o, line)).unwrap_or(&line));
+        text.push('\n');
+        text
+    })
+}
+
+/// The first lines that differ, with some around.
+fn difference(expected: &str, got: &str) -> String {
+    let (expected, got): (Vec<&str>, Vec<&str>) =
+        (expected.lines().collect(), got.lines().collect());
+    let same = expected.iter().zip(&got).take_while(|(e, g)| line_matches(e, g)).count();
+    let part = |mark: &str, lines: &[&str], n: usize| {
+        lines.iter().take(n).fold(String::new(), |t, l| t + mark + l + "\n")
+    };
+    let from = same.saturating_sub(3);
+    part("  ", got.get(from..same).unwrap_or_default(), 3)
+        + &part("- ", expected.get(same..).unwrap_or_default(), 10)
+        + &part("+ ", got.get(same..).unwrap_or_default(), 10)
+}
+
+fn short(path: &Path) -> String {
+    path.strip_prefix(root()).unwrap_or(path).display().to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{line_matches, matches, merged};
+
+    #[test]
+    fn open_places() {
+        for (expected, got, same) in [
+            ("a", "a", true),
+            ("a", "ab", false),
+            ("x <pid> y", "x 123 y", true),
+            ("x <pid> y", "x  y", false),
+            ("x <pid> y", "x 12a y", false),
+            ("<hex> <pid>", "00ff 7", true),
+            ("<hex>", "", false),
+        ] {
+            assert_eq!(line_matches(expected, got), same, "{expected} {got}");
+        }
+        assert!(!matches("a\n", "a"));
+        assert!(!matches("a\nb\n", "a\n"));
+        assert_eq!(merged("old\np <pid>\n", "p 7\nnew\n"), "p <pid>\nnew\n");
+    }
+}

@@ -1,0 +1,11 @@
+//! Every folder of `tests/hal`, through the real halrun. `UPDATE_EXPECT=1` writes what is expected;
+//! `CASE=name` runs those whose names begin so.
+
+use hal_tests::case::{Case, cases, for_each};
+
+#[test]
+fn scripts_do_what_is_expected() {
+    let cases = cases();
+    assert!(!cases.is_empty(), "no case of this name");
+    for_each(&cases, Case::check);
+}
