@@ -5,7 +5,7 @@ use crate::{
     apply::{PATIENCE_NS, Retired},
     arena::Arena,
     graph::{Graph, Ix},
-    loader::Loader,
+    loader::{Loader, Offer},
     name::Name,
     os,
     record::Recording,
@@ -163,6 +163,11 @@ impl Engine {
     /// Offers the components of a library that is linked into this program.
     pub fn add_static(&mut self, library: &'static hal_abi::Library) {
         self.loader.add_static(library);
+    }
+
+    /// Every component type that the plugins on the path offer, by name.
+    pub fn catalogue(&mut self) -> Vec<Offer> {
+        self.loader.catalogue()
     }
 
     /// Serves clients until something ends it; `for_ns` bounds machine time.

@@ -47,6 +47,7 @@ mod wiring;
 
 pub use engine::{Ended, Engine};
 pub use error::Error;
+pub use loader::Offer;
 
 use hal_protocol::Place;
 use std::path::PathBuf;

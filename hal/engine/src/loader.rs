@@ -24,6 +24,17 @@ impl Found {
     }
 }
 
+/// A component type that a plugin offers.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Offer {
+    /// Its name, as in `loadrt NAME`.
+    pub component: String,
+    /// The library that offers it.
+    pub library: String,
+    /// What it is; the first line is a summary.
+    pub doc: String,
+}
+
 /// Finds component types.
 #[derive(Debug, Default)]
 pub(crate) struct Loader {
@@ -98,6 +109,22 @@ impl Loader {
                 }
             }
         }
+    }
+
+    /// Every component type on the path: its name, the library that offers it, and its
+    /// documentation. Sorted by name.
+    pub(crate) fn catalogue(&mut self) -> Vec<Offer> {
+        self.look_into_families();
+        let mut out = Vec::new();
+        for (name, file) in &self.known {
+            let Ok(Some(found)) = open_type(file, name) else { continue };
+            // SAFETY: a string of an open library's descriptor.
+            let doc = unsafe { found.ty.doc.get() }.unwrap_or_default().to_owned();
+            let stem = file.file_stem().and_then(|s| s.to_str()).unwrap_or_default();
+            let library = stem.strip_prefix("lib").unwrap_or(stem).to_owned();
+            out.push(Offer { component: name.clone(), library, doc });
+        }
+        out
     }
 
     fn missing(&self, name: &str) -> Error {

@@ -13,7 +13,7 @@ use std::{
     fs::File,
     io::ErrorKind,
     os::unix::{
-        fs::{DirBuilderExt, PermissionsExt},
+        fs::{DirBuilderExt, MetadataExt, PermissionsExt},
         net::UnixListener,
     },
 };
@@ -44,17 +44,7 @@ impl Server {
             .mode(0o700)
             .create(place.folder())
             .map_err(system("the runtime folder cannot be made"))?;
-        let lock = File::options()
-            .create(true)
-            .truncate(false)
-            .read(true)
-            .write(true)
-            .open(place.lock())
-            .map_err(system("the instance's lock cannot be opened"))?;
-        let flock = rustix::fs::FlockOperation::NonBlockingLockExclusive;
-        if rustix::fs::flock(&lock, flock).is_err() {
-            return Err(Error::Running { instance: place.name().into() });
-        }
+        let lock = Self::lock(place)?;
         let path = place.socket();
         match std::fs::remove_file(&path) {
             Err(e) if e.kind() != ErrorKind::NotFound => {
@@ -68,6 +58,32 @@ impl Server {
             .map_err(system("the instance's socket cannot be protected"))?;
         listener.set_nonblocking(true).map_err(system("the instance's socket"))?;
         Ok(Self { listener, place: place.clone(), lock, clients: Vec::new(), next: 1 })
+    }
+
+    /// Takes the lock that says that the instance is alive.
+    fn lock(place: &Place) -> Result<File, Error> {
+        let system = |e: std::io::Error| Error::System {
+            what: "the instance's lock cannot be opened",
+            why: e.to_string().into(),
+        };
+        loop {
+            let lock = File::options()
+                .create(true)
+                .truncate(false)
+                .read(true)
+                .write(true)
+                .open(place.lock())
+                .map_err(system)?;
+            let flock = rustix::fs::FlockOperation::NonBlockingLockExclusive;
+            if rustix::fs::flock(&lock, flock).is_err() {
+                return Err(Error::Running { instance: place.name().into() });
+            }
+            // An owner that ended meanwhile has removed the file: then this lock means nothing.
+            let same = lock.metadata().map_err(system)?.ino();
+            if std::fs::metadata(place.lock()).is_ok_and(|m| m.ino() == same) {
+                return Ok(lock);
+            }
+        }
     }
 
     /// Ends every connection: programs see it and leave.
