@@ -165,9 +165,13 @@ impl Jogger {
         let fraction = pins.accel_fraction.get();
         let fraction = if (0.0..=1.0).contains(&fraction) { fraction } else { 1.0 };
         let room = room();
-        let room = Room { max_acc: room.max_acc * fraction, ..room };
+        let mut room = Room { max_acc: room.max_acc * fraction, ..room };
         if room.max_acc <= 0.0 {
             return;
+        }
+        if self.tp.active && room.max_acc < self.tp.max_acc {
+            // It must still be able to brake before a limit.
+            room.max_acc = self.tp.max_acc;
         }
         let mut target = self.tp.target + distance;
         if pins.vel_mode.get() {

@@ -5,6 +5,7 @@ mod fault;
 mod jog;
 mod line;
 mod pin;
+mod random;
 
 use crate::Motmod;
 use hal_component::{abi::TicketState, bench::Bench};
