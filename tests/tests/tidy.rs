@@ -229,7 +229,7 @@ fn no_vague_names() {
                         && l.split_once(decl).is_some_and(|(_, n)| {
                             n.split(|c: char| !c.is_alphanumeric())
                                 .next()
-                                .is_some_and(|n| n.ends_with(word) && n != "CommandHandler")
+                                .is_some_and(|n| n.ends_with(word) && n != "Handler")
                         })
                 });
                 assert!(!bad, "{}: a name with {word} says nothing", short(&path));

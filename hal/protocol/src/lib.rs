@@ -7,6 +7,7 @@
 
 mod client;
 mod info;
+mod kind;
 mod message;
 mod pattern;
 mod place;
@@ -18,9 +19,8 @@ pub use info::{
     AliasInfo, ArgInfo, CommandInfo, ComponentInfo, ComponentState, FaultInfo, FunctInfo, ItemInfo,
     SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Usage,
 };
-pub use message::{
-    Answer, Direction, Failure, Kind, LATEST, Lock, Reply, Request, WireReply, WireRequest,
-};
+pub use kind::{Direction, Kind, Lock};
+pub use message::{Answer, Failure, LATEST, Reply, Request, WireReply, WireRequest};
 pub use pattern::Patterns;
 pub use place::{Place, valid_instance};
 pub use stream::Stream;
