@@ -147,7 +147,10 @@ impl Session<'_> {
         let script = self.style.script;
         for (kind, title) in sections {
             let reply = self.ask(Request::List { kind, patterns: patterns.to_vec(), ty })?;
-            self.listing(&reply, |reply| show::section(reply, title, script))?;
+            self.listing(&reply, |reply| match reply {
+                Reply::Commands(list) if patterns.is_empty() => show::summaries(list),
+                reply => show::section(reply, title, script),
+            })?;
         }
         Ok(())
     }

@@ -306,7 +306,8 @@ pub(crate) const COMMANDS: &[Row] = &[
         usage: "[PATTERN...]",
         args: (0, ANY),
         summary: "list the commands that components offer",
-        help: "They are given as COMPONENT.VERB NAME=VALUE..., such as motion.jog joint=0 \
+        help: "With a pattern, also their arguments. \
+               They are given as COMPONENT.VERB NAME=VALUE..., such as motion.jog joint=0 \
                velocity=10. With --wait, the line ends when the machine has carried it out.",
         parse: |words| Ok(Command::Show(Some(ShowKind::Of(Kind::Commands)), None, words.to_vec())),
     },

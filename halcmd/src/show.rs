@@ -195,12 +195,32 @@ fn commands(text: &mut String, list: &[CommandInfo], script: bool) {
         if script {
             continue;
         }
-        text.push_str(&format!("    {}\n", c.doc));
+        indented(text, 4, &c.doc);
         for arg in &c.args {
             let default = arg.default.as_ref().map(|d| format!(" [{d}]")).unwrap_or_default();
-            text.push_str(&format!("    {:<16} {}{default}\n", arg.name, arg.doc));
+            text.push_str(&format!("    {}{default}\n", arg.name));
+            indented(text, 8, &arg.doc);
         }
     }
+}
+
+/// Appends a doc comment, each of its lines moved to the right.
+fn indented(text: &mut String, by: usize, doc: &str) {
+    for line in doc.lines() {
+        text.push_str(format!("{:by$}{line}", "").trim_end());
+        text.push('\n');
+    }
+}
+
+/// The names of commands with the first line of what each does.
+#[must_use]
+pub fn summaries(list: &[CommandInfo]) -> String {
+    let width = list.iter().map(|c| c.name.len()).max().unwrap_or(0);
+    let line = |c: &CommandInfo| {
+        let first = c.doc.lines().next().unwrap_or_default();
+        format!("{:<width$}  {first}", c.name).trim_end().to_owned() + "\n"
+    };
+    list.iter().map(line).collect()
 }
 
 fn streams(text: &mut String, list: &[StreamInfo], script: bool) {
@@ -350,7 +370,8 @@ pub(crate) mod samples {
 
 #[cfg(test)]
 mod tests {
-    use super::{samples, section};
+    use super::{samples, section, summaries};
+    use hal_protocol::{ArgInfo, CommandInfo, Reply};
 
     #[test]
     fn columns_for_people() {
@@ -432,6 +453,30 @@ mod tests {
         ] {
             assert_eq!(section(&reply, title, false), want);
         }
+    }
+
+    #[test]
+    fn commands_with_their_arguments() {
+        let arg = |name: &str, required, default: Option<&str>| ArgInfo {
+            name: name.to_owned(),
+            ty: "float".to_owned(),
+            doc: format!("What {name} is."),
+            required,
+            default: default.map(str::to_owned),
+        };
+        let list = vec![
+            CommandInfo {
+                name: "motion.jog".to_owned(),
+                doc: "Moves.\n\nMore of it.".to_owned(),
+                args: vec![arg("velocity", true, None), arg("distance", false, Some("1"))],
+            },
+            CommandInfo { name: "x.y".to_owned(), doc: "Does.".to_owned(), args: vec![] },
+        ];
+        assert_eq!(summaries(&list), "motion.jog  Moves.\nx.y         Does.\n");
+        let want = "Commands:\nmotion.jog velocity=FLOAT [distance=FLOAT]\n    Moves.\n\n    \
+                    More of it.\n    velocity\n        What velocity is.\n    distance [1]\n        \
+                    What distance is.\nx.y\n    Does.\n\n";
+        assert_eq!(section(&Reply::Commands(list), "Commands:", false), want);
     }
 
     #[test]
