@@ -3,8 +3,9 @@
 use crate::{
     freq::Scale,
     handover::{HALF, Made, STEP, steps},
+    stepgen::Channel,
 };
-use hal_component::{Builder, Error, Out, Period, Takes, Touch, Update};
+use hal_component::{Error, Out, Period, Takes, Touch, Update};
 
 /// The function.
 #[derive(Touch)]
@@ -33,8 +34,7 @@ pub(crate) struct Capture {
 
 impl Capture {
     pub(crate) fn new(
-        b: &mut Builder<'_>,
-        n: usize,
+        c: &mut Channel<'_, '_>,
         scale: Scale,
         made: Takes<Made>,
     ) -> Result<Self, Error> {
@@ -42,8 +42,8 @@ impl Capture {
         const FB: &str = "Position in length units, as of the last capture-position; it moves on \
             between two steps";
         Ok(Self {
-            counts: b.item(&format!("stepgen.{n}.counts"), COUNTS, 0)?,
-            position_fb: b.item(&format!("stepgen.{n}.position-fb"), FB, 0.0)?,
+            counts: c.item("counts", COUNTS, 0)?,
+            position_fb: c.item("position-fb", FB, 0.0)?,
             scale,
             made,
         })

@@ -4,10 +4,11 @@ use crate::{
     capture::position,
     handover::{ASSUMED_NS, Base, Made, STEP, Wanted},
     params::{Params, Rounder},
+    stepgen::Channel,
     types::Control,
 };
 use hal_component::{
-    Builder, Error, Gives, In, Messages, ParamRo, ParamRw, Period, Takes, Touch, Update, Uses,
+    Error, Gives, In, Messages, ParamRo, ParamRw, Period, Takes, Touch, Update, Uses,
 };
 
 /// The function.
@@ -19,6 +20,9 @@ pub(crate) struct UpdateFreq {
 
 impl Update for UpdateFreq {
     fn update(&mut self, period: Period) {
+        if period.ns() < 1 {
+            return;
+        }
         let base_ns = self.base.ns();
         for channel in &mut self.channels {
             channel.update(period.secs(), base_ns);
@@ -53,8 +57,7 @@ pub(crate) struct Freq {
 
 impl Freq {
     pub(crate) fn new(
-        b: &mut Builder<'_>,
-        n: usize,
+        c: &mut Channel<'_, '_>,
         control: Control,
         (enable, params, scale): (In<bool>, Params, Scale),
         (wanted, made): (Gives<Wanted>, Takes<Made>),
@@ -66,17 +69,17 @@ impl Freq {
             A negative value becomes 0, one that changes nothing the largest that does";
         let (name, doc) = control.pin();
         Ok(Self {
-            command: b.item(&format!("stepgen.{n}.{name}"), doc, 0.0)?,
+            command: c.item(name, doc, 0.0)?,
             enable,
-            frequency: b.item(&format!("stepgen.{n}.frequency"), FREQUENCY, 0.0)?,
-            maxvel: b.item(&format!("stepgen.{n}.maxvel"), MAXVEL, 0.0)?,
-            maxaccel: b.item(&format!("stepgen.{n}.maxaccel"), MAXACCEL, 0.0)?,
+            frequency: c.item("frequency", FREQUENCY, 0.0)?,
+            maxvel: c.item("maxvel", MAXVEL, 0.0)?,
+            maxaccel: c.item("maxaccel", MAXACCEL, 0.0)?,
             scale,
             timing: Rounder::new(params),
             wanted,
             made,
-            messages: b.messages(),
-            number: n as f64,
+            messages: c.b.messages(),
+            number: c.number as f64,
             control,
             speed: 0.0,
             last_command: 0.0,

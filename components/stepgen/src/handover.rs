@@ -100,3 +100,34 @@ impl Base {
 pub(crate) const fn steps(accum: i64) -> i32 {
     (accum >> FRACTION) as i32
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_wrap() {
+        for (accum, count) in [
+            (HALF, 0),
+            (STEP - 1, 0),
+            (STEP, 1),
+            (-1, -1),
+            (i64::from(i32::MAX) * STEP + HALF, i32::MAX),
+            (i64::from(i32::MAX) * STEP + STEP, i32::MIN),
+            (i64::MAX, -1),
+            (i64::MIN, 0),
+        ] {
+            assert_eq!(steps(accum), count, "{accum}");
+        }
+    }
+
+    #[test]
+    fn every_stop_is_seen() {
+        let wanted = Wanted::default();
+        wanted.ask(5, 3);
+        assert_eq!((wanted.rate(), wanted.stops()), ((5, 3), 0));
+        wanted.stop();
+        wanted.ask(7, 3);
+        assert_eq!((wanted.rate(), wanted.stops()), ((7, 3), 1));
+    }
+}

@@ -1,7 +1,7 @@
 //! Realtime. The parameters that time the pulses, rounded to what the fast thread can give.
 
-use crate::{handover::ASSUMED_NS, types::StepType};
-use hal_component::{Builder, Error, ParamRw, Touch, Uses};
+use crate::{handover::ASSUMED_NS, stepgen::Channel, types::StepType};
+use hal_component::{Error, ParamRw, Touch, Uses};
 
 /// The parameters of one channel's pulses, in nanoseconds.
 #[derive(Clone, Debug)]
@@ -39,8 +39,8 @@ const DELAY: &str = "Least time between a step and the next one in the other dir
     beyond steplen; rounded up to a multiple of the period of make-pulses";
 
 impl Params {
-    pub(crate) fn new(b: &mut Builder<'_>, n: usize, kind: &StepType) -> Result<Self, Error> {
-        let mut item = |name, doc| b.item(&format!("stepgen.{n}.{name}"), doc, 1);
+    pub(crate) fn new(c: &mut Channel<'_, '_>, kind: &StepType) -> Result<Self, Error> {
+        let mut item = |name, doc| c.item(name, doc, 1);
         let (delayed, directed) = match kind {
             StepType::StepDir => (true, true),
             StepType::UpDown => (true, false),
@@ -138,4 +138,29 @@ fn round_up(ns: u32, step: i64) -> u32 {
     let most = i64::from(u32::MAX) / step * step;
     let fits = if up <= most { up } else { most };
     if ns != 0 && fits == 0 { u32::MAX } else { u32::try_from(fits).unwrap_or(u32::MAX) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounds_up_and_fits() {
+        for (ns, step, up) in [
+            (0, 100, 0),
+            (1, 100, 100),
+            (100, 100, 100),
+            (101, 100, 200),
+            (31_732, 26_732, 53_464),
+            (7, 1, 7),
+            (7, 0, 7),
+            (7, -5, 7),
+            (u32::MAX, 100_000, 4_294_900_000),
+            (u32::MAX, 1, u32::MAX),
+            (1, 5_000_000_000, u32::MAX),
+            (0, i64::MAX, 0),
+        ] {
+            assert_eq!(round_up(ns, step), up, "{ns} by {step}");
+        }
+    }
 }

@@ -3,9 +3,10 @@
 use crate::{
     handover::{Base, HALF, Made, STEP, Wanted, steps},
     params::Params,
+    stepgen::Channel,
     types::StepType,
 };
-use hal_component::{Builder, Error, Gives, In, Out, ParamRo, Period, Takes, Touch, Update, Uses};
+use hal_component::{Error, Gives, In, Out, ParamRo, Period, Takes, Touch, Update, Uses};
 use std::borrow::Cow;
 
 /// The function.
@@ -62,8 +63,7 @@ pub(crate) struct Pulses {
 
 impl Pulses {
     pub(crate) fn new(
-        b: &mut Builder<'_>,
-        n: usize,
+        c: &mut Channel<'_, '_>,
         kind: &StepType,
         (enable, params): (In<bool>, Params),
         (wanted, made): (Takes<Wanted>, Gives<Made>),
@@ -71,9 +71,9 @@ impl Pulses {
         const RAW: &str = "Position in steps, fresh in every period of make-pulses; it wraps";
         Ok(Self {
             enable,
-            rawcounts: b.item(&format!("stepgen.{n}.rawcounts"), RAW, 0)?,
+            rawcounts: c.item("rawcounts", RAW, 0)?,
             params,
-            outputs: Outputs::new(b, n, kind)?,
+            outputs: Outputs::new(c, kind)?,
             wanted,
             made,
             stops: 0,
@@ -168,8 +168,8 @@ enum Outputs {
 }
 
 impl Outputs {
-    fn new(b: &mut Builder<'_>, n: usize, kind: &StepType) -> Result<Self, Error> {
-        let mut pin = |name, doc| b.item(&format!("stepgen.{n}.{name}"), doc, false);
+    fn new(c: &mut Channel<'_, '_>, kind: &StepType) -> Result<Self, Error> {
+        let mut pin = |name, doc| c.item(name, doc, false);
         Ok(match kind {
             StepType::StepDir => Self::StepDir {
                 step: pin("step", "Step pulse, true for steplen")?,

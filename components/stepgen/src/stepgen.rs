@@ -9,7 +9,7 @@ use crate::{
     types::{Control, StepType},
 };
 use hal_component::{
-    Arg, Builder, Component, Error,
+    Arg, Builder, Component, Decl, Error, Field,
     abi::{ArgSpec, component_flags},
 };
 
@@ -76,17 +76,18 @@ impl Component for Stepgen {
             MakePulses { channels: Vec::with_capacity(types.len()), base: gives_base, base_ns: 0 };
         let mut freqs = UpdateFreq { channels: Vec::with_capacity(types.len()), base: takes_base };
         let mut captures = CapturePosition { channels: Vec::with_capacity(types.len()) };
-        for (n, (kind, control)) in types.iter().zip(controls?).enumerate() {
+        for (number, (kind, control)) in types.iter().zip(controls?).enumerate() {
             let (asks, asked) = b.shared(Wanted::default());
             let (makes, made) = b.shared(Made::default());
-            let enable = b.item(&format!("stepgen.{n}.enable"), ENABLE, false)?;
-            let scale = Scale(b.item(&format!("stepgen.{n}.position-scale"), SCALE, 1.0)?);
-            let params = Params::new(b, n, kind)?;
+            let c = &mut Channel { b, number };
+            let enable = c.item("enable", ENABLE, false)?;
+            let scale = Scale(c.item("position-scale", SCALE, 1.0)?);
+            let params = Params::new(c, kind)?;
             let shared = (enable, params.clone());
-            pulses.channels.push(Pulses::new(b, n, kind, shared, (asked, makes))?);
+            pulses.channels.push(Pulses::new(c, kind, shared, (asked, makes))?);
             let shared = (enable, params, scale);
-            freqs.channels.push(Freq::new(b, n, control, shared, (asks, made.clone()))?);
-            captures.channels.push(Capture::new(b, n, scale, made)?);
+            freqs.channels.push(Freq::new(c, control, shared, (asks, made.clone()))?);
+            captures.channels.push(Capture::new(c, scale, made)?);
         }
         b.fast_function("stepgen.make-pulses", "Makes the pulses of all channels", pulses)?;
         b.function("stepgen.update-freq", "Turns commands into step rates", freqs)?;
@@ -97,3 +98,21 @@ impl Component for Stepgen {
 const ENABLE: &str = "While true the channel makes steps; when it becomes false they stop at once";
 const SCALE: &str = "Steps per length unit, for commands and feedback; negative: reversed. A value \
     smaller than 1e-20 becomes 1";
+
+/// One channel being created.
+pub(crate) struct Channel<'c, 'h> {
+    pub(crate) b: &'c mut Builder<'h>,
+    pub(crate) number: usize,
+}
+
+impl Channel<'_, '_> {
+    pub(crate) fn item<F: Field>(
+        &mut self,
+        name: &str,
+        doc: &str,
+        initial: F::Value,
+    ) -> Result<F, Error> {
+        let name = format!("stepgen.{}.{name}", self.number);
+        F::make(self.b, Decl::new(&name, doc), initial)
+    }
+}

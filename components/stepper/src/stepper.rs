@@ -1,0 +1,128 @@
+//! Realtime. `stepper`.
+
+use crate::motion::{Event, Ramp, SPAN_NS, Speed};
+use hal_component::{Component, In, Out, ParamRw, Period, Update};
+
+/// After how long without a step the motor stands still.
+const REST_NS: i64 = 100_000_000;
+
+/// A stepper motor with its load, on the bench: it follows step and direction as long as it can.
+///
+/// Steps that come too fast, or that speed up or slow down too hard, stall it: it then loses every
+/// step until none has come for 20 ms. Speed is the mean over 20 ms; acceleration is fitted to the
+/// steps of a ramp, of which it takes eight over 30 ms. The function belongs after the one that
+/// makes the steps, in the same thread.
+#[derive(Component)]
+#[hal(fast)]
+pub struct Stepper {
+    /// Steps: one at each rising edge.
+    step: In<bool>,
+    /// Direction of the steps: false forward, true backward.
+    dir: In<bool>,
+    /// Position in steps as commanded: what the motor would have if it had lost none; it wraps.
+    counts: Out<i32>,
+    /// Position of the shaft, in length units.
+    position: Out<f64>,
+    /// Steps lost so far, in either direction; it wraps.
+    lost: Out<i32>,
+    /// Commanded speed, in length units per second: the mean over 20 ms, fresh at each step;
+    /// 0 after 100 ms without one.
+    speed: Out<f64>,
+    /// Commanded acceleration, in length units per second squared: fitted to the present ramp; 0
+    /// while the ramp is too short to tell.
+    accel: Out<f64>,
+    /// True while the motor loses steps.
+    stalled: Out<bool>,
+    /// Steps per length unit; 0 or not a number counts as 1.
+    #[hal(default = 1.0)]
+    scale: ParamRw<f64>,
+    /// Speed beyond which it stalls, in length units per second; 0: none.
+    max_vel: ParamRw<f64>,
+    /// Acceleration beyond which it stalls, in length units per second squared; 0: none.
+    max_accel: ParamRw<f64>,
+    #[state]
+    now_ns: i64,
+    #[state]
+    last_ns: i64,
+    #[state]
+    was_high: bool,
+    #[state]
+    moving: bool,
+    #[state]
+    stall: bool,
+    #[state]
+    commanded: i64,
+    #[state]
+    shaft: i64,
+    #[state]
+    missed: i32,
+    #[state]
+    #[hal(default = Speed::new())]
+    mean: Speed,
+    #[state]
+    ramp: Ramp,
+}
+
+impl Update for Stepper {
+    fn update(&mut self, period: Period) {
+        self.now_ns = self.now_ns.wrapping_add(period.ns());
+        let high = self.step.get();
+        let edge = high && !self.was_high;
+        self.was_high = high;
+        if edge {
+            self.turn(if self.dir.get() { -1 } else { 1 });
+        } else if self.moving {
+            self.rest(self.now_ns.wrapping_sub(self.last_ns));
+        }
+        self.counts.set(low(self.commanded));
+        self.lost.set(self.missed);
+        self.stalled.set(self.stall);
+        self.position.set(self.shaft as f64 / self.scale());
+    }
+}
+
+impl Stepper {
+    fn turn(&mut self, by: i64) {
+        let now = Event { ns: self.now_ns, at: self.commanded as f64 + 0.5 * by as f64 };
+        self.commanded = self.commanded.wrapping_add(by);
+        self.last_ns = self.now_ns;
+        self.moving = true;
+        let scale = self.scale();
+        let speed = self.mean.step(now) / scale;
+        let accel = self.ramp.step(now).unwrap_or(0.0) / scale;
+        self.speed.set(speed);
+        self.accel.set(accel);
+        let beyond = |x: f64, limit: f64| limit > 0.0 && x.abs() > limit;
+        if beyond(speed, self.max_vel.get()) || beyond(accel, self.max_accel.get()) {
+            self.stall = true;
+        }
+        if self.stall {
+            self.missed = self.missed.wrapping_add(1);
+        } else {
+            self.shaft = self.shaft.wrapping_add(by);
+        }
+    }
+
+    fn rest(&mut self, idle_ns: i64) {
+        if idle_ns >= SPAN_NS {
+            self.stall = false;
+        }
+        if idle_ns >= REST_NS {
+            self.moving = false;
+            self.mean.clear();
+            self.ramp.clear();
+            self.speed.set(0.0);
+            self.accel.set(0.0);
+        }
+    }
+
+    fn scale(&self) -> f64 {
+        let scale = self.scale.get();
+        if scale.is_nan() || scale == 0.0 { 1.0 } else { scale }
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "counts wrap")]
+const fn low(count: i64) -> i32 {
+    count as i32
+}
