@@ -20,11 +20,6 @@ impl Place {
     pub fn find(name: Option<&str>) -> Result<Self, String> {
         let name = name.map(str::to_owned).or_else(|| env::var("HAL_INSTANCE").ok());
         let name = name.filter(|n| !n.is_empty()).unwrap_or_else(|| "default".to_owned());
-        if !valid_instance(&name) {
-            return Err(format!(
-                "instance name '{name}' is not usable: letters, digits, '-' and '_', at most 32"
-            ));
-        }
         let uid = rustix::process::getuid().as_raw();
         let runtime = env::var_os("HAL_RUNTIME_DIR")
             .or_else(|| env::var_os("XDG_RUNTIME_DIR"))
@@ -32,7 +27,20 @@ impl Place {
             .filter(|p| p.is_absolute() && p.is_dir());
         let folder = runtime
             .map_or_else(|| env::temp_dir().join(format!("ferrule-{uid}")), |r| r.join("ferrule"));
-        Ok(Self { name, folder })
+        Self::at(folder, &name)
+    }
+
+    /// The instance of this name whose files are in `folder`, whatever the environment says.
+    ///
+    /// # Errors
+    /// The name is not usable.
+    pub fn at(folder: impl Into<PathBuf>, name: &str) -> Result<Self, String> {
+        if !valid_instance(name) {
+            return Err(format!(
+                "instance name '{name}' is not usable: letters, digits, '-' and '_', at most 32"
+            ));
+        }
+        Ok(Self { name: name.to_owned(), folder: folder.into() })
     }
 
     /// The instance's name.
