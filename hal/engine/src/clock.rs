@@ -19,7 +19,8 @@ pub(crate) fn turn(shared: &Shared, until: i64, instants: u32) {
             let due = t.due.load(Ordering::Relaxed);
             if due <= until {
                 let missed = (until - due) / t.period_ns + 1;
-                t.due.store(due + missed * t.period_ns, Ordering::Relaxed);
+                let due = due.saturating_add(missed.saturating_mul(t.period_ns));
+                t.due.store(due, Ordering::Relaxed);
             }
         }
         return;

@@ -36,13 +36,26 @@ impl Engine {
         if self.recording.as_ref().is_some_and(Recording::is_waiting) {
             self.begin_recording();
         }
-        let until = target.min(self.next_task()).min(crate::server::next_poll(self));
+        let poll = crate::server::next_poll(self);
+        let mut until = target.min(poll);
+        if until == i64::MAX && self.is_idle() {
+            // Without an end nothing moves while nothing runs: a script that waits for a program
+            // before `start` finds the clock where it was.
+            return false;
+        }
+        until = until.min(self.next_task());
         let instants = if crate::server::waits_for_ticket(self) { 1 } else { SLICE };
         clock::turn(&self.shared, until.max(now), instants);
         self.drain_recording();
         let now = self.shared.now();
         self.run_tasks(now);
         true
+    }
+
+    /// Whether no function runs, whatever the time.
+    pub(crate) fn is_idle(&self) -> bool {
+        let running = self.shared.boundary.is_running() && self.shared.fault.get().is_none();
+        !running || self.shared.threads.load().is_empty()
     }
 
     /// Moves the virtual clock by one instant of machine time, for a script that waits.

@@ -60,6 +60,7 @@ impl Error {
             Self::LinkedElsewhere { pin, .. } | Self::AlreadyLinked { pin, .. } => {
                 Some(format!("'unlinkp {pin}' frees it"))
             }
+            Self::NotStarted => Some("'start' lets the threads run".to_owned()),
             Self::NoService { name, .. } => Some(format!("load {name} first, such as trivkins")),
             _ => None,
         }

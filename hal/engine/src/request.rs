@@ -145,6 +145,9 @@ impl Engine {
                 if !self.shared.is_virtual() {
                     break;
                 }
+                if self.is_idle() && self.tasks.is_empty() {
+                    return Err(Error::NotStarted);
+                }
                 self.advance_one();
                 if self.shared.fault.get().is_some() {
                     break;
