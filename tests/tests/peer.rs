@@ -78,3 +78,70 @@ macro_rules! peers {
     )*};
 }
 peers! { types timing position servo printer steptest siggen limit3 }
+
+/// What `write` and then `reset` left in both registers, in every period.
+fn registers(scratch: &Scratch) -> Vec<String> {
+    let script = std::fs::read_to_string(root().join("tests/peer/parport.hal")).unwrap();
+    let rows = std::fs::read_to_string(root().join("tests/peer/parport.in")).unwrap();
+    let n = rows.lines().count();
+    scratch.write("parport.in", &rows);
+    let mut own = String::new();
+    for line in script.lines() {
+        match line {
+            "loadrt threads name1=fast period1=1000000" => {
+                own.push_str("loadrt sampler depth=1000,1000 cfg=uu,uu\n");
+                own.push_str(
+                    "net data parport.0.sim.data => sampler.0.pin.0 sampler.1.pin.0\n\
+                     net control parport.0.sim.control => sampler.0.pin.1 sampler.1.pin.1\n",
+                );
+                writeln!(own, "{line}").unwrap();
+            }
+            "addf parport.read-all fast" => {
+                writeln!(own, "addf sampler.0 fast\n{line}").unwrap();
+            }
+            "addf parport.0.reset fast" => {
+                writeln!(own, "{line}\naddf sampler.1 fast").unwrap();
+            }
+            l if l.starts_with("loadusr -w sleep") => {
+                writeln!(own, "run {n}ms").unwrap();
+                for s in [0, 1] {
+                    writeln!(own, "loadusr -w halsampler -c {s} -n {n} {s}.raw").unwrap();
+                }
+            }
+            l => writeln!(own, "{l}").unwrap(),
+        }
+    }
+    scratch.write("parport.hal", own);
+    let out = scratch.halrun(&["--virtual", "-f", "parport.hal"]);
+    assert_eq!(out.status, Some(0), "{}{}", out.stdout, out.stderr);
+    let read = |s: &str| scratch.read(&format!("{s}.raw"));
+    let (write, reset) = (read("0"), read("1"));
+    write.lines().zip(reset.lines()).map(|(w, r)| format!("{} / {}", w.trim(), r.trim())).collect()
+}
+
+#[test]
+fn parport_writes_and_resets_as_the_peer_does() {
+    let scratch = Scratch::new("parport");
+    let got = registers(&scratch);
+    let want = std::fs::read_to_string(root().join("tests/peer/parport.out")).unwrap();
+    let mut now = BTreeMap::new();
+    let mut expected = Vec::new();
+    for line in want.lines() {
+        let (write, reset) = line.split_once('/').unwrap();
+        let mut state = |words: &str| {
+            for word in words.split_whitespace() {
+                let (register, value) = word.split_once('=').unwrap();
+                now.insert(register.to_owned(), u32::from_str_radix(value, 16).unwrap());
+            }
+            let at = |r: &str| now.get(r).copied().unwrap_or(0);
+            format!("{} {}", at("378"), at("37a"))
+        };
+        expected.push(format!("{} / {}", state(write), state(reset)));
+    }
+    assert!(got.len() >= 161 && expected.len() >= 161);
+    for (i, (g, e)) in got.iter().zip(&expected).enumerate() {
+        assert_eq!(g, e, "period {i}: data control / data control");
+    }
+    let reset = expected.iter().filter(|e| e.split_once(" / ").is_some_and(|(w, r)| w != r));
+    assert!(reset.count() > 20, "the figures show no reset");
+}
