@@ -211,6 +211,8 @@ impl Engine {
             self.notice(e.to_string());
             return;
         }
+        // What it said is static text in its library, which may close with it.
+        self.hear();
         self.tasks.retain(|t| t.owner != component);
         self.rings.retain(|_, r| r.owner != component);
         let gone: Vec<u64> =

@@ -44,6 +44,13 @@ impl Server {
             .mode(0o700)
             .create(place.folder())
             .map_err(system("the runtime folder cannot be made"))?;
+        let folder = std::fs::metadata(place.folder())
+            .map_err(system("the runtime folder cannot be looked at"))?;
+        let me = rustix::process::getuid().as_raw();
+        if folder.uid() != me || folder.mode() & 0o022 != 0 {
+            let why = format!("{} is not this user's alone", place.folder().display());
+            return Err(Error::System { what: "the runtime folder", why: why.into() });
+        }
         let lock = Self::lock(place)?;
         let path = place.socket();
         match std::fs::remove_file(&path) {
