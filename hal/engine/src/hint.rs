@@ -54,6 +54,7 @@ impl Error {
                 signal_type.name()
             )),
             Self::MissingArgument { doc, .. } => Some(doc.to_string()),
+            Self::BadPeriod { .. } => Some("expected 1000 to 1000000000000 ns".to_owned()),
             Self::PeriodTooShort { .. } => Some("create the fastest thread first".to_owned()),
             Self::Faulted { .. } => Some("'status' says why; unload it to go on".to_owned()),
             Self::InUseBy { user, .. } => Some(format!("unload '{user}' first")),
