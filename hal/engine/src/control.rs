@@ -44,7 +44,9 @@ impl Engine {
             return false;
         }
         until = until.min(self.next_task());
-        let instants = if crate::server::waits_for_ticket(self) { 1 } else { SLICE };
+        // Whoever waits for a ticket or a ring is to see it as soon as it changes.
+        let looks = self.script_waits && !self.rings.is_empty();
+        let instants = if looks || crate::server::waits_for_ticket(self) { 1 } else { SLICE };
         clock::turn(&self.shared, until.max(now), instants);
         self.drain_recording();
         let now = self.shared.now();
