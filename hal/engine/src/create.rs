@@ -167,6 +167,10 @@ impl<'e> Creating<'e> {
     pub(crate) fn thread(&mut self, spec: &ThreadSpec) -> Result<(), Error> {
         let name = Name::parse("thread", self.text(spec.name)?)?;
         let ix = self.engine.new_thread(name, spec.period_ns)?;
+        // The thread's pseudo component goes with this one.
+        if let Some(pseudo) = self.engine.graph.owner_of(ix) {
+            self.engine.graph.g.add_edge(self.component, pseudo, Edge::Owns);
+        }
         self.threads.push(ix);
         Ok(())
     }

@@ -122,8 +122,13 @@ impl Graph {
 
     /// The component that made a node.
     pub(crate) fn owner(&self, ix: Ix) -> Option<&Component> {
-        let edge = self.g.edges_directed(ix, Incoming).find(|e| *e.weight() == Edge::Owns)?;
-        self.component(edge.source())
+        self.component(self.owner_of(ix)?)
+    }
+
+    /// The node of the component that made a node.
+    pub(crate) fn owner_of(&self, ix: Ix) -> Option<Ix> {
+        let mut edges = self.g.edges_directed(ix, Incoming);
+        edges.find(|e| *e.weight() == Edge::Owns).map(|e| e.source())
     }
 
     /// What a component made, newest first.

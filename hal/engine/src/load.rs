@@ -112,12 +112,6 @@ impl Engine {
             }
         }
         for t in threads {
-            // The pseudo component goes with the one that made the thread.
-            if let Some(pseudo) = self.graph.owner(t).map(|c| c.name.clone())
-                && let Some(ix) = self.graph.components.get(&pseudo).copied()
-            {
-                self.graph.g.add_edge(component, ix, crate::graph::Edge::Owns);
-            }
             self.begin_thread(t)?;
         }
         Ok(())
