@@ -1,7 +1,10 @@
-//! What the whole-system tests share: programs, folders of their own, cases as data, recordings.
+//! What the whole-system tests share: programs, plugins, engines, folders of their own, cases as data,
+//! recordings read back.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "whatever fails here fails a test")]
 
 pub mod case;
+pub mod machine;
+pub mod plugins;
 pub mod programs;
 pub mod scratch;
 pub mod vcd;

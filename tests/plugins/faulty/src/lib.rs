@@ -1,0 +1,28 @@
+//! Components that go wrong when they are told to.
+
+mod alloc;
+mod boom;
+mod busy;
+mod chatty;
+mod doomed;
+mod foreign;
+mod lazy;
+mod person;
+mod talk;
+mod tap;
+
+hal_component::export!(
+    alloc::Alloc,
+    boom::Boom,
+    busy::Busy,
+    busy::Stuck,
+    chatty::Chatty,
+    doomed::Doomed,
+    foreign::Foreign,
+    lazy::Lazy,
+    person::Person,
+    talk::Listener,
+    talk::Talker,
+    tap::Feed,
+    tap::Tap,
+);

@@ -1,0 +1,114 @@
+//! Counts the calls of `malloc`, `calloc`, `realloc`, `free` and their kin by threads that run
+//! HAL threads, for every library of a process: each has an allocator of its own, and all end here.
+//!
+//! Put before the C library with `LD_PRELOAD`. Counting is switched by calling
+//! `hal_interpose_count`, and what was counted is read by calling `hal_interpose_counted`.
+
+use core::{
+    cell::Cell,
+    ffi::{c_char, c_int, c_void},
+    sync::atomic::{AtomicBool, AtomicU64, Ordering::SeqCst},
+};
+
+unsafe extern "C" {
+    fn __libc_malloc(size: usize) -> *mut c_void;
+    fn __libc_calloc(n: usize, size: usize) -> *mut c_void;
+    fn __libc_realloc(p: *mut c_void, size: usize) -> *mut c_void;
+    fn __libc_memalign(align: usize, size: usize) -> *mut c_void;
+    fn __libc_free(p: *mut c_void);
+    fn prctl(option: c_int, name: *mut c_char, ...) -> c_int;
+}
+
+const PR_GET_NAME: c_int = 16;
+/// The name that the engine gives to its threads.
+const NAME: &[u8] = b"hal-thread\0";
+
+static COUNTING: AtomicBool = AtomicBool::new(false);
+static CALLS: AtomicU64 = AtomicU64::new(0);
+
+#[derive(Clone, Copy)]
+enum Who {
+    Unknown,
+    Realtime,
+    Other,
+}
+
+thread_local! {
+    // No destructor, and in the memory that a thread has from its start: it allocates nothing.
+    static WHO: Cell<Who> = const { Cell::new(Who::Unknown) };
+}
+
+/// Whether this thread runs HAL threads. It has its name before it runs anything of the engine's.
+fn is_realtime() -> bool {
+    WHO.with(|who| {
+        if matches!(who.get(), Who::Unknown) {
+            let mut name = [0_u8; 16];
+            // SAFETY: the kernel writes at most 16 bytes.
+            unsafe { prctl(PR_GET_NAME, name.as_mut_ptr().cast()) };
+            who.set(if name.starts_with(NAME) { Who::Realtime } else { Who::Other });
+        }
+        matches!(who.get(), Who::Realtime)
+    })
+}
+
+fn note() {
+    if COUNTING.load(SeqCst) && is_realtime() {
+        CALLS.fetch_add(1, SeqCst);
+    }
+}
+
+/// Counts from zero, or stops counting.
+#[unsafe(no_mangle)]
+pub extern "C" fn hal_interpose_count(on: bool) {
+    CALLS.store(0, SeqCst);
+    COUNTING.store(on, SeqCst);
+}
+
+/// How many calls were counted.
+#[unsafe(no_mangle)]
+pub extern "C" fn hal_interpose_counted() -> u64 {
+    CALLS.load(SeqCst)
+}
+
+macro_rules! interpose {
+    ($($name:ident($($arg:ident: $ty:ty),*) $(-> $out:ty)? = $code:expr;)*) => {$(
+        /// As the C library has it, and counted.
+        ///
+        /// # Safety
+        /// As the C library has it.
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $name($($arg: $ty),*) $(-> $out)? {
+            note();
+            // SAFETY: the C library's own function, with the caller's promises.
+            unsafe { $code }
+        }
+    )*};
+}
+
+interpose! {
+    malloc(size: usize) -> *mut c_void = __libc_malloc(size);
+    calloc(n: usize, size: usize) -> *mut c_void = __libc_calloc(n, size);
+    realloc(p: *mut c_void, size: usize) -> *mut c_void = __libc_realloc(p, size);
+    memalign(align: usize, size: usize) -> *mut c_void = __libc_memalign(align, size);
+    aligned_alloc(align: usize, size: usize) -> *mut c_void = __libc_memalign(align, size);
+    free(p: *mut c_void) = __libc_free(p);
+}
+
+const ENOMEM: c_int = 12;
+
+/// As the C library has it, and counted.
+///
+/// # Safety
+/// As the C library has it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn posix_memalign(out: *mut *mut c_void, align: usize, size: usize) -> c_int {
+    note();
+    // SAFETY: as the C library has it.
+    let p = unsafe { __libc_memalign(align, size) };
+    if p.is_null() {
+        return ENOMEM;
+    }
+    // SAFETY: the caller's place.
+    unsafe { out.write(p) };
+    0
+}

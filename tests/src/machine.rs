@@ -1,0 +1,234 @@
+//! An engine inside a test, told what to do in lines of a script.
+
+use crate::{plugins::plugins, scratch::Scratch};
+use hal_engine::{ClockKind, Ended, Engine, Options};
+use hal_protocol::{
+    Client, Direction, Failure, Kind, Link, Lock, Place, Reply, Request, StatusInfo, ThreadInfo,
+    Type, Value,
+};
+use std::{sync::mpsc, thread::JoinHandle};
+
+/// An engine that finds the plugins of `tests/plugins`, `threads` and `logic`.
+#[derive(Debug)]
+pub struct Machine {
+    /// The engine.
+    pub engine: Engine,
+}
+
+/// How an engine for a test is made.
+pub fn options(place: Place, clock: ClockKind) -> Options {
+    Options {
+        place,
+        clock,
+        hold: true,
+        simulate: true,
+        old_names: false,
+        path: vec![plugins().to_owned()],
+    }
+}
+
+fn furnished(mut engine: Engine) -> Machine {
+    engine.add_static(&threads::HAL_LIBRARY);
+    engine.add_static(&logic::HAL_LIBRARY);
+    Machine { engine }
+}
+
+impl Machine {
+    /// On a clock of this kind; no client can reach it.
+    pub fn new(clock: ClockKind) -> Self {
+        let place = Place::at("/nonexistent", "test").unwrap();
+        furnished(Engine::without_socket(options(place, clock)).unwrap())
+    }
+
+    /// Runs lines that must work.
+    pub fn script(&mut self, lines: &str) {
+        script(&mut self.engine, lines);
+    }
+
+    /// Ends it; the last things that it had to say.
+    pub fn end(mut self) -> Vec<String> {
+        let said = self.engine.take_messages();
+        self.engine.close();
+        said
+    }
+}
+
+impl Link for Machine {
+    fn call(&mut self, request: Request) -> Result<Reply, Failure> {
+        self.engine.call(request)
+    }
+}
+
+/// An engine on the real clock in a thread of its own, with a socket for clients.
+#[derive(Debug)]
+pub struct Served {
+    /// Where its socket is.
+    pub place: Place,
+    thread: Option<JoinHandle<(Ended, Vec<String>)>>,
+}
+
+impl Served {
+    /// Starts it with the lines of a script; they must make a thread, or it ends at once.
+    pub fn start(scratch: &Scratch, name: &str, lines: &str) -> Self {
+        let place = Place::at(scratch.path().join(".run/ferrule"), name).unwrap();
+        let (there, lines) = (place.clone(), lines.to_owned());
+        let (ready, is_ready) = mpsc::channel();
+        let thread = std::thread::spawn(move || {
+            let engine = Engine::new(options(there, ClockKind::Real)).unwrap();
+            let mut machine = furnished(engine);
+            machine.script(&lines);
+            ready.send(()).unwrap();
+            let ended = machine.engine.serve(None);
+            (ended, machine.end())
+        });
+        // Fails when the script does.
+        is_ready.recv().unwrap_or_else(|_| panic!("the engine did not come up"));
+        Self { place, thread: Some(thread) }
+    }
+
+    /// A client, not listed.
+    pub fn client(&self) -> Client {
+        Client::connect(&self.place, "").unwrap()
+    }
+
+    /// Ends it: what it had to say.
+    pub fn end(mut self) -> Vec<String> {
+        self.client().call(Request::Shutdown).unwrap();
+        let (ended, said) = self.thread.take().unwrap().join().unwrap();
+        assert_eq!(ended, Ended::Shutdown);
+        said
+    }
+}
+
+/// Runs lines that must work.
+pub fn script(link: &mut impl Link, lines: &str) {
+    for line in lines.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#')) {
+        link.call(request(line)).unwrap_or_else(|e| panic!("{line}: {e}"));
+    }
+}
+
+/// What comes of a line: `ok`, a value, an answer, or the refusal with its hint.
+pub fn says(link: &mut impl Link, line: &str) -> String {
+    match link.call(request(line)) {
+        Ok(Reply::Value(value)) => value.to_string(),
+        Ok(Reply::Answer(answer)) => answer.lines.join("\n"),
+        Ok(_) => "ok".to_owned(),
+        Err(failure) => failure.to_string(),
+    }
+}
+
+/// A pin's or parameter's value.
+pub fn get(link: &mut impl Link, name: &str) -> Value {
+    match link.call(Request::Get { name: name.to_owned() }) {
+        Ok(Reply::Value(value)) => value,
+        other => panic!("getp {name}: {other:?}"),
+    }
+}
+
+/// The value of a pin or parameter that counts.
+pub fn count(link: &mut impl Link, name: &str) -> u64 {
+    match get(link, name) {
+        Value::U32(n) => u64::from(n),
+        Value::S32(n) => u64::try_from(n).unwrap(),
+        Value::S64(n) => u64::try_from(n).unwrap(),
+        Value::U64(n) => n,
+        other => panic!("{name} does not count: {other:?}"),
+    }
+}
+
+/// Whether a bit is true.
+pub fn bit(link: &mut impl Link, name: &str) -> bool {
+    get(link, name) == Value::Bit(true)
+}
+
+/// The state of the instance.
+pub fn status(link: &mut impl Link) -> StatusInfo {
+    match link.call(Request::Status) {
+        Ok(Reply::Status(status)) => *status,
+        other => panic!("status: {other:?}"),
+    }
+}
+
+/// A thread as `show thread` has it.
+pub fn thread(link: &mut impl Link, name: &str) -> ThreadInfo {
+    let kind = Kind::Threads;
+    match link.call(Request::List { kind, patterns: vec![name.to_owned()], ty: None }) {
+        Ok(Reply::Threads(list)) => {
+            list.into_iter().find(|t| t.name == name).unwrap_or_else(|| panic!("no thread {name}"))
+        }
+        other => panic!("show thread {name}: {other:?}"),
+    }
+}
+
+/// Lets time pass on the wall, and with it on the real clock, until something is so. There is no
+/// bound on how long that takes but one that only a failure reaches.
+pub fn wait<L: Link>(link: &mut L, what: &str, mut look: impl FnMut(&mut L) -> bool) {
+    for _ in 0..60_000 {
+        if look(link) {
+            return;
+        }
+        link.call(Request::Idle { ms: 1, flow: false }).unwrap();
+    }
+    panic!("given up: {what}");
+}
+
+/// Waits until a thread has run some more cycles.
+pub fn cycles(link: &mut impl Link, name: &str, n: u64) {
+    let end = thread(link, name).cycles + n;
+    wait(link, "cycles", |link| thread(link, name).cycles >= end);
+}
+
+/// A line of a script as a request; just what tests need of the language.
+pub fn request(line: &str) -> Request {
+    let words: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
+    let at = |i: usize| words.get(i).cloned().unwrap_or_else(|| panic!("{line}: too short"));
+    let rest = |i: usize| words.get(i..).unwrap_or_default().to_vec();
+    let position = |i: usize| words.get(i).map_or(-1, |w| w.parse().unwrap());
+    match at(0).as_str() {
+        "loadrt" => Request::Load { module: at(1), args: rest(2) },
+        "unloadrt" if at(1) == "all" => Request::UnloadAll,
+        "unloadrt" => Request::Unload { name: at(1) },
+        "newsig" => Request::NewSignal { name: at(1), ty: Type::parse(&at(2)).unwrap() },
+        "delsig" => Request::DeleteSignal { name: Some(at(1)) },
+        "net" => Request::Net { signal: at(1), pins: rest(2) },
+        "linkps" => Request::Link { pin: at(1), signal: at(2) },
+        "unlinkp" => Request::Unlink { pin: at(1) },
+        "setp" => Request::Set { name: at(1), value: at(2) },
+        "getp" => Request::Get { name: at(1) },
+        "sets" => Request::SetSignal { name: at(1), value: at(2) },
+        "gets" => Request::GetSignal { name: at(1) },
+        "addf" | "initf" => {
+            let init = at(0) == "initf";
+            Request::AddFunct { funct: at(1), thread: at(2), position: position(3), init }
+        }
+        "delf" => Request::RemoveFunct { funct: at(1), thread: words.get(2).cloned() },
+        "start" => Request::Start,
+        "stop" => Request::Stop,
+        "alias" => Request::Alias { param: at(1) == "param", name: at(2), alias: at(3) },
+        "lock" => Request::SetLock {
+            level: match at(1).as_str() {
+                "none" => Lock::NONE,
+                "tune" => Lock::TUNE,
+                "all" => Lock::ALL,
+                "load" => Lock::LOAD,
+                "config" => Lock::CONFIG,
+                "params" => Lock::PARAMS,
+                "run" => Lock::RUN,
+                other => panic!("{line}: no lock {other}"),
+            },
+        },
+        "run" => Request::Run { ns: at(1).parse().unwrap() },
+        "idle" => Request::Idle { ms: at(1).parse().unwrap(), flow: false },
+        "record" => Request::Record { path: at(1), patterns: rest(2) },
+        "join" => Request::Join { name: at(1), poll_ns: 0 },
+        "ready" => Request::Ready,
+        "newpin" => Request::NewPin {
+            name: at(1),
+            ty: Type::parse(&at(2)).unwrap(),
+            direction: if at(3) == "in" { Direction::In } else { Direction::Out },
+        },
+        "status" => Request::Status,
+        verb if verb.contains('.') => Request::Command { name: at(0), args: rest(1) },
+        other => panic!("{line}: what is {other}?"),
+    }
+}
