@@ -13,9 +13,9 @@ impl Engine {
     /// `ms` on the wall when there is nothing to do.
     pub(crate) fn pump(&mut self, ms: i32) {
         self.hear();
+        let moved = self.advance();
         self.notice_fault();
         self.reap();
-        let moved = self.advance();
         let ms = if moved { 0 } else { ms };
         crate::server::serve_once(self, ms);
     }

@@ -228,7 +228,7 @@ impl Engine {
         if let Err(e) = self.stop_threads() {
             self.notice(e.to_string());
         }
-        self.run_stops();
+        self.run_stops(&self.graph.components_by_age());
         if self.recording.is_some()
             && let Err(e) = self.end_recording()
         {

@@ -1,6 +1,6 @@
 //! Threads that are stuck, functions that have failed, and what is done then.
 
-use crate::{Engine, Error, args::Args, graph::Ix, os, sync::Ordering};
+use crate::{Engine, Error, args::Args, graph::Ix, name::Name, os, sync::Ordering};
 use hal_protocol::FaultInfo;
 
 impl Engine {
@@ -34,7 +34,7 @@ impl Engine {
         while threads.iter().any(|t| t.gate.is_inside()) && os::monotonic_ns() < limit {
             os::sleep_until(os::monotonic_ns() + 20_000);
         }
-        self.run_stops();
+        self.run_stops(&self.graph.components_by_age());
         let thread = self
             .graph
             .threads
@@ -60,14 +60,30 @@ impl Engine {
     /// What the last panic said.
     pub(crate) fn cause(&self) -> String {
         let (bytes, n) = self.shared.cause.bytes();
-        String::from_utf8_lossy(bytes.get(..n).unwrap_or_default()).into_owned()
+        let text = String::from_utf8_lossy(bytes.get(..n).unwrap_or_default());
+        // What is longer was cut, perhaps inside a letter.
+        let whole = n < bytes.len();
+        if whole { text.into_owned() } else { format!("{}…", text.trim_end_matches('\u{fffd}')) }
     }
 
-    /// Runs every stop action.
-    pub(crate) fn run_stops(&mut self) {
+    /// The function that failed is gone: what is left may be started again.
+    pub(crate) fn forgive(&mut self, funct: &Name) {
+        if self.fault.as_ref().is_none_or(|f| f.funct != funct.as_str()) {
+            return;
+        }
+        self.shared.boundary.stop();
+        // If a thread is stuck, the next `start` tries again.
+        if self.settle().is_ok() {
+            self.fault = None;
+            self.shared.fault.clear();
+        }
+    }
+
+    /// Runs the stop actions of components.
+    pub(crate) fn run_stops(&mut self, components: &[Ix]) {
         let mut failed = Vec::new();
-        for ix in self.graph.components_by_age() {
-            let Some(c) = self.graph.component(ix) else { continue };
+        for ix in components {
+            let Some(c) = self.graph.component(*ix) else { continue };
             for stop in &c.stops {
                 if let Err(e) = stop.call(Args::default()) {
                     failed.push(format!("{}: stop action: {e}", c.name));

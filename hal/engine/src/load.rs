@@ -134,10 +134,8 @@ impl Engine {
             return Err(Error::InUseBy { name: name.into(), user });
         }
         self.detach(ix)?;
-        for stop in self.graph.component(ix).map_or(&[][..], |c| &c.stops) {
-            // What a stop action says is not a reason to keep the component.
-            drop(stop.call(Args::default()));
-        }
+        // What a stop action says is not a reason to keep the component.
+        self.run_stops(&[ix]);
         self.remove_component(ix);
         self.reap();
         Ok(())
@@ -243,6 +241,7 @@ impl Engine {
             }
             Some(Node::Funct(f)) => {
                 self.graph.functs.remove(&f.name);
+                self.forgive(&f.name);
             }
             Some(Node::Thread(t)) => {
                 self.graph.threads.remove(&t.name);

@@ -12,6 +12,7 @@ use hal_protocol::{Answer, Failure, LATEST, Link, Reply, Request, TicketInfo};
 impl Engine {
     /// Carries out what needs no client and no waiting.
     pub(crate) fn carry(&mut self, request: Request) -> Result<Reply, Error> {
+        self.notice_fault();
         match request {
             Request::Load { module, args } => self.load(&module, &args)?,
             Request::Unload { name } => self.unload(&name)?,
