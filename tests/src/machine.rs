@@ -6,7 +6,7 @@ use hal_protocol::{
     Client, Direction, Failure, Kind, Link, Lock, Place, Reply, Request, StatusInfo, ThreadInfo,
     Type, Value,
 };
-use std::{sync::mpsc, thread::JoinHandle};
+use std::{process::Command, sync::mpsc, thread::JoinHandle};
 
 /// An engine that finds the plugins of `tests/plugins`, `threads` and `logic`.
 #[derive(Debug)]
@@ -176,6 +176,17 @@ pub fn wait<L: Link>(link: &mut L, what: &str, mut look: impl FnMut(&mut L) -> b
 pub fn cycles(link: &mut impl Link, name: &str, n: u64) {
     let end = thread(link, name).cycles + n;
     wait(link, "cycles", |link| thread(link, name).cycles >= end);
+}
+
+/// Runs all other tests of this program once more, where nobody may use `SCHED_FIFO`: one thread
+/// of the system then runs all threads.
+pub fn without_fifo(this_test: &str) {
+    let no_fifo = "HAL_NO_FIFO";
+    if std::env::var_os(no_fifo).is_none() {
+        let mut again = Command::new(std::env::current_exe().unwrap());
+        let output = again.args(["--skip", this_test]).env(no_fifo, "1").output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
+    }
 }
 
 /// A line of a script as a request; just what tests need of the language.
