@@ -10,7 +10,7 @@ use crate::{
 use hal_protocol::Place;
 use std::{path::Path, process::ExitCode};
 
-/// What [`OPTIONS`] may say; the first nine are those of every script.
+/// The options of halcmd; the first nine are those of every script.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the table of options says what each does")]
 pub enum Id {

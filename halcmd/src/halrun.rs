@@ -14,7 +14,10 @@ use hal_engine::Engine;
 use hal_protocol::{Client, Link, Place, Request};
 use plan::{Action, Detach, Plan, Script};
 use serve::{Local, stay};
-use std::{path::Path, process::ExitCode};
+use std::{
+    path::Path,
+    process::{Child, ExitCode},
+};
 
 /// How long `-U` waits for the instance to end, in steps of 10 ms.
 const PATIENCE: u32 = 1000;
@@ -105,6 +108,9 @@ fn prepare(plan: &Plan) -> Result<Files, Error> {
 
 fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
     serve::listen();
+    if plan.detach == Detach::Child {
+        detach::leave_terminal();
+    }
     let mut options = plan.options.clone();
     options.old_names = files.ini.as_ref().is_some_and(Ini::is_old);
     let mut engine = match Engine::new(options) {
@@ -114,26 +120,35 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
             return 1;
         }
     };
-    let outcome = script(plan, files, &mut engine, terminal);
+    let (outcome, programs) = script(plan, files, &mut engine, terminal);
     let code = match outcome {
         Outcome::Good => 0,
         Outcome::Failed => 1,
         // A script that was asked to end is not one that failed; one that was broken off is.
         Outcome::Ended => u8::from(serve::was_broken_off(&mut engine)),
     };
-    if plan.detach == Detach::Child {
-        detach::tell(outcome == Outcome::Good);
+    if plan.detach == Detach::Child && outcome == Outcome::Good {
+        detach::tell();
     }
     let goes_on = outcome == Outcome::Good && !plan.interactive && plan.script != Script::Terminal;
     if goes_on {
         stay(plan, &mut engine);
     }
     engine.close();
+    // The engine has ended them; now they are collected.
+    for mut program in programs {
+        drop(program.wait());
+    }
     // What is typed may fail without the session being a failure.
     if plan.script == Script::Terminal && outcome == Outcome::Failed { 0 } else { code }
 }
 
-fn script(plan: &Plan, files: &Files, engine: &mut Engine, terminal: &mut dyn Terminal) -> Outcome {
+fn script(
+    plan: &Plan,
+    files: &Files,
+    engine: &mut Engine,
+    terminal: &mut dyn Terminal,
+) -> (Outcome, Vec<Child>) {
     let mut link = Local::new(engine);
     if let Some(level) = plan.level {
         // The level is within range.
@@ -162,5 +177,5 @@ fn script(plan: &Plan, files: &Files, engine: &mut Engine, terminal: &mut dyn Te
     if plan.interactive && outcome != Outcome::Ended && plan.script != Script::Terminal {
         typed(&mut session);
     }
-    outcome
+    (outcome, session.into_programs())
 }

@@ -70,12 +70,12 @@ impl Ini {
     }
 
     /// Every entry of this name in the section, in order.
-    pub fn all<'a>(&'a self, section: &'a str, name: &'a str) -> impl Iterator<Item = &'a Entry> {
+    pub fn all<'a>(&'a self, section: &str, name: &str) -> impl Iterator<Item = &'a Entry> {
         self.entries.iter().filter(move |e| e.is(section, name))
     }
 
     /// Every entry of a section, in order.
-    pub fn section<'a>(&'a self, section: &'a str) -> impl Iterator<Item = &'a Entry> {
+    pub fn section<'a>(&'a self, section: &str) -> impl Iterator<Item = &'a Entry> {
         self.entries.iter().filter(move |e| e.section == section)
     }
 

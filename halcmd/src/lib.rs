@@ -34,6 +34,6 @@ pub mod vars;
 pub use command::Command;
 pub use error::Error;
 pub use session::{Outcome, Session, Style};
-pub use source::{Bytes, Lines, Physical, Stdin};
+pub use source::{Bytes, Lines, MAX_PHYSICAL, Physical, Stdin};
 pub use terminal::{Captured, Stdio, Terminal};
 pub use units::{UnitError, nanoseconds};

@@ -2,13 +2,12 @@
 
 use crate::{Error, Session, command::Launch};
 use hal_protocol::{ComponentInfo, ComponentState, Kind, Lock, Reply, Request};
+use rustix::fs::FileType;
 use std::{
+    os::fd::AsFd,
     path::PathBuf,
     process::{Child, Command, ExitStatus, Stdio},
 };
-
-/// A program under way.
-pub(crate) type Program = Child;
 
 /// How long a component may take before it is said that it is waited for, in polls.
 const PATIENCE: u32 = 200;
@@ -33,7 +32,13 @@ impl Session<'_> {
             }
         };
         let pid = i32::try_from(child.id()).unwrap_or(0);
-        self.ask(Request::Adopt { pid, program: program.to_owned() })?;
+        if let Err(error) = self.ask(Request::Adopt { pid, program: program.to_owned() }) {
+            // Nobody would end it.
+            if child.kill().is_ok() {
+                drop(child.wait());
+            }
+            return Err(error);
+        }
         self.note(&format!("Program '{program}' started"));
         let result = if launch.until_ready {
             self.until_ready(&mut child, program, &expected, &before)
@@ -82,6 +87,14 @@ impl Session<'_> {
         command.args(&launch.args).env("HAL_INSTANCE", &self.instance);
         if self.style.reads_input {
             command.stdin(Stdio::null());
+        }
+        if self.style.background && !launch.until_end {
+            if !is_file(std::io::stdout()) {
+                command.stdout(Stdio::null());
+            }
+            if !is_file(std::io::stderr()) {
+                command.stderr(Stdio::null());
+            }
         }
         command.spawn()
     }
@@ -179,6 +192,11 @@ fn ended(child: &mut Child) -> Option<Option<ExitStatus>> {
         Ok(status) => Some(status),
         Err(_) => Some(None),
     }
+}
+
+/// Whether output goes to a file, and not to a terminal or a pipe that somebody waits for.
+pub(crate) fn is_file(fd: impl AsFd) -> bool {
+    rustix::fs::fstat(fd).is_ok_and(|s| FileType::from_raw_mode(s.st_mode) == FileType::RegularFile)
 }
 
 /// A program of this name beside the one that runs.

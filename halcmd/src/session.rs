@@ -4,12 +4,12 @@ use crate::{
     Error, Lines, Terminal,
     ini::Ini,
     lex::{Line, Reader, without_comment, words},
-    program::Program,
     source::Bytes,
     table,
     vars::{Values, replace},
 };
 use hal_protocol::{Link, Reply, Request};
+use std::process::Child;
 
 /// The code of a [`Failure`](hal_protocol::Failure) that only says that the instance is ending:
 /// the script ends with it, and nothing is said.
@@ -37,6 +37,8 @@ pub struct Style {
     pub wait: bool,
     /// Standard input is read by the session: programs it starts get none.
     pub reads_input: bool,
+    /// The session is in the background: programs that go on after it hold no terminal.
+    pub background: bool,
 }
 
 /// How a file ended.
@@ -56,7 +58,7 @@ pub struct Session<'a> {
     pub(crate) terminal: &'a mut dyn Terminal,
     pub(crate) style: Style,
     pub(crate) instance: String,
-    pub(crate) programs: Vec<Program>,
+    pub(crate) programs: Vec<Child>,
     environment: &'a dyn Fn(&str) -> Option<String>,
     ini: Option<&'a Ini>,
     place: (String, u32),
@@ -125,6 +127,12 @@ impl<'a> Session<'a> {
         self.outcome_of(result)
     }
 
+    /// The programs it has started and that have not ended yet.
+    #[must_use]
+    pub fn into_programs(self) -> Vec<Child> {
+        self.programs
+    }
+
     /// Sends a request of the program's own.
     ///
     /// # Errors
@@ -168,6 +176,11 @@ impl<'a> Session<'a> {
             }
         }
         self.complain(&error.to_string());
+    }
+
+    /// What is done from here on stands at this place.
+    pub(crate) fn stand_at(&mut self, file: &str, line: u32) {
+        self.place = (file.to_owned(), line);
     }
 
     pub(crate) fn complain(&mut self, text: &str) {
@@ -239,7 +252,7 @@ impl<'a> Session<'a> {
         Ok(Step::On)
     }
 
-    fn outcome_of(&mut self, result: Result<(), Error>) -> Outcome {
+    pub(crate) fn outcome_of(&mut self, result: Result<(), Error>) -> Outcome {
         match result {
             Ok(()) => Outcome::Good,
             Err(_) if self.ended => Outcome::Ended,
@@ -359,6 +372,7 @@ mod tests {
         echo: false,
         wait: false,
         reads_input: false,
+        background: false,
     };
 
     #[test]

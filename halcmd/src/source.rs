@@ -9,7 +9,7 @@ use rustix::{
 use std::collections::VecDeque;
 
 /// The longest piece of a line that is read at once, in bytes.
-pub(crate) const MAX_PHYSICAL: usize = 1023;
+pub const MAX_PHYSICAL: usize = 1023;
 
 /// A line, or a piece of one that is longer than [`MAX_PHYSICAL`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

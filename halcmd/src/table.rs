@@ -142,10 +142,29 @@ pub fn help(about: Option<&str>) -> Result<String, Error> {
     let first = summary.next().map(|c| c.to_ascii_uppercase());
     text.push_str(&format!("\n{}{}.\n", first.unwrap_or_default(), summary.as_str()));
     if !row.help.is_empty() {
-        text.push_str(row.help);
-        text.push('\n');
+        text.push_str(&wrapped(row.help));
     }
     Ok(text)
+}
+
+/// A text in lines that fit a terminal.
+fn wrapped(text: &str) -> String {
+    const WIDTH: usize = 78;
+    let mut out = String::new();
+    let mut at = 0;
+    for word in text.split(' ') {
+        let length = word.chars().count();
+        if at > 0 && at + 1 + length > WIDTH {
+            out.push('\n');
+            at = 0;
+        } else if at > 0 {
+            out.push(' ');
+            at += 1;
+        }
+        out.push_str(word);
+        at += length;
+    }
+    out + "\n"
 }
 
 /// The table as the README shows it.
@@ -162,6 +181,11 @@ pub fn markdown() -> String {
 #[cfg(test)]
 mod tests {
     use super::{COMMANDS, help, markdown, understand};
+    use crate::{
+        ini::Ini,
+        lex::{without_comment, words},
+        vars::{Values, replace},
+    };
 
     fn refusal(line: &str) -> String {
         let words: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
@@ -283,6 +307,8 @@ mod tests {
             );
             let text = help(Some(row.name)).unwrap();
             assert!(text.ends_with('\n') && text.len() > 10, "{}", row.name);
+            let help = text.lines().skip(1);
+            assert!(help.into_iter().all(|l| l.chars().count() <= 78), "{text}");
         }
         let net = help(Some("net")).unwrap();
         assert!(net.starts_with("net SIGNAL PIN...\nJoin pins by a signal.\n"), "{net}");
@@ -292,6 +318,67 @@ mod tests {
         );
         let error = help(Some("bogus")).unwrap_err().to_string();
         assert_eq!(error, "No help for unknown command 'bogus'");
+    }
+
+    /// Pseudo-random lines of what the language is made of: whatever they mean, they are read.
+    #[test]
+    fn no_line_is_beyond_understanding() {
+        const PIECES: &[&str] = &[
+            "net",
+            "setp",
+            "show",
+            "loadusr",
+            "record",
+            " ",
+            "  ",
+            "\t",
+            "=",
+            "=>",
+            "<=",
+            "a.b",
+            "$",
+            "$(",
+            ")",
+            "[",
+            "]",
+            "[A]",
+            "X",
+            "\"",
+            "'",
+            "#",
+            "\\",
+            "-t",
+            "-1",
+            "99999999999999999999",
+            "ü",
+            "\u{0}",
+            "run",
+            "1s",
+            "addf",
+            "x",
+            "all",
+            "save",
+            "(",
+            "delf",
+        ];
+        let ini = Ini::parse("m", b"[A]\nX = a \"b\n").unwrap();
+        let values = Values { environment: &|_| Some("v v".to_owned()), ini: Some(&ini) };
+        let mut seed = 1_u64;
+        let mut understood = 0;
+        for _ in 0..20_000 {
+            let mut line = String::new();
+            for _ in 0..seed % 12 {
+                seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                line.push_str(PIECES[usize::try_from(seed >> 33).unwrap() % PIECES.len()]);
+            }
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695);
+            let words = without_comment(&line)
+                .and_then(|text| replace(text, values))
+                .and_then(|text| words(&text));
+            understood += usize::from(words.is_ok_and(|w| understand(&w).is_ok()));
+            drop(Ini::parse("m", line.as_bytes()));
+        }
+        assert!(understood > 100, "{understood}");
     }
 
     #[test]

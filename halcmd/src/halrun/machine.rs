@@ -38,7 +38,8 @@ pub(super) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path) -> Outcom
         return failed(session, &Error::IniFile { path, why });
     }
     let mut machine = Machine { session, ini, folders, outcome: Outcome::Good };
-    machine.ask(Request::Load { module: "iocontrol".to_owned(), args: Vec::new() });
+    let module = "iocontrol".to_owned();
+    machine.ask("EMCIO", Request::Load { module, args: Vec::new() });
     for entry in ini.all("HAL", "HALFILE") {
         machine.file(entry, true);
     }
@@ -46,7 +47,7 @@ pub(super) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path) -> Outcom
     for entry in ini.all("HAL", "HALCMD") {
         machine.then(|session| session.line_at(&entry.file, entry.line, &entry.value));
     }
-    machine.ask(Request::Start);
+    machine.ask("HAL", Request::Start);
     for entry in ini.all("HAL", "POSTGUI_HALFILE") {
         machine.file(entry, false);
     }
@@ -76,10 +77,15 @@ impl Machine<'_, '_> {
         }
     }
 
-    fn ask(&mut self, request: Request) {
-        self.then(|session| match session.ask(request) {
-            Ok(_) => Outcome::Good,
-            Err(error) => failed(session, &error),
+    /// Asks for what the INI file asks for in a section.
+    fn ask(&mut self, section: &str, request: Request) {
+        let place = self.ini.section(section).next();
+        self.then(|session| {
+            if let Some(entry) = place {
+                session.stand_at(&entry.file, entry.line);
+            }
+            let result = session.ask(request);
+            session.outcome_of(result.map(|_| ()))
         });
     }
 
@@ -119,14 +125,16 @@ impl Machine<'_, '_> {
             let command = match session.ask(list) {
                 Ok(Reply::Commands(list)) => list.into_iter().next(),
                 Ok(_) => None,
-                Err(error) => return failed(session, &error),
+                Err(error) => return session.outcome_of(Err(error)),
             };
             let Some(command) = command else { return Outcome::Good };
-            for args in data(ini, &command) {
-                if let Err(error) =
-                    session.ask(Request::Command { name: command.name.clone(), args })
-                {
-                    return failed(session, &error);
+            for (entry, args) in data(ini, &command) {
+                session.stand_at(&entry.file, entry.line);
+                let name = command.name.clone();
+                let result = session.ask(Request::Command { name, args });
+                let outcome = session.outcome_of(result.map(|_| ()));
+                if outcome != Outcome::Good {
+                    return outcome;
                 }
             }
             Outcome::Good
@@ -152,49 +160,62 @@ const PATH: &[(&str, &str, &str)] = &[
     ("DISPLAY", "MAX_FEED_OVERRIDE", "max-feed-override"),
 ];
 
-/// The arguments of each `motion.configure`: one for coordinated moves, one for each joint, one
-/// for each axis that has limits of its own. What the command does not know is left out.
-fn data(ini: &Ini, command: &CommandInfo) -> Vec<Vec<String>> {
-    let known = |arg: &str| command.args.iter().any(|a| a.name == arg);
-    let word = |value: &str| value.split_whitespace().next().unwrap_or_default().to_owned();
-    let mut all = Vec::new();
-    let mut path: Vec<String> = Vec::new();
+/// The arguments of each `motion.configure`, and where they begin: one for coordinated moves, one
+/// for each joint, one for each axis that has limits of its own. What the command does not know is
+/// left out.
+fn data<'a>(ini: &'a Ini, command: &CommandInfo) -> Vec<(&'a Entry, Vec<String>)> {
+    let mut path = Args::new(command, None);
     for (section, name, arg) in PATH {
-        let given = path.iter().any(|a| a.split('=').next() == Some(arg));
-        if let Some(value) = ini.get(section, name).filter(|v| !given && !v.is_empty())
-            && known(arg)
-        {
-            path.push(format!("{arg}={}", word(value)));
+        if let Some(entry) = ini.all(section, name).next() {
+            path.add(arg, entry);
         }
-    }
-    if !path.is_empty() {
-        all.push(path);
     }
     let of = |section: &str, first: String| {
-        let mut args = vec![first];
+        let mut args = Args::new(command, Some(first));
         for entry in ini.section(section) {
-            let arg = entry.name.to_ascii_lowercase().replace('_', "-");
-            let free = !args.iter().any(|a| a.split('=').next() == Some(arg.as_str()));
-            if free && known(&arg) && !entry.value.is_empty() {
-                args.push(format!("{arg}={}", word(&entry.value)));
-            }
+            args.add(&entry.name.to_ascii_lowercase().replace('_', "-"), entry);
         }
-        args
+        args.done()
     };
+    let mut all = vec![path.done()];
     let joints = if ini.is_old() { "AXIS" } else { "JOINT" };
     for n in 0..100 {
-        let section = format!("{joints}_{n}");
-        if ini.has_section(&section) {
-            all.push(of(&section, format!("joint={n}")));
-        }
+        all.push(of(&format!("{joints}_{n}"), format!("joint={n}")));
     }
     for letter in "XYZABCUVW".chars() {
-        let section = format!("AXIS_{letter}");
-        if ini.has_section(&section) {
-            all.push(of(&section, format!("axis={}", letter.to_ascii_lowercase())));
-        }
+        all.push(of(&format!("AXIS_{letter}"), format!("axis={}", letter.to_ascii_lowercase())));
     }
-    all
+    all.into_iter().flatten().collect()
+}
+
+/// Arguments of one command, as entries give them.
+struct Args<'a, 'c> {
+    command: &'c CommandInfo,
+    place: Option<&'a Entry>,
+    words: Vec<String>,
+}
+
+impl<'a, 'c> Args<'a, 'c> {
+    fn new(command: &'c CommandInfo, first: Option<String>) -> Self {
+        Self { command, place: None, words: first.into_iter().collect() }
+    }
+
+    /// Takes the entry's value, if the command has this argument and it was not given yet.
+    fn add(&mut self, arg: &str, entry: &'a Entry) {
+        let given = self.words.iter().any(|w| w.split('=').next() == Some(arg));
+        let known = self.command.args.iter().any(|a| a.name == arg);
+        let value = entry.value.split_whitespace().next();
+        if let Some(value) = value.filter(|_| known && !given) {
+            self.words.push(format!("{arg}={value}"));
+        }
+        self.place.get_or_insert(entry);
+    }
+
+    /// Nothing when there was no entry.
+    fn done(self) -> Option<(&'a Entry, Vec<String>)> {
+        let place = self.place?;
+        (!self.words.is_empty()).then_some((place, self.words))
+    }
 }
 
 /// Where HAL files of a machine are.
@@ -265,7 +286,10 @@ mod tests {
 
     fn check(text: &str, want: &[&str]) {
         let ini = Ini::parse("m.ini", text.as_bytes()).unwrap();
-        let got: Vec<String> = data(&ini, &command()).iter().map(|a| a.join(" ")).collect();
+        let got: Vec<String> = data(&ini, &command())
+            .iter()
+            .map(|(entry, args)| format!("{} {}", entry.line, args.join(" ")))
+            .collect();
         assert_eq!(got, want, "{text}");
     }
 
@@ -276,16 +300,16 @@ mod tests {
              [AXIS_0]\nTYPE = LINEAR\nMIN_LIMIT = -50.0\nMAX_LIMIT = 200.0 # mm\nSCALE = 4\n\
              [AXIS_1]\nHOME_OFFSET = 0.0\n",
             &[
-                "max-velocity=90.00 default-velocity=9.00 linear-units=mm",
-                "joint=0 min-limit=-50.0 max-limit=200.0",
-                "joint=1 home-offset=0.0",
+                "4 max-velocity=90.00 default-velocity=9.00 linear-units=mm",
+                "6 joint=0 min-limit=-50.0 max-limit=200.0",
+                "11 joint=1 home-offset=0.0",
             ],
         );
         check(
             "[AXIS_X]\nMAX_VELOCITY = 5\nMAX_LIMIT=7\n[JOINT_0]\nFERROR = 1\nFERROR = 2\n",
-            &["joint=0 ferror=1", "axis=x max-velocity=5 max-limit=7"],
+            &["5 joint=0 ferror=1", "2 axis=x max-velocity=5 max-limit=7"],
         );
-        check("[TRAJ]\nMAX_LINEAR_VELOCITY=1\nMAX_VELOCITY=2\n", &["max-velocity=1"]);
+        check("[TRAJ]\nMAX_LINEAR_VELOCITY=1\nMAX_VELOCITY=2\n", &["2 max-velocity=1"]);
         check("", &[]);
     }
 

@@ -169,6 +169,7 @@ pub(super) fn plan(
     };
     let script = script(&files, detach)?;
     let interactive = has(Id::Interactive);
+    style.background = detach == Detach::Child;
     style.reads_input = interactive || script == Script::Terminal || detach == Detach::Child;
     let whole = |path: String| std::path::absolute(&path).unwrap_or_else(|_| path.into());
     Ok(Action::Run(Box::new(Plan {
