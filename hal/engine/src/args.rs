@@ -165,6 +165,9 @@ fn integer(text: &str) -> Option<i64> {
     }
 }
 
+/// More instances than this are a slip of the hand that would take all memory.
+const MOST_INSTANCES: u32 = 1_000_000;
+
 /// What `loadrt` takes for components made per instance, beside their own arguments.
 #[derive(Debug, Default)]
 pub(crate) struct Instances {
@@ -192,7 +195,12 @@ impl Instances {
             match plain.split_once('=') {
                 Some(("count", n)) => {
                     let count = integer(n).and_then(|n| u32::try_from(n).ok());
-                    out.count = Some(count.ok_or_else(|| invalid(n, &plain))?);
+                    let count = count.filter(|n| *n <= MOST_INSTANCES);
+                    out.count = Some(count.ok_or_else(|| Error::InvalidArgument {
+                        value: n.into(),
+                        word: plain.as_str().into(),
+                        expects: "expected a number from 0 to 1000000",
+                    })?);
                 }
                 Some(("names", list)) => {
                     out.names = list.split(',').map(str::to_owned).collect();

@@ -100,9 +100,11 @@ pub enum Error {
     },
     PositionTooHigh {
         position: i64,
+        most: i64,
     },
     PositionTooLow {
         position: i64,
+        most: i64,
     },
     OneThreadOnly {
         funct: Box<str>,
@@ -306,8 +308,10 @@ impl core::fmt::Display for Error {
                 write!(f, "signal '{name}': queue already allocated")
             }
             Self::BadPosition { position } => write!(f, "bad position: {position}"),
-            Self::PositionTooHigh { position } => write!(f, "position '{position}' is too high"),
-            Self::PositionTooLow { position } => write!(f, "position '{position}' is too low"),
+            Self::PositionTooHigh { position, .. } => {
+                write!(f, "position '{position}' is too high")
+            }
+            Self::PositionTooLow { position, .. } => write!(f, "position '{position}' is too low"),
             Self::OneThreadOnly { funct } => {
                 write!(f, "function '{funct}' may only be added to one thread")
             }

@@ -47,6 +47,12 @@ impl Error {
             | Self::OutOfRange { expects, .. }
             | Self::InvalidArgument { expects, .. } => Some((*expects).to_owned()),
             Self::NotWritable { why, .. } => Some((*why).to_owned()),
+            Self::InvalidParameter { .. } => {
+                Some("an argument is NAME=VALUE, such as count=2".to_owned())
+            }
+            Self::BadPosition { .. } => Some("1 is the first, -1 the last".to_owned()),
+            Self::PositionTooHigh { most, .. } => Some(format!("it may be 1 to {most}")),
+            Self::PositionTooLow { most, .. } => Some(format!("it may be -1 to -{most}")),
             Self::NameTooLong { .. } => Some(format!("at most {} characters", hal_abi::NAME_LEN)),
             Self::TypeMismatch { pin, pin_type, signal, signal_type } => Some(format!(
                 "pin '{pin}' is {}, signal '{signal}' is {}",

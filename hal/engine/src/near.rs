@@ -5,7 +5,8 @@ pub(crate) fn nearest<'n>(
     word: &str,
     names: impl IntoIterator<Item = &'n str>,
 ) -> Option<Box<str>> {
-    let far = 1 + word.len() / 4;
+    // Never so far that nothing of the word is left.
+    let far = (1 + word.len() / 4).min(word.len().saturating_sub(1));
     names
         .into_iter()
         .filter(|n| n.len().abs_diff(word.len()) <= far)

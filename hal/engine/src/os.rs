@@ -155,3 +155,9 @@ pub(crate) fn end_process(pid: i32, hard: bool) {
         unsafe { libc::kill(pid, if hard { libc::SIGKILL } else { libc::SIGTERM }) };
     }
 }
+
+/// What the system says went wrong, in words without a number.
+pub(crate) fn said(error: &std::io::Error) -> Box<str> {
+    let text = error.to_string();
+    text.split(" (os error").next().unwrap_or(&text).into()
+}

@@ -4,6 +4,7 @@ use crate::{
     Engine, Error,
     code::Ptr,
     graph::{Graph, Item},
+    os,
     probe::{Probe, Source, Watch},
     sync::{Arc, AtomicU64, Ordering},
 };
@@ -49,8 +50,8 @@ impl Engine {
         if let Some(r) = &self.recording {
             return Err(Error::Recording { path: r.path.as_str().into() });
         }
-        let file = File::create(path)
-            .map_err(|e| Error::File { path: path.into(), why: e.to_string().into() })?;
+        let file =
+            File::create(path).map_err(|e| Error::File { path: path.into(), why: os::said(&e) })?;
         self.recording = Some(Recording {
             path: path.to_owned(),
             patterns: Patterns::new(patterns),
@@ -71,6 +72,9 @@ impl Engine {
         let Some(mut r) = self.recording.take() else { return };
         if r.probe.is_none() {
             let (watches, names) = self.watches(&r);
+            if watches.is_empty() && !r.patterns.is_empty() {
+                self.notice(format!("{}: nothing matches what is to be recorded", r.path));
+            }
             let mut codes = BTreeMap::new();
             for (i, (ty, _)) in names.iter().enumerate() {
                 codes.insert(i, code(i));
@@ -156,8 +160,17 @@ impl Engine {
         }
     }
 
+    /// While virtual time stands still, nobody looks at what a script or a stop action changes.
+    fn look_last(&self) {
+        let probe = self.recording.as_ref().and_then(|r| r.probe.as_ref());
+        if let Some(probe) = probe.filter(|_| self.shared.is_virtual()) {
+            probe.sample(self.shared.now());
+        }
+    }
+
     /// Ends the recording: the file is whole afterwards.
     pub(crate) fn end_recording(&mut self) -> Result<(), Error> {
+        self.look_last();
         self.drain_recording();
         let Some(mut r) = self.recording.take() else { return Err(Error::NotRecording) };
         self.shared.probe.store(None);

@@ -184,7 +184,7 @@ impl Link for Engine {
             Request::Idle { ms, flow } => {
                 let end = os::monotonic_ns() + i64::from(ms) * 1_000_000;
                 let before = self.target;
-                if flow {
+                if flow && !self.options.hold {
                     self.target = i64::MAX;
                     self.script_waits = true;
                 }

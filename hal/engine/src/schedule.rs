@@ -113,7 +113,7 @@ impl Engine {
         }
         self.runners.begin(&thread, rank).map_err(|e| Error::System {
             what: "no thread of the system could be started",
-            why: e.to_string().into(),
+            why: os::said(&e),
         })
     }
 
@@ -252,12 +252,12 @@ impl Engine {
         let n = i64::try_from(order.len()).unwrap_or(i64::MAX);
         let at = if position > 0 {
             if position > n + 1 {
-                return Err(Error::PositionTooHigh { position });
+                return Err(Error::PositionTooHigh { position, most: n + 1 });
             }
             position - 1
         } else {
             if -position > n + 1 {
-                return Err(Error::PositionTooLow { position });
+                return Err(Error::PositionTooLow { position, most: n + 1 });
             }
             n + 1 + position
         };

@@ -35,9 +35,8 @@ pub(crate) struct Server {
 impl Server {
     /// Takes the socket of an instance, also over from an owner that has died.
     pub(crate) fn open(place: &Place) -> Result<Self, Error> {
-        let system = |what: &'static str| {
-            move |e: std::io::Error| Error::System { what, why: e.to_string().into() }
-        };
+        let system =
+            |what: &'static str| move |e: std::io::Error| Error::System { what, why: os::said(&e) };
         let mut builder = std::fs::DirBuilder::new();
         builder
             .recursive(true)
@@ -71,7 +70,7 @@ impl Server {
     fn lock(place: &Place) -> Result<File, Error> {
         let system = |e: std::io::Error| Error::System {
             what: "the instance's lock cannot be opened",
-            why: e.to_string().into(),
+            why: os::said(&e),
         };
         loop {
             let lock = File::options()

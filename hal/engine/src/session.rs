@@ -44,7 +44,7 @@ pub(crate) fn respond(
         },
         Request::Idle { ms, flow } => {
             c.waits = Waits::Wall(os::monotonic_ns() + i64::from(ms) * 1_000_000);
-            c.flows = flow;
+            c.flows = flow && !engine.options.hold;
             return None;
         }
         Request::Join { name, poll_ns } => join(engine, c, &name, poll_ns),
@@ -179,7 +179,7 @@ fn attach(engine: &mut Engine, c: &mut Client, name: &str) -> Result<Reply, Erro
     }
     c.fd = Some(ring.fd.try_clone().map_err(|e| Error::System {
         what: "the stream cannot be handed over",
-        why: e.to_string().into(),
+        why: os::said(&e),
     })?);
     ring.attached = Some(c.id);
     Ok(Reply::Stream(ring.info(name)))
