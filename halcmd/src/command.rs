@@ -5,7 +5,7 @@ use hal_protocol::{Kind, Lock, Request, Type};
 /// A line that was understood.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
-    /// One request, and what `-v` says when it is done.
+    /// One request, and what `-v` says when it is done, in lines.
     Ask(Request, Option<String>),
     /// One request whose value is printed.
     Value(Request),

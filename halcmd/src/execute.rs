@@ -85,8 +85,10 @@ impl Session<'_> {
             for line in lines {
                 self.note(line);
             }
-        } else if let Some(note) = note {
-            self.note(note);
+        } else {
+            for line in note.unwrap_or_default().lines() {
+                self.note(line);
+            }
         }
     }
 

@@ -121,7 +121,7 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
         }
     };
     let (outcome, programs) = script(plan, files, &mut engine, terminal);
-    let code = match outcome {
+    let mut code = match outcome {
         Outcome::Good => 0,
         Outcome::Failed => 1,
         // A script that was asked to end is not one that failed; one that was broken off is.
@@ -133,6 +133,9 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
     let goes_on = outcome == Outcome::Good && !plan.interactive && plan.script != Script::Terminal;
     if goes_on {
         stay(plan, &mut engine);
+        if serve::has_fault(&mut engine) {
+            code = 1;
+        }
     }
     engine.close();
     // The engine has ended them; now they are collected.

@@ -66,12 +66,13 @@ pub(crate) fn loadusr(words: &[String]) -> Result<Command, Error> {
 }
 
 pub(crate) fn net(words: &[String]) -> Result<Command, Error> {
-    match words.split_first() {
-        Some((signal, pins)) if !pins.is_empty() => {
-            Ok(Command::Ask(Request::Net { signal: signal.clone(), pins: pins.to_vec() }, None))
-        }
-        _ => Err(Error::NoPin),
-    }
+    let Some((signal, pins)) = words.split_first().filter(|(_, pins)| !pins.is_empty()) else {
+        return Err(Error::NoPin);
+    };
+    let notes: Vec<String> =
+        pins.iter().map(|pin| format!("Pin '{pin}' linked to signal '{signal}'")).collect();
+    let request = Request::Net { signal: signal.clone(), pins: pins.to_vec() };
+    Ok(Command::Ask(request, Some(notes.join("\n"))))
 }
 
 pub(crate) fn linkps(words: &[String]) -> Result<Command, Error> {

@@ -250,7 +250,11 @@ mod tests {
         for (line, want) in [
             ("a.b = 5", "Ask(Set { name: \"a.b\", value: \"5\" }, None)"),
             ("setp a.b 5", "Ask(Set { name: \"a.b\", value: \"5\" }, None)"),
-            ("net s a => b <= c", "Ask(Net { signal: \"s\", pins: [\"a\", \"b\", \"c\"] }, None)"),
+            (
+                "net s a => b <=",
+                "Ask(Net { signal: \"s\", pins: [\"a\", \"b\"] }, Some(\"Pin 'a' linked to signal \
+                 's'\\nPin 'b' linked to signal 's'\"))",
+            ),
             (
                 "linksp s => p",
                 "Ask(Link { pin: \"p\", signal: \"s\" }, Some(\"Pin 'p' linked to signal 's'\"))",

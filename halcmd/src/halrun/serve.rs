@@ -52,6 +52,11 @@ pub(super) fn was_broken_off(engine: &mut Engine) -> bool {
     engine.serve(Some(0)) == Ended::Signal
 }
 
+/// Whether the threads have stopped because a component failed.
+pub(super) fn has_fault(engine: &mut Engine) -> bool {
+    matches!(engine.call(Request::Status), Ok(Reply::Status(status)) if status.fault.is_some())
+}
+
 /// Serves clients until the instance's time is over.
 pub(super) fn stay(plan: &Plan, engine: &mut Engine) {
     if plan.script == Script::Nothing && plan.for_ns.is_none() {
