@@ -84,6 +84,23 @@ impl Vcd {
         Self { changes: self.changes.iter().map(|(n, l)| part(n, l)).collect(), end: to }
     }
 
+    /// Bits as text: a line each, with what it was at `from` and its edges up to `to`, in
+    /// microseconds after `from`.
+    pub fn drawing(&self, bits: &[&str], from: i64, to: i64) -> String {
+        let part = self.between(from, to);
+        let width = bits.iter().map(|b| b.len()).max().unwrap_or(0);
+        bits.iter().fold(String::new(), |mut text, name| {
+            let mut changes = part.of(name).iter();
+            let first = changes.next().is_some_and(|(_, v)| *v != 0.0);
+            text.push_str(&format!("{name:width$}  {}", if first { "high" } else { "low " }));
+            for (time, value) in changes {
+                let edge = if *value == 0.0 { "fall" } else { "rise" };
+                text.push_str(&format!("  {edge} {}", (time - from) as f64 / 1e3));
+            }
+            text + "\n"
+        })
+    }
+
     fn change(&mut self, names: &BTreeMap<&str, Vec<String>>, code: &str, value: f64) {
         for name in names.get(code).unwrap_or_else(|| panic!("VCD: no variable {code}")) {
             self.changes.entry(name.clone()).or_default().push((self.end, value));
@@ -114,5 +131,7 @@ mod tests {
         assert_eq!(vcd.at("n", 1000), 5.0);
         assert_eq!(vcd.end(), 400);
         assert_eq!(vcd.between(150, 300).of("a.x"), [(150, 1.0), (200, 0.0)]);
+        let drawing = "a.x  low   rise 0.05  fall 0.15\nsig  low   rise 0.05  fall 0.15\n";
+        assert_eq!(vcd.drawing(&["a.x", "sig"], 50, 250), drawing);
     }
 }

@@ -135,7 +135,7 @@ fn every_polite_way_to_end() {
 #[test]
 fn after_a_kill_a_new_start_works() {
     let scratch = Scratch::new("kill");
-    scratch.write("blink.hal", &format!("loadusr -W hal_manualtoolchange\n{BLINK}"));
+    scratch.write("blink.hal", format!("loadusr -W hal_manualtoolchange\n{BLINK}"));
     let mut machine = halrun(&scratch, &["blink.hal"]);
     until_up(&scratch, &mut machine, "t");
     let own = vec![process(&scratch), program(&scratch, "hal_manualtoolchange")];
