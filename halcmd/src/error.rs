@@ -59,6 +59,9 @@ pub enum Error {
     NoFunct,
     NoThread,
     Level,
+    Switch {
+        word: Box<str>,
+    },
     Kind {
         command: &'static str,
         word: Box<str>,
@@ -215,6 +218,7 @@ impl core::fmt::Display for Error {
             Self::NoFunct => f.write_str("missing function name"),
             Self::NoThread => f.write_str("missing thread name"),
             Self::Level => f.write_str("Debug level must be >=0 and <= 5"),
+            Self::Switch { word } => write!(f, "'{word}' is neither on nor off"),
             Self::Kind { command, word, kinds } => {
                 write!(f, "Unknown '{command}' type '{word}'; it is one of {kinds}")
             }

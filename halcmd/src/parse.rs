@@ -216,6 +216,15 @@ pub(crate) fn debug(words: &[String]) -> Result<Command, Error> {
     Ok(Command::Ask(Request::MessageLevel { level: level.ok_or(Error::Level)? }, None))
 }
 
+pub(crate) fn timing(words: &[String]) -> Result<Command, Error> {
+    let on = match first(words).as_str() {
+        "on" => true,
+        "off" => false,
+        _ => return Err(Error::Switch { word: first(words).into() }),
+    };
+    Ok(Command::Ask(Request::Timing { thread: words.get(1).cloned(), on }, None))
+}
+
 /// `COMPONENT.VERB NAME=VALUE…`: what is not in the table but has a dot.
 pub(crate) fn component(name: &str, words: &[String]) -> Result<Command, Error> {
     if !name.contains('.') {

@@ -289,8 +289,7 @@ pub(crate) const COMMANDS: &[Row] = &[
         usage: "TIME",
         args: (1, 1),
         summary: "move the virtual clock",
-        help: "Such as 'run 20ms': a number and ns, us, ms or s. While other lines are carried \
-               out, the virtual clock stands still.",
+        help: "Such as 'run 20ms': a number and ns, us, ms or s. Else it stands still.",
         parse: parse::run,
     },
     Row {
@@ -306,9 +305,8 @@ pub(crate) const COMMANDS: &[Row] = &[
         usage: "[PATTERN...]",
         args: (0, ANY),
         summary: "list the commands that components offer",
-        help: "With a pattern, also their arguments. \
-               They are given as COMPONENT.VERB NAME=VALUE..., such as motion.jog joint=0 \
-               velocity=10. With --wait, the line ends when the machine has carried it out.",
+        help: "With a pattern, also their arguments: COMPONENT.VERB NAME=VALUE..., such as \
+               motion.jog joint=0 velocity=10. With --wait, the line ends when it is done.",
         parse: |words| Ok(Command::Show(Some(ShowKind::Of(Kind::Commands)), None, words.to_vec())),
     },
     Row {
@@ -350,6 +348,14 @@ pub(crate) const COMMANDS: &[Row] = &[
         summary: "choose what components' messages are shown",
         help: "0 none, 1 errors, 2 warnings, 3 information, 4 and 5 everything.",
         parse: parse::debug,
+    },
+    Row {
+        name: "timing",
+        usage: "on|off [THREAD]",
+        args: (1, 2),
+        summary: "switch the times of functions on or off",
+        help: "FUNCT.time and FUNCT.tmax, of one thread or all; off at first on the virtual clock.",
+        parse: parse::timing,
     },
     Row {
         name: "source",

@@ -211,6 +211,10 @@ impl<'a> Session<'a> {
     fn read<L: Lines>(&mut self, name: &str, mut reader: Reader<L>, nested: bool) -> Outcome {
         let mut outcome = Outcome::Good;
         while let Some(line) = reader.next(self.link) {
+            if self.link.is_ending() {
+                self.ended = true;
+                return Outcome::Ended;
+            }
             self.place = (name.to_owned(), line.number);
             if line.dos {
                 self.complain("Warning: File contains DOS-style line endings.");

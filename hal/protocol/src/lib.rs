@@ -39,4 +39,9 @@ pub trait Link {
     fn is_local(&self) -> bool {
         false
     }
+
+    /// Whether the engine has been asked to end: a script then stops, whatever its lines are.
+    fn is_ending(&self) -> bool {
+        false
+    }
 }

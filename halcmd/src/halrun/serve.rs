@@ -45,6 +45,10 @@ impl Link for Local<'_> {
     fn is_local(&self) -> bool {
         true
     }
+
+    fn is_ending(&self) -> bool {
+        self.engine.is_ending()
+    }
 }
 
 /// Whether a script ended because of a signal, not because a line or a client asked for it.
