@@ -1,7 +1,8 @@
 //! Plugin files: where they are, whether they are plugins, and which offers a component.
 
-use crate::{Error, code::Library, near::nearest, sync::Arc};
+use crate::{Error, code::Library, near::nearest, os, sync::Arc};
 use hal_abi::{ABI_MAJOR, ABI_MINOR, ComponentType, Record, component_flags, panic_strategy};
+use libloading::os::unix;
 use object::{Object, ObjectSymbol};
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -102,7 +103,7 @@ impl Loader {
                 if !is_library || !self.seen.insert(file.clone()) || descriptor(&file).is_err() {
                     continue;
                 }
-                if let Ok((types, _)) = open(&file) {
+                if let Ok((types, _)) = open(&file, Stay::WhileOpen) {
                     for name in types.into_keys() {
                         self.known.entry(name).or_insert_with(|| file.clone());
                     }
@@ -117,9 +118,10 @@ impl Loader {
         self.look_into_families();
         let mut out = Vec::new();
         for (name, file) in &self.known {
-            let Ok(Some(found)) = open_type(file, name) else { continue };
+            let Ok((types, _library)) = open(file, Stay::WhileOpen) else { continue };
+            let Some(ty) = types.get(name) else { continue };
             // SAFETY: a string of an open library's descriptor.
-            let doc = unsafe { found.ty.doc.get() }.unwrap_or_default().to_owned();
+            let doc = unsafe { ty.doc.get() }.unwrap_or_default().to_owned();
             let stem = file.file_stem().and_then(|s| s.to_str()).unwrap_or_default();
             let library = stem.strip_prefix("lib").unwrap_or(stem).to_owned();
             out.push(Offer { component: name.clone(), library, doc });
@@ -140,8 +142,9 @@ impl Loader {
     }
 }
 
+/// Opens a file for a component of it that is to be made.
 fn open_type(file: &Path, name: &str) -> Result<Option<Found>, Error> {
-    let (mut types, library) = open(file)?;
+    let (mut types, library) = open(file, Stay::Mapped)?;
     Ok(types.remove(name).map(|ty| Found { ty, library, private: true }))
 }
 
@@ -164,12 +167,25 @@ fn descriptor(file: &Path) -> Result<String, Error> {
 
 type Types = BTreeMap<String, ComponentType>;
 
-fn open(file: &Path) -> Result<(Types, Arc<Library>), Error> {
+/// Whether a library stays when nothing of it is in use any more.
+///
+/// One whose code has run stays mapped: its language runtime may have registered what a thread is
+/// to run when that ends, and that would be gone. Opening it again gives the same mapping, so it
+/// is there once however often it is loaded.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Stay {
+    Mapped,
+    WhileOpen,
+}
+
+fn open(file: &Path, stay: Stay) -> Result<(Types, Arc<Library>), Error> {
     let symbol = descriptor(file)?;
     let shown = file.display().to_string();
     let not = |why: String| Error::NotAPlugin { file: shown.as_str().into(), why: why.into() };
+    let stays = if stay == Stay::Mapped { os::STAY_MAPPED } else { 0 };
     // SAFETY: a plugin's initialisers are ordinary code of its language runtime.
-    let library = unsafe { libloading::Library::new(file) }.map_err(|e| not(e.to_string()))?;
+    let library = unsafe { unix::Library::open(Some(file), os::RESOLVE_ALL | stays) };
+    let library = library.map(libloading::Library::from).map_err(|e| not(e.to_string()))?;
     // SAFETY: only its address is used.
     let found = unsafe { library.get::<*const hal_abi::Library>(symbol.as_bytes()) };
     let found = found.map_err(|e| not(e.to_string()))?;

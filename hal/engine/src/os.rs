@@ -3,6 +3,11 @@
 use crate::sync::{AtomicBool, Ordering::Relaxed};
 use core::ptr::{NonNull, null_mut};
 
+/// Opening a library: every symbol is resolved at once, so that none is in a cycle.
+pub(crate) const RESOLVE_ALL: i32 = libc::RTLD_NOW;
+/// Opening a library: it stays mapped when it is closed.
+pub(crate) const STAY_MAPPED: i32 = libc::RTLD_NODELETE;
+
 /// Reserves address space without memory behind it.
 pub(crate) fn reserve(bytes: usize) -> Option<NonNull<u8>> {
     // SAFETY: a fresh anonymous mapping.
