@@ -90,8 +90,7 @@ impl Engine {
         self.unlocked(Lock::RUN, "start_threads")?;
         if let Some(f) = &self.fault {
             let in_use = self.graph.functs.get(f.funct.as_str());
-            let in_use = in_use.and_then(|ix| self.graph.funct(*ix)).is_some_and(|f| f.users > 0);
-            if in_use {
+            if in_use.is_some_and(|ix| self.graph.is_in_use(*ix)) {
                 return Err(Error::Faulted { funct: f.funct.as_str().into() });
             }
             self.shared.boundary.stop();

@@ -7,6 +7,9 @@ use crate::{
     thread::Thread,
 };
 
+/// The longest sleep: whoever is told to end does so that soon, however slow it is.
+const LONGEST_SLEEP_NS: i64 = 10_000_000;
+
 /// Runs the virtual clock up to `until`, at most `instants` moments that do something. Everything
 /// due at one moment runs, faster threads first. Returns early when the probe is nearly full or a
 /// function fails.
@@ -96,28 +99,41 @@ fn beat(shared: &Shared, t: &Thread, threads: &[Arc<Thread>], due: i64) {
 
 /// One thread, until it is told to end.
 pub(crate) fn run_one(shared: &Shared, t: &Thread) {
-    while !t.end.load(Ordering::Relaxed) && !shared.quit.load(Ordering::Relaxed) {
+    let ends = || t.end.load(Ordering::Relaxed) || shared.quit.load(Ordering::Relaxed);
+    while !ends() {
         let due = t.due.load(Ordering::Relaxed);
-        os::sleep_until(due);
-        let threads = shared.threads.load();
-        beat(shared, t, &threads, due);
+        if slept_until(due) && !ends() {
+            let threads = shared.threads.load();
+            beat(shared, t, &threads, due);
+        }
     }
 }
 
 /// All threads in turn, from one timeline.
 pub(crate) fn run_all(shared: &Shared) {
     while !shared.quit.load(Ordering::Relaxed) {
-        let threads = shared.threads.load();
-        let Some(due) = threads.iter().map(|t| t.due.load(Ordering::Relaxed)).min() else {
-            drop(threads);
-            os::sleep_until(os::monotonic_ns() + 1_000_000);
-            continue;
+        let next = |threads: &[Arc<Thread>]| {
+            let dues = threads.iter().map(|t| t.due.load(Ordering::Relaxed));
+            dues.min().unwrap_or(i64::MAX)
         };
-        os::sleep_until(due);
+        // The list is not held meanwhile: whoever replaces it waits until nobody does.
+        let due = next(&shared.threads.load());
+        if !slept_until(due) {
+            continue;
+        }
+        let threads = shared.threads.load();
         for t in threads.iter() {
-            if t.due.load(Ordering::Relaxed) <= due && !t.end.load(Ordering::Relaxed) {
-                beat(shared, t, &threads, t.due.load(Ordering::Relaxed));
+            let own = t.due.load(Ordering::Relaxed);
+            if own <= due && !t.end.load(Ordering::Relaxed) {
+                beat(shared, t, &threads, own);
             }
         }
     }
+}
+
+/// Sleeps until `due`, or, where that is far, for a part of it: false.
+fn slept_until(due: i64) -> bool {
+    let far = os::monotonic_ns().saturating_add(LONGEST_SLEEP_NS);
+    os::sleep_until(if due <= far { due } else { far });
+    due <= far
 }

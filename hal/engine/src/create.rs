@@ -151,7 +151,6 @@ impl<'e> Creating<'e> {
             reentrant: spec.flags & funct_flags::REENTRANT != 0,
             code: Arc::new(code),
             account,
-            users: 0,
         };
         let ix = self.engine.graph.g.add_node(Node::Funct(funct));
         self.engine.graph.g.add_edge(self.component, ix, Edge::Owns);

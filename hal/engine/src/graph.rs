@@ -32,7 +32,7 @@ pub(crate) struct Graph {
 }
 
 macro_rules! node {
-    ($get:ident, $get_mut:ident, $variant:ident, $ty:ty) => {
+    ($get:ident, $variant:ident, $ty:ty) => {
         #[doc = concat!("The node, if it is a ", stringify!($variant), ".")]
         pub(crate) fn $get(&self, ix: Ix) -> Option<&$ty> {
             match self.g.node_weight(ix) {
@@ -40,6 +40,9 @@ macro_rules! node {
                 _ => None,
             }
         }
+    };
+    ($get:ident, $get_mut:ident, $variant:ident, $ty:ty) => {
+        node!($get, $variant, $ty);
         #[doc = concat!("The node, if it is a ", stringify!($variant), ".")]
         pub(crate) fn $get_mut(&mut self, ix: Ix) -> Option<&mut $ty> {
             match self.g.node_weight_mut(ix) {
@@ -54,7 +57,7 @@ impl Graph {
     node!(component, component_mut, Component, Component);
     node!(item, item_mut, Item, Item);
     node!(signal, signal_mut, Signal, Signal);
-    node!(funct, funct_mut, Funct, Funct);
+    node!(funct, Funct, Funct);
     node!(thread, thread_mut, Thread, ThreadNode);
 
     /// One copy of each documentation text.
@@ -165,6 +168,11 @@ impl Graph {
             .filter(|e| matches!(e.weight(), Edge::Runs(_) | Edge::Begins(_)))
             .map(|e| e.source())
             .collect()
+    }
+
+    /// Whether any thread runs a function.
+    pub(crate) fn is_in_use(&self, funct: Ix) -> bool {
+        !self.threads_of(funct).is_empty()
     }
 
     /// The threads in order of creation.

@@ -111,7 +111,7 @@ impl Engine {
                     owner_name: owner.map_or("", |c| c.name.as_str()).to_owned(),
                     code: (f.code.run as *const ()).addr() as u64,
                     arg: f.code.state.addr() as u64,
-                    users: f.users,
+                    users: u32::try_from(self.graph.threads_of(*ix).len()).unwrap_or(u32::MAX),
                     name: name.as_str().to_owned(),
                 })
             })

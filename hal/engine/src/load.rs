@@ -184,14 +184,17 @@ impl Engine {
                 change.lists.push((t.thread.clone(), Arc::new(self.list_of(ix, &functs))));
             }
         }
-        if !owned.is_empty() {
-            self.stop_watching();
-        }
         self.carry_out(change)?;
         self.forget_links(&pins);
         let own_threads: Vec<Ix> =
-            owned.into_iter().filter(|ix| self.graph.thread(*ix).is_some()).collect();
-        if own_threads.is_empty() { Ok(()) } else { self.end_threads(&own_threads) }
+            owned.iter().copied().filter(|ix| self.graph.thread(*ix).is_some()).collect();
+        if !own_threads.is_empty() {
+            self.end_threads(&own_threads)?;
+        }
+        if !owned.is_empty() {
+            self.stop_watching();
+        }
+        Ok(())
     }
 
     /// Removes a component and what it made from the graph; no thread uses it any more.

@@ -223,7 +223,6 @@ pub(crate) struct Funct {
     pub(crate) reentrant: bool,
     pub(crate) code: Arc<Code<Run>>,
     pub(crate) account: Account,
-    pub(crate) users: u32,
 }
 
 /// A thread.

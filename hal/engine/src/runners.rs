@@ -1,7 +1,7 @@
 //! The threads of the system on which the real clock runs.
 
 use crate::{
-    clock, os,
+    Error, clock, os,
     shared::Shared,
     sync::{Arc, Ordering},
     thread::Thread,
@@ -33,7 +33,7 @@ impl Runners {
     }
 
     /// Begins to run a thread that is in `shared.threads` already.
-    pub(crate) fn begin(&mut self, thread: &Arc<Thread>, rank: usize) -> std::io::Result<()> {
+    pub(crate) fn begin(&mut self, thread: &Arc<Thread>, rank: usize) -> Result<(), Error> {
         let first = thread.due.load(Ordering::Relaxed);
         debug_assert!(first > 0);
         let fifo = self.scheduling == Scheduling::Fifo;
@@ -44,7 +44,7 @@ impl Runners {
         let mine = fifo.then(|| thread.clone());
         // Below the kernel's own threads, and below each faster thread.
         let priority = 90_i32.saturating_sub(i32::try_from(rank).unwrap_or(89)).max(1);
-        let handle = std::thread::Builder::new().name("hal-thread".into()).spawn(move || {
+        let run = move || {
             if let Some(cpu) = cpu {
                 os::stay_on(cpu);
             }
@@ -56,29 +56,38 @@ impl Runners {
                 Some(t) => clock::run_one(&shared, &t),
                 None => clock::run_all(&shared),
             }
+        };
+        let named = std::thread::Builder::new().name("hal-thread".into());
+        let handle = named.spawn(run).map_err(|e| Error::System {
+            what: "no thread of the system could be started",
+            why: os::said(&e),
         })?;
         self.running.push((thread.id, handle));
         Ok(())
     }
 
-    /// Waits for threads that were told to end. Those that do not are left behind: false.
-    pub(crate) fn end(&mut self, ids: &[u32], all: bool, patience_ns: i64) -> bool {
-        let limit = os::monotonic_ns() + patience_ns;
-        let leaving = |id: &u32| all || (self.scheduling == Scheduling::Fifo && ids.contains(id));
-        let (gone, stay): (Vec<_>, Vec<_>) =
-            core::mem::take(&mut self.running).into_iter().partition(|(id, _)| leaving(id));
-        self.running = stay;
-        let mut clean = true;
-        for (_, handle) in gone {
-            while !handle.is_finished() && os::monotonic_ns() < limit {
-                os::sleep_until(os::monotonic_ns() + 200_000);
-            }
-            if handle.is_finished() {
-                clean &= handle.join().is_ok();
-            } else {
-                clean = false;
-            }
+    /// Begins to run a thread again that had been told to end and may have done so.
+    pub(crate) fn begin_again(&mut self, thread: &Arc<Thread>, rank: usize) -> Result<(), Error> {
+        let runs = |(id, handle): &(u32, JoinHandle<()>)| *id == thread.id && !handle.is_finished();
+        if self.scheduling == Scheduling::Timeline || self.running.iter().any(runs) {
+            return Ok(());
         }
-        clean
+        self.running.retain(|(id, _)| *id != thread.id);
+        self.begin(thread, rank)
+    }
+
+    /// Waits for threads that were told to end. False when one does not.
+    pub(crate) fn end(&mut self, ids: &[u32], all: bool, patience_ns: i64) -> bool {
+        let fifo = self.scheduling == Scheduling::Fifo;
+        let leaving = |id: &u32| all || (fifo && ids.contains(id));
+        let limit = os::monotonic_ns().saturating_add(patience_ns);
+        while self.running.iter().any(|(id, handle)| leaving(id) && !handle.is_finished()) {
+            if os::monotonic_ns() > limit {
+                return false;
+            }
+            os::sleep_until(os::monotonic_ns() + 200_000);
+        }
+        self.running.retain(|(id, _)| !leaving(id));
+        true
     }
 }

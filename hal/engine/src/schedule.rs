@@ -2,11 +2,12 @@
 
 use crate::{
     Engine, Error,
+    apply::PATIENCE_NS,
     change::Change,
     graph::{Component, Edge, Ix, Node, ThreadNode},
     name::Name,
     os,
-    sync::Arc,
+    sync::{Arc, Ordering},
     thread::{Entry, List, Thread},
 };
 use hal_protocol::{ComponentState, Direction, Lock, Type};
@@ -111,35 +112,45 @@ impl Engine {
         if self.shared.is_virtual() {
             return Ok(());
         }
-        self.runners.begin(&thread, rank).map_err(|e| Error::System {
-            what: "no thread of the system could be started",
-            why: os::said(&e),
-        })
+        self.runners.begin(&thread, rank)
     }
 
-    /// Ends threads: they tick no more when this returns.
+    /// Ends threads: they tick no more when this returns. When it fails, none has ended.
     pub(crate) fn end_threads(&mut self, nodes: &[Ix]) -> Result<(), Error> {
         let ids: Vec<u32> =
             nodes.iter().filter_map(|ix| self.graph.thread(*ix)).map(|t| t.thread.id).collect();
-        let mut all = self.shared.threads.load().to_vec();
-        for t in all.iter().filter(|t| ids.contains(&t.id)) {
-            t.end.store(true, crate::sync::Ordering::Relaxed);
-        }
-        all.retain(|t| !ids.contains(&t.id));
-        let old = self.shared.threads.swap(Arc::new(all));
-        self.retire_threads(old.clone());
-        if self.shared.is_virtual() {
+        let old = self.shared.threads.load_full();
+        let stay = old.iter().filter(|t| !ids.contains(&t.id)).cloned().collect();
+        drop(self.shared.threads.swap(Arc::new(stay)));
+        let leaving: Vec<_> = old.iter().filter(|t| ids.contains(&t.id)).collect();
+        let tell = |end| leaving.iter().for_each(|t| t.end.store(end, Ordering::Relaxed));
+        tell(true);
+        if self.shared.is_virtual() || self.have_left(&old, &ids) {
+            self.retire_threads(old);
             return Ok(());
         }
-        let longest = old.iter().map(|t| t.period_ns).max().unwrap_or(0);
-        let patience = longest.saturating_mul(2).saturating_add(2_000_000_000);
-        let limit = os::monotonic_ns() + patience;
-        for t in old.iter().filter(|t| ids.contains(&t.id)) {
-            while t.gate.is_inside() && os::monotonic_ns() < limit {
-                os::sleep_until(os::monotonic_ns() + 20_000);
+        let stuck = self.stuck();
+        tell(false);
+        let without = self.shared.threads.swap(old.clone());
+        self.retire_threads(without);
+        for (rank, t) in old.iter().enumerate() {
+            if ids.contains(&t.id) {
+                self.runners.begin_again(t, rank)?;
             }
         }
-        if self.runners.end(&ids, false, patience) { Ok(()) } else { Err(self.stuck()) }
+        Err(stuck)
+    }
+
+    /// Waits until no thread of the system runs any of these, nor looks at the old list.
+    fn have_left(&mut self, old: &Arc<Vec<Arc<Thread>>>, ids: &[u32]) -> bool {
+        let limit = os::monotonic_ns() + PATIENCE_NS;
+        while Arc::strong_count(old) > 1 {
+            if os::monotonic_ns() > limit {
+                return false;
+            }
+            os::sleep_until(os::monotonic_ns() + 20_000);
+        }
+        self.runners.end(ids, false, PATIENCE_NS)
     }
 
     /// Whether functions of a thread, or of all, are timed.
@@ -149,7 +160,7 @@ impl Engine {
             None => self.graph.threads.values().copied().collect(),
         };
         for t in threads.into_iter().filter_map(|ix| self.graph.thread(ix)) {
-            t.thread.timed.store(on, crate::sync::Ordering::Relaxed);
+            t.thread.timed.store(on, Ordering::Relaxed);
         }
         Ok(())
     }
@@ -208,13 +219,11 @@ impl Engine {
         }
         let f = self.graph.find_funct(funct)?;
         let t = self.graph.find_thread(thread)?;
-        if let Some(node) = self.graph.funct(f)
-            && node.users > 0
-            && !node.reentrant
-        {
+        let reentrant = self.graph.funct(f).is_some_and(|node| node.reentrant);
+        if !reentrant && self.graph.is_in_use(f) {
             return Err(Error::OneThreadOnly { funct: funct.into() });
         }
-        let done = |node: &ThreadNode| node.thread.init_done.load(crate::sync::Ordering::Relaxed);
+        let done = |node: &ThreadNode| node.thread.init_done.load(Ordering::Relaxed);
         if init && self.graph.thread(t).is_some_and(done) {
             return Err(Error::InitDone { thread: thread.into(), funct: funct.into() });
         }
@@ -227,14 +236,8 @@ impl Engine {
         } else {
             self.insert_at(t, f, position, init)?
         };
-        if let Some(node) = self.graph.funct_mut(f) {
-            node.users += 1;
-        }
         if let Err(e) = self.changed(t) {
             self.graph.g.remove_edge(added);
-            if let Some(node) = self.graph.funct_mut(f) {
-                node.users -= 1;
-            }
             return Err(e);
         }
         Ok(())
@@ -325,10 +328,6 @@ impl Engine {
                     self.graph.g.add_edge(t, f, w);
                 }
                 return Err(e);
-            }
-            if let Some(node) = self.graph.funct_mut(f) {
-                node.users =
-                    node.users.saturating_sub(u32::try_from(edges.len()).unwrap_or(u32::MAX));
             }
         }
         Ok(())
