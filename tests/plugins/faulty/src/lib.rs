@@ -10,6 +10,7 @@ mod lazy;
 mod person;
 mod talk;
 mod tap;
+mod witness;
 
 hal_component::export!(
     alloc::Alloc,
@@ -25,4 +26,5 @@ hal_component::export!(
     talk::Talker,
     tap::Feed,
     tap::Tap,
+    witness::Witness,
 );
