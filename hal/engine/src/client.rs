@@ -13,8 +13,6 @@ use std::{
 
 /// The longest request, in bytes.
 const LONGEST: usize = 1 << 20;
-/// The most answers that wait for a client that does not read, in bytes.
-const MOST_UNREAD: usize = 64 << 20;
 
 /// What a client waits for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,8 +32,13 @@ pub(crate) enum Waits {
 pub(crate) struct Client {
     pub(crate) id: u64,
     pub(crate) socket: UnixStream,
-    pub(crate) input: Vec<u8>,
-    pub(crate) output: Vec<u8>,
+    input: Vec<u8>,
+    /// How much of the input was taken, and how much has no end of a line.
+    taken: usize,
+    searched: usize,
+    output: Vec<u8>,
+    /// How much of the output was sent.
+    sent: usize,
     pub(crate) fd: Option<OwnedFd>,
     pub(crate) component: Option<Ix>,
     pub(crate) pid: i32,
@@ -46,16 +49,63 @@ pub(crate) struct Client {
     pub(crate) waits: Waits,
     pub(crate) flows: bool,
     pub(crate) gone: bool,
+    /// It sends nothing more.
+    ended: bool,
+    /// Nor does it read.
+    pub(crate) hung: bool,
     pub(crate) closing: bool,
 }
 
 impl Client {
+    pub(crate) const fn new(id: u64, socket: UnixStream) -> Self {
+        Self {
+            id,
+            socket,
+            input: Vec::new(),
+            taken: 0,
+            searched: 0,
+            output: Vec::new(),
+            sent: 0,
+            fd: None,
+            component: None,
+            pid: 0,
+            pins: Vec::new(),
+            poll_ns: 0,
+            owes: None,
+            waits: Waits::No,
+            flows: false,
+            gone: false,
+            ended: false,
+            hung: false,
+            closing: false,
+        }
+    }
+
+    /// Whether more of it is wanted. Who does not read answers is not heard further.
+    pub(crate) const fn listens(&self) -> bool {
+        let room = self.input.len() - self.taken <= LONGEST;
+        room && !self.has_output() && !self.ended && !self.closing && !self.gone
+    }
+
+    /// Whether an answer waits to be sent.
+    pub(crate) const fn has_output(&self) -> bool {
+        !self.output.is_empty()
+    }
+
+    /// Whether its next request may be carried out now.
+    pub(crate) fn is_served(&self) -> bool {
+        self.waits == Waits::No && !self.has_output() && !self.closing && !self.gone
+    }
+
     pub(crate) fn read(&mut self) {
+        self.input.drain(..self.taken);
+        self.searched -= self.taken;
+        self.taken = 0;
         let mut chunk = [0; 65536];
         while self.input.len() <= LONGEST {
             match self.socket.read(&mut chunk) {
                 Ok(0) => {
-                    self.gone = true;
+                    self.ended = true;
                     return;
                 }
                 Ok(n) => self.input.extend_from_slice(chunk.get(..n).unwrap_or_default()),
@@ -69,19 +119,37 @@ impl Client {
         }
     }
 
+    /// Whether there is a whole line, or will never be one.
+    pub(crate) fn has_line(&mut self) -> bool {
+        let rest = self.input.get(self.searched..).unwrap_or_default();
+        match rest.iter().position(|b| *b == b'\n') {
+            Some(at) => self.searched += at,
+            None => self.searched = self.input.len(),
+        }
+        self.searched < self.input.len() || self.input.len() - self.taken > LONGEST
+    }
+
     /// The next whole line, or why there will never be one.
     pub(crate) fn line(&mut self) -> Option<Result<Vec<u8>, Error>> {
-        let Some(end) = self.input.iter().position(|b| *b == b'\n') else {
-            if self.input.len() > LONGEST {
-                self.input = Vec::new();
-                self.closing = true;
-                let why = format!("a request is longer than {LONGEST} bytes").into();
-                return Some(Err(Error::Protocol { why }));
-            }
+        if !self.has_line() {
             return None;
-        };
-        let rest = self.input.split_off(end + 1);
-        Some(Ok(core::mem::replace(&mut self.input, rest)))
+        }
+        if self.searched == self.input.len() {
+            self.closing = true;
+            let why = format!("a request is longer than {LONGEST} bytes").into();
+            return Some(Err(Error::Protocol { why }));
+        }
+        let line = self.input.get(self.taken..self.searched).unwrap_or_default().to_vec();
+        self.searched += 1;
+        self.taken = self.searched;
+        Some(Ok(line))
+    }
+
+    /// Lets it go when it sends nothing more and everything is answered, or nobody is there to
+    /// wait for the answer.
+    pub(crate) fn part(&mut self) {
+        let answered = self.is_served() && !self.has_line();
+        self.gone |= self.ended && answered || self.hung && self.waits != Waits::No;
     }
 
     pub(crate) fn answer(&mut self, reply: Result<Reply, Failure>) {
@@ -89,46 +157,44 @@ impl Client {
             Ok(reply) => WireReply::Ok(reply),
             Err(failure) => WireReply::Error(failure),
         };
-        if let Ok(mut line) = serde_json::to_vec(&wire) {
-            line.push(b'\n');
+        if let Ok(line) = serde_json::to_vec(&wire) {
             self.output.extend_from_slice(&line);
-        }
-        if self.output.len() > MOST_UNREAD {
-            self.gone = true;
+            self.output.push(b'\n');
         }
         self.write();
     }
 
     pub(crate) fn write(&mut self) {
-        while !self.output.is_empty() && !self.gone {
+        while self.sent < self.output.len() && !self.gone {
+            let rest = self.output.get(self.sent..).unwrap_or_default();
             let wrote = match self.fd.take() {
                 Some(fd) => {
-                    let sent = self.send(&fd);
+                    let sent = send(&self.socket, rest, &fd);
                     if matches!(sent, Err(ref e) if e.kind() == ErrorKind::WouldBlock) {
                         self.fd = Some(fd);
                     }
                     sent
                 }
-                None => self.socket.write(&self.output),
+                None => (&self.socket).write(rest),
             };
             match wrote {
-                Ok(n) => drop(self.output.drain(..n)),
+                Ok(n) => self.sent += n,
                 Err(e) if e.kind() == ErrorKind::WouldBlock => return,
                 Err(e) if e.kind() == ErrorKind::Interrupted => {}
                 Err(_) => self.gone = true,
             }
         }
-        if self.closing && self.output.is_empty() {
-            self.gone = true;
-        }
+        self.output = Vec::new();
+        self.sent = 0;
+        self.gone |= self.closing;
     }
+}
 
-    fn send(&self, fd: &OwnedFd) -> std::io::Result<usize> {
-        let mut space = [core::mem::MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
-        let mut control = SendAncillaryBuffer::new(&mut space);
-        let fds = [fd.as_fd()];
-        control.push(SendAncillaryMessage::ScmRights(&fds));
-        let data = [IoSlice::new(&self.output)];
-        Ok(rustix::net::sendmsg(&self.socket, &data, &mut control, SendFlags::NOSIGNAL)?)
-    }
+/// Sends bytes with a file.
+fn send(socket: &UnixStream, bytes: &[u8], fd: &OwnedFd) -> std::io::Result<usize> {
+    let mut space = [core::mem::MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
+    let mut control = SendAncillaryBuffer::new(&mut space);
+    let fds = [fd.as_fd()];
+    control.push(SendAncillaryMessage::ScmRights(&fds));
+    Ok(rustix::net::sendmsg(socket, &[IoSlice::new(bytes)], &mut control, SendFlags::NOSIGNAL)?)
 }

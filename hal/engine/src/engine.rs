@@ -73,6 +73,8 @@ pub struct Engine {
     pub(crate) tasks: Vec<Task>,
     pub(crate) rings: BTreeMap<Name, SharedRing>,
     pub(crate) programs: Vec<Program>,
+    /// Components of programs that have gone, kept by a stuck thread.
+    pub(crate) left: Vec<Ix>,
     pub(crate) tickets: BTreeMap<u64, Pending>,
     pub(crate) finished: BTreeMap<u64, TicketInfo>,
     pub(crate) next_ticket: u64,
@@ -141,6 +143,7 @@ impl Engine {
             tasks: Vec::new(),
             rings: BTreeMap::new(),
             programs: Vec::new(),
+            left: Vec::new(),
             tickets: BTreeMap::new(),
             finished: BTreeMap::new(),
             next_ticket: 1,

@@ -143,6 +143,9 @@ pub(crate) fn signalled() -> bool {
 /// Whether a process is there and has not ended. A child of ours that has ended is left to whoever
 /// started it, who wants its status.
 pub(crate) fn alive(pid: i32) -> bool {
+    if pid <= 1 {
+        return false;
+    }
     use rustix::process::{Pid, WaitId, WaitIdOptions, test_kill_process, waitid};
     let Some(pid) = Pid::from_raw(pid) else { return false };
     let look = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;

@@ -53,6 +53,10 @@ impl Engine {
             Request::Timing { thread, on } => self.time_functs(thread.as_deref(), on)?,
             Request::MessageLevel { level } => self.shared.level.store(level, Ordering::Relaxed),
             Request::Command { name, args } => return self.command(&name, &args),
+            Request::Adopt { pid, .. } if pid <= 1 => {
+                let why = format!("{pid} is not the number of a program").into();
+                return Err(Error::Protocol { why });
+            }
             Request::Adopt { pid, program } => {
                 let since = os::monotonic_ns();
                 let joined = self

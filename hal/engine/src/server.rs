@@ -5,7 +5,7 @@ use crate::{
     client::{Client, Waits},
     graph::{Graph, Ix},
     os,
-    session::{leave, respond},
+    session::{forget_left, leave, respond},
 };
 use hal_protocol::{Failure, Place, Reply, TicketInfo, Value};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -20,6 +20,8 @@ use std::{
 
 /// The most clients at once.
 const MOST_CLIENTS: usize = 256;
+/// The most requests of one client that are carried out before others have their turn.
+const MOST_IN_TURN: usize = 16;
 
 /// The socket and its clients.
 #[derive(Debug)]
@@ -102,22 +104,7 @@ impl Server {
             if self.clients.len() >= MOST_CLIENTS || socket.set_nonblocking(true).is_err() {
                 continue;
             }
-            self.clients.push(Client {
-                id: self.next,
-                socket,
-                input: Vec::new(),
-                output: Vec::new(),
-                fd: None,
-                component: None,
-                pid: 0,
-                pins: Vec::new(),
-                poll_ns: 0,
-                owes: None,
-                waits: Waits::No,
-                flows: false,
-                gone: false,
-                closing: false,
-            });
+            self.clients.push(Client::new(self.next, socket));
             self.next += 1;
         }
     }
@@ -168,6 +155,10 @@ fn clients_target(server: &Server) -> i64 {
 
 /// One look at the socket: waits at most `ms` for something to do, and does it.
 pub(crate) fn serve_once(engine: &mut Engine, ms: i32) {
+    let inside = || engine.shared.threads.load().iter().any(|t| t.gate.is_inside());
+    if !engine.left.is_empty() && !inside() {
+        forget_left(engine);
+    }
     let Some(mut server) = engine.server.take() else {
         if ms > 0 {
             drop(wait(&mut [], ms));
@@ -176,7 +167,10 @@ pub(crate) fn serve_once(engine: &mut Engine, ms: i32) {
     };
     let now = os::monotonic_ns();
     let mut ms = ms;
-    for c in &server.clients {
+    for c in &mut server.clients {
+        if c.is_served() && c.has_line() {
+            ms = 0;
+        }
         if let Waits::Wall(t) = c.waits {
             let left = i32::try_from((t - now) / 1_000_000 + 1).unwrap_or(i32::MAX);
             ms = ms.min(left.max(0));
@@ -194,8 +188,9 @@ pub(crate) fn serve_once(engine: &mut Engine, ms: i32) {
     }
     let mut fds = vec![PollFd::new(&server.listener, PollFlags::IN)];
     for c in &server.clients {
-        let flags =
-            if c.output.is_empty() { PollFlags::IN } else { PollFlags::IN | PollFlags::OUT };
+        let mut flags = PollFlags::empty();
+        flags.set(PollFlags::IN, c.listens());
+        flags.set(PollFlags::OUT, c.has_output());
         fds.push(PollFd::new(&c.socket, flags));
     }
     let ready = wait(&mut fds, ms).unwrap_or(false);
@@ -203,19 +198,19 @@ pub(crate) fn serve_once(engine: &mut Engine, ms: i32) {
     drop(fds);
     if ready {
         for (c, e) in server.clients.iter_mut().zip(events.iter().skip(1)) {
-            if e.intersects(PollFlags::IN | PollFlags::HUP | PollFlags::ERR) {
-                c.read();
-            }
-            if e.contains(PollFlags::OUT) {
+            c.hung |= e.intersects(PollFlags::HUP | PollFlags::ERR);
+            if c.has_output() && (c.hung || e.contains(PollFlags::OUT)) {
                 c.write();
+            } else if c.hung || e.contains(PollFlags::IN) {
+                c.read();
             }
         }
         server.accept();
     }
     for c in &mut server.clients {
         settle(engine, c);
-        while c.waits == Waits::No && !c.gone && !c.closing {
-            let Some(line) = c.line() else { break };
+        for _ in 0..MOST_IN_TURN {
+            let Some(line) = c.is_served().then(|| c.line()).flatten() else { break };
             let reply = match line {
                 Ok(line) => respond(engine, c, &line),
                 Err(e) => Some(Err(e.into())),
@@ -224,6 +219,7 @@ pub(crate) fn serve_once(engine: &mut Engine, ms: i32) {
                 c.answer(reply);
             }
         }
+        c.part();
     }
     for c in server.clients.iter().filter(|c| c.gone) {
         leave(engine, c);

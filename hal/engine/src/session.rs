@@ -2,6 +2,7 @@
 
 use crate::{
     Engine, Error,
+    change::MOST_STORES,
     client::{Client, Waits},
     graph::Ix,
     item::NewItem,
@@ -193,6 +194,22 @@ pub(crate) fn leave(engine: &mut Engine, c: &Client) {
         }
     }
     if let Some(ix) = c.component {
-        engine.remove_component(ix);
+        engine.left.push(ix);
+        forget_left(engine);
+    }
+}
+
+/// Removes components whose programs have gone; those that a stuck thread keeps stay for later.
+pub(crate) fn forget_left(engine: &mut Engine) {
+    for ix in core::mem::take(&mut engine.left) {
+        // A few pins at a time: a program that has gone does not wait for threads to stop.
+        let pins: Vec<Ix> = engine.graph.owned(ix);
+        let unlinked = pins.chunks(MOST_STORES / 2).try_for_each(|some| engine.unlink_all(some));
+        if unlinked.is_ok() {
+            engine.remove_component(ix);
+        }
+        if engine.graph.component(ix).is_some() {
+            engine.left.push(ix);
+        }
     }
 }

@@ -65,12 +65,14 @@ impl Client {
 
     fn line(&mut self) -> Result<Vec<u8>, Failure> {
         let gone = || Failure::new(EIO, "the engine has gone");
+        let (mut searched, mut chunk) = (0, vec![0; 65536]);
         loop {
-            if let Some(end) = self.buffer.iter().position(|b| *b == b'\n') {
-                let rest = self.buffer.split_off(end + 1);
+            let new = self.buffer.get(searched..).unwrap_or_default();
+            if let Some(at) = new.iter().position(|b| *b == b'\n') {
+                let rest = self.buffer.split_off(searched + at + 1);
                 return Ok(core::mem::replace(&mut self.buffer, rest));
             }
-            let mut chunk = vec![0; 65536];
+            searched = self.buffer.len();
             let mut space = [core::mem::MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
             let mut control = RecvAncillaryBuffer::new(&mut space);
             let got = rustix::net::recvmsg(
