@@ -56,7 +56,7 @@ impl Session<'_> {
     pub(crate) fn await_end(&mut self, name: &str) -> Result<(), Error> {
         let mut waited = false;
         loop {
-            match self.component_of(name)? {
+            let wait = match self.component_of(name)? {
                 None if waited => {
                     self.note(&format!("Component '{name}' finished"));
                     return Ok(());
@@ -68,11 +68,15 @@ impl Session<'_> {
                 Some(found) if found.realtime => {
                     return Err(Error::NotAProgram { name: name.into() });
                 }
-                Some(_) if !waited => self.note(&format!("Waiting for component '{name}'")),
-                Some(_) => {}
-            }
+                Some(found) => {
+                    if !waited {
+                        self.note(&format!("Waiting for component '{name}'"));
+                    }
+                    Request::Await { ms: POLL_MS, pid: found.pid.unwrap_or(0) }
+                }
+            };
             waited = true;
-            self.ask(Request::Idle { ms: POLL_MS, flow: true })?;
+            self.ask(wait)?;
         }
     }
 
@@ -154,10 +158,11 @@ impl Session<'_> {
 
     fn until_end(&mut self, child: &mut Child, launch: &Launch) -> Result<(), Error> {
         let program = launch.program.as_str();
+        let pid = i32::try_from(child.id()).unwrap_or(0);
         let status = loop {
             match ended(child) {
                 Some(status) => break status,
-                None => self.ask(Request::Idle { ms: POLL_MS, flow: true })?,
+                None => self.ask(Request::Await { ms: POLL_MS, pid })?,
             };
         };
         self.note(&format!("Program '{program}' finished"));

@@ -89,10 +89,11 @@ fn run(words: &[String]) -> Result<(), String> {
         return Ok(());
     }
     let channel = channel(value(Id::Channel).as_deref())?;
-    let count = match value(Id::Count) {
-        None => u64::MAX,
-        Some(n) => n.parse().map_err(|_| format!("ERROR: invalid sample count '{n}'"))?,
+    let wanted: Option<u64> = match value(Id::Count) {
+        None => None,
+        Some(n) => Some(n.parse().map_err(|_| format!("ERROR: invalid sample count '{n}'"))?),
     };
+    let count = wanted.unwrap_or(u64::MAX);
     let mut out: Box<dyn Write> = match one_file(&rest)? {
         None => Box::new(std::io::stdout()),
         Some(path) => {
@@ -103,7 +104,7 @@ fn run(words: &[String]) -> Result<(), String> {
     let ending = ending_flag();
     let place = Place::find(value(Id::Instance).as_deref())?;
     let mut remote = Remote::new(place, &format!("halsampler{channel}"));
-    let attached = remote.client().and_then(|c| c.attach(&format!("sampler.{channel}")));
+    let attached = remote.client().and_then(|c| c.attach(&format!("sampler.{channel}"), wanted));
     let stream = attached.map_err(|f| format!("ERROR: {f}"))?;
     let tagged = given.iter().any(|(id, _)| *id == Id::Tag);
     print(stream, &mut remote, &mut out, count, tagged, &ending)

@@ -60,7 +60,7 @@ fn run(words: &[String]) -> Result<(), String> {
     let ending = ending_flag();
     let place = Place::find(value(Id::Instance).as_deref())?;
     let mut remote = Remote::new(place, &format!("halstreamer{channel}"));
-    let attached = remote.client().and_then(|c| c.attach(&format!("streamer.{channel}")));
+    let attached = remote.client().and_then(|c| c.attach(&format!("streamer.{channel}"), None));
     let mut stream = attached.map_err(|f| format!("ERROR: {f}"))?;
     let types = stream.types().to_vec();
     let mut input = BufReader::new(input);

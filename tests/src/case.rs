@@ -87,17 +87,37 @@ impl Case {
     /// # Errors
     /// Something else came of it: what, and where it differs.
     pub fn check(&self) -> Result<(), String> {
-        let path = self.folder.join("expected");
-        let expected = fs::read_to_string(&path).unwrap_or_default();
         let got = self.run(&Around::default());
-        if matches(&expected, &got) {
+        let compared = self.compare(&got);
+        if compared.is_err() && std::env::var_os("UPDATE_EXPECT").is_some() {
+            fs::write(self.path(), merged(&self.expected(), &got)).unwrap();
             return Ok(());
         }
-        if std::env::var_os("UPDATE_EXPECT").is_some() {
-            fs::write(&path, merged(&expected, &got)).unwrap();
+        compared
+    }
+
+    /// Runs it in other surroundings and compares.
+    ///
+    /// # Errors
+    /// Something else came of it.
+    pub fn check_in(&self, around: &Around<'_>) -> Result<(), String> {
+        self.compare(&self.run(around))
+    }
+
+    fn compare(&self, got: &str) -> Result<(), String> {
+        let expected = self.expected();
+        if matches(&expected, got) {
             return Ok(());
         }
-        Err(format!("{}:\n{}", short(&path), difference(&expected, &got)))
+        Err(format!("{}:\n{}", short(&self.path()), difference(&expected, got)))
+    }
+
+    fn expected(&self) -> String {
+        fs::read_to_string(self.path()).unwrap_or_default()
+    }
+
+    fn path(&self) -> PathBuf {
+        self.folder.join("expected")
     }
 }
 

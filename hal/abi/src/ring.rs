@@ -60,10 +60,21 @@ impl Ring {
         size_of::<Self>() + depth as usize * (width as usize + 1) * 8
     }
 
+    /// The index of the next record to be written: how many there have been.
+    pub fn written(&self) -> u64 {
+        // Pairs with `Producer::put`.
+        self.written.load(Acquire)
+    }
+
+    /// The index of the next record to be taken, as the reader says.
+    pub fn taken(&self) -> u64 {
+        // Pairs with `Consumer::take`.
+        self.taken.load(Acquire)
+    }
+
     /// How many records wait, never more than the ring can hold.
     pub fn waiting(&self, depth: u32) -> u32 {
-        // Pairs with `Producer::put` and `Consumer::take`.
-        let n = self.written.load(Acquire).wrapping_sub(self.taken.load(Acquire));
+        let n = self.written().wrapping_sub(self.taken());
         u32::try_from(n).unwrap_or(u32::MAX).min(depth.saturating_sub(1))
     }
 }

@@ -82,6 +82,7 @@ impl Engine {
         starting
             || crate::server::owes_poll(self)
             || (self.script_waits && self.rings.values().any(SharedRing::holds_back))
+            || self.waits_for.is_some_and(|pid| self.rings.values().any(|r| r.is_enough_for(pid)))
     }
 
     /// Learns how long a tick of the cycle counter is.

@@ -84,6 +84,8 @@ pub struct Engine {
     pub(crate) shutdown: bool,
     /// The script waits: a full ring holds the clock back.
     pub(crate) script_waits: bool,
+    /// The program whose end the script waits for.
+    pub(crate) waits_for: Option<i32>,
     /// The virtual clock may move up to here.
     pub(crate) target: i64,
     /// As far as waiting clients let it move.
@@ -152,6 +154,7 @@ impl Engine {
             server: None,
             shutdown: false,
             script_waits: false,
+            waits_for: None,
             target: 0,
             client_target: i64::MIN,
             retired: Vec::new(),

@@ -74,6 +74,7 @@ impl Engine {
             | Request::Run { .. }
             | Request::Ticket { .. }
             | Request::Idle { .. }
+            | Request::Await { .. }
             | Request::Join { .. }
             | Request::NewPin { .. }
             | Request::Ready
@@ -139,6 +140,25 @@ impl Engine {
         Ok(self.shared.now().saturating_add(i64::try_from(ns).unwrap_or(i64::MAX)))
     }
 
+    /// Waits on the wall; `flow` lets the virtual clock move meanwhile.
+    fn idle(&mut self, ms: u32, flow: bool) {
+        let end = os::monotonic_ns() + i64::from(ms) * 1_000_000;
+        let before = self.target;
+        if flow && !self.options.hold {
+            self.target = i64::MAX;
+            self.script_waits = true;
+        }
+        loop {
+            let left = (end - os::monotonic_ns()) / 1_000_000;
+            self.pump(i32::try_from(left.max(0)).unwrap_or(1));
+            if os::monotonic_ns() >= end || self.is_ending() {
+                break;
+            }
+        }
+        self.target = before;
+        self.script_waits = false;
+    }
+
     fn wait_for_ticket(&mut self, id: u64) -> Result<TicketInfo, Error> {
         loop {
             // Enough instants between looks at the socket that the look costs nothing.
@@ -186,21 +206,13 @@ impl Link for Engine {
                 Reply::Ticket(info)
             }
             Request::Idle { ms, flow } => {
-                let end = os::monotonic_ns() + i64::from(ms) * 1_000_000;
-                let before = self.target;
-                if flow && !self.options.hold {
-                    self.target = i64::MAX;
-                    self.script_waits = true;
-                }
-                loop {
-                    let left = (end - os::monotonic_ns()) / 1_000_000;
-                    self.pump(i32::try_from(left.max(0)).unwrap_or(1));
-                    if os::monotonic_ns() >= end || self.is_ending() {
-                        break;
-                    }
-                }
-                self.target = before;
-                self.script_waits = false;
+                self.idle(ms, flow);
+                Reply::Done
+            }
+            Request::Await { ms, pid } => {
+                self.waits_for = Some(pid);
+                self.idle(ms, true);
+                self.waits_for = None;
                 Reply::Done
             }
             other => {

@@ -18,6 +18,10 @@ pub(crate) struct SharedRing {
     pub(crate) out: bool,
     /// The client that is attached.
     pub(crate) attached: Option<u64>,
+    /// The process that is or was attached last.
+    pid: i32,
+    /// The index at which that one has all the records that it wants.
+    enough: Option<u64>,
     types: Vec<Type>,
     depth: u32,
     ring: *mut Ring,
@@ -57,7 +61,8 @@ impl SharedRing {
         let ring = p.cast::<Ring>();
         // SAFETY: mapped, page-aligned, not yet shared.
         unsafe { ring.write(Ring::new(spec.depth, spec.width, spec.types)) };
-        Ok(Self { owner, fd, out, attached: None, types, depth: spec.depth, ring, bytes })
+        let (attached, enough, depth) = (None, None, spec.depth);
+        Ok(Self { owner, fd, out, attached, pid: 0, enough, types, depth, ring, bytes })
     }
 
     /// What its component is given.
@@ -77,11 +82,34 @@ impl SharedRing {
         }
     }
 
+    fn ring(&self) -> &Ring {
+        // SAFETY: mapped as long as this lives.
+        unsafe { &*self.ring }
+    }
+
+    /// A client attaches, for so many records.
+    pub(crate) fn attach(&mut self, client: u64, pid: i32, count: Option<u64>) {
+        let taken = self.ring().taken();
+        self.attached = Some(client);
+        self.pid = pid;
+        self.enough = count.map(|n| taken.saturating_add(n));
+    }
+
+    /// Whether the virtual clock need not move for this process, which the script waits for: it has
+    /// left, has all that it wanted, or can still write.
+    pub(crate) fn is_enough_for(&self, pid: i32) -> bool {
+        let more = if self.out {
+            self.enough.is_none_or(|n| self.ring().written() < n)
+        } else {
+            self.ring().waiting(self.depth) + 1 >= self.depth
+        };
+        self.pid == pid && !(self.attached.is_some() && more)
+    }
+
     /// Whether the virtual clock would lose something by moving: full, or empty with its writer
     /// still there.
     pub(crate) fn holds_back(&self) -> bool {
-        // SAFETY: mapped as long as this lives.
-        let waiting = unsafe { &*self.ring }.waiting(self.depth);
+        let waiting = self.ring().waiting(self.depth);
         if self.out { waiting + 1 >= self.depth } else { waiting == 0 && self.attached.is_some() }
     }
 }

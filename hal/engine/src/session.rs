@@ -48,6 +48,11 @@ pub(crate) fn respond(
             c.flows = flow && !engine.options.hold;
             return None;
         }
+        Request::Await { ms, .. } => {
+            c.waits = Waits::Wall(os::monotonic_ns() + i64::from(ms) * 1_000_000);
+            c.flows = !engine.options.hold;
+            return None;
+        }
         Request::Join { name, poll_ns } => join(engine, c, &name, poll_ns),
         Request::NewPin { name, ty, direction } => new_pin(engine, c, &name, ty, direction),
         Request::Ready => ready(engine, c),
@@ -59,7 +64,7 @@ pub(crate) fn respond(
             }
             Err(e) => Err(e),
         },
-        Request::Attach { name } => attach(engine, c, &name),
+        Request::Attach { name, count } => attach(engine, c, &name, count),
         other => engine.carry(other),
     };
     Some(done.map_err(Failure::from))
@@ -167,7 +172,12 @@ fn write(engine: &Engine, c: &Client, writes: &[(u32, Value)]) -> Result<(), Err
     Ok(())
 }
 
-fn attach(engine: &mut Engine, c: &mut Client, name: &str) -> Result<Reply, Error> {
+fn attach(
+    engine: &mut Engine,
+    c: &mut Client,
+    name: &str,
+    count: Option<u64>,
+) -> Result<Reply, Error> {
     let names = engine.rings.keys().map(Name::as_str);
     let near = crate::near::nearest(name, names);
     let ring = engine.rings.get_mut(name).ok_or_else(|| Error::NotFound {
@@ -182,8 +192,12 @@ fn attach(engine: &mut Engine, c: &mut Client, name: &str) -> Result<Reply, Erro
         what: "the stream cannot be handed over",
         why: os::said(&e),
     })?);
-    ring.attached = Some(c.id);
-    Ok(Reply::Stream(ring.info(name)))
+    ring.attach(c.id, c.pid, count);
+    let info = ring.info(name);
+    for p in &mut engine.programs {
+        p.joined |= p.pid == c.pid;
+    }
+    Ok(Reply::Stream(info))
 }
 
 /// A client has gone: its component, its pins and its streams go with it.

@@ -49,12 +49,12 @@ impl Client {
         self.id
     }
 
-    /// Attaches to a shared ring.
+    /// Attaches to a shared ring, for `count` records if that is known.
     ///
     /// # Errors
     /// There is none of this name, it is taken, or what came is not that ring.
-    pub fn attach(&mut self, name: &str) -> Result<Stream, Failure> {
-        let reply = self.call(Request::Attach { name: name.to_owned() })?;
+    pub fn attach(&mut self, name: &str, count: Option<u64>) -> Result<Stream, Failure> {
+        let reply = self.call(Request::Attach { name: name.to_owned(), count })?;
         match (reply, self.received.take()) {
             (Reply::Stream(info), Some(fd)) => {
                 Stream::map(&fd, info).map_err(|e| Failure::new(EIO, e))

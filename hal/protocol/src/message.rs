@@ -189,6 +189,14 @@ pub enum Request {
         /// Whether the virtual clock moves meanwhile.
         flow: bool,
     },
+    /// As [`Self::Idle`] with a moving clock, while a script waits for the end of a program: if that
+    /// one is at a shared ring, the clock moves no further than the program needs.
+    Await {
+        /// Milliseconds on the wall.
+        ms: u32,
+        /// The program's process.
+        pid: i32,
+    },
     /// A program that this client started: it ends with the engine, and the virtual clock waits
     /// until it has joined or ended, or has been running for a second.
     Adopt {
@@ -239,6 +247,9 @@ pub enum Request {
     Attach {
         /// Such as `sampler.0`.
         name: String,
+        /// How many records the program is going to take, if it knows.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        count: Option<u64>,
     },
     /// Ends the engine.
     Shutdown,
