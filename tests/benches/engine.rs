@@ -164,7 +164,8 @@ fn peer(program: &str, home: &std::path::Path) -> Command {
     let root = rustix::process::getuid().is_root();
     let mut c = if root { Command::new("runuser") } else { Command::new(program) };
     if root {
-        c.args(["-u", "nobody", "--", program]);
+        // It sets a home of its own.
+        c.args(["-u", "nobody", "--", "env"]).arg(format!("HOME={}", home.display())).arg(program);
     }
     c.env("HOME", home).current_dir(home).env_remove("HAL_INSTANCE");
     c
