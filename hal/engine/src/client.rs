@@ -46,6 +46,8 @@ pub(crate) struct Client {
     pub(crate) poll_ns: i64,
     /// When its next poll is owed, in machine time.
     pub(crate) owes: Option<i64>,
+    /// What it writes when that poll is due.
+    pub(crate) writes: Vec<(Ix, u64)>,
     pub(crate) waits: Waits,
     pub(crate) flows: bool,
     pub(crate) gone: bool,
@@ -72,6 +74,7 @@ impl Client {
             pins: Vec::new(),
             poll_ns: 0,
             owes: None,
+            writes: Vec::new(),
             waits: Waits::No,
             flows: false,
             gone: false,

@@ -60,18 +60,20 @@ impl Engine {
         !running || self.shared.threads.load().is_empty()
     }
 
-    /// Moves the virtual clock by one instant of machine time, for a script that waits.
-    pub(crate) fn advance_one(&mut self) {
+    /// Moves the virtual clock by one instant of machine time, for a script that waits; false when
+    /// it must wait itself.
+    pub(crate) fn advance_one(&mut self) -> bool {
         let now = self.shared.now();
         if self.held_back() {
-            return;
+            return false;
         }
         let until = self.next_task().min(crate::server::next_poll(self));
         let until = until.min(now.saturating_add(1_000_000_000));
         clock::turn(&self.shared, until.max(now), 1);
         self.drain_recording();
-        let now = self.shared.now();
-        self.run_tasks(now);
+        let then = self.shared.now();
+        self.run_tasks(then);
+        then > now
     }
 
     /// Whether the virtual clock must wait for a program.

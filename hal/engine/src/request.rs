@@ -173,7 +173,9 @@ impl Engine {
                 if self.is_idle() && self.tasks.is_empty() {
                     return Err(Error::NotStarted);
                 }
-                self.advance_one();
+                if !self.advance_one() {
+                    break;
+                }
                 if self.shared.fault.get().is_some() {
                     break;
                 }

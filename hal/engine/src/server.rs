@@ -130,7 +130,9 @@ pub(crate) fn next_poll(engine: &Engine) -> i64 {
     let clients = engine.server.iter().flat_map(|s| &s.clients);
     let times = clients.filter_map(|c| match c.waits {
         Waits::Poll(t) | Waits::Time(t) => Some(t),
-        Waits::No | Waits::Wall(_) | Waits::Ticket(_) => None,
+        // It is to have polled by then.
+        Waits::No => c.owes,
+        Waits::Wall(_) | Waits::Ticket(_) => None,
     });
     times.min().unwrap_or(i64::MAX)
 }
@@ -250,6 +252,7 @@ fn settle(engine: &mut Engine, c: &mut Client) {
         Waits::Wall(t) if os::monotonic_ns() >= t => Ok(Reply::Done),
         Waits::Time(t) if now >= t => Ok(Reply::Done),
         Waits::Poll(t) if now >= t => {
+            crate::session::put_writes(engine, c);
             c.owes = Some(now + c.poll_ns);
             Ok(values(engine, c))
         }

@@ -56,8 +56,13 @@ pub(crate) fn respond(
         Request::Join { name, poll_ns } => join(engine, c, &name, poll_ns),
         Request::NewPin { name, ty, direction } => new_pin(engine, c, &name, ty, direction),
         Request::Ready => ready(engine, c),
-        Request::Poll { writes } => match write(engine, c, &writes) {
-            Ok(()) => {
+        Request::Poll { writes } => match checked(engine, c, &writes) {
+            Ok(writes) => {
+                // On the virtual clock a program writes at its poll, however fast it was.
+                c.writes = writes;
+                if !engine.shared.is_virtual() {
+                    put_writes(engine, c);
+                }
                 let now = engine.shared.now();
                 c.waits = Waits::Poll(c.owes.take().unwrap_or(now + c.poll_ns).max(now));
                 return None;
@@ -154,7 +159,16 @@ fn ready(engine: &mut Engine, c: &mut Client) -> Result<Reply, Error> {
     Ok(Reply::Done)
 }
 
-fn write(engine: &Engine, c: &Client, writes: &[(u32, Value)]) -> Result<(), Error> {
+/// Carries out what a program wants to write.
+pub(crate) fn put_writes(engine: &Engine, c: &mut Client) {
+    for (ix, bits) in c.writes.drain(..) {
+        if let Some(item) = engine.graph.item(ix) {
+            item.put(bits);
+        }
+    }
+}
+
+fn checked(engine: &Engine, c: &Client, writes: &[(u32, Value)]) -> Result<Vec<(Ix, u64)>, Error> {
     let odd = |why: &str| Error::Protocol { why: why.into() };
     let mut all = Vec::new();
     for (which, value) in writes {
@@ -166,10 +180,9 @@ fn write(engine: &Engine, c: &Client, writes: &[(u32, Value)]) -> Result<(), Err
         if matches!(item.direction, Direction::In | Direction::Rw) {
             return Err(odd("a program does not write its own input"));
         }
-        all.push((item, value.bits()));
+        all.push((*ix, value.bits()));
     }
-    all.into_iter().for_each(|(item, bits)| item.put(bits));
-    Ok(())
+    Ok(all)
 }
 
 fn attach(
