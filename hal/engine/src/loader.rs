@@ -155,8 +155,10 @@ fn descriptor(file: &Path) -> Result<String, Error> {
     let stem = file.file_stem().and_then(|s| s.to_str()).unwrap_or_default();
     let symbol =
         format!("hal_library_{}", stem.strip_prefix("lib").unwrap_or(stem).replace('-', "_"));
-    let bytes = std::fs::read(file).map_err(|e| not(&e.to_string()))?;
-    let elf = object::File::parse(&*bytes).map_err(|_| not("it is not a dynamic library"))?;
+    // Only the parts that are looked at are read.
+    let parts = std::fs::File::open(file).map_err(|e| not(&e.to_string()))?;
+    let parts = object::ReadCache::new(parts);
+    let elf = object::File::parse(&parts).map_err(|_| not("it is not a dynamic library"))?;
     let exported = elf.dynamic_symbols().any(|s| s.is_definition() && s.name() == Ok(&symbol));
     if exported {
         Ok(symbol)

@@ -31,6 +31,7 @@ pub(crate) fn respond(
         Request::Hello { protocol, name, pid } => hello(engine, c, protocol, &name, pid),
         Request::Run { ns } => match engine.run_end(ns) {
             Ok(end) => {
+                has_started(engine, c);
                 c.waits = Waits::Time(end);
                 return None;
             }
@@ -38,6 +39,7 @@ pub(crate) fn respond(
         },
         Request::Ticket { id, wait } => match engine.ticket(id) {
             Ok(TicketInfo::Pending) if wait => {
+                has_started(engine, c);
                 c.waits = Waits::Ticket(id);
                 return None;
             }
@@ -145,14 +147,19 @@ fn new_pin(
     Ok(Reply::Done)
 }
 
+/// The clock need no longer stand still for a program that has begun to do what it is for.
+fn has_started(engine: &mut Engine, c: &Client) {
+    for p in &mut engine.programs {
+        p.joined |= p.pid == c.pid;
+    }
+}
+
 fn ready(engine: &mut Engine, c: &mut Client) -> Result<Reply, Error> {
     let ix = member(engine, c)?;
     if let Some(me) = engine.graph.component_mut(ix) {
         me.state = ComponentState::Ready;
     }
-    for p in &mut engine.programs {
-        p.joined |= p.pid == c.pid;
-    }
+    has_started(engine, c);
     if c.poll_ns > 0 {
         c.owes = Some(engine.shared.now() + c.poll_ns);
     }
@@ -207,9 +214,7 @@ fn attach(
     })?);
     ring.attach(c.id, c.pid, count);
     let info = ring.info(name);
-    for p in &mut engine.programs {
-        p.joined |= p.pid == c.pid;
-    }
+    has_started(engine, c);
     Ok(Reply::Stream(info))
 }
 
