@@ -38,7 +38,7 @@ impl Direction {
     }
 }
 
-/// What [`Request::List`] lists.
+/// What [`crate::Request::List`] lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
