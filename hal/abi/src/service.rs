@@ -3,7 +3,7 @@
 use crate::{Free, Record, Status, Str, Use};
 use core::ffi::c_void;
 
-/// A table of functions for other plugins. Ownership as in [`FunctSpec`].
+/// A table of functions for other plugins. Ownership as in [`FunctSpec`](crate::FunctSpec).
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ServiceSpec {

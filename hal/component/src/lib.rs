@@ -116,7 +116,7 @@ pub trait Component: 'static {
     /// outside: that is for [`Builder::on_open`].
     ///
     /// # Errors
-    /// What the engine refused, or [`Builder::fail`].
+    /// What the engine refused, or an [`Error`] of its own.
     fn create(b: &mut Builder<'_>) -> Result<(), Error>;
 }
 

@@ -22,8 +22,10 @@ fn guarded<R>(code: impl FnOnce() -> R) -> Result<R, String> {
             .downcast_ref::<&str>()
             .map(|s| (*s).to_owned())
             .or_else(|| payload.downcast_ref::<String>().cloned());
-        // A payload may panic when it is dropped: it is leaked instead.
-        let _: &mut _ = Box::leak(payload);
+        // A payload may itself panic when it is dropped; what that one panics with is kept for good.
+        if let Err(again) = catch_unwind(AssertUnwindSafe(|| drop(payload))) {
+            let _: &mut _ = Box::leak(again);
+        }
         said.or(text).unwrap_or_else(|| "panicked".to_owned())
     })
 }
