@@ -52,7 +52,8 @@ fn a_function_that_panics_stops_all_threads_and_says_who_and_why() {
             ("0", "told to (faulty/src/boom.rs:LINE)"),
             ("1", "told to, in cycle # (faulty/src/boom.rs:LINE)"),
             ("2", "panicked (faulty/src/boom.rs:LINE)"),
-            ("3", &cut),
+            ("3", "panicked (faulty/src/boom.rs:LINE)"),
+            ("4", &cut),
         ] {
             let mut m = Machine::new(clock);
             m.script(DRIVERS);
@@ -179,7 +180,8 @@ fn tasks_and_commands_that_panic_say_so_and_threads_go_on() {
         assert_eq!(said, "panicked: told to panic in a command (faulty/src/lazy.rs:LINE)");
         assert_eq!(says(&mut m, "lazy.refuse"), "not now");
         assert_eq!(says(&mut m, "lazy.sing"), "command 'lazy.sing' not found");
-        assert_eq!(says(&mut m, "lazy.wait hm"), "Invalid parameter `hm'");
+        let odd = "Invalid parameter `hm'; an argument is NAME=VALUE, such as count=2";
+        assert_eq!(says(&mut m, "lazy.wait hm"), odd);
         m.script("setp lazy.go 1");
         let failed = "task 'lazy.work' has failed and is not run again: told to panic in the \
                       background (faulty/src/lazy.rs:LINE)";

@@ -15,6 +15,15 @@ struct Drive {
     _dies: Dies,
 }
 
+/// What a panic says, and panics when it is dropped.
+struct Bomb;
+
+impl Drop for Bomb {
+    fn drop(&mut self) {
+        panic!("dropped");
+    }
+}
+
 /// Panics when it is dropped, if it was told to.
 #[derive(Debug)]
 struct Dies(In<bool>);
@@ -35,7 +44,7 @@ impl Component for Boom {
         let bad_stop: In<bool> = b.item("bad-stop", "Panics in its stop action.", false)?;
         let drive = Drive {
             go: b.item("go", "Panics in the next cycle.", false)?,
-            how: b.item("how", "How: 0 text, 1 formatted, 2 no text, 3 long.", 0)?,
+            how: b.item("how", "How: 0 text, 1 formatted, 2 no text, 3 worse, 4 long.", 0)?,
             line,
             cycles: b.item("cycles", "Cycles begun.", 0)?,
             _dies: Dies(b.item("bad-drop", "Panics when it is unloaded.", false)?),
@@ -58,6 +67,7 @@ impl Update for Drive {
                 0 => panic!("told to"),
                 1 => panic!("told to, in cycle {}", self.cycles.get()),
                 2 => std::panic::panic_any(self.cycles.get()),
+                3 => std::panic::panic_any(Bomb),
                 _ => panic!("oh {}", "täterätä ".repeat(100)),
             }
         }
