@@ -143,7 +143,8 @@ pub(crate) fn show(words: &[String]) -> Result<Command, Error> {
         "alias" => Some(ShowKind::Aliases),
         word => {
             let known = KINDS.iter().find(|(name, _)| *name == word);
-            Some(ShowKind::Of(known.ok_or_else(|| unknown_kind("show", word, KINDS))?.1))
+            let all = [&[("all", Kind::Pins), ("alias", Kind::Pins)], KINDS].concat();
+            Some(ShowKind::Of(known.ok_or_else(|| unknown_kind("show", word, &all))?.1))
         }
     };
     let typed = matches!(kind, Some(ShowKind::Of(Kind::Pins | Kind::Params | Kind::Signals)));

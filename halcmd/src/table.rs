@@ -231,7 +231,7 @@ mod tests {
             ),
             (
                 "show foo",
-                "Unknown 'show' type 'foo'; it is one of comp, pin, sig, signal, param, \
+                "Unknown 'show' type 'foo'; it is one of all, alias, comp, pin, sig, signal, param, \
                  parameter, funct, function, thread",
             ),
             ("status foo", "Unknown 'status' type 'foo'; it is one of all, lock, mem, instance"),
