@@ -3,6 +3,9 @@
 //! A record is a sample number and `width` values. A ring of `depth` slots holds `depth - 1`
 //! records. The two sides may be different processes: neither believes an index of the other,
 //! and what never changes (depth, width, types) is kept privately, not read back from the ring.
+//! Whoever finds an index that cannot be states its own again. A program then follows the engine
+//! ([`Producer::follow`], [`Consumer::follow`]), never the other way round: so a ring on which a
+//! program scribbled serves the next one.
 
 use core::sync::atomic::{
     AtomicU64,
@@ -133,6 +136,8 @@ impl Producer {
         if self.room() == 0 {
             let lost = self.side.head().lost.load(Relaxed);
             self.side.head().lost.store(lost.wrapping_add(1), Relaxed);
+            // As it was, unless somebody scribbled.
+            self.side.head().written.store(self.next, Release); // Pairs with `Consumer::take`.
             return false;
         }
         self.side.word(self.next, 0).store(self.sample, Relaxed);
@@ -155,6 +160,15 @@ impl Producer {
     /// How many records wait.
     pub fn waiting(&self) -> u32 {
         self.side.depth.saturating_sub(1).saturating_sub(self.room())
+    }
+
+    /// Goes on from where the reader says it is, if this side's index cannot be.
+    pub fn follow(&mut self) {
+        let taken = self.side.head().taken.load(Acquire); // Pairs with `Consumer::take`.
+        if self.next.wrapping_sub(taken) > u64::from(self.side.depth.saturating_sub(1)) {
+            self.next = taken;
+            self.side.head().written.store(taken, Release); // Pairs with `Consumer::take`.
+        }
     }
 }
 
@@ -206,6 +220,8 @@ impl Consumer {
             return Got::Nothing;
         }
         if n > u64::from(self.side.depth.saturating_sub(1)) {
+            // As it was, unless somebody scribbled.
+            self.side.head().taken.store(self.next, Release); // Pairs with `Producer::room`.
             return Got::Nonsense;
         }
         let sample = self.side.word(self.next, 0).load(Relaxed);
@@ -215,5 +231,14 @@ impl Consumer {
         self.next = self.next.wrapping_add(1);
         self.side.head().taken.store(self.next, Release); // Pairs with `Producer::room`.
         Got::Sample(sample)
+    }
+
+    /// Goes on from where the writer says it is, if this side's index cannot be.
+    pub fn follow(&mut self) {
+        let written = self.side.head().written.load(Acquire); // Pairs with `Producer::put`.
+        if written.wrapping_sub(self.next) > u64::from(self.side.depth.saturating_sub(1)) {
+            self.next = written;
+            self.side.head().taken.store(written, Release); // Pairs with `Producer::room`.
+        }
     }
 }

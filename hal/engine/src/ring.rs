@@ -82,13 +82,24 @@ impl SharedRing {
         }
     }
 
+    fn codes(&self) -> [u8; 24] {
+        let mut codes = [0; 24];
+        codes.iter_mut().zip(&self.types).for_each(|(code, ty)| *code = ty.code());
+        codes
+    }
+
     fn ring(&self) -> &Ring {
         // SAFETY: mapped as long as this lives.
         unsafe { &*self.ring }
     }
 
-    /// A client attaches, for so many records.
+    /// A client attaches, for so many records. What never changes is written again: the client
+    /// before this one may have scribbled.
     pub(crate) fn attach(&mut self, client: u64, pid: i32, count: Option<u64>) {
+        let head = Ring::new(self.depth, self.made().width, self.codes());
+        let (from, to) = ((&raw const head).cast::<u8>(), self.ring.cast::<u8>());
+        // SAFETY: the beginning of the mapping, where this side keeps nothing that it believes.
+        unsafe { from.copy_to_nonoverlapping(to, core::mem::offset_of!(Ring, lost)) };
         let taken = self.ring().taken();
         self.attached = Some(client);
         self.pid = pid;

@@ -69,6 +69,7 @@ impl Stream {
         let End::Reads(consumer) = &mut self.end else { return None };
         out.clear();
         let types = &self.info.types;
+        consumer.follow();
         let got = consumer.take(|i, bits| {
             if let Some(ty) = types.get(i) {
                 out.push(Value::from_bits(*ty, bits));
@@ -83,6 +84,7 @@ impl Stream {
     /// Appends a record; false when there is no room (nothing is then counted or written).
     pub fn put(&mut self, record: &[Value]) -> bool {
         let End::Writes(producer) = &mut self.end else { return false };
+        producer.follow();
         producer.room() > 0 && producer.put(|i| record.get(i).map_or(0, Value::bits))
     }
 

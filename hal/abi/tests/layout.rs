@@ -1,0 +1,57 @@
+//! The layout of every record of the contract: whoever changes a line of it breaks libraries that
+//! are already built. A minor version appends fields at the end; anything else is a new major.
+
+use core::mem::offset_of;
+use std::fmt::Write;
+
+macro_rules! layout {
+    ($out:ident, $($t:ty { $($field:ident)* })*) => {$(
+        write!($out, "{} {}/{}", stringify!($t), size_of::<$t>(), align_of::<$t>())?;
+        $(write!($out, " {}@{}", stringify!($field), offset_of!($t, $field))?;)*
+        writeln!($out)?;
+    )*};
+}
+
+fn table() -> Result<String, std::fmt::Error> {
+    use hal_abi::{
+        ActionSpec, ArgSpec, ArgValue, CallHost, Cell, CommandSpec, ComponentType, FunctSpec, Host,
+        ItemSpec, Kinematics, Library, List, PortQueue, Ring, ServiceSpec, Slot, Status, Str,
+        StreamRef, StreamSpec, TaskSpec, ThreadSpec, Ticket, Use,
+    };
+    let mut out = String::new();
+    layout! { out,
+        Cell {}
+        Slot {}
+        Str {}
+        List<ArgSpec> {}
+        Status {}
+        Ticket {}
+        PortQueue {}
+        Library { size abi_major abi_minor panic components }
+        ComponentType { size flags name doc args items create }
+        ArgSpec { size kind most required name doc default }
+        ItemSpec { size flags name doc old_name initial storage ty dir }
+        Use { slot token access }
+        FunctSpec { size flags name doc run state free uses n_uses }
+        TaskSpec { size flags name doc period_ns run state free uses n_uses }
+        ThreadSpec { size flags name period_ns }
+        StreamSpec { size direction name depth width types }
+        CommandSpec { size flags name doc args run state free }
+        ActionSpec { size flags run state free }
+        ServiceSpec { size version name table state free uses n_uses }
+        Kinematics { size joints kind joint_of ctx forward inverse }
+        ArgValue { size given int float text ints texts len }
+        StreamRef { ring depth width }
+        CallHost { size flags ctx message now fail arg reply ticket }
+        Host { size abi_minor flags index personality prefix ctx calls fail arg item funct thread task command open stop stream offer find }
+        Ring { magic depth width types lost }
+    }
+    Ok(out)
+}
+
+#[test]
+fn no_record_has_changed() -> Result<(), std::fmt::Error> {
+    assert_eq!(hal_abi::ABI_MAJOR, 1, "a new major starts a new table");
+    assert_eq!(table()?, include_str!("layout.txt"));
+    Ok(())
+}

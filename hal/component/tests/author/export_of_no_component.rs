@@ -1,0 +1,5 @@
+struct Wrong;
+
+hal_component::export!(Wrong);
+
+fn main() {}

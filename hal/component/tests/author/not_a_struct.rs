@@ -1,0 +1,9 @@
+use hal_component::Component;
+
+/// Is an enum.
+#[derive(Component)]
+enum Wrong {
+    One,
+}
+
+fn main() {}

@@ -1,0 +1,17 @@
+use hal_component::{Component, Out, Period, Update};
+
+/// Asks for what there is not.
+#[derive(Component)]
+struct Wrong {
+    /// Output.
+    #[hal(initial = true)]
+    out: Out<bool>,
+}
+
+impl Update for Wrong {
+    fn update(&mut self, _: Period) {
+        self.out.set(true);
+    }
+}
+
+fn main() {}
