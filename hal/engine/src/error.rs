@@ -98,11 +98,7 @@ pub enum Error {
     BadPosition {
         position: i64,
     },
-    PositionTooHigh {
-        position: i64,
-        most: i64,
-    },
-    PositionTooLow {
+    PositionTooFar {
         position: i64,
         most: i64,
     },
@@ -308,10 +304,10 @@ impl core::fmt::Display for Error {
                 write!(f, "signal '{name}': queue already allocated")
             }
             Self::BadPosition { position } => write!(f, "bad position: {position}"),
-            Self::PositionTooHigh { position, .. } => {
-                write!(f, "position '{position}' is too high")
+            Self::PositionTooFar { position, .. } => {
+                let way = if *position > 0 { "high" } else { "low" };
+                write!(f, "position '{position}' is too {way}")
             }
-            Self::PositionTooLow { position, .. } => write!(f, "position '{position}' is too low"),
             Self::OneThreadOnly { funct } => {
                 write!(f, "function '{funct}' may only be added to one thread")
             }

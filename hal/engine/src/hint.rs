@@ -51,8 +51,10 @@ impl Error {
                 Some("an argument is NAME=VALUE, such as count=2".to_owned())
             }
             Self::BadPosition { .. } => Some("1 is the first, -1 the last".to_owned()),
-            Self::PositionTooHigh { most, .. } => Some(format!("it may be 1 to {most}")),
-            Self::PositionTooLow { most, .. } => Some(format!("it may be -1 to -{most}")),
+            Self::PositionTooFar { position, most } => {
+                let sign = if *position > 0 { "" } else { "-" };
+                Some(format!("it may be {sign}1 to {sign}{most}"))
+            }
             Self::NameTooLong { .. } => Some(format!("at most {} characters", hal_abi::NAME_LEN)),
             Self::TypeMismatch { pin, pin_type, signal, signal_type } => Some(format!(
                 "pin '{pin}' is {}, signal '{signal}' is {}",

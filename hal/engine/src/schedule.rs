@@ -255,12 +255,12 @@ impl Engine {
         let n = i64::try_from(order.len()).unwrap_or(i64::MAX);
         let at = if position > 0 {
             if position > n + 1 {
-                return Err(Error::PositionTooHigh { position, most: n + 1 });
+                return Err(Error::PositionTooFar { position, most: n + 1 });
             }
             position - 1
         } else {
             if -position > n + 1 {
-                return Err(Error::PositionTooLow { position, most: n + 1 });
+                return Err(Error::PositionTooFar { position, most: n + 1 });
             }
             n + 1 + position
         };
