@@ -220,6 +220,8 @@ pub(crate) fn serve_once(engine: &mut Engine, ms: i32) {
             if let Some(reply) = reply {
                 c.answer(reply);
             }
+            // What it would wait for may be so already.
+            settle(engine, c);
         }
         c.part();
     }
