@@ -59,7 +59,7 @@ impl Link for Machine {
     }
 }
 
-/// An engine on the real clock in a thread of its own, with a socket for clients.
+/// An engine in a thread of its own, with a socket for clients. Its virtual clock is held.
 #[derive(Debug)]
 pub struct Served {
     /// Where its socket is.
@@ -70,11 +70,16 @@ pub struct Served {
 impl Served {
     /// Starts it with the lines of a script; they must make a thread, or it ends at once.
     pub fn start(scratch: &Scratch, name: &str, lines: &str) -> Self {
+        Self::on(ClockKind::Real, scratch, name, lines)
+    }
+
+    /// As [`Self::start`], on a clock of this kind.
+    pub fn on(clock: ClockKind, scratch: &Scratch, name: &str, lines: &str) -> Self {
         let place = Place::at(scratch.path().join(".run/ferrule"), name).unwrap();
         let (there, lines) = (place.clone(), lines.to_owned());
         let (ready, is_ready) = mpsc::channel();
         let thread = std::thread::spawn(move || {
-            let engine = Engine::new(options(there, ClockKind::Real)).unwrap();
+            let engine = Engine::new(options(there, clock)).unwrap();
             let mut machine = furnished(engine);
             machine.script(&lines);
             ready.send(()).unwrap();
