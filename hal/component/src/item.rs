@@ -166,3 +166,20 @@ impl<T: Value, D: Dir> Field for Item<T, D> {
         b.declare(decl, initial)
     }
 }
+
+/// State that `#[derive(Component)]` can begin with: whatever has a [`Default`].
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` does not say how it begins",
+    label = "write `#[hal(default = …)]` above the field, or `#[derive(Default)]` above `{Self}`"
+)]
+pub trait Begins {
+    /// What it is at first.
+    fn begin() -> Self;
+}
+
+#[diagnostic::do_not_recommend]
+impl<T: Default> Begins for T {
+    fn begin() -> Self {
+        Self::default()
+    }
+}

@@ -52,6 +52,8 @@ pub use decl::{Decl, Error};
 #[doc(hidden)]
 pub use hal_abi as abi;
 pub use hal_derive::{Component, Touch};
+#[doc(hidden)]
+pub use item::Begins;
 pub use item::{Field, In, InSet, Io, Item, Out, ParamRo, ParamRw, Value, Write};
 pub use kinematics::{Kinematics, KinematicsKind, KinematicsRef, Pose};
 pub use port::Port;

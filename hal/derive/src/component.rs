@@ -5,7 +5,7 @@ use proc_macro2::TokenStream;
 use quote::{quote, quote_spanned};
 use syn::{DeriveInput, Expr, spanned::Spanned};
 
-pub(crate) fn component(ast: DeriveInput) -> syn::Result<TokenStream> {
+pub(crate) fn component(ast: &DeriveInput) -> syn::Result<TokenStream> {
     let ty = &ast.ident;
     let hal = Hal::read(&ast.attrs)?;
     let name = hal.name.clone().unwrap_or_else(|| snake(&ty.to_string()));
@@ -17,12 +17,16 @@ pub(crate) fn component(ast: DeriveInput) -> syn::Result<TokenStream> {
         ));
     }
     let (mut inits, mut items) = (Vec::new(), Vec::new());
-    for f in fields(&ast)? {
+    for f in fields(ast)? {
         let Some(id) = &f.ident else { continue };
         let field = Hal::read(&f.attrs)?;
         let value = field.default.clone();
         if is_state(f) {
-            let value = value.unwrap_or_else(|| syn::parse_quote!(Default::default()));
+            let t = &f.ty;
+            let value = value.map_or_else(
+                || quote_spanned!(t.span()=> <#t as ::hal_component::Begins>::begin()),
+                |value| quote!(#value),
+            );
             inits.push(quote!(#id: #value));
             continue;
         }
@@ -64,7 +68,7 @@ pub(crate) fn component(ast: DeriveInput) -> syn::Result<TokenStream> {
     } else {
         quote!(0)
     };
-    let touches = touch(&ast)?;
+    let touches = touch(ast)?;
     let summary = about.lines().next().unwrap_or_default();
     Ok(quote! {
         impl ::hal_component::Component for #ty {
@@ -81,6 +85,27 @@ pub(crate) fn component(ast: DeriveInput) -> syn::Result<TokenStream> {
         }
         #touches
     })
+}
+
+/// What is wrong, and otherwise what spares its author messages that would only follow from it.
+pub(crate) fn refused(ast: &DeriveInput, error: &syn::Error) -> TokenStream {
+    let (ty, error) = (&ast.ident, error.to_compile_error());
+    let (impls, generics, wheres) = ast.generics.split_for_impl();
+    quote! {
+        #error
+        impl #impls ::hal_component::Component for #ty #generics #wheres {
+            const NAME: &'static str = "";
+            const DOC: &'static str = "";
+            fn create(
+                b: &mut ::hal_component::Builder<'_>,
+            ) -> ::core::result::Result<(), ::hal_component::Error> {
+                ::core::result::Result::Ok(())
+            }
+        }
+        impl #impls ::hal_component::Touch for #ty #generics #wheres {
+            fn touch(&self, _: &mut ::hal_component::Uses) {}
+        }
+    }
 }
 
 /// The static declaration of one item, for those who read a library without running it.

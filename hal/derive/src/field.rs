@@ -1,6 +1,6 @@
 //! Fields and attributes.
 
-use syn::{Attribute, Data, DeriveInput, Expr, Field, Fields, Lit, LitStr, Meta, spanned::Spanned};
+use syn::{Attribute, Data, DeriveInput, Expr, Field, Fields, Lit, LitStr, Meta};
 
 /// What `#[hal(…)]` says.
 #[derive(Default)]
@@ -46,14 +46,16 @@ pub(crate) fn fields(ast: &DeriveInput) -> syn::Result<impl Iterator<Item = &Fie
     match &ast.data {
         Data::Struct(data) => match &data.fields {
             Fields::Named(named) => Ok(named.named.iter()),
-            Fields::Unnamed(_) | Fields::Unit => {
-                Err(syn::Error::new(ast.span(), "a component is a struct with named fields"))
-            }
+            Fields::Unnamed(_) | Fields::Unit => Err(unnamed(ast)),
         },
-        Data::Enum(_) | Data::Union(_) => {
-            Err(syn::Error::new(ast.span(), "a component is a struct with named fields"))
-        }
+        Data::Enum(_) | Data::Union(_) => Err(unnamed(ast)),
     }
+}
+
+fn unnamed(ast: &DeriveInput) -> syn::Error {
+    let ty = &ast.ident;
+    let text = format!("pins have names: write `struct {ty} {{ … }}` with a field for each");
+    syn::Error::new(ty.span(), text)
 }
 
 pub(crate) fn is_state(f: &Field) -> bool {

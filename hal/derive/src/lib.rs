@@ -14,9 +14,8 @@ use proc_macro::TokenStream;
 /// parameter needs a doc comment: it is what users read.
 #[proc_macro_derive(Component, attributes(hal, state))]
 pub fn component(input: TokenStream) -> TokenStream {
-    component::component(syn::parse_macro_input!(input as syn::DeriveInput))
-        .unwrap_or_else(|e| e.to_compile_error())
-        .into()
+    let ast = syn::parse_macro_input!(input as syn::DeriveInput);
+    component::component(&ast).unwrap_or_else(|e| component::refused(&ast, &e)).into()
 }
 
 /// Says which pins, parameters and hidden state a function touches: all fields that are not

@@ -1,0 +1,24 @@
+use hal_component::{Component, Out, Period, Update};
+
+enum Phase {
+    First,
+    Second,
+}
+
+/// Does not say how its state begins.
+#[derive(Component)]
+struct Wrong {
+    /// Output.
+    out: Out<bool>,
+    #[state]
+    phase: Phase,
+}
+
+impl Update for Wrong {
+    fn update(&mut self, _: Period) {
+        self.phase = if self.out.get() { Phase::First } else { Phase::Second };
+        self.out.set(matches!(self.phase, Phase::First));
+    }
+}
+
+fn main() {}
