@@ -1,8 +1,11 @@
 //! Realtime. The byte queue behind signals of type `port`: one writer, one reader.
 
-use core::sync::atomic::{
-    AtomicU8, AtomicU64,
-    Ordering::{Acquire, Relaxed, Release},
+use core::{
+    mem::offset_of,
+    sync::atomic::{
+        AtomicU8, AtomicU64,
+        Ordering::{Acquire, Relaxed, Release},
+    },
 };
 
 /// A byte queue. A queue of size `n` holds `n - 1` bytes, as users' components expect.
@@ -14,6 +17,9 @@ pub struct PortQueue {
     written: AtomicU64,
     read: AtomicU64,
 }
+
+const _: () = assert!(offset_of!(PortQueue, data) == 8);
+const _: () = assert!(offset_of!(PortQueue, written) == 16 && offset_of!(PortQueue, read) == 24);
 
 // SAFETY: one writer and one reader; all shared fields are atomic.
 unsafe impl Sync for PortQueue {}

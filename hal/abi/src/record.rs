@@ -1,6 +1,6 @@
 //! Strings, lists, status codes, and how a record that may grow is read.
 
-use core::{marker::PhantomData, ptr};
+use core::{marker::PhantomData, mem::offset_of, ptr};
 
 /// A borrowed string: static in a descriptor, else valid for the call it is passed to.
 #[repr(C)]
@@ -9,6 +9,8 @@ pub struct Str {
     ptr: *const u8,
     len: usize,
 }
+
+const _: () = assert!(offset_of!(Str, ptr) == 0 && offset_of!(Str, len) == 8);
 
 // SAFETY: a `Str` in a descriptor points at immutable static bytes.
 unsafe impl Sync for Str {}
@@ -51,6 +53,8 @@ pub struct List<T> {
     len: usize,
     kind: PhantomData<*const T>,
 }
+
+const _: () = assert!(offset_of!(List<u8>, ptr) == 0 && offset_of!(List<u8>, len) == 8);
 
 impl<T> Clone for List<T> {
     fn clone(&self) -> Self {

@@ -7,9 +7,12 @@
 //! ([`Producer::follow`], [`Consumer::follow`]), never the other way round: so a ring on which a
 //! program scribbled serves the next one.
 
-use core::sync::atomic::{
-    AtomicU64,
-    Ordering::{Acquire, Relaxed, Release},
+use core::{
+    mem::offset_of,
+    sync::atomic::{
+        AtomicU64,
+        Ordering::{Acquire, Relaxed, Release},
+    },
 };
 
 /// The most values in a record.
@@ -39,6 +42,7 @@ pub struct Ring {
 }
 
 const _: () = assert!(size_of::<Ring>() == 192);
+const _: () = assert!(offset_of!(Ring, written) == 64 && offset_of!(Ring, taken) == 128);
 const HEAD_WORDS: usize = size_of::<Ring>() / 8;
 
 impl Ring {

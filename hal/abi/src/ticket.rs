@@ -1,8 +1,11 @@
 //! Realtime. The answer to a command that takes machine time.
 
-use core::sync::atomic::{
-    AtomicPtr, AtomicU32, AtomicUsize,
-    Ordering::{Acquire, Relaxed, Release},
+use core::{
+    mem::offset_of,
+    sync::atomic::{
+        AtomicPtr, AtomicU32, AtomicUsize,
+        Ordering::{Acquire, Relaxed, Release},
+    },
 };
 
 /// How far a command has come.
@@ -24,6 +27,8 @@ pub struct Ticket {
     len: AtomicUsize,
     text: AtomicPtr<u8>,
 }
+
+const _: () = assert!(offset_of!(Ticket, len) == 8 && offset_of!(Ticket, text) == 16);
 
 impl Ticket {
     /// A command under way.
