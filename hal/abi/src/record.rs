@@ -10,7 +10,7 @@ pub struct Str {
     len: usize,
 }
 
-const _: () = assert!(offset_of!(Str, ptr) == 0 && offset_of!(Str, len) == 8);
+const _: () = assert!(offset_of!(Str, ptr) == 0 && offset_of!(Str, len) == size_of::<usize>());
 
 // SAFETY: a `Str` in a descriptor points at immutable static bytes.
 unsafe impl Sync for Str {}
@@ -54,7 +54,8 @@ pub struct List<T> {
     kind: PhantomData<*const T>,
 }
 
-const _: () = assert!(offset_of!(List<u8>, ptr) == 0 && offset_of!(List<u8>, len) == 8);
+const _: () =
+    assert!(offset_of!(List<u8>, ptr) == 0 && offset_of!(List<u8>, len) == size_of::<usize>());
 
 impl<T> Clone for List<T> {
     fn clone(&self) -> Self {

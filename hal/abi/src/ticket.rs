@@ -28,7 +28,8 @@ pub struct Ticket {
     text: AtomicPtr<u8>,
 }
 
-const _: () = assert!(offset_of!(Ticket, len) == 8 && offset_of!(Ticket, text) == 16);
+const WORD: usize = size_of::<usize>();
+const _: () = assert!(offset_of!(Ticket, len) == WORD && offset_of!(Ticket, text) == 2 * WORD);
 
 impl Ticket {
     /// A command under way.
