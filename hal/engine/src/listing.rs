@@ -56,7 +56,7 @@ impl Engine {
         for (name, ix) in self.graph.names(param) {
             let Some(item) = self.graph.item(*ix) else { continue };
             let listed =
-                if item.hidden { p.names(name.as_str()) } else { p.matches(name.as_str()) };
+                if item.hidden { p.spell(".sim", name.as_str()) } else { p.matches(name.as_str()) };
             if !listed || item.shown() != name || ty.is_some_and(|t| t != item.ty) {
                 continue;
             }

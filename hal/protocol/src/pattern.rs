@@ -23,6 +23,14 @@ impl Patterns {
         self.0.is_empty() || self.names(name)
     }
 
+    /// Whether a pattern that spells `part` out matches `name`: so are simulated registers
+    /// (`.sim`) asked for.
+    #[must_use]
+    pub fn spell(&self, part: &str, name: &str) -> bool {
+        let spelling: Vec<String> = self.0.iter().filter(|p| p.contains(part)).cloned().collect();
+        Self(spelling).names(name)
+    }
+
     /// Whether a pattern matches `name`: false when there is none.
     #[must_use]
     pub fn names(&self, name: &str) -> bool {
@@ -112,5 +120,12 @@ mod tests {
                 "{pattern} {name}"
             );
         }
+    }
+
+    #[test]
+    fn simulated_registers_are_only_given_when_spelled_out() {
+        let spell = |p: &str| Patterns::new(&[p.to_owned()]).spell(".sim", "viagpio.sim.reg-4d");
+        assert!(spell("viagpio.sim") && spell("*.sim.*"));
+        assert!(!spell("viagpio") && !spell("*"));
     }
 }
