@@ -1,0 +1,366 @@
+//! No function allocates in a cycle. The C library's `malloc`, `calloc`, `realloc` and `free` are
+//! interposed, in which every library's own allocator ends, and the calls of realtime threads are
+//! counted while 10,000 cycles of every component run, with inputs, parameters and commands of
+//! every kind, and while the wiring changes.
+#![expect(clippy::unwrap_used, clippy::panic, unsafe_code, reason = "tests")]
+
+use hal_engine::{ClockKind, Engine, Offer, Options};
+use hal_protocol::{
+    ArgInfo, CommandInfo, Direction, FunctInfo, ItemInfo, Kind, Link, Place, Reply, Request, Type,
+};
+use hal_tests::{
+    machine::{says, script, status, thread, wait},
+    plugins::{interpose, plugins},
+    programs::programs,
+};
+use std::{path::Path, process::Command};
+
+const CYCLES: u64 = 10_000;
+
+/// What some components must be given, or show more with; once for each way.
+const WITH: &[(&str, &[&str])] = &[
+    ("and2", &["count=4"]),
+    ("debounce", &["cfg=1,4,2"]),
+    ("hal_parport", &["cfg=378_out_278_in_3bc_x"]),
+    ("logic", &["count=2 personality=0x704,0x310"]),
+    ("motmod", &["base_period_nsec=100000 servo_period_nsec=500000 num_joints=3"]),
+    ("sampler", &["depth=50,7 cfg=fbsulk,bb"]),
+    (
+        "stepgen",
+        &[
+            "step_type=0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15 user_step_type=1,2,4,8",
+            "step_type=0,0,2,5 ctrl_type=v,p,v,p",
+        ],
+    ),
+    ("streamer", &["depth=50,7 cfg=fbsulk,bb"]),
+    ("threads", &["name1=also period1=1000000"]),
+];
+
+/// The function that comes and goes while cycles are counted.
+const EDITED: &str = "and2.3";
+
+/// Names what a child is to run.
+const CHILD: &str = "FERRULE_TEST_COUNTS";
+
+/// The library that counts, which was put before the C library.
+mod counter {
+    unsafe extern "C" {
+        fn dlsym(
+            handle: *mut core::ffi::c_void,
+            name: *const core::ffi::c_char,
+        ) -> *mut core::ffi::c_void;
+    }
+
+    fn find(name: &core::ffi::CStr) -> *mut core::ffi::c_void {
+        // SAFETY: a name and the default handle.
+        let found = unsafe { dlsym(core::ptr::null_mut(), name.as_ptr()) };
+        assert!(!found.is_null(), "libinterpose.so was not put before the C library");
+        found
+    }
+
+    /// Counts from zero, or stops counting.
+    pub(crate) fn count(on: bool) {
+        let f = find(c"hal_interpose_count");
+        // SAFETY: the library's function of that type.
+        let f = unsafe { core::mem::transmute::<*mut core::ffi::c_void, extern "C" fn(bool)>(f) };
+        f(on);
+    }
+
+    /// How many calls were counted.
+    pub(crate) fn counted() -> u64 {
+        let f = find(c"hal_interpose_counted");
+        // SAFETY: the library's function of that type.
+        let f =
+            unsafe { core::mem::transmute::<*mut core::ffi::c_void, extern "C" fn() -> u64>(f) };
+        f()
+    }
+}
+
+/// Numbers that are the same in every run.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0
+    }
+
+    fn one<'t, T: ?Sized>(&mut self, of: &[&'t T]) -> &'t T {
+        of.get(usize::try_from(self.next()).unwrap_or(0) % of.len()).unwrap()
+    }
+
+    /// A value as a user would write it: ordinary, or at the edge.
+    fn value(&mut self, ty: Type) -> String {
+        let odd = self.next().is_multiple_of(4);
+        let n = self.next();
+        match ty {
+            Type::Bit => self.one(&["0", "1"]).to_owned(),
+            Type::Float if odd => {
+                self.one(&["nan", "inf", "-inf", "1e308", "-1e-308", "0", "-0"]).to_owned()
+            }
+            Type::Float => format!("{}.{}", (n % 401).cast_signed() - 200, n % 1000),
+            Type::S32 if odd => self.one(&["-2147483648", "2147483647", "-1"]).to_owned(),
+            Type::S64 if odd => {
+                self.one(&["-9223372036854775808", "9223372036854775807"]).to_owned()
+            }
+            Type::S32 | Type::S64 => ((n % 2001).cast_signed() - 1000).to_string(),
+            Type::U32 if odd => "4294967295".to_owned(),
+            Type::U64 if odd => "18446744073709551615".to_owned(),
+            Type::U32 | Type::U64 | Type::Port => (n % 2000).to_string(),
+        }
+    }
+}
+
+fn engine(path: &[&Path]) -> Engine {
+    let options = Options {
+        place: Place::at("/nonexistent", "counted").unwrap(),
+        clock: ClockKind::Real,
+        hold: false,
+        simulate: true,
+        old_names: false,
+        path: path.iter().map(|p| p.to_path_buf()).collect(),
+    };
+    Engine::without_socket(options).unwrap()
+}
+
+fn list(e: &mut Engine, kind: Kind) -> Reply {
+    e.call(Request::List { kind, patterns: vec!["*".into()], ty: None }).unwrap()
+}
+
+fn functs(e: &mut Engine) -> Vec<FunctInfo> {
+    match list(e, Kind::Functs) {
+        Reply::Functs(list) => list,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// What a user may set.
+fn settable(e: &mut Engine) -> Vec<ItemInfo> {
+    let mut all = Vec::new();
+    for kind in [Kind::Pins, Kind::Params] {
+        let Reply::Items(list) = list(e, kind) else { panic!("no items") };
+        all.extend(list);
+    }
+    let may = |i: &ItemInfo| {
+        let open = matches!(i.direction, Direction::In | Direction::Io | Direction::Rw);
+        open && i.signal.is_none() && i.value.ty() != Type::Port && !i.name.ends_with(".tmax")
+    };
+    all.retain(may);
+    all
+}
+
+fn commands(e: &mut Engine) -> Vec<CommandInfo> {
+    match list(e, Kind::Commands) {
+        Reply::Commands(list) => list,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Sets everything that can be set, and gives every command, with arguments of every kind.
+fn poke(e: &mut Engine, random: &mut Random, items: &[ItemInfo], commands: &[CommandInfo]) {
+    for i in items {
+        let value = random.value(i.value.ty());
+        e.call(Request::Set { name: i.name.clone(), value }).unwrap();
+    }
+    for c in commands {
+        let mut arg = |a: &ArgInfo| {
+            let value = match a.ty.as_str() {
+                "float" => random.value(Type::Float),
+                "int" | "ints" => (random.next() % 4).to_string(),
+                "bit" => random.value(Type::Bit),
+                _ => random.one(&["x", "y", "all", "0", "free", "teleop", "coord"]).to_owned(),
+            };
+            format!("{}={value}", a.name)
+        };
+        let args = c.args.iter().map(&mut arg).collect();
+        // Most are refused: that is nothing to the cycles.
+        drop(e.call(Request::Command { name: c.name.clone(), args }));
+    }
+}
+
+/// Runs what is loaded for so many cycles and counts: the calls, and what went wrong.
+fn counted(e: &mut Engine) -> u64 {
+    let all: Vec<String> = functs(e).into_iter().map(|f| f.name).collect();
+    for f in all.iter().filter(|f| *f != EDITED) {
+        script(e, &format!("addf {f} fast"));
+    }
+    let there = says(e, "loadrt and2 count=4");
+    assert!(there == "ok" || there == "and2: already exists", "{there}");
+    script(e, "newsig one bit\nstart");
+    wait(e, "the first cycles", |e| thread(e, "fast").cycles > 20);
+    let (items, commands) = (settable(e), commands(e));
+    let mut random = Random(0x00fe_771e);
+    let end = thread(e, "fast").cycles + CYCLES;
+    counter::count(true);
+    let mut rounds = 0;
+    while thread(e, "fast").cycles < end || rounds < 100 {
+        // Changes to the wiring are carried out by the fastest thread.
+        script(
+            e,
+            &format!(
+                "addf {EDITED} fast 1
+                 linkps {EDITED}.in0 one
+                 unlinkp {EDITED}.in0
+                 delf {EDITED} fast"
+            ),
+        );
+        poke(e, &mut random, &items, &commands);
+        script(e, "idle 1");
+        rounds += 1;
+        let fault = status(e).fault;
+        assert!(fault.is_none(), "round {rounds}: {fault:?}");
+    }
+    let calls = counter::counted();
+    counter::count(false);
+    calls
+}
+
+/// Everything on the path, in as many engines as it takes: some cannot be beside others.
+fn everything() {
+    let offers = engine(&[programs()]).catalogue();
+    assert!(offers.len() >= 40, "every library of components/ is there: {}", offers.len());
+    let mut wanted: Vec<String> = Vec::new();
+    for Offer { component, .. } in &offers {
+        let ways = WITH.iter().find(|w| w.0 == component).map_or(&[""][..], |w| w.1);
+        wanted.extend(ways.iter().map(|w| format!("{component} {w}")));
+    }
+    // Kinematics come before who needs them.
+    wanted.sort_by_key(|w| !w.starts_with("trivkins"));
+    while !wanted.is_empty() {
+        let mut e = engine(&[programs()]);
+        script(&mut e, "loadrt threads name1=fast period1=50000");
+        let mut refused = Vec::new();
+        let before = wanted.len();
+        wanted.retain(|w| {
+            let own = w.split_whitespace().next() == Some("threads");
+            let said = if own { "ok".to_owned() } else { says(&mut e, &format!("loadrt {w}")) };
+            if said != "ok" {
+                refused.push(format!("{w}: {said}"));
+            }
+            said != "ok"
+        });
+        assert!(wanted.len() < before, "add to WITH what these need: {refused:#?}");
+        let calls = counted(&mut e);
+        assert_eq!(calls, 0, "calls of the allocator in cycles");
+        e.close();
+    }
+}
+
+/// A machine that moves: homed, jogged, and along a line, its steps made and sampled.
+fn moving() {
+    let mut e = engine(&[programs()]);
+    script(
+        &mut e,
+        "loadrt trivkins
+         loadrt motmod base_period_nsec=50000 servo_period_nsec=500000 num_joints=3
+         loadrt stepgen step_type=0,0,2
+         loadrt sampler depth=10 cfg=fff
+         addf stepgen.make-pulses base-thread
+         addf stepgen.capture-position servo-thread
+         addf motion-command-handler servo-thread
+         addf motion-controller servo-thread
+         addf stepgen.update-freq servo-thread
+         addf sampler.0 servo-thread",
+    );
+    for j in 0..3 {
+        script(
+            &mut e,
+            &format!(
+                "net cmd-{j} joint.{j}.motor-pos-cmd stepgen.{j}.position-cmd sampler.0.pin.{j}
+                 net fb-{j} stepgen.{j}.position-fb joint.{j}.motor-pos-fb
+                 net on-{j} joint.{j}.amp-enable-out stepgen.{j}.enable
+                 setp stepgen.{j}.position-scale 40
+                 motion.configure joint={j} max-velocity=50 max-acceleration=2000 ferror=100"
+            ),
+        );
+    }
+    script(&mut e, "motion.configure max-velocity=50 max-acceleration=2000\nstart");
+    wait(&mut e, "the first cycles", |e| thread(e, "base-thread").cycles > 50);
+    counter::count(true);
+    for line in [
+        "motion.enable",
+        "motion.home joint=all",
+        "motion.jog joint=0 velocity=5",
+        "getp stepgen.0.counts",
+        "motion.jog-stop joint=0",
+        "motion.move x=3 y=2 z=-1 velocity=10",
+        "motion.move x=0 y=0 z=0 velocity=10",
+        "motion.abort",
+        "motion.disable",
+    ] {
+        let said = says(&mut e, line);
+        assert!(said.is_empty() || !line.starts_with("motion"), "{line}: {said}");
+        assert!(line != "getp stepgen.0.counts" || said != "0", "it does not move");
+        let end = thread(&mut e, "base-thread").cycles + CYCLES / 4;
+        wait(&mut e, "cycles", |e| thread(e, "base-thread").cycles > end);
+    }
+    assert_eq!(counter::counted(), 0, "calls of the allocator in cycles");
+    counter::count(false);
+    e.close();
+}
+
+/// A plugin that allocates when it is told to.
+fn planted() {
+    let mut e = engine(&[plugins(), programs()]);
+    script(
+        &mut e,
+        "loadrt threads name1=fast period1=50000\nloadrt alloc\naddf alloc.0 fast\nstart",
+    );
+    wait(&mut e, "the first cycles", |e| thread(e, "fast").cycles > 20);
+    for (go, at_least) in [("0", 0), ("1", 100), ("0", 0)] {
+        script(&mut e, &format!("setp alloc.0.go {go}\nidle 5"));
+        counter::count(true);
+        let end = thread(&mut e, "fast").cycles + 100;
+        wait(&mut e, "cycles", |e| thread(e, "fast").cycles > end);
+        let calls = counter::counted();
+        counter::count(false);
+        assert!(calls >= at_least && (at_least > 0 || calls == 0), "{go}: {calls} calls");
+    }
+}
+
+/// Runs one of the above in a process with the counter, with `SCHED_FIFO` and without.
+fn in_a_child(what: &str) {
+    for fifo in [true, false] {
+        let mut child = Command::new(std::env::current_exe().unwrap());
+        child.args(["--exact", "child", "--ignored", "--nocapture"]);
+        child.env(CHILD, what).env("LD_PRELOAD", interpose());
+        // Built before they are counted.
+        child.env("HAL_TEST_PROGRAMS", programs());
+        plugins();
+        if !fifo {
+            child.env("HAL_NO_FIFO", "1");
+        }
+        let output = child.output().unwrap();
+        let said = String::from_utf8_lossy(&output.stdout);
+        let complained = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "FIFO {fifo}:\n{said}\n{complained}");
+    }
+}
+
+#[test]
+#[ignore = "run by the others, in a process with the counter"]
+fn child() {
+    match std::env::var(CHILD).unwrap().as_str() {
+        "everything" => everything(),
+        "moving" => moving(),
+        "planted" => planted(),
+        other => panic!("{other}"),
+    }
+}
+
+#[test]
+fn ten_thousand_cycles_of_every_component_allocate_nothing() {
+    in_a_child("everything");
+}
+
+#[test]
+fn a_machine_that_moves_allocates_nothing() {
+    in_a_child("moving");
+}
+
+#[test]
+fn a_planted_plugin_that_allocates_is_caught() {
+    in_a_child("planted");
+}
