@@ -1,6 +1,6 @@
 //! Threads that are stuck, functions that have failed, and what is done then.
 
-use crate::{Engine, Error, args::Args, graph::Ix, name::Name, os, sync::Ordering};
+use crate::{Engine, Error, args::Args, graph::Ix, name::Name, os, shared::Cause, sync::Ordering};
 use hal_protocol::FaultInfo;
 
 impl Engine {
@@ -47,7 +47,7 @@ impl Engine {
             component: owner.to_owned(),
             funct: self.funct_name(funct),
             thread: thread.to_owned(),
-            cause: self.cause(),
+            cause: said(self.shared.fault.cause()),
         };
         self.notice(format!(
             "function '{}' of component '{}' failed in thread '{}': {}; all threads are stopped \
@@ -55,15 +55,6 @@ impl Engine {
             info.funct, info.component, info.thread, info.cause
         ));
         self.fault = Some(info);
-    }
-
-    /// What the last panic said.
-    pub(crate) fn cause(&self) -> String {
-        let (bytes, n) = self.shared.cause.bytes();
-        let text = String::from_utf8_lossy(bytes.get(..n).unwrap_or_default());
-        // What is longer was cut, perhaps inside a letter.
-        let whole = n < bytes.len();
-        if whole { text.into_owned() } else { format!("{}…", text.trim_end_matches('\u{fffd}')) }
     }
 
     /// The function that failed is gone: what is left may be started again.
@@ -92,4 +83,13 @@ impl Engine {
         }
         failed.into_iter().for_each(|f| self.notice(f));
     }
+}
+
+/// What a panic said.
+pub(crate) fn said(cause: &Cause) -> String {
+    let (bytes, n) = cause.bytes();
+    let text = String::from_utf8_lossy(bytes.get(..n).unwrap_or_default());
+    // What is longer was cut, perhaps inside a letter.
+    let whole = n < bytes.len();
+    if whole { text.into_owned() } else { format!("{}…", text.trim_end_matches('\u{fffd}')) }
 }

@@ -24,21 +24,29 @@ pub(crate) struct Message {
 }
 
 /// Which function failed, once.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Fault {
     /// 0 none, 1 being written, 2 there.
     state: AtomicU32,
     thread: AtomicU32,
     funct: AtomicU32,
+    cause: Cause,
 }
 
 impl Fault {
-    /// Records the first fault.
-    pub(crate) fn set(&self, thread: u32, funct: u32) {
+    const fn new() -> Self {
+        let (state, thread, funct) = (AtomicU32::new(0), AtomicU32::new(0), AtomicU32::new(0));
+        Self { state, thread, funct, cause: Cause::new() }
+    }
+
+    /// Records the first fault. What fails after it, in a cycle that was under way, leaves its
+    /// cause alone.
+    pub(crate) fn set(&self, thread: u32, funct: u32, cause: &Cause) {
         // Pairs with itself: the first one wins.
         if self.state.compare_exchange(0, 1, Ordering::AcqRel, Ordering::Relaxed).is_ok() {
             self.thread.store(thread, Ordering::Relaxed);
             self.funct.store(funct, Ordering::Relaxed);
+            self.cause.copy(cause);
             self.state.store(2, Ordering::Release); // Pairs with `get`.
         }
     }
@@ -47,6 +55,11 @@ impl Fault {
     pub(crate) fn get(&self) -> Option<(u32, u32)> {
         let there = self.state.load(Ordering::Acquire) == 2; // Pairs with `set`.
         there.then(|| (self.thread.load(Ordering::Relaxed), self.funct.load(Ordering::Relaxed)))
+    }
+
+    /// Control side: what the function said, once it has failed.
+    pub(crate) const fn cause(&self) -> &Cause {
+        &self.cause
     }
 
     /// Control side: forgets it; no thread is inside a cycle.
@@ -67,14 +80,21 @@ impl Cause {
         Self { len: AtomicU32::new(0), bytes: [const { AtomicU8::new(0) }; 256] }
     }
 
-    /// Keeps the first 256 bytes; the `Fault` that follows publishes them.
+    /// Keeps the first 256 bytes.
     pub(crate) fn store(&self, text: &str) {
         let mut n = 0;
         for (place, b) in self.bytes.iter().zip(text.bytes()) {
             place.store(b, Ordering::Relaxed);
             n += 1;
         }
-        self.len.store(n, Ordering::Release); // Pairs with `text`.
+        self.len.store(n, Ordering::Release); // Pairs with `bytes`.
+    }
+
+    fn copy(&self, from: &Self) {
+        for (place, b) in self.bytes.iter().zip(&from.bytes) {
+            place.store(b.load(Ordering::Relaxed), Ordering::Relaxed);
+        }
+        self.len.store(from.len.load(Ordering::Relaxed), Ordering::Release); // Pairs with `bytes`.
     }
 
     /// Control side: what was kept, and how much of it counts.
@@ -94,6 +114,7 @@ pub(crate) struct Shared {
     /// In order of creation: the fastest first.
     pub(crate) threads: ArcSwap<Vec<Arc<Thread>>>,
     pub(crate) fault: Fault,
+    /// What the last panic said, until whoever ran the code takes it.
     pub(crate) cause: Cause,
     pub(crate) probe: ArcSwapOption<Probe>,
     messages: ArrayQueue<Message>,
@@ -116,7 +137,7 @@ impl Shared {
             time: AtomicI64::new(start),
             boundary: Boundary::new(),
             threads: ArcSwap::from_pointee(Vec::default()),
-            fault: Fault::default(),
+            fault: Fault::new(),
             cause: Cause::new(),
             probe: ArcSwapOption::empty(),
             messages: ArrayQueue::new(4096),

@@ -1,6 +1,6 @@
 //! Background work of components: on the control side, never in a realtime thread.
 
-use crate::{Engine, code::Code, graph::Ix, name::Name};
+use crate::{Engine, code::Code, fault::said, graph::Ix, name::Name};
 use hal_abi::Run;
 
 /// Work that is done every so often.
@@ -44,11 +44,10 @@ impl Engine {
             t.due = (now.div_euclid(t.period_ns) + 1) * t.period_ns;
             if !t.code.run(t.period_ns).is_ok() {
                 t.failed = true;
-                failed.push(t.name.clone());
+                failed.push((t.name.clone(), said(&self.shared.cause)));
             }
         }
-        for name in failed {
-            let cause = self.cause();
+        for (name, cause) in failed {
             self.notice(format!("task '{name}' has failed and is not run again: {cause}"));
         }
     }

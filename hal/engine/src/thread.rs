@@ -171,7 +171,7 @@ impl Thread {
             self.current.store(e.id, Ordering::Relaxed);
             // SAFETY: this thread alone runs the function, and the list keeps it alive.
             if !unsafe { (e.run)(e.state, self.period_ns) }.is_ok() {
-                shared.fault.set(self.id, e.id);
+                shared.fault.set(self.id, e.id, &shared.cause);
                 break;
             }
         }
@@ -196,7 +196,7 @@ impl Thread {
                 (most, longest) = (ns, e.id);
             }
             if !status.is_ok() {
-                shared.fault.set(self.id, e.id);
+                shared.fault.set(self.id, e.id, &shared.cause);
                 break;
             }
         }
