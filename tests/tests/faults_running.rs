@@ -183,8 +183,12 @@ fn tasks_and_commands_that_panic_say_so_and_threads_go_on() {
         let odd = "Invalid parameter `hm'; an argument is NAME=VALUE, such as count=2";
         assert_eq!(says(&mut m, "lazy.wait hm"), odd);
         m.script("setp lazy.go 1");
-        let failed = "task 'lazy.work' has failed and is not run again: told to panic in the \
-                      background (faulty/src/lazy.rs:LINE)";
+        let failed = ["work", "rest"].map(|what| {
+            format!(
+                "task 'lazy.{what}' has failed and is not run again: told to panic at {what} \
+                 (faulty/src/lazy.rs:LINE)"
+            )
+        });
         let mut said = Vec::new();
         for _ in 0..60_000 {
             m.script(if clock == ClockKind::Real { "idle 1" } else { "run 10000000" });
@@ -193,13 +197,41 @@ fn tasks_and_commands_that_panic_say_so_and_threads_go_on() {
                 break;
             }
         }
-        assert_eq!(said, [failed]);
+        assert_eq!(said, failed, "both are due at the same time");
         let n = count(&mut m, "lazy.times");
         m.script("setp lazy.go 0");
         let beat = count(&mut m, "thread1.threadbeat");
         until(&mut m, clock, "threads go on", |m| count(m, "thread1.threadbeat") > beat + 20);
         assert_eq!(count(&mut m, "lazy.times"), n, "it is not run again");
         assert!(status(&mut m).running && status(&mut m).fault.is_none());
+    }
+}
+
+#[test]
+fn of_two_that_fail_at_once_each_cause_stays_with_its_function() {
+    let mut m = Machine::new(ClockKind::Real);
+    m.script(
+        "loadrt threads name1=fast period1=500000 name2=slow period2=1000000
+         loadrt stuck",
+    );
+    for round in 0..20 {
+        m.script(
+            "loadrt boom count=2
+             addf boom.0 fast
+             addf stuck.0 slow
+             addf boom.1 slow
+             setp boom.1.how 1
+             start
+             setp stuck.0.hold 1",
+        );
+        wait(&mut m, "the slow one is inside", |m| bit(m, "stuck.0.inside"));
+        // The fast one fails now, and the slow one in the cycle that it is in already.
+        m.script("setp boom.1.go 1\nsetp boom.0.go 1\nsetp stuck.0.hold 0");
+        wait(&mut m, "the fault is seen", |m| status(m).fault.is_some());
+        let fault = status(&mut m).fault.unwrap();
+        let start = if fault.funct == "boom.0" { "told to (" } else { "told to, in cycle" };
+        assert!(fault.cause.starts_with(start), "{round}: {fault:?}");
+        m.script("unloadrt boom\ndelf stuck.0");
     }
 }
 

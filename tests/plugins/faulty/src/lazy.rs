@@ -11,6 +11,8 @@ pub(crate) struct Lazy;
 struct Work {
     go: In<bool>,
     times: Out<u32>,
+    #[state]
+    what: &'static str,
 }
 
 impl Component for Lazy {
@@ -19,11 +21,11 @@ impl Component for Lazy {
     const FLAGS: u32 = component_flags::ONCE;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let work = Work {
-            go: b.item("lazy.go", "Panics at the next time.", false)?,
-            times: b.item("lazy.times", "How often it worked.", 0)?,
-        };
-        b.task("lazy.work", "Works.", 10_000_000, work)?;
+        let go: In<bool> = b.item("lazy.go", "Both panic at the next time.", false)?;
+        let times = b.item("lazy.times", "How often it worked.", 0)?;
+        b.task("lazy.work", "Works.", 10_000_000, Work { go, times, what: "at work" })?;
+        let times = b.item("lazy.rests", "How often it rested.", 0)?;
+        b.task("lazy.rest", "Rests.", 10_000_000, Work { go, times, what: "at rest" })?;
         b.command("lazy.panic", "Panics.", &[], |_| panic!("told to panic in a command"))?;
         b.command("lazy.refuse", "Refuses.", &[], |_| Err(Error::new("not now")))?;
         b.command("lazy.wait", "Never ends.", &[], |call| call.ticket().map(|_| ()))
@@ -32,7 +34,7 @@ impl Component for Lazy {
 
 impl Update for Work {
     fn update(&mut self, _: Period) {
-        assert!(!self.go.get(), "told to panic in the background");
+        assert!(!self.go.get(), "told to panic {}", self.what);
         self.times.set(self.times.get().wrapping_add(1));
     }
 }
