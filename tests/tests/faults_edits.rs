@@ -257,6 +257,8 @@ fn each_lock_refuses_its_own_and_changes_nothing() {
         }
         assert!(status(&mut m).running);
     }
+    // Values are no configuration: LinuxCNC lets them be set as well.
+    m.script("lock all\nsetp and2.1.in1 1");
     m.script("lock none\nnewsig y bit\ndelsig y\nstop\nstart");
     for line in ["lock load", "stop", "start", "newsig y bit", "lock run", "delsig y"] {
         assert!(m.call(request(line)).is_ok(), "{line}");
