@@ -4,6 +4,7 @@ use crate::{
     Stdio, Terminal,
     options::{Opt, from_environment, options, usage},
     remote::{Remote, ending_flag, instance_option, pause},
+    terminal::ended,
 };
 use hal_protocol::{Place, Request, Stream, Value};
 use std::{
@@ -42,13 +43,7 @@ const OPTIONS: &[Opt<Id>] = &[
 /// Runs the program with these words.
 #[must_use]
 pub fn main(words: &[String]) -> ExitCode {
-    match run(words) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(text) => {
-            Stdio.err(&format!("{text}\n"));
-            ExitCode::FAILURE
-        }
-    }
+    ended(run(words))
 }
 
 /// Reads the number of a channel.

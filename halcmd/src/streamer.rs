@@ -5,6 +5,7 @@ use crate::{
     options::{Opt, from_environment, options, usage},
     remote::{Remote, ending_flag, instance_option, pause},
     sampler::{LOOK_EVERY, WAIT_MS, channel, one_file, option_error},
+    terminal::ended,
 };
 use hal_protocol::{Link, Place, Request, Type, Value, ValueError};
 use std::{
@@ -32,13 +33,7 @@ const OPTIONS: &[Opt<Id>] = &[
 /// Runs the program with these words.
 #[must_use]
 pub fn main(words: &[String]) -> ExitCode {
-    match run(words) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(text) => {
-            Stdio.err(&format!("{text}\n"));
-            ExitCode::FAILURE
-        }
-    }
+    ended(run(words))
 }
 
 fn run(words: &[String]) -> Result<(), String> {

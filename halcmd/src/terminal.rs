@@ -1,6 +1,6 @@
 //! Where text for people goes.
 
-use std::io::Write;
+use std::{io::Write, process::ExitCode};
 
 /// Standard output and standard error, or what stands for them.
 pub trait Terminal {
@@ -24,6 +24,17 @@ impl Terminal for Stdio {
 
     fn err(&mut self, text: &str) {
         std::io::stderr().lock().write_all(text.as_bytes()).unwrap_or_default();
+    }
+}
+
+/// How a small program ends: well, or with a complaint.
+pub(crate) fn ended(result: Result<(), String>) -> ExitCode {
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(text) => {
+            Stdio.err(&format!("{text}\n"));
+            ExitCode::FAILURE
+        }
     }
 }
 

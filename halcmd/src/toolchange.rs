@@ -4,6 +4,7 @@ use crate::{
     Stdio, Terminal,
     options::{Opt, from_environment, options, usage},
     remote::{Remote, instance_option, leave_on_signals},
+    terminal::ended,
 };
 use hal_protocol::{Direction, Failure, Link, Place, Reply, Request, Type, Value};
 use std::{process::ExitCode, sync::mpsc};
@@ -35,13 +36,7 @@ const OPTIONS: &[Opt<Id>] = &[
 /// Runs the program with these words.
 #[must_use]
 pub fn main(words: &[String]) -> ExitCode {
-    match run(words) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(text) => {
-            Stdio.err(&format!("{NAME}: {text}\n"));
-            ExitCode::FAILURE
-        }
-    }
+    ended(run(words).map_err(|text| format!("{NAME}: {text}")))
 }
 
 fn run(words: &[String]) -> Result<(), String> {
