@@ -208,6 +208,24 @@ fn tasks_and_commands_that_panic_say_so_and_threads_go_on() {
 }
 
 #[test]
+fn engines_side_by_side_keep_their_causes_apart() {
+    let panics = |how: u32, cause: &'static str| {
+        move || {
+            for _ in 0..200 {
+                let mut m = Machine::new(ClockKind::Virtual);
+                m.script(&format!("{DRIVERS}\nsetp boom.0.how {how}\nsetp boom.0.go 1"));
+                m.script("run 10000000");
+                let fault = status(&mut m).fault.map(|f| without_line(&f.cause));
+                assert_eq!(fault.as_deref(), Some(cause));
+            }
+        }
+    };
+    let other = std::thread::spawn(panics(2, "panicked (faulty/src/boom.rs:LINE)"));
+    panics(0, "told to (faulty/src/boom.rs:LINE)")();
+    other.join().unwrap();
+}
+
+#[test]
 fn of_two_that_fail_at_once_each_cause_stays_with_its_function() {
     let mut m = Machine::new(ClockKind::Real);
     m.script(

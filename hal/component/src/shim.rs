@@ -8,16 +8,18 @@ use core::ffi::c_void;
 use std::{
     panic::{AssertUnwindSafe, catch_unwind},
     sync::{Mutex, Once, PoisonError},
+    thread::ThreadId,
 };
 
-/// What the last panic of this library said, with its place.
-static LAST: Mutex<Option<String>> = Mutex::new(None);
+/// What the last panic of each thread said, with its place, until it is asked for: two may panic at
+/// the same time in one library.
+static LAST: Mutex<Vec<(ThreadId, String)>> = Mutex::new(Vec::new());
 static HOOK: Once = Once::new();
 
 /// Runs component code; a panic becomes its text.
 fn guarded<R>(code: impl FnOnce() -> R) -> Result<R, String> {
     catch_unwind(AssertUnwindSafe(code)).map_err(|payload| {
-        let said = LAST.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let said = swap_last(None);
         let text = payload
             .downcast_ref::<&str>()
             .map(|s| (*s).to_owned())
@@ -43,9 +45,19 @@ fn quiet() {
                 .unwrap_or("panicked");
             let place = info.location().map(|l| format!(" ({}:{})", l.file(), l.line()));
             let said = format!("{text}{}", place.unwrap_or_default());
-            *LAST.lock().unwrap_or_else(PoisonError::into_inner) = Some(said);
+            swap_last(Some(said));
         }));
     });
+}
+
+/// What the last panic of this thread said, and what to keep in its place.
+fn swap_last(said: Option<String>) -> Option<String> {
+    let me = std::thread::current().id();
+    let mut all = LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    let mine = all.iter().position(|(thread, _)| *thread == me);
+    let last = mine.map(|at| all.swap_remove(at).1);
+    all.extend(said.map(|said| (me, said)));
+    last
 }
 
 fn say(calls: &CallHost, text: &str) {
