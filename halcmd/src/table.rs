@@ -6,7 +6,7 @@ use crate::{
     error::nearest,
     lex::is_arrow,
     parse,
-    rows::COMMANDS,
+    rows::rows,
 };
 use hal_protocol::Kind;
 
@@ -73,7 +73,7 @@ pub const STATUSES: &[(&str, StatusKind)] = &[
 /// The command of this name.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static Row> {
-    COMMANDS.iter().find(|row| row.name == name)
+    rows().find(|row| row.name == name)
 }
 
 /// Understands the words of a line.
@@ -115,7 +115,7 @@ impl Row {
 /// The name of a command near `word`.
 #[must_use]
 pub fn near(word: &str) -> Option<Box<str>> {
-    nearest(word, COMMANDS.iter().map(|row| row.name))
+    nearest(word, rows().map(|row| row.name))
 }
 
 /// What `help` prints; about one command if it is named.
@@ -127,7 +127,7 @@ pub fn help(about: Option<&str>) -> Result<String, Error> {
         let mut text = String::from(
             "Use 'help <command>' for more details about each command\nAvailable commands:\n",
         );
-        for row in COMMANDS {
+        for row in rows() {
             text.push_str(&format!("  {:<19} {}\n", row.name, row.summary));
         }
         text.push_str("  COMPONENT.VERB      a component's own command: 'commands' lists them\n");
@@ -171,7 +171,7 @@ fn wrapped(text: &str) -> String {
 #[must_use]
 pub fn markdown() -> String {
     let mut text = String::from("| command | what it does |\n|---|---|\n");
-    for row in COMMANDS {
+    for row in rows() {
         let usage = format!("{} {}", row.name, row.usage).trim_end().replace('|', "\\|");
         text.push_str(&format!("| `{usage}` | {} |\n", row.summary));
     }
@@ -180,7 +180,7 @@ pub fn markdown() -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{COMMANDS, help, markdown, understand};
+    use super::{help, markdown, rows, understand};
     use crate::{
         ini::Ini,
         lex::{without_comment, words},
@@ -303,7 +303,7 @@ mod tests {
     #[test]
     fn help_knows_every_command() {
         let all = help(None).unwrap();
-        for row in COMMANDS {
+        for row in rows() {
             assert!(
                 all.contains(&format!("\n  {:<19} {}\n", row.name, row.summary)),
                 "{}",
