@@ -4,7 +4,7 @@ use crate::{
     Command, Error, Session,
     command::{LockChange, SaveKind, ShowKind, StatusKind},
     error::nearest,
-    list, save, show, status, table,
+    help, list, save, show, status,
 };
 use hal_protocol::{Failure, Kind, Lock, Reply, Request, StatusInfo, TicketInfo, Type};
 
@@ -69,7 +69,7 @@ impl Session<'_> {
             Command::Source(path) => self.source(&path)?,
             Command::Help(about) => {
                 // As the reference: what has no help is said, and is no failure.
-                let text = table::help(about.as_deref()).unwrap_or_else(|e| format!("{e}\n"));
+                let text = help::help(about.as_deref()).unwrap_or_else(|e| format!("{e}\n"));
                 self.terminal.out(&text);
             }
             Command::Lock(change) => self.lock(change)?,

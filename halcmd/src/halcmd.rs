@@ -1,11 +1,10 @@
 //! The program halcmd: commands for a running instance.
 
 use crate::{
-    Bytes, Error, Outcome, Session, Stdin, Stdio, Style, Terminal,
+    Bytes, Error, Outcome, Session, Stdin, Stdio, Style, Terminal, help,
     ini::Ini,
     options::{Opt, from_environment, options, usage},
     remote::{Remote, instance_option, leave_on_signals},
-    table,
 };
 use hal_protocol::Place;
 use std::{path::Path, process::ExitCode};
@@ -106,14 +105,14 @@ fn run(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
     let mut style = Style::default();
     given.iter().for_each(|(id, _)| apply(&mut style, *id));
     if has(Id::Help) {
-        let text = rest.first().map_or_else(|| Ok(help()), |name| table::help(Some(name)));
+        let text = rest.first().map_or_else(|| Ok(usage_text()), |name| help::help(Some(name)));
         terminal.out(&text.unwrap_or_else(|error| format!("{error}\n")));
         return Ok(0);
     }
     let file = has(Id::File);
     if !file && rest.is_empty() {
         if !has(Id::Release) {
-            terminal.out(&help());
+            terminal.out(&usage_text());
         }
         return Ok(0);
     }
@@ -152,7 +151,7 @@ fn run(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
     Ok(u8::from(outcome != Outcome::Good))
 }
 
-fn help() -> String {
+fn usage_text() -> String {
     format!(
         "\nUsage:   halcmd [options] [command [arguments]]\n         \
          halcmd [options] -f [FILE]\n\noptions:\n{}\n\

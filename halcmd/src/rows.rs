@@ -1,6 +1,6 @@
 //! The rows of the table of commands, by what they are for.
 
-use crate::table::Row;
+use crate::{Error, table::Row};
 
 mod input;
 mod load;
@@ -11,9 +11,30 @@ mod wire;
 /// As many words as one likes.
 const ANY: usize = usize::MAX;
 
-const GROUPS: &[&[Row]] = &[load::ROWS, wire::ROWS, time::ROWS, look::ROWS, input::ROWS];
+/// A row about which there is nothing more to say: what a row leaves out is as here.
+const PLAIN: Row = Row {
+    name: "",
+    usage: "",
+    args: (0, 0),
+    summary: "",
+    help: "",
+    words: &[],
+    examples: &[],
+    related: &[],
+    errors: &[],
+    parse: |_| Err(Error::Unexpected),
+};
+
+/// The groups of commands with their titles, as help lists them.
+pub(crate) const GROUPS: &[(&str, &[Row])] = &[
+    ("Components and programs", load::ROWS),
+    ("Signals, pins and parameters", wire::ROWS),
+    ("Threads and time", time::ROWS),
+    ("Looking", look::ROWS),
+    ("The input", input::ROWS),
+];
 
 /// Every command, as help lists them.
 pub(crate) fn rows() -> impl Iterator<Item = &'static Row> {
-    GROUPS.iter().copied().flatten()
+    GROUPS.iter().flat_map(|(_, rows)| rows.iter())
 }

@@ -4,9 +4,11 @@ use crate::{
     Command, Error,
     command::{SaveKind, StatusKind},
     error::nearest,
+    help::line,
     lex::is_arrow,
     parse,
     rows::rows,
+    word::Word,
 };
 use hal_protocol::Kind;
 
@@ -23,6 +25,14 @@ pub struct Row {
     pub summary: &'static str,
     /// What else there is to know.
     pub help: &'static str,
+    /// What each of its arguments may be, for completion.
+    pub words: &'static [Word],
+    /// Lines as one types them.
+    pub examples: &'static [&'static str],
+    /// Other commands that one may want.
+    pub related: &'static [&'static str],
+    /// What people meet: a part of the message, and what it asks for.
+    pub errors: &'static [(&'static str, &'static str)],
     /// Makes a command of the right number of words.
     pub parse: fn(&[String]) -> Result<Command, Error>,
 }
@@ -118,61 +128,12 @@ pub fn near(word: &str) -> Option<Box<str>> {
     nearest(word, rows().map(|row| row.name))
 }
 
-/// What `help` prints; about one command if it is named.
-///
-/// # Errors
-/// There is none of this name.
-pub fn help(about: Option<&str>) -> Result<String, Error> {
-    let Some(name) = about else {
-        let mut text = String::from(
-            "Use 'help <command>' for more details about each command\nAvailable commands:\n",
-        );
-        for row in rows() {
-            text.push_str(&format!("  {:<19} {}\n", row.name, row.summary));
-        }
-        text.push_str("  COMPONENT.VERB      a component's own command: 'commands' lists them\n");
-        return Ok(text);
-    };
-    let row = find(name).ok_or_else(|| Error::NoHelp { word: name.into(), near: near(name) })?;
-    if name == "help" {
-        return Ok(format!("{}\n", row.help));
-    }
-    let mut text = format!("{} {}", row.name, row.usage).trim_end().to_owned();
-    let mut summary = row.summary.chars();
-    let first = summary.next().map(|c| c.to_ascii_uppercase());
-    text.push_str(&format!("\n{}{}.\n", first.unwrap_or_default(), summary.as_str()));
-    if !row.help.is_empty() {
-        text.push_str(&wrapped(row.help));
-    }
-    Ok(text)
-}
-
-/// A text in lines that fit a terminal.
-fn wrapped(text: &str) -> String {
-    const WIDTH: usize = 78;
-    let mut out = String::new();
-    let mut at = 0;
-    for word in text.split(' ') {
-        let length = word.chars().count();
-        if at > 0 && at + 1 + length > WIDTH {
-            out.push('\n');
-            at = 0;
-        } else if at > 0 {
-            out.push(' ');
-            at += 1;
-        }
-        out.push_str(word);
-        at += length;
-    }
-    out + "\n"
-}
-
 /// The table as the README shows it.
 #[must_use]
 pub fn markdown() -> String {
     let mut text = String::from("| command | what it does |\n|---|---|\n");
     for row in rows() {
-        let usage = format!("{} {}", row.name, row.usage).trim_end().replace('|', "\\|");
+        let usage = line(row).replace('|', "\\|");
         text.push_str(&format!("| `{usage}` | {} |\n", row.summary));
     }
     text
@@ -180,7 +141,7 @@ pub fn markdown() -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{help, markdown, rows, understand};
+    use super::{markdown, understand};
     use crate::{
         ini::Ini,
         lex::{without_comment, words},
@@ -298,30 +259,6 @@ mod tests {
             let shown = refusal(&format!("addf f t {word}"));
             assert!(shown.contains(&format!("position: {want},")), "{word}: {shown}");
         }
-    }
-
-    #[test]
-    fn help_knows_every_command() {
-        let all = help(None).unwrap();
-        for row in rows() {
-            assert!(
-                all.contains(&format!("\n  {:<19} {}\n", row.name, row.summary)),
-                "{}",
-                row.name
-            );
-            let text = help(Some(row.name)).unwrap();
-            assert!(text.ends_with('\n') && text.len() > 10, "{}", row.name);
-            let help = text.lines().skip(1);
-            assert!(help.into_iter().all(|l| l.chars().count() <= 78), "{text}");
-        }
-        let net = help(Some("net")).unwrap();
-        assert!(net.starts_with("net SIGNAL PIN...\nJoin pins by a signal.\n"), "{net}");
-        assert_eq!(
-            help(Some("help")).unwrap(),
-            "If you need help to use 'help', then I can't help you.\n"
-        );
-        let error = help(Some("bogus")).unwrap_err().to_string();
-        assert_eq!(error, "No help for unknown command 'bogus'");
     }
 
     /// Pseudo-random lines of what the language is made of: whatever they mean, they are read.

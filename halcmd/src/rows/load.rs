@@ -1,6 +1,13 @@
 //! Loading and unloading.
 
-use crate::{Command, command::LockChange, parse, rows::ANY, table::Row};
+use crate::{
+    Command,
+    command::LockChange,
+    parse,
+    rows::{ANY, PLAIN},
+    table::Row,
+    word::Word as W,
+};
 use hal_protocol::Lock;
 
 pub(super) const ROWS: &[Row] = &[
@@ -10,6 +17,20 @@ pub(super) const ROWS: &[Row] = &[
         args: (1, ANY),
         summary: "load a realtime component",
         help: "Arguments are the component's own, such as count=2, names=a,b or cfg=\"0x378 out\".",
+        words: &[W::Module, W::Many(&[W::ModuleArg])],
+        examples: &["loadrt and2 count=2", "loadrt stepgen step_type=0,0 ctrl_type=p,v"],
+        related: &["unloadrt", "loadusr", "addf"],
+        errors: &[
+            (
+                "already exists",
+                "a component is loaded once: give all its instances with count= or names= on one line",
+            ),
+            (
+                "no plugin library offers",
+                "see which there are: 'loadrt' and TAB; more folders: HAL_RTMOD_DIR",
+            ),
+            ("Unknown parameter", "the arguments of a component are offered by TAB after its name"),
+        ],
         parse: parse::loadrt,
     },
     Row {
@@ -20,6 +41,19 @@ pub(super) const ROWS: &[Row] = &[
         help: "With -W, wait until its component is ready (-Wn NAME: a component of that name). \
                With -w, wait until it ends, and fail if it fails (-i: never mind). Programs beside \
                this one are found first, then those in PATH.",
+        words: &[W::Many(&[W::One(&["-w", "-W", "-Wn", "-i"]), W::Program, W::File])],
+        examples: &["loadusr -Wn panel ./panel.py", "loadusr -w halsampler -n 100"],
+        related: &["waitusr", "unloadusr", "loadrt"],
+        errors: &[
+            (
+                "exited without becoming ready",
+                "the program ended before it made its component: run it by hand to see why",
+            ),
+            (
+                "Waiting for component",
+                "the component has another name than the program: give it with -Wn NAME",
+            ),
+        ],
         parse: parse::loadusr,
     },
     Row {
@@ -28,6 +62,13 @@ pub(super) const ROWS: &[Row] = &[
         args: (1, 1),
         summary: "wait until a program's component is gone",
         help: "Succeeds at once if there is none of this name.",
+        words: &[W::ProgramComponent],
+        examples: &["waitusr halui"],
+        related: &["loadusr", "unloadusr"],
+        errors: &[(
+            "is not a userspace component",
+            "it belongs to a plugin, which 'unloadrt' unloads",
+        )],
         parse: |words| Ok(Command::AwaitEnd(parse::first(words))),
     },
     Row {
@@ -36,6 +77,10 @@ pub(super) const ROWS: &[Row] = &[
         args: (1, 1),
         summary: "unload a component or end its program",
         help: "Signals stay; the component's pins, parameters and functions go.",
+        words: &[W::Any(&[W::Component, W::One(&["all"])])],
+        examples: &["unload siggen", "unload all"],
+        related: &["unloadrt", "unloadusr"],
+        errors: &[("is not loaded", "'list comp' names what is")],
         parse: |words| match parse::first(words).as_str() {
             "all" => Ok(Command::UnloadAll),
             name => Ok(Command::Unload(name.to_owned())),
@@ -47,6 +92,13 @@ pub(super) const ROWS: &[Row] = &[
         args: (1, 1),
         summary: "unload a realtime component",
         help: "All: the newest first.",
+        words: &[W::Any(&[W::RealtimeComponent, W::One(&["all"])])],
+        examples: &["unloadrt siggen", "unloadrt all"],
+        related: &["unload", "loadrt"],
+        errors: &[
+            ("is not loaded", "'list comp' names what is"),
+            ("is in use", "unload the component that uses it first"),
+        ],
         parse: parse::unloadrt,
     },
     Row {
@@ -55,6 +107,10 @@ pub(super) const ROWS: &[Row] = &[
         args: (1, 1),
         summary: "end the program of a component",
         help: "The program receives SIGTERM.",
+        words: &[W::Any(&[W::ProgramComponent, W::One(&["all"])])],
+        examples: &["unloadusr panel", "unloadusr all"],
+        related: &["unload", "waitusr"],
+        errors: &[],
         parse: parse::unloadusr,
     },
     Row {
@@ -64,6 +120,9 @@ pub(super) const ROWS: &[Row] = &[
         summary: "forbid changes",
         help: "tune: loading, links and functions in threads; all (or no word): also starting and \
                stopping; none: nothing.",
+        words: &[W::One(&["all", "tune", "none"])],
+        examples: &["lock tune"],
+        related: &["unlock", "status"],
         parse: |words| {
             Ok(Command::Lock(match words.first().map(String::as_str) {
                 None | Some("all") => Some(LockChange::To(Lock::ALL)),
@@ -72,6 +131,7 @@ pub(super) const ROWS: &[Row] = &[
                 Some(_) => None,
             }))
         },
+        ..PLAIN
     },
     Row {
         name: "unlock",
@@ -79,6 +139,9 @@ pub(super) const ROWS: &[Row] = &[
         args: (0, 1),
         summary: "allow changes",
         help: "tune: loading, links and functions in threads; all (or no word): everything.",
+        words: &[W::One(&["all", "tune"])],
+        examples: &["unlock"],
+        related: &["lock", "status"],
         parse: |words| {
             Ok(Command::Lock(match words.first().map(String::as_str) {
                 None | Some("all" | "none") => Some(LockChange::To(Lock::NONE)),
@@ -86,5 +149,6 @@ pub(super) const ROWS: &[Row] = &[
                 Some(_) => None,
             }))
         },
+        ..PLAIN
     },
 ];

@@ -1,6 +1,6 @@
 //! Looking at what is there.
 
-use crate::{Command, command::ShowKind, parse, rows::ANY, table::Row};
+use crate::{Command, command::ShowKind, parse, rows::ANY, table::Row, word::Word as W};
 use hal_protocol::Kind;
 
 pub(super) const ROWS: &[Row] = &[
@@ -11,6 +11,13 @@ pub(super) const ROWS: &[Row] = &[
         summary: "print things with their values and links",
         help: "A pattern is the beginning of a name, or a glob of the whole. -t selects pins, \
                signals and parameters by type.",
+        words: &[
+            W::One(&["all", "comp", "pin", "sig", "param", "funct", "thread", "alias"]),
+            W::Many(&[W::One(&["-t"]), W::NameOfKind]),
+        ],
+        examples: &["show pin stepgen.0", "show sig '*-pos'", "show pin -t bit parport"],
+        related: &["list", "getp", "save"],
+        errors: &[("Unknown 'show' type", "the kind comes first, then patterns: 'show pin x'")],
         parse: parse::show,
     },
     Row {
@@ -19,6 +26,13 @@ pub(super) const ROWS: &[Row] = &[
         args: (1, ANY),
         summary: "print names",
         help: "Patterns are those of 'show'.",
+        words: &[
+            W::One(&["comp", "pin", "sig", "param", "funct", "thread"]),
+            W::Many(&[W::NameOfKind]),
+        ],
+        examples: &["list pin", "list funct stepgen"],
+        related: &["show"],
+        errors: &[("Unknown 'list' type", "the kind comes first, then patterns: 'list pin x'")],
         parse: parse::list,
     },
     Row {
@@ -28,6 +42,32 @@ pub(super) const ROWS: &[Row] = &[
         summary: "print the commands that rebuild this state",
         help: "Kinds: all (the default), allu, comp, alias, sig, sigu, link, linka, net, neta, \
                netl, netla, param, thread, unconnectedinpins.",
+        words: &[
+            W::One(&[
+                "all",
+                "allu",
+                "comp",
+                "alias",
+                "sig",
+                "sigu",
+                "link",
+                "linka",
+                "net",
+                "neta",
+                "netl",
+                "netla",
+                "param",
+                "thread",
+                "unconnectedinpins",
+            ]),
+            W::File,
+        ],
+        examples: &["save", "save all machine.hal"],
+        related: &["show", "source"],
+        errors: &[
+            ("Unknown 'save' type", "a file comes after the kind: 'save all FILE'"),
+            ("Can't open 'save' destination", "the folder must be there and writable"),
+        ],
         parse: parse::save,
     },
     Row {
@@ -36,6 +76,10 @@ pub(super) const ROWS: &[Row] = &[
         args: (0, 1),
         summary: "print locks, memory, and how the instance is",
         help: "instance: the clock, scheduling, overruns, and why threads stopped.",
+        words: &[W::One(&["all", "lock", "mem", "instance"])],
+        examples: &["status instance"],
+        related: &["lock", "show"],
+        errors: &[("Unknown 'status' type", "without a word it prints everything")],
         parse: parse::status,
     },
     Row {
@@ -45,6 +89,10 @@ pub(super) const ROWS: &[Row] = &[
         summary: "list the commands that components offer",
         help: "With a pattern, also their arguments: COMPONENT.VERB NAME=VALUE..., such as \
                motion.jog joint=0 velocity=10. With --wait, the line ends when it is done.",
+        words: &[W::Many(&[W::ComponentCommand])],
+        examples: &["commands", "commands motion.jog"],
+        related: &["help", "show"],
+        errors: &[],
         parse: |words| Ok(Command::Show(Some(ShowKind::Of(Kind::Commands)), None, words.to_vec())),
     },
     Row {
@@ -53,6 +101,13 @@ pub(super) const ROWS: &[Row] = &[
         args: (1, ANY),
         summary: "record pins, signals and parameters to a VCD file",
         help: "Without patterns: all of them but functions' times. 'record off' closes the file.",
+        words: &[W::Any(&[W::One(&["off"]), W::File]), W::Many(&[W::Variable])],
+        examples: &["record out.vcd stepgen.0", "record off"],
+        related: &["run"],
+        errors: &[
+            ("already recording", "'record off' ends the present one"),
+            ("nothing is being recorded", "'record FILE' starts one"),
+        ],
         parse: parse::record,
     },
 ];

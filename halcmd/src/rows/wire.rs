@@ -1,7 +1,13 @@
 //! Signals, links and values.
 
-use crate::{Command, parse, rows::ANY, table::Row};
+use crate::{Command, parse, rows::ANY, table::Row, word::Word as W};
 use hal_protocol::Request;
+
+const NO_PIN: (&str, &str) = ("does not exist", "'list pin' names all; TAB offers those that fit");
+const NOT_FOUND: (&str, &str) = ("not found", "'list pin', 'list param' and 'list sig' name all");
+const TYPES: (&str, &str) =
+    ("type mismatch", "pins of a signal have one type: a conv_* component converts");
+const LOCKED: (&str, &str) = ("while HAL is locked", "'unlock' allows changes again");
 
 pub(super) const ROWS: &[Row] = &[
     Row {
@@ -12,6 +18,16 @@ pub(super) const ROWS: &[Row] = &[
         help: "Makes the signal with the type of the first pin if there is none. Arrows between \
                the names (=> <= <=>) are for people and change nothing. Either all pins are \
                linked or none.",
+        words: &[W::Signal, W::Many(&[W::PinForSignal])],
+        examples: &["net x-step stepgen.0.step => parport.0.pin-02-out"],
+        related: &["linkps", "unlinkp", "newsig", "delsig", "show"],
+        errors: &[
+            NO_PIN,
+            ("was already linked", "'unlinkp PIN' frees it"),
+            ("cannot add pin", "pins of a signal have one type: a conv_* component converts"),
+            ("it already has OUT pin", "a signal has one writer: join others by or2, mux2 or sum2"),
+            ("must not be the same as a pin", "the first word is the signal's name, then the pins"),
+        ],
         parse: parse::net,
     },
     Row {
@@ -20,6 +36,15 @@ pub(super) const ROWS: &[Row] = &[
         args: (2, 2),
         summary: "link a pin to a signal",
         help: "The signal must exist; 'net' also makes it.",
+        words: &[W::LonePin, W::SignalForPin],
+        examples: &["linkps stepgen.0.step x-step"],
+        related: &["net", "linksp", "unlinkp"],
+        errors: &[
+            NOT_FOUND,
+            TYPES,
+            ("cannot link to", "'unlinkp PIN' frees it from its present signal"),
+            LOCKED,
+        ],
         parse: parse::linkps,
     },
     Row {
@@ -28,6 +53,10 @@ pub(super) const ROWS: &[Row] = &[
         args: (2, 2),
         summary: "link a signal to a pin",
         help: "As linkps, with its words the other way round.",
+        words: &[W::Signal, W::PinForSignal],
+        examples: &["linksp x-step stepgen.0.step"],
+        related: &["net", "linkps", "unlinkp"],
+        errors: &[NOT_FOUND, TYPES, LOCKED],
         parse: parse::linksp,
     },
     Row {
@@ -36,6 +65,10 @@ pub(super) const ROWS: &[Row] = &[
         args: (1, 1),
         summary: "unlink a pin",
         help: "The pin keeps the signal's last value.",
+        words: &[W::LinkedPin],
+        examples: &["unlinkp parport.0.pin-02-out"],
+        related: &["net", "delsig"],
+        errors: &[NOT_FOUND, LOCKED],
         parse: parse::unlinkp,
     },
     Row {
@@ -44,6 +77,14 @@ pub(super) const ROWS: &[Row] = &[
         args: (2, 2),
         summary: "make a signal",
         help: "Types: bit, float, s32, u32, s64, u64, port.",
+        words: &[W::Free, W::Type],
+        examples: &["newsig x-pos float"],
+        related: &["net", "delsig", "sets", "stype"],
+        errors: &[
+            ("duplicate signal", "there is one of this name: 'show sig NAME'"),
+            ("Unknown signal type", "bool and real are accepted as well"),
+            LOCKED,
+        ],
         parse: parse::newsig,
     },
     Row {
@@ -52,6 +93,10 @@ pub(super) const ROWS: &[Row] = &[
         args: (1, 1),
         summary: "delete a signal",
         help: "Its pins are unlinked first.",
+        words: &[W::Any(&[W::Signal, W::One(&["all"])])],
+        examples: &["delsig x-pos", "delsig all"],
+        related: &["newsig", "unlinkp"],
+        errors: &[NOT_FOUND, LOCKED],
         parse: parse::delsig,
     },
     Row {
@@ -60,6 +105,21 @@ pub(super) const ROWS: &[Row] = &[
         args: (2, 2),
         summary: "set a pin or parameter",
         help: "'PIN = VALUE' is the same. A pin that is linked takes its signal's value: see sets.",
+        words: &[W::SettableItem, W::Value],
+        examples: &["setp pid.0.Pgain 20", "pid.0.Pgain = 20"],
+        related: &["getp", "ptype", "sets", "unlinkp"],
+        errors: &[
+            NOT_FOUND,
+            (
+                "not writable",
+                "its component writes it, or it is linked: set the signal with 'sets'",
+            ),
+            (
+                "invalid argument",
+                "'ptype PIN' says its type: TRUE or FALSE for bit, whole numbers for s32 and u32",
+            ),
+            ("value out of range", "the number does not fit into its type"),
+        ],
         parse: parse::setp,
     },
     Row {
@@ -68,6 +128,10 @@ pub(super) const ROWS: &[Row] = &[
         args: (1, 1),
         summary: "print the value of a pin or parameter",
         help: "A linked pin has its signal's value.",
+        words: &[W::Item],
+        examples: &["getp stepgen.0.position-fb"],
+        related: &["setp", "gets", "show"],
+        errors: &[NOT_FOUND],
         parse: |words| Ok(Command::Value(Request::Get { name: parse::first(words) })),
     },
     Row {
@@ -76,6 +140,10 @@ pub(super) const ROWS: &[Row] = &[
         args: (1, 1),
         summary: "print the type of a pin or parameter",
         help: "One of bit, float, s32, u32, s64, u64, port.",
+        words: &[W::Item],
+        examples: &["ptype stepgen.0.counts"],
+        related: &["getp", "stype"],
+        errors: &[NOT_FOUND],
         parse: |words| Ok(Command::TypeOf(Request::Get { name: parse::first(words) })),
     },
     Row {
@@ -85,6 +153,14 @@ pub(super) const ROWS: &[Row] = &[
         summary: "set a signal",
         help: "Only a signal that no pin writes. For a signal of type port, VALUE is the size of \
                its queue in bytes, given once.",
+        words: &[W::SettableSignal, W::Value],
+        examples: &["sets estop-ok TRUE"],
+        related: &["gets", "setp", "newsig"],
+        errors: &[
+            NOT_FOUND,
+            ("not writable", "a pin writes it: 'show sig NAME' names it"),
+            ("invalid argument", "'stype SIGNAL' says its type"),
+        ],
         parse: parse::sets,
     },
     Row {
@@ -93,6 +169,10 @@ pub(super) const ROWS: &[Row] = &[
         args: (1, 1),
         summary: "print the value of a signal",
         help: "Floats are printed with seven digits, integers in decimal.",
+        words: &[W::Signal],
+        examples: &["gets x-pos"],
+        related: &["sets", "getp", "show"],
+        errors: &[NOT_FOUND],
         parse: |words| Ok(Command::Value(Request::GetSignal { name: parse::first(words) })),
     },
     Row {
@@ -101,6 +181,10 @@ pub(super) const ROWS: &[Row] = &[
         args: (1, 1),
         summary: "print the type of a signal",
         help: "One of bit, float, s32, u32, s64, u64, port.",
+        words: &[W::Signal],
+        examples: &["stype x-pos"],
+        related: &["gets", "ptype"],
+        errors: &[NOT_FOUND],
         parse: |words| Ok(Command::TypeOf(Request::GetSignal { name: parse::first(words) })),
     },
     Row {
@@ -109,6 +193,14 @@ pub(super) const ROWS: &[Row] = &[
         args: (3, 3),
         summary: "give a pin or parameter a second name",
         help: "It is listed under the new name; both find it.",
+        words: &[W::One(&["pin", "param"]), W::ItemOfKind, W::Free],
+        examples: &["alias pin parport.0.pin-11-in x-home"],
+        related: &["unalias", "show"],
+        errors: &[
+            NOT_FOUND,
+            ("duplicate pin/alias name", "another pin or parameter has this name"),
+            LOCKED,
+        ],
         parse: parse::alias,
     },
     Row {
@@ -116,7 +208,11 @@ pub(super) const ROWS: &[Row] = &[
         usage: "pin|param NAME",
         args: (2, 2),
         summary: "take the second name away",
-        help: "",
+        help: "Either of its names will do.",
+        words: &[W::One(&["pin", "param"]), W::AliasOfKind],
+        examples: &["unalias pin x-home"],
+        related: &["alias"],
+        errors: &[NOT_FOUND, LOCKED],
         parse: parse::unalias,
     },
 ];

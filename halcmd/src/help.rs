@@ -1,0 +1,153 @@
+//! What `help` prints, from the table of commands.
+
+use crate::{
+    Error,
+    rows::{GROUPS, rows},
+    table::{Row, find, near},
+};
+
+/// How wide a terminal is at least.
+const WIDTH: usize = 78;
+
+/// What `help` prints; about one command if it is named.
+///
+/// # Errors
+/// There is none of this name.
+pub fn help(about: Option<&str>) -> Result<String, Error> {
+    let Some(name) = about else { return Ok(overview()) };
+    let row = find(name).ok_or_else(|| Error::NoHelp { word: name.into(), near: near(name) })?;
+    Ok(if name == "help" { format!("{}\n", row.help) } else { explained(row) })
+}
+
+/// The commands in groups, a line for each.
+fn overview() -> String {
+    let mut text = String::from(
+        "Use 'help <command>' for more details about each command\nAvailable commands:\n",
+    );
+    // One name is for test suites and would push everything else aside.
+    let width = rows().map(|row| row.name.len()).filter(|n| *n <= 20).max().unwrap_or(0);
+    for (title, rows) in GROUPS {
+        text.push_str(&format!("\n{title}\n"));
+        for row in *rows {
+            text.push_str(&format!("  {:<width$}  {}\n", row.name, row.summary));
+        }
+    }
+    text.push_str(
+        "\nCommands of components\n  COMPONENT.VERB NAME=VALUE...  'commands' lists them\n",
+    );
+    text
+}
+
+/// Everything that its row says about a command.
+fn explained(row: &Row) -> String {
+    let mut text = format!("{}\n{}\n", line(row), sentence(row.summary));
+    if !row.help.is_empty() {
+        text.push_str(&wrapped(row.help, 0));
+    }
+    if !row.examples.is_empty() {
+        text.push_str(if row.examples.len() == 1 { "\nExample:\n" } else { "\nExamples:\n" });
+        row.examples.iter().for_each(|example| text.push_str(&format!("  {example}\n")));
+    }
+    if !row.errors.is_empty() {
+        text.push_str("\nWhen it says:\n");
+        for (message, remedy) in row.errors {
+            text.push_str(&format!("  ...{message}...\n{}", wrapped(&sentence(remedy), 6)));
+        }
+    }
+    if !row.related.is_empty() {
+        text.push_str(&format!("\nSee also: {}\n", row.related.join(", ")));
+    }
+    text
+}
+
+/// A command as one types it.
+pub(crate) fn line(row: &Row) -> String {
+    format!("{} {}", row.name, row.usage).trim_end().to_owned()
+}
+
+/// With a capital letter and a full stop; what begins with a quotation is left as it is.
+pub(crate) fn sentence(text: &str) -> String {
+    let mut rest = text.chars();
+    let first = rest.next().map(|c| c.to_ascii_uppercase());
+    let stop = if text.ends_with(['.', '?']) { "" } else { "." };
+    format!("{}{}{stop}", first.unwrap_or_default(), rest.as_str())
+}
+
+/// A text in lines that fit a terminal, each moved to the right.
+fn wrapped(text: &str, by: usize) -> String {
+    let mut out = " ".repeat(by);
+    let mut at = by;
+    for word in text.split(' ') {
+        let length = word.chars().count();
+        if at > by && at + 1 + length > WIDTH {
+            out.push('\n');
+            out.push_str(&" ".repeat(by));
+            at = by;
+        } else if at > by {
+            out.push(' ');
+            at += 1;
+        }
+        out.push_str(word);
+        at += length;
+    }
+    out + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{WIDTH, help, rows};
+    use crate::table::find;
+
+    #[test]
+    fn every_command_is_listed_and_explained() {
+        let all = help(None).unwrap();
+        assert!(all.starts_with("Use 'help <command>' for more details about each command\n"));
+        for row in rows() {
+            let listed = all.lines().any(|l| {
+                l.strip_prefix("  ").is_some_and(|l| {
+                    l.split_whitespace().next() == Some(row.name) && l.ends_with(row.summary)
+                })
+            });
+            assert!(listed, "{}", row.name);
+            let text = help(Some(row.name)).unwrap();
+            assert!(text.ends_with('\n') && text.len() > 10, "{}", row.name);
+            assert!(text.lines().skip(1).all(|l| l.chars().count() <= WIDTH), "{text}");
+            assert!(!row.help.is_empty(), "{}: what else is there to know?", row.name);
+            for other in row.related {
+                assert!(find(other).is_some(), "{}: related to {other}?", row.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_command_is_explained() {
+        let net = help(Some("net")).unwrap();
+        assert!(net.starts_with("net SIGNAL PIN...\nJoin pins by a signal.\n"), "{net}");
+        for part in [
+            "\nExample:\n  net x-step stepgen.0.step => parport.0.pin-02-out\n",
+            "\n  ...was already linked...\n      'unlinkp PIN' frees it.\n",
+            "\nSee also: linkps, unlinkp, newsig, delsig, show\n",
+        ] {
+            assert!(net.contains(part), "{net}");
+        }
+        assert_eq!(
+            help(Some("help")).unwrap(),
+            "If you need help to use 'help', then I can't help you.\n"
+        );
+        let error = help(Some("bogus")).unwrap_err().to_string();
+        assert_eq!(error, "No help for unknown command 'bogus'");
+    }
+
+    /// What is an example can be understood, and the table says what its words may be.
+    #[test]
+    fn examples_are_right() {
+        for row in rows() {
+            for example in row.examples {
+                let words = crate::lex::words(example).unwrap();
+                let command = crate::table::understand(&words);
+                assert!(command.is_ok(), "{example}: {}", command.unwrap_err());
+            }
+            assert_eq!(row.args.1 > 0, !row.words.is_empty(), "{}: words", row.name);
+        }
+    }
+}
