@@ -1,8 +1,8 @@
 //! The program halrun: an engine, and the script that makes a machine of it.
 
 mod detach;
-mod machine;
-mod plan;
+pub(crate) mod machine;
+pub(crate) mod plan;
 mod serve;
 
 use crate::{
@@ -172,7 +172,10 @@ fn script(
     };
     let outcome = match (&plan.script, &files.ini) {
         (Script::Hal(path), _) => session.file(path, Bytes::new(files.script.clone())),
-        (Script::Ini(path), Some(ini)) => machine::start(&mut session, ini, Path::new(path)),
+        (Script::Ini(path), Some(ini)) => {
+            session.warn(ini.warnings());
+            machine::start(&mut session, ini, Path::new(path))
+        }
         (Script::Terminal, _) => typed(&mut session),
         (Script::Nothing | Script::Ini(_), _) => Outcome::Good,
     };

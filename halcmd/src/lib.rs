@@ -29,6 +29,7 @@ pub mod streamer;
 pub mod table;
 mod terminal;
 pub mod toolchange;
+pub mod trial;
 mod units;
 pub mod vars;
 mod word;

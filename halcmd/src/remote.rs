@@ -1,7 +1,7 @@
 //! An engine that runs elsewhere.
 
 use crate::options::Opt;
-use hal_protocol::{Client, Failure, Link, Place, Reply, Request};
+use hal_protocol::{At, Client, Failure, Link, Place, Reply, Request};
 use rustix::{fs::FlockOperation, thread::NanosleepRelativeResult, time::Timespec};
 use signal_hook::{
     consts::{SIGHUP, SIGINT, SIGTERM},
@@ -15,13 +15,14 @@ pub struct Remote {
     place: Place,
     name: String,
     client: Option<Client>,
+    at: Option<At>,
 }
 
 impl Remote {
     /// To the instance at `place`, as component `name`.
     #[must_use]
     pub fn new(place: Place, name: &str) -> Self {
-        Self { place, name: name.to_owned(), client: None }
+        Self { place, name: name.to_owned(), client: None, at: None }
     }
 
     /// The connection.
@@ -39,7 +40,19 @@ impl Remote {
 
 impl Link for Remote {
     fn call(&mut self, request: Request) -> Result<Reply, Failure> {
-        self.client()?.call(request)
+        let at = self.at.take();
+        let client = self.client()?;
+        if let Some(at) = at {
+            client.at(&at.file, at.line);
+        }
+        client.call(request)
+    }
+
+    fn at(&mut self, file: &str, line: u32) {
+        match &mut self.client {
+            Some(client) => client.at(file, line),
+            None => At::keep(&mut self.at, file, line),
+        }
     }
 }
 

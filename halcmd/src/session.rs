@@ -6,10 +6,14 @@ use crate::{
     lex::{Line, Reader, without_comment, words},
     source::Bytes,
     table,
+    trial::{Attempt, Refusal, Remark},
     vars::{Values, replace},
 };
-use hal_protocol::{Link, Reply, Request};
-use std::process::Child;
+use hal_protocol::{At, Link, Reply, Request};
+use std::{
+    path::{Path, PathBuf},
+    process::Child,
+};
 
 /// The code of a [`Failure`](hal_protocol::Failure) that only says that the instance is ending:
 /// the script ends with it, and nothing is said.
@@ -65,6 +69,10 @@ pub struct Session<'a> {
     depth: u32,
     ended: bool,
     before_start: Option<Request>,
+    /// Where relative names of files begin, if not in this process's folder.
+    folder: Option<PathBuf>,
+    /// Set when nothing outside is to be touched.
+    pub(crate) attempt: Option<Attempt>,
 }
 
 impl core::fmt::Debug for Session<'_> {
@@ -98,6 +106,8 @@ impl<'a> Session<'a> {
             depth: 0,
             ended: false,
             before_start: None,
+            folder: None,
+            attempt: None,
         }
     }
 
@@ -114,6 +124,18 @@ impl<'a> Session<'a> {
     /// Sends this request before the threads are first started or the clock is first moved.
     pub fn before_start(&mut self, request: Request) {
         self.before_start = Some(request);
+    }
+
+    /// Relative names of files are names in this folder.
+    pub fn set_folder(&mut self, folder: &Path) {
+        self.folder = Some(folder.to_owned());
+    }
+
+    /// Says what is odd about a file, each with its place already.
+    pub fn warn(&mut self, warnings: &[String]) {
+        for warning in warnings {
+            self.terminal.err(&format!("{warning}\n"));
+        }
     }
 
     /// Changes how it talks.
@@ -151,11 +173,12 @@ impl<'a> Session<'a> {
 
     /// Carries out one line that stands at this place.
     pub fn line_at(&mut self, name: &str, number: u32, text: &str) -> Outcome {
-        let before = core::mem::replace(&mut self.place, (name.to_owned(), number));
+        let before = self.place.clone();
+        self.stand_at(name, number);
         let line = Line { number, text: Ok(text.to_owned()), dos: false };
         let result = self.line(line, true).map(|_| ());
         let outcome = self.outcome_of(result);
-        self.place = before;
+        self.stand_at(&before.0, before.1);
         outcome
     }
 
@@ -170,6 +193,11 @@ impl<'a> Session<'a> {
         if *error == Error::Told {
             return;
         }
+        if let Some(attempt) = &mut self.attempt {
+            let (file, line) = &self.place;
+            attempt.refusals.push(Refusal { at: At::new(file, *line), error: error.clone() });
+            return;
+        }
         if !self.style.silent {
             for line in error.before() {
                 self.complain(&line);
@@ -180,11 +208,23 @@ impl<'a> Session<'a> {
 
     /// What is done from here on stands at this place.
     pub(crate) fn stand_at(&mut self, file: &str, line: u32) {
-        self.place = (file.to_owned(), line);
+        if self.place.0 != file {
+            file.clone_into(&mut self.place.0);
+        }
+        self.place.1 = line;
+        self.link.at(file, line);
+    }
+
+    pub(crate) fn place(&self) -> (&str, u32) {
+        (&self.place.0, self.place.1)
     }
 
     pub(crate) fn complain(&mut self, text: &str) {
         let (file, line) = &self.place;
+        if let Some(attempt) = &mut self.attempt {
+            attempt.remarks.push(Remark { at: At::new(file, *line), text: text.to_owned() });
+            return;
+        }
         self.terminal.err(&format!("{file}:{line}: {text}\n"));
     }
 
@@ -198,13 +238,14 @@ impl<'a> Session<'a> {
         if self.depth >= MAX_DEPTH {
             return Err(Error::TooDeep { path: path.into() });
         }
-        let text = std::fs::read(path)
+        let whole = self.folder.as_ref().map_or_else(|| path.into(), |f| f.join(path));
+        let text = std::fs::read(&whole)
             .map_err(|e| Error::NoFile { path: path.into(), why: crate::ini::plain(&e) })?;
         let before = self.place.clone();
         self.depth += 1;
         let outcome = self.read(path, Reader::plain(Bytes::new(text)), true);
         self.depth -= 1;
-        self.place = before;
+        self.stand_at(&before.0, before.1);
         if outcome == Outcome::Good { Ok(()) } else { Err(Error::Told) }
     }
 
@@ -215,7 +256,7 @@ impl<'a> Session<'a> {
                 self.ended = true;
                 return Outcome::Ended;
             }
-            self.place = (name.to_owned(), line.number);
+            self.stand_at(name, line.number);
             if line.dos {
                 self.complain("Warning: File contains DOS-style line endings.");
             }
@@ -226,7 +267,7 @@ impl<'a> Session<'a> {
                 Err(error) => {
                     self.report(&error);
                     outcome = Outcome::Failed;
-                    if nested || !self.style.keep_going {
+                    if self.attempt.is_none() && (nested || !self.style.keep_going) {
                         break;
                     }
                 }
@@ -252,7 +293,11 @@ impl<'a> Session<'a> {
             return Ok(Step::Quit);
         }
         let command = table::understand(words)?;
-        self.execute(command)?;
+        if self.attempt.is_some() {
+            self.attempt(command)?;
+        } else {
+            self.execute(command)?;
+        }
         Ok(Step::On)
     }
 

@@ -9,7 +9,7 @@ use crate::{
 use hal_protocol::{Direction, Failure, Link, Place, Reply, Request, Type, Value};
 use std::{process::ExitCode, sync::mpsc};
 
-const NAME: &str = "hal_manualtoolchange";
+pub(crate) const NAME: &str = "hal_manualtoolchange";
 /// How often it looks at its pins, in nanoseconds of machine time.
 const POLL_NS: u64 = 100_000_000;
 
@@ -70,7 +70,8 @@ fn run(words: &[String]) -> Result<(), String> {
     }
 }
 
-fn join(remote: &mut Remote) -> Result<(), Failure> {
+/// Makes its component with all its pins.
+pub(crate) fn join(remote: &mut dyn Link) -> Result<(), Failure> {
     remote.call(Request::Join { name: NAME.to_owned(), poll_ns: POLL_NS })?;
     for (name, ty, direction) in PINS {
         remote.call(Request::NewPin { name: name.to_owned(), ty, direction })?;

@@ -15,6 +15,7 @@ use crate::{
     shared::Shared,
     sync::{Arc, Ordering},
     task::Task,
+    trial::Trial,
 };
 use hal_abi::{Ticket, TicketState};
 use hal_protocol::{Failure, FaultInfo, Lock, TicketInfo};
@@ -94,6 +95,8 @@ pub struct Engine {
     pub(crate) messages: VecDeque<String>,
     pub(crate) ticks: (u64, i64),
     pub(crate) quiet: bool,
+    /// Nothing outside is touched.
+    pub(crate) trial: Option<Trial>,
     /// Last: everything points into it.
     pub(crate) arena: Arena,
 }
@@ -161,6 +164,7 @@ impl Engine {
             messages: VecDeque::new(),
             ticks: (os::ticks(), os::monotonic_ns()),
             quiet: true,
+            trial: None,
             shared,
             options,
         })

@@ -73,7 +73,7 @@ impl Engine {
     /// Runs the stop actions of components.
     pub(crate) fn run_stops(&mut self, components: &[Ix]) {
         let mut failed = Vec::new();
-        for ix in components {
+        for ix in components.iter().filter(|_| self.trial.is_none()) {
             let Some(c) = self.graph.component(*ix) else { continue };
             for stop in &c.stops {
                 if let Err(e) = stop.call(Args::default()) {

@@ -1,7 +1,7 @@
 //! The graph: components, pins, parameters, signals, functions and threads, and every edge
 //! between them. Names index into it; no other structure stores a link.
 
-use crate::{Error, name::Name, near::nearest, sync::Arc};
+use crate::{Error, name::Name, near::nearest, sites::Sites, sync::Arc};
 use hal_abi::PortQueue;
 use hal_protocol::{Type, Value};
 use petgraph::{
@@ -28,6 +28,7 @@ pub(crate) struct Graph {
     pub(crate) functs: BTreeMap<Name, Ix>,
     pub(crate) threads: BTreeMap<Name, Ix>,
     pub(crate) commands: BTreeMap<Name, Ix>,
+    pub(crate) sites: Sites,
     docs: BTreeMap<Box<str>, Arc<str>>,
 }
 

@@ -40,9 +40,11 @@ mod schedule;
 mod server;
 mod session;
 mod shared;
+mod sites;
 mod sync;
 mod task;
 mod thread;
+mod trial;
 mod wiring;
 
 pub use engine::{Ended, Engine};

@@ -105,7 +105,8 @@ impl Engine {
         creating.draw_edges();
         let (opens, threads) =
             (core::mem::take(&mut creating.opens), core::mem::take(&mut creating.threads));
-        for open in &opens {
+        // A trial is dropped unopened.
+        for open in opens.iter().filter(|_| self.trial.is_none()) {
             if let Err(e) = open.call(Args::default()) {
                 let why = e.to_string().into();
                 return Err(Error::OpenFailed { name: module.into(), why });
@@ -224,6 +225,7 @@ impl Engine {
     }
 
     fn remove_node(&mut self, ix: Ix) {
+        self.graph.sites.forget(ix);
         match self.graph.g.remove_node(ix) {
             Some(Node::Item(item)) => {
                 let param = !item.direction.is_pin();

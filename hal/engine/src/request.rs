@@ -187,6 +187,9 @@ impl Engine {
 
 impl Link for Engine {
     fn call(&mut self, request: Request) -> Result<Reply, Failure> {
+        if let Some(reply) = self.tried(&request) {
+            return Ok(reply?);
+        }
         let reply = match request {
             Request::Hello { .. } => Reply::Hello {
                 protocol: LATEST,
@@ -224,6 +227,10 @@ impl Link for Engine {
             }
         };
         Ok(reply)
+    }
+
+    fn at(&mut self, file: &str, line: u32) {
+        self.graph.sites.stand(file, line);
     }
 
     fn is_local(&self) -> bool {

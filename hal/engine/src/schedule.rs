@@ -70,6 +70,7 @@ impl Engine {
         let ix = self.graph.g.add_node(Node::Thread(node));
         self.graph.g.add_edge(component, ix, Edge::Owns);
         self.graph.threads.insert(name.clone(), ix);
+        self.graph.sites.made(ix);
         Ok(ix)
     }
 
@@ -98,12 +99,16 @@ impl Engine {
         self.next_component += 1;
         let ix = self.graph.g.add_node(Node::Component(component));
         self.graph.components.insert(name, ix);
+        self.graph.sites.made(ix);
         Ok(ix)
     }
 
     /// From now on the thread ticks.
     pub(crate) fn begin_thread(&mut self, ix: Ix) -> Result<(), Error> {
         let Some(thread) = self.graph.thread(ix).map(|t| t.thread.clone()) else { return Ok(()) };
+        if self.trial.is_some() {
+            return Ok(());
+        }
         let mut all = self.shared.threads.load().to_vec();
         let rank = all.len();
         all.push(thread.clone());
@@ -240,6 +245,7 @@ impl Engine {
             self.graph.g.remove_edge(added);
             return Err(e);
         }
+        self.graph.sites.joined(added);
         Ok(())
     }
 
@@ -322,6 +328,7 @@ impl Engine {
                 .collect();
             for (id, _) in &edges {
                 self.graph.g.remove_edge(*id);
+                self.graph.sites.parted(*id);
             }
             if let Err(e) = self.changed(t) {
                 for (_, w) in edges {

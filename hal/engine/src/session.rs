@@ -14,19 +14,26 @@ use hal_protocol::{
     WireRequest,
 };
 
-/// Carries out a request; `None` when the answer comes later.
+/// Carries out a line's request; `None` when the answer comes later.
 pub(crate) fn respond(
     engine: &mut Engine,
     c: &mut Client,
     line: &[u8],
 ) -> Option<Result<Reply, Failure>> {
-    let request = match serde_json::from_slice::<WireRequest>(line) {
-        Ok(wire) => wire.request,
+    let wire = match serde_json::from_slice::<WireRequest>(line) {
+        Ok(wire) => wire,
         Err(e) => {
             let why = format!("this is not a request: {e}").into();
             return Some(Err(Error::Protocol { why }.into()));
         }
     };
+    let before = engine.graph.sites.visit(wire.at.as_ref());
+    let reply = answer(engine, c, wire.request);
+    engine.graph.sites.resume(before);
+    reply
+}
+
+fn answer(engine: &mut Engine, c: &mut Client, request: Request) -> Option<Result<Reply, Failure>> {
     let done = match request {
         Request::Hello { protocol, name, pid } => hello(engine, c, protocol, &name, pid),
         Request::Run { ns } => match engine.run_end(ns) {

@@ -31,6 +31,7 @@ impl Engine {
             bidirs: 0,
         };
         let ix = self.graph.g.add_node(Node::Signal(signal));
+        self.graph.sites.made(ix);
         self.graph.signals.insert(name, ix);
         Ok(ix)
     }
@@ -48,6 +49,7 @@ impl Engine {
     fn forget_signal(&mut self, ix: Ix) {
         if let Some(Node::Signal(s)) = self.graph.g.remove_node(ix) {
             self.graph.signals.remove(&s.name);
+            self.graph.sites.forget(ix);
             self.arena.give_cell(s.cell.0);
             drop(s.queue);
         }
@@ -145,7 +147,8 @@ impl Engine {
         self.carry_out(change)?;
         for pin in pins {
             let direction = self.graph.item(*pin).map(|p| p.direction);
-            self.graph.g.add_edge(*pin, signal, Edge::Links);
+            let link = self.graph.g.add_edge(*pin, signal, Edge::Links);
+            self.graph.sites.joined(link);
             if let (Some(d), Some(s)) = (direction, self.graph.signal_mut(signal)) {
                 s.count(d, true);
             }
@@ -192,6 +195,7 @@ impl Engine {
             let link = link.into_iter().find(|e| *e.weight() == Edge::Links);
             let Some((edge, signal)) = link.map(|e| (e.id(), e.target())) else { continue };
             self.graph.g.remove_edge(edge);
+            self.graph.sites.parted(edge);
             let direction = self.graph.item(*pin).map(|p| p.direction);
             if let (Some(d), Some(s)) = (direction, self.graph.signal_mut(signal)) {
                 s.count(d, false);
@@ -307,6 +311,7 @@ impl Engine {
         }
         let value = parse(what, name, item.ty, text)?;
         item.put(value.bits());
+        self.graph.sites.assigned(ix, value.bits());
         Ok(())
     }
 
@@ -338,6 +343,7 @@ impl Engine {
         let value = parse("signal", name, signal.ty, text)?;
         let cell = signal.cell;
         let mut bits = value.bits();
+        self.graph.sites.assigned(ix, bits);
         if let Value::Port(size) = value {
             let data: Box<[crate::sync::AtomicU8]> =
                 (0..size).map(|_| crate::sync::AtomicU8::new(0)).collect();
@@ -368,6 +374,7 @@ impl Engine {
             names.remove(&old);
         }
         names.insert(alias, ix);
+        self.graph.sites.named(ix);
         Ok(())
     }
 

@@ -1,6 +1,6 @@
 //! The client's end of the socket.
 
-use crate::{Failure, LATEST, Link, Place, Reply, Request, Stream, WireReply, WireRequest};
+use crate::{At, Failure, LATEST, Link, Place, Reply, Request, Stream, WireReply, WireRequest};
 use rustix::net::{RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags};
 use std::{
     io::{IoSliceMut, Write},
@@ -14,6 +14,7 @@ pub struct Client {
     buffer: Vec<u8>,
     received: Option<OwnedFd>,
     id: u32,
+    at: Option<At>,
 }
 
 const EIO: i32 = -5;
@@ -31,7 +32,7 @@ impl Client {
             f.hint = Some("start one with 'halrun FILE', or name another with --instance".into());
             f
         })?;
-        let mut client = Self { socket, buffer: Vec::new(), received: None, id: 0 };
+        let mut client = Self { socket, buffer: Vec::new(), received: None, id: 0, at: None };
         let pid = rustix::process::getpid().as_raw_nonzero().get();
         let hello = Request::Hello { protocol: LATEST, name: name.to_owned(), pid };
         match client.call(hello)? {
@@ -102,12 +103,17 @@ impl Client {
 impl Link for Client {
     fn call(&mut self, request: Request) -> Result<Reply, Failure> {
         let bad = |e: serde_json::Error| Failure::new(EIO, format!("unreadable answer: {e}"));
-        let mut line = serde_json::to_vec(&WireRequest { request }).map_err(bad)?;
+        let mut line =
+            serde_json::to_vec(&WireRequest { request, at: self.at.clone() }).map_err(bad)?;
         line.push(b'\n');
         self.socket.write_all(&line).map_err(|_| Failure::new(EIO, "the engine has gone"))?;
         match serde_json::from_slice(&self.line()?).map_err(bad)? {
             WireReply::Ok(reply) => Ok(reply),
             WireReply::Error(failure) => Err(failure),
         }
+    }
+
+    fn at(&mut self, file: &str, line: u32) {
+        At::keep(&mut self.at, file, line);
     }
 }

@@ -5,6 +5,7 @@
 //! requests is a [`Link`].
 #![expect(unsafe_code, reason = "maps rings that the engine hands over")]
 
+mod at;
 mod client;
 mod info;
 mod kind;
@@ -14,6 +15,7 @@ mod place;
 mod stream;
 mod value;
 
+pub use at::At;
 pub use client::Client;
 pub use info::{
     AliasInfo, ArgInfo, CommandInfo, ComponentInfo, ComponentState, FaultInfo, FunctInfo, ItemInfo,
@@ -33,6 +35,13 @@ pub trait Link {
     /// # Errors
     /// Why it was refused, in the user's words.
     fn call(&mut self, request: Request) -> Result<Reply, Failure>;
+
+    /// What is asked from here on stands at this place of a script: the engine keeps it with what
+    /// it makes, so that findings can name it.
+    fn at(&mut self, file: &str, line: u32) {
+        // Whoever has no use for it forgets it.
+        let _: (&str, u32) = (file, line);
+    }
 
     /// Whether the engine is in this process: the programs that a script starts are then the
     /// engine's children.

@@ -1,8 +1,8 @@
 //! What a client may ask, and what the engine answers.
 
 use crate::{
-    AliasInfo, CommandInfo, ComponentInfo, Direction, FunctInfo, ItemInfo, Kind, Lock, SignalInfo,
-    StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Type, Value,
+    AliasInfo, At, CommandInfo, ComponentInfo, Direction, FunctInfo, ItemInfo, Kind, Lock,
+    SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Type, Value,
 };
 use serde::{Deserialize, Serialize};
 
@@ -353,6 +353,9 @@ impl std::error::Error for Failure {}
 pub struct WireRequest {
     /// The request.
     pub request: Request,
+    /// Where in a script it stands.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<At>,
 }
 
 /// A reply as a line on the socket.

@@ -11,7 +11,7 @@ const TCL: &str = "write it as a .hal file";
 const TWOPASS: &str = "name each module in one loadrt line and take TWOPASS out";
 
 /// Refuses what an INI start cannot do, before anything is made.
-pub(super) fn refuse(ini: &Ini) -> Result<(), Error> {
+pub(crate) fn refuse(ini: &Ini) -> Result<(), Error> {
     if let Some(entry) = ini.all("HAL", "TWOPASS").find(|e| !e.value.is_empty()) {
         let what = format!("{}:{}: [HAL]TWOPASS", entry.file, entry.line).into();
         return Err(Error::NotYet { what, instead: TWOPASS });
@@ -27,13 +27,12 @@ pub(super) fn refuse(ini: &Ini) -> Result<(), Error> {
 }
 
 /// Carries out what the INI file asks for, in order.
-pub(super) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path) -> Outcome {
-    for warning in ini.warnings() {
-        session.terminal.err(&format!("{warning}\n"));
-    }
+pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path) -> Outcome {
     let folders = Folders::of(path);
     // Relative names in scripts are names beside the INI file.
-    if let Err(error) = std::env::set_current_dir(&folders.here) {
+    if session.is_trial() {
+        session.set_folder(&folders.here);
+    } else if let Err(error) = std::env::set_current_dir(&folders.here) {
         let (path, why) = (path.display().to_string().into(), crate::ini::plain(&error));
         return failed(session, &Error::IniFile { path, why });
     }
@@ -103,14 +102,12 @@ impl Machine<'_, '_> {
             },
             None if must_exist => {
                 let error = Error::IniNotFound { file: name.into(), folders: searched.into() };
-                session.terminal.err(&format!("{}:{}: {error}\n", entry.file, entry.line));
-                Outcome::Failed
+                session.stand_at(&entry.file, entry.line);
+                failed(session, &error)
             }
             None => {
-                session.terminal.err(&format!(
-                    "{}:{}: Warning: POSTGUI_HALFILE '{name}' is missing\n",
-                    entry.file, entry.line
-                ));
+                session.stand_at(&entry.file, entry.line);
+                session.complain(&format!("Warning: POSTGUI_HALFILE '{name}' is missing"));
                 Outcome::Good
             }
         });

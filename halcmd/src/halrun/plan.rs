@@ -248,7 +248,7 @@ fn script(files: &[String], detach: Detach) -> Result<Script, Error> {
 }
 
 /// Where plugins are: `HAL_RTMOD_DIR`, beside the program, installed with it, or just built.
-fn plugin_path(environment: &dyn Fn(&str) -> Option<String>) -> Vec<PathBuf> {
+pub(crate) fn plugin_path(environment: &dyn Fn(&str) -> Option<String>) -> Vec<PathBuf> {
     let asked = environment("HAL_RTMOD_DIR").unwrap_or_default();
     let mut path: Vec<PathBuf> = asked
         .split(':')

@@ -42,6 +42,10 @@ impl Link for Local<'_> {
         reply
     }
 
+    fn at(&mut self, file: &str, line: u32) {
+        self.engine.at(file, line);
+    }
+
     fn is_local(&self) -> bool {
         true
     }

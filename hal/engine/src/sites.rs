@@ -1,0 +1,217 @@
+//! Where in scripts things were made: which line loaded, linked, added, named or set what.
+
+use crate::{graph::Ix, sync::Arc};
+use hal_protocol::At;
+use petgraph::stable_graph::EdgeIndex;
+use std::collections::BTreeMap;
+
+/// The most files that are told apart, and the longest name of one.
+const MOST_FILES: usize = 4096;
+const LONGEST_NAME: usize = 4096;
+
+/// A line of a script.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Site {
+    file: u32,
+    line: u32,
+}
+
+/// A value that a line has set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Assigned {
+    pub(crate) site: Option<Site>,
+    pub(crate) bits: u64,
+}
+
+/// What lines have set a pin, parameter or signal to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Assignments {
+    pub(crate) last: Assigned,
+    /// The last one before it that was another value.
+    pub(crate) other: Option<Assigned>,
+}
+
+/// Where everything was made. What was made by no script has no place.
+#[derive(Debug, Default)]
+pub(crate) struct Sites {
+    files: Vec<Arc<str>>,
+    numbers: BTreeMap<Arc<str>, u32>,
+    now: Option<Site>,
+    nodes: BTreeMap<Ix, Site>,
+    edges: BTreeMap<EdgeIndex<u32>, Site>,
+    aliases: BTreeMap<Ix, Site>,
+    values: BTreeMap<Ix, Assignments>,
+}
+
+impl Sites {
+    /// What is made from here on stands at this place.
+    pub(crate) fn stand(&mut self, file: &str, line: u32) {
+        if let Some(now) = &mut self.now
+            && self.files.get(now.file as usize).is_some_and(|f| **f == *file)
+        {
+            now.line = line;
+            return;
+        }
+        self.now = self.number(file).map(|file| Site { file, line });
+    }
+
+    /// The same for one request, whose client says where it stands or does not; what it was
+    /// before goes back through [`Self::resume`].
+    pub(crate) fn visit(&mut self, at: Option<&At>) -> Option<Site> {
+        let before = self.now.take();
+        if let Some(at) = at {
+            self.stand(&at.file, at.line);
+        }
+        before
+    }
+
+    /// Ends what [`Self::visit`] began.
+    pub(crate) const fn resume(&mut self, before: Option<Site>) {
+        self.now = before;
+    }
+
+    fn number(&mut self, file: &str) -> Option<u32> {
+        if let Some(n) = self.numbers.get(file) {
+            return Some(*n);
+        }
+        if self.files.len() >= MOST_FILES || file.len() > LONGEST_NAME {
+            return None;
+        }
+        let n = u32::try_from(self.files.len()).ok()?;
+        let name: Arc<str> = file.into();
+        self.files.push(name.clone());
+        self.numbers.insert(name, n);
+        Some(n)
+    }
+
+    /// A component, signal or thread is made here.
+    pub(crate) fn made(&mut self, node: Ix) {
+        keep(&mut self.nodes, node, self.now);
+    }
+
+    /// A pin is linked or a function added here.
+    pub(crate) fn joined(&mut self, edge: EdgeIndex<u32>) {
+        keep(&mut self.edges, edge, self.now);
+    }
+
+    /// A pin or parameter is given a second name here.
+    pub(crate) fn named(&mut self, item: Ix) {
+        keep(&mut self.aliases, item, self.now);
+    }
+
+    /// A pin, parameter or signal is set here.
+    pub(crate) fn assigned(&mut self, node: Ix, bits: u64) {
+        let last = Assigned { site: self.now, bits };
+        let before = self.values.get(&node).copied();
+        let other = match before {
+            Some(b) if b.last.bits != bits => Some(b.last),
+            Some(b) => b.other,
+            None => None,
+        };
+        self.values.insert(node, Assignments { last, other });
+    }
+
+    /// A node has gone.
+    pub(crate) fn forget(&mut self, node: Ix) {
+        self.nodes.remove(&node);
+        self.aliases.remove(&node);
+        self.values.remove(&node);
+    }
+
+    /// A link or a function in a thread has gone.
+    pub(crate) fn parted(&mut self, edge: EdgeIndex<u32>) {
+        self.edges.remove(&edge);
+    }
+}
+
+#[expect(dead_code, reason = "read by what names places")]
+impl Sites {
+    /// Where a component, signal or thread was made.
+    pub(crate) fn of(&self, node: Ix) -> Option<At> {
+        self.at(self.nodes.get(&node).copied())
+    }
+
+    /// Where a pin was linked or a function added.
+    pub(crate) fn of_edge(&self, edge: EdgeIndex<u32>) -> Option<At> {
+        self.at(self.edges.get(&edge).copied())
+    }
+
+    /// Where a pin or parameter was given its second name.
+    pub(crate) fn of_alias(&self, item: Ix) -> Option<At> {
+        self.at(self.aliases.get(&item).copied())
+    }
+
+    /// What lines have set it to.
+    pub(crate) fn values_of(&self, node: Ix) -> Option<Assignments> {
+        self.values.get(&node).copied()
+    }
+
+    /// The place in words.
+    pub(crate) fn at(&self, site: Option<Site>) -> Option<At> {
+        let site = site?;
+        let file = self.files.get(site.file as usize)?;
+        Some(At::new(file, site.line))
+    }
+}
+
+fn keep<K: Ord>(map: &mut BTreeMap<K, Site>, key: K, site: Option<Site>) {
+    match site {
+        Some(site) => {
+            map.insert(key, site);
+        }
+        // An index may have been another's before.
+        None => {
+            map.remove(&key);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown(at: Option<At>) -> String {
+        at.map_or_else(|| "none".to_owned(), |at| at.to_string())
+    }
+
+    #[test]
+    fn places_are_kept_until_their_thing_is_gone() {
+        let (mut sites, node) = (Sites::default(), Ix::new(7));
+        sites.made(node);
+        assert_eq!(shown(sites.of(node)), "none");
+        sites.stand("a.hal", 3);
+        sites.made(node);
+        sites.stand("a.hal", 4);
+        sites.stand("b.hal", 1);
+        let before = sites.visit(Some(&At::new("a.hal", 9)));
+        sites.assigned(node, 1);
+        sites.resume(before);
+        let before = sites.visit(None);
+        sites.assigned(node, 2);
+        sites.assigned(node, 2);
+        sites.resume(before);
+        sites.named(node);
+        assert_eq!(shown(sites.of(node)), "a.hal:3");
+        assert_eq!(shown(sites.of_alias(node)), "b.hal:1");
+        let values = sites.values_of(node).unwrap();
+        assert_eq!((values.last.bits, shown(sites.at(values.last.site))), (2, "none".to_owned()));
+        let other = values.other.unwrap();
+        assert_eq!((other.bits, shown(sites.at(other.site))), (1, "a.hal:9".to_owned()));
+        sites.forget(node);
+        assert_eq!(shown(sites.of(node)), "none");
+        assert_eq!(sites.values_of(node), None);
+    }
+
+    #[test]
+    fn names_of_files_are_bounded() {
+        let mut sites = Sites::default();
+        sites.stand(&"x".repeat(LONGEST_NAME + 1), 1);
+        assert_eq!(sites.now, None);
+        for n in 0..MOST_FILES + 10 {
+            sites.stand(&n.to_string(), 1);
+        }
+        assert_eq!((sites.files.len(), sites.now), (MOST_FILES, None));
+        sites.stand("0", 2);
+        assert!(sites.now.is_some());
+    }
+}

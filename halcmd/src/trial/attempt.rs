@@ -1,0 +1,207 @@
+//! What each command does on trial: the same, but for what reaches outside.
+
+use super::{Attempt, Unknown};
+use crate::{Command, Error, Session, command::Launch, error::nearest, toolchange};
+use hal_protocol::{At, Failure, Kind, Reply, Request};
+
+/// The code of a failure that says that something is not there.
+const ENOENT: i32 = -2;
+
+impl Session<'_> {
+    /// From here on nothing outside is touched, and what is refused is kept instead of said.
+    pub(crate) fn begin_trial(&mut self) {
+        self.attempt = Some(Attempt::default());
+    }
+
+    /// What came of it.
+    pub(crate) fn end_trial(mut self) -> Attempt {
+        self.attempt.take().unwrap_or_default()
+    }
+
+    /// Whether nothing outside is to be touched.
+    pub(crate) const fn is_trial(&self) -> bool {
+        self.attempt.is_some()
+    }
+
+    fn unknown_names(&mut self) -> &mut Unknown {
+        &mut self.attempt.get_or_insert_default().unknown
+    }
+
+    pub(crate) fn attempt(&mut self, command: Command) -> Result<(), Error> {
+        match command {
+            Command::Ask(request, _) | Command::Value(request) | Command::TypeOf(request) => {
+                self.try_request(request)
+            }
+            Command::Launch(launch) => self.expect_program(&launch),
+            Command::Component { name, args, .. } => self.try_component(&name, &args),
+            Command::AwaitEnd(_)
+            | Command::Show(..)
+            | Command::List(..)
+            | Command::Save(..)
+            | Command::Status(_)
+            | Command::Print(_)
+            | Command::Echo(_)
+            | Command::Help(_)
+            | Command::SetExact => Ok(()),
+            other @ (Command::Unload(_)
+            | Command::UnloadAll
+            | Command::Source(_)
+            | Command::Lock(_)) => self.execute(other),
+        }
+    }
+
+    fn try_request(&mut self, request: Request) -> Result<(), Error> {
+        match request {
+            Request::Net { signal, pins } => self.try_net(signal, pins),
+            Request::Link { pin, signal } => {
+                if self.is_unknown_pin(&pin) {
+                    self.unknown_names().signals.insert(signal);
+                    return Ok(());
+                }
+                let name = signal.clone();
+                let done = self.ask(Request::Link { pin, signal });
+                self.unless_unknown_signal(&name, done)
+            }
+            Request::SetSignal { ref name, .. } | Request::GetSignal { ref name } => {
+                let name = name.clone();
+                let done = self.ask(request);
+                self.unless_unknown_signal(&name, done)
+            }
+            Request::Load { ref module, ref args } => {
+                let (module, args) = (module.clone(), args.clone());
+                self.ask(request).map(|_| ()).inspect_err(|_| self.expect_module(&module, &args))
+            }
+            other => {
+                let names = names_of(&other).map(str::to_owned);
+                match self.ask(other) {
+                    Err(Error::Engine(failure))
+                        if failure.code == ENOENT
+                            && names.is_some_and(|n| self.unknown_names().covers(&n)) =>
+                    {
+                        Ok(())
+                    }
+                    result => result.map(|_| ()),
+                }
+            }
+        }
+    }
+
+    /// Joins the pins that are known; the signal keeps in mind that it has others.
+    fn try_net(&mut self, signal: String, pins: Vec<String>) -> Result<(), Error> {
+        let (unknown, known): (Vec<_>, Vec<_>) =
+            pins.into_iter().partition(|pin| self.is_unknown_pin(pin));
+        if !unknown.is_empty() {
+            self.unknown_names().signals.insert(signal.clone());
+        }
+        if known.is_empty() && !unknown.is_empty() {
+            return Ok(());
+        }
+        self.ask(Request::Net { signal, pins: known }).map(|_| ())
+    }
+
+    /// Whether a pin may exist on the machine and does not on trial.
+    fn is_unknown_pin(&mut self, name: &str) -> bool {
+        if !self.unknown_names().covers(name) {
+            return false;
+        }
+        matches!(
+            self.ask(Request::Get { name: name.to_owned() }),
+            Err(Error::Engine(failure)) if failure.code == ENOENT
+        )
+    }
+
+    /// A signal that only unknown pins have is not there on trial.
+    fn unless_unknown_signal(
+        &mut self,
+        name: &str,
+        done: Result<Reply, Error>,
+    ) -> Result<(), Error> {
+        match done {
+            Err(Error::Engine(Failure { code: ENOENT, .. }))
+                if self.unknown_names().signals.contains(name) =>
+            {
+                Ok(())
+            }
+            result => result.map(|_| ()),
+        }
+    }
+
+    /// `loadusr`: the pins of our own programs are known, those of others are not.
+    fn expect_program(&mut self, launch: &Launch) -> Result<(), Error> {
+        let at = self.standing();
+        let base = launch.program.rsplit('/').next().unwrap_or_default().to_owned();
+        if base == toolchange::NAME {
+            return Ok(toolchange::join(self.link)?);
+        }
+        let unknown = self.unknown_names();
+        unknown.expect(&launch.expected(), &at);
+        let stem = base.split('.').next().unwrap_or_default();
+        for name in [stem, stem.strip_prefix("hal_").unwrap_or(stem)] {
+            unknown.expect(name, &at);
+        }
+        // A program is often told what to call its component.
+        for word in &launch.args {
+            unknown.expect(word.rsplit('=').next().unwrap_or_default(), &at);
+        }
+        Ok(())
+    }
+
+    /// What a component that could not be loaded would have made is unknown, and is no error of
+    /// its own.
+    fn expect_module(&mut self, module: &str, args: &[String]) {
+        let at = self.standing();
+        let unknown = self.unknown_names();
+        let name = module.replace('_', "-");
+        unknown.expect(&name, &at);
+        unknown.expect(module, &at);
+        unknown.expect(name.strip_prefix("hal-").unwrap_or(&name), &at);
+        for names in args.iter().filter_map(|a| a.strip_prefix("names=")) {
+            names.split(',').for_each(|n| unknown.expect(n, &at));
+        }
+    }
+
+    /// A component's command is looked at, not carried out.
+    fn try_component(&mut self, name: &str, args: &[String]) -> Result<(), Error> {
+        let all = Request::List { kind: Kind::Commands, patterns: Vec::new(), ty: None };
+        let Reply::Commands(list) = self.ask(all)? else { return Err(Error::Unexpected) };
+        let Some(command) = list.iter().find(|c| c.name == name) else {
+            if self.unknown_names().covers(name) {
+                return Ok(());
+            }
+            let near = nearest(name, list.iter().map(|c| c.name.as_str()));
+            return Err(Error::UnknownCommand { word: name.into(), near });
+        };
+        for word in args {
+            let arg = word.split('=').next().unwrap_or_default();
+            if command.args.iter().all(|a| a.name != arg) {
+                let near = nearest(arg, command.args.iter().map(|a| a.name.as_str()));
+                let mut failure = Failure::new(-22, format!("Unknown parameter `{word}'"));
+                failure.hint = near.map(|n| format!("did you mean '{n}'?"));
+                return Err(failure.into());
+            }
+        }
+        Ok(())
+    }
+
+    /// Where the line stands that is carried out.
+    fn standing(&self) -> At {
+        let (file, line) = self.place();
+        At::new(file, line)
+    }
+}
+
+/// The name that a request is about.
+fn names_of(request: &Request) -> Option<&str> {
+    match request {
+        Request::Unlink { pin: name }
+        | Request::Set { name, .. }
+        | Request::Get { name }
+        | Request::AddFunct { funct: name, .. }
+        | Request::RemoveFunct { funct: name, .. }
+        | Request::Alias { name, .. }
+        | Request::Unalias { name, .. }
+        | Request::Unload { name }
+        | Request::Command { name, .. } => Some(name),
+        _ => None,
+    }
+}
