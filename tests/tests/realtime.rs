@@ -180,6 +180,14 @@ fn poke(e: &mut Engine, random: &mut Random, items: &[ItemInfo], commands: &[Com
     }
 }
 
+/// Waits until every thread runs: what one allocates as it begins is not of a cycle.
+fn begun(e: &mut Engine) {
+    wait(e, "the first cycles", |e| match list(e, Kind::Threads) {
+        Reply::Threads(all) => all.iter().all(|t| t.cycles > 5),
+        other => panic!("{other:?}"),
+    });
+}
+
 /// Runs what is loaded for so many cycles and counts: the calls, and what went wrong.
 fn counted(e: &mut Engine) -> u64 {
     let all: Vec<String> = functs(e).into_iter().map(|f| f.name).collect();
@@ -189,7 +197,7 @@ fn counted(e: &mut Engine) -> u64 {
     let there = says(e, "loadrt and2 count=4");
     assert!(there == "ok" || there == "and2: already exists", "{there}");
     script(e, "newsig one bit\nstart");
-    wait(e, "the first cycles", |e| thread(e, "fast").cycles > 20);
+    begun(e);
     let (items, commands) = (settable(e), commands(e));
     let mut random = Random(0x00fe_771e);
     let end = thread(e, "fast").cycles + CYCLES;
@@ -277,7 +285,7 @@ fn moving() {
         );
     }
     script(&mut e, "motion.configure max-velocity=50 max-acceleration=2000\nstart");
-    wait(&mut e, "the first cycles", |e| thread(e, "base-thread").cycles > 50);
+    begun(&mut e);
     counter::count(true);
     for line in [
         "motion.enable",
@@ -308,7 +316,7 @@ fn planted() {
         &mut e,
         "loadrt threads name1=fast period1=50000\nloadrt alloc\naddf alloc.0 fast\nstart",
     );
-    wait(&mut e, "the first cycles", |e| thread(e, "fast").cycles > 20);
+    begun(&mut e);
     for (go, at_least) in [("0", 0), ("1", 100), ("0", 0)] {
         script(&mut e, &format!("setp alloc.0.go {go}\nidle 5"));
         counter::count(true);
