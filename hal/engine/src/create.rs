@@ -17,7 +17,7 @@ use hal_abi::{
     StreamRef, StreamSpec, TaskSpec, ThreadSpec, Use, access, funct_flags, item_flags,
 };
 use hal_protocol::{Direction, Type};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A load in progress.
 pub(crate) struct Creating<'e> {
@@ -80,6 +80,15 @@ impl<'e> Creating<'e> {
             }
         }
         let hidden = core::mem::take(&mut self.hidden);
+        let given = hidden.iter().filter(|h| h.2 & access::WRITE != 0);
+        let given: BTreeSet<u64> = given.map(|h| h.1).collect();
+        for (taker, token, _) in hidden.iter().filter(|h| h.2 & access::READ != 0) {
+            if !given.contains(token)
+                && let Some(funct) = self.engine.graph.funct_mut(*taker)
+            {
+                funct.told = true;
+            }
+        }
         for (giver, token, _) in hidden.iter().filter(|h| h.2 & access::WRITE != 0) {
             for (taker, ..) in hidden.iter().filter(|h| h.1 == *token && h.2 & access::READ != 0) {
                 if giver != taker {
@@ -149,6 +158,9 @@ impl<'e> Creating<'e> {
         let funct = Funct {
             name: name.clone(),
             reentrant: spec.flags & funct_flags::REENTRANT != 0,
+            unknown: spec.flags & funct_flags::UNKNOWN != 0,
+            fast: spec.flags & funct_flags::FAST != 0,
+            told: false,
             code: Arc::new(code),
             account,
         };

@@ -58,7 +58,7 @@ impl Graph {
     node!(component, component_mut, Component, Component);
     node!(item, item_mut, Item, Item);
     node!(signal, signal_mut, Signal, Signal);
-    node!(funct, Funct, Funct);
+    node!(funct, funct_mut, Funct, Funct);
     node!(thread, thread_mut, Thread, ThreadNode);
 
     /// One copy of each documentation text.

@@ -30,6 +30,7 @@ mod loader;
 mod name;
 mod near;
 mod node;
+mod order;
 mod os;
 mod probe;
 mod record;

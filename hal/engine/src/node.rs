@@ -221,6 +221,12 @@ const fn add_one(n: u32, up: bool) -> u32 {
 pub(crate) struct Funct {
     pub(crate) name: Name,
     pub(crate) reentrant: bool,
+    /// What it reads and writes is not known.
+    pub(crate) unknown: bool,
+    /// It belongs in a fast thread.
+    pub(crate) fast: bool,
+    /// It takes what no function gives: commands, or what a background task has prepared.
+    pub(crate) told: bool,
     pub(crate) code: Arc<Code<Run>>,
     pub(crate) account: Account,
 }

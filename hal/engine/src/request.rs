@@ -44,6 +44,7 @@ impl Engine {
             Request::Unalias { param, name } => self.unalias(param, &name)?,
             Request::SetLock { level } => self.lock = level,
             Request::List { kind, patterns, ty } => return Ok(self.list(kind, &patterns, ty)),
+            Request::Order => return Ok(Reply::Order(Box::new(self.order()))),
             Request::Status => return Ok(Reply::Status(Box::new(self.status()))),
             Request::Component { name } => {
                 let ix = self.graph.components.get(name.as_str()).copied();

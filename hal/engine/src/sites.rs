@@ -122,18 +122,25 @@ impl Sites {
     pub(crate) fn parted(&mut self, edge: EdgeIndex<u32>) {
         self.edges.remove(&edge);
     }
-}
-
-#[expect(dead_code, reason = "read by what names places")]
-impl Sites {
-    /// Where a component, signal or thread was made.
-    pub(crate) fn of(&self, node: Ix) -> Option<At> {
-        self.at(self.nodes.get(&node).copied())
-    }
 
     /// Where a pin was linked or a function added.
     pub(crate) fn of_edge(&self, edge: EdgeIndex<u32>) -> Option<At> {
         self.at(self.edges.get(&edge).copied())
+    }
+
+    /// The place in words.
+    pub(crate) fn at(&self, site: Option<Site>) -> Option<At> {
+        let site = site?;
+        let file = self.files.get(site.file as usize)?;
+        Some(At::new(file, site.line))
+    }
+}
+
+#[cfg_attr(not(test), expect(dead_code, reason = "read by what names places"))]
+impl Sites {
+    /// Where a component, signal or thread was made.
+    pub(crate) fn of(&self, node: Ix) -> Option<At> {
+        self.at(self.nodes.get(&node).copied())
     }
 
     /// Where a pin or parameter was given its second name.
@@ -144,13 +151,6 @@ impl Sites {
     /// What lines have set it to.
     pub(crate) fn values_of(&self, node: Ix) -> Option<Assignments> {
         self.values.get(&node).copied()
-    }
-
-    /// The place in words.
-    pub(crate) fn at(&self, site: Option<Site>) -> Option<At> {
-        let site = site?;
-        let file = self.files.get(site.file as usize)?;
-        Some(At::new(file, site.line))
     }
 }
 

@@ -10,6 +10,7 @@ mod client;
 mod info;
 mod kind;
 mod message;
+mod order;
 mod pattern;
 mod place;
 mod stream;
@@ -23,6 +24,10 @@ pub use info::{
 };
 pub use kind::{Direction, Kind, Lock};
 pub use message::{Answer, Failure, LATEST, Reply, Request, WireReply, WireRequest};
+pub use order::{
+    AddedInfo, DelayInfo, HopInfo, LateInfo, LoopInfo, MoveInfo, OrderInfo, PathInfo, ThreadOrder,
+    WayInfo,
+};
 pub use pattern::Patterns;
 pub use place::{Place, valid_instance};
 pub use stream::Stream;

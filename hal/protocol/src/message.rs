@@ -2,7 +2,7 @@
 
 use crate::{
     AliasInfo, At, CommandInfo, ComponentInfo, Direction, FunctInfo, ItemInfo, Kind, Lock,
-    SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Type, Value,
+    OrderInfo, SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Type, Value,
 };
 use serde::{Deserialize, Serialize};
 
@@ -146,6 +146,8 @@ pub enum Request {
     },
     /// `status`. Answer: [`Reply::Status`].
     Status,
+    /// `order`. Answer: [`Reply::Order`].
+    Order,
     /// One component. Answer: [`Reply::Components`] with none or one.
     Component {
         /// Its name.
@@ -301,6 +303,8 @@ pub enum Reply {
     Streams(Vec<StreamInfo>),
     /// The state of the instance.
     Status(Box<StatusInfo>),
+    /// The order of functions, and how long values wait.
+    Order(Box<OrderInfo>),
     /// What a component's command answered.
     Answer(Answer),
     /// How far a command has come.
