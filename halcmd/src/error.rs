@@ -24,7 +24,7 @@ pub enum Error {
     NoIniVariable {
         section: Box<str>,
         name: Box<str>,
-        near: Option<Box<str>>,
+        hint: Box<str>,
     },
     UnknownCommand {
         word: Box<str>,
@@ -120,6 +120,7 @@ pub enum Error {
     },
     NotLoaded {
         name: Box<str>,
+        near: Option<Box<str>>,
     },
     NotAProgram {
         name: Box<str>,
@@ -130,6 +131,7 @@ pub enum Error {
     },
     NoCommandFile {
         path: Box<str>,
+        why: Box<str>,
     },
     TooDeep {
         path: Box<str>,
@@ -173,7 +175,7 @@ impl core::fmt::Display for Error {
     #[expect(clippy::too_many_lines, reason = "one sentence for each variant")]
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::Engine(failure) => write!(f, "{failure}"),
+            Self::Engine(failure) => f.write_str(&failure.text),
             Self::Told => Ok(()),
             Self::UnterminatedQuote => f.write_str("unterminated quoted string"),
             Self::TooManyTokens => f.write_str("too many tokens on line"),
@@ -184,14 +186,10 @@ impl core::fmt::Display for Error {
             Self::MissingBracket => f.write_str("Missing close square bracket."),
             Self::VariableTooLong => f.write_str("Variable name too long."),
             Self::NoEnvironment { name } => write!(f, "Environment variable '{name}' not found."),
-            Self::NoIniVariable { section, name, near } => {
-                write!(f, "Ini variable '[{section}]{name}' not found.")?;
-                hint(f, near.as_deref())
+            Self::NoIniVariable { section, name, .. } => {
+                write!(f, "Ini variable '[{section}]{name}' not found.")
             }
-            Self::UnknownCommand { word, near } => {
-                write!(f, "Unknown command '{word}'")?;
-                hint(f, near.as_deref())
-            }
+            Self::UnknownCommand { word, .. } => write!(f, "Unknown command '{word}'"),
             Self::Exactly { command, wanted, given } => {
                 write!(f, "{command} requires {wanted} arguments, {given} given")
             }
@@ -201,37 +199,17 @@ impl core::fmt::Display for Error {
             Self::AtMost { command, wanted, given } => {
                 write!(f, "{command} requires at most {wanted} arguments, {given} given")
             }
-            Self::SignalType { word } => write!(
-                f,
-                "Unknown signal type '{word}'; it is one of bit, float, s32, u32, s64, u64, port"
-            ),
-            Self::FilterType { word } => {
-                write!(
-                    f,
-                    "Unknown type '{word}'; it is one of bit, float, s32, u32, s64, u64, port"
-                )
-            }
+            Self::SignalType { word } => write!(f, "Unknown signal type '{word}'"),
+            Self::FilterType { word } => write!(f, "Unknown type '{word}'"),
             Self::NoPin => f.write_str("'net' requires at least one pin, none given"),
-            Self::AliasKind { command, word } => {
-                write!(f, "{command} failed; its first word is pin or param, not '{word}'")
-            }
+            Self::AliasKind { command, .. } => write!(f, "{command} failed"),
             Self::NoFunct => f.write_str("missing function name"),
             Self::NoThread => f.write_str("missing thread name"),
             Self::Level => f.write_str("Debug level must be >=0 and <= 5"),
             Self::Switch { word } => write!(f, "'{word}' is neither on nor off"),
-            Self::Kind { command, word, kinds } => {
-                write!(f, "Unknown '{command}' type '{word}'; it is one of {kinds}")
-            }
-            Self::NoHelp { word, near } => {
-                write!(f, "No help for unknown command '{word}'")?;
-                hint(f, near.as_deref())
-            }
-            Self::Time { word } => {
-                write!(
-                    f,
-                    "'{word}' is not a time; write a number and ns, us, ms or s, such as 20ms"
-                )
-            }
+            Self::Kind { command, word, .. } => write!(f, "Unknown '{command}' type '{word}'"),
+            Self::NoHelp { word, .. } => write!(f, "No help for unknown command '{word}'"),
+            Self::Time { word } => write!(f, "'{word}' is not a time"),
             Self::BadOption { command, option } => {
                 write!(f, "{command}: invalid option -- '{option}'")
             }
@@ -262,23 +240,21 @@ impl core::fmt::Display for Error {
             Self::NotReady { program, .. } => {
                 write!(f, "{program} exited without becoming ready")
             }
-            Self::NotLoaded { name } => write!(f, "component '{name}' is not loaded"),
+            Self::NotLoaded { name, .. } => write!(f, "component '{name}' is not loaded"),
             Self::NotAProgram { name } => write!(f, "'{name}' is not a userspace component"),
             Self::NoFile { path, why } => write!(f, "Could not open hal file '{path}': {why}"),
-            Self::NoCommandFile { path } => write!(f, "Could not open command file '{path}'"),
+            Self::NoCommandFile { path, .. } => write!(f, "Could not open command file '{path}'"),
             Self::TooDeep { path } => {
                 write!(f, "'{path}' is sourced within itself, or files are nested too deeply")
             }
-            Self::NoDestination { path, why } => {
-                write!(f, "Can't open 'save' destination '{path}'; {why}")
+            Self::NoDestination { path, .. } => {
+                write!(f, "Can't open 'save' destination '{path}'")
             }
             Self::GivenUp { command, why } => write!(f, "{command}: {why}"),
-            Self::IniFile { path, why } => write!(f, "Could not open INI file '{path}'; {why}"),
+            Self::IniFile { path, .. } => write!(f, "Could not open INI file '{path}'"),
             Self::IniSyntax { path, line, why } => write!(f, "{path}:{line}: {why}"),
-            Self::IniNotFound { file, folders } => {
-                write!(f, "cannot find '{file}'; looked in {folders}")
-            }
-            Self::NotYet { what, instead } => write!(f, "{what} is not supported; {instead}"),
+            Self::IniNotFound { file, .. } => write!(f, "cannot find '{file}'"),
+            Self::NotYet { what, .. } => write!(f, "{what} is not supported"),
             Self::TooManyFiles { files } => write!(f, "halrun: too many arguments <{files}>"),
             Self::Extension { file } => {
                 write!(f, "halrun: Unknown file extension for filename=<{file}>")
@@ -311,15 +287,4 @@ impl From<Failure> for Error {
     fn from(failure: Failure) -> Self {
         Self::Engine(failure)
     }
-}
-
-/// The name among `names` that `word` was probably meant to be.
-pub(crate) fn nearest<'a>(word: &str, names: impl Iterator<Item = &'a str>) -> Option<Box<str>> {
-    let near = |name: &str| strsim::damerau_levenshtein(word, name);
-    let best = names.map(|n| (near(n), n)).min()?;
-    (best.0 <= 2 && best.0 < word.len().max(2)).then(|| best.1.into())
-}
-
-fn hint(f: &mut core::fmt::Formatter<'_>, near: Option<&str>) -> core::fmt::Result {
-    near.map_or(Ok(()), |near| write!(f, "; did you mean '{near}'?"))
 }

@@ -3,8 +3,9 @@
 use crate::{
     Command, Error, Session,
     command::{LockChange, SaveKind, ShowKind, StatusKind},
-    error::nearest,
-    help, list, save, show, status,
+    help,
+    hint::nearest,
+    list, save, show, status,
 };
 use hal_protocol::{Failure, Kind, Lock, Reply, Request, StatusInfo, TicketInfo, Type};
 
@@ -69,7 +70,8 @@ impl Session<'_> {
             Command::Source(path) => self.source(&path)?,
             Command::Help(about) => {
                 // As the reference: what has no help is said, and is no failure.
-                let text = help::help(about.as_deref()).unwrap_or_else(|e| format!("{e}\n"));
+                let text = help::help(about.as_deref());
+                let text = text.unwrap_or_else(|e| format!("{}\n", e.whole()));
                 self.terminal.out(&text);
             }
             Command::Lock(change) => self.lock(change)?,
@@ -120,7 +122,7 @@ impl Session<'_> {
         let Reply::Components(found) = self.ask(Request::Component { name: name.clone() })? else {
             return Err(Error::Unexpected);
         };
-        let found = found.first().ok_or_else(|| Error::NotLoaded { name: name.as_str().into() })?;
+        let Some(found) = found.first() else { return Err(self.not_loaded(&name)?) };
         if found.realtime {
             let note = format!("Realtime module '{name}' unloaded");
             let reply = self.ask(Request::Unload { name })?;
@@ -129,6 +131,14 @@ impl Session<'_> {
             self.ask(Request::EndProgram { name: Some(name) })?;
         }
         Ok(())
+    }
+
+    /// That there is no component of this name, and which is near.
+    fn not_loaded(&mut self, name: &str) -> Result<Error, Error> {
+        let all = Request::List { kind: Kind::Components, patterns: Vec::new(), ty: None };
+        let Reply::Components(list) = self.ask(all)? else { return Err(Error::Unexpected) };
+        let near = nearest(name, list.iter().map(|c| c.name.as_str()));
+        Ok(Error::NotLoaded { name: name.into(), near })
     }
 
     fn show(

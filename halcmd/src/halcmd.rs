@@ -91,7 +91,7 @@ pub fn main(words: &[String]) -> ExitCode {
     match run(words, &mut terminal) {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
-            terminal.err(&format!("{error}\n"));
+            terminal.err(&format!("{}\n", error.whole()));
             ExitCode::from(255)
         }
     }
@@ -106,7 +106,7 @@ fn run(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
     given.iter().for_each(|(id, _)| apply(&mut style, *id));
     if has(Id::Help) {
         let text = rest.first().map_or_else(|| Ok(usage_text()), |name| help::help(Some(name)));
-        terminal.out(&text.unwrap_or_else(|error| format!("{error}\n")));
+        terminal.out(&text.unwrap_or_else(|error| format!("{}\n", error.whole())));
         return Ok(0);
     }
     let file = has(Id::File);
@@ -126,10 +126,11 @@ fn run(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
         value: value(Id::Instance).unwrap_or_default().into(),
         why: why.into(),
     })?;
-    let ini = value(Id::Ini).map(|path| Ini::read(Path::new(&path))).transpose()?;
+    let ini = value(Id::Ini).map(|path| Ini::open(Path::new(&path))).transpose()?;
     let text = match rest.first().filter(|_| file) {
         Some(path) => {
-            let unreadable = |_| Error::NoCommandFile { path: path.as_str().into() };
+            let unreadable =
+                |e| Error::NoCommandFile { path: path.as_str().into(), why: crate::ini::plain(&e) };
             Some((path.as_str(), std::fs::read(path).map_err(unreadable)?))
         }
         None => None,

@@ -37,7 +37,7 @@ pub fn main(words: &[String]) -> ExitCode {
         }
         Ok(Action::Run(plan)) => run(&plan, &mut terminal),
         Err(error) => {
-            terminal.err(&format!("{error}\n\nFor usage try: halrun -h\n"));
+            terminal.err(&format!("{}\n\nFor usage try: halrun -h\n", error.whole()));
             1
         }
     };
@@ -72,11 +72,11 @@ fn run(plan: &Plan, terminal: &mut dyn Terminal) -> u8 {
     match prepare(plan) {
         Ok(files) => make(plan, &files, terminal),
         Err(error @ (Error::NoCommandFile { .. } | Error::IniFile { .. })) => {
-            terminal.err(&format!("{error}\n"));
+            terminal.err(&format!("{}\n", error.whole()));
             255
         }
         Err(error) => {
-            terminal.err(&format!("{error}\n"));
+            terminal.err(&format!("{}\n", error.whole()));
             1
         }
     }
@@ -92,8 +92,10 @@ fn prepare(plan: &Plan) -> Result<Files, Error> {
     let mut script = Vec::new();
     let ini_path = match &plan.script {
         Script::Hal(path) => {
-            script = std::fs::read(path)
-                .map_err(|_| Error::NoCommandFile { path: path.as_str().into() })?;
+            script = std::fs::read(path).map_err(|e| Error::NoCommandFile {
+                path: path.as_str().into(),
+                why: crate::ini::plain(&e),
+            })?;
             plan.ini.as_ref()
         }
         Script::Ini(path) => Some(path),

@@ -134,7 +134,7 @@ mod tests {
             help(Some("help")).unwrap(),
             "If you need help to use 'help', then I can't help you.\n"
         );
-        let error = help(Some("bogus")).unwrap_err().to_string();
+        let error = help(Some("bogus")).unwrap_err().whole();
         assert_eq!(error, "No help for unknown command 'bogus'");
     }
 

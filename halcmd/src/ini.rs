@@ -40,9 +40,46 @@ pub struct Ini {
     entries: Vec<Entry>,
     sections: Vec<(String, String)>,
     warnings: Vec<String>,
+    broken: Option<Error>,
 }
 
 impl Ini {
+    /// Reads a file for a script. With a line of it wrong, nothing is found in it, and
+    /// [`Self::broken`] says why.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub fn open(path: &Path) -> Result<Self, Error> {
+        match Self::read(path) {
+            Err(error @ Error::IniSyntax { .. }) => {
+                Ok(Self { broken: Some(error), ..Self::default() })
+            }
+            other => other,
+        }
+    }
+
+    /// What is wrong with it.
+    #[must_use]
+    pub const fn broken(&self) -> Option<&Error> {
+        self.broken.as_ref()
+    }
+
+    /// The entry nearest to `[SECTION]NAME`, and whether that one was probably meant: of this name
+    /// in another section, or of nearly this name in this section.
+    #[must_use]
+    pub fn nearest(&self, section: &str, name: &str) -> Option<(String, bool)> {
+        let apart =
+            |a: &str, b: &str| strsim::damerau_levenshtein(&a.to_lowercase(), &b.to_lowercase());
+        let rank = |e: &Entry| {
+            let (far, whole) = (apart(name, &e.name), apart(section, &e.section));
+            let meant = far == 0 || far + whole <= 2 || (whole == 0 && far <= 1 + name.len() / 3);
+            (!meant, far + whole)
+        };
+        let (best, (far, _)) =
+            self.entries.iter().map(|e| (e, rank(e))).min_by_key(|(_, rank)| *rank)?;
+        Some((format!("[{}]{}", best.section, best.name), !far))
+    }
+
     /// Reads a file.
     ///
     /// # Errors
@@ -131,7 +168,7 @@ impl Ini {
             } else if text.starts_with('[') {
                 let (_, name) = header(text)
                     .map_err(|_| wrong(line, "a section is [NAME]: letters, digits and _"))?;
-                self.open(&file, line, name);
+                self.begin(&file, line, name);
                 section = Some(name.to_owned());
             } else {
                 let (_, (name, value)) = entry(text).map_err(|_| {
@@ -148,7 +185,7 @@ impl Ini {
         Ok(())
     }
 
-    fn open(&mut self, file: &str, line: u32, name: &str) {
+    fn begin(&mut self, file: &str, line: u32, name: &str) {
         if self.sections.iter().any(|(s, f)| s == name && f == file) {
             self.warnings.push(format!(
                 "{file}:{line}: Warning: section [{name}] is repeated; its entries are added to \
@@ -267,7 +304,7 @@ mod tests {
                 .iter()
                 .map(|e| format!("[{}]{}={:?}@{}\n", e.section, e.name, e.value, e.line))
                 .collect::<String>(),
-            Err(e) => format!("! {e}"),
+            Err(e) => format!("! {}", e.whole()),
         };
         assert_eq!(shown, want, "{text:?}");
     }

@@ -1,6 +1,10 @@
 //! Lines of a script become words.
 
-use crate::{Error, Lines, Physical, source::Bytes};
+use crate::{
+    Error, Lines, Physical,
+    fault::{Fault, Span},
+    source::Bytes,
+};
 use hal_protocol::Link;
 use nom::{
     IResult, Parser,
@@ -8,7 +12,7 @@ use nom::{
     bytes::complete::{is_not, tag, take_while1},
     combinator::recognize,
     multi::{many0, many1},
-    sequence::{delimited, preceded},
+    sequence::delimited,
 };
 
 /// The most words on a line.
@@ -21,8 +25,18 @@ pub struct Line {
     pub number: u32,
     /// Its text.
     pub text: Result<String, Error>,
+    /// Where in the text its second physical line begins, and each further one.
+    pub breaks: Vec<usize>,
     /// Set on the first line that ends as DOS writes it.
     pub dos: bool,
+}
+
+impl Line {
+    /// One that stands alone.
+    #[must_use]
+    pub fn single(number: u32, text: &str) -> Self {
+        Self { number, text: Ok(text.to_owned()), breaks: Vec::new(), dos: false }
+    }
 }
 
 /// Joins physical lines: `\` before the end of line continues it.
@@ -48,6 +62,7 @@ impl<L: Lines> Reader<L> {
     /// The next line; none at the end (what was still to be continued is dropped).
     pub fn next(&mut self, link: &mut dyn Link) -> Option<Line> {
         let mut text = String::new();
+        let mut breaks = Vec::new();
         let mut dos = false;
         loop {
             let Physical { mut bytes, ended } = self.lines.next(!text.is_empty(), link)?;
@@ -58,7 +73,8 @@ impl<L: Lines> Reader<L> {
                 self.dos = true;
             }
             if bytes.contains(&b'\r') {
-                return Some(Line { number: self.number, text: Err(Error::CarriageReturn), dos });
+                let text = Err(Error::CarriageReturn);
+                return Some(Line { number: self.number, text, breaks, dos });
             }
             let continues = self.joins && bytes.last() == Some(&b'\\');
             if continues {
@@ -66,8 +82,9 @@ impl<L: Lines> Reader<L> {
             }
             text.push_str(&String::from_utf8_lossy(&bytes));
             if !continues {
-                return Some(Line { number: self.number, text: Ok(text), dos });
+                return Some(Line { number: self.number, text: Ok(text), breaks, dos });
             }
+            breaks.push(text.len());
         }
     }
 }
@@ -84,8 +101,13 @@ pub fn lines(text: &[u8]) -> Vec<Line> {
 /// # Errors
 /// A quote is not closed.
 pub fn without_comment(line: &str) -> Result<&str, Error> {
-    let (rest, kept) = uncommented(line).map_err(|_| Error::UnterminatedQuote)?;
-    if rest.is_empty() || rest.starts_with('#') { Ok(kept) } else { Err(Error::UnterminatedQuote) }
+    uncomment(line).map_err(|fault| fault.error)
+}
+
+/// The same, and where the quote is that is not closed.
+pub(crate) fn uncomment(line: &str) -> Result<&str, Fault> {
+    let (rest, kept) = uncommented(line).unwrap_or((line, ""));
+    if rest.is_empty() || rest.starts_with('#') { Ok(kept) } else { Err(unclosed(line, rest)) }
 }
 
 /// Splits at blanks; a quoted run keeps its blanks and its quotes.
@@ -93,16 +115,32 @@ pub fn without_comment(line: &str) -> Result<&str, Error> {
 /// # Errors
 /// A quote is not closed, or there are more than [`MAX_WORDS`].
 pub fn words(line: &str) -> Result<Vec<String>, Error> {
-    let (rest, words) = many0(preceded(nom::combinator::opt(take_while1(blank)), word))
-        .parse(line)
-        .map_err(|_: nom::Err<nom::error::Error<&str>>| Error::UnterminatedQuote)?;
-    if !rest.trim_matches(blank).is_empty() {
-        return Err(Error::UnterminatedQuote);
+    let spans = spans(line).map_err(|fault| fault.error)?;
+    Ok(spans.into_iter().filter_map(|span| line.get(span)).map(str::to_owned).collect())
+}
+
+/// Where the words of a line are.
+pub(crate) fn spans(line: &str) -> Result<Vec<Span>, Fault> {
+    let mut found = Vec::new();
+    let mut rest = line.trim_start_matches(blank);
+    while !rest.is_empty() {
+        let start = line.len() - rest.len();
+        if found.len() == MAX_WORDS {
+            return Err(Fault::at(Error::TooManyTokens, start..line.trim_end_matches(blank).len()));
+        }
+        let Ok((after, _)) = word(rest) else { return Err(unclosed(line, rest)) };
+        found.push(start..line.len() - after.len());
+        if after.starts_with(['"', '\'']) {
+            return Err(unclosed(line, after));
+        }
+        rest = after.trim_start_matches(blank);
     }
-    if words.len() > MAX_WORDS {
-        return Err(Error::TooManyTokens);
-    }
-    Ok(words.into_iter().map(str::to_owned).collect())
+    Ok(found)
+}
+
+/// A quote at the beginning of the rest of a line that nothing closes.
+fn unclosed(line: &str, rest: &str) -> Fault {
+    Fault::at(Error::UnterminatedQuote, line.len() - rest.len()..line.len())
 }
 
 /// Whether a word is an arrow, which only people read.

@@ -5,12 +5,15 @@
 //! one table in [`table`], and a [`Session`] carries the command out over any
 //! [`Link`](hal_protocol::Link): the engine in this process or one that runs elsewhere.
 
+mod after;
 mod command;
 mod error;
 mod execute;
+mod fault;
 pub mod halcmd;
 pub mod halrun;
 pub mod help;
+mod hint;
 pub mod ini;
 pub mod lex;
 pub mod list;
@@ -26,6 +29,7 @@ pub mod show;
 mod source;
 mod status;
 pub mod streamer;
+pub mod syntax;
 pub mod table;
 mod terminal;
 pub mod toolchange;
@@ -36,6 +40,7 @@ mod word;
 
 pub use command::Command;
 pub use error::Error;
+pub use fault::{Fault, Span};
 pub use session::{Outcome, Session, Style};
 pub use source::{Bytes, Lines, MAX_PHYSICAL, Physical, Stdin};
 pub use terminal::{Captured, Stdio, Terminal};

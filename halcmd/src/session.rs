@@ -1,13 +1,14 @@
 //! The interpreter: lines are carried out over a link, one after the other.
 
 use crate::{
-    Error, Lines, Terminal,
+    Error, Fault, Lines, Terminal,
+    after::Last,
     ini::Ini,
-    lex::{Line, Reader, without_comment, words},
+    lex::{Line, Reader, without_comment},
     source::Bytes,
-    table,
+    syntax::{Statement, excerpt},
     trial::{Attempt, Refusal, Remark},
-    vars::{Values, replace},
+    vars::Values,
 };
 use hal_protocol::{At, Link, Reply, Request};
 use std::{
@@ -18,6 +19,8 @@ use std::{
 /// The code of a [`Failure`](hal_protocol::Failure) that only says that the instance is ending:
 /// the script ends with it, and nothing is said.
 pub(crate) const INTERRUPTED: i32 = -4;
+/// What a session calls what is typed: there nobody needs to be told how many lines failed.
+const STDIN: &str = "<stdin>";
 /// How deeply files may source each other.
 const MAX_DEPTH: u32 = 64;
 
@@ -175,21 +178,29 @@ impl<'a> Session<'a> {
     pub fn line_at(&mut self, name: &str, number: u32, text: &str) -> Outcome {
         let before = self.place.clone();
         self.stand_at(name, number);
-        let line = Line { number, text: Ok(text.to_owned()), dos: false };
-        let result = self.line(line, true).map(|_| ());
-        let outcome = self.outcome_of(result);
+        let line = Line::single(number, text);
+        let result = self.line(&line, true).map(|_| ());
+        let outcome = self.settled(result, &line);
         self.stand_at(&before.0, before.1);
         outcome
     }
 
     /// Carries out one command whose words are known; nothing is replaced in them.
     pub fn command(&mut self, words: &[String]) -> Outcome {
-        let result = self.words(words, true).map(|_| ());
-        self.outcome_of(result)
+        let (statement, line) = Statement::of_words(words);
+        let result = self.carry_out(&statement, true).map(|_| ());
+        self.settled(result, &line)
     }
 
     /// Says that something outside a script went wrong.
     pub fn report(&mut self, error: &Error) {
+        self.accuse(&error.clone().into(), None);
+    }
+
+    /// Says what is wrong: what led to it, what it is, what became of it, and what would be right.
+    /// A person is also shown the line and where in it that is.
+    fn accuse(&mut self, fault: &Fault, line: Option<&Line>) {
+        let error = &fault.error;
         if *error == Error::Told {
             return;
         }
@@ -203,7 +214,25 @@ impl<'a> Session<'a> {
                 self.complain(&line);
             }
         }
-        self.complain(&error.to_string());
+        if !self.style.silent || !fault.quiet {
+            self.complain(&error.to_string());
+        }
+        for text in &fault.after {
+            self.complain(text);
+        }
+        let hint = error.hint();
+        if self.terminal.is_person() {
+            if let (Some(line), Some(at)) = (line, &fault.at)
+                && let Some(excerpt) = excerpt(line, at)
+            {
+                self.terminal.err(&excerpt);
+            }
+            if let Some(hint) = hint {
+                self.terminal.err(&format!("{hint}\n"));
+            }
+        } else if let Some(hint) = hint.filter(|_| !self.style.silent) {
+            self.complain(&hint);
+        }
     }
 
     /// What is done from here on stands at this place.
@@ -250,7 +279,7 @@ impl<'a> Session<'a> {
     }
 
     fn read<L: Lines>(&mut self, name: &str, mut reader: Reader<L>, nested: bool) -> Outcome {
-        let mut outcome = Outcome::Good;
+        let mut failed = 0;
         while let Some(line) = reader.next(self.link) {
             if self.link.is_ending() {
                 self.ended = true;
@@ -260,45 +289,65 @@ impl<'a> Session<'a> {
             if line.dos {
                 self.complain("Warning: File contains DOS-style line endings.");
             }
-            match self.line(line, nested) {
+            match self.line(&line, nested) {
                 Ok(Step::On) => {}
                 Ok(Step::Quit) => break,
                 Err(_) if self.ended => return Outcome::Ended,
-                Err(error) => {
-                    self.report(&error);
-                    outcome = Outcome::Failed;
+                Err(fault) => {
+                    self.accuse(&fault, Some(&line));
+                    failed += 1;
                     if self.attempt.is_none() && (nested || !self.style.keep_going) {
                         break;
                     }
                 }
             }
         }
-        outcome
+        let told = self.style.verbose || self.terminal.is_person();
+        if failed > 0 && !nested && self.style.keep_going && name != STDIN && told {
+            let lines = if failed == 1 { "line" } else { "lines" };
+            self.terminal.err(&format!("{name}: {failed} {lines} failed\n"));
+        }
+        if failed == 0 { Outcome::Good } else { Outcome::Failed }
     }
 
-    fn line(&mut self, line: Line, nested: bool) -> Result<Step, Error> {
-        let text = line.text?;
-        let text = without_comment(&text)?;
+    fn line(&mut self, line: &Line, nested: bool) -> Result<Step, Fault> {
+        let text = line.text.as_ref().map_err(Clone::clone)?;
         if self.style.echo {
+            let text = without_comment(text)?;
             self.terminal.err(&format!("({})<echo>: {text}\n", line.number));
         }
         let values = Values { environment: self.environment, ini: self.ini };
-        let words = words(&replace(text, values)?)?;
-        self.words(&words, nested)
+        self.carry_out(&Statement::parse(text, values)?, nested)
     }
 
-    fn words(&mut self, words: &[String], nested: bool) -> Result<Step, Error> {
-        let Some(first) = words.first() else { return Ok(Step::On) };
-        if !nested && ["quit", "exit"].iter().any(|q| first.eq_ignore_ascii_case(q)) {
+    fn carry_out(&mut self, statement: &Statement, nested: bool) -> Result<Step, Fault> {
+        if statement.words().is_empty() {
+            return Ok(Step::On);
+        }
+        if !nested && statement.ends_input() {
             return Ok(Step::Quit);
         }
-        let command = table::understand(words)?;
-        if self.attempt.is_some() {
-            self.attempt(command)?;
-        } else {
-            self.execute(command)?;
+        let command = statement.command()?;
+        let last = Last::of(&command);
+        let done =
+            if self.attempt.is_some() { self.attempt(command) } else { self.execute(command) };
+        done.map(|()| Step::On).map_err(|error| {
+            let after = last.lines(&error);
+            let quiet = last.is_enough();
+            Fault { after, quiet, ..statement.blame(error) }
+        })
+    }
+
+    /// What became of a line.
+    fn settled(&mut self, result: Result<(), Fault>, line: &Line) -> Outcome {
+        match result {
+            Ok(()) => Outcome::Good,
+            Err(_) if self.ended => Outcome::Ended,
+            Err(fault) => {
+                self.accuse(&fault, Some(line));
+                Outcome::Failed
+            }
         }
-        Ok(Step::On)
     }
 
     pub(crate) fn outcome_of(&mut self, result: Result<(), Error>) -> Outcome {
@@ -353,7 +402,8 @@ mod tests {
             match request {
                 Request::Get { name } if name == "bad" => {
                     let mut failure = Failure::new(-2, "parameter or pin 'bad': not found");
-                    failure.hint = Some("did you mean 'bed'?".to_owned());
+                    failure.hint = Some("did you mean bed?".to_owned());
+                    failure.word = Some("bad".to_owned());
                     failure.before = vec!["something led to it".to_owned()];
                     Err(failure)
                 }
@@ -428,7 +478,7 @@ mod tests {
     fn errors_carry_file_and_line() {
         let failing = "getp bad";
         let said = "f.hal:1: something led to it\n\
-                    f.hal:1: parameter or pin 'bad': not found; did you mean 'bed'?\n";
+                    f.hal:1: parameter or pin 'bad': not found\nf.hal:1: did you mean bed?\n";
         check(failing, Style::default(), &format!("!{said}"));
         check("foo\nprint x\n", Style::default(), "!f.hal:1: Unknown command 'foo'\n");
         check(
@@ -446,7 +496,8 @@ mod tests {
             "print \"x\nprint [B]X\nprint $\n",
             KEEP,
             "!f.hal:1: unterminated quoted string\n\
-             f.hal:2: Ini variable '[B]X' not found.; did you mean '[A]X'?\n\
+             f.hal:1: the quote that is not closed begins here\n\
+             f.hal:2: Ini variable '[B]X' not found.\nf.hal:2: did you mean [A]X?\n\
              f.hal:3: Empty variable name.\n",
         );
         check(
@@ -458,7 +509,7 @@ mod tests {
         check(
             "getp bad",
             Style { silent: true, ..KEEP },
-            "!f.hal:1: parameter or pin 'bad': not found; did you mean 'bed'?\n",
+            "!f.hal:1: parameter or pin 'bad': not found\n",
         );
     }
 
@@ -466,7 +517,11 @@ mod tests {
     fn files_end_where_they_say() {
         check("print a\nquit\nprint b\n", KEEP, "f.hal:1: HALCMD MSG: a\n");
         check("EXIT now # really\nprint b\n", KEEP, "");
-        check("\"quit\"\n", KEEP, "!f.hal:1: Unknown command '\"quit\"'; did you mean 'quit'?\n");
+        check(
+            "\"quit\"\n",
+            KEEP,
+            "!f.hal:1: Unknown command '\"quit\"'\nf.hal:1: did you mean quit?\n",
+        );
         let (outcome, terminal, link) = run("shutdown\nprint x\nstart\nfoo\n", Style::default());
         assert_eq!(outcome, Outcome::Ended);
         assert_eq!(terminal.all, "f.hal:2: HALCMD MSG: x\n");

@@ -3,8 +3,8 @@
 use crate::{
     Command, Error,
     command::{SaveKind, StatusKind},
-    error::nearest,
     help::line,
+    hint::nearest,
     lex::is_arrow,
     parse,
     rows::rows,
@@ -150,7 +150,7 @@ mod tests {
 
     fn refusal(line: &str) -> String {
         let words: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
-        understand(&words).map_or_else(|e| e.to_string(), |c| format!("{c:?}"))
+        understand(&words).map_or_else(|e| e.whole(), |c| format!("{c:?}"))
     }
 
     #[test]
@@ -183,8 +183,8 @@ mod tests {
     fn words_that_mean_nothing_are_named() {
         for (line, want) in [
             ("PRINT x", "Unknown command 'PRINT'"),
-            ("netx a b", "Unknown command 'netx'; did you mean 'net'?"),
-            ("loadtr and2", "Unknown command 'loadtr'; did you mean 'loadrt'?"),
+            ("netx a b", "Unknown command 'netx'; did you mean net?"),
+            ("loadtr and2", "Unknown command 'loadtr'; did you mean loadrt?"),
             ("quit", "Unknown command 'quit'"),
             (
                 "newsig a foo",

@@ -8,6 +8,10 @@ pub trait Terminal {
     fn out(&mut self, text: &str);
     /// Writes to standard error, as it is.
     fn err(&mut self, text: &str);
+    /// Whether a person reads standard error: then errors show the line and point into it.
+    fn is_person(&self) -> bool {
+        false
+    }
 }
 
 /// This process's own. A reader that has gone is not an error.
@@ -24,6 +28,10 @@ impl Terminal for Stdio {
 
     fn err(&mut self, text: &str) {
         std::io::stderr().lock().write_all(text.as_bytes()).unwrap_or_default();
+    }
+
+    fn is_person(&self) -> bool {
+        rustix::termios::isatty(std::io::stderr())
     }
 }
 
@@ -47,6 +55,8 @@ pub struct Captured {
     pub out: String,
     /// Standard error.
     pub err: String,
+    /// Whether it stands for a terminal.
+    pub person: bool,
 }
 
 impl Terminal for Captured {
@@ -58,5 +68,9 @@ impl Terminal for Captured {
     fn err(&mut self, text: &str) {
         self.all.push_str(text);
         self.err.push_str(text);
+    }
+
+    fn is_person(&self) -> bool {
+        self.person
     }
 }

@@ -79,8 +79,10 @@ impl Trial {
         let ini = machine.or(ini).map(|path| Ini::read(Path::new(path))).transpose()?;
         let mut scripts = Vec::new();
         for file in files.iter().filter(|f| !is_ini(f)) {
-            let text = std::fs::read(file)
-                .map_err(|_| Error::NoCommandFile { path: file.as_str().into() })?;
+            let text = std::fs::read(file).map_err(|e| Error::NoCommandFile {
+                path: file.as_str().into(),
+                why: crate::ini::plain(&e),
+            })?;
             scripts.push((file, text));
         }
         let mut engine = Engine::trial(Options {

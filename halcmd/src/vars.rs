@@ -1,10 +1,15 @@
 //! Variables: `$NAME` from the environment, `[SECTION]NAME` from the INI file.
 
-use crate::{Error, error::nearest, ini::Ini};
+use crate::{
+    Error,
+    fault::{Fault, Span},
+    ini::Ini,
+};
 use nom::{
     IResult, Parser,
     bytes::complete::{is_not, take_while},
 };
+use std::borrow::Cow;
 
 /// The longest line after replacement, in bytes.
 pub const MAX_LINE: usize = 2044;
@@ -26,69 +31,130 @@ impl core::fmt::Debug for Values<'_> {
     }
 }
 
+/// A line after replacement.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Replaced {
+    /// What it says now.
+    pub(crate) text: String,
+    /// Where values stand in it, and which variables those were in the line.
+    values: Vec<(Span, Span)>,
+}
+
 /// Replaces variables, also inside quotes. What is inserted is not looked at again.
 ///
 /// # Errors
 /// A name is empty, too long, not closed or not found, or the line becomes too long.
 pub fn replace(line: &str, values: Values<'_>) -> Result<String, Error> {
-    let mut out = String::new();
+    replaced(line, values).map(|r| r.text).map_err(|fault| fault.error)
+}
+
+/// The same, and where the variables were, or the one that is wrong.
+pub(crate) fn replaced(line: &str, values: Values<'_>) -> Result<Replaced, Fault> {
+    let mut out = Replaced::default();
     let mut rest = line;
     while !rest.is_empty() {
-        rest = match rest.chars().next() {
-            Some('$') => {
-                let (after, name) = name(tail(rest))?;
-                out.push_str(
-                    &(values.environment)(name)
-                        .ok_or_else(|| Error::NoEnvironment { name: name.into() })?,
-                );
-                after
-            }
-            Some('[') => {
-                let (after, section) = section(tail(rest))?;
-                let (after, name) = name(after)?;
-                out.push_str(ini_value(values.ini, section, name)?);
-                after
-            }
+        let start = line.len() - rest.len();
+        let found = match rest.chars().next() {
+            Some('$') => environment(tail(rest), values),
+            Some('[') => ini_value(tail(rest), values.ini),
             _ => {
                 let (after, text) = plain(rest).unwrap_or(("", rest));
-                out.push_str(text);
-                after
+                out.text.push_str(text);
+                rest = after;
+                continue;
             }
         };
-        if out.len() > MAX_LINE {
-            return Err(Error::LineTooLong);
+        let (after, value) = found.map_err(|(error, after)| {
+            Fault::at(error, start..(line.len() - after.len()).max(start + 1))
+        })?;
+        let from = out.text.len();
+        out.text.push_str(&value);
+        let variable = start..line.len() - after.len();
+        if out.text.len() > MAX_LINE {
+            return Err(Fault::at(Error::LineTooLong, variable));
         }
+        out.values.push((from..out.text.len(), variable));
+        rest = after;
+    }
+    if out.text.len() > MAX_LINE {
+        return Err(Fault::at(Error::LineTooLong, 0..line.len()));
     }
     Ok(out)
 }
 
+impl Replaced {
+    /// Where in the line a part of the text comes from; a value comes from its whole variable.
+    pub(crate) fn origin(&self, part: &Span) -> Span {
+        let start = self.position(part.start, |variable| variable.start);
+        let end = self.position(part.end.max(part.start + 1) - 1, |variable| variable.end - 1);
+        start..(end + 1).max(start)
+    }
+
+    fn position(&self, at: usize, edge: impl Fn(&Span) -> usize) -> usize {
+        let before = self.values.iter().rev().find(|(value, _)| value.start <= at);
+        match before {
+            None => at,
+            Some((value, variable)) if at < value.end => edge(variable),
+            Some((value, variable)) => variable.end + (at - value.end),
+        }
+    }
+}
+
+/// What was found and what follows it; or what is wrong, and what follows that.
+type Found<'a> = Result<(&'a str, Cow<'a, str>), (Error, &'a str)>;
+
+fn environment<'a>(text: &'a str, values: Values<'a>) -> Found<'a> {
+    let (after, name) = name(text)?;
+    let value = (values.environment)(name).map(Cow::Owned);
+    let missing = || (Error::NoEnvironment { name: name.into() }, after);
+    value.map(|value| (after, value)).ok_or_else(missing)
+}
+
+fn ini_value<'a>(text: &'a str, ini: Option<&'a Ini>) -> Found<'a> {
+    let (after, section) = section(text)?;
+    let (after, name) = name(after)?;
+    match ini.and_then(|ini| ini.get(section, name)) {
+        Some(value) => Ok((after, Cow::Borrowed(value))),
+        None => {
+            let hint = missing(ini, section, name);
+            Err((Error::NoIniVariable { section: section.into(), name: name.into(), hint }, after))
+        }
+    }
+}
+
+/// What would be right instead of an INI variable that is not there.
+fn missing(ini: Option<&Ini>, section: &str, name: &str) -> Box<str> {
+    let Some(ini) = ini else { return "no INI file was given: -i names one".into() };
+    if let Some(broken) = ini.broken() {
+        return format!("nothing is found in a file with an error: {}", broken).into();
+    }
+    match ini.nearest(section, name) {
+        Some((near, true)) => format!("did you mean {near}?").into(),
+        Some((near, false)) => format!("nearest to it is {near}").into(),
+        None => "the INI file has no variable".into(),
+    }
+}
+
 /// `(NAME)`, or the longest run of name characters.
-fn name(text: &str) -> Result<(&str, &str), Error> {
+fn name(text: &str) -> Result<(&str, &str), (Error, &str)> {
     let (after, name) = match text.strip_prefix('(') {
         Some(inner) => {
-            let (name, after) = inner.split_once(')').ok_or(Error::MissingParenthesis)?;
+            let (name, after) = inner.split_once(')').ok_or((Error::MissingParenthesis, ""))?;
             (after, name)
         }
         None => run(text).unwrap_or((text, "")),
     };
     match name.len() {
-        0 => Err(Error::EmptyVariable),
+        0 => Err((Error::EmptyVariable, after)),
         1..=MAX_NAME => Ok((after, name)),
-        _ => Err(Error::VariableTooLong),
+        _ => Err((Error::VariableTooLong, after)),
     }
 }
 
-fn section(text: &str) -> Result<(&str, &str), Error> {
-    let (section, after) = text.split_once(']').ok_or(Error::MissingBracket)?;
-    if section.len() > MAX_NAME { Err(Error::VariableTooLong) } else { Ok((after, section)) }
-}
-
-fn ini_value<'a>(ini: Option<&'a Ini>, section: &str, name: &str) -> Result<&'a str, Error> {
-    ini.and_then(|ini| ini.get(section, name)).ok_or_else(|| {
-        let known = ini.map(|i| i.names().collect::<Vec<_>>()).unwrap_or_default();
-        let near = nearest(&format!("[{section}]{name}"), known.iter().map(String::as_str));
-        Error::NoIniVariable { section: section.into(), name: name.into(), near }
-    })
+fn section(text: &str) -> Result<(&str, &str), (Error, &str)> {
+    let (section, after) = text.split_once(']').ok_or((Error::MissingBracket, ""))?;
+    let long = section.len() > MAX_NAME;
+    if long { Err((Error::VariableTooLong, after)) } else { Ok((after, section)) }
 }
 
 fn run(text: &str) -> IResult<&str, &str> {
@@ -121,7 +187,7 @@ mod tests {
             _ => None,
         };
         replace(line, Values { environment: &environment, ini: Some(&ini) })
-            .unwrap_or_else(|e| format!("! {e}"))
+            .unwrap_or_else(|e| format!("! {}", e.whole()))
     }
 
     #[test]
@@ -129,10 +195,7 @@ mod tests {
         for (line, want) in [
             ("print [SEC]VAR", "print 12.5"),
             ("print [SEC](VAR)mm", "print 12.5mm"),
-            (
-                "print [SEC]VAR-2",
-                "! Ini variable '[SEC]VAR-2' not found.; did you mean '[SEC]VAR'?",
-            ),
+            ("print [SEC]VAR-2", "! Ini variable '[SEC]VAR-2' not found.; did you mean [SEC]VAR?"),
             ("print [SEC]LIST", "print a"),
             ("print [SEC]EMPTY", "print "),
             ("print [SEC]SPACED", "print some value with spaces"),
@@ -141,8 +204,11 @@ mod tests {
             ("print [SEC]TRAIL", "print 5   # trailing comment"),
             ("print []VAR", "print 12.5"),
             ("print [](VAR)", "print 12.5"),
-            ("print [NO]NOSUCHTHING", "! Ini variable '[NO]NOSUCHTHING' not found."),
-            ("print [SEC]VAT", "! Ini variable '[SEC]VAT' not found.; did you mean '[SEC]VAR'?"),
+            (
+                "print [NO]NOSUCHTHING",
+                "! Ini variable '[NO]NOSUCHTHING' not found.; nearest to it is [SEC]LIST",
+            ),
+            ("print [SEC]VAT", "! Ini variable '[SEC]VAT' not found.; did you mean [SEC]VAR?"),
             ("print \"[S_1]CONT\"", "print \"one    two\""),
             ("print \"[S_1]ESC\"", "print \"a\tbA\""),
             ("print $HOME", "print /home/me"),

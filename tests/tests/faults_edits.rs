@@ -229,7 +229,13 @@ fn each_lock_refuses_its_own_and_changes_nothing() {
          addf and2.0 thread1
          start",
     );
-    let of = |what: &str| format!("HAL is locked, {what} is not permitted");
+    let of = |what: &str| match what {
+        "loading of programs" => format!("HAL is locked, {what} is not permitted"),
+        "signal_delete" | "link" | "unlink" | "pin_alias" => {
+            format!("{what} called while HAL locked")
+        }
+        _ => format!("{what} called while HAL is locked"),
+    };
     let load = [("loadrt or2", "loading of programs")];
     let config = [
         ("newsig y bit", "signal_new"),
@@ -239,7 +245,7 @@ fn each_lock_refuses_its_own_and_changes_nothing() {
         ("unlinkp and2.1.in0", "unlink"),
         ("addf and2.1 thread1", "add_funct_to_thread"),
         ("delf and2.0 thread1", "del_funct_from_thread"),
-        ("alias pin and2.0.out z", "alias"),
+        ("alias pin and2.0.out z", "pin_alias"),
     ];
     let run = [("start", "start_threads"), ("stop", "stop_threads")];
     let before = wiring(&mut m);

@@ -155,7 +155,7 @@ fn a_ring_has_one_program_at_a_time() {
     let refused = second.attach("tap.0", None).unwrap_err().to_string();
     assert_eq!(refused, "stream 'tap.0' is in use by another program");
     let refused = second.attach("tap.1", None).unwrap_err().to_string();
-    assert_eq!(refused, "stream 'tap.1' not found; did you mean 'tap.0'?");
+    assert_eq!(refused, "stream 'tap.1' not found; did you mean tap.0?");
     drop((stream, first));
     let mut stream = attach(&mut second, "tap.0");
     run(&mut c, 2);

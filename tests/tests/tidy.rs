@@ -44,7 +44,8 @@ fn members() -> BTreeMap<String, toml::Table> {
     let mut out = BTreeMap::new();
     for path in files(&root(), "Cargo.toml") {
         let at = short(&path);
-        let own = ["Cargo.toml", "tests/plugins/", "tests/loom/", "tests/compile-fail/"];
+        let own =
+            ["Cargo.toml", "tests/fuzz/", "tests/plugins/", "tests/loom/", "tests/compile-fail/"];
         if at == "Cargo.toml" || own.iter().skip(1).any(|o| at.starts_with(o)) {
             continue;
         }

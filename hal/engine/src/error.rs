@@ -24,6 +24,7 @@ pub enum Error {
         near: Option<Box<str>>,
     },
     NoItem {
+        what: &'static str,
         name: Box<str>,
         near: Option<Box<str>>,
     },
@@ -253,9 +254,9 @@ impl core::fmt::Display for Error {
             Self::BadName { what, name } => write!(f, "'{name}' cannot be the name of a {what}"),
             Self::Duplicate { what, name } => write!(f, "duplicate {what} '{name}'"),
             Self::NotFound { what, name, .. } => write!(f, "{what} '{name}' not found"),
-            Self::NoItem { name, .. } => write!(f, "parameter or pin '{name}': not found"),
+            Self::NoItem { what, name, .. } => write!(f, "{what} '{name}': not found"),
             Self::NoPin { name, .. } => write!(f, "Pin '{name}' does not exist"),
-            Self::Locked { what } => write!(f, "HAL is locked, {what} is not permitted"),
+            Self::Locked { what } => f.write_str(&crate::hint::locked(what)),
             Self::LinkedElsewhere { pin, signal, wanted } => {
                 write!(f, "pin '{pin}' is linked to '{signal}', cannot link to '{wanted}'")
             }
@@ -396,5 +397,3 @@ impl core::fmt::Display for Error {
         }
     }
 }
-
-impl std::error::Error for Error {}

@@ -86,7 +86,8 @@ impl Graph {
         let found = self.pins.get(name).or_else(|| self.params.get(name)).copied();
         found.ok_or_else(|| {
             let names = self.pins.keys().chain(self.params.keys()).map(Name::as_str);
-            Error::NoItem { name: name.into(), near: nearest(name, names) }
+            let what = "parameter or pin";
+            Error::NoItem { what, name: name.into(), near: nearest(name, names) }
         })
     }
 

@@ -32,6 +32,55 @@ impl Error {
         }
     }
 
+    /// As those commands word it that set and get values.
+    pub(crate) fn of_value(self) -> Self {
+        match self {
+            Self::NotFound { what, name, near } => Self::NoItem { what, name, near },
+            other => other,
+        }
+    }
+
+    /// The word of the request that is wrong, if it is one word.
+    #[must_use]
+    pub fn word(&self) -> Option<&str> {
+        match self {
+            Self::NameTooLong { name, .. }
+            | Self::BadName { name, .. }
+            | Self::Duplicate { name, .. }
+            | Self::NotFound { name, .. }
+            | Self::NoItem { name, .. }
+            | Self::NoPin { name, .. }
+            | Self::SignalIsPin { name }
+            | Self::NotWritable { name, .. }
+            | Self::QueueAllocated { name }
+            | Self::ModuleExists { name }
+            | Self::NoModule { name, .. }
+            | Self::TooManyItems { name, .. }
+            | Self::InitFailed { name, .. }
+            | Self::OpenFailed { name, .. }
+            | Self::NotLoaded { name }
+            | Self::NotRealtime { name }
+            | Self::NotAProgram { name }
+            | Self::InUseBy { name, .. } => Some(name),
+            Self::LinkedElsewhere { pin, .. }
+            | Self::AlreadyLinked { pin, .. }
+            | Self::TypeMismatch { pin, .. }
+            | Self::CannotAdd { pin, .. }
+            | Self::SecondWriter { pin, .. } => Some(pin),
+            Self::HasWriter { signal, .. }
+            | Self::PortIo { signal }
+            | Self::PortReaders { signal } => Some(signal),
+            Self::OneThreadOnly { funct }
+            | Self::NotInUse { funct }
+            | Self::NotInThread { funct, .. }
+            | Self::InitDone { funct, .. } => Some(funct),
+            Self::UnknownParameter { word, .. }
+            | Self::InvalidParameter { word }
+            | Self::InvalidArgument { word, .. } => Some(word),
+            _ => None,
+        }
+    }
+
     /// What would be right.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
@@ -41,7 +90,7 @@ impl Error {
             | Self::NoPin { near, .. }
             | Self::NoModule { near, .. }
             | Self::UnknownParameter { near, .. } => {
-                near.as_ref().map(|n| format!("did you mean '{n}'?"))
+                near.as_ref().map(|n| format!("did you mean {n}?"))
             }
             Self::InvalidValue { expects, .. }
             | Self::OutOfRange { expects, .. }
@@ -76,8 +125,22 @@ impl Error {
     }
 }
 
+impl std::error::Error for Error {}
+
+/// What a lock forbids, as users know it: two forms for calls, one for programs.
+pub(crate) fn locked(what: &str) -> String {
+    match what {
+        "loading of programs" => format!("HAL is locked, {what} is not permitted"),
+        "link" | "unlink" | "signal_delete" | "pin_alias" | "param_alias" => {
+            format!("{what} called while HAL locked")
+        }
+        _ => format!("{what} called while HAL is locked"),
+    }
+}
+
 impl From<Error> for Failure {
     fn from(e: Error) -> Self {
-        Self { code: e.errno(), text: e.to_string(), hint: e.hint(), before: Vec::new() }
+        let word = e.word().map(str::to_owned);
+        Self { code: e.errno(), text: e.to_string(), hint: e.hint(), word, before: Vec::new() }
     }
 }

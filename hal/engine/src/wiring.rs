@@ -280,7 +280,7 @@ impl Engine {
         if self.graph.pins.contains_key(name) {
             return Err(Error::SignalIsPin { name: name.into() });
         }
-        self.unlocked(Lock::CONFIG, "link")?;
+        self.unlocked(Lock::CONFIG, if signal.is_none() { "signal_new" } else { "link" })?;
         let made = signal.is_none();
         let signal = match (signal, ty) {
             (Some(s), _) => s,
@@ -324,14 +324,14 @@ impl Engine {
 
     /// `gets`.
     pub(crate) fn get_signal(&self, name: &str) -> Result<Value, Error> {
-        let ix = self.graph.find_signal(name)?;
+        let ix = self.graph.find_signal(name).map_err(Error::of_value)?;
         let signal = self.graph.signal(ix);
         Ok(signal.map_or(Value::Bit(false), |s| Graph::value(s.ty, s.bits())))
     }
 
     /// `sets`; for a port, the size of its queue, once.
     pub(crate) fn set_signal(&mut self, name: &str, text: &str) -> Result<(), Error> {
-        let ix = self.graph.find_signal(name)?;
+        let ix = self.graph.find_signal(name).map_err(Error::of_value)?;
         let Some(signal) = self.graph.signal(ix) else { return Ok(()) };
         if signal.ty != Type::Port && signal.writers > 0 {
             let why = "an output writes it";
@@ -361,7 +361,7 @@ impl Engine {
 
     /// `alias`.
     pub(crate) fn alias(&mut self, param: bool, name: &str, alias: &str) -> Result<(), Error> {
-        self.unlocked(Lock::CONFIG, "alias")?;
+        self.unlocked(Lock::CONFIG, if param { "param_alias" } else { "pin_alias" })?;
         let what = if param { "parameter" } else { "pin" };
         let alias = Name::parse(what, alias)?;
         let ix = crate::graph::find(self.graph.names(param), what, name)?;
@@ -380,7 +380,7 @@ impl Engine {
 
     /// `unalias`.
     pub(crate) fn unalias(&mut self, param: bool, name: &str) -> Result<(), Error> {
-        self.unlocked(Lock::CONFIG, "alias")?;
+        self.unlocked(Lock::CONFIG, if param { "param_alias" } else { "pin_alias" })?;
         let what = if param { "parameter" } else { "pin" };
         let ix = crate::graph::find(self.graph.names(param), what, name)?;
         if let Some(old) = self.graph.item_mut(ix).and_then(|i| i.alias.take()) {

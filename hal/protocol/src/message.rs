@@ -331,6 +331,9 @@ pub struct Failure {
     pub text: String,
     /// What would be right: a near name, the expected type, the legal range.
     pub hint: Option<String>,
+    /// The word of the request that is wrong, if it is one word.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub word: Option<String>,
     /// What led to it, one sentence each, printed before `text`.
     pub before: Vec<String>,
 }
@@ -339,7 +342,7 @@ impl Failure {
     /// A failure without a hint.
     #[must_use]
     pub fn new(code: i32, text: impl Into<String>) -> Self {
-        Self { code, text: text.into(), hint: None, before: Vec::new() }
+        Self { code, text: text.into(), hint: None, word: None, before: Vec::new() }
     }
 }
 

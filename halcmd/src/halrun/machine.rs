@@ -318,7 +318,7 @@ mod tests {
             ("[HAL]\nPOSTGUI_HALFILE = b.tcl\n", "m.ini:2: Tcl file 'b.tcl' is not supported; "),
         ] {
             let ini = Ini::parse("m.ini", text.as_bytes()).unwrap();
-            let error = refuse(&ini).unwrap_err().to_string();
+            let error = refuse(&ini).unwrap_err().whole();
             assert!(error.starts_with(want), "{error}");
         }
         assert_eq!(

@@ -273,7 +273,7 @@ mod tests {
             variables.iter().find(|(n, _)| *n == name).map(|(_, value)| (*value).to_owned())
         };
         match plan(&words, &environment) {
-            Err(error) => format!("! {error}"),
+            Err(error) => format!("! {}", error.whole()),
             Ok(Action::Help) => "help".to_owned(),
             Ok(Action::Stop(place)) => format!("stop {}", place.name()),
             Ok(Action::Run(p)) => {

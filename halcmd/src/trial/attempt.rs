@@ -1,7 +1,7 @@
 //! What each command does on trial: the same, but for what reaches outside.
 
 use super::{Attempt, Unknown};
-use crate::{Command, Error, Session, command::Launch, error::nearest, toolchange};
+use crate::{Command, Error, Session, command::Launch, hint::nearest, toolchange};
 use hal_protocol::{At, Failure, Kind, Reply, Request};
 
 /// The code of a failure that says that something is not there.
@@ -176,7 +176,7 @@ impl Session<'_> {
             if command.args.iter().all(|a| a.name != arg) {
                 let near = nearest(arg, command.args.iter().map(|a| a.name.as_str()));
                 let mut failure = Failure::new(-22, format!("Unknown parameter `{word}'"));
-                failure.hint = near.map(|n| format!("did you mean '{n}'?"));
+                failure.hint = near.map(|n| format!("did you mean {n}?"));
                 return Err(failure.into());
             }
         }

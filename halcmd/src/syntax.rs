@@ -1,0 +1,137 @@
+//! The syntax tree of a line: its words, and where each of them stands.
+
+use crate::{
+    Command,
+    fault::{Fault, Span, blamed},
+    lex::{self, Line, spans, uncomment},
+    table,
+    vars::{Values, replaced},
+};
+
+/// A line in words: comment gone, variables replaced.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Statement {
+    words: Vec<String>,
+    spans: Vec<Span>,
+    /// Where a further word would stand.
+    end: usize,
+}
+
+impl Statement {
+    /// Reads a line.
+    ///
+    /// # Errors
+    /// A quote is not closed, a variable is wrong, or there are too many words.
+    pub fn parse(line: &str, values: Values<'_>) -> Result<Self, Fault> {
+        let text = uncomment(line)?;
+        let text = replaced(text, values)?;
+        let found = spans(&text.text)
+            .map_err(|fault| Fault { at: fault.at.map(|at| text.origin(&at)), ..fault })?;
+        let word = |span: &Span| text.text.get(span.clone()).unwrap_or_default().to_owned();
+        let words = found.iter().map(word).collect();
+        let spans: Vec<Span> = found.iter().map(|span| text.origin(span)).collect();
+        let end = spans.last().map_or(0, |last| last.end);
+        Ok(Self { words, spans, end })
+    }
+
+    /// Words that are known already, and the line that they make.
+    #[must_use]
+    pub fn of_words(words: &[String]) -> (Self, Line) {
+        let mut text = String::new();
+        let mut spans = Vec::new();
+        for word in words {
+            if !text.is_empty() {
+                text.push(' ');
+            }
+            spans.push(text.len()..text.len() + word.len());
+            text.push_str(word);
+        }
+        let end = text.len();
+        (Self { words: words.to_vec(), spans, end }, Line::single(0, &text))
+    }
+
+    /// Its words, quotes kept.
+    #[must_use]
+    pub fn words(&self) -> &[String] {
+        &self.words
+    }
+
+    /// Where a word stands: bytes of the line as it was joined. A word that comes from a variable
+    /// stands where the variable does; one beyond the last would stand one blank after it.
+    #[must_use]
+    pub fn span(&self, word: usize) -> Span {
+        self.spans.get(word).cloned().unwrap_or(self.end + 1..self.end + 2)
+    }
+
+    /// Whether its first word is one of these two, in any case.
+    pub(crate) fn ends_input(&self) -> bool {
+        let first = self.words.first();
+        first.is_some_and(|w| ["quit", "exit"].iter().any(|q| w.eq_ignore_ascii_case(q)))
+    }
+
+    /// What it asks for.
+    ///
+    /// # Errors
+    /// There is no such command, or its arguments are wrong.
+    pub fn command(&self) -> Result<Command, Fault> {
+        table::understand(&self.words).map_err(|error| self.blame(error))
+    }
+
+    /// The words that an error is about, marked.
+    pub(crate) fn blame(&self, error: crate::Error) -> Fault {
+        let words = blamed(&error, &self.words);
+        let (first, last) = (self.span(words.start), self.span(words.end.max(1) - 1));
+        Fault::at(error, first.start..last.end.max(first.end))
+    }
+}
+
+/// A line of a file and the part of it that is wrong, for a person: the physical line with marks
+/// under that part.
+#[must_use]
+pub fn excerpt(line: &Line, at: &Span) -> Option<String> {
+    /// How much of a long line is shown, and how much of it before what is wrong.
+    const WIDTH: usize = 100;
+    const BEFORE: usize = 40;
+    let text = line.text.as_ref().ok()?;
+    let piece = line.breaks.iter().filter(|b| **b <= at.start).count();
+    let from = piece.checked_sub(1).and_then(|n| line.breaks.get(n)).copied().unwrap_or(0);
+    let to = line.breaks.get(piece).copied().unwrap_or(text.len());
+    let start = text.get(from..at.start.min(to))?.chars().count();
+    let extra = at.start.saturating_sub(to);
+    let length = text.get(at.start.min(to)..at.end.min(to))?.chars().count().max(1);
+    let continued = if piece < line.breaks.len() { "\\" } else { "" };
+    let shown: String = text.get(from..to)?.chars().map(visible).collect();
+    let (cut, more) =
+        if shown.chars().count() > WIDTH { (start.saturating_sub(BEFORE), "…") } else { (0, "") };
+    let part: String = shown.chars().skip(cut).take(WIDTH).collect();
+    let blank = |c: char| if c == '\t' { '\t' } else { ' ' };
+    let margin: String = part.chars().take(start - cut).map(blank).collect();
+    let marks = "^".repeat(length.min(WIDTH - (start - cut).min(WIDTH - 1)));
+    let after = line.breaks.len() - piece;
+    let number = line.number.saturating_sub(u32::try_from(after).unwrap_or(u32::MAX));
+    let number = if number == 0 { String::new() } else { number.to_string() };
+    let (before, extra) = (if cut > 0 { "…" } else { "" }, " ".repeat(extra));
+    let shift = " ".repeat(before.chars().count());
+    Some(format!(
+        "{number:>5} | {before}{part}{more}{continued}\n      | {shift}{margin}{extra}{marks}\n"
+    ))
+}
+
+/// What a terminal is not to obey is shown as a dot.
+fn visible(c: char) -> char {
+    if c.is_control() && c != '\t' { '·' } else { c }
+}
+
+/// All lines of a text as trees, for those who have it in one piece.
+pub fn statements<'a>(
+    text: &[u8],
+    values: Values<'a>,
+) -> impl Iterator<Item = (Line, Result<Statement, Fault>)> + use<'a> {
+    lex::lines(text).into_iter().map(move |line| {
+        let parsed = match &line.text {
+            Ok(text) => Statement::parse(text, values),
+            Err(error) => Err(error.clone().into()),
+        };
+        (line, parsed)
+    })
+}
