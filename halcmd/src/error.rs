@@ -172,7 +172,6 @@ pub enum Error {
 }
 
 impl core::fmt::Display for Error {
-    #[expect(clippy::too_many_lines, reason = "one sentence for each variant")]
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Engine(failure) => f.write_str(&failure.text),

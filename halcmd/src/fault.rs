@@ -10,7 +10,7 @@ pub type Span = core::ops::Range<usize>;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
     /// What is wrong.
-    pub error: Error,
+    pub error: Box<Error>,
     /// Where: bytes of the line as it was joined; absent when no part of it is to blame.
     pub at: Option<Span>,
     /// What is said after it.
@@ -20,14 +20,14 @@ pub struct Fault {
 }
 
 impl Fault {
-    pub(crate) const fn at(error: Error, at: Span) -> Self {
-        Self { error, at: Some(at), after: Vec::new(), quiet: false }
+    pub(crate) fn at(error: Error, at: Span) -> Self {
+        Self { error: Box::new(error), at: Some(at), after: Vec::new(), quiet: false }
     }
 }
 
 impl From<Error> for Fault {
     fn from(error: Error) -> Self {
-        Self { error, at: None, after: Vec::new(), quiet: false }
+        Self { error: Box::new(error), at: None, after: Vec::new(), quiet: false }
     }
 }
 

@@ -26,8 +26,9 @@ impl Error {
             }
             Self::UnterminatedQuote => Some("the quote that is not closed begins here".to_owned()),
             Self::TooManyTokens => Some(format!("at most {} words", crate::lex::MAX_WORDS)),
-            Self::NoDestination { why, .. } | Self::IniFile { why, .. } => Some(why.to_string()),
-            Self::NoCommandFile { why, .. } => Some(why.to_string()),
+            Self::NoDestination { why, .. }
+            | Self::IniFile { why, .. }
+            | Self::NoCommandFile { why, .. } => Some(why.to_string()),
             Self::IniNotFound { folders, .. } => Some(format!("looked in {folders}")),
             Self::NotYet { instead, .. } => Some((*instead).to_owned()),
             _ => None,

@@ -101,7 +101,7 @@ pub fn lines(text: &[u8]) -> Vec<Line> {
 /// # Errors
 /// A quote is not closed.
 pub fn without_comment(line: &str) -> Result<&str, Error> {
-    uncomment(line).map_err(|fault| fault.error)
+    uncomment(line).map_err(|fault| *fault.error)
 }
 
 /// The same, and where the quote is that is not closed.
@@ -115,7 +115,7 @@ pub(crate) fn uncomment(line: &str) -> Result<&str, Fault> {
 /// # Errors
 /// A quote is not closed, or there are more than [`MAX_WORDS`].
 pub fn words(line: &str) -> Result<Vec<String>, Error> {
-    let spans = spans(line).map_err(|fault| fault.error)?;
+    let spans = spans(line).map_err(|fault| *fault.error)?;
     Ok(spans.into_iter().filter_map(|span| line.get(span)).map(str::to_owned).collect())
 }
 

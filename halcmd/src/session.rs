@@ -201,12 +201,12 @@ impl<'a> Session<'a> {
     /// A person is also shown the line and where in it that is.
     fn accuse(&mut self, fault: &Fault, line: Option<&Line>) {
         let error = &fault.error;
-        if *error == Error::Told {
+        if **error == Error::Told {
             return;
         }
         if let Some(attempt) = &mut self.attempt {
             let (file, line) = &self.place;
-            attempt.refusals.push(Refusal { at: At::new(file, *line), error: error.clone() });
+            attempt.refusals.push(Refusal { at: At::new(file, *line), error: Error::clone(error) });
             return;
         }
         if !self.style.silent {

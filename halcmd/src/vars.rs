@@ -45,7 +45,7 @@ pub(crate) struct Replaced {
 /// # Errors
 /// A name is empty, too long, not closed or not found, or the line becomes too long.
 pub fn replace(line: &str, values: Values<'_>) -> Result<String, Error> {
-    replaced(line, values).map(|r| r.text).map_err(|fault| fault.error)
+    replaced(line, values).map(|r| r.text).map_err(|fault| *fault.error)
 }
 
 /// The same, and where the variables were, or the one that is wrong.

@@ -62,7 +62,7 @@ fn every_line_is_carried_out_and_refusals_are_kept() {
     let mut trial = Trial::with_plugins(&files, None, vec![programs().to_owned()]).unwrap();
     let said = refusals(&scratch, &trial);
     let want = [
-        "m.hal:2: parameter or pin 'and2.0.in9': not found; did you mean 'and2.0.in0'?",
+        "m.hal:2: parameter or pin 'and2.0.in9': not found; did you mean and2.0.in0?",
         "more.hal:1: pin 'and2.0.in0': invalid argument; ",
         "more.hal:2: and2: already exists",
         "m.hal:13: Unknown command 'nonsense'",
