@@ -27,6 +27,8 @@ pub enum Command {
     Save(SaveKind, Option<String>),
     /// `status`.
     Status(StatusKind),
+    /// `order`: of what, and whether as lines of a script.
+    Order(Subject, bool),
     /// `print`.
     Print(Option<String>),
     /// `echo`, `unecho`.
@@ -48,6 +50,15 @@ pub enum Command {
         /// Whether to wait until it is carried out.
         wait: bool,
     },
+}
+
+/// A machine to be looked at.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Subject {
+    /// The files it is made of; none: the running one.
+    pub files: Vec<String>,
+    /// The INI file of whose values the files speak.
+    pub ini: Option<String>,
 }
 
 /// What `loadusr` was told.

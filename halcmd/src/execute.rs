@@ -59,6 +59,7 @@ impl Session<'_> {
             }
             Command::Save(kind, file) => self.save(kind, file.as_deref())?,
             Command::Status(kind) => self.status(kind)?,
+            Command::Order(subject, script) => self.order(&subject, script)?,
             Command::Print(text) => {
                 let text = text.as_deref().unwrap_or("(null)");
                 self.complain(&format!("HALCMD MSG: {text}"));
@@ -95,7 +96,7 @@ impl Session<'_> {
     }
 
     /// Prints a reply in words, or as it came.
-    fn print(
+    pub(crate) fn print(
         &mut self,
         reply: &Reply,
         words: impl FnOnce(&Reply) -> Option<String>,

@@ -8,6 +8,7 @@
 mod after;
 mod command;
 mod error;
+mod examine;
 mod execute;
 mod fault;
 pub mod halcmd;
@@ -18,6 +19,7 @@ pub mod ini;
 pub mod lex;
 pub mod list;
 pub mod options;
+pub mod order;
 mod parse;
 mod program;
 pub mod remote;

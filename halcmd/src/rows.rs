@@ -2,6 +2,7 @@
 
 use crate::{Error, table::Row};
 
+mod drawing;
 mod input;
 mod load;
 mod look;
@@ -31,6 +32,7 @@ pub(crate) const GROUPS: &[(&str, &[Row])] = &[
     ("Signals, pins and parameters", wire::ROWS),
     ("Threads and time", time::ROWS),
     ("Looking", look::ROWS),
+    ("The machine as a whole", drawing::ROWS),
     ("The input", input::ROWS),
 ];
 

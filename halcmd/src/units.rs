@@ -43,9 +43,21 @@ fn decimal(text: &str) -> IResult<&str, (&str, Option<&str>)> {
     (digit1, opt(preceded(tag("."), digit0))).parse(text)
 }
 
+/// A span of time as users read it: in the largest unit of which it is at least one.
+#[must_use]
+pub(crate) fn duration(ns: u64) -> String {
+    let units = [("s", 9_u32), ("ms", 6), ("µs", 3)];
+    let unit = units.into_iter().find(|(_, digits)| 10_u64.pow(*digits) <= ns);
+    let (unit, digits) = unit.unwrap_or(("ns", 0));
+    let scale = 10_u64.pow(digits);
+    let (whole, part) = (ns / scale, ns % scale);
+    let text = format!("{whole}.{part:0width$}", width = digits as usize);
+    format!("{} {unit}", text.trim_end_matches('0').trim_end_matches('.'))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{UnitError, nanoseconds};
+    use super::{UnitError, duration, nanoseconds};
 
     #[test]
     fn a_time_is_a_number_and_a_unit() {
@@ -70,6 +82,22 @@ mod tests {
             ("", Err(UnitError)),
         ] {
             assert_eq!(nanoseconds(text), want, "{text}");
+        }
+    }
+
+    #[test]
+    fn spans_are_told_in_the_largest_unit() {
+        for (ns, want) in [
+            (0, "0 ns"),
+            (999, "999 ns"),
+            (1000, "1 µs"),
+            (50_000, "50 µs"),
+            (100_000_000, "100 ms"),
+            (1_050_000, "1.05 ms"),
+            (20_000_000_001, "20.000000001 s"),
+        ] {
+            assert_eq!(duration(ns), want);
+            assert_eq!(nanoseconds(&duration(ns)), Ok(ns));
         }
     }
 }

@@ -39,6 +39,7 @@ impl Session<'_> {
             | Command::List(..)
             | Command::Save(..)
             | Command::Status(_)
+            | Command::Order(..)
             | Command::Print(_)
             | Command::Echo(_)
             | Command::Help(_)

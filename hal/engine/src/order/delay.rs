@@ -14,6 +14,8 @@ use std::collections::{BTreeMap, BinaryHeap};
 /// The most loops and paths that are told; and how many steps are taken to find them.
 const MOST: usize = 200;
 const STEPS: usize = 1_000_000;
+/// A way through bits alone counts as long as one through so many functions.
+const BITS: usize = 1 << 20;
 /// The most moments at which a value may set out that are looked at one by one.
 const STARTS: u64 = 2000;
 
@@ -257,7 +259,8 @@ impl<'m> Timed<'m> {
             for x in self.gives.at(i) {
                 *steps += 1;
                 let Some(flow) = self.machine.flows.get(*x).filter(|f| takes(f)) else { continue };
-                let reached = (wait + self.wait(*x), hops + 1);
+                let hop = if flow.numbers { 1 } else { BITS };
+                let reached = (wait + self.wait(*x), hops + hop);
                 if best.get(&flow.to).is_none_or(|b| reached < *b) {
                     best.insert(flow.to, reached);
                     by.insert(flow.to, *x);

@@ -2,7 +2,7 @@
 
 use super::machine::{By, Flow, Funct, Machine, Thread};
 use crate::graph::{Edge, Graph, Ix};
-use hal_protocol::Direction;
+use hal_protocol::{Direction, Type};
 use petgraph::{
     Direction::{Incoming, Outgoing},
     visit::EdgeRef,
@@ -128,8 +128,15 @@ fn flows(graph: &Graph, known: &BTreeMap<Ix, usize>) -> Vec<Flow> {
     for (from, to, by) in pairs {
         match flows.last_mut() {
             Some(flow) if (flow.from, flow.to) == (from, to) => flow.by.push(by),
-            _ => flows.push(Flow { from, to, by: vec![by] }),
+            _ => flows.push(Flow { from, to, by: vec![by], numbers: false }),
         }
+    }
+    for flow in &mut flows {
+        flow.numbers = flow.by.iter().any(|by| match by {
+            By::Signal(ix) | By::Shared(ix) => graph.signal(*ix).is_some_and(|s| s.ty != Type::Bit),
+            By::Pin(_) => false,
+            By::Hidden => true,
+        });
     }
     flows
 }

@@ -53,6 +53,8 @@ pub(crate) struct Flow {
     pub(crate) to: usize,
     /// What carries it; never empty.
     pub(crate) by: Vec<By>,
+    /// It carries more than bits: of ways that take equally long, this is the one to tell.
+    pub(crate) numbers: bool,
 }
 
 /// What carries a value from one function to another.

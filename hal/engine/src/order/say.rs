@@ -4,7 +4,7 @@ use super::{By, Chain, Flow, Study, Timed, Wait};
 use crate::{Engine, graph::Ix};
 use hal_protocol::{
     AddedInfo, DelayInfo, HopInfo, LateInfo, LoopInfo, MoveInfo, OrderInfo, PathInfo, ThreadOrder,
-    WayInfo,
+    Type, WayInfo,
 };
 
 impl Engine {
@@ -103,19 +103,18 @@ impl Say<'_> {
         })
     }
 
-    /// The names of what carries a flow, sorted.
+    /// The names of what carries a flow, numbers before bits.
     fn carriers(&self, flow: &Flow) -> Vec<String> {
         let graph = &self.engine.graph;
         let name = |by: &By| match by {
-            By::Signal(ix) | By::Shared(ix) => {
-                graph.signal(*ix).map(|s| s.name.as_str().to_owned())
-            }
-            By::Pin(ix) => graph.item(*ix).map(|i| i.shown().as_str().to_owned()),
+            By::Signal(ix) | By::Shared(ix) => graph.signal(*ix).map(|s| (s.ty, s.name.as_str())),
+            By::Pin(ix) => graph.item(*ix).map(|i| (i.ty, i.shown().as_str())),
             By::Hidden => None,
         };
-        let mut names: Vec<String> = flow.by.iter().filter_map(name).collect();
+        let names = flow.by.iter().filter_map(name);
+        let mut names: Vec<_> = names.map(|(ty, name)| (ty == Type::Bit, name)).collect();
         names.sort_unstable();
-        names
+        names.into_iter().map(|(_, name)| name.to_owned()).collect()
     }
 
     fn funct(&self, i: usize) -> String {

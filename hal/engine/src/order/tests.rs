@@ -69,7 +69,7 @@ fn draw(text: &str) -> Drawn {
                 let flows = &mut d.machine.flows;
                 match flows.iter_mut().find(|f| (f.from, f.to) == (from, to)) {
                     Some(flow) => flow.by.push(by),
-                    None => flows.push(Flow { from, to, by: vec![by] }),
+                    None => flows.push(Flow { from, to, by: vec![by], numbers: true }),
                 }
             }
         }
@@ -383,10 +383,10 @@ fn ten_thousand_functions() {
     for i in 0..n {
         let by = vec![By::Signal(Ix::new(i))];
         if i > 0 {
-            machine.flows.push(Flow { from: i, to: i - 1, by: by.clone() });
+            machine.flows.push(Flow { from: i, to: i - 1, by: by.clone(), numbers: true });
         }
         if i % 7 == 0 && i + 100 < n {
-            machine.flows.push(Flow { from: i, to: i + 100, by });
+            machine.flows.push(Flow { from: i, to: i + 100, by, numbers: true });
         }
     }
     let study = Study::new(machine);
@@ -437,7 +437,7 @@ fn random_machines() {
         flows.retain(|(a, b)| a != b && (!acyclic || (rank[*a], a) < (rank[*b], b)));
         for (from, to) in flows {
             let by = (0..=next(2)).map(|i| By::Signal(Ix::new(i))).collect();
-            machine.flows.push(Flow { from, to, by });
+            machine.flows.push(Flow { from, to, by, numbers: true });
         }
         let study = Study::new(machine);
         let late = |timed: &Timed<'_>| -> u64 {
