@@ -1,0 +1,37 @@
+//! Takes the headers for C components into the program.
+
+use std::{
+    env,
+    fmt::Write,
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+fn main() -> io::Result<()> {
+    let here = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
+    let folder = here.join("../compat/include");
+    println!("cargo::rerun-if-changed={}", folder.display());
+    let mut found = Vec::new();
+    headers(&folder, "", &mut found)?;
+    found.sort();
+    let mut text = String::from("pub(crate) const HEADERS: &[(&str, &str)] = &[\n");
+    for (name, path) in found {
+        writeln!(text, "({name:?}, include_str!({:?})),", path.display()).map_err(io::Error::other)?;
+    }
+    text.push_str("];\n");
+    let out = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default());
+    fs::write(out.join("headers.rs"), text)
+}
+
+fn headers(folder: &Path, before: &str, found: &mut Vec<(String, PathBuf)>) -> io::Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        if path.is_dir() {
+            headers(&path, &format!("{before}{name}/"), found)?;
+        } else if name.ends_with(".h") {
+            found.push((format!("{before}{name}"), path));
+        }
+    }
+    Ok(())
+}

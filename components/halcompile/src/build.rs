@@ -1,0 +1,172 @@
+//! Has the system's compiler make a loadable file, or a program.
+
+use crate::{
+    error::{Error, at},
+    headers::include_folder,
+};
+use object::{Object, ObjectSection};
+use std::{
+    env,
+    ffi::OsString,
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+};
+
+/// What is to be made of a C file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// A realtime component, for `loadrt`.
+    Module,
+    /// A program with pins, for `loadusr`.
+    Program,
+}
+
+/// A C file, and how it is to be compiled.
+#[derive(Clone, Debug)]
+pub struct Job<'a> {
+    /// The C file.
+    pub c_file: &'a Path,
+    /// The folder of the user's own file, for the headers beside it.
+    pub beside: &'a Path,
+    /// What comes of it.
+    pub out: &'a Path,
+    /// What that is.
+    pub target: Target,
+    /// Further words for the compiler.
+    pub compile_args: Vec<String>,
+    /// Further words for the linker.
+    pub link_args: Vec<String>,
+}
+
+/// Flags of every compilation. Numbers come out the same on every machine, so nothing is fused.
+const FLAGS: &[&str] = &["-std=gnu11", "-D_GNU_SOURCE", "-fPIC", "-Os", "-g", "-fno-fast-math", "-ffp-contract=off"];
+
+/// Compiles and links. The file is whole when it appears under its name; what stood there before
+/// stays when something is wrong.
+///
+/// # Errors
+/// There is no compiler, or it refused: it has said why.
+pub fn build(job: &Job<'_>) -> Result<(), Error> {
+    let scratch = Scratch::beside(job.out)?;
+    let object = scratch.path.join("module.o");
+    let include = include_folder()?;
+    let mut cc = compiler();
+    cc.args(FLAGS);
+    match job.target {
+        Target::Module => cc.args(["-DRTAPI", "-Drealtime", "-D__MODULE__", "-DSIM"]),
+        Target::Program => cc.arg("-DULAPI"),
+    };
+    cc.arg("-I").arg(include).arg("-I").arg(job.beside);
+    cc.args(&job.compile_args).arg("-c").arg(job.c_file).arg("-o").arg(&object);
+    run(cc, job.c_file)?;
+    let out = scratch.path.join("out");
+    let mut link = compiler();
+    match job.target {
+        Target::Module => {
+            let script = scratch.path.join("symbols");
+            fs::write(&script, symbols(&object)?).map_err(at(&script))?;
+            let mut list = OsString::from("-Wl,--version-script=");
+            list.push(&script);
+            link.args(["-shared", "-Wl,-Bsymbolic", "-Wl,-z,now"]).arg(list);
+        }
+        Target::Program => {
+            link.arg("-rdynamic");
+        }
+    }
+    link.arg("-o").arg(&out).arg(&object).args(&job.link_args);
+    if job.target == Target::Program {
+        link.args(crate::program::link_words()?);
+    }
+    link.arg("-lm");
+    run(link, job.c_file)?;
+    fs::rename(&out, job.out).map_err(at(job.out))
+}
+
+/// The compiler of the system, or that of `CC`.
+fn compiler() -> Command {
+    let words = env::var("CC").unwrap_or_default();
+    let mut words = words.split_whitespace();
+    let mut command = Command::new(words.next().unwrap_or("cc"));
+    command.args(words).stdin(Stdio::null());
+    command
+}
+
+fn run(mut command: Command, file: &Path) -> Result<(), Error> {
+    let compiler: Box<str> = command.get_program().to_string_lossy().into();
+    let file = file.display().to_string().into();
+    match command.status() {
+        Ok(status) if status.success() => Ok(()),
+        Ok(_) => Err(Error::Compiler { compiler, file }),
+        Err(cause) => Err(Error::NoCompiler { compiler, cause }),
+    }
+}
+
+/// The linker's list: what loaders look for and what `EXPORT_SYMBOL` names; all else stays inside, so
+/// that no two modules meet.
+fn symbols(object: &Path) -> Result<String, Error> {
+    let bytes = fs::read(object).map_err(at(object))?;
+    let wrong = |e: object::Error| Error::Object {
+        path: object.display().to_string().into(),
+        cause: e.to_string().into(),
+    };
+    let file = object::File::parse(bytes.as_slice()).map_err(wrong)?;
+    let mut script = String::from("{ global: rtapi_app_main; rtapi_app_exit; rtapi_info_*;");
+    for section in file.sections().filter(|s| s.name() == Ok(".rtapi_export")) {
+        let names = section.data().map_err(wrong)?;
+        for name in names.split(|b| *b == 0).filter(|n| !n.is_empty()) {
+            script = format!("{script} {};", String::from_utf8_lossy(name));
+        }
+    }
+    Ok(format!("{script} local: *; }};\n"))
+}
+
+/// Words of a line as a shell splits them: quotes keep blanks.
+#[must_use]
+pub fn words(line: &str) -> Vec<String> {
+    let mut out = Vec::new();
+    let mut word: Option<String> = None;
+    let mut quote = None;
+    for c in line.chars() {
+        match (quote, c) {
+            (Some(q), c) if q == c => quote = None,
+            (None, '"' | '\'') => {
+                quote = Some(c);
+                word.get_or_insert_default();
+            }
+            (None, c) if c.is_whitespace() => out.extend(word.take()),
+            (_, c) => word.get_or_insert_default().push(c),
+        }
+    }
+    out.extend(word);
+    out
+}
+
+/// A folder beside a file to be, which goes again.
+struct Scratch {
+    path: PathBuf,
+}
+
+impl Scratch {
+    fn beside(out: &Path) -> Result<Self, Error> {
+        let name = out.file_name().unwrap_or_default().to_string_lossy();
+        let path = out.with_file_name(format!(".{name}.{}", std::process::id()));
+        fs::create_dir_all(&path).map_err(at(&path))?;
+        Ok(Self { path })
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        // What cannot be removed is small, and hidden.
+        drop(fs::remove_dir_all(&self.path));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn words_as_a_shell_has_them() {
+        assert_eq!(super::words(" -lfoo  '-I a b' \"\" -D\"x y\""), ["-lfoo", "-I a b", "", "-Dx y"]);
+    }
+}

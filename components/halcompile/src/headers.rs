@@ -1,0 +1,68 @@
+//! The headers for components in C: carried in the program, laid out where compilers find them.
+
+use crate::error::{Error, at};
+use std::{
+    env, fs,
+    hash::{DefaultHasher, Hash, Hasher},
+    path::{Path, PathBuf},
+};
+
+include!(concat!(env!("OUT_DIR"), "/headers.rs"));
+
+/// What makefiles include to build modules as `halcompile` does.
+const MODINC: &str = include_str!("modinc.mk");
+
+/// The folder with the headers: that of `HAL_INCLUDE_DIR`, or one that is made in the user's cache.
+///
+/// # Errors
+/// It cannot be written.
+pub fn include_folder() -> Result<PathBuf, Error> {
+    match env::var_os("HAL_INCLUDE_DIR").filter(|v| !v.is_empty()) {
+        Some(folder) => Ok(folder.into()),
+        None => laid_out(),
+    }
+}
+
+/// The file that makefiles include.
+///
+/// # Errors
+/// It cannot be written.
+pub fn modinc() -> Result<PathBuf, Error> {
+    Ok(laid_out()?.join("Makefile.modinc"))
+}
+
+/// A folder for this very set of headers: what is in it never changes.
+fn laid_out() -> Result<PathBuf, Error> {
+    let mut hash = DefaultHasher::new();
+    (HEADERS, MODINC).hash(&mut hash);
+    let folder = cache().join(format!("include-{:016x}", hash.finish()));
+    if folder.is_dir() {
+        return Ok(folder);
+    }
+    let unfinished = folder.with_extension(std::process::id().to_string());
+    for (name, text) in HEADERS {
+        write(&unfinished.join(name), text)?;
+    }
+    let makefile = MODINC.replace("@INCLUDE@", &folder.display().to_string());
+    write(&unfinished.join("Makefile.modinc"), &makefile)?;
+    // Another may have been faster; both are the same.
+    if fs::rename(&unfinished, &folder).is_err() {
+        drop(fs::remove_dir_all(&unfinished));
+    }
+    if folder.is_dir() { Ok(folder) } else { Err(Error::NoHeaders { folder: folder.display().to_string().into() }) }
+}
+
+fn write(path: &Path, text: &str) -> Result<(), Error> {
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).map_err(at(folder))?;
+    }
+    fs::write(path, text).map_err(at(path))
+}
+
+fn cache() -> PathBuf {
+    let given = |name| env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+    let base = given("XDG_CACHE_HOME").or_else(|| given("HOME").map(|h| h.join(".cache")));
+    base.filter(|b| fs::create_dir_all(b.join("ferrule")).is_ok())
+        .unwrap_or_else(env::temp_dir)
+        .join("ferrule")
+}

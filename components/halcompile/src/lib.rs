@@ -1,0 +1,53 @@
+//! `halcompile`: components in the `.comp` language and in C, made into what Ferrule loads.
+//!
+//! A `.comp` file declares pins, parameters and functions, and holds C text behind a line `;;`.
+//! [`read`] makes a [`Component`] of it, or says everything that is wrong, each with its place.
+//! From a component come C text ([`c`]), a manual page ([`document`]), or the declaration in Rust
+//! ([`rust`]); [`build`] has the system's compiler make a library of the C text.
+#![forbid(unsafe_code)]
+
+pub mod c;
+mod check;
+mod expr;
+mod grammar;
+mod name;
+mod options;
+mod place;
+mod problem;
+mod token;
+mod tree;
+
+pub use check::Component;
+pub use expr::Expr;
+pub use options::{OPTIONS, Options, Row, Takes};
+pub use place::{Fault, Report, Span};
+pub use problem::Problem;
+pub use tree::*;
+
+/// Reads a file: the component, and what is doubtful about it.
+///
+/// # Errors
+/// Everything that is wrong, to be shown as it is.
+pub fn read(file: &str, bytes: &[u8]) -> Result<(Component, Report), Report> {
+    let text = match core::str::from_utf8(bytes) {
+        Ok(text) => text,
+        Err(e) => {
+            let start = e.valid_up_to();
+            let fault = Fault { span: Span { start, end: start + 1 }, problem: Problem::NotText };
+            return Err(Report::new(file, &String::from_utf8_lossy(bytes), vec![fault]));
+        }
+    };
+    let fail = |faults| Report::new(file, text, faults);
+    let tree = grammar::parse(text).map_err(fail)?;
+    let named = tree.name.clone();
+    let (component, doubts) = check::check(tree, text).map_err(fail)?;
+    let stem = std::path::Path::new(file).file_stem().unwrap_or_default().to_string_lossy();
+    if stem != component.name {
+        let (name, file) = (component.name.as_str().into(), stem.as_ref().into());
+        return Err(fail(vec![Fault {
+            span: named.span,
+            problem: Problem::FileName { name, file },
+        }]));
+    }
+    Ok((component, Report::new(file, text, doubts)))
+}
