@@ -16,7 +16,8 @@ fn main() -> io::Result<()> {
     found.sort();
     let mut text = String::from("pub(crate) const HEADERS: &[(&str, &str)] = &[\n");
     for (name, path) in found {
-        writeln!(text, "({name:?}, include_str!({:?})),", path.display()).map_err(io::Error::other)?;
+        writeln!(text, "({name:?}, include_str!({:?})),", path.display())
+            .map_err(io::Error::other)?;
     }
     text.push_str("];\n");
     let out = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default());

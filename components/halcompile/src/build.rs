@@ -27,8 +27,8 @@ pub enum Target {
 pub struct Job<'a> {
     /// The C file.
     pub c_file: &'a Path,
-    /// The folder of the user's own file, for the headers beside it.
-    pub beside: &'a Path,
+    /// The user's own file, for messages and for the headers beside it.
+    pub source: &'a Path,
     /// What comes of it.
     pub out: &'a Path,
     /// What that is.
@@ -40,7 +40,8 @@ pub struct Job<'a> {
 }
 
 /// Flags of every compilation. Numbers come out the same on every machine, so nothing is fused.
-const FLAGS: &[&str] = &["-std=gnu11", "-D_GNU_SOURCE", "-fPIC", "-Os", "-g", "-fno-fast-math", "-ffp-contract=off"];
+const FLAGS: &[&str] =
+    &["-std=gnu11", "-D_GNU_SOURCE", "-fPIC", "-Os", "-g", "-fno-fast-math", "-ffp-contract=off"];
 
 /// Compiles and links. The file is whole when it appears under its name; what stood there before
 /// stays when something is wrong.
@@ -57,9 +58,10 @@ pub fn build(job: &Job<'_>) -> Result<(), Error> {
         Target::Module => cc.args(["-DRTAPI", "-Drealtime", "-D__MODULE__", "-DSIM"]),
         Target::Program => cc.arg("-DULAPI"),
     };
-    cc.arg("-I").arg(include).arg("-I").arg(job.beside);
+    let beside = job.source.parent().filter(|p| !p.as_os_str().is_empty());
+    cc.arg("-I").arg(include).arg("-I").arg(beside.unwrap_or(Path::new(".")));
     cc.args(&job.compile_args).arg("-c").arg(job.c_file).arg("-o").arg(&object);
-    run(cc, job.c_file)?;
+    run(cc, job.source)?;
     let out = scratch.path.join("out");
     let mut link = compiler();
     match job.target {
@@ -79,7 +81,7 @@ pub fn build(job: &Job<'_>) -> Result<(), Error> {
         link.args(crate::program::link_words()?);
     }
     link.arg("-lm");
-    run(link, job.c_file)?;
+    run(link, job.source)?;
     fs::rename(&out, job.out).map_err(at(job.out))
 }
 
@@ -167,6 +169,9 @@ impl Drop for Scratch {
 mod tests {
     #[test]
     fn words_as_a_shell_has_them() {
-        assert_eq!(super::words(" -lfoo  '-I a b' \"\" -D\"x y\""), ["-lfoo", "-I a b", "", "-Dx y"]);
+        assert_eq!(
+            super::words(" -lfoo  '-I a b' \"\" -D\"x y\""),
+            ["-lfoo", "-I a b", "", "-Dx y"]
+        );
     }
 }

@@ -71,7 +71,11 @@ impl Component {
     /// Whether the C text is the body of its one function.
     #[must_use]
     pub fn is_bare(&self) -> bool {
-        !self.options.on("userspace") && self.functions.len() == 1 && !self.names_function()
+        let options = &self.options;
+        !options.on("userspace")
+            && !options.on("no_convenience_defines")
+            && self.functions.len() == 1
+            && !self.names_function()
     }
 
     fn names_function(&self) -> bool {
@@ -188,7 +192,7 @@ impl Look<'_> {
             (None, 0) | (Some(_), 1) => {}
             (None, _) => self.without_array(written),
             (Some(_), 0) => {
-                self.wrong(written.span, Problem::ArrayWithoutHash { name: name.clone() })
+                self.wrong(written.span, Problem::ArrayWithoutHash { name: name.clone() });
             }
             (Some(_), _) => self.wrong(written.span, Problem::TwoHashes { name: name.clone() }),
         }

@@ -32,14 +32,26 @@ impl fmt::Display for Error {
         match self {
             Self::Io { path, cause } => write!(f, "{path}: {cause}"),
             Self::Faults(report) => write!(f, "{}", report.to_string().trim_end()),
-            Self::UnixEnds { path } => write!(f, "{path}: lines end as DOS writes them (\\r\\n); --unix wants \\n alone"),
-            Self::NoHeaders { folder } => write!(f, "{folder}: the headers cannot be laid out there; HAL_INCLUDE_DIR names another folder"),
-            Self::NoCompiler { compiler, cause } => write!(f, "{compiler}: {cause}; a C compiler is needed (apt-get install gcc), and CC names it"),
-            Self::Compiler { compiler, file } => write!(f, "{file}: {compiler} refused it; nothing was made"),
+            Self::UnixEnds { path } => {
+                write!(f, "{path}: lines end as DOS writes them (\\r\\n); --unix wants \\n alone")
+            }
+            Self::NoHeaders { folder } => write!(
+                f,
+                "{folder}: the headers cannot be laid out there; HAL_INCLUDE_DIR names another folder"
+            ),
+            Self::NoCompiler { compiler, cause } => write!(
+                f,
+                "{compiler}: {cause}; a C compiler is needed (apt-get install gcc), and CC names it"
+            ),
+            Self::Compiler { compiler, file } => {
+                write!(f, "{file}: {compiler} refused it; nothing was made")
+            }
             Self::Object { path, cause } => write!(f, "{path}: {cause}"),
             Self::Ending { path } => write!(f, "{path}: neither .comp, .c nor .py"),
             Self::NotFor { path, action, kinds } => write!(f, "{path}: {action} is for {kinds}"),
-            Self::NoPlace { what, variable } => write!(f, "there is no folder for {what}; {variable} names it"),
+            Self::NoPlace { what, variable } => {
+                write!(f, "there is no folder for {what}; {variable} names it")
+            }
             Self::OutForSeveral => f.write_str("--outfile is for a single file"),
         }
     }

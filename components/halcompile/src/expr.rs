@@ -5,7 +5,7 @@ use crate::{
     token::{Miss, Parsed, fail, keyword, sign, stop, then_blank, whole},
 };
 use core::fmt;
-use nom::{Parser, branch::alt};
+use nom::{Parser, branch::alt, combinator::opt};
 
 /// How deep parentheses may be nested.
 const DEEP: usize = 40;
@@ -136,7 +136,7 @@ fn choice(input: &str, depth: usize) -> Parsed<'_, Expr> {
         return stop(Miss::problem(input, 1, Problem::TooDeep));
     }
     let (rest, first) = pair(input, 1, depth)?;
-    let Ok((rest, _)) = sign("?", "'?'")(rest) else { return Ok((rest, first)) };
+    let (rest, Some(_)) = opt(sign("?", "'?'")).parse(rest)? else { return Ok((rest, first)) };
     let (rest, yes) = must(choice(rest, depth + 1))?;
     let (rest, _) = must(sign(":", "':'")(rest))?;
     let (rest, no) = must(choice(rest, depth + 1))?;
@@ -162,7 +162,7 @@ fn pair(input: &str, least: u8, depth: usize) -> Parsed<'_, Expr> {
 }
 
 fn single(input: &str, depth: usize) -> Parsed<'_, Expr> {
-    if let Ok((rest, _)) = sign("(", "'('")(input) {
+    if let (rest, Some(_)) = opt(sign("(", "'('")).parse(input)? {
         let (rest, inside) = must(choice(rest, depth + 1))?;
         let (rest, _) = must(sign(")", "')' or an operator")(rest))?;
         return Ok((rest, inside));

@@ -49,7 +49,11 @@ fn laid_out() -> Result<PathBuf, Error> {
     if fs::rename(&unfinished, &folder).is_err() {
         drop(fs::remove_dir_all(&unfinished));
     }
-    if folder.is_dir() { Ok(folder) } else { Err(Error::NoHeaders { folder: folder.display().to_string().into() }) }
+    if folder.is_dir() {
+        Ok(folder)
+    } else {
+        Err(Error::NoHeaders { folder: folder.display().to_string().into() })
+    }
 }
 
 fn write(path: &Path, text: &str) -> Result<(), Error> {

@@ -6,18 +6,27 @@
 //! ([`rust`]); [`build`] has the system's compiler make a library of the C text.
 #![forbid(unsafe_code)]
 
+pub mod build;
 pub mod c;
 mod check;
+pub mod command;
+pub mod document;
+mod error;
 mod expr;
 mod grammar;
+pub mod headers;
+pub mod install;
 mod name;
 mod options;
 mod place;
 mod problem;
+mod program;
+pub mod rust;
 mod token;
 mod tree;
 
 pub use check::Component;
+pub use error::Error;
 pub use expr::Expr;
 pub use options::{OPTIONS, Options, Row, Takes};
 pub use place::{Fault, Report, Span};

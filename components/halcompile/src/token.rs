@@ -189,6 +189,11 @@ pub(crate) fn real(input: &str) -> Parsed<'_, f64> {
     let f = usize::from(tail(long).starts_with(['f', 'F']));
     let number = rest.get(..long).unwrap_or_default().parse::<f64>();
     match number {
+        Ok(n) if any && n.is_infinite() => {
+            let long = input.len() - tail(long).len();
+            let number = input.get(..long).unwrap_or_default().into();
+            stop(Miss::problem(input, long, Problem::NumberTooLarge { number }))
+        }
         Ok(n) if any && (is_real || f == 1) => Ok((tail(long + f), if minus { -n } else { n })),
         _ => fail(Miss::wanted(input, "a number")),
     }
@@ -305,14 +310,14 @@ mod tests {
 
     #[test]
     fn numbers() {
-        let of = |t| whole(t).map(|(rest, n)| (rest, n)).ok();
+        let of = |t| whole(t).ok();
         assert_eq!(of("0x1F;"), Some((";", 31)));
         assert_eq!(of("-0b101"), Some(("", -5)));
         assert_eq!(of("0o17 "), Some((" ", 15)));
         assert_eq!(of("18446744073709551615"), Some(("", i128::from(u64::MAX))));
         assert_eq!(of("18446744073709551616"), None);
         assert_eq!(of("x"), None);
-        let of = |t| real(t).map(|(rest, n)| (rest, n)).ok();
+        let of = |t| real(t).ok();
         assert_eq!(of("1.5f;"), Some((";", 1.5)));
         assert_eq!(of("-.5e-3"), Some(("", -0.0005)));
         assert_eq!(of("2."), Some(("", 2.0)));
@@ -323,7 +328,7 @@ mod tests {
 
     #[test]
     fn texts() {
-        let of = |t| text(t).map(|(rest, n)| (rest, n)).ok();
+        let of = |t| text(t).ok();
         assert_eq!(of(r#""a \"b\" \\ \x41\101\n";"#), Some((";", "a \"b\" \\ AA\n".into())));
         assert_eq!(of("\"\"\"two\n\"lines\" \"\"\" x"), Some((" x", "two\n\"lines\" ".into())));
         assert_eq!(of(r#"r"""\fB\n""""#), Some(("", "\\fB\\n".into())));

@@ -89,6 +89,9 @@ pub(crate) fn write(component: &Component, personalities: u32, w: &mut Writer<'_
     if asked != Asked::One {
         nth(component, personalities, w);
     }
+    if asked == Asked::Function {
+        w.line("static int __comp_count;");
+    }
     w.line("static int __comp_make_all(void)");
     w.line("{");
     match asked {
@@ -101,9 +104,9 @@ pub(crate) fn write(component: &Component, personalities: u32, w: &mut Writer<'_
             let first = if options.on("userspace") { "names[0]" } else { "names[0] != '\\0'" };
             w.line(&format!("    if ({first}) {{"));
             if options.on("userspace") {
-                program_names(w)
+                program_names(w);
             } else {
-                module_names(w)
+                module_names(w);
             }
             w.line("    }");
             numbered(component, "(count ? count : __comp_default_count)", w);
@@ -125,14 +128,10 @@ pub(crate) fn write(component: &Component, personalities: u32, w: &mut Writer<'_
 fn main(component: &Component, asked: Asked, w: &mut Writer<'_>) {
     let options = &component.options;
     let name = &component.name;
-    if asked == Asked::Function {
-        w.line("static int __comp_count;");
-    }
     w.line("int rtapi_app_main(void)");
     w.line("{");
     w.line("    int rc;");
     match asked {
-        Asked::One => {}
         Asked::Function => {
             w.line("    __comp_count = get_count();");
             w.line("    if (__comp_count < 0) return __comp_count;");
@@ -143,7 +142,7 @@ fn main(component: &Component, asked: Asked, w: &mut Writer<'_>) {
             w.line("        return -EINVAL;");
             w.line("    }");
         }
-        Asked::Arguments => {}
+        Asked::One | Asked::Arguments => {}
     }
     w.line(&format!("    comp_id = hal_init({});", quoted(name)));
     w.line("    if (comp_id < 0) return comp_id;");

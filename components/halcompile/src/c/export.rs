@@ -72,7 +72,7 @@ pub(crate) fn write(component: &Component, w: &mut Writer<'_>) {
 
 /// A pin or parameter, or all of an array.
 fn item(item: &Item, w: &mut Writer<'_>) {
-    let c = c_name(&item.name.value);
+    let (c, written) = (c_name(&item.name.value), &item.name.value);
     let index = if item.array.is_some() { "[at]" } else { "" };
     let place = format!("made->{c}_p{index}");
     if let Some(condition) = &item.condition {
@@ -86,7 +86,7 @@ fn item(item: &Item, w: &mut Writer<'_>) {
                 w.line(&format!("    count = {size};"));
                 w.line(&format!("    if (count > {max}) {{"));
                 let what = if item.is_pin() { "Pin" } else { "Parameter" };
-                w.line(&format!("        rtapi_print_msg(RTAPI_MSG_ERR, \"{what} {c}: Requested size %ld exceeds max size {max}\\n\", count);"));
+                w.line(&format!("        rtapi_print_msg(RTAPI_MSG_ERR, \"{what} {written}: Requested size %ld exceeds max size {max}\\n\", count);"));
                 w.line("        return -ENOSPC;");
                 w.line("    }");
             }

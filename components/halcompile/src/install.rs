@@ -1,0 +1,83 @@
+//! Where results are put, so that they are found.
+
+use crate::error::{Error, at};
+use std::{
+    env, fs,
+    os::unix::fs::PermissionsExt,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+/// The folder of modules: the first of `HAL_RTMOD_DIR`, or beside this program, where `halrun` looks.
+///
+/// # Errors
+/// There is none.
+pub fn modules() -> Result<PathBuf, Error> {
+    let asked = env::var("HAL_RTMOD_DIR").unwrap_or_default();
+    let first = asked.split(':').find(|f| !f.is_empty()).map(PathBuf::from);
+    made(first.or_else(here), "modules", "HAL_RTMOD_DIR")
+}
+
+/// The folder of programs: `USER_MODULE_DIR`, or beside this program, where `loadusr` looks first.
+///
+/// # Errors
+/// There is none.
+pub fn programs() -> Result<PathBuf, Error> {
+    let asked = env::var_os("USER_MODULE_DIR").filter(|v| !v.is_empty()).map(PathBuf::from);
+    made(asked.or_else(here), "programs", "USER_MODULE_DIR")
+}
+
+/// Installs a Python program under its name without `.py`: its first line finds Python by PATH.
+///
+/// # Errors
+/// It cannot be read or written.
+pub fn python(file: &Path) -> Result<(), Error> {
+    let text = fs::read_to_string(file).map_err(at(file))?;
+    let body = match text.strip_prefix("#!") {
+        Some(rest) => rest.split_once('\n').map_or("", |(_, body)| body),
+        None => &text,
+    };
+    let out = programs()?.join(file.file_stem().unwrap_or_default());
+    let unfinished = out.with_extension(format!("new{}", std::process::id()));
+    fs::write(&unfinished, format!("#!/usr/bin/env python3\n{body}")).map_err(at(&unfinished))?;
+    fs::set_permissions(&unfinished, fs::Permissions::from_mode(0o555)).map_err(at(&unfinished))?;
+    fs::rename(&unfinished, &out).map_err(at(&out))
+}
+
+/// Puts a manual page where `man` looks: below `HAL_MAN_DIR`, or in the user's own folder.
+///
+/// # Errors
+/// It cannot be written.
+pub fn page(name: &str, section: u32, roff: &str) -> Result<(), Error> {
+    let given = |name| env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+    let base = given("HAL_MAN_DIR").or_else(|| given("HOME").map(|h| h.join(".local/share/man")));
+    let folder = base.map(|b| b.join(format!("man{section}")));
+    let out = made(folder, "manual pages", "HAL_MAN_DIR")?.join(name);
+    fs::write(&out, roff).map_err(at(&out))
+}
+
+/// The page as `man` shows it; as it is where there is no `man`.
+///
+/// # Errors
+/// It cannot be written down for `man`.
+pub fn view(name: &str, roff: &str) -> Result<String, Error> {
+    let file = env::temp_dir().join(format!("{}-{name}", std::process::id()));
+    fs::write(&file, roff).map_err(at(&file))?;
+    let shown = Command::new("man").arg("-l").arg(&file).status();
+    drop(fs::remove_file(&file));
+    Ok(if shown.is_ok_and(|s| s.success()) { String::new() } else { roff.to_owned() })
+}
+
+fn here() -> Option<PathBuf> {
+    Some(env::current_exe().ok()?.parent()?.to_path_buf())
+}
+
+fn made(
+    folder: Option<PathBuf>,
+    what: &'static str,
+    variable: &'static str,
+) -> Result<PathBuf, Error> {
+    let folder = folder.ok_or(Error::NoPlace { what, variable })?;
+    fs::create_dir_all(&folder).map_err(at(&folder))?;
+    Ok(folder)
+}

@@ -1,0 +1,15 @@
+component expressed "Every operator of personality expressions.";
+pin in bit a-#[8 : (personality >> 4) & 7];
+pin in bit b-#[8 : personality << 1 & 6];
+pin in bit c-#[9 : personality > 2 ? 2 + 1 : 4 - 2 * 1];
+pin in bit d-#[9 : 8 / (personality + 1)];
+pin in bit eq if personality == 0x12;
+pin in bit ne if personality != 18;
+pin in bit lt if personality < 18 || personality >= 100;
+pin in bit le if personality <= 18 && personality > 0;
+pin in bit always;
+pin out s32 made;
+function _;
+license "MIT";
+;;
+made = personality;

@@ -1,0 +1,12 @@
+component flagged "Words for the compiler and the linker.";
+pin in float in;
+pin out float out;
+pin out s32 quoted;
+option extra_compile_args "-DGAIN=3 '-DTEXT=\"two words\"'";
+option extra_link_args "-lm";
+include <math.h>;
+function _;
+license "MIT";
+;;
+out = GAIN * floor(in);
+quoted = (int)sizeof(TEXT);

@@ -1,0 +1,14 @@
+component gated "Pins and parameters that only some instances have.";
+pin in float in;
+pin out float out;
+pin in float offset_ = 10 if personality & 1 "Added.";
+param rw float gain = 2 if personality & 2;
+param r s32 seen-#[2] = 7 if personality & 4;
+function _;
+license "MIT";
+;;
+double v = in;
+if (personality & 2) v *= gain;
+if (personality & 1) v += offset_;
+if (personality & 4) seen(1) = (int)v;
+out = v;

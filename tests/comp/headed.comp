@@ -1,0 +1,10 @@
+component headed "Headers of the system, of the interface, and of its own.";
+pin in float in;
+pin out float out;
+include <stddef.h>;
+include <rtapi_math.h>;
+include "headed.h";
+function _;
+license "MIT";
+;;
+out = headed_root(in) + (double)offsetof(struct headed, second);

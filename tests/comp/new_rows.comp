@@ -1,0 +1,13 @@
+component new_rows "Arrays of the new types, sized by personality; parameters that are not there can still be used.";
+pin in real in-#[4 : personality + 1];
+pin out real out-#[4 : personality + 1];
+pin out bool on-##[3] = true;
+param rw ui32 scale-#[2] = 3;
+param rw real extra = 9 if personality > 1;
+function _;
+license "MIT";
+;;
+int i;
+for (i = 0; i < personality + 1; i++) out_set(i, in(i) * scale(0));
+on_set(2, in(0) > 1);
+extra_set(extra + 1);

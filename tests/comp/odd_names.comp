@@ -1,0 +1,17 @@
+component odd_names "Names with every sign that HAL allows.";
+pin in s32 in_;
+pin in s32 a-b.c_d;
+pin in s32 UPPER_x;
+pin in s32 _lead;
+pin in s32 two-##.mid[2];
+pin in s32 line_###[2];
+pin out s32 out-;
+pin out s32 double__bar;
+pin in s32 time;
+pin in s32 count;
+pin in s32 names;
+function _;
+license "MIT";
+;;
+out_ = in_ + a_b_c_d + UPPER_x + _lead + two_mid(1) + line(1);
+double_bar = time + count + names;

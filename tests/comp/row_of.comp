@@ -1,0 +1,12 @@
+component row_of "Four inputs and their sum, two lines of outputs.";
+pin in float in-#[4] = 1.5;
+pin out float out.##.value[12];
+pin out float sum;
+function _;
+license "MIT";
+;;
+double all = 0;
+int n;
+for (n = 0; n < 4; n++) all += in(n);
+for (n = 0; n < 12; n++) out_value(n) = all * n;
+sum = all;

@@ -1,0 +1,2 @@
+/* For starts.comp: a name that a declaration uses. */
+enum { STARTS_AT = 42 };

@@ -1,0 +1,10 @@
+component tally "Counts, and wraps.";
+pin in signed step = 1;
+pin out s32 total;
+pin in unsigned add;
+pin out u32 sum;
+function _ nofp;
+license "MIT";
+;;
+total = (int)((unsigned)total + (unsigned)step);
+sum += add;

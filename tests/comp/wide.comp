@@ -1,0 +1,13 @@
+component wide "Numbers of 64 bits.";
+pin in s64 a = -9223372036854775808;
+pin in u64 b = 0xFFFFFFFFFFFFFFFF;
+pin out s64 na;
+pin out u64 nb;
+param rw s64 k = 5000000000;
+param r u64 last = 18446744073709551615;
+function _;
+license "MIT";
+;;
+na = a + k;
+nb = b >> 4;
+last = b;
