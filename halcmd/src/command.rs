@@ -35,6 +35,8 @@ pub enum Command {
     Echo(bool),
     /// `source`.
     Source(String),
+    /// `apply`.
+    Apply(Apply),
     /// `help`.
     Help(Option<String>),
     /// `lock`: the new level, or the bits to clear; absent: a word that means nothing.
@@ -59,6 +61,17 @@ pub struct Subject {
     pub files: Vec<String>,
     /// The INI file of whose values the files speak.
     pub ini: Option<String>,
+}
+
+/// What `apply` was told.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Apply {
+    /// The file; absent: standard input.
+    pub file: Option<String>,
+    /// Where values of `[SECTION]NAME` come from, if not from where they came before.
+    pub ini: Option<String>,
+    /// Only check.
+    pub dry: bool,
 }
 
 /// What `loadusr` was told.

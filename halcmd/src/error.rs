@@ -56,6 +56,10 @@ pub enum Error {
         command: &'static str,
         word: Box<str>,
     },
+    NotApplied {
+        word: Box<str>,
+        why: &'static str,
+    },
     NoFunct,
     NoThread,
     Level,
@@ -202,6 +206,9 @@ impl core::fmt::Display for Error {
             Self::FilterType { word } => write!(f, "Unknown type '{word}'"),
             Self::NoPin => f.write_str("'net' requires at least one pin, none given"),
             Self::AliasKind { command, .. } => write!(f, "{command} failed"),
+            Self::NotApplied { word, .. } => {
+                write!(f, "'{word}' cannot be part of what is applied")
+            }
             Self::NoFunct => f.write_str("missing function name"),
             Self::NoThread => f.write_str("missing thread name"),
             Self::Level => f.write_str("Debug level must be >=0 and <= 5"),

@@ -69,6 +69,7 @@ impl Session<'_> {
                 self.style.echo = on;
             }
             Command::Source(path) => self.source(&path)?,
+            Command::Apply(apply) => self.apply(&apply)?,
             Command::Help(about) => {
                 // As the reference: what has no help is said, and is no failure.
                 let text = help::help(about.as_deref());
@@ -200,12 +201,12 @@ impl Session<'_> {
     }
 
     fn lock(&mut self, change: Option<LockChange>) -> Result<(), Error> {
-        let (level, locks) = match change {
+        let (request, locks) = match change {
             None => return Ok(()),
-            Some(LockChange::To(level)) => (level, level != Lock::NONE),
-            Some(LockChange::Without(bits)) => (Lock(self.state()?.lock.0 & !bits.0), false),
+            Some(LockChange::To(level)) => (Request::SetLock { level }, level != Lock::NONE),
+            Some(LockChange::Without(bits)) => (Request::ClearLock { bits }, false),
         };
-        self.ask(Request::SetLock { level })?;
+        self.ask(request)?;
         self.note(if locks { "Locking completed" } else { "Unlocking completed" });
         Ok(())
     }

@@ -36,7 +36,7 @@ pub(crate) fn blamed(error: &Error, words: &[String]) -> Span {
     let count = words.len();
     let one = |n: usize| n..n + 1;
     match error {
-        Error::UnknownCommand { .. } => one(0),
+        Error::UnknownCommand { .. } | Error::NotApplied { .. } => one(0),
         Error::Exactly { wanted, given, .. } if given > wanted => surplus(words, *wanted)..count,
         Error::AtMost { wanted, .. } => surplus(words, *wanted)..count,
         Error::Exactly { .. }

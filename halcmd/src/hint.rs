@@ -30,6 +30,7 @@ impl Error {
             | Self::IniFile { why, .. }
             | Self::NoCommandFile { why, .. } => Some(why.to_string()),
             Self::IniNotFound { folders, .. } => Some(format!("looked in {folders}")),
+            Self::NotApplied { why, .. } => Some((*why).to_owned()),
             Self::NotYet { instead, .. } => Some((*instead).to_owned()),
             _ => None,
         }

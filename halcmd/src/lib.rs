@@ -6,6 +6,7 @@
 //! [`Link`](hal_protocol::Link): the engine in this process or one that runs elsewhere.
 
 mod after;
+mod apply;
 mod command;
 mod error;
 mod examine;

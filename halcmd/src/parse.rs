@@ -2,7 +2,7 @@
 
 use crate::{
     Command, Error,
-    command::{Launch, SaveKind, ShowKind, StatusKind},
+    command::{Apply, Launch, SaveKind, ShowKind, StatusKind},
     options::{Opt, options},
     table::{self, KINDS, SAVES, STATUSES},
     units::nanoseconds,
@@ -132,6 +132,34 @@ pub(crate) fn delf(words: &[String]) -> Result<Command, Error> {
     let thread = words.get(1).ok_or(Error::NoThread)?.clone();
     let note = format!("Function '{funct}' removed from thread '{thread}'");
     Ok(Command::Ask(Request::RemoveFunct { funct, thread: Some(thread) }, Some(note)))
+}
+
+const APPLY: &[Opt<char>] =
+    &[Opt { long: Some("dry-run"), ..Opt::flag('d', 'n') }, Opt::short_with('i', 'i', "INI")];
+
+pub(crate) fn apply(words: &[String]) -> Result<Command, Error> {
+    let mut apply = Apply::default();
+    let mut files = Vec::new();
+    let mut rest = words.to_vec();
+    // Options may also follow the file.
+    while !rest.is_empty() {
+        let (given, mut after) = options("apply", APPLY, &rest)?;
+        for (option, value) in given {
+            match option {
+                'd' => apply.dry = true,
+                _ => apply.ini = value.map(|v| path(&v)),
+            }
+        }
+        if !after.is_empty() {
+            files.push(after.remove(0));
+        }
+        rest = after;
+    }
+    let [file] = files.as_slice() else {
+        return Err(Error::Exactly { command: "apply", wanted: 1, given: files.len() });
+    };
+    apply.file = (file != "-").then(|| path(file));
+    Ok(Command::Apply(apply))
 }
 
 pub(crate) fn show(words: &[String]) -> Result<Command, Error> {

@@ -2,6 +2,7 @@
 
 use crate::{Error, table::Row};
 
+mod change;
 mod drawing;
 mod input;
 mod load;
@@ -31,6 +32,7 @@ pub(crate) const GROUPS: &[(&str, &[Row])] = &[
     ("Components and programs", load::ROWS),
     ("Signals, pins and parameters", wire::ROWS),
     ("Threads and time", time::ROWS),
+    ("All or nothing", change::ROWS),
     ("Looking", look::ROWS),
     ("The machine as a whole", drawing::ROWS),
     ("The input", input::ROWS),

@@ -3,6 +3,7 @@
 use crate::{
     Error, Fault, Lines, Terminal,
     after::Last,
+    apply::Plan,
     ini::Ini,
     lex::{Line, Reader, without_comment},
     source::Bytes,
@@ -73,7 +74,10 @@ pub struct Session<'a> {
     ended: bool,
     before_start: Option<Request>,
     /// Where relative names of files begin, if not in this process's folder.
-    folder: Option<PathBuf>,
+    pub(crate) folder: Option<PathBuf>,
+    /// The INI file of the file that is being applied, and its lines so far.
+    pub(crate) own_ini: Option<Ini>,
+    pub(crate) plan: Option<Plan>,
     /// Set when nothing outside is to be touched.
     pub(crate) attempt: Option<Attempt>,
 }
@@ -110,6 +114,8 @@ impl<'a> Session<'a> {
             ended: false,
             before_start: None,
             folder: None,
+            own_ini: None,
+            plan: None,
             attempt: None,
         }
     }
@@ -199,7 +205,7 @@ impl<'a> Session<'a> {
 
     /// Says what is wrong: what led to it, what it is, what became of it, and what would be right.
     /// A person is also shown the line and where in it that is.
-    fn accuse(&mut self, fault: &Fault, line: Option<&Line>) {
+    pub(crate) fn accuse(&mut self, fault: &Fault, line: Option<&Line>) {
         let error = &fault.error;
         if **error == Error::Told {
             return;
@@ -267,8 +273,7 @@ impl<'a> Session<'a> {
         if self.depth >= MAX_DEPTH {
             return Err(Error::TooDeep { path: path.into() });
         }
-        let whole = self.folder.as_ref().map_or_else(|| path.into(), |f| f.join(path));
-        let text = std::fs::read(&whole)
+        let text = std::fs::read(self.found_at(path))
             .map_err(|e| Error::NoFile { path: path.into(), why: crate::ini::plain(&e) })?;
         let before = self.place.clone();
         self.depth += 1;
@@ -278,7 +283,12 @@ impl<'a> Session<'a> {
         if outcome == Outcome::Good { Ok(()) } else { Err(Error::Told) }
     }
 
-    fn read<L: Lines>(&mut self, name: &str, mut reader: Reader<L>, nested: bool) -> Outcome {
+    pub(crate) fn read<L: Lines>(
+        &mut self,
+        name: &str,
+        mut reader: Reader<L>,
+        nested: bool,
+    ) -> Outcome {
         let mut failed = 0;
         while let Some(line) = reader.next(self.link) {
             if self.link.is_ending() {
@@ -316,7 +326,9 @@ impl<'a> Session<'a> {
             let text = without_comment(text)?;
             self.terminal.err(&format!("({})<echo>: {text}\n", line.number));
         }
-        let values = Values { environment: self.environment, ini: self.ini };
+        self.plan.iter_mut().for_each(|plan| plan.stand_on(line));
+        let values =
+            Values { environment: self.environment, ini: self.own_ini.as_ref().or(self.ini) };
         self.carry_out(&Statement::parse(text, values)?, nested)
     }
 
@@ -329,8 +341,13 @@ impl<'a> Session<'a> {
         }
         let command = statement.command()?;
         let last = Last::of(&command);
-        let done =
-            if self.attempt.is_some() { self.attempt(command) } else { self.execute(command) };
+        let done = if self.plan.is_some() {
+            self.plan(statement, command)
+        } else if self.attempt.is_some() {
+            self.attempt(command)
+        } else {
+            self.execute(command)
+        };
         done.map(|()| Step::On).map_err(|error| {
             let after = last.lines(&error);
             let quiet = last.is_enough();

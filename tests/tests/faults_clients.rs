@@ -156,7 +156,7 @@ fn a_request_of_100_megabytes_is_refused_and_not_kept() {
         wrote.is_err()
     });
     assert!(refused && sent < 10, "{sent} MB were taken");
-    let longest = "{\"error\":{\"code\":-22,\"text\":\"a request is longer than 1048576 bytes\"";
+    let longest = "{\"error\":{\"code\":-22,\"text\":\"a request is longer than 4194304 bytes\"";
     let answer = raw.answer();
     assert!(answer.starts_with(longest), "{answer}");
     assert_eq!(raw.answer(), "", "and hung up");

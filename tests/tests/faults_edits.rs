@@ -114,8 +114,11 @@ fn more_than_256_stores_at_once_are_refused_while_threads_run() {
         let pins: Vec<String> = (0..n).map(|i| format!("and2.{i}.in0")).collect();
         format!("net many {}", pins.join(" "))
     };
-    let refused =
-        |n| format!("this change takes {n} stores at once; at most 256 are made while threads run");
+    let refused = |n| {
+        format!(
+            "this change takes {n} stores at once; at most 256 are made while threads run; do it in parts, or 'stop' before and 'start' after"
+        )
+    };
     let empty = wiring(&mut m);
     assert_eq!(says(&mut m, &net(256)), refused(257), "one for each pin, and the signal's value");
     assert_eq!(wiring(&mut m), empty);

@@ -2,13 +2,14 @@
 
 use crate::{
     Engine, Error,
-    change::{Change, MOST_STORES},
+    change::{Change, Store},
     os,
     probe::Probe,
     sync::Arc,
     thread::{List, Thread},
 };
 use hal_protocol::Lock;
+use std::collections::BTreeSet;
 
 /// How long a change may wait for a boundary, in wall time.
 pub(crate) const PATIENCE_NS: i64 = 2_000_000_000;
@@ -31,20 +32,35 @@ impl Retired {
     }
 }
 
+/// Parts stores into those that touch only places that no thread can see, and the rest. What
+/// shares a place with one of the rest, and comes after it, stays after it.
+pub(crate) fn part(stores: Vec<Store>, fresh: impl Fn(usize) -> bool) -> (Vec<Store>, Vec<Store>) {
+    let mut shared = BTreeSet::new();
+    stores.into_iter().partition(|store| {
+        let places = store.places();
+        let early = places.iter().all(|p| fresh(*p) && !shared.contains(p));
+        if !early {
+            shared.extend(places);
+        }
+        early
+    })
+}
+
 impl Engine {
-    /// Makes a change: directly while no cycle can be under way, else at a boundary.
-    pub(crate) fn carry_out(&mut self, change: Change) -> Result<(), Error> {
+    /// Makes a change: directly where no cycle can see half of it, else at a boundary.
+    pub(crate) fn carry_out(&mut self, change: &Change) -> Result<(), Error> {
         if change.stores.is_empty() && change.lists.is_empty() {
+            return Ok(());
+        }
+        if change.is_atomic() {
+            change.carry_out();
             return Ok(());
         }
         let running = self.shared.boundary.is_running() && !self.shared.is_virtual();
         let threads = !self.shared.threads.load().is_empty();
-        if running && threads && change.stores.len() > MOST_STORES {
-            return Err(Error::TooManyStores { stores: change.stores.len() });
-        }
         let old: Vec<_> = change.lists.iter().map(|(t, _)| t.list.load_full()).collect();
         if running && threads {
-            self.at_boundary(&change)?;
+            self.at_boundary(change)?;
         } else {
             self.settle()?;
             change.carry_out();
@@ -56,7 +72,9 @@ impl Engine {
     fn at_boundary(&self, change: &Change) -> Result<(), Error> {
         let boundary = &self.shared.boundary;
         boundary.offer(change);
-        let limit = os::monotonic_ns() + PATIENCE_NS;
+        // The fastest thread may have to come round first.
+        let round = self.shared.threads.load().first().map_or(0, |t| t.period_ns);
+        let limit = os::monotonic_ns().saturating_add(PATIENCE_NS).saturating_add(round);
         while !boundary.is_taken() {
             if os::monotonic_ns() > limit && boundary.withdraw() {
                 return Err(self.stuck());
@@ -85,7 +103,7 @@ impl Engine {
         Ok(())
     }
 
-    /// `start`.
+    /// `start`: threads are started when all else is done.
     pub(crate) fn start_threads(&mut self) -> Result<(), Error> {
         self.unlocked(Lock::RUN, "start_threads")?;
         if let Some(f) = &self.fault {
@@ -93,22 +111,19 @@ impl Engine {
             if in_use.is_some_and(|ix| self.graph.is_in_use(*ix)) {
                 return Err(Error::Faulted { funct: f.funct.as_str().into() });
             }
-            self.shared.boundary.stop();
-            self.settle()?;
-            self.fault = None;
-            self.shared.fault.clear();
         }
-        if self.shared.boundary.is_running() {
-            return Ok(());
-        }
-        self.renew_lists()?;
+        self.staged.starts = self.fault.is_some() || !self.shared.boundary.is_running();
+        Ok(())
+    }
+
+    /// Lets threads run; their lists are as they are to be.
+    pub(crate) fn run_threads(&mut self) {
         if self.recording.is_some() {
             self.begin_recording();
         }
         self.measure_ticks();
         self.quiet = false;
         self.shared.boundary.start();
-        Ok(())
     }
 
     /// `stop`, and waits for cycles under way.

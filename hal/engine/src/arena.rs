@@ -1,8 +1,9 @@
 //! Where slots and signal cells live: 2 GiB of address space, committed in chunks, never moved.
 
-use crate::{Error, os};
+use crate::{Error, code::Ptr, os};
 use core::ptr::NonNull;
 use hal_abi::{Cell, Slot};
+use std::collections::BTreeSet;
 
 const RESERVED: usize = 1 << 31;
 const CHUNK: usize = 1 << 20;
@@ -17,6 +18,18 @@ pub(crate) struct Arena {
     left: bool,
     free_slots: Vec<NonNull<Slot>>,
     free_cells: Vec<NonNull<Cell>>,
+    /// Taken from the free ones since the mark, if there is one.
+    marked: bool,
+    taken_slots: Vec<NonNull<Slot>>,
+    taken_cells: Vec<NonNull<Cell>>,
+}
+
+/// How far the arena was used: all that is new since can be given back at once.
+#[derive(Debug)]
+pub(crate) struct Mark {
+    used: usize,
+    slots: usize,
+    cells: usize,
 }
 
 impl Arena {
@@ -31,6 +44,9 @@ impl Arena {
             left: false,
             free_slots: Vec::new(),
             free_cells: Vec::new(),
+            marked: false,
+            taken_slots: Vec::new(),
+            taken_cells: Vec::new(),
         })
     }
 
@@ -43,6 +59,42 @@ impl Arena {
     /// How many slots were given back.
     pub(crate) const fn recycled(&self) -> (usize, usize) {
         (self.free_slots.len(), self.free_cells.len())
+    }
+
+    /// Remembers what is in use. Until the mark is given back nothing else is to be.
+    pub(crate) const fn mark(&mut self) -> Mark {
+        self.marked = true;
+        Mark { used: self.used, slots: self.free_slots.len(), cells: self.free_cells.len() }
+    }
+
+    /// Where everything is that is new since the mark: the end, and what was used before.
+    pub(crate) fn since(&self, mark: &Mark) -> (core::ops::Range<usize>, BTreeSet<usize>) {
+        let base = self.base.addr().get();
+        let mut again: BTreeSet<usize> = self.taken_cells.iter().map(|c| c.addr().get()).collect();
+        for slot in &self.taken_slots {
+            let own = crate::item::own_cell(Ptr(*slot));
+            again.extend([slot.addr().get(), own.0.addr().get()]);
+        }
+        (base + mark.used..base + self.used, again)
+    }
+
+    /// What is new since the mark stays in use.
+    pub(crate) fn keep(&mut self, mark: Mark) {
+        let Mark { .. } = mark;
+        self.marked = false;
+        self.taken_slots.clear();
+        self.taken_cells.clear();
+    }
+
+    /// Gives back all that is new since the mark: everything is as it was then.
+    pub(crate) fn roll_back(&mut self, mark: Mark) {
+        self.used = mark.used;
+        // Whatever was given back meanwhile is new as well.
+        self.free_slots.truncate(mark.slots - self.taken_slots.len());
+        self.free_slots.extend(self.taken_slots.drain(..).rev());
+        self.free_cells.truncate(mark.cells - self.taken_cells.len());
+        self.free_cells.extend(self.taken_cells.drain(..).rev());
+        self.marked = false;
     }
 
     /// Keeps the memory mapped for good: a thread that cannot be ended may use it.
@@ -72,6 +124,9 @@ impl Arena {
     /// A new unlinked slot.
     pub(crate) fn slot(&mut self, bits: u64) -> Result<NonNull<Slot>, Error> {
         if let Some(slot) = self.free_slots.pop() {
+            if self.marked {
+                self.taken_slots.push(slot);
+            }
             // SAFETY: a slot of this arena that nobody holds.
             let s = unsafe { slot.as_ref() };
             s.own().store(bits);
@@ -88,6 +143,9 @@ impl Arena {
     /// A new cell for a signal.
     pub(crate) fn cell(&mut self, bits: u64) -> Result<NonNull<Cell>, Error> {
         if let Some(cell) = self.free_cells.pop() {
+            if self.marked {
+                self.taken_cells.push(cell);
+            }
             // SAFETY: a cell of this arena that nobody holds.
             unsafe { cell.as_ref() }.store(bits);
             return Ok(cell);

@@ -2,10 +2,14 @@
 
 use crate::{
     code::Ptr,
+    item::own_cell,
+    node::own,
     sync::Arc,
     thread::{List, Thread},
 };
+use core::ffi::c_void;
 use hal_abi::{Cell, Slot};
+use hal_protocol::Type;
 
 /// The most stores that are made at once while threads run.
 pub(crate) const MOST_STORES: usize = 256;
@@ -17,6 +21,15 @@ pub(crate) enum Store {
     Put {
         /// Where.
         cell: Ptr<Cell>,
+        /// What.
+        bits: u64,
+    },
+    /// Puts a value into a component's own memory, at the width of its type.
+    PutOwn {
+        /// Where.
+        place: Ptr<c_void>,
+        /// What is there.
+        ty: Type,
         /// What.
         bits: u64,
     },
@@ -50,33 +63,58 @@ pub(crate) struct Change {
     pub(crate) lists: Vec<(Arc<Thread>, Arc<List>)>,
 }
 
-impl Change {
-    /// Makes every store. Allocates and frees nothing: the caller keeps the old lists.
+impl Store {
+    /// Makes it.
     pub(crate) fn carry_out(&self) {
-        for store in &self.stores {
-            match *store {
-                Store::Put { cell, bits } => {
-                    // SAFETY: a live cell of the arena.
-                    unsafe { cell.0.as_ref() }.store(bits);
-                }
-                Store::Bring { slot, cell } => {
-                    // SAFETY: a live slot of the arena.
-                    let bits = unsafe { slot.0.as_ref() }.own().load();
-                    // SAFETY: a live cell of the arena.
-                    unsafe { cell.0.as_ref() }.store(bits);
-                }
-                Store::Keep { cell, slot } => {
-                    // SAFETY: a live cell of the arena.
-                    let bits = unsafe { cell.0.as_ref() }.load();
-                    // SAFETY: a live slot of the arena.
-                    unsafe { slot.0.as_ref() }.own().store(bits);
-                }
-                Store::Aim { slot, distance } => {
-                    // SAFETY: a live slot of the arena.
-                    unsafe { slot.0.as_ref() }.aim(distance);
-                }
+        match *self {
+            Self::Put { cell, bits } => {
+                // SAFETY: a live cell of the arena.
+                unsafe { cell.0.as_ref() }.store(bits);
+            }
+            Self::PutOwn { place, ty, bits } => own::store(place.0, ty, bits),
+            Self::Bring { slot, cell } => {
+                // SAFETY: a live slot of the arena.
+                let bits = unsafe { slot.0.as_ref() }.own().load();
+                // SAFETY: a live cell of the arena.
+                unsafe { cell.0.as_ref() }.store(bits);
+            }
+            Self::Keep { cell, slot } => {
+                // SAFETY: a live cell of the arena.
+                let bits = unsafe { cell.0.as_ref() }.load();
+                // SAFETY: a live slot of the arena.
+                unsafe { slot.0.as_ref() }.own().store(bits);
+            }
+            Self::Aim { slot, distance } => {
+                // SAFETY: a live slot of the arena.
+                unsafe { slot.0.as_ref() }.aim(distance);
             }
         }
+    }
+
+    /// What it reads or writes, by address.
+    pub(crate) fn places(&self) -> [usize; 2] {
+        let at = |p: Ptr<Cell>| p.0.addr().get();
+        match *self {
+            Self::Put { cell, .. } => [at(cell); 2],
+            Self::PutOwn { place, .. } => [place.0.addr().get(); 2],
+            Self::Bring { slot, cell } | Self::Keep { cell, slot } => {
+                [at(own_cell(slot)), at(cell)]
+            }
+            Self::Aim { slot, .. } => [slot.0.addr().get(); 2],
+        }
+    }
+}
+
+impl Change {
+    /// Whether it is one atomic store, which is whole by itself.
+    pub(crate) fn is_atomic(&self) -> bool {
+        let one = matches!(*self.stores, [Store::Put { .. } | Store::PutOwn { .. }]);
+        one && self.lists.is_empty()
+    }
+
+    /// Makes every store. Allocates and frees nothing: the caller keeps the old lists.
+    pub(crate) fn carry_out(&self) {
+        self.stores.iter().for_each(Store::carry_out);
         for (thread, list) in &self.lists {
             thread.list.store(list.clone());
         }

@@ -1,7 +1,7 @@
 //! One client's connection: lines in, answers out.
 
 use crate::{Error, graph::Ix};
-use hal_protocol::{Failure, Reply, WireReply};
+use hal_protocol::{Failure, LONGEST, Reply, WireReply};
 use rustix::net::{SendAncillaryBuffer, SendAncillaryMessage, SendFlags};
 use std::{
     io::{ErrorKind, IoSlice, Read, Write},
@@ -10,9 +10,6 @@ use std::{
         unix::net::UnixStream,
     },
 };
-
-/// The longest request, in bytes.
-const LONGEST: usize = 1 << 20;
 
 /// What a client waits for.
 #[derive(Clone, Copy, Debug, PartialEq)]

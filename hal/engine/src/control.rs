@@ -141,6 +141,7 @@ impl Engine {
             .graph
             .components
             .values()
+            .chain(&self.left)
             .filter_map(|ix| self.graph.component(*ix))
             .find(|c| c.id == m.component)
             .map_or("?", |c| c.name.as_str());

@@ -15,6 +15,7 @@ use crate::{
     shared::Shared,
     sync::{Arc, Ordering},
     task::Task,
+    transaction::Transaction,
     trial::Trial,
 };
 use hal_abi::{Ticket, TicketState};
@@ -74,7 +75,7 @@ pub struct Engine {
     pub(crate) tasks: Vec<Task>,
     pub(crate) rings: BTreeMap<Name, SharedRing>,
     pub(crate) programs: Vec<Program>,
-    /// Components of programs that have gone, kept by a stuck thread.
+    /// Components that have gone or are about to, some of them kept by a stuck thread.
     pub(crate) left: Vec<Ix>,
     pub(crate) tickets: BTreeMap<u64, Pending>,
     pub(crate) finished: BTreeMap<u64, TicketInfo>,
@@ -97,6 +98,7 @@ pub struct Engine {
     pub(crate) quiet: bool,
     /// Nothing outside is touched.
     pub(crate) trial: Option<Trial>,
+    pub(crate) staged: Transaction,
     /// Last: everything points into it.
     pub(crate) arena: Arena,
 }
@@ -165,6 +167,7 @@ impl Engine {
             ticks: (os::ticks(), os::monotonic_ns()),
             quiet: true,
             trial: None,
+            staged: Transaction::default(),
             shared,
             options,
         })

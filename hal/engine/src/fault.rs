@@ -1,17 +1,28 @@
 //! Threads that are stuck, functions that have failed, and what is done then.
 
-use crate::{Engine, Error, args::Args, graph::Ix, name::Name, os, shared::Cause, sync::Ordering};
+use crate::{
+    Engine, Error,
+    args::Args,
+    graph::{Ix, Node},
+    name::Name,
+    os,
+    shared::Cause,
+    sync::Ordering,
+};
 use hal_protocol::FaultInfo;
 
 impl Engine {
     /// Which thread does not leave its cycle.
     pub(crate) fn stuck(&self) -> Error {
-        for ix in self.graph.threads_by_age() {
-            let Some(t) = self.graph.thread(ix) else { continue };
-            if t.thread.gate.is_inside() {
-                let funct = self.funct_name(t.thread.current.load(Ordering::Relaxed));
-                return Error::Stuck { thread: t.name.as_str().into(), funct: funct.into() };
-            }
+        let threads = self.shared.threads.load();
+        if let Some(t) = threads.iter().find(|t| t.gate.is_inside()) {
+            // By its number: its name may be about to go.
+            let name = self.graph.g.node_weights().find_map(|n| match n {
+                Node::Thread(node) if node.thread.id == t.id => Some(node.name.as_str()),
+                _ => None,
+            });
+            let funct = self.funct_name(t.current.load(Ordering::Relaxed));
+            return Error::Stuck { thread: name.unwrap_or("?").into(), funct: funct.into() };
         }
         Error::Stuck { thread: "?".into(), funct: "?".into() }
     }

@@ -149,6 +149,17 @@ impl Graph {
         needs.map(|e| e.source()).collect()
     }
 
+    /// The components whose services this one used; it does not any more.
+    pub(crate) fn needed_by(&mut self, component: Ix) -> Vec<Ix> {
+        let needs =
+            self.g.edges_directed(component, Outgoing).filter(|e| *e.weight() == Edge::Needs);
+        let (edges, providers): (Vec<_>, Vec<_>) = needs.map(|e| (e.id(), e.target())).unzip();
+        for edge in edges {
+            self.g.remove_edge(edge);
+        }
+        providers
+    }
+
     /// The functions of a thread in order: those that run once, or those of every cycle.
     pub(crate) fn runs(&self, thread: Ix, init: bool) -> Vec<Ix> {
         let mut list: Vec<(u64, Ix)> = self

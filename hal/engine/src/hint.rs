@@ -118,6 +118,9 @@ impl Error {
             Self::LinkedElsewhere { pin, .. } | Self::AlreadyLinked { pin, .. } => {
                 Some(format!("'unlinkp {pin}' frees it"))
             }
+            Self::TooManyStores { .. } => {
+                Some("do it in parts, or 'stop' before and 'start' after".to_owned())
+            }
             Self::NotStarted => Some("'start' lets the threads run".to_owned()),
             Self::NoService { name, .. } => Some(format!("load {name} first, such as trivkins")),
             _ => None,

@@ -41,7 +41,10 @@ impl Engine {
             }
         }
         let (storage, slot) = match new.storage {
-            Some(own) if param => (Storage::Own(own), None),
+            Some(own) if param => {
+                self.staged.own.insert(own.addr().get());
+                (Storage::Own(own), None)
+            }
             _ => {
                 let slot = self.arena.slot(new.initial)?;
                 (Storage::Slot(Ptr(slot)), Some(slot))

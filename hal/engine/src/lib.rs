@@ -45,7 +45,11 @@ mod sites;
 mod sync;
 mod task;
 mod thread;
+mod transaction;
 mod trial;
+mod undo;
+mod unload;
+mod value;
 mod wiring;
 
 pub use engine::{Ended, Engine};

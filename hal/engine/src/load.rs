@@ -1,15 +1,14 @@
-//! `loadrt` and `unloadrt`: whole or not at all.
+//! `loadrt`: a component is created and opened.
 
 use crate::{
     Engine, Error,
     args::{Args, Declared, Instances},
-    change::Change,
     code::Keep,
     create::Creating,
-    graph::{Ix, Node},
+    graph::Ix,
     loader::Found,
     name::Name,
-    sync::Arc,
+    undo::Undo,
 };
 use hal_abi::component_flags;
 use hal_protocol::Lock;
@@ -47,12 +46,8 @@ impl Engine {
         };
         let args = Args::parse(&declared, &instances.rest)?;
         let component = self.new_component(name, None, Some(words.join(" ")), true)?;
-        let made = self.create(component, module, &found, &instances, args);
-        if made.is_err() {
-            self.remove_component(component);
-            self.reap();
-        }
-        made
+        self.staged.undo_by(Undo::Made(component));
+        self.create(component, module, &found, &instances, args)
     }
 
     fn create(
@@ -105,159 +100,18 @@ impl Engine {
         creating.draw_edges();
         let (opens, threads) =
             (core::mem::take(&mut creating.opens), core::mem::take(&mut creating.threads));
+        self.staged.begins.extend(threads);
         // A trial is dropped unopened.
-        for open in opens.iter().filter(|_| self.trial.is_none()) {
+        if self.staged.dry || self.trial.is_some() {
+            return Ok(());
+        }
+        for open in &opens {
             if let Err(e) = open.call(Args::default()) {
                 let why = e.to_string().into();
                 return Err(Error::OpenFailed { name: module.into(), why });
             }
         }
-        for t in threads {
-            self.begin_thread(t)?;
-        }
+        self.staged.undo_by(Undo::Opened(component));
         Ok(())
-    }
-
-    /// `unloadrt NAME`.
-    pub(crate) fn unload(&mut self, name: &str) -> Result<(), Error> {
-        let ix = self
-            .graph
-            .components
-            .get(name)
-            .copied()
-            .ok_or_else(|| Error::NotLoaded { name: name.into() })?;
-        let Some(c) = self.graph.component(ix) else { return Ok(()) };
-        if !c.realtime || name.starts_with("__") {
-            return Err(Error::NotRealtime { name: name.into() });
-        }
-        if let Some(user) = self.graph.users(ix).first().and_then(|u| self.graph.component(*u)) {
-            let user = user.name.as_str().into();
-            return Err(Error::InUseBy { name: name.into(), user });
-        }
-        self.detach(ix)?;
-        // What a stop action says is not a reason to keep the component.
-        self.run_stops(&[ix]);
-        self.remove_component(ix);
-        self.reap();
-        Ok(())
-    }
-
-    /// `unloadrt all`: newest first.
-    pub(crate) fn unload_all(&mut self) -> Result<(), Error> {
-        for ix in self.graph.components_by_age().into_iter().rev() {
-            let Some(c) = self.graph.component(ix) else { continue };
-            if c.realtime && !c.name.as_str().starts_with("__") {
-                let name = c.name.clone();
-                self.unload(name.as_str())?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Everything that a component made, and its threads' pseudo components.
-    fn all_owned(&self, component: Ix) -> Vec<Ix> {
-        let mut out = Vec::new();
-        for ix in self.graph.owned(component) {
-            if self.graph.component(ix).is_some() {
-                out.extend(self.graph.owned(ix));
-            }
-            out.push(ix);
-        }
-        out
-    }
-
-    /// Takes a component out of running threads and signals. Nothing has changed when it fails.
-    fn detach(&mut self, component: Ix) -> Result<(), Error> {
-        let owned = self.all_owned(component);
-        let functs: Vec<Ix> =
-            owned.iter().copied().filter(|ix| self.graph.funct(*ix).is_some()).collect();
-        let pins: Vec<Ix> = owned
-            .iter()
-            .copied()
-            .filter(|ix| self.graph.item(*ix).is_some() && self.graph.signal_of(*ix).is_some())
-            .collect();
-        let mut threads: Vec<Ix> = functs.iter().flat_map(|f| self.graph.threads_of(*f)).collect();
-        threads.sort_unstable();
-        threads.dedup();
-        let mut change = Change { stores: self.unlinking(&pins), lists: Vec::new() };
-        for ix in threads {
-            if let Some(t) = self.graph.thread(ix) {
-                change.lists.push((t.thread.clone(), Arc::new(self.list_of(ix, &functs))));
-            }
-        }
-        self.carry_out(change)?;
-        self.forget_links(&pins);
-        let own_threads: Vec<Ix> =
-            owned.iter().copied().filter(|ix| self.graph.thread(*ix).is_some()).collect();
-        if !own_threads.is_empty() {
-            self.end_threads(&own_threads)?;
-        }
-        if !owned.is_empty() {
-            self.stop_watching();
-        }
-        Ok(())
-    }
-
-    /// Removes a component and what it made from the graph; no thread uses it any more.
-    pub(crate) fn remove_component(&mut self, component: Ix) {
-        if self.graph.component(component).is_none() {
-            return;
-        }
-        if let Err(e) = self.detach(component) {
-            self.notice(e.to_string());
-            return;
-        }
-        // What it said is static text in its library, which may close with it.
-        self.hear();
-        self.tasks.retain(|t| t.owner != component);
-        self.rings.retain(|_, r| r.owner != component);
-        let gone: Vec<u64> =
-            self.tickets.iter().filter(|(_, p)| p.owner == component).map(|(id, _)| *id).collect();
-        for id in gone {
-            self.tickets.remove(&id);
-            let why = "its component was unloaded".to_owned();
-            self.finished.insert(id, hal_protocol::TicketInfo::Failed(why));
-        }
-        for ix in self.all_owned(component) {
-            self.remove_node(ix);
-        }
-        self.remove_node(component);
-    }
-
-    fn remove_node(&mut self, ix: Ix) {
-        self.graph.sites.forget(ix);
-        match self.graph.g.remove_node(ix) {
-            Some(Node::Item(item)) => {
-                let param = !item.direction.is_pin();
-                let slot = item.slot();
-                let names = self.graph.names_mut(param);
-                names.remove(&item.name);
-                for other in [item.other, item.alias].into_iter().flatten() {
-                    names.remove(&other);
-                }
-                if param {
-                    self.counts.params -= 1;
-                } else {
-                    self.counts.pins -= 1;
-                }
-                if let Some(slot) = slot {
-                    self.arena.give_slot(slot);
-                }
-            }
-            Some(Node::Funct(f)) => {
-                self.graph.functs.remove(&f.name);
-                self.forgive(&f.name);
-            }
-            Some(Node::Thread(t)) => {
-                self.graph.threads.remove(&t.name);
-            }
-            Some(Node::Component(c)) => {
-                self.graph.components.remove(&c.name);
-                for command in &c.commands {
-                    self.graph.commands.remove(&command.name);
-                }
-            }
-            Some(Node::Signal(_)) | None => {}
-        }
     }
 }

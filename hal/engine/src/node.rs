@@ -134,7 +134,7 @@ impl Item {
 }
 
 /// Values in a component's own memory.
-mod own {
+pub(crate) mod own {
     use crate::sync::{
         AtomicU8, AtomicU32, AtomicU64,
         Ordering::{Acquire, Release},
@@ -142,7 +142,7 @@ mod own {
     use core::{ffi::c_void, ptr::NonNull};
     use hal_protocol::Type;
 
-    pub(super) fn load(p: NonNull<c_void>, ty: Type) -> u64 {
+    pub(crate) fn load(p: NonNull<c_void>, ty: Type) -> u64 {
         match ty {
             // SAFETY: the component gave storage of this type, alive as long as it is.
             Type::Bit => u64::from(unsafe { p.cast::<AtomicU8>().as_ref() }.load(Acquire)),
@@ -156,7 +156,7 @@ mod own {
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "stored at exactly its width")]
-    pub(super) fn store(p: NonNull<c_void>, ty: Type, bits: u64) {
+    pub(crate) fn store(p: NonNull<c_void>, ty: Type, bits: u64) {
         match ty {
             // SAFETY: the component gave storage of this type, alive as long as it is.
             Type::Bit => unsafe { p.cast::<AtomicU8>().as_ref() }.store(bits as u8, Release),

@@ -4,6 +4,7 @@ use crate::{
     Engine, Error,
     args::Args,
     engine::{Pending, Program},
+    name::Name,
     os,
     sync::Ordering,
 };
@@ -14,35 +15,28 @@ impl Engine {
     pub(crate) fn carry(&mut self, request: Request) -> Result<Reply, Error> {
         self.notice_fault();
         match request {
-            Request::Load { module, args } => self.load(&module, &args)?,
-            Request::Unload { name } => self.unload(&name)?,
-            Request::UnloadAll => self.unload_all()?,
-            Request::NewSignal { name, ty } => {
-                self.new_signal(&name, ty)?;
+            // One after the other, each whole: together they may be too many stores.
+            Request::UnloadAll => {
+                while let Some(name) = self.newest() {
+                    self.whole(|e| e.unload(name.as_str()))?;
+                }
             }
-            Request::DeleteSignal { name: Some(name) } => self.delete_signal(&name)?,
-            Request::DeleteSignal { name: None } => self.delete_all_signals()?,
-            Request::Net { signal, pins } => self.net(&signal, &pins)?,
-            Request::Link { pin, signal } => self.link(&pin, &signal)?,
-            Request::Unlink { pin } => self.unlink(&pin)?,
-            Request::Set { name, value } => self.set_item(&name, &value)?,
+            Request::DeleteSignal { name: None } => {
+                let names: Vec<Name> = self.graph.signals.keys().cloned().collect();
+                if names.is_empty() {
+                    return Err(Error::NoSignals);
+                }
+                for name in names {
+                    self.whole(|e| e.delete_signal(name.as_str()))?;
+                }
+            }
+            Request::Apply { files, edits, dry } => return self.apply(&files, &edits, dry),
             Request::Get { name } => return Ok(Reply::Value(self.get_item(&name)?)),
-            Request::SetSignal { name, value } => self.set_signal(&name, &value)?,
             Request::GetSignal { name } => return Ok(Reply::Value(self.get_signal(&name)?)),
-            Request::AddFunct { funct, thread, position, init } => {
-                self.add_funct(&funct, &thread, position, init)?;
-            }
-            Request::RemoveFunct { funct, thread } => {
-                self.remove_funct(&funct, thread.as_deref())?;
-            }
-            Request::Start => self.start_threads()?,
             Request::Stop => {
                 self.unlocked(hal_protocol::Lock::RUN, "stop_threads")?;
                 self.stop_threads()?;
             }
-            Request::Alias { param, name, alias } => self.alias(param, &name, &alias)?,
-            Request::Unalias { param, name } => self.unalias(param, &name)?,
-            Request::SetLock { level } => self.lock = level,
             Request::List { kind, patterns, ty } => return Ok(self.list(kind, &patterns, ty)),
             Request::Order => return Ok(Reply::Order(Box::new(self.order()))),
             Request::Status => return Ok(Reply::Status(Box::new(self.status()))),
@@ -71,16 +65,9 @@ impl Engine {
             Request::Record { path, patterns } => self.record(&path, &patterns)?,
             Request::EndRecord => self.end_recording()?,
             Request::Shutdown => self.shutdown = true,
-            Request::Hello { .. }
-            | Request::Run { .. }
-            | Request::Ticket { .. }
-            | Request::Idle { .. }
-            | Request::Await { .. }
-            | Request::Join { .. }
-            | Request::NewPin { .. }
-            | Request::Ready
-            | Request::Poll { .. }
-            | Request::Attach { .. } => return Err(Error::NotAMember),
+            edit => {
+                self.whole(|e| e.stage(&edit).unwrap_or(Err(Error::NotAMember)))?;
+            }
         }
         Ok(Reply::Done)
     }

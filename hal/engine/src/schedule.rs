@@ -3,7 +3,6 @@
 use crate::{
     Engine, Error,
     apply::PATIENCE_NS,
-    change::Change,
     graph::{Component, Edge, Ix, Node, ThreadNode},
     name::Name,
     os,
@@ -33,11 +32,7 @@ impl Engine {
         }
         let pseudo = Name::parse("component", &format!("__{name}"))?;
         let component = self.new_component(pseudo, None, None, true)?;
-        let made = self.furnish_thread(component, &name, period);
-        if made.is_err() {
-            self.remove_component(component);
-        }
-        made
+        self.furnish_thread(component, &name, period)
     }
 
     fn furnish_thread(&mut self, component: Ix, name: &Name, period: i64) -> Result<Ix, Error> {
@@ -63,6 +58,8 @@ impl Engine {
         };
         let timed = !self.shared.is_virtual();
         let beat = beat.map(crate::code::Ptr).ok_or(Error::OutOfMemory)?;
+        self.sees(beat);
+        self.sees(account.time);
         let id = self.next_thread;
         self.next_thread += 1;
         let thread = Arc::new(Thread::new(id, period, account, beat, timed, due));
@@ -170,12 +167,12 @@ impl Engine {
         Ok(())
     }
 
-    /// What a thread is to run, without the functions that go.
-    pub(crate) fn list_of(&self, thread: Ix, without: &[Ix]) -> List {
+    /// What a thread is to run.
+    pub(crate) fn list_of(&self, thread: Ix) -> List {
         let entries = |init: bool| {
             let functs = self.graph.runs(thread, init);
-            let functs = functs.into_iter().filter(|ix| !without.contains(ix));
             functs
+                .into_iter()
                 .filter_map(|ix| {
                     let f = self.graph.funct(ix)?;
                     let id = u32::try_from(ix.index()).ok()?;
@@ -184,30 +181,6 @@ impl Engine {
                 .collect()
         };
         List { init: entries(true), entries: entries(false) }
-    }
-
-    /// Gives threads the lists that their edges say.
-    pub(crate) fn renew_lists(&mut self) -> Result<(), Error> {
-        let mut change = Change::default();
-        let stale: Vec<Ix> = self
-            .graph
-            .threads
-            .values()
-            .copied()
-            .filter(|ix| self.graph.thread(*ix).is_some_and(|t| t.stale))
-            .collect();
-        for ix in &stale {
-            if let Some(t) = self.graph.thread(*ix) {
-                change.lists.push((t.thread.clone(), Arc::new(self.list_of(*ix, &[]))));
-            }
-        }
-        self.carry_out(change)?;
-        for ix in stale {
-            if let Some(t) = self.graph.thread_mut(ix) {
-                t.stale = false;
-            }
-        }
-        Ok(())
     }
 
     /// `addf`, `initf`.
@@ -232,31 +205,22 @@ impl Engine {
         if init && self.graph.thread(t).is_some_and(done) {
             return Err(Error::InitDone { thread: thread.into(), funct: funct.into() });
         }
-        let edge = |at| if init { Edge::Begins(at) } else { Edge::Runs(at) };
-        let added = if position == -1 {
-            let Some(node) = self.graph.thread_mut(t) else { return Ok(()) };
+        self.touch_thread(t);
+        if position != -1 {
+            return self.insert_at(t, f, position, init);
+        }
+        if let Some(node) = self.graph.thread_mut(t) {
             node.next += 1;
             let at = node.next;
-            self.graph.g.add_edge(t, f, edge(at))
-        } else {
-            self.insert_at(t, f, position, init)?
-        };
-        if let Err(e) = self.changed(t) {
-            self.graph.g.remove_edge(added);
-            return Err(e);
+            let edge = if init { Edge::Begins(at) } else { Edge::Runs(at) };
+            let added = self.graph.g.add_edge(t, f, edge);
+            self.graph.sites.joined(added);
         }
-        self.graph.sites.joined(added);
         Ok(())
     }
 
     /// Draws the edge at a position counted from the start or the end; the others move.
-    fn insert_at(
-        &mut self,
-        t: Ix,
-        f: Ix,
-        position: i64,
-        init: bool,
-    ) -> Result<petgraph::stable_graph::EdgeIndex<u32>, Error> {
+    fn insert_at(&mut self, t: Ix, f: Ix, position: i64, init: bool) -> Result<(), Error> {
         let order = self.graph.runs(t, init);
         let n = i64::try_from(order.len()).unwrap_or(i64::MAX);
         let at = if position > 0 {
@@ -291,15 +255,9 @@ impl Engine {
         if let Some(node) = self.graph.thread_mut(t) {
             node.next = node.next.max(edges.len() as u64 + 1);
         }
-        Ok(self.graph.g.add_edge(t, f, edge(at as u64 + 1)))
-    }
-
-    /// A thread's edges have changed: its list follows now, or at the next `start`.
-    fn changed(&mut self, t: Ix) -> Result<(), Error> {
-        if let Some(node) = self.graph.thread_mut(t) {
-            node.stale = true;
-        }
-        if self.shared.boundary.is_running() { self.renew_lists() } else { Ok(()) }
+        let added = self.graph.g.add_edge(t, f, edge(at as u64 + 1));
+        self.graph.sites.joined(added);
+        Ok(())
     }
 
     /// `delf`.
@@ -318,25 +276,19 @@ impl Engine {
         if threads.is_empty() {
             return Err(Error::NotInUse { funct: funct.into() });
         }
-        for t in threads {
-            let edges: Vec<_> = self
-                .graph
-                .g
-                .edges_connecting(t, f)
-                .filter(|e| matches!(e.weight(), Edge::Runs(_) | Edge::Begins(_)))
-                .map(|e| (e.id(), *e.weight()))
-                .collect();
-            for (id, _) in &edges {
-                self.graph.g.remove_edge(*id);
-                self.graph.sites.parted(*id);
-            }
-            if let Err(e) = self.changed(t) {
-                for (_, w) in edges {
-                    self.graph.g.add_edge(t, f, w);
-                }
-                return Err(e);
-            }
-        }
+        threads.into_iter().for_each(|t| self.take_out(f, t));
         Ok(())
+    }
+
+    /// Takes a function out of a thread.
+    pub(crate) fn take_out(&mut self, funct: Ix, thread: Ix) {
+        self.touch_thread(thread);
+        let runs = self.graph.g.edges_connecting(thread, funct);
+        let runs = runs.filter(|e| matches!(e.weight(), Edge::Runs(_) | Edge::Begins(_)));
+        let edges: Vec<_> = runs.map(|e| e.id()).collect();
+        for edge in edges {
+            self.graph.g.remove_edge(edge);
+            self.graph.sites.parted(edge);
+        }
     }
 }

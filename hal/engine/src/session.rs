@@ -243,11 +243,17 @@ pub(crate) fn forget_left(engine: &mut Engine) {
     for ix in core::mem::take(&mut engine.left) {
         // A few pins at a time: a program that has gone does not wait for threads to stop.
         let pins: Vec<Ix> = engine.graph.owned(ix);
-        let unlinked = pins.chunks(MOST_STORES / 2).try_for_each(|some| engine.unlink_all(some));
+        let unlinked = pins.chunks(MOST_STORES / 2).try_for_each(|some| {
+            let unlinked = engine.whole(|e| {
+                e.unlink_all(some);
+                Ok(())
+            });
+            unlinked.map(|_| ())
+        });
         if unlinked.is_ok() {
             engine.remove_component(ix);
         }
-        if engine.graph.component(ix).is_some() {
+        if engine.graph.component(ix).is_some() && !engine.left.contains(&ix) {
             engine.left.push(ix);
         }
     }

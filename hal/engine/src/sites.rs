@@ -122,7 +122,49 @@ impl Sites {
     pub(crate) fn parted(&mut self, edge: EdgeIndex<u32>) {
         self.edges.remove(&edge);
     }
+}
 
+/// What a change that is taken back puts back.
+impl Sites {
+    /// Where a link was made or a function added.
+    pub(crate) fn of_joined(&self, edge: EdgeIndex<u32>) -> Option<Site> {
+        self.edges.get(&edge).copied()
+    }
+
+    /// That it was there.
+    pub(crate) fn joined_at(&mut self, edge: EdgeIndex<u32>, site: Option<Site>) {
+        keep(&mut self.edges, edge, site);
+    }
+
+    /// Where a pin or parameter was given its second name.
+    pub(crate) fn of_named(&self, item: Ix) -> Option<Site> {
+        self.aliases.get(&item).copied()
+    }
+
+    /// That it was there.
+    pub(crate) fn named_at(&mut self, item: Ix, site: Option<Site>) {
+        keep(&mut self.aliases, item, site);
+    }
+
+    /// What lines have set a pin, parameter or signal to.
+    pub(crate) fn of_values(&self, node: Ix) -> Option<Assignments> {
+        self.values.get(&node).copied()
+    }
+
+    /// That they had set it to this.
+    pub(crate) fn assigned_before(&mut self, node: Ix, values: Option<Assignments>) {
+        match values {
+            Some(values) => {
+                self.values.insert(node, values);
+            }
+            None => {
+                self.values.remove(&node);
+            }
+        }
+    }
+}
+
+impl Sites {
     /// Where a pin was linked or a function added.
     pub(crate) fn of_edge(&self, edge: EdgeIndex<u32>) -> Option<At> {
         self.at(self.edges.get(&edge).copied())

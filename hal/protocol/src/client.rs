@@ -1,6 +1,8 @@
 //! The client's end of the socket.
 
-use crate::{At, Failure, LATEST, Link, Place, Reply, Request, Stream, WireReply, WireRequest};
+use crate::{
+    At, Failure, LATEST, LONGEST, Link, Place, Reply, Request, Stream, WireReply, WireRequest,
+};
 use rustix::net::{RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags};
 use std::{
     io::{IoSliceMut, Write},
@@ -19,6 +21,7 @@ pub struct Client {
 
 const EIO: i32 = -5;
 const ECONNREFUSED: i32 = -111;
+const EMSGSIZE: i32 = -90;
 
 impl Client {
     /// Connects and introduces this process as component `name`; empty: not listed.
@@ -105,6 +108,12 @@ impl Link for Client {
         let bad = |e: serde_json::Error| Failure::new(EIO, format!("unreadable answer: {e}"));
         let mut line =
             serde_json::to_vec(&WireRequest { request, at: self.at.clone() }).map_err(bad)?;
+        if line.len() > LONGEST {
+            let text = format!("this takes {} bytes at once, {LONGEST} are read", line.len());
+            let mut failure = Failure::new(EMSGSIZE, text);
+            failure.hint = Some("divide it".to_owned());
+            return Err(failure);
+        }
         line.push(b'\n');
         self.socket.write_all(&line).map_err(|_| Failure::new(EIO, "the engine has gone"))?;
         match serde_json::from_slice(&self.line()?).map_err(bad)? {

@@ -7,6 +7,7 @@
 
 mod at;
 mod client;
+mod failure;
 mod info;
 mod kind;
 mod message;
@@ -18,12 +19,13 @@ mod value;
 
 pub use at::At;
 pub use client::Client;
+pub use failure::Failure;
 pub use info::{
     AliasInfo, ArgInfo, CommandInfo, ComponentInfo, ComponentState, FaultInfo, FunctInfo, ItemInfo,
     SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Usage,
 };
 pub use kind::{Direction, Kind, Lock};
-pub use message::{Answer, Failure, LATEST, Reply, Request, WireReply, WireRequest};
+pub use message::{Answer, Edit, LATEST, LONGEST, Reply, Request, WireReply, WireRequest};
 pub use order::{
     AddedInfo, DelayInfo, HopInfo, LateInfo, LoopInfo, MoveInfo, OrderInfo, PathInfo, ThreadOrder,
     WayInfo,

@@ -1,13 +1,27 @@
 //! What a client may ask, and what the engine answers.
 
 use crate::{
-    AliasInfo, At, CommandInfo, ComponentInfo, Direction, FunctInfo, ItemInfo, Kind, Lock,
+    AliasInfo, At, CommandInfo, ComponentInfo, Direction, Failure, FunctInfo, ItemInfo, Kind, Lock,
     OrderInfo, SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Type, Value,
 };
 use serde::{Deserialize, Serialize};
 
 /// The version of this protocol; both sides must agree.
 pub const LATEST: u32 = 1;
+
+/// The longest request on a socket, in bytes.
+pub const LONGEST: usize = 4 << 20;
+
+/// A line of a file that is applied, and what it asks.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Edit {
+    /// The file, by its place in [`Request::Apply`]'s list.
+    pub file: u32,
+    /// The line in it.
+    pub line: u32,
+    /// What it asks.
+    pub request: Request,
+}
 
 /// What a client may ask.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -134,6 +148,21 @@ pub enum Request {
     SetLock {
         /// The new level.
         level: Lock,
+    },
+    /// `unlock`: takes bits away from the level.
+    ClearLock {
+        /// Those bits.
+        bits: Lock,
+    },
+    /// `apply`: every edit at one boundary between cycles, or none. Answer: [`Reply::Applied`] or
+    /// [`Reply::Refused`].
+    Apply {
+        /// The names of the files that the edits come from.
+        files: Vec<String>,
+        /// In order; each sees what those before it did.
+        edits: Vec<Edit>,
+        /// Only say whether it could be.
+        dry: bool,
     },
     /// `show` and `list`. Answer: the list of the kind.
     List {
@@ -276,6 +305,20 @@ pub enum Reply {
         /// The id of this client's component.
         id: u32,
     },
+    /// All edits are carried out, or could be.
+    Applied {
+        /// How many stores that took at the boundary.
+        stores: u32,
+        /// How many threads were given new lists of functions.
+        lists: u32,
+    },
+    /// One edit is refused: none is carried out.
+    Refused {
+        /// Which one, from zero.
+        edit: u32,
+        /// Why.
+        failure: Failure,
+    },
     /// A value with its type.
     Value(Value),
     /// Values in order.
@@ -321,39 +364,6 @@ pub struct Answer {
     /// Set when the command goes on in machine time.
     pub ticket: Option<u64>,
 }
-
-/// Why a request was refused.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Failure {
-    /// A negative errno.
-    pub code: i32,
-    /// What is wrong, as LinuxCNC words it where it does.
-    pub text: String,
-    /// What would be right: a near name, the expected type, the legal range.
-    pub hint: Option<String>,
-    /// The word of the request that is wrong, if it is one word.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub word: Option<String>,
-    /// What led to it, one sentence each, printed before `text`.
-    pub before: Vec<String>,
-}
-
-impl Failure {
-    /// A failure without a hint.
-    #[must_use]
-    pub fn new(code: i32, text: impl Into<String>) -> Self {
-        Self { code, text: text.into(), hint: None, word: None, before: Vec::new() }
-    }
-}
-
-impl core::fmt::Display for Failure {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(&self.text)?;
-        self.hint.as_ref().map_or(Ok(()), |hint| write!(f, "; {hint}"))
-    }
-}
-
-impl std::error::Error for Failure {}
 
 /// A request as a line on the socket.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,7 +1,12 @@
 //! What each command does on trial: the same, but for what reaches outside.
 
 use super::{Attempt, Unknown};
-use crate::{Command, Error, Session, command::Launch, hint::nearest, toolchange};
+use crate::{
+    Command, Error, Session,
+    command::{Apply, Launch},
+    hint::nearest,
+    toolchange,
+};
 use hal_protocol::{At, Failure, Kind, Reply, Request};
 
 /// The code of a failure that says that something is not there.
@@ -44,6 +49,7 @@ impl Session<'_> {
             | Command::Echo(_)
             | Command::Help(_)
             | Command::SetExact => Ok(()),
+            Command::Apply(Apply { file, .. }) => file.map_or(Ok(()), |file| self.source(&file)),
             other @ (Command::Unload(_)
             | Command::UnloadAll
             | Command::Source(_)

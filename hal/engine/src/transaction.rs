@@ -1,0 +1,343 @@
+//! Transactions: what requests change is staged first, then carried out whole at one boundary, or
+//! taken back whole. A request by itself is a transaction of one; `apply` is one of many.
+
+use crate::{
+    Engine, Error,
+    apply::part,
+    arena::Mark,
+    change::{Change, MOST_STORES, Store},
+    code::Ptr,
+    engine::Counts,
+    graph::Ix,
+    name::Name,
+    sync::Arc,
+    undo::{Index, Order, Undo},
+};
+use hal_abi::{Cell, Slot};
+use hal_protocol::{Edit, Lock, Reply, Request};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Something that goes when the transaction has been carried out.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Going {
+    /// A signal that has no name any more.
+    Signal(Ix),
+    /// A component that has none.
+    Component {
+        /// Its node.
+        ix: Ix,
+        /// Whether its stop actions are run first.
+        stop: bool,
+    },
+}
+
+impl Going {
+    const fn component(&self) -> Option<Ix> {
+        match *self {
+            Self::Component { ix, .. } => Some(ix),
+            Self::Signal(_) => None,
+        }
+    }
+}
+
+/// What is staged.
+#[derive(Debug, Default)]
+pub(crate) struct Transaction {
+    /// It is only looked whether it can be: nothing is opened or begun.
+    pub(crate) dry: bool,
+    /// In the order of the lines.
+    pub(crate) stores: Vec<Store>,
+    pub(crate) going: Vec<Going>,
+    /// New threads, which tick from the end of the transaction on.
+    pub(crate) begins: Vec<Ix>,
+    /// Whether threads are started.
+    pub(crate) starts: bool,
+    undo: Vec<Undo>,
+    orders: BTreeMap<Ix, Order>,
+    before: Option<Before>,
+    /// New places that threads see before the boundary, and old memory of new components.
+    pub(crate) seen: BTreeSet<usize>,
+    pub(crate) own: BTreeSet<usize>,
+}
+
+/// What is simply put back.
+#[derive(Debug)]
+struct Before {
+    counts: Counts,
+    lock: Lock,
+    next: (u32, u32),
+    mark: Mark,
+}
+
+/// What a transaction took.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Taken {
+    pub(crate) stores: usize,
+    pub(crate) lists: usize,
+}
+
+impl Transaction {
+    /// Notes how something is taken back.
+    pub(crate) fn undo_by(&mut self, undo: Undo) {
+        self.undo.push(undo);
+    }
+
+    /// Whether a component of this name goes with this transaction.
+    fn unloads(&self, name: &str) -> bool {
+        let unnamed =
+            |u: &Undo| matches!(u, Undo::Unnamed(Index::Components, n, _) if n.as_str() == name);
+        self.undo.iter().any(unnamed)
+    }
+}
+
+impl Engine {
+    /// Does something whole or not at all.
+    pub(crate) fn whole(
+        &mut self,
+        edit: impl FnOnce(&mut Self) -> Result<(), Error>,
+    ) -> Result<Taken, Error> {
+        self.begin();
+        let done = edit(self).and_then(|()| self.commit());
+        if done.is_err() {
+            self.roll_back();
+        }
+        done
+    }
+
+    fn begin(&mut self) {
+        let before = Before {
+            counts: self.counts,
+            lock: self.lock,
+            next: (self.next_component, self.next_thread),
+            mark: self.arena.mark(),
+        };
+        self.staged = Transaction { before: Some(before), ..Transaction::default() };
+    }
+
+    /// `apply`: every edit, or none.
+    pub(crate) fn apply(
+        &mut self,
+        files: &[String],
+        edits: &[Edit],
+        dry: bool,
+    ) -> Result<Reply, Error> {
+        let mut at = 0;
+        let mut refused = false;
+        let stood = self.graph.sites.visit(None);
+        let done = self.whole(|e| {
+            e.staged.dry = dry;
+            refused = true;
+            for (i, edit) in edits.iter().enumerate() {
+                at = i;
+                if let Some(file) = files.get(edit.file as usize) {
+                    e.graph.sites.stand(file, edit.line);
+                }
+                e.stage(&edit.request).unwrap_or_else(|| {
+                    Err(Error::Protocol { why: "this is no change to the graph".into() })
+                })?;
+            }
+            refused = false;
+            Ok(())
+        });
+        self.graph.sites.resume(stood);
+        match done {
+            Err(e) if refused => {
+                let edit = u32::try_from(at).unwrap_or(u32::MAX);
+                Ok(Reply::Refused { edit, failure: e.into() })
+            }
+            Err(e) => Err(e),
+            Ok(taken) => {
+                let n = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+                Ok(Reply::Applied { stores: n(taken.stores), lists: n(taken.lists) })
+            }
+        }
+    }
+
+    /// Stages a request; `None` when it is none that changes the graph, its names or its values.
+    pub(crate) fn stage(&mut self, request: &Request) -> Option<Result<(), Error>> {
+        Some(match request {
+            Request::Load { module, args } => {
+                self.load_again(module).and_then(|()| self.load(module, args))
+            }
+            Request::Unload { name } => self.unload(name),
+            Request::UnloadAll => self.unload_all(),
+            Request::NewSignal { name, ty } => self.new_signal(name, *ty).map(|_| ()),
+            Request::DeleteSignal { name: Some(name) } => self.delete_signal(name),
+            Request::DeleteSignal { name: None } => self.delete_all_signals(),
+            Request::Net { signal, pins } => self.net(signal, pins),
+            Request::Link { pin, signal } => self.link(pin, signal),
+            Request::Unlink { pin } => self.unlink(pin),
+            Request::Set { name, value } => self.set_item(name, value),
+            Request::SetSignal { name, value } => self.set_signal(name, value),
+            Request::AddFunct { funct, thread, position, init } => {
+                self.add_funct(funct, thread, *position, *init)
+            }
+            Request::RemoveFunct { funct, thread } => self.remove_funct(funct, thread.as_deref()),
+            Request::Start => self.start_threads(),
+            Request::Alias { param, name, alias } => self.alias(*param, name, alias),
+            Request::Unalias { param, name } => self.unalias(*param, name),
+            Request::SetLock { level } => {
+                self.lock = *level;
+                Ok(())
+            }
+            Request::ClearLock { bits } => {
+                self.lock = Lock(self.lock.0 & !bits.0);
+                Ok(())
+            }
+            _ => return None,
+        })
+    }
+
+    /// A component that goes is still there, with its devices, until all is carried out.
+    fn load_again(&self, module: &str) -> Result<(), Error> {
+        if !self.staged.unloads(module) {
+            return Ok(());
+        }
+        Err(Error::InitFailed {
+            name: module.into(),
+            why: "unloaded and loaded again at once: the old one still has its devices; do it in \
+                  two files"
+                .into(),
+            code: -16,
+        })
+    }
+
+    /// Gives a node a name.
+    pub(crate) fn name_node(&mut self, index: Index, name: Name, ix: Ix) {
+        self.graph.index_mut(index).insert(name.clone(), ix);
+        self.staged.undo_by(Undo::Named(index, name));
+    }
+
+    /// Takes a name away from a node, if it has it.
+    pub(crate) fn unname(&mut self, index: Index, name: &Name, ix: Ix) {
+        let names = self.graph.index_mut(index);
+        if names.get(name) == Some(&ix)
+            && let Some((name, ix)) = names.remove_entry(name)
+        {
+            self.staged.undo_by(Undo::Unnamed(index, name, ix));
+        }
+    }
+
+    /// What a thread runs is about to change.
+    pub(crate) fn touch_thread(&mut self, thread: Ix) {
+        if !self.staged.orders.contains_key(&thread)
+            && let Some(order) = self.graph.order_of(thread)
+        {
+            self.staged.orders.insert(thread, order);
+        }
+        if let Some(node) = self.graph.thread_mut(thread) {
+            node.stale = true;
+        }
+    }
+
+    /// A new slot that a thread of its own writes as soon as it ticks.
+    pub(crate) fn sees(&mut self, slot: Ptr<Slot>) {
+        let cell: Ptr<Cell> = crate::item::own_cell(slot);
+        self.staged.seen.extend([slot.0.addr().get(), cell.0.addr().get()]);
+    }
+
+    /// Carries out what is staged.
+    fn commit(&mut self) -> Result<Taken, Error> {
+        let faulty = self.staged.starts && self.fault.is_some();
+        if faulty && !self.staged.dry {
+            self.shared.boundary.stop();
+            self.settle()?;
+        }
+        let stale = self.stale_threads();
+        let mut change =
+            Change { stores: core::mem::take(&mut self.staged.stores), lists: Vec::new() };
+        for ix in &stale {
+            if let Some(t) = self.graph.thread(*ix) {
+                change.lists.push((t.thread.clone(), Arc::new(self.list_of(*ix))));
+            }
+        }
+        let (early, change) = self.weigh(change)?;
+        let taken = Taken { stores: change.stores.len(), lists: change.lists.len() };
+        if self.staged.dry {
+            self.roll_back();
+            return Ok(taken);
+        }
+        for ix in core::mem::take(&mut self.staged.begins) {
+            self.begin_thread(ix)?;
+        }
+        early.iter().for_each(Store::carry_out);
+        self.carry_out(&change)?;
+        for ix in stale {
+            if let Some(t) = self.graph.thread_mut(ix) {
+                t.stale = false;
+            }
+        }
+        if faulty {
+            self.fault = None;
+            self.shared.fault.clear();
+        }
+        let done = core::mem::take(&mut self.staged);
+        if done.starts {
+            self.run_threads();
+        }
+        if let Some(before) = done.before {
+            self.arena.keep(before.mark);
+        }
+        if !done.going.is_empty() {
+            self.left.extend(done.going.iter().filter_map(Going::component));
+            done.going.iter().for_each(|going| self.release(*going));
+            self.reap();
+        }
+        Ok(taken)
+    }
+
+    /// Parts a change into stores that no thread can see, which need no boundary, and the rest.
+    fn weigh(&self, change: Change) -> Result<(Vec<Store>, Change), Error> {
+        let threads = !self.shared.threads.load().is_empty() || !self.staged.begins.is_empty();
+        if !threads || !self.shared.boundary.is_running() || self.shared.is_virtual() {
+            return Ok((Vec::new(), change));
+        }
+        let (new, again) = self
+            .staged
+            .before
+            .as_ref()
+            .map_or_else(|| (0..0, BTreeSet::new()), |before| self.arena.since(&before.mark));
+        let fresh = |place: usize| {
+            let is_new = new.contains(&place) || again.contains(&place);
+            is_new && !self.staged.seen.contains(&place) || self.staged.own.contains(&place)
+        };
+        let (early, late) = part(change.stores, fresh);
+        if late.len() > MOST_STORES {
+            return Err(Error::TooManyStores { stores: late.len() });
+        }
+        Ok((early, Change { stores: late, lists: change.lists }))
+    }
+
+    /// The threads whose lists are to follow their edges now. While threads are stopped they
+    /// follow at the next `start`, unless something goes that an old list may hold.
+    fn stale_threads(&self) -> Vec<Ix> {
+        let now = self.shared.boundary.is_running()
+            || self.staged.starts
+            || (!self.staged.orders.is_empty() && !self.staged.going.is_empty());
+        if !now || (self.staged.orders.is_empty() && !self.staged.starts) {
+            return Vec::new();
+        }
+        let touched = self.staged.orders.keys().copied();
+        let mut all: Vec<Ix> = self.graph.threads.values().copied().chain(touched).collect();
+        all.retain(|ix| self.graph.thread(*ix).is_some_and(|t| t.stale));
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    /// Takes everything back.
+    fn roll_back(&mut self) {
+        let staged = core::mem::take(&mut self.staged);
+        let Some(before) = staged.before else { return };
+        let clean = self.take_back(staged.undo, staged.orders);
+        self.lock = before.lock;
+        self.counts = before.counts;
+        if clean {
+            (self.next_component, self.next_thread) = before.next;
+            self.arena.roll_back(before.mark);
+        } else {
+            self.arena.keep(before.mark);
+        }
+        self.reap();
+    }
+}

@@ -1,0 +1,207 @@
+//! What a transaction has done to the graph, each entry as what takes it back.
+
+use crate::{
+    Engine,
+    graph::{Edge, Graph, Ix, Node},
+    name::Name,
+    ring::SharedRing,
+    sites::{Assignments, Site},
+};
+use petgraph::{Direction::Outgoing, stable_graph::EdgeIndex, visit::EdgeRef};
+use std::collections::BTreeMap;
+
+/// One of the indices of names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Index {
+    Components,
+    Pins,
+    Params,
+    Signals,
+    Functs,
+    Threads,
+    Commands,
+}
+
+impl Index {
+    /// That of pins or of parameters.
+    pub(crate) const fn of_items(param: bool) -> Self {
+        if param { Self::Params } else { Self::Pins }
+    }
+}
+
+/// What was done.
+#[derive(Debug)]
+pub(crate) enum Undo {
+    /// A component was made, with everything that it owns.
+    Made(Ix),
+    /// Its devices were opened.
+    Opened(Ix),
+    /// A signal was made.
+    Signal(Ix),
+    /// A name was given.
+    Named(Index, Name),
+    /// A name was taken away from a node.
+    Unnamed(Index, Name, Ix),
+    /// A pin was linked.
+    Linked(Ix),
+    /// A pin was unlinked from a signal, where that link was made.
+    Unlinked(Ix, Ix, Option<Site>),
+    /// A signal was given its queue.
+    Queued(Ix),
+    /// A pin or parameter had this alias, given there.
+    Aliased(Ix, Option<Name>, Option<Site>),
+    /// Lines had set a pin, parameter or signal to this.
+    Assigned(Ix, Option<Assignments>),
+    /// A component no longer counts as one that uses another.
+    Released(Ix, Ix),
+    /// A ring is no longer to be found.
+    Ring(Name, Box<SharedRing>),
+}
+
+/// What a thread ran before the transaction touched it.
+#[derive(Debug)]
+pub(crate) struct Order {
+    functs: Vec<(Ix, Edge, Option<Site>)>,
+    next: u64,
+    stale: bool,
+}
+
+impl Graph {
+    /// One of the indices of names.
+    pub(crate) const fn index_mut(&mut self, index: Index) -> &mut BTreeMap<Name, Ix> {
+        match index {
+            Index::Components => &mut self.components,
+            Index::Pins => &mut self.pins,
+            Index::Params => &mut self.params,
+            Index::Signals => &mut self.signals,
+            Index::Functs => &mut self.functs,
+            Index::Threads => &mut self.threads,
+            Index::Commands => &mut self.commands,
+        }
+    }
+
+    /// What a thread runs now.
+    pub(crate) fn order_of(&self, thread: Ix) -> Option<Order> {
+        let node = self.thread(thread)?;
+        let runs = self.g.edges_directed(thread, Outgoing);
+        let runs = runs.filter(|e| matches!(e.weight(), Edge::Runs(_) | Edge::Begins(_)));
+        let functs =
+            runs.map(|e| (e.target(), *e.weight(), self.sites.of_joined(e.id()))).collect();
+        Some(Order { functs, next: node.next, stale: node.stale })
+    }
+
+    /// Takes every function out of a thread.
+    pub(crate) fn empty_thread(&mut self, thread: Ix) {
+        let runs = self.g.edges_directed(thread, Outgoing);
+        let runs = runs.filter(|e| matches!(e.weight(), Edge::Runs(_) | Edge::Begins(_)));
+        let edges: Vec<_> = runs.map(|e| e.id()).collect();
+        for edge in edges {
+            self.g.remove_edge(edge);
+            self.sites.parted(edge);
+        }
+    }
+
+    /// Gives an empty thread what it ran before.
+    fn refill_thread(&mut self, thread: Ix, order: &Order) {
+        // The latest comes first when edges are walked.
+        for (funct, runs, site) in order.functs.iter().rev() {
+            let edge = self.g.add_edge(thread, *funct, *runs);
+            self.sites.joined_at(edge, *site);
+        }
+        if let Some(node) = self.thread_mut(thread) {
+            node.next = order.next;
+            node.stale = order.stale;
+        }
+    }
+
+    /// Draws the link of a pin, and counts it.
+    pub(crate) fn draw_link(&mut self, pin: Ix, signal: Ix) -> EdgeIndex<u32> {
+        let edge = self.g.add_edge(pin, signal, Edge::Links);
+        let direction = self.item(pin).map(|p| p.direction);
+        if let (Some(d), Some(s)) = (direction, self.signal_mut(signal)) {
+            s.count(d, true);
+        }
+        edge
+    }
+
+    /// Removes the link of a pin: the signal that it was linked to, and where that was done.
+    pub(crate) fn remove_link(&mut self, pin: Ix) -> Option<(Ix, Option<Site>)> {
+        let mut links = self.g.edges_directed(pin, Outgoing);
+        let link = links.find(|e| *e.weight() == Edge::Links);
+        let (edge, signal) = link.map(|e| (e.id(), e.target()))?;
+        let site = self.sites.of_joined(edge);
+        self.g.remove_edge(edge);
+        self.sites.parted(edge);
+        let direction = self.item(pin).map(|p| p.direction);
+        if let (Some(d), Some(s)) = (direction, self.signal_mut(signal)) {
+            s.count(d, false);
+        }
+        Some((signal, site))
+    }
+}
+
+impl Engine {
+    /// Takes everything back, the last first. False when a new thread cannot be ended: what it
+    /// uses is then kept until it can.
+    pub(crate) fn take_back(&mut self, undo: Vec<Undo>, orders: BTreeMap<Ix, Order>) -> bool {
+        let mut clean = true;
+        for thread in orders.keys() {
+            self.graph.empty_thread(*thread);
+        }
+        for done in undo.into_iter().rev() {
+            match done {
+                Undo::Made(component) => clean &= self.discard(component),
+                Undo::Opened(component) => self.run_stops(&[component]),
+                Undo::Signal(ix) => self.forget_signal(ix),
+                Undo::Named(index, name) => {
+                    self.graph.index_mut(index).remove(&name);
+                }
+                Undo::Unnamed(index, name, ix) => {
+                    self.graph.index_mut(index).insert(name, ix);
+                }
+                Undo::Linked(pin) => {
+                    self.graph.remove_link(pin);
+                }
+                Undo::Unlinked(pin, signal, site) => {
+                    let edge = self.graph.draw_link(pin, signal);
+                    self.graph.sites.joined_at(edge, site);
+                }
+                Undo::Queued(ix) => {
+                    if let Some(s) = self.graph.signal_mut(ix) {
+                        s.queue = None;
+                    }
+                }
+                Undo::Aliased(ix, alias, site) => {
+                    if let Some(item) = self.graph.item_mut(ix) {
+                        item.alias = alias;
+                    }
+                    self.graph.sites.named_at(ix, site);
+                }
+                Undo::Assigned(ix, values) => self.graph.sites.assigned_before(ix, values),
+                Undo::Released(user, provider) => {
+                    self.graph.g.add_edge(user, provider, Edge::Needs);
+                }
+                Undo::Ring(name, ring) => {
+                    self.rings.insert(name, *ring);
+                }
+            }
+        }
+        for (thread, order) in &orders {
+            self.graph.refill_thread(*thread, order);
+        }
+        clean
+    }
+
+    /// Removes a signal without pins.
+    pub(crate) fn forget_signal(&mut self, ix: Ix) {
+        if let Some(Node::Signal(s)) = self.graph.g.remove_node(ix) {
+            // Another one may have its name by now.
+            if self.graph.signals.get(&s.name) == Some(&ix) {
+                self.graph.signals.remove(&s.name);
+            }
+            self.graph.sites.forget(ix);
+            self.arena.give_cell(s.cell.0);
+            drop(s.queue);
+        }
+    }
+}
