@@ -3,8 +3,8 @@
 use crate::{plugins::plugins, scratch::Scratch};
 use hal_engine::{ClockKind, Ended, Engine, Options};
 use hal_protocol::{
-    Client, Direction, Failure, Kind, Link, Lock, Place, Reply, Request, StatusInfo, ThreadInfo,
-    Type, Value,
+    Client, Direction, Edit, Failure, Kind, Link, Lock, Place, Reply, Request, StatusInfo,
+    ThreadInfo, Type, Value,
 };
 use std::{process::Command, sync::mpsc, thread::JoinHandle};
 
@@ -122,6 +122,46 @@ pub fn says(link: &mut impl Link, line: &str) -> String {
     }
 }
 
+/// Lines that are to be carried out at once or not at all.
+pub fn edits(lines: &str, dry: bool) -> Request {
+    let edit = |(i, line)| Edit { file: 0, line: i, request: request(line) };
+    let edits = (1..).zip(lines.lines().map(str::trim)).map(edit).collect();
+    Request::Apply { files: vec!["lines".to_owned()], edits, dry }
+}
+
+/// What comes of lines that are applied: `ok`, or the refusal, of a line by its number.
+pub fn applied(link: &mut impl Link, lines: &str) -> String {
+    match link.call(edits(lines, false)) {
+        Ok(Reply::Applied { .. }) => "ok".to_owned(),
+        Ok(Reply::Refused { edit, failure }) => format!("{}: {}", edit + 1, failure.text),
+        Ok(other) => format!("{other:?}"),
+        Err(failure) => failure.text,
+    }
+}
+
+/// Everything that can be seen of an instance: what is there, its values and what it takes.
+pub fn seen(link: &mut impl Link) -> Vec<String> {
+    let mut all = vec![format!("{:?}", link.call(Request::Status))];
+    for kind in [
+        Kind::Components,
+        Kind::Pins,
+        Kind::Params,
+        Kind::Signals,
+        Kind::Functs,
+        Kind::Threads,
+        Kind::PinAliases,
+        Kind::ParamAliases,
+        Kind::Commands,
+        Kind::Streams,
+    ] {
+        all.push(format!(
+            "{:?}",
+            link.call(Request::List { kind, patterns: Vec::new(), ty: None })
+        ));
+    }
+    all
+}
+
 /// A pin's or parameter's value.
 pub fn get(link: &mut impl Link, name: &str) -> Value {
     match link.call(Request::Get { name: name.to_owned() }) {
@@ -221,6 +261,7 @@ pub fn request(line: &str) -> Request {
         "start" => Request::Start,
         "stop" => Request::Stop,
         "alias" => Request::Alias { param: at(1) == "param", name: at(2), alias: at(3) },
+        "unalias" => Request::Unalias { param: at(1) == "param", name: at(2) },
         "lock" => Request::SetLock {
             level: match at(1).as_str() {
                 "none" => Lock::NONE,

@@ -8,6 +8,7 @@ mod doomed;
 mod foreign;
 mod lazy;
 mod person;
+mod swap;
 mod talk;
 mod tap;
 mod witness;
@@ -22,6 +23,7 @@ hal_component::export!(
     foreign::Foreign,
     lazy::Lazy,
     person::Person,
+    swap::Swap,
     talk::Listener,
     talk::Talker,
     tap::Feed,
