@@ -101,10 +101,10 @@ fn body(component: &Component, w: &mut Writer<'_>) {
         let name = crate::name::c_name(&function.name.value);
         w.line(&format!("{} {{", export::signature(component, &name)));
     }
-    w.user(&component.body.text, component.body.line);
-    if bare.is_some() {
-        w.line("}");
-    }
+    let text = component.body.text.trim_end_matches('\n');
+    // The brace is still in the user's lines: so is what the compiler says of it.
+    let close = if bare.is_some() { "\n}" } else { "" };
+    w.user(&format!("{text}{close}"), component.body.line);
     if let Some(kind) = component.options.word("data") {
         let line = component.options.place("data").map_or(1, |p| component.line(p.span));
         let size =
