@@ -1,5 +1,6 @@
 //! Commands, parsed.
 
+use crate::watch::Watch;
 use hal_protocol::{Kind, Lock, Request, Type};
 
 /// A line that was understood.
@@ -37,6 +38,12 @@ pub enum Command {
     Source(String),
     /// `apply`.
     Apply(Apply),
+    /// `completion`: the file for a shell.
+    Completion(&'static str),
+    /// `watch`.
+    Watch(Watch),
+    /// `meter`: what; absent: it is chosen.
+    Meter(Option<String>),
     /// `help`.
     Help(Option<String>),
     /// `lock`: the new level, or the bits to clear; absent: a word that means nothing.

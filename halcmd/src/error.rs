@@ -172,6 +172,7 @@ pub enum Error {
         file: Box<str>,
     },
     ThreadsExist,
+    NoScreen,
     Unexpected,
 }
 
@@ -268,6 +269,7 @@ impl core::fmt::Display for Error {
             Self::ThreadsExist => {
                 f.write_str("HAL_LIB: Cannot run 'setexact' after a thread has been created")
             }
+            Self::NoScreen => f.write_str("this view needs a terminal"),
             Self::Unexpected => f.write_str("the engine answered something else than was asked"),
         }
     }

@@ -35,7 +35,7 @@ fn subject(given: &[(char, Option<String>)], files: Vec<String>) -> Subject {
 }
 
 /// Options before, between and after other words.
-fn mixed(
+pub(crate) fn mixed(
     command: &'static str,
     table: &[Opt<char>],
     words: &[String],
@@ -76,7 +76,7 @@ impl Session<'_> {
         }
         let mut trial = Trial::of(&subject.files, subject.ini.as_deref())?;
         for refusal in &trial.attempt().refusals {
-            self.terminal.err(&format!("{}: {}\n", refusal.at, refusal.error));
+            self.refuse(&refusal.at, &refusal.error);
         }
         let refused = !trial.attempt().refusals.is_empty();
         let reply = look(&mut |request| trial.engine().call(request).map_err(Error::Engine))?;

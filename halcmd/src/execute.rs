@@ -8,6 +8,7 @@ use crate::{
     list, save, show, status,
 };
 use hal_protocol::{Failure, Kind, Lock, Reply, Request, StatusInfo, TicketInfo, Type};
+use serde_json::{Value, json};
 
 /// The code of a failure that says that something is not there.
 const ENOENT: i32 = -2;
@@ -65,17 +66,21 @@ impl Session<'_> {
                 self.complain(&format!("HALCMD MSG: {text}"));
             }
             Command::Echo(on) => {
-                self.terminal.out(if on { "Echo on\n" } else { "Echo off\n" });
+                let text = if on { "Echo on\n" } else { "Echo off\n" };
+                self.text(text, || json!({ "echo": on }));
                 self.style.echo = on;
             }
             Command::Source(path) => self.source(&path)?,
             Command::Apply(apply) => self.apply(&apply)?,
             Command::Help(about) => {
                 // As the reference: what has no help is said, and is no failure.
-                let text = help::help(about.as_deref());
-                let text = text.unwrap_or_else(|e| format!("{}\n", e.whole()));
-                self.terminal.out(&text);
+                let about = about.as_deref();
+                let text = help::help(about).unwrap_or_else(|e| format!("{}\n", e.whole()));
+                self.text(&text, || help::object(about));
             }
+            Command::Watch(watch) => self.watch(&watch)?,
+            Command::Meter(name) => self.meter(name)?,
+            Command::Completion(text) => self.text(text, || json!({ "completion": text })),
             Command::Lock(change) => self.lock(change)?,
             Command::SetExact => self.set_exact()?,
             Command::Component { name, args, wait } => self.component(name, args, wait)?,
@@ -109,6 +114,12 @@ impl Session<'_> {
         };
         self.terminal.out(&text);
         Ok(())
+    }
+
+    /// Prints a text of our own, or the object that stands for it.
+    fn text(&mut self, text: &str, object: impl FnOnce() -> Value) {
+        let text = if self.style.json { format!("{}\n", object()) } else { text.to_owned() };
+        self.terminal.out(&text);
     }
 
     /// The same for listings, which `-Q` keeps quiet.
@@ -173,7 +184,7 @@ impl Session<'_> {
         let text = save::write(kind, &mut |request| self.ask(request))?;
         match file {
             None if self.style.silent => {}
-            None => self.terminal.out(&text),
+            None => self.text(&text, || json!({ "save": text.lines().collect::<Vec<_>>() })),
             Some(file) => std::fs::write(file, text).map_err(|e| Error::NoDestination {
                 path: file.into(),
                 why: crate::ini::plain(&e),
@@ -223,10 +234,8 @@ impl Session<'_> {
         if self.state()?.threads.active > 0 {
             return Err(Error::ThreadsExist);
         }
-        self.terminal.err(
-            "Warning: setexact_for_test_suite_only is for test suites.\n\
-             Warning: periods are exact here in any case.\n",
-        );
+        self.remark("Warning: setexact_for_test_suite_only is for test suites.");
+        self.remark("Warning: periods are exact here in any case.");
         Ok(())
     }
 

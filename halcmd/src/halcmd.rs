@@ -1,10 +1,13 @@
 //! The program halcmd: commands for a running instance.
 
 use crate::{
-    Bytes, Error, Outcome, Session, Stdin, Stdio, Style, Terminal, help,
+    Bytes, Error, Outcome, Session, Stdio, Style, Terminal, complete, help,
     ini::Ini,
-    options::{Opt, from_environment, options, usage},
-    remote::{Remote, instance_option, leave_on_signals},
+    options::{Opt, from_environment, options, plain, usage},
+    prompt,
+    remote::{Remote, instance_option},
+    say,
+    signals::leave_on_signals,
 };
 use hal_protocol::Place;
 use std::{path::Path, process::ExitCode};
@@ -27,6 +30,7 @@ pub enum Id {
     Instance,
     Json,
     Wait,
+    Complete,
 }
 
 /// The options that halcmd and halrun have in common.
@@ -56,6 +60,7 @@ const OPTIONS: &[Opt<Id>] = &{
         i,
         short(Id::File, 'f', "take commands from FILE, or from standard input"),
         Opt { long: Some("help"), ..short(Id::Help, 'h', "print this, or the help of a command") },
+        short(Id::Complete, 'C', "complete the line in COMP_LINE, for shells"),
         long("json", Id::Json, "print replies as they came"),
         long("wait", Id::Wait, "wait until the machine has carried out a component's command"),
         instance_option(Id::Instance),
@@ -80,7 +85,7 @@ pub fn apply(style: &mut Style, id: Id) {
         Id::Verbose | Id::VeryVerbose => style.verbose = true,
         Id::Json => style.json = true,
         Id::Wait => style.wait = true,
-        Id::Quiet | Id::Release | Id::Ini | Id::File | Id::Help | Id::Instance => {}
+        Id::Quiet | Id::Release | Id::Ini | Id::File | Id::Help | Id::Instance | Id::Complete => {}
     }
 }
 
@@ -91,7 +96,9 @@ pub fn main(words: &[String]) -> ExitCode {
     match run(words, &mut terminal) {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
-            terminal.err(&format!("{}\n", error.whole()));
+            let json = words.iter().take_while(|w| w.starts_with('-')).any(|w| w == "--json");
+            let text = if json { say::lone_object(&error) } else { format!("{}\n", error.whole()) };
+            terminal.err(&text);
             ExitCode::from(255)
         }
     }
@@ -102,10 +109,18 @@ fn run(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
     from_environment(OPTIONS, &|name| std::env::var(name).ok(), &mut given);
     let has = |wanted| given.iter().any(|(id, _)| *id == wanted);
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.clone();
+    if has(Id::Complete) {
+        return Ok(complete_line(&rest, terminal));
+    }
     let mut style = Style::default();
     given.iter().for_each(|(id, _)| apply(&mut style, *id));
     if has(Id::Help) {
-        let text = rest.first().map_or_else(|| Ok(usage_text()), |name| help::help(Some(name)));
+        let about = rest.first().map(String::as_str);
+        if style.json {
+            terminal.out(&format!("{}\n", help::object(about)));
+            return Ok(0);
+        }
+        let text = about.map_or_else(|| Ok(usage_text()), |name| help::help(Some(name)));
         terminal.out(&text.unwrap_or_else(|error| format!("{}\n", error.whole())));
         return Ok(0);
     }
@@ -146,10 +161,30 @@ fn run(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
     }
     let outcome = match text {
         Some((path, text)) => session.file(path, Bytes::new(text)),
-        None if file => session.file("<stdin>", Stdin::new(style.script, true)),
+        None if file => prompt::typed(&mut session, true),
         None => session.command(&rest),
     };
     Ok(u8::from(outcome != Outcome::Good))
+}
+
+/// Its options, for completion.
+pub(crate) fn completable() -> Vec<Opt<()>> {
+    plain(OPTIONS)
+}
+
+/// `-C`: bash gives the program, the word that is being typed and the one before; the line and
+/// how far it counts are in the environment. With `HAL_COMPLETE=about`, what each word is follows.
+fn complete_line(rest: &[String], terminal: &mut dyn Terminal) -> u8 {
+    let line = std::env::var("COMP_LINE").unwrap_or_default();
+    let point = std::env::var("COMP_POINT").ok().and_then(|p| p.parse::<usize>().ok());
+    let line = point.and_then(|p| line.get(..p)).unwrap_or(&line);
+    let about = std::env::var("HAL_COMPLETE").is_ok_and(|v| v == "about");
+    let found = complete::for_shell(line, rest.get(1).map(String::as_str));
+    for candidate in &found.candidates {
+        let about = if about { format!("\t{}", candidate.about) } else { String::new() };
+        terminal.out(&format!("{}{about}\n", candidate.word));
+    }
+    if found.files { complete::COMPLETE_FILES } else { 0 }
 }
 
 fn usage_text() -> String {

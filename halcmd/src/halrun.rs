@@ -6,8 +6,10 @@ pub(crate) mod plan;
 mod serve;
 
 use crate::{
-    Bytes, Error, Outcome, Session, Stdin, Stdio, Terminal,
+    Bytes, Error, Outcome, Session, Stdio, Terminal,
     ini::Ini,
+    options::Opt,
+    prompt,
     remote::{is_gone, pause},
 };
 use hal_engine::Engine;
@@ -42,6 +44,11 @@ pub fn main(words: &[String]) -> ExitCode {
         }
     };
     ExitCode::from(code)
+}
+
+/// Its options, for completion.
+pub(crate) fn options() -> Vec<Opt<()>> {
+    plan::table()
 }
 
 /// `-U`: asks the instance to end, and waits until it has.
@@ -170,7 +177,7 @@ fn script(
     }
     let typed = |session: &mut Session<'_>| {
         session.style_mut().keep_going = true;
-        session.file("<stdin>", Stdin::new(plan.style.script, plan.interactive))
+        prompt::typed(session, plan.interactive)
     };
     let outcome = match (&plan.script, &files.ini) {
         (Script::Hal(path), _) => session.file(path, Bytes::new(files.script.clone())),

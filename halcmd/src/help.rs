@@ -6,6 +6,8 @@ use crate::{
     table::{Row, find, near},
 };
 
+use serde_json::{Value, json};
+
 /// How wide a terminal is at least.
 const WIDTH: usize = 78;
 
@@ -17,6 +19,30 @@ pub fn help(about: Option<&str>) -> Result<String, Error> {
     let Some(name) = about else { return Ok(overview()) };
     let row = find(name).ok_or_else(|| Error::NoHelp { word: name.into(), near: near(name) })?;
     Ok(if name == "help" { format!("{}\n", row.help) } else { explained(row) })
+}
+
+/// The same for programs.
+pub(crate) fn object(about: Option<&str>) -> Value {
+    let brief = |title: &str, row: &Row| {
+        json!({
+            "group": title, "name": row.name, "usage": row.usage, "summary": row.summary,
+        })
+    };
+    let Some(name) = about else {
+        let all = GROUPS.iter().flat_map(|(title, rows)| rows.iter().map(|r| brief(title, r)));
+        return json!({ "help": all.collect::<Vec<_>>() });
+    };
+    let errors = |row: &Row| -> Vec<Value> {
+        let each = row.errors.iter();
+        each.map(|(text, remedy)| json!({ "text": text, "remedy": remedy })).collect()
+    };
+    let row = find(name).map(|row| {
+        json!({
+            "name": row.name, "usage": row.usage, "summary": row.summary, "help": row.help,
+            "examples": row.examples, "related": row.related, "errors": errors(row),
+        })
+    });
+    json!({ "help": row })
 }
 
 /// The commands in groups, a line for each.

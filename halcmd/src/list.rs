@@ -14,6 +14,7 @@ pub fn names(reply: &Reply) -> String {
         Reply::Aliases(list) => list.iter().map(|x| x.alias.as_str()).collect(),
         Reply::Commands(list) => list.iter().map(|x| x.name.as_str()).collect(),
         Reply::Streams(list) => list.iter().map(|x| x.name.as_str()).collect(),
+        Reply::Offers(list) => list.iter().map(|x| x.component.as_str()).collect(),
         _ => Vec::new(),
     };
     let mut text: String = names.iter().map(|n| format!("{n} ")).collect();

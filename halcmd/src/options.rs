@@ -33,6 +33,20 @@ impl<T: Copy> Opt<T> {
     }
 }
 
+/// The same table for those who only look at it.
+#[must_use]
+pub fn plain<T: Copy>(table: &[Opt<T>]) -> Vec<Opt<()>> {
+    let plain = |o: &Opt<T>| Opt {
+        id: (),
+        short: o.short,
+        long: o.long,
+        value: o.value,
+        variable: o.variable,
+        help: o.help,
+    };
+    table.iter().map(plain).collect()
+}
+
 /// Options with their values, in order, and the words that follow.
 pub type Given<T> = (Vec<(T, Option<String>)>, Vec<String>);
 

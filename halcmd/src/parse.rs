@@ -276,7 +276,7 @@ fn is_param(command: &'static str, word: &str) -> Result<bool, Error> {
     }
 }
 
-fn unknown_kind<T>(command: &'static str, word: &str, kinds: &[(&str, T)]) -> Error {
+pub(crate) fn unknown_kind<T>(command: &'static str, word: &str, kinds: &[(&str, T)]) -> Error {
     let kinds: Vec<&str> = kinds.iter().map(|(name, _)| *name).collect();
     Error::Kind { command, word: word.into(), kinds: kinds.join(", ").into() }
 }

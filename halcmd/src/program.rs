@@ -146,11 +146,11 @@ impl Session<'_> {
                         other.name
                     ));
                 }
-            } else if polls > PATIENCE && polls % 10 == 0 {
+            } else if polls > PATIENCE && polls % 10 == 0 && !self.style.json {
                 self.terminal.err(".");
             }
         };
-        if polls > PATIENCE {
+        if polls > PATIENCE && !self.style.json {
             self.terminal.err("\n");
         }
         result

@@ -3,11 +3,6 @@
 use crate::options::Opt;
 use hal_protocol::{At, Client, Failure, Link, Place, Reply, Request};
 use rustix::{fs::FlockOperation, thread::NanosleepRelativeResult, time::Timespec};
-use signal_hook::{
-    consts::{SIGHUP, SIGINT, SIGTERM},
-    flag,
-};
-use std::sync::{Arc, atomic::AtomicBool};
 
 /// A connection that is made when it is first needed.
 #[derive(Debug)]
@@ -66,26 +61,6 @@ pub const fn instance_option<T: Copy>(id: T) -> Opt<T> {
         variable: Some("HAL_INSTANCE"),
         help: "the instance of that name",
     }
-}
-
-/// Leaves with this status as soon as the user or the system asks this process to end. The engine
-/// notices that the socket is closed.
-pub fn leave_on_signals(status: i32) {
-    let always = Arc::new(AtomicBool::new(true));
-    for signal in [SIGINT, SIGTERM, SIGHUP] {
-        // A signal that cannot be caught keeps its own effect, which is to end the process.
-        drop(flag::register_conditional_shutdown(signal, status, Arc::clone(&always)));
-    }
-}
-
-/// A flag that is set when the user or the system asks this process to end.
-#[must_use]
-pub fn ending_flag() -> Arc<AtomicBool> {
-    let ending = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM, SIGHUP] {
-        drop(flag::register(signal, Arc::clone(&ending)));
-    }
-    ending
 }
 
 /// Sleeps, or returns early when a signal comes. For programs that wait for what others do to

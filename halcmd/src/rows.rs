@@ -7,6 +7,7 @@ mod drawing;
 mod input;
 mod load;
 mod look;
+mod people;
 mod time;
 mod wire;
 
@@ -35,6 +36,7 @@ pub(crate) const GROUPS: &[(&str, &[Row])] = &[
     ("All or nothing", change::ROWS),
     ("Looking", look::ROWS),
     ("The machine as a whole", drawing::ROWS),
+    ("For people", people::ROWS),
     ("The input", input::ROWS),
 ];
 

@@ -3,7 +3,8 @@
 use crate::{
     Stdio, Terminal,
     options::{Opt, from_environment, options, usage},
-    remote::{Remote, ending_flag, instance_option, pause},
+    remote::{Remote, instance_option, pause},
+    signals::ending_flag,
     terminal::ended,
 };
 use hal_protocol::{Place, Request, Stream, Value};

@@ -7,11 +7,11 @@ use crate::{
     ini::Ini,
     lex::{Line, Reader, without_comment},
     source::Bytes,
-    syntax::{Statement, excerpt},
-    trial::{Attempt, Refusal, Remark},
+    syntax::Statement,
+    trial::Attempt,
     vars::Values,
 };
-use hal_protocol::{At, Link, Reply, Request};
+use hal_protocol::{Link, Reply, Request};
 use std::{
     path::{Path, PathBuf},
     process::Child,
@@ -140,13 +140,6 @@ impl<'a> Session<'a> {
         self.folder = Some(folder.to_owned());
     }
 
-    /// Says what is odd about a file, each with its place already.
-    pub fn warn(&mut self, warnings: &[String]) {
-        for warning in warnings {
-            self.terminal.err(&format!("{warning}\n"));
-        }
-    }
-
     /// Changes how it talks.
     pub const fn style_mut(&mut self) -> &mut Style {
         &mut self.style
@@ -198,49 +191,6 @@ impl<'a> Session<'a> {
         self.settled(result, &line)
     }
 
-    /// Says that something outside a script went wrong.
-    pub fn report(&mut self, error: &Error) {
-        self.accuse(&error.clone().into(), None);
-    }
-
-    /// Says what is wrong: what led to it, what it is, what became of it, and what would be right.
-    /// A person is also shown the line and where in it that is.
-    pub(crate) fn accuse(&mut self, fault: &Fault, line: Option<&Line>) {
-        let error = &fault.error;
-        if **error == Error::Told {
-            return;
-        }
-        if let Some(attempt) = &mut self.attempt {
-            let (file, line) = &self.place;
-            attempt.refusals.push(Refusal { at: At::new(file, *line), error: Error::clone(error) });
-            return;
-        }
-        if !self.style.silent {
-            for line in error.before() {
-                self.complain(&line);
-            }
-        }
-        if !self.style.silent || !fault.quiet {
-            self.complain(&error.to_string());
-        }
-        for text in &fault.after {
-            self.complain(text);
-        }
-        let hint = error.hint();
-        if self.terminal.is_person() {
-            if let (Some(line), Some(at)) = (line, &fault.at)
-                && let Some(excerpt) = excerpt(line, at)
-            {
-                self.terminal.err(&excerpt);
-            }
-            if let Some(hint) = hint {
-                self.terminal.err(&format!("{hint}\n"));
-            }
-        } else if let Some(hint) = hint.filter(|_| !self.style.silent) {
-            self.complain(&hint);
-        }
-    }
-
     /// What is done from here on stands at this place.
     pub(crate) fn stand_at(&mut self, file: &str, line: u32) {
         if self.place.0 != file {
@@ -252,21 +202,6 @@ impl<'a> Session<'a> {
 
     pub(crate) fn place(&self) -> (&str, u32) {
         (&self.place.0, self.place.1)
-    }
-
-    pub(crate) fn complain(&mut self, text: &str) {
-        let (file, line) = &self.place;
-        if let Some(attempt) = &mut self.attempt {
-            attempt.remarks.push(Remark { at: At::new(file, *line), text: text.to_owned() });
-            return;
-        }
-        self.terminal.err(&format!("{file}:{line}: {text}\n"));
-    }
-
-    pub(crate) fn note(&mut self, text: &str) {
-        if self.style.verbose {
-            self.complain(text);
-        }
     }
 
     pub(crate) fn source(&mut self, path: &str) -> Result<(), Error> {
@@ -315,7 +250,7 @@ impl<'a> Session<'a> {
         let told = self.style.verbose || self.terminal.is_person();
         if failed > 0 && !nested && self.style.keep_going && name != STDIN && told {
             let lines = if failed == 1 { "line" } else { "lines" };
-            self.terminal.err(&format!("{name}: {failed} {lines} failed\n"));
+            self.remark(&format!("{name}: {failed} {lines} failed"));
         }
         if failed == 0 { Outcome::Good } else { Outcome::Failed }
     }
@@ -324,7 +259,8 @@ impl<'a> Session<'a> {
         let text = line.text.as_ref().map_err(Clone::clone)?;
         if self.style.echo {
             let text = without_comment(text)?;
-            self.terminal.err(&format!("({})<echo>: {text}\n", line.number));
+            let text = text.to_owned();
+            self.echo_line(line.number, &text);
         }
         self.plan.iter_mut().for_each(|plan| plan.stand_on(line));
         let values =

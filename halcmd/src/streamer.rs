@@ -3,8 +3,9 @@
 use crate::{
     Stdio, Terminal,
     options::{Opt, from_environment, options, usage},
-    remote::{Remote, ending_flag, instance_option, pause},
+    remote::{Remote, instance_option, pause},
     sampler::{LOOK_EVERY, WAIT_MS, channel, one_file, option_error},
+    signals::ending_flag,
     terminal::ended,
 };
 use hal_protocol::{Link, Place, Request, Type, Value, ValueError};

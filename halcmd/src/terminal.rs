@@ -12,6 +12,15 @@ pub trait Terminal {
     fn is_person(&self) -> bool {
         false
     }
+    /// Whether that person sees colours.
+    fn is_coloured(&self) -> bool {
+        false
+    }
+
+    /// Whether a person looks at a screen and has a keyboard.
+    fn is_screen(&self) -> bool {
+        false
+    }
 }
 
 /// This process's own. A reader that has gone is not an error.
@@ -32,6 +41,14 @@ impl Terminal for Stdio {
 
     fn is_person(&self) -> bool {
         rustix::termios::isatty(std::io::stderr())
+    }
+
+    fn is_coloured(&self) -> bool {
+        crate::colour::wanted(std::io::stderr())
+    }
+
+    fn is_screen(&self) -> bool {
+        crate::colour::is_person()
     }
 }
 

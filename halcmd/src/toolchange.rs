@@ -3,7 +3,8 @@
 use crate::{
     Stdio, Terminal,
     options::{Opt, from_environment, options, usage},
-    remote::{Remote, instance_option, leave_on_signals},
+    remote::{Remote, instance_option},
+    signals::leave_on_signals,
     terminal::ended,
 };
 use hal_protocol::{Direction, Failure, Link, Place, Reply, Request, Type, Value};

@@ -2,6 +2,7 @@
 
 use crate::Error;
 use hal_abi::{ArgSpec, ArgValue, Str, arg};
+use hal_protocol::ArgInfo;
 
 /// What one argument is declared as, copied from its plugin.
 #[derive(Clone, Debug)]
@@ -41,6 +42,19 @@ impl Declared {
             arg::TEXTS => "texts",
             arg::BIT => "bit",
             _ => "text",
+        }
+    }
+}
+
+impl Declared {
+    /// As clients see it.
+    pub(crate) fn info(&self) -> ArgInfo {
+        ArgInfo {
+            name: self.name.to_string(),
+            ty: self.ty().to_owned(),
+            doc: self.doc.to_string(),
+            required: self.required,
+            default: self.default.as_ref().map(ToString::to_string),
         }
     }
 }

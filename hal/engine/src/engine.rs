@@ -5,7 +5,7 @@ use crate::{
     apply::{PATIENCE_NS, Retired},
     arena::Arena,
     graph::{Graph, Ix},
-    loader::{Loader, Offer},
+    loader::Loader,
     name::Name,
     os,
     record::Recording,
@@ -19,7 +19,7 @@ use crate::{
     trial::Trial,
 };
 use hal_abi::{Ticket, TicketState};
-use hal_protocol::{Failure, FaultInfo, Lock, TicketInfo};
+use hal_protocol::{Failure, FaultInfo, Lock, Offer, Patterns, TicketInfo};
 use std::collections::{BTreeMap, VecDeque};
 
 /// Why [`Engine::serve`] returned.
@@ -180,7 +180,7 @@ impl Engine {
 
     /// Every component type that the plugins on the path offer, by name.
     pub fn catalogue(&mut self) -> Vec<Offer> {
-        self.loader.catalogue()
+        self.loader.catalogue(&Patterns::default())
     }
 
     /// Serves clients until something ends it; `for_ns` bounds machine time.

@@ -30,6 +30,7 @@ mod loader;
 mod name;
 mod near;
 mod node;
+mod offer;
 mod order;
 mod os;
 mod probe;
@@ -54,7 +55,7 @@ mod wiring;
 
 pub use engine::{Ended, Engine};
 pub use error::Error;
-pub use loader::Offer;
+pub use hal_protocol::Offer;
 
 use hal_protocol::Place;
 use std::path::PathBuf;

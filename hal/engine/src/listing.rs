@@ -2,19 +2,20 @@
 
 use crate::{
     ClockKind, Engine,
+    args::Declared,
     graph::{Graph, Ix, Node},
     name::Name,
     sync::Ordering,
 };
 use hal_abi::Slot;
 use hal_protocol::{
-    AliasInfo, ArgInfo, CommandInfo, ComponentInfo, FunctInfo, ItemInfo, Kind, Patterns, Reply,
-    SignalInfo, StatusInfo, StreamInfo, ThreadInfo, Type, Usage,
+    AliasInfo, CommandInfo, ComponentInfo, FunctInfo, ItemInfo, Kind, Patterns, Reply, SignalInfo,
+    StatusInfo, StreamInfo, ThreadInfo, Type, Usage,
 };
 
 impl Engine {
     /// `show KIND PATTERNS…`.
-    pub(crate) fn list(&self, kind: Kind, patterns: &[String], ty: Option<Type>) -> Reply {
+    pub(crate) fn list(&mut self, kind: Kind, patterns: &[String], ty: Option<Type>) -> Reply {
         let p = Patterns::new(patterns);
         match kind {
             Kind::Components => Reply::Components(self.components(&p)),
@@ -27,6 +28,7 @@ impl Engine {
             Kind::ParamAliases => Reply::Aliases(self.aliases(true, &p)),
             Kind::Commands => Reply::Commands(self.commands(&p)),
             Kind::Streams => Reply::Streams(self.streams(&p)),
+            Kind::Offers => Reply::Offers(self.loader.catalogue(&p)),
         }
     }
 
@@ -180,17 +182,7 @@ impl Engine {
             out.push(CommandInfo {
                 name: name.as_str().to_owned(),
                 doc: command.doc.to_string(),
-                args: command
-                    .args
-                    .iter()
-                    .map(|a| ArgInfo {
-                        name: a.name.to_string(),
-                        ty: a.ty().to_owned(),
-                        doc: a.doc.to_string(),
-                        required: a.required,
-                        default: a.default.as_ref().map(ToString::to_string),
-                    })
-                    .collect(),
+                args: command.args.iter().map(Declared::info).collect(),
             });
         }
         out

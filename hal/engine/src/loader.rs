@@ -1,7 +1,8 @@
 //! Plugin files: where they are, whether they are plugins, and which offers a component.
 
-use crate::{Error, code::Library, near::nearest, os, sync::Arc};
+use crate::{Error, code::Library, near::nearest, offer, os, sync::Arc};
 use hal_abi::{ABI_MAJOR, ABI_MINOR, ComponentType, Record, component_flags, panic_strategy};
+use hal_protocol::{Offer, Patterns};
 use libloading::os::unix;
 use object::{Object, ObjectSymbol};
 use std::{
@@ -23,17 +24,6 @@ impl Found {
     pub(crate) const fn is_once(&self) -> bool {
         self.ty.flags & component_flags::ONCE != 0
     }
-}
-
-/// A component type that a plugin offers.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Offer {
-    /// Its name, as in `loadrt NAME`.
-    pub component: String,
-    /// The library that offers it.
-    pub library: String,
-    /// What it is; the first line is a summary.
-    pub doc: String,
 }
 
 /// Finds component types.
@@ -112,21 +102,26 @@ impl Loader {
         }
     }
 
-    /// Every component type on the path: its name, the library that offers it, and its
-    /// documentation. Sorted by name.
-    pub(crate) fn catalogue(&mut self) -> Vec<Offer> {
+    /// The component types that could be loaded and match, by name.
+    pub(crate) fn catalogue(&mut self, p: &Patterns) -> Vec<Offer> {
         self.look_into_families();
-        let mut out = Vec::new();
-        for (name, file) in &self.known {
+        let mut out = BTreeMap::new();
+        for (name, file) in self.known.iter().filter(|(name, _)| p.matches(name)) {
             let Ok((types, _library)) = open(file, Stay::WhileOpen) else { continue };
-            let Some(ty) = types.get(name) else { continue };
-            // SAFETY: a string of an open library's descriptor.
-            let doc = unsafe { ty.doc.get() }.unwrap_or_default().to_owned();
             let stem = file.file_stem().and_then(|s| s.to_str()).unwrap_or_default();
-            let library = stem.strip_prefix("lib").unwrap_or(stem).to_owned();
-            out.push(Offer { component: name.clone(), library, doc });
+            let library = stem.strip_prefix("lib").unwrap_or(stem);
+            if let Some(ty) = types.get(name) {
+                out.insert(name.clone(), offer::of(name, library, ty));
+            }
         }
-        out
+        for library in &self.fixed {
+            // SAFETY: a static descriptor.
+            let types = unsafe { types(*library, "linked in") }.unwrap_or_default();
+            for (name, ty) in types.iter().filter(|(name, _)| p.matches(name)) {
+                out.insert(name.clone(), offer::of(name, "", ty));
+            }
+        }
+        out.into_values().collect()
     }
 
     fn missing(&self, name: &str) -> Error {

@@ -139,6 +139,19 @@ pub struct CommandInfo {
     pub args: Vec<ArgInfo>,
 }
 
+/// A component type that a plugin offers.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Offer {
+    /// Its name, as in `loadrt NAME`.
+    pub component: String,
+    /// The library that offers it.
+    pub library: String,
+    /// What it is; the first line is a summary.
+    pub doc: String,
+    /// What `loadrt` may give it.
+    pub args: Vec<ArgInfo>,
+}
+
 /// How far a command has come.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]

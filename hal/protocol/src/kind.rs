@@ -62,6 +62,8 @@ pub enum Kind {
     Commands,
     /// Shared rings, by name.
     Streams,
+    /// Component types that could be loaded, by name.
+    Offers,
 }
 
 /// Bits of the lock level.

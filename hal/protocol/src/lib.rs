@@ -22,7 +22,7 @@ pub use client::Client;
 pub use failure::Failure;
 pub use info::{
     AliasInfo, ArgInfo, CommandInfo, ComponentInfo, ComponentState, FaultInfo, FunctInfo, ItemInfo,
-    SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Usage,
+    Offer, SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Usage,
 };
 pub use kind::{Direction, Kind, Lock};
 pub use message::{Answer, Edit, LATEST, LONGEST, Reply, Request, WireReply, WireRequest};

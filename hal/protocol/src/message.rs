@@ -2,7 +2,7 @@
 
 use crate::{
     AliasInfo, At, CommandInfo, ComponentInfo, Direction, Failure, FunctInfo, ItemInfo, Kind, Lock,
-    OrderInfo, SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Type, Value,
+    Offer, OrderInfo, SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Type, Value,
 };
 use serde::{Deserialize, Serialize};
 
@@ -344,6 +344,8 @@ pub enum Reply {
     Commands(Vec<CommandInfo>),
     /// Shared rings.
     Streams(Vec<StreamInfo>),
+    /// Component types.
+    Offers(Vec<Offer>),
     /// The state of the instance.
     Status(Box<StatusInfo>),
     /// The order of functions, and how long values wait.

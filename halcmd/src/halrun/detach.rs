@@ -1,6 +1,6 @@
 //! An instance in the background.
 
-use crate::{Terminal, program::is_file, remote::ending_flag};
+use crate::{Terminal, program::is_file, signals::ending_flag};
 use rustix::{
     event::{PollFd, PollFlags, Timespec, poll},
     pipe::{PipeFlags, pipe_with},

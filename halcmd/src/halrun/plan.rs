@@ -4,7 +4,7 @@ use crate::{
     Error, Style,
     halcmd::{self, Id as Common},
     nanoseconds,
-    options::{Opt, from_environment, options, usage},
+    options::{Opt, from_environment, options, plain, usage},
     remote::instance_option,
 };
 use hal_engine::{ClockKind, Options};
@@ -191,6 +191,11 @@ pub(super) fn plan(
         record: value(Id::Record).map(whole),
         detach,
     })))
+}
+
+/// The options, for completion.
+pub(super) fn table() -> Vec<Opt<()>> {
+    [plain(OPTIONS), plain(&halcmd::COMMON)].concat()
 }
 
 /// The usage text.

@@ -1,7 +1,7 @@
 //! The engine while a script runs, and afterwards.
 
 use super::plan::{Plan, Script};
-use crate::session::INTERRUPTED;
+use crate::{prompt::Aside, session::INTERRUPTED};
 use hal_engine::{Ended, Engine};
 use hal_protocol::{Failure, Link, Reply, Request};
 use tracing::level_filters::LevelFilter;
@@ -10,7 +10,7 @@ use tracing::level_filters::LevelFilter;
 /// messages of components those are is the engine's matter (`debug LEVEL`).
 pub(super) fn listen() {
     let plain = tracing_subscriber::fmt()
-        .with_writer(std::io::stderr)
+        .with_writer(Aside::default)
         .with_max_level(LevelFilter::DEBUG)
         .with_ansi(false)
         .with_level(false)

@@ -48,6 +48,9 @@ impl Session<'_> {
             | Command::Print(_)
             | Command::Echo(_)
             | Command::Help(_)
+            | Command::Watch(_)
+            | Command::Meter(_)
+            | Command::Completion(_)
             | Command::SetExact => Ok(()),
             Command::Apply(Apply { file, .. }) => file.map_or(Ok(()), |file| self.source(&file)),
             other @ (Command::Unload(_)

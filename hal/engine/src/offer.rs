@@ -1,0 +1,41 @@
+//! What a component type says about itself before anything of it is made.
+
+use crate::args::Declared;
+use hal_abi::{ComponentType, component_flags};
+use hal_protocol::{ArgInfo, Offer};
+
+/// What `loadrt` itself takes for components that are made per instance.
+const COUNT: (&str, &str, &str) =
+    ("count", "int", "How many instances, named after the component with a number.");
+const NAMES: (&str, &str, &str) = ("names", "texts", "The names of the instances, one for each.");
+const PERSONALITY: (&str, &str, &str) =
+    ("personality", "ints", "What each instance is like; see its documentation.");
+
+/// The type `ty` of an open library.
+pub(crate) fn of(name: &str, library: &str, ty: &ComponentType) -> Offer {
+    // SAFETY: a string of an open library's descriptor.
+    let doc = unsafe { ty.doc.get() }.unwrap_or_default().to_owned();
+    let mut args: Vec<ArgInfo> = (0..ty.args.len())
+        // SAFETY: a list of an open library's descriptor.
+        .filter_map(|i| unsafe { ty.args.get(i) })
+        .filter_map(|spec| Declared::copy(&spec))
+        .map(|declared| declared.info())
+        .collect();
+    if ty.flags & component_flags::ONCE == 0 {
+        args.extend([plain(COUNT), plain(NAMES)]);
+        if ty.flags & component_flags::PERSONALITY != 0 {
+            args.push(plain(PERSONALITY));
+        }
+    }
+    Offer { component: name.to_owned(), library: library.to_owned(), doc, args }
+}
+
+fn plain((name, ty, doc): (&str, &str, &str)) -> ArgInfo {
+    ArgInfo {
+        name: name.to_owned(),
+        ty: ty.to_owned(),
+        doc: doc.to_owned(),
+        required: false,
+        default: None,
+    }
+}

@@ -1,0 +1,11 @@
+# Completion of halcmd and halrun for fish:  halcmd completion fish | source
+function __ferrule_complete
+    set -lx HAL_COMPLETE about
+    set -lx COMP_LINE (commandline -cp)
+    halcmd -C 2>/dev/null
+    if test $status -eq 3
+        __fish_complete_path (commandline -ct)
+    end
+end
+complete -c halcmd -f -a '(__ferrule_complete)'
+complete -c halrun -f -a '(__ferrule_complete)'

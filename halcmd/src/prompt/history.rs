@@ -1,0 +1,26 @@
+//! What was typed at prompts before, in a file of the user's.
+
+use rustyline::{Editor, Helper, history::FileHistory};
+use std::{
+    env, fs,
+    os::unix::fs::DirBuilderExt,
+    path::{Path, PathBuf},
+};
+
+/// `ferrule/history` in the user's state folder, which is made if need be; none without a home.
+pub(super) fn file() -> Option<PathBuf> {
+    let absolute = |name: &str| env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
+    let state =
+        absolute("XDG_STATE_HOME").or_else(|| Some(absolute("HOME")?.join(".local/state")))?;
+    let folder = state.join("ferrule");
+    let mut builder = fs::DirBuilder::new();
+    builder.recursive(true).mode(0o700).create(&folder).ok()?;
+    Some(folder.join("history"))
+}
+
+/// Adds the last line, whatever other prompts have added meanwhile. A history that cannot be kept
+/// is no reason to stop.
+pub(super) fn keep<H: Helper>(editor: &mut Editor<H, FileHistory>, file: &Path) {
+    let kept = if file.exists() { editor.append_history(file) } else { editor.save_history(file) };
+    drop(kept);
+}

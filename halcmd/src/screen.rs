@@ -1,0 +1,126 @@
+//! Views that take the whole terminal, and give it back as they found it.
+
+mod digits;
+mod meter;
+mod pick;
+mod values;
+
+use crate::{Error, prompt, signals::Held};
+use ratatui::{
+    DefaultTerminal, Frame,
+    crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers},
+    style::{Color, Modifier, Style},
+};
+use std::time::Duration;
+
+pub(crate) use meter::meter;
+pub(crate) use values::watch;
+
+/// The terminal while a view has it.
+struct Screen {
+    terminal: DefaultTerminal,
+    held: Held,
+    /// Messages wait until the terminal is a terminal again.
+    _kept: prompt::Kept,
+}
+
+impl Screen {
+    fn new() -> Result<Self, Error> {
+        let (held, kept) = (Held::new(), prompt::Kept::new());
+        let terminal = ratatui::try_init().map_err(|_| Error::NoScreen)?;
+        Ok(Self { terminal, held, _kept: kept })
+    }
+
+    fn draw(&mut self, view: impl FnOnce(&mut Frame<'_>)) -> Result<(), Error> {
+        self.terminal.draw(view).map(|_| ()).map_err(|_| Error::NoScreen)
+    }
+
+    /// The key that was pressed, if one was; Ctrl-C and a signal are [`Key::Quit`].
+    fn key(&self) -> Option<Key> {
+        if self.held.has_come() {
+            return Some(Key::Quit);
+        }
+        // A terminal that has gone is like one whose owner has had enough.
+        match event::poll(Duration::ZERO).and_then(|any| any.then(event::read).transpose()) {
+            Ok(Some(Event::Key(key))) if key.kind != KeyEventKind::Release => Some(key.into()),
+            Ok(_) => None,
+            Err(_) => Some(Key::Quit),
+        }
+    }
+}
+
+impl Drop for Screen {
+    fn drop(&mut self) {
+        ratatui::restore();
+    }
+}
+
+/// A key that means something to a view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Key {
+    Quit,
+    Escape,
+    Enter,
+    Tab,
+    Back,
+    Up,
+    Down,
+    PageUp,
+    PageDown,
+    Home,
+    End,
+    Left,
+    Right,
+    Letter(char),
+    Other,
+}
+
+impl From<KeyEvent> for Key {
+    fn from(key: KeyEvent) -> Self {
+        let control = key.modifiers.contains(KeyModifiers::CONTROL);
+        match key.code {
+            KeyCode::Char('c' | 'd') if control => Self::Quit,
+            KeyCode::Char(_) if control => Self::Other,
+            KeyCode::Char(c) => Self::Letter(c),
+            KeyCode::Esc => Self::Escape,
+            KeyCode::Enter => Self::Enter,
+            KeyCode::Tab => Self::Tab,
+            KeyCode::Backspace => Self::Back,
+            KeyCode::Up => Self::Up,
+            KeyCode::Down => Self::Down,
+            KeyCode::PageUp => Self::PageUp,
+            KeyCode::PageDown => Self::PageDown,
+            KeyCode::Home => Self::Home,
+            KeyCode::End => Self::End,
+            KeyCode::Left => Self::Left,
+            KeyCode::Right => Self::Right,
+            _ => Self::Other,
+        }
+    }
+}
+
+/// How things look: colours only where they are wanted.
+#[derive(Clone, Copy, Debug)]
+struct Look {
+    title: Style,
+    changed: Style,
+    dim: Style,
+    chosen: Style,
+}
+
+impl Look {
+    fn new() -> Self {
+        let bold = Style::new().add_modifier(Modifier::BOLD);
+        let plain = Self {
+            title: bold,
+            changed: bold,
+            dim: Style::new().add_modifier(Modifier::DIM),
+            chosen: Style::new().add_modifier(Modifier::REVERSED),
+        };
+        if crate::colour::wanted(std::io::stdout()) {
+            Self { changed: bold.fg(Color::Yellow), ..plain }
+        } else {
+            plain
+        }
+    }
+}

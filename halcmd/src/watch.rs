@@ -1,0 +1,233 @@
+//! `watch`: values as they change, in lines or on a screen.
+
+use crate::{
+    Error, Session, examine::mixed, hint::nearest, options::Opt, screen, show::from_signal,
+    units::nanoseconds,
+};
+use hal_protocol::{Direction, Failure, Kind, Link, Patterns, Reply, Request, Value};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// The code of a failure that says that something is not there.
+const ENOENT: i32 = -2;
+/// The longest that a look at the keyboard, or for the end of the instance, waits.
+const STEP_MS: u32 = 50;
+
+/// What to watch, and how often.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Watch {
+    /// Names, or patterns as `show` has them.
+    pub patterns: Vec<String>,
+    /// How long between two looks, in milliseconds on the wall.
+    pub every_ms: u32,
+    /// How many looks; absent: until somebody ends it.
+    pub count: Option<u64>,
+}
+
+/// What a value belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Of {
+    /// A pin.
+    Pin,
+    /// A signal.
+    Sig,
+    /// A parameter.
+    Param,
+}
+
+impl Of {
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Pin => "pin",
+            Self::Sig => "sig",
+            Self::Param => "param",
+        }
+    }
+}
+
+/// Something with a value.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct Seen {
+    pub(crate) name: String,
+    pub(crate) of: Of,
+    pub(crate) value: Value,
+    #[serde(skip)]
+    pub(crate) direction: Option<Direction>,
+    #[serde(skip)]
+    pub(crate) signal: Option<String>,
+    #[serde(skip)]
+    pub(crate) doc: String,
+}
+
+/// What was seen at a machine time, by name.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Look {
+    /// In nanoseconds.
+    pub(crate) time: u64,
+    pub(crate) seen: Vec<Seen>,
+}
+
+const OPTIONS: &[Opt<char>] = &[
+    Opt::short_with('n', 'n', "TIME"),
+    Opt { short: None, long: Some("count"), ..Opt::short_with('c', 'c', "N") },
+];
+
+/// Understands the words of `watch`.
+pub(crate) fn parse(words: &[String]) -> Result<Watch, Error> {
+    let mut watch = Watch { patterns: Vec::new(), every_ms: 200, count: None };
+    let (given, patterns) = mixed("watch", OPTIONS, words)?;
+    watch.patterns = patterns;
+    for (option, value) in given {
+        let value = value.unwrap_or_default();
+        let bad = |why: &str| Error::OptionValue {
+            program: "watch",
+            option: if option == 'n' { "-n" } else { "--count" }.into(),
+            value: value.as_str().into(),
+            why: why.into(),
+        };
+        if option == 'n' {
+            let ms = nanoseconds(&value).ok().map(|ns| ns / 1_000_000);
+            let ms = ms.and_then(|ms| u32::try_from(ms).ok()).filter(|ms| *ms > 0);
+            watch.every_ms = ms.ok_or_else(|| bad("it is a time from 1ms, such as 200ms"))?;
+        } else {
+            let n = value.parse().ok().filter(|n| *n > 0);
+            watch.count = Some(n.ok_or_else(|| bad("it is a number from 1"))?);
+        }
+    }
+    if watch.patterns.is_empty() {
+        return Err(Error::AtLeast { command: "watch", wanted: 1, given: 0 });
+    }
+    Ok(watch)
+}
+
+/// Looks once: everything that a pattern names exactly, or else matches.
+pub(crate) fn look(link: &mut dyn Link, patterns: &[String]) -> Result<Look, Error> {
+    let time = match link.call(Request::Status)? {
+        Reply::Status(status) => status.time,
+        _ => return Err(Error::Unexpected),
+    };
+    let mut seen = Vec::new();
+    for kind in [Kind::Pins, Kind::Signals, Kind::Params] {
+        let request = Request::List { kind, patterns: patterns.to_vec(), ty: None };
+        match link.call(request)? {
+            Reply::Items(list) => seen.extend(list.into_iter().map(|i| Seen {
+                of: if i.direction.is_pin() { Of::Pin } else { Of::Param },
+                name: i.name,
+                value: i.value,
+                direction: Some(i.direction),
+                signal: i.signal,
+                doc: i.doc,
+            })),
+            Reply::Signals(list) => seen.extend(list.into_iter().map(|s| Seen {
+                of: Of::Sig,
+                name: s.name,
+                value: s.value,
+                direction: None,
+                signal: None,
+                doc: s.pins.iter().map(|(d, pin)| format!("{} {pin}\n", from_signal(*d))).collect(),
+            })),
+            _ => return Err(Error::Unexpected),
+        }
+    }
+    // A whole name means that one, not all that begin with it.
+    let whole = |p: &String| seen.iter().any(|s| s.name == *p);
+    let (exact, others): (Vec<String>, Vec<String>) = patterns.iter().cloned().partition(whole);
+    let others_match = Patterns::new(&others);
+    seen.retain(|s| exact.contains(&s.name) || others_match.names(&s.name));
+    seen.sort_by(|a, b| (&a.name, a.of).cmp(&(&b.name, b.of)));
+    Ok(Look { time, seen })
+}
+
+/// Waits; a machine in this process goes on meanwhile, the clock of another is left alone.
+/// False: the instance is ending.
+pub(crate) fn wait(link: &mut dyn Link, ms: u32) -> Result<bool, Error> {
+    let flow = link.is_local();
+    if link.is_ending() {
+        return Ok(false);
+    }
+    link.call(Request::Idle { ms, flow })?;
+    Ok(!link.is_ending())
+}
+
+/// Machine time in seconds.
+pub(crate) fn seconds(ns: u64) -> String {
+    format!("{}.{:09}", ns / 1_000_000_000, ns % 1_000_000_000)
+}
+
+impl Session<'_> {
+    /// `watch`.
+    pub(crate) fn watch(&mut self, watch: &Watch) -> Result<(), Error> {
+        let first = look(self.link, &watch.patterns)?;
+        if first.seen.is_empty() {
+            return Err(self.nothing(&watch.patterns));
+        }
+        if self.terminal.is_screen() && !self.style.json && !self.style.script {
+            let last = screen::watch(self.link, watch, first, &self.instance)?;
+            let text: String = last.seen.iter().map(|s| line(last.time, s)).collect();
+            self.terminal.out(&text);
+            return Ok(());
+        }
+        self.watch_lines(watch, first)
+    }
+
+    /// A line for each change.
+    fn watch_lines(&mut self, watch: &Watch, first: Look) -> Result<(), Error> {
+        let mut before = BTreeMap::new();
+        let mut look_now = first;
+        let mut looks = 0;
+        loop {
+            let Look { time, mut seen } = look_now;
+            seen.retain(|s| before.insert((s.name.clone(), s.of), s.value) != Some(s.value));
+            self.print_changes(time, &seen)?;
+            looks += 1;
+            if watch.count.is_some_and(|count| looks >= count) {
+                return Ok(());
+            }
+            let mut left = watch.every_ms;
+            while left > 0 {
+                let ms = left.min(STEP_MS);
+                if !wait(self.link, ms)? {
+                    return Ok(());
+                }
+                left -= ms;
+            }
+            look_now = look(self.link, &watch.patterns)?;
+        }
+    }
+
+    fn print_changes(&mut self, time: u64, seen: &[Seen]) -> Result<(), Error> {
+        if self.style.silent || seen.is_empty() {
+            return Ok(());
+        }
+        let text = if self.style.json {
+            let all = serde_json::json!({ "time": time, "changes": seen });
+            format!("{all}\n")
+        } else {
+            seen.iter().map(|s| line(time, s)).collect()
+        };
+        self.terminal.out(&text);
+        Ok(())
+    }
+
+    /// Says that no pattern matches, and what might have been meant.
+    pub(crate) fn nothing(&mut self, patterns: &[String]) -> Error {
+        let word = patterns.first().map(String::as_str).unwrap_or_default();
+        let text = format!("pin, signal or parameter '{}' not found", patterns.join(" "));
+        let mut failure = Failure::new(ENOENT, text);
+        let all = look(self.link, &["".to_owned()]).unwrap_or_default();
+        let near = nearest(word, all.seen.iter().map(|s| s.name.as_str()));
+        failure.hint = near.map(|near| format!("did you mean {near}?"));
+        Error::Engine(failure)
+    }
+}
+
+/// Machine time for a person.
+pub(crate) fn about_seconds(ns: u64) -> String {
+    format!("{}.{:03} s", ns / 1_000_000_000, ns % 1_000_000_000 / 1_000_000)
+}
+
+/// Time, name and value.
+fn line(time: u64, seen: &Seen) -> String {
+    format!("{} {} {}\n", seconds(time), seen.name, seen.value)
+}
