@@ -1,4 +1,5 @@
 //! The command line: what is written where, and what is not.
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use std::{
     collections::BTreeMap,
