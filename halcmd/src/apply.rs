@@ -91,6 +91,9 @@ impl Session<'_> {
     fn give(&mut self, plan: Plan, name: &str, dry: bool) -> Result<(), Error> {
         let places: Vec<(u32, u32)> = plan.edits.iter().map(|e| (e.file, e.line)).collect();
         let (files, lines) = (plan.files.clone(), plan.edits.len());
+        if !dry && plan.edits.iter().any(|e| e.request == Request::Start) {
+            self.send_pending()?;
+        }
         let reply = match self.ask(Request::Apply { files: plan.files, edits: plan.edits, dry }) {
             Ok(Reply::Refused { edit, failure }) => {
                 if let Some((file, line)) = places.get(edit as usize)

@@ -314,7 +314,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    fn send_pending(&mut self) -> Result<(), Error> {
+    pub(crate) fn send_pending(&mut self) -> Result<(), Error> {
         match self.before_start.take() {
             Some(request) => self.call(request).map(|_| ()),
             None => Ok(()),

@@ -347,6 +347,40 @@ fn threads_are_started_with_everything_in_place() {
 }
 
 #[test]
+fn new_threads_join_threads_that_run_or_none() {
+    let mut m = Machine::new(ClockKind::Real);
+    // Started, with nothing to run yet.
+    m.script("start");
+    let whole = "loadrt threads name1=fast period1=1000000
+        loadrt swap
+        addf swap.0.one fast
+        addf swap.0.look fast";
+    assert_eq!(applied(&mut m, whole), "ok");
+    cycles(&mut m, "fast", 3);
+    let more = "loadrt doomed
+        addf doomed.copy doomed-thread
+        setp doomed.in 1.5
+        setp swap.0.a 2
+        setp swap.0.b 2
+        setp swap.0.c 2
+        delf swap.0.one fast
+        addf swap.0.two fast 1";
+    let threads = status(&mut m).threads;
+    assert!(applied(&mut m, &format!("{more}\nsetp nothing 1")).starts_with("9: "));
+    assert_eq!(status(&mut m).threads, threads);
+    assert_eq!(applied(&mut m, more), "ok");
+    cycles(&mut m, "doomed-thread", 3);
+    assert_eq!(says(&mut m, "getp doomed.out"), "1.5");
+    // A function may leave a thread that ends for one that stays.
+    let away = "unloadrt doomed\nloadrt and2\naddf and2.0 fast";
+    m.script("loadrt or2\naddf or2.0 doomed-thread");
+    assert_eq!(applied(&mut m, &format!("{away}\naddf or2.0 fast")), "ok");
+    assert_eq!(thread(&mut m, "fast").functs, ["swap.0.two", "swap.0.look", "and2.0", "or2.0"]);
+    cycles(&mut m, "fast", 3);
+    assert_eq!((count(&mut m, "swap.0.torn"), count(&mut m, "swap.0.changes")), (0, 1));
+}
+
+#[test]
 fn a_function_that_failed_is_replaced_and_threads_go_on() {
     let mut m = Machine::new(ClockKind::Virtual);
     m.script(

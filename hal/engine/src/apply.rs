@@ -150,3 +150,38 @@ impl Engine {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::part;
+    use crate::{arena::Arena, change::Store, code::Ptr};
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn stores_that_no_thread_sees_go_first_unless_they_follow_one_that_threads_see() {
+        let mut arena = Arena::new(false).unwrap();
+        let (shown, new) = (Ptr(arena.slot(0).unwrap()), Ptr(arena.slot(0).unwrap()));
+        let (signal, other) = (Ptr(arena.cell(0).unwrap()), Ptr(arena.cell(0).unwrap()));
+        let own = crate::item::own_cell(new);
+        let fresh = BTreeSet::from([new.0.addr().get(), own.0.addr().get(), other.0.addr().get()]);
+        let stores = vec![
+            Store::Put { cell: own, bits: 1 },
+            Store::Bring { slot: new, cell: other },
+            Store::Keep { cell: signal, slot: shown },
+            Store::Put { cell: other, bits: 2 },
+            Store::Bring { slot: new, cell: signal },
+            Store::Put { cell: own, bits: 3 },
+            Store::Aim { slot: new, distance: 8 },
+            Store::Put { cell: other, bits: 4 },
+        ];
+        let (early, late) = part(stores, |place| fresh.contains(&place));
+        let shown: Vec<String> = early.iter().chain(&late).map(|s| format!("{s:?}")).collect();
+        let begins = |i: usize, what: &str| assert!(shown[i].starts_with(what), "{shown:#?}");
+        assert_eq!((early.len(), late.len()), (5, 3), "{shown:#?}");
+        for (i, what) in
+            ["Put", "Bring", "Put", "Aim", "Put", "Keep", "Bring", "Put"].iter().enumerate()
+        {
+            begins(i, what);
+        }
+    }
+}

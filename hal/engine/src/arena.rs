@@ -209,4 +209,30 @@ mod tests {
         assert_eq!(arena.slot(1).unwrap(), first);
         assert_eq!(arena.usage().0, used);
     }
+
+    #[test]
+    fn what_is_new_since_a_mark_is_given_back_at_once() {
+        let mut arena = Arena::new(false).unwrap();
+        let old: Vec<_> = (0..5).map(|_| arena.slot(0).unwrap()).collect();
+        let cell = arena.cell(1).unwrap();
+        old[..3].iter().for_each(|slot| arena.give_slot(*slot));
+        arena.give_cell(cell);
+        let before = (arena.usage(), arena.recycled(), arena.free_slots.clone());
+        let mark = arena.mark();
+        let again = arena.slot(0).unwrap();
+        let new: Vec<_> = (0..7).map(|_| arena.slot(0).unwrap()).collect();
+        let cells = [arena.cell(2).unwrap(), arena.cell(3).unwrap()];
+        let (end, places) = arena.since(&mark);
+        let is_new = |at: usize| end.contains(&at) || places.contains(&at);
+        assert!(is_new(again.addr().get()) && is_new(new[6].addr().get()));
+        assert!(is_new(cells[0].addr().get()) && is_new(cells[1].addr().get()));
+        assert!(!is_new(old[4].addr().get()));
+        arena.give_slot(new[0]);
+        arena.roll_back(mark);
+        assert_eq!((arena.usage(), arena.recycled(), arena.free_slots.clone()), before);
+        let mark = arena.mark();
+        arena.slot(0).unwrap();
+        arena.keep(mark);
+        assert_eq!(arena.recycled(), (2, 1));
+    }
 }
