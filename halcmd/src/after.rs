@@ -43,7 +43,12 @@ impl Last {
             Self::Nothing => Vec::new(),
             Self::Plain(text) => vec![(*text).to_owned()],
             Self::Load(module) => vec![format!("insmod for {module} failed, returned -1")],
-            Self::Unload(_) if failure.text.starts_with("component '") => Vec::new(),
+            Self::Unload(_)
+                if failure.text.ends_with("is not loaded")
+                    || failure.text.ends_with("is not a realtime module") =>
+            {
+                Vec::new()
+            }
             Self::Unload(name) => {
                 vec!["rmmod failed, returned -1".to_owned(), format!("unloadrt failed on '{name}'")]
             }

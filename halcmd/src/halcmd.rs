@@ -158,6 +158,7 @@ fn run(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
     let mut session = Session::new(&mut remote, terminal, style, &instance);
     if let Some(ini) = &ini {
         session.set_ini(ini);
+        session.warn(ini.warnings());
     }
     let outcome = match text {
         Some((path, text)) => session.file(path, Bytes::new(text)),

@@ -108,7 +108,9 @@ fn prepare(plan: &Plan) -> Result<Files, Error> {
         Script::Ini(path) => Some(path),
         Script::Terminal | Script::Nothing => plan.ini.as_ref(),
     };
-    let ini = ini_path.map(|path| Ini::read(Path::new(path))).transpose()?;
+    // A whole machine needs all of its INI file, a script what it looks up.
+    let read = if matches!(plan.script, Script::Ini(_)) { Ini::read } else { Ini::open };
+    let ini = ini_path.map(|path| read(Path::new(path))).transpose()?;
     if let (Script::Ini(_), Some(ini)) = (&plan.script, &ini) {
         machine::refuse(ini)?;
     }
@@ -170,6 +172,7 @@ fn script(
     let mut session = Session::new(&mut link, terminal, plan.style, instance);
     if let Some(ini) = &files.ini {
         session.set_ini(ini);
+        session.warn(ini.warnings());
     }
     if let Some(path) = &plan.record {
         let path = path.display().to_string();
@@ -181,10 +184,7 @@ fn script(
     };
     let outcome = match (&plan.script, &files.ini) {
         (Script::Hal(path), _) => session.file(path, Bytes::new(files.script.clone())),
-        (Script::Ini(path), Some(ini)) => {
-            session.warn(ini.warnings());
-            machine::start(&mut session, ini, Path::new(path))
-        }
+        (Script::Ini(path), Some(ini)) => machine::start(&mut session, ini, Path::new(path)),
         (Script::Terminal, _) => typed(&mut session),
         (Script::Nothing | Script::Ini(_), _) => Outcome::Good,
     };

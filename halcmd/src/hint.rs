@@ -24,7 +24,6 @@ impl Error {
             Self::Time { .. } => {
                 Some("write a number and ns, us, ms or s, such as 20ms".to_owned())
             }
-            Self::UnterminatedQuote => Some("the quote that is not closed begins here".to_owned()),
             Self::TooManyTokens => Some(format!("at most {} words", crate::lex::MAX_WORDS)),
             Self::NoDestination { why, .. }
             | Self::IniFile { why, .. }
@@ -45,7 +44,8 @@ impl Error {
 
 /// The name among `names` that `word` was probably meant to be.
 pub(crate) fn nearest<'a>(word: &str, names: impl Iterator<Item = &'a str>) -> Option<Box<str>> {
-    let near = |name: &str| strsim::damerau_levenshtein(word, name);
+    let lower = word.to_lowercase();
+    let near = |name: &str| strsim::damerau_levenshtein(&lower, &name.to_lowercase());
     let best = names.map(|n| (near(n), n)).min()?;
     (best.0 <= 2 && best.0 < word.len().max(2)).then(|| best.1.into())
 }

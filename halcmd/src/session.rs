@@ -449,7 +449,6 @@ mod tests {
             "print \"x\nprint [B]X\nprint $\n",
             KEEP,
             "!f.hal:1: unterminated quoted string\n\
-             f.hal:1: the quote that is not closed begins here\n\
              f.hal:2: Ini variable '[B]X' not found.\nf.hal:2: did you mean [A]X?\n\
              f.hal:3: Empty variable name.\n",
         );
@@ -463,6 +462,31 @@ mod tests {
             "getp bad",
             Style { silent: true, ..KEEP },
             "!f.hal:1: parameter or pin 'bad': not found\n",
+        );
+    }
+
+    #[test]
+    fn a_person_is_shown_where() {
+        let (mut link, mut terminal) = (Scripted::default(), Captured::default());
+        terminal.person = true;
+        let mut session = Session::new(&mut link, &mut terminal, KEEP, "default");
+        session.file("f.hal", Bytes::new(b"print x\n\ngetp \\\n bad\nfoo [A]X\n".to_vec()));
+        session.command(&["getp", "bad"].map(str::to_owned));
+        assert_eq!(
+            terminal.all,
+            "f.hal:1: HALCMD MSG: x\n\
+             f.hal:4: something led to it\n\
+             f.hal:4: parameter or pin 'bad': not found\n    \
+                 4 |  bad\n      |  ^^^\n\
+             did you mean bed?\n\
+             f.hal:5: Ini variable '[A]X' not found.\n    \
+                 5 | foo [A]X\n      |     ^^^^\n\
+             no INI file was given: -i names one\n\
+             f.hal: 2 lines failed\n\
+             f.hal:5: something led to it\n\
+             f.hal:5: parameter or pin 'bad': not found\n      \
+                 | getp bad\n      |      ^^^\n\
+             did you mean bed?\n"
         );
     }
 
@@ -669,6 +693,9 @@ mod tests {
             "!f.hal:1: waitpid failed false foo\nf.hal:1: false exited without becoming ready\n",
         );
         check("loadusr -Wn halcmd20 true\n", KEEP, "");
+        let (_, said, _) = run("loadusr -Wn nobody sleep 0.2\n", KEEP);
+        let patient = "Waiting for component 'nobody' to become ready.";
+        assert!(said.err.contains(patient), "{}", said.err);
         let nothing = "/no/such/program";
         let said = format!("f.hal:1: execv({nothing}): No such file or directory\n");
         check(&format!("loadusr {nothing}\n"), KEEP, &said);

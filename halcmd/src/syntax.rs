@@ -1,7 +1,7 @@
 //! The syntax tree of a line: its words, and where each of them stands.
 
 use crate::{
-    Command,
+    Command, Error,
     fault::{Fault, Span, blamed},
     lex::{self, Line, spans, uncomment},
     table,
@@ -78,10 +78,15 @@ impl Statement {
     }
 
     /// The words that an error is about, marked.
-    pub(crate) fn blame(&self, error: crate::Error) -> Fault {
+    pub(crate) fn blame(&self, error: Error) -> Fault {
         let words = blamed(&error, &self.words);
         let (first, last) = (self.span(words.start), self.span(words.end.max(1) - 1));
-        Fault::at(error, first.start..last.end.max(first.end))
+        let after = if matches!(error, Error::NoFunct | Error::NoThread) {
+            vec!["delf failed".to_owned()]
+        } else {
+            Vec::new()
+        };
+        Fault { after, ..Fault::at(error, first.start..last.end.max(first.end)) }
     }
 }
 
@@ -134,4 +139,129 @@ pub fn statements<'a>(
         };
         (line, parsed)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ini::Ini;
+
+    const INI: &str = "[A]\nX = 5\nTWO = and2.0.in0 and2.0.in1\nLONGER = 123456\n";
+
+    /// Every word of a text and the part of the file it stands for.
+    fn check(text: &str, want: &[(&str, &str)]) {
+        let ini = Ini::parse("m.ini", INI.as_bytes()).unwrap();
+        let values = Values { environment: &|_| Some("v w".to_owned()), ini: Some(&ini) };
+        let (line, statement) = statements(text.as_bytes(), values).next().unwrap();
+        let statement = statement.unwrap();
+        let text = line.text.unwrap();
+        let got: Vec<(&str, &str)> = statement
+            .words()
+            .iter()
+            .enumerate()
+            .map(|(n, word)| (word.as_str(), text.get(statement.span(n)).unwrap()))
+            .collect();
+        assert_eq!(got, want);
+    }
+
+    #[test]
+    fn words_know_where_they_stand() {
+        check("setp  a.b\t5 # c", &[("setp", "setp"), ("a.b", "a.b"), ("5", "5")]);
+        check("print \"a b\"", &[("print", "print"), ("\"a b\"", "\"a b\"")]);
+        check("setp a\\\n.b [A]X", &[("setp", "setp"), ("a.b", "a.b"), ("5", "[A]X")]);
+        check("setp a [A](X)00", &[("setp", "setp"), ("a", "a"), ("500", "[A](X)00")]);
+        check("setp [A]X y z", &[("setp", "setp"), ("5", "[A]X"), ("y", "y"), ("z", "z")]);
+        check("é [A]LONGER ü", &[("é", "é"), ("123456", "[A]LONGER"), ("ü", "ü")]);
+        check(
+            "net s [A]TWO x",
+            &[
+                ("net", "net"),
+                ("s", "s"),
+                ("and2.0.in0", "[A]TWO"),
+                ("and2.0.in1", "[A]TWO"),
+                ("x", "x"),
+            ],
+        );
+        check("p a$(E)b c", &[("p", "p"), ("av", "a$(E)"), ("wb", "$(E)b"), ("c", "c")]);
+        check("\n", &[]);
+    }
+
+    /// What a person is shown of the first line that is wrong in itself.
+    fn shown(text: &str) -> String {
+        let ini = Ini::parse("m.ini", INI.as_bytes()).unwrap();
+        let values = Values { environment: &|_| None, ini: Some(&ini) };
+        for (line, parsed) in statements(text.as_bytes(), values) {
+            let fault = match parsed {
+                Err(fault) => fault,
+                Ok(statement) if statement.words().is_empty() => continue,
+                Ok(statement) => match statement.command() {
+                    Err(fault) => fault,
+                    Ok(_) => continue,
+                },
+            };
+            let at = fault.at.unwrap();
+            return format!("{}\n{}", fault.error, excerpt(&line, &at).unwrap());
+        }
+        String::new()
+    }
+
+    #[test]
+    fn errors_point_at_the_word_that_is_wrong() {
+        for (text, want) in [
+            ("\nstart\nadff x y\n", "Unknown command 'adff'\n    3 | adff x y\n      | ^^^^\n"),
+            (
+                "linkps a => b c d # e",
+                "linkps requires 2 arguments, 4 given\n    1 | linkps a => b c d # e\n      |               ^^^\n",
+            ),
+            ("setp a", "setp requires 2 arguments, 1 given\n    1 | setp a\n      |        ^\n"),
+            (
+                "newsig x bitt",
+                "Unknown signal type 'bitt'\n    1 | newsig x bitt\n      |          ^^^^\n",
+            ),
+            (
+                "newsig \\\n x \\\n bitt",
+                "Unknown signal type 'bitt'\n    3 |  bitt\n      |  ^^^^\n",
+            ),
+            (
+                "newsig x \\\n bitt \\\n\n",
+                "Unknown signal type 'bitt'\n    2 |  bitt \\\n      |  ^^^^\n",
+            ),
+            (
+                "setp\t\ta [A]XX",
+                "Ini variable '[A]XX' not found.\n    1 | setp\t\ta [A]XX\n      |     \t\t  ^^^^^\n",
+            ),
+            (
+                "newsig [A]X [A]X",
+                "Unknown signal type '5'\n    1 | newsig [A]X [A]X\n      |        ^^^^\n",
+            ),
+            (
+                "print \"abc # d",
+                "unterminated quoted string\n    1 | print \"abc # d\n      |       ^^^^^^^^\n",
+            ),
+            ("print $", "Empty variable name.\n    1 | print $\n      |       ^\n"),
+            ("print [A", "Missing close square bracket.\n    1 | print [A\n      |       ^^\n"),
+            ("delf", "missing function name\n    1 | delf\n      |      ^\n"),
+            (
+                "loadusr -z x",
+                "loadusr: invalid option -- 'z'\n    1 | loadusr -z x\n      |         ^^\n",
+            ),
+            (
+                "print \u{1b}[A",
+                "Missing close square bracket.\n    1 | print ·[A\n      |        ^^\n",
+            ),
+        ] {
+            assert_eq!(shown(text), want, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn long_lines_are_shown_around_what_is_wrong() {
+        let text = format!("print {} [A]NO {}", "x".repeat(200), "y".repeat(200));
+        let shown = shown(&text);
+        let lines: Vec<&str> = shown.lines().collect();
+        let mark = lines[2].find('^').unwrap();
+        let column = lines[1].chars().take_while(|c| *c != '[').count();
+        assert_eq!(mark, column, "{shown}");
+        assert!(lines[1].chars().count() < 112, "{shown}");
+    }
 }

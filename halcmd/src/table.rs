@@ -182,7 +182,7 @@ mod tests {
     #[test]
     fn words_that_mean_nothing_are_named() {
         for (line, want) in [
-            ("PRINT x", "Unknown command 'PRINT'"),
+            ("PRINT x", "Unknown command 'PRINT'; did you mean print?"),
             ("netx a b", "Unknown command 'netx'; did you mean net?"),
             ("loadtr and2", "Unknown command 'loadtr'; did you mean loadrt?"),
             ("quit", "Unknown command 'quit'"),

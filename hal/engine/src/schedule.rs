@@ -265,16 +265,16 @@ impl Engine {
         self.unlocked(Lock::CONFIG, "del_funct_from_thread")?;
         let f = self.graph.find_funct(funct)?;
         let mut threads = self.graph.threads_of(f);
-        if let Some(name) = thread {
-            let t = self.graph.find_thread(name)?;
+        let t = thread.map(|name| self.graph.find_thread(name)).transpose()?;
+        if threads.is_empty() {
+            return Err(Error::NotInUse { funct: funct.into() });
+        }
+        if let (Some(name), Some(t)) = (thread, t) {
             if !threads.contains(&t) {
                 let thread = name.into();
                 return Err(Error::NotInThread { funct: funct.into(), thread });
             }
             threads = vec![t];
-        }
-        if threads.is_empty() {
-            return Err(Error::NotInUse { funct: funct.into() });
         }
         threads.into_iter().for_each(|t| self.take_out(f, t));
         Ok(())

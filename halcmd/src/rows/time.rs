@@ -1,6 +1,6 @@
 //! Threads, and time.
 
-use crate::{Command, parse, table::Row, word::Word as W};
+use crate::{Command, parse, rows::ANY, table::Row, word::Word as W};
 use hal_protocol::Request;
 
 const LOCKED: (&str, &str) = ("while HAL is locked", "'unlock' allows changes again");
@@ -15,7 +15,7 @@ pub(super) const ROWS: &[Row] = &[
     Row {
         name: "addf",
         usage: "FUNCT THREAD [POSITION]",
-        args: (2, 3),
+        args: (2, ANY),
         summary: "add a function to a thread",
         help: "Position 1 is the first, -1 the last (which is the default). Functions run in this \
                order in each cycle, so readers of inputs come first and writers of outputs last.",
@@ -36,7 +36,7 @@ pub(super) const ROWS: &[Row] = &[
     Row {
         name: "initf",
         usage: "FUNCT THREAD [POSITION]",
-        args: (2, 3),
+        args: (2, ANY),
         summary: "run a function once in a thread's first cycle",
         help: "That cycle comes after 'start' and before the first ordinary one.",
         words: &[W::FreeFunct, W::Thread, W::Free],

@@ -25,3 +25,12 @@ try halcmd -h nonsense
 try halcmd -h addf
 try halsampler -z
 try halstreamer a b
+try halrun --instance b --hold=1 x.hal
+try halrun --instance b --for
+try halrun --instance b -i
+try halrun
+try halcmd -Q linkps a b
+try halcmd -i no.ini -f one.hal
+try halcmd -k -f two.hal
+try halcmd -v -k -f two.hal
+try halcmd -kQ -f two.hal

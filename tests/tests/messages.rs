@@ -1,0 +1,199 @@
+//! Every message is shown by a case: those that LinuxCNC has (`tests/hal/reference.txt`), and those
+//! that the sources have. `tests/hal/MESSAGES.md` says which case shows which; `UPDATE_EXPECT=1`
+//! writes it.
+#![expect(clippy::unwrap_used, reason = "tests")]
+
+use hal_tests::{case::cases, programs::root};
+use std::{collections::BTreeMap, fmt::Write, fs};
+
+/// Messages that no script brings about, and what shows them instead.
+const ELSEWHERE: &[(&str, &str)] = &[
+    ("Use 'help <command>' for more details about each command", "halcmd/src/help.rs"),
+    ("Waiting for component '*' to become ready.", "halcmd/src/session.rs"),
+    ("*: built for major version * of the plugin contract, this engine has *", FAULTS),
+    ("*: built for minor version * of the plugin contract, this engine has only *", FAULTS),
+    ("*: built with panic=abort: a panic in it would end the machine's process", FAULTS),
+    ("*: not a plugin: *", FAULTS),
+    ("function '*' has failed: threads stay stopped", "tests/tests/faults_running.rs"),
+    ("instance '*' is already running", REFUSALS),
+    ("no command with ticket * is known", REFUSALS),
+    ("stream '*' is in use by another program", "tests/tests/rings.rs"),
+    (
+        "this change takes * stores at once; at most 256 are made while threads run",
+        "tests/tests/faults_edits.rs",
+    ),
+    ("this client has not joined as a component", "tests/tests/faults_clients.rs"),
+    ("thread '*' is stuck in its cycle, in function '*'", "tests/tests/faults_edits.rs"),
+    ("signal '*' is a port and cannot have I/O pin(s)", REFUSALS),
+    ("signal '*' is a port and can only have one input pin", REFUSALS),
+    ("insufficient memory", "the machine's memory is used up"),
+    ("* are loaded already, by component '*'", "two components offer the same service"),
+    ("the engine answered something else than was asked", "never, or it is a defect"),
+];
+const FAULTS: &str = "tests/tests/faults.rs";
+const REFUSALS: &str = "tests/tests/refusals.rs";
+
+/// The commands that scripts of LinuxCNC have.
+const COMMANDS: &str = "loadrt unloadrt loadusr waitusr unloadusr unload newsig delsig sets gets \
+    stype setp getp ptype net linkps linksp unlinkp addf initf delf start stop show list save \
+    status alias unalias lock unlock print echo unecho debug source help quit exit \
+    setexact_for_test_suite_only";
+
+/// Where sentences are made.
+const SOURCES: &[&str] =
+    &["halcmd/src/error.rs", "hal/engine/src/error.rs", "hal/engine/src/hint.rs"];
+
+/// What every case prints, by its name.
+fn printed() -> BTreeMap<String, Vec<String>> {
+    cases()
+        .into_iter()
+        .map(|case| {
+            let text =
+                fs::read_to_string(root().join("tests/hal").join(&case.name).join("expected"));
+            (case.name, text.unwrap().lines().map(str::to_owned).collect())
+        })
+        .collect()
+}
+
+/// Whether a line has this message in it; `*` stands for anything.
+fn says(line: &str, message: &str) -> bool {
+    let mut parts = message.split('*');
+    let first = parts.next().unwrap_or_default();
+    line.match_indices(first).any(|(at, _)| {
+        let mut rest = line.get(at + first.len()..).unwrap_or_default();
+        parts.clone().all(|part| match rest.find(part) {
+            Some(at) => {
+                rest = rest.get(at + part.len()..).unwrap_or_default();
+                true
+            }
+            None => false,
+        })
+    })
+}
+
+fn reference() -> Vec<(String, String)> {
+    let text = fs::read_to_string(root().join("tests/hal/reference.txt")).unwrap();
+    let rows = text.lines().filter(|l| !l.starts_with('#'));
+    rows.map(|l| l.split_at(12)).map(|(s, m)| (s.trim().to_owned(), m.to_owned())).collect()
+}
+
+/// The sentences in a file: what is written between its `Display` and its tests.
+fn sentences(path: &str) -> Vec<String> {
+    let text = fs::read_to_string(root().join(path)).unwrap();
+    let text = text.split("#[cfg(test)]").next().unwrap();
+    let text = text.split_once("fmt::Display for").map_or(text, |(_, after)| after);
+    let mut found = Vec::new();
+    for (at, _) in text.match_indices("write").chain(text.match_indices("format!(")) {
+        let call: String = text.get(at..).unwrap().chars().take(400).collect();
+        let Some(quoted) = call.split_once('"').map(|(_, rest)| rest) else { continue };
+        let end = (1..quoted.len()).find(|n| {
+            quoted.get(*n..).is_some_and(|rest| rest.starts_with('"'))
+                && !quoted.get(..*n).is_some_and(|before| before.ends_with('\\'))
+        });
+        // A `write` that begins another word, or one without a text.
+        let near = call.find('"').is_some_and(|q| {
+            call.get(..q).is_some_and(|before| {
+                !before.contains(';') && !before.contains("=>") && before.contains('(')
+            })
+        });
+        if let (true, Some(text)) = (near, end.and_then(|end| quoted.get(..end))) {
+            found.push(pattern(text));
+        }
+    }
+    found.sort();
+    found.dedup();
+    found
+}
+
+/// A text of the sources as a message: places that are filled in become `*`.
+fn pattern(text: &str) -> String {
+    let mut out = String::new();
+    let mut rest = text.replace("\\n", " ");
+    while let Some((before, after)) = rest.split_once('\\') {
+        // A line that goes on in the next.
+        let next = after.trim_start_matches('\n').trim_start();
+        rest = format!("{before}{next}");
+    }
+    let mut rest = rest.as_str();
+    while let Some((before, after)) = rest.split_once('{') {
+        out.push_str(before);
+        out.push('*');
+        rest = after.split_once('}').map_or("", |(_, after)| after);
+    }
+    out + rest
+}
+
+#[test]
+fn every_message_is_shown_by_a_case() {
+    let printed = printed();
+    let path = root().join("tests/hal/MESSAGES.md");
+    let old = fs::read_to_string(&path).unwrap_or_default();
+    let mut messages = reference();
+    for source in SOURCES {
+        let subject = source.split('/').next().unwrap().to_owned();
+        for sentence in sentences(source) {
+            // What has next to nothing of its own could be anything.
+            if sentence.chars().filter(|c| c.is_alphabetic()).count() > 3 {
+                messages.push((subject.clone(), sentence));
+            }
+        }
+    }
+    let mut table = String::from(
+        "# Messages\n\nWhich case shows which message; `*` stands for what varies. Written and \
+         checked by `tests/tests/messages.rs`.\n\n| about | message | shown by |\n|---|---|---|\n",
+    );
+    let mut missing = Vec::new();
+    for (about, message) in messages {
+        let shows = |case: &str| {
+            printed.get(case).is_some_and(|lines| lines.iter().any(|line| says(line, &message)))
+        };
+        let row = |by: &str| format!("| {about} | `` {message} `` | {by} |");
+        // Who shows it need not change when others show it as well.
+        let kept = printed.keys().find(|case| old.contains(&row(case)) && shows(case));
+        let elsewhere = ELSEWHERE.iter().find(|(m, _)| *m == message);
+        if let Some((_, by)) = elsewhere.filter(|(_, by)| root().join(by).is_file()) {
+            let text = fs::read_to_string(root().join(by)).unwrap();
+            let part = message.split('*').find(|part| part.len() > 7).unwrap();
+            assert!(text.contains(part.trim()), "{by} does not show '{message}'");
+        }
+        match (kept.or_else(|| printed.keys().find(|case| shows(case))), elsewhere) {
+            (Some(case), None) => writeln!(table, "{}", row(case)).unwrap(),
+            (None, Some((_, by))) => writeln!(table, "{}", row(by)).unwrap(),
+            (Some(case), Some(_)) => missing.push(format!("{message}: {case} shows it after all")),
+            (None, None) => missing.push(format!("{about}: {message}")),
+        }
+    }
+    assert!(missing.is_empty(), "no case shows:\n{}", missing.join("\n"));
+    if std::env::var_os("UPDATE_EXPECT").is_some() {
+        fs::write(&path, &table).unwrap();
+    }
+    assert_eq!(fs::read_to_string(&path).unwrap(), table, "run this with UPDATE_EXPECT=1");
+}
+
+#[test]
+fn every_command_stands_in_a_case() {
+    let mut used = String::new();
+    for case in cases() {
+        let folder = root().join("tests/hal").join(case.name);
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|e| e == "hal" || e == "ini") {
+                used.push('\n');
+                used.push_str(&fs::read_to_string(path).unwrap_or_default());
+            }
+        }
+    }
+    let words: Vec<&str> = used
+        .lines()
+        .filter_map(|line| line.trim_start_matches("HALCMD = ").split_whitespace().next())
+        .collect();
+    let missing: Vec<&str> = COMMANDS.split_whitespace().filter(|n| !words.contains(n)).collect();
+    assert!(missing.is_empty(), "in no case: {missing:?}");
+}
+
+#[test]
+fn messages_have_places_that_vary() {
+    assert!(says("f:1: pin 'a' not found", "pin '*' not found"));
+    assert!(!says("f:1: pin 'a' is found", "pin '*' not found"));
+    assert_eq!(pattern("x {a} \\\n      y {b:?}"), "x * y *");
+}
