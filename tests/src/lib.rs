@@ -8,4 +8,5 @@ pub mod machine;
 pub mod plugins;
 pub mod programs;
 pub mod scratch;
+pub mod trace;
 pub mod vcd;

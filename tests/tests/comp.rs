@@ -1,0 +1,173 @@
+//! The components of `tests/comp`: compiled by halcompile, loaded by halrun, and compared to their
+//! tables. `CASE=name` takes those whose names begin so.
+#![expect(clippy::unwrap_used, reason = "tests")]
+
+use hal_tests::{programs::root, scratch::Scratch, trace::replay};
+use std::{
+    fs,
+    io::Write,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+/// The files of this ending.
+fn files(ending: &str) -> Vec<PathBuf> {
+    let wanted = std::env::var("CASE").unwrap_or_default();
+    let folder = fs::read_dir(root().join("tests/comp")).unwrap();
+    let mut files: Vec<PathBuf> = folder.map(|e| e.unwrap().path()).collect();
+    files.retain(|p| p.extension().is_some_and(|e| e == ending) && name(p).starts_with(&wanted));
+    files.sort();
+    files
+}
+
+fn name(path: &Path) -> String {
+    path.file_stem().unwrap().to_string_lossy().into_owned()
+}
+
+/// Whether there is a C compiler; without one these tests have nothing to do.
+fn compiler() -> bool {
+    let cc = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+    let is_there = Command::new(cc).arg("--version").output().is_ok();
+    if !is_there {
+        writeln!(std::io::stdout(), "no C compiler: skipped").unwrap();
+    }
+    is_there
+}
+
+/// Compiles a file into a folder of its own.
+fn compiled(file: &Path) -> Result<Scratch, String> {
+    let scratch = Scratch::new(&name(file));
+    let mut command = scratch.command(&[], "halcompile");
+    let output = scratch.run(command.arg("--compile").arg(file));
+    match output.status {
+        Some(0) if output.stderr.is_empty() => Ok(scratch),
+        status => Err(format!("{}: {status:?}\n{}", file.display(), output.stderr)),
+    }
+}
+
+/// Does something for every file, several at once; fails with all that went wrong.
+fn for_each(files: &[PathBuf], run: impl Fn(&Path) -> Result<usize, String> + Sync) -> usize {
+    const LANES: usize = 4;
+    let done: Vec<Result<usize, String>> = std::thread::scope(|scope| {
+        let lanes: Vec<_> = (0..LANES)
+            .map(|lane| {
+                let run = &run;
+                let own = files.iter().skip(lane).step_by(LANES);
+                scope.spawn(move || {
+                    own.map(|f| run(f).map_err(|e| format!("{}\n{e}", f.display())))
+                        .collect::<Vec<_>>()
+                })
+            })
+            .collect();
+        lanes.into_iter().flat_map(|lane| lane.join().unwrap()).collect()
+    });
+    let (mut rows, mut wrong) = (0, Vec::new());
+    for one in done {
+        match one {
+            Ok(n) => rows += n,
+            Err(e) => wrong.push(e),
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    rows
+}
+
+#[test]
+fn every_component_does_what_its_table_says() {
+    if !compiler() {
+        return;
+    }
+    let tables = files("txt");
+    let rows = for_each(&tables, |table| {
+        let scratch = compiled(&table.with_extension("comp"))?;
+        replay(&fs::read_to_string(table).unwrap(), scratch.path())
+    });
+    if std::env::var_os("CASE").is_none() {
+        assert!(tables.len() >= 40 && rows >= 90, "{} tables, {rows} rows", tables.len());
+        assert_eq!(files("comp").len(), tables.len(), "a table for every component");
+    }
+}
+
+/// A symbol is there for other modules only when `EXPORT_SYMBOL` says so.
+#[test]
+fn symbols_stay_inside() {
+    if !compiler() {
+        return;
+    }
+    let scratch =
+        compiled(&root().join("tests/comp/shares.comp")).unwrap_or_else(|e| panic!("{e}"));
+    let bytes = fs::read(scratch.path().join("shares.so")).unwrap();
+    let has = |name: &str| bytes.windows(name.len()).any(|w| w == name.as_bytes());
+    let dynamic = dynamic_symbols(&bytes);
+    assert!(has("shares_answer"));
+    for (name, shown) in [
+        ("rtapi_app_main", true),
+        ("rtapi_app_exit", true),
+        ("rtapi_info_type_count", true),
+        ("rtapi_info_address_names", true),
+        ("shares_answer", true),
+        ("shares_secret", false),
+        ("comp_id", false),
+    ] {
+        assert_eq!(dynamic.iter().any(|d| d == name), shown, "{name}: {dynamic:?}");
+    }
+}
+
+fn dynamic_symbols(bytes: &[u8]) -> Vec<String> {
+    use object::{Object, ObjectSymbol};
+    let file = object::File::parse(bytes).unwrap();
+    let defined = file.dynamic_symbols().filter(|s| s.is_definition() && s.is_global());
+    defined.map(|s| s.name().unwrap().to_owned()).collect()
+}
+
+/// The compiler's messages name lines of the .comp file, and nothing is left where something stood.
+#[test]
+fn what_the_compiler_refuses_is_named_in_the_comp_file() {
+    if !compiler() {
+        return;
+    }
+    let scratch = Scratch::new("refused");
+    let text = "component wrong;\npin in bit a;\npin out bit b;\nvariable nothing v;\nfunction _;\nlicense \"MIT\";\n;;\nb = a\n";
+    scratch.write("wrong.comp", text);
+    scratch.write("wrong.so", "what stood here before");
+    let output = scratch.run(scratch.command(&[], "halcompile").args(["-c", "wrong.comp"]));
+    assert_eq!(output.status, Some(1));
+    for part in ["wrong.comp:4:", "wrong.comp:9:", "wrong.comp: cc refused it; nothing was made"] {
+        assert!(output.stderr.contains(part), "{part}: {}", output.stderr);
+    }
+    let names: Vec<String> = scratch.files().into_keys().collect();
+    assert_eq!(names, ["wrong.comp", "wrong.so"]);
+    assert_eq!(scratch.read("wrong.so"), "what stood here before");
+}
+
+/// The declaration in Rust compiles as it stands, for every component.
+#[test]
+fn declarations_in_rust_compile() {
+    let scratch = Scratch::new("in-rust");
+    let mut lib = String::from("//! Every component of the tests, declared in Rust.\n");
+    fs::create_dir(scratch.path().join("src")).unwrap();
+    for file in files("comp") {
+        let mut command = scratch.command(&[], "halcompile");
+        let out = format!("src/{}.rs", name(&file));
+        let output = scratch.run(command.arg("--rust").arg("-o").arg(&out).arg(&file));
+        assert_eq!(output.status, Some(0), "{}", output.stderr);
+        lib.push_str(&format!("mod {};\n", name(&file)));
+    }
+    scratch.write("src/lib.rs", lib);
+    let component = root().join("hal/component");
+    scratch.write(
+        "Cargo.toml",
+        format!(
+            "[package]\nname = \"in-rust\"\nversion = \"0.1.0\"\nedition = \"2024\"\n[dependencies]\n\
+             hal-component = {{ path = {component:?} }}\n[workspace]\n"
+        ),
+    );
+    fs::copy(root().join("Cargo.lock"), scratch.path().join("Cargo.lock")).unwrap();
+    let mut cargo = hal_tests::programs::cargo("check");
+    let (target, _) = hal_tests::programs::target();
+    cargo.args(["--offline", "--quiet", "--manifest-path"]).arg(scratch.path().join("Cargo.toml"));
+    cargo.arg("--target-dir").arg(target.join("test-in-rust")).env("RUSTFLAGS", "-D warnings");
+    let output = cargo.output().unwrap();
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{text}");
+}
