@@ -2,7 +2,11 @@
 //! tables. `CASE=name` takes those whose names begin so.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
-use hal_tests::{programs::root, scratch::Scratch, trace::replay};
+use hal_tests::{
+    programs::{programs, root},
+    scratch::{Scratch, until},
+    trace::replay,
+};
 use std::{
     fs,
     io::Write,
@@ -30,6 +34,16 @@ fn compiler() -> bool {
     let is_there = Command::new(cc).arg("--version").output().is_ok();
     if !is_there {
         writeln!(std::io::stdout(), "no C compiler: skipped").unwrap();
+    }
+    is_there
+}
+
+/// Whether the library that loads components in C is there: it has a descriptor.
+fn loader() -> bool {
+    let library = fs::read(programs().join("libcompat.so")).unwrap_or_default();
+    let is_there = dynamic_symbols(&library).iter().any(|s| s == "hal_library_compat");
+    if !is_there {
+        writeln!(std::io::stdout(), "no loader of components in C: skipped").unwrap();
     }
     is_there
 }
@@ -74,7 +88,7 @@ fn for_each(files: &[PathBuf], run: impl Fn(&Path) -> Result<usize, String> + Sy
 
 #[test]
 fn every_component_does_what_its_table_says() {
-    if !compiler() {
+    if !compiler() || !loader() {
         return;
     }
     let tables = files("txt");
@@ -115,7 +129,7 @@ fn symbols_stay_inside() {
 
 fn dynamic_symbols(bytes: &[u8]) -> Vec<String> {
     use object::{Object, ObjectSymbol};
-    let file = object::File::parse(bytes).unwrap();
+    let Ok(file) = object::File::parse(bytes) else { return Vec::new() };
     let defined = file.dynamic_symbols().filter(|s| s.is_definition() && s.is_global());
     defined.map(|s| s.name().unwrap().to_owned()).collect()
 }
@@ -170,4 +184,78 @@ fn declarations_in_rust_compile() {
     let output = cargo.output().unwrap();
     let text = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{text}");
+}
+
+/// Looks until a pin has this value.
+fn becomes(scratch: &Scratch, pin: &str, value: &str) {
+    let mut last = String::new();
+    let is_so = |last: &mut String| {
+        *last = scratch.halcmd(&["getp", pin]).stdout.trim().to_owned();
+        *last == value
+    };
+    until(&format!("{pin} becomes {value}"), || is_so(&mut last));
+}
+
+/// A program in C with pins: it joins, its values go both ways, and it ends with the instance.
+#[test]
+fn programs_exchange_their_values() {
+    if !compiler() {
+        return;
+    }
+    let scratch = Scratch::new("programs");
+    for name in ["doubles", "greets"] {
+        let file = root().join(format!("tests/comp/programs/{name}.comp"));
+        fs::copy(&file, scratch.path().join(format!("{name}.comp"))).unwrap();
+        let mut command = scratch.command(&[], "halcompile");
+        let output = scratch.run(command.args(["--compile", &format!("{name}.comp")]));
+        assert_eq!((output.status, output.stderr.as_str()), (Some(0), ""));
+    }
+    scratch.write(
+        "test.hal",
+        "loadrt threads\nloadusr -W ./doubles\nloadusr -Wn greets ./greets names=ann,bob 42\nprint ready\n",
+    );
+    let running = scratch.start(scratch.command(&[], "halrun").arg("test.hal"));
+    until("the script is through", || running.said().1.contains("MSG: ready"));
+    for (pin, value) in [
+        ("doubles.0.out", "3"),
+        ("doubles.0.gone", "TRUE"),
+        ("doubles.0.na", "-6"),
+        ("doubles.0.nb", "1"),
+        ("doubles.0.nc", "-5000000000"),
+        ("doubles.0.nd", "18446744073709551615"),
+        ("doubles.0.counter", "3"),
+        ("doubles.0.row-1", "1.5"),
+        ("doubles.0.large", "FALSE"),
+        ("ann.out", "1.5"),
+        ("bob.first", "42"),
+    ] {
+        becomes(&scratch, pin, value);
+    }
+    for (pin, value) in [
+        ("doubles.0.in", "8"),
+        ("doubles.0.gain", "0.25"),
+        ("doubles.0.go", "0"),
+        ("doubles.0.counter", "10"),
+        ("bob.times", "8"),
+    ] {
+        assert_eq!(scratch.halcmd(&["setp", pin, value]).status, Some(0), "{pin}");
+    }
+    for (pin, value) in [
+        ("doubles.0.out", "2"),
+        ("doubles.0.gone", "FALSE"),
+        ("doubles.0.counter", "20"),
+        ("doubles.0.row-1", "8"),
+        ("doubles.0.large", "TRUE"),
+        ("bob.out", "4"),
+        ("ann.out", "1.5"),
+    ] {
+        becomes(&scratch, pin, value);
+    }
+    // One ends by itself, and takes its pins along; the other ends with the instance.
+    assert_eq!(scratch.halcmd(&["setp", "ann.stop", "1"]).status, Some(0));
+    assert_eq!(scratch.halcmd(&["waitusr", "greets"]).status, Some(0));
+    assert_eq!(scratch.halcmd(&["getp", "ann.out"]).status, Some(1));
+    assert_eq!(scratch.halcmd(&["shutdown"]).status, Some(0));
+    assert_eq!(running.wait().status, Some(0));
+    assert!(scratch.left().is_empty());
 }

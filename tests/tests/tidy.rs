@@ -73,6 +73,7 @@ fn arrows_point_only_downward() {
         ("hal-protocol", &["hal-abi"]),
         ("hal-engine", &["hal-abi", "hal-protocol"]),
         ("halcmd", &["hal-engine", "hal-protocol"]),
+        ("ferrule-client", &["hal-protocol"]),
     ]);
     for (name, table) in &members {
         if name == "hal-tests" {

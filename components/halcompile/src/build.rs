@@ -40,7 +40,7 @@ pub struct Job<'a> {
 }
 
 /// Flags of every compilation. Numbers come out the same on every machine, so nothing is fused.
-const FLAGS: &[&str] =
+pub(crate) const FLAGS: &[&str] =
     &["-std=gnu11", "-D_GNU_SOURCE", "-fPIC", "-Os", "-g", "-fno-fast-math", "-ffp-contract=off"];
 
 /// Compiles and links. The file is whole when it appears under its name; what stood there before
@@ -59,7 +59,7 @@ pub fn build(job: &Job<'_>) -> Result<(), Error> {
         Target::Program => cc.arg("-DULAPI"),
     };
     let beside = job.source.parent().filter(|p| !p.as_os_str().is_empty());
-    cc.arg("-I").arg(include).arg("-I").arg(beside.unwrap_or(Path::new(".")));
+    cc.arg("-I").arg(&include).arg("-I").arg(beside.unwrap_or(Path::new(".")));
     cc.args(&job.compile_args).arg("-c").arg(job.c_file).arg("-o").arg(&object);
     run(cc, job.source)?;
     let out = scratch.path.join("out");
@@ -78,7 +78,7 @@ pub fn build(job: &Job<'_>) -> Result<(), Error> {
     }
     link.arg("-o").arg(&out).arg(&object).args(&job.link_args);
     if job.target == Target::Program {
-        link.args(crate::program::link_words()?);
+        link.args(crate::program::link_words(&scratch.path, &include)?);
     }
     link.arg("-lm");
     run(link, job.source)?;

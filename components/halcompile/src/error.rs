@@ -18,6 +18,7 @@ pub enum Error {
     Ending { path: Box<str> },
     NotFor { path: Box<str>, action: &'static str, kinds: &'static str },
     NoPlace { what: &'static str, variable: &'static str },
+    NoLibrary { library: &'static str, folder: Box<str> },
     OutForSeveral,
 }
 
@@ -52,6 +53,10 @@ impl fmt::Display for Error {
             Self::NoPlace { what, variable } => {
                 write!(f, "there is no folder for {what}; {variable} names it")
             }
+            Self::NoLibrary { library, folder } => write!(
+                f,
+                "{library} is not in {folder}: programs are linked with it (cargo build makes it)"
+            ),
             Self::OutForSeveral => f.write_str("--outfile is for a single file"),
         }
     }
