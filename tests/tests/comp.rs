@@ -1,6 +1,6 @@
 //! The components of `tests/comp`: compiled by halcompile, loaded by halrun, and compared to their
 //! tables. `CASE=name` takes those whose names begin so.
-#![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
 
 use hal_tests::{
     programs::{programs, root},
@@ -9,7 +9,6 @@ use hal_tests::{
 };
 use std::{
     fs,
-    io::Write,
     path::{Path, PathBuf},
     process::Command,
 };
@@ -33,7 +32,7 @@ fn compiler() -> bool {
     let cc = std::env::var("CC").unwrap_or_else(|_| "cc".into());
     let is_there = Command::new(cc).arg("--version").output().is_ok();
     if !is_there {
-        writeln!(std::io::stdout(), "no C compiler: skipped").unwrap();
+        println!("no C compiler: skipped");
     }
     is_there
 }
@@ -43,7 +42,7 @@ fn loader() -> bool {
     let library = fs::read(programs().join("libcompat.so")).unwrap_or_default();
     let is_there = dynamic_symbols(&library).iter().any(|s| s == "hal_library_compat");
     if !is_there {
-        writeln!(std::io::stdout(), "no loader of components in C: skipped").unwrap();
+        println!("no loader of components in C: skipped");
     }
     is_there
 }
