@@ -20,11 +20,15 @@ const CYCLES: u64 = 10_000;
 /// What some components must be given, or show more with; once for each way.
 const WITH: &[(&str, &[&str])] = &[
     ("and2", &["count=4"]),
+    ("bitslice", &["personality=32"]),
     ("debounce", &["cfg=1,4,2"]),
+    ("demux", &["personality=9"]),
     ("hal_parport", &["cfg=378_out_278_in_3bc_x"]),
     ("logic", &["count=2 personality=0x704,0x310"]),
     ("motmod", &["base_period_nsec=100000 servo_period_nsec=500000 num_joints=3"]),
     ("sampler", &["depth=50,7 cfg=fbsulk,bb"]),
+    ("pid", &["num_chan=2 debug=1"]),
+    ("pwmgen", &["output_type=0,1,2"]),
     (
         "stepgen",
         &[
@@ -34,6 +38,7 @@ const WITH: &[(&str, &[&str])] = &[
     ),
     ("streamer", &["depth=50,7 cfg=fbsulk,bb"]),
     ("threads", &["name1=also period1=1000000"]),
+    ("watchdog", &["num_inputs=3"]),
 ];
 
 /// The function that comes and goes while cycles are counted.

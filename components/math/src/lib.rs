@@ -6,6 +6,7 @@ mod abs_s32;
 mod bounds;
 mod comp;
 mod ddt;
+mod deadzone;
 mod div2;
 mod hypot;
 mod integ;
@@ -27,6 +28,7 @@ hal_component::export!(
     abs_s32::AbsS32,
     comp::Comp,
     ddt::Ddt,
+    deadzone::Deadzone,
     div2::Div2,
     hypot::Hypot,
     integ::Integ,

@@ -133,6 +133,15 @@ impl<T: Value, D: Dir> Item<T, D> {
     }
 }
 
+impl<T: Value> InSet<T> {
+    /// Writes what the pin holds while nothing is linked to it; a signal keeps its value.
+    #[inline]
+    pub fn set_own(&self, value: T) {
+        // SAFETY: the builder got this slot from the engine, whose arena outlives the instance.
+        unsafe { self.slot.as_ref() }.own().store(value.to_bits());
+    }
+}
+
 impl<T: Value, D: Dir> Touch for Item<T, D> {
     fn touch(&self, uses: &mut Uses) {
         uses.item(self.slot(), D::ACCESS);

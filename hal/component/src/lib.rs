@@ -39,6 +39,7 @@ mod decl;
 mod item;
 mod kinematics;
 mod outside;
+mod pins;
 mod port;
 mod share;
 mod shim;
@@ -56,6 +57,8 @@ pub use hal_derive::{Component, Touch};
 pub use item::Begins;
 pub use item::{Field, In, InSet, Io, Item, Out, ParamRo, ParamRw, Value, Write};
 pub use kinematics::{Kinematics, KinematicsKind, KinematicsRef, Pose};
+#[doc(hidden)]
+pub use pins::{pin_doc, pin_name};
 pub use port::Port;
 pub use share::{Gives, Receiver, Sender, Takes, Touch, Uses};
 #[doc(hidden)]

@@ -17,8 +17,9 @@
 //!
 //! `load` begins a block with a bench of its own. A row sets its inputs, runs the functions of
 //! `run` once in their order, and compares its outputs; `.` leaves an input as it is and an
-//! output unread. `set` and `expect` act where they stand. Numbers must be equal, or differ by
-//! no more than `within`; bits are 0 and 1; `nan` equals itself.
+//! output unread. `set` and `expect` act where they stand; `link PIN` gives a pin a signal, which
+//! `set` then sets. Numbers must be equal, or differ by no more than `within`; bits are 0 and 1;
+//! `nan` equals itself.
 
 use crate::{Component, bench::Bench};
 
@@ -80,6 +81,7 @@ impl Block {
             ["run", names @ ..] => self.run = owned(names),
             ["in", names @ ..] => self.inputs = owned(names),
             ["out", names @ ..] => self.outputs = owned(names),
+            ["link", name] => self.bench.link(name),
             ["set", name, value] => self.set(name, value)?,
             ["expect", name, value] => self.expect(name, value)?,
             _ => return self.row(line).map(|()| true),

@@ -69,13 +69,13 @@ pub(super) unsafe extern "C" fn item(
         t.failed = format!("duplicate or too long name '{name}'");
         return Status::EEXIST;
     }
-    let slot = Box::new(Slot::unlinked(spec.initial));
+    let slots = Box::new([Slot::unlinked(spec.initial), Slot::unlinked(0)]);
     // SAFETY: a live place of the caller's.
-    unsafe { out.write(&raw const *slot) };
+    unsafe { out.write(slots.as_ptr()) };
     if !old.is_empty() {
         t.old_names.insert(old, name.clone());
     }
-    t.items.insert(name, Laid { slot, ty: spec.ty, dir: spec.dir });
+    t.items.insert(name, Laid { slots, ty: spec.ty, dir: spec.dir });
     Status::OK
 }
 

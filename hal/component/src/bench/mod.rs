@@ -40,6 +40,10 @@ use std::{
     sync::atomic::{AtomicU8, Ordering::Relaxed},
 };
 
+/// From a slot to its signal's cell: beyond the slot, the own cell of the one after it.
+const SIGNAL: i32 = 16 + Slot::OWN;
+const _: () = assert!(size_of::<Slot>() == 16);
+
 /// The table. Every method panics on a name that is not there, as a test should.
 pub struct Bench {
     table: Box<RefCell<Table>>,
@@ -197,20 +201,29 @@ impl Bench {
         let name = table.old_names.get(name).map_or(name, String::as_str);
         let laid = table.items.get(name).unwrap_or_else(|| panic!("no pin {name}"));
         assert_eq!(laid.ty, T::TYPE, "{name} has another type");
-        &raw const *laid.slot
+        laid.slots.as_ptr()
     }
 
     /// Sets a pin or parameter.
     pub fn set<T: Value>(&self, name: &str, value: T) {
-        // SAFETY: a slot on the table, aimed at its own cell.
+        // SAFETY: a slot on the table, aimed at its own cell or its signal's.
         unsafe { Slot::cell(self.slot::<T>(name)) }.store(value.to_bits());
     }
 
     /// Reads a pin or parameter.
     #[must_use]
     pub fn get<T: Value>(&self, name: &str) -> T {
-        // SAFETY: a slot on the table, aimed at its own cell.
+        // SAFETY: a slot on the table, aimed at its own cell or its signal's.
         T::from_bits(unsafe { Slot::cell(self.slot::<T>(name)) }.load())
+    }
+
+    /// Links a pin to a signal of its own, which takes over its value.
+    pub fn link(&self, name: &str) {
+        let table = self.table.borrow();
+        let laid = table.items.get(name).unwrap_or_else(|| panic!("no pin {name}"));
+        let [slot, signal] = &*laid.slots;
+        signal.own().store(slot.own().load());
+        slot.aim(SIGNAL);
     }
 
     /// Gives a pin of type port a queue of `size` bytes.
@@ -219,7 +232,7 @@ impl Bench {
         // SAFETY: both live as long as the table.
         let queue = Box::new(unsafe { PortQueue::new(data.as_ptr(), size as u64) });
         let bits = (&raw const *queue).expose_provenance() as u64;
-        // SAFETY: a slot on the table, aimed at its own cell.
+        // SAFETY: a slot on the table, aimed at its own cell or its signal's.
         unsafe { Slot::cell(self.slot::<crate::Port>(name)) }.store(bits);
         self.table.borrow_mut().ports.push((queue, data));
     }
@@ -317,7 +330,7 @@ impl Bench {
         let code = table.functs.get(funct).unwrap_or_else(|| panic!("no function {funct}"));
         let line = |u: &Use| {
             let access = ["", "r", "w", "rw"].get(u.access as usize).unwrap_or(&"?");
-            let name = table.items.iter().find(|(_, l)| core::ptr::eq(&raw const *l.slot, u.slot));
+            let name = table.items.iter().find(|(_, l)| core::ptr::eq(l.slots.as_ptr(), u.slot));
             format!("{} {access}", name.map_or("#", |n| n.0))
         };
         code.uses.iter().map(line).collect()

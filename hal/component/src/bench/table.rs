@@ -13,7 +13,8 @@ use std::{
 
 /// A pin or parameter on the table.
 pub(super) struct Laid {
-    pub(super) slot: Box<Slot>,
+    /// The item's own, and one whose cell is the signal that it may be linked to.
+    pub(super) slots: Box<[Slot; 2]>,
     pub(super) ty: u8,
     pub(super) dir: u8,
 }

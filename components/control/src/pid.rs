@@ -1,0 +1,355 @@
+//! `pid`.
+use crate::tune::Tuner;
+use hal_component::{
+    Arg, Builder, Component, Error, In, InSet, Io, Out, Period, Touch, Update,
+    abi::{ArgSpec, component_flags},
+    pins,
+};
+
+/// The most loops.
+const MOST: usize = 16;
+/// How many there are if nobody says.
+const USUAL: usize = 3;
+
+/// Closed-loop controller.
+pub(crate) struct Pid;
+
+impl Component for Pid {
+    const NAME: &'static str = "pid";
+    const DOC: &'static str = "Closed loop: proportional, integral, derivative and feedforward, \
+        with automatic tuning.\n\n\
+        `num_chan=2` makes `pid.0` and `pid.1`, `names=x,y` makes `x` and `y`, nothing makes three; \
+        at most 16. Each has a function `pid.N.do-pid-calcs`. `debug=1` adds pins that show the \
+        integral and the derivatives.\n\n\
+        The output is `bias`, plus each gain times what it belongs to, within ±`maxoutput`: `Pgain` \
+        the error, `Igain` its integral, `Dgain` its rate of change, `FF0` the command, and `FF1` to \
+        `FF3` the command's first to third derivative. A limit of 0 is none. The integral waits \
+        while the output is limited.\n\n\
+        Tuning: with `enable` and `tune-mode` true, `tune-start` lets the output switch between \
+        `bias` plus and minus `tune-effort` as the error changes sign; after `tune-cycles` half \
+        cycles the gains are set from what was seen, and `tune-start` becomes false.";
+    const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
+    const ARGS: &'static [&'static ArgSpec] = &[
+        &Arg::int("num_chan", "Number of loops, 1 to 16; 0 is taken as 3."),
+        &Arg::texts("names", "Names of the loops, instead of `num_chan=`; at most 16.").at_most(16),
+        &Arg::int("debug", "1: also pins for the integral and the derivatives.").or("0"),
+    ];
+
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        let debug = b.arg_int("debug").unwrap_or(0) != 0;
+        let names = names(b.arg_int("num_chan"), b.arg_texts("names"))?;
+        names.iter().try_for_each(|name| Loop::create(b, name, debug))
+    }
+}
+
+fn names(count: Option<i64>, given: Vec<String>) -> Result<Vec<String>, Error> {
+    let count = count.unwrap_or(0);
+    let named: Vec<String> = given.into_iter().take_while(|n| !n.is_empty()).collect();
+    let numbered = |n: usize| (0..n).map(|i| format!("pid.{i}")).collect();
+    match (named.len(), usize::try_from(count)) {
+        (0, Ok(0)) => Ok(numbered(USUAL)),
+        (0, Ok(n @ 1..=MOST)) => Ok(numbered(n)),
+        (1..=MOST, Ok(0)) => Ok(named),
+        (1.., Ok(1..) | Err(_)) => Err(Error::new("num_chan= and names= are mutually exclusive")),
+        (0, _) => Err(Error::new(format!("PID: ERROR: invalid number of channels: {count}"))),
+        (n, _) => Err(Error::new(format!("PID: ERROR: invalid number of channels: {n}"))),
+    }
+}
+
+pins! {
+    /// The pins of a loop.
+    pub(crate) struct Pins {
+        /// Whether the loop works; otherwise the output is 0 and the integral is forgotten.
+        enable: In<bool> = "enable", false;
+        /// Where it shall be, in units.
+        command: In<f64> = "command", 0.0;
+        /// Where it is, in units.
+        feedback: In<f64> = "feedback", 0.0;
+        /// The command's rate of change, in units per second; computed while nothing is linked.
+        command_deriv: InSet<f64> = "command-deriv", 0.0;
+        /// The feedback's rate of change, in units per second; computed while nothing is linked.
+        feedback_deriv: InSet<f64> = "feedback-deriv", 0.0;
+        /// Whether the error is taken against the command of the run before, which is what a
+        /// motion controller's feedback answers to.
+        error_previous_target: In<bool> = "error-previous-target", true;
+        /// The index search of this axis: as it falls, the jump of the command is no speed.
+        index_enable: In<bool> = "index-enable", false;
+        /// How far it is off, in units.
+        error: Out<f64> = "error", 0.0;
+        /// What the actuator is to do.
+        output: Out<f64> = "output", 0.0;
+        /// Whether the output is at its limit.
+        saturated: Out<bool> = "saturated", false;
+        /// For how long it has been, in seconds.
+        saturated_s: Out<f64> = "saturated-s", 0.0;
+        /// For how many runs it has been.
+        saturated_count: Out<i32> = "saturated-count", 0;
+        /// An error that counts as none, in units; a larger one counts less by that.
+        deadband: In<f64> = "deadband", 0.0;
+        /// Largest error that counts, in units; 0: any.
+        maxerror: In<f64> = "maxerror", 0.0;
+        /// Largest integral of the error; 0: any.
+        maxerror_i: In<f64> = "maxerrorI", 0.0;
+        /// Largest rate of change of the error; 0: any.
+        maxerror_d: In<f64> = "maxerrorD", 0.0;
+        /// Largest first derivative of the command that counts; 0: any.
+        maxcmd_d: In<f64> = "maxcmdD", 0.0;
+        /// Largest second derivative of the command that counts; 0: any.
+        maxcmd_dd: In<f64> = "maxcmdDD", 0.0;
+        /// Largest third derivative of the command that counts; 0: any.
+        maxcmd_ddd: In<f64> = "maxcmdDDD", 0.0;
+        /// Largest output; 0: any.
+        maxoutput: In<f64> = "maxoutput", 0.0;
+        /// What is always added to the output.
+        bias: In<f64> = "bias", 0.0;
+        /// Output per unit of error. Tuning sets it.
+        p_gain: InSet<f64> = "Pgain", 1.0;
+        /// Output per unit of integrated error. Tuning sets it.
+        i_gain: InSet<f64> = "Igain", 0.0;
+        /// Output per unit of the error's rate of change. Tuning sets it.
+        d_gain: InSet<f64> = "Dgain", 0.0;
+        /// Output per unit of the command. Tuning clears it.
+        ff0: InSet<f64> = "FF0", 0.0;
+        /// Output per unit of the command's first derivative. Tuning sets it.
+        ff1: InSet<f64> = "FF1", 0.0;
+        /// Output per unit of the command's second derivative. Tuning clears it.
+        ff2: InSet<f64> = "FF2", 0.0;
+        /// Output per unit of the command's third derivative.
+        ff3: In<f64> = "FF3", 0.0;
+        /// How far the output goes to either side while tuning; negative counts as positive.
+        tune_effort: Io<f64> = "tune-effort", 0.5;
+        /// How many half cycles tuning looks at; at least 2.
+        tune_cycles: Io<u32> = "tune-cycles", 50;
+        /// What tuning sets: 0 P, I and D; 1 P, I and `FF1`.
+        tune_type: Io<u32> = "tune-type", 0;
+        /// Whether the loop is handed over to tuning; it then does not control.
+        tune_mode: In<bool> = "tune-mode", false;
+        /// Starts tuning; becomes false when it is done.
+        tune_start: Io<bool> = "tune-start", false;
+    }
+}
+
+pins! {
+    /// What `debug=1` adds.
+    struct Inside {
+        /// The integral of the error.
+        error_i: Out<f64> = "errorI", 0.0;
+        /// The rate of change of the error.
+        error_d: Out<f64> = "errorD", 0.0;
+        /// The command's first derivative.
+        command_d: Out<f64> = "commandD", 0.0;
+        /// The command's second derivative.
+        command_dd: Out<f64> = "commandDD", 0.0;
+        /// The command's third derivative.
+        command_ddd: Out<f64> = "commandDDD", 0.0;
+        /// The gain at which the loop would oscillate, as tuning found it.
+        ultimate_gain: Out<f64> = "ultimate-gain", 0.0;
+        /// How long such an oscillation takes, in seconds, as tuning found it.
+        ultimate_period: Out<f64> = "ultimate-period", 0.0;
+    }
+}
+
+/// What a loop remembers.
+#[derive(Debug, Default)]
+struct Memory {
+    command: f64,
+    feedback: f64,
+    error_i: f64,
+    error_d: f64,
+    cmd_d: f64,
+    cmd_dd: f64,
+    cmd_ddd: f64,
+    /// 1 at the upper limit of the output, -1 at the lower, 0 between.
+    limited: f64,
+    index_enable: bool,
+}
+
+impl Memory {
+    /// What tuning leaves of it.
+    fn forget(&mut self) {
+        (self.command, self.limited) = (0.0, 0.0);
+        (self.error_i, self.error_d, self.cmd_d, self.cmd_dd) = (0.0, 0.0, 0.0, 0.0);
+    }
+}
+
+/// One loop.
+#[derive(Touch)]
+struct Loop {
+    pins: Pins,
+    inside: Option<Inside>,
+    #[state]
+    was: Memory,
+    #[state]
+    tuner: Tuner,
+}
+
+impl Loop {
+    fn create(b: &mut Builder<'_>, name: &str, debug: bool) -> Result<(), Error> {
+        let pins = Pins::make(b, name)?;
+        let inside = if debug { Some(Inside::make(b, name)?) } else { None };
+        let own = Self { pins, inside, was: Memory::default(), tuner: Tuner::default() };
+        b.function(&format!("{name}.do-pid-calcs"), "Computes the output.", own)
+    }
+
+    /// The error as it counts: limited, and less the dead band.
+    fn error(&self, raw: f64) -> f64 {
+        let error = limited(raw, self.pins.maxerror.get());
+        let deadband = self.pins.deadband.get();
+        if error > deadband {
+            error - deadband
+        } else if error < -deadband {
+            error + deadband
+        } else {
+            0.0
+        }
+    }
+
+    /// The derivatives of error and command.
+    fn derivatives(&mut self, command: f64, feedback: f64, index_fell: bool, per_s: f64) {
+        let p = &self.pins;
+        if !index_fell {
+            p.command_deriv.set_own((command - self.was.command) * per_s);
+            p.feedback_deriv.set_own((feedback - self.was.feedback) * per_s);
+        }
+        (self.was.command, self.was.feedback) = (command, feedback);
+        let rate = p.command_deriv.get();
+        self.was.error_d = limited(rate - p.feedback_deriv.get(), p.maxerror_d.get());
+        let cmd_d = limited(rate, p.maxcmd_d.get());
+        let cmd_dd = limited((cmd_d - self.was.cmd_d) * per_s, p.maxcmd_dd.get());
+        let cmd_ddd = limited((cmd_dd - self.was.cmd_dd) * per_s, p.maxcmd_ddd.get());
+        (self.was.cmd_d, self.was.cmd_dd, self.was.cmd_ddd) = (cmd_d, cmd_dd, cmd_ddd);
+    }
+
+    /// The sum of all parts, within the limit.
+    fn output(&mut self, error: f64, command: f64) -> f64 {
+        let (p, was) = (&self.pins, &mut self.was);
+        let feedback = p.bias.get()
+            + p.p_gain.get() * error
+            + was.error_i * p.i_gain.get()
+            + was.error_d * p.d_gain.get();
+        let forward = command * p.ff0.get()
+            + was.cmd_d * p.ff1.get()
+            + was.cmd_dd * p.ff2.get()
+            + was.cmd_ddd * p.ff3.get();
+        let sum = feedback + forward;
+        let most = p.maxoutput.get();
+        if most == 0.0 {
+            return sum;
+        }
+        let (out, limited) = if sum > most {
+            (most, 1.0)
+        } else if sum < -most {
+            (-most, -1.0)
+        } else {
+            (sum, 0.0)
+        };
+        was.limited = limited;
+        out
+    }
+
+    fn show(&self, dt: f64) {
+        let (p, was) = (&self.pins, &self.was);
+        let limited = was.limited != 0.0;
+        p.saturated.set(limited);
+        p.saturated_s.set(if limited { p.saturated_s.get() + dt } else { 0.0 });
+        p.saturated_count.set(if limited { p.saturated_count.get().saturating_add(1) } else { 0 });
+        self.show_inside();
+    }
+
+    fn show_inside(&self) {
+        let was = &self.was;
+        if let Some(i) = &self.inside {
+            i.error_i.set(was.error_i);
+            i.error_d.set(was.error_d);
+            i.command_d.set(was.cmd_d);
+            i.command_dd.set(was.cmd_dd);
+            i.command_ddd.set(was.cmd_ddd);
+            i.ultimate_gain.set(self.tuner.gain);
+            i.ultimate_period.set(self.tuner.period);
+        }
+    }
+}
+
+impl Update for Loop {
+    fn update(&mut self, period: Period) {
+        let dt = period.secs();
+        let enable = self.pins.enable.get();
+        let (command, feedback) = (self.pins.command.get(), self.pins.feedback.get());
+        let index = self.pins.index_enable.get();
+        let index_fell = self.was.index_enable && !index;
+        let before = self.pins.error_previous_target.get() && !index_fell;
+        let before = before && !self.tuner.is_on();
+        let raw = if before { self.was.command } else { command } - feedback;
+        self.pins.error.set(raw);
+        if self.tuner.is_on() || self.pins.tune_mode.get() {
+            self.tuner.run(&self.pins, raw, dt);
+            self.was.forget();
+            self.show_inside();
+            return;
+        }
+        self.was.index_enable = index;
+        let error = self.error(raw);
+        if !enable {
+            self.was.error_i = 0.0;
+        } else if error * self.was.limited <= 0.0 {
+            self.was.error_i = limited(self.was.error_i + error * dt, self.pins.maxerror_i.get());
+        }
+        self.derivatives(command, feedback, index_fell, 1.0 / dt);
+        if enable {
+            let out = self.output(error, command);
+            self.pins.output.set(out);
+        } else {
+            self.pins.output.set(0.0);
+            self.was.limited = 0.0;
+        }
+        self.show(dt);
+    }
+}
+
+/// `x` within plus and minus `most`, which is no limit when it is 0.
+fn limited(x: f64, most: f64) -> f64 {
+    if most == 0.0 {
+        x
+    } else if x > most {
+        most
+    } else if x < -most {
+        -most
+    } else {
+        x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Pid;
+    use hal_component::{bench::Bench, trace::replay};
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Pid>(include_str!("../traces/pid.txt")), 2018);
+    }
+
+    #[test]
+    fn names_and_numbers() {
+        for (args, wanted) in [
+            (&[][..], Ok(3)),
+            (&["num_chan=0"], Ok(3)),
+            (&["num_chan=16"], Ok(16)),
+            (&["names=a,,b"], Ok(1)),
+            (&["num_chan=17"], Err("PID: ERROR: invalid number of channels: 17")),
+            (&["num_chan=-1"], Err("PID: ERROR: invalid number of channels: -1")),
+            (&["num_chan=1", "names=a"], Err("num_chan= and names= are mutually exclusive")),
+        ] {
+            let mut bench = Bench::new();
+            let made = bench.load::<Pid>(args).map(|()| bench.functs().len());
+            assert_eq!(made, wanted.map_err(str::to_owned), "{args:?}");
+        }
+        let mut bench = Bench::new();
+        bench.load::<Pid>(&["names=x"]).unwrap();
+        assert_eq!(bench.functs(), ["x.do-pid-calcs"]);
+        assert_eq!(bench.names().len(), 33);
+        let mut bench = Bench::new();
+        bench.load::<Pid>(&["names=x", "debug=1"]).unwrap();
+        assert_eq!(bench.names().len(), 40);
+    }
+}

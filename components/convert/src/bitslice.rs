@@ -1,0 +1,64 @@
+//! `bitslice`.
+use hal_component::{
+    Builder, Component, Error, In, Out, Period, Touch, Update, abi::component_flags,
+};
+
+/// The most bits.
+const MOST: i64 = 32;
+/// How many there are if nobody says.
+const USUAL: i64 = 16;
+
+/// The bits of a number.
+#[derive(Touch)]
+pub(crate) struct Bitslice {
+    number: In<u32>,
+    bits: Vec<Out<bool>>,
+}
+
+impl Component for Bitslice {
+    const NAME: &'static str = "bitslice";
+    const DOC: &'static str = "The bits of a number, one by one.\n\n\
+        `personality=` is how many of them, from the lowest: 1 to 32; 16 without it.";
+    const FLAGS: u32 = component_flags::PERSONALITY | component_flags::PARALLEL;
+
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        let n = match b.personality() {
+            0 => USUAL,
+            n => n,
+        };
+        if n > MOST {
+            let text = format!("Pin out-##: Requested size {n} exceeds max size {MOST}");
+            return Err(Error::new(text));
+        }
+        let number = b.item("in", "The number.", 0)?;
+        let bits: Result<Vec<_>, _> =
+            (0..n).map(|i| b.item(&format!("out-{i:02}"), "A bit of it.", false)).collect();
+        b.function("", "Takes the number apart.", Self { number, bits: bits? })
+    }
+}
+
+impl Update for Bitslice {
+    fn update(&mut self, _: Period) {
+        let number = self.number.get();
+        for (i, bit) in self.bits.iter().enumerate() {
+            bit.set(number >> i & 1 != 0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Bitslice;
+    use hal_component::{bench::Bench, trace::replay};
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Bitslice>(include_str!("../traces/bitslice.txt")), 150);
+    }
+
+    #[test]
+    fn no_more_than_32() {
+        let refused = Bench::new().load::<Bitslice>(&["personality=33"]).unwrap_err();
+        assert_eq!(refused, "Pin out-##: Requested size 33 exceeds max size 32");
+    }
+}

@@ -1,0 +1,138 @@
+//! `conv_A_B`: all of them.
+use crate::narrow::Narrow;
+use hal_component::{
+    Builder, Component, Error, In, Out, ParamRw, Period, Touch, Update, Value, abi::component_flags,
+};
+use std::marker::PhantomData;
+
+/// The conversion from one type to another.
+pub(crate) struct Conv<A, B>(PhantomData<(A, B)>);
+
+impl<A, B> Component for Conv<A, B>
+where
+    A: Value + Default + Narrow<B> + Send,
+    B: Value + Default + Send,
+{
+    const NAME: &'static str = A::WORDS.0;
+    const DOC: &'static str = A::WORDS.1;
+    const FLAGS: u32 = component_flags::PARALLEL;
+
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        let input = b.item("in", "The value as it is.", A::default())?;
+        let output = b.item("out", "The value in the other type.", B::default())?;
+        let range = if A::CAN_FAIL {
+            let clamp = "Whether a value that does not fit becomes the nearest that does; otherwise \
+                it wraps.";
+            let out = "Whether a value did not fit; without `clamp`, whether one ever became \
+                another, be it by losing its fraction.";
+            Some(Range {
+                clamp: b.item("clamp", clamp, false)?,
+                out: b.item("out-of-range", out, false)?,
+            })
+        } else {
+            None
+        };
+        b.function("", "Converts.", Run { input, output, range })
+    }
+}
+
+#[derive(Touch)]
+struct Range {
+    clamp: ParamRw<bool>,
+    out: Out<bool>,
+}
+
+#[derive(Touch)]
+struct Run<A: Value, B: Value> {
+    input: In<A>,
+    output: Out<B>,
+    range: Option<Range>,
+}
+
+impl<A, B> Update for Run<A, B>
+where
+    A: Value + Narrow<B> + Send,
+    B: Value + Send,
+{
+    fn update(&mut self, _: Period) {
+        let value = self.input.get();
+        let Some(range) = &self.range else {
+            self.output.set(value.plain().0);
+            return;
+        };
+        if range.clamp.get() {
+            let (nearest, is_out) = value.nearest();
+            self.output.set(nearest);
+            range.out.set(is_out);
+        } else {
+            let (plain, is_other) = value.plain();
+            self.output.set(plain);
+            if is_other {
+                range.out.set(true);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Conv;
+    use hal_component::{Component, bench::Bench, trace::replay};
+
+    macro_rules! recorded {
+        ($($name:ident: $a:ty, $b:ty, $rows:literal;)*) => {$(
+            #[test]
+            fn $name() {
+                let table = include_str!(concat!("../traces/", stringify!($name), ".txt"));
+                assert_eq!(replay::<Conv<$a, $b>>(table), $rows);
+            }
+        )*};
+    }
+    recorded! {
+        conv_bit_float: bool, f64, 6;
+        conv_bit_s32: bool, i32, 6;
+        conv_bit_u32: bool, u32, 6;
+        conv_float_s32: f64, i32, 104;
+        conv_float_u32: f64, u32, 104;
+        conv_s32_bit: i32, bool, 28;
+        conv_s32_float: i32, f64, 14;
+        conv_s32_u32: i32, u32, 28;
+        conv_u32_bit: u32, bool, 28;
+        conv_u32_float: u32, f64, 14;
+        conv_u32_s32: u32, i32, 28;
+    }
+
+    #[test]
+    fn sixty_four_bits() {
+        fn check<C: Component>(rows: &str) {
+            let prefix = format!("{}.0", C::NAME.replace('_', "-"));
+            let table = rows.replace('$', &prefix);
+            replay::<C>(&format!(
+                "load {}\nrun {prefix}\nin {prefix}.in\nout {prefix}.out\n{table}",
+                C::NAME
+            ));
+        }
+        check::<Conv<i64, i32>>("4294967297 | 1\n-5 | -5\nexpect $.out-of-range 1");
+        check::<Conv<i64, i32>>(
+            "set $.clamp 1\n4294967297 | 2147483647\nexpect $.out-of-range 1\n-5 | -5\nexpect $.out-of-range 0",
+        );
+        check::<Conv<u64, i64>>("set $.clamp 1\n18446744073709551615 | 9223372036854775807");
+        check::<Conv<i64, u64>>("-1 | 18446744073709551615\nset $.clamp 1\n-1 | 0");
+        check::<Conv<f64, i64>>(
+            "1e18 | 1000000000000000000\n-2.9 | -2\nset $.clamp 1\n1e300 | 9223372036854775807",
+        );
+        check::<Conv<f64, u64>>("set $.clamp 1\n-1 | 0\n1e300 | 18446744073709551615");
+        check::<Conv<u64, bool>>("0 | 0\n7 | 1");
+        check::<Conv<i32, u64>>("-1 | 18446744073709551615\nset $.clamp 1\n-1 | 0");
+    }
+
+    #[test]
+    fn only_what_can_fail_says_so() {
+        let mut bench = Bench::new();
+        bench.load::<Conv<i32, f64>>(&[]).unwrap();
+        assert_eq!(bench.names(), ["conv-s32-float.0.in s32 IN", "conv-s32-float.0.out float OUT"]);
+        let mut bench = Bench::new();
+        bench.load::<Conv<f64, i32>>(&[]).unwrap();
+        assert_eq!(bench.names().len(), 4);
+    }
+}

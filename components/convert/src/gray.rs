@@ -1,0 +1,53 @@
+//! `bin2gray` and `gray2bin`.
+use hal_component::{Component, In, Out, Period, Update};
+
+/// A number in Gray code.
+///
+/// In Gray code, neighbours differ in one bit only.
+#[derive(Component)]
+#[hal(name = "bin2gray")]
+pub(crate) struct Bin2gray {
+    /// The number.
+    in_: In<u32>,
+    /// The same in Gray code.
+    out: Out<u32>,
+}
+
+impl Update for Bin2gray {
+    fn update(&mut self, _: Period) {
+        let n = self.in_.get();
+        self.out.set(n ^ (n >> 1));
+    }
+}
+
+/// A number from Gray code.
+#[derive(Component)]
+#[hal(name = "gray2bin")]
+pub(crate) struct Gray2bin {
+    /// The number in Gray code.
+    in_: In<u32>,
+    /// The number.
+    out: Out<u32>,
+}
+
+impl Update for Gray2bin {
+    fn update(&mut self, _: Period) {
+        let mut n = self.in_.get();
+        for shift in [1, 2, 4, 8, 16] {
+            n ^= n >> shift;
+        }
+        self.out.set(n);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Bin2gray, Gray2bin};
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Bin2gray>(include_str!("../traces/bin2gray.txt")), 51);
+        assert_eq!(replay::<Gray2bin>(include_str!("../traces/gray2bin.txt")), 51);
+    }
+}

@@ -1,0 +1,152 @@
+//! Realtime. What becomes of a value in another type: the whole table.
+
+/// How a value is taken into another type.
+pub(crate) trait Narrow<To> {
+    /// The component's name and its first line of documentation.
+    const WORDS: (&'static str, &'static str);
+    /// Whether some values do not fit.
+    const CAN_FAIL: bool;
+    /// The value as a machine takes it, which wraps where it does not fit; and whether the way
+    /// back leads elsewhere.
+    fn plain(self) -> (To, bool);
+    /// The nearest value that fits, and whether it had to be another.
+    fn nearest(self) -> (To, bool);
+}
+
+macro_rules! fits {
+    ($($from:ty => $to:ty, $name:literal, $doc:literal, |$v:ident| $value:expr;)*) => {$(
+        impl Narrow<$to> for $from {
+            const WORDS: (&'static str, &'static str) = ($name, $doc);
+            const CAN_FAIL: bool = false;
+            fn plain(self) -> ($to, bool) {
+                let $v = self;
+                ($value, false)
+            }
+            fn nearest(self) -> ($to, bool) {
+                self.plain()
+            }
+        }
+    )*};
+}
+fits! {
+    bool => f64, "conv_bit_float", "A bit as a number, 0 or 1.", |v| f64::from(u8::from(v));
+    bool => i32, "conv_bit_s32", "A bit as a 32-bit number, 0 or 1.", |v| i32::from(v);
+    bool => i64, "conv_bit_s64", "A bit as a 64-bit number, 0 or 1.", |v| i64::from(v);
+    bool => u32, "conv_bit_u32", "A bit as an unsigned 32-bit number, 0 or 1.", |v| u32::from(v);
+    bool => u64, "conv_bit_u64", "A bit as an unsigned 64-bit number, 0 or 1.", |v| u64::from(v);
+    i32 => f64, "conv_s32_float", "A 32-bit number as a float.", |v| f64::from(v);
+    i32 => i64, "conv_s32_s64", "A 32-bit number in 64 bits.", |v| i64::from(v);
+    u32 => f64, "conv_u32_float", "An unsigned 32-bit number as a float.", |v| f64::from(v);
+    u32 => i64, "conv_u32_s64", "An unsigned 32-bit number in 64 bits.", |v| i64::from(v);
+    u32 => u64, "conv_u32_u64", "An unsigned 32-bit number in 64 bits.", |v| u64::from(v);
+    i64 => f64, "conv_s64_float", "A 64-bit number as a float, which has 53 bits.", |v| v as f64;
+    u64 => f64, "conv_u64_float", "An unsigned 64-bit number as a float, which has 53 bits.",
+        |v| v as f64;
+}
+
+macro_rules! narrows {
+    ($($from:ty => $to:ty, $name:literal, $doc:literal;)*) => {$(
+        impl Narrow<$to> for $from {
+            const WORDS: (&'static str, &'static str) = ($name, $doc);
+            const CAN_FAIL: bool = true;
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_possible_wrap,
+                clippy::cast_sign_loss,
+                reason = "this is what was asked for"
+            )]
+            fn plain(self) -> ($to, bool) {
+                let to = self as $to;
+                (to, to as $from != self)
+            }
+            fn nearest(self) -> ($to, bool) {
+                let fits = <$to>::try_from(self);
+                #[expect(unused_comparisons, reason = "one line for types with and without a sign")]
+                let end = if self < 0 { <$to>::MIN } else { <$to>::MAX };
+                (fits.unwrap_or(end), fits.is_err())
+            }
+        }
+    )*};
+}
+narrows! {
+    i32 => u32, "conv_s32_u32", "A 32-bit number as an unsigned one.";
+    i32 => u64, "conv_s32_u64", "A 32-bit number as an unsigned one of 64 bits.";
+    i64 => i32, "conv_s64_s32", "A 64-bit number in 32 bits.";
+    i64 => u32, "conv_s64_u32", "A 64-bit number as an unsigned one of 32 bits.";
+    i64 => u64, "conv_s64_u64", "A 64-bit number as an unsigned one.";
+    u32 => i32, "conv_u32_s32", "An unsigned 32-bit number as one with a sign.";
+    u64 => i32, "conv_u64_s32", "An unsigned 64-bit number as one of 32 bits with a sign.";
+    u64 => i64, "conv_u64_s64", "An unsigned 64-bit number as one with a sign.";
+    u64 => u32, "conv_u64_u32", "An unsigned 64-bit number in 32 bits.";
+}
+
+macro_rules! to_bit {
+    ($($from:ty, $name:literal, $doc:literal;)*) => {$(
+        impl Narrow<bool> for $from {
+            const WORDS: (&'static str, &'static str) = ($name, $doc);
+            const CAN_FAIL: bool = true;
+            fn plain(self) -> (bool, bool) {
+                (self != 0, !(0..=1).contains(&self))
+            }
+            fn nearest(self) -> (bool, bool) {
+                (self > 0, !(0..=1).contains(&self))
+            }
+        }
+    )*};
+}
+to_bit! {
+    i32, "conv_s32_bit", "Whether a 32-bit number is not 0.";
+    i64, "conv_s64_bit", "Whether a 64-bit number is not 0.";
+    u32, "conv_u32_bit", "Whether an unsigned 32-bit number is not 0.";
+    u64, "conv_u64_bit", "Whether an unsigned 64-bit number is not 0.";
+}
+
+macro_rules! from_float {
+    ($($to:ty, $name:literal, $doc:literal, $most:expr, |$v:ident| $plain:expr;)*) => {$(
+        impl Narrow<$to> for f64 {
+            const WORDS: (&'static str, &'static str) = ($name, $doc);
+            const CAN_FAIL: bool = true;
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "this is what was asked for"
+            )]
+            fn plain(self) -> ($to, bool) {
+                let $v = self;
+                let to: $to = $plain;
+                (to, to as f64 != self)
+            }
+            fn nearest(self) -> ($to, bool) {
+                if self > $most as f64 {
+                    ($most, true)
+                } else if self < <$to>::MIN as f64 {
+                    (<$to>::MIN, true)
+                } else {
+                    (self.plain().0, false)
+                }
+            }
+        }
+    )*};
+}
+from_float! {
+    i32, "conv_float_s32", "A float as a 32-bit number, without its fraction.", i32::MAX,
+        |v| if out(v, f64::from(i32::MIN), f64::from(i32::MAX)) { i32::MIN } else { v as i32 };
+    i64, "conv_float_s64", "A float as a 64-bit number, without its fraction.", i64::MAX,
+        |v| wide(v);
+    u32, "conv_float_u32", "A float as an unsigned 32-bit number, without its fraction.",
+        i32::MAX.cast_unsigned(), |v| wide(v) as u32;
+    u64, "conv_float_u64", "A float as an unsigned 64-bit number, without its fraction.", u64::MAX,
+        |v| v as u64;
+}
+
+/// A float as a machine takes it into 64 bits: what does not fit becomes the lowest.
+#[expect(clippy::cast_possible_truncation, reason = "this is what was asked for")]
+fn wide(v: f64) -> i64 {
+    if out(v, i64::MIN as f64, i64::MAX as f64) { i64::MIN } else { v as i64 }
+}
+
+/// Whether the whole part of a float is beyond these.
+fn out(v: f64, min: f64, max: f64) -> bool {
+    let whole = libm::trunc(v);
+    !(min <= whole && whole <= max)
+}

@@ -1,0 +1,135 @@
+//! Realtime. Positions and speeds: the slow function of `encoder`.
+
+use crate::{
+    encoder::Pins,
+    handover::{Notes, TimeBase},
+};
+use hal_component::{Period, Takes, Touch, Update};
+use std::sync::atomic::Ordering::{Acquire, Release};
+
+/// How many captures with counts it takes until a speed is known.
+const SURE: u32 = 2;
+
+/// One channel, as it is captured.
+#[derive(Touch)]
+pub(crate) struct Capture {
+    pins: Pins,
+    notes: Takes<Notes>,
+    #[state]
+    was: Memory,
+}
+
+/// What a capture remembers.
+#[derive(Debug)]
+struct Memory {
+    raw: i32,
+    at: i64,
+    index: i32,
+    latch: i32,
+    /// Captures with counts since it stood still, up to [`SURE`].
+    sure: u32,
+    scale: f64,
+    /// Units per count.
+    unit: f64,
+    /// How long a pause between pulses shows missing teeth, in nanoseconds.
+    pause: f64,
+}
+
+impl Capture {
+    pub(crate) fn new(pins: Pins, notes: Takes<Notes>) -> Self {
+        let (scale, unit) = (1.0, 1.0);
+        let was = Memory { raw: 0, at: 0, index: 0, latch: 0, sure: 0, scale, unit, pause: 0.0 };
+        Self { pins, notes, was }
+    }
+
+    fn run(&mut self, now: i64) {
+        let (p, was) = (&self.pins, &mut self.was);
+        let seen = self.notes.swap();
+        // In all these, `Acquire` and `swap` pair with the `Release` of counting.
+        let counted = seen.counted.swap(false, Acquire);
+        let (raw, at) = (seen.raw.load(Acquire), seen.at.load(Acquire));
+        if p.position_scale.get() != was.scale {
+            if p.position_scale.get().abs() < 1e-20 {
+                p.position_scale.set(1.0);
+            }
+            was.scale = p.position_scale.get();
+            was.unit = 1.0 / was.scale;
+        }
+        if p.min_speed_estimate.get() == 0.0 {
+            p.min_speed_estimate.set(1.0);
+        }
+        let (moved, lasted) = (raw.wrapping_sub(was.raw), at.wrapping_sub(was.at));
+        if counted {
+            (was.raw, was.at) = (raw, at);
+        }
+        if p.reset.get() {
+            was.index = was.raw;
+        }
+        if seen.indexed.swap(false, Acquire) {
+            was.index = seen.index.load(Acquire);
+            p.index_enable.set(false);
+        }
+        if seen.latched.swap(false, Acquire) {
+            was.latch = seen.latch.load(Acquire);
+        }
+        self.notes.armed.store(p.index_enable.get(), Release); // Pairs with counting.
+        let still = now.wrapping_sub(was.at);
+        if counted && was.sure < SURE {
+            was.sure += 1;
+        } else if counted {
+            p.velocity.set(f64::from(moved) * was.unit / (lasted as f64 * 1e-9));
+            let teeth = f64::from(p.missing_teeth.get()) + 0.5;
+            was.pause = 0.9 * was.pause + 0.1 * (teeth * lasted as f64 / f64::from(moved));
+            self.notes.pause.store(whole(was.pause), Release); // Pairs with counting.
+        } else if was.sure > 0 {
+            let at_gap = p.missing_teeth.get() > 0 && (still as f64) < 2.0 * was.pause;
+            if at_gap {
+                // The teeth that are missing there would come now.
+            } else if (still as f64) < 1e9 / (p.min_speed_estimate.get() * was.unit) {
+                let most = was.unit.abs() / (still as f64 * 1e-9);
+                let velocity = p.velocity.get();
+                if velocity.abs() > most {
+                    p.velocity.set(if velocity < 0.0 { -most } else { most });
+                }
+            } else {
+                p.velocity.set(0.0);
+                was.sure = 0;
+            }
+        } else {
+            p.velocity.set(0.0);
+        }
+        if p.reset.get() {
+            p.velocity.set(0.0);
+        }
+        let velocity = p.velocity.get();
+        p.velocity_rpm.set(velocity * 60.0);
+        let counts = was.raw.wrapping_sub(was.index);
+        p.counts.set(counts);
+        p.position.set(f64::from(counts) * was.unit);
+        let latched = was.latch.wrapping_sub(was.index);
+        p.counts_latched.set(latched);
+        p.position_latched.set(f64::from(latched) * was.unit);
+        p.position_interpolated.set(p.position.get() + velocity * (still as f64 * 1e-9));
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a time beyond 64 bits is never reached")]
+const fn whole(ns: f64) -> i64 {
+    ns as i64
+}
+
+/// `encoder.capture-position`.
+#[derive(Touch)]
+pub(crate) struct CapturePosition {
+    pub(crate) channels: Vec<Capture>,
+    pub(crate) time: Takes<TimeBase>,
+}
+
+impl Update for CapturePosition {
+    fn update(&mut self, _: Period) {
+        let now = self.time.now();
+        for c in &mut self.channels {
+            c.run(now);
+        }
+    }
+}

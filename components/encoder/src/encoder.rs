@@ -1,0 +1,147 @@
+//! `encoder`.
+use crate::{
+    capture::{Capture, CapturePosition},
+    channels::Words,
+    count::{Channel, UpdateCounters},
+    handover::{Notes, TimeBase},
+};
+use hal_component::{
+    Arg, Builder, Component, Error, In, InSet, Io, Out,
+    abi::{ArgSpec, component_flags},
+    pins,
+};
+
+const WORDS: Words =
+    Words { prefix: "encoder", wrong: "ENCODER: ERROR: invalid number of channels:", usual: 3 };
+
+/// Counters of encoders.
+pub(crate) struct Encoder;
+
+impl Component for Encoder {
+    const NAME: &'static str = "encoder";
+    const DOC: &'static str = "Counts the pulses of encoders: position and speed.\n\n\
+        `num_chan=2` makes `encoder.0` and `encoder.1`, `names=x,z` makes `x` and `z`, nothing makes \
+        three; at most 8. `encoder.update-counters` looks at the phases and belongs in the fastest \
+        thread: what changes twice between two runs is lost. `encoder.capture-position` computes \
+        positions and speeds, in a slower one.\n\n\
+        A before B counts up, four counts to a cycle. With `index-enable` true, the next rising edge \
+        of Z makes the position zero there and `index-enable` false. The speed comes from the time \
+        between counts, not from how many there were in a period.";
+    const FLAGS: u32 = component_flags::ONCE;
+    const ARGS: &'static [&'static ArgSpec] = &[
+        &Arg::int("num_chan", "Number of channels, 1 to 8; 0 is taken as 3."),
+        &Arg::texts("names", "Names of the channels, instead of `num_chan=`; at most 8.")
+            .at_most(8),
+    ];
+
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        let names = WORDS.names(b.arg_int("num_chan"), b.arg_texts("names"))?;
+        let (gives_time, takes_time) = b.shared(TimeBase::default());
+        let mut count =
+            UpdateCounters { channels: Vec::with_capacity(names.len()), time: gives_time };
+        let mut capture =
+            CapturePosition { channels: Vec::with_capacity(names.len()), time: takes_time };
+        for name in names {
+            let pins = Pins::make(b, &name)?;
+            let (gives, takes) = b.shared(Notes::default());
+            count.channels.push(Channel::new(&pins, gives));
+            capture.channels.push(Capture::new(pins, takes));
+        }
+        b.fast_function("encoder.update-counters", "Counts, for all channels.", count)?;
+        b.function("encoder.capture-position", "Positions and speeds of all channels.", capture)
+    }
+}
+
+pins! {
+    /// The pins of a channel.
+    pub(crate) struct Pins {
+        /// First phase.
+        phase_a: In<bool> = "phase-A", false;
+        /// Second phase, a quarter of a cycle later when it turns forward.
+        phase_b: In<bool> = "phase-B", false;
+        /// The index pulse, once per turn.
+        phase_z: In<bool> = "phase-Z", false;
+        /// While true, the position is zero.
+        reset: In<bool> = "reset", false;
+        /// Waits for the index while true; becomes false there, with the position zero.
+        index_enable: Io<bool> = "index-enable", false;
+        /// An edge of it notes the position.
+        latch_input: In<bool> = "latch-input", false;
+        /// Whether its rising edge does.
+        latch_rising: In<bool> = "latch-rising", true;
+        /// Whether its falling edge does.
+        latch_falling: In<bool> = "latch-falling", true;
+        /// Whether every edge of both phases counts; otherwise one per cycle.
+        x4_mode: Io<bool> = "x4-mode", true;
+        /// Whether the rising edges of A alone count, upward.
+        counter_mode: Io<bool> = "counter-mode", false;
+        /// With `counter-mode`: how many teeth a gear lacks at the index; 0: none.
+        missing_teeth: In<i32> = "missing-teeth", 0;
+        /// Counts per unit; negative: reversed. Closer to 0 than 1e-20: 1.
+        position_scale: Io<f64> = "position-scale", 1.0;
+        /// The speed below which it counts as still, in units per second;
+        /// 0: 1. A negative one belongs to a negative scale.
+        min_speed_estimate: InSet<f64> = "min-speed-estimate", 1.0;
+        /// The count, which neither index nor reset changes.
+        rawcounts: Out<i32> = "rawcounts", 0;
+        /// The count since the index or reset.
+        counts: Out<i32> = "counts", 0;
+        /// The position, in units.
+        position: Out<f64> = "position", 0.0;
+        /// The position between counts, in units, as the speed lets expect it.
+        position_interpolated: Out<f64> = "position-interpolated", 0.0;
+        /// The count at the last edge of the latch.
+        counts_latched: Out<i32> = "counts-latched", 0;
+        /// The position at the last edge of the latch, in units.
+        position_latched: Out<f64> = "position-latched", 0.0;
+        /// The speed, in units per second.
+        velocity: Out<f64> = "velocity", 0.0;
+        /// The speed, in units per minute.
+        velocity_rpm: Out<f64> = "velocity-rpm", 0.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Encoder;
+    use hal_component::{bench::Bench, trace::replay};
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Encoder>(include_str!("../traces/encoder.txt")), 2080);
+    }
+
+    #[test]
+    fn names_and_numbers() {
+        for (args, wanted) in [
+            (&[][..], Ok(3)),
+            (&["num_chan=0"], Ok(3)),
+            (&["num_chan=8"], Ok(8)),
+            (&["names=a,,b"], Ok(1)),
+            (&["num_chan=9"], Err("ENCODER: ERROR: invalid number of channels: 9")),
+            (&["num_chan=1", "names=a"], Err("num_chan= and names= are mutually exclusive")),
+        ] {
+            let mut bench = Bench::new();
+            let made = bench.load::<Encoder>(args).map(|()| bench.names().len() / 21);
+            assert_eq!(made, wanted.map_err(str::to_owned), "{args:?}");
+        }
+    }
+
+    #[test]
+    fn a_count_that_wraps() {
+        let mut bench = Bench::new();
+        bench.load::<Encoder>(&["names=x"]).unwrap();
+        assert_eq!(bench.functs(), ["encoder.capture-position", "encoder.update-counters"]);
+        // Ten counts between two captures: the speed is that of all of them.
+        for _ in 0..20 {
+            for (a, b) in [(true, false), (true, true), (false, true), (false, false)] {
+                bench.set("x.phase-A", a);
+                bench.set("x.phase-B", b);
+                bench.run("encoder.update-counters", 50_000);
+            }
+            bench.run("encoder.capture-position", 200_000);
+        }
+        assert_eq!(bench.get::<i32>("x.counts"), 80);
+        assert_eq!(bench.get::<f64>("x.velocity"), 20_000.0);
+    }
+}

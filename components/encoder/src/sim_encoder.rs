@@ -1,0 +1,230 @@
+//! `sim_encoder`.
+use crate::channels::Words;
+use hal_component::{
+    Arg, Builder, Component, Error, Gives, In, Io, Out, Period, Takes, Touch, Update,
+    abi::{ArgSpec, component_flags},
+    pins,
+};
+use std::sync::atomic::{
+    AtomicI64, AtomicU32,
+    Ordering::{Acquire, Release},
+};
+
+const WORDS: Words = Words {
+    prefix: "sim-encoder",
+    wrong: "SIM_ENCODER: ERROR: invalid number of channels",
+    usual: 1,
+};
+
+/// Simulated encoders.
+pub(crate) struct SimEncoder;
+
+impl Component for SimEncoder {
+    const NAME: &'static str = "sim_encoder";
+    const DOC: &'static str = "Simulated encoders: two phases and an index pulse.\n\n\
+        `num_chan=2` makes `sim-encoder.0` and `sim-encoder.1`, `names=x,z` makes `x` and `z`, nothing \
+        makes one; at most 8. `sim-encoder.make-pulses` belongs in the fastest thread, where it can \
+        move one count per run; `sim-encoder.update-speed` reads the speed, in a slower one.";
+    const FLAGS: u32 = component_flags::ONCE;
+    const ARGS: &'static [&'static ArgSpec] = &[
+        &Arg::int("num_chan", "Number of channels, 1 to 8; 0 is taken as 1."),
+        &Arg::texts("names", "Names of the channels, instead of `num_chan=`; at most 8.")
+            .at_most(8),
+    ];
+
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        let names = WORDS.names(b.arg_int("num_chan"), b.arg_texts("names"))?;
+        let (gives_base, takes_base) = b.shared(AtomicI64::new(ASSUMED_NS));
+        let mut make = MakePulses { channels: Vec::with_capacity(names.len()), base: gives_base };
+        let mut update =
+            UpdateSpeed { channels: Vec::with_capacity(names.len()), base: takes_base };
+        for name in names {
+            let pins = Pins::make(b, &name)?;
+            let (gives, takes) = b.shared(Rate::default());
+            make.channels.push(Turning::new(&pins, takes));
+            let Pins { speed, ppr, scale, .. } = pins;
+            update.channels.push(Speed { speed, ppr, scale, rate: gives });
+        }
+        b.fast_function("sim-encoder.make-pulses", "Turns all channels.", make)?;
+        b.function("sim-encoder.update-speed", "Reads the speeds of all channels.", update)
+    }
+}
+
+pins! {
+    /// The pins of a channel.
+    struct Pins {
+        /// First phase.
+        phase_a: Out<bool> = "phase-A", false;
+        /// Second phase, a quarter of a cycle later when it turns forward.
+        phase_b: Out<bool> = "phase-B", false;
+        /// The index pulse: one count long, once per turn.
+        phase_z: Out<bool> = "phase-Z", false;
+        /// How fast it turns, in `scale` per turn and second.
+        speed: In<f64> = "speed", 0.0;
+        /// Nothing: there for those who link it.
+        rawcounts: In<i32> = "rawcounts", 0;
+        /// Cycles of the phases per turn, each of four counts; at least 1.
+        ppr: Io<u32> = "ppr", 100;
+        /// What the speed is divided by; 60 for turns per minute. Closer to 0 than 1e-20: 1.
+        scale: Io<f64> = "scale", 1.0;
+    }
+}
+
+/// What the slow function tells the fast one of a channel.
+#[derive(Debug, Default)]
+struct Rate {
+    /// Counts per fast period, times 2^31; negative: backward.
+    step: AtomicI64,
+    /// Cycles per turn.
+    cycles: AtomicU32,
+}
+
+/// A channel in the slow function.
+#[derive(Touch)]
+struct Speed {
+    speed: In<f64>,
+    ppr: Io<u32>,
+    scale: Io<f64>,
+    rate: Gives<Rate>,
+}
+
+/// `sim-encoder.update-speed`.
+#[derive(Touch)]
+struct UpdateSpeed {
+    channels: Vec<Speed>,
+    base: Takes<AtomicI64>,
+}
+
+impl Update for UpdateSpeed {
+    fn update(&mut self, _: Period) {
+        let base = self.base.load(Acquire); // Pairs with `MakePulses`.
+        let secs = base as f64 * 1e-9;
+        for c in &mut self.channels {
+            if c.ppr.get() == 0 {
+                c.ppr.set(1);
+            }
+            let scale = c.scale.get();
+            if scale.abs() < 1e-20 {
+                c.scale.set(1.0);
+            }
+            let turns = c.speed.get() / c.scale.get();
+            let rate = turns * f64::from(c.ppr.get()) * 4.0 * secs;
+            c.rate.cycles.store(c.ppr.get(), Release); // Pairs with `Turning`.
+            c.rate.step.store(step(rate), Release); // Pairs with `Turning`.
+        }
+    }
+}
+
+/// The fast function's period as long as it never ran.
+const ASSUMED_NS: i64 = 50_000;
+
+/// Fraction bits of an accumulator.
+const FRACTION: u32 = 31;
+
+/// Counts per period as a step of an accumulator, at most one count.
+#[expect(clippy::cast_possible_truncation, reason = "what is too fast is limited")]
+fn step(rate: f64) -> i64 {
+    let most = 1_i64 << FRACTION;
+    ((rate * most as f64) as i64).max(-most).min(most)
+}
+
+/// A channel in the fast function.
+#[derive(Touch)]
+struct Turning {
+    phase_a: Out<bool>,
+    phase_b: Out<bool>,
+    phase_z: Out<bool>,
+    rate: Takes<Rate>,
+    /// Counts so far, times 2^31.
+    #[state]
+    accum: i64,
+    /// Which of the four counts of a cycle.
+    #[state]
+    state: u8,
+    /// Which cycle of the turn.
+    #[state]
+    cycle: u32,
+}
+
+impl Turning {
+    fn new(pins: &Pins, rate: Takes<Rate>) -> Self {
+        let (phase_a, phase_b, phase_z) = (pins.phase_a, pins.phase_b, pins.phase_z);
+        Self { phase_a, phase_b, phase_z, rate, accum: 0, state: 0, cycle: 0 }
+    }
+
+    fn run(&mut self) {
+        let step = self.rate.step.load(Acquire); // Pairs with `UpdateSpeed`.
+        let cycles = self.rate.cycles.load(Acquire); // Pairs with `UpdateSpeed`.
+        let before = self.accum >> FRACTION;
+        self.accum = self.accum.wrapping_add(step);
+        let now = self.accum >> FRACTION;
+        if now > before {
+            self.forth(cycles);
+        } else if now < before {
+            self.back(cycles);
+        }
+        self.phase_a.set(matches!(self.state, 0 | 1));
+        self.phase_b.set(matches!(self.state, 1 | 2));
+        self.phase_z.set(self.state == 0 && self.cycle == 0);
+    }
+
+    fn forth(&mut self, cycles: u32) {
+        self.state = (self.state + 1) % 4;
+        if self.state == 0 {
+            self.cycle = self.cycle.wrapping_add(1);
+            if self.cycle >= cycles {
+                self.cycle = 0;
+            }
+        }
+    }
+
+    fn back(&mut self, cycles: u32) {
+        if self.state == 0 {
+            self.state = 3;
+            self.cycle = self.cycle.checked_sub(1).unwrap_or(cycles.saturating_sub(1));
+        } else {
+            self.state -= 1;
+        }
+    }
+}
+
+/// `sim-encoder.make-pulses`.
+#[derive(Touch)]
+struct MakePulses {
+    channels: Vec<Turning>,
+    base: Gives<AtomicI64>,
+}
+
+impl Update for MakePulses {
+    fn update(&mut self, period: Period) {
+        self.base.store(period.ns(), Release); // Pairs with `UpdateSpeed`.
+        for c in &mut self.channels {
+            c.run();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SimEncoder;
+    use hal_component::{bench::Bench, trace::replay};
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<SimEncoder>(include_str!("../traces/sim_encoder.txt")), 470);
+    }
+
+    #[test]
+    fn names_and_numbers() {
+        for (args, wanted) in [
+            (&[][..], Ok(1)),
+            (&["num_chan=8"], Ok(8)),
+            (&["num_chan=9"], Err("SIM_ENCODER: ERROR: invalid number of channels 9")),
+            (&["num_chan=-1"], Err("SIM_ENCODER: ERROR: invalid number of channels -1")),
+        ] {
+            let mut bench = Bench::new();
+            let made = bench.load::<SimEncoder>(args).map(|()| bench.names().len() / 7);
+            assert_eq!(made, wanted.map_err(str::to_owned), "{args:?}");
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! `biquad`.
+use hal_component::{Component, In, Out, ParamRw, Period, Update};
+
+/// The π of the coefficients.
+#[expect(clippy::approx_constant, reason = "the figures that users know come from this one")]
+const PI: f64 = 3.141_592_653_589;
+
+/// Filter of second order: low-pass, notch, or of coefficients of your own.
+///
+/// `enable` computes the coefficients as it rises; while it is false, or `valid` is, the input goes
+/// through.
+#[derive(Component)]
+pub(crate) struct Biquad {
+    /// The signal.
+    in_: In<f64>,
+    /// The filtered signal.
+    out: Out<f64>,
+    /// Whether it filters.
+    enable: In<bool>,
+    /// Whether the coefficients make a filter.
+    valid: Out<bool>,
+    /// 0: the coefficients as they are set; 1: low-pass; 2: notch.
+    #[hal(name = "type")]
+    kind: In<u32>,
+    /// The filter's frequency, in hertz, at most half of the thread's.
+    #[hal(default = 250.0)]
+    f0: In<f64>,
+    /// The filter's quality, 0.5 to 2.
+    #[hal(name = "Q", default = 0.7071)]
+    q: In<f64>,
+    /// What is added from the last run.
+    s1: Out<f64>,
+    /// What is added from the run before.
+    s2: Out<f64>,
+    /// Coefficient of the last output.
+    d1: ParamRw<f64>,
+    /// Coefficient of the output before.
+    d2: ParamRw<f64>,
+    /// Coefficient of the input.
+    #[hal(default = 1.0)]
+    n0: ParamRw<f64>,
+    /// Coefficient of the last input.
+    n1: ParamRw<f64>,
+    /// Coefficient of the input before.
+    n2: ParamRw<f64>,
+    #[state]
+    was_enabled: bool,
+}
+
+impl Biquad {
+    /// The coefficients of the wanted type; false when there are none.
+    fn design(&self, dt: f64) -> bool {
+        let (f0, q) = (self.f0.get(), self.q.get());
+        let kind = self.kind.get();
+        if kind == 0 {
+            return true;
+        }
+        if f0 > 1.0 / dt / 2.0 || !(0.5..=2.0).contains(&q) {
+            return false;
+        }
+        let w = 2.0 * PI * f0 * dt;
+        let (sin, cos) = (libm::sin(w), libm::cos(w));
+        let alpha = sin / (2.0 * q);
+        let (b0, b1) = match kind {
+            1 => ((1.0 - cos) / 2.0, 1.0 - cos),
+            2 => (1.0, -2.0 * cos),
+            _ => return false,
+        };
+        let a0 = 1.0 + alpha;
+        self.n0.set(b0 / a0);
+        self.n1.set(b1 / a0);
+        self.n2.set(b0 / a0);
+        self.d1.set(-2.0 * cos / a0);
+        self.d2.set((1.0 - alpha) / a0);
+        self.s1.set(0.0);
+        self.s2.set(0.0);
+        true
+    }
+}
+
+impl Update for Biquad {
+    fn update(&mut self, period: Period) {
+        let enable = self.enable.get();
+        if enable && !self.was_enabled {
+            self.valid.set(self.design(period.secs()));
+        }
+        self.was_enabled = enable;
+        let input = self.in_.get();
+        if !(enable && self.valid.get()) {
+            self.out.set(input);
+            return;
+        }
+        let out = input * self.n0.get() + self.s1.get();
+        self.out.set(out);
+        self.s1.set(input * self.n1.get() - out * self.d1.get() + self.s2.get());
+        self.s2.set(input * self.n2.get() - out * self.d2.get());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Biquad;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Biquad>(include_str!("../traces/biquad.txt")), 410);
+    }
+}

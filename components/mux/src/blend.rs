@@ -1,0 +1,44 @@
+//! `blend`.
+use hal_component::{Component, In, Out, ParamRw, Period, Update};
+
+/// A mixture of two numbers.
+#[derive(Component)]
+pub(crate) struct Blend {
+    /// The number at `select` 1.
+    in1: In<f64>,
+    /// The number at `select` 0.
+    in2: In<f64>,
+    /// How much of the first, 0 to 1.
+    select: In<f64>,
+    /// The mixture.
+    out: Out<f64>,
+    /// Whether `select` may go beyond 0 and 1.
+    open: ParamRw<bool>,
+}
+
+impl Update for Blend {
+    fn update(&mut self, _: Period) {
+        let select = self.select.get();
+        let share = if self.open.get() { select } else { below(above(select)) };
+        self.out.set(self.in1.get() * share + self.in2.get() * (1.0 - share));
+    }
+}
+
+fn above(x: f64) -> f64 {
+    if x < 0.0 { 0.0 } else { x }
+}
+
+fn below(x: f64) -> f64 {
+    if x > 1.0 { 1.0 } else { x }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Blend;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Blend>(include_str!("../traces/blend.txt")), 80);
+    }
+}

@@ -1,0 +1,82 @@
+//! `demux`.
+use hal_component::{
+    Builder, Component, Error, In, Out, ParamRw, Period, Touch, Update, abi::component_flags,
+};
+
+/// The most outputs, and how many there are if nobody says.
+const MOST: i64 = 32;
+/// How many selector bits there are.
+const BITS: u32 = 5;
+
+/// One of several bits.
+#[derive(Touch)]
+pub(crate) struct Demux {
+    bits: Vec<In<bool>>,
+    number: In<u32>,
+    outputs: Vec<Out<bool>>,
+    bargraph: ParamRw<bool>,
+}
+
+impl Component for Demux {
+    const NAME: &'static str = "demux";
+    const DOC: &'static str = "One of up to 32 bits, by number, or all up to it.\n\n\
+        `personality=` is the number of outputs; 32 without it. The selector bits, worth 1 to 16, and \
+        `sel-u32` together are the number; the last output stands for all beyond it,\n\
+         and numbers of 2^31 and more choose none.";
+    const FLAGS: u32 = component_flags::PERSONALITY | component_flags::PARALLEL;
+
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        let n = match b.personality() {
+            0 => MOST,
+            n => n,
+        };
+        if n > MOST {
+            let text = format!("Pin out-##: Requested size {n} exceeds max size {MOST}");
+            return Err(Error::new(text));
+        }
+        let mut bits = Vec::new();
+        for i in 0..BITS {
+            let doc = format!("Selector worth {}.", 1 << i);
+            bits.push(b.item(&format!("sel-bit-{i:02}"), &doc, false)?);
+        }
+        let number = b.item("sel-u32", "Selector; added to the bits.", 0)?;
+        let mut outputs = Vec::new();
+        for i in 0..n {
+            outputs.push(b.item(&format!("out-{i:02}"), "An output.", false)?);
+        }
+        let bar = "Whether all outputs below the chosen one are true, instead of that one.";
+        let bargraph = b.item("bargraph", bar, false)?;
+        b.function("", "Chooses.", Self { bits, number, outputs, bargraph })
+    }
+}
+
+impl Update for Demux {
+    fn update(&mut self, _: Period) {
+        let bits = self.bits.iter().enumerate();
+        let bits = bits.fold(0_u32, |n, (i, bit)| n | u32::from(bit.get()) << i);
+        let chosen = self.number.get().wrapping_add(bits);
+        let last = self.outputs.len().saturating_sub(1);
+        let chosen = usize::try_from(chosen.cast_signed()).ok().map(|n| n.min(last));
+        let bar = self.bargraph.get();
+        for (i, out) in self.outputs.iter().enumerate() {
+            out.set(if bar { chosen.is_some_and(|n| i < n) } else { chosen == Some(i) });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Demux;
+    use hal_component::{bench::Bench, trace::replay};
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Demux>(include_str!("../traces/demux.txt")), 182);
+    }
+
+    #[test]
+    fn no_more_than_32() {
+        let refused = Bench::new().load::<Demux>(&["personality=33"]).unwrap_err();
+        assert_eq!(refused, "Pin out-##: Requested size 33 exceeds max size 32");
+    }
+}

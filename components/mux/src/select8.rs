@@ -1,0 +1,35 @@
+//! `select8`.
+use hal_component::{Component, In, Out, Period, Update};
+
+/// One of eight bits, by number.
+#[derive(Component)]
+pub(crate) struct Select8 {
+    /// The number of the output that is true; none for numbers beyond 0 to 7.
+    sel: In<i32>,
+    /// Whether there is one.
+    #[hal(default = true)]
+    enable: In<bool>,
+    /// An output, true when its number is chosen.
+    #[hal(name = "out#", count = 8_u32)]
+    out: Vec<Out<bool>>,
+}
+
+impl Update for Select8 {
+    fn update(&mut self, _: Period) {
+        let chosen = usize::try_from(self.sel.get()).ok().filter(|_| self.enable.get());
+        for (i, out) in self.out.iter().enumerate() {
+            out.set(chosen == Some(i));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Select8;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Select8>(include_str!("../traces/select8.txt")), 16);
+    }
+}

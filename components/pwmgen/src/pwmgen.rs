@@ -1,0 +1,122 @@
+//! `pwmgen`.
+use crate::{
+    handover::{Base, Wanted},
+    pulses::{Channel, MakePulses, Outputs},
+    update::{Duty, UpdateDuty},
+};
+use hal_component::{
+    Arg, Builder, Component, Error, In, Io, Out,
+    abi::{ArgSpec, component_flags},
+    pins,
+};
+
+/// Generators of pulses.
+#[derive(Debug)]
+pub enum Pwmgen {}
+
+impl Component for Pwmgen {
+    const NAME: &'static str = "pwmgen";
+    const DOC: &'static str = "Pulses whose width, or density, is a number: PWM and PDM.\n\n\
+        `output_type=0,1,2` makes three channels: type 0 has one output `pwm`, which is false for \
+        negative values; type 1 `pwm` and `dir`, which is true for them; type 2 `up` and `down`. At \
+        most 8. `pwmgen.make-pulses` belongs in the fastest thread, `pwmgen.update` in a slower \
+        one.\n\n\
+        The duty cycle is `value` / `scale` + `offset`, within `min-dc` and `max-dc` to either side. \
+        With `pwm-freq` 0 there are no periods: pulses of one run each come as often as it takes.";
+    const FLAGS: u32 = component_flags::ONCE;
+    const ARGS: &'static [&'static ArgSpec] =
+        &[&Arg::ints("output_type", "The type of each channel, 0 to 2; -1 ends the list.")
+            .at_most(8)];
+
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        let types: Vec<i64> =
+            b.arg_ints("output_type").into_iter().take_while(|t| *t != -1).collect();
+        if types.is_empty() {
+            return Err(Error::new("PWMGEN: ERROR: no channels configured"));
+        }
+        if let Some((n, bad)) = types.iter().enumerate().find(|(_, t)| !(0..=2).contains(*t)) {
+            let text = format!("PWMGEN: ERROR: bad output type '{bad}', channel {n}");
+            return Err(Error::new(text));
+        }
+        let (gives_base, takes_base) = b.shared(Base::default());
+        let mut make = MakePulses { channels: Vec::with_capacity(types.len()), base: gives_base };
+        let mut update =
+            UpdateDuty { channels: Vec::with_capacity(types.len()), base: takes_base, base_was: 0 };
+        for (n, kind) in types.iter().enumerate() {
+            let prefix = format!("pwmgen.{n}");
+            let pins = Pins::make(b, &prefix)?;
+            let output = |b: &mut Builder<'_>, name: &str, doc: &str| {
+                b.item(&format!("{prefix}.{name}"), doc, false)
+            };
+            let dir = match kind {
+                1 => Some(output(b, "dir", "True for negative values.")?),
+                _ => None,
+            };
+            let outputs = match kind {
+                2 => Outputs::UpDown {
+                    up: output(b, "up", "The pulses for positive values.")?,
+                    down: output(b, "down", "The pulses for negative values.")?,
+                },
+                _ => Outputs::One { pwm: output(b, "pwm", "The pulses.")? },
+            };
+            let (gives, takes) = b.shared(Wanted::default());
+            make.channels.push(Channel::new(outputs, takes));
+            update.channels.push(Duty::new(pins, dir, *kind == 0, gives));
+        }
+        b.fast_function("pwmgen.make-pulses", "Makes the pulses of all channels.", make)?;
+        b.function("pwmgen.update", "Turns values into duty cycles.", update)
+    }
+}
+
+pins! {
+    /// The pins that all types have.
+    pub(crate) struct Pins {
+        /// Whether there are pulses.
+        enable: In<bool> = "enable", false;
+        /// What the duty cycle is to be, in `scale`.
+        value: In<f64> = "value", 0.0;
+        /// The value of a duty cycle of 1. Closer to 0 than 1e-20: 1.
+        scale: Io<f64> = "scale", 1.0;
+        /// What is added to the duty cycle.
+        offset: Io<f64> = "offset", 0.0;
+        /// Whether widths between two whole runs are made of both in turn.
+        dither_pwm: Io<bool> = "dither-pwm", false;
+        /// Periods per second, corrected to what can be; 0: density of pulses instead.
+        pwm_freq: Io<f64> = "pwm-freq", 0.0;
+        /// Least duty cycle, 0 to `max-dc`.
+        min_dc: Io<f64> = "min-dc", 0.0;
+        /// Greatest duty cycle, `min-dc` to 1.
+        max_dc: Io<f64> = "max-dc", 1.0;
+        /// The duty cycle as it is; negative: backward.
+        curr_dc: Out<f64> = "curr-dc", 0.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Pwmgen;
+    use hal_component::{bench::Bench, trace::replay};
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Pwmgen>(include_str!("../traces/pwmgen.txt")), 2675);
+    }
+
+    #[test]
+    fn types() {
+        for (types, wanted) in [
+            ("0", Ok(10)),
+            ("0,1,2", Ok(32)),
+            ("0,2,-1,1", Ok(21)),
+            ("-1", Err("PWMGEN: ERROR: no channels configured")),
+            ("0,3", Err("PWMGEN: ERROR: bad output type '3', channel 1")),
+        ] {
+            let mut bench = Bench::new();
+            let made = bench.load::<Pwmgen>(&[&format!("output_type={types}")]);
+            let made = made.map(|()| bench.names().len());
+            assert_eq!(made, wanted.map_err(str::to_owned), "{types}");
+        }
+        let nothing = Bench::new().load::<Pwmgen>(&[]).unwrap_err();
+        assert_eq!(nothing, "PWMGEN: ERROR: no channels configured");
+    }
+}

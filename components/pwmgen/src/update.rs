@@ -1,0 +1,171 @@
+//! Realtime. Duty cycles: the slow function.
+
+use crate::{
+    handover::{Base, Mode, Wanted},
+    pwmgen::Pins,
+};
+use hal_component::{Gives, Out, Period, Takes, Touch, Update};
+
+/// One channel, as its duty cycle is computed.
+#[derive(Touch)]
+pub(crate) struct Duty {
+    pins: Pins,
+    dir: Option<Out<bool>>,
+    wanted: Gives<Wanted>,
+    /// Whether negative values are taken as zero.
+    #[state]
+    is_single: bool,
+    #[state]
+    was: Was,
+}
+
+/// What a channel's timing was made of.
+#[derive(Debug)]
+struct Was {
+    mode: Mode,
+    freq: f64,
+    scale: f64,
+    per_scale: f64,
+    /// Nanoseconds of a period.
+    period: i64,
+    /// Runs of a period.
+    runs: i64,
+}
+
+impl Duty {
+    pub(crate) fn new(
+        pins: Pins,
+        dir: Option<Out<bool>>,
+        is_single: bool,
+        wanted: Gives<Wanted>,
+    ) -> Self {
+        let was = Was {
+            mode: Mode::Off,
+            freq: -1.0,
+            scale: f64::NAN,
+            per_scale: 1.0,
+            period: 0,
+            runs: 0,
+        };
+        Self { pins, dir, wanted, is_single, was }
+    }
+
+    /// Keeps 0 ≤ `min-dc` ≤ `max-dc` ≤ 1.
+    fn limits(&self) -> (f64, f64) {
+        let p = &self.pins;
+        if !(0.0..=1.0).contains(&p.min_dc.get()) {
+            p.min_dc.set(if p.min_dc.get() > 1.0 { 1.0 } else { 0.0 });
+        }
+        if !(0.0..=1.0).contains(&p.max_dc.get()) {
+            p.max_dc.set(if p.max_dc.get() < 0.0 { 0.0 } else { 1.0 });
+        }
+        if p.min_dc.get() > p.max_dc.get() {
+            p.min_dc.set(p.max_dc.get());
+        }
+        (p.min_dc.get(), p.max_dc.get())
+    }
+
+    /// The mode and the length of its period.
+    #[expect(clippy::cast_possible_truncation, reason = "a period beyond 64 bits cannot be")]
+    fn timing(&mut self, base: i64, base_changed: bool) {
+        let (p, was) = (&self.pins, &mut self.was);
+        let freq = p.pwm_freq.get();
+        let mode = if !p.enable.get() {
+            Mode::Off
+        } else if freq == 0.0 {
+            Mode::Density
+        } else if p.dither_pwm.get() {
+            Mode::Dither
+        } else {
+            Mode::Pure
+        };
+        if !(mode != was.mode || freq != was.freq || base_changed) {
+            return;
+        }
+        was.mode = mode;
+        if mode == Mode::Off {
+            self.wanted.ask(mode, was.period);
+            return;
+        }
+        if freq <= 0.0 || freq.is_nan() {
+            p.pwm_freq.set(0.0);
+            was.period = base;
+        } else {
+            let most = 0.5e9 / base as f64;
+            let freq = if freq < 0.5 {
+                0.5
+            } else if freq > most {
+                most
+            } else {
+                freq
+            };
+            p.pwm_freq.set(freq);
+            if mode == Mode::Dither {
+                was.period = (1e9 / freq) as i64;
+            } else {
+                was.runs = ((1e9 / freq / base as f64) + 0.5) as i64;
+                was.period = was.runs * base;
+                p.pwm_freq.set(1e9 / was.period as f64);
+            }
+        }
+        was.freq = p.pwm_freq.get();
+        self.wanted.ask(was.mode, was.period);
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "a width within a period")]
+    fn run(&mut self, base: i64, base_changed: bool) {
+        let (min, max) = self.limits();
+        self.timing(base, base_changed);
+        let (p, was) = (&self.pins, &mut self.was);
+        if p.scale.get() != was.scale {
+            if p.scale.get().abs() < 1e-20 {
+                p.scale.set(1.0);
+            }
+            was.scale = p.scale.get();
+            was.per_scale = 1.0 / was.scale;
+        }
+        let wanted = p.value.get() * was.per_scale + p.offset.get();
+        let wanted = if self.is_single && wanted < 0.0 { 0.0 } else { wanted };
+        let down = wanted < 0.0;
+        if let Some(dir) = &self.dir {
+            dir.set(down);
+        }
+        let duty = wanted.abs();
+        let duty = if duty > max {
+            max
+        } else if duty < min {
+            min
+        } else {
+            duty
+        };
+        let sign = if down { -1.0 } else { 1.0 };
+        if was.mode == Mode::Pure {
+            let high = (was.runs as f64 * duty + 0.5) as i64;
+            self.wanted.width(high * base, down);
+            p.curr_dc.set(sign * high as f64 * (1.0 / was.runs as f64));
+        } else {
+            self.wanted.width((was.period as f64 * duty + 0.5) as i64, down);
+            p.curr_dc.set(sign * duty);
+        }
+    }
+}
+
+/// `pwmgen.update`.
+#[derive(Touch)]
+pub(crate) struct UpdateDuty {
+    pub(crate) channels: Vec<Duty>,
+    pub(crate) base: Takes<Base>,
+    #[state]
+    pub(crate) base_was: i64,
+}
+
+impl Update for UpdateDuty {
+    fn update(&mut self, _: Period) {
+        let base = self.base.ns().max(1);
+        let changed = base != self.base_was;
+        self.base_was = base;
+        for c in &mut self.channels {
+            c.run(base, changed);
+        }
+    }
+}

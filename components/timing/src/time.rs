@@ -1,0 +1,58 @@
+//! `time`.
+use hal_component::{Component, In, Out, Period, Update};
+
+/// A stop watch: hours, minutes and seconds.
+#[derive(Component)]
+pub(crate) struct Time {
+    /// Starts from zero as it rises; runs while it is true.
+    start: In<bool>,
+    /// Holds the watch while true, whatever `start` is.
+    pause: In<bool>,
+    /// Seconds, 0 to 59.
+    seconds: Out<u32>,
+    /// Minutes, 0 to 59.
+    minutes: Out<u32>,
+    /// Hours.
+    hours: Out<u32>,
+    #[state]
+    was_started: bool,
+    /// Whole seconds.
+    #[state]
+    whole: u32,
+    /// The part of a second beyond them.
+    #[state]
+    part: f64,
+}
+
+impl Update for Time {
+    fn update(&mut self, period: Period) {
+        if !self.pause.get() {
+            let start = self.start.get();
+            if start && !self.was_started {
+                (self.whole, self.part) = (0, 0.0);
+            }
+            if start {
+                self.part += period.secs();
+                if self.part >= 1.0 {
+                    self.part -= 1.0;
+                    self.whole = self.whole.wrapping_add(1);
+                }
+            }
+            self.was_started = start;
+        }
+        self.seconds.set(self.whole % 60);
+        self.minutes.set(self.whole / 60 % 60);
+        self.hours.set(self.whole / 3600);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Time;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Time>(include_str!("../traces/time.txt")), 230);
+    }
+}

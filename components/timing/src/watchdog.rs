@@ -1,0 +1,168 @@
+//! `watchdog`.
+use hal_component::{
+    Arg, Builder, Component, Error, Gives, In, Out, ParamRw, Period, Takes, Touch, Update,
+    abi::{ArgSpec, component_flags},
+};
+use std::sync::atomic::{
+    AtomicI64, AtomicU32,
+    Ordering::{Acquire, Release},
+};
+
+/// The most inputs.
+const MOST: i64 = 32;
+
+/// Watches heartbeats.
+pub(crate) struct Watchdog;
+
+impl Component for Watchdog {
+    const NAME: &'static str = "watchdog";
+    const DOC: &'static str = "Tells whether several bits keep changing, such as heartbeats.\n\n\
+        `num_inputs=2` makes `watchdog.input-0` and `watchdog.input-1`, each with a timeout. \
+        `watchdog.process` looks at them and belongs in a fast thread; `watchdog.set-timeouts` takes \
+        over the timeouts and watches `enable-in`, in a slower one.";
+    const FLAGS: u32 = component_flags::ONCE;
+    const ARGS: &'static [&'static ArgSpec] =
+        &[&Arg::int("num_inputs", "Number of inputs, 1 to 32.")];
+
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        let n = b.arg_int("num_inputs").unwrap_or(0);
+        if n < 1 {
+            return Err(Error::new("WATCHDOG: ERROR: must specify at least one input"));
+        }
+        if n > MOST {
+            let text = format!("WATCHDOG: ERROR: too many inputs requested ({n} > {MOST})");
+            return Err(Error::new(text));
+        }
+        let enable = b.item(
+            "watchdog.enable-in",
+            "Starts it as it rises, also after a timeout. While false, nothing changes.",
+            false,
+        )?;
+        let ok = b.item(
+            "watchdog.ok-out",
+            "True from the start on, while all inputs keep changing.",
+            false,
+        )?;
+        let (mut beats, mut times) = (Vec::new(), Vec::new());
+        for i in 0..n {
+            let input = b.item(&format!("watchdog.input-{i}"), "A bit that must change.", false)?;
+            let doc = "For how long it may stay the same, in seconds; negative: taken as 0.";
+            let timeout = b.item(&format!("watchdog.timeout-{i}"), doc, 0.0)?;
+            let (gives, takes) = b.shared(AtomicI64::new(0));
+            beats.push(Beat { input, limit: takes, was: false, still: 0 });
+            times.push(Timeout { timeout, limit: gives });
+        }
+        let (start, starts) = b.shared(AtomicU32::new(0));
+        let process = Process { enable, ok, beats, starts, seen: 0 };
+        let set = SetTimeouts { enable, ok, times, start, was_enabled: false };
+        b.fast_function("watchdog.process", "Looks at the inputs.", process)?;
+        b.function("watchdog.set-timeouts", "Takes over the timeouts.", set)
+    }
+}
+
+/// One input, as it is watched.
+#[derive(Touch)]
+struct Beat {
+    input: In<bool>,
+    limit: Takes<AtomicI64>,
+    #[state]
+    was: bool,
+    /// For how long it has been the same, in nanoseconds.
+    #[state]
+    still: i64,
+}
+
+/// `watchdog.process`.
+#[derive(Touch)]
+struct Process {
+    enable: In<bool>,
+    ok: Out<bool>,
+    beats: Vec<Beat>,
+    starts: Takes<AtomicU32>,
+    #[state]
+    seen: u32,
+}
+
+impl Update for Process {
+    fn update(&mut self, period: Period) {
+        let starts = self.starts.load(Acquire); // Pairs with `SetTimeouts`.
+        let begins = starts != self.seen;
+        self.seen = starts;
+        if !self.enable.get() || !self.ok.get() {
+            return;
+        }
+        for b in &mut self.beats {
+            let input = b.input.get();
+            let before = if begins { 0 } else { b.still };
+            b.still = if input == b.was { before.saturating_add(period.ns()) } else { 0 };
+            b.was = input;
+            let limit = b.limit.load(Acquire); // Pairs with `SetTimeouts`.
+            if b.still > limit {
+                self.ok.set(false);
+            }
+        }
+    }
+}
+
+/// The timeout of one input.
+#[derive(Touch)]
+struct Timeout {
+    timeout: ParamRw<f64>,
+    limit: Gives<AtomicI64>,
+}
+
+/// `watchdog.set-timeouts`.
+#[derive(Touch)]
+struct SetTimeouts {
+    enable: In<bool>,
+    ok: Out<bool>,
+    times: Vec<Timeout>,
+    start: Gives<AtomicU32>,
+    #[state]
+    was_enabled: bool,
+}
+
+impl Update for SetTimeouts {
+    #[expect(clippy::cast_possible_truncation, reason = "a timeout beyond 64 bits is none")]
+    fn update(&mut self, _: Period) {
+        for t in &self.times {
+            if t.timeout.get() < 0.0 {
+                t.timeout.set(0.0);
+            }
+            let ns = (t.timeout.get() * 1e9) as i64;
+            t.limit.store(ns, Release); // Pairs with `Process`.
+        }
+        let enable = self.enable.get();
+        if enable && !self.was_enabled {
+            let next = self.start.load(Acquire).wrapping_add(1); // Only this side stores.
+            self.start.store(next, Release); // Pairs with `Process`.
+            self.ok.set(true);
+        }
+        self.was_enabled = enable;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Watchdog;
+    use hal_component::{bench::Bench, trace::replay};
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Watchdog>(include_str!("../traces/watchdog.txt")), 410);
+    }
+
+    #[test]
+    fn inputs() {
+        for (args, wanted) in [
+            (&[][..], "WATCHDOG: ERROR: must specify at least one input"),
+            (&["num_inputs=0"], "WATCHDOG: ERROR: must specify at least one input"),
+            (&["num_inputs=33"], "WATCHDOG: ERROR: too many inputs requested (33 > 32)"),
+        ] {
+            assert_eq!(Bench::new().load::<Watchdog>(args).unwrap_err(), wanted);
+        }
+        let mut bench = Bench::new();
+        bench.load::<Watchdog>(&["num_inputs=32"]).unwrap();
+        assert_eq!(bench.names().len(), 66);
+    }
+}

@@ -1,0 +1,71 @@
+//! Structs of pins for components that declare by hand.
+
+/// A struct of pins and parameters that says how it is made: for components whose instances are
+/// not those of `count=` and `names=`.
+///
+/// A field's doc comment is what users read; then come its type, its name and its first value.
+///
+/// ```
+/// use hal_component::{In, Out, pins};
+///
+/// pins! {
+///     /// One channel.
+///     struct Channel {
+///         /// The number to follow, in units.
+///         command: In<f64> = "command", 0.0;
+///         /// True while it is there.
+///         is_there: Out<bool> = "is-there", true;
+///     }
+/// }
+/// // In `create`: `Channel::make(b, "loop.0")?` declares `loop.0.command` and `loop.0.is-there`.
+/// ```
+#[macro_export]
+macro_rules! pins {
+    (
+        $(#[$about:meta])*
+        $vis:vis struct $name:ident {
+            $($(#[doc = $doc:literal])+ $field:ident: $ty:ty = $pin:literal, $initial:expr;)+
+        }
+    ) => {
+        $(#[$about])*
+        #[derive(Clone, Debug, $crate::Touch)]
+        $vis struct $name {
+            $($(#[doc = $doc])+ pub(crate) $field: $ty,)+
+        }
+        impl $name {
+            /// Declares them all; `prefix` and a dot come before each name.
+            ///
+            /// # Errors
+            /// A name is taken or too long.
+            pub(crate) fn make(
+                b: &mut $crate::Builder<'_>,
+                prefix: &str,
+            ) -> ::core::result::Result<Self, $crate::Error> {
+                ::core::result::Result::Ok(Self {
+                    $($field: $crate::Field::make(
+                        b,
+                        $crate::Decl::new(
+                            &$crate::pin_name(prefix, $pin),
+                            &$crate::pin_doc(&[$($doc),+]),
+                        ),
+                        $initial,
+                    )?,)+
+                })
+            }
+        }
+    };
+}
+
+/// The full name of a pin; without a prefix, its own.
+#[doc(hidden)]
+#[must_use]
+pub fn pin_name(prefix: &str, pin: &str) -> String {
+    if prefix.is_empty() { pin.to_owned() } else { format!("{prefix}.{pin}") }
+}
+
+/// The text of a doc comment from its lines.
+#[doc(hidden)]
+#[must_use]
+pub fn pin_doc(lines: &[&str]) -> String {
+    lines.iter().map(|l| l.trim()).collect::<Vec<_>>().join("\n")
+}
