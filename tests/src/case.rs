@@ -169,7 +169,7 @@ fn merged(expected: &str, got: &str) -> String {
 }
 
 /// The first lines that differ, with some around.
-fn difference(expected: &str, got: &str) -> String {
+pub fn difference(expected: &str, got: &str) -> String {
     let (expected, got): (Vec<&str>, Vec<&str>) =
         (expected.lines().collect(), got.lines().collect());
     let same = expected.iter().zip(&got).take_while(|(e, g)| line_matches(e, g)).count();

@@ -1,4 +1,10 @@
 //! Realtime. What becomes of a value in another type: the whole table.
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "casts are what was asked for"
+)]
 
 /// How a value is taken into another type.
 pub(crate) trait Narrow<To> {
@@ -49,20 +55,13 @@ macro_rules! narrows {
         impl Narrow<$to> for $from {
             const WORDS: (&'static str, &'static str) = ($name, $doc);
             const CAN_FAIL: bool = true;
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_possible_wrap,
-                clippy::cast_sign_loss,
-                reason = "this is what was asked for"
-            )]
             fn plain(self) -> ($to, bool) {
                 let to = self as $to;
                 (to, to as $from != self)
             }
             fn nearest(self) -> ($to, bool) {
                 let fits = <$to>::try_from(self);
-                #[expect(unused_comparisons, reason = "one line for types with and without a sign")]
-                let end = if self < 0 { <$to>::MIN } else { <$to>::MAX };
+                let end = if i128::from(self) < 0 { <$to>::MIN } else { <$to>::MAX };
                 (fits.unwrap_or(end), fits.is_err())
             }
         }
@@ -106,11 +105,6 @@ macro_rules! from_float {
         impl Narrow<$to> for f64 {
             const WORDS: (&'static str, &'static str) = ($name, $doc);
             const CAN_FAIL: bool = true;
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "this is what was asked for"
-            )]
             fn plain(self) -> ($to, bool) {
                 let $v = self;
                 let to: $to = $plain;
@@ -140,7 +134,6 @@ from_float! {
 }
 
 /// A float as a machine takes it into 64 bits: what does not fit becomes the lowest.
-#[expect(clippy::cast_possible_truncation, reason = "this is what was asked for")]
 fn wide(v: f64) -> i64 {
     if out(v, i64::MIN as f64, i64::MAX as f64) { i64::MIN } else { v as i64 }
 }
