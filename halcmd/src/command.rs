@@ -1,6 +1,9 @@
 //! Commands, parsed.
 
-use crate::watch::Watch;
+use crate::{
+    graph::{Format, Wanted},
+    watch::Watch,
+};
 use hal_protocol::{Kind, Lock, Request, Type};
 
 /// A line that was understood.
@@ -30,6 +33,8 @@ pub enum Command {
     Status(StatusKind),
     /// `order`: of what, and whether as lines of a script.
     Order(Subject, bool),
+    /// `graph`: of what, what of it, how, and the file.
+    Graph(Subject, Wanted, Format, Option<String>),
     /// `print`.
     Print(Option<String>),
     /// `echo`, `unecho`.

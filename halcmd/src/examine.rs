@@ -3,6 +3,7 @@
 use crate::{
     Command, Error, Session,
     command::Subject,
+    graph::{self, Drawing, Format, Wanted},
     options::{Given, Opt, options},
     order,
     trial::Trial,
@@ -16,6 +17,35 @@ const ORDER: &[Opt<char>] = &[Opt::short_with('i', 'i', "FILE"), long('s', "scri
 
 const fn long(id: char, name: &'static str, value: Option<&'static str>) -> Opt<char> {
     Opt { id, short: None, long: Some(name), value, variable: None, help: "" }
+}
+
+const GRAPH: &[Opt<char>] = &[
+    Opt::short_with('i', 'i', "FILE"),
+    Opt::short_with('o', 'o', "FILE"),
+    long('d', "dot", None),
+    long('m', "mermaid", None),
+    long('s', "svg", None),
+    long('a', "all", None),
+    long('p', "params", None),
+];
+
+/// The words of `graph`.
+pub(crate) fn graph(words: &[String]) -> Result<Command, Error> {
+    let (given, others) = mixed("graph", GRAPH, words)?;
+    let has = |wanted| given.iter().any(|(id, _)| *id == wanted);
+    let file = given.iter().rev().find(|(id, _)| *id == 'o').and_then(|(_, file)| file.clone());
+    let said = given.iter().rev().find_map(|(id, _)| match id {
+        'd' => Some(Format::Dot),
+        'm' => Some(Format::Mermaid),
+        's' => Some(Format::Svg),
+        _ => None,
+    });
+    let format = said.or_else(|| Format::of(file.as_deref()?)).unwrap_or_default();
+    // What is no file of a machine is a pattern.
+    let is_file = |w: &String| w.ends_with(".hal") || w.ends_with(".ini") || w.contains('/');
+    let (files, patterns) = others.into_iter().partition(is_file);
+    let wanted = Wanted { patterns, all: has('a'), params: has('p') };
+    Ok(Command::Graph(subject(&given, files), wanted, format, file))
 }
 
 /// The words of `order`.
@@ -55,32 +85,62 @@ pub(crate) fn mixed(
 impl Session<'_> {
     /// `order`.
     pub(crate) fn order(&mut self, subject: &Subject, script: bool) -> Result<(), Error> {
-        self.examine(subject, &mut |ask| ask(Request::Order), &mut |reply| match reply {
+        let (reply, refused) = self.examine(subject, &mut |ask| ask(Request::Order))?;
+        self.print(&reply, |reply| match reply {
             Reply::Order(info) if script => Some(order::script(info)),
             Reply::Order(info) => Some(order::text(info)),
             _ => None,
-        })
+        })?;
+        if refused { Err(Error::Told) } else { Ok(()) }
     }
 
-    /// Asks the running machine, or one made of files, and prints the answer. Lines of the files
-    /// that were refused are said, and make it a failure.
-    fn examine(
+    /// `graph`.
+    pub(crate) fn graph(
         &mut self,
         subject: &Subject,
-        look: &mut dyn FnMut(&mut Ask<'_>) -> Result<Reply, Error>,
-        words: &mut dyn FnMut(&Reply) -> Option<String>,
+        wanted: &Wanted,
+        format: Format,
+        file: Option<&str>,
     ) -> Result<(), Error> {
+        let title = if subject.files.is_empty() {
+            self.instance.clone()
+        } else {
+            let name = |f: &String| f.rsplit('/').next().unwrap_or(f).to_owned();
+            subject.files.iter().map(name).collect::<Vec<_>>().join(" ")
+        };
+        let (drawing, refused) =
+            self.examine(subject, &mut |ask| Drawing::of(&title, wanted, ask))?;
+        let text = if self.style.json {
+            serde_json::to_string(&drawing).map_err(|_| Error::Unexpected)? + "\n"
+        } else {
+            graph::text(&drawing, format)
+        };
+        match file {
+            None => self.terminal.out(&text),
+            Some(file) => std::fs::write(file, text).map_err(|e| Error::NoDestination {
+                path: file.into(),
+                why: crate::ini::plain(&e),
+            })?,
+        }
+        if refused { Err(Error::Told) } else { Ok(()) }
+    }
+
+    /// Asks the running machine, or one made of files. Lines of the files that are refused are
+    /// said; whether there were any comes back as well.
+    fn examine<T>(
+        &mut self,
+        subject: &Subject,
+        look: &mut dyn FnMut(&mut Ask<'_>) -> Result<T, Error>,
+    ) -> Result<(T, bool), Error> {
         if subject.files.is_empty() {
-            let reply = look(&mut |request| self.ask(request))?;
-            return self.print(&reply, words);
+            return Ok((look(&mut |request| self.ask(request))?, false));
         }
         let mut trial = Trial::of(&subject.files, subject.ini.as_deref())?;
         for refusal in &trial.attempt().refusals {
             self.refuse(&refusal.at, &refusal.error);
         }
         let refused = !trial.attempt().refusals.is_empty();
-        let reply = look(&mut |request| trial.engine().call(request).map_err(Error::Engine))?;
-        self.print(&reply, words)?;
-        if refused { Err(Error::Told) } else { Ok(()) }
+        let seen = look(&mut |request| trial.engine().call(request).map_err(Error::Engine))?;
+        Ok((seen, refused))
     }
 }

@@ -61,6 +61,9 @@ impl Session<'_> {
             Command::Save(kind, file) => self.save(kind, file.as_deref())?,
             Command::Status(kind) => self.status(kind)?,
             Command::Order(subject, script) => self.order(&subject, script)?,
+            Command::Graph(subject, wanted, format, file) => {
+                self.graph(&subject, &wanted, format, file.as_deref())?;
+            }
             Command::Print(text) => {
                 let text = text.as_deref().unwrap_or("(null)");
                 self.complain(&format!("HALCMD MSG: {text}"));

@@ -14,6 +14,7 @@ mod error;
 mod examine;
 mod execute;
 mod fault;
+pub mod graph;
 pub mod halcmd;
 pub mod halrun;
 pub mod help;

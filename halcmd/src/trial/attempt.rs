@@ -45,6 +45,7 @@ impl Session<'_> {
             | Command::Save(..)
             | Command::Status(_)
             | Command::Order(..)
+            | Command::Graph(..)
             | Command::Print(_)
             | Command::Echo(_)
             | Command::Help(_)
