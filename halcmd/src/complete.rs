@@ -1,5 +1,6 @@
 //! Completion: what the next word of a line may be. The prompt and every shell use it.
 
+mod files;
 mod live;
 mod shell;
 
@@ -51,7 +52,12 @@ pub struct Completion {
 pub fn complete(line: &str, link: &mut dyn Link) -> Completion {
     let Some((before, at)) = split(line) else { return Completion::default() };
     let word = line.get(at..).unwrap_or_default();
-    Completion { at, ..words(&before, word, link) }
+    let mut found = words(&before, word, link);
+    if found.files {
+        found.candidates.extend(files::files(word));
+        found.candidates.sort();
+    }
+    Completion { at, ..found }
 }
 
 /// What `word` may become after these words.
@@ -228,6 +234,59 @@ fn program(rest: &[String], offered: &mut Offered<'_>) {
         offered.add(options.iter().map(|(w, about)| Candidate::new(*w, *about)));
         if !offered.word.is_empty() && !offered.word.contains('/') {
             offered.add(live::programs());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{complete, split};
+    use hal_protocol::{Failure, Link, Reply, Request};
+
+    /// No instance runs.
+    struct Nobody;
+
+    impl Link for Nobody {
+        fn call(&mut self, _: Request) -> Result<Reply, Failure> {
+            Err(Failure::new(-111, "nobody"))
+        }
+    }
+
+    #[test]
+    fn lines_are_split_as_far_as_they_are_typed() {
+        for (line, want) in [
+            ("", Some((vec![], 0))),
+            ("ne", Some((vec![], 0))),
+            ("net ", Some((vec!["net"], 4))),
+            ("  net  x y", Some((vec!["net", "x"], 9))),
+            ("print \"a b\" c", Some((vec!["print", "\"a b\""], 12))),
+            ("print \"a b", Some((vec!["print"], 6))),
+            ("print \"a # b", Some((vec!["print"], 6))),
+            ("net # x", None),
+        ] {
+            let want = want.map(|(w, at)| (w.into_iter().map(str::to_owned).collect(), at));
+            assert_eq!(split(line), want, "{line:?}");
+        }
+    }
+
+    #[test]
+    fn without_an_instance_only_the_table_is_offered() {
+        let offered = |line: &str| {
+            let found = complete(line, &mut Nobody);
+            let words: Vec<String> = found.candidates.into_iter().map(|c| c.word).collect();
+            (found.at, words.join(" "), found.files)
+        };
+        for (line, want) in [
+            ("unl", (0, "unlinkp unload unloadrt unloadusr unlock", false)),
+            ("show th", (5, "thread", false)),
+            ("net x ", (6, "", false)),
+            ("a.b ", (4, "", false)),
+            ("source src/complete/f", (7, "src/complete/files.rs", true)),
+            ("save all src/scr", (9, "src/screen.rs src/screen/", true)),
+            ("source /no/such/folder/", (7, "", true)),
+            ("ü", (0, "", false)),
+        ] {
+            assert_eq!(offered(line), (want.0, want.1.to_owned(), want.2), "{line:?}");
         }
     }
 }

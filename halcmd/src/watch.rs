@@ -231,3 +231,117 @@ pub(crate) fn about_seconds(ns: u64) -> String {
 fn line(time: u64, seen: &Seen) -> String {
     format!("{} {} {}\n", seconds(time), seen.name, seen.value)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{parse, seconds};
+    use crate::{Captured, Outcome, Session, Style, status};
+    use hal_protocol::{
+        Direction, Failure, ItemInfo, Kind, Link, Lock, Reply, Request, SignalInfo, Value,
+    };
+
+    /// Counts its looks: a pin that counts along, one that stays, and a signal of the same name.
+    #[derive(Default)]
+    struct Counting {
+        looks: i32,
+    }
+
+    fn item(name: &str, direction: Direction, value: Value) -> ItemInfo {
+        ItemInfo {
+            owner: 1,
+            owner_name: "c".to_owned(),
+            direction,
+            value,
+            name: name.to_owned(),
+            original: None,
+            signal: None,
+            doc: String::new(),
+        }
+    }
+
+    impl Link for Counting {
+        fn call(&mut self, request: Request) -> Result<Reply, Failure> {
+            Ok(match request {
+                Request::Status => {
+                    self.looks += 1;
+                    let mut status = status::samples::status(Lock::NONE);
+                    status.time = u64::try_from(self.looks).unwrap() * 1_000_000;
+                    Reply::Status(Box::new(status))
+                }
+                Request::List { kind: Kind::Pins, .. } => Reply::Items(vec![
+                    item("a.count", Direction::Out, Value::S32(self.looks / 2)),
+                    item("a.count-not", Direction::Out, Value::Bit(self.looks % 2 == 0)),
+                    item("a.nan", Direction::In, Value::Float(f64::NAN)),
+                ]),
+                Request::List { kind: Kind::Signals, .. } => Reply::Signals(vec![SignalInfo {
+                    name: "a.nan".to_owned(),
+                    value: Value::U64(u64::MAX),
+                    pins: Vec::new(),
+                }]),
+                Request::List { .. } => Reply::Items(Vec::new()),
+                _ => Reply::Done,
+            })
+        }
+    }
+
+    fn check(line: &str, style: Style, want: &str) {
+        let (mut link, mut terminal) = (Counting::default(), Captured::default());
+        let mut session = Session::new(&mut link, &mut terminal, style, "default");
+        let words: Vec<String> = line.split(' ').map(str::to_owned).collect();
+        let mark = if session.command(&words) == Outcome::Good { "" } else { "!" };
+        assert_eq!(format!("{mark}{}", terminal.all), want, "{line}");
+    }
+
+    #[test]
+    fn changes_are_lines() {
+        check(
+            "watch --count 4 a.count",
+            Style::default(),
+            "0.001000000 a.count 0\n0.002000000 a.count 1\n0.004000000 a.count 2\n",
+        );
+        check(
+            "watch a.count* --count 2 -n 1ms",
+            Style::default(),
+            "0.001000000 a.count 0\n0.001000000 a.count-not FALSE\n\
+             0.002000000 a.count 1\n0.002000000 a.count-not TRUE\n",
+        );
+        check(
+            "watch a.n --count 3",
+            Style { json: true, ..Style::default() },
+            "{\"changes\":[{\"name\":\"a.nan\",\"of\":\"pin\",\"value\":{\"float\":\"nan\"}},\
+             {\"name\":\"a.nan\",\"of\":\"sig\",\"value\":{\"u64\":\"18446744073709551615\"}}],\
+             \"time\":1000000}\n",
+        );
+        check(
+            "watch a.coumt --count 1",
+            Style::default(),
+            "!<commandline>:0: pin, signal or parameter 'a.coumt' not found\n\
+             <commandline>:0: did you mean a.count?\n",
+        );
+        check("meter", Style::default(), "!<commandline>:0: this view needs a terminal\n");
+    }
+
+    #[test]
+    fn options_stand_anywhere() {
+        let shown = |line: &str| {
+            let words: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
+            parse(&words).map_or_else(
+                |e| format!("! {e}"),
+                |w| format!("{} {} {:?}", w.patterns.join(" "), w.every_ms, w.count),
+            )
+        };
+        for (line, want) in [
+            ("a b", "a b 200 None"),
+            ("-n 1s a --count 3 b", "a b 1000 Some(3)"),
+            ("a --count=2", "a 200 Some(2)"),
+            ("", "! watch requires at least 1 arguments, 0 given"),
+            ("-n 5 a", "! watch: -n '5': it is a time from 1ms, such as 200ms"),
+            ("-n 5us a", "! watch: -n '5us': it is a time from 1ms, such as 200ms"),
+            ("--count 0 a", "! watch: --count '0': it is a number from 1"),
+            ("-x a", "! watch: invalid option -- 'x'"),
+        ] {
+            assert_eq!(shown(line), want, "{line}");
+        }
+        assert_eq!(seconds(61_000_000_001), "61.000000001");
+    }
+}

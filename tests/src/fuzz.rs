@@ -95,7 +95,14 @@ fn stays_inside(text: &str, ini: &Ini) -> bool {
         return true;
     }
     match understand(&words) {
-        Ok(Command::Launch(_) | Command::AwaitEnd(_) | Command::Source(_)) => false,
+        // The last two end when somebody ends them.
+        Ok(
+            Command::Launch(_)
+            | Command::AwaitEnd(_)
+            | Command::Source(_)
+            | Command::Watch(_)
+            | Command::Meter(_),
+        ) => false,
         Ok(Command::Save(_, file)) => file.is_none(),
         Ok(Command::Ask(request, _)) => is_harmless(&request),
         _ => true,

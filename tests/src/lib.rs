@@ -8,5 +8,6 @@ pub mod machine;
 pub mod plugins;
 pub mod programs;
 pub mod scratch;
+pub mod terminal;
 pub mod trace;
 pub mod vcd;

@@ -26,7 +26,6 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("thread '*' is stuck in its cycle, in function '*'", "tests/tests/faults_edits.rs"),
     ("signal '*' is a port and cannot have I/O pin(s)", REFUSALS),
     ("signal '*' is a port and can only have one input pin", REFUSALS),
-    ("this view needs a terminal", "a view that needs a screen is asked for where none is"),
     ("insufficient memory", "the machine's memory is used up"),
     ("* are loaded already, by component '*'", "two components offer the same service"),
     ("the engine answered something else than was asked", "never, or it is a defect"),

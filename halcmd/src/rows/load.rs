@@ -41,7 +41,7 @@ pub(super) const ROWS: &[Row] = &[
         help: "With -W, wait until its component is ready (-Wn NAME: a component of that name). \
                With -w, wait until it ends, and fail if it fails (-i: never mind). Programs beside \
                this one are found first, then those in PATH.",
-        words: &[W::Many(&[W::One(&["-w", "-W", "-Wn", "-i"]), W::Program, W::File])],
+        words: &[W::Many(&[W::Program])],
         examples: &["loadusr -Wn panel ./panel.py", "loadusr -w halsampler -n 100"],
         related: &["waitusr", "unloadusr", "loadrt"],
         errors: &[

@@ -1,0 +1,29 @@
+//! Names of files, for the prompt; shells know them themselves.
+
+use super::Candidate;
+use std::path::{Path, PathBuf};
+
+/// Files and folders whose names begin as `word` does. Hidden ones are for those who ask.
+pub(super) fn files(word: &str) -> Vec<Candidate> {
+    let cut = word.rfind('/').map_or(0, |at| at + 1);
+    let (folder, begun) = word.split_at(cut);
+    let path = match (folder.strip_prefix("~/"), std::env::var_os("HOME")) {
+        (Some(rest), Some(home)) => Path::new(&home).join(rest),
+        _ if folder.is_empty() => PathBuf::from("."),
+        _ => PathBuf::from(folder),
+    };
+    let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
+    let names = entries.filter_map(|e| Some((e.file_name().into_string().ok()?, e.path())));
+    let fits = |name: &str| {
+        let shown = begun.starts_with('.') || !name.starts_with('.');
+        // A word of the language has no blanks.
+        shown && name.starts_with(begun) && !name.contains([' ', '\t', '#', '"', '\''])
+    };
+    names
+        .filter(|(name, _)| fits(name))
+        .map(|(name, path)| {
+            let end = if path.is_dir() { "/" } else { "" };
+            Candidate::new(format!("{folder}{name}{end}"), "")
+        })
+        .collect()
+}
