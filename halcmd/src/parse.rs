@@ -21,10 +21,29 @@ pub(crate) fn path(word: &str) -> String {
     }
 }
 
+const IN_C: &[Opt<&str>] = &[
+    Opt { id: "c", short: None, long: Some("c"), value: None, variable: None, help: "" },
+    Opt {
+        id: "prefix",
+        short: None,
+        long: Some("prefix"),
+        value: Some("P"),
+        variable: None,
+        help: "",
+    },
+];
+
 pub(crate) fn loadrt(words: &[String]) -> Result<Command, Error> {
-    let (module, args) = (first(words), words.get(1..).unwrap_or_default().to_vec());
+    let (given, rest) = options("loadrt", IN_C, words)?;
+    let (module, args) = (first(&rest), rest.get(1..).unwrap_or_default().to_vec());
     let note = format!("Realtime module '{module}' loaded");
-    Ok(Command::Ask(Request::Load { module, args }, Some(note)))
+    let prefix = given.iter().find_map(|(_, value)| value.clone());
+    let request = if given.is_empty() {
+        Request::Load { module, args }
+    } else {
+        Request::LoadForeign { module, args, prefix: prefix.unwrap_or_default() }
+    };
+    Ok(Command::Ask(request, Some(note)))
 }
 
 pub(crate) fn unloadrt(words: &[String]) -> Result<Command, Error> {

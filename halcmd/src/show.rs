@@ -251,6 +251,7 @@ pub(crate) mod samples {
             pid,
             state: ComponentState::Ready,
             args: args.map(str::to_owned),
+            foreign: None,
         }
     }
 
@@ -338,6 +339,7 @@ pub(crate) mod samples {
             arg: 0x7efe_8700_b180,
             users: 1,
             name: "and2.0".to_owned(),
+            foreign: false,
         }])
     }
 

@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, clippy::panic, reason = "whatever fails here fails a test")]
 
 pub mod case;
+pub mod foreign;
 pub mod fuzz;
 pub mod machine;
 pub mod plugins;

@@ -1,4 +1,53 @@
 //! Components in C: the interface they are written to, and their loader.
 //!
-//! The headers are in `include/`.
-#![forbid(unsafe_code)]
+//! The library registers as the loader of files that export `rtapi_app_main`, opens them with
+//! their symbols global and bound at once, and offers them the functions of `include/hal.h` and
+//! `include/rtapi.h`. Behind these is the engine's ordinary contract, so that a C pin is an
+//! ordinary pin.
+
+#![expect(unsafe_code, reason = "the boundary to components in C")]
+
+mod access;
+mod arguments;
+mod elf;
+mod funct;
+mod load;
+mod memory;
+mod message;
+mod module;
+mod pin;
+mod port;
+mod registers;
+mod running;
+mod shared;
+mod stream;
+mod system;
+mod task;
+mod trap;
+mod variadic;
+
+use hal_component::abi::{
+    ABI_MAJOR, ABI_MINOR, ForeignLoader, Library, List, Str, panic_strategy, size,
+};
+
+const LOADER: ForeignLoader = ForeignLoader {
+    size: size::<ForeignLoader>(),
+    flags: 0,
+    symbol: Str::new("rtapi_app_main"),
+    kind: Str::new("component in C"),
+    load: Some(load::load),
+};
+
+/// The descriptor that the engine looks up: no component types, one loader.
+#[unsafe(export_name = "hal_library_compat")]
+pub static HAL_LIBRARY: Library = {
+    const LOADERS: &[&ForeignLoader] = &[&LOADER];
+    Library {
+        size: size::<Library>(),
+        abi_major: ABI_MAJOR,
+        abi_minor: ABI_MINOR,
+        panic: if cfg!(panic = "unwind") { panic_strategy::UNWIND } else { panic_strategy::ABORT },
+        components: List::EMPTY,
+        loaders: List::new(LOADERS),
+    }
+};

@@ -13,6 +13,7 @@
 #![expect(unsafe_code, reason = "one of the crates that keep the binary contract")]
 
 mod cell;
+mod foreign;
 mod host;
 mod port;
 mod record;
@@ -22,6 +23,7 @@ mod spec;
 mod ticket;
 
 pub use cell::{Cell, Slot};
+pub use foreign::{ForeignFile, ForeignLoader, Load, edit};
 pub use host::{ArgValue, CallHost, Host, StreamRef, host_flags};
 pub use port::PortQueue;
 pub use record::{List, Record, Status, Str};
@@ -37,7 +39,7 @@ pub use ticket::{Ticket, TicketState};
 /// Changes when an existing field or rule changes. Engine and library must agree exactly.
 pub const ABI_MAJOR: u32 = 1;
 /// Grows when something is appended. The engine must be at least as new as the library.
-pub const ABI_MINOR: u32 = 0;
+pub const ABI_MINOR: u32 = 1;
 /// The longest name of a pin, parameter, signal, function, thread or component, in bytes.
 pub const NAME_LEN: usize = 55;
 

@@ -1,6 +1,6 @@
 //! What a library declares: its descriptor, and the records that `create` hands to the host.
 
-use crate::{Host, List, Record, Slot, Status, Str};
+use crate::{ForeignLoader, Host, List, Record, Slot, Status, Str};
 use core::ffi::c_void;
 
 /// How a library was built to panic.
@@ -25,10 +25,12 @@ pub struct Library {
     pub panic: u32,
     /// The component types.
     pub components: List<ComponentType>,
+    /// The kinds of other files that it loads.
+    pub loaders: List<ForeignLoader>,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
 unsafe impl Record for Library {
-    const MIN: usize = size_of::<Self>();
+    const MIN: usize = core::mem::offset_of!(Self, loaders);
 }
 
 /// Bits of [`ComponentType::flags`].

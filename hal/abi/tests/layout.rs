@@ -14,9 +14,9 @@ macro_rules! layout {
 
 fn table() -> Result<String, std::fmt::Error> {
     use hal_abi::{
-        ActionSpec, ArgSpec, ArgValue, CallHost, Cell, CommandSpec, ComponentType, FunctSpec, Host,
-        ItemSpec, Kinematics, Library, List, PortQueue, Ring, ServiceSpec, Slot, Status, Str,
-        StreamRef, StreamSpec, TaskSpec, ThreadSpec, Ticket, Use,
+        ActionSpec, ArgSpec, ArgValue, CallHost, Cell, CommandSpec, ComponentType, ForeignFile,
+        ForeignLoader, FunctSpec, Host, ItemSpec, Kinematics, Library, List, PortQueue, Ring,
+        ServiceSpec, Slot, Status, Str, StreamRef, StreamSpec, TaskSpec, ThreadSpec, Ticket, Use,
     };
     let mut out = String::new();
     layout! { out,
@@ -27,7 +27,9 @@ fn table() -> Result<String, std::fmt::Error> {
         Status {}
         Ticket {}
         PortQueue {}
-        Library { size abi_major abi_minor panic components }
+        Library { size abi_major abi_minor panic components loaders }
+        ForeignLoader { size flags symbol kind load }
+        ForeignFile { size component instance path name prefix words n_words item rename need edit say level account crash }
         ComponentType { size flags name doc args items create }
         ArgSpec { size kind most required name doc default }
         ItemSpec { size flags name doc old_name initial storage ty dir }

@@ -143,6 +143,7 @@ macro_rules! export {
                     $crate::abi::panic_strategy::ABORT
                 },
                 components: $crate::abi::List::new(LIST),
+                loaders: $crate::abi::List::EMPTY,
             }
         };
     };

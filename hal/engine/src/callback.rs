@@ -1,6 +1,6 @@
 //! The C side of what a component may call while it is created.
 
-use crate::{Error, create::Creating};
+use crate::{Error, create::Creating, sync::Arc};
 use core::ffi::c_void;
 use hal_abi::{
     ABI_MINOR, ActionSpec, ArgValue, CommandSpec, FunctSpec, Host, ItemSpec, Record, ServiceSpec,
@@ -82,7 +82,7 @@ declare!(open, ActionSpec, |c, s| {
 declare!(stop, ActionSpec, |c, s| {
     let code = c.action(&s);
     if let Some(component) = c.engine.graph.component_mut(c.component) {
-        component.stops.extend(code);
+        component.stops.extend(code.map(Arc::new));
     }
     Ok(())
 });

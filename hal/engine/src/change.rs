@@ -2,12 +2,13 @@
 
 use crate::{
     code::Ptr,
+    foreign::Pointer,
     item::own_cell,
     node::own,
-    sync::Arc,
+    sync::{Arc, Ordering},
     thread::{List, Thread},
 };
-use core::ffi::c_void;
+use core::{ffi::c_void, ptr::NonNull};
 use hal_abi::{Cell, Slot};
 use hal_protocol::Type;
 
@@ -47,6 +48,13 @@ pub(crate) enum Store {
         /// To this slot's own cell.
         slot: Ptr<Slot>,
     },
+    /// Tells foreign code where its pin's value is.
+    Point {
+        /// Where it keeps that.
+        pointer: Pointer,
+        /// The pin's new cell.
+        cell: Ptr<Cell>,
+    },
     /// Aims a pin.
     Aim {
         /// The pin's slot.
@@ -54,6 +62,27 @@ pub(crate) enum Store {
         /// The distance to its new cell.
         distance: i32,
     },
+}
+
+impl Store {
+    /// What aims a pin at a cell so far from its slot, and foreign code with it.
+    pub(crate) fn aimed(
+        slot: NonNull<Slot>,
+        distance: i32,
+        pointer: Option<Pointer>,
+        cell: Ptr<Cell>,
+    ) -> impl Iterator<Item = Self> {
+        let aim = Self::Aim { slot: Ptr(slot), distance };
+        let point = pointer.map(|pointer| Self::Point { pointer, cell });
+        [Some(aim), point].into_iter().flatten()
+    }
+}
+
+/// Tells foreign code where its pin's value is.
+pub(crate) fn point(pointer: Pointer, cell: Ptr<Cell>) {
+    // SAFETY: in memory of the component, which lives as long as the pin.
+    let pointer = unsafe { pointer.0.as_ref() };
+    pointer.store(cell.0.as_ptr(), Ordering::Release); // Pairs with each use by foreign code.
 }
 
 /// A change: stores, then new lists of functions.
@@ -84,6 +113,7 @@ impl Store {
                 // SAFETY: a live slot of the arena.
                 unsafe { slot.0.as_ref() }.own().store(bits);
             }
+            Self::Point { pointer, cell } => point(pointer, cell),
             Self::Aim { slot, distance } => {
                 // SAFETY: a live slot of the arena.
                 unsafe { slot.0.as_ref() }.aim(distance);
@@ -100,6 +130,7 @@ impl Store {
             Self::Bring { slot, cell } | Self::Keep { cell, slot } => {
                 [at(own_cell(slot)), at(cell)]
             }
+            Self::Point { pointer, .. } => [pointer.0.addr().get(); 2],
             Self::Aim { slot, .. } => [slot.0.addr().get(); 2],
         }
     }

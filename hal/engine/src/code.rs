@@ -3,7 +3,7 @@
 use crate::{
     Error,
     shared::{Message, Shared},
-    sync::Arc,
+    sync::{Arc, AtomicU64, Ordering},
 };
 use core::ffi::c_void;
 use hal_abi::{ArgValue, CallHost, CommandRun, Free, Run, Status, Str, Ticket, host_flags};
@@ -24,6 +24,8 @@ pub(crate) struct Keep {
     calls: CallHost,
     component: u32,
     shared: Arc<Shared>,
+    /// Memory of its own, as it says.
+    memory: AtomicU64,
     #[expect(dead_code, reason = "held so that the code stays mapped; dropped last")]
     library: Arc<Library>,
 }
@@ -50,8 +52,14 @@ impl Keep {
             },
             component,
             shared,
+            memory: AtomicU64::new(0),
             library,
         })
+    }
+
+    /// Memory of its own, in bytes.
+    pub(crate) fn memory(&self) -> u64 {
+        self.memory.load(Ordering::Relaxed)
     }
 
     /// What the component may call later.
@@ -103,6 +111,43 @@ unsafe extern "C" fn now(ctx: *const c_void) -> i64 {
 unsafe extern "C" fn fail(ctx: *const c_void, text: Str) {
     // SAFETY: the caller's promise.
     keep(ctx).shared.cause.store(unsafe { text.get() }.unwrap_or("failed"));
+}
+
+/// Realtime.
+///
+/// # Safety
+/// Called by a loader with the context it was given and a live text.
+pub(crate) unsafe extern "C" fn say(ctx: *const c_void, level: u8, text: Str) {
+    let k = keep(ctx);
+    // SAFETY: the caller's promise.
+    k.shared.say_text(level, k.component, unsafe { text.get() }.unwrap_or("?"));
+}
+
+/// Realtime.
+///
+/// # Safety
+/// Called by a loader with the context it was given.
+pub(crate) unsafe extern "C" fn level(ctx: *const c_void, level: i32) -> i32 {
+    let known = &keep(ctx).shared.level;
+    let before = known.load(Ordering::Relaxed);
+    if let Ok(level) = u8::try_from(level) {
+        known.store(level, Ordering::Relaxed);
+    }
+    i32::from(before)
+}
+
+/// # Safety
+/// Called by a loader with the context it was given.
+pub(crate) unsafe extern "C" fn account(ctx: *const c_void, bytes: i64) {
+    keep(ctx).memory.fetch_add(bytes.cast_unsigned(), Ordering::Relaxed);
+}
+
+/// From a signal handler.
+///
+/// # Safety
+/// Called by a loader with the context it was given.
+pub(crate) unsafe extern "C" fn crash(ctx: *const c_void) {
+    keep(ctx).shared.crash();
 }
 
 /// A function, task, command or action with its state.
@@ -166,6 +211,23 @@ pub(crate) struct Outcome {
 }
 
 impl Code<CommandRun> {
+    /// Realtime. Carries out an action that nobody asks anything.
+    pub(crate) fn call_mute(&self) {
+        let calls = CallHost {
+            size: hal_abi::size::<CallHost>(),
+            flags: self.keep.as_ref().map_or(0, |k| k.calls.flags),
+            ctx: core::ptr::null(),
+            message: None,
+            now: None,
+            fail: None,
+            arg: None,
+            reply: None,
+            ticket: None,
+        };
+        // SAFETY: the component's code with its state; stop actions take no lock.
+        unsafe { (self.run)(self.state, &raw const calls) };
+    }
+
     /// Carries it out.
     pub(crate) fn call(&self, args: crate::args::Args) -> Result<Outcome, Error> {
         let frame = Frame { args: RefCell::new(args), ..Frame::default() };

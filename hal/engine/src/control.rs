@@ -1,7 +1,8 @@
 //! What the control side does while it waits: it hears, turns the clock, serves, frees.
 
 use crate::{
-    Engine, clock, os, record::Recording, ring::SharedRing, shared::Message, sync::Ordering,
+    Engine, clock, name::Name, os, record::Recording, ring::SharedRing, shared::Message,
+    sync::Ordering,
 };
 use hal_abi::level;
 
@@ -123,6 +124,17 @@ impl Engine {
             }
             self.keep_message(text);
         }
+        while let Some(m) = self.shared.heard_text() {
+            let text = String::from_utf8_lossy(m.bytes());
+            let text = format!("{}: {}", self.speaker(m.component), text.trim_end());
+            match m.level {
+                level::ERR => tracing::error!("{text}"),
+                level::WARN => tracing::warn!("{text}"),
+                0 | level::INFO => tracing::info!("{text}"),
+                _ => tracing::debug!("{text}"),
+            }
+            self.keep_message(text);
+        }
         let lost = self.shared.lost_messages.swap(0, Ordering::Relaxed);
         if lost > 0 {
             self.notice(format!("{lost} messages of components were lost: too many at once"));
@@ -137,14 +149,16 @@ impl Engine {
             .iter()
             .take(m.n)
             .fold(text.to_owned(), |s, x| s.replacen("{}", &x.to_string(), 1));
-        let by = self
-            .graph
-            .components
-            .values()
-            .chain(&self.left)
+        format!("{}: {said}", self.speaker(m.component))
+    }
+
+    fn speaker(&self, component: u32) -> &str {
+        let components = self.graph.components.values().chain(&self.left);
+        components
             .filter_map(|ix| self.graph.component(*ix))
-            .find(|c| c.id == m.component)
-            .map_or("?", |c| c.name.as_str());
-        format!("{by}: {said}")
+            .find(|c| c.id == component)
+            .map(|c| &c.name)
+            .or_else(|| self.gone.as_ref().filter(|(id, _)| *id == component).map(|(_, n)| n))
+            .map_or("?", Name::as_str)
     }
 }

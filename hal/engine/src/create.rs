@@ -99,6 +99,15 @@ impl<'e> Creating<'e> {
     }
 
     pub(crate) fn item(&mut self, spec: &ItemSpec) -> Result<Option<NonNull<Slot>>, Error> {
+        self.item_of(spec, self.component).map(|(_, slot)| slot)
+    }
+
+    /// A pin or parameter of this component or, where code of one declares for another, of that.
+    pub(crate) fn item_of(
+        &mut self,
+        spec: &ItemSpec,
+        owner: Ix,
+    ) -> Result<(Ix, Option<NonNull<Slot>>), Error> {
         let ty = Type::from_code(spec.ty);
         let direction = match spec.dir {
             hal_abi::dir::IN => Some(Direction::In),
@@ -130,11 +139,11 @@ impl<'e> Creating<'e> {
             times: false,
             doc,
         };
-        let (ix, slot) = self.engine.new_item(self.component, item)?;
+        let (ix, slot) = self.engine.new_item(owner, item)?;
         if let Some(slot) = slot {
             self.slots.insert(slot.as_ptr().addr(), ix);
         }
-        Ok(slot)
+        Ok((ix, slot))
     }
 
     fn odd(&self, why: &str) -> Error {

@@ -94,6 +94,8 @@ pub struct Engine {
     pub(crate) client_target: i64,
     pub(crate) retired: Vec<Retired>,
     pub(crate) messages: VecDeque<String>,
+    /// The component that was removed last: it may still say something.
+    pub(crate) gone: Option<(u32, Name)>,
     pub(crate) ticks: (u64, i64),
     pub(crate) quiet: bool,
     /// Nothing outside is touched.
@@ -164,6 +166,7 @@ impl Engine {
             client_target: i64::MIN,
             retired: Vec::new(),
             messages: VecDeque::new(),
+            gone: None,
             ticks: (os::ticks(), os::monotonic_ns()),
             quiet: true,
             trial: None,

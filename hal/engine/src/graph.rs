@@ -12,7 +12,8 @@ use petgraph::{
 use std::collections::BTreeMap;
 
 pub(crate) use crate::node::{
-    Command, Component, Edge, Funct, Item, Node, Queue, Service, Signal, Storage, ThreadNode,
+    Command, Component, Edge, Foreign, Funct, Item, Node, Queue, Service, Signal, Storage,
+    ThreadNode,
 };
 
 pub(crate) type Ix = NodeIndex<u32>;

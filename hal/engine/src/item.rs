@@ -58,6 +58,7 @@ impl Engine {
             ty: new.ty,
             direction: new.direction,
             storage,
+            pointer: None,
             hidden: new.hidden,
             times: new.times,
             doc: new.doc,

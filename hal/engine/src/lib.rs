@@ -20,6 +20,7 @@ mod create;
 mod engine;
 mod error;
 mod fault;
+mod foreign;
 mod graph;
 mod handover;
 mod hint;

@@ -50,6 +50,7 @@ impl Engine {
             pid: c.pid,
             state: c.state,
             args: c.args.clone(),
+            foreign: c.foreign_info(),
         })
     }
 
@@ -115,6 +116,7 @@ impl Engine {
                     arg: f.code.state.addr() as u64,
                     users: u32::try_from(self.graph.threads_of(*ix).len()).unwrap_or(u32::MAX),
                     name: name.as_str().to_owned(),
+                    foreign: f.unknown,
                 })
             })
             .collect()

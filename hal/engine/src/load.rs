@@ -17,6 +17,9 @@ impl Engine {
     /// `loadrt MODULE ARGS…`.
     pub(crate) fn load(&mut self, module: &str, words: &[String]) -> Result<(), Error> {
         self.unlocked(Lock::LOAD, "loading of programs")?;
+        if let Some(found) = self.loader.find_only_foreign(module)? {
+            return self.load_file(module, words, "", &found);
+        }
         let name = Name::parse("component", module)?;
         if self.graph.components.contains_key(&name) {
             return Err(Error::ModuleExists { name: module.into() });
@@ -112,6 +115,7 @@ impl Engine {
             }
         }
         self.staged.undo_by(Undo::Opened(component));
+        self.renew_stops();
         Ok(())
     }
 }

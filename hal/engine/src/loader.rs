@@ -1,7 +1,9 @@
 //! Plugin files: where they are, whether they are plugins, and which offers a component.
 
 use crate::{Error, code::Library, near::nearest, offer, os, sync::Arc};
-use hal_abi::{ABI_MAJOR, ABI_MINOR, ComponentType, Record, component_flags, panic_strategy};
+use hal_abi::{
+    ABI_MAJOR, ABI_MINOR, ComponentType, ForeignLoader, Record, component_flags, panic_strategy,
+};
 use hal_protocol::{Offer, Patterns};
 use libloading::os::unix;
 use object::{Object, ObjectSymbol};
@@ -26,6 +28,17 @@ impl Found {
     }
 }
 
+/// A file that is no plugin, and who loads it.
+#[derive(Clone, Debug)]
+pub(crate) struct ForeignFound {
+    pub(crate) file: PathBuf,
+    /// What it is, such as `component in C`.
+    pub(crate) kind: String,
+    pub(crate) load: hal_abi::Load,
+    /// The library that loads it.
+    pub(crate) library: Arc<Library>,
+}
+
 /// Finds component types.
 #[derive(Debug, Default)]
 pub(crate) struct Loader {
@@ -35,6 +48,8 @@ pub(crate) struct Loader {
     known: BTreeMap<String, PathBuf>,
     /// Files that have been looked into.
     seen: BTreeSet<PathBuf>,
+    /// Plugins that load files of another kind, by the symbol that those export.
+    loaders: BTreeMap<String, PathBuf>,
 }
 
 impl Loader {
@@ -52,7 +67,7 @@ impl Loader {
     pub(crate) fn find(&mut self, name: &str) -> Result<Found, Error> {
         for library in &self.fixed {
             // SAFETY: a static descriptor.
-            if let Some(ty) = unsafe { types(*library, "linked in") }?.remove(name) {
+            if let Some(ty) = unsafe { contents(*library, "linked in") }?.types.remove(name) {
                 return Ok(Found { ty, library: Arc::new(Library::Static), private: false });
             }
         }
@@ -61,15 +76,20 @@ impl Loader {
         }
         let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
         if plain {
-            for folder in &self.path {
+            for folder in self.path.clone() {
                 for file in [format!("lib{name}.so"), format!("{name}.so")] {
                     let file = folder.join(file);
                     if !file.is_file() {
                         continue;
                     }
-                    if let Some(found) = open_type(&file, name)? {
-                        self.known.insert(name.to_owned(), file);
-                        return Ok(found);
+                    match open_type(&file, name) {
+                        Ok(Some(found)) => {
+                            self.known.insert(name.to_owned(), file);
+                            return Ok(found);
+                        }
+                        Ok(None) => {}
+                        Err(_) if self.foreign_symbol(&file).is_some() => {}
+                        Err(e) => return Err(e),
                     }
                 }
             }
@@ -93,9 +113,12 @@ impl Loader {
                 if !is_library || !self.seen.insert(file.clone()) || descriptor(&file).is_err() {
                     continue;
                 }
-                if let Ok((types, _)) = open(&file, Stay::WhileOpen) {
-                    for name in types.into_keys() {
+                if let Ok((library, _open)) = open(&file, Stay::WhileOpen) {
+                    for name in library.types.into_keys() {
                         self.known.entry(name).or_insert_with(|| file.clone());
+                    }
+                    for symbol in library.loaders.into_keys() {
+                        self.loaders.entry(symbol).or_insert_with(|| file.clone());
                     }
                 }
             }
@@ -107,16 +130,16 @@ impl Loader {
         self.look_into_families();
         let mut out = BTreeMap::new();
         for (name, file) in self.known.iter().filter(|(name, _)| p.matches(name)) {
-            let Ok((types, _library)) = open(file, Stay::WhileOpen) else { continue };
+            let Ok((found, _library)) = open(file, Stay::WhileOpen) else { continue };
             let stem = file.file_stem().and_then(|s| s.to_str()).unwrap_or_default();
             let library = stem.strip_prefix("lib").unwrap_or(stem);
-            if let Some(ty) = types.get(name) {
+            if let Some(ty) = found.types.get(name) {
                 out.insert(name.clone(), offer::of(name, library, ty));
             }
         }
         for library in &self.fixed {
             // SAFETY: a static descriptor.
-            let types = unsafe { types(*library, "linked in") }.unwrap_or_default();
+            let types = unsafe { contents(*library, "linked in") }.unwrap_or_default().types;
             for (name, ty) in types.iter().filter(|(name, _)| p.matches(name)) {
                 out.insert(name.clone(), offer::of(name, "", ty));
             }
@@ -124,13 +147,74 @@ impl Loader {
         out.into_values().collect()
     }
 
-    fn missing(&self, name: &str) -> Error {
+    /// The symbol by which a file that is no plugin is known to a loader.
+    fn foreign_symbol(&mut self, file: &Path) -> Option<String> {
+        self.look_into_families();
+        self.loaders.keys().find(|symbol| exports(file, symbol).unwrap_or(false)).cloned()
+    }
+
+    /// The file of this name that a loader knows, and the symbol by which it does.
+    fn foreign_file(&mut self, name: &str) -> Option<(PathBuf, String)> {
+        if name.contains(['/', '\0']) || name.contains("..") {
+            return None;
+        }
+        for folder in self.path.clone() {
+            for file in [format!("{name}.so"), format!("lib{name}.so")] {
+                let file = folder.join(file);
+                if file.is_file()
+                    && descriptor(&file).is_err()
+                    && let Some(symbol) = self.foreign_symbol(&file)
+                {
+                    return Some((file, symbol));
+                }
+            }
+        }
+        None
+    }
+
+    /// A file of this name that a loader knows.
+    pub(crate) fn find_foreign(&mut self, name: &str) -> Result<ForeignFound, Error> {
+        let (file, symbol) = self.foreign_file(name).ok_or_else(|| Error::InitFailed {
+            name: name.into(),
+            why: format!("no component in C of this name (searched {})", self.searched()).into(),
+            code: hal_abi::Status::ENOENT.0,
+        })?;
+        let by = self.loaders.get(&symbol).cloned().unwrap_or_default();
+        let (found, library) = open(&by, Stay::Mapped)?;
+        let loader = found.loaders.get(&symbol).ok_or_else(|| self.missing(name))?;
+        let load = loader.load.ok_or_else(|| self.missing(name))?;
+        // SAFETY: a string of an open library's descriptor.
+        let kind = unsafe { loader.kind.get() }.unwrap_or_default().to_owned();
+        Ok(ForeignFound { file, kind, load, library })
+    }
+
+    /// The same, unless a plugin offers a component of this name.
+    pub(crate) fn find_only_foreign(&mut self, name: &str) -> Result<Option<ForeignFound>, Error> {
+        let ours = |library: &&'static hal_abi::Library| {
+            // SAFETY: a static descriptor.
+            unsafe { contents(*library, "linked in") }.is_ok_and(|l| l.types.contains_key(name))
+        };
+        if self.fixed.iter().any(ours) || self.known.contains_key(name) {
+            return Ok(None);
+        }
+        if self.foreign_file(name).is_none() || self.known.contains_key(name) {
+            return Ok(None);
+        }
+        self.find_foreign(name).map(Some)
+    }
+
+    fn searched(&self) -> String {
         let searched: Vec<String> = self.path.iter().map(|p| p.display().to_string()).collect();
-        let searched = if searched.is_empty() { "nowhere".into() } else { searched.join(", ") };
+        if searched.is_empty() { "nowhere".into() } else { searched.join(", ") }
+    }
+
+    fn missing(&self, name: &str) -> Error {
+        let searched = self.searched();
         let mut names: Vec<String> = self.known.keys().cloned().collect();
         for library in &self.fixed {
             // SAFETY: a static descriptor.
-            names.extend(unsafe { types(*library, "linked in") }.unwrap_or_default().into_keys());
+            let found = unsafe { contents(*library, "linked in") }.unwrap_or_default();
+            names.extend(found.types.into_keys());
         }
         let near = nearest(name, names.iter().map(String::as_str));
         Error::NoModule { name: name.into(), searched: searched.into(), near }
@@ -139,8 +223,8 @@ impl Loader {
 
 /// Opens a file for a component of it that is to be made.
 fn open_type(file: &Path, name: &str) -> Result<Option<Found>, Error> {
-    let (mut types, library) = open(file, Stay::Mapped)?;
-    Ok(types.remove(name).map(|ty| Found { ty, library, private: true }))
+    let (mut found, library) = open(file, Stay::Mapped)?;
+    Ok(found.types.remove(name).map(|ty| Found { ty, library, private: true }))
 }
 
 /// The symbol that a plugin file exports, if it does; nothing of the file is run.
@@ -150,19 +234,30 @@ fn descriptor(file: &Path) -> Result<String, Error> {
     let stem = file.file_stem().and_then(|s| s.to_str()).unwrap_or_default();
     let symbol =
         format!("hal_library_{}", stem.strip_prefix("lib").unwrap_or(stem).replace('-', "_"));
-    // Only the parts that are looked at are read.
-    let parts = std::fs::File::open(file).map_err(|e| not(&e.to_string()))?;
-    let parts = object::ReadCache::new(parts);
-    let elf = object::File::parse(&parts).map_err(|_| not("it is not a dynamic library"))?;
-    let exported = elf.dynamic_symbols().any(|s| s.is_definition() && s.name() == Ok(&symbol));
-    if exported {
-        Ok(symbol)
-    } else {
-        Err(not(&format!("it exports no '{symbol}' (was the file renamed?)")))
+    match exports(file, &symbol) {
+        Ok(true) => Ok(symbol),
+        Ok(false) => Err(not(&format!("it exports no '{symbol}' (was the file renamed?)"))),
+        Err(why) => Err(not(&why)),
     }
 }
 
-type Types = BTreeMap<String, ComponentType>;
+/// Whether a dynamic library exports a symbol.
+fn exports(file: &Path, symbol: &str) -> Result<bool, String> {
+    // Only the parts that are looked at are read.
+    let parts = std::fs::File::open(file).map_err(|e| e.to_string())?;
+    let parts = object::ReadCache::new(parts);
+    let elf = object::File::parse(&parts).map_err(|_| "it is not a dynamic library")?;
+    Ok(elf.dynamic_symbols().any(|s| s.is_definition() && s.name() == Ok(symbol)))
+}
+
+/// What a library offers.
+#[derive(Debug, Default)]
+struct Contents {
+    /// Component types by name.
+    types: BTreeMap<String, ComponentType>,
+    /// Loaders by the symbol of their files.
+    loaders: BTreeMap<String, ForeignLoader>,
+}
 
 /// Whether a library stays when nothing of it is in use any more.
 ///
@@ -175,7 +270,7 @@ enum Stay {
     WhileOpen,
 }
 
-fn open(file: &Path, stay: Stay) -> Result<(Types, Arc<Library>), Error> {
+fn open(file: &Path, stay: Stay) -> Result<(Contents, Arc<Library>), Error> {
     let symbol = descriptor(file)?;
     let shown = file.display().to_string();
     let not = |why: String| Error::NotAPlugin { file: shown.as_str().into(), why: why.into() };
@@ -190,15 +285,15 @@ fn open(file: &Path, stay: Stay) -> Result<(Types, Arc<Library>), Error> {
     let address = unsafe { found.try_as_raw_ptr() };
     let address = address.ok_or_else(|| not("its descriptor is null".into()))?;
     // SAFETY: the symbol names a descriptor, whose first field is its size.
-    let types = unsafe { types(address.cast(), &shown) }?;
-    Ok((types, Arc::new(Library::File(library))))
+    let found = unsafe { contents(address.cast(), &shown) }?;
+    Ok((found, Arc::new(Library::File(library))))
 }
 
-/// The component types of a descriptor, checked.
+/// What a descriptor offers, checked.
 ///
 /// # Safety
 /// `library` points at a live descriptor.
-unsafe fn types(library: *const hal_abi::Library, file: &str) -> Result<Types, Error> {
+unsafe fn contents(library: *const hal_abi::Library, file: &str) -> Result<Contents, Error> {
     let not = |why: &str| Error::NotAPlugin { file: file.into(), why: why.into() };
     // SAFETY: the caller's promise. Size and versions come first in every major version.
     let head = unsafe { library.cast::<[u32; 3]>().read() };
@@ -216,7 +311,7 @@ unsafe fn types(library: *const hal_abi::Library, file: &str) -> Result<Types, E
         panic_strategy::ABORT => return Err(Error::Aborts { file: file.into() }),
         _ => return Err(not("it does not say how it panics")),
     }
-    let mut out = Types::new();
+    let mut out = Contents::default();
     for i in 0..l.components.len() {
         // SAFETY: a live descriptor's list.
         let ty = unsafe { l.components.get(i) }.ok_or_else(|| not("a component type is cut"))?;
@@ -225,7 +320,14 @@ unsafe fn types(library: *const hal_abi::Library, file: &str) -> Result<Types, E
         if ty.create.is_none() || name.is_empty() {
             return Err(not("a component type has no name or no code"));
         }
-        out.insert(name.to_owned(), ty);
+        out.types.insert(name.to_owned(), ty);
+    }
+    for i in 0..l.loaders.len() {
+        // SAFETY: a live descriptor's list.
+        let loader = unsafe { l.loaders.get(i) }.ok_or_else(|| not("a loader is cut"))?;
+        // SAFETY: a live descriptor's string.
+        let symbol = unsafe { loader.symbol.get() }.ok_or_else(|| not("a name is not UTF-8"))?;
+        out.loaders.insert(symbol.to_owned(), loader);
     }
     Ok(out)
 }

@@ -2,7 +2,8 @@
 
 use crate::{
     args::Declared,
-    code::{Code, Ptr},
+    code::{Code, Keep, Ptr},
+    foreign::Pointer,
     name::Name,
     sync::Arc,
     thread::{Account, Thread},
@@ -52,8 +53,20 @@ pub(crate) struct Component {
     pub(crate) state: ComponentState,
     pub(crate) args: Option<String>,
     pub(crate) commands: Vec<Command>,
-    pub(crate) stops: Vec<Code<CommandRun>>,
+    pub(crate) stops: Vec<Arc<Code<CommandRun>>>,
     pub(crate) services: Vec<Service>,
+    /// What it came from, when that is no plugin.
+    pub(crate) foreign: Option<Foreign>,
+}
+
+/// A file that is no plugin.
+#[derive(Debug)]
+pub(crate) struct Foreign {
+    pub(crate) kind: Box<str>,
+    pub(crate) module: Box<str>,
+    pub(crate) prefix: Box<str>,
+    pub(crate) file: Box<str>,
+    pub(crate) keep: Arc<Keep>,
 }
 
 /// A command that a component offers.
@@ -94,6 +107,8 @@ pub(crate) struct Item {
     pub(crate) ty: Type,
     pub(crate) direction: Direction,
     pub(crate) storage: Storage,
+    /// Where foreign code keeps the address of the pin's cell.
+    pub(crate) pointer: Option<Pointer>,
     pub(crate) hidden: bool,
     /// Made by the engine: times of functions and threads.
     pub(crate) times: bool,

@@ -92,6 +92,7 @@ impl Engine {
             commands: Vec::new(),
             stops: Vec::new(),
             services: Vec::new(),
+            foreign: None,
         };
         self.next_component += 1;
         let ix = self.graph.g.add_node(Node::Component(component));

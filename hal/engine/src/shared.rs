@@ -3,6 +3,7 @@
 use crate::{
     ClockKind,
     change::Change,
+    code::Code,
     handover::Boundary,
     os,
     probe::Probe,
@@ -11,7 +12,7 @@ use crate::{
 };
 use arc_swap::{ArcSwap, ArcSwapOption};
 use crossbeam::queue::ArrayQueue;
-use hal_abi::Str;
+use hal_abi::{CommandRun, Str};
 
 /// Something that a component says.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +22,22 @@ pub(crate) struct Message {
     pub(crate) text: Str,
     pub(crate) numbers: [f64; 8],
     pub(crate) n: usize,
+}
+
+/// A text that a component made as it ran.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Spoken {
+    pub(crate) level: u8,
+    pub(crate) component: u32,
+    len: u16,
+    bytes: [u8; 244],
+}
+
+impl Spoken {
+    /// What was said; a text that was too long is cut.
+    pub(crate) fn bytes(&self) -> &[u8] {
+        self.bytes.get(..usize::from(self.len)).unwrap_or_default()
+    }
 }
 
 /// Which function failed, once.
@@ -118,6 +135,9 @@ pub(crate) struct Shared {
     pub(crate) cause: Cause,
     pub(crate) probe: ArcSwapOption<Probe>,
     messages: ArrayQueue<Message>,
+    spoken: ArrayQueue<Spoken>,
+    /// What a crash runs: the stop actions of everything that is loaded.
+    pub(crate) stops: ArcSwap<Vec<Arc<Code<CommandRun>>>>,
     pub(crate) lost_messages: AtomicU64,
     /// Up to which level components' messages are shown.
     pub(crate) level: AtomicU8,
@@ -141,6 +161,8 @@ impl Shared {
             cause: Cause::new(),
             probe: ArcSwapOption::empty(),
             messages: ArrayQueue::new(4096),
+            spoken: ArrayQueue::new(512),
+            stops: ArcSwap::from_pointee(Vec::default()),
             lost_messages: AtomicU64::new(0),
             level: AtomicU8::new(hal_abi::level::ERR),
             tick_ns: AtomicU64::new(1_f64.to_bits()),
@@ -175,6 +197,35 @@ impl Shared {
     pub(crate) fn say(&self, m: Message) {
         if m.level <= self.level.load(Ordering::Relaxed) && self.messages.push(m).is_err() {
             self.lost_messages.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    /// Keeps a text for the control side, or counts it as lost.
+    pub(crate) fn say_text(&self, level: u8, component: u32, text: &str) {
+        if level > self.level.load(Ordering::Relaxed) {
+            return;
+        }
+        let mut m = Spoken { level, component, len: 0, bytes: [0; 244] };
+        for (place, b) in m.bytes.iter_mut().zip(text.bytes()) {
+            *place = b;
+            m.len += 1;
+        }
+        if self.spoken.push(m).is_err() {
+            self.lost_messages.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    /// Control side: the oldest text.
+    pub(crate) fn heard_text(&self) -> Option<Spoken> {
+        self.spoken.pop()
+    }
+
+    /// From a signal handler, before the process ends: no cycle begins, outputs go to their safe
+    /// levels.
+    pub(crate) fn crash(&self) {
+        self.boundary.stop();
+        for stop in self.stops.load().iter() {
+            stop.call_mute();
         }
     }
 

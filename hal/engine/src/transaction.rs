@@ -159,6 +159,9 @@ impl Engine {
             Request::Load { module, args } => {
                 self.load_again(module).and_then(|()| self.load(module, args))
             }
+            Request::LoadForeign { module, args, prefix } => self
+                .load_again(&format!("{prefix}{module}"))
+                .and_then(|()| self.load_foreign(module, args, prefix)),
             Request::Unload { name } => self.unload(name),
             Request::UnloadAll => self.unload_all(),
             Request::NewSignal { name, ty } => self.new_signal(name, *ty).map(|_| ()),

@@ -194,7 +194,9 @@ impl Engine {
         for ix in owned {
             self.remove_node(ix);
         }
+        self.gone = self.graph.component(component).map(|c| (c.id, c.name.clone()));
         self.remove_node(component);
+        self.renew_stops();
     }
 
     fn remove_node(&mut self, ix: Ix) {

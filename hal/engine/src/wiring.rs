@@ -6,6 +6,7 @@ use crate::{
     change::Store,
     code::Ptr,
     graph::{Ix, Node, Signal},
+    item::own_cell,
     name::Name,
     transaction::Going,
     undo::{Index, Undo},
@@ -126,7 +127,7 @@ impl Engine {
                 self.staged.stores.push(Store::Bring { slot: Ptr(slot), cell });
             }
             let distance = Arena::distance(slot, cell.0);
-            self.staged.stores.push(Store::Aim { slot: Ptr(slot), distance });
+            self.staged.stores.extend(Store::aimed(slot, distance, p.pointer, cell));
             let link = self.graph.draw_link(*pin, signal);
             self.graph.sites.joined(link);
             self.staged.undo_by(Undo::Linked(*pin));
@@ -145,14 +146,16 @@ impl Engine {
     pub(crate) fn unlink_all(&mut self, pins: &[Ix]) {
         for pin in pins {
             let signal = self.graph.signal_of(*pin).and_then(|s| self.graph.signal(s));
-            let slot = self.graph.item(*pin).and_then(crate::graph::Item::slot);
+            let item = self.graph.item(*pin);
+            let slot = item.and_then(crate::graph::Item::slot);
             let (Some(signal), Some(slot)) = (signal, slot) else { continue };
             self.staged.stores.push(if signal.ty == Type::Port {
-                Store::Put { cell: crate::item::own_cell(Ptr(slot)), bits: 0 }
+                Store::Put { cell: own_cell(Ptr(slot)), bits: 0 }
             } else {
                 Store::Keep { cell: signal.cell, slot: Ptr(slot) }
             });
-            self.staged.stores.push(Store::Aim { slot: Ptr(slot), distance: Slot::OWN });
+            let (cell, pointer) = (own_cell(Ptr(slot)), item.and_then(|i| i.pointer));
+            self.staged.stores.extend(Store::aimed(slot, Slot::OWN, pointer, cell));
             if let Some((signal, site)) = self.graph.remove_link(*pin) {
                 self.staged.undo_by(Undo::Unlinked(*pin, signal, site));
             }

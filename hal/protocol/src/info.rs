@@ -28,6 +28,24 @@ pub struct ComponentInfo {
     pub state: ComponentState,
     /// The arguments of its `loadrt`; absent for what `loadrt` did not make (threads).
     pub args: Option<String>,
+    /// What it came from, when that is no plugin: what it reads and writes is then unknown.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub foreign: Option<ForeignInfo>,
+}
+
+/// A file that is no plugin, such as a component in C.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ForeignInfo {
+    /// What it is, such as `component in C`.
+    pub kind: String,
+    /// Its name, as in `loadrt --c NAME`.
+    pub module: String,
+    /// What its names begin with, as in `--prefix P`.
+    pub prefix: String,
+    /// The file.
+    pub file: String,
+    /// Memory of its own, in bytes.
+    pub memory: u64,
 }
 
 /// A pin or parameter.
@@ -77,6 +95,14 @@ pub struct FunctInfo {
     pub users: u32,
     /// Its name.
     pub name: String,
+    /// Whether what it reads and writes is unknown: a component in C.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub foreign: bool,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks so")]
+const fn is_false(value: &bool) -> bool {
+    !*value
 }
 
 /// A thread.

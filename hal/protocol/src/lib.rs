@@ -21,7 +21,7 @@ pub use at::At;
 pub use client::Client;
 pub use failure::Failure;
 pub use info::{
-    AliasInfo, ArgInfo, CommandInfo, ComponentInfo, ComponentState, FaultInfo, FunctInfo, ItemInfo,
+    AliasInfo, ArgInfo, CommandInfo, ComponentInfo, ComponentState, FaultInfo, ForeignInfo, FunctInfo, ItemInfo,
     Offer, SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Usage,
 };
 pub use kind::{Direction, Kind, Lock};

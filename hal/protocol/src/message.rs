@@ -44,6 +44,15 @@ pub enum Request {
         /// `NAME=VALUE` each.
         args: Vec<String>,
     },
+    /// `loadrt --c [--prefix P] MODULE ARGS…`: a component in C, whatever plugin has its name.
+    LoadForeign {
+        /// The file, without its ending.
+        module: String,
+        /// `NAME=VALUE` each.
+        args: Vec<String>,
+        /// What every name that it makes begins with.
+        prefix: String,
+    },
     /// `unloadrt NAME`.
     Unload {
         /// The component.

@@ -74,6 +74,7 @@ enum Id {
     Simulate,
     For,
     Record,
+    Linuxcnc,
     Instance,
     Help,
 }
@@ -88,6 +89,13 @@ const OPTIONS: &[Opt<Id>] = &[
     with("hold", Id::Hold, None, Some("HAL_HOLD"), "move the virtual clock only in 'run TIME'"),
     with("simulate", Id::Simulate, None, Some("HAL_SIMULATE"), "simulate the hardware"),
     with("record", Id::Record, Some("FILE"), Some("HAL_RECORD"), "record every pin to a VCD file"),
+    with(
+        "linuxcnc-modules",
+        Id::Linuxcnc,
+        None,
+        Some(LINUXCNC_MODULES),
+        "find LinuxCNC's own components in C too",
+    ),
     instance_option(Id::Instance),
     Opt { long: Some("help"), ..flag('h', Id::Help, "print this") },
 ];
@@ -179,7 +187,10 @@ pub(super) fn plan(
             hold: has(Id::Hold),
             simulate: has(Id::Simulate) || clock == ClockKind::Virtual,
             old_names: false,
-            path: plugin_path(environment),
+            path: plugin_path(&|name| {
+                let asked = name == LINUXCNC_MODULES && has(Id::Linuxcnc);
+                if asked { Some("1".to_owned()) } else { environment(name) }
+            }),
         },
         style,
         level,
@@ -252,7 +263,13 @@ fn script(files: &[String], detach: Detach) -> Result<Script, Error> {
     }
 }
 
-/// Where plugins are: `HAL_RTMOD_DIR`, beside the program, installed with it, or just built.
+/// Says that components are also to be found where LinuxCNC's package has them.
+const LINUXCNC_MODULES: &str = "HAL_LINUXCNC_MODULES";
+/// There.
+const LINUXCNC_FOLDER: &str = "/usr/lib/linuxcnc/modules";
+
+/// Where plugins are: `HAL_RTMOD_DIR`, beside the program, installed with it, or just built; and
+/// LinuxCNC's components in C, if asked.
 pub(crate) fn plugin_path(environment: &dyn Fn(&str) -> Option<String>) -> Vec<PathBuf> {
     let asked = environment("HAL_RTMOD_DIR").unwrap_or_default();
     let mut path: Vec<PathBuf> = asked
@@ -264,6 +281,9 @@ pub(crate) fn plugin_path(environment: &dyn Fn(&str) -> Option<String>) -> Vec<P
         path.push(here.to_path_buf());
         path.push(here.join("../lib/ferrule"));
         path.push(here.join("deps"));
+    }
+    if environment(LINUXCNC_MODULES).is_some_and(|asked| !["", "0"].contains(&&*asked)) {
+        path.push(LINUXCNC_FOLDER.into());
     }
     path
 }

@@ -13,10 +13,12 @@ use hal_protocol::Lock;
 pub(super) const ROWS: &[Row] = &[
     Row {
         name: "loadrt",
-        usage: "MODULE [NAME=VALUE...]",
+        usage: "[--c [--prefix P]] MODULE [NAME=VALUE...]",
         args: (1, ANY),
         summary: "load a realtime component",
-        help: "Arguments are the component's own, such as count=2, names=a,b or cfg=\"0x378 out\".",
+        help: "Arguments are the component's own, such as count=2, names=a,b or cfg=\"0x378 out\". A \
+               component in C is found where no plugin has its name; with --c, whether or not one \
+               has. With --prefix, every name that it makes begins with P.",
         words: &[W::Module, W::Many(&[W::ModuleArg])],
         examples: &["loadrt and2 count=2", "loadrt stepgen step_type=0,0 ctrl_type=p,v"],
         related: &["unloadrt", "loadusr", "addf"],

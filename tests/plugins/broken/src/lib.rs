@@ -32,6 +32,7 @@ const fn library(list: &'static [&'static ComponentType]) -> Library {
         abi_minor: ABI_MINOR,
         panic: panic_strategy::UNWIND,
         components: List::new(list),
+        loaders: List::EMPTY,
     }
 }
 
@@ -85,7 +86,7 @@ static NULLS: [usize; 2] = [0, 0];
 /// Lists two component types, both null.
 #[unsafe(export_name = "hal_library_nulls")]
 static NULL_TYPES: Raw = Raw {
-    head: [size::<Library>(), ABI_MAJOR, ABI_MINOR, panic_strategy::UNWIND],
+    head: [size_of::<Raw>() as u32, ABI_MAJOR, ABI_MINOR, panic_strategy::UNWIND],
     list: (&raw const NULLS).cast(),
     len: 2,
 };

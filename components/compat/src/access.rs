@@ -1,0 +1,265 @@
+//! Ports of the processor: simulated ones reach registers whose bits are pins, real ones the
+//! hardware, as far as the system lets this process.
+
+use crate::{elf::Elf, load::loading, module::Module, running, system};
+use core::ffi::{c_char, c_int, c_uchar, c_uint, c_ulong, c_ushort, c_void};
+use std::sync::Arc;
+
+fn module() -> Option<&'static Module> {
+    running::module()
+}
+
+/// Realtime. Reads a port of `width` bytes of the module that runs.
+pub(crate) fn read(port: u16, width: u16) -> u32 {
+    match module() {
+        Some(m) if m.is_simulated() => m.registers.read(port, width),
+        _ => hardware::read(port, width),
+    }
+}
+
+/// Realtime. Writes a port of `width` bytes of the module that runs.
+pub(crate) fn write(port: u16, width: u16, value: u32) {
+    match module() {
+        Some(m) if m.is_simulated() => m.registers.write(port, width, value),
+        _ => hardware::write(port, width, value),
+    }
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn rtapi_inb(port: c_ushort) -> c_uchar {
+    let [low, ..] = read(port, 1).to_le_bytes();
+    low
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn rtapi_inw(port: c_ushort) -> c_ushort {
+    let [a, b, ..] = read(port, 2).to_le_bytes();
+    u16::from_le_bytes([a, b])
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn rtapi_inl(port: c_ushort) -> c_uint {
+    read(port, 4)
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn rtapi_outb(value: c_uchar, port: c_ushort) {
+    write(port, 1, u32::from(value));
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn rtapi_outw(value: c_ushort, port: c_ushort) {
+    write(port, 2, u32::from(value));
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn rtapi_outl(value: c_uint, port: c_ushort) {
+    write(port, 4, value);
+}
+
+/// Claims ports: `ioperm`. Simulated ones get pins; for real ones the system is asked, for this
+/// thread now and for the others when they first need it.
+#[unsafe(no_mangle)]
+extern "C" fn rtapi_ioperm(from: c_ulong, count: c_ulong, on: c_int) -> c_int {
+    let (Ok(base), Ok(count)) = (u16::try_from(from), u16::try_from(count)) else {
+        return hardware::refused(libc::EINVAL);
+    };
+    match module() {
+        Some(m) if m.is_simulated() => {
+            if on != 0 {
+                m.registers.claim(base, count);
+            }
+            0
+        }
+        _ => hardware::permit(base, count, on != 0),
+    }
+}
+
+/// Claims every port: `iopl`. Simulated, only those get pins that are claimed one by one.
+#[unsafe(no_mangle)]
+extern "C" fn rtapi_iopl(level: c_int) -> c_int {
+    match module() {
+        Some(m) if m.is_simulated() => 0,
+        _ => hardware::permit(0, if level >= 3 { u16::MAX } else { 0 }, level >= 3),
+    }
+}
+
+/// Where a prebuilt module asks the system for ports, it asks here: simulated hardware must not
+/// become real.
+pub(crate) fn take_over(module: &Arc<Module>, elf: &Elf) {
+    let ours = [("ioperm", rtapi_ioperm as *const c_void), ("iopl", rtapi_iopl as *const c_void)];
+    for (name, with) in ours {
+        system::replace(module.handle, elf.places(name), with);
+    }
+}
+
+/// As others have it.
+#[repr(C)]
+#[derive(Debug)]
+struct Parport {
+    base: u16,
+    base_hi: u16,
+    fd: c_int,
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn rtapi_parport_get(
+    _module: *const c_char,
+    port: *mut Parport,
+    base: c_ushort,
+    base_hi: c_ushort,
+    _modes: c_uint,
+) -> c_int {
+    let base_hi = if base_hi == 0 { base.wrapping_add(0x400) } else { base_hi };
+    let Some(m) = module().filter(|_| !port.is_null()) else { return -libc::EINVAL };
+    if m.is_simulated() && loading().is_some() {
+        m.registers.claim(base, 8);
+        m.registers.claim(base_hi, 3);
+    }
+    let fd = if m.is_simulated() { -1 } else { hardware::claim_parport(base) };
+    if !m.is_simulated() {
+        hardware::permit(base, 8, true);
+        hardware::permit(base_hi, 3, true);
+    }
+    // SAFETY: a live place of the component's.
+    unsafe { port.write(Parport { base, base_hi, fd }) };
+    0
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn rtapi_parport_release(port: *mut Parport) {
+    // SAFETY: a live place of the component's, or null.
+    let Some(port) = (unsafe { port.as_mut() }) else { return };
+    if port.fd >= 0 {
+        // SAFETY: opened by `claim_parport`, closed once.
+        unsafe { libc::close(port.fd) };
+        port.fd = -1;
+    }
+}
+
+/// Real ports.
+pub(crate) mod hardware {
+    use core::ffi::c_int;
+    use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+    /// What this process may reach: base and count of each claim.
+    static CLAIMS: [AtomicU64; 32] = [const { AtomicU64::new(0) }; 32];
+
+    /// Realtime. Asks the system for every claim, for this thread; whether there is one for `port`.
+    pub(crate) fn permit_here(port: u16) -> bool {
+        let mut found = false;
+        for claim in &CLAIMS {
+            let claim = claim.load(Relaxed);
+            let (base, count) = (claim >> 32, claim & 0xFFFF_FFFF);
+            if count > 0 && (base..base + count).contains(&u64::from(port)) {
+                found |= ask(base, count, true) == 0;
+            }
+        }
+        found
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    fn ask(base: u64, count: u64, on: bool) -> c_int {
+        // SAFETY: a request to the system.
+        unsafe { libc::ioperm(base, count, c_int::from(on)) }
+    }
+
+    #[cfg(not(target_arch = "x86_64"))]
+    fn ask(_base: u64, _count: u64, _on: bool) -> c_int {
+        refused(libc::ENOSYS)
+    }
+
+    /// Claims real ports.
+    pub(crate) fn permit(base: u16, count: u16, on: bool) -> c_int {
+        let (base, count) = (u64::from(base), u64::from(count));
+        let code = ask(base, count, on);
+        if code == 0 && on {
+            let claim = base << 32 | count;
+            let free = CLAIMS.iter().find(|c| [0, claim].contains(&c.load(Relaxed)));
+            if let Some(free) = free {
+                free.store(claim, Relaxed);
+            }
+        }
+        code
+    }
+
+    /// -1, and why.
+    pub(crate) fn refused(errno: c_int) -> c_int {
+        // SAFETY: this thread's own variable.
+        let place = unsafe { libc::__errno_location() };
+        // SAFETY: as above.
+        unsafe { place.write(errno) };
+        -1
+    }
+
+    /// Realtime.
+    #[cfg(target_arch = "x86_64")]
+    pub(crate) fn read(port: u16, width: u16) -> u32 {
+        use core::arch::asm;
+        let (byte, short, long): (u8, u16, u32);
+        match width {
+            1 => {
+                // SAFETY: the component asked for this; without permission it is reported.
+                unsafe { asm!("in al, dx", in("dx") port, out("al") byte) };
+                u32::from(byte)
+            }
+            2 => {
+                // SAFETY: as above.
+                unsafe { asm!("in ax, dx", in("dx") port, out("ax") short) };
+                u32::from(short)
+            }
+            _ => {
+                // SAFETY: as above.
+                unsafe { asm!("in eax, dx", in("dx") port, out("eax") long) };
+                long
+            }
+        }
+    }
+
+    /// Realtime.
+    #[cfg(target_arch = "x86_64")]
+    pub(crate) fn write(port: u16, width: u16, value: u32) {
+        use core::arch::asm;
+        match width {
+            // SAFETY: the component asked for this; without permission it is reported.
+            1 => unsafe { asm!("out dx, al", in("dx") port, in("eax") value) },
+            // SAFETY: as above.
+            2 => unsafe { asm!("out dx, ax", in("dx") port, in("eax") value) },
+            // SAFETY: as above.
+            _ => unsafe { asm!("out dx, eax", in("dx") port, in("eax") value) },
+        }
+    }
+
+    /// Realtime. Where there are no such ports, nothing answers.
+    #[cfg(not(target_arch = "x86_64"))]
+    pub(crate) fn read(_port: u16, _width: u16) -> u32 {
+        u32::MAX
+    }
+
+    /// Realtime. Where there are no such ports, nothing comes of it.
+    #[cfg(not(target_arch = "x86_64"))]
+    pub(crate) fn write(_port: u16, _width: u16, _value: u32) {}
+
+    /// Reserves the kernel's parallel port at this address; -1 where it knows none.
+    pub(crate) fn claim_parport(base: u16) -> c_int {
+        /// `_IO('p', 0x8b)`: claims the port.
+        const PPCLAIM: libc::c_ulong = 0x708b;
+        for i in 0..8 {
+            let known =
+                std::fs::read_to_string(format!("/proc/sys/dev/parport/parport{i}/base-addr"));
+            let known = known.ok().and_then(|t| t.split_whitespace().next()?.parse::<u16>().ok());
+            if known != Some(base) {
+                continue;
+            }
+            let path = std::ffi::CString::new(format!("/dev/parport{i}")).unwrap_or_default();
+            // SAFETY: a text.
+            let fd = unsafe { libc::open(path.as_ptr(), libc::O_RDWR | libc::O_CLOEXEC) };
+            if fd >= 0 {
+                // SAFETY: an open device; without the claim it is still there.
+                unsafe { libc::ioctl(fd, PPCLAIM) };
+            }
+            return fd;
+        }
+        -1
+    }
+}

@@ -1,0 +1,85 @@
+//! What a file says of itself before anything of it is run.
+
+use object::{Architecture, Object, ObjectSymbol, ObjectSymbolTable, RelocationTarget};
+use std::{ffi::CString, path::Path};
+
+/// A symbol that the file takes from elsewhere.
+#[derive(Clone, Debug)]
+pub(crate) struct Undefined {
+    pub(crate) name: CString,
+    /// Where its address is kept, from the beginning of the file in memory.
+    pub(crate) places: Vec<u64>,
+}
+
+/// What matters of a file.
+#[derive(Debug, Default)]
+pub(crate) struct Elf {
+    /// Its module parameters.
+    pub(crate) parameters: Vec<String>,
+    /// What it takes from elsewhere.
+    pub(crate) undefined: Vec<Undefined>,
+}
+
+const HERE: Architecture = if cfg!(target_arch = "x86_64") {
+    Architecture::X86_64
+} else if cfg!(target_arch = "aarch64") {
+    Architecture::Aarch64
+} else {
+    Architecture::Unknown
+};
+
+impl Elf {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// It cannot be read, is no dynamic library, or is one of another kind of machine.
+    pub(crate) fn read(path: &Path) -> Result<Self, String> {
+        let shown = path.display();
+        let bytes = std::fs::read(path).map_err(|e| format!("{shown}: {e}"))?;
+        let elf = object::File::parse(&*bytes)
+            .map_err(|e| format!("{shown}: it is not a dynamic library ({e})"))?;
+        let built = elf.architecture();
+        if built != HERE {
+            return Err(format!(
+                "{shown} is built for {}, and this machine is {}",
+                spelt(built),
+                spelt(HERE)
+            ));
+        }
+        let mut out = Self::default();
+        for s in elf.dynamic_symbols() {
+            let Ok(name) = s.name() else { continue };
+            if s.is_definition()
+                && let Some(parameter) = name.strip_prefix("rtapi_info_type_")
+            {
+                out.parameters.push(parameter.to_owned());
+            }
+            if s.is_undefined() && !name.is_empty() {
+                let name = CString::new(name).unwrap_or_default();
+                out.undefined.push(Undefined { name, places: Vec::new() });
+            }
+        }
+        out.parameters.sort();
+        let table = elf.dynamic_symbol_table();
+        for (place, r) in elf.dynamic_relocations().into_iter().flatten() {
+            let RelocationTarget::Symbol(index) = r.target() else { continue };
+            let symbol = table.as_ref().and_then(|t| t.symbol_by_index(index).ok());
+            let Some(name) = symbol.and_then(|s| s.name().ok()) else { continue };
+            let known = out.undefined.iter_mut().find(|u| u.name.to_bytes() == name.as_bytes());
+            if let Some(u) = known {
+                u.places.push(place);
+            }
+        }
+        Ok(out)
+    }
+
+    /// Where the address of a symbol from elsewhere is kept.
+    pub(crate) fn places(&self, name: &str) -> &[u64] {
+        let found = self.undefined.iter().find(|u| u.name.to_bytes() == name.as_bytes());
+        found.map_or(&[], |u| &u.places)
+    }
+}
+
+fn spelt(architecture: Architecture) -> String {
+    format!("{architecture:?}").to_lowercase()
+}

@@ -1,0 +1,164 @@
+//! Loads one file: whole or not at all.
+
+use crate::{
+    arguments,
+    elf::Elf,
+    funct,
+    module::{self, Exit, Main, Module},
+    running, system, trap,
+};
+use core::{
+    cell::Cell,
+    ffi::{CStr, c_int, c_void},
+};
+use hal_component::abi::{ActionSpec, CallHost, ForeignFile, Host, Record, Status, Str, size};
+use std::{
+    panic::catch_unwind,
+    path::PathBuf,
+    sync::{Arc, atomic::Ordering::Relaxed},
+};
+
+/// A load in progress.
+#[derive(Debug)]
+pub(crate) struct Loading {
+    pub(crate) host: Host,
+    pub(crate) file: ForeignFile,
+    pub(crate) module: Arc<Module>,
+}
+
+thread_local! {
+    static LOADING: Cell<*const Loading> = const { Cell::new(core::ptr::null()) };
+}
+
+/// The load in progress on this thread: only then can anything be made.
+pub(crate) fn loading<'l>() -> Option<&'l Loading> {
+    // SAFETY: set only while it lives, on this thread.
+    unsafe { LOADING.get().as_ref() }
+}
+
+/// Loads a file; the engine's entry.
+///
+/// # Safety
+/// Called by an engine with its records.
+pub(crate) unsafe extern "C" fn load(host: *const Host, file: *const ForeignFile) -> Status {
+    // SAFETY: the engine's record lives across the call.
+    let Some(host) = (unsafe { Host::read(host) }) else { return Status::EINVAL };
+    // SAFETY: as above.
+    let Some(file) = (unsafe { ForeignFile::read(file) }) else { return Status::EINVAL };
+    let loaded = catch_unwind(|| load_file(host, file));
+    let (status, why) = match loaded {
+        Ok(Ok(())) => return Status::OK,
+        Ok(Err(refusal)) => refusal,
+        Err(_) => (Status::EFAULT, "its loader panicked".to_owned()),
+    };
+    if let Some(fail) = host.fail {
+        // SAFETY: the engine's function; the text lives across the call.
+        unsafe { fail(host.ctx, Str::borrow(&why)) };
+    }
+    status
+}
+
+type Refusal = (Status, String);
+
+fn text(s: Str) -> String {
+    // SAFETY: the engine's text, live while it loads.
+    unsafe { s.get() }.unwrap_or_default().to_owned()
+}
+
+fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
+    let refuse = |status: Status| move |why: String| (status, why);
+    let path = PathBuf::from(text(file.path));
+    let path = path.canonicalize().unwrap_or(path);
+    let (name, prefix) = (text(file.name), text(file.prefix));
+    if module::is_loaded(&path) {
+        let why = format!(
+            "{} is loaded already in this process, and there is one of its variables: unload it \
+             first, or give all its instances on one line",
+            path.display()
+        );
+        return Err((Status::EEXIST, why));
+    }
+    let elf = Elf::read(&path).map_err(refuse(Status(-libc::ENOEXEC)))?;
+    system::offer_symbols().map_err(refuse(Status::EFAULT))?;
+    trap::watch();
+    let handle = system::open(&path).map_err(refuse(Status(-libc::ENOEXEC)))?;
+    let (main, exit) = entries(handle);
+    let module = Module::new(&host, file, (path.clone(), &name, &prefix), handle, exit);
+    let module = Arc::new(module);
+    let Some(main) = main else {
+        return Err((Status::EINVAL, format!("{}: no rtapi_app_main", path.display())));
+    };
+    find_providers(&host, &file, &elf)?;
+    crate::access::take_over(&module, &elf);
+    // SAFETY: the engine's words, live while it loads.
+    let words = unsafe { core::slice::from_raw_parts(file.words, file.n_words) };
+    let words: Vec<String> = words.iter().map(|w| text(*w)).collect();
+    arguments::set(&module, &elf.parameters, &words).map_err(refuse(Status::EINVAL))?;
+
+    let loading = Loading { host, file, module: module.clone() };
+    LOADING.set(&raw const loading);
+    let code = running::within(Arc::as_ptr(&module), c"rtapi_app_main", || main());
+    LOADING.set(core::ptr::null());
+    if code < 0 {
+        let why = format!("rtapi_app_main: {} ({code})", explained(code));
+        return Err((Status(code), why));
+    }
+    module.made.store(true, Relaxed);
+    stay(&host, module)
+}
+
+fn entries(handle: *mut c_void) -> (Option<Main>, Option<Exit>) {
+    let main = system::symbol(handle, c"rtapi_app_main");
+    let exit = system::symbol(handle, c"rtapi_app_exit");
+    // SAFETY: the interface says what these symbols are; null is `None`.
+    let main = unsafe { core::mem::transmute::<*mut c_void, Option<Main>>(main) };
+    // SAFETY: as above.
+    let exit = unsafe { core::mem::transmute::<*mut c_void, Option<Exit>>(exit) };
+    (main, exit)
+}
+
+/// Keeps modules loaded whose symbols this one uses.
+fn find_providers(host: &Host, file: &ForeignFile, elf: &Elf) -> Result<(), Refusal> {
+    let found = module::providers(file.instance.addr(), &elf.undefined).map_err(|symbol| {
+        let why = format!(
+            "it takes '{symbol}' from a component of another instance in this process: one \
+             instance a process for components that use each other"
+        );
+        (Status::EBUSY, why)
+    })?;
+    for number in found {
+        if let Some(need) = file.need {
+            // SAFETY: the engine's function with the engine's context.
+            unsafe { need(host.ctx, number) };
+        }
+    }
+    Ok(())
+}
+
+/// Binds the life of a module to its component: an action that does nothing.
+fn stay(host: &Host, module: Arc<Module>) -> Result<(), Refusal> {
+    /// # Safety
+    /// Called by the engine with the state it was given.
+    unsafe extern "C" fn nothing(_: *mut c_void, _: *const CallHost) -> Status {
+        Status::OK
+    }
+    let spec = ActionSpec {
+        size: size::<ActionSpec>(),
+        flags: 0,
+        run: Some(nothing),
+        state: Arc::into_raw(module).cast_mut().cast(),
+        free: Some(funct::free_module),
+    };
+    // SAFETY: the engine's function; ownership of the state passes with the call.
+    let status =
+        host.stop.map_or(Status::EINVAL, |stop| unsafe { stop(host.ctx, &raw const spec) });
+    if status.is_ok() { Ok(()) } else { Err((status, "the engine refused it".to_owned())) }
+}
+
+/// What the system calls an error.
+pub(crate) fn explained(code: c_int) -> String {
+    // SAFETY: a text of the C library's, copied at once on the only thread that loads.
+    let text = unsafe { libc::strerror(code.saturating_neg()) };
+    // SAFETY: as above.
+    unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
+}

@@ -1,0 +1,307 @@
+//! Realtime. Ports of the processor in memory, with pins that show and drive their bits.
+//!
+//! A component that claims ports while it is loaded gets for each byte `COMPONENT.sim.PORT` (as
+//! last written) and `COMPONENT.sim.PORT-in`, and for each bit the same with `-BIT`; PORT is the
+//! address in hexadecimal. A byte reads as it was written, with every bit set that a pin says.
+//! Ports 0xCF8 and 0xCFC reach the configuration of PCI devices: `COMPONENT.sim.config-RR` is
+//! the double word at RR, of whichever device.
+
+use crate::load::{Loading, loading};
+use core::ptr;
+use hal_component::abi::{ItemSpec, Slot, Str, dir, item_flags, size, ty};
+use std::sync::atomic::{
+    AtomicPtr, AtomicU8, AtomicU32,
+    Ordering::{Acquire, Relaxed, Release},
+};
+
+/// The most blocks of ports that a component claims, and the most double words of configuration.
+const MOST: usize = 64;
+/// The address of PCI configuration, and its value.
+const CONFIG_ADDRESS: u16 = 0xCF8;
+const CONFIG_VALUE: u16 = 0xCFC;
+
+/// What one component has claimed.
+#[derive(Debug)]
+pub(crate) struct Registers {
+    blocks: [AtomicPtr<Block>; MOST],
+    config: [AtomicPtr<Word>; MOST],
+    /// The address of the next access to configuration.
+    chosen: AtomicU32,
+}
+
+/// A block of ports.
+#[derive(Debug)]
+struct Block {
+    base: u16,
+    bytes: Vec<Byte>,
+}
+
+#[derive(Debug)]
+struct Byte {
+    value: AtomicU8,
+    shown: Pins,
+    driven: Pins,
+}
+
+/// A whole byte and its bits.
+#[derive(Debug)]
+struct Pins {
+    whole: *const Slot,
+    bits: [*const Slot; 8],
+}
+
+/// A double word of PCI configuration.
+#[derive(Debug)]
+struct Word {
+    register: u8,
+    pin: *const Slot,
+}
+
+impl Default for Registers {
+    fn default() -> Self {
+        Self {
+            blocks: [const { AtomicPtr::new(ptr::null_mut()) }; MOST],
+            config: [const { AtomicPtr::new(ptr::null_mut()) }; MOST],
+            chosen: AtomicU32::new(0),
+        }
+    }
+}
+
+impl Drop for Registers {
+    fn drop(&mut self) {
+        for block in &mut self.blocks {
+            let block = *block.get_mut();
+            if !block.is_null() {
+                // SAFETY: made by `Box::into_raw` in `keep`, freed once.
+                drop(unsafe { Box::from_raw(block) });
+            }
+        }
+        for word in &mut self.config {
+            let word = *word.get_mut();
+            if !word.is_null() {
+                // SAFETY: as above.
+                drop(unsafe { Box::from_raw(word) });
+            }
+        }
+    }
+}
+
+/// What is kept, in order.
+fn each<T>(places: &[AtomicPtr<T>]) -> impl Iterator<Item = &T> {
+    // Pairs with `keep`. SAFETY: made by `Box::into_raw`, freed with the component.
+    places.iter().map_while(|p| unsafe { p.load(Acquire).as_ref() })
+}
+
+/// Keeps a thing in the first free place.
+fn keep<T>(places: &[AtomicPtr<T>], thing: T) {
+    let new = Box::into_raw(Box::new(thing));
+    for place in places {
+        // Pairs with `each`.
+        if place.compare_exchange(ptr::null_mut(), new, Release, Relaxed).is_ok() {
+            return;
+        }
+    }
+    // SAFETY: made just now.
+    drop(unsafe { Box::from_raw(new) });
+}
+
+impl Registers {
+    /// Claims ports; only while the component is loaded do they get pins.
+    pub(crate) fn claim(&self, base: u16, count: u16) {
+        let Some(l) = loading() else { return };
+        let mut bytes: Vec<Byte> = Vec::new();
+        let end = base.saturating_add(count);
+        for port in base..end {
+            let free = self.byte(port).is_none();
+            if free && !(CONFIG_ADDRESS..CONFIG_VALUE + 4).contains(&port) {
+                bytes.push(Byte::new(l, port));
+            } else {
+                self.keep_block(port, &mut bytes);
+            }
+        }
+        self.keep_block(end, &mut bytes);
+    }
+
+    /// Keeps the ports before `end`.
+    fn keep_block(&self, end: u16, bytes: &mut Vec<Byte>) {
+        let count = u16::try_from(bytes.len()).unwrap_or(0);
+        if count > 0 {
+            let bytes = core::mem::take(bytes);
+            keep(&self.blocks, Block { base: end.saturating_sub(count), bytes });
+        }
+    }
+
+    fn byte(&self, port: u16) -> Option<&Byte> {
+        each(&self.blocks).find_map(|b| b.bytes.get(usize::from(port.checked_sub(b.base)?)))
+    }
+
+    /// Realtime. What a port of `width` bytes reads as; all ones where there is nothing.
+    pub(crate) fn read(&self, port: u16, width: u16) -> u32 {
+        if port == CONFIG_ADDRESS && width == 4 {
+            return self.chosen.load(Relaxed);
+        }
+        if (CONFIG_VALUE..CONFIG_VALUE + 4).contains(&port) {
+            let shift = u32::from(port - CONFIG_VALUE) * 8;
+            return self.word().map_or(0, Word::get) >> shift & ones(width);
+        }
+        (0..width).rev().fold(0, |value, i| {
+            let byte = port.checked_add(i).and_then(|port| self.byte(port));
+            value << 8 | u32::from(byte.map_or(0xFF, Byte::get))
+        })
+    }
+
+    /// Realtime. Writes a port of `width` bytes; nothing comes of it where there is nothing.
+    pub(crate) fn write(&self, port: u16, width: u16, value: u32) {
+        if port == CONFIG_ADDRESS && width == 4 {
+            self.chosen.store(value, Relaxed);
+            return;
+        }
+        if (CONFIG_VALUE..CONFIG_VALUE + 4).contains(&port) {
+            let shift = u32::from(port - CONFIG_VALUE) * 8;
+            if let Some(word) = self.word() {
+                let mask = ones(width) << shift;
+                word.set(word.get() & !mask | value << shift & mask);
+            }
+            return;
+        }
+        for (i, b) in (0..width).zip(value.to_le_bytes()) {
+            if let Some(byte) = port.checked_add(i).and_then(|port| self.byte(port)) {
+                byte.set(b);
+            }
+        }
+    }
+
+    /// The double word of configuration that is chosen; made while the component is loaded.
+    fn word(&self) -> Option<&Word> {
+        let [low, ..] = self.chosen.load(Relaxed).to_le_bytes();
+        let register = low & !3;
+        let find = || each(&self.config).find(|w| w.register == register);
+        if find().is_none() {
+            let name = format!("sim.config-{register:02x}");
+            let about = "Double word of the PCI configuration";
+            let pin = item(loading()?, &name, about, ty::U32, dir::IO);
+            keep(&self.config, Word { register, pin });
+        }
+        find()
+    }
+}
+
+/// The bits of so many bytes.
+const fn ones(width: u16) -> u32 {
+    if width >= 4 { u32::MAX } else { (1 << (width * 8)) - 1 }
+}
+
+impl Byte {
+    fn new(l: &Loading, port: u16) -> Self {
+        let name = format!("sim.{port:04x}");
+        Self {
+            value: AtomicU8::new(0),
+            shown: Pins::new(l, &name, "as last written", dir::OUT),
+            driven: Pins::new(l, &format!("{name}-in"), "that the port reads as set", dir::IN),
+        }
+    }
+
+    fn get(&self) -> u8 {
+        self.value.load(Relaxed) | self.driven.get()
+    }
+
+    fn set(&self, value: u8) {
+        self.value.store(value, Relaxed);
+        self.shown.set(value);
+    }
+}
+
+impl Pins {
+    fn new(l: &Loading, name: &str, about: &str, dir: u8) -> Self {
+        let bit = |i: usize| {
+            item(l, &format!("{name}-{i}"), &format!("Raw bit {i} {about}"), ty::BIT, dir)
+        };
+        let whole = item(l, name, &format!("Raw byte {about}, 0 to 255"), ty::U32, dir);
+        Self { whole, bits: core::array::from_fn(bit) }
+    }
+
+    fn set(&self, value: u8) {
+        store(self.whole, u64::from(value));
+        for (i, pin) in self.bits.iter().enumerate() {
+            store(*pin, u64::from(value >> i & 1));
+        }
+    }
+
+    fn get(&self) -> u8 {
+        let [whole, ..] = load(self.whole).to_le_bytes();
+        let set = |(i, pin): (usize, &*const Slot)| u8::from(load(*pin) & 0xFF != 0) << i;
+        self.bits.iter().enumerate().map(set).fold(whole, |all, bit| all | bit)
+    }
+}
+
+impl Word {
+    fn get(&self) -> u32 {
+        let [a, b, c, d, ..] = load(self.pin).to_le_bytes();
+        u32::from_le_bytes([a, b, c, d])
+    }
+
+    fn set(&self, value: u32) {
+        store(self.pin, u64::from(value));
+    }
+}
+
+fn load(slot: *const Slot) -> u64 {
+    if slot.is_null() {
+        return 0;
+    }
+    // SAFETY: a slot of the engine's, which outlives the component.
+    unsafe { Slot::cell(slot) }.load()
+}
+
+fn store(slot: *const Slot, bits: u64) {
+    if !slot.is_null() {
+        // SAFETY: as above.
+        unsafe { Slot::cell(slot) }.store(bits);
+    }
+}
+
+/// A pin of simulated hardware; null where the engine refused it.
+fn item(l: &Loading, name: &str, about: &str, ty: u8, dir: u8) -> *const Slot {
+    let name = format!("{}.{name}", l.module.name.to_string_lossy());
+    let spec = ItemSpec {
+        size: size::<ItemSpec>(),
+        flags: item_flags::HIDDEN,
+        name: Str::borrow(&name),
+        doc: Str::borrow(about),
+        old_name: Str::NONE,
+        initial: 0,
+        storage: ptr::null_mut(),
+        ty,
+        dir,
+    };
+    let mut slot = ptr::null();
+    if let Some(make) = l.host.item {
+        // SAFETY: the engine's function; both records live across the call.
+        unsafe { make(l.host.ctx, &raw const spec, &raw mut slot) };
+    }
+    slot
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Block, Byte, Pins, Registers, keep};
+    use std::sync::atomic::AtomicU8;
+
+    fn bare() -> Byte {
+        let pins = || Pins { whole: core::ptr::null(), bits: [core::ptr::null(); 8] };
+        Byte { value: AtomicU8::new(0), shown: pins(), driven: pins() }
+    }
+
+    #[test]
+    fn wide_accesses_reach_every_byte() {
+        let r = Registers::default();
+        keep(&r.blocks, Block { base: 0x10, bytes: vec![bare(), bare(), bare()] });
+        r.write(0x11, 4, 0xAABB_CCDD);
+        assert_eq!(r.read(0x10, 1), 0);
+        assert_eq!(r.read(0x10, 4), 0xFFCC_DD00);
+        assert_eq!(r.read(0x12, 2), 0xFFCC);
+        assert_eq!(r.read(0x20, 1), 0xFF);
+        r.write(0xCF8, 4, 0x8000_8888);
+        assert_eq!((r.read(0xCF8, 4), r.read(0xCFC, 4)), (0x8000_8888, 0));
+    }
+}

@@ -1,0 +1,147 @@
+//! Components in C inside a test: where they are, how they are compiled, loaded and driven.
+
+use crate::programs::{programs, root};
+use hal_engine::{ClockKind, Engine, Options};
+use hal_protocol::{Failure, ItemInfo, Kind, Link, Place, Reply, Request, Value};
+use std::{
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+/// Where LinuxCNC's package has its components, if it is installed.
+pub fn installed() -> Option<PathBuf> {
+    Some(PathBuf::from("/usr/lib/linuxcnc/modules")).filter(|p| p.join("and2.so").is_file())
+}
+
+/// An engine on the virtual clock that finds every plugin, and components in C in some folders.
+#[derive(Debug)]
+pub struct Bench {
+    /// The engine.
+    pub engine: Engine,
+}
+
+impl Bench {
+    /// Finds components in C in these folders.
+    pub fn new(folders: &[&Path]) -> Self {
+        let mut path = vec![programs().to_owned()];
+        path.extend(folders.iter().map(|f| (*f).to_owned()));
+        let options = Options {
+            place: Place::at("/nonexistent", "test").unwrap(),
+            clock: ClockKind::Virtual,
+            hold: true,
+            simulate: true,
+            old_names: false,
+            path,
+        };
+        Self { engine: Engine::without_socket(options).unwrap() }
+    }
+
+    /// `loadrt --c --prefix P NAME ARGS…`, what it said of a refusal, and before it.
+    ///
+    /// # Errors
+    /// It was refused.
+    pub fn load_c(&mut self, prefix: &str, words: &str) -> Result<(), String> {
+        let mut words = words.split(' ').filter(|w| !w.is_empty()).map(str::to_owned);
+        let module = words.next().unwrap();
+        let prefix = prefix.to_owned();
+        let done = self.call(Request::LoadForeign { module, args: words.collect(), prefix });
+        done.map(drop).map_err(|e| {
+            let mut said = self.engine.take_messages();
+            said.push(e.to_string());
+            said.join(" | ")
+        })
+    }
+
+    /// Pins or parameters that match.
+    pub fn items(&mut self, kind: Kind, pattern: &str) -> Vec<ItemInfo> {
+        let patterns = if pattern.is_empty() { Vec::new() } else { vec![pattern.to_owned()] };
+        match self.call(Request::List { kind, patterns, ty: None }) {
+            Ok(Reply::Items(list)) => list.into_iter().filter(|i| !is_time(&i.name)).collect(),
+            other => panic!("show: {other:?}"),
+        }
+    }
+
+    /// The functions of a component, by name.
+    pub fn functs(&mut self, owner: &str) -> Vec<String> {
+        match self.call(Request::List { kind: Kind::Functs, patterns: Vec::new(), ty: None }) {
+            Ok(Reply::Functs(list)) => {
+                list.into_iter().filter(|f| f.owner_name == owner).map(|f| f.name).collect()
+            }
+            other => panic!("show funct: {other:?}"),
+        }
+    }
+
+    /// Sets a pin or parameter.
+    pub fn set(&mut self, name: &str, value: Value) {
+        let value = written(value);
+        self.call(Request::Set { name: name.to_owned(), value }).unwrap();
+    }
+}
+
+impl Link for Bench {
+    fn call(&mut self, request: Request) -> Result<Reply, Failure> {
+        self.engine.call(request)
+    }
+}
+
+/// A value as a user writes it.
+pub fn written(value: Value) -> String {
+    match value {
+        Value::Float(f) if f.is_nan() => "nan".to_owned(),
+        Value::Float(f) if f.is_infinite() => if f > 0.0 { "inf" } else { "-inf" }.to_owned(),
+        Value::Float(f) => format!("{f:e}"),
+        Value::Bit(b) => if b { "1" } else { "0" }.to_owned(),
+        other => other.to_string(),
+    }
+}
+
+/// Whether an item shows the time that a function takes: that differs from run to run.
+fn is_time(name: &str) -> bool {
+    [".time", ".tmax", ".tmax-increased"].iter().any(|end| name.ends_with(end))
+}
+
+/// Numbers that look like chance, the same in every run.
+#[derive(Clone, Debug)]
+pub struct Random(u64);
+
+impl Random {
+    /// Begins with a seed.
+    pub fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
+    }
+
+    /// The next one.
+    pub fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0.wrapping_mul(0x2545_F491_4F6C_DD1D)
+    }
+
+    /// Below `n`.
+    pub fn below(&mut self, n: u64) -> u64 {
+        (self.next() >> 11) % n
+    }
+
+    /// From -1 to 1.
+    pub fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
+
+/// Compiles C with Ferrule's headers to `FOLDER/NAME.so`; `None`, with a word, where there is no
+/// compiler.
+pub fn compile(folder: &Path, name: &str, source: &str, options: &[&str]) -> Option<PathBuf> {
+    let (from, to) = (folder.join(format!("{name}.c")), folder.join(format!("{name}.so")));
+    std::fs::write(&from, source).unwrap();
+    let include = root().join("components/compat/include");
+    let mut cc = Command::new("cc");
+    cc.args(["-std=gnu11", "-DRTAPI", "-O1", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared"]);
+    cc.args(["-Wl,-Bsymbolic"]).args(options).arg("-I").arg(include);
+    let Ok(out) = cc.arg(&from).arg("-o").arg(&to).arg("-lm").output() else {
+        eprintln!("skipped: there is no C compiler");
+        return None;
+    };
+    assert!(out.status.success(), "{name}: {}", String::from_utf8_lossy(&out.stderr));
+    Some(to)
+}
