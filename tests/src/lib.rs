@@ -1,6 +1,11 @@
 //! What the whole-system tests share: programs, plugins, engines, folders of their own, cases as data,
 //! recordings read back.
-#![expect(clippy::unwrap_used, clippy::panic, reason = "whatever fails here fails a test")]
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stderr,
+    reason = "whatever fails here fails a test; what is skipped is said"
+)]
 
 pub mod case;
 pub mod foreign;

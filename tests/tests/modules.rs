@@ -4,14 +4,7 @@
 //! `cargo test -p hal-tests --test modules -- --ignored` runs all of them and compares with
 //! `tests/compat/modules.md`; with `UPDATE_EXPECT=1` it writes that file. Without the package
 //! nothing is run, with a word.
-#![expect(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::print_stdout,
-    clippy::print_stderr,
-    clippy::indexing_slicing,
-    reason = "tests"
-)]
+#![expect(clippy::unwrap_used, clippy::print_stdout, clippy::print_stderr, reason = "tests")]
 
 use hal_protocol::{Direction, Kind, Link, Request, Value};
 use hal_tests::{

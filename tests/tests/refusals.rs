@@ -1,5 +1,4 @@
 //! Refusals that no script brings about.
-#![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_engine::{ClockKind, Engine};
 use hal_protocol::{Direction, Link, Request, Type};

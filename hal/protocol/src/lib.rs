@@ -21,8 +21,8 @@ pub use at::At;
 pub use client::Client;
 pub use failure::Failure;
 pub use info::{
-    AliasInfo, ArgInfo, CommandInfo, ComponentInfo, ComponentState, FaultInfo, ForeignInfo, FunctInfo, ItemInfo,
-    Offer, SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Usage,
+    AliasInfo, ArgInfo, CommandInfo, ComponentInfo, ComponentState, FaultInfo, ForeignInfo,
+    FunctInfo, ItemInfo, Offer, SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Usage,
 };
 pub use kind::{Direction, Kind, Lock};
 pub use message::{Answer, Edit, LATEST, LONGEST, Reply, Request, WireReply, WireRequest};
