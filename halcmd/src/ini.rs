@@ -394,6 +394,36 @@ mod tests {
     }
 
     #[test]
+    fn a_file_with_an_error_has_nothing() {
+        let path = std::env::temp_dir().join(format!("ferrule-broken-{}.ini", std::process::id()));
+        std::fs::write(&path, "[A]\nX = 1\n[B\n").unwrap();
+        let broken = Ini::open(&path).unwrap();
+        std::fs::remove_file(&path).unwrap();
+        assert_eq!(broken.get("A", "X"), None);
+        let why = broken.broken().unwrap().to_string();
+        assert!(why.ends_with(".ini:3: a section is [NAME]: letters, digits and _"), "{why}");
+        assert!(Ini::open(&path).is_err(), "a file that is not there");
+    }
+
+    #[test]
+    fn the_nearest_entry() {
+        let ini =
+            Ini::parse("m", b"[TRAJ]\nAXES = 3\n[JOINT_0]\nSCALE = 1\nMAX_LIMIT = 2\n").unwrap();
+        for (section, name, want) in [
+            ("JOINT_0", "SCALES", Some(("[JOINT_0]SCALE", true))),
+            ("JOINT_1", "SCALE", Some(("[JOINT_0]SCALE", true))),
+            ("AXIS_0", "SCALE", Some(("[JOINT_0]SCALE", true))),
+            ("traj", "axes", Some(("[TRAJ]AXES", true))),
+            ("JOINT_0", "MAXLIMIT", Some(("[JOINT_0]MAX_LIMIT", true))),
+            ("HAL", "TWOPASS", Some(("[TRAJ]AXES", false))),
+        ] {
+            let near = ini.nearest(section, name);
+            assert_eq!(near, want.map(|(n, m)| (n.to_owned(), m)), "[{section}]{name}");
+        }
+        assert_eq!(Ini::default().nearest("A", "B"), None);
+    }
+
+    #[test]
     fn files_include_each_other() {
         let folder = std::env::temp_dir().join(format!("ferrule-ini-{}", std::process::id()));
         std::fs::create_dir_all(folder.join("sub")).unwrap();
@@ -402,11 +432,20 @@ mod tests {
         write("sub/b.ini", "[B]\nY = 2\n#INCLUDE c.ini\n");
         write("sub/c.ini", "[C]\nW = 4\n");
         write("loop.ini", "#INCLUDE loop.ini\n");
+        for n in 0..18 {
+            write(&format!("d{n}.ini"), &format!("[D]\nD = {n}\n#INCLUDE d{}.ini\n", n + 1));
+        }
+        write("d18.ini", "");
+        // The last of 16 that are included, and one too many.
+        let deep = Ini::read(&folder.join("d2.ini")).unwrap();
+        let deeper = Ini::read(&folder.join("d1.ini")).unwrap_err().to_string();
         let ini = Ini::read(&folder.join("a.ini")).unwrap();
         let names: Vec<_> = ini.names().collect();
         let endless = Ini::read(&folder.join("loop.ini")).unwrap_err().to_string();
         std::fs::remove_dir_all(&folder).unwrap();
         assert_eq!(names, ["[A]X", "[B]Y", "[C]W", "[A]Z"]);
+        assert_eq!(deep.all("D", "D").count(), 16);
+        assert!(deeper.ends_with("files include each other too deeply (16 at most)"), "{deeper}");
         assert!(endless.ends_with("loop.ini:1: files include each other too deeply (16 at most)"));
     }
 }

@@ -92,7 +92,7 @@ impl Engine {
     /// `alias`.
     pub(crate) fn alias(&mut self, param: bool, name: &str, alias: &str) -> Result<(), Error> {
         self.unlocked(Lock::CONFIG, if param { "param_alias" } else { "pin_alias" })?;
-        let what = if param { "parameter" } else { "pin" };
+        let what = if param { "param" } else { "pin" };
         let alias = Name::parse(what, alias)?;
         let ix = crate::graph::find(self.graph.names(param), what, name)?;
         if self.graph.names(param).contains_key(&alias) {
@@ -120,7 +120,7 @@ impl Engine {
     /// `unalias`.
     pub(crate) fn unalias(&mut self, param: bool, name: &str) -> Result<(), Error> {
         self.unlocked(Lock::CONFIG, if param { "param_alias" } else { "pin_alias" })?;
-        let what = if param { "parameter" } else { "pin" };
+        let what = if param { "param" } else { "pin" };
         let ix = crate::graph::find(self.graph.names(param), what, name)?;
         self.set_alias(param, ix, None);
         Ok(())
