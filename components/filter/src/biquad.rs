@@ -26,7 +26,7 @@ pub(crate) struct Biquad {
     #[hal(default = 250.0)]
     f0: In<f64>,
     /// The filter's quality, 0.5 to 2.
-    #[hal(name = "Q", default = 0.7071)]
+    #[hal(name = "Q", default = 7071.0 / 10_000.0)]
     q: In<f64>,
     /// What is added from the last run.
     s1: Out<f64>,
