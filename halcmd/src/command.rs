@@ -35,6 +35,10 @@ pub enum Command {
     Order(Subject, bool),
     /// `graph`: of what, what of it, how, and the file.
     Graph(Subject, Wanted, Format, Option<String>),
+    /// `check`, with its words.
+    Check(Vec<String>),
+    /// `explain`, with its words.
+    Explain(Vec<String>),
     /// `print`.
     Print(Option<String>),
     /// `echo`, `unecho`.

@@ -171,6 +171,10 @@ pub enum Error {
     Extension {
         file: Box<str>,
     },
+    NoCode {
+        word: Box<str>,
+        near: Option<Box<str>>,
+    },
     ThreadsExist,
     NoScreen,
     Unexpected,
@@ -266,6 +270,7 @@ impl core::fmt::Display for Error {
             Self::Extension { file } => {
                 write!(f, "halrun: Unknown file extension for filename=<{file}>")
             }
+            Self::NoCode { word, .. } => write!(f, "there is no code '{word}'"),
             Self::ThreadsExist => {
                 f.write_str("HAL_LIB: Cannot run 'setexact' after a thread has been created")
             }

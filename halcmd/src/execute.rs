@@ -1,9 +1,9 @@
 //! What each command does.
 
 use crate::{
-    Command, Error, Session,
+    Command, Error, Session, check,
     command::{LockChange, SaveKind, ShowKind, StatusKind},
-    help,
+    explain, help,
     hint::nearest,
     list, save, show, status,
 };
@@ -60,6 +60,15 @@ impl Session<'_> {
             }
             Command::Save(kind, file) => self.save(kind, file.as_deref())?,
             Command::Status(kind) => self.status(kind)?,
+            Command::Check(words) => {
+                let before = check::Before { ini: None, json: self.style.json };
+                if check::main(&words, before, self.link, self.terminal)? > 1 {
+                    return Err(Error::Told);
+                }
+            }
+            Command::Explain(words) => {
+                explain::main(&words, self.terminal)?;
+            }
             Command::Order(subject, script) => self.order(&subject, script)?,
             Command::Graph(subject, wanted, format, file) => {
                 self.graph(&subject, &wanted, format, file.as_deref())?;

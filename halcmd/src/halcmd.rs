@@ -1,7 +1,7 @@
 //! The program halcmd: commands for a running instance.
 
 use crate::{
-    Bytes, Error, Outcome, Session, Stdio, Style, Terminal, complete, help,
+    Bytes, Error, Outcome, Session, Stdio, Style, Terminal, check, complete, explain, help,
     ini::Ini,
     options::{Opt, from_environment, options, plain, usage},
     prompt,
@@ -131,16 +131,22 @@ fn run(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
         }
         return Ok(0);
     }
+    if let Some((name, words)) = rest.split_first().filter(|_| !file) {
+        match name.as_str() {
+            "explain" => return explain::main(words, terminal),
+            "check" => {
+                let before = check::Before { ini: value(Id::Ini), json: style.json };
+                let mut remote = Remote::new(place(value(Id::Instance))?, "");
+                return check::main(words, before, &mut remote, terminal);
+            }
+            _ => {}
+        }
+    }
     if !file && has(Id::Ini) {
         terminal.err("-i may only be used together with -f\n");
         return Ok(1);
     }
-    let place = Place::find(value(Id::Instance).as_deref()).map_err(|why| Error::OptionValue {
-        program: "halcmd",
-        option: "--instance".into(),
-        value: value(Id::Instance).unwrap_or_default().into(),
-        why: why.into(),
-    })?;
+    let place = place(value(Id::Instance))?;
     let ini = value(Id::Ini).map(|path| Ini::open(Path::new(&path))).transpose()?;
     let text = match rest.first().filter(|_| file) {
         Some(path) => {
@@ -188,10 +194,22 @@ fn complete_line(rest: &[String], terminal: &mut dyn Terminal) -> u8 {
     if found.files { complete::COMPLETE_FILES } else { 0 }
 }
 
+/// The instance that is asked for.
+fn place(name: Option<String>) -> Result<Place, Error> {
+    Place::find(name.as_deref()).map_err(|why| Error::OptionValue {
+        program: "halcmd",
+        option: "--instance".into(),
+        value: name.unwrap_or_default().into(),
+        why: why.into(),
+    })
+}
+
 fn usage_text() -> String {
     format!(
         "\nUsage:   halcmd [options] [command [arguments]]\n         \
-         halcmd [options] -f [FILE]\n\noptions:\n{}\n\
+         halcmd [options] -f [FILE]\n         \
+         halcmd check [FILE...]      what is wrong with a machine, before it moves\n         \
+         halcmd explain [CODE]       what a finding of check means\n\noptions:\n{}\n\
          'halcmd help' lists the commands, 'halcmd help COMMAND' explains one.\n",
         usage(OPTIONS)
     )

@@ -100,7 +100,7 @@ pub(crate) fn sentence(text: &str) -> String {
 }
 
 /// A text in lines that fit a terminal, each moved to the right.
-fn wrapped(text: &str, by: usize) -> String {
+pub(crate) fn wrapped(text: &str, by: usize) -> String {
     let mut out = " ".repeat(by);
     let mut at = by;
     for word in text.split(' ') {

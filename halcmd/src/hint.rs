@@ -11,6 +11,7 @@ impl Error {
             Self::NoIniVariable { hint, .. } => Some(hint.to_string()),
             Self::UnknownCommand { near, .. }
             | Self::NoHelp { near, .. }
+            | Self::NoCode { near, .. }
             | Self::NotLoaded { near, .. } => {
                 near.as_ref().map(|near| format!("did you mean {near}?"))
             }

@@ -116,6 +116,11 @@ impl Ini {
         self.entries.iter().filter(move |e| e.section == section)
     }
 
+    /// Every entry, in order.
+    pub fn entries(&self) -> impl Iterator<Item = &Entry> {
+        self.entries.iter()
+    }
+
     /// Whether there is a section of this name.
     #[must_use]
     pub fn has_section(&self, name: &str) -> bool {

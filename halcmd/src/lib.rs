@@ -7,12 +7,14 @@
 
 mod after;
 mod apply;
+pub mod check;
 mod colour;
 mod command;
 pub mod complete;
 mod error;
 mod examine;
 mod execute;
+pub mod explain;
 mod fault;
 pub mod graph;
 pub mod halcmd;

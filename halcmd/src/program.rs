@@ -5,7 +5,7 @@ use hal_protocol::{ComponentInfo, ComponentState, Kind, Lock, Reply, Request};
 use rustix::fs::FileType;
 use std::{
     os::fd::AsFd,
-    path::PathBuf,
+    path::{Path, PathBuf},
     process::{Child, Command, ExitStatus, Stdio},
 };
 
@@ -202,6 +202,15 @@ fn ended(child: &mut Child) -> Option<Option<ExitStatus>> {
 /// Whether output goes to a file, and not to a terminal or a pipe that somebody waits for.
 pub(crate) fn is_file(fd: impl AsFd) -> bool {
     rustix::fs::fstat(fd).is_ok_and(|s| FileType::from_raw_mode(s.st_mode) == FileType::RegularFile)
+}
+
+/// Whether a program can be found: by its path, beside the one that runs, or in PATH.
+pub(crate) fn exists(program: &str) -> bool {
+    if program.contains('/') {
+        return Path::new(program).is_file();
+    }
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    beside(program).is_some() || std::env::split_paths(&path).any(|f| f.join(program).is_file())
 }
 
 /// A program of this name beside the one that runs.

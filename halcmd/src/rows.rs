@@ -3,6 +3,7 @@
 use crate::{Error, table::Row};
 
 mod change;
+mod checking;
 mod drawing;
 mod input;
 mod load;
@@ -35,6 +36,7 @@ pub(crate) const GROUPS: &[(&str, &[Row])] = &[
     ("Threads and time", time::ROWS),
     ("All or nothing", change::ROWS),
     ("Looking", look::ROWS),
+    ("What is wrong", checking::ROWS),
     ("The machine as a whole", drawing::ROWS),
     ("For people", people::ROWS),
     ("The input", input::ROWS),

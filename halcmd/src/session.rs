@@ -9,7 +9,7 @@ use crate::{
     source::Bytes,
     syntax::Statement,
     trial::Attempt,
-    vars::Values,
+    vars::{Values, mentioned},
 };
 use hal_protocol::{Link, Reply, Request};
 use std::{
@@ -263,6 +263,9 @@ impl<'a> Session<'a> {
             self.echo_line(line.number, &text);
         }
         self.plan.iter_mut().for_each(|plan| plan.stand_on(line));
+        if let Some(attempt) = &mut self.attempt {
+            attempt.entries.extend(mentioned(text));
+        }
         let values =
             Values { environment: self.environment, ini: self.own_ini.as_ref().or(self.ini) };
         self.carry_out(&Statement::parse(text, values)?, nested)

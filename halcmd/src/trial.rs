@@ -8,12 +8,16 @@ pub use unknown::Unknown;
 
 use crate::{
     Bytes, Captured, Error, Outcome, Session, Style,
+    check::placed,
     halrun::{machine, plan::plugin_path},
     ini::Ini,
 };
 use hal_engine::{ClockKind, Engine, Options};
-use hal_protocol::{At, Place};
-use std::path::{Path, PathBuf};
+use hal_protocol::{At, Finding, Place};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 
 /// A line that was refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -40,6 +44,10 @@ pub struct Attempt {
     pub refusals: Vec<Refusal>,
     /// What was odd.
     pub remarks: Vec<Remark>,
+    /// What else is wrong.
+    pub found: Vec<Finding>,
+    /// The INI entries that lines read: section and name.
+    pub entries: BTreeSet<(String, String)>,
     /// What is not known of programs and of components that are missing.
     pub unknown: Unknown,
 }
@@ -50,11 +58,13 @@ pub struct Trial {
     engine: Engine,
     attempt: Attempt,
     ini: Option<Ini>,
+    starts_itself: bool,
 }
 
 impl Trial {
     /// Carries out `files`: scripts in order, with the values of an INI file if one is given, or
-    /// one INI file as halrun would start it. Plugins are looked for where halrun looks.
+    /// one INI file as halrun would start it. Scripts with the INI file of a machine (it has a
+    /// section EMCIO) are taken for its HAL files. Plugins are looked for where halrun looks.
     ///
     /// # Errors
     /// A file cannot be read, or an INI file has an error in it.
@@ -76,6 +86,7 @@ impl Trial {
         if let (Some(_), [_, other, ..]) = (machine, files) {
             return Err(Error::TooManyFiles { files: other.as_str().into() });
         }
+        let given = ini;
         let ini = machine.or(ini).map(|path| Ini::read(Path::new(path))).transpose()?;
         let mut scripts = Vec::new();
         for file in files.iter().filter(|f| !is_ini(f)) {
@@ -105,8 +116,15 @@ impl Trial {
         if let Some(ini) = &ini {
             session.set_ini(ini);
         }
+        if let Some(ini) = &ini {
+            session.expect_interface(ini);
+        }
         match (machine, &ini) {
             (Some(path), Some(ini)) => {
+                for (at, text) in ini.warnings().iter().filter_map(|w| placed(w)) {
+                    session.stand_at(&at.file, at.line);
+                    session.complain(text);
+                }
                 if let Err(error) = machine::refuse(ini) {
                     session.stand_at(path, 0);
                     session.report(&error);
@@ -114,13 +132,28 @@ impl Trial {
                 let _: Outcome = machine::start(&mut session, ini, Path::new(path));
             }
             _ => {
+                // Scripts that load it themselves are no HAL files of a machine.
+                let loads = scripts.iter().any(|(_, text)| loads_iocontrol(text));
+                let whole = match (given, &ini) {
+                    (Some(path), Some(ini)) if ini.has_section("EMCIO") && !loads => {
+                        Some((ini, Path::new(path)))
+                    }
+                    _ => None,
+                };
+                if let Some((ini, path)) = whole {
+                    machine::before_files(&mut session, ini, path);
+                }
                 for (file, text) in scripts {
                     let _: Outcome = session.file(file, Bytes::new(text));
+                }
+                if let Some((ini, path)) = whole {
+                    machine::after_files(&mut session, ini, path);
                 }
             }
         }
         let attempt = session.end_trial();
-        Ok(Self { engine, attempt, ini })
+        let starts_itself = ini.as_ref().is_some_and(|ini| ini.has_section("EMCIO"));
+        Ok(Self { engine, attempt, ini, starts_itself })
     }
 
     /// The engine, with everything made that could be made.
@@ -134,9 +167,23 @@ impl Trial {
         &self.attempt
     }
 
+    /// Whether the threads are started by whoever starts the machine, and not by a line.
+    #[must_use]
+    pub const fn starts_itself(&self) -> bool {
+        self.starts_itself
+    }
+
     /// The INI file, if there is one.
     #[must_use]
     pub const fn ini(&self) -> Option<&Ini> {
         self.ini.as_ref()
     }
+}
+
+/// Whether a script loads what an INI start always has.
+fn loads_iocontrol(text: &[u8]) -> bool {
+    String::from_utf8_lossy(text).lines().any(|line| {
+        let mut words = line.split_whitespace();
+        words.next() == Some("loadrt") && matches!(words.next(), Some("iocontrol" | "io" | "iov2"))
+    })
 }

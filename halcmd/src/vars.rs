@@ -135,6 +135,16 @@ fn missing(ini: Option<&Ini>, section: &str, name: &str) -> Box<str> {
     }
 }
 
+/// The INI entries that a line names, as section and name; what cannot be read is left out.
+pub(crate) fn mentioned(line: &str) -> Vec<(String, String)> {
+    let found = line.match_indices('[').filter_map(|(at, _)| {
+        let (after, section) = section(tail(line.get(at..)?)).ok()?;
+        let (_, name) = name(after).ok()?;
+        Some((section.to_owned(), name.to_owned()))
+    });
+    found.collect()
+}
+
 /// `(NAME)`, or the longest run of name characters.
 fn name(text: &str) -> Result<(&str, &str), (Error, &str)> {
     let (after, name) = match text.strip_prefix('(') {

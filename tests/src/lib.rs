@@ -8,6 +8,7 @@
 )]
 
 pub mod case;
+pub mod faults;
 pub mod foreign;
 pub mod fuzz;
 pub mod machine;

@@ -124,6 +124,7 @@ impl Engine {
         self.measure_ticks();
         self.quiet = false;
         self.shared.boundary.start();
+        self.graph.sites.has_run();
     }
 
     /// `stop`, and waits for cycles under way.

@@ -137,6 +137,7 @@ impl<'e> Creating<'e> {
             storage: NonNull::new(spec.storage),
             hidden: spec.flags & item_flags::HIDDEN != 0,
             times: false,
+            safety: spec.flags & item_flags::SAFETY != 0,
             doc,
         };
         let (ix, slot) = self.engine.new_item(owner, item)?;

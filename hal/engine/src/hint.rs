@@ -1,7 +1,7 @@
 //! What goes with an error: its number, and what would be right.
 
 use crate::Error;
-use hal_protocol::Failure;
+use hal_protocol::{Code, Failure};
 
 impl Error {
     /// The errno that goes with it.
@@ -81,6 +81,44 @@ impl Error {
         }
     }
 
+    /// What `explain` says more about.
+    #[must_use]
+    pub const fn finding(&self) -> Option<Code> {
+        Some(match self {
+            Self::NameTooLong { .. } | Self::BadName { .. } => Code::BadName,
+            Self::Duplicate { .. } | Self::ModuleExists { .. } => Code::NameTaken,
+            Self::NotFound { .. } | Self::NoItem { .. } | Self::NoPin { .. } => Code::NoSuchName,
+            Self::LinkedElsewhere { .. } | Self::AlreadyLinked { .. } => Code::LinkedTwice,
+            Self::TypeMismatch { .. } | Self::CannotAdd { .. } => Code::TypeMismatch,
+            Self::HasWriter { .. } | Self::SecondWriter { .. } => Code::TwoWriters,
+            Self::PortIo { .. } | Self::PortReaders { .. } | Self::QueueAllocated { .. } => {
+                Code::PortMisused
+            }
+            Self::SignalIsPin { .. } => Code::NamedAsPin,
+            Self::NotWritable { .. } => Code::NotWritable,
+            Self::InvalidValue { .. } | Self::OutOfRange { .. } => Code::BadValue,
+            Self::BadPosition { .. } | Self::PositionTooFar { .. } => Code::BadPosition,
+            Self::OneThreadOnly { .. } => Code::AddedTwice,
+            Self::PeriodTooShort { .. } | Self::BadPeriod { .. } => Code::BadPeriod,
+            Self::NoModule { .. }
+            | Self::NotAPlugin { .. }
+            | Self::WrongMajor { .. }
+            | Self::NewerMinor { .. }
+            | Self::Aborts { .. } => Code::NoComponent,
+            Self::UnknownParameter { .. }
+            | Self::InvalidParameter { .. }
+            | Self::InvalidArgument { .. }
+            | Self::TooManyItems { .. }
+            | Self::MissingArgument { .. }
+            | Self::CountAndNames => Code::BadArgument,
+            Self::InitFailed { .. } | Self::OpenFailed { .. } | Self::ServiceTaken { .. } => {
+                Code::LoadRefused
+            }
+            Self::NoService { .. } => Code::NoService,
+            _ => return None,
+        })
+    }
+
     /// What would be right.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
@@ -143,7 +181,13 @@ pub(crate) fn locked(what: &str) -> String {
 
 impl From<Error> for Failure {
     fn from(e: Error) -> Self {
-        let word = e.word().map(str::to_owned);
-        Self { code: e.errno(), text: e.to_string(), hint: e.hint(), word, before: Vec::new() }
+        Self {
+            code: e.errno(),
+            text: e.to_string(),
+            hint: e.hint(),
+            word: e.word().map(str::to_owned),
+            before: Vec::new(),
+            finding: e.finding(),
+        }
     }
 }

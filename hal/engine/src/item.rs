@@ -22,6 +22,7 @@ pub(crate) struct NewItem {
     pub(crate) storage: Option<NonNull<c_void>>,
     pub(crate) hidden: bool,
     pub(crate) times: bool,
+    pub(crate) safety: bool,
     pub(crate) doc: Arc<str>,
 }
 
@@ -61,6 +62,7 @@ impl Engine {
             pointer: None,
             hidden: new.hidden,
             times: new.times,
+            safety: new.safety,
             doc: new.doc,
         };
         let ix = self.graph.g.add_node(Node::Item(item));
@@ -98,6 +100,7 @@ impl Engine {
                 storage: None,
                 hidden: false,
                 times: true,
+                safety: false,
                 doc,
             };
             let (_, slot) = self.new_item(owner, new)?;

@@ -12,6 +12,7 @@ mod arena;
 mod args;
 mod callback;
 mod change;
+mod check;
 mod client;
 mod clock;
 mod code;

@@ -112,6 +112,8 @@ pub(crate) struct Item {
     pub(crate) hidden: bool,
     /// Made by the engine: times of functions and threads.
     pub(crate) times: bool,
+    /// A limit or e-stop input.
+    pub(crate) safety: bool,
     pub(crate) doc: Arc<str>,
 }
 

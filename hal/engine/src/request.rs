@@ -39,6 +39,7 @@ impl Engine {
             }
             Request::List { kind, patterns, ty } => return Ok(self.list(kind, &patterns, ty)),
             Request::Order => return Ok(Reply::Order(Box::new(self.order()))),
+            Request::Check => return Ok(Reply::Findings(self.check())),
             Request::Status => return Ok(Reply::Status(Box::new(self.status()))),
             Request::Component { name } => {
                 let ix = self.graph.components.get(name.as_str()).copied();

@@ -46,6 +46,7 @@ impl Engine {
             storage: None,
             hidden: false,
             times: true,
+            safety: false,
             doc: self.graph.doc("Cycles run."),
         };
         let (_, beat) = self.new_item(component, beat)?;

@@ -147,6 +147,7 @@ fn new_pin(
         storage: None,
         hidden: false,
         times: false,
+        safety: false,
         doc: engine.graph.doc(""),
     };
     let (ix, _) = engine.new_item(owner, new)?;

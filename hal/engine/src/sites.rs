@@ -21,13 +21,15 @@ pub(crate) struct Site {
 pub(crate) struct Assigned {
     pub(crate) site: Option<Site>,
     pub(crate) bits: u64,
+    /// How often the machine had been let run before.
+    moment: u32,
 }
 
 /// What lines have set a pin, parameter or signal to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Assignments {
     pub(crate) last: Assigned,
-    /// The last one before it that was another value.
+    /// The last one before it that was another value, if the machine did not run meanwhile.
     pub(crate) other: Option<Assigned>,
 }
 
@@ -37,6 +39,7 @@ pub(crate) struct Sites {
     files: Vec<Arc<str>>,
     numbers: BTreeMap<Arc<str>, u32>,
     now: Option<Site>,
+    moment: u32,
     nodes: BTreeMap<Ix, Site>,
     edges: BTreeMap<EdgeIndex<u32>, Site>,
     aliases: BTreeMap<Ix, Site>,
@@ -101,14 +104,19 @@ impl Sites {
 
     /// A pin, parameter or signal is set here.
     pub(crate) fn assigned(&mut self, node: Ix, bits: u64) {
-        let last = Assigned { site: self.now, bits };
-        let before = self.values.get(&node).copied();
+        let last = Assigned { site: self.now, bits, moment: self.moment };
+        let before = self.values.get(&node).filter(|b| b.last.moment == self.moment).copied();
         let other = match before {
             Some(b) if b.last.bits != bits => Some(b.last),
             Some(b) => b.other,
             None => None,
         };
         self.values.insert(node, Assignments { last, other });
+    }
+
+    /// The machine runs: what is set from here on is meant to be another value.
+    pub(crate) const fn has_run(&mut self) {
+        self.moment = self.moment.wrapping_add(1);
     }
 
     /// A node has gone.
@@ -178,7 +186,6 @@ impl Sites {
     }
 }
 
-#[cfg_attr(not(test), expect(dead_code, reason = "read by what names places"))]
 impl Sites {
     /// Where a component, signal or thread was made.
     pub(crate) fn of(&self, node: Ix) -> Option<At> {

@@ -30,6 +30,9 @@ impl Engine {
     /// What a trial does instead of what would reach outside or move the clock.
     pub(crate) fn tried(&mut self, request: &Request) -> Option<Result<Reply, Error>> {
         let trial = self.trial.as_mut()?;
+        if let Request::Run { .. } = request {
+            self.graph.sites.has_run();
+        }
         let done = match request {
             Request::Run { .. }
             | Request::Idle { .. }
@@ -55,6 +58,7 @@ impl Engine {
                         storage: None,
                         hidden: false,
                         times: false,
+                        safety: false,
                         doc: self.graph.doc(""),
                     };
                     self.new_item(member, new).map(|_| ())

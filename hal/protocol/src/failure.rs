@@ -1,5 +1,6 @@
 //! Why a request was refused.
 
+use crate::Code;
 use serde::{Deserialize, Serialize};
 
 /// Why a request was refused.
@@ -16,13 +17,17 @@ pub struct Failure {
     pub word: Option<String>,
     /// What led to it, one sentence each, printed before `text`.
     pub before: Vec<String>,
+    /// What `explain` says more about.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub finding: Option<Code>,
 }
 
 impl Failure {
     /// A failure without a hint.
     #[must_use]
     pub fn new(code: i32, text: impl Into<String>) -> Self {
-        Self { code, text: text.into(), hint: None, word: None, before: Vec::new() }
+        let text = text.into();
+        Self { code, text, hint: None, word: None, before: Vec::new(), finding: None }
     }
 }
 

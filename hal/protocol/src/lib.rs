@@ -7,7 +7,9 @@
 
 mod at;
 mod client;
+mod code;
 mod failure;
+mod finding;
 mod info;
 mod kind;
 mod message;
@@ -19,7 +21,9 @@ mod value;
 
 pub use at::At;
 pub use client::Client;
+pub use code::Code;
 pub use failure::Failure;
+pub use finding::{Finding, Level, Related};
 pub use info::{
     AliasInfo, ArgInfo, CommandInfo, ComponentInfo, ComponentState, FaultInfo, ForeignInfo,
     FunctInfo, ItemInfo, Offer, SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Usage,

@@ -1,8 +1,9 @@
 //! What a client may ask, and what the engine answers.
 
 use crate::{
-    AliasInfo, At, CommandInfo, ComponentInfo, Direction, Failure, FunctInfo, ItemInfo, Kind, Lock,
-    Offer, OrderInfo, SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Type, Value,
+    AliasInfo, At, CommandInfo, ComponentInfo, Direction, Failure, Finding, FunctInfo, ItemInfo,
+    Kind, Lock, Offer, OrderInfo, SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Type,
+    Value,
 };
 use serde::{Deserialize, Serialize};
 
@@ -291,6 +292,8 @@ pub enum Request {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         count: Option<u64>,
     },
+    /// `check`: what is wrong or odd with the machine as it is. Answer: [`Reply::Findings`].
+    Check,
     /// Ends the engine.
     Shutdown,
 }
@@ -365,6 +368,8 @@ pub enum Reply {
     Ticket(TicketInfo),
     /// A ring to attach to.
     Stream(StreamInfo),
+    /// What is wrong or odd.
+    Findings(Vec<Finding>),
 }
 
 /// What a component's command answered.

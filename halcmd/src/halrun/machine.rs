@@ -31,14 +31,13 @@ pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path) -> Outcom
     let folders = Folders::of(path);
     // Relative names in scripts are names beside the INI file.
     if session.is_trial() {
-        session.set_folder(&folders.here);
+        session.set_folder(&folders.named);
     } else if let Err(error) = std::env::set_current_dir(&folders.here) {
         let (path, why) = (path.display().to_string().into(), crate::ini::plain(&error));
         return failed(session, &Error::IniFile { path, why });
     }
     let mut machine = Machine { session, ini, folders, outcome: Outcome::Good };
-    let module = "iocontrol".to_owned();
-    machine.ask("EMCIO", Request::Load { module, args: Vec::new() });
+    machine.load();
     for entry in ini.all("HAL", "HALFILE") {
         machine.file(entry, true);
     }
@@ -51,6 +50,16 @@ pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path) -> Outcom
         machine.file(entry, false);
     }
     machine.outcome
+}
+
+/// What [`start`] does before the HAL files.
+pub(crate) fn before_files(session: &mut Session<'_>, ini: &Ini, path: &Path) {
+    Machine { session, ini, folders: Folders::of(path), outcome: Outcome::Good }.load();
+}
+
+/// What [`start`] does after them.
+pub(crate) fn after_files(session: &mut Session<'_>, ini: &Ini, path: &Path) {
+    Machine { session, ini, folders: Folders::of(path), outcome: Outcome::Good }.configure();
 }
 
 struct Machine<'a, 's> {
@@ -74,6 +83,12 @@ impl Machine<'_, '_> {
                 other => self.outcome = other,
             }
         }
+    }
+
+    /// Loads what an INI start always has.
+    fn load(&mut self) {
+        let module = "iocontrol".to_owned();
+        self.ask("EMCIO", Request::Load { module, args: Vec::new() });
     }
 
     /// Asks for what the INI file asks for in a section.
@@ -167,22 +182,37 @@ fn data<'a>(ini: &'a Ini, command: &CommandInfo) -> Vec<(&'a Entry, Vec<String>)
             path.add(arg, entry);
         }
     }
-    let of = |section: &str, first: String| {
+    let of = |section: &str, first: String, only: &[&str]| {
         let mut args = Args::new(command, Some(first));
         for entry in ini.section(section) {
-            args.add(&entry.name.to_ascii_lowercase().replace('_', "-"), entry);
+            let arg = entry.name.to_ascii_lowercase().replace('_', "-");
+            // Which joint or axis it is about says the section; of an axis only its limits count.
+            if arg != "joint" && arg != "axis" && (only.is_empty() || only.contains(&&*arg)) {
+                args.add(&arg, entry);
+            }
         }
         args.done()
     };
     let mut all = vec![path.done()];
     let joints = if ini.is_old() { "AXIS" } else { "JOINT" };
-    for n in 0..100 {
-        all.push(of(&format!("{joints}_{n}"), format!("joint={n}")));
+    for n in 0..joint_count(ini) {
+        all.push(of(&format!("{joints}_{n}"), format!("joint={n}"), &[]));
     }
     for letter in "XYZABCUVW".chars() {
-        all.push(of(&format!("AXIS_{letter}"), format!("axis={}", letter.to_ascii_lowercase())));
+        let first = format!("axis={}", letter.to_ascii_lowercase());
+        all.push(of(&format!("AXIS_{letter}"), first, AXIS));
     }
     all.into_iter().flatten().collect()
+}
+
+/// What counts of an axis.
+const AXIS: &[&str] = &["min-limit", "max-limit", "max-velocity", "max-acceleration"];
+
+/// How many sections of joints count: as many as the machine says that it has joints.
+fn joint_count(ini: &Ini) -> u32 {
+    let said = [("KINS", "JOINTS"), ("TRAJ", "JOINTS"), ("TRAJ", "AXES")];
+    let mut given = said.iter().filter_map(|(section, name)| ini.get(section, name));
+    given.find_map(|value| value.split_whitespace().next()?.parse().ok()).unwrap_or(100).min(100)
 }
 
 /// Arguments of one command, as entries give them.

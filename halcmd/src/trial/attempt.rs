@@ -5,9 +5,19 @@ use crate::{
     Command, Error, Session,
     command::{Apply, Launch},
     hint::nearest,
-    toolchange,
+    ini::Ini,
+    program, toolchange,
 };
-use hal_protocol::{At, Failure, Kind, Reply, Request};
+use hal_protocol::{At, Code, Failure, Finding, Kind, Reply, Request};
+
+/// Entries of INI files that start user interfaces, and what these call their components besides.
+const INTERFACES: [(&str, &str, &[&str]); 5] = [
+    ("DISPLAY", "DISPLAY", &["axisui", "gladevcp", "pyvcp", "qtvcp"]),
+    ("DISPLAY", "PYVCP", &["pyvcp"]),
+    ("DISPLAY", "GLADEVCP", &["gladevcp"]),
+    ("DISPLAY", "EMBED_TAB_COMMAND", &[]),
+    ("HAL", "HALUI", &["halui"]),
+];
 
 /// The code of a failure that says that something is not there.
 const ENOENT: i32 = -2;
@@ -46,6 +56,8 @@ impl Session<'_> {
             | Command::Status(_)
             | Command::Order(..)
             | Command::Graph(..)
+            | Command::Check(_)
+            | Command::Explain(_)
             | Command::Print(_)
             | Command::Echo(_)
             | Command::Help(_)
@@ -112,13 +124,9 @@ impl Session<'_> {
 
     /// Whether a pin may exist on the machine and does not on trial.
     fn is_unknown_pin(&mut self, name: &str) -> bool {
-        if !self.unknown_names().covers(name) {
-            return false;
-        }
-        matches!(
-            self.ask(Request::Get { name: name.to_owned() }),
-            Err(Error::Engine(failure)) if failure.code == ENOENT
-        )
+        let asked = self.ask(Request::Get { name: name.to_owned() });
+        let missing = matches!(asked, Err(Error::Engine(failure)) if failure.code == ENOENT);
+        missing && self.unknown_names().covers(name)
     }
 
     /// A signal that only unknown pins have is not there on trial.
@@ -144,17 +152,46 @@ impl Session<'_> {
         if base == toolchange::NAME {
             return Ok(toolchange::join(self.link)?);
         }
+        if !program::exists(&launch.program) {
+            let awaited = launch.until_ready || launch.until_end && !launch.ignore_status;
+            let code = if awaited { Code::NoProgramAwaited } else { Code::NoProgram };
+            let text = format!("program '{}' is not there", launch.program);
+            let remedy = "install it, or give its path; programs beside halcmd are found first, \
+                          then those in PATH";
+            let finding = Finding::new(code, &launch.program, text);
+            let found = finding.at(Some(at.clone())).remedy(remedy);
+            self.attempt.get_or_insert_default().found.push(found);
+        }
         let unknown = self.unknown_names();
-        unknown.expect(&launch.expected(), &at);
+        let program = Some(base.as_str());
+        unknown.expect(&launch.expected(), &at, program);
         let stem = base.split('.').next().unwrap_or_default();
         for name in [stem, stem.strip_prefix("hal_").unwrap_or(stem)] {
-            unknown.expect(name, &at);
+            unknown.expect(name, &at, program);
         }
         // A program is often told what to call its component.
         for word in &launch.args {
-            unknown.expect(word.rsplit('=').next().unwrap_or_default(), &at);
+            unknown.expect(word.rsplit('=').next().unwrap_or_default(), &at, program);
         }
         Ok(())
+    }
+
+    /// The pins of user interfaces that an INI file starts.
+    pub(super) fn expect_interface(&mut self, ini: &Ini) {
+        for (section, name, more) in INTERFACES {
+            for entry in ini.all(section, name) {
+                let at = At::new(&entry.file, entry.line);
+                let program = entry.value.split_whitespace().next().unwrap_or_default();
+                let unknown = self.unknown_names();
+                // Axes have pins of that name: what is misspelt among them is wrong.
+                let words = entry.value.split_whitespace().filter(|word| *word != "axis");
+                // Screens of that kind start the dialog for tool changes themselves.
+                let own = program.starts_with("qtvcp").then_some(toolchange::NAME);
+                for word in words.chain(more.iter().copied()).chain(own) {
+                    unknown.expect(word, &at, Some(program));
+                }
+            }
+        }
     }
 
     /// What a component that could not be loaded would have made is unknown, and is no error of
@@ -163,11 +200,11 @@ impl Session<'_> {
         let at = self.standing();
         let unknown = self.unknown_names();
         let name = module.replace('_', "-");
-        unknown.expect(&name, &at);
-        unknown.expect(module, &at);
-        unknown.expect(name.strip_prefix("hal-").unwrap_or(&name), &at);
+        for word in [&name, module, name.strip_prefix("hal-").unwrap_or(&name)] {
+            unknown.expect(word, &at, None);
+        }
         for names in args.iter().filter_map(|a| a.strip_prefix("names=")) {
-            names.split(',').for_each(|n| unknown.expect(n, &at));
+            names.split(',').for_each(|n| unknown.expect(n, &at, None));
         }
     }
 
@@ -187,6 +224,7 @@ impl Session<'_> {
             if command.args.iter().all(|a| a.name != arg) {
                 let near = nearest(arg, command.args.iter().map(|a| a.name.as_str()));
                 let mut failure = Failure::new(-22, format!("Unknown parameter `{word}'"));
+                failure.finding = Some(Code::BadCall);
                 failure.hint = near.map(|n| format!("did you mean {n}?"));
                 return Err(failure.into());
             }

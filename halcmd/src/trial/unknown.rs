@@ -1,30 +1,60 @@
 //! What a trial cannot know: the pins of programs that it does not start.
 
-use hal_protocol::At;
+use hal_protocol::{At, Code, Finding};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Names that may exist on the machine and do not exist on trial.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Unknown {
-    /// Names begin with one of these and a dot; where it comes from.
-    pub prefixes: BTreeMap<String, At>,
+    prefixes: BTreeMap<String, Source>,
+    used: BTreeMap<Source, BTreeSet<String>>,
     /// Signals with ends that are not known, whether they exist on trial or not.
     pub signals: BTreeSet<String>,
 }
 
+/// Where names come from.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Source {
+    at: At,
+    /// The program; none: a component that could not be loaded, which is said already.
+    program: Option<String>,
+}
+
 impl Unknown {
     /// A program may make names that begin with this word.
-    pub fn expect(&mut self, word: &str, at: &At) {
+    pub(super) fn expect(&mut self, word: &str, at: &At, program: Option<&str>) {
         let usable = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
         if word.starts_with(|c: char| c.is_ascii_alphabetic()) && word.chars().all(usable) {
-            self.prefixes.entry(word.to_owned()).or_insert_with(|| at.clone());
+            let source = Source { at: at.clone(), program: program.map(str::to_owned) };
+            self.prefixes.entry(word.to_owned()).or_insert(source);
         }
     }
 
     /// Whether a pin, parameter, function or component of this name may exist on the machine.
-    #[must_use]
-    pub fn covers(&self, name: &str) -> bool {
+    pub(super) fn covers(&mut self, name: &str) -> bool {
         let mut cuts = name.match_indices('.').map(|(at, _)| at).chain([name.len()]);
-        cuts.any(|at| name.get(..at).is_some_and(|p| self.prefixes.contains_key(p)))
+        let source = cuts.find_map(|at| self.prefixes.get(name.get(..at)?));
+        let Some(source) = source else { return false };
+        self.used.entry(source.clone()).or_default().insert(name.to_owned());
+        true
+    }
+
+    /// A note for each program whose names are used.
+    pub fn notes(&self) -> impl Iterator<Item = Finding> {
+        self.used.iter().filter_map(|(source, names)| {
+            let program = source.program.as_ref()?;
+            let first = names.first()?;
+            let more = match names.len() {
+                1 => String::new(),
+                n => format!(" and {} more", n - 1),
+            };
+            let text =
+                format!("the pins of '{program}' are not known here: '{first}'{more} may be right");
+            Some(
+                Finding::new(Code::ProgramPins, program, text)
+                    .at(Some(source.at.clone()))
+                    .remedy("check the running machine to have them looked at: halcmd check"),
+            )
+        })
     }
 }

@@ -1,0 +1,211 @@
+//! `check`: what the graph says about a machine before it moves.
+
+mod components;
+mod flow;
+mod functs;
+mod protection;
+mod signals;
+mod steps;
+mod values;
+
+use crate::{
+    Engine,
+    graph::{Edge, Graph, Item, Ix},
+};
+use hal_protocol::{At, Code, Direction, Finding, Type, Value};
+use petgraph::{
+    Direction::{Incoming, Outgoing},
+    visit::EdgeRef,
+};
+
+impl Engine {
+    /// Everything that is wrong or odd with the machine as it is, in no particular order.
+    pub(crate) fn check(&self) -> Vec<Finding> {
+        let mut look =
+            Look { graph: &self.graph, runs: self.shared.boundary.is_running(), found: Vec::new() };
+        look.signals();
+        look.values();
+        look.functs();
+        look.threads();
+        look.components();
+        look.protection();
+        look.steps();
+        look.flow(&self.order());
+        look.found
+    }
+}
+
+/// A look at the graph, and what was found so far.
+struct Look<'g> {
+    graph: &'g Graph,
+    /// Whether threads are started.
+    runs: bool,
+    found: Vec<Finding>,
+}
+
+impl<'g> Look<'g> {
+    fn add(&mut self, finding: Finding) {
+        self.found.push(finding);
+    }
+
+    /// The pins and parameters of one name each, their aliases aside.
+    fn items(&self) -> Vec<(Ix, &'g Item)> {
+        let all = self.graph.pins.iter().chain(&self.graph.params);
+        all.filter_map(|(name, ix)| Some((name, *ix, self.graph.item(*ix)?)))
+            .filter(|(name, _, item)| item.name == **name && !item.hidden && !item.times)
+            .map(|(_, ix, item)| (ix, item))
+            .collect()
+    }
+
+    /// A pin or parameter by its name.
+    fn item(&self, name: &str) -> Option<(Ix, &'g Item)> {
+        let ix = self.graph.find_item(name).ok()?;
+        Some((ix, self.graph.item(ix)?))
+    }
+
+    /// The name users see.
+    fn shown(&self, item: Ix) -> &'g str {
+        self.graph.item(item).map_or("", |i| i.shown().as_str())
+    }
+
+    /// The name of a signal.
+    fn signal_name(&self, signal: Ix) -> &'g str {
+        self.graph.signal(signal).map_or("", |s| s.name.as_str())
+    }
+
+    /// The name of a function.
+    fn funct_name(&self, funct: Ix) -> &'g str {
+        self.graph.funct(funct).map_or("", |f| f.name.as_str())
+    }
+
+    /// The name of a thread.
+    fn thread_name(&self, thread: Ix) -> &'g str {
+        self.graph.thread(thread).map_or("", |t| t.name.as_str())
+    }
+
+    /// A thread's period in nanoseconds.
+    fn period(&self, thread: Ix) -> i64 {
+        self.graph.thread(thread).map_or(0, |t| t.thread.period_ns)
+    }
+
+    /// The pins of a signal that write it, and those that read it; an I/O pin does both.
+    fn ends(&self, signal: Ix) -> (Vec<Ix>, Vec<Ix>) {
+        let mut pins = self.graph.pins_of(signal);
+        pins.sort_by_key(|pin| self.shown(*pin));
+        let is = |pin: &Ix, not: Direction| {
+            self.graph.item(*pin).is_some_and(|item| item.direction != not)
+        };
+        let writers = pins.iter().copied().filter(|pin| is(pin, Direction::In)).collect();
+        let readers = pins.iter().copied().filter(|pin| is(pin, Direction::Out)).collect();
+        (writers, readers)
+    }
+
+    /// The functions that write a pin or parameter.
+    fn writers(&self, item: Ix) -> Vec<Ix> {
+        let edges = self.graph.g.edges_directed(item, Incoming);
+        edges.filter(|e| *e.weight() == Edge::Writes).map(|e| e.source()).collect()
+    }
+
+    /// The functions that read a pin or parameter.
+    fn readers(&self, item: Ix) -> Vec<Ix> {
+        let edges = self.graph.g.edges_directed(item, Outgoing);
+        edges.filter(|e| *e.weight() == Edge::Reads).map(|e| e.target()).collect()
+    }
+
+    /// What a function reads, and what it writes.
+    fn touched(&self, funct: Ix) -> (Vec<Ix>, Vec<Ix>) {
+        let g = &self.graph.g;
+        let reads = g.edges_directed(funct, Incoming).filter(|e| *e.weight() == Edge::Reads);
+        let writes = g.edges_directed(funct, Outgoing).filter(|e| *e.weight() == Edge::Writes);
+        (reads.map(|e| e.source()).collect(), writes.map(|e| e.target()).collect())
+    }
+
+    /// Whether a pin is linked or a value was set by a line.
+    fn is_used(&self, item: Ix) -> bool {
+        self.graph.signal_of(item).is_some() || self.graph.sites.values_of(item).is_some()
+    }
+
+    /// Whether nothing but a user gives this item its value: it is not linked, and no line set it.
+    fn is_idle(&self, item: Ix) -> bool {
+        !self.is_used(item)
+    }
+
+    /// Where a component was loaded, also by one of the things it made.
+    fn loaded_at(&self, node: Ix) -> Option<At> {
+        let mut owner = node;
+        while let Some(above) = self.graph.owner_of(owner) {
+            owner = above;
+        }
+        self.graph.sites.of(owner)
+    }
+
+    /// Where a pin was linked.
+    fn linked_at(&self, pin: Ix) -> Option<At> {
+        let mut edges = self.graph.g.edges_directed(pin, Outgoing);
+        let link = edges.find(|e| *e.weight() == Edge::Links)?;
+        self.graph.sites.of_edge(link.id())
+    }
+
+    /// Where a function was added to a thread.
+    fn added_at(&self, thread: Ix, funct: Ix) -> Option<At> {
+        let mut edges = self.graph.g.edges_connecting(thread, funct);
+        let run = edges.find(|e| matches!(e.weight(), Edge::Runs(_) | Edge::Begins(_)))?;
+        self.graph.sites.of_edge(run.id())
+    }
+
+    /// Where a line set it last.
+    fn set_at(&self, node: Ix) -> Option<At> {
+        let sites = &self.graph.sites;
+        sites.values_of(node).and_then(|v| sites.at(v.last.site))
+    }
+
+    /// The value of a number, whatever its type.
+    fn number(&self, item: Ix) -> Option<f64> {
+        let item = self.graph.item(item)?;
+        match Value::from_bits(item.ty, item.bits()) {
+            Value::Bit(b) => Some(f64::from(u8::from(b))),
+            Value::Float(x) => Some(x),
+            Value::S32(n) => Some(f64::from(n)),
+            Value::U32(n) => Some(f64::from(n)),
+            Value::S64(n) => Some(n as f64),
+            Value::U64(n) => Some(n as f64),
+            Value::Port(_) => None,
+        }
+    }
+
+    /// The value of a number by its name.
+    fn number_of(&self, name: &str) -> Option<f64> {
+        self.number(self.item(name)?.0)
+    }
+
+    /// A value as users see it.
+    fn value(&self, node: Ix, bits: u64) -> String {
+        let ty = match (self.graph.item(node), self.graph.signal(node)) {
+            (Some(item), _) => item.ty,
+            (None, Some(signal)) => signal.ty,
+            (None, None) => Type::U64,
+        };
+        Value::from_bits(ty, bits).to_string()
+    }
+}
+
+/// Names in a sentence: the first few, and how many more.
+fn names<'n>(all: impl IntoIterator<Item = &'n str>) -> String {
+    const MOST: usize = 6;
+    let all: Vec<&str> = all.into_iter().collect();
+    let mut text = String::new();
+    for (i, name) in all.iter().take(MOST).enumerate() {
+        text.push_str(if i == 0 { "'" } else { ", '" });
+        text.push_str(name);
+        text.push('\'');
+    }
+    match all.len().checked_sub(MOST) {
+        Some(more) if more > 0 => format!("{text} and {more} more"),
+        _ => text,
+    }
+}
+
+/// A finding at its level, for short.
+fn finding(code: Code, subject: &str, text: String) -> Finding {
+    Finding::new(code, subject, text)
+}

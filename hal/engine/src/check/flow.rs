@@ -1,0 +1,104 @@
+//! What the order of functions costs, feedback loops, and what goes between threads: as `order`
+//! has it.
+
+use super::{Look, finding, names};
+use hal_protocol::{At, Code, HopInfo, LoopInfo, OrderInfo, ThreadOrder};
+use std::collections::BTreeSet;
+
+impl Look<'_> {
+    pub(super) fn flow(&mut self, order: &OrderInfo) {
+        for thread in &order.threads {
+            for late in thread.late.iter().filter(|late| !late.remains) {
+                self.late(thread, &late.hop);
+            }
+        }
+        for feedback in order.loops.iter().filter(|l| !l.handshake && passes_signals(l)) {
+            let Some(first) = feedback.way.hops.first() else { continue };
+            let mut way: Vec<&str> = feedback.way.hops.iter().map(|h| h.from.as_str()).collect();
+            way.push(&first.from);
+            let text = format!(
+                "a loop: {}; what goes round comes back after {}",
+                way.join(" → "),
+                time(feedback.way.delay.most)
+            );
+            let at = added(order, &first.from);
+            self.add(finding(Code::Feedback, &first.from, text).at(at).remedy(
+                "nothing, if it is a control loop; its gains must bear the delay ('halcmd order' \
+                 shows it hop by hop)",
+            ));
+        }
+        let mut told = BTreeSet::new();
+        for hop in &order.crossings {
+            for name in &hop.by {
+                if self.graph.signals.contains_key(name.as_str()) && told.insert(name.clone()) {
+                    self.crossing(order, hop, name);
+                }
+            }
+        }
+    }
+
+    fn late(&mut self, thread: &ThreadOrder, hop: &HopInfo) {
+        let through = if hop.by.is_empty() {
+            "what it hands over".to_owned()
+        } else {
+            names(hop.by.iter().map(String::as_str))
+        };
+        let text = format!(
+            "'{}' runs before '{}' in {}, and has {through} of it a cycle ({}) late",
+            hop.to,
+            hop.from,
+            thread.name,
+            time(thread.period)
+        );
+        let place =
+            |name: &str| thread.functs.iter().find(|f| f.name == name).and_then(|f| f.at.clone());
+        self.add(
+            finding(Code::OrderCosts, &hop.to, text)
+                .at(place(&hop.to))
+                .remedy(format!("add them in this order: {}", thread.better.join(", ")))
+                .related(place(&hop.from), format!("'{}' is added here", hop.from)),
+        );
+    }
+
+    fn crossing(&mut self, order: &OrderInfo, hop: &HopInfo, name: &str) {
+        let from = order.threads.iter().find(|t| t.functs.iter().any(|f| f.name == hop.from));
+        let from = from.map_or("", |t| t.name.as_str());
+        let text = format!(
+            "signal '{name}' goes from '{}' in {from} to '{}' in {}",
+            hop.from, hop.to, hop.thread
+        );
+        let signal = self.graph.find_signal(name).ok();
+        let at = signal.and_then(|ix| self.graph.sites.of(ix));
+        self.add(
+            finding(Code::Crossing, name, text)
+                .at(at)
+                .remedy(format!(
+                    "nothing, if it may be up to {} old; what belongs together may be read in \
+                     different cycles",
+                    time(hop.delay.most)
+                ))
+                .related(added(order, &hop.to), format!("'{}' is added here", hop.to)),
+        );
+    }
+}
+
+/// Whether a loop leaves its component.
+fn passes_signals(l: &LoopInfo) -> bool {
+    l.way.hops.iter().any(|hop| !hop.by.is_empty())
+}
+
+/// Where a function was added.
+fn added(order: &OrderInfo, funct: &str) -> Option<At> {
+    let mut functs = order.threads.iter().flat_map(|t| &t.functs);
+    functs.find(|f| f.name == funct)?.at.clone()
+}
+
+/// A time as people write it.
+fn time(ns: u64) -> String {
+    match ns {
+        0 => "0".to_owned(),
+        n if n % 1_000_000 == 0 => format!("{} ms", n / 1_000_000),
+        n if n % 1000 == 0 => format!("{} us", n / 1000),
+        n => format!("{n} ns"),
+    }
+}

@@ -1,0 +1,145 @@
+//! Functions that no thread runs, or the wrong one; threads with nothing to run.
+
+use super::{Look, finding};
+use crate::graph::Ix;
+use hal_protocol::{Code, Type};
+
+impl Look<'_> {
+    pub(super) fn functs(&mut self) {
+        let all: Vec<Ix> = self.graph.functs.values().copied().collect();
+        for funct in all {
+            if self.graph.funct(funct).is_none_or(|f| f.unknown) {
+                continue;
+            }
+            if self.graph.is_in_use(funct) {
+                self.fast_in_slow(funct);
+                self.slow_in_fast(funct);
+            } else {
+                self.never_added(funct);
+            }
+        }
+    }
+
+    /// A function whose pins are in use, when no other function does for them what it would.
+    fn never_added(&mut self, funct: Ix) {
+        let (reads, writes) = self.touched(funct);
+        let runs = |f: &Ix| self.graph.is_in_use(*f);
+        let lost = |item: Ix, others: Vec<Ix>| self.is_used(item) && !others.iter().any(runs);
+        let idle = writes
+            .iter()
+            .find(|item| lost(**item, self.writers(**item)))
+            .or_else(|| reads.iter().find(|item| lost(**item, self.readers(**item))));
+        let Some(item) = idle.copied() else { return };
+        let name = self.funct_name(funct);
+        let (used, at) = match self.linked_at(item) {
+            Some(at) => ("linked", Some(at)),
+            None if self.graph.signal_of(item).is_some() => ("linked", None),
+            None => ("set", self.set_at(item)),
+        };
+        let pin = self.shown(item);
+        let fast = self.graph.funct(funct).is_some_and(|f| f.fast);
+        let thread = self.thread_for(fast).unwrap_or("THREAD");
+        let text = format!("no thread runs '{name}', and '{pin}' is {used}");
+        let at = at.or_else(|| self.loaded_at(funct));
+        let loaded = self.loaded_at(funct);
+        self.add(
+            finding(Code::NeverAdded, name, text)
+                .at(loaded)
+                .remedy(format!("addf {name} {thread}"))
+                .related(at, format!("'{pin}' is {used} here")),
+        );
+    }
+
+    /// The fastest or the slowest thread.
+    fn thread_for(&self, fast: bool) -> Option<&str> {
+        let threads = self.graph.threads_by_age();
+        let by = |t: &&Ix| self.period(**t);
+        let found =
+            if fast { threads.iter().min_by_key(by) } else { threads.iter().max_by_key(by) };
+        found.map(|t| self.thread_name(*t))
+    }
+
+    fn fast_in_slow(&mut self, funct: Ix) {
+        if self.graph.funct(funct).is_none_or(|f| !f.fast) {
+            return;
+        }
+        let threads = self.graph.threads_by_age();
+        let Some(fastest) = threads.iter().copied().min_by_key(|t| self.period(*t)) else { return };
+        for thread in self.graph.threads_of(funct) {
+            if self.period(thread) <= self.period(fastest) {
+                continue;
+            }
+            let (name, slow) = (self.funct_name(funct), self.thread_name(thread));
+            let fast = self.thread_name(fastest);
+            let text = format!(
+                "'{name}' belongs in a fast thread, and runs in {slow} every {} ns; {fast} has {} \
+                 ns",
+                self.period(thread),
+                self.period(fastest)
+            );
+            let at = self.added_at(thread, funct);
+            self.add(
+                finding(Code::FastInSlow, name, text).at(at).remedy(format!("addf {name} {fast}")),
+            );
+        }
+    }
+
+    /// A function that computes with numbers, beside its component's fast one.
+    fn slow_in_fast(&mut self, funct: Ix) {
+        let Some(f) = self.graph.funct(funct).filter(|f| !f.fast) else { return };
+        let Some(owner) = self.graph.owner_of(funct) else { return };
+        let (reads, writes) = self.touched(funct);
+        let floats = |ix: &Ix| self.graph.item(*ix).is_some_and(|i| i.ty == Type::Float);
+        if !reads.iter().chain(&writes).any(floats) {
+            return;
+        }
+        let siblings = self.graph.owned(owner);
+        let fast: Vec<Ix> = siblings
+            .into_iter()
+            .filter(|ix| self.graph.funct(*ix).is_some_and(|f| f.fast))
+            .flat_map(|ix| self.graph.threads_of(ix))
+            .collect();
+        let threads = self.graph.threads_by_age();
+        let Some(slowest) = threads.iter().copied().max_by_key(|t| self.period(*t)) else { return };
+        for thread in self.graph.threads_of(funct) {
+            if !fast.contains(&thread) || self.period(thread) >= self.period(slowest) {
+                continue;
+            }
+            let name = f.name.as_str();
+            let (here, there) = (self.thread_name(thread), self.thread_name(slowest));
+            let text =
+                format!("'{name}' computes with numbers, and runs in the fast thread {here}");
+            let at = self.added_at(thread, funct);
+            self.add(
+                finding(Code::SlowInFast, name, text).at(at).remedy(format!("addf {name} {there}")),
+            );
+        }
+    }
+
+    pub(super) fn threads(&mut self) {
+        let threads = self.graph.threads_by_age();
+        let mut busy = Vec::new();
+        for thread in &threads {
+            let runs = [self.graph.runs(*thread, false), self.graph.runs(*thread, true)].concat();
+            if !runs.is_empty() {
+                busy.push(*thread);
+                continue;
+            }
+            let name = self.thread_name(*thread);
+            let at = self.loaded_at(*thread);
+            self.add(
+                finding(Code::EmptyThread, name, format!("thread '{name}' has nothing to run"))
+                    .at(at)
+                    .remedy(format!("addf FUNCT {name}, or make no such thread")),
+            );
+        }
+        let Some(first) = busy.first().filter(|_| !self.runs) else { return };
+        let name = self.thread_name(*first);
+        let at = self.graph.runs(*first, false).first().and_then(|f| self.added_at(*first, *f));
+        self.add(
+            finding(Code::NeverStarted, name, "the threads are never started".to_owned())
+                .at(at)
+                .remedy("start, as the last line"),
+        );
+    }
+}

@@ -1,0 +1,138 @@
+//! `halcmd check`: everything that is wrong or odd with a machine, before it moves.
+
+mod allow;
+mod collect;
+mod joints;
+mod refused;
+mod render;
+mod sarif;
+mod unused;
+
+pub use allow::Allowed;
+pub(crate) use refused::placed;
+
+pub use collect::{Checked, Texts, check, live};
+
+use crate::{
+    Error, Terminal,
+    halrun::plan::plugin_path,
+    options::{Opt, options, usage},
+};
+use hal_protocol::{Finding, Level, Link, Reply};
+use render::Shown;
+
+/// The options of `halcmd check`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Id {
+    Ini,
+    Json,
+    Sarif,
+    Level,
+    Help,
+}
+
+const OPTIONS: &[Opt<Id>] = &[
+    Opt { help: "take [SECTION]NAME from this INI file", ..Opt::short_with(Id::Ini, 'i', "FILE") },
+    long("json", Id::Json, None, "print the findings as JSON"),
+    long("sarif", Id::Sarif, None, "print them as SARIF 2.1.0, for editors and CI"),
+    long("level", Id::Level, Some("LEVEL"), "print only from this level: note, warning or error"),
+    Opt { long: Some("help"), help: "print this", ..Opt::flag(Id::Help, 'h') },
+];
+
+const fn long(
+    name: &'static str,
+    id: Id,
+    value: Option<&'static str>,
+    help: &'static str,
+) -> Opt<Id> {
+    Opt { id, short: None, long: Some(name), value, variable: None, help }
+}
+
+/// What was given before the word `check`.
+#[derive(Clone, Debug, Default)]
+pub struct Before {
+    /// `-i`.
+    pub ini: Option<String>,
+    /// `--json`.
+    pub json: bool,
+}
+
+/// Runs `halcmd check WORDS…`; without files, on the instance that runs. The status is that of the
+/// worst finding: 0 none or notes, 1 warnings, 2 errors.
+///
+/// # Errors
+/// An option is wrong, or there is no instance.
+pub fn main(
+    words: &[String],
+    before: Before,
+    link: &mut dyn Link,
+    terminal: &mut dyn Terminal,
+) -> Result<u8, Error> {
+    let (mut given, mut files) = options("halcmd check", OPTIONS, words)?;
+    let mut rest = core::mem::take(&mut files);
+    // Options may also follow files.
+    while let Some((file, after)) = rest.split_first() {
+        files.push(file.clone());
+        let (more, left) = options("halcmd check", OPTIONS, after)?;
+        given.extend(more);
+        rest = left;
+    }
+    let has = |wanted| given.iter().any(|(id, _)| *id == wanted);
+    let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.clone();
+    if has(Id::Help) {
+        terminal.out(&help());
+        return Ok(0);
+    }
+    let from = value(Id::Level).map(|word| level(&word)).transpose()?.unwrap_or(Level::Note);
+    let ini = value(Id::Ini).or(before.ini);
+    let checked = if files.is_empty() {
+        live(link)?
+    } else {
+        check(&files, ini.as_deref(), plugin_path(&|name| std::env::var(name).ok()))
+    };
+    let shown: Vec<Finding> =
+        checked.findings.iter().filter(|f| f.level >= from).cloned().collect();
+    let text = if has(Id::Sarif) {
+        sarif::write(&shown)?
+    } else if has(Id::Json) || before.json {
+        let reply = Reply::Findings(shown);
+        format!("{}\n", serde_json::to_string(&reply).map_err(|_| Error::Unexpected)?)
+    } else {
+        render::write(&shown, &checked.texts, Shown::for_terminal())
+    };
+    terminal.out(&text);
+    Ok(status(&checked.findings))
+}
+
+/// The status of the worst finding.
+#[must_use]
+pub fn status(findings: &[Finding]) -> u8 {
+    match findings.iter().map(|f| f.level).max() {
+        None | Some(Level::Note) => 0,
+        Some(Level::Warning) => 1,
+        Some(Level::Error) => 2,
+    }
+}
+
+fn level(word: &str) -> Result<Level, Error> {
+    let all = [Level::Note, Level::Warning, Level::Error];
+    all.into_iter().find(|l| l.name() == word).ok_or_else(|| Error::OptionValue {
+        program: "halcmd check",
+        option: "--level".into(),
+        value: word.into(),
+        why: "it is note, warning or error".into(),
+    })
+}
+
+fn help() -> String {
+    format!(
+        "\nUsage:   halcmd check [options] FILE.hal...\n         \
+         halcmd check [options] MACHINE.ini\n         halcmd check [options]\n\n\
+         Says everything that is wrong or odd with scripts, with a machine, or with the instance\n\
+         that runs. Nothing is opened and nothing moves. The status is that of the worst finding:\n\
+         0 none or notes, 1 warnings, 2 errors. 'halcmd explain CODE' tells more. A comment\n\
+         '# check: allow CODE why' on a line, or above it, allows a note or warning there.\n\n\
+         options:\n{}",
+        usage(OPTIONS)
+    )
+}

@@ -1,0 +1,103 @@
+//! Findings from everywhere, sorted.
+
+use super::{allow::Allowed, joints, refused, unused};
+use crate::{Error, trial::Trial};
+use hal_protocol::{At, Code, Failure, Finding, Link, Reply, Request};
+use std::{collections::BTreeMap, path::PathBuf};
+
+/// Files by name, as far as they can be read: for lines with a caret, and allowances.
+pub type Texts = BTreeMap<String, Vec<String>>;
+
+/// What a check came to.
+#[derive(Clone, Debug, Default)]
+pub struct Checked {
+    /// In order of files and lines; those without a place last.
+    pub findings: Vec<Finding>,
+    /// The lines of the files that they stand in.
+    pub texts: Texts,
+}
+
+/// Checks scripts in order, with the values of an INI file if one is given, or a machine's INI.
+#[must_use]
+pub fn check(files: &[String], ini: Option<&str>, plugins: Vec<PathBuf>) -> Checked {
+    let mut findings = Vec::new();
+    match Trial::with_plugins(files, ini, plugins) {
+        Ok(mut trial) => collect(&mut trial, &mut findings),
+        Err(error) => {
+            let file = files.first().map_or("", String::as_str);
+            let at = refused::place(&error).unwrap_or_else(|| At::new(file, 0));
+            findings.push(refused::finding(at, &error));
+        }
+    }
+    finished(findings, files)
+}
+
+/// Checks the instance that runs.
+///
+/// # Errors
+/// There is none.
+pub fn live(link: &mut dyn Link) -> Result<Checked, Error> {
+    Ok(finished(asked(link)?, &[]))
+}
+
+/// What the engine finds.
+fn asked(link: &mut dyn Link) -> Result<Vec<Finding>, Failure> {
+    match link.call(Request::Check)? {
+        Reply::Findings(list) => Ok(list),
+        _ => Err(Failure::new(-5, Error::Unexpected.to_string())),
+    }
+}
+
+fn collect(trial: &mut Trial, findings: &mut Vec<Finding>) {
+    let attempt = trial.attempt().clone();
+    let refusals = attempt.refusals.iter().map(|r| refused::finding(r.at.clone(), &r.error));
+    findings.extend(refusals.map(|f| match trial.ini() {
+        Some(ini) if f.code == Code::MotionRefuses => refused::at_entry(f, ini),
+        _ => f,
+    }));
+    findings.extend(attempt.remarks.iter().map(refused::remark));
+    findings.extend(attempt.found.iter().cloned());
+    findings.extend(attempt.unknown.notes());
+    let starts = trial.starts_itself();
+    let engine = match asked(trial.engine()) {
+        Ok(list) => list,
+        Err(failure) => vec![refused::finding(At::new("", 0), &failure.into())],
+    };
+    let known = |f: &Finding| match f.code {
+        Code::NoReader | Code::NoWriter | Code::NoPins | Code::SetThenWritten => {
+            !attempt.unknown.signals.contains(&f.subject)
+        }
+        // Whoever starts the machine starts the threads.
+        Code::NeverStarted => !starts,
+        _ => true,
+    };
+    findings.extend(engine.into_iter().filter(known));
+    findings.extend(joints::findings(trial));
+    findings.extend(unused::findings(trial));
+}
+
+/// Sorts, and takes out what comments allow.
+fn finished(mut findings: Vec<Finding>, files: &[String]) -> Checked {
+    let mut texts = Texts::new();
+    let named = findings.iter().flat_map(|f| f.at.iter().chain(f.related.iter().map(|r| &r.at)));
+    for name in named.map(|at| &at.file).chain(files) {
+        if !texts.contains_key(name)
+            && let Ok(bytes) = std::fs::read(name)
+        {
+            let text = String::from_utf8_lossy(&bytes);
+            texts.insert(name.clone(), text.lines().map(str::to_owned).collect());
+        }
+    }
+    let mut allowed = Allowed::of(&texts);
+    findings.retain(|f| !allowed.takes(f));
+    findings.extend(allowed.idle());
+    findings.sort_by(|a, b| key(a).cmp(&key(b)));
+    findings.dedup();
+    Checked { findings, texts }
+}
+
+type Key<'f> = (bool, Option<&'f At>, Code, &'f str, &'f str);
+
+fn key(f: &Finding) -> Key<'_> {
+    (f.at.is_none(), f.at.as_ref(), f.code, &f.subject, &f.text)
+}

@@ -1,0 +1,115 @@
+//! Joints of an INI file against the step generators that move them.
+
+use crate::{ini::Entry, trial::Trial};
+use hal_protocol::{At, Code, Direction, Finding, Kind, Link, Reply, Request, SignalInfo, Value};
+
+/// The function that makes the pulses.
+const MAKER: &str = "stepgen.make-pulses";
+
+pub(super) fn findings(trial: &mut Trial) -> Vec<Finding> {
+    let Some(ini) = trial.ini().cloned() else { return Vec::new() };
+    let kind = if ini.is_old() { "axis" } else { "joint" };
+    let mut machine = Machine { link: trial.engine() };
+    let Some(period) = machine.period() else { return Vec::new() };
+    let signals = machine.signals();
+    let mut found = Vec::new();
+    for n in 0..16 {
+        let section = format!("{}_{n}", kind.to_ascii_uppercase());
+        let command = format!("{kind}.{n}.motor-pos-cmd");
+        let Some(channel) = channel(&signals, &command) else { continue };
+        let entry = |name: &str| ini.all(&section, name).next();
+        if let Some(speed) = entry("MAX_VELOCITY") {
+            found.extend(machine.speed(&channel, period, speed));
+        }
+        if let Some(accel) = entry("MAX_ACCELERATION") {
+            found.extend(machine.accel(&channel, accel));
+        }
+    }
+    found
+}
+
+/// The step generator that a joint's command goes to, such as `stepgen.0`.
+fn channel(signals: &[SignalInfo], command: &str) -> Option<String> {
+    let signal = signals.iter().find(|s| s.pins.iter().any(|(_, pin)| pin == command))?;
+    signal.pins.iter().find_map(|(direction, pin)| {
+        let channel = pin.strip_suffix(".position-cmd")?;
+        (*direction == Direction::In && channel.starts_with("stepgen.")).then(|| channel.to_owned())
+    })
+}
+
+struct Machine<'a> {
+    link: &'a mut dyn Link,
+}
+
+impl Machine<'_> {
+    /// The period in which pulses are made, in nanoseconds.
+    fn period(&mut self) -> Option<f64> {
+        let list = Request::List { kind: Kind::Threads, patterns: Vec::new(), ty: None };
+        let Ok(Reply::Threads(threads)) = self.link.call(list) else { return None };
+        let thread = threads.iter().find(|t| t.functs.iter().any(|f| f == MAKER))?;
+        Some(thread.period as f64)
+    }
+
+    fn signals(&mut self) -> Vec<SignalInfo> {
+        let list = Request::List { kind: Kind::Signals, patterns: Vec::new(), ty: None };
+        match self.link.call(list) {
+            Ok(Reply::Signals(list)) => list,
+            _ => Vec::new(),
+        }
+    }
+
+    fn number(&mut self, name: &str) -> Option<f64> {
+        match self.link.call(Request::Get { name: name.to_owned() }) {
+            Ok(Reply::Value(Value::Float(x))) => Some(x),
+            Ok(Reply::Value(Value::U32(n))) => Some(f64::from(n)),
+            _ => None,
+        }
+    }
+
+    fn speed(&mut self, channel: &str, period: f64, entry: &Entry) -> Option<Finding> {
+        let speed: f64 = value(entry)?;
+        let scale = self.number(&format!("{channel}.position-scale"))?.abs();
+        let len = self.number(&format!("{channel}.steplen"))?.max(1.0);
+        let space = self.number(&format!("{channel}.stepspace")).unwrap_or(0.0);
+        let periods = (len / period).ceil() + (space / period).ceil();
+        let (wish, most) = (speed * scale, 1e9 / (periods * period));
+        if wish.is_nan() || wish <= most {
+            return None;
+        }
+        let subject = format!("[{}]{}", entry.section, entry.name);
+        let text = format!(
+            "{subject} asks {channel} for {wish:.0} steps/s; in periods of {period:.0} ns it makes \
+             {most:.0} at most"
+        );
+        Some(Finding::new(Code::JointTooFast, &subject, text).at(place(entry)).remedy(format!(
+            "at most {:.3} units/s, or a base period of at most {:.0} ns",
+            most / scale,
+            (1e9 / wish / periods).floor()
+        )))
+    }
+
+    fn accel(&mut self, channel: &str, entry: &Entry) -> Option<Finding> {
+        let accel: f64 = value(entry)?;
+        let most = self.number(&format!("{channel}.maxaccel"))?;
+        if most <= 0.0 || accel.is_nan() || accel <= most {
+            return None;
+        }
+        let subject = format!("[{}]{}", entry.section, entry.name);
+        let text = format!(
+            "{subject} is {accel}, and '{channel}.maxaccel' is {most}: the motor stays behind"
+        );
+        Some(
+            Finding::new(Code::StepgenSlower, &subject, text)
+                .at(place(entry))
+                .remedy(format!("let maxaccel be more than {accel}, by a quarter or so")),
+        )
+    }
+}
+
+fn value(entry: &Entry) -> Option<f64> {
+    entry.value.split_whitespace().next()?.parse().ok()
+}
+
+fn place(entry: &Entry) -> Option<At> {
+    Some(At::new(&entry.file, entry.line))
+}

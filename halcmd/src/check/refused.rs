@@ -1,0 +1,130 @@
+//! Refused lines as findings.
+
+use crate::{
+    Error,
+    ini::{Entry, Ini},
+    trial::Remark,
+};
+use hal_protocol::{At, Code, Finding};
+
+/// A refused line.
+pub(super) fn finding(mut at: At, error: &Error) -> Finding {
+    let (mut text, remedy) = (error.to_string(), error.hint().unwrap_or_default());
+    if let (Error::NotYet { .. }, Some((place, rest))) = (error, placed(&text)) {
+        (at, text) = (place, rest.to_owned());
+    }
+    let code = match code(error) {
+        // What an INI file has is what motion is told.
+        Code::Refused | Code::BadArgument if at.file.ends_with(".ini") => Code::MotionRefuses,
+        code => code,
+    };
+    let word = match error {
+        Error::Engine(failure) => failure.word.clone(),
+        _ => None,
+    };
+    let subject = word.unwrap_or_else(|| quoted(&text).to_owned());
+    Finding::new(code, &subject, text).at(Some(at)).remedy(remedy)
+}
+
+/// What motion refuses, where the entry is that it names; what is told it begins where the
+/// section does.
+pub(super) fn at_entry(mut finding: Finding, ini: &Ini) -> Finding {
+    let is_here =
+        |e: &&Entry| finding.at.as_ref().is_some_and(|at| at.file == e.file && at.line == e.line);
+    let Some(section) = ini.entries().find(is_here).map(|e| e.section.clone()) else {
+        return finding;
+    };
+    let named = |e: &&Entry| {
+        let arg = e.name.to_ascii_lowercase().replace('_', "-");
+        finding.text.split(|c: char| c.is_whitespace() || c == '=' || c == '`').any(|w| w == arg)
+    };
+    let entry = ini.section(&section).find(named);
+    if let Some(e) = entry {
+        finding.subject = format!("[{}]{}", e.section, e.name);
+        finding.at = Some(At::new(&e.file, e.line));
+    }
+    finding
+}
+
+/// The place and the text of `file:line: text`.
+pub(crate) fn placed(line: &str) -> Option<(At, &str)> {
+    let (place, text) = line.split_once(": ")?;
+    let (file, number) = place.rsplit_once(':')?;
+    Some((At::new(file, number.parse().ok()?), text))
+}
+
+/// Something odd that a line did.
+pub(super) fn remark(remark: &Remark) -> Finding {
+    let text = remark.text.strip_prefix("Warning: ").unwrap_or(&remark.text);
+    let code = if text.contains("POSTGUI_HALFILE") {
+        Code::NoPostgui
+    } else if text.contains("DOS-style") {
+        Code::DosLines
+    } else if text.contains("is repeated") {
+        Code::SectionRepeated
+    } else {
+        Code::Refused
+    };
+    let remedy = match code {
+        Code::NoPostgui => "make the file, or take the entry out",
+        Code::DosLines => "save the file with lines that end in a line feed alone",
+        _ => "",
+    };
+    Finding::new(code, quoted(text), text.to_owned()).at(Some(remark.at.clone())).remedy(remedy)
+}
+
+/// Where an error says that it is.
+pub(super) fn place(error: &Error) -> Option<At> {
+    match error {
+        Error::IniSyntax { path, line, .. } => Some(At::new(path, *line)),
+        Error::IniFile { path, .. }
+        | Error::NoFile { path, .. }
+        | Error::NoCommandFile { path, .. } => Some(At::new(path, 0)),
+        _ => None,
+    }
+}
+
+fn code(error: &Error) -> Code {
+    match error {
+        Error::Engine(failure) => failure.finding.unwrap_or(Code::Refused),
+        Error::UnterminatedQuote
+        | Error::TooManyTokens
+        | Error::CarriageReturn
+        | Error::LineTooLong
+        | Error::EmptyVariable
+        | Error::MissingParenthesis
+        | Error::MissingBracket
+        | Error::VariableTooLong => Code::Unreadable,
+        Error::UnknownCommand { .. } => Code::UnknownCommand,
+        Error::NoEnvironment { .. } => Code::NoEnvironment,
+        Error::NoIniVariable { .. } => Code::NoIniEntry,
+        Error::NoFile { .. } | Error::NoCommandFile { .. } | Error::TooDeep { .. } => Code::NoFile,
+        Error::IniFile { .. } | Error::IniSyntax { .. } => Code::IniUnreadable,
+        Error::IniNotFound { .. } => Code::NoHalfile,
+        Error::NotYet { .. } => Code::NotSupported,
+        Error::NotLoaded { .. } => Code::NoSuchName,
+        Error::Exactly { .. }
+        | Error::AtLeast { .. }
+        | Error::AtMost { .. }
+        | Error::SignalType { .. }
+        | Error::FilterType { .. }
+        | Error::NoPin
+        | Error::AliasKind { .. }
+        | Error::NoFunct
+        | Error::NoThread
+        | Error::Level
+        | Error::Switch { .. }
+        | Error::Kind { .. }
+        | Error::Time { .. }
+        | Error::BadOption { .. }
+        | Error::NeedsArgument { .. }
+        | Error::NoProgram => Code::WrongWords,
+        _ => Code::Refused,
+    }
+}
+
+/// The first word in quotes.
+fn quoted(text: &str) -> &str {
+    let mut parts = text.split(['\'', '`']);
+    parts.nth(1).unwrap_or_default()
+}

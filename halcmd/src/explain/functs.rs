@@ -1,0 +1,125 @@
+//! Functions and threads.
+
+use super::Row;
+use hal_protocol::Code;
+
+pub(super) const ROWS: &[Row] = &[
+    Row {
+        code: Code::NeverAdded,
+        means: "Pins of the function are linked or set, and no thread runs it, nor another function \
+                that would do the same.",
+        matters: "Its outputs never change, its inputs are never looked at.",
+        remedy: "Add it to a thread: addf FUNCT THREAD.",
+        wrong: "loadrt threads name1=servo period1=1000000\nloadrt or2 # <--\nloadrt not\n\
+                addf not.0 servo\nnet any or2.0.out => not.0.in\nstart\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt or2\nloadrt not\n\
+                addf or2.0 servo\naddf not.0 servo\nnet any or2.0.out => not.0.in\nstart\n",
+    },
+    Row {
+        code: Code::AddedTwice,
+        means: "The function is in a thread already, and is not made for being in two.",
+        matters: "halrun stops at this line.",
+        remedy: "Take one of the two lines out.",
+        wrong: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\n\
+                addf or2.0 servo # <--\nstart\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\nstart\n",
+    },
+    Row {
+        code: Code::BadPosition,
+        means: "Positions count from 1, or from -1 backwards, and the thread has not so many \
+                functions.",
+        matters: "halrun stops at this line.",
+        remedy: "Without a number the function is added as the last.",
+        wrong: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo 2 # <--\n\
+                start\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo 1\nstart\n",
+    },
+    Row {
+        code: Code::EmptyThread,
+        means: "No function was added to the thread.",
+        matters: "It costs processor time for nothing. Often the functions went to another thread.",
+        remedy: "Add functions to it, or make no such thread.",
+        wrong: "loadrt threads name1=base period1=100000 name2=servo period2=1000000 # <--\n\
+                loadrt or2\naddf or2.0 servo\nstart\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\nstart\n",
+    },
+    Row {
+        code: Code::NeverStarted,
+        means: "Threads have functions, and no line starts them.",
+        matters: "Nothing moves until someone says 'halcmd start'.",
+        remedy: "End the script with start. An INI start does it by itself.",
+        wrong: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo # <--\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\nstart\n",
+    },
+    Row {
+        code: Code::FastInSlow,
+        means: "The function makes pulses or watches edges, which belongs in the fastest thread, \
+                and it is in a slower one.",
+        matters: "Steps come with the slow period: far fewer of them, and edges are missed.",
+        remedy: "Add it to the fastest thread.",
+        wrong: "loadrt threads name1=base period1=100000 name2=servo period2=1000000\n\
+                loadrt stepgen step_type=0\naddf stepgen.make-pulses servo # <--\n\
+                addf stepgen.update-freq servo\nstart\n",
+        right: "loadrt threads name1=base period1=100000 name2=servo period2=1000000\n\
+                loadrt stepgen step_type=0\naddf stepgen.make-pulses base\n\
+                addf stepgen.update-freq servo\nstart\n",
+    },
+    Row {
+        code: Code::SlowInFast,
+        means: "The function computes with numbers, its component has another one for the fast \
+                thread, and it is in the fast thread as well.",
+        matters: "It takes time in every fast period, and for nothing: what it computes is needed \
+                  once in a slow one.",
+        remedy: "Add it to the slow thread.",
+        wrong: "loadrt threads name1=base period1=100000 name2=servo period2=1000000\n\
+                loadrt stepgen step_type=0\naddf stepgen.make-pulses base\n\
+                addf stepgen.update-freq base # <--\nstart\n",
+        right: "loadrt threads name1=base period1=100000 name2=servo period2=1000000\n\
+                loadrt stepgen step_type=0\naddf stepgen.make-pulses base\n\
+                addf stepgen.update-freq servo\nstart\n",
+    },
+    Row {
+        code: Code::OrderCosts,
+        means: "Functions of a thread run in the order of their addf lines, and this one runs \
+                before one whose output it reads.",
+        matters: "It has the value of the cycle before: one period more of delay on that way.",
+        remedy: "Add them in the order that is given. 'halcmd order' shows all of it.",
+        wrong: "loadrt threads name1=servo period1=1000000\nloadrt or2\nloadrt not\n\
+                addf not.0 servo # <--\naddf or2.0 servo\nnet any or2.0.out => not.0.in\nstart\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt or2\nloadrt not\n\
+                addf or2.0 servo\naddf not.0 servo\nnet any or2.0.out => not.0.in\nstart\n",
+    },
+    Row {
+        code: Code::Feedback,
+        means: "Values go from function to function and come back to the first.",
+        matters: "Every control loop is one; its delay limits the gains. One that is not meant \
+                  latches or rings.",
+        remedy: "Nothing, if it is meant.",
+        wrong: "loadrt threads name1=servo period1=1000000\nloadrt or2\nloadrt not\n\
+                addf or2.0 servo # <--\naddf not.0 servo\nnet any or2.0.out => not.0.in\n\
+                net none not.0.out => or2.0.in0\nstart\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt or2\nloadrt not\n\
+                addf or2.0 servo\naddf not.0 servo\nnet any or2.0.out => not.0.in\nstart\n",
+    },
+    Row {
+        code: Code::Crossing,
+        means: "A function of one thread writes the signal, and one of another thread reads it.",
+        matters: "The reader may see it a period later, and two signals that belong together in \
+                  different states.",
+        remedy: "Nothing, if the delay does no harm.",
+        wrong: "loadrt threads name1=base period1=100000 name2=servo period2=1000000\nloadrt or2\n\
+                loadrt not\naddf not.0 base\naddf or2.0 servo\n\
+                net any or2.0.out => not.0.in # <--\nstart\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt or2\nloadrt not\n\
+                addf or2.0 servo\naddf not.0 servo\nnet any or2.0.out => not.0.in\nstart\n",
+    },
+    Row {
+        code: Code::BadPeriod,
+        means: "A thread's period is out of range, or shorter than that of a thread that exists: \
+                the fastest is made first.",
+        matters: "halrun stops at this line.",
+        remedy: "Make the fastest thread first; periods are in nanoseconds.",
+        wrong: "loadrt threads name1=servo period1=1000000 name2=base period2=100000 # <--\n",
+        right: "loadrt threads name1=base period1=100000 name2=servo period2=1000000\n",
+    },
+];

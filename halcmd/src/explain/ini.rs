@@ -1,0 +1,105 @@
+//! INI files.
+
+use super::Row;
+use hal_protocol::Code;
+
+/// A machine with one joint: what follows `[HAL]`, and what follows `[JOINT_0]`.
+macro_rules! machine {
+    ($hal:literal, $joint:literal) => {
+        concat!(
+            "loadrt trivkins\n",
+            "loadrt motmod base_period_nsec=100000 servo_period_nsec=1000000 num_joints=1\n",
+            "loadrt stepgen step_type=0\n",
+            "addf stepgen.make-pulses base-thread\n",
+            "addf stepgen.capture-position servo-thread\n",
+            "addf motion-command-handler servo-thread\n",
+            "addf motion-controller servo-thread\n",
+            "addf stepgen.update-freq servo-thread\n",
+            "setp stepgen.0.position-scale [JOINT_0]SCALE\n",
+            "setp stepgen.0.maxaccel [JOINT_0]STEPGEN_MAXACCEL\n",
+            "net xpos-cmd joint.0.motor-pos-cmd => stepgen.0.position-cmd\n",
+            "net xpos-fb stepgen.0.position-fb => joint.0.motor-pos-fb\n",
+            "net xenable joint.0.amp-enable-out => stepgen.0.enable\n",
+            "net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\n",
+            "--- m.ini\n",
+            "[EMCIO]\nCYCLE_TIME = 0.1\n[HAL]\nHALFILE = m.hal\n",
+            $hal,
+            "[JOINT_0]\nSCALE = 100\nSTEPGEN_MAXACCEL = 1500\n",
+            $joint
+        )
+    };
+}
+
+pub(super) const ROWS: &[Row] = &[
+    Row {
+        code: Code::IniUnreadable,
+        means: "The INI file cannot be opened, or a line of it is neither a [SECTION], an entry \
+                NAME = VALUE, nor a comment.",
+        matters: "halrun does not start.",
+        remedy: "Comments begin with # or ; and have lines of their own.",
+        wrong: "print ready\n--- m.ini\n[EMCIO]\nCYCLE_TIME 0.1\n# <--\n[HAL]\nHALFILE = m.hal\n",
+        right: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n"),
+    },
+    Row {
+        code: Code::NoHalfile,
+        means: "A HALFILE is neither beside the INI file nor in the libraries of HAL files.",
+        matters: "halrun stops before it has wired the machine.",
+        remedy: "Correct the name, or make the file. LIB:NAME is looked for in HALLIB_PATH only.",
+        wrong: machine!("HALFILE = custom.hal\n# <--\n", "MAX_VELOCITY = 20\n"),
+        right: concat!(
+            machine!("HALFILE = custom.hal\n", "MAX_VELOCITY = 20\n"),
+            "--- custom.hal\nprint wiring\n"
+        ),
+    },
+    Row {
+        code: Code::NoPostgui,
+        means: "A POSTGUI_HALFILE is not there.",
+        matters: "The machine starts without what the file would have wired.",
+        remedy: "Make the file, or take the entry out.",
+        wrong: machine!("POSTGUI_HALFILE = panel.hal\n# <--\n", "MAX_VELOCITY = 20\n"),
+        right: machine!("", "MAX_VELOCITY = 20\n"),
+    },
+    Row {
+        code: Code::IniUnused,
+        means: "An entry of a joint or axis is read by no script, and neither motion nor a program \
+                that is known reads it.",
+        matters: "It has no effect: it may be misspelt, and another value counts in its place.",
+        remedy: "Correct the name, use it in a script, or take it out.",
+        wrong: machine!("", "MAX_VELOCTY = 20\n# <--\n"),
+        right: machine!("", "MAX_VELOCITY = 20\n"),
+    },
+    Row {
+        code: Code::SectionRepeated,
+        means: "The section stands in the file more than once.",
+        matters: "Its entries are added to the first; of an entry that is in both, the first \
+                  counts.",
+        remedy: "Put the entries together.",
+        wrong: machine!("", "MAX_VELOCITY = 20\n[JOINT_0]\n# <--\nMAX_ACCELERATION = 1000\n"),
+        right: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n"),
+    },
+    Row {
+        code: Code::JointTooFast,
+        means: "The joint's MAX_VELOCITY times the scale is more steps in a second than its step \
+                generator can make in the base period.",
+        matters: "The motor stays behind in the first fast move: a following error.",
+        remedy: "A lower MAX_VELOCITY, a shorter BASE_PERIOD, or less microstepping.",
+        wrong: machine!("", "MAX_VELOCITY = 90\n# <--\nMAX_ACCELERATION = 1000\n"),
+        right: machine!("", "MAX_VELOCITY = 40\nMAX_ACCELERATION = 1000\n"),
+    },
+    Row {
+        code: Code::MotionRefuses,
+        means: "An entry of the INI file is no value that the motion controller accepts.",
+        matters: "halrun stops there.",
+        remedy: "The sentence says what is wrong.",
+        wrong: machine!("", "MIN_LIMIT = 100\n# <--\nMAX_LIMIT = 0\n"),
+        right: machine!("", "MIN_LIMIT = 0\nMAX_LIMIT = 100\n"),
+    },
+    Row {
+        code: Code::StepgenSlower,
+        means: "The joint's MAX_ACCELERATION is more than the step generator's maxaccel.",
+        matters: "The step generator cannot follow the planner: a following error in fast moves.",
+        remedy: "Let maxaccel be a quarter more than MAX_ACCELERATION.",
+        wrong: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 2000\n# <--\n"),
+        right: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n"),
+    },
+];

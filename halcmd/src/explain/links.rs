@@ -1,0 +1,132 @@
+//! Signals and pins.
+
+use super::Row;
+use hal_protocol::Code;
+
+pub(super) const ROWS: &[Row] = &[
+    Row {
+        code: Code::TypeMismatch,
+        means: "A signal joins pins of one type, and this one has another.",
+        matters: "halrun stops at this line.",
+        remedy: "Join another pin, or put a converter between them, such as conv_float_s32.",
+        wrong: "loadrt or2\nloadrt siggen\nnet wave siggen.0.sine\nnet wave or2.0.in0 # <--\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt or2\nloadrt siggen\n\
+                loadrt comp\naddf siggen.0.update servo\naddf comp.0 servo\naddf or2.0 servo\n\
+                net wave siggen.0.sine => comp.0.in0\nnet high comp.0.out => or2.0.in0\nstart\n",
+    },
+    Row {
+        code: Code::TwoWriters,
+        means: "The signal has an output already. One signal has one writer.",
+        matters: "halrun stops at this line. If it did not, each writer would undo the other.",
+        remedy: "Decide between them with a component such as or2, mux2 or sum2.",
+        wrong: "loadrt or2 count=2\nnet any or2.0.out\nnet any or2.1.out # <--\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt or2 count=3\n\
+                addf or2.0 servo\naddf or2.1 servo\naddf or2.2 servo\n\
+                net a or2.0.out => or2.2.in0\nnet b or2.1.out => or2.2.in1\nstart\n",
+    },
+    Row {
+        code: Code::LinkedTwice,
+        means: "The pin is linked to another signal. A pin has one signal.",
+        matters: "halrun stops at this line.",
+        remedy: "Use the signal that the pin has, or unlink it first: unlinkp PIN.",
+        wrong: "loadrt or2\nnet a or2.0.in0\nnet b or2.0.in0 # <--\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\n\
+                net a or2.0.in0\nnet b or2.0.in1\nstart\n",
+    },
+    Row {
+        code: Code::NamedAsPin,
+        means: "The first word after net is the name of the signal, and a pin has that name: the \
+                signal was probably forgotten.",
+        matters: "halrun stops at this line.",
+        remedy: "Write the signal's name first: net SIGNAL PIN => PIN.",
+        wrong: "loadrt or2 count=2\nnet or2.0.out => or2.1.in0 # <--\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt or2 count=2\naddf or2.0 servo\n\
+                addf or2.1 servo\nnet any or2.0.out => or2.1.in0\nstart\n",
+    },
+    Row {
+        code: Code::PortMisused,
+        means: "A signal of type port has one writer and one reader, and its size is set once.",
+        matters: "halrun stops at this line.",
+        remedy: "One reader for each port; sets once, before the threads start.",
+        wrong: "newsig bytes port\nsets bytes 100\nsets bytes 200 # <--\n",
+        right: "newsig bytes port\nsets bytes 200\n",
+    },
+    Row {
+        code: Code::NoReader,
+        means: "An output is linked to the signal, and no input.",
+        matters: "Whatever the output says goes nowhere. That is fine for a signal that people \
+                  watch, and a mistake for one that a motor should follow.",
+        remedy: "Link an input to it, or take it out.",
+        wrong: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\n\
+                net any or2.0.out # <--\nstart\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt or2 count=2\naddf or2.0 servo\n\
+                addf or2.1 servo\nnet any or2.0.out => or2.1.in0\nstart\n",
+    },
+    Row {
+        code: Code::NoWriter,
+        means: "Inputs are linked to the signal, no output is, and no line gives it a value.",
+        matters: "It keeps the value that the first input had. A limit switch that ends like this \
+                  never stops an axis.",
+        remedy: "Link the output that should write it, or give it its value: sets SIGNAL VALUE.",
+        wrong: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\n\
+                net any or2.0.in0 # <--\nstart\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\n\
+                net any or2.0.in0\nsets any 1\nstart\n",
+    },
+    Row {
+        code: Code::Unguarded,
+        means: "An input for a limit switch, a fault or the e-stop has no signal and no value of \
+                its own.",
+        matters: "It never says anything: what it should protect is not protected.",
+        remedy: "Link the switches that the machine has.",
+        wrong: "loadrt estop_latch # <--\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt or2\nloadrt estop_latch\n\
+                addf or2.0 servo\naddf estop-latch.0 servo\n\
+                net ok or2.0.out => estop-latch.0.ok-in\nstart\n",
+    },
+    Row {
+        code: Code::NeverEnabled,
+        means: "iocontrol waits for emc-enable-in to be TRUE, and nothing can make it so.",
+        matters: "The machine never leaves e-stop.",
+        remedy: "Link it to the e-stop chain; without one, to user-enable-out.",
+        wrong: "loadrt iocontrol # <--\n",
+        right: "loadrt iocontrol\n\
+                net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\n",
+    },
+    Row {
+        code: Code::Unfed,
+        means: "A driver's output has no signal, and no line has set it.",
+        matters: "The line stays at the level of FALSE. If a motor is wired to it, it does not \
+                  move.",
+        remedy: "Link it, if something is wired to it.",
+        wrong: "loadrt hal_viagpio # <--\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt hal_viagpio\nloadrt or2\n\
+                addf or2.0 servo\naddf viagpio.write servo\n\
+                net lamp or2.0.out => viagpio.pin-05-out viagpio.pin-06-out\n\
+                net lamp => viagpio.pin-07-out viagpio.pin-08-out\nstart\n",
+    },
+    Row {
+        code: Code::NoPins,
+        means: "The signal was made, and no pin is linked to it.",
+        matters: "It does nothing. Its name may be misspelt where it is used.",
+        remedy: "Link pins to it, or take it out.",
+        wrong: "newsig any bit # <--\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\n\
+                newsig any bit\nlinksp any or2.0.in0\nstart\n",
+    },
+    Row {
+        code: Code::NoChargePump,
+        means: "A driver's outputs are used, and no charge pump beats.",
+        matters: "After a crash of the computer, or kill -9, outputs keep their last level. A board \
+                  with an input for a charge pump switches off when the beat stops.",
+        remedy: "If the board has such an input: loadrt charge_pump, addf charge-pump to the \
+                 fastest thread, and link charge-pump.out to the output.",
+        wrong: "loadrt threads name1=servo period1=1000000\nloadrt hal_viagpio # <--\nloadrt or2\n\
+                addf or2.0 servo\naddf viagpio.write servo\n\
+                net lamp or2.0.out => viagpio.pin-05-out\nstart\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt hal_viagpio\nloadrt or2\n\
+                loadrt charge_pump\naddf or2.0 servo\naddf charge-pump servo\n\
+                addf viagpio.write servo\nnet lamp or2.0.out => viagpio.pin-05-out\n\
+                net pump charge-pump.out => viagpio.pin-06-out\nstart\n",
+    },
+];

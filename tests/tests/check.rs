@@ -1,0 +1,118 @@
+//! `halcmd check`: planted faults are found where they are, and correct machines are left alone.
+#![expect(clippy::unwrap_used, reason = "tests")]
+
+use hal_protocol::Code;
+use hal_tests::{faults::mistakes, programs::root, scratch::Scratch};
+use halcmd::explain;
+
+/// Does something for each, several at once; fails with all that went wrong.
+fn all<T: Sync>(items: &[T], look: impl Fn(&T) -> Vec<String> + Sync) {
+    let lanes = 4;
+    let wrong: Vec<String> = std::thread::scope(|scope| {
+        let lanes: Vec<_> = (0..lanes)
+            .map(|lane| {
+                let look = &look;
+                scope.spawn(move || {
+                    items.iter().skip(lane).step_by(lanes).flat_map(look).collect::<Vec<_>>()
+                })
+            })
+            .collect();
+        lanes.into_iter().flat_map(|lane| lane.join().unwrap()).collect()
+    });
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn what_explain_shows_is_so() {
+    let rows: Vec<_> = explain::rows().collect();
+    assert_eq!(rows.len(), Code::ALL.len());
+    all(&rows, |row| mistakes(&format!("explain-{}", row.code), row.code, row.wrong, row.right));
+}
+
+/// Compares with a file of `tests/check`; with `UPDATE_EXPECT=1`, it becomes what came.
+fn golden(path: &str, got: &str) {
+    let path = root().join("tests/check").join(path);
+    let expected = std::fs::read_to_string(&path).unwrap_or_default();
+    if expected != got && std::env::var_os("UPDATE_EXPECT").is_some() {
+        std::fs::write(&path, got).unwrap();
+        return;
+    }
+    assert_eq!(got, expected, "{}: run this test once with UPDATE_EXPECT=1", path.display());
+}
+
+#[test]
+fn annex_e_has_its_loose_ends_and_nothing_worse() {
+    let scratch = Scratch::copy_of(&root().join("tests/check/annex-e"));
+    let output = scratch.halcmd(&["check", "-i", "impresora3D.ini", "annex-e.hal"]);
+    assert_eq!((output.status, output.stderr.as_str()), (Some(0), ""));
+    golden("annex-e/expected", &output.stdout);
+    let of = |code: Code| {
+        let mark = format!("[{code}]: ");
+        let lines = output.stdout.lines().filter(|l| l.contains(&mark));
+        let subject = |l: &str| l.split('\'').nth(1).unwrap_or_default().to_owned();
+        lines.map(subject).collect::<Vec<_>>().join(" ")
+    };
+    assert_eq!(of(Code::NoReader), "spindle-cmd spindle-cw spindle-ccw ystep ydir zstep zdir");
+    assert_eq!(of(Code::NoWriter), "min-x max-x min-y max-y");
+    assert_eq!(of(Code::Unfed), "viagpio.pin-07-out viagpio.pin-08-out");
+    assert_eq!(of(Code::DoubleStep), "viagpio.pin-06-out");
+}
+
+#[test]
+fn the_annex_as_printed_is_wrong_where_its_lines_are_broken() {
+    let scratch = Scratch::copy_of(&root().join("tests/check/annex-e"));
+    let output = scratch.halcmd(&["check", "-i", "impresora3D.ini", "printed.hal"]);
+    assert_eq!(output.status, Some(2));
+    golden("annex-e/expected-printed", &output.stdout);
+}
+
+#[test]
+fn the_machines_of_the_project_have_no_warning() {
+    let mut machines: Vec<String> = Vec::new();
+    for folder in std::fs::read_dir(root().join("configs")).unwrap() {
+        let folder = folder.unwrap().path();
+        if !folder.is_dir() {
+            continue;
+        }
+        for file in std::fs::read_dir(folder).unwrap() {
+            let file = file.unwrap().path();
+            if file.extension().is_some_and(|e| e == "ini") {
+                machines.push(file.display().to_string());
+            }
+        }
+    }
+    assert!(!machines.is_empty());
+    all(&machines, |machine| {
+        let scratch = Scratch::new("clean");
+        let output = scratch.halcmd(&["check", machine]);
+        let clean = output.status == Some(0);
+        if clean { Vec::new() } else { vec![format!("{machine}:\n{}", output.stdout)] }
+    });
+}
+
+#[test]
+fn programs_read_what_comes_of_it() {
+    let scratch = Scratch::new("sarif");
+    scratch.write("m.hal", "loadrt or2\nnet x or2.0.in0\nnet x or2.0.ou\n");
+    let output = scratch.halcmd(&["check", "--sarif", "m.hal"]);
+    let log: serde_json::Value = serde_json::from_str(&output.stdout).unwrap();
+    let results = log["runs"][0]["results"].as_array().unwrap();
+    let shown: Vec<String> = results
+        .iter()
+        .map(|r| {
+            let line = &r["locations"][0]["physicalLocation"]["region"]["startLine"];
+            format!("{line} {}", r["ruleId"].as_str().unwrap_or_default())
+        })
+        .collect();
+    assert_eq!(shown, ["1 H501", "2 H307", "3 H202"]);
+    for (words, status) in [
+        (&["check", "m.hal"][..], Some(2)),
+        (&["check", "--level", "error", "m.hal"], Some(2)),
+        (&["check", "--level", "high", "m.hal"], Some(255)),
+        (&["check", "none.hal"], Some(2)),
+        (&["explain", "H307", "h202"], Some(0)),
+        (&["explain", "H000"], Some(255)),
+    ] {
+        assert_eq!(scratch.halcmd(words).status, status, "{words:?}");
+    }
+}
