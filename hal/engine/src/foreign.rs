@@ -9,7 +9,7 @@ use crate::{
     loader::ForeignFound,
     name::Name,
     sync::Arc,
-    undo::{Index, Undo},
+    undo::Undo,
 };
 use core::{ffi::c_void, ptr::NonNull};
 use hal_abi::{Cell, ForeignFile, ItemSpec, Record, Status, Str, edit, ty};
@@ -151,8 +151,9 @@ impl Creating<'_> {
         if e.graph.components.contains_key(&name) {
             return Err(Error::Duplicate { what: "component name", name: name.as_str().into() });
         }
-        e.unname(Index::Components, &old, self.component);
-        e.name_node(Index::Components, name.clone(), self.component);
+        // A new component is taken back with whatever name it has.
+        e.graph.components.remove(&old);
+        e.graph.components.insert(name.clone(), self.component);
         if let Some(c) = e.graph.component_mut(self.component) {
             c.name = name;
         }

@@ -1,0 +1,87 @@
+//! Components in C that are compiled here: what is refused, and what a crash says.
+#![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
+
+use hal_protocol::{Kind, Link, Request};
+use hal_tests::{
+    foreign::{Bench, compile},
+    machine::{bit, script},
+    scratch::Scratch,
+};
+
+/// A component with a bit that it turns at each run, and what `main` does besides.
+fn source(globals: &str, main: &str, function: &str) -> String {
+    format!(
+        "#include \"rtapi.h\"\n#include \"rtapi_app.h\"\n#include \"hal.h\"\n\
+         MODULE_LICENSE(\"GPL\");\n{globals}\nstatic int id;\nstatic hal_bit_t **out;\n\
+         static void turn(void *arg, long period)\n{{ (void)arg; (void)period; **out = !**out; \
+         {function} }}\n\
+         int rtapi_app_main(void)\n{{\n id = hal_init(\"mine\");\n if (id < 0) return id;\n {main}\n \
+         out = hal_malloc(sizeof *out);\n \
+         if (hal_pin_bit_newf(HAL_OUT, out, id, \"mine.%d.out\", 0)) return -EINVAL;\n \
+         if (hal_export_funct(\"mine.0\", turn, NULL, 0, 0, id)) return -EINVAL;\n \
+         return hal_ready(id);\n}}\nvoid rtapi_app_exit(void) {{ hal_exit(id); }}\n"
+    )
+}
+
+const PARAMETERS: &str = "static int sizes[2]; RTAPI_MP_ARRAY_INT(sizes, 2, \"sizes\")\n\
+                          static int count = 1; RTAPI_MP_INT(count, \"how many\")";
+
+#[test]
+fn what_cannot_be_loaded_is_refused_and_leaves_nothing() {
+    let scratch = Scratch::new("compat-refused");
+    let folder = scratch.path();
+    let good = source(PARAMETERS, "", "");
+    let Some(file) = compile(folder, "mine", &good, &[]) else { return };
+    let mut alien = std::fs::read(file).unwrap();
+    // The machine that an ELF file is for: AArch64.
+    alien.splice(18..20, [0xb7, 0]);
+    std::fs::write(folder.join("alien.so"), alien).unwrap();
+    let missing = source("extern int nowhere(void);", "if (nowhere()) return -1;", "");
+    compile(folder, "missing", &missing, &[]);
+    let fails = "rtapi_print_msg(RTAPI_MSG_ERR, \"mine: no board\\n\"); return -ENODEV;";
+    compile(folder, "fails", &source("", fails, ""), &[]);
+    let mut b = Bench::new(&[folder]);
+    for (words, said) in [
+        ("alien", "is built for aarch64"),
+        ("missing", "undefined symbol: nowhere"),
+        ("fails", "rtapi_app_main: No such device (-19)"),
+        ("fails", "mine: no board"),
+        ("mine colour=1", "Unknown parameter `colour=1'; its parameters: count, sizes"),
+        ("mine sizes=1,2,3", "sizes: can only take 2 arguments, and `sizes=1,2,3' has 3"),
+        ("mine sizes=1,x", "`x' invalid for parameter `sizes=1,x'"),
+        ("mine count", "Invalid parameter `count'"),
+        ("absent", "no component in C of this name"),
+    ] {
+        let refused = b.load_c("", words).unwrap_err();
+        assert!(refused.contains(said), "{words}: {refused}");
+        assert!(b.items(Kind::Pins, "").is_empty(), "{words}: pins are left");
+    }
+    b.load_c("", "mine sizes=1,2").unwrap();
+    script(&mut b, "loadrt threads name1=t period1=1000000");
+    script(&mut b, "addf mine.0 t\nstart\nrun 1000000\nnewsig s bit\nlinkps mine.0.out s");
+    assert!(bit(&mut b, "mine.0.out"));
+    script(&mut b, "run 1000000");
+    assert!(!bit(&mut b, "mine.0.out"), "the pointer follows the link");
+    assert!(b.load_c("p.", "mine").unwrap_err().contains("is loaded already in this process"));
+    script(&mut b, "unloadrt mine");
+    b.load_c("p.", "mine").unwrap();
+    b.call(Request::Get { name: "p.mine.0.out".into() }).unwrap();
+}
+
+#[test]
+fn a_crash_names_component_and_function() {
+    let scratch = Scratch::new("compat-crash");
+    let source = source("static int *volatile nowhere;", "", "*nowhere = 1;");
+    if compile(scratch.path(), "mine", &source, &[]).is_none() {
+        return;
+    }
+    let lines =
+        "loadrt threads name1=t period1=1000000\nloadrt mine\naddf mine.0 t\nstart\nrun 1s\n";
+    std::fs::write(scratch.path().join("crash.hal"), lines).unwrap();
+    let mut halrun = scratch.command(&[], "halrun");
+    halrun.env("HAL_RTMOD_DIR", scratch.path()).args(["--virtual", "-f", "crash.hal"]);
+    let output = scratch.run(&mut halrun);
+    let said = "component 'mine' (in C), function 'mine.0': segmentation fault at address 0x0";
+    assert!(output.stderr.contains(said), "{}", output.stderr);
+    assert_eq!(output.status, None, "it ends by its signal");
+}
