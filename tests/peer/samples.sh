@@ -1,7 +1,7 @@
 #!/bin/sh
 # Checks the sample configurations of LinuxCNC's package and writes a table: which are checked, what
 # they lack here, and what is found. A machine whose components, programs and files are all here may
-# have no error and no warning.
+# have no error and no warning, or samples.reasons says why.
 #
 #   cargo build && tests/peer/samples.sh > tests/peer/samples.md
 #
@@ -30,15 +30,19 @@ find "$SAMPLES" -name '*.ini' | LC_ALL=C sort | while read -r ini; do
           else "whole\t\($ini)\t\($errors)\t\($warnings)\t\($notes)\t\($all
               | map(select(.level != "note") | .code) | unique | join(" "))"
           end' "$out"
-done | awk -F '\t' '
-    $1 == "whole" { whole[++n] = "| " $2 " | " $3 " | " $4 " | " $5 " | " $6 " |" }
+done | awk -F '\t' -v reasons="$(dirname "$0")/samples.reasons" '
+    BEGIN { while ((getline line < reasons) > 0) { split(line, part, "\t"); why[part[1]] = part[2] } }
+    $1 == "whole" {
+        reason = $3 + $4 > 0 ? why[$2] : ""
+        whole[++n] = "| " $2 " | " $3 " | " $4 " | " $5 " | " $6 " | " reason " |"
+    }
     $1 == "lacks" { lacks[++m] = "| " $2 " | " $3 " |" }
     END {
         print "# The sample configurations of LinuxCNC\n"
         print "What `halcmd check` says of them; `tests/peer/samples.sh` makes this table.\n"
         print n + 0 " of " n + m " have all their components, programs and files here:\n"
-        print "| configuration | errors | warnings | notes | codes of errors and warnings |"
-        print "|---|---|---|---|---|"
+        print "| configuration | errors | warnings | notes | their codes | why |"
+        print "|---|---|---|---|---|---|"
         for (i = 1; i <= n; i++) print whole[i]
         print "\n" m + 0 " lack something that Ferrule does not have yet; findings about the rest of them would mean little:\n"
         print "| configuration | what it lacks |"

@@ -18,6 +18,7 @@ mod pattern;
 mod place;
 mod stream;
 mod value;
+mod wire;
 
 pub use at::At;
 pub use client::Client;
@@ -29,7 +30,7 @@ pub use info::{
     FunctInfo, ItemInfo, Offer, SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Usage,
 };
 pub use kind::{Direction, Kind, Lock};
-pub use message::{Answer, Edit, LATEST, LONGEST, Reply, Request, WireReply, WireRequest};
+pub use message::{Answer, Edit, LATEST, LONGEST, Reply, Request};
 pub use order::{
     AddedInfo, DelayInfo, HopInfo, LateInfo, LoopInfo, MoveInfo, OrderInfo, PathInfo, ThreadOrder,
     WayInfo,
@@ -38,6 +39,7 @@ pub use pattern::Patterns;
 pub use place::{Place, valid_instance};
 pub use stream::Stream;
 pub use value::{Type, Value, ValueError};
+pub use wire::{WireReply, WireRequest};
 
 /// Something that answers requests: the engine in this process, or a connection to one.
 pub trait Link {

@@ -1,8 +1,8 @@
 //! What a client may ask, and what the engine answers.
 
 use crate::{
-    AliasInfo, At, CommandInfo, ComponentInfo, Direction, Failure, Finding, FunctInfo, ItemInfo,
-    Kind, Lock, Offer, OrderInfo, SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Type,
+    AliasInfo, CommandInfo, ComponentInfo, Direction, Failure, Finding, FunctInfo, ItemInfo, Kind,
+    Lock, Offer, OrderInfo, SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Type,
     Value,
 };
 use serde::{Deserialize, Serialize};
@@ -379,24 +379,4 @@ pub struct Answer {
     pub lines: Vec<String>,
     /// Set when the command goes on in machine time.
     pub ticket: Option<u64>,
-}
-
-/// A request as a line on the socket.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct WireRequest {
-    /// The request.
-    pub request: Request,
-    /// Where in a script it stands.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub at: Option<At>,
-}
-
-/// A reply as a line on the socket.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum WireReply {
-    /// Carried out.
-    Ok(Reply),
-    /// Refused.
-    Error(Failure),
 }
