@@ -1,5 +1,4 @@
 //! Components in C that are compiled here: what is refused, and what a crash says.
-#![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use hal_protocol::{Kind, Link, Request};
 use hal_tests::{
