@@ -18,11 +18,16 @@ pub(crate) struct Ilowpass {
     value: f64,
 }
 
+/// From here on a number has no place in 64 bits; what follows from it is 0.
+const TOO_LARGE: f64 = 9.223_372_036_854_776e18;
+
 impl Update for Ilowpass {
     #[expect(clippy::cast_possible_truncation, reason = "the count wraps")]
     fn update(&mut self, _: Period) {
         self.value += (f64::from(self.in_.get()) - self.value) * self.gain.get();
-        self.out.set(libm::floor(self.value * self.scale.get() + 0.5) as i64 as i32);
+        let whole = libm::floor(self.value * self.scale.get() + 0.5);
+        let fits = whole.abs() < TOO_LARGE;
+        self.out.set(if fits { whole as i64 as i32 } else { 0 });
     }
 }
 
@@ -30,6 +35,16 @@ impl Update for Ilowpass {
 mod tests {
     use super::Ilowpass;
     use hal_component::trace::replay;
+
+    #[test]
+    fn what_is_too_large_for_64_bits_is_zero() {
+        let mut bench = hal_component::bench::Bench::new();
+        bench.load::<Ilowpass>(&[]).unwrap();
+        bench.set("ilowpass.0.in", 1);
+        bench.set("ilowpass.0.scale", 1e30);
+        bench.run("ilowpass.0", 1_000_000);
+        assert_eq!(bench.get::<i32>("ilowpass.0.out"), 0);
+    }
 
     #[test]
     fn as_recorded() {

@@ -22,10 +22,16 @@ pub(crate) struct Mux16 {
     out_f: Out<f64>,
     /// The chosen number without its fraction; one that does not fit in 32 bits becomes the lowest.
     out_s: Out<i32>,
-    /// For how long they have said something else than `selected`, in seconds.
+    /// For how long they have said something else than what goes through, in seconds.
     elapsed: ParamRo<f64>,
-    /// The number of the chosen input.
+    /// The number that the selectors say; it goes through after `debounce-time`.
     selected: ParamRo<i32>,
+    /// The number of the input that goes through.
+    #[state]
+    passed: u8,
+    /// Whether another one is waited for.
+    #[state]
+    waits: bool,
 }
 
 impl Mux16 {
@@ -44,13 +50,18 @@ impl Update for Mux16 {
             return;
         }
         let number = if self.use_graycode.get() { from_gray(bits) } else { bits };
-        if i32::from(number) == self.selected.get() {
+        self.selected.set(i32::from(number));
+        if number != self.passed {
             // What is waited for counts on, should it come back.
-        } else if self.elapsed.get() >= self.debounce_time.get() {
-            self.selected.set(i32::from(number));
-            self.elapsed.set(0.0);
-        } else {
-            self.elapsed.set(self.elapsed.get() + period.secs());
+            if !self.waits {
+                self.elapsed.set(0.0);
+            }
+            self.waits = self.elapsed.get() < self.debounce_time.get();
+            if self.waits {
+                self.elapsed.set(self.elapsed.get() + period.secs());
+                return;
+            }
+            self.passed = number;
         }
         let chosen = usize::try_from(self.selected.get()).ok().and_then(|n| self.in_.get(n));
         let value = chosen.map_or(0.0, In::get);

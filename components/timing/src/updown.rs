@@ -22,6 +22,8 @@ pub(crate) struct Updown {
     /// Lowest count, if `clamp` or `wrap` is true.
     min_: ParamRw<i32>,
     #[state]
+    ran: bool,
+    #[state]
     up_was: bool,
     #[state]
     down_was: bool,
@@ -30,8 +32,9 @@ pub(crate) struct Updown {
 impl Update for Updown {
     fn update(&mut self, _: Period) {
         let (up, down) = (self.countup.get(), self.countdown.get());
-        let (rises, falls) = (up && !self.up_was, down && !self.down_was);
-        (self.up_was, self.down_was) = (up, down);
+        // What is true as it begins has not risen.
+        let (rises, falls) = (self.ran && up && !self.up_was, self.ran && down && !self.down_was);
+        (self.ran, self.up_was, self.down_was) = (true, up, down);
         let moved = self.count.get().wrapping_add(i32::from(rises)).wrapping_sub(i32::from(falls));
         let count = if self.reset.get() { 0 } else { moved };
         self.count.set(self.bound(count));
@@ -67,10 +70,20 @@ mod tests {
     }
 
     #[test]
+    fn what_is_true_as_it_begins_has_not_risen() {
+        let mut bench = Bench::new();
+        bench.load::<Updown>(&[]).unwrap();
+        bench.set("updown.0.countup", true);
+        bench.run("updown.0", 1_000_000);
+        assert_eq!(bench.get::<i32>("updown.0.count"), 0);
+    }
+
+    #[test]
     fn without_bounds_the_count_wraps_at_32_bits() {
         let mut bench = Bench::new();
         bench.load::<Updown>(&[]).unwrap();
         bench.set("updown.0.count", i32::MAX);
+        bench.run("updown.0", 1_000_000);
         bench.set("updown.0.countup", true);
         bench.run("updown.0", 1_000_000);
         assert_eq!(bench.get::<i32>("updown.0.count"), i32::MIN);
