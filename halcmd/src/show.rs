@@ -265,7 +265,12 @@ pub(crate) mod samples {
         ])
     }
 
-    fn item(owner: (u32, &str), name: &str, direction: Direction, value: Value) -> ItemInfo {
+    pub(crate) fn item(
+        owner: (u32, &str),
+        name: &str,
+        direction: Direction,
+        value: Value,
+    ) -> ItemInfo {
         ItemInfo {
             owner: owner.0,
             owner_name: owner.1.to_owned(),

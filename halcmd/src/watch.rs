@@ -235,28 +235,13 @@ fn line(time: u64, seen: &Seen) -> String {
 #[cfg(test)]
 mod tests {
     use super::{parse, seconds};
-    use crate::{Captured, Outcome, Session, Style, status};
-    use hal_protocol::{
-        Direction, Failure, ItemInfo, Kind, Link, Lock, Reply, Request, SignalInfo, Value,
-    };
+    use crate::{Captured, Outcome, Session, Style, show::samples::item, status};
+    use hal_protocol::{Direction, Failure, Kind, Link, Lock, Reply, Request, SignalInfo, Value};
 
     /// Counts its looks: a pin that counts along, one that stays, and a signal of the same name.
     #[derive(Default)]
     struct Counting {
         looks: i32,
-    }
-
-    fn item(name: &str, direction: Direction, value: Value) -> ItemInfo {
-        ItemInfo {
-            owner: 1,
-            owner_name: "c".to_owned(),
-            direction,
-            value,
-            name: name.to_owned(),
-            original: None,
-            signal: None,
-            doc: String::new(),
-        }
     }
 
     impl Link for Counting {
@@ -269,9 +254,9 @@ mod tests {
                     Reply::Status(Box::new(status))
                 }
                 Request::List { kind: Kind::Pins, .. } => Reply::Items(vec![
-                    item("a.count", Direction::Out, Value::S32(self.looks / 2)),
-                    item("a.count-not", Direction::Out, Value::Bit(self.looks % 2 == 0)),
-                    item("a.nan", Direction::In, Value::Float(f64::NAN)),
+                    item((1, "c"), "a.count", Direction::Out, Value::S32(self.looks / 2)),
+                    item((1, "c"), "a.count-not", Direction::Out, Value::Bit(self.looks % 2 == 0)),
+                    item((1, "c"), "a.nan", Direction::In, Value::Float(f64::NAN)),
                 ]),
                 Request::List { kind: Kind::Signals, .. } => Reply::Signals(vec![SignalInfo {
                     name: "a.nan".to_owned(),

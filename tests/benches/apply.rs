@@ -12,8 +12,9 @@
     reason = "a benchmark measures the wall clock and prints"
 )]
 
-use hal_engine::{ClockKind, Engine, Options};
-use hal_protocol::{Edit, Link, Place, Reply, Request, ThreadInfo, Value};
+use hal_engine::{ClockKind, Engine};
+use hal_protocol::{Edit, Link, Reply, Request, ThreadInfo, Value};
+use hal_tests::machine::plain;
 use std::time::{Duration, Instant};
 
 const PAIRS: usize = 10;
@@ -46,17 +47,7 @@ fn apply(e: &mut Engine, lines: &str) {
 }
 
 fn machine() -> Engine {
-    let options = Options {
-        place: Place::find(Some("bench")).unwrap(),
-        clock: ClockKind::Real,
-        hold: true,
-        simulate: true,
-        old_names: false,
-        path: Vec::new(),
-    };
-    let mut e = Engine::without_socket(options).unwrap();
-    e.add_static(&logic::HAL_LIBRARY);
-    e.add_static(&threads::HAL_LIBRARY);
+    let mut e = plain(ClockKind::Real);
     let mut lines = String::from(
         "loadrt threads name1=fast period1=250000 name2=slow period2=1000000\n\
          loadrt and2 count=80\nloadrt or2 count=4\n",

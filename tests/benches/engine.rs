@@ -12,29 +12,15 @@
 )]
 
 use divan::{Bencher, counter::ItemsCount};
-use hal_engine::{ClockKind, Engine, Options};
-use hal_protocol::{Link, Place, Reply, Request};
+use hal_engine::{ClockKind, Engine};
+use hal_protocol::{Link, Reply, Request};
+use hal_tests::machine::plain;
 use std::{
     fmt::Write,
     path::PathBuf,
     process::{Command, Stdio},
     time::{Duration, Instant},
 };
-
-fn engine() -> Engine {
-    let options = Options {
-        place: Place::find(Some("bench")).unwrap(),
-        clock: ClockKind::Virtual,
-        hold: true,
-        simulate: true,
-        old_names: false,
-        path: Vec::new(),
-    };
-    let mut e = Engine::without_socket(options).unwrap();
-    e.add_static(&logic::HAL_LIBRARY);
-    e.add_static(&threads::HAL_LIBRARY);
-    e
-}
 
 fn load(e: &mut Engine, module: &str, args: &[&str]) {
     let args = args.iter().map(|a| (*a).to_owned()).collect();
@@ -45,7 +31,7 @@ const CHAIN: usize = 800;
 
 /// 800 gates in one thread of 1 ms, each fed by the one before.
 fn chain(timed: bool) -> Engine {
-    let mut e = engine();
+    let mut e = plain(ClockKind::Virtual);
     load(&mut e, "threads", &["name1=t", "period1=1000000"]);
     load(&mut e, "and2", &[&format!("count={CHAIN}")]);
     for i in 0..CHAIN {
@@ -76,7 +62,7 @@ fn function_in_a_chain_of_800(bencher: Bencher<'_, '_>, timed: bool) {
 #[divan::bench(sample_count = 3, sample_size = 1)]
 fn a_million_pins(bencher: Bencher<'_, '_>) {
     bencher.counter(ItemsCount::new(1_000_000_usize)).bench_local(|| {
-        let mut e = engine();
+        let mut e = plain(ClockKind::Virtual);
         load(&mut e, "and2", &["count=250000"]);
         let Reply::Status(s) = e.call(Request::Status).unwrap() else { panic!() };
         assert_eq!(s.pins.active, 1_000_000);

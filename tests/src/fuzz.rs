@@ -4,7 +4,8 @@
 //! Nothing here reaches beyond this process: programs are not started, files not written, processes
 //! not ended.
 
-use hal_engine::{ClockKind, Engine, Options};
+use crate::machine::{bare, plain, with_libraries};
+use hal_engine::{ClockKind, Engine};
 use hal_protocol::{Kind, LATEST, Link, Place, Reply, Request, WireRequest};
 use halcmd::{
     Captured, Command, Outcome, Session, Style,
@@ -27,23 +28,6 @@ const FURTHEST: u64 = 1_000_000;
 /// The values of variables.
 const INI: &str = "[A]\nX = 5\nNAME = and2.0.in0\nBAD = \"x\nTWO = net s and2.0.out\n[B]\nX = #\n";
 
-fn options(place: Place) -> Options {
-    Options {
-        place,
-        clock: ClockKind::Virtual,
-        hold: true,
-        simulate: true,
-        old_names: false,
-        path: Vec::new(),
-    }
-}
-
-fn furnished(mut engine: Engine) -> Engine {
-    engine.add_static(&threads::HAL_LIBRARY);
-    engine.add_static(&logic::HAL_LIBRARY);
-    engine
-}
-
 fn environment(name: &str) -> Option<String> {
     (name.len() < 4).then(|| format!("{name}.0 \"{name}"))
 }
@@ -52,8 +36,7 @@ fn environment(name: &str) -> Option<String> {
 /// everything as it was.
 pub fn script(bytes: &[u8]) {
     let bytes = bytes.get(..LONGEST).unwrap_or(bytes);
-    let place = Place::at("/nonexistent", "fuzz").unwrap();
-    let mut engine = furnished(Engine::without_socket(options(place)).unwrap());
+    let mut engine = plain(ClockKind::Virtual);
     let ini = Ini::parse("fuzz.ini", INI.as_bytes()).unwrap();
     // Errors show the line and point into it.
     let mut terminal = Captured { person: true, ..Captured::default() };
@@ -157,7 +140,7 @@ pub fn protocol(bytes: &[u8]) {
     let folder = std::env::temp_dir().join(format!("ferrule-fuzz-{}", std::process::id()));
     let place = Place::at(folder, "fuzz").unwrap();
     let socket = place.socket();
-    let mut engine = furnished(Engine::new(options(place)).unwrap());
+    let mut engine = with_libraries(Engine::new(bare(place, ClockKind::Virtual)).unwrap());
     for (module, args) in [("threads", "period1=1000000"), ("and2", "count=2")] {
         let (module, args) = (module.to_owned(), vec![args.to_owned()]);
         engine.call(Request::Load { module, args }).unwrap();

@@ -17,27 +17,32 @@ pub struct Machine {
 
 /// How an engine for a test is made.
 pub fn options(place: Place, clock: ClockKind) -> Options {
-    Options {
-        place,
-        clock,
-        hold: true,
-        simulate: true,
-        old_names: false,
-        path: vec![plugins().to_owned()],
-    }
+    Options { path: vec![plugins().to_owned()], ..bare(place, clock) }
 }
 
-fn furnished(mut engine: Engine) -> Machine {
+/// The same for an engine that looks for no file.
+pub(crate) fn bare(place: Place, clock: ClockKind) -> Options {
+    Options { place, clock, hold: true, simulate: true, old_names: false, path: Vec::new() }
+}
+
+/// An engine that knows `threads` and `logic` alone, looks for no file, and that no client reaches.
+pub fn plain(clock: ClockKind) -> Engine {
+    let place = Place::at("/nonexistent", "plain").unwrap();
+    with_libraries(Engine::without_socket(bare(place, clock)).unwrap())
+}
+
+/// With `threads` and `logic`, linked in.
+pub(crate) fn with_libraries(mut engine: Engine) -> Engine {
     engine.add_static(&threads::HAL_LIBRARY);
     engine.add_static(&logic::HAL_LIBRARY);
-    Machine { engine }
+    engine
 }
 
 impl Machine {
     /// On a clock of this kind; no client can reach it.
     pub fn new(clock: ClockKind) -> Self {
         let place = Place::at("/nonexistent", "test").unwrap();
-        furnished(Engine::without_socket(options(place, clock)).unwrap())
+        Self { engine: with_libraries(Engine::without_socket(options(place, clock)).unwrap()) }
     }
 
     /// Runs lines that must work.
@@ -80,7 +85,7 @@ impl Served {
         let (ready, is_ready) = mpsc::channel();
         let thread = std::thread::spawn(move || {
             let engine = Engine::new(options(there, clock)).unwrap();
-            let mut machine = furnished(engine);
+            let mut machine = Machine { engine: with_libraries(engine) };
             machine.script(&lines);
             ready.send(()).unwrap();
             let ended = machine.engine.serve(None);
