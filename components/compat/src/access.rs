@@ -145,8 +145,10 @@ pub(crate) mod hardware {
     /// What this process may reach: base and count of each claim.
     static CLAIMS: [AtomicU64; 32] = [const { AtomicU64::new(0) }; 32];
 
-    /// Realtime. Asks the system for every claim, for this thread; whether there is one for `port`.
-    pub(crate) fn permit_here(port: u16) -> bool {
+    /// Realtime. Asks the system for every claim, for this thread, and for `width` bytes at `port`
+    /// if nobody has claimed them, as LinuxCNC lets its components use every port; whether `port`
+    /// may be used.
+    pub(crate) fn permit_here(port: u16, width: u16) -> bool {
         let mut found = false;
         for claim in &CLAIMS {
             let claim = claim.load(Relaxed);
@@ -155,7 +157,7 @@ pub(crate) mod hardware {
                 found |= ask(base, count, true) == 0;
             }
         }
-        found
+        found || ask(u64::from(port), u64::from(width), true) == 0
     }
 
     #[cfg(target_arch = "x86_64")]

@@ -1,7 +1,7 @@
 //! Loads one file: whole or not at all.
 
 use crate::{
-    arguments,
+    arguments, board,
     elf::Elf,
     funct,
     module::{self, Exit, Main, Module},
@@ -97,14 +97,21 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
 
     let loading = Loading { host, file, module: module.clone() };
     LOADING.set(&raw const loading);
-    let code = running::within(Arc::as_ptr(&module), c"rtapi_app_main", || main());
+    let code = prepared(&module, &path)
+        .map(|()| running::within(Arc::as_ptr(&module), c"rtapi_app_main", || main()));
     LOADING.set(core::ptr::null());
+    let code = code.map_err(refuse(Status::EINVAL))?;
     if code < 0 {
         let why = format!("rtapi_app_main: {} ({code})", explained(code));
         return Err((Status(code), why));
     }
     module.made.store(true, Relaxed);
     stay(&host, module)
+}
+
+/// Simulated hardware is as it is switched on.
+fn prepared(module: &Module, path: &std::path::Path) -> Result<(), String> {
+    if module.is_simulated() { board::prepare(path, &module.registers) } else { Ok(()) }
 }
 
 fn entries(handle: *mut c_void) -> (Option<Main>, Option<Exit>) {

@@ -4,7 +4,8 @@
 //! last written) and `COMPONENT.sim.PORT-in`, and for each bit the same with `-BIT`; PORT is the
 //! address in hexadecimal. A byte reads as it was written, with every bit set that a pin says.
 //! Ports 0xCF8 and 0xCFC reach the configuration of PCI devices: `COMPONENT.sim.config-RR` is
-//! the double word at RR, of whichever device.
+//! the double word at RR, of whichever device. `COMPONENT.sim.reads` and `.writes` count accesses,
+//! and what all of this holds at first is the file beside the component's (see `board.rs`).
 
 use crate::load::{Loading, loading};
 use core::ptr;
@@ -27,7 +28,13 @@ pub(crate) struct Registers {
     config: [AtomicPtr<Word>; MOST],
     /// The address of the next access to configuration.
     chosen: AtomicU32,
+    reads: Count,
+    writes: Count,
 }
+
+/// A pin that counts.
+#[derive(Debug, Default)]
+struct Count(AtomicPtr<Slot>);
 
 /// A block of ports.
 #[derive(Debug)]
@@ -63,7 +70,25 @@ impl Default for Registers {
             blocks: [const { AtomicPtr::new(ptr::null_mut()) }; MOST],
             config: [const { AtomicPtr::new(ptr::null_mut()) }; MOST],
             chosen: AtomicU32::new(0),
+            reads: Count::default(),
+            writes: Count::default(),
         }
+    }
+}
+
+impl Count {
+    /// Has its pin from now on.
+    fn show(&self, l: &Loading, name: &str, about: &str) {
+        if self.0.load(Relaxed).is_null() {
+            let slot = item(l, &format!("sim.{name}"), about, ty::U32, dir::OUT);
+            self.0.store(slot.cast_mut(), Release); // Pairs with `more`.
+        }
+    }
+
+    /// Realtime. One more.
+    fn more(&self) {
+        let slot = self.0.load(Acquire).cast_const(); // Pairs with `show`.
+        store(slot, load(slot).wrapping_add(1) & u64::from(u32::MAX));
     }
 }
 
@@ -109,6 +134,7 @@ impl Registers {
     /// Claims ports; only while the component is loaded do they get pins.
     pub(crate) fn claim(&self, base: u16, count: u16) {
         let Some(l) = loading() else { return };
+        self.count(l);
         let mut bytes: Vec<Byte> = Vec::new();
         let end = base.saturating_add(count);
         for port in base..end {
@@ -120,6 +146,28 @@ impl Registers {
             }
         }
         self.keep_block(end, &mut bytes);
+    }
+
+    /// Claims ports that hold `value` at first.
+    pub(crate) fn claim_as(&self, base: u16, count: u16, value: u8) {
+        self.claim(base, count);
+        for port in base..base.saturating_add(count) {
+            if let Some(byte) = self.byte(port) {
+                byte.set(value);
+            }
+        }
+    }
+
+    /// The configuration's double word at `register` holds `value` at first.
+    pub(crate) fn configure(&self, register: u8, value: u32) {
+        if let Some(word) = self.word_at(register & !3) {
+            word.set(value);
+        }
+    }
+
+    fn count(&self, l: &Loading) {
+        self.reads.show(l, "reads", "Reads of ports so far");
+        self.writes.show(l, "writes", "Writes of ports so far");
     }
 
     /// Keeps the ports before `end`.
@@ -137,6 +185,7 @@ impl Registers {
 
     /// Realtime. What a port of `width` bytes reads as; all ones where there is nothing.
     pub(crate) fn read(&self, port: u16, width: u16) -> u32 {
+        self.reads.more();
         if port == CONFIG_ADDRESS && width == 4 {
             return self.chosen.load(Relaxed);
         }
@@ -152,6 +201,7 @@ impl Registers {
 
     /// Realtime. Writes a port of `width` bytes; nothing comes of it where there is nothing.
     pub(crate) fn write(&self, port: u16, width: u16, value: u32) {
+        self.writes.more();
         if port == CONFIG_ADDRESS && width == 4 {
             self.chosen.store(value, Relaxed);
             return;
@@ -174,12 +224,17 @@ impl Registers {
     /// The double word of configuration that is chosen; made while the component is loaded.
     fn word(&self) -> Option<&Word> {
         let [low, ..] = self.chosen.load(Relaxed).to_le_bytes();
-        let register = low & !3;
+        self.word_at(low & !3)
+    }
+
+    fn word_at(&self, register: u8) -> Option<&Word> {
         let find = || each(&self.config).find(|w| w.register == register);
         if find().is_none() {
+            let l = loading()?;
+            self.count(l);
             let name = format!("sim.config-{register:02x}");
             let about = "Double word of the PCI configuration";
-            let pin = item(loading()?, &name, about, ty::U32, dir::IO);
+            let pin = item(l, &name, about, ty::U32, dir::IO);
             keep(&self.config, Word { register, pin });
         }
         find()

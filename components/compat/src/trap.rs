@@ -170,7 +170,7 @@ fn port_access(context: *mut c_void) -> bool {
     let Some(access) = PortAccess::decode(bytes, d.cast_unsigned()) else { return false };
     let simulated = running::module().is_some_and(crate::module::Module::is_simulated);
     if !simulated {
-        return access::hardware::permit_here(access.port);
+        return access::hardware::permit_here(access.port, access.width);
     }
     let a = a.cast_unsigned();
     let mask = if access.width == 4 { u64::MAX } else { (1 << (access.width * 8)) - 1 };
