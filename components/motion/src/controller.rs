@@ -61,6 +61,7 @@ impl Update for Controller {
         let now = self.clock.now_ns();
         let last = self.last_ns.replace(now).map_or(0, |last| now.wrapping_sub(last));
         self.state.sense(&self.pins);
+        self.state.switch_kinematics(&self.pins.switch);
         while let Some(command) = self.from.take() {
             self.state.obey(command);
         }

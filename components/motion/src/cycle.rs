@@ -183,8 +183,8 @@ impl State {
     /// Takes the joints to the pose.
     fn place(&mut self, dt: f64) -> Result<(), Refusal> {
         let mut places = self.places();
-        if !self.kinematics.inverse(&self.pose, &mut places) {
-            return Err(UNREACHABLE);
+        if let Err(why) = self.kinematics.inverse(&self.pose, &mut places) {
+            return Err(Refusal::new(why.text()));
         }
         let moved = || self.joints.iter().zip(&places).filter(|(j, _)| j.active && !j.extra);
         if !moved().all(|(_, place)| place.is_finite()) {

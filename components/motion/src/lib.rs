@@ -22,6 +22,7 @@ mod setup;
 mod spindle;
 mod state;
 mod status;
+mod switch;
 
 use controller::{Controller, Handler};
 use desk::Desk;
@@ -52,7 +53,10 @@ It creates `servo-thread`, and `base-thread` when there is a base period. Add
 Each joint is told its limits with `motion.configure joint=N …`; then `motion.enable` switches the
 machine on, `motion.jog` moves a joint or an axis, and `motion.move` moves along a straight line.
 It goes off by itself when `motion.enable` goes FALSE, a limit switch closes, an amplifier has a
-fault, or a joint does not follow its command.";
+fault, or a joint does not follow its command.
+
+With kinematics of several types, such as `scarakins`, `motion.switchkins-type` says which one is in
+force.";
     const FLAGS: u32 = component_flags::ONCE;
     const ARGS: &'static [&'static ArgSpec] = setup::ARGS;
 
@@ -68,7 +72,7 @@ fault, or a joint does not follow its command.";
         if setup.extra_joints > 0 && kinematics.kind() != hal_component::KinematicsKind::Both {
             return Err(Error::new("num_extrajoints needs kinematics with kinstype=b"));
         }
-        let pins = Pins::make(b, &setup)?;
+        let pins = Pins::make(b, &setup, kinematics.types())?;
         if setup.base_period_ns > 0 {
             b.thread("base-thread", setup.base_period_ns)?;
         }

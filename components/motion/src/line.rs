@@ -1,7 +1,7 @@
 //! Realtime. One straight move: how fast its joints let it go, and where it is.
 
 use crate::{axis::Axis, joint::Joint, refusal::Refusal, setup::MAX_JOINTS};
-use hal_component::{KinematicsKind, KinematicsRef, Pose};
+use hal_component::{KinematicsKind, KinematicsRef, Pose, Unsolved};
 use libm::{fabs, sqrt};
 
 /// The parts into which a path is divided to see how its joints move.
@@ -130,8 +130,9 @@ impl Line {
         for part in 0..=parts {
             let last = places;
             let at = if part == parts { self.end } else { self.at(f64::from(part) * step) };
-            if !kinematics.inverse(&at, &mut places) || places.iter().any(|p| !p.is_finite()) {
-                return Err(UNREACHABLE);
+            kinematics.inverse(&at, &mut places).map_err(no_way)?;
+            if places.iter().any(|p| !p.is_finite()) {
+                return Err(no_way(Unsolved::Unreachable));
             }
             for ((m, place), old) in moves.iter_mut().zip(&places).zip(&last) {
                 m.add(part, place - old, step);
@@ -157,7 +158,16 @@ impl Line {
     }
 }
 
-const UNREACHABLE: Refusal = Refusal::new("linear move: the kinematics cannot go there");
+/// The kinematics have no answer somewhere on the way.
+const fn no_way(why: Unsolved) -> Refusal {
+    Refusal::new(match why {
+        Unsolved::Unreachable | Unsolved::NoNumber => "linear move: the kinematics cannot go there",
+        Unsolved::Geometry => "linear move: the lengths of the machine make no sense",
+        Unsolved::Limits => "linear move: a joint of the arm cannot go that far",
+        Unsolved::Undetermined => "linear move: it passes a singular place",
+        Unsolved::NotFound => "linear move: the kinematics found no answer in time",
+    })
+}
 
 /// How one joint moves along a path.
 #[derive(Clone, Copy, Debug, Default)]

@@ -12,7 +12,7 @@ pub(crate) use joint::JointPins;
 pub(crate) use lists::{ExtraPins, Lists, UnlockPins};
 pub(crate) use spindle::SpindlePins;
 
-use crate::setup::Setup;
+use crate::{setup::Setup, switch::SwitchPins};
 use hal_component::{Builder, Decl, Error, Field, Touch};
 
 /// The axis letters, in the order of a pose.
@@ -87,10 +87,11 @@ pub(crate) struct Pins {
     pub(crate) extras: Vec<ExtraPins>,
     pub(crate) axes: Vec<AxisPins>,
     pub(crate) spindles: Vec<SpindlePins>,
+    pub(crate) switch: SwitchPins,
 }
 
 impl Pins {
-    pub(crate) fn make(b: &mut Builder<'_>, setup: &Setup) -> Result<Self, Error> {
+    pub(crate) fn make(b: &mut Builder<'_>, setup: &Setup, types: u32) -> Result<Self, Error> {
         let (mut joints, mut unlocks, mut extras) = (Vec::new(), Vec::new(), Vec::new());
         for n in 0..setup.joints {
             let prefix = format!("joint.{n}.");
@@ -120,6 +121,7 @@ impl Pins {
             extras,
             axes,
             spindles,
+            switch: SwitchPins::make(b, types)?,
         })
     }
 }

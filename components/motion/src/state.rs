@@ -11,6 +11,7 @@ use crate::{
     refusal::Refusal,
     setup::{MAX_JOINTS, Setup},
     spindle::Spindle,
+    switch::Switch,
 };
 use hal_component::{KinematicsKind, KinematicsRef, Messages, Pose, TicketHandle};
 use libm::fabs;
@@ -39,6 +40,7 @@ pub(crate) struct Feed {
 #[derive(Debug)]
 pub(crate) struct State {
     pub(crate) kinematics: KinematicsRef,
+    pub(crate) switch: Switch,
     pub(crate) say: Messages,
     pub(crate) joints: Vec<Joint>,
     pub(crate) axes: Vec<Axis>,
@@ -68,6 +70,7 @@ impl State {
         let joint = |n| Joint::new(n >= first_extra);
         Self {
             kinematics,
+            switch: Switch::default(),
             say,
             joints: (0..setup.joints).map(joint).collect(),
             axes: (0..9).map(|_| Axis::default()).collect(),
@@ -150,13 +153,16 @@ impl State {
         }
     }
 
-    /// The pose that the joints make.
-    pub(crate) fn find_pose(&mut self) {
+    /// Finds the pose that the joints make; false when there is none, and the last one stays.
+    pub(crate) fn find_pose(&mut self) -> bool {
         let places = self.places();
         let mut pose = self.pose;
-        if self.kinematics.forward(&places, &mut pose) && pose.iter().all(|p| p.is_finite()) {
+        let found = self.kinematics.forward(&places, &mut pose).is_ok()
+            && pose.iter().all(|p| p.is_finite());
+        if found {
             self.pose = pose;
         }
+        found
     }
 
     /// Where the joints are commanded to be.
@@ -185,8 +191,8 @@ impl State {
             *place += BESIDE;
         }
         let (mut here, mut there) = (self.places(), self.places());
-        if !self.kinematics.inverse(&self.pose, &mut here)
-            || !self.kinematics.inverse(&beside, &mut there)
+        if self.kinematics.inverse(&self.pose, &mut here).is_err()
+            || self.kinematics.inverse(&beside, &mut there).is_err()
         {
             return Err(Refusal::new("cannot jog: the kinematics cannot go there"));
         }

@@ -6,6 +6,7 @@ mod jog;
 mod line;
 mod pin;
 mod random;
+mod switch;
 
 use crate::Motmod;
 use hal_component::{abi::TicketState, bench::Bench};

@@ -4,7 +4,7 @@
 mod map;
 
 use hal_component::{
-    Arg, Builder, Component, Error, Kinematics, KinematicsKind, Pose, Touch,
+    Arg, Builder, Component, Error, Kinematics, KinematicsKind, Pose, Solution, Solved, Touch,
     abi::{ArgSpec, component_flags},
 };
 use map::Map;
@@ -79,14 +79,14 @@ impl Kinematics for Service {
         self.map.joint_of(letter)
     }
 
-    fn forward(&self, joints: &[f64], pose: &mut Pose) -> bool {
+    fn forward(&self, joints: &[f64], pose: &mut Pose) -> Solution {
         self.map.forward(joints, pose);
-        true
+        Ok(Solved::Regular)
     }
 
-    fn inverse(&self, pose: &Pose, joints: &mut [f64]) -> bool {
+    fn inverse(&self, pose: &Pose, joints: &mut [f64]) -> Solution {
         self.map.inverse(pose, joints);
-        true
+        Ok(Solved::Regular)
     }
 }
 
@@ -115,13 +115,13 @@ mod tests {
                 *p = pin.get();
             }
             let mut joints = [0.0; 16];
-            assert!(self.k.inverse(&pose, &mut joints));
+            self.k.inverse(&pose, &mut joints).unwrap();
             let mut back = [-1.0; 9];
             // What each joint really reached: a duplicate lags behind.
             for (i, j) in joints.iter_mut().enumerate() {
                 *j += i as f64 * 0.125;
             }
-            assert!(self.k.forward(&joints, &mut back));
+            self.k.forward(&joints, &mut back).unwrap();
             self.joints.iter().zip(joints).for_each(|(pin, j)| pin.set(j));
             self.back.iter().zip(back).for_each(|(pin, p)| pin.set(p));
         }

@@ -39,7 +39,7 @@ pub use ticket::{Ticket, TicketState};
 /// Changes when an existing field or rule changes. Engine and library must agree exactly.
 pub const ABI_MAJOR: u32 = 1;
 /// Grows when something is appended. The engine must be at least as new as the library.
-pub const ABI_MINOR: u32 = 1;
+pub const ABI_MINOR: u32 = 2;
 /// The longest name of a pin, parameter, signal, function, thread or component, in bytes.
 pub const NAME_LEN: usize = 55;
 

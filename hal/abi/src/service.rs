@@ -1,7 +1,7 @@
 //! Tables of functions that one plugin offers to others.
 
 use crate::{Free, Record, Status, Str, Use};
-use core::ffi::c_void;
+use core::{ffi::c_void, mem::offset_of};
 
 /// A table of functions for other plugins. Ownership as in [`FunctSpec`](crate::FunctSpec).
 #[repr(C)]
@@ -30,6 +30,9 @@ unsafe impl Record for ServiceSpec {
 }
 
 /// The table of the service `kinematics`, version 1. A pose is x y z a b c u v w.
+///
+/// Its functions answer with [`Status::OK`], with [`Kinematics::SINGULAR`], which is an answer as
+/// well, or with why there is none; without an answer they leave what they were to fill as it was.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Kinematics {
@@ -51,8 +54,42 @@ pub struct Kinematics {
     pub inverse: Option<
         unsafe extern "C" fn(*const c_void, pose: *const f64, joints: *mut f64, n: usize) -> Status,
     >,
+    /// Since minor 2: how many types of kinematics there are to switch between; 0 and 1: one.
+    pub types: u32,
+    /// Since minor 2: every way to reach a pose, `n` joint positions each, at most `room` of them
+    /// into `into`. How many ways there are, or why there is none. Takes its time: not for
+    /// realtime.
+    pub solutions: Option<
+        unsafe extern "C" fn(
+            *const c_void,
+            pose: *const f64,
+            into: *mut f64,
+            n: usize,
+            room: usize,
+        ) -> Status,
+    >,
+    /// Since minor 2: switches to a type, from 0; `EINVAL` when there is none. Poses and joints
+    /// follow each other in the new way from then on.
+    pub switch: Option<unsafe extern "C" fn(*const c_void, to: u32) -> Status>,
 }
+
+impl Kinematics {
+    /// An answer at a singular place: others are as good, or joints would have to move without
+    /// bounds to go on.
+    pub const SINGULAR: Status = Status(1);
+    /// The pose cannot be reached, or no pose has these joints.
+    pub const UNREACHABLE: Status = Status(-33);
+    /// Beyond what a joint of the arm can do.
+    pub const BEYOND_LIMITS: Status = Status(-34);
+    /// No answer is determined there.
+    pub const UNDETERMINED: Status = Status(-35);
+    /// A search for the answer did not come to an end.
+    pub const NOT_FOUND: Status = Status(-62);
+    /// Lengths or points of the machine make no sense.
+    pub const GEOMETRY: Status = Status(-71);
+}
+
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
 unsafe impl Record for Kinematics {
-    const MIN: usize = size_of::<Self>();
+    const MIN: usize = offset_of!(Self, types);
 }

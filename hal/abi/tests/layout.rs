@@ -41,7 +41,7 @@ fn table() -> Result<String, std::fmt::Error> {
         CommandSpec { size flags name doc args run state free }
         ActionSpec { size flags run state free }
         ServiceSpec { size version name table state free uses n_uses }
-        Kinematics { size joints kind joint_of ctx forward inverse }
+        Kinematics { size joints kind joint_of ctx forward inverse types solutions switch }
         ArgValue { size given int float text ints texts len }
         StreamRef { ring depth width }
         CallHost { size flags ctx message now fail arg reply ticket }

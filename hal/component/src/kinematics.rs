@@ -1,9 +1,10 @@
 //! The service `kinematics`: how joints and poses follow each other.
 
 use crate::{
-    Touch, Uses,
+    Solution, Touch, Unsolved, Uses, Ways,
     abi::{self, Record, ServiceSpec, Status, Str, Use},
     shim,
+    solved::{solution, status},
 };
 use core::ffi::c_void;
 
@@ -34,12 +35,36 @@ pub trait Kinematics: Touch + Send + Sync + 'static {
     fn kind(&self) -> KinematicsKind;
     /// The first joint that follows each letter (x y z a b c u v w).
     fn joint_of(&self, letter: usize) -> Option<usize>;
-    /// From joint positions to a pose, which holds the last one as a first guess. False when
-    /// there is no such pose.
-    fn forward(&self, joints: &[f64], pose: &mut Pose) -> bool;
-    /// From a pose to joint positions, which hold the last ones as a first guess. False when the
-    /// pose cannot be reached.
-    fn inverse(&self, pose: &Pose, joints: &mut [f64]) -> bool;
+    /// From joint positions to a pose, which holds the last one as a first guess, and stays as
+    /// it is when there is no answer.
+    ///
+    /// # Errors
+    /// No pose has these joints, or none is found.
+    fn forward(&self, joints: &[f64], pose: &mut Pose) -> Solution;
+    /// From a pose to joint positions, which hold the last ones as a first guess, and stay as
+    /// they are when there is no answer.
+    ///
+    /// # Errors
+    /// The pose cannot be reached.
+    fn inverse(&self, pose: &Pose, joints: &mut [f64]) -> Solution;
+    /// Every way to reach a pose. It may take its time: it is not for realtime.
+    ///
+    /// # Errors
+    /// The pose cannot be reached.
+    fn solutions(&self, pose: &Pose, ways: &mut Ways<'_>) -> Solution {
+        let mut joints = [0.0; 16];
+        let solved = self.inverse(pose, &mut joints)?;
+        ways.push(&joints);
+        Ok(solved)
+    }
+    /// How many types of kinematics there are to switch between.
+    fn types(&self) -> u32 {
+        1
+    }
+    /// Switches to a type, from 0; false when there is none. Realtime.
+    fn switch(&self, to: u32) -> bool {
+        to == 0
+    }
 }
 
 struct Offered<K> {
@@ -66,6 +91,9 @@ pub(crate) fn offer<K: Kinematics>(k: K, uses: &[Use]) -> ServiceSpec {
         ctx: core::ptr::null(),
         forward: Some(forward::<K>),
         inverse: Some(inverse::<K>),
+        types: k.types(),
+        solutions: Some(solutions::<K>),
+        switch: Some(switch::<K>),
     };
     let state = shim::give(Offered { k, table }).cast::<Offered<K>>();
     // SAFETY: just made and not shared yet.
@@ -97,7 +125,10 @@ unsafe extern "C" fn forward<K: Kinematics>(
     let joints = unsafe { core::slice::from_raw_parts(joints, n) };
     // SAFETY: the caller's array of nine.
     let pose = unsafe { &mut *pose.cast::<Pose>() };
-    if n >= k.joints() && k.forward(joints, pose) { Status::OK } else { Status::EINVAL }
+    if n < k.joints() {
+        return Status::EINVAL;
+    }
+    status(k.forward(joints, pose))
 }
 
 /// # Safety
@@ -114,7 +145,43 @@ unsafe extern "C" fn inverse<K: Kinematics>(
     let pose = unsafe { &*pose.cast::<Pose>() };
     // SAFETY: the caller's array.
     let joints = unsafe { core::slice::from_raw_parts_mut(joints, n) };
-    if n >= k.joints() && k.inverse(pose, joints) { Status::OK } else { Status::EINVAL }
+    if n < k.joints() {
+        return Status::EINVAL;
+    }
+    status(k.inverse(pose, joints))
+}
+
+/// # Safety
+/// `ctx` is a live `K`; the arrays hold nine and `n * room` numbers.
+unsafe extern "C" fn solutions<K: Kinematics>(
+    ctx: *const c_void,
+    pose: *const f64,
+    into: *mut f64,
+    n: usize,
+    room: usize,
+) -> Status {
+    // SAFETY: the table's own context.
+    let k = unsafe { &*ctx.cast::<K>() };
+    // SAFETY: the caller's array of nine.
+    let pose = unsafe { &*pose.cast::<Pose>() };
+    let Some(len) = n.checked_mul(room).filter(|_| n >= k.joints()) else {
+        return Status::EINVAL;
+    };
+    // SAFETY: the caller's array.
+    let into = unsafe { core::slice::from_raw_parts_mut(into, len) };
+    let mut ways = Ways::new(into, n);
+    match k.solutions(pose, &mut ways) {
+        Ok(_) => Status(i32::try_from(ways.count()).unwrap_or(i32::MAX)),
+        Err(why) => why.status(),
+    }
+}
+
+/// # Safety
+/// `ctx` is a live `K`.
+unsafe extern "C" fn switch<K: Kinematics>(ctx: *const c_void, to: u32) -> Status {
+    // SAFETY: the table's own context.
+    let k = unsafe { &*ctx.cast::<K>() };
+    if k.switch(to) { Status::OK } else { Status::EINVAL }
 }
 
 /// Kinematics that another plugin offers.
@@ -157,20 +224,50 @@ impl KinematicsRef {
         self.0.joint_of.get(letter).and_then(|j| usize::from(*j).checked_sub(1))
     }
 
-    /// From joint positions to a pose. Realtime.
-    pub fn forward(&self, joints: &[f64], pose: &mut Pose) -> bool {
-        self.0.forward.is_some_and(|f| {
-            // SAFETY: the provider's function; both arrays live across the call.
-            unsafe { f(self.0.ctx, joints.as_ptr(), joints.len(), pose.as_mut_ptr()) }.is_ok()
-        })
+    /// From joint positions to a pose, which stays as it is without an answer. Realtime.
+    ///
+    /// # Errors
+    /// No pose has these joints, or none is found.
+    pub fn forward(&self, joints: &[f64], pose: &mut Pose) -> Solution {
+        let forward = self.0.forward.ok_or(Unsolved::Unreachable)?;
+        // SAFETY: the provider's function; both arrays live across the call.
+        solution(unsafe { forward(self.0.ctx, joints.as_ptr(), joints.len(), pose.as_mut_ptr()) })
     }
 
-    /// From a pose to joint positions. Realtime.
-    pub fn inverse(&self, pose: &Pose, joints: &mut [f64]) -> bool {
-        self.0.inverse.is_some_and(|f| {
-            // SAFETY: the provider's function; both arrays live across the call.
-            unsafe { f(self.0.ctx, pose.as_ptr(), joints.as_mut_ptr(), joints.len()) }.is_ok()
-        })
+    /// From a pose to joint positions, which stay as they are without an answer. Realtime.
+    ///
+    /// # Errors
+    /// The pose cannot be reached.
+    pub fn inverse(&self, pose: &Pose, joints: &mut [f64]) -> Solution {
+        let inverse = self.0.inverse.ok_or(Unsolved::Unreachable)?;
+        // SAFETY: the provider's function; both arrays live across the call.
+        solution(unsafe { inverse(self.0.ctx, pose.as_ptr(), joints.as_mut_ptr(), joints.len()) })
+    }
+
+    /// How many ways there are to reach a pose; as many as have room are in `into`, each of
+    /// [`joints`](Self::joints) numbers. It may take its time: it is not for realtime.
+    ///
+    /// # Errors
+    /// The pose cannot be reached.
+    pub fn solutions(&self, pose: &Pose, into: &mut [f64]) -> Result<usize, Unsolved> {
+        let solutions = self.0.solutions.ok_or(Unsolved::Unreachable)?;
+        let n = self.joints();
+        let room = into.len().checked_div(n).unwrap_or(0);
+        // SAFETY: the provider's function; both arrays live across the call.
+        let found = unsafe { solutions(self.0.ctx, pose.as_ptr(), into.as_mut_ptr(), n, room) };
+        usize::try_from(found.0).map_err(|_| Unsolved::from_status(found))
+    }
+
+    /// How many types of kinematics there are to switch between: 1 when none.
+    #[must_use]
+    pub const fn types(&self) -> u32 {
+        if self.0.types == 0 { 1 } else { self.0.types }
+    }
+
+    /// Switches to a type, from 0; false when there is none. Realtime.
+    pub fn switch(&self, to: u32) -> bool {
+        // SAFETY: the provider's function.
+        self.0.switch.is_some_and(|f| unsafe { f(self.0.ctx, to) }.is_ok())
     }
 }
 

@@ -43,6 +43,7 @@ mod pins;
 mod port;
 mod share;
 mod shim;
+mod solved;
 mod stream;
 pub mod trace;
 
@@ -63,6 +64,7 @@ pub use port::Port;
 pub use share::{Gives, Receiver, Sender, Takes, Touch, Uses};
 #[doc(hidden)]
 pub use shim::create;
+pub use solved::{Solution, Solved, Unsolved, Ways};
 pub use stream::{StreamIn, StreamOut};
 
 /// The thread's nominal period.

@@ -2,8 +2,8 @@
 
 use super::{DT, LIMITS, Rig};
 use hal_component::{
-    Builder, Component, Error, Kinematics, KinematicsKind, Pose, Touch, abi::component_flags,
-    bench::Bench,
+    Builder, Component, Error, Kinematics, KinematicsKind, Pose, Solution, Solved, Touch, Unsolved,
+    abi::component_flags, bench::Bench,
 };
 
 /// The distance of a point from the line between two others.
@@ -283,16 +283,16 @@ impl Kinematics for Arm {
     fn joint_of(&self, _: usize) -> Option<usize> {
         None
     }
-    fn forward(&self, joints: &[f64], pose: &mut Pose) -> bool {
+    fn forward(&self, joints: &[f64], pose: &mut Pose) -> Solution {
         let (sin, cos) = joints[1].to_radians().sin_cos();
         (pose[0], pose[1], pose[2]) = (joints[0] * cos, joints[0] * sin, joints[2]);
-        true
+        Ok(Solved::Regular)
     }
-    fn inverse(&self, pose: &Pose, joints: &mut [f64]) -> bool {
+    fn inverse(&self, pose: &Pose, joints: &mut [f64]) -> Solution {
         let reach = pose[0].hypot(pose[1]);
         (joints[0], joints[2]) = (reach, pose[2]);
         joints[1] = pose[1].atan2(pose[0]).to_degrees();
-        reach > 1.0
+        if reach > 1.0 { Ok(Solved::Regular) } else { Err(Unsolved::Unreachable) }
     }
 }
 
