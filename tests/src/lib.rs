@@ -1,7 +1,8 @@
 //! What the whole-system tests share: programs, plugins, engines, folders of their own, cases as data,
-//! recordings read back.
+//! recordings read back, and the judge of components.
 #![expect(
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     clippy::panic,
     clippy::print_stderr,
     reason = "whatever fails here fails a test; what is skipped is said"
@@ -11,9 +12,11 @@ pub mod case;
 pub mod faults;
 pub mod foreign;
 pub mod fuzz;
+pub mod judge;
 pub mod machine;
 pub mod plugins;
 pub mod programs;
+pub mod random;
 pub mod scratch;
 pub mod terminal;
 pub mod trace;

@@ -1,28 +1,17 @@
 //! Random lines, applied at once to one machine and given one by one to another: the same comes of
 //! them, or nothing at all.
-#![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_engine::ClockKind;
 use hal_protocol::{Kind, Link, Reply, Request};
-use hal_tests::machine::{Machine, applied, edits, request, seen};
+use hal_tests::{
+    machine::{Machine, applied, edits, request, seen},
+    random::Random,
+};
 use std::collections::BTreeSet;
 
 /// How many files.
 const FILES: usize = 3_000;
-
-/// A sequence that is the same in every run.
-struct Dice(u64);
-
-impl Dice {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963);
-        usize::try_from(self.0 >> 33).unwrap() % n
-    }
-
-    fn one<'a>(&mut self, of: &[&'a str]) -> &'a str {
-        of[self.below(of.len())]
-    }
-}
 
 const SIGNALS: &[&str] = &["s0", "s1", "s2", "s3"];
 const PINS: &[&str] = &[
@@ -63,10 +52,10 @@ const FUNCTS: &[&str] = &[
 const THREADS: &[&str] = &["fast", "slow", "doomed-thread"];
 const MODULES: &[&str] = &["or2 count=2", "xor2", "boom count=2", "doomed", "doomed by=open"];
 
-fn line(d: &mut Dice) -> String {
+fn line(d: &mut Random) -> String {
     let (s, p, q, f, t) = (d.one(SIGNALS), d.one(PINS), d.one(PINS), d.one(FUNCTS), d.one(THREADS));
-    let n = d.below(4);
-    match d.below(20) {
+    let n = d.index(4);
+    match d.index(20) {
         0 => format!("newsig {s} {}", d.one(&["bit", "u32", "float"])),
         1 => format!("delsig {s}"),
         2..=4 => format!("net {s} {p}"),
@@ -85,10 +74,10 @@ fn line(d: &mut Dice) -> String {
 }
 
 /// Some lines. What they unload they do not load again, which is refused.
-fn file(d: &mut Dice) -> Vec<String> {
+fn file(d: &mut Random) -> Vec<String> {
     let mut unloaded = BTreeSet::new();
     let mut lines = Vec::new();
-    for _ in 0..=d.below(5) {
+    for _ in 0..=d.index(5) {
         let line = line(d);
         let mut words = line.split(' ');
         let (verb, module) = (words.next().unwrap(), words.next().unwrap().to_owned());
@@ -148,7 +137,7 @@ fn graph(m: &mut Machine) -> String {
 
 #[test]
 fn at_once_as_one_by_one_or_not_at_all() {
-    let mut d = Dice(1);
+    let mut d = Random::new(1);
     let (mut by_line, mut at_once) = (machine(), machine());
     let (mut good, mut bad, mut lines_done) = (0, 0, 0);
     for n in 0..FILES {

@@ -8,9 +8,10 @@
 
 use hal_protocol::{Direction, Kind, Link, Request, Value};
 use hal_tests::{
-    foreign::{Bench, Random, installed},
+    foreign::{Bench, installed},
     machine::script,
     programs::root,
+    random::Random,
 };
 use std::{collections::BTreeSet, fmt::Write, process::Command};
 

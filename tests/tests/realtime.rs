@@ -12,6 +12,7 @@ use hal_tests::{
     machine::{says, script, status, thread, wait},
     plugins::{interpose, plugins},
     programs::programs,
+    random::Random,
 };
 use std::{path::Path, process::Command};
 
@@ -81,40 +82,22 @@ mod counter {
     }
 }
 
-/// Numbers that are the same in every run.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0
-    }
-
-    fn one<'t, T: ?Sized>(&mut self, of: &[&'t T]) -> &'t T {
-        of.get(usize::try_from(self.next()).unwrap_or(0) % of.len()).unwrap()
-    }
-
-    /// A value as a user would write it: ordinary, or at the edge.
-    fn value(&mut self, ty: Type) -> String {
-        let odd = self.next().is_multiple_of(4);
-        let n = self.next();
-        match ty {
-            Type::Bit => self.one(&["0", "1"]).to_owned(),
-            Type::Float if odd => {
-                self.one(&["nan", "inf", "-inf", "1e308", "-1e-308", "0", "-0"]).to_owned()
-            }
-            Type::Float => format!("{}.{}", (n % 401).cast_signed() - 200, n % 1000),
-            Type::S32 if odd => self.one(&["-2147483648", "2147483647", "-1"]).to_owned(),
-            Type::S64 if odd => {
-                self.one(&["-9223372036854775808", "9223372036854775807"]).to_owned()
-            }
-            Type::S32 | Type::S64 => ((n % 2001).cast_signed() - 1000).to_string(),
-            Type::U32 if odd => "4294967295".to_owned(),
-            Type::U64 if odd => "18446744073709551615".to_owned(),
-            Type::U32 | Type::U64 | Type::Port => (n % 2000).to_string(),
+/// A value as a user would write it: ordinary, or at the edge.
+fn value(random: &mut Random, ty: Type) -> String {
+    let odd = random.word().is_multiple_of(4);
+    let n = random.word();
+    match ty {
+        Type::Bit => random.one(&["0", "1"]).to_owned(),
+        Type::Float if odd => {
+            random.one(&["nan", "inf", "-inf", "1e308", "-1e-308", "0", "-0"]).to_owned()
         }
+        Type::Float => format!("{}.{}", (n % 401).cast_signed() - 200, n % 1000),
+        Type::S32 if odd => random.one(&["-2147483648", "2147483647", "-1"]).to_owned(),
+        Type::S64 if odd => random.one(&["-9223372036854775808", "9223372036854775807"]).to_owned(),
+        Type::S32 | Type::S64 => ((n % 2001).cast_signed() - 1000).to_string(),
+        Type::U32 if odd => "4294967295".to_owned(),
+        Type::U64 if odd => "18446744073709551615".to_owned(),
+        Type::U32 | Type::U64 | Type::Port => (n % 2000).to_string(),
     }
 }
 
@@ -166,15 +149,15 @@ fn commands(e: &mut Engine) -> Vec<CommandInfo> {
 /// Sets everything that can be set, and gives every command, with arguments of every kind.
 fn poke(e: &mut Engine, random: &mut Random, items: &[ItemInfo], commands: &[CommandInfo]) {
     for i in items {
-        let value = random.value(i.value.ty());
+        let value = value(random, i.value.ty());
         e.call(Request::Set { name: i.name.clone(), value }).unwrap();
     }
     for c in commands {
         let mut arg = |a: &ArgInfo| {
             let value = match a.ty.as_str() {
-                "float" => random.value(Type::Float),
-                "int" | "ints" => (random.next() % 4).to_string(),
-                "bit" => random.value(Type::Bit),
+                "float" => value(random, Type::Float),
+                "int" | "ints" => (random.word() % 4).to_string(),
+                "bit" => value(random, Type::Bit),
                 _ => random.one(&["x", "y", "all", "0", "free", "teleop", "coord"]).to_owned(),
             };
             format!("{}={value}", a.name)
@@ -204,7 +187,7 @@ fn counted(e: &mut Engine) -> u64 {
     script(e, "newsig one bit\nstart");
     begun(e);
     let (items, commands) = (settable(e), commands(e));
-    let mut random = Random(0x00fe_771e);
+    let mut random = Random::new(0x00fe_771e);
     let end = thread(e, "fast").cycles + CYCLES;
     counter::count(true);
     let mut rounds = 0;

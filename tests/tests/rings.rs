@@ -6,6 +6,7 @@ use hal_engine::ClockKind;
 use hal_protocol::{Client, Link, Stream, Value};
 use hal_tests::{
     machine::{Served, count, cycles, script, status, without_fifo},
+    random::Random,
     scratch::Scratch,
 };
 use rustix::{
@@ -72,18 +73,6 @@ fn attach(c: &mut Client, name: &str) -> Stream {
             Ok(stream) => return stream,
             Err(e) => assert!(e.to_string().contains("in use"), "{e}"),
         }
-    }
-}
-
-/// Numbers that are the same in every run.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0
     }
 }
 
@@ -265,23 +254,23 @@ fn indices_that_cannot_be_are_not_believed() {
 fn random_words_all_over_harm_nobody() {
     let scratch = Scratch::new("scribble");
     let (served, mut c) = virtual_one(&scratch);
-    let mut random = Random(0x5eed);
+    let mut random = Random::new(0x5eed);
     for round in 0..60 {
         let name = if round % 2 == 0 { "tap.0" } else { "feed.0" };
         scribbled(&served, &mut c, name, |file, c| {
             let words = file.metadata().unwrap().len() / 8;
             for _ in 0..20 {
-                for _ in 0..random.next() % 40 {
-                    let at = random.next() % words * 8;
+                for _ in 0..random.word() % 40 {
+                    let at = random.word() % words * 8;
                     // Often near what could be, sometimes anything.
-                    let word = match random.next() % 3 {
-                        0 => random.next(),
-                        1 => random.next() % 64,
-                        _ => (random.next() % 16).wrapping_neg(),
+                    let word = match random.word() % 3 {
+                        0 => random.word(),
+                        1 => random.word() % 64,
+                        _ => (random.word() % 16).wrapping_neg(),
                     };
                     file.write_all_at(&word.to_ne_bytes(), at).unwrap();
                 }
-                run(c, random.next() % 3);
+                run(c, random.word() % 3);
             }
         });
     }
@@ -296,12 +285,12 @@ fn scribbling_while_the_machine_runs_on_the_real_clock() {
     for name in ["tap.0", "feed.0"] {
         let (_socket, file) = handed(&served, name);
         let words = file.metadata().unwrap().len() / 8;
-        let mut random = Random(7);
+        let mut random = Random::new(7);
         let from = count(&mut c, "tap.0.cycles");
         while count(&mut c, "tap.0.cycles") < from + 200 {
             for _ in 0..1000 {
-                let at = random.next() % words * 8;
-                file.write_all_at(&random.next().to_ne_bytes(), at).unwrap();
+                let at = random.word() % words * 8;
+                file.write_all_at(&random.word().to_ne_bytes(), at).unwrap();
             }
         }
         cycles(&mut c, "thread1", 10);

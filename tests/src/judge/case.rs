@@ -1,0 +1,207 @@
+//! What is told of one component to the judge: `tests/judge/NAME.toml`, read and checked.
+
+use crate::programs::root;
+use hal_protocol::Patterns;
+use serde::Deserialize;
+use std::{fmt::Write, path::PathBuf};
+
+/// The folder of these files.
+pub fn folder() -> PathBuf {
+    root().join("tests/judge")
+}
+
+/// One file. What is left out is as written in `tests/tests/judge.rs`.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Case {
+    /// Why it is not judged at all.
+    pub skip: Option<String>,
+    /// Arguments of `loadrt`, each a configuration of its own.
+    pub loads: Vec<String>,
+    /// What inputs are kept to.
+    pub inputs: Vec<Input>,
+    /// Pins and parameters that only one side has.
+    pub only: Vec<Only>,
+    /// First values that differ.
+    pub defaults: Vec<First>,
+    /// How far numbers may be apart.
+    pub tolerance: Vec<Tolerance>,
+    /// What is known to differ.
+    pub differs: Vec<Known>,
+}
+
+/// What some inputs are kept to.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Input {
+    /// Names, or globs.
+    pub pins: Vec<String>,
+    /// Why.
+    pub why: String,
+    /// Sizes alone: no sign, and not 0.
+    #[serde(default)]
+    pub positive: bool,
+    /// Set once after each load, and no more.
+    #[serde(default)]
+    pub steady: bool,
+    /// Never set.
+    #[serde(default)]
+    pub alone: bool,
+    /// No extremes.
+    #[serde(default)]
+    pub tame: bool,
+}
+
+/// Pins and parameters that only one side has.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Only {
+    /// Names, or globs.
+    pub pins: Vec<String>,
+    /// Why.
+    pub why: String,
+}
+
+/// A first value that differs; both begin with ours then.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct First {
+    /// Names, or globs.
+    pub pins: Vec<String>,
+    /// Why.
+    pub why: String,
+    /// Ours, as it is shown.
+    pub ours: String,
+    /// Theirs, as it is shown.
+    pub theirs: String,
+}
+
+/// How far numbers may be apart.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tolerance {
+    /// Names, or globs.
+    pub pins: Vec<String>,
+    /// Why.
+    pub why: String,
+    /// Units of the last place.
+    pub ulps: u64,
+}
+
+/// A difference that is known, and how bad it may be.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Known {
+    /// Names, or globs.
+    pub pins: Vec<String>,
+    /// Why.
+    pub why: String,
+    /// The first cycle in which it may differ, of any of these pins.
+    pub from: u64,
+    /// In how many cycles each of these pins may differ.
+    pub cycles: u64,
+    /// How far numbers may be apart, if there is a bound.
+    pub by: Option<f64>,
+}
+
+/// Whether a name is one of these.
+pub fn named(pins: &[String], name: &str) -> bool {
+    Patterns::new(pins).matches(name)
+}
+
+impl Case {
+    /// The one of a component; nothing is told of most.
+    ///
+    /// # Errors
+    /// It cannot be read, or is wrong.
+    pub fn of(module: &str) -> Result<Self, String> {
+        let path = folder().join(format!("{module}.toml"));
+        let mut case = if path.is_file() {
+            let text = std::fs::read_to_string(&path).map_err(|e| e.to_string())?;
+            Self::parse(&text).map_err(|e| format!("tests/judge/{module}.toml: {e}"))?
+        } else {
+            Self::default()
+        };
+        if case.loads.is_empty() {
+            case.loads.push(String::new());
+        }
+        Ok(case)
+    }
+
+    /// # Errors
+    /// It is wrong.
+    fn parse(text: &str) -> Result<Self, String> {
+        let case: Self = toml::from_str(text).map_err(|e| e.to_string())?;
+        for i in &case.inputs {
+            if !(i.positive || i.steady || i.alone || i.tame) {
+                let pins = i.pins.join(", ");
+                return Err(format!("{pins}: positive, steady, alone or tame?"));
+            }
+        }
+        if case.lists().any(|(pins, why)| pins.is_empty() || why.is_empty()) {
+            return Err("a list without pins, or without a reason".to_owned());
+        }
+        Ok(case)
+    }
+
+    fn lists(&self) -> impl Iterator<Item = (&[String], &str)> {
+        let inputs = self.inputs.iter().map(|r| (&*r.pins, &*r.why));
+        let only = self.only.iter().map(|r| (&*r.pins, &*r.why));
+        let defaults = self.defaults.iter().map(|r| (&*r.pins, &*r.why));
+        let tolerance = self.tolerance.iter().map(|r| (&*r.pins, &*r.why));
+        let differs = self.differs.iter().map(|r| (&*r.pins, &*r.why));
+        inputs.chain(only).chain(defaults).chain(tolerance).chain(differs)
+    }
+
+    /// Names in it that no pin has.
+    pub fn unknown<'c>(&'c self, names: &[String]) -> Vec<&'c str> {
+        let all = self.lists().flat_map(|(pins, _)| pins);
+        let known = |p: &&String| !names.iter().any(|n| named(std::slice::from_ref(*p), n));
+        all.filter(known).map(String::as_str).collect()
+    }
+
+    /// Whether some input is kept to this.
+    pub fn keeps(&self, name: &str, to: impl Fn(&Input) -> bool) -> bool {
+        self.inputs.iter().any(|i| to(i) && named(&i.pins, name))
+    }
+
+    /// How far a number may be apart, in units of the last place.
+    pub fn ulps(&self, name: &str) -> u64 {
+        self.tolerance.iter().find(|t| named(&t.pins, name)).map_or(0, |t| t.ulps)
+    }
+
+    /// What is known of a pin that differs.
+    pub fn known(&self, name: &str) -> Option<&Known> {
+        self.differs.iter().find(|d| named(&d.pins, name))
+    }
+
+    /// What its inputs are kept to, for people.
+    pub fn kept(&self) -> String {
+        let mut out = String::new();
+        for i in &self.inputs {
+            let words = [
+                (i.alone, "left alone"),
+                (i.positive, "kept positive"),
+                (i.steady, "set once"),
+                (i.tame, "without extremes"),
+            ];
+            let to: Vec<&str> = words.iter().filter(|w| w.0).map(|w| w.1).collect();
+            write!(out, "; `{}` {}: {}", i.pins.join("`, `"), to.join(", "), i.why).unwrap();
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Case;
+
+    #[test]
+    fn what_is_wrong_in_a_file_is_told() {
+        let wrong = |text: &str| Case::parse(text).unwrap_err();
+        assert!(wrong("skp = \"x\"").contains("unknown field `skp`"));
+        assert!(wrong("[[inputs]]\npins = [\"a\"]\nwhy = \"b\"").contains("positive, steady"));
+        assert!(wrong("[[tolerance]]\npins = []\nwhy = \"b\"\nulps = 1").contains("without pins"));
+        assert!(wrong("[[differs]]\npins = [\"a\"]\nwhy = \"b\"").contains("missing field `from`"));
+    }
+}
