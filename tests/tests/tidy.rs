@@ -71,8 +71,9 @@ fn arrows_point_only_downward() {
         ("hal-derive", &[]),
         ("hal-component", &["hal-abi", "hal-derive"]),
         ("hal-protocol", &["hal-abi"]),
-        ("hal-engine", &["hal-abi", "hal-protocol"]),
-        ("halcmd", &["hal-engine", "hal-protocol"]),
+        ("hal-trace", &["hal-protocol"]),
+        ("hal-engine", &["hal-abi", "hal-protocol", "hal-trace"]),
+        ("halcmd", &["hal-engine", "hal-protocol", "hal-trace"]),
         ("ferrule-client", &["hal-protocol"]),
     ]);
     for (name, table) in &members {

@@ -3,18 +3,18 @@
 use crate::{
     Engine, Error,
     code::Ptr,
-    graph::{Graph, Item},
+    graph::Item,
     os,
     probe::{Probe, Source, Watch},
     sync::{Arc, AtomicU64, Ordering},
 };
 use crossbeam::queue::ArrayQueue;
-use hal_protocol::{Patterns, Type, Value};
-use std::{
-    collections::BTreeMap,
-    fs::File,
-    io::{BufWriter, Write},
+use hal_protocol::{Patterns, Type};
+use hal_trace::{
+    TimeBase,
+    vcd::{Column, Writer},
 };
+use std::{collections::BTreeMap, fs::File, io::BufWriter};
 
 /// How many changes wait for the file at the most.
 const ROOM: usize = 1 << 16;
@@ -24,11 +24,10 @@ const ROOM: usize = 1 << 16;
 pub(crate) struct Recording {
     pub(crate) path: String,
     patterns: Patterns,
-    file: BufWriter<File>,
-    /// Type and code of each watched value; set when time first moves.
-    columns: Vec<(Type, String)>,
+    /// The file, until time first moves; what is watched is settled then.
+    file: Option<BufWriter<File>>,
+    writer: Option<Writer<BufWriter<File>>>,
     probe: Option<Arc<Probe>>,
-    at: i64,
     failed: bool,
 }
 
@@ -55,10 +54,9 @@ impl Engine {
         self.recording = Some(Recording {
             path: path.to_owned(),
             patterns: Patterns::new(patterns),
-            file: BufWriter::with_capacity(1 << 16, file),
-            columns: Vec::new(),
+            file: Some(BufWriter::with_capacity(1 << 16, file)),
+            writer: None,
             probe: None,
-            at: -1,
             failed: false,
         });
         if self.shared.boundary.is_running() {
@@ -70,26 +68,20 @@ impl Engine {
     /// Settles what is recorded and writes the head of the file.
     pub(crate) fn begin_recording(&mut self) {
         let Some(mut r) = self.recording.take() else { return };
-        if r.probe.is_none() {
-            let (watches, names) = self.watches(&r);
+        if let Some(file) = r.file.take() {
+            let (watches, columns) = self.watches(&r);
             if watches.is_empty() && !r.patterns.is_empty() {
                 self.notice(format!("{}: nothing matches what is to be recorded", r.path));
             }
-            let mut codes = BTreeMap::new();
-            for (i, (ty, _)) in names.iter().enumerate() {
-                codes.insert(i, code(i));
-                r.columns.push((*ty, code(i)));
-            }
-            let time = self.shared.now();
-            let written = head(&mut r.file, &names).and_then(|()| {
-                writeln!(r.file, "#{time}\n$dumpvars")?;
-                for (w, (ty, code)) in watches.iter().zip(&r.columns) {
-                    value(&mut r.file, *ty, w.last.load(Ordering::Relaxed), code)?;
-                }
-                writeln!(r.file, "$end")
+            let begun = Writer::new(file, TimeBase::NANOSECONDS, &columns, None);
+            let begun = begun.and_then(|mut writer| {
+                let first: Vec<_> =
+                    watches.iter().map(|w| Some(w.last.load(Ordering::Relaxed))).collect();
+                writer.all(self.shared.now(), &first)?;
+                Ok(writer)
             });
-            r.failed = written.is_err();
-            r.at = time;
+            r.failed = begun.is_err();
+            r.writer = begun.ok();
             let room = ROOM.max(watches.len() * 4);
             let probe = Arc::new(Probe {
                 watches,
@@ -103,9 +95,9 @@ impl Engine {
     }
 
     /// What to watch, and under which names each value appears.
-    fn watches(&self, r: &Recording) -> (Vec<Watch>, Vec<(Type, Vec<String>)>) {
+    fn watches(&self, r: &Recording) -> (Vec<Watch>, Vec<Column>) {
         let mut watches = Vec::new();
-        let mut names: Vec<(Type, Vec<String>)> = Vec::new();
+        let mut columns: Vec<Column> = Vec::new();
         let mut of_signal = BTreeMap::new();
         for (name, ix) in &self.graph.signals {
             let Some(s) = self.graph.signal(*ix).filter(|s| s.ty != Type::Port) else { continue };
@@ -113,7 +105,7 @@ impl Engine {
                 of_signal.insert(*ix, watches.len());
                 let last = AtomicU64::new(s.bits());
                 watches.push(Watch { source: Source::Cell(s.cell), last });
-                names.push((s.ty, vec![name.as_str().to_owned()]));
+                columns.push(Column { ty: s.ty, names: vec![name.as_str().to_owned()] });
             }
         }
         let items = self.graph.pins.iter().chain(&self.graph.params);
@@ -126,9 +118,10 @@ impl Engine {
                 continue;
             }
             let signal = self.graph.signal_of(*ix);
-            if let Some(at) = signal.and_then(|s| of_signal.get(&s)).and_then(|i| names.get_mut(*i))
+            if let Some(at) =
+                signal.and_then(|s| of_signal.get(&s)).and_then(|i| columns.get_mut(*i))
             {
-                at.1.push(name.as_str().to_owned());
+                at.names.push(name.as_str().to_owned());
                 continue;
             }
             if let Some(slot) = Item::slot(item) {
@@ -137,10 +130,10 @@ impl Engine {
                     of_signal.insert(s, watches.len());
                 }
                 watches.push(Watch { source: Source::Slot(Ptr(slot)), last });
-                names.push((item.ty, vec![name.as_str().to_owned()]));
+                columns.push(Column { ty: item.ty, names: vec![name.as_str().to_owned()] });
             }
         }
-        (watches, names)
+        (watches, columns)
     }
 
     /// Writes what has been queued.
@@ -148,15 +141,10 @@ impl Engine {
         let Some(r) = &mut self.recording else { return };
         let Some(probe) = r.probe.clone() else { return };
         while let Some((time, which, bits)) = probe.changes.pop() {
-            let Some((ty, code)) = r.columns.get(which as usize) else { continue };
-            let mut write = || {
-                if time != r.at {
-                    writeln!(r.file, "#{time}")?;
-                    r.at = time;
-                }
-                value(&mut r.file, *ty, bits, code)
-            };
-            r.failed |= write().is_err();
+            let Some(writer) = &mut r.writer else { continue };
+            let written =
+                writer.time(time).and_then(|()| writer.change(which as usize, Some(bits)));
+            r.failed |= written.is_err();
         }
     }
 
@@ -177,11 +165,12 @@ impl Engine {
         if let Some(probe) = r.probe.clone() {
             self.retire_probe(probe);
         }
-        let now = self.shared.now();
-        if now > r.at && writeln!(r.file, "#{now}").is_err() {
-            r.failed = true;
+        if let Some(mut writer) = r.writer.take() {
+            let now = self.shared.now();
+            let last = if writer.at() < Some(now) { writer.time(now) } else { Ok(()) };
+            r.failed |= last.and_then(|()| writer.finish().map(drop)).is_err();
         }
-        if r.file.flush().is_err() || r.failed {
+        if r.failed {
             let why = "the recording could not be written whole".into();
             return Err(Error::File { path: r.path.into(), why });
         }
@@ -201,66 +190,5 @@ impl Engine {
                 self.notice(e.to_string());
             }
         }
-    }
-}
-
-/// A short printable name for column `i`, as VCD wants.
-fn code(mut i: usize) -> String {
-    let mut out = String::new();
-    loop {
-        out.push(char::from(b'!' + u8::try_from(i % 94).unwrap_or(0)));
-        i /= 94;
-        if i == 0 {
-            return out;
-        }
-    }
-}
-
-/// The head: names with dots become scopes.
-fn head(file: &mut impl Write, columns: &[(Type, Vec<String>)]) -> std::io::Result<()> {
-    writeln!(file, "$version Ferrule $end\n$timescale 1 ns $end")?;
-    let mut vars: Vec<(Vec<&str>, Type, String)> = Vec::new();
-    for (i, (ty, names)) in columns.iter().enumerate() {
-        for name in names {
-            vars.push((name.split('.').collect(), *ty, code(i)));
-        }
-    }
-    vars.sort();
-    let mut open: Vec<&str> = Vec::new();
-    for (path, ty, code) in &vars {
-        let Some((leaf, scopes)) = path.split_last() else { continue };
-        let same = open.iter().zip(scopes).take_while(|(a, b)| a == b).count();
-        for _ in same..open.len() {
-            writeln!(file, "$upscope $end")?;
-        }
-        open.truncate(same);
-        for scope in scopes.iter().skip(same) {
-            writeln!(file, "$scope module {scope} $end")?;
-            open.push(scope);
-        }
-        let kind = match ty {
-            Type::Bit => "wire 1",
-            Type::Float => "real 64",
-            Type::S32 => "integer 32",
-            Type::U32 => "wire 32",
-            Type::S64 => "integer 64",
-            Type::U64 | Type::Port => "wire 64",
-        };
-        writeln!(file, "$var {kind} {code} {leaf} $end")?;
-    }
-    for _ in &open {
-        writeln!(file, "$upscope $end")?;
-    }
-    writeln!(file, "$enddefinitions $end")
-}
-
-fn value(file: &mut impl Write, ty: Type, bits: u64, code: &str) -> std::io::Result<()> {
-    match Graph::value(ty, bits) {
-        Value::Bit(b) => writeln!(file, "{}{code}", u8::from(b)),
-        Value::Float(f) if f.is_finite() => writeln!(file, "r{f:e} {code}"),
-        Value::Float(f) if f.is_nan() => writeln!(file, "rnan {code}"),
-        Value::Float(f) => writeln!(file, "r{}inf {code}", if f < 0.0 { "-" } else { "" }),
-        Value::S32(_) | Value::U32(_) => writeln!(file, "b{:b} {code}", bits & 0xffff_ffff),
-        Value::S64(_) | Value::U64(_) | Value::Port(_) => writeln!(file, "b{bits:b} {code}"),
     }
 }

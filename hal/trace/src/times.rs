@@ -1,0 +1,208 @@
+//! The times of samples, kept as runs of equal steps.
+
+/// How long a tick is: a power of ten of seconds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct TimeBase(i8);
+
+impl TimeBase {
+    /// Nanoseconds, which the engine counts in.
+    pub const NANOSECONDS: Self = Self(-9);
+
+    /// Ticks of 10 to this power of seconds, from -18 to 2.
+    #[must_use]
+    pub const fn power(exponent: i8) -> Option<Self> {
+        if -18 <= exponent && exponent <= 2 { Some(Self(exponent)) } else { None }
+    }
+
+    /// The power of ten.
+    #[must_use]
+    pub const fn exponent(self) -> i8 {
+        self.0
+    }
+
+    /// So many ticks in seconds.
+    #[must_use]
+    pub fn seconds(self, ticks: i64) -> f64 {
+        let power = 10_f64.powi(i32::from(self.0).abs());
+        if self.0 < 0 { ticks as f64 / power } else { ticks as f64 * power }
+    }
+
+    /// So many ticks in microseconds.
+    #[must_use]
+    pub fn microseconds(self, ticks: i64) -> f64 {
+        let power = 10_f64.powi(i32::from(self.0 + 6).abs());
+        if self.0 < -6 { ticks as f64 / power } else { ticks as f64 * power }
+    }
+
+    /// So many ticks in nanoseconds: rounded toward the past, and at the most what an `i64` holds.
+    #[must_use]
+    pub fn nanoseconds(self, ticks: i64) -> i64 {
+        let by = 10_i128.pow(u32::from((self.0 + 9).unsigned_abs()));
+        let ticks = i128::from(ticks);
+        let exact = if self.0 < -9 { ticks.div_euclid(by) } else { ticks * by };
+        i64::try_from(exact).unwrap_or(if exact < 0 { i64::MIN } else { i64::MAX })
+    }
+}
+
+impl Default for TimeBase {
+    fn default() -> Self {
+        Self::NANOSECONDS
+    }
+}
+
+/// Samples at equal distances.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Run {
+    /// The number of its first sample.
+    first: usize,
+    at: i64,
+    /// Zero while the run is one sample.
+    step: i64,
+}
+
+/// When samples were taken: increasing, in little room where they are regular.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Times {
+    runs: Vec<Run>,
+    len: usize,
+}
+
+impl Times {
+    /// How many samples there are.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// When a sample was taken.
+    #[must_use]
+    pub fn get(&self, sample: usize) -> Option<i64> {
+        if sample >= self.len {
+            return None;
+        }
+        let after = self.runs.partition_point(|r| r.first <= sample);
+        let run = self.runs.get(after.checked_sub(1)?)?;
+        run.after(sample - run.first)
+    }
+
+    /// When the first was taken.
+    #[must_use]
+    pub fn first(&self) -> Option<i64> {
+        self.runs.first().map(|r| r.at)
+    }
+
+    /// When the last was taken.
+    #[must_use]
+    pub fn last(&self) -> Option<i64> {
+        let run = self.runs.last()?;
+        run.after(self.len - 1 - run.first)
+    }
+
+    /// The last sample that was not taken after this time.
+    #[must_use]
+    pub fn until(&self, time: i64) -> Option<usize> {
+        let after = self.runs.partition_point(|r| r.at <= time);
+        let number = after.checked_sub(1)?;
+        let run = self.runs.get(number)?;
+        let end = self.runs.get(after).map_or(self.len, |next| next.first);
+        let passed = i128::from(time) - i128::from(run.at);
+        let steps = passed.checked_div(i128::from(run.step)).unwrap_or(0);
+        let steps = usize::try_from(steps).unwrap_or(usize::MAX);
+        Some(run.first + steps.min(end - 1 - run.first))
+    }
+
+    /// The first sample that was not taken before this time; as many as there are, if none.
+    #[must_use]
+    pub fn from(&self, time: i64) -> usize {
+        match self.until(time) {
+            None => 0,
+            Some(s) if self.get(s) == Some(time) => s,
+            Some(s) => s + 1,
+        }
+    }
+
+    /// All of them.
+    pub fn iter(&self) -> impl Iterator<Item = i64> + '_ {
+        let ends = self.runs.iter().skip(1).map(|r| r.first).chain([self.len]);
+        self.runs
+            .iter()
+            .zip(ends)
+            .flat_map(|(run, end)| (0..end.saturating_sub(run.first)).filter_map(|n| run.after(n)))
+    }
+
+    /// One more; whoever calls has seen that it is later than the last.
+    pub(crate) fn push(&mut self, time: i64) {
+        let number = self.len;
+        self.len += 1;
+        if let Some(run) = self.runs.last_mut() {
+            let n = number - run.first;
+            if n == 1 && run.step == 0 {
+                if let Some(step) = time.checked_sub(run.at) {
+                    run.step = step;
+                    return;
+                }
+            } else if run.after(n) == Some(time) {
+                return;
+            }
+        }
+        self.runs.push(Run { first: number, at: time, step: 0 });
+    }
+}
+
+impl Run {
+    /// The time of its sample with this number, from zero.
+    fn after(self, n: usize) -> Option<i64> {
+        self.step.checked_mul(i64::try_from(n).ok()?)?.checked_add(self.at)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_time_is_found_again() {
+        let mut times = Times::default();
+        let list = [i64::MIN, -3, 0, 25, 50, 75, 80, 100, 120, 140, 141, i64::MAX - 1, i64::MAX];
+        for t in list {
+            times.push(t);
+        }
+        assert_eq!(times.iter().collect::<Vec<_>>(), list);
+        for (i, t) in list.iter().enumerate() {
+            assert_eq!(times.get(i), Some(*t));
+            assert_eq!((times.until(*t), times.from(*t)), (Some(i), i));
+        }
+        assert_eq!((times.until(49), times.from(49)), (Some(3), 4));
+        assert_eq!((times.until(1000), times.from(1000)), (Some(10), 11));
+        assert_eq!((times.len(), times.get(13)), (13, None));
+        assert_eq!((times.first(), times.last()), (Some(i64::MIN), Some(i64::MAX)));
+    }
+
+    #[test]
+    fn regular_times_take_no_room() {
+        let mut times = Times::default();
+        for t in 0..1_000_000 {
+            times.push(t * 25_000);
+        }
+        assert_eq!(times.runs.len(), 1);
+        assert_eq!(times.get(999_999), Some(999_999 * 25_000));
+        assert_eq!(times.from(i64::MAX), 1_000_000);
+        assert_eq!(times.until(-1), None);
+    }
+
+    #[test]
+    fn ticks_are_seconds() {
+        assert_eq!(TimeBase::NANOSECONDS.seconds(1_500_000_000), 1.5);
+        assert_eq!(TimeBase::power(1).map(|b| b.seconds(3)), Some(30.0));
+        assert_eq!(TimeBase::power(-12).map(|b| b.nanoseconds(-1)), Some(-1));
+        assert_eq!(TimeBase::power(-3).map(|b| b.nanoseconds(7)), Some(7_000_000));
+        assert_eq!(TimeBase::power(2).map(|b| b.nanoseconds(i64::MIN)), Some(i64::MIN));
+        assert_eq!(TimeBase::power(3), None);
+    }
+}
