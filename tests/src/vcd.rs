@@ -68,8 +68,7 @@ impl Vcd {
             .collect()
     }
 
-    /// Bits as text: a line each, with what it was at `from` and its edges up to `to`, in
-    /// microseconds after `from`.
+    /// Channels as text: a line each, from one time to another, in microseconds after `from`.
     pub fn drawing(&self, bits: &[&str], from: i64, to: i64) -> String {
         draw::edges(&self.trace, bits, from, to).unwrap()
     }
@@ -93,7 +92,7 @@ mod tests {
         assert_eq!(vcd.at("a.y", 300), -0.2);
         assert_eq!(vcd.at("n", 1000), 5.0);
         assert_eq!(vcd.end(), 400);
-        let drawing = "a.x  low   rise 0.05  fall 0.15\nsig  low   rise 0.05  fall 0.15\n";
+        let drawing = "a.x  _/‾0.05‾\\_0.15_\nsig  _/‾0.05‾\\_0.15_\n";
         assert_eq!(vcd.drawing(&["a.x", "sig"], 50, 250), drawing);
     }
 }

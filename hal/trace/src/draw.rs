@@ -1,4 +1,8 @@
-//! Waveforms as text.
+//! Waveforms as text, and what differs between two of them.
+
+mod differences;
+
+pub use differences::differences;
 
 use crate::Trace;
 use hal_protocol::Value;
@@ -16,13 +20,19 @@ impl core::fmt::Display for NoChannel {
 
 impl core::error::Error for NoChannel {}
 
-/// A line for each channel: what it was at `from`, and each change up to `to`, which is itself out, in
-/// microseconds after `from`. Bits are high and low, and rise and fall; others have values.
+/// Draws a line for each channel from one time to another, which is itself out.
 ///
 /// ```text
-/// stepgen.0.step  low   rise 25  fall 50
-/// stepgen.0.pos   0.5   1.25 at 25  -3 at 70.5
+/// stepgen.0.step  _/‾100‾\_200_/‾2600‾\_2700_
+/// stepgen.0.dir   _/‾1900‾
+/// stepgen.0.pos   0.5 |25 1.25 |70.5 -3
 /// ```
+///
+/// A bit is drawn as its level, `_` or `‾`, and its edges, each with its time behind it; anything else
+/// as its values, with the time of each change between them; `?` is what is not known. Times are
+/// microseconds after `from`. Nothing is to scale: an edge that moves changes its own number and
+/// nothing else, so that comparing two drawings line by line shows it, and [`differences`] says
+/// by how much.
 ///
 /// # Errors
 /// A name that is not in the trace.
@@ -32,23 +42,23 @@ pub fn edges(trace: &Trace, names: &[&str], from: i64, to: i64) -> Result<String
     for name in names {
         let number = trace.find(name).ok_or_else(|| NoChannel((*name).into()))?;
         let Some(channel) = trace.channels().get(number) else { continue };
-        let first = match trace.at(number, from) {
+        let shown = |value: Option<Value>| match value {
             None => "?".to_owned(),
-            Some(Value::Bit(b)) => if b { "high" } else { "low" }.to_owned(),
+            Some(Value::Bit(b)) => if b { "‾" } else { "_" }.to_owned(),
             Some(value) => value.to_string(),
         };
         // Nothing that is written to a text fails.
-        let _: std::fmt::Result = write!(text, "{name:width$}  {first:4}");
+        let _: std::fmt::Result = write!(text, "{name:width$}  {}", shown(trace.at(number, from)));
         let times = trace.times();
         let before = |time: i64| channel.changes_before(times.from(time));
-        for change in (before(from.saturating_add(1))..before(to)).filter_map(|n| channel.change(n))
-        {
-            let at = times.get(change.sample).unwrap_or(from);
-            let at = trace.base().microseconds(at.saturating_sub(from));
+        let changes = before(from.saturating_add(1))..before(to);
+        for change in changes.filter_map(|n| channel.change(n)) {
+            let at = times.get(change.sample).unwrap_or(from).saturating_sub(from);
+            let at = trace.base().microseconds(at);
             let _: std::fmt::Result = match change.value {
-                None => write!(text, "  ? at {at}"),
-                Some(Value::Bit(b)) => write!(text, "  {} {at}", if b { "rise" } else { "fall" }),
-                Some(value) => write!(text, "  {value} at {at}"),
+                Some(Value::Bit(true)) => write!(text, "/‾{at}‾"),
+                Some(Value::Bit(false)) => write!(text, "\\_{at}_"),
+                value => write!(text, " |{at} {}", shown(value)),
             };
         }
         text.push('\n');

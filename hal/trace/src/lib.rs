@@ -28,7 +28,7 @@
 //! assert_eq!(trace.value(count, 2), Some(Value::S32(8)));
 //! assert_eq!(trace.at(step, 30_000), Some(Value::Bit(true)));
 //! let name = ["stepgen.0.step"];
-//! assert_eq!(edges(&trace, &name, 0, 60_000)?, "stepgen.0.step  low   rise 25  fall 50\n");
+//! assert_eq!(edges(&trace, &name, 0, 60_000)?, "stepgen.0.step  _/‾25‾\\_50_\n");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -39,7 +39,7 @@
 //! |---|---|
 //! | [`Trace`], [`Channel`], [`Times`] | the samples; `trace.rs`, `channel.rs`, `times.rs` |
 //! | [`vcd`] | VCD files, written while samples come or whole, and read |
-//! | [`draw`] | waveforms as text |
+//! | [`draw`] | waveforms as text, and which edges differ between two |
 //!
 //! What comes from files is not believed: a reader never panics, says where a file is wrong, and hands out
 //! what it had read until then ([`Reading`]).
