@@ -26,10 +26,19 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("thread '*' is stuck in its cycle, in function '*'", "tests/tests/faults_edits.rs"),
     ("signal '*' is a port and cannot have I/O pin(s)", REFUSALS),
     ("signal '*' is a port and can only have one input pin", REFUSALS),
+    ("there is no thread in whose cycles to sample", SAMPLES),
+    ("nothing is named that is to be sampled", SAMPLES),
+    ("nothing matches '*'", SAMPLES),
+    ("'*' is a port and has no value to sample", SAMPLES),
+    ("* channels at once; at most * are possible", SAMPLES),
+    ("there is no memory for * samples of this kind, only for *", SAMPLES),
+    ("this client has no sample *", SAMPLES),
+    ("samples go to programs: ask for them on the socket", SAMPLES),
     ("insufficient memory", "the machine's memory is used up"),
     ("* are loaded already, by component '*'", "two components offer the same service"),
     ("the engine answered something else than was asked", "never, or it is a defect"),
 ];
+const SAMPLES: &str = "tests/tests/samples.rs";
 const FAULTS: &str = "tests/tests/faults.rs";
 const REFUSALS: &str = "tests/tests/refusals.rs";
 
@@ -40,8 +49,12 @@ const COMMANDS: &str = "loadrt unloadrt loadusr waitusr unloadusr unload newsig 
     setexact_for_test_suite_only";
 
 /// Where sentences are made.
-const SOURCES: &[&str] =
-    &["halcmd/src/error.rs", "hal/engine/src/error.rs", "hal/engine/src/hint.rs"];
+const SOURCES: &[&str] = &[
+    "halcmd/src/error.rs",
+    "hal/engine/src/error.rs",
+    "hal/engine/src/hint.rs",
+    "hal/engine/src/watch_error.rs",
+];
 
 /// What every case prints, by its name.
 fn printed() -> BTreeMap<String, Vec<String>> {

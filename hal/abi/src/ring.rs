@@ -34,7 +34,8 @@ pub struct Ring {
     pub types: [u8; 24],
     /// Records lost for want of room.
     pub lost: AtomicU64,
-    apart: [u64; 2],
+    closed: AtomicU64,
+    apart: u64,
     written: AtomicU64,
     apart_too: [u64; 7],
     taken: AtomicU64,
@@ -54,7 +55,8 @@ impl Ring {
             width,
             types,
             lost: AtomicU64::new(0),
-            apart: [0; 2],
+            closed: AtomicU64::new(0),
+            apart: 0,
             written: AtomicU64::new(0),
             apart_too: [0; 7],
             taken: AtomicU64::new(0),
@@ -79,6 +81,16 @@ impl Ring {
         self.taken.load(Acquire)
     }
 
+    /// Nothing more will be written.
+    pub fn close(&self) {
+        self.closed.store(1, Release); // Pairs with `is_closed`: what was written before is seen.
+    }
+
+    /// Whether nothing more will be written: what waits now is all that there is.
+    pub fn is_closed(&self) -> bool {
+        self.closed.load(Acquire) != 0 // Pairs with `close`.
+    }
+
     /// How many records wait, never more than the ring can hold.
     pub fn waiting(&self, depth: u32) -> u32 {
         let n = self.written().wrapping_sub(self.taken());
@@ -100,13 +112,19 @@ impl Side {
         unsafe { &*self.ring }
     }
 
-    fn word(&self, index: u64, i: usize) -> &AtomicU64 {
+    /// The words of a slot: the number of its record, and its values.
+    fn slot(&self, index: u64) -> (&AtomicU64, &[AtomicU64]) {
         let slot = usize::try_from(index % u64::from(self.depth)).unwrap_or(0);
-        let at = slot * (self.width as usize + 1) + i;
-        // SAFETY: the words follow the head, and `at` is below `depth * (width + 1)`.
-        let place = unsafe { self.ring.cast::<AtomicU64>().add(HEAD_WORDS + at) };
+        let width = self.width as usize;
+        let at = HEAD_WORDS + slot * (width + 1);
+        // SAFETY: the words follow the head, and `slot` is below `depth`.
+        let number = unsafe { self.ring.cast::<AtomicU64>().add(at) };
+        // SAFETY: as above; each slot has a word more than values.
+        let values = unsafe { number.add(1) };
         // SAFETY: live and aligned as above.
-        unsafe { &*place }
+        let number = unsafe { &*number };
+        // SAFETY: live, aligned, `width` words long as above.
+        (number, unsafe { core::slice::from_raw_parts(values, width) })
     }
 }
 
@@ -136,6 +154,12 @@ impl Producer {
     /// Appends a record; `value(i)` gives each value. False when the ring is full (or its other
     /// side wrote nonsense): the record is counted as lost and its number skipped.
     pub fn put(&mut self, value: impl Fn(usize) -> u64) -> bool {
+        self.put_all((0..self.side.width as usize).map(value))
+    }
+
+    /// As [`Self::put`], with the values in order; they are only asked for when there is room.
+    #[inline]
+    pub fn put_all(&mut self, values: impl Iterator<Item = u64>) -> bool {
         self.sample = self.sample.wrapping_add(1);
         if self.room() == 0 {
             let lost = self.side.head().lost.load(Relaxed);
@@ -144,9 +168,10 @@ impl Producer {
             self.side.head().written.store(self.next, Release); // Pairs with `Consumer::take`.
             return false;
         }
-        self.side.word(self.next, 0).store(self.sample, Relaxed);
-        for i in 0..self.side.width as usize {
-            self.side.word(self.next, i + 1).store(value(i), Relaxed);
+        let (number, words) = self.side.slot(self.next);
+        number.store(self.sample, Relaxed);
+        for (word, value) in words.iter().zip(values) {
+            word.store(value, Relaxed);
         }
         self.next = self.next.wrapping_add(1);
         self.side.head().written.store(self.next, Release); // Pairs with `Consumer::take`.
@@ -228,13 +253,21 @@ impl Consumer {
             self.side.head().taken.store(self.next, Release); // Pairs with `Producer::room`.
             return Got::Nonsense;
         }
-        let sample = self.side.word(self.next, 0).load(Relaxed);
-        for i in 0..self.side.width as usize {
-            value(i, self.side.word(self.next, i + 1).load(Relaxed));
+        let (number, words) = self.side.slot(self.next);
+        let sample = number.load(Relaxed);
+        for (i, word) in words.iter().enumerate() {
+            value(i, word.load(Relaxed));
         }
         self.next = self.next.wrapping_add(1);
         self.side.head().taken.store(self.next, Release); // Pairs with `Producer::room`.
         Got::Sample(sample)
+    }
+
+    /// Records that the writer has lost for want of room, and whether it writes no more: what
+    /// waits then is all that there is.
+    pub fn lost_and_closed(&self) -> (u64, bool) {
+        let closed = self.side.head().is_closed();
+        (self.side.head().lost.load(Relaxed), closed)
     }
 
     /// Goes on from where the writer says it is, if this side's index cannot be.

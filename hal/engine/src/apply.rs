@@ -4,7 +4,6 @@ use crate::{
     Engine, Error,
     change::{Change, Store},
     os,
-    probe::Probe,
     sync::Arc,
     thread::{List, Thread},
 };
@@ -19,7 +18,6 @@ pub(crate) const PATIENCE_NS: i64 = 2_000_000_000;
 pub(crate) enum Retired {
     List(Arc<List>),
     Threads(Arc<Vec<Arc<Thread>>>),
-    Probe(Arc<Probe>),
 }
 
 impl Retired {
@@ -27,7 +25,6 @@ impl Retired {
         1 == match self {
             Self::List(a) => Arc::strong_count(a),
             Self::Threads(a) => Arc::strong_count(a),
-            Self::Probe(a) => Arc::strong_count(a),
         }
     }
 }
@@ -136,11 +133,6 @@ impl Engine {
     /// Keeps what threads may still use.
     pub(crate) fn retire_threads(&mut self, old: Arc<Vec<Arc<Thread>>>) {
         self.retired.push(Retired::Threads(old));
-    }
-
-    /// Keeps what threads may still use.
-    pub(crate) fn retire_probe(&mut self, old: Arc<Probe>) {
-        self.retired.push(Retired::Probe(old));
     }
 
     /// Frees what no thread uses any more.

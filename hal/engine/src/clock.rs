@@ -5,15 +5,16 @@ use crate::{
     shared::Shared,
     sync::{Arc, Ordering},
     thread::Thread,
+    watch::Probes,
 };
 
 /// The longest sleep: whoever is told to end does so that soon, however slow it is.
 const LONGEST_SLEEP_NS: i64 = 10_000_000;
 
 /// Runs the virtual clock up to `until`, at most `instants` moments that do something. Everything
-/// due at one moment runs, faster threads first. Returns early when the probe is nearly full or a
-/// function fails.
-pub(crate) fn turn(shared: &Shared, until: i64, instants: u32) {
+/// due at one moment runs, faster threads first. Returns early when a probe that must lose nothing
+/// has no room or a function fails.
+pub(crate) fn turn(shared: &Shared, probes: &Probes, until: i64, instants: u32) {
     let threads = shared.threads.load();
     let idle = !shared.boundary.is_running() || shared.fault.get().is_some();
     if threads.is_empty() || idle {
@@ -28,9 +29,8 @@ pub(crate) fn turn(shared: &Shared, until: i64, instants: u32) {
         }
         return;
     }
-    let probe = shared.probe.load();
     for _ in 0..instants {
-        if probe.as_ref().is_some_and(|p| !p.has_room()) {
+        if !probes.have_room() {
             return;
         }
         let next = threads.iter().map(|t| t.due.load(Ordering::Relaxed)).min().unwrap_or(until);
@@ -42,12 +42,10 @@ pub(crate) fn turn(shared: &Shared, until: i64, instants: u32) {
         for t in threads.iter() {
             if t.due.load(Ordering::Relaxed) == next {
                 t.due.store(next + t.period_ns, Ordering::Relaxed);
-                t.cycle(shared);
+                t.cycle(shared, next);
             }
         }
-        if let Some(p) = probe.as_ref() {
-            p.sample(next);
-        }
+        probes.moments.iter().for_each(|p| p.look(next));
         if shared.fault.get().is_some() {
             return;
         }
@@ -57,7 +55,6 @@ pub(crate) fn turn(shared: &Shared, until: i64, instants: u32) {
 /// Whatever allocates on first use does so before the first cycle.
 pub(crate) fn warm(shared: &Shared) {
     drop(shared.threads.load());
-    drop(shared.probe.load());
     for t in shared.threads.load().iter() {
         drop(t.list.load());
     }
@@ -78,12 +75,7 @@ fn boundary(shared: &Shared, me: &Thread, threads: &[Arc<Thread>]) {
 fn beat(shared: &Shared, t: &Thread, threads: &[Arc<Thread>], due: i64) {
     t.woke(os::monotonic_ns() - due);
     boundary(shared, t, threads);
-    let longest = t.cycle(shared);
-    if threads.first().is_some_and(|f| f.id == t.id)
-        && let Some(p) = shared.probe.load().as_ref()
-    {
-        p.sample(due - shared.origin());
-    }
+    let longest = t.cycle(shared, due - shared.origin());
     let mut next = due + t.period_ns;
     let now = os::monotonic_ns();
     if now > next {

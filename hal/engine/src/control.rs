@@ -17,6 +17,8 @@ impl Engine {
         let moved = self.advance();
         self.notice_fault();
         self.reap();
+        // Whoever reads a full ring does not say so.
+        let ms = if self.probes.have_room() { ms } else { ms.min(1) };
         let ms = if moved { 0 } else { ms };
         crate::server::serve_once(self, ms);
     }
@@ -27,6 +29,7 @@ impl Engine {
         let now = self.shared.now();
         if !self.shared.is_virtual() {
             self.run_tasks(now);
+            self.look_while_stopped(now);
             self.drain_recording();
             return false;
         }
@@ -48,7 +51,7 @@ impl Engine {
         // Whoever waits for a ticket or a ring is to see it as soon as it changes.
         let looks = self.script_waits && !self.rings.is_empty();
         let instants = if looks || crate::server::waits_for_ticket(self) { 1 } else { SLICE };
-        clock::turn(&self.shared, until.max(now), instants);
+        clock::turn(&self.shared, &self.probes, until.max(now), instants);
         self.drain_recording();
         let now = self.shared.now();
         self.run_tasks(now);
@@ -70,7 +73,7 @@ impl Engine {
         }
         let until = self.next_task().min(crate::server::next_poll(self));
         let until = until.min(now.saturating_add(1_000_000_000));
-        clock::turn(&self.shared, until.max(now), 1);
+        clock::turn(&self.shared, &self.probes, until.max(now), 1);
         self.drain_recording();
         let then = self.shared.now();
         self.run_tasks(then);
@@ -83,6 +86,7 @@ impl Engine {
         self.programs.retain(|p| os::alive(p.pid));
         let starting = self.programs.iter().any(|p| !p.joined && now - p.since < 1_000_000_000);
         starting
+            || !self.probes.have_room()
             || crate::server::owes_poll(self)
             || (self.script_waits && self.rings.values().any(SharedRing::holds_back))
             || self.waits_for.is_some_and(|pid| self.rings.values().any(|r| r.is_enough_for(pid)))

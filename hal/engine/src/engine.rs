@@ -11,12 +11,14 @@ use crate::{
     record::Recording,
     ring::SharedRing,
     runners::{Runners, Scheduling},
+    sample::Sample,
     server::Server,
     shared::Shared,
     sync::{Arc, Ordering},
     task::Task,
     transaction::Transaction,
     trial::Trial,
+    watch::Probes,
 };
 use hal_abi::{Ticket, TicketState};
 use hal_protocol::{Failure, FaultInfo, Lock, Offer, Patterns, TicketInfo};
@@ -81,6 +83,9 @@ pub struct Engine {
     pub(crate) finished: BTreeMap<u64, TicketInfo>,
     pub(crate) next_ticket: u64,
     pub(crate) recording: Option<Recording>,
+    pub(crate) probes: Probes,
+    /// By the numbers of their probes.
+    pub(crate) samples: BTreeMap<u64, Sample>,
     pub(crate) fault: Option<FaultInfo>,
     pub(crate) server: Option<Server>,
     pub(crate) shutdown: bool,
@@ -157,6 +162,8 @@ impl Engine {
             finished: BTreeMap::new(),
             next_ticket: 1,
             recording: None,
+            probes: Probes::default(),
+            samples: BTreeMap::new(),
             fault: None,
             server: None,
             shutdown: false,

@@ -222,10 +222,7 @@ pub enum Error {
         path: Box<str>,
         why: Box<str>,
     },
-    NotRecording,
-    Recording {
-        path: Box<str>,
-    },
+    Watch(crate::WatchError),
     Running {
         instance: Box<str>,
     },
@@ -384,8 +381,7 @@ impl core::fmt::Display for Error {
                 write!(f, "stream '{name}' is in use by another program")
             }
             Self::File { path, why } => write!(f, "{path}: {why}"),
-            Self::NotRecording => f.write_str("nothing is being recorded"),
-            Self::Recording { path } => write!(f, "already recording to {path}"),
+            Self::Watch(e) => e.fmt(f),
             Self::Running { instance } => write!(f, "instance '{instance}' is already running"),
             Self::System { what, why } => write!(f, "{what}: {why}"),
             Self::ServiceTaken { name, by } => {

@@ -22,12 +22,12 @@ impl Error {
             Self::InUseBy { .. }
             | Self::Stuck { .. }
             | Self::StreamTaken { .. }
-            | Self::Recording { .. }
             | Self::Running { .. } => -16,
             Self::Duplicate { .. } | Self::ModuleExists { .. } | Self::ServiceTaken { .. } => -17,
             Self::OutOfRange { .. } => -34,
             Self::QueueAllocated { .. } => -106,
             Self::InitFailed { code, .. } | Self::CommandFailed { code, .. } => *code,
+            Self::Watch(e) => e.errno(),
             _ => -22,
         }
     }
@@ -74,6 +74,7 @@ impl Error {
             | Self::NotInUse { funct }
             | Self::NotInThread { funct, .. }
             | Self::InitDone { funct, .. } => Some(funct),
+            Self::Watch(e) => e.word(),
             Self::UnknownParameter { word, .. }
             | Self::InvalidParameter { word }
             | Self::InvalidArgument { word, .. } => Some(word),

@@ -40,6 +40,7 @@ mod record;
 mod request;
 mod ring;
 mod runners;
+mod sample;
 mod schedule;
 mod server;
 mod session;
@@ -53,11 +54,14 @@ mod trial;
 mod undo;
 mod unload;
 mod value;
+mod watch;
+mod watch_error;
 mod wiring;
 
 pub use engine::{Ended, Engine};
 pub use error::Error;
 pub use hal_protocol::Offer;
+pub use watch_error::WatchError;
 
 use hal_protocol::Place;
 use std::path::PathBuf;

@@ -2,13 +2,13 @@
 
 use crate::{
     Engine, Error,
-    code::Ptr,
-    graph::Item,
+    graph::Ix,
     os,
-    probe::{Probe, Source, Watch},
-    sync::{Arc, AtomicU64, Ordering},
+    probe::Probe,
+    sync::{Arc, AtomicU64},
+    watch::{At, Watching},
+    watch_error::WatchError,
 };
-use crossbeam::queue::ArrayQueue;
 use hal_protocol::{Patterns, Type};
 use hal_trace::{
     TimeBase,
@@ -27,7 +27,8 @@ pub(crate) struct Recording {
     /// The file, until time first moves; what is watched is settled then.
     file: Option<BufWriter<File>>,
     writer: Option<Writer<BufWriter<File>>>,
-    probe: Option<Arc<Probe>>,
+    /// Its probe and the number of that.
+    probe: Option<(u64, Arc<Probe>)>,
     failed: bool,
 }
 
@@ -39,7 +40,7 @@ impl Recording {
 
     /// Changes lost for want of room.
     pub(crate) fn lost(&self) -> u64 {
-        self.probe.as_ref().map_or(0, |p| p.lost.load(Ordering::Relaxed))
+        self.probe.as_ref().map_or(0, |(_, p)| p.lost())
     }
 }
 
@@ -47,7 +48,7 @@ impl Engine {
     /// `record FILE PATTERNS…`; what the patterns name is settled when time first moves.
     pub(crate) fn record(&mut self, path: &str, patterns: &[String]) -> Result<(), Error> {
         if let Some(r) = &self.recording {
-            return Err(Error::Recording { path: r.path.as_str().into() });
+            return Err(WatchError::Recording { path: r.path.as_str().into() }.into());
         }
         let file =
             File::create(path).map_err(|e| Error::File { path: path.into(), why: os::said(&e) })?;
@@ -69,42 +70,41 @@ impl Engine {
     pub(crate) fn begin_recording(&mut self) {
         let Some(mut r) = self.recording.take() else { return };
         if let Some(file) = r.file.take() {
-            let (watches, columns) = self.watches(&r);
-            if watches.is_empty() && !r.patterns.is_empty() {
+            let (nodes, columns) = self.watches(&r);
+            if nodes.is_empty() && !r.patterns.is_empty() {
                 self.notice(format!("{}: nothing matches what is to be recorded", r.path));
             }
+            let sources: Box<[_]> = nodes.iter().filter_map(|ix| self.source(*ix)).collect();
+            let last = sources.iter().map(|s| AtomicU64::new(s.bits())).collect();
+            let probe = Arc::new(Probe::changes(sources, last, ROOM.max(nodes.len() * 4)));
             let begun = Writer::new(file, TimeBase::NANOSECONDS, &columns, None);
             let begun = begun.and_then(|mut writer| {
-                let first: Vec<_> =
-                    watches.iter().map(|w| Some(w.last.load(Ordering::Relaxed))).collect();
+                let first: Vec<_> = probe.last().map(Some).collect();
                 writer.all(self.shared.now(), &first)?;
                 Ok(writer)
             });
             r.failed = begun.is_err();
             r.writer = begun.ok();
-            let room = ROOM.max(watches.len() * 4);
-            let probe = Arc::new(Probe {
-                watches,
-                changes: ArrayQueue::new(room),
-                lost: AtomicU64::new(0),
-            });
-            self.shared.probe.store(Some(probe.clone()));
-            r.probe = Some(probe);
+            let (at, nodes) = (At::Moments, nodes.into_iter().collect());
+            let watching = Watching { probe: probe.clone(), at, nodes, lossless: true };
+            match self.begin_watching(watching) {
+                Ok(id) => r.probe = Some((id, probe)),
+                Err(e) => self.notice(e.to_string()),
+            }
         }
         self.recording = Some(r);
     }
 
     /// What to watch, and under which names each value appears.
-    fn watches(&self, r: &Recording) -> (Vec<Watch>, Vec<Column>) {
-        let mut watches = Vec::new();
+    fn watches(&self, r: &Recording) -> (Vec<Ix>, Vec<Column>) {
+        let mut nodes = Vec::new();
         let mut columns: Vec<Column> = Vec::new();
         let mut of_signal = BTreeMap::new();
         for (name, ix) in &self.graph.signals {
             let Some(s) = self.graph.signal(*ix).filter(|s| s.ty != Type::Port) else { continue };
             if r.patterns.matches(name.as_str()) {
-                of_signal.insert(*ix, watches.len());
-                let last = AtomicU64::new(s.bits());
-                watches.push(Watch { source: Source::Cell(s.cell), last });
+                of_signal.insert(*ix, nodes.len());
+                nodes.push(*ix);
                 columns.push(Column { ty: s.ty, names: vec![name.as_str().to_owned()] });
             }
         }
@@ -124,23 +124,20 @@ impl Engine {
                 at.names.push(name.as_str().to_owned());
                 continue;
             }
-            if let Some(slot) = Item::slot(item) {
-                let last = AtomicU64::new(item.bits());
-                if let Some(s) = signal {
-                    of_signal.insert(s, watches.len());
-                }
-                watches.push(Watch { source: Source::Slot(Ptr(slot)), last });
-                columns.push(Column { ty: item.ty, names: vec![name.as_str().to_owned()] });
+            if let Some(s) = signal {
+                of_signal.insert(s, nodes.len());
             }
+            nodes.push(*ix);
+            columns.push(Column { ty: item.ty, names: vec![name.as_str().to_owned()] });
         }
-        (watches, columns)
+        (nodes, columns)
     }
 
     /// Writes what has been queued.
     pub(crate) fn drain_recording(&mut self) {
         let Some(r) = &mut self.recording else { return };
-        let Some(probe) = r.probe.clone() else { return };
-        while let Some((time, which, bits)) = probe.changes.pop() {
+        let Some((_, probe)) = r.probe.clone() else { return };
+        while let Some((time, which, bits)) = probe.change() {
             let Some(writer) = &mut r.writer else { continue };
             let written =
                 writer.time(time).and_then(|()| writer.change(which as usize, Some(bits)));
@@ -151,8 +148,8 @@ impl Engine {
     /// While virtual time stands still, nobody looks at what a script or a stop action changes.
     fn look_last(&self) {
         let probe = self.recording.as_ref().and_then(|r| r.probe.as_ref());
-        if let Some(probe) = probe.filter(|_| self.shared.is_virtual()) {
-            probe.sample(self.shared.now());
+        if let Some((_, probe)) = probe.filter(|_| self.shared.is_virtual()) {
+            probe.look(self.shared.now());
         }
     }
 
@@ -160,10 +157,11 @@ impl Engine {
     pub(crate) fn end_recording(&mut self) -> Result<(), Error> {
         self.look_last();
         self.drain_recording();
-        let Some(mut r) = self.recording.take() else { return Err(Error::NotRecording) };
-        self.shared.probe.store(None);
-        if let Some(probe) = r.probe.clone() {
-            self.retire_probe(probe);
+        let Some(mut r) = self.recording.take() else {
+            return Err(WatchError::NotRecording.into());
+        };
+        if let Some((id, _)) = &r.probe {
+            self.end_watching(*id);
         }
         if let Some(mut writer) = r.writer.take() {
             let now = self.shared.now();
@@ -174,7 +172,7 @@ impl Engine {
             let why = "the recording could not be written whole".into();
             return Err(Error::File { path: r.path.into(), why });
         }
-        let lost = r.probe.map_or(0, |p| p.lost.load(Ordering::Relaxed));
+        let lost = r.lost();
         if lost > 0 {
             self.notice(format!("{}: {lost} changes were lost for want of room", r.path));
         }
@@ -182,8 +180,9 @@ impl Engine {
     }
 
     /// A recording watches no pin of a component that goes: it ends, and that is said.
-    pub(crate) fn stop_watching(&mut self) {
-        if self.recording.as_ref().is_some_and(|r| r.probe.is_some()) {
+    pub(crate) fn recording_parted(&mut self, id: u64) {
+        let probe = self.recording.as_ref().and_then(|r| r.probe.as_ref());
+        if probe.is_some_and(|p| p.0 == id) {
             let path = self.recording.as_ref().map_or(String::new(), |r| r.path.clone());
             self.notice(format!("{path}: the recording ends, because a component is unloaded"));
             if let Err(e) = self.end_recording() {

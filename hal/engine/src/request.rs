@@ -7,6 +7,7 @@ use crate::{
     name::Name,
     os,
     sync::Ordering,
+    watch_error::WatchError,
 };
 use hal_protocol::{Answer, Failure, LATEST, Link, Reply, Request, TicketInfo};
 
@@ -65,6 +66,11 @@ impl Engine {
             Request::EndProgram { name } => self.end_program(name.as_deref())?,
             Request::Record { path, patterns } => self.record(&path, &patterns)?,
             Request::EndRecord => self.end_recording()?,
+            Request::Sample(_) => return Err(WatchError::Here.into()),
+            Request::SampleState { id } => {
+                return Ok(Reply::SampleState(self.sample_state(0, id)?));
+            }
+            Request::EndSample { id } => return Ok(Reply::SampleState(self.end_sample(0, id)?)),
             Request::Shutdown => self.shutdown = true,
             edit => {
                 self.whole(|e| e.stage(&edit).unwrap_or(Err(Error::NotAMember)))?;

@@ -2,7 +2,7 @@
 
 use crate::graph::Ix;
 use core::ptr::null_mut;
-use hal_abi::{MAX_WIDTH, Ring, StreamRef, StreamSpec, stream_direction};
+use hal_abi::{MAX_WIDTH, Producer, Ring, StreamRef, StreamSpec, stream_direction};
 use hal_protocol::{StreamInfo, Type};
 use rustix::{
     fs::{MemfdFlags, SealFlags, fcntl_add_seals, ftruncate, memfd_create},
@@ -10,11 +10,70 @@ use rustix::{
 };
 use std::os::fd::OwnedFd;
 
+/// A ring in sealed memory.
+#[derive(Debug)]
+pub(crate) struct Memory {
+    fd: OwnedFd,
+    ring: *mut Ring,
+    depth: u32,
+    width: u32,
+}
+
+// SAFETY: what both sides of the ring use is atomic; the rest never changes while it is shared.
+unsafe impl Send for Memory {}
+// SAFETY: as for `Send`.
+unsafe impl Sync for Memory {}
+
+impl Memory {
+    /// An empty ring of this shape.
+    pub(crate) fn new(depth: u32, width: u32, types: [u8; 24]) -> Result<Self, String> {
+        let bytes = Ring::bytes(depth, width);
+        let fail = |e: rustix::io::Errno| format!("no memory for a stream: {e}");
+        let fd = memfd_create("hal-stream", MemfdFlags::CLOEXEC | MemfdFlags::ALLOW_SEALING)
+            .map_err(fail)?;
+        ftruncate(&fd, bytes as u64).map_err(fail)?;
+        fcntl_add_seals(&fd, SealFlags::SHRINK | SealFlags::GROW | SealFlags::SEAL)
+            .map_err(fail)?;
+        let flags = MapFlags::SHARED | MapFlags::POPULATE;
+        // SAFETY: a fresh shared mapping of a file sealed against shrinking.
+        let p =
+            unsafe { mmap(null_mut(), bytes, ProtFlags::READ | ProtFlags::WRITE, flags, &fd, 0) }
+                .map_err(fail)?;
+        let ring = p.cast::<Ring>();
+        // SAFETY: mapped, page-aligned, not yet shared.
+        unsafe { ring.write(Ring::new(depth, width, types)) };
+        Ok(Self { fd, ring, depth, width })
+    }
+
+    /// The writing side; there must be no other.
+    pub(crate) fn producer(&self) -> Producer {
+        // SAFETY: mapped in this shape; whoever asks keeps this, and is the only one.
+        unsafe { Producer::new(self.ring, self.depth, self.width) }
+    }
+
+    /// The memory, for another process.
+    pub(crate) fn file(&self) -> std::io::Result<OwnedFd> {
+        self.fd.try_clone()
+    }
+
+    pub(crate) fn ring(&self) -> &Ring {
+        // SAFETY: mapped as long as this lives.
+        unsafe { &*self.ring }
+    }
+}
+
+impl Drop for Memory {
+    fn drop(&mut self) {
+        let bytes = Ring::bytes(self.depth, self.width);
+        // SAFETY: mapped in `new`; whoever used it kept this.
+        let _ = unsafe { munmap(self.ring.cast(), bytes) };
+    }
+}
+
 /// A shared ring.
 #[derive(Debug)]
 pub(crate) struct SharedRing {
     pub(crate) owner: Ix,
-    pub(crate) fd: OwnedFd,
     pub(crate) out: bool,
     /// The client that is attached.
     pub(crate) attached: Option<u64>,
@@ -24,8 +83,7 @@ pub(crate) struct SharedRing {
     enough: Option<u64>,
     types: Vec<Type>,
     depth: u32,
-    ring: *mut Ring,
-    bytes: usize,
+    pub(crate) memory: Memory,
 }
 
 impl SharedRing {
@@ -46,29 +104,15 @@ impl SharedRing {
         let types: Option<Vec<Type>> =
             spec.types.iter().take(width).map(|t| Type::from_code(*t)).collect();
         let types = types.ok_or("a stream has a value of no known type")?;
-        let bytes = Ring::bytes(spec.depth, spec.width);
-        let fail = |e: rustix::io::Errno| format!("no memory for a stream: {e}");
-        let fd = memfd_create("hal-stream", MemfdFlags::CLOEXEC | MemfdFlags::ALLOW_SEALING)
-            .map_err(fail)?;
-        ftruncate(&fd, bytes as u64).map_err(fail)?;
-        fcntl_add_seals(&fd, SealFlags::SHRINK | SealFlags::GROW | SealFlags::SEAL)
-            .map_err(fail)?;
-        let flags = MapFlags::SHARED | MapFlags::POPULATE;
-        // SAFETY: a fresh shared mapping of a file sealed against shrinking.
-        let p =
-            unsafe { mmap(null_mut(), bytes, ProtFlags::READ | ProtFlags::WRITE, flags, &fd, 0) }
-                .map_err(fail)?;
-        let ring = p.cast::<Ring>();
-        // SAFETY: mapped, page-aligned, not yet shared.
-        unsafe { ring.write(Ring::new(spec.depth, spec.width, spec.types)) };
+        let memory = Memory::new(spec.depth, spec.width, spec.types)?;
         let (attached, enough, depth) = (None, None, spec.depth);
-        Ok(Self { owner, fd, out, attached, pid: 0, enough, types, depth, ring, bytes })
+        Ok(Self { owner, out, attached, pid: 0, enough, types, depth, memory })
     }
 
     /// What its component is given.
     pub(crate) fn made(&self) -> StreamRef {
         let width = u32::try_from(self.types.len()).unwrap_or(0);
-        StreamRef { ring: self.ring, depth: self.depth, width }
+        StreamRef { ring: self.memory.ring, depth: self.depth, width }
     }
 
     /// How it is described to programs.
@@ -89,15 +133,14 @@ impl SharedRing {
     }
 
     fn ring(&self) -> &Ring {
-        // SAFETY: mapped as long as this lives.
-        unsafe { &*self.ring }
+        self.memory.ring()
     }
 
     /// A client attaches, for so many records. What never changes is written again: the client
     /// before this one may have scribbled.
     pub(crate) fn attach(&mut self, client: u64, pid: i32, count: Option<u64>) {
         let head = Ring::new(self.depth, self.made().width, self.codes());
-        let (from, to) = ((&raw const head).cast::<u8>(), self.ring.cast::<u8>());
+        let (from, to) = ((&raw const head).cast::<u8>(), self.memory.ring.cast::<u8>());
         // SAFETY: the beginning of the mapping, where this side keeps nothing that it believes.
         unsafe { from.copy_to_nonoverlapping(to, core::mem::offset_of!(Ring, lost)) };
         let taken = self.ring().taken();
@@ -122,12 +165,5 @@ impl SharedRing {
     pub(crate) fn holds_back(&self) -> bool {
         let waiting = self.ring().waiting(self.depth);
         if self.out { waiting + 1 >= self.depth } else { waiting == 0 && self.attached.is_some() }
-    }
-}
-
-impl Drop for SharedRing {
-    fn drop(&mut self) {
-        // SAFETY: mapped in `new`; its component is gone, so nobody of ours uses it.
-        let _ = unsafe { munmap(self.ring.cast(), self.bytes) };
     }
 }

@@ -182,7 +182,8 @@ impl Engine {
                 })
                 .collect()
         };
-        List { init: entries(true), entries: entries(false) }
+        let list = List { init: entries(true), entries: entries(false), ..List::default() };
+        self.with_probes(thread, list)
     }
 
     /// `addf`, `initf`.

@@ -79,6 +79,13 @@ fn answer(engine: &mut Engine, c: &mut Client, request: Request) -> Option<Resul
             Err(e) => Err(e),
         },
         Request::Attach { name, count } => attach(engine, c, &name, count),
+        Request::Sample(spec) => engine.begin_sample(c.id, &spec).map(|(info, fd)| {
+            c.fd = Some(fd);
+            has_started(engine, c);
+            Reply::Sample(info)
+        }),
+        Request::SampleState { id } => engine.sample_state(c.id, id).map(Reply::SampleState),
+        Request::EndSample { id } => engine.end_sample(c.id, id).map(Reply::SampleState),
         other => engine.carry(other),
     };
     Some(done.map_err(Failure::from))
@@ -216,7 +223,7 @@ fn attach(
     if ring.attached.is_some_and(|by| by != c.id) {
         return Err(Error::StreamTaken { name: name.into() });
     }
-    c.fd = Some(ring.fd.try_clone().map_err(|e| Error::System {
+    c.fd = Some(ring.memory.file().map_err(|e| Error::System {
         what: "the stream cannot be handed over",
         why: os::said(&e),
     })?);
@@ -233,6 +240,7 @@ pub(crate) fn leave(engine: &mut Engine, c: &Client) {
             ring.attached = None;
         }
     }
+    engine.end_samples_of(c.id);
     if let Some(ix) = c.component {
         engine.left.push(ix);
         forget_left(engine);

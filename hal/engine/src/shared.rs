@@ -6,11 +6,10 @@ use crate::{
     code::Code,
     handover::Boundary,
     os,
-    probe::Probe,
     sync::{Arc, AtomicBool, AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering},
     thread::Thread,
 };
-use arc_swap::{ArcSwap, ArcSwapOption};
+use arc_swap::ArcSwap;
 use crossbeam::queue::ArrayQueue;
 use hal_abi::{CommandRun, Str};
 
@@ -133,7 +132,6 @@ pub(crate) struct Shared {
     pub(crate) fault: Fault,
     /// What the last panic said, until whoever ran the code takes it.
     pub(crate) cause: Cause,
-    pub(crate) probe: ArcSwapOption<Probe>,
     messages: ArrayQueue<Message>,
     spoken: ArrayQueue<Spoken>,
     /// What a crash runs: the stop actions of everything that is loaded.
@@ -159,7 +157,6 @@ impl Shared {
             threads: ArcSwap::from_pointee(Vec::default()),
             fault: Fault::new(),
             cause: Cause::new(),
-            probe: ArcSwapOption::empty(),
             messages: ArrayQueue::new(4096),
             spoken: ArrayQueue::new(512),
             stops: ArcSwap::from_pointee(Vec::default()),

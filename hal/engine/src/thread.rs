@@ -4,6 +4,7 @@ use crate::{
     code::{Code, Ptr},
     handover::Gate,
     os,
+    probe::Probe,
     shared::Shared,
     sync::{Arc, AtomicBool, AtomicI64, AtomicU32, AtomicU64, Ordering},
 };
@@ -76,6 +77,10 @@ pub(crate) struct List {
     pub(crate) init: Vec<Entry>,
     /// In every cycle.
     pub(crate) entries: Vec<Entry>,
+    /// What looks after each cycle.
+    pub(crate) probes: Vec<Arc<Probe>>,
+    /// What looks then even when no function runs: the fastest thread's, on the real clock.
+    pub(crate) moments: Vec<Arc<Probe>>,
 }
 
 /// How late wake-ups were: up to 1 µs, 2 µs, 4 µs, … and more.
@@ -136,15 +141,15 @@ impl Thread {
         }
     }
 
-    /// One cycle, if threads are started. The function that took longest is returned for the
-    /// report of an overrun.
-    pub(crate) fn cycle(&self, shared: &Shared) -> u32 {
+    /// One cycle of this machine time, if threads are started. The function that took longest is
+    /// returned for the report of an overrun.
+    pub(crate) fn cycle(&self, shared: &Shared, time: i64) -> u32 {
         if !shared.boundary.enter(&self.gate) {
             return NOBODY;
         }
         let mut longest = NOBODY;
+        let list = self.list.load();
         if shared.fault.get().is_none() {
-            let list = self.list.load();
             if self.init_done.load(Ordering::Relaxed) || list.init.is_empty() {
                 self.init_done.store(true, Ordering::Relaxed);
                 longest = if self.timed.load(Ordering::Relaxed) {
@@ -160,7 +165,10 @@ impl Thread {
             self.cycles.store(n, Ordering::Relaxed);
             // SAFETY: a slot of the arena, alive as long as the thread.
             unsafe { Slot::cell(self.beat.0.as_ptr()) }.store(n);
+            list.probes.iter().for_each(|p| p.look(time));
         }
+        list.moments.iter().for_each(|p| p.look(time));
+        drop(list);
         self.gate.leave();
         longest
     }

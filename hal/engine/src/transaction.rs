@@ -50,6 +50,8 @@ pub(crate) struct Transaction {
     pub(crate) going: Vec<Going>,
     /// New threads, which tick from the end of the transaction on.
     pub(crate) begins: Vec<Ix>,
+    /// Probes that watch something that goes.
+    pub(crate) parting: BTreeSet<u64>,
     /// Whether threads are started.
     pub(crate) starts: bool,
     undo: Vec<Undo>,
@@ -283,8 +285,12 @@ impl Engine {
         }
         if !done.going.is_empty() {
             self.left.extend(done.going.iter().filter_map(Going::component));
+            self.have_parted(done.parting);
             done.going.iter().for_each(|going| self.release(*going));
             self.reap();
+        }
+        if let Err(e) = self.follow_fastest() {
+            self.notice(e.to_string());
         }
         Ok(taken)
     }

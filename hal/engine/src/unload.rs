@@ -60,6 +60,7 @@ impl Engine {
     /// Takes a component out of threads, signals and names; it goes at the end of the transaction.
     fn detach(&mut self, component: Ix, stop: bool) {
         let owned = self.all_owned(component);
+        self.part_probes(&owned);
         self.unlink_all(&owned);
         for ix in &owned {
             if self.graph.funct(*ix).is_some() {
@@ -177,9 +178,6 @@ impl Engine {
     /// Frees a component that no thread, signal or name leads to.
     fn free_component(&mut self, component: Ix) {
         let owned = self.all_owned(component);
-        if !owned.is_empty() {
-            self.stop_watching();
-        }
         // What it said is static text in its library, which may close with it.
         self.hear();
         self.tasks.retain(|t| t.owner != component);

@@ -43,6 +43,7 @@ impl Engine {
     pub(crate) fn delete_signal(&mut self, name: &str) -> Result<(), Error> {
         self.unlocked(Lock::CONFIG, "signal_delete")?;
         let ix = self.graph.find_signal(name)?;
+        self.part_probes(&[ix]);
         self.unlink_all(&self.graph.pins_of(ix));
         if let Some(s) = self.graph.signal(ix) {
             let name = s.name.clone();

@@ -1,7 +1,8 @@
 //! The client's end of the socket.
 
 use crate::{
-    At, Failure, LATEST, LONGEST, Link, Place, Reply, Request, Stream, WireReply, WireRequest,
+    At, Failure, LATEST, LONGEST, Link, Place, Reply, Request, SampleSpec, SampleState, Samples,
+    Stream, WireReply, WireRequest,
 };
 use rustix::net::{RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags};
 use std::{
@@ -64,6 +65,43 @@ impl Client {
                 Stream::map(&fd, info).map_err(|e| Failure::new(EIO, e))
             }
             _ => Err(Failure::new(EIO, format!("no ring came for '{name}'"))),
+        }
+    }
+
+    /// Begins to sample.
+    ///
+    /// # Errors
+    /// A name, the thread or the depth is not possible, or what came is not that ring.
+    pub fn sample(&mut self, spec: SampleSpec) -> Result<Samples, Failure> {
+        let reply = self.call(Request::Sample(spec))?;
+        match (reply, self.received.take()) {
+            (Reply::Sample(info), Some(fd)) => {
+                Samples::map(&fd, info).map_err(|e| Failure::new(EIO, e))
+            }
+            _ => Err(Failure::new(EIO, "no ring came for what is to be sampled")),
+        }
+    }
+
+    /// How a sample of this client's is: how many were taken and lost, and why it has ended.
+    ///
+    /// # Errors
+    /// This client has no such sample, or the engine has gone.
+    pub fn sample_state(&mut self, id: u64) -> Result<SampleState, Failure> {
+        self.state(Request::SampleState { id })
+    }
+
+    /// Ends a sample of this client's; what waits in its ring can still be taken.
+    ///
+    /// # Errors
+    /// As [`Self::sample_state`].
+    pub fn end_sample(&mut self, id: u64) -> Result<SampleState, Failure> {
+        self.state(Request::EndSample { id })
+    }
+
+    fn state(&mut self, request: Request) -> Result<SampleState, Failure> {
+        match self.call(request)? {
+            Reply::SampleState(state) => Ok(state),
+            _ => Err(Failure::new(EIO, "the engine answered something else than was asked")),
         }
     }
 

@@ -16,6 +16,9 @@ mod message;
 mod order;
 mod pattern;
 mod place;
+mod reply;
+mod sample;
+mod samples;
 mod stream;
 mod value;
 mod wire;
@@ -30,13 +33,16 @@ pub use info::{
     FunctInfo, ItemInfo, Offer, SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Usage,
 };
 pub use kind::{Direction, Kind, Lock};
-pub use message::{Answer, Edit, LATEST, LONGEST, Reply, Request};
+pub use message::{Edit, LATEST, LONGEST, Request};
 pub use order::{
     AddedInfo, DelayInfo, HopInfo, LateInfo, LoopInfo, MoveInfo, OrderInfo, PathInfo, ThreadOrder,
     WayInfo,
 };
 pub use pattern::Patterns;
 pub use place::{Place, valid_instance};
+pub use reply::{Answer, Reply};
+pub use sample::{ChannelInfo, MOST_CHANNELS, SampleInfo, SampleSpec, SampleState};
+pub use samples::{Samples, Stamp};
 pub use stream::Stream;
 pub use value::{Type, Value, ValueError};
 pub use wire::{WireReply, WireRequest};

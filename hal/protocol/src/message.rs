@@ -1,10 +1,6 @@
-//! What a client may ask, and what the engine answers.
+//! What a client may ask.
 
-use crate::{
-    AliasInfo, CommandInfo, ComponentInfo, Direction, Failure, Finding, FunctInfo, ItemInfo, Kind,
-    Lock, Offer, OrderInfo, SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Type,
-    Value,
-};
+use crate::{Direction, Kind, Lock, SampleSpec, Type, Value};
 use serde::{Deserialize, Serialize};
 
 /// The version of this protocol; both sides must agree.
@@ -29,7 +25,7 @@ pub struct Edit {
 #[serde(rename_all = "kebab-case")]
 pub enum Request {
     /// Who calls; the first request on a socket. A client is listed as component NAME.
-    /// Answer: [`Reply::Hello`].
+    /// Answer: [`crate::Reply::Hello`].
     Hello {
         /// [`LATEST`].
         protocol: u32,
@@ -99,7 +95,7 @@ pub enum Request {
         /// As the user wrote it.
         value: String,
     },
-    /// `getp`, `ptype`. Answer: [`Reply::Value`].
+    /// `getp`, `ptype`. Answer: [`crate::Reply::Value`].
     Get {
         /// The pin or parameter.
         name: String,
@@ -111,7 +107,7 @@ pub enum Request {
         /// As the user wrote it.
         value: String,
     },
-    /// `gets`, `stype`. Answer: [`Reply::Value`].
+    /// `gets`, `stype`. Answer: [`crate::Reply::Value`].
     GetSignal {
         /// The signal.
         name: String,
@@ -164,8 +160,8 @@ pub enum Request {
         /// Those bits.
         bits: Lock,
     },
-    /// `apply`: every edit at one boundary between cycles, or none. Answer: [`Reply::Applied`] or
-    /// [`Reply::Refused`].
+    /// `apply`: every edit at one boundary between cycles, or none. Answer: [`crate::Reply::Applied`] or
+    /// [`crate::Reply::Refused`].
     Apply {
         /// The names of the files that the edits come from.
         files: Vec<String>,
@@ -183,11 +179,11 @@ pub enum Request {
         /// Only items of this type.
         ty: Option<Type>,
     },
-    /// `status`. Answer: [`Reply::Status`].
+    /// `status`. Answer: [`crate::Reply::Status`].
     Status,
-    /// `order`. Answer: [`Reply::Order`].
+    /// `order`. Answer: [`crate::Reply::Order`].
     Order,
-    /// One component. Answer: [`Reply::Components`] with none or one.
+    /// One component. Answer: [`crate::Reply::Components`] with none or one.
     Component {
         /// Its name.
         name: String,
@@ -209,16 +205,16 @@ pub enum Request {
         /// How far, in nanoseconds.
         ns: u64,
     },
-    /// `COMPONENT.VERB name=value …`. Answer: [`Reply::Answer`].
+    /// `COMPONENT.VERB name=value …`. Answer: [`crate::Reply::Answer`].
     Command {
         /// Such as `motion.jog`.
         name: String,
         /// `NAME=VALUE` each.
         args: Vec<String>,
     },
-    /// How far a command has come. Answer: [`Reply::Ticket`].
+    /// How far a command has come. Answer: [`crate::Reply::Ticket`].
     Ticket {
-        /// From [`Answer::ticket`].
+        /// From [`crate::Answer::ticket`].
         id: u64,
         /// Answer only when it is no longer under way; the virtual clock moves meanwhile.
         wait: bool,
@@ -279,12 +275,12 @@ pub enum Request {
     /// This client's component is complete.
     Ready,
     /// Writes this client's pins, then waits for its next poll and reads all of them, in order of
-    /// creation. Answer: [`Reply::Values`].
+    /// creation. Answer: [`crate::Reply::Values`].
     Poll {
         /// Pin (by order of creation) and value.
         writes: Vec<(u32, Value)>,
     },
-    /// Attaches to a shared ring; its file descriptor comes with the answer [`Reply::Stream`].
+    /// Attaches to a shared ring; its file descriptor comes with the answer [`crate::Reply::Stream`].
     Attach {
         /// Such as `sampler.0`.
         name: String,
@@ -292,91 +288,21 @@ pub enum Request {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         count: Option<u64>,
     },
-    /// `check`: what is wrong or odd with the machine as it is. Answer: [`Reply::Findings`].
+    /// Samples pins, signals and parameters until [`Self::EndSample`] or this client goes; the file
+    /// descriptor of the ring comes with the answer [`crate::Reply::Sample`].
+    Sample(SampleSpec),
+    /// How a sample of this client's is. Answer: [`crate::Reply::SampleState`].
+    SampleState {
+        /// From [`crate::SampleInfo::id`].
+        id: u64,
+    },
+    /// Ends a sample of this client's. Answer: [`crate::Reply::SampleState`], as it was at the end.
+    EndSample {
+        /// From [`crate::SampleInfo::id`].
+        id: u64,
+    },
+    /// `check`: what is wrong or odd with the machine as it is. Answer: [`crate::Reply::Findings`].
     Check,
     /// Ends the engine.
     Shutdown,
-}
-
-/// What the engine answers.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Reply {
-    /// Done.
-    Done,
-    /// Done, with sentences that a user who asked for them sees (`-v`), or warnings.
-    Noted(Vec<String>),
-    /// The engine's side of [`Request::Hello`].
-    Hello {
-        /// Its [`LATEST`].
-        protocol: u32,
-        /// The instance.
-        instance: String,
-        /// Its release.
-        version: String,
-        /// The id of this client's component.
-        id: u32,
-    },
-    /// All edits are carried out, or could be.
-    Applied {
-        /// How many stores that took at the boundary.
-        stores: u32,
-        /// How many threads were given new lists of functions.
-        lists: u32,
-    },
-    /// One edit is refused: none is carried out.
-    Refused {
-        /// Which one, from zero.
-        edit: u32,
-        /// Why.
-        failure: Failure,
-    },
-    /// A value with its type.
-    Value(Value),
-    /// Values in order.
-    Values {
-        /// Machine time in nanoseconds.
-        time: u64,
-        /// Of this client's pins.
-        values: Vec<Value>,
-    },
-    /// Components.
-    Components(Vec<ComponentInfo>),
-    /// Pins or parameters.
-    Items(Vec<ItemInfo>),
-    /// Signals.
-    Signals(Vec<SignalInfo>),
-    /// Functions.
-    Functs(Vec<FunctInfo>),
-    /// Threads.
-    Threads(Vec<ThreadInfo>),
-    /// Aliases.
-    Aliases(Vec<AliasInfo>),
-    /// Commands.
-    Commands(Vec<CommandInfo>),
-    /// Shared rings.
-    Streams(Vec<StreamInfo>),
-    /// Component types.
-    Offers(Vec<Offer>),
-    /// The state of the instance.
-    Status(Box<StatusInfo>),
-    /// The order of functions, and how long values wait.
-    Order(Box<OrderInfo>),
-    /// What a component's command answered.
-    Answer(Answer),
-    /// How far a command has come.
-    Ticket(TicketInfo),
-    /// A ring to attach to.
-    Stream(StreamInfo),
-    /// What is wrong or odd.
-    Findings(Vec<Finding>),
-}
-
-/// What a component's command answered.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Answer {
-    /// Lines for the user.
-    pub lines: Vec<String>,
-    /// Set when the command goes on in machine time.
-    pub ticket: Option<u64>,
 }

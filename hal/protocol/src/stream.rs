@@ -10,9 +10,51 @@ use std::os::fd::{AsFd, OwnedFd};
 #[derive(Debug)]
 pub struct Stream {
     info: StreamInfo,
+    end: End,
+    // Last: the end points into it.
+    #[expect(dead_code, reason = "held so that the ring stays mapped")]
+    mapping: Mapping,
+}
+
+/// A ring in this process's memory.
+#[derive(Debug)]
+pub(crate) struct Mapping {
     address: *mut c_void,
     bytes: usize,
-    end: End,
+}
+
+// SAFETY: shared memory; what is in it is atomic.
+unsafe impl Send for Mapping {}
+
+impl Mapping {
+    /// Maps a ring of this shape.
+    pub(crate) fn new(fd: &OwnedFd, depth: u32, width: u32) -> Result<Self, String> {
+        let bytes = Ring::bytes(depth, width);
+        let size = rustix::fs::fstat(fd.as_fd()).map_err(|e| e.to_string())?.st_size;
+        if usize::try_from(size).ok().is_none_or(|s| s < bytes) {
+            return Err("the ring is smaller than it says".into());
+        }
+        let (prot, flags) = (ProtFlags::READ | ProtFlags::WRITE, MapFlags::SHARED);
+        // SAFETY: a fresh shared mapping; the file is sealed against shrinking.
+        let address = unsafe { mmap(ptr::null_mut(), bytes, prot, flags, fd.as_fd(), 0) }
+            .map_err(|e| e.to_string())?;
+        let mapping = Self { address, bytes };
+        // SAFETY: mapped, and at least a head long; the magic is its first word.
+        let magic = unsafe { mapping.ring().cast::<u64>().read() };
+        if magic == RING_MAGIC { Ok(mapping) } else { Err("this is not a ring".into()) }
+    }
+
+    /// The head of the ring.
+    pub(crate) const fn ring(&self) -> *const Ring {
+        self.address.cast::<Ring>().cast_const()
+    }
+}
+
+impl Drop for Mapping {
+    fn drop(&mut self) {
+        // SAFETY: mapped in `new`, and nothing outlives this.
+        let _ = unsafe { munmap(self.address, self.bytes) };
+    }
 }
 
 #[derive(Debug)]
@@ -24,38 +66,15 @@ enum End {
 impl Stream {
     pub(crate) fn map(fd: &OwnedFd, info: StreamInfo) -> Result<Self, String> {
         let width = u32::try_from(info.types.len()).map_err(|e| e.to_string())?;
-        let bytes = Ring::bytes(info.depth, width);
-        let size = rustix::fs::fstat(fd.as_fd()).map_err(|e| e.to_string())?.st_size;
-        if usize::try_from(size).ok().is_none_or(|s| s < bytes) {
-            return Err("the ring is smaller than it says".into());
-        }
-        // SAFETY: a fresh shared mapping; the file is sealed against shrinking.
-        let address = unsafe {
-            mmap(
-                ptr::null_mut(),
-                bytes,
-                ProtFlags::READ | ProtFlags::WRITE,
-                MapFlags::SHARED,
-                fd.as_fd(),
-                0,
-            )
-        }
-        .map_err(|e| e.to_string())?;
-        let ring = address.cast::<Ring>().cast_const();
-        // SAFETY: mapped, and at least a head long; the magic is its first word.
-        let magic = unsafe { ring.cast::<u64>().read() };
-        let end = if magic != RING_MAGIC {
-            // SAFETY: mapped above, not used further.
-            let _ = unsafe { munmap(address, bytes) };
-            return Err("this is not a ring".into());
-        } else if info.out {
+        let mapping = Mapping::new(fd, info.depth, width)?;
+        let end = if info.out {
             // SAFETY: the mapping lives as long as this; the engine admits one program.
-            End::Reads(unsafe { Consumer::new(ring, info.depth, width) })
+            End::Reads(unsafe { Consumer::new(mapping.ring(), info.depth, width) })
         } else {
             // SAFETY: as above.
-            End::Writes(unsafe { Producer::new(ring, info.depth, width) })
+            End::Writes(unsafe { Producer::new(mapping.ring(), info.depth, width) })
         };
-        Ok(Self { info, address, bytes, end })
+        Ok(Self { info, end, mapping })
     }
 
     /// The types of a record's values.
@@ -95,12 +114,5 @@ impl Stream {
             End::Reads(c) => c.waiting(),
             End::Writes(p) => p.waiting(),
         }
-    }
-}
-
-impl Drop for Stream {
-    fn drop(&mut self) {
-        // SAFETY: mapped in `map`, and nothing outlives this.
-        let _ = unsafe { munmap(self.address, self.bytes) };
     }
 }

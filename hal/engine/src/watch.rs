@@ -1,0 +1,173 @@
+//! The probes of an instance: what each watches, where it looks, and how it comes and goes.
+
+use crate::{
+    Engine, Error,
+    change::Change,
+    graph::{Ix, Storage},
+    probe::{Probe, Source},
+    sync::Arc,
+    thread::List,
+};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// When a probe looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum At {
+    /// After the cycles of a thread.
+    Thread(Ix),
+    /// After everything that runs at one moment; on the real clock, after each cycle of the
+    /// fastest thread.
+    Moments,
+}
+
+/// A probe at work.
+#[derive(Debug)]
+pub(crate) struct Watching {
+    pub(crate) probe: Arc<Probe>,
+    pub(crate) at: At,
+    /// The nodes whose values it looks at.
+    pub(crate) nodes: BTreeSet<Ix>,
+    /// Whether the virtual clock stands still rather than that something is lost.
+    pub(crate) lossless: bool,
+}
+
+/// All probes at work.
+#[derive(Debug, Default)]
+pub(crate) struct Probes {
+    all: BTreeMap<u64, Watching>,
+    next: u64,
+    /// Those that look at moments.
+    pub(crate) moments: Vec<Arc<Probe>>,
+    /// Those for which the virtual clock waits.
+    pub(crate) lossless: Vec<Arc<Probe>>,
+}
+
+impl Probes {
+    /// Whether the virtual clock may move on without loss.
+    pub(crate) fn have_room(&self) -> bool {
+        self.lossless.iter().all(|p| p.has_room())
+    }
+
+    fn sort(&mut self) {
+        let chosen = |wanted: &dyn Fn(&&Watching) -> bool| {
+            self.all.values().filter(wanted).map(|w| w.probe.clone()).collect()
+        };
+        let moments = chosen(&|w| w.at == At::Moments);
+        let lossless = chosen(&|w| w.lossless);
+        (self.moments, self.lossless) = (moments, lossless);
+    }
+}
+
+impl Engine {
+    /// Where the value of a pin, parameter or signal is.
+    pub(crate) fn source(&self, ix: Ix) -> Option<Source> {
+        if let Some(signal) = self.graph.signal(ix) {
+            return Some(Source::Cell(signal.cell));
+        }
+        let item = self.graph.item(ix)?;
+        Some(match item.storage {
+            Storage::Slot(slot) => Source::Slot(slot),
+            Storage::Own(place) => Source::own(place, item.ty),
+        })
+    }
+
+    /// Puts a probe to work; its number.
+    pub(crate) fn begin_watching(&mut self, watching: Watching) -> Result<u64, Error> {
+        let at = watching.at;
+        self.probes.next += 1;
+        let id = self.probes.next;
+        self.probes.all.insert(id, watching);
+        self.probes.sort();
+        let done = self.renew_probes(at);
+        if done.is_err() {
+            self.end_watching(id);
+        }
+        done.map(|()| id)
+    }
+
+    /// Takes a probe away. A stuck thread may still have it in its list, where it lives on.
+    pub(crate) fn end_watching(&mut self, id: u64) {
+        let Some(ended) = self.probes.all.remove(&id) else { return };
+        self.probes.sort();
+        if let Err(e) = self.renew_probes(ended.at) {
+            self.notice(e.to_string());
+        }
+    }
+
+    /// Gives the thread that it concerns its probes.
+    fn renew_probes(&mut self, at: At) -> Result<(), Error> {
+        let thread = match at {
+            At::Thread(ix) => Some(ix),
+            At::Moments => self.moments_thread(),
+        };
+        let Some(ix) = thread else { return Ok(()) };
+        let Some(thread) = self.graph.thread(ix).map(|t| t.thread.clone()) else { return Ok(()) };
+        let list = Arc::new(self.list_of(ix));
+        self.carry_out(&Change { stores: Vec::new(), lists: vec![(thread, list)] })
+    }
+
+    /// The thread that looks at moments: on the real clock, the fastest.
+    fn moments_thread(&self) -> Option<Ix> {
+        if self.shared.is_virtual() {
+            return None;
+        }
+        let first = self.shared.threads.load().first()?.id;
+        let is_first = |ix: &Ix| self.graph.thread(*ix).is_some_and(|t| t.thread.id == first);
+        self.graph.threads.values().copied().find(is_first)
+    }
+
+    /// Another thread may be the fastest now.
+    pub(crate) fn follow_fastest(&mut self) -> Result<(), Error> {
+        let Some(ix) = self.moments_thread() else { return Ok(()) };
+        let has = self.graph.thread(ix).map_or(0, |t| t.thread.list.load().moments.len());
+        if has == self.probes.moments.len() { Ok(()) } else { self.renew_probes(At::Moments) }
+    }
+
+    /// The probes of a thread, without those that go with what is staged.
+    pub(crate) fn with_probes(&self, thread: Ix, list: List) -> List {
+        let stays = |(id, _): &(&u64, &Watching)| !self.staged.parting.contains(*id);
+        let staying = self.probes.all.iter().filter(stays);
+        let of = |at: At| staying.clone().filter(move |w| w.1.at == at).map(|w| w.1.probe.clone());
+        let moments = self.moments_thread() == Some(thread);
+        List {
+            probes: of(At::Thread(thread)).collect(),
+            moments: if moments { of(At::Moments).collect() } else { Vec::new() },
+            ..list
+        }
+    }
+
+    /// Nodes go with what is staged, and so does every probe that watches one or looks in one.
+    pub(crate) fn part_probes(&mut self, nodes: &[Ix]) {
+        let watches =
+            |w: &Watching| nodes.iter().any(|ix| w.nodes.contains(ix) || w.at == At::Thread(*ix));
+        let parting: Vec<(u64, At)> =
+            self.probes.all.iter().filter(|(_, w)| watches(w)).map(|(id, w)| (*id, w.at)).collect();
+        for (id, at) in parting {
+            self.staged.parting.insert(id);
+            let thread = match at {
+                At::Thread(ix) => Some(ix),
+                At::Moments => self.moments_thread(),
+            };
+            if let Some(thread) = thread {
+                self.touch_thread(thread);
+            }
+        }
+    }
+
+    /// On the real clock, while no cycle runs, this side looks at moments.
+    pub(crate) fn look_while_stopped(&self, now: i64) {
+        if self.quiet && !self.shared.boundary.is_running() {
+            self.probes.moments.iter().for_each(|p| p.look(now));
+        }
+    }
+
+    /// What watched something that has gone.
+    pub(crate) fn have_parted(&mut self, parted: BTreeSet<u64>) {
+        for id in parted {
+            self.probes.all.remove(&id);
+            self.probes.sort();
+            self.sample_parted(id);
+            self.recording_parted(id);
+        }
+    }
+}

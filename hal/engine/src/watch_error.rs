@@ -1,0 +1,66 @@
+//! Why something cannot be sampled or recorded.
+
+use hal_protocol::MOST_CHANNELS;
+
+/// Why something cannot be sampled or recorded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the sentence of each variant is its documentation")]
+pub enum WatchError {
+    NoThread,
+    NoNames,
+    NoMatch { pattern: Box<str> },
+    Port { name: Box<str> },
+    TooMany { channels: usize },
+    TooDeep { depth: u32, most: u32 },
+    NoSample { id: u64 },
+    Here,
+    NotRecording,
+    Recording { path: Box<str> },
+}
+
+impl core::fmt::Display for WatchError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::NoThread => f.write_str("there is no thread in whose cycles to sample"),
+            Self::NoNames => f.write_str("nothing is named that is to be sampled"),
+            Self::NoMatch { pattern } => write!(f, "nothing matches '{pattern}'"),
+            Self::Port { name } => write!(f, "'{name}' is a port and has no value to sample"),
+            Self::TooMany { channels } => {
+                write!(f, "{channels} channels at once; at most {MOST_CHANNELS} are possible")
+            }
+            Self::TooDeep { depth, most } => {
+                write!(f, "there is no memory for {depth} samples of this kind, only for {most}")
+            }
+            Self::NoSample { id } => write!(f, "this client has no sample {id}"),
+            Self::Here => f.write_str("samples go to programs: ask for them on the socket"),
+            Self::NotRecording => f.write_str("nothing is being recorded"),
+            Self::Recording { path } => write!(f, "already recording to {path}"),
+        }
+    }
+}
+
+impl WatchError {
+    /// The errno that goes with it.
+    pub(crate) const fn errno(&self) -> i32 {
+        match self {
+            Self::NoMatch { .. } | Self::NoSample { .. } => -2,
+            Self::TooDeep { .. } => -12,
+            Self::Recording { .. } => -16,
+            _ => -22,
+        }
+    }
+
+    /// The word of the request that is wrong, if it is one word.
+    pub(crate) const fn word(&self) -> Option<&str> {
+        match self {
+            Self::NoMatch { pattern: word } | Self::Port { name: word } => Some(word),
+            _ => None,
+        }
+    }
+}
+
+impl From<WatchError> for crate::Error {
+    fn from(e: WatchError) -> Self {
+        Self::Watch(e)
+    }
+}
