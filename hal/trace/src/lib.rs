@@ -38,20 +38,26 @@
 //! | where | what |
 //! |---|---|
 //! | [`Trace`], [`Channel`], [`Times`] | the samples; `trace.rs`, `channel.rs`, `times.rs` |
-//! | [`vcd`] | VCD files, written while samples come or whole, and read |
+//! | [`load`], [`save`], [`Format`] | files by their endings; `file.rs` |
+//! | [`vcd`], [`fst`], [`csv`], [`json`] | what each format holds; all read and write whole traces, and `vcd` also writes while samples come |
 //! | [`draw`] | waveforms as text, and which edges differ between two |
 //!
 //! What comes from files is not believed: a reader never panics, says where a file is wrong, and hands out
 //! what it had read until then ([`Reading`]).
 
 mod channel;
+pub mod csv;
 pub mod draw;
+mod file;
+pub mod fst;
+pub mod json;
 mod reading;
 mod times;
 mod trace;
 pub mod vcd;
 
 pub use channel::{Change, Channel};
+pub use file::{FileError, Format, load, save};
 pub use reading::{Flaw, Place, Reading};
 pub use times::{TimeBase, Times};
 pub use trace::{Gap, Marker, Refusal, Trace};

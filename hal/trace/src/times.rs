@@ -20,6 +20,26 @@ impl TimeBase {
         self.0
     }
 
+    /// `ns`, `100 us`: the unit, with a number before it unless that is 1.
+    #[must_use]
+    pub fn name(self) -> String {
+        let found = UNITS.iter().rev().find(|(e, _)| *e <= self.0);
+        let (e, name) = found.copied().unwrap_or((-18, "as"));
+        match self.0 - e {
+            0 => name.to_owned(),
+            more => format!("1{} {name}", "0".repeat(usize::from(more.unsigned_abs()))),
+        }
+    }
+
+    /// The base of this name.
+    #[must_use]
+    pub fn parse(name: &str) -> Option<Self> {
+        let (number, unit) = name.split_once(' ').unwrap_or(("1", name));
+        let (e, _) = UNITS.iter().find(|(_, n)| *n == unit)?;
+        let zeros = number.strip_prefix('1').filter(|z| z.bytes().all(|b| b == b'0'))?;
+        Self::power(e.checked_add(i8::try_from(zeros.len()).ok()?)?)
+    }
+
     /// So many ticks in seconds.
     #[must_use]
     pub fn seconds(self, ticks: i64) -> f64 {
@@ -43,6 +63,10 @@ impl TimeBase {
         i64::try_from(exact).unwrap_or(if exact < 0 { i64::MIN } else { i64::MAX })
     }
 }
+
+/// The units of time, and their powers of ten of seconds.
+const UNITS: &[(i8, &str)] =
+    &[(-18, "as"), (-15, "fs"), (-12, "ps"), (-9, "ns"), (-6, "us"), (-3, "ms"), (0, "s")];
 
 impl Default for TimeBase {
     fn default() -> Self {
@@ -204,5 +228,14 @@ mod tests {
         assert_eq!(TimeBase::power(-3).map(|b| b.nanoseconds(7)), Some(7_000_000));
         assert_eq!(TimeBase::power(2).map(|b| b.nanoseconds(i64::MIN)), Some(i64::MIN));
         assert_eq!(TimeBase::power(3), None);
+        for exponent in -18..=2 {
+            let base = TimeBase::power(exponent).unwrap();
+            assert_eq!(TimeBase::parse(&base.name()), Some(base));
+        }
+        assert_eq!(TimeBase::power(-4).unwrap().name(), "100 us");
+        assert_eq!(
+            ["", "2 s", "1x ns", "10000000000000000000000000 s"].map(TimeBase::parse),
+            [None; 4]
+        );
     }
 }

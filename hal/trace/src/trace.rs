@@ -72,6 +72,11 @@ impl Trace {
         self.base
     }
 
+    /// The base is found out after the samples, or before.
+    pub(crate) const fn set_base(&mut self, base: TimeBase) {
+        self.base = base;
+    }
+
     /// Adds a channel, and says its number. Of samples that are already there it knows nothing.
     pub fn add(&mut self, name: &str, ty: Type) -> usize {
         self.channels.push(Channel::new(name, ty));
@@ -208,8 +213,17 @@ impl Trace {
         }
     }
 
-    /// A text at a time.
+    /// So many samples are missing before the one with this number.
+    pub(crate) fn lost_before(&mut self, sample: usize, lost: u64) {
+        let place = self.gaps.partition_point(|g| g.sample <= sample);
+        self.gaps.insert(place, Gap { sample, lost });
+    }
+
+    /// A text at a time. One without letters marks nothing.
     pub fn mark(&mut self, at: i64, text: &str) {
+        if text.is_empty() {
+            return;
+        }
         let place = self.markers.partition_point(|m| m.at <= at);
         self.markers.insert(place, Marker { at, text: text.to_owned() });
     }

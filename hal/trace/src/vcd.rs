@@ -10,4 +10,5 @@ mod read;
 mod write;
 
 pub use read::read;
+pub(crate) use write::path;
 pub use write::{Column, Writer, write};

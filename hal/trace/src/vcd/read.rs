@@ -102,7 +102,7 @@ impl Reader {
                 let base = base(number, unit).ok_or_else(|| {
                     Flaw::Unreadable(format!("a time unit of {number} {unit}").into())
                 })?;
-                self.trace = Trace::new(base);
+                self.trace.set_base(base);
             }
             Command::ScopeDef(_, name) => {
                 self.is_vcd = true;

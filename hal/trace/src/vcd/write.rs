@@ -180,15 +180,12 @@ pub fn write<W: Write>(out: W, trace: &Trace) -> Result<W> {
 
 /// `1 ns`, `100 us`.
 fn unit(base: TimeBase) -> Result<String> {
-    let exponent = base.exponent();
-    let names = [(-15, "fs"), (-12, "ps"), (-9, "ns"), (-6, "us"), (-3, "ms"), (0, "s")];
-    let found = names.iter().rev().find(|(e, _)| *e <= exponent);
-    let Some((e, name)) = found else {
-        let why = "VCD has no unit of time that is so short";
+    let name = base.name();
+    if base.exponent() < -15 {
+        let why = format!("VCD has no unit of time as short as {name}");
         return Err(Error::new(ErrorKind::InvalidInput, why));
-    };
-    let times = 10_u32.pow(u32::from((exponent - e).unsigned_abs()));
-    Ok(format!("{times} {name}"))
+    }
+    Ok(if name.contains(' ') { name } else { format!("1 {name}") })
 }
 
 /// A short printable name for column `i`, as VCD wants.
@@ -241,7 +238,7 @@ fn head(out: &mut impl Write, columns: &[Column]) -> Result<()> {
 }
 
 /// The scopes and the last part of a name; one part, if a scope would have no name.
-fn path(name: &str) -> Vec<String> {
+pub(crate) fn path(name: &str) -> Vec<String> {
     let clean = |c: char| if c.is_whitespace() || c.is_control() { '_' } else { c };
     let name: String = if name.is_empty() { "_".into() } else { name.chars().map(clean).collect() };
     let parts: Vec<String> = name.split('.').map(str::to_owned).collect();

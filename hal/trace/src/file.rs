@@ -1,0 +1,130 @@
+//! Files by their endings.
+
+use crate::{Flaw, Place, Reading, Trace, csv, fst, json, vcd};
+use std::{
+    fs::File,
+    io::{BufWriter, Write},
+    path::{Path, PathBuf},
+};
+
+/// The kind of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// `.vcd`
+    Vcd,
+    /// `.fst`
+    Fst,
+    /// `.csv`
+    Csv,
+    /// `.json`
+    Json,
+}
+
+impl Format {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Vcd, Self::Fst, Self::Csv, Self::Json];
+
+    /// The ending of its files.
+    #[must_use]
+    pub const fn ending(self) -> &'static str {
+        match self {
+            Self::Vcd => "vcd",
+            Self::Fst => "fst",
+            Self::Csv => "csv",
+            Self::Json => "json",
+        }
+    }
+
+    /// The kind that a path's ending says.
+    #[must_use]
+    pub fn of(path: &Path) -> Option<Self> {
+        let ending = path.extension()?.to_str()?;
+        Self::ALL.into_iter().find(|f| f.ending().eq_ignore_ascii_case(ending))
+    }
+
+    /// Reads the bytes of a file.
+    #[must_use]
+    pub fn read(self, bytes: &[u8]) -> Reading {
+        match self {
+            Self::Vcd => vcd::read(bytes),
+            Self::Fst => fst::read(bytes),
+            Self::Csv => csv::read(bytes),
+            Self::Json => json::read(bytes),
+        }
+    }
+
+    /// Writes the bytes of a file.
+    ///
+    /// # Errors
+    /// What writing says, and what the format cannot hold.
+    pub fn write<W: Write>(self, out: W, trace: &Trace) -> std::io::Result<()> {
+        match self {
+            Self::Vcd => vcd::write(out, trace).map(drop),
+            Self::Fst => fst::write(out, trace),
+            Self::Csv => csv::write(out, trace),
+            Self::Json => json::write(out, trace).map(drop),
+        }
+    }
+}
+
+/// What is wrong with a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FileError {
+    /// An ending that says nothing.
+    Ending(PathBuf),
+    /// What the system says.
+    System(PathBuf, Box<str>),
+    /// A flaw, and where.
+    Flaw(PathBuf, Place, Flaw),
+}
+
+impl core::fmt::Display for FileError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Ending(path) => {
+                write!(f, "{}: a file ends in .vcd, .fst, .csv or .json", path.display())
+            }
+            Self::System(path, why) => write!(f, "{}: {why}", path.display()),
+            Self::Flaw(path, place, flaw) => {
+                write!(f, "{}:", path.display())?;
+                match place {
+                    Place::File => {}
+                    Place::Line(n) => write!(f, "{n}:")?,
+                    Place::Byte(n) => write!(f, " byte {n}:")?,
+                }
+                write!(f, " {flaw}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for FileError {}
+
+fn said(path: &Path, error: &std::io::Error) -> FileError {
+    let text = error.to_string();
+    let text = text.split(" (os error").next().unwrap_or(&text);
+    FileError::System(path.to_owned(), text.into())
+}
+
+/// Reads a file, as far as it can be read: what is wrong is the second, if anything is.
+///
+/// # Errors
+/// There is no such file, or its ending says nothing.
+pub fn load(path: &Path) -> Result<(Reading, Option<FileError>), FileError> {
+    let format = Format::of(path).ok_or_else(|| FileError::Ending(path.to_owned()))?;
+    let bytes = std::fs::read(path).map_err(|e| said(path, &e))?;
+    let reading = format.read(&bytes);
+    let flaw = reading.flaw.clone().map(|(at, flaw)| FileError::Flaw(path.to_owned(), at, flaw));
+    Ok((reading, flaw))
+}
+
+/// Writes a file. If that fails, what was written until then stays.
+///
+/// # Errors
+/// The ending says nothing, the system refuses, or the format cannot hold the trace.
+pub fn save(path: &Path, trace: &Trace) -> Result<(), FileError> {
+    let format = Format::of(path).ok_or_else(|| FileError::Ending(path.to_owned()))?;
+    let file = File::create(path).map_err(|e| said(path, &e))?;
+    let mut out = BufWriter::with_capacity(1 << 16, file);
+    format.write(&mut out, trace).and_then(|()| out.flush()).map_err(|e| said(path, &e))
+}
