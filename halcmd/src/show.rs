@@ -77,6 +77,13 @@ fn components(text: &mut String, list: &[ComponentInfo], script: bool) {
         };
         text.push_str(&format!("{:>6}  {ty:<4}  {:<NAME$} {pid:>5} {state}\n", c.id, c.name));
     }
+    // For people only: below the rows, whose columns programs know.
+    for (c, f) in list.iter().filter(|_| !script).filter_map(|c| Some((c, c.foreign.as_ref()?))) {
+        text.push_str(&format!(
+            "# {} is a {}, whose flow is not known: {}, {} bytes of memory\n",
+            c.name, f.kind, f.file, f.memory
+        ));
+    }
 }
 
 fn items(text: &mut String, list: &[ItemInfo], script: bool) {

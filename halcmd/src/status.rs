@@ -72,6 +72,28 @@ fn instance(text: &mut String, status: &StatusInfo, threads: &[ThreadInfo]) {
         let by = t.overrun_by.as_ref().map(|f| format!(", the last by '{f}'")).unwrap_or_default();
         line("overruns:", &format!("{} of thread '{}'{by}", t.overruns, t.name));
     }
+    for kind in kinds(status) {
+        let of_kind = || status.foreign.iter().filter(|f| f.kind == kind);
+        let names: Vec<&str> = of_kind().map(|f| f.component.as_str()).collect();
+        let bytes: u64 = of_kind().map(|f| f.memory).sum();
+        let each = if names.len() == 1 { "" } else { "each " };
+        line(
+            "foreign:",
+            &format!(
+                "{}: {each}a {kind}, whose flow is not known; {bytes} bytes of memory",
+                names.join(", ")
+            ),
+        );
+    }
+    if let Some(stuck) = &status.stuck {
+        line(
+            "stuck:",
+            &format!(
+                "component '{}', function '{}' in thread '{}': {}",
+                stuck.component, stuck.funct, stuck.thread, stuck.cause
+            ),
+        );
+    }
     if let Some(fault) = &status.fault {
         line(
             "fault:",
@@ -85,6 +107,17 @@ fn instance(text: &mut String, status: &StatusInfo, threads: &[ThreadInfo]) {
         let lost = if *lost > 0 { format!(" ({lost} records lost)") } else { String::new() };
         line("recording:", &format!("{file}{lost}"));
     }
+}
+
+/// The kinds of what is no plugin, in order of appearance.
+fn kinds(status: &StatusInfo) -> Vec<&str> {
+    let mut kinds: Vec<&str> = Vec::new();
+    for part in &status.foreign {
+        if !kinds.contains(&part.kind.as_str()) {
+            kinds.push(&part.kind);
+        }
+    }
+    kinds
 }
 
 /// Nanoseconds as seconds, without a needless fraction.
@@ -119,6 +152,8 @@ pub(crate) mod samples {
             simulated: true,
             running: true,
             fault: None,
+            stuck: None,
+            foreign: Vec::new(),
             recording: None,
         }
     }
@@ -128,7 +163,7 @@ pub(crate) mod samples {
 mod tests {
     use super::{samples, seconds, text};
     use crate::{command::StatusKind, show};
-    use hal_protocol::{FaultInfo, Lock, ThreadInfo};
+    use hal_protocol::{FaultInfo, ForeignPart, Lock, ThreadInfo};
 
     #[test]
     fn locks() {
@@ -179,6 +214,13 @@ mod tests {
             cause: "index out of range".to_owned(),
         });
         status.recording = Some(("/tmp/x.vcd".to_owned(), 3));
+        status.stuck = status.fault.clone().map(|f| FaultInfo { cause: "why".to_owned(), ..f });
+        let part = |name: &str, memory| ForeignPart {
+            component: name.to_owned(),
+            kind: "component in C".to_owned(),
+            memory,
+        };
+        status.foreign = vec![part("probe", 64), part("laser", 128)];
         let late = ThreadInfo {
             overruns: 3,
             overrun_by: Some("adder".to_owned()),
@@ -190,6 +232,10 @@ mod tests {
              \x20 threads:    running; all in one place\n\
              \x20 hardware:   simulated\n\
              \x20 overruns:   3 of thread 'fast', the last by 'adder'\n\
+             \x20 foreign:    probe, laser: each a component in C, whose flow is not known; 192 \
+             bytes of memory\n\
+             \x20 stuck:      component 'siggen', function 'siggen.0.update' in thread 'fast': \
+             why\n\
              \x20 fault:      component 'siggen', function 'siggen.0.update' in thread 'fast': \
              index out of range\n\
              \x20 recording:  /tmp/x.vcd (3 records lost)\n";

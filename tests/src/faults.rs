@@ -38,6 +38,11 @@ impl Planted {
         let scratch = Scratch::new(name);
         for (file, text) in &self.files {
             scratch.write(file, text);
+            if file.ends_with(".comp") {
+                let mut halcompile = scratch.command(&[], "halcompile");
+                let made = scratch.run(halcompile.args(["--compile", file]));
+                assert_eq!(made.status, Some(0), "{file}: {}", made.stderr);
+            }
         }
         let ini = self.files.iter().find(|(name, _)| name == "m.ini").map(|(_, text)| text);
         let words: &[&str] = match ini {
@@ -45,7 +50,8 @@ impl Planted {
             Some(text) if text.contains("[EMCIO]") => &["check", "--json", "m.ini"],
             Some(_) => &["check", "--json", "-i", "m.ini", "m.hal"],
         };
-        let output = scratch.halcmd(words);
+        let mut halcmd = scratch.command(&[], "halcmd");
+        let output = scratch.run(halcmd.env("HAL_RTMOD_DIR", scratch.path()).args(words));
         let Ok(Reply::Findings(list)) = serde_json::from_str(&output.stdout) else {
             panic!("{name}: {}{}", output.stdout, output.stderr)
         };

@@ -100,6 +100,22 @@ fn is_time(name: &str) -> bool {
     [".time", ".tmax", ".tmax-increased"].iter().any(|end| name.ends_with(end))
 }
 
+/// The text of a component `mine` with a bit that it turns at each run, and what `main` and the
+/// function do besides.
+pub fn component(globals: &str, main: &str, function: &str) -> String {
+    format!(
+        "#include \"rtapi.h\"\n#include \"rtapi_app.h\"\n#include \"hal.h\"\n\
+         MODULE_LICENSE(\"GPL\");\n{globals}\nstatic int id;\nstatic hal_bit_t **out;\n\
+         static void turn(void *arg, long period)\n{{ (void)arg; (void)period; **out = !**out; \
+         {function} }}\n\
+         int rtapi_app_main(void)\n{{\n id = hal_init(\"mine\");\n if (id < 0) return id;\n {main}\n \
+         out = hal_malloc(sizeof *out);\n \
+         if (hal_pin_bit_newf(HAL_OUT, out, id, \"mine.%d.out\", 0)) return -EINVAL;\n \
+         if (hal_export_funct(\"mine.0\", turn, NULL, 0, 0, id)) return -EINVAL;\n \
+         return hal_ready(id);\n}}\nvoid rtapi_app_exit(void) {{ hal_exit(id); }}\n"
+    )
+}
+
 /// Compiles C with Ferrule's headers to `FOLDER/NAME.so`; `None`, with a word, where there is no
 /// compiler.
 pub fn compile(folder: &Path, name: &str, source: &str, options: &[&str]) -> Option<PathBuf> {

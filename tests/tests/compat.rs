@@ -2,25 +2,10 @@
 
 use hal_protocol::{Kind, Link, Request};
 use hal_tests::{
-    foreign::{Bench, compile},
+    foreign::{Bench, compile, component},
     machine::{bit, script},
     scratch::Scratch,
 };
-
-/// A component with a bit that it turns at each run, and what `main` does besides.
-fn source(globals: &str, main: &str, function: &str) -> String {
-    format!(
-        "#include \"rtapi.h\"\n#include \"rtapi_app.h\"\n#include \"hal.h\"\n\
-         MODULE_LICENSE(\"GPL\");\n{globals}\nstatic int id;\nstatic hal_bit_t **out;\n\
-         static void turn(void *arg, long period)\n{{ (void)arg; (void)period; **out = !**out; \
-         {function} }}\n\
-         int rtapi_app_main(void)\n{{\n id = hal_init(\"mine\");\n if (id < 0) return id;\n {main}\n \
-         out = hal_malloc(sizeof *out);\n \
-         if (hal_pin_bit_newf(HAL_OUT, out, id, \"mine.%d.out\", 0)) return -EINVAL;\n \
-         if (hal_export_funct(\"mine.0\", turn, NULL, 0, 0, id)) return -EINVAL;\n \
-         return hal_ready(id);\n}}\nvoid rtapi_app_exit(void) {{ hal_exit(id); }}\n"
-    )
-}
 
 const PARAMETERS: &str = "static int sizes[2]; RTAPI_MP_ARRAY_INT(sizes, 2, \"sizes\")\n\
                           static int count = 1; RTAPI_MP_INT(count, \"how many\")";
@@ -29,16 +14,16 @@ const PARAMETERS: &str = "static int sizes[2]; RTAPI_MP_ARRAY_INT(sizes, 2, \"si
 fn what_cannot_be_loaded_is_refused_and_leaves_nothing() {
     let scratch = Scratch::new("compat-refused");
     let folder = scratch.path();
-    let good = source(PARAMETERS, "", "");
+    let good = component(PARAMETERS, "", "");
     let Some(file) = compile(folder, "mine", &good, &[]) else { return };
     let mut alien = std::fs::read(file).unwrap();
     // The machine that an ELF file is for: AArch64.
     alien.splice(18..20, [0xb7, 0]);
     std::fs::write(folder.join("alien.so"), alien).unwrap();
-    let missing = source("extern int nowhere(void);", "if (nowhere()) return -1;", "");
+    let missing = component("extern int nowhere(void);", "if (nowhere()) return -1;", "");
     compile(folder, "missing", &missing, &[]);
     let fails = "rtapi_print_msg(RTAPI_MSG_ERR, \"mine: no board\\n\"); return -ENODEV;";
-    compile(folder, "fails", &source("", fails, ""), &[]);
+    compile(folder, "fails", &component("", fails, ""), &[]);
     let mut b = Bench::new(&[folder]);
     for (words, said) in [
         ("alien", "is built for aarch64"),
@@ -70,7 +55,7 @@ fn what_cannot_be_loaded_is_refused_and_leaves_nothing() {
 #[test]
 fn a_crash_names_component_and_function() {
     let scratch = Scratch::new("compat-crash");
-    let source = source("static int *volatile nowhere;", "", "*nowhere = 1;");
+    let source = component("static int *volatile nowhere;", "", "*nowhere = 1;");
     if compile(scratch.path(), "mine", &source, &[]).is_none() {
         return;
     }

@@ -19,6 +19,7 @@ mod module;
 mod pin;
 mod port;
 mod registers;
+mod rehearsal;
 mod running;
 mod shared;
 mod stream;

@@ -5,13 +5,16 @@ use crate::{
     elf::Elf,
     funct,
     module::{self, Exit, Main, Module},
+    rehearsal::rehearse,
     running, system, trap,
 };
 use core::{
     cell::Cell,
     ffi::{CStr, c_int, c_void},
 };
-use hal_component::abi::{ActionSpec, CallHost, ForeignFile, Host, Record, Status, Str, size};
+use hal_component::abi::{
+    ActionSpec, CallHost, ForeignFile, Host, Record, Status, Str, host_flags, size,
+};
 use std::{
     panic::catch_unwind,
     path::PathBuf,
@@ -95,9 +98,11 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     let words: Vec<String> = words.iter().map(|w| text(*w)).collect();
     arguments::set(&module, &elf.parameters, &words).map_err(refuse(Status::EINVAL))?;
 
+    let on_trial = host.flags & host_flags::TRIAL != 0;
     let loading = Loading { host, file, module: module.clone() };
     LOADING.set(&raw const loading);
     let code = prepared(&module, &path)
+        .and_then(|()| if on_trial { rehearse(&loading, main, exit) } else { Ok(()) })
         .map(|()| running::within(Arc::as_ptr(&module), c"rtapi_app_main", || main()));
     LOADING.set(core::ptr::null());
     let code = code.map_err(refuse(Status::EINVAL))?;

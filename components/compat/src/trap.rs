@@ -24,6 +24,9 @@ const SIGNALS: [(c_int, &str); 5] = [
 /// What was there before, by position in [`SIGNALS`].
 static BEFORE: [AtomicPtr<libc::sigaction>; 5] = [const { AtomicPtr::new(ptr::null_mut()) }; 5];
 
+/// The code of a fault that is no access to memory, such as an instruction that is not allowed.
+const REFUSED: c_int = 0x80;
+
 /// Stacks on which signals are attended to: a component may have used up its own.
 const STACK: usize = 64 << 10;
 const STACKS: usize = 256;
@@ -84,7 +87,9 @@ unsafe extern "C" fn attend(signal: c_int, info: *mut libc::siginfo_t, context: 
         unsafe { libc::sigaction(signal, before, ptr::null_mut()) };
         return;
     }
-    if signal == libc::SIGSEGV && port_access(context) {
+    // SAFETY: the system's record.
+    let refused = unsafe { info.as_ref() }.is_some_and(|i| i.si_code == REFUSED);
+    if signal == libc::SIGSEGV && refused && port_access(context) {
         return;
     }
     report(signal, info);
@@ -92,6 +97,11 @@ unsafe extern "C" fn attend(signal: c_int, info: *mut libc::siginfo_t, context: 
     unsafe { libc::signal(signal, libc::SIG_DFL) };
     // SAFETY: as above.
     unsafe { libc::raise(signal) };
+}
+
+/// A signal in words.
+pub(crate) fn named(signal: c_int) -> &'static str {
+    SIGNALS.iter().find(|(s, _)| *s == signal).map_or("fault", |(_, name)| name)
 }
 
 /// Names the component, and drives outputs to their safe levels.
@@ -102,7 +112,7 @@ fn report(signal: c_int, info: *const libc::siginfo_t) {
     unsafe { libc::signal(libc::SIGALRM, libc::SIG_DFL) };
     // SAFETY: as above.
     unsafe { libc::alarm(2) };
-    let what = SIGNALS.iter().find(|(s, _)| *s == signal).map_or("fault", |(_, name)| name);
+    let what = named(signal);
     // SAFETY: the system's record.
     let address = unsafe { info.as_ref() }.map_or(0, |i| unsafe { i.si_addr() }.addr());
     let (mut digits, funct) = ([0; 16], running::funct());
@@ -164,8 +174,8 @@ fn port_access(context: *mut c_void) -> bool {
     if code.is_null() {
         return false;
     }
-    // SAFETY: the instruction that has just been refused, at the end of a page at worst with
-    // nothing behind it: then the fault ends the process, as it would have.
+    // SAFETY: an instruction that the processor has read and refused, at the end of a page at worst
+    // with nothing behind it: then the fault ends the process, as it would have.
     let bytes = unsafe { code.read_unaligned() };
     let Some(access) = PortAccess::decode(bytes, d.cast_unsigned()) else { return false };
     let simulated = running::module().is_some_and(crate::module::Module::is_simulated);

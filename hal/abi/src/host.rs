@@ -15,6 +15,8 @@ pub mod host_flags {
     /// The library was loaded from a file, so its language runtime is its own: it may change how
     /// a panic is reported.
     pub const PRIVATE: u32 = 4;
+    /// The instance is on trial (`check`): nothing it makes will ever run.
+    pub const TRIAL: u32 = 8;
 }
 
 /// The value of an argument; which field counts follows from its type.

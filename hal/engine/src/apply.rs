@@ -6,6 +6,7 @@ use crate::{
     os,
     sync::Arc,
     thread::{List, Thread},
+    watchdog::Watchdog,
 };
 use hal_protocol::Lock;
 use std::collections::BTreeSet;
@@ -120,6 +121,9 @@ impl Engine {
         }
         self.measure_ticks();
         self.quiet = false;
+        if self.watchdog.is_none() && self.trial.is_none() {
+            self.watchdog = Watchdog::begin(self.shared.clone());
+        }
         self.shared.boundary.start();
         self.graph.sites.has_run();
     }

@@ -20,6 +20,9 @@ impl Creating<'_> {
         if self.engine.options.simulate {
             flags |= host_flags::SIMULATED;
         }
+        if self.engine.trial.is_some() {
+            flags |= host_flags::TRIAL;
+        }
         if private {
             flags |= host_flags::PRIVATE;
         }

@@ -19,6 +19,7 @@ use crate::{
     transaction::Transaction,
     trial::Trial,
     watch::Probes,
+    watchdog::Watchdog,
 };
 use hal_abi::{Ticket, TicketState};
 use hal_protocol::{Failure, FaultInfo, Lock, Offer, Patterns, TicketInfo};
@@ -70,6 +71,8 @@ pub struct Engine {
     pub(crate) loader: Loader,
     pub(crate) shared: Arc<Shared>,
     pub(crate) runners: Runners,
+    /// From the first `start` on.
+    pub(crate) watchdog: Option<Watchdog>,
     pub(crate) scheduling: String,
     pub(crate) lock: Lock,
     pub(crate) next_component: u32,
@@ -150,6 +153,7 @@ impl Engine {
             counts: Counts::default(),
             loader: Loader::new(options.path.clone()),
             runners: Runners::new(shared.clone(), kind, cpu),
+            watchdog: None,
             scheduling,
             lock: Lock::NONE,
             next_component: 1,
@@ -259,6 +263,7 @@ impl Engine {
         }
         self.end_programs();
         self.shared.quit.store(true, Ordering::Relaxed);
+        self.watchdog = None;
         let clean = self.runners.end(&[], true, PATIENCE_NS);
         if clean {
             for ix in self.graph.components_by_age().into_iter().rev() {

@@ -13,7 +13,7 @@ use crate::{
 };
 use core::{ffi::c_void, ptr::NonNull};
 use hal_abi::{Cell, ForeignFile, ItemSpec, Record, Status, Str, edit, ty};
-use hal_protocol::{Lock, Type};
+use hal_protocol::{ForeignPart, Lock, Type};
 
 impl Engine {
     /// `loadrt --c --prefix P MODULE ARGS…`.
@@ -269,6 +269,21 @@ unsafe extern "C" fn edit_graph(
 
 /// A pointer of foreign code that follows a pin.
 pub(crate) type Pointer = Ptr<crate::sync::AtomicPtr<Cell>>;
+
+impl Engine {
+    /// What is loaded that is no plugin, the oldest first.
+    pub(crate) fn foreign_parts(&self) -> Vec<ForeignPart> {
+        let components = self.graph.components_by_age().into_iter();
+        let components = components.filter_map(|ix| self.graph.component(ix));
+        components
+            .filter_map(|c| {
+                let f = c.foreign.as_ref()?;
+                let (component, kind) = (c.name.as_str().to_owned(), f.kind.to_string());
+                Some(ForeignPart { component, kind, memory: f.keep.memory() })
+            })
+            .collect()
+    }
+}
 
 impl Component {
     /// As the protocol shows it.

@@ -56,6 +56,7 @@ mod unload;
 mod value;
 mod watch;
 mod watch_error;
+mod watchdog;
 mod wiring;
 
 pub use engine::{Ended, Engine};

@@ -228,6 +228,8 @@ impl Engine {
             simulated: self.options.simulate,
             running: self.shared.boundary.is_running() && self.shared.fault.get().is_none(),
             fault: self.fault.clone(),
+            stuck: self.shared.stuck.load().as_deref().cloned(),
+            foreign: self.foreign_parts(),
             recording: self.recording.as_ref().map(|r| (r.path.clone(), r.lost())),
         }
     }

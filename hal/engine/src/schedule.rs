@@ -63,7 +63,7 @@ impl Engine {
         self.sees(account.time);
         let id = self.next_thread;
         self.next_thread += 1;
-        let thread = Arc::new(Thread::new(id, period, account, beat, timed, due));
+        let thread = Arc::new(Thread::new((id, name.clone()), period, account, beat, timed, due));
         let node = ThreadNode { name: name.clone(), thread, next: 0, stale: false };
         let ix = self.graph.g.add_node(Node::Thread(node));
         self.graph.g.add_edge(component, ix, Edge::Owns);
@@ -178,7 +178,9 @@ impl Engine {
                 .filter_map(|ix| {
                     let f = self.graph.funct(ix)?;
                     let id = u32::try_from(ix.index()).ok()?;
-                    Some(Entry::new(id, f.code.clone(), f.account))
+                    let owner = self.graph.owner(ix).map_or(&f.name, |c| &c.name);
+                    let names = (f.name.clone(), owner.clone());
+                    Some(Entry::new(id, names, f.code.clone(), f.account))
                 })
                 .collect()
         };

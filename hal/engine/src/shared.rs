@@ -9,9 +9,10 @@ use crate::{
     sync::{Arc, AtomicBool, AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering},
     thread::Thread,
 };
-use arc_swap::ArcSwap;
+use arc_swap::{ArcSwap, ArcSwapOption};
 use crossbeam::queue::ArrayQueue;
 use hal_abi::{CommandRun, Str};
+use hal_protocol::FaultInfo;
 
 /// Something that a component says.
 #[derive(Clone, Copy, Debug)]
@@ -130,6 +131,8 @@ pub(crate) struct Shared {
     /// In order of creation: the fastest first.
     pub(crate) threads: ArcSwap<Vec<Arc<Thread>>>,
     pub(crate) fault: Fault,
+    /// Who does not come back, as the watchdog sees it.
+    pub(crate) stuck: ArcSwapOption<FaultInfo>,
     /// What the last panic said, until whoever ran the code takes it.
     pub(crate) cause: Cause,
     messages: ArrayQueue<Message>,
@@ -156,6 +159,7 @@ impl Shared {
             boundary: Boundary::new(),
             threads: ArcSwap::from_pointee(Vec::default()),
             fault: Fault::new(),
+            stuck: ArcSwapOption::empty(),
             cause: Cause::new(),
             messages: ArrayQueue::new(4096),
             spoken: ArrayQueue::new(512),

@@ -3,6 +3,7 @@
 use crate::{
     code::{Code, Ptr},
     handover::Gate,
+    name::Name,
     os,
     probe::Probe,
     shared::Shared,
@@ -55,6 +56,9 @@ pub(crate) struct Entry {
     account: Account,
     /// The function's number, for reports.
     pub(crate) id: u32,
+    /// Its name, and its component's: for whoever looks on.
+    pub(crate) name: Name,
+    pub(crate) component: Name,
     #[expect(dead_code, reason = "held so that the state lives as long as the list")]
     code: Arc<Code<Run>>,
 }
@@ -65,8 +69,13 @@ unsafe impl Send for Entry {}
 unsafe impl Sync for Entry {}
 
 impl Entry {
-    pub(crate) fn new(id: u32, code: Arc<Code<Run>>, account: Account) -> Self {
-        Self { run: code.run, state: code.state, account, id, code }
+    pub(crate) fn new(
+        id: u32,
+        (name, component): (Name, Name),
+        code: Arc<Code<Run>>,
+        account: Account,
+    ) -> Self {
+        Self { run: code.run, state: code.state, account, id, name, component, code }
     }
 }
 
@@ -90,6 +99,7 @@ pub(crate) const BINS: usize = 16;
 #[derive(Debug)]
 pub(crate) struct Thread {
     pub(crate) id: u32,
+    pub(crate) name: Name,
     pub(crate) period_ns: i64,
     pub(crate) list: ArcSwap<List>,
     pub(crate) gate: Gate,
@@ -114,7 +124,7 @@ pub(crate) const NOBODY: u32 = u32::MAX;
 
 impl Thread {
     pub(crate) fn new(
-        id: u32,
+        (id, name): (u32, Name),
         period_ns: i64,
         account: Account,
         beat: Ptr<Slot>,
@@ -123,6 +133,7 @@ impl Thread {
     ) -> Self {
         Self {
             id,
+            name,
             period_ns,
             list: ArcSwap::from_pointee(List::default()),
             gate: Gate::new(),

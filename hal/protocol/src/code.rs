@@ -65,6 +65,7 @@ codes! {
     BadCall = "H208" Error "a component's command with wrong arguments";
     AliasShadows = "H209" Warning "a second name that hides another thing";
     Unused = "H210" Note "a component that nothing uses";
+    Foreign = "H211" Note "a component whose flow is not known";
 
     TypeMismatch = "H301" Error "a pin and a signal of different types";
     TwoWriters = "H302" Error "a signal with two writers";

@@ -48,6 +48,17 @@ pub struct ForeignInfo {
     pub memory: u64,
 }
 
+/// A component that is no plugin, for the state of the instance.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ForeignPart {
+    /// Its name.
+    pub component: String,
+    /// What it is, such as `component in C`.
+    pub kind: String,
+    /// Memory of its own, in bytes.
+    pub memory: u64,
+}
+
 /// A pin or parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ItemInfo {
@@ -264,6 +275,12 @@ pub struct StatusInfo {
     pub running: bool,
     /// Why they have stopped.
     pub fault: Option<FaultInfo>,
+    /// Who does not come back from a function.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stuck: Option<FaultInfo>,
+    /// What is loaded that is no plugin.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub foreign: Vec<ForeignPart>,
     /// What is being recorded: the file, and records lost for want of room.
     pub recording: Option<(String, u64)>,
 }

@@ -30,7 +30,8 @@ pub use failure::Failure;
 pub use finding::{Finding, Level, Related};
 pub use info::{
     AliasInfo, ArgInfo, CommandInfo, ComponentInfo, ComponentState, FaultInfo, ForeignInfo,
-    FunctInfo, ItemInfo, Offer, SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Usage,
+    ForeignPart, FunctInfo, ItemInfo, Offer, SignalInfo, StatusInfo, StreamInfo, ThreadInfo,
+    TicketInfo, Usage,
 };
 pub use kind::{Direction, Kind, Lock};
 pub use message::{Edit, LATEST, LONGEST, Request};

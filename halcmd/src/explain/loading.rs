@@ -97,4 +97,19 @@ pub(super) const ROWS: &[Row] = &[
         wrong: "loadrt or2 # <--\n",
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\nstart\n",
     },
+    Row {
+        code: Code::Foreign,
+        means: "The component is written in C (or is LinuxCNC's own): its functions are code that \
+                Ferrule runs and does not see into.",
+        matters: "Findings about order, loops and delays are silent about its functions, and \
+                  'halcmd order' leaves them where they are. What is said of its pins holds.",
+        remedy: "Put its functions between those that feed its inputs and those that read its \
+                 outputs. Where Ferrule has a component of its own, use that.",
+        wrong: "loadrt threads name1=servo period1=1000000\nloadrt turner # <--\n\
+                addf turner.0 servo\nstart\n\
+                --- turner.comp\ncomponent turner;\npin out bit out;\nfunction _;\n\
+                license \"MIT\";\n;;\nout = !out;\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt charge_pump\n\
+                addf charge-pump servo\nstart\n",
+    },
 ];

@@ -90,7 +90,8 @@ impl Session<'_> {
                 let done = self.ask(request);
                 self.unless_unknown_signal(&name, done)
             }
-            Request::Load { ref module, ref args } => {
+            Request::Load { ref module, ref args }
+            | Request::LoadForeign { ref module, ref args, .. } => {
                 let (module, args) = (module.clone(), args.clone());
                 self.ask(request).map(|_| ()).inspect_err(|_| self.expect_module(&module, &args))
             }

@@ -8,6 +8,7 @@ impl Look<'_> {
     pub(super) fn components(&mut self) {
         for component in self.graph.components_by_age() {
             self.unused(component);
+            self.foreign(component);
         }
         for (ix, item) in self.items() {
             let Some(alias) = &item.alias else { continue };
@@ -28,6 +29,20 @@ impl Look<'_> {
                     .remedy("choose a name that nothing has"),
             );
         }
+    }
+
+    fn foreign(&mut self, component: Ix) {
+        let Some(c) = self.graph.component(component) else { return };
+        let Some(f) = &c.foreign else { return };
+        let name = c.name.as_str();
+        let text = format!(
+            "'{name}' is a {}: what its functions read and write is not known, and so neither is \
+             their order",
+            f.kind
+        );
+        let at = self.graph.sites.of(component);
+        let remedy = "look at the order of its functions yourself";
+        self.add(finding(Code::Foreign, name, text).at(at).remedy(remedy));
     }
 
     fn unused(&mut self, component: Ix) {

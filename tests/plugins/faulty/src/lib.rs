@@ -6,6 +6,7 @@ mod busy;
 mod chatty;
 mod doomed;
 mod foreign;
+mod last_words;
 mod lazy;
 mod person;
 mod swap;
@@ -21,6 +22,7 @@ hal_component::export!(
     chatty::Chatty,
     doomed::Doomed,
     foreign::Foreign,
+    last_words::LastWords,
     lazy::Lazy,
     person::Person,
     swap::Swap,

@@ -1,0 +1,118 @@
+//! Names a thread that does not come back from a function: looked at from outside, since on the
+//! virtual clock nothing else would ever be said.
+
+use crate::{
+    os,
+    shared::Shared,
+    sync::{Arc, Ordering},
+    thread::Thread,
+};
+use hal_protocol::FaultInfo;
+use std::{
+    sync::mpsc::{RecvTimeoutError, Sender, channel},
+    thread::JoinHandle,
+    time::Duration,
+};
+
+/// How often it looks.
+const LOOK: Duration = Duration::from_millis(500);
+/// After how many looks at the same cycle, in the same function, a thread is stuck. Looks are
+/// counted and not seconds: a machine that is busy or asleep is late with these as well.
+const LOOKS: u32 = 5;
+
+/// The thread that looks; it ends with this.
+#[derive(Debug)]
+pub(crate) struct Watchdog {
+    end: Option<Sender<()>>,
+    running: Option<JoinHandle<()>>,
+}
+
+/// What was seen of a thread at the last look.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    thread: u32,
+    cycles: u64,
+    funct: u32,
+    looks: u32,
+}
+
+impl Watchdog {
+    /// Begins to look; nothing, where the system has no thread for it.
+    pub(crate) fn begin(shared: Arc<Shared>) -> Option<Self> {
+        let (end, ended) = channel();
+        let run = move || {
+            let mut seen = Vec::new();
+            while ended.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
+                look(&shared, &mut seen);
+            }
+        };
+        let running = std::thread::Builder::new().name("hal-watchdog".into()).spawn(run).ok()?;
+        Some(Self { end: Some(end), running: Some(running) })
+    }
+}
+
+impl Drop for Watchdog {
+    fn drop(&mut self) {
+        drop(self.end.take());
+        if let Some(running) = self.running.take() {
+            drop(running.join());
+        }
+    }
+}
+
+fn look(shared: &Shared, seen: &mut Vec<Seen>) {
+    let threads = shared.threads.load_full();
+    seen.retain(|s| threads.iter().any(|t| t.id == s.thread));
+    let mut stuck = None;
+    for t in threads.iter() {
+        let (cycles, funct) = (t.cycles.load(Ordering::Relaxed), t.current.load(Ordering::Relaxed));
+        let now = Seen { thread: t.id, cycles, funct, looks: 0 };
+        let Some(last) = seen.iter_mut().find(|s| s.thread == t.id) else {
+            seen.push(now);
+            continue;
+        };
+        if !t.gate.is_inside() || last.cycles != cycles || last.funct != funct {
+            if last.looks >= LOOKS {
+                tracing::warn!("thread '{}' has come back", t.name);
+            }
+            *last = now;
+            continue;
+        }
+        last.looks = last.looks.saturating_add(1);
+        if last.looks >= LOOKS && stuck.is_none() {
+            stuck = Some((t, last.looks == LOOKS));
+        }
+    }
+    let Some((thread, first)) = stuck else {
+        shared.stuck.store(None);
+        return;
+    };
+    if first && let Some(info) = named(thread) {
+        tracing::error!(
+            "function '{}' of component '{}' does not come back: thread '{}' is stuck in it",
+            info.funct,
+            info.component,
+            info.thread
+        );
+        shared.stuck.store(Some(Arc::new(info)));
+    }
+    if shared.is_virtual() && os::signalled() {
+        // The control side is inside the cycle as well, and would never hear of it.
+        tracing::error!("asked to end while stuck: outputs go to their safe levels");
+        shared.crash();
+        os::end_now();
+    }
+}
+
+/// Who it is.
+fn named(thread: &Thread) -> Option<FaultInfo> {
+    let current = thread.current.load(Ordering::Relaxed);
+    let list = thread.list.load();
+    let entry = list.init.iter().chain(&list.entries).find(|e| e.id == current)?;
+    Some(FaultInfo {
+        component: entry.component.as_str().to_owned(),
+        funct: entry.name.as_str().to_owned(),
+        thread: thread.name.as_str().to_owned(),
+        cause: "it does not come back".to_owned(),
+    })
+}
