@@ -41,6 +41,7 @@
 //! | [`load`], [`save`], [`Format`] | files by their endings; `file.rs` |
 //! | [`vcd`], [`fst`], [`csv`], [`json`] | what each format holds; all read and write whole traces, and `vcd` also writes while samples come |
 //! | [`draw`] | waveforms as text, and which edges differ between two |
+//! | [`measure`] | frequency, duty cycle, extremes between two times |
 //!
 //! What comes from files is not believed: a reader never panics, says where a file is wrong, and hands out
 //! what it had read until then ([`Reading`]).
@@ -51,6 +52,7 @@ pub mod draw;
 mod file;
 pub mod fst;
 pub mod json;
+pub mod measure;
 mod reading;
 mod times;
 mod trace;
