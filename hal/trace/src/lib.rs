@@ -41,12 +41,14 @@
 //! | [`load`], [`save`], [`Format`] | files by their endings; `file.rs` |
 //! | [`vcd`], [`fst`], [`csv`], [`json`] | what each format holds; all read and write whole traces, and `vcd` also writes while samples come |
 //! | [`draw`] | waveforms as text, and which edges differ between two |
+//! | [`columns`] | a channel in so many columns of a picture |
 //! | [`measure`] | frequency, duty cycle, extremes between two times |
 //!
 //! What comes from files is not believed: a reader never panics, says where a file is wrong, and hands out
 //! what it had read until then ([`Reading`]).
 
 mod channel;
+pub mod columns;
 pub mod csv;
 pub mod draw;
 mod file;
