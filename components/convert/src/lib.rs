@@ -1,6 +1,7 @@
 //! Conversions between types, and between numbers and bits.
 #![forbid(unsafe_code)]
 
+mod bitmerge;
 mod bitslice;
 mod conv;
 mod gray;
@@ -9,6 +10,7 @@ mod narrow;
 use conv::Conv;
 
 hal_component::export!(
+    bitmerge::Bitmerge,
     bitslice::Bitslice,
     gray::Bin2gray,
     gray::Gray2bin,

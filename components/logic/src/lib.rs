@@ -2,28 +2,41 @@
 #![forbid(unsafe_code)]
 
 mod and2;
+mod bitwise;
+mod enumerate;
 mod estop_latch;
 mod flipflop;
 mod logic;
 mod lut5;
 mod maj3;
 mod match8;
+mod multiswitch;
 mod not;
 mod or2;
+mod radiobutton;
+mod safety_latch;
 mod toggle;
+mod tristate;
 mod xor2;
 
 hal_component::export!(
     and2::And2,
+    bitwise::Bitwise,
+    enumerate::Enum,
     estop_latch::EstopLatch,
     flipflop::Flipflop,
     logic::Logic,
     lut5::Lut5,
     maj3::Maj3,
     match8::Match8,
+    multiswitch::Multiswitch,
     not::Not,
     or2::Or2,
+    radiobutton::Radiobutton,
+    safety_latch::SafetyLatch,
     toggle::Toggle,
+    tristate::TristateBit,
+    tristate::TristateFloat,
     xor2::Xor2,
 );
 

@@ -2,5 +2,6 @@
 #![forbid(unsafe_code)]
 
 mod siggen;
+mod supply;
 
-hal_component::export!(siggen::Siggen);
+hal_component::export!(siggen::Siggen, supply::Supply);

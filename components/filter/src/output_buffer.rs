@@ -1,0 +1,91 @@
+//! `output_buffer`.
+use hal_component::{
+    Builder, Component, Error, In, Out, Period, Touch, Update, abi::component_flags,
+};
+
+/// The most bits.
+const MOST: i64 = 10;
+/// How many there are if nobody says.
+const USUAL: i64 = 1;
+
+/// Bits that can be switched off.
+#[derive(Touch)]
+pub(crate) struct OutputBuffer {
+    bits: Vec<(In<bool>, Out<bool>)>,
+    enable: In<bool>,
+    off_level: In<bool>,
+}
+
+impl Component for OutputBuffer {
+    const NAME: &'static str = "output_buffer";
+    const DOC: &'static str = "Bits that go through while enabled, and to a level otherwise.\n\n\
+        `personality=` is how many bits, 1 to 10; 1 without it.\n\n\
+        # Example\n\n\
+        ```hal\n\
+        loadrt output_buffer personality=2\n\
+        loadrt threads name1=servo period1=1000000\n\
+        addf output-buffer.0 servo\n\
+        start\n\
+        setp output-buffer.0.in-1 1\n\
+        run 1ms\n\
+        getp output-buffer.0.out-1 # -> FALSE\n\
+        setp output-buffer.0.enable 1\n\
+        run 1ms\n\
+        getp output-buffer.0.out-0 # -> FALSE\n\
+        getp output-buffer.0.out-1 # -> TRUE\n\
+        ```";
+    const FLAGS: u32 = component_flags::PERSONALITY | component_flags::PARALLEL;
+
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        let n = match b.personality() {
+            0 => USUAL,
+            n => n,
+        };
+        if !(1..=MOST).contains(&n) {
+            let text = format!("Pin in-#: Requested size {n} exceeds max size {MOST}");
+            return Err(Error::new(text));
+        }
+        let mut bits = Vec::new();
+        for i in 0..n {
+            let input = b.item(&format!("in-{i}"), "A bit.", false)?;
+            let doc = "The bit while enabled, otherwise `off-level`.";
+            bits.push((input, b.item(&format!("out-{i}"), doc, false)?));
+        }
+        let enable = b.item("enable", "Whether the bits go through.", false)?;
+        let doc = "What all outputs are while not enabled.";
+        let off_level = b.item("off-level", doc, false)?;
+        b.function("", "Lets the bits through.", Self { bits, enable, off_level })
+    }
+}
+
+impl Update for OutputBuffer {
+    fn update(&mut self, _: Period) {
+        let (enabled, off) = (self.enable.get(), self.off_level.get());
+        for (input, output) in &self.bits {
+            output.set(if enabled { input.get() } else { off });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::OutputBuffer;
+    use hal_component::{bench::Bench, trace::replay};
+
+    #[test]
+    fn through_or_off() {
+        let rows = replay::<OutputBuffer>(
+            "load output_buffer personality=2
+             run output-buffer.0
+             in output-buffer.0.in-0 output-buffer.0.in-1 output-buffer.0.enable output-buffer.0.off-level
+             out output-buffer.0.out-0 output-buffer.0.out-1
+             1 0 0 0 | 0 0
+             1 0 0 1 | 1 1
+             1 0 1 1 | 1 0
+             0 1 1 0 | 0 1",
+        );
+        assert_eq!(rows, 4);
+        let refused = Bench::new().load::<OutputBuffer>(&["personality=11"]).unwrap_err();
+        assert_eq!(refused, "Pin in-#: Requested size 11 exceeds max size 10");
+    }
+}

@@ -1,0 +1,167 @@
+//! `safety_latch`.
+use hal_component::{Component, In, Out, Period, Update};
+
+/// Latch of an error that must last, or come often enough, to count.
+///
+/// Each run with the error adds `harm` to a count, each run without it takes `heal` off. When the
+/// count reaches `threshold`, the outputs say so: for ever if `latching` is true, until a reset;
+/// otherwise until the count is down at `min` again.
+///
+/// # Example
+///
+/// ```hal
+/// # An error counts after three runs, and is forgiven five times as slowly.
+/// loadrt safety_latch
+/// loadrt threads name1=servo period1=1000000
+/// addf safety-latch.0 servo
+/// start
+/// setp safety-latch.0.harm 5
+/// setp safety-latch.0.threshold 15
+/// setp safety-latch.0.error-in 1
+/// run 2ms
+/// getp safety-latch.0.count # -> 10
+/// getp safety-latch.0.ok-out # -> TRUE
+/// run 1ms
+/// getp safety-latch.0.ok-out # -> FALSE
+/// setp safety-latch.0.error-in 0
+/// run 1s
+/// getp safety-latch.0.count # -> 0
+/// getp safety-latch.0.ok-out # -> FALSE
+/// setp safety-latch.0.reset 1
+/// run 1ms
+/// getp safety-latch.0.ok-out # -> TRUE
+/// ```
+#[derive(Component)]
+pub(crate) struct SafetyLatch {
+    /// The error.
+    error_in: In<bool>,
+    /// While false, errors are not counted, and the outputs say that all is well.
+    #[hal(default = true)]
+    enable: In<bool>,
+    /// Its rising edge sets the count to `min` and ends a latched error.
+    reset: In<bool>,
+    /// Whether an error stays until a reset.
+    #[hal(default = true)]
+    latching: In<bool>,
+    /// What a run with the error adds to the count.
+    #[hal(default = 1)]
+    harm: In<i32>,
+    /// What a run without the error takes off the count.
+    #[hal(default = 1)]
+    heal: In<i32>,
+    /// Where the count becomes an error.
+    #[hal(default = 100)]
+    threshold: In<i32>,
+    /// Highest count.
+    #[hal(default = 1000)]
+    max_: In<i32>,
+    /// Lowest count; when the two cross, it goes before `max`.
+    min_: In<i32>,
+    /// The count.
+    count: Out<i32>,
+    /// True while there is an error.
+    error_out: Out<bool>,
+    /// The opposite of `error-out`.
+    #[hal(default = true)]
+    ok_out: Out<bool>,
+    #[state]
+    reset_was: bool,
+}
+
+impl Update for SafetyLatch {
+    fn update(&mut self, _: Period) {
+        let reset = self.reset.get();
+        let rising = reset && !self.reset_was;
+        self.reset_was = reset;
+        let (min, max) = (self.min_.get(), self.max_.get());
+        let mut bad = self.error_out.get();
+        if rising || !self.enable.get() {
+            self.count.set(min);
+            bad = false;
+        } else {
+            let count = self.count.get();
+            let moved = if self.error_in.get() {
+                count.saturating_add(self.harm.get())
+            } else {
+                count.saturating_sub(self.heal.get())
+            };
+            let count = moved.min(max).max(min);
+            self.count.set(count);
+            if count >= self.threshold.get() {
+                bad = true;
+            } else if !self.latching.get() && count <= min {
+                bad = false;
+            }
+        }
+        self.error_out.set(bad);
+        self.ok_out.set(!bad);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SafetyLatch;
+    use hal_component::trace::replay;
+
+    const PINS: &str = "run safety-latch.0
+        in safety-latch.0.error-in safety-latch.0.reset safety-latch.0.enable
+        out safety-latch.0.count safety-latch.0.error-out safety-latch.0.ok-out\n";
+
+    #[test]
+    fn harm_adds_and_heal_takes_off() {
+        let table = format!(
+            "load safety_latch
+             set safety-latch.0.harm 3
+             set safety-latch.0.heal 2
+             set safety-latch.0.threshold 6
+             set safety-latch.0.max 7
+             {PINS}
+             1 0 1 | 3 0 1
+             0 0 1 | 1 0 1
+             0 0 1 | 0 0 1
+             1 0 1 | 3 0 1
+             1 0 1 | 6 1 0
+             1 0 1 | 7 1 0
+             0 0 1 | 5 1 0
+             0 0 1 | 3 1 0
+             0 0 1 | 1 1 0
+             0 0 1 | 0 1 0
+             0 1 1 | 0 0 1
+             1 1 1 | 3 0 1
+             1 1 1 | 6 1 0
+             1 1 0 | 0 0 1"
+        );
+        assert_eq!(replay::<SafetyLatch>(&table), 14);
+    }
+
+    #[test]
+    fn without_the_latch_it_heals() {
+        let table = format!(
+            "load safety_latch
+             set safety-latch.0.latching 0
+             set safety-latch.0.threshold 2
+             set safety-latch.0.harm 2
+             {PINS}
+             1 0 1 | 2 1 0
+             0 0 1 | 1 1 0
+             0 0 1 | 0 0 1"
+        );
+        assert_eq!(replay::<SafetyLatch>(&table), 3);
+    }
+
+    #[test]
+    fn the_count_never_wraps_and_min_goes_before_max() {
+        let table = format!(
+            "load safety_latch
+             set safety-latch.0.harm 2147483647
+             set safety-latch.0.max 2147483647
+             {PINS}
+             1 0 1 | 2147483647 1 0
+             1 0 1 | 2147483647 1 0
+             set safety-latch.0.min 9
+             set safety-latch.0.max 5
+             0 0 1 | 9 1 0"
+        );
+        assert_eq!(replay::<SafetyLatch>(&table), 3);
+    }
+}

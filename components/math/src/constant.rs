@@ -1,0 +1,53 @@
+//! `constant`.
+use hal_component::{Component, Out, ParamRw, Period, Update};
+
+/// A number that is set once.
+///
+/// A signal can be set as well, as long as no pin writes it; a parameter is saved with the machine.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt constant
+/// loadrt threads name1=servo period1=1000000
+/// addf constant.0 servo
+/// net level constant.0.out
+/// start
+/// setp constant.0.value 2.5
+/// run 1ms
+/// gets level # -> 2.5
+/// ```
+#[derive(Component)]
+pub(crate) struct Constant {
+    /// The number.
+    out: Out<f64>,
+    /// What `out` is.
+    value: ParamRw<f64>,
+}
+
+impl Update for Constant {
+    fn update(&mut self, _: Period) {
+        self.out.set(self.value.get());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Constant;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn it_follows_its_parameter() {
+        let rows = replay::<Constant>(
+            "load constant
+             run constant.0
+             in constant.0.value
+             out constant.0.out
+             1.5 | 1.5
+             -inf | -inf
+             nan | nan
+             . | nan",
+        );
+        assert_eq!(rows, 4);
+    }
+}

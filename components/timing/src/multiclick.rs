@@ -1,0 +1,190 @@
+//! `multiclick`.
+use hal_component::{Component, In, Out, ParamRw, Period, Update};
+
+/// Tells single, double, triple and quadruple clicks of a button.
+///
+/// A click is the button down for at most `max-hold-ns`. Clicks that follow within `max-space-ns`
+/// of each other belong together. Each `-click` output gives a pulse as soon as there were so many
+/// clicks, each `-click-only` when no further one can follow. What was held too long, or a fifth
+/// press, ends it without a word.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt multiclick
+/// loadrt threads name1=servo period1=1000000
+/// addf multiclick.0 servo
+/// start
+/// setp multiclick.0.in 1
+/// run 50ms
+/// setp multiclick.0.in 0
+/// run 50ms
+/// setp multiclick.0.in 1
+/// run 50ms
+/// setp multiclick.0.in 0
+/// run 50ms
+/// getp multiclick.0.double-click # -> TRUE
+/// run 250ms
+/// getp multiclick.0.double-click # -> FALSE
+/// getp multiclick.0.double-click-only # -> TRUE
+/// getp multiclick.0.single-click-only # -> FALSE
+/// ```
+#[derive(Component)]
+pub(crate) struct Multiclick {
+    /// The button.
+    in_: In<bool>,
+    /// Pulse after the first click.
+    single_click: Out<bool>,
+    /// Pulse when one click was all.
+    single_click_only: Out<bool>,
+    /// Pulse after the second click.
+    double_click: Out<bool>,
+    /// Pulse when two clicks were all.
+    double_click_only: Out<bool>,
+    /// Pulse after the third click.
+    triple_click: Out<bool>,
+    /// Pulse when three clicks were all.
+    triple_click_only: Out<bool>,
+    /// Pulse after the fourth click.
+    quadruple_click: Out<bool>,
+    /// Pulse when four clicks were all.
+    quadruple_click_only: Out<bool>,
+    /// 0 waiting, odd while pressed, even after a release: 1 and 2 for the first click to 7 and 8
+    /// for the fourth; 9 waiting for the release of what does not count.
+    state: Out<i32>,
+    /// Whether the button is down while `in` is false.
+    invert_input: ParamRw<bool>,
+    /// How long a click lasts at most, in nanoseconds.
+    #[hal(default = 250_000_000)]
+    max_hold_ns: ParamRw<u32>,
+    /// How long after a click the next must begin, in nanoseconds.
+    #[hal(default = 250_000_000)]
+    max_space_ns: ParamRw<u32>,
+    /// Length of the pulses, in nanoseconds; of length 0 they do not end.
+    #[hal(default = 100_000_000)]
+    output_hold_ns: ParamRw<u32>,
+    /// How long it may yet be in this state, in nanoseconds.
+    #[state]
+    time: i64,
+    /// What is left of each pulse, in nanoseconds.
+    #[state]
+    left: [i64; 8],
+}
+
+/// The button is up, and no click is waited for.
+const IDLE: i32 = 0;
+/// The last release.
+const LAST: i32 = 8;
+/// What is pressed does not count.
+const TOO_MUCH: i32 = 9;
+
+impl Update for Multiclick {
+    fn update(&mut self, period: Period) {
+        self.time = self.time.saturating_sub(period.ns());
+        let outputs = self.outputs().map(|(.., out)| out);
+        for (left, out) in self.left.iter_mut().zip(outputs) {
+            if *left > 0 {
+                *left -= period.ns();
+                if *left <= 0 {
+                    out.set(false);
+                }
+            }
+        }
+        let down = self.in_.get() != self.invert_input.get();
+        let state = self.state.get();
+        let pressed = state % 2 == 1;
+        if state == TOO_MUCH {
+            if !down {
+                self.enter(IDLE);
+            }
+        } else if pressed && !down {
+            self.enter(state + 1);
+            self.show(state + 1, false);
+        } else if pressed && self.time < 0 {
+            self.enter(TOO_MUCH);
+        } else if !pressed && down {
+            self.enter(if state == LAST { TOO_MUCH } else { state + 1 });
+        } else if !pressed && state != IDLE && self.time < 0 {
+            self.enter(IDLE);
+            self.show(state, true);
+        }
+    }
+}
+
+impl Multiclick {
+    fn enter(&mut self, state: i32) {
+        self.state.set(state);
+        let most = if state % 2 == 1 { self.max_hold_ns } else { self.max_space_ns };
+        self.time = i64::from(most.get());
+    }
+
+    /// Where the outputs are: after so many presses and releases, soon or when no more can follow.
+    const fn outputs(&self) -> [(i32, bool, Out<bool>); 8] {
+        [
+            (2, false, self.single_click),
+            (4, false, self.double_click),
+            (6, false, self.triple_click),
+            (8, false, self.quadruple_click),
+            (2, true, self.single_click_only),
+            (4, true, self.double_click_only),
+            (6, true, self.triple_click_only),
+            (8, true, self.quadruple_click_only),
+        ]
+    }
+
+    /// Begins the pulse of one output.
+    fn show(&mut self, state: i32, is_all: bool) {
+        let hold = i64::from(self.output_hold_ns.get());
+        for ((when, only, out), left) in self.outputs().into_iter().zip(&mut self.left) {
+            if (when, only) == (state, is_all) {
+                out.set(true);
+                *left = hold;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Multiclick;
+    use hal_component::trace::replay;
+
+    const PINS: &str = "load multiclick
+        set multiclick.0.max-hold-ns 3000000
+        set multiclick.0.max-space-ns 3000000
+        set multiclick.0.output-hold-ns 2000000
+        run multiclick.0
+        in multiclick.0.in
+        out multiclick.0.state multiclick.0.single-click multiclick.0.single-click-only multiclick.0.double-click multiclick.0.double-click-only\n";
+
+    #[test]
+    fn one_click() {
+        let rows = "1 | 1 0 0 0 0\n1 | 1 0 0 0 0\n0 | 2 1 0 0 0\n0 | 2 1 0 0 0\n0 | 2 0 0 0 0\n\
+            0 | 2 0 0 0 0\n0 | 0 0 1 0 0\n0 | 0 0 1 0 0\n0 | 0 0 0 0 0";
+        assert_eq!(replay::<Multiclick>(&format!("{PINS}{rows}")), 9);
+    }
+
+    #[test]
+    fn two_clicks_end_the_pulse_of_the_first() {
+        let rows = "1 | 1 0 0 0 0\n0 | 2 1 0 0 0\n1 | 3 1 0 0 0\n0 | 4 0 0 1 0\n0 | 4 0 0 1 0\n\
+            0 | 4 0 0 0 0\n0 | 4 0 0 0 0\n0 | 0 0 0 0 1";
+        assert_eq!(replay::<Multiclick>(&format!("{PINS}{rows}")), 8);
+    }
+
+    #[test]
+    fn held_too_long_is_no_click() {
+        let rows = "1 | 1 0 0 0 0\n1 | 1 0 0 0 0\n1 | 1 0 0 0 0\n1 | 1 0 0 0 0\n1 | 9 0 0 0 0\n\
+            1 | 9 0 0 0 0\n0 | 0 0 0 0 0";
+        assert_eq!(replay::<Multiclick>(&format!("{PINS}{rows}")), 7);
+    }
+
+    #[test]
+    fn a_fifth_press_does_not_count() {
+        let mut rows = String::new();
+        for n in [1, 3, 5, 7] {
+            rows += &format!("1 | {n} . . . .\n0 | {} . . . .\n", n + 1);
+        }
+        rows += "expect multiclick.0.quadruple-click 1\n1 | 9 . . . .\n0 | 0 . . . .\n";
+        assert_eq!(replay::<Multiclick>(&format!("{PINS}{rows}")), 10);
+    }
+}
