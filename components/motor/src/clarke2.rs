@@ -1,0 +1,63 @@
+//! `clarke2`.
+use hal_component::{Component, In, Out, Period, Update};
+
+/// Two phases of three as a vector in a plane, where all three sum to zero.
+///
+/// This is Clarke's transform for currents or voltages of three wires: `x` = `a`, and
+/// `y` = (`a` + 2·`b`) / √3. The factors have 15 digits.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt clarke2
+/// loadrt threads name1=servo period1=1000000
+/// addf clarke2.0 servo
+/// setp clarke2.0.a 1
+/// setp clarke2.0.b -0.5
+/// start
+/// run 1ms
+/// getp clarke2.0.x # -> 1
+/// ```
+#[derive(Component)]
+pub(crate) struct Clarke2 {
+    /// First phase.
+    a: In<f64>,
+    /// Second phase.
+    b: In<f64>,
+    /// First coordinate, along the first phase.
+    x: Out<f64>,
+    /// Second coordinate, a quarter turn ahead.
+    y: Out<f64>,
+}
+
+#[expect(clippy::excessive_precision, reason = "15 digits are what is meant")]
+const A: f64 = 0.577_350_269_189_626;
+const B: f64 = 1.154_700_538_379_25;
+
+impl Update for Clarke2 {
+    fn update(&mut self, _: Period) {
+        let (a, b) = (self.a.get(), self.b.get());
+        self.x.set(a);
+        self.y.set(A * a + B * b);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Clarke2;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn phases() {
+        let rows = "load clarke2
+            within 1e-14
+            run clarke2.0
+            in clarke2.0.a clarke2.0.b
+            out clarke2.0.x clarke2.0.y
+            1 -0.5 | 1 0
+            0 0.8660254037844386 | 0 1
+            -0.5 1 | -0.5 0.8660254037844386
+            nan 1 | nan nan";
+        assert_eq!(replay::<Clarke2>(rows), 4);
+    }
+}

@@ -1,0 +1,65 @@
+//! `led_dim`.
+use hal_component::{Component, In, Out, Period, Update};
+
+/// Power of a lamp that shall look as bright as wanted.
+///
+/// The eye is not linear; this is the lightness of CIE 1931: for a lightness L up to 8 it is
+/// L / 903.3, above ((L + 16) / 116)³. LinuxCNC 2.9 does not have it.
+///
+/// # Example
+///
+/// What looks half as bright needs 18 percent of the power.
+///
+/// ```hal
+/// loadrt led_dim
+/// loadrt threads name1=servo period1=1000000
+/// addf led-dim.0 servo
+/// setp led-dim.0.in 50
+/// start
+/// run 1ms
+/// getp led-dim.0.out # -> 0.1841865
+/// ```
+#[derive(Component)]
+pub(crate) struct LedDim {
+    /// How bright it shall look, from 0 to 100; what is beyond is taken as the nearer of them, and
+    /// what is no number as 0.
+    in_: In<f64>,
+    /// The power, from 0 to 1.
+    out: Out<f64>,
+}
+
+impl Update for LedDim {
+    fn update(&mut self, _: Period) {
+        let light = self.in_.get().max(0.0).min(100.0);
+        self.out.set(if light > 8.0 {
+            let root = (light + 16.0) / 116.0;
+            root * root * root
+        } else {
+            light / 903.3
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::LedDim;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn cie_1931() {
+        let rows = "load led_dim
+            within 1e-9
+            run led-dim.0
+            in led-dim.0.in
+            out led-dim.0.out
+            0 | 0
+            4 | 0.004428207683
+            8 | 0.008856415366
+            42 | 0.125
+            100 | 1
+            250 | 1
+            -3 | 0
+            nan | 0";
+        assert_eq!(replay::<LedDim>(rows), 8);
+    }
+}

@@ -1,0 +1,17 @@
+//! Operators' panels: knobs, buttons, keyboards, messages.
+#![forbid(unsafe_code)]
+
+mod joyhandle;
+mod knob2float;
+mod led_dim;
+mod nist;
+mod xhc_hb04_util;
+
+hal_component::export!(
+    joyhandle::Joyhandle,
+    knob2float::Knob2float,
+    led_dim::LedDim,
+    nist::Momentary2nist,
+    nist::Toggle2nist,
+    xhc_hb04_util::XhcHb04Util,
+);

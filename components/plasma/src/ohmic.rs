@@ -1,0 +1,111 @@
+//! `ohmic`.
+use hal_component::{Component, In, Out, Period, Update};
+
+/// Whether a torch touches the metal, from the voltage that a THCAD card measures.
+///
+/// The card's frequency f makes the voltage at the card,
+/// (f - f0) / ((fmax - f0) / `thcad-fullscale`), where f0 and fmax are its calibrations divided by
+/// `thcad-divide`; times `volt-divider` it is that of the torch. While probing, more than 1 V
+/// counts as contact. Otherwise a contact that is there stays until the voltage falls below
+/// `ohmic-low`. `ohmic-threshold` has no effect, as measured on LinuxCNC 2.9.
+///
+/// The defaults of `ohmic-low` and `ohmic-threshold` are those of LinuxCNC 2.10; 2.9 has 5 and 18.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt ohmic
+/// loadrt threads name1=servo period1=1000000
+/// addf ohmic.0 servo
+/// setp ohmic.0.thcad-0-volt-freq 100000
+/// setp ohmic.0.thcad-max-volt-freq 900000
+/// setp ohmic.0.velocity-in 15625
+/// setp ohmic.0.is-probing 1
+/// start
+/// run 1ms
+/// getp ohmic.0.ohmic-volts # -> 12.25
+/// getp ohmic.0.ohmic-on # -> TRUE
+/// ```
+#[derive(Component)]
+pub(crate) struct Ohmic {
+    /// The card's frequency at 0 V, undivided, in hertz.
+    #[hal(name = "thcad-0-volt-freq")]
+    zero_freq: In<f64>,
+    /// The card's frequency at full scale, undivided, in hertz.
+    #[hal(name = "thcad-max-volt-freq")]
+    max_freq: In<f64>,
+    /// By how much the card divides its frequency: 1, 32, 64 or 128.
+    #[hal(default = 32.0)]
+    thcad_divide: In<f64>,
+    /// The card's full scale: 5, 10 or 300 volts.
+    #[hal(default = 5.0)]
+    thcad_fullscale: In<f64>,
+    /// The frequency that is measured, in hertz.
+    velocity_in: In<f64>,
+    /// How many volts at the torch make one at the card.
+    #[hal(default = 4.9)]
+    volt_divider: In<f64>,
+    /// Without effect; here for scripts that set it.
+    #[hal(default = 22.0)]
+    ohmic_threshold: In<f64>,
+    /// Below this voltage a contact ends while not probing.
+    #[hal(default = 21.0)]
+    ohmic_low: In<f64>,
+    /// True from the card's full scale on: there is an arc. (LinuxCNC 2.9 has it, 2.10 has not.)
+    arc_on: Out<bool>,
+    /// The voltage at the card. (LinuxCNC 2.9 has it, 2.10 has not.)
+    thcad_volts: Out<f64>,
+    /// The voltage at the torch.
+    ohmic_volts: Out<f64>,
+    /// True while the torch touches the metal.
+    ohmic_on: Out<bool>,
+    /// True while probing.
+    is_probing: In<bool>,
+}
+
+impl Update for Ohmic {
+    fn update(&mut self, _: Period) {
+        let divide = self.thcad_divide.get();
+        let zero = self.zero_freq.get() / divide;
+        let scale = (self.max_freq.get() / divide - zero) / self.thcad_fullscale.get();
+        let volts = (self.velocity_in.get() - zero) / scale;
+        self.thcad_volts.set(volts);
+        self.arc_on.set(volts >= self.thcad_fullscale.get());
+        let volts = volts * self.volt_divider.get();
+        self.ohmic_volts.set(volts);
+        if self.is_probing.get() {
+            self.ohmic_on.set(volts > 1.0);
+        } else if volts < self.ohmic_low.get() {
+            self.ohmic_on.set(false);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Ohmic;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn volts() {
+        let rows = "load ohmic
+            set ohmic.0.thcad-0-volt-freq 100000
+            set ohmic.0.thcad-max-volt-freq 900000
+            set ohmic.0.ohmic-low 5
+            run ohmic.0
+            within 1e-12
+            in ohmic.0.velocity-in ohmic.0.is-probing
+            out ohmic.0.ohmic-volts ohmic.0.thcad-volts ohmic.0.ohmic-on ohmic.0.arc-on
+            3125 0 | 0 0 0 0
+            15625 0 | 12.25 2.5 0 0
+            28125 0 | 24.5 5 0 1
+            28125 1 | 24.5 5 1 1
+            4687.5 1 | 1.53125 0.3125 1 0
+            0 1 | -3.0625 -0.625 0 0
+            15625 1 | 12.25 2.5 1 0
+            9375 0 | 6.125 1.25 1 0
+            4687.5 0 | 1.53125 0.3125 0 0
+            9375 0 | 6.125 1.25 0 0";
+        assert_eq!(replay::<Ohmic>(rows), 10);
+    }
+}

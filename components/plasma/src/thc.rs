@@ -1,0 +1,143 @@
+//! `thc`.
+use crate::height::{Height, single};
+use hal_component::{
+    Builder, Component, Error, In, Out, ParamRw, Period, Touch, Update, abi::component_flags, pins,
+};
+
+/// Torch height control by the voltage of the arc.
+pub(crate) struct Thc;
+
+impl Component for Thc {
+    const NAME: &'static str = "thc";
+    const DOC: &'static str = "Torch height control by the voltage of the arc.\n\n\
+        While enabled, with the torch on, the arc there and the speed reached, Z is lowered or \
+        raised by `correction-vel` per run until the voltage is near `volts-requested`. With the \
+        torch off, as much of the offset is taken back as Z rises, first from zero. While not \
+        enabled, Z goes through. The offset is kept in single precision, as in LinuxCNC.\n\n\
+        # Example\n\n\
+        95 V where 100 V are wanted: the torch is raised by 0.01 in each run.\n\n\
+        ```hal\n\
+        loadrt thc\n\
+        loadrt threads name1=servo period1=1000000\n\
+        addf thc servo\n\
+        setp thc.vel-scale 0.01\n\
+        setp thc.voltage-tol 1\n\
+        setp thc.correction-vel 0.01\n\
+        setp thc.encoder-vel 9500\n\
+        setp thc.volts-requested 100\n\
+        setp thc.requested-vel 50\n\
+        setp thc.current-vel 50\n\
+        setp thc.arc-ok 1\n\
+        setp thc.torch-on 1\n\
+        setp thc.enable 1\n\
+        start\n\
+        run 3ms\n\
+        getp thc.volts # -> 95\n\
+        getp thc.z-pos-out # -> 0.03\n\
+        ```";
+    const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
+
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        let run = Run { pins: Pins::make(b, "thc")?, height: Height::default() };
+        b.function("thc", "Measures, and corrects the height.", run)
+    }
+}
+
+pins! {
+    /// Its pins.
+    struct Pins {
+        /// The frequency of the voltage card, from an encoder's `velocity`.
+        encoder_vel: In<f64> = "encoder-vel", 0.0;
+        /// The speed of the machine.
+        current_vel: In<f64> = "current-vel", 0.0;
+        /// The speed that the program wants, in the same unit.
+        requested_vel: In<f64> = "requested-vel", 0.0;
+        /// The voltage to keep, in volts.
+        volts_requested: In<f64> = "volts-requested", 0.0;
+        /// Without effect; here for scripts that set it.
+        vel_tol: In<f64> = "vel-tol", 0.0;
+        /// Whether the torch is switched on.
+        torch_on: In<bool> = "torch-on", false;
+        /// Whether there is an arc.
+        arc_ok: In<bool> = "arc-ok", false;
+        /// Whether to control the height at all.
+        enable: In<bool> = "enable", false;
+        /// Z as it is commanded.
+        z_pos_in: In<f64> = "z-pos-in", 0.0;
+        /// Z with the offset, for the motor.
+        z_pos_out: Out<f64> = "z-pos-out", 0.0;
+        /// Z without the offset, as the feedback of the axis.
+        z_fb_out: Out<f64> = "z-fb-out", 0.0;
+        /// The voltage of the arc, in volts; not below 0.
+        volts: Out<f64> = "volts", 0.0;
+        /// Whether the machine is as fast as it should be.
+        vel_status: Out<bool> = "vel-status", false;
+        /// The offset of Z before this run.
+        offset_value: Out<f64> = "offset-value", 0.0;
+        /// Volts per unit of frequency.
+        vel_scale: ParamRw<f64> = "vel-scale", 0.0;
+        /// The frequency at 0 V.
+        scale_offset: ParamRw<f64> = "scale-offset", 0.0;
+        /// How far below the wanted speed still counts, in percent.
+        velocity_tol: ParamRw<f64> = "velocity-tol", 0.0;
+        /// How far the voltage may be off before it is corrected, in volts.
+        voltage_tol: ParamRw<f64> = "voltage-tol", 0.0;
+        /// How far Z is corrected in one run, in machine units.
+        correction_vel: ParamRw<f64> = "correction-vel", 0.0;
+    }
+}
+
+#[derive(Touch)]
+struct Run {
+    pins: Pins,
+    #[state]
+    height: Height,
+}
+
+impl Update for Run {
+    fn update(&mut self, _: Period) {
+        let p = &self.pins;
+        let volts = (p.encoder_vel.get() - p.scale_offset.get()) * p.vel_scale.get();
+        p.volts.set(if volts < 0.0 { 0.0 } else { volts });
+        p.offset_value.set(f64::from(self.height.offset));
+        let z = p.z_pos_in.get();
+        p.z_fb_out.set(z);
+        if !p.enable.get() {
+            p.z_pos_out.set(z);
+            return;
+        }
+        let wanted = p.requested_vel.get();
+        let lowest = single(wanted - wanted * (p.velocity_tol.get() * 0.01));
+        let now = p.current_vel.get();
+        let fast = now > 0.0 && now >= lowest;
+        p.vel_status.set(fast);
+        if p.torch_on.get() {
+            if p.arc_ok.get() && fast {
+                let (volts, wanted) = (p.volts.get(), p.volts_requested.get());
+                let tolerance = p.voltage_tol.get();
+                // Near the wanted voltage both are done.
+                if volts + tolerance > wanted {
+                    self.height.correct(-p.correction_vel.get());
+                }
+                if volts - tolerance < wanted {
+                    self.height.correct(p.correction_vel.get());
+                }
+                self.height.forget();
+            }
+        } else {
+            self.height.take_back(z);
+        }
+        p.z_pos_out.set(z + f64::from(self.height.offset));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Thc;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert!(replay::<Thc>(include_str!("../traces/thc.txt")) > 100);
+    }
+}

@@ -1,0 +1,124 @@
+//! `thcud`.
+use crate::height::{Height, single};
+use hal_component::{
+    Builder, Component, Error, In, Out, ParamRw, Period, Touch, Update, abi::component_flags, pins,
+};
+
+/// Torch height control by two switches.
+pub(crate) struct Thcud;
+
+impl Component for Thcud {
+    const NAME: &'static str = "thcud";
+    const DOC: &'static str = "Torch height control by two switches, up and down.\n\n\
+        While enabled, with the torch on, the arc there and the speed reached, Z is raised or \
+        lowered by `correction-vel` per run. With the torch off, as much of the offset is taken \
+        back as Z rises, first from zero. While not enabled, Z goes through. The offset is kept in \
+        single precision, as in LinuxCNC.\n\n\
+        # Example\n\n\
+        ```hal\n\
+        loadrt thcud\n\
+        loadrt threads name1=servo period1=1000000\n\
+        addf thcud servo\n\
+        setp thcud.correction-vel 0.01\n\
+        setp thcud.requested-vel 50\n\
+        setp thcud.current-vel 50\n\
+        setp thcud.arc-ok 1\n\
+        setp thcud.torch-on 1\n\
+        setp thcud.torch-up 1\n\
+        setp thcud.enable 1\n\
+        start\n\
+        run 3ms\n\
+        getp thcud.z-pos-out # -> 0.03\n\
+        ```";
+    const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
+
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        let run = Run { pins: Pins::make(b, "thcud")?, height: Height::default() };
+        b.function("thcud", "Corrects the height.", run)
+    }
+}
+
+pins! {
+    /// Its pins.
+    struct Pins {
+        /// Whether Z shall rise.
+        torch_up: In<bool> = "torch-up", false;
+        /// Whether Z shall sink.
+        torch_down: In<bool> = "torch-down", false;
+        /// The speed of the machine.
+        current_vel: In<f64> = "current-vel", 0.0;
+        /// The speed that the program wants, in the same unit.
+        requested_vel: In<f64> = "requested-vel", 0.0;
+        /// Whether the torch is switched on.
+        torch_on: In<bool> = "torch-on", false;
+        /// Whether there is an arc.
+        arc_ok: In<bool> = "arc-ok", false;
+        /// Whether to control the height at all.
+        enable: In<bool> = "enable", false;
+        /// Z as it is commanded.
+        z_pos_in: In<f64> = "z-pos-in", 0.0;
+        /// Z with the offset, for the motor.
+        z_pos_out: Out<f64> = "z-pos-out", 0.0;
+        /// Z without the offset, as the feedback of the axis.
+        z_fb_out: Out<f64> = "z-fb-out", 0.0;
+        /// Always 0, as in LinuxCNC; the offset is `z-pos-out` less `z-fb-out`.
+        cur_offset: Out<f64> = "cur-offset", 0.0;
+        /// Whether the machine is as fast as it should be.
+        vel_status: Out<bool> = "vel-status", false;
+        /// Whether some of the offset was taken back in the last run with the torch off.
+        removing_offset: Out<bool> = "removing-offset", false;
+        /// How far Z is corrected in one run, in machine units. (A parameter in LinuxCNC 2.9.)
+        correction_vel: In<f64> = "correction-vel", 0.0;
+        /// How far below the wanted speed still counts, in percent.
+        velocity_tol: ParamRw<f64> = "velocity-tol", 0.0;
+    }
+}
+
+#[derive(Touch)]
+struct Run {
+    pins: Pins,
+    #[state]
+    height: Height,
+}
+
+impl Update for Run {
+    fn update(&mut self, _: Period) {
+        let p = &self.pins;
+        let z = p.z_pos_in.get();
+        p.z_fb_out.set(z);
+        if !p.enable.get() {
+            p.z_pos_out.set(z);
+            return;
+        }
+        let wanted = p.requested_vel.get();
+        let lowest = single(wanted - wanted * (p.velocity_tol.get() * 0.01));
+        let now = p.current_vel.get();
+        let fast = now > 0.0 && now >= lowest;
+        p.vel_status.set(fast);
+        if p.torch_on.get() {
+            if p.arc_ok.get() && fast {
+                if p.torch_down.get() {
+                    self.height.correct(-p.correction_vel.get());
+                }
+                if p.torch_up.get() {
+                    self.height.correct(p.correction_vel.get());
+                }
+                self.height.forget();
+            }
+        } else {
+            p.removing_offset.set(self.height.take_back(z));
+        }
+        p.z_pos_out.set(z + f64::from(self.height.offset));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Thcud;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert!(replay::<Thcud>(include_str!("../traces/thcud.txt")) > 100);
+    }
+}

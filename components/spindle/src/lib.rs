@@ -1,0 +1,8 @@
+//! Spindles: speed, gears, orientation.
+#![forbid(unsafe_code)]
+
+mod gearchange;
+mod orient;
+mod spindle_monitor;
+
+hal_component::export!(gearchange::Gearchange, orient::Orient, spindle_monitor::SpindleMonitor);
