@@ -127,10 +127,16 @@ impl Pair<'_> {
         };
         v.ours_only.extend(lone(ours, theirs));
         v.theirs_only.extend(lone(theirs, ours));
+        for (name, value) in case.sets(&v.ours_only) {
+            self.bench.call(Request::Set { name, value }).unwrap();
+        }
         v.names.extend(ours.keys().chain(theirs.keys()).cloned());
         for (name, &(direction, first)) in ours.iter().filter(|(n, _)| theirs.contains_key(*n)) {
             let (other, value) = theirs[name];
-            if (other, value.ty()) != (direction, first.ty()) {
+            let known = case.kinds.iter().any(|k| case::named(&k.pins, name));
+            if (other, value.ty()) != (direction, first.ty())
+                && !(known && value.ty() == first.ty())
+            {
                 let of = |d, v: Value| format!("{d:?} {:?}", v.ty());
                 v.shape(name, format!("{}, theirs {}", of(direction, first), of(other, value)));
                 continue;

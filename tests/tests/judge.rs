@@ -43,9 +43,15 @@
 //! ours = "10000000.0"
 //! theirs = "1e20"
 //!
-//! # Pins that only one side has.
+//! # Pins that only one side has, and what ours is set to, if it must be.
 //! [[only]]
 //! pins = ["*.extra"]
+//! why = "…"
+//! set = "0"
+//!
+//! # What is a pin on one side and a parameter on the other, but means the same.
+//! [[kinds]]
+//! pins = ["*.size"]
 //! why = "…"
 //!
 //! # What is known to differ, and how bad it may be: not before this cycle, in no more cycles for

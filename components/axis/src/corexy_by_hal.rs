@@ -1,7 +1,7 @@
 //! `corexy_by_hal`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// The two motors of a CoreXY machine, between joints 0 and 1 and their drives.
+/// The two motors of a `CoreXY` machine, between joints 0 and 1 and their drives.
 ///
 /// With `trivkins coordinates=xyz`, joint 0 is X and joint 1 is Y, and home switches work along them.
 ///

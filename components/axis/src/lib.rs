@@ -5,8 +5,4 @@ mod corexy_by_hal;
 mod differential;
 mod gantry;
 
-hal_component::export!(
-    corexy_by_hal::CorexyByHal,
-    differential::Differential,
-    gantry::Gantry,
-);
+hal_component::export!(corexy_by_hal::CorexyByHal, differential::Differential, gantry::Gantry,);

@@ -30,7 +30,6 @@ pub(crate) struct Clarke2 {
     y: Out<f64>,
 }
 
-#[expect(clippy::excessive_precision, reason = "15 digits are what is meant")]
 const A: f64 = 0.577_350_269_189_626;
 const B: f64 = 1.154_700_538_379_25;
 

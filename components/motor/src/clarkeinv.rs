@@ -38,6 +38,7 @@ pub(crate) struct Clarkeinv {
 
 /// A whole turn in radians, as LinuxCNC has it: ten digits.
 const TURN: f64 = 6.283_185_308;
+#[expect(clippy::approx_constant, reason = "15 digits are what is meant")]
 const H: f64 = 0.707_106_781_186_547;
 const Y: f64 = 0.866_025_403_784_439;
 

@@ -68,11 +68,11 @@ impl Update for Joyhandle {
         let (power, dead) = (self.power.get(), self.deadband.get());
         let x = self.in_.get();
         let size = libm::fabs(x);
-        if !(size > dead) {
+        let size = if size > 1.0 { 1.0 } else { size };
+        if size <= dead || size.is_nan() {
             self.out.set(0.0);
             return;
         }
-        let size = if size > 1.0 { 1.0 } else { size };
         let y = if self.inverse.get() {
             1.0 - Self::curve(1.0 + dead - size, power, dead)
         } else {

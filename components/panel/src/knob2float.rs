@@ -19,7 +19,7 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Knob2float {
-    /// The encoder's count; it may wrap.
+    /// The encoder's count; where it wraps, the number goes to one of its limits.
     counts: In<i32>,
     /// Whether the knob counts; while false the number stays.
     enable: In<bool>,
@@ -39,13 +39,13 @@ pub(crate) struct Knob2float {
 impl Update for Knob2float {
     fn update(&mut self, _: Period) {
         let counts = self.counts.get();
-        let steps = counts.wrapping_sub(self.last);
+        let steps = f64::from(counts) - f64::from(self.last);
         self.last = counts;
         if self.max_out.get() < self.min_out.get() {
             self.min_out.set(self.max_out.get());
         }
         if self.enable.get() {
-            let mut out = self.out.get() + f64::from(steps) * self.scale.get();
+            let mut out = self.out.get() + steps * self.scale.get();
             if out < self.min_out.get() {
                 out = self.min_out.get();
             }

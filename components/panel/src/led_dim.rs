@@ -30,7 +30,8 @@ pub(crate) struct LedDim {
 
 impl Update for LedDim {
     fn update(&mut self, _: Period) {
-        let light = self.in_.get().max(0.0).min(100.0);
+        let wanted = self.in_.get();
+        let light = if wanted > 100.0 { 100.0 } else { wanted.max(0.0) };
         self.out.set(if light > 8.0 {
             let root = (light + 16.0) / 116.0;
             root * root * root

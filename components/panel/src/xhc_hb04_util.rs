@@ -46,7 +46,8 @@ pub(crate) struct XhcHb04Util {
     /// Scale of a filter.
     #[hal(name = "scale#", count = 4_u32, default = 1.0)]
     scale: Vec<In<f64>>,
-    /// How much of the difference a filter follows in a run, 0 to 1; else it follows all.
+    /// How much of the difference a filter follows in a run, 0 to 1, without its sign; beyond
+    /// that it follows all.
     #[hal(name = "coef#", count = 4_u32, default = 1.0)]
     coef: Vec<In<f64>>,
     /// The number to divide.
@@ -75,8 +76,8 @@ impl Update for XhcHb04Util {
         let pins = self.in_.iter().zip(&self.out).zip(self.scale.iter().zip(&self.coef));
         for (((in_, out), (scale, coef)), sum) in pins.zip(&mut self.filtered) {
             let coef = coef.get();
-            let in_ = f64::from(in_.get());
-            *sum = if 0.0 <= coef && coef <= 1.0 { *sum + (in_ - *sum) * coef } else { in_ };
+            let (coef, in_) = (libm::fabs(coef), f64::from(in_.get()));
+            *sum = if coef <= 1.0 { *sum + (in_ - *sum) * coef } else { in_ };
             out.set(whole(*sum * scale.get()));
         }
         let k = self.k.get();

@@ -6,8 +6,9 @@ use hal_component::{Component, In, Out, Period, Update};
 /// The card's frequency f makes the voltage at the card,
 /// (f - f0) / ((fmax - f0) / `thcad-fullscale`), where f0 and fmax are its calibrations divided by
 /// `thcad-divide`; times `volt-divider` it is that of the torch. While probing, more than 1 V
-/// counts as contact. Otherwise a contact that is there stays until the voltage falls below
-/// `ohmic-low`. `ohmic-threshold` has no effect, as measured on LinuxCNC 2.9.
+/// counts as contact, or more than 0 V where `ohmic-threshold` is 0: nothing else of it counts, as measured
+/// on LinuxCNC 2.9. While not probing, a contact that is there stays until the voltage falls below
+/// `ohmic-low`.
 ///
 /// The defaults of `ohmic-low` and `ohmic-threshold` are those of LinuxCNC 2.10; 2.9 has 5 and 18.
 ///
@@ -45,7 +46,7 @@ pub(crate) struct Ohmic {
     /// How many volts at the torch make one at the card.
     #[hal(default = 4.9)]
     volt_divider: In<f64>,
-    /// Without effect; here for scripts that set it.
+    /// From which voltage a contact counts while probing: 0 V if it is 0, else 1 V.
     #[hal(default = 22.0)]
     ohmic_threshold: In<f64>,
     /// Below this voltage a contact ends while not probing.
@@ -67,14 +68,17 @@ impl Update for Ohmic {
     fn update(&mut self, _: Period) {
         let divide = self.thcad_divide.get();
         let zero = self.zero_freq.get() / divide;
-        let scale = (self.max_freq.get() / divide - zero) / self.thcad_fullscale.get();
-        let volts = (self.velocity_in.get() - zero) / scale;
+        // A range of nothing is above 0.
+        let range = self.max_freq.get() - self.zero_freq.get() + 0.0;
+        let scale = 1.0 / (range / self.thcad_fullscale.get() / divide);
+        let volts = (self.velocity_in.get() - zero) * scale;
         self.thcad_volts.set(volts);
         self.arc_on.set(volts >= self.thcad_fullscale.get());
         let volts = volts * self.volt_divider.get();
         self.ohmic_volts.set(volts);
         if self.is_probing.get() {
-            self.ohmic_on.set(volts > 1.0);
+            let least = if self.ohmic_threshold.get() == 0.0 { 0.0 } else { 1.0 };
+            self.ohmic_on.set(volts > least);
         } else if volts < self.ohmic_low.get() {
             self.ohmic_on.set(false);
         }

@@ -34,10 +34,12 @@ pub(crate) struct SimSpindle {
 impl Update for SimSpindle {
     fn update(&mut self, period: Period) {
         let before = self.position_fb.get();
-        let mut now = before + self.velocity_cmd.get() * self.scale.get() * period.secs();
+        let mut now = before + self.velocity_cmd.get() * period.secs() * self.scale.get();
         if self.index_enable.get() && libm::floor(before) != libm::floor(now) {
             self.index_enable.set(false);
-            now -= if now > before { libm::floor(now) } else { libm::ceil(now) };
+            // Which way it turns is what the command says, whatever the sign of its scale.
+            let forward = self.velocity_cmd.get() > 0.0;
+            now -= if forward { libm::floor(now) } else { libm::ceil(now) };
         }
         self.position_fb.set(now);
     }

@@ -44,11 +44,10 @@ pub(crate) struct Sphereprobe {
 impl Update for Sphereprobe {
     fn update(&mut self, _: Period) {
         let far = |p: &In<i32>, c: &In<i32>| p.get().wrapping_sub(c.get());
-        let (x, y, z) =
-            (far(&self.px, &self.cx), far(&self.py, &self.cy), far(&self.pz, &self.cz));
-        let square = |n: i32| i64::from(n) * i64::from(n);
-        let (beside, r) = (square(x).wrapping_add(square(y)), square(self.r.get()));
-        let out = if beside > r { z < 0 } else { beside.wrapping_add(square(z)) <= r };
+        let (x, y, z) = (far(&self.px, &self.cx), far(&self.py, &self.cy), far(&self.pz, &self.cz));
+        let square = |n: i32| i128::from(n) * i128::from(n);
+        let (beside, r) = (square(x) + square(y), square(self.r.get()));
+        let out = if beside > r { self.pz.get() < self.cz.get() } else { beside + square(z) <= r };
         self.probe_out.set(out);
     }
 }

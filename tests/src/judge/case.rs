@@ -3,7 +3,7 @@
 use crate::programs::root;
 use hal_protocol::Patterns;
 use serde::Deserialize;
-use std::{fmt::Write, path::PathBuf};
+use std::{collections::BTreeSet, fmt::Write, path::PathBuf};
 
 /// The folder of these files.
 pub fn folder() -> PathBuf {
@@ -22,6 +22,8 @@ pub struct Case {
     pub inputs: Vec<Input>,
     /// Pins and parameters that only one side has.
     pub only: Vec<Only>,
+    /// Items of another kind or direction on the other side, which are given all the same.
+    pub kinds: Vec<Only>,
     /// First values that differ.
     pub defaults: Vec<First>,
     /// How far numbers may be apart.
@@ -60,6 +62,9 @@ pub struct Only {
     pub pins: Vec<String>,
     /// Why.
     pub why: String,
+    /// What it is set to after each load, where it is ours.
+    #[serde(default)]
+    pub set: Option<String>,
 }
 
 /// A first value that differs; both begin with ours then.
@@ -146,11 +151,20 @@ impl Case {
 
     fn lists(&self) -> impl Iterator<Item = (&[String], &str)> {
         let inputs = self.inputs.iter().map(|r| (&*r.pins, &*r.why));
-        let only = self.only.iter().map(|r| (&*r.pins, &*r.why));
+        let only = self.only.iter().chain(&self.kinds).map(|r| (&*r.pins, &*r.why));
         let defaults = self.defaults.iter().map(|r| (&*r.pins, &*r.why));
         let tolerance = self.tolerance.iter().map(|r| (&*r.pins, &*r.why));
         let differs = self.differs.iter().map(|r| (&*r.pins, &*r.why));
         inputs.chain(only).chain(defaults).chain(tolerance).chain(differs)
+    }
+
+    /// What those that only we have are set to.
+    pub(super) fn sets(&self, lone: &BTreeSet<String>) -> Vec<(String, String)> {
+        let set = |name: &String| {
+            let only = self.only.iter().find(|o| named(&o.pins, name))?;
+            Some((name.clone(), only.set.clone()?))
+        };
+        lone.iter().filter_map(set).collect()
     }
 
     /// Names in it that no pin has.

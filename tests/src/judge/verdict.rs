@@ -187,6 +187,12 @@ impl Verdict {
         out.push_str(&case.kept());
         for o in &case.only {
             write!(out, "; only one has `{}`: {}", o.pins.join("`, `"), o.why).unwrap();
+            if let Some(value) = &o.set {
+                write!(out, ", and it is {value} here").unwrap();
+            }
+        }
+        for k in &case.kinds {
+            write!(out, "; `{}` of another kind: {}", k.pins.join("`, `"), k.why).unwrap();
         }
         if self.zeros > 0 {
             write!(out, "; 0 beside -0: {}", self.zeros).unwrap();
