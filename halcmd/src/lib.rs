@@ -1,5 +1,5 @@
 //! The `.hal` language: lexer, INI files, one table of commands, and the interpreter; and what the
-//! programs halrun, halcmd, halsampler, halstreamer and `hal_manualtoolchange` are made of.
+//! programs halrun, halcmd, halscope, halsampler, halstreamer and `hal_manualtoolchange` are made of.
 //!
 //! A line of a script becomes words ([`lex`], [`vars`]), words become a [`Command`] through the
 //! one table in [`table`], and a [`Session`] carries the command out over any
@@ -36,6 +36,7 @@ mod rows;
 pub mod sampler;
 pub mod save;
 mod say;
+pub mod scope;
 mod screen;
 mod session;
 pub mod show;

@@ -54,6 +54,15 @@ impl TimeBase {
         if self.0 < -6 { ticks as f64 / power } else { ticks as f64 * power }
     }
 
+    /// So many nanoseconds in ticks: rounded toward the past, and at the most what an `i64` holds.
+    #[must_use]
+    pub fn ticks(self, nanoseconds: i64) -> i64 {
+        let by = 10_i128.pow(u32::from((self.0 + 9).unsigned_abs()));
+        let ns = i128::from(nanoseconds);
+        let exact = if self.0 < -9 { ns * by } else { ns.div_euclid(by) };
+        i64::try_from(exact).unwrap_or(if exact < 0 { i64::MIN } else { i64::MAX })
+    }
+
     /// So many ticks in nanoseconds: rounded toward the past, and at the most what an `i64` holds.
     #[must_use]
     pub fn nanoseconds(self, ticks: i64) -> i64 {
@@ -226,6 +235,8 @@ mod tests {
         assert_eq!(TimeBase::power(1).map(|b| b.seconds(3)), Some(30.0));
         assert_eq!(TimeBase::power(-12).map(|b| b.nanoseconds(-1)), Some(-1));
         assert_eq!(TimeBase::power(-3).map(|b| b.nanoseconds(7)), Some(7_000_000));
+        assert_eq!(TimeBase::power(-3).map(|b| b.ticks(-7_000_001)), Some(-8));
+        assert_eq!(TimeBase::power(-12).map(|b| b.ticks(i64::MIN)), Some(i64::MIN));
         assert_eq!(TimeBase::power(2).map(|b| b.nanoseconds(i64::MIN)), Some(i64::MIN));
         assert_eq!(TimeBase::power(3), None);
         for exponent in -18..=2 {

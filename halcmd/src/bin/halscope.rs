@@ -1,0 +1,9 @@
+//! Samples any pin, draws what was sampled, and shows it in the terminal.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let words: Vec<String> =
+        std::env::args_os().skip(1).map(|w| w.to_string_lossy().into_owned()).collect();
+    halcmd::scope::main(&words)
+}

@@ -1,0 +1,85 @@
+//! The program halscope: what machines do over time, drawn and looked at.
+
+mod figures;
+mod names;
+mod plot;
+
+use crate::{Stdio, Terminal, hint::nearest, units::nanoseconds};
+use hal_trace::Trace;
+use std::{path::Path, process::ExitCode};
+
+/// A command: its name, what follows it, what it does, and how.
+struct Row {
+    name: &'static str,
+    words: &'static str,
+    help: &'static str,
+    run: fn(&[String]) -> Result<ExitCode, String>,
+}
+
+const ROWS: &[Row] = &[Row {
+    name: "plot",
+    words: "[options] FILE [CHANNEL...]",
+    help: "draw a file as SVG or PNG",
+    run: plot::main,
+}];
+
+/// Runs the program with these words.
+#[must_use]
+pub fn main(words: &[String]) -> ExitCode {
+    match run(words) {
+        Ok(status) => status,
+        Err(text) => {
+            Stdio.err(&format!("halscope: {text}\n"));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(words: &[String]) -> Result<ExitCode, String> {
+    let (Some(name), rest) = (words.first(), words.get(1..).unwrap_or_default()) else {
+        return Err(format!("which command?\n{}", usage()));
+    };
+    if ["-h", "--help", "help"].contains(&name.as_str()) {
+        Stdio.out(&usage());
+        return Ok(ExitCode::SUCCESS);
+    }
+    if let Some(row) = ROWS.iter().find(|r| r.name == name) {
+        return (row.run)(rest);
+    }
+    let near = nearest(name, ROWS.iter().map(|r| r.name));
+    let near = near.map_or_else(String::new, |near| format!("; did you mean {near}?"));
+    Err(format!("'{name}' is no command{near}\n{}", usage()))
+}
+
+fn usage() -> String {
+    let mut text = String::from("Usage:\n");
+    for row in ROWS {
+        text.push_str(&format!("  halscope {} {}\n      {}\n", row.name, row.words, row.help));
+    }
+    text.push_str("Each explains its options with -h.\n");
+    text
+}
+
+/// Reads a file, all of it or as far as it can be read: then what is wrong is said.
+fn load(path: &Path) -> Result<Trace, String> {
+    let (reading, flaw) = hal_trace::load(path).map_err(|e| e.to_string())?;
+    let notes = reading.notes.iter().map(|note| format!("{}: {note}\n", path.display()));
+    Stdio.err(&notes.collect::<String>());
+    if let Some(flaw) = flaw {
+        if reading.trace.is_empty() {
+            return Err(flaw.to_string());
+        }
+        let (n, text) = (reading.trace.len(), "what comes after them is not there");
+        Stdio.err(&format!("halscope: {flaw}: {n} samples were read, {text}\n"));
+    }
+    Ok(reading.trace)
+}
+
+/// A time that is given as an option, in ticks of the trace: `1.5ms`, `-20us`.
+fn time(trace: &Trace, text: &str) -> Result<i64, String> {
+    let (is_negative, span) = text.strip_prefix('-').map_or((false, text), |t| (true, t));
+    let ns = nanoseconds(span).ok().and_then(|ns| i64::try_from(ns).ok());
+    let ns =
+        ns.ok_or_else(|| format!("'{text}' is no time; write a number and ns, us, ms or s"))?;
+    Ok(trace.base().ticks(if is_negative { -ns } else { ns }))
+}
