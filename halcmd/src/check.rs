@@ -17,6 +17,7 @@ use crate::{
     Error, Terminal,
     halrun::plan::plugin_path,
     options::{Opt, options, usage},
+    profile::Profile,
 };
 use hal_protocol::{Finding, Level, Link, Reply};
 use render::Shown;
@@ -88,7 +89,10 @@ pub fn main(
     let checked = if files.is_empty() {
         live(link)?
     } else {
-        check(&files, ini.as_deref(), plugin_path(&|name| std::env::var(name).ok()))
+        check(&files, ini.as_deref(), {
+            let profile = Profile::of_environment()?;
+            plugin_path(&|name| profile.system(name))
+        })
     };
     let shown: Vec<Finding> =
         checked.findings.iter().filter(|f| f.level >= from).cloned().collect();

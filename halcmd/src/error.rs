@@ -157,6 +157,11 @@ pub enum Error {
         line: u32,
         why: &'static str,
     },
+    /// `place` is the profile, or a line of it.
+    Profile {
+        place: Box<str>,
+        why: Box<str>,
+    },
     IniNotFound {
         file: Box<str>,
         folders: Box<str>,
@@ -264,6 +269,7 @@ impl core::fmt::Display for Error {
             Self::GivenUp { command, why } => write!(f, "{command}: {why}"),
             Self::IniFile { path, .. } => write!(f, "Could not open INI file '{path}'"),
             Self::IniSyntax { path, line, why } => write!(f, "{path}:{line}: {why}"),
+            Self::Profile { place, why } => write!(f, "{place}: {why}"),
             Self::IniNotFound { file, .. } => write!(f, "cannot find '{file}'"),
             Self::NotYet { what, .. } => write!(f, "{what} is not supported"),
             Self::TooManyFiles { files } => write!(f, "halrun: too many arguments <{files}>"),

@@ -4,6 +4,7 @@ use crate::{
     Bytes, Error, Outcome, Session, Stdio, Style, Terminal, check, complete, explain, help,
     ini::Ini,
     options::{Opt, from_environment, options, plain, usage},
+    profile::Profile,
     prompt,
     remote::{Remote, instance_option},
     say,
@@ -106,7 +107,8 @@ pub fn main(words: &[String]) -> ExitCode {
 
 fn run(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
     let (mut given, rest) = options("halcmd", OPTIONS, words)?;
-    from_environment(OPTIONS, &|name| std::env::var(name).ok(), &mut given);
+    let profile = Profile::of_environment()?;
+    from_environment(OPTIONS, &|name| profile.system(name), &mut given);
     let has = |wanted| given.iter().any(|(id, _)| *id == wanted);
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.clone();
     if has(Id::Complete) {

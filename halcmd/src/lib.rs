@@ -29,6 +29,7 @@ mod meter;
 pub mod options;
 pub mod order;
 mod parse;
+pub mod profile;
 mod program;
 mod prompt;
 pub mod remote;

@@ -11,6 +11,7 @@ use crate::{
     check::placed,
     halrun::{machine, plan::plugin_path},
     ini::Ini,
+    profile::Profile,
 };
 use hal_engine::{ClockKind, Engine, Options};
 use hal_protocol::{At, Finding, Place};
@@ -67,9 +68,10 @@ impl Trial {
     /// section EMCIO) are taken for its HAL files. Plugins are looked for where halrun looks.
     ///
     /// # Errors
-    /// A file cannot be read, or an INI file has an error in it.
+    /// A file cannot be read, or an INI file or a profile has an error in it.
     pub fn of(files: &[String], ini: Option<&str>) -> Result<Self, Error> {
-        Self::with_plugins(files, ini, plugin_path(&|name| std::env::var(name).ok()))
+        let profile = Profile::of_environment()?;
+        Self::with_plugins(files, ini, plugin_path(&|name| profile.system(name)))
     }
 
     /// The same, with plugins from these folders.

@@ -11,13 +11,15 @@
     reason = "a benchmark measures the wall clock and prints"
 )]
 
+mod beside;
+
+use beside::{CHAIN, account, chain_script, peer, programs, while_running};
 use divan::{Bencher, counter::ItemsCount};
 use hal_engine::{ClockKind, Engine};
 use hal_protocol::{Link, Reply, Request};
 use hal_tests::machine::plain;
 use std::{
     fmt::Write,
-    path::PathBuf,
     process::{Command, Stdio},
     time::{Duration, Instant},
 };
@@ -26,8 +28,6 @@ fn load(e: &mut Engine, module: &str, args: &[&str]) {
     let args = args.iter().map(|a| (*a).to_owned()).collect();
     e.call(Request::Load { module: module.to_owned(), args }).unwrap();
 }
-
-const CHAIN: usize = 800;
 
 /// 800 gates in one thread of 1 ms, each fed by the one before.
 fn chain(timed: bool) -> Engine {
@@ -70,12 +70,6 @@ fn a_million_pins(bencher: Bencher<'_, '_>) {
     });
 }
 
-/// The folder of the programs that `cargo build --release` made.
-fn programs() -> PathBuf {
-    let me = std::env::current_exe().unwrap();
-    me.parent().and_then(|deps| deps.parent()).unwrap().to_owned()
-}
-
 /// The least of several runs of a program.
 fn least(runs: u32, make: impl Fn() -> Command) -> Option<Duration> {
     let mut best: Option<Duration> = None;
@@ -101,62 +95,6 @@ fn ms(t: Option<Duration>) -> String {
     t.map_or_else(|| "-".to_owned(), |t| format!("{:.2} ms", t.as_secs_f64() * 1e3))
 }
 
-/// The chain as a script that both systems read.
-fn chain_script() -> String {
-    let mut s = String::from("loadrt threads name1=t period1=1000000\n");
-    writeln!(s, "loadrt and2 count={CHAIN}").unwrap();
-    (0..CHAIN).for_each(|i| writeln!(s, "addf and2.{i} t").unwrap());
-    for i in 1..CHAIN {
-        let from = i - 1;
-        writeln!(s, "net s{i} and2.{from}.out and2.{i}.in0 and2.{i}.in1").unwrap();
-    }
-    s.push_str("start\n");
-    s
-}
-
-/// Nanoseconds per function that a thread's own account shows: the least of ten looks, once the
-/// program is up.
-fn account(halcmd: &dyn Fn() -> Command) -> Option<f64> {
-    let look = || {
-        std::thread::park_timeout(Duration::from_millis(100));
-        let out = halcmd().args(["getp", "t.time"]).output().ok()?;
-        let text = String::from_utf8(out.stdout).ok()?;
-        text.trim().parse::<f64>().ok().filter(|t| *t > 0.0)
-    };
-    let looks: Vec<f64> = (0..200).filter_map(|_| look()).take(10).collect();
-    looks.into_iter().reduce(f64::min).map(|t| t / CHAIN as f64)
-}
-
-/// Starts a script, measures while it runs, and ends it.
-fn while_running<R>(
-    mut halrun: Command,
-    end: &dyn Fn() -> Command,
-    f: impl Fn() -> R,
-) -> Option<R> {
-    let null = || Stdio::null();
-    let mut child = halrun.stdin(Stdio::piped()).stdout(null()).stderr(null()).spawn().ok()?;
-    std::thread::park_timeout(Duration::from_secs(2));
-    let r = f();
-    drop(end().stdout(null()).stderr(null()).status());
-    drop(child.stdin.take());
-    std::thread::park_timeout(Duration::from_millis(300));
-    drop(child.kill());
-    drop(child.wait());
-    Some(r)
-}
-
-/// LinuxCNC's program, as an ordinary user with a home of its own.
-fn peer(program: &str, home: &std::path::Path) -> Command {
-    let root = rustix::process::getuid().is_root();
-    let mut c = if root { Command::new("runuser") } else { Command::new(program) };
-    if root {
-        // It sets a home of its own.
-        c.args(["-u", "nobody", "--", "env"]).arg(format!("HOME={}", home.display())).arg(program);
-    }
-    c.env("HOME", home).current_dir(home).env_remove("HAL_INSTANCE");
-    c
-}
-
 fn wholes() {
     let bin = programs();
     let folder = std::env::temp_dir().join(format!("hal-bench-{}", std::process::id()));
@@ -177,7 +115,7 @@ fn wholes() {
     row("whole programs", "Ferrule", "LinuxCNC", "aim");
 
     let script = folder.join("chain.hal");
-    std::fs::write(&script, chain_script()).unwrap();
+    std::fs::write(&script, chain_script("loadrt and2", "and2")).unwrap();
     let mut halrun = ours("halrun");
     halrun.arg(&script);
     let end = || {

@@ -5,6 +5,7 @@ use crate::{
     halcmd::{self, Id as Common},
     nanoseconds,
     options::{Opt, from_environment, options, plain, usage},
+    profile::{self, Profile},
     remote::instance_option,
 };
 use hal_engine::{ClockKind, Options};
@@ -74,8 +75,10 @@ enum Id {
     Simulate,
     For,
     Record,
+    Modules,
     Linuxcnc,
     Instance,
+    Profile,
     Help,
 }
 
@@ -84,8 +87,9 @@ const OPTIONS: &[Opt<Id>] = &[
     flag('I', Id::Interactive, "after the script, take commands from standard input"),
     flag('U', Id::Stop, "end the running instance"),
     with("detach", Id::Detach, None, None, "go on in the background once the script is done"),
-    with("virtual", Id::Virtual, None, None, "run on the virtual clock (HAL_CLOCK=virtual)"),
+    with("virtual", Id::Virtual, None, None, "run on the virtual clock: --clock virtual"),
     with("for", Id::For, Some("TIME"), Some("HAL_FOR"), "end after TIME of the machine"),
+    with("clock", Id::Clock, Some("KIND"), Some("HAL_CLOCK"), "the clock: real or virtual"),
     with("hold", Id::Hold, None, Some("HAL_HOLD"), "move the virtual clock only in 'run TIME'"),
     with("simulate", Id::Simulate, None, Some("HAL_SIMULATE"), "simulate the hardware"),
     with("record", Id::Record, Some("FILE"), Some("HAL_RECORD"), "record every pin to a VCD file"),
@@ -96,15 +100,26 @@ const OPTIONS: &[Opt<Id>] = &[
         Some(LINUXCNC_MODULES),
         "find LinuxCNC's own components in C too",
     ),
+    with(
+        "rtmod-dir",
+        Id::Modules,
+        Some("FOLDERS"),
+        Some("HAL_RTMOD_DIR"),
+        "find plugins and components in C there, too",
+    ),
     instance_option(Id::Instance),
+    with(
+        "profile",
+        Id::Profile,
+        Some("FILE"),
+        Some(profile::VARIABLE),
+        "take from this file what neither options nor the environment say",
+    ),
     Opt { long: Some("help"), ..flag('h', Id::Help, "print this") },
 ];
 
 /// Not for people: what `--detach` gives the process it starts, and the clock's variable.
-const HIDDEN: &[Opt<Id>] = &[
-    with("detached", Id::Detached, None, None, ""),
-    with("clock", Id::Clock, Some("KIND"), Some("HAL_CLOCK"), ""),
-];
+const HIDDEN: &[Opt<Id>] = &[with("detached", Id::Detached, None, None, "")];
 
 const fn flag(letter: char, id: Id, help: &'static str) -> Opt<Id> {
     Opt { id, short: Some(letter), long: None, value: None, variable: None, help }
@@ -129,6 +144,13 @@ pub(super) fn plan(
     table.extend(halcmd::COMMON.iter().map(common));
     let (mut given, files) = all_words(&table, words)?;
     from_environment(&table, environment, &mut given);
+    let profile = given.iter().rev().find(|(id, _)| *id == Id::Profile);
+    let profile = match profile.and_then(|(_, file)| file.as_deref()) {
+        Some(file) => Profile::read(Path::new(file))?,
+        None => Profile::default(),
+    };
+    let environment = |name: &str| profile.value(environment, name);
+    from_environment(&table, &environment, &mut given);
     let has = |wanted| given.iter().any(|(id, _)| *id == wanted);
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.clone();
     if has(Id::Help) {
@@ -150,7 +172,7 @@ pub(super) fn plan(
         _ if has(Id::Virtual) => ClockKind::Virtual,
         Some("virtual") => ClockKind::Virtual,
         None | Some("real") => ClockKind::Real,
-        Some(other) => return Err(bad("HAL_CLOCK", other, "it is real or virtual")),
+        Some(other) => return Err(bad("--clock", other, "it is real or virtual")),
     };
     let for_ns =
         match value(Id::For) {
@@ -187,9 +209,10 @@ pub(super) fn plan(
             hold: has(Id::Hold),
             simulate: has(Id::Simulate) || clock == ClockKind::Virtual,
             old_names: false,
-            path: plugin_path(&|name| {
-                let asked = name == LINUXCNC_MODULES && has(Id::Linuxcnc);
-                if asked { Some("1".to_owned()) } else { environment(name) }
+            path: plugin_path(&|name| match name {
+                LINUXCNC_MODULES if has(Id::Linuxcnc) => Some("1".to_owned()),
+                "HAL_RTMOD_DIR" => value(Id::Modules),
+                _ => environment(name),
             }),
         },
         style,
@@ -329,6 +352,33 @@ mod tests {
     }
 
     #[test]
+    fn options_come_before_the_environment_and_that_before_the_profile() {
+        let file = std::env::temp_dir().join(format!("hal-plan-{}.toml", std::process::id()));
+        let text = "clock = \"virtual\"\nfor = \"2s\"\ninstance = \"a\"\nsimulate = true\n";
+        std::fs::write(&file, text).unwrap();
+        let file = file.display().to_string();
+        let (hal, variable) = ("Hal(\"m.hal\")", ("HAL_PROFILE", file.as_str()));
+        for (words, variables, want) in [
+            (format!("--profile {file} m.hal"), vec![], "a Virtual simulate for 2000000000"),
+            ("m.hal".into(), vec![variable], "a Virtual simulate for 2000000000"),
+            (
+                "m.hal".into(),
+                vec![variable, ("HAL_FOR", "3s")],
+                "a Virtual simulate for 3000000000",
+            ),
+            (
+                "m.hal --for 4s --clock real --instance b".into(),
+                vec![variable, ("HAL_FOR", "3s"), ("HAL_SIMULATE", "0")],
+                "b Real for 4000000000",
+            ),
+        ] {
+            assert_eq!(shown(&words, &variables), format!("{hal} {want}"), "{words}");
+        }
+        let refused = shown("--profile /none.toml m.hal", &[]);
+        assert_eq!(refused, "! /none.toml: No such file or directory");
+    }
+
+    #[test]
     fn the_command_line() {
         for (words, want) in [
             ("m.hal", "Hal(\"m.hal\") default Real"),
@@ -380,7 +430,7 @@ mod tests {
         assert_eq!(shown("m.hal", &variables), want);
         let want = "Hal(\"m.hal\") y Virtual simulate for 1000000";
         assert_eq!(shown("--for 1ms --instance y m.hal", &[variables[0], variables[3]]), want);
-        let want = "! halrun: HAL_CLOCK 'sun': it is real or virtual";
+        let want = "! halrun: --clock 'sun': it is real or virtual";
         assert_eq!(shown("m.hal", &[("HAL_CLOCK", "sun")]), want);
         assert_eq!(shown("m.hal", &[("HAL_SIMULATE", "0")]), "Hal(\"m.hal\") default Real");
     }

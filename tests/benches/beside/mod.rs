@@ -1,0 +1,73 @@
+//! Programs as wholes, and LinuxCNC's beside ours.
+
+use std::{
+    fmt::Write,
+    path::PathBuf,
+    process::{Command, Stdio},
+    time::Duration,
+};
+
+/// How many gates are in a chain.
+pub(crate) const CHAIN: usize = 800;
+
+/// The folder of the programs that `cargo build --release` made.
+pub(crate) fn programs() -> PathBuf {
+    let me = std::env::current_exe().unwrap();
+    me.parent().and_then(|deps| deps.parent()).unwrap().to_owned()
+}
+
+/// A chain of gates as a script that both systems read: how they are loaded, and their name.
+pub(crate) fn chain_script(load: &str, name: &str) -> String {
+    let mut s = String::from("loadrt threads name1=t period1=1000000\n");
+    writeln!(s, "{load} count={CHAIN}").unwrap();
+    (0..CHAIN).for_each(|i| writeln!(s, "addf {name}.{i} t").unwrap());
+    for i in 1..CHAIN {
+        let from = i - 1;
+        writeln!(s, "net s{i} {name}.{from}.out {name}.{i}.in0 {name}.{i}.in1").unwrap();
+    }
+    s.push_str("start\n");
+    s
+}
+
+/// Nanoseconds per function that a thread's own account shows: the least of ten looks, once the
+/// program is up.
+pub(crate) fn account(halcmd: &dyn Fn() -> Command) -> Option<f64> {
+    let look = || {
+        std::thread::park_timeout(Duration::from_millis(100));
+        let out = halcmd().args(["getp", "t.time"]).output().ok()?;
+        let text = String::from_utf8(out.stdout).ok()?;
+        text.trim().parse::<f64>().ok().filter(|t| *t > 0.0)
+    };
+    let looks: Vec<f64> = (0..200).filter_map(|_| look()).take(10).collect();
+    looks.into_iter().reduce(f64::min).map(|t| t / CHAIN as f64)
+}
+
+/// Starts a script, measures while it runs, and ends it.
+pub(crate) fn while_running<R>(
+    mut halrun: Command,
+    end: &dyn Fn() -> Command,
+    f: impl Fn() -> R,
+) -> Option<R> {
+    let null = || Stdio::null();
+    let mut child = halrun.stdin(Stdio::piped()).stdout(null()).stderr(null()).spawn().ok()?;
+    std::thread::park_timeout(Duration::from_secs(2));
+    let r = f();
+    drop(end().stdout(null()).stderr(null()).status());
+    drop(child.stdin.take());
+    std::thread::park_timeout(Duration::from_millis(300));
+    drop(child.kill());
+    drop(child.wait());
+    Some(r)
+}
+
+/// LinuxCNC's program, as an ordinary user with a home of its own.
+pub(crate) fn peer(program: &str, home: &std::path::Path) -> Command {
+    let root = rustix::process::getuid().is_root();
+    let mut c = if root { Command::new("runuser") } else { Command::new(program) };
+    if root {
+        // It sets a home of its own.
+        c.args(["-u", "nobody", "--", "env"]).arg(format!("HOME={}", home.display())).arg(program);
+    }
+    c.env("HOME", home).current_dir(home).env_remove("HAL_INSTANCE");
+    c
+}
