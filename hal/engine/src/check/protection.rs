@@ -90,7 +90,8 @@ impl Look<'_> {
     }
 }
 
-/// Whether a component drives lines: it has safe levels to drive them to.
+/// Whether a component drives lines: it has safe levels to drive them to. Of what is no plugin
+/// nobody knows.
 pub(super) fn is_driver(component: &Component) -> bool {
-    !component.stops.is_empty()
+    component.foreign.is_none() && !component.stops.is_empty()
 }
