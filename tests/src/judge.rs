@@ -2,6 +2,7 @@
 //! virtual clock, given the same inputs and compared after every cycle.
 
 pub mod case;
+mod history;
 mod inputs;
 mod verdict;
 
@@ -15,7 +16,8 @@ use crate::{
 };
 use case::Case;
 use hal_protocol::{Direction, Kind, Link, Request, Value};
-use inputs::{Source, positive};
+use history::History;
+use inputs::{Source, positive, within};
 use std::collections::BTreeMap;
 
 /// How often both are loaded anew: what is not a number stays in a filter for ever, and would hide
@@ -39,6 +41,7 @@ struct Driven {
     seldom: bool,
     steady: bool,
     positive: bool,
+    range: Option<[f64; 2]>,
     source: Source,
 }
 
@@ -49,6 +52,7 @@ struct Pair<'c> {
     verdict: Verdict,
     random: Random,
     bench: Bench,
+    history: History,
 }
 
 /// Judges a component, in the first so many rounds.
@@ -60,7 +64,8 @@ pub fn judge(module: &str, rounds: usize) -> Result<Verdict, String> {
     let case = Case::of(module)?;
     let random = Random::new(module.bytes().map(u64::from).sum());
     let (verdict, bench) = (Verdict::default(), Bench::new(&[&folder]));
-    let mut pair = Pair { module, case: &case, verdict, random, bench };
+    let history = History::default();
+    let mut pair = Pair { module, case: &case, verdict, random, bench, history };
     script(&mut pair.bench, &format!("loadrt threads name1=t period1={PERIOD}\nstart"));
     let each = Style::ALL.len() * case.loads.len();
     let whole = ROUNDS.div_ceil(each) * each;
@@ -82,12 +87,7 @@ impl Pair<'_> {
             self.drive(&mut inputs, cycle, round % 2 == 1);
             self.bench.call(Request::Run { ns: PERIOD }).unwrap();
             self.verdict.cycles += 1;
-            for (name, other) in &outputs {
-                let (a, b) = (get(&mut self.bench, name), get(&mut self.bench, other));
-                if self.verdict.compare(name, a, b, self.case.ulps(name)) {
-                    self.tell(style, name, &inputs);
-                }
-            }
+            self.compare(style, &outputs);
         }
         let module = self.module;
         script(&mut self.bench, &format!("unloadrt {PREFIX}{module}\nunloadrt {module}"));
@@ -146,7 +146,9 @@ impl Pair<'_> {
             if given && value != first && v.begins(case, name, first, value) {
                 self.bench.set(&of_theirs, first);
             }
-            if given && !case.keeps(name, |i| i.alone) {
+            if let Some(value) = case.set(name) {
+                script(&mut self.bench, &format!("setp {name} {value}\nsetp {of_theirs} {value}"));
+            } else if given && !case.keeps(name, |i| i.alone) {
                 let tame = matches!(style, Style::Extremes) && case.keeps(name, |i| i.tame);
                 let style = if tame { Style::Chance } else { style };
                 inputs.push(Driven {
@@ -156,6 +158,7 @@ impl Pair<'_> {
                     seldom: !matches!(direction, Direction::In),
                     steady: case.keeps(name, |i| i.steady),
                     positive: case.keeps(name, |i| i.positive),
+                    range: case.range(name),
                     source: Source::new(style, &mut self.random),
                 });
             }
@@ -173,19 +176,31 @@ impl Pair<'_> {
             let next = i.source.next(i.first, &mut self.random);
             if let Some(value) = next.filter(|_| due) {
                 let value = if i.positive { positive(value) } else { value };
+                let value = i.range.map_or(value, |range| within(value, range));
                 self.bench.set(&i.name, value);
                 self.bench.set(&i.theirs, value);
             }
         }
     }
 
-    /// Where a pin differs first, with everything that is given, for who asks for one component.
+    /// Compares all after a cycle.
     #[expect(clippy::print_stdout, reason = "asked for")]
-    fn tell(&mut self, style: Style, pin: &str, inputs: &[Driven]) {
-        if std::env::var_os("JUDGE").is_some() {
-            println!("{style:?} {pin} {}", self.verdict.apart[pin].said);
-            for i in inputs {
-                println!("    {} {}", i.name, verdict::exact(get(&mut self.bench, &i.name)));
+    fn compare(&mut self, style: Style, names: &[(String, String)]) {
+        let b = &mut self.bench;
+        let values: Vec<_> =
+            names.iter().map(|(our, their)| (get(b, our), get(b, their))).collect();
+        let mut new = Vec::new();
+        for ((name, _), &(ours, theirs)) in names.iter().zip(&values) {
+            if self.verdict.compare(name, ours, theirs, self.case.ulps(name)) {
+                new.push(name);
+            }
+        }
+        if History::wanted() {
+            self.history.push(self.verdict.cycles, values);
+            for name in new {
+                let said = &self.verdict.apart[name].said;
+                println!("{style:?}, {name}, {said}");
+                print!("{}", self.history.of(name, names));
             }
         }
     }

@@ -29,6 +29,8 @@
 //! steady = true       # set once after each load
 //! alone = true        # never set
 //! tame = true         # no extremes
+//! range = [0, 4]      # from one to the other
+//! set = "1"           # set to this after each load, and no more
 //!
 //! # Floats that may be apart, in units of the last place. Only what libm explains.
 //! [[tolerance]]

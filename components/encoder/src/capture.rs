@@ -23,7 +23,7 @@ pub(crate) struct Capture {
 #[derive(Debug)]
 struct Memory {
     raw: i32,
-    at: i64,
+    at: u32,
     index: i32,
     latch: i32,
     /// Captures with counts since it stood still, up to [`SURE`].
@@ -32,17 +32,17 @@ struct Memory {
     /// Units per count.
     unit: f64,
     /// How long a pause between pulses shows missing teeth, in nanoseconds.
-    pause: f64,
+    pause: i32,
 }
 
 impl Capture {
     pub(crate) fn new(pins: Pins, notes: Takes<Notes>) -> Self {
         let (scale, unit) = (1.0, 1.0);
-        let was = Memory { raw: 0, at: 0, index: 0, latch: 0, sure: 0, scale, unit, pause: 0.0 };
+        let was = Memory { raw: 0, at: 0, index: 0, latch: 0, sure: 0, scale, unit, pause: 0 };
         Self { pins, notes, was }
     }
 
-    fn run(&mut self, now: i64) {
+    fn run(&mut self, now: u32) {
         let (p, was) = (&self.pins, &mut self.was);
         let seen = self.notes.swap();
         // In all these, `Acquire` and `swap` pair with the `Release` of counting.
@@ -77,16 +77,20 @@ impl Capture {
         if counted && was.sure < SURE {
             was.sure += 1;
         } else if counted {
-            p.velocity.set(f64::from(moved) * was.unit / (lasted as f64 * 1e-9));
-            let teeth = f64::from(p.missing_teeth.get()) + 0.5;
-            was.pause = 0.9 * was.pause + 0.1 * (teeth * lasted as f64 / f64::from(moved));
-            self.notes.pause.store(whole(was.pause), Release); // Pairs with counting.
+            p.velocity.set(f64::from(moved) * was.unit / (f64::from(lasted) * 1e-9));
+            if moved != 0 {
+                let teeth = f64::from(p.missing_teeth.get()) + 0.5;
+                let pause = teeth * f64::from(lasted) / f64::from(moved.cast_unsigned());
+                was.pause = whole(0.9 * f64::from(was.pause) + 0.1 * pause);
+            }
+            self.notes.pause.store(was.pause, Release); // Pairs with counting.
         } else if was.sure > 0 {
-            let at_gap = p.missing_teeth.get() > 0 && (still as f64) < 2.0 * was.pause;
+            let at_gap =
+                p.missing_teeth.get() != 0 && still < was.pause.wrapping_mul(2).cast_unsigned();
             if at_gap {
                 // The teeth that are missing there would come now.
-            } else if (still as f64) < 1e9 / (p.min_speed_estimate.get() * was.unit) {
-                let most = was.unit.abs() / (still as f64 * 1e-9);
+            } else if f64::from(still) < 1e9 / (p.min_speed_estimate.get() * was.unit) {
+                let most = was.unit.abs() / (f64::from(still) * 1e-9);
                 let velocity = p.velocity.get();
                 if velocity.abs() > most {
                     p.velocity.set(if velocity < 0.0 { -most } else { most });
@@ -98,7 +102,7 @@ impl Capture {
         } else {
             p.velocity.set(0.0);
         }
-        if p.reset.get() {
+        if p.reset.get() && counted {
             p.velocity.set(0.0);
         }
         let velocity = p.velocity.get();
@@ -109,13 +113,15 @@ impl Capture {
         let latched = was.latch.wrapping_sub(was.index);
         p.counts_latched.set(latched);
         p.position_latched.set(f64::from(latched) * was.unit);
-        p.position_interpolated.set(p.position.get() + velocity * (still as f64 * 1e-9));
+        p.position_interpolated.set(p.position.get() + velocity * (f64::from(still) * 1e-9));
     }
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "a time beyond 64 bits is never reached")]
-const fn whole(ns: f64) -> i64 {
-    ns as i64
+/// As the processor converts: what does not fit is the lowest number. The pause is infinite after
+/// counts that took each other back.
+fn whole(ns: f64) -> i32 {
+    #[expect(clippy::cast_possible_truncation, reason = "it fits")]
+    if -2_147_483_649.0 < ns && ns < 2_147_483_648.0 { ns as i32 } else { i32::MIN }
 }
 
 /// `encoder.capture-position`.

@@ -42,7 +42,7 @@ pub(crate) struct Channel {
     raw: i32,
     /// When it last changed.
     #[state]
-    at: i64,
+    at: u32,
     #[state]
     z_was: bool,
     #[state]
@@ -89,11 +89,13 @@ impl Channel {
         self.state & (UP | DOWN) != 0
     }
 
-    fn run(&mut self, now: i64) {
+    fn run(&mut self, now: u32) {
         let counted = self.count();
         let missing = self.missing_teeth.get();
         let pause = self.notes.pause.load(Acquire); // Pairs with the capture.
-        let gap = counted && missing > 0 && now.wrapping_sub(self.at) >= pause;
+        let gap = self.state & UP != 0
+            && missing != 0
+            && now.wrapping_sub(self.at).cast_signed() >= pause;
         if gap {
             self.raw = self.raw.wrapping_add(missing);
         }
@@ -138,6 +140,8 @@ impl Update for UpdateCounters {
         for c in &mut self.channels {
             c.run(now);
         }
-        self.time.set(now.wrapping_add(period.ns()));
+        #[expect(clippy::cast_possible_truncation, reason = "the time wraps")]
+        let passed = period.ns().cast_unsigned() as u32;
+        self.time.set(now.wrapping_add(passed));
     }
 }

@@ -38,6 +38,7 @@ impl Component for Counter {
                 phase_a: pins.phase_a,
                 phase_z: pins.phase_z,
                 rawcounts: pins.rawcounts,
+                index_enable: pins.index_enable,
                 index: gives,
                 a_was: false,
                 z_was: false,
@@ -81,8 +82,6 @@ pins! {
 /// What counting and capturing tell each other of the index.
 #[derive(Debug, Default)]
 struct Index {
-    /// Whether the next one counts.
-    armed: AtomicBool,
     /// Whether it came.
     came: AtomicBool,
     /// The count there.
@@ -94,6 +93,7 @@ struct Index {
 struct Count {
     phase_a: In<bool>,
     phase_z: In<bool>,
+    index_enable: Io<bool>,
     rawcounts: Out<i32>,
     index: Gives<Index>,
     #[state]
@@ -115,11 +115,10 @@ impl Update for Counts {
             if a && !c.a_was {
                 c.rawcounts.set(c.rawcounts.get().wrapping_add(1));
             }
-            let armed = c.index.armed.load(Acquire); // Pairs with `Captures`.
-            if z && !c.z_was && armed {
+            if z && !c.z_was && c.index_enable.get() {
                 c.index.raw.store(c.rawcounts.get(), Release); // Pairs with `Captures`.
-                c.index.armed.store(false, Release); // Pairs with `Captures`.
                 c.index.came.store(true, Release); // Pairs with `Captures`.
+                c.index_enable.set(false);
             }
             (c.a_was, c.z_was) = (a, z);
         }
@@ -152,16 +151,14 @@ impl Update for Captures {
     fn update(&mut self, period: Period) {
         for c in &mut self.channels {
             let p = &c.pins;
+            if c.index.came.swap(false, Acquire) {
+                c.zero = c.index.raw.load(Acquire); // Pairs with `Counts`.
+            }
             if p.reset.get() {
                 p.rawcounts.set(0);
                 (c.raw, c.zero) = (0, 0);
             }
             let raw = p.rawcounts.get();
-            if c.index.came.swap(false, Acquire) {
-                c.zero = c.index.raw.load(Acquire); // Pairs with `Counts`.
-                p.index_enable.set(false);
-            }
-            c.index.armed.store(p.index_enable.get(), Release); // Pairs with `Counts`.
             if p.position_scale.get() != c.scale {
                 if p.position_scale.get().abs() < 1e-20 {
                     p.position_scale.set(1.0);
@@ -174,7 +171,7 @@ impl Update for Captures {
             let counts = raw.wrapping_sub(c.zero);
             p.counts.set(counts);
             p.position.set(f64::from(counts) * c.unit);
-            p.velocity.set(f64::from(moved) * c.unit / period.secs());
+            p.velocity.set(f64::from(moved) * c.unit * 1e9 / period.ns() as f64);
         }
     }
 }

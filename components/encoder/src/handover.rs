@@ -1,7 +1,7 @@
 //! Realtime. What counting and capturing tell each other.
 
 use std::sync::atomic::{
-    AtomicBool, AtomicI32, AtomicI64, AtomicU32,
+    AtomicBool, AtomicI32, AtomicU32,
     Ordering::{Acquire, Release},
 };
 
@@ -11,7 +11,7 @@ pub(crate) struct Seen {
     /// The raw count.
     pub(crate) raw: AtomicI32,
     /// When it last changed, in nanoseconds of the time base.
-    pub(crate) at: AtomicI64,
+    pub(crate) at: AtomicU32,
     /// Whether it changed.
     pub(crate) counted: AtomicBool,
     /// The raw count at the index.
@@ -32,7 +32,7 @@ pub(crate) struct Notes {
     /// Whether the next index counts.
     pub(crate) armed: AtomicBool,
     /// How long a pause between pulses shows missing teeth, in nanoseconds.
-    pub(crate) pause: AtomicI64,
+    pub(crate) pause: AtomicI32,
 }
 
 impl Notes {
@@ -53,18 +53,18 @@ impl Notes {
     }
 }
 
-/// The time of the fast function: how long it has run, in nanoseconds.
+/// The time of the fast function: how long it has run, in nanoseconds; it wraps after 4.29 s.
 #[derive(Debug, Default)]
-pub(crate) struct TimeBase(AtomicI64);
+pub(crate) struct TimeBase(AtomicU32);
 
 impl TimeBase {
     /// Now.
-    pub(crate) fn now(&self) -> i64 {
+    pub(crate) fn now(&self) -> u32 {
         self.0.load(Acquire) // Pairs with `set`.
     }
 
     /// Moves on.
-    pub(crate) fn set(&self, ns: i64) {
+    pub(crate) fn set(&self, ns: u32) {
         self.0.store(ns, Release); // Pairs with `now`.
     }
 }

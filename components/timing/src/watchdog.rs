@@ -46,10 +46,10 @@ impl Component for Watchdog {
         let (mut beats, mut times) = (Vec::new(), Vec::new());
         for i in 0..n {
             let input = b.item(&format!("watchdog.input-{i}"), "A bit that must change.", false)?;
-            let doc = "For how long it may stay the same, in seconds; negative: taken as 0.";
+            let doc = "For how long it may stay the same, in seconds; below 0: taken as 0. A new one holds from the next change on.";
             let timeout = b.item(&format!("watchdog.timeout-{i}"), doc, 0.0)?;
             let (gives, takes) = b.shared(AtomicI64::new(0));
-            beats.push(Beat { input, limit: takes, was: false, still: 0 });
+            beats.push(Beat { input, limit: takes, was: false, left: 0 });
             times.push(Timeout { timeout, limit: gives });
         }
         let (start, starts) = b.shared(AtomicU32::new(0));
@@ -67,9 +67,9 @@ struct Beat {
     limit: Takes<AtomicI64>,
     #[state]
     was: bool,
-    /// For how long it has been the same, in nanoseconds.
+    /// For how long it may stay the same yet, in nanoseconds.
     #[state]
-    still: i64,
+    left: i64,
 }
 
 /// `watchdog.process`.
@@ -93,11 +93,15 @@ impl Update for Process {
         }
         for b in &mut self.beats {
             let input = b.input.get();
-            let before = if begins { 0 } else { b.still };
-            b.still = if input == b.was { before.saturating_add(period.ns()) } else { 0 };
+            let changed = input != b.was;
+            if begins || changed {
+                b.left = b.limit.load(Acquire); // Pairs with `SetTimeouts`.
+            }
+            if !changed {
+                b.left = b.left.saturating_sub(period.ns());
+            }
             b.was = input;
-            let limit = b.limit.load(Acquire); // Pairs with `SetTimeouts`.
-            if b.still > limit {
+            if b.left < 0 {
                 self.ok.set(false);
             }
         }
@@ -109,6 +113,21 @@ impl Update for Process {
 struct Timeout {
     timeout: ParamRw<f64>,
     limit: Gives<AtomicI64>,
+}
+
+/// A timeout: whole seconds, and the rest cut to nanoseconds. What is below 0 is 0; what is no
+/// number of 31 bits is 2.1 s.
+fn nanoseconds(timeout: f64) -> i64 {
+    if timeout < 0.0 {
+        return 0;
+    }
+    if timeout.is_nan() || 2_147_483_648.0 <= timeout {
+        return 1 << 31;
+    }
+    let secs = timeout.trunc();
+    #[expect(clippy::cast_possible_truncation, reason = "it fits")]
+    let (secs, rest) = (secs as i64, ((timeout - secs) * 1e9) as i64);
+    secs * 1_000_000_000 + rest
 }
 
 /// `watchdog.set-timeouts`.
@@ -123,19 +142,16 @@ struct SetTimeouts {
 }
 
 impl Update for SetTimeouts {
-    #[expect(clippy::cast_possible_truncation, reason = "a timeout beyond 64 bits is none")]
     fn update(&mut self, _: Period) {
         for t in &self.times {
-            if t.timeout.get() < 0.0 {
-                t.timeout.set(0.0);
-            }
-            let ns = (t.timeout.get() * 1e9) as i64;
-            t.limit.store(ns, Release); // Pairs with `Process`.
+            t.limit.store(nanoseconds(t.timeout.get()), Release); // Pairs with `Process`.
         }
         let enable = self.enable.get();
         if enable && !self.was_enabled {
-            let next = self.start.load(Acquire).wrapping_add(1); // Only this side stores.
-            self.start.store(next, Release); // Pairs with `Process`.
+            if !self.ok.get() {
+                let next = self.start.load(Acquire).wrapping_add(1); // Only this side stores.
+                self.start.store(next, Release); // Pairs with `Process`.
+            }
             self.ok.set(true);
         }
         self.was_enabled = enable;

@@ -52,6 +52,10 @@ pub struct Input {
     /// No extremes.
     #[serde(default)]
     pub tame: bool,
+    /// Set to this after each load, and no more.
+    pub set: Option<String>,
+    /// From the first to the second; with `positive`, that is kept as well.
+    pub range: Option<[f64; 2]>,
 }
 
 /// Pins and parameters that only one side has.
@@ -138,9 +142,15 @@ impl Case {
     fn parse(text: &str) -> Result<Self, String> {
         let case: Self = toml::from_str(text).map_err(|e| e.to_string())?;
         for i in &case.inputs {
-            if !(i.positive || i.steady || i.alone || i.tame) {
+            if !(i.positive
+                || i.steady
+                || i.alone
+                || i.tame
+                || i.range.is_some()
+                || i.set.is_some())
+            {
                 let pins = i.pins.join(", ");
-                return Err(format!("{pins}: positive, steady, alone or tame?"));
+                return Err(format!("{pins}: positive, steady, alone, tame, set or range?"));
             }
         }
         if case.lists().any(|(pins, why)| pins.is_empty() || why.is_empty()) {
@@ -179,6 +189,16 @@ impl Case {
         self.inputs.iter().any(|i| to(i) && named(&i.pins, name))
     }
 
+    /// What an input is set to, and stays.
+    pub fn set(&self, name: &str) -> Option<&str> {
+        self.inputs.iter().filter(|i| named(&i.pins, name)).find_map(|i| i.set.as_deref())
+    }
+
+    /// The range that an input is kept to.
+    pub fn range(&self, name: &str) -> Option<[f64; 2]> {
+        self.inputs.iter().filter(|i| named(&i.pins, name)).find_map(|i| i.range)
+    }
+
     /// How far a number may be apart, in units of the last place.
     pub fn ulps(&self, name: &str) -> u64 {
         self.tolerance.iter().find(|t| named(&t.pins, name)).map_or(0, |t| t.ulps)
@@ -199,7 +219,10 @@ impl Case {
                 (i.steady, "set once"),
                 (i.tame, "without extremes"),
             ];
-            let to: Vec<&str> = words.iter().filter(|w| w.0).map(|w| w.1).collect();
+            let mut to: Vec<&str> = words.iter().filter(|w| w.0).map(|w| w.1).collect();
+            let range = i.range.map(|[low, high]| format!("from {low} to {high}"));
+            let set = i.set.as_ref().map(|value| format!("set to {value}"));
+            to.extend(range.as_deref().into_iter().chain(set.as_deref()));
             write!(out, "; `{}` {}: {}", i.pins.join("`, `"), to.join(", "), i.why).unwrap();
         }
         out

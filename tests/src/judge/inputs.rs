@@ -114,3 +114,22 @@ pub(super) fn positive(value: Value) -> Value {
         other => other,
     }
 }
+
+/// A number within a range: what is outside is taken round it.
+pub(super) fn within(value: Value, [low, high]: [f64; 2]) -> Value {
+    #[expect(clippy::cast_possible_truncation, reason = "bounds of a file")]
+    let around = |n: i64| {
+        let (low, high) = (low as i64, high as i64);
+        low + n.rem_euclid(high - low + 1)
+    };
+    match value {
+        Value::Float(f) if low <= f && f <= high => value,
+        Value::Float(f) if f.is_finite() => Value::Float(low + f.abs() % (high - low)),
+        Value::Float(_) => Value::Float(low),
+        Value::S32(n) => Value::S32(i32::try_from(around(n.into())).unwrap()),
+        Value::U32(n) => Value::U32(u32::try_from(around(n.into())).unwrap()),
+        Value::S64(n) => Value::S64(around(n)),
+        Value::U64(n) => Value::U64(u64::try_from(around(n.cast_signed())).unwrap()),
+        Value::Bit(_) | Value::Port(_) => value,
+    }
+}
