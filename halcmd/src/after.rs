@@ -22,7 +22,9 @@ impl Last {
     pub(crate) fn of(command: &Command) -> Self {
         let Command::Ask(request, _) = command else { return Self::Nothing };
         match request {
-            Request::Load { module, .. } => Self::Load(module.clone()),
+            Request::Load { module, .. } | Request::LoadForeign { module, .. } => {
+                Self::Load(module.clone())
+            }
             Request::Unload { name } => Self::Unload(name.clone()),
             Request::Net { signal, .. } => Self::Net(signal.clone()),
             Request::NewSignal { .. } => Self::Plain("newsig failed"),

@@ -18,7 +18,6 @@ use std::{collections::BTreeSet, fmt::Write, process::Command};
 /// What a module needs to be loaded: modules before it, its arguments.
 const ARGUMENTS: &[(&str, &[&str], &str)] = &[
     ("bldc", &[], "cfg=qi6"),
-    ("boss_plc", &[], "personality=3"),
     ("debounce", &[], "cfg=4"),
     ("gantry", &[], "personality=3"),
     ("hal_parport", &[], "cfg=0x378"),
@@ -28,7 +27,7 @@ const ARGUMENTS: &[(&str, &[&str], &str)] = &[
     ("hm2_pci", &["hostmot2"], ""),
     ("hm2_rpspi", &["hostmot2"], ""),
     ("hm2_spi", &["hostmot2"], ""),
-    ("hm2_test", &["hostmot2"], "test_pattern=0"),
+    ("hm2_test", &["hostmot2"], "test_pattern=12"),
     ("lcd", &[], "fmt_strings=%4.4f"),
     ("mesa_7i65", &["hostmot2"], ""),
     ("mesa_pktgyro_test", &["hostmot2"], ""),
@@ -60,7 +59,6 @@ const REASONS: &[(&str, &str)] = &[
     ("hm2_pci", "a driver of a PCI card, and PCI is not offered"),
     ("hm2_rpspi", "a driver of a Raspberry Pi: it looks for the board, and there is none"),
     ("hm2_spi", "a driver of a Mesa card: it looks for one, and there is none"),
-    ("hm2_test", "a driver's own test: every pattern of it but one is meant to be refused"),
     ("mesa_pktgyro_test", "serves a Mesa card, and none is there"),
     ("mesa_uart", "serves a Mesa card, and none is there"),
     ("setsserial", "sets up a Mesa card and always ends with a refusal, its work done"),

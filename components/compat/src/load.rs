@@ -84,7 +84,7 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     let elf = Elf::read(&path).map_err(refuse(Status(-libc::ENOEXEC)))?;
     system::offer_symbols().map_err(refuse(Status::EFAULT))?;
     trap::watch();
-    let handle = system::open(&path).map_err(refuse(Status(-libc::ENOEXEC)))?;
+    let handle = system::open(&path).map_err(lacking).map_err(refuse(Status(-libc::ENOEXEC)))?;
     let (main, exit) = entries(handle);
     let module = Module::new(&host, file, (path.clone(), &name, &prefix), handle, exit);
     let module = Arc::new(module);
@@ -112,6 +112,15 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     }
     module.made.store(true, Relaxed);
     stay(&host, module)
+}
+
+/// What the system's loader said, with what would be right.
+fn lacking(why: String) -> String {
+    if why.contains("undefined symbol") {
+        why + "; if another component in C defines it, such as kinematics for motmod, load that first"
+    } else {
+        why
+    }
 }
 
 /// Simulated hardware is as it is switched on.
