@@ -218,7 +218,11 @@ fn everything() {
     let offers = engine(&[programs()]).catalogue();
     assert!(offers.len() >= 40, "every library of components/ is there: {}", offers.len());
     let mut wanted: Vec<String> = Vec::new();
-    for Offer { component, .. } in &offers {
+    for Offer { component, library, .. } in &offers {
+        // Of kinematics there is one in an engine; what they do is seen when motion uses them.
+        if library == "kinematics" {
+            continue;
+        }
         let ways = WITH.iter().find(|w| w.0 == component).map_or(&[""][..], |w| w.1);
         wanted.extend(ways.iter().map(|w| format!("{component} {w}")));
     }
@@ -297,6 +301,53 @@ fn moving() {
     e.close();
 }
 
+/// Every kind of kinematics, as motion uses them: from joints to poses in each cycle, and back.
+fn kinematics() {
+    for Offer { component, library, .. } in engine(&[programs()]).catalogue() {
+        if library != "kinematics" {
+            continue;
+        }
+        let mut e = engine(&[programs()]);
+        script(
+            &mut e,
+            &format!(
+                "loadrt {component}
+                 loadrt motmod servo_period_nsec=100000 num_joints=9
+                 addf motion-command-handler servo-thread
+                 addf motion-controller servo-thread"
+            ),
+        );
+        for j in 0..9 {
+            script(
+                &mut e,
+                &format!(
+                    "net loop-{j} joint.{j}.motor-pos-cmd joint.{j}.motor-pos-fb
+                     motion.configure joint={j} max-velocity=50 max-acceleration=2000 ferror=100"
+                ),
+            );
+        }
+        script(&mut e, "motion.configure max-velocity=50 max-acceleration=2000\nstart");
+        begun(&mut e);
+        counter::count(true);
+        for line in [
+            "motion.enable",
+            "motion.home joint=all",
+            "motion.jog joint=0 velocity=5",
+            "motion.jog-stop joint=0",
+            "motion.move x=0.3 velocity=10",
+            "motion.move y=0.5 velocity=10",
+            "motion.abort",
+        ] {
+            says(&mut e, line);
+            let end = thread(&mut e, "servo-thread").cycles + 100;
+            wait(&mut e, "cycles", |e| thread(e, "servo-thread").cycles > end);
+        }
+        assert_eq!(counter::counted(), 0, "{component}: calls of the allocator in cycles");
+        counter::count(false);
+        e.close();
+    }
+}
+
 /// A plugin that allocates when it is told to.
 fn planted() {
     let mut e = engine(&[plugins(), programs()]);
@@ -340,6 +391,7 @@ fn in_a_child(what: &str) {
 fn child() {
     match std::env::var(CHILD).unwrap().as_str() {
         "everything" => everything(),
+        "kinematics" => kinematics(),
         "moving" => moving(),
         "planted" => planted(),
         other => panic!("{other}"),
@@ -354,6 +406,11 @@ fn ten_thousand_cycles_of_every_component_allocate_nothing() {
 #[test]
 fn a_machine_that_moves_allocates_nothing() {
     in_a_child("moving");
+}
+
+#[test]
+fn kinematics_that_are_asked_allocate_nothing() {
+    in_a_child("kinematics");
 }
 
 #[test]

@@ -1,0 +1,59 @@
+//! Realtime. Arms of six turning joints, by the parameters of Denavit and Hartenberg.
+//!
+//! Denavit and Hartenberg, A kinematic notation for lower-pair mechanisms (1955), in the form of
+//! Craig, Introduction to Robotics, section 3.4: frame i stands on the axis of joint i.
+
+use crate::rotation::{Matrix, Vector, about_x, about_z};
+use libm::fabs;
+use nalgebra::{Matrix6, Vector6};
+
+/// How one axis stands to the one before it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Link {
+    /// Between the axes, in units.
+    pub(crate) a: f64,
+    /// From one axis to the other, in radians.
+    pub(crate) alpha: f64,
+    /// Along the axis, in units.
+    pub(crate) d: f64,
+}
+
+/// Six links.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Chain(pub(crate) [Link; 6]);
+
+impl Chain {
+    /// Where the last frame is, and how it is turned; angles in radians.
+    pub(crate) fn end(&self, angles: &[f64; 6]) -> (Vector, Matrix) {
+        let mut frame = (Vector::zeros(), Matrix::identity());
+        for (link, angle) in self.0.iter().zip(angles) {
+            frame = next(&frame, link, *angle);
+        }
+        frame
+    }
+
+    /// How the end moves when each joint turns (the geometric Jacobian; Craig, section 5.8).
+    pub(crate) fn jacobian(&self, angles: &[f64; 6]) -> Matrix6<f64> {
+        let (end, _) = self.end(angles);
+        let mut frame = (Vector::zeros(), Matrix::identity());
+        let mut out = Matrix6::zeros();
+        for ((link, angle), mut column) in self.0.iter().zip(angles).zip(out.column_iter_mut()) {
+            frame = next(&frame, link, *angle);
+            let axis = frame.1 * Vector::z();
+            let way = axis.cross(&(end - frame.0));
+            column.copy_from(&Vector6::new(way.x, way.y, way.z, axis.x, axis.y, axis.z));
+        }
+        out
+    }
+
+    /// No point of the arm is farther from the base.
+    pub(crate) fn reach(&self) -> f64 {
+        self.0.iter().map(|l| fabs(l.a) + fabs(l.d)).sum()
+    }
+}
+
+fn next((place, turned): &(Vector, Matrix), link: &Link, angle: f64) -> (Vector, Matrix) {
+    let tilt = about_x(link.alpha);
+    let step = Vector::new(link.a, 0.0, 0.0) + tilt * Vector::new(0.0, 0.0, link.d);
+    (place + turned * step, turned * tilt * about_z(angle))
+}

@@ -1,0 +1,27 @@
+//! Components that have pins per instance beside their kinematics.
+
+use hal_component::{Arg, Builder, Error, abi::ArgSpec};
+
+/// `count=`.
+pub(crate) const COUNT: ArgSpec =
+    Arg::int("count", "How many times its own pins are there, 1 to 16.").or("1");
+
+/// `names=`.
+pub(crate) const NAMES: ArgSpec =
+    Arg::texts("names", "Names for its own pins instead of numbers; not with count=.");
+
+/// The prefixes of the pins: `base.0` and so on, or the names given.
+pub(crate) fn prefixes(b: &Builder<'_>, base: &str) -> Result<Vec<String>, Error> {
+    let names = b.arg_texts("names");
+    let count = b.arg_int("count").unwrap_or(1);
+    if !names.is_empty() {
+        if count != 1 {
+            return Err(Error::new("count= and names= are mutually exclusive"));
+        }
+        return Ok(names);
+    }
+    if !(1..=16).contains(&count) {
+        return Err(Error::new(format!("count is {count}, must be between 1 and 16")));
+    }
+    Ok((0..count).map(|i| format!("{base}.{i}")).collect())
+}

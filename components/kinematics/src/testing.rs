@@ -1,0 +1,329 @@
+//! What all tests of kinematics ask: do both ways agree, and what happens at the edges.
+
+use crate::rotation::{from_abc, to_vector};
+use hal_component::{
+    Builder, Component, Error, KinematicsRef, Pose, Unsolved, abi::component_flags, bench::Bench,
+};
+use nalgebra::DMatrix;
+use std::cell::Cell;
+
+thread_local! {
+    static FOUND: Cell<Option<KinematicsRef>> = const { Cell::new(None) };
+}
+
+/// Finds the kinematics on the bench, as `motmod` does.
+struct Finder;
+
+impl Component for Finder {
+    const NAME: &'static str = "finder";
+    const DOC: &'static str = "Finds kinematics.";
+    const FLAGS: u32 = component_flags::ONCE;
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        FOUND.set(Some(b.kinematics()?));
+        Ok(())
+    }
+}
+
+/// Kinematics on the bench.
+pub(crate) struct Rig {
+    pub(crate) bench: Bench,
+    pub(crate) k: KinematicsRef,
+}
+
+impl Rig {
+    pub(crate) fn new<C: Component>(args: &[&str]) -> Self {
+        let mut bench = Bench::new();
+        bench.load::<C>(args).unwrap_or_else(|e| panic!("{}: {e}", C::NAME));
+        bench.load::<Finder>(&[]).unwrap();
+        Self { bench, k: FOUND.take().unwrap() }
+    }
+
+    pub(crate) fn set(&self, pins: &[(&str, f64)]) {
+        for (name, value) in pins {
+            self.bench.set(name, *value);
+        }
+    }
+
+    /// The pose of joints, from a guess of zeros.
+    pub(crate) fn pose(&self, joints: &[f64]) -> Pose {
+        let mut all = [0.0; 16];
+        all[..joints.len()].copy_from_slice(joints);
+        let mut pose = [0.0; 9];
+        self.k.forward(&all, &mut pose).unwrap_or_else(|e| panic!("{joints:?}: {e:?}"));
+        pose
+    }
+
+    /// The joints of a pose, from a guess of zeros.
+    pub(crate) fn joints(&self, pose: Pose) -> [f64; 16] {
+        let mut joints = [0.0; 16];
+        self.k.inverse(&pose, &mut joints).unwrap_or_else(|e| panic!("{pose:?}: {e:?}"));
+        joints
+    }
+
+    /// Why a pose has no joints; they stay as they were.
+    pub(crate) fn no_joints(&self, pose: Pose) -> Unsolved {
+        let mut joints = [0.25; 16];
+        let why = self.k.inverse(&pose, &mut joints).expect_err(&format!("{pose:?}"));
+        assert_eq!(joints, [0.25; 16]);
+        why
+    }
+
+    /// Why joints have no pose; it stays as it was.
+    pub(crate) fn no_pose(&self, joints: &[f64]) -> Unsolved {
+        let mut all = [0.0; 16];
+        all[..joints.len()].copy_from_slice(joints);
+        let mut pose = [0.25; 9];
+        let why = self.k.forward(&all, &mut pose).expect_err(&format!("{joints:?}"));
+        assert_eq!(pose, [0.25; 9]);
+        why
+    }
+
+    /// Every way to reach a pose.
+    pub(crate) fn ways(&self, pose: &Pose) -> Vec<Vec<f64>> {
+        let n = self.k.joints();
+        let mut into = vec![0.0; n * 32];
+        let found = self.k.solutions(pose, &mut into).unwrap();
+        into.chunks(n).take(found).map(<[f64]>::to_vec).collect()
+    }
+}
+
+/// Asserts that numbers are near each other.
+#[track_caller]
+pub(crate) fn close(a: &[f64], b: &[f64], within: f64) {
+    assert_eq!(a.len(), b.len());
+    for (x, y) in a.iter().zip(b) {
+        assert!((x - y).abs() <= within, "{a:?} is not {b:?}");
+    }
+}
+
+/// Numbers that come again, and look random (Steele, Lea and Flood's splitmix).
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    pub(crate) fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (z ^ (z >> 31)) as f64 / 2f64.powi(64)
+    }
+
+    pub(crate) fn within(&mut self, (low, high): (f64, f64)) -> f64 {
+        low + (high - low) * self.unit()
+    }
+}
+
+/// How far one joint goes.
+#[derive(Clone, Copy)]
+pub(crate) struct Joint {
+    pub(crate) range: (f64, f64),
+    /// What counts as one: 1 radian, or the size of the machine.
+    is_rotary: bool,
+}
+
+impl Joint {
+    pub(crate) const fn rotary(most: f64) -> Self {
+        Self { range: (-most, most), is_rotary: true }
+    }
+    pub(crate) const fn linear(most: f64) -> Self {
+        Self { range: (-most, most), is_rotary: false }
+    }
+    pub(crate) const fn linear_from(low: f64, high: f64) -> Self {
+        Self { range: (low, high), is_rotary: false }
+    }
+    fn unit(&self, size: f64) -> f64 {
+        if self.is_rotary { 1f64.to_degrees() } else { size }
+    }
+}
+
+/// Where a machine is looked at.
+#[derive(Clone, Copy)]
+pub(crate) struct Space<'a> {
+    /// The size of its workspace, in units.
+    pub(crate) size: f64,
+    pub(crate) joints: &'a [Joint],
+    /// The letters of the pose that its joints determine.
+    pub(crate) letters: &'a [usize],
+    /// Whether A B C are roll, pitch and yaw, and not each an axis.
+    pub(crate) abc: bool,
+    /// Values of pins.
+    pub(crate) set: &'a [(&'a str, f64)],
+    /// How far a guess is beside what is looked for, as a part of a unit.
+    pub(crate) aside: f64,
+    /// Poses at random, between these, instead of joints at random.
+    pub(crate) poses: &'a [(f64, f64)],
+    /// The fewest regular places of [`ROUNDS`] that must have been seen.
+    pub(crate) least: usize,
+    /// The type of kinematics.
+    pub(crate) switch: u32,
+    /// Whether joints have poses that the machine cannot reach in that way.
+    pub(crate) has_gaps: bool,
+}
+
+impl Space<'_> {
+    pub(crate) const DEFAULT: Space<'static> = Space {
+        size: 1.0,
+        joints: &[],
+        letters: &[0, 1, 2, 3, 4, 5, 6, 7, 8],
+        abc: false,
+        set: &[],
+        aside: 1e-3,
+        poses: &[],
+        least: ROUNDS,
+        switch: 0,
+        has_gaps: false,
+    };
+
+    /// How far apart two poses are: lengths as parts of the size, angles in radians.
+    pub(crate) fn apart(&self, a: &Pose, b: &Pose) -> Vec<f64> {
+        let mut out = Vec::new();
+        for l in self.letters {
+            let way = a[*l] - b[*l];
+            out.push(match l {
+                3..=5 if !self.abc => way.to_radians(),
+                3..=5 => 0.0,
+                _ => way / self.size,
+            });
+        }
+        if self.abc {
+            let [a, b] = [a, b].map(|p| from_abc([p[3], p[4], p[5]]));
+            out.extend(to_vector(&(a * b.transpose())).iter());
+        }
+        out
+    }
+}
+
+/// How many places are looked at.
+pub(crate) const ROUNDS: usize = 4000;
+
+/// The condition number from which on a place counts as singular.
+const WORST: f64 = 1e6;
+
+fn most(list: &[f64]) -> f64 {
+    list.iter().fold(0.0, |m: f64, x| m.max(x.abs()))
+}
+
+/// Joints at random: their pose must lead back to it, and to the same joints, wherever the
+/// machine is not singular.
+pub(crate) fn serial<C: Component>(args: &[&str], space: &Space<'_>) {
+    let rig = Rig::new::<C>(args);
+    rig.set(space.set);
+    assert!(rig.k.switch(space.switch));
+    let n = space.joints.len();
+    assert_eq!(rig.k.joints(), n, "joints");
+    let mut random = Random(C::NAME.len() as u64);
+    let (mut regular, mut worst) = (0, 0.0f64);
+    for round in 0..ROUNDS {
+        let joints: Vec<f64> = space.joints.iter().map(|j| random.within(j.range)).collect();
+        let mut pose = [0.0; 9];
+        if let Err(why) = rig.k.forward(&joints, &mut pose) {
+            assert!(space.has_gaps, "{round}: {joints:?}: {why:?}");
+            continue;
+        }
+        assert!(pose.iter().all(|p| p.is_finite()));
+        let Some(condition) = condition(&rig, space, &joints, &pose) else { continue };
+        if condition.is_nan() || condition >= WORST {
+            continue;
+        }
+        let aside =
+            |random: &mut Random, unit: f64| random.within((-1.0, 1.0)) * space.aside * unit;
+        let mut back: Vec<f64> = joints
+            .iter()
+            .zip(space.joints)
+            .map(|(p, j)| p + aside(&mut random, j.unit(space.size)) / condition.max(1.0))
+            .collect();
+        rig.k.inverse(&pose, &mut back).unwrap_or_else(|e| panic!("{round}: {joints:?}: {e:?}"));
+        let mut again = pose;
+        rig.k.forward(&back, &mut again).unwrap_or_else(|e| panic!("{round}: {back:?}: {e:?}"));
+        let off = most(&space.apart(&again, &pose));
+        assert!(off < 1e-9, "{round}: {joints:?} {pose:?} {again:?}: {off}, cond {condition}");
+        for ((a, b), j) in joints.iter().zip(&back).zip(space.joints) {
+            let off = (a - b).abs() / j.unit(space.size);
+            assert!(off < 1e-9 * condition.max(1.0), "{round}: {joints:?} {back:?}: {condition}");
+        }
+        worst = worst.max(off);
+        regular += 1;
+    }
+    assert!(regular >= space.least, "only {regular} of {ROUNDS} places were regular");
+    crate::edges::edges::<C>(args, space);
+}
+
+/// The condition number of the way from joints to poses, by differences.
+fn condition(rig: &Rig, space: &Space<'_>, joints: &[f64], pose: &Pose) -> Option<f64> {
+    const STEP: f64 = 1e-6;
+    let mut columns = Vec::new();
+    for (i, j) in space.joints.iter().enumerate() {
+        let mut ends = [*pose; 2];
+        for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
+            let mut beside = joints.to_vec();
+            beside[i] += sign * STEP * j.unit(space.size);
+            rig.k.forward(&beside, end).ok()?;
+        }
+        columns.push(space.apart(&ends[0], &ends[1]).iter().map(|d| d / (2.0 * STEP)).collect());
+    }
+    Some(ratio(&columns))
+}
+
+/// The largest singular value by the smallest one.
+fn ratio(columns: &[Vec<f64>]) -> f64 {
+    let rows = columns[0].len();
+    let matrix = DMatrix::from_fn(rows, columns.len(), |r, c| columns[c][r]);
+    let values = matrix.singular_values();
+    let mut list: Vec<f64> = values.iter().copied().collect();
+    list.sort_by(|a, b| b.total_cmp(a));
+    list[0] / list[columns.len() - 1]
+}
+
+/// Poses at random: their joints must lead back to it wherever the machine is not singular.
+pub(crate) fn parallel<C: Component>(args: &[&str], space: &Space<'_>) {
+    const STEP: f64 = 1e-6;
+    let rig = Rig::new::<C>(args);
+    rig.set(space.set);
+    assert!(rig.k.switch(space.switch));
+    let mut random = Random(C::NAME.len() as u64);
+    let mut regular = 0;
+    for round in 0..ROUNDS {
+        let mut pose = [0.0; 9];
+        for (l, range) in space.letters.iter().zip(space.poses) {
+            pose[*l] = random.within(*range);
+        }
+        let mut joints = [0.0; 16];
+        if rig.k.inverse(&pose, &mut joints).is_err() {
+            assert!(space.has_gaps, "{round}: {pose:?}");
+            continue;
+        }
+        // How joints follow the pose, by differences: the same condition number.
+        let mut columns = Vec::new();
+        for l in space.letters {
+            let unit = if (3..6).contains(l) { 1f64.to_degrees() } else { space.size };
+            let ends = [1.0, -1.0].map(|sign| {
+                let (mut beside, mut ends) = (pose, joints);
+                beside[*l] += sign * STEP * unit;
+                rig.k.inverse(&beside, &mut ends).map(|_| ends)
+            });
+            if let [Ok(a), Ok(b)] = ends {
+                let units = space.joints.iter().map(|j| j.unit(space.size));
+                let ways = a.iter().zip(&b).zip(units);
+                columns.push(ways.map(|((a, b), u)| (a - b) / (2.0 * STEP * u)).collect());
+            }
+        }
+        if columns.len() < space.letters.len() {
+            continue;
+        }
+        let condition = ratio(&columns);
+        if condition.is_nan() || condition >= WORST {
+            continue;
+        }
+        let mut back = pose;
+        for l in space.letters {
+            let unit = if (3..6).contains(l) { 1f64.to_degrees() } else { space.size };
+            back[*l] += random.within((-1.0, 1.0)) * space.aside * unit / condition.max(1.0);
+        }
+        rig.k.forward(&joints, &mut back).unwrap_or_else(|e| panic!("{round}: {pose:?}: {e:?}"));
+        let off = most(&space.apart(&back, &pose));
+        assert!(off < 1e-9, "{round}: {pose:?} {back:?}: {off}");
+        regular += 1;
+    }
+    assert!(regular >= space.least, "only {regular} of {ROUNDS} places were regular");
+    crate::edges::edges::<C>(args, space);
+}

@@ -1,0 +1,138 @@
+//! `three21kins`.
+
+use crate::{
+    arm::Arm,
+    letters::{ANY, Letters, Rule},
+    model::{Found, Joints, Model, are_lengths, is_finite},
+    names::{example, names},
+    switch::{COORDINATES, SPARM, Switched},
+};
+use hal_component::{Builder, Error, In, Pose, Solution, Ways, abi::ArgSpec, pins};
+
+const DOC: &str = concat!(
+    "\
+Kinematics of an arm of six joints whose last three meet in the wrist, solved in closed form.
+
+All joints turn, in degrees. The lengths are Denavit and Hartenberg's, in the form of Craig
+(Introduction to Robotics, sections 3.4 and 4.6): D2 and D3 together, and A1, A2, A3, D1, D4, D6. With
+all joints at 0 the upper arm lies along X and the forearm hangs down. The pose is the tool's tip
+X Y Z and how it is turned: roll A, pitch B, yaw C about the fixed axes. Of up to eight ways to reach
+a pose the one nearest to where the joints are is taken. With a straight wrist, a stretched or
+folded elbow, or the wrist above the base it is at a singular place; what it does not reach is
+refused. A2 must be above 0, and A3 and D4 may not both be 0.
+
+In types 1 and 2 every joint is an axis; `motion.switchkins-type` says which type is in force.",
+    example!(
+        "three21kins",
+        6,
+        "setp three21kins.D6 50\n",
+        "motion.move x=300 y=50 z=-100 velocity=20 --wait\nshow pin joint.*.pos-cmd\n"
+    )
+);
+
+const ARGS: &[&ArgSpec] = &[&COORDINATES.or("XYZABC"), &SPARM];
+
+names! {
+    DOC, ARGS, create;
+    /// `loadrt three21kins`.
+    Three21kins = "three21kins";
+}
+
+fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+    let rule = Rule { twice: false, most: 6, ..ANY };
+    let letters = Letters::parse(&b.arg_text("coordinates").unwrap_or_default(), rule)?;
+    let pins = Pins::make(b, "three21kins")?;
+    let kinematics = Switched::usual(b, pins, letters)?;
+    b.offer_kinematics(kinematics)
+}
+
+pins! {
+    /// The lengths of the arm.
+    struct Pins {
+        /// From the axis of joint 0 across to that of joint 1, in units.
+        a1: In<f64> = "A1", 64.2;
+        /// Length of the upper arm, from the axis of joint 1 to that of joint 2, in units; above
+        /// 0.
+        a2: In<f64> = "A2", 305.0;
+        /// From the axis of joint 2 across to that of joint 3, the forearm's own, in units.
+        a3: In<f64> = "A3", 0.0;
+        /// Height of the axis of joint 1, in units.
+        d1: In<f64> = "D1", 169.77;
+        /// How far the upper arm stands beside the axis of joint 0, in units.
+        d2: In<f64> = "D2", 0.0;
+        /// How far the forearm stands beside the upper arm, in units.
+        d3: In<f64> = "D3", -6.25;
+        /// Length of the forearm, up to the middle of the wrist, in units.
+        d4: In<f64> = "D4", 223.63;
+        /// From the middle of the wrist to the tool's tip, in units.
+        d6: In<f64> = "D6", 36.5;
+    }
+}
+
+impl Model for Pins {
+    type Geometry = Arm;
+
+    fn joints(&self) -> usize {
+        6
+    }
+
+    fn geometry(&self) -> Option<Arm> {
+        let [a1, a2, a3] = [&self.a1, &self.a2, &self.a3].map(In::get);
+        let [d1, d2, d3, d4, d6] = [&self.d1, &self.d2, &self.d3, &self.d4, &self.d6].map(In::get);
+        let fore = libm::hypot(a3, d4);
+        (are_lengths(&[a2, fore]) && is_finite(&[a1, d1, d2, d3, d6])).then_some(Arm {
+            a1,
+            a2,
+            a3,
+            d1,
+            d3: d2 + d3,
+            d4,
+            d6,
+        })
+    }
+
+    fn forward(&self, arm: &Arm, joints: &Joints, guess: &Pose) -> Found<Pose> {
+        arm.forward(joints, guess)
+    }
+
+    fn inverse(&self, arm: &Arm, pose: &Pose, guess: &Joints) -> Found<Joints> {
+        arm.inverse(pose, guess)
+    }
+
+    fn solutions(&self, arm: &Arm, pose: &Pose, ways: &mut Ways<'_>) -> Solution {
+        arm.solutions(pose, ways)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{Joint, Rig, Space, serial};
+
+    const SPACE: Space<'static> = Space {
+        size: 600.0,
+        joints: &[Joint::rotary(180.0); 6],
+        letters: &[0, 1, 2, 3, 4, 5],
+        abc: true,
+        least: 3900,
+        ..Space::DEFAULT
+    };
+
+    #[test]
+    fn both_ways() {
+        serial::<Three21kins>(&[], &SPACE);
+        let set = &[("three21kins.A3", 30.0), ("three21kins.D2", 20.0)];
+        serial::<Three21kins>(&[], &Space { set, ..SPACE });
+    }
+
+    #[test]
+    fn the_lengths_are_where_they_should() {
+        let rig = Rig::new::<Three21kins>(&[]);
+        crate::testing::close(
+            &rig.pose(&[0.0; 6])[..3],
+            &[64.2 + 305.0, -6.25, 169.77 - 223.63 - 36.5],
+            1e-9,
+        );
+        assert_eq!(rig.ways(&rig.pose(&[10., -60., 40., 50., 60., 70.])).len(), 8);
+    }
+}
