@@ -40,6 +40,7 @@
 //! | [`Trace`], [`Channel`], [`Times`] | the samples; `trace.rs`, `channel.rs`, `times.rs` |
 //! | [`load`], [`save`], [`Format`] | files by their endings; `file.rs` |
 //! | [`vcd`], [`fst`], [`csv`], [`json`] | what each format holds; all read and write whole traces, and `vcd` also writes while samples come |
+//! | [`trigger`] | when a capture begins: conditions, the machine that is fed samples, captures |
 //! | [`draw`] | waveforms as text, and which edges differ between two |
 //! | [`columns`] | a channel in so many columns of a picture |
 //! | [`measure`] | frequency, duty cycle, extremes between two times |
@@ -58,6 +59,7 @@ pub mod measure;
 mod reading;
 mod times;
 mod trace;
+pub mod trigger;
 pub mod vcd;
 
 pub use channel::{Change, Channel};
