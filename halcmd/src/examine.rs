@@ -65,11 +65,11 @@ fn subject(given: &[(char, Option<String>)], files: Vec<String>) -> Subject {
 }
 
 /// Options before, between and after other words.
-pub(crate) fn mixed(
+pub(crate) fn mixed<T: Copy>(
     command: &'static str,
-    table: &[Opt<char>],
+    table: &[Opt<T>],
     words: &[String],
-) -> Result<Given<char>, Error> {
+) -> Result<Given<T>, Error> {
     let (mut given, mut others) = (Vec::new(), Vec::new());
     let mut rest = words.to_vec();
     while !rest.is_empty() {

@@ -1,7 +1,11 @@
-//! The program halscope: what machines do over time, drawn and looked at.
+//! The program halscope: what machines do over time, captured, kept in files, drawn and looked at.
 
+mod capture;
+mod convert;
 mod figures;
+mod live;
 mod names;
+mod plan;
 mod plot;
 
 use crate::{Stdio, Terminal, hint::nearest, units::nanoseconds};
@@ -16,12 +20,26 @@ struct Row {
     run: fn(&[String]) -> Result<ExitCode, String>,
 }
 
-const ROWS: &[Row] = &[Row {
-    name: "plot",
-    words: "[options] FILE [CHANNEL...]",
-    help: "draw a file as SVG or PNG",
-    run: plot::main,
-}];
+const ROWS: &[Row] = &[
+    Row {
+        name: "capture",
+        words: "[options] NAME...",
+        help: "sample a machine at a trigger, into a file",
+        run: capture::main,
+    },
+    Row {
+        name: "convert",
+        words: "[options] IN OUT",
+        help: "turn a file into one of another kind",
+        run: convert::main,
+    },
+    Row {
+        name: "plot",
+        words: "[options] FILE [CHANNEL...]",
+        help: "draw a file as SVG or PNG",
+        run: plot::main,
+    },
+];
 
 /// Runs the program with these words.
 #[must_use]

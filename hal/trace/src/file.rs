@@ -118,12 +118,14 @@ pub fn load(path: &Path) -> Result<(Reading, Option<FileError>), FileError> {
     Ok((reading, flaw))
 }
 
-/// Writes a file. If that fails, what was written until then stays.
+/// Writes a file. If that fails, what was written until then stays. A device gets CSV.
 ///
 /// # Errors
 /// The ending says nothing, the system refuses, or the format cannot hold the trace.
 pub fn save(path: &Path, trace: &Trace) -> Result<(), FileError> {
-    let format = Format::of(path).ok_or_else(|| FileError::Ending(path.to_owned()))?;
+    let device = path.starts_with("/dev").then_some(Format::Csv);
+    let format = Format::of(path).or(device);
+    let format = format.ok_or_else(|| FileError::Ending(path.to_owned()))?;
     let file = File::create(path).map_err(|e| said(path, &e))?;
     let mut out = BufWriter::with_capacity(1 << 16, file);
     format.write(&mut out, trace).and_then(|()| out.flush()).map_err(|e| said(path, &e))

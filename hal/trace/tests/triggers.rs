@@ -59,6 +59,8 @@ const TRUTHS: &[(&str, Truth)] = &[
     ("b = TRUE", |n| n % 10 >= 5),
     ("b != 1", |n| n % 10 < 5),
     ("'a name' rises", |n| n == 777_777),
+    ("\"b rises and c\"", |n| n > 0 && n % 10 == 5 && n % 7 == 3),
+    ("'a name'&&!c", |n| n == 777_777 && n % 7 != 3),
     ("i changes", |n| n > 0),
     ("f > 249", |n| f(n) > 249.0),
     ("f >= 249", |n| f(n) >= 249.0),
@@ -197,7 +199,7 @@ fn auto_fires_when_nothing_does_and_not_when_something_does() {
 fn force_fires_at_once_and_only_once() {
     let setup =
         Setup { length: 4, before: 2, mode: Mode::Normal, hold_off: HoldOff::Samples(1000) };
-    let mut trigger = Trigger::new(Some(when("'a name'")), setup, 8);
+    let mut trigger = Trigger::new(Some(when("'a name' = 1")), setup, 8);
     trigger.force();
     assert_eq!(run(&mut trigger, 0..20), [(2, Cause::Force, 3)]);
     trigger.force();

@@ -111,7 +111,15 @@ impl Condition {
     /// # Errors
     /// What is wrong, and where.
     pub fn parse(text: &str) -> Result<Self, ConditionError> {
-        let mut parser = Parser { text, words: words(text)?, next: 0, depth: 0 };
+        let found = words(text)?;
+        if let [all] = &found[..]
+            && all.kind == Kind::Quoted
+            && all.text.contains(char::is_whitespace)
+        {
+            // Quotes around the whole, which a script leaves on its words.
+            return Self::parse(all.text);
+        }
+        let mut parser = Parser { text, words: found, next: 0, depth: 0 };
         let tree = parser.any()?;
         match parser.peek() {
             None => Ok(Self { text: text.trim().to_owned(), tree }),

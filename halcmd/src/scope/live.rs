@@ -1,0 +1,207 @@
+//! A capture of a machine that runs.
+
+use super::plan::Plan;
+use crate::{remote::pause, signals::ending_flag};
+use hal_protocol::{Client, Failure, Link, Place, Reply, Request, SampleSpec, Samples, Type};
+use hal_trace::{Trace, trigger::Capture};
+use signal_hook::{consts::SIGUSR1, flag};
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering::Relaxed},
+    },
+    thread::JoinHandle,
+};
+
+/// How long to wait for samples, in milliseconds, and how many such waits lie between looks at
+/// whether the engine is still there.
+const WAIT_MS: u32 = 2;
+const LOOK_EVERY: u32 = 50;
+
+/// How a capture ended.
+pub(super) enum End {
+    /// As it should.
+    Whole(Trace),
+    /// It was triggered, and something ended it too early.
+    Part(Trace, String),
+    /// No trigger came.
+    Nothing(String),
+}
+
+/// A connection that samples.
+pub(super) struct Live {
+    client: Client,
+    samples: Samples,
+    capture: Capture,
+    record: Vec<u64>,
+    /// Machine time when it began, and how long a trigger is waited for.
+    began: i64,
+    timeout: Option<i64>,
+    /// Who moves the clock, on a connection of its own.
+    running: Option<JoinHandle<Result<(), String>>>,
+    run: Option<u64>,
+    ending: Arc<AtomicBool>,
+    force: Arc<AtomicBool>,
+}
+
+fn told(failure: &Failure) -> String {
+    let text = failure.to_string();
+    let hint = failure.hint.as_ref().filter(|h| !text.contains(h.as_str()));
+    let hint = hint.map(|h| format!("\n{h}")).unwrap_or_default();
+    format!("{text}{hint}")
+}
+
+impl Live {
+    /// Begins to sample.
+    pub(super) fn begin(plan: &Plan) -> Result<Self, String> {
+        let ending = ending_flag();
+        let force = Arc::new(AtomicBool::new(false));
+        drop(flag::register(SIGUSR1, Arc::clone(&force)));
+        let place = Place::find(plan.instance.as_deref()).map_err(|e| e.to_string())?;
+        let mut client = Client::connect(&place, "").map_err(|f| told(&f))?;
+        let began = machine_time(&mut client)?;
+        let spec = SampleSpec {
+            thread: plan.thread.clone(),
+            every: plan.every,
+            depth: plan.depth,
+            names: plan.names.clone(),
+            wait: true,
+        };
+        let samples = client.sample(spec).map_err(|f| told(&f))?;
+        let info = samples.info();
+        let channels = info.channels.iter().map(|c| (c.name.clone(), c.ty));
+        let channels: Vec<(String, Type)> = channels.collect();
+        let setup = plan.setup(info.period.saturating_mul(i64::from(info.every)))?;
+        let when = match &plan.condition {
+            None => None,
+            Some(condition) => {
+                // The trigger calls a channel as it was asked for: `sig:x` as well.
+                let mut asked = channels.clone();
+                for (channel, name) in asked.iter_mut().zip(plan.whole_names()) {
+                    name.clone_into(&mut channel.0);
+                }
+                let when = condition.bind(&asked);
+                Some(when.map_err(|e| e.to_string())?)
+            }
+        };
+        let capture = Capture::new(&channels, when, setup);
+        let mut live = Self {
+            client,
+            samples,
+            capture,
+            record: Vec::new(),
+            began,
+            timeout: plan.timeout.map(|ns| i64::try_from(ns).unwrap_or(i64::MAX)),
+            running: None,
+            run: plan.run,
+            ending,
+            force,
+        };
+        if let Some(ns) = plan.run {
+            let mut other = Client::connect(&place, "").map_err(|f| told(&f))?;
+            live.running = Some(std::thread::spawn(move || {
+                other.call(Request::Run { ns }).map(drop).map_err(|f| told(&f))
+            }));
+        }
+        Ok(live)
+    }
+
+    /// The next capture.
+    pub(super) fn next(&mut self) -> Result<End, String> {
+        let mut empty = 0;
+        let mut is_over = false;
+        loop {
+            if self.force.swap(false, Relaxed) {
+                self.capture.trigger().force();
+            }
+            if self.ending.load(Relaxed) {
+                return Ok(self.ended("interrupted".to_owned()));
+            }
+            if let Some(stamp) = self.samples.take_bits(&mut self.record) {
+                empty = 0;
+                let done = self.capture.feed(stamp.time, &self.record, stamp.lost);
+                if let Some(trace) = done {
+                    return Ok(End::Whole(trace));
+                }
+                if self.is_late(stamp.time) {
+                    return Ok(End::Nothing(self.waited()));
+                }
+                continue;
+            }
+            if is_over {
+                return self.why().map(|why| self.ended(why));
+            }
+            // In this order: what was sampled before the end is taken.
+            is_over = self.samples.is_over() || self.has_run()?;
+            if is_over {
+                continue;
+            }
+            pause(WAIT_MS);
+            empty += 1;
+            if empty % LOOK_EVERY == 0 {
+                let now = machine_time(&mut self.client)?;
+                if self.is_late(now) && self.samples.waiting() == 0 {
+                    return Ok(End::Nothing(self.waited()));
+                }
+            }
+        }
+    }
+
+    /// Lets the machine go on; what moves the clock comes to its end.
+    pub(super) fn leave(mut self) {
+        let id = self.samples.info().id;
+        drop(self.client.end_sample(id));
+        if let Some(running) = self.running.take() {
+            drop(running.join());
+        }
+    }
+
+    /// Whether no trigger has come for too long.
+    fn is_late(&mut self, now: i64) -> bool {
+        let waited = now.saturating_sub(self.began);
+        self.capture.trigger().is_armed() && self.timeout.is_some_and(|t| waited >= t)
+    }
+
+    fn waited(&self) -> String {
+        format!("after {} s", self.timeout.unwrap_or(0) as f64 / 1e9)
+    }
+
+    /// Whether the clock has come to where it was to be moved.
+    fn has_run(&mut self) -> Result<bool, String> {
+        if !self.running.as_ref().is_some_and(JoinHandle::is_finished) {
+            return Ok(false);
+        }
+        match self.running.take().map(JoinHandle::join) {
+            Some(Ok(Err(text))) => Err(text),
+            _ => Ok(true),
+        }
+    }
+
+    /// Why there are no more samples.
+    fn why(&mut self) -> Result<String, String> {
+        let id = self.samples.info().id;
+        match self.client.sample_state(id) {
+            Ok(state) => Ok(match (state.ended, self.run) {
+                (Some(why), _) => why,
+                (None, Some(ns)) => format!("after {} s", ns as f64 / 1e9),
+                (None, None) => "sampling ended".to_owned(),
+            }),
+            Err(_) => Ok("the machine has ended".to_owned()),
+        }
+    }
+
+    fn ended(&mut self, why: String) -> End {
+        match self.capture.rest() {
+            Some(trace) => End::Part(trace, why),
+            None => End::Nothing(why),
+        }
+    }
+}
+
+fn machine_time(client: &mut Client) -> Result<i64, String> {
+    match client.call(Request::Status) {
+        Ok(Reply::Status(status)) => Ok(i64::try_from(status.time).unwrap_or(i64::MAX)),
+        Ok(_) => Err("the engine answered something else than was asked".to_owned()),
+        Err(f) => Err(told(&f)),
+    }
+}
