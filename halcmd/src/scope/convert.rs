@@ -27,8 +27,7 @@ simulators and logic analysers, CSV from whatever writes a table with times in i
 
 /// Runs the command with these words.
 pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
-    let (given, files) =
-        mixed("halscope convert", OPTIONS, words).map_err(|e| e.to_string())?;
+    let (given, files) = mixed("halscope convert", OPTIONS, words).map_err(|e| e.to_string())?;
     let has = |id| given.iter().any(|(i, _)| *i == id);
     if has(Id::Help) {
         Stdio.out(&usage_of("convert [options] IN OUT", OPTIONS, MORE));
@@ -51,7 +50,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
             };
             return Err(format!("{flaw}{hint}"));
         }
-        Stdio.err(&format!("halscope: {flaw}\n{n} sample{s} before that are kept\n"));
+        Stdio.err(&format!("halscope: {flaw}\nkept: {n} sample{s} before that\n"));
     }
     for note in &reading.notes {
         Stdio.err(&format!("halscope: {from}: {note}\n"));
