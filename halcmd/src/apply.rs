@@ -185,6 +185,7 @@ const fn is_edit(request: &Request) -> bool {
     matches!(
         request,
         Request::Load { .. }
+            | Request::LoadForeign { .. }
             | Request::Unload { .. }
             | Request::UnloadAll
             | Request::NewSignal { .. }
