@@ -7,6 +7,7 @@ mod live;
 mod names;
 mod plan;
 mod plot;
+mod view;
 
 use crate::{Stdio, Terminal, hint::nearest, units::nanoseconds};
 use hal_trace::Trace;
@@ -32,6 +33,12 @@ const ROWS: &[Row] = &[
         words: "[options] IN OUT",
         help: "turn a file into one of another kind",
         run: convert::main,
+    },
+    Row {
+        name: "view",
+        words: "FILE [CHANNEL...]",
+        help: "look at a file in the terminal: zoom, cursors, measurements",
+        run: view::main,
     },
     Row {
         name: "plot",

@@ -17,7 +17,7 @@ pub(crate) use meter::meter;
 pub(crate) use values::watch;
 
 /// The terminal while a view has it.
-struct Screen {
+pub(crate) struct Screen {
     terminal: DefaultTerminal,
     held: Held,
     /// Messages wait until the terminal is a terminal again.
@@ -25,18 +25,18 @@ struct Screen {
 }
 
 impl Screen {
-    fn new() -> Result<Self, Error> {
+    pub(crate) fn new() -> Result<Self, Error> {
         let (held, kept) = (Held::new(), prompt::Kept::new());
         let terminal = ratatui::try_init().map_err(|_| Error::NoScreen)?;
         Ok(Self { terminal, held, _kept: kept })
     }
 
-    fn draw(&mut self, view: impl FnOnce(&mut Frame<'_>)) -> Result<(), Error> {
+    pub(crate) fn draw(&mut self, view: impl FnOnce(&mut Frame<'_>)) -> Result<(), Error> {
         self.terminal.draw(view).map(|_| ()).map_err(|_| Error::NoScreen)
     }
 
     /// The key that was pressed, if one was; Ctrl-C and a signal are [`Key::Quit`].
-    fn key(&self) -> Option<Key> {
+    pub(crate) fn key(&self) -> Option<Key> {
         if self.held.has_come() {
             return Some(Key::Quit);
         }
@@ -57,7 +57,7 @@ impl Drop for Screen {
 
 /// A key that means something to a view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Key {
+pub(crate) enum Key {
     Quit,
     Escape,
     Enter,
@@ -101,15 +101,15 @@ impl From<KeyEvent> for Key {
 
 /// How things look: colours only where they are wanted.
 #[derive(Clone, Copy, Debug)]
-struct Look {
-    title: Style,
-    changed: Style,
-    dim: Style,
-    chosen: Style,
+pub(crate) struct Look {
+    pub(crate) title: Style,
+    pub(crate) changed: Style,
+    pub(crate) dim: Style,
+    pub(crate) chosen: Style,
 }
 
 impl Look {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let bold = Style::new().add_modifier(Modifier::BOLD);
         let plain = Self {
             title: bold,

@@ -1,0 +1,344 @@
+//! What a view shows, and what keys do to it.
+
+use crate::{
+    hint::nearest,
+    scope::{
+        figures::{figures, unit_of},
+        names::Chosen,
+    },
+    screen::Key,
+};
+use hal_protocol::Type;
+use hal_trace::Trace;
+
+/// A channel as it is shown.
+#[derive(Clone, Debug)]
+pub(super) struct Lane {
+    pub(super) chosen: Chosen,
+    pub(super) is_bit: bool,
+    /// In lines of the terminal.
+    pub(super) height: usize,
+}
+
+/// What is being typed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Typing {
+    pub(super) text: String,
+}
+
+/// The state of a view.
+#[derive(Debug)]
+pub(super) struct State {
+    pub(super) trace: Trace,
+    pub(super) title: String,
+    pub(super) lanes: Vec<Lane>,
+    hidden: Vec<Lane>,
+    /// The window, in ticks; `to` is out.
+    pub(super) from: i64,
+    pub(super) to: i64,
+    pub(super) selected: usize,
+    /// The first lane that is drawn.
+    pub(super) top: usize,
+    /// Cursors A and B, and which of them keys move.
+    pub(super) cursors: [Option<i64>; 2],
+    pub(super) active: usize,
+    pub(super) typing: Option<Typing>,
+    /// What there is to say until the next key.
+    pub(super) said: String,
+    pub(super) helps: bool,
+    /// Columns of the drawing, as it was last painted.
+    pub(super) columns: usize,
+}
+
+/// What a key means to whoever shows the view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Asked {
+    Nothing,
+    Leave,
+    /// A letter that this view has no use for.
+    Other(char),
+}
+
+/// The height of a lane of numbers, and its bounds.
+const HEIGHT: usize = 4;
+const HEIGHTS: core::ops::RangeInclusive<usize> = 2..=12;
+
+impl State {
+    /// All of a trace.
+    pub(super) fn new(trace: Trace, title: String, chosen: Vec<Chosen>) -> Self {
+        let lane = |chosen: Chosen| {
+            let ty = trace.channels().get(chosen.channel).map(hal_trace::Channel::ty);
+            let is_bit = ty == Some(Type::Bit);
+            Lane { chosen, is_bit, height: if is_bit { 2 } else { HEIGHT } }
+        };
+        let lanes = chosen.into_iter().map(lane).collect();
+        let mut state = Self {
+            trace,
+            title,
+            lanes,
+            hidden: Vec::new(),
+            from: 0,
+            to: 1,
+            selected: 0,
+            top: 0,
+            cursors: [None, None],
+            active: 0,
+            typing: None,
+            said: String::new(),
+            helps: false,
+            columns: 80,
+        };
+        state.fit();
+        state
+    }
+
+    /// The first and the last time.
+    pub(super) fn ends(&self) -> (i64, i64) {
+        let times = self.trace.times();
+        times.first().zip(times.last()).unwrap_or((0, 1))
+    }
+
+    /// All of it.
+    pub(super) fn fit(&mut self) {
+        let (first, last) = self.ends();
+        (self.from, self.to) = (first, last.saturating_add(1).max(first.saturating_add(1)));
+    }
+
+    pub(super) fn width(&self) -> i64 {
+        self.to.saturating_sub(self.from).max(1)
+    }
+
+    /// The lane that is selected.
+    pub(super) fn lane(&self) -> Option<&Lane> {
+        self.lanes.get(self.selected)
+    }
+
+    /// A time as it is written: `1.5 ms`.
+    pub(super) fn time(&self, ticks: i64) -> String {
+        let seconds = self.trace.base().seconds(ticks);
+        let (factor, unit) = unit_of(seconds.abs(), "s");
+        format!("{} {unit}", figures(seconds * factor))
+    }
+
+    /// What a key does.
+    pub(super) fn press(&mut self, key: Key) -> Asked {
+        self.said.clear();
+        if let Some(typing) = self.typing.take() {
+            self.typed(typing, key);
+            return if key == Key::Quit { Asked::Leave } else { Asked::Nothing };
+        }
+        if self.helps {
+            self.helps = false;
+            return if key == Key::Quit { Asked::Leave } else { Asked::Nothing };
+        }
+        let tenth = (self.width() / 10).max(1);
+        match key {
+            Key::Quit | Key::Escape | Key::Letter('q') => return Asked::Leave,
+            Key::Letter('?' | 'h') => self.helps = true,
+            Key::Left => self.pan(-tenth),
+            Key::Right => self.pan(tenth),
+            Key::PageUp => self.pan(-self.width()),
+            Key::PageDown => self.pan(self.width()),
+            Key::Home => self.pan(self.ends().0.saturating_sub(self.from)),
+            Key::End => self.pan(self.ends().1.saturating_add(1).saturating_sub(self.to)),
+            Key::Letter('+' | '=') => self.zoom(true),
+            Key::Letter('-') => self.zoom(false),
+            Key::Letter('f') => self.fit(),
+            Key::Letter('z') => self.between_cursors(),
+            Key::Up => self.selected = self.selected.saturating_sub(1),
+            Key::Down | Key::Tab => self.select_next(),
+            Key::Letter('K') => self.move_lane(-1),
+            Key::Letter('J') => self.move_lane(1),
+            Key::Letter('[') => self.resize(-1),
+            Key::Letter(']') => self.resize(1),
+            Key::Letter('x') => self.hide(),
+            Key::Letter('u') => self.lanes.append(&mut self.hidden),
+            Key::Letter('a') => self.cursor(0),
+            Key::Letter('b') => self.cursor(1),
+            Key::Letter('c') => self.cursors = [None, None],
+            Key::Letter(',') => self.step(-1),
+            Key::Letter('.') => self.step(1),
+            Key::Letter('<') => self.step(-10),
+            Key::Letter('>') => self.step(10),
+            Key::Letter('n') => self.edge(true),
+            Key::Letter('p') => self.edge(false),
+            Key::Letter('m') => self.marker(),
+            Key::Letter('/') => self.typing = Some(Typing { text: String::new() }),
+            Key::Letter(other) => return Asked::Other(other),
+            _ => {}
+        }
+        Asked::Nothing
+    }
+
+    fn typed(&mut self, mut typing: Typing, key: Key) {
+        match key {
+            Key::Escape | Key::Quit => return,
+            Key::Enter => return self.find(&typing.text),
+            Key::Back => drop(typing.text.pop()),
+            Key::Letter(c) => typing.text.push(c),
+            _ => {}
+        }
+        self.typing = Some(typing);
+    }
+
+    /// Selects the next channel whose name has this in it, also among those that are hidden.
+    fn find(&mut self, part: &str) {
+        let (before, after) = self.lanes.split_at((self.selected + 1).min(self.lanes.len()));
+        let places = (before.len()..).zip(after).chain((0..).zip(before));
+        let has = |lane: &Lane| {
+            let names =
+                self.trace.channels().get(lane.chosen.channel).map(hal_trace::Channel::names);
+            names.unwrap_or_default().iter().any(|n| n.contains(part))
+        };
+        let mut found = places.filter(|(_, lane)| has(lane)).map(|(i, _)| i);
+        if let Some(found) = found.next() {
+            self.selected = found;
+        } else if let Some(found) = self.hidden.iter().position(has) {
+            self.lanes.push(self.hidden.remove(found));
+            self.selected = self.lanes.len() - 1;
+        } else {
+            let names = self.trace.channels().iter().flat_map(hal_trace::Channel::names);
+            let near = nearest(part, names.map(String::as_str));
+            let near = near.map_or_else(String::new, |near| format!("; did you mean {near}?"));
+            self.said = format!("nothing is called '{part}'{near}");
+        }
+    }
+
+    fn pan(&mut self, by: i64) {
+        // At least half a window of the trace stays in view.
+        let (first, last) = self.ends();
+        let (width, half) = (self.width(), self.width() / 2);
+        let least = first.saturating_sub(half);
+        let most = last.saturating_sub(half).max(least);
+        self.from = self.from.saturating_add(by).max(least).min(most);
+        self.to = self.from.saturating_add(width);
+    }
+
+    fn zoom(&mut self, is_in: bool) {
+        let width = self.width();
+        let next = if is_in { (width / 2).max(1) } else { width.saturating_mul(2) };
+        // No further out than twice the trace.
+        let (first, last) = self.ends();
+        let next = next.min(last.saturating_sub(first).saturating_add(1).saturating_mul(2));
+        let seen = |at: &i64| self.from <= *at && *at < self.to;
+        let still = self.cursors.get(self.active).copied().flatten().filter(seen);
+        let still = still.unwrap_or_else(|| self.from.saturating_add(width / 2));
+        // What stands still keeps its share of the window.
+        let part =
+            i128::from(still.saturating_sub(self.from)) * i128::from(next) / i128::from(width);
+        self.from = still.saturating_sub(i64::try_from(part).unwrap_or(0));
+        self.to = self.from.saturating_add(next.max(1));
+        self.pan(0);
+    }
+
+    fn between_cursors(&mut self) {
+        let [Some(a), Some(b)] = self.cursors else {
+            self.said = "z shows what is between cursors A and B: set them with a and b".to_owned();
+            return;
+        };
+        if a == b {
+            self.said = "cursors A and B stand at one time".to_owned();
+            return;
+        }
+        let (from, to) = (a.min(b), a.max(b));
+        let room = (to.saturating_sub(from) / 20).max(1);
+        (self.from, self.to) = (from.saturating_sub(room), to.saturating_add(room));
+    }
+
+    fn select_next(&mut self) {
+        self.selected = (self.selected + 1).min(self.lanes.len().saturating_sub(1));
+    }
+
+    fn move_lane(&mut self, by: isize) {
+        let Some(other) = self.selected.checked_add_signed(by) else { return };
+        if other < self.lanes.len() && self.selected < self.lanes.len() {
+            self.lanes.swap(self.selected, other);
+            self.selected = other;
+        }
+    }
+
+    fn resize(&mut self, by: isize) {
+        if let Some(lane) = self.lanes.get_mut(self.selected).filter(|l| !l.is_bit) {
+            let height = lane.height.saturating_add_signed(by);
+            lane.height = height.max(*HEIGHTS.start()).min(*HEIGHTS.end());
+        }
+    }
+
+    fn hide(&mut self) {
+        if self.selected < self.lanes.len() {
+            self.hidden.push(self.lanes.remove(self.selected));
+            self.selected = self.selected.min(self.lanes.len().saturating_sub(1));
+        }
+    }
+
+    /// The cursor becomes the active one; if it is not in view, it comes to the middle.
+    fn cursor(&mut self, which: usize) {
+        let (from, to, middle) = (self.from, self.to, self.from.saturating_add(self.width() / 2));
+        self.active = which;
+        if let Some(cursor) = self.cursors.get_mut(which) {
+            let at = cursor.filter(|at| from <= *at && *at < to);
+            *cursor = Some(at.unwrap_or(middle));
+        }
+    }
+
+    /// Moves the active cursor by so many columns.
+    fn step(&mut self, columns: i64) {
+        let column = self.width() / i64::try_from(self.columns.max(1)).unwrap_or(1);
+        let by = column.max(1).saturating_mul(columns);
+        let at = self.cursors.get(self.active).copied().flatten();
+        match at {
+            None => self.cursor(self.active),
+            Some(at) => self.put(at.saturating_add(by)),
+        }
+    }
+
+    /// Puts the active cursor at a time and brings it into view.
+    fn put(&mut self, at: i64) {
+        let (first, last) = self.ends();
+        let at = at.max(first).min(last);
+        if let Some(cursor) = self.cursors.get_mut(self.active) {
+            *cursor = Some(at);
+        }
+        if at < self.from || self.to <= at {
+            let middle = self.from.saturating_add(self.width() / 2);
+            self.pan(at.saturating_sub(middle));
+        }
+    }
+
+    /// Moves the active cursor to the next change of the selected channel, or the one before.
+    fn edge(&mut self, is_next: bool) {
+        let channel = self.lane().and_then(|l| self.trace.channels().get(l.chosen.channel));
+        let Some(channel) = channel else { return };
+        let outside = if is_next { self.from.saturating_sub(1) } else { self.to };
+        let from = self.cursors.get(self.active).copied().flatten().unwrap_or(outside);
+        let times = self.trace.times();
+        let number = if is_next {
+            // What it was at first is no change.
+            Some(channel.changes_before(times.from(from.saturating_add(1))).max(1))
+        } else {
+            channel.changes_before(times.from(from)).checked_sub(1).filter(|n| *n > 0)
+        };
+        let change = number.and_then(|n| channel.change(n));
+        match change.and_then(|c| times.get(c.sample)) {
+            Some(at) => self.put(at),
+            None => {
+                let way = if is_next { "later" } else { "earlier" };
+                self.said = format!("{} does not change {way}", channel.name());
+            }
+        }
+    }
+
+    /// Moves the active cursor to the next marker, after the last to the first.
+    fn marker(&mut self) {
+        let from = self.cursors.get(self.active).copied().flatten().unwrap_or(i64::MIN);
+        let markers = self.trace.markers();
+        let next = markers.iter().find(|m| m.at > from).or_else(|| markers.first());
+        match next.cloned() {
+            Some(marker) => {
+                self.put(marker.at);
+                self.said = marker.text;
+            }
+            None => self.said = "there are no markers".to_owned(),
+        }
+    }
+}
