@@ -1,7 +1,7 @@
 //! `sim_encoder`.
 use crate::channels::Words;
 use hal_component::{
-    Arg, Builder, Component, Error, Gives, In, Io, Out, Period, Takes, Touch, Update,
+    Arg, Builder, Component, Error, Gives, In, InSet, Io, Out, Period, Takes, Touch, Update,
     abi::{ArgSpec, component_flags},
     pins,
 };
@@ -61,8 +61,8 @@ pins! {
         phase_z: Out<bool> = "phase-Z", false;
         /// How fast it turns, in `scale` per turn and second.
         speed: In<f64> = "speed", 0.0;
-        /// Nothing: there for those who link it.
-        rawcounts: In<i32> = "rawcounts", 0;
+        /// The counts that were turned; it stays its own where it is set or linked to a writer.
+        rawcounts: InSet<i32> = "rawcounts", 0;
         /// Cycles of the phases per turn, each of four counts; at least 1.
         ppr: Io<u32> = "ppr", 100;
         /// What the speed is divided by; 60 for turns per minute. Closer to 0 than 1e-20: 1.
@@ -134,6 +134,7 @@ struct Turning {
     phase_a: Out<bool>,
     phase_b: Out<bool>,
     phase_z: Out<bool>,
+    rawcounts: InSet<i32>,
     rate: Takes<Rate>,
     /// Counts so far, times 2^31.
     #[state]
@@ -149,7 +150,16 @@ struct Turning {
 impl Turning {
     fn new(pins: &Pins, rate: Takes<Rate>) -> Self {
         let (phase_a, phase_b, phase_z) = (pins.phase_a, pins.phase_b, pins.phase_z);
-        Self { phase_a, phase_b, phase_z, rate, accum: 0, state: 0, cycle: 0 }
+        Self {
+            phase_a,
+            phase_b,
+            phase_z,
+            rawcounts: pins.rawcounts,
+            rate,
+            accum: 0,
+            state: 0,
+            cycle: 0,
+        }
     }
 
     fn run(&mut self) {
@@ -169,6 +179,7 @@ impl Turning {
     }
 
     fn forth(&mut self, cycles: u32) {
+        self.rawcounts.set(self.rawcounts.get().wrapping_add(1));
         self.state = (self.state + 1) % 4;
         if self.state == 0 {
             self.cycle = self.cycle.wrapping_add(1);
@@ -179,6 +190,7 @@ impl Turning {
     }
 
     fn back(&mut self, cycles: u32) {
+        self.rawcounts.set(self.rawcounts.get().wrapping_sub(1));
         if self.state == 0 {
             self.state = 3;
             self.cycle = self.cycle.checked_sub(1).unwrap_or(cycles.saturating_sub(1));

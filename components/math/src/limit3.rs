@@ -52,7 +52,9 @@ impl Update for Limit3 {
         } else {
             self.step(input, out, period.secs())
         };
-        (self.in_old, self.out_old) = (input, out);
+        // What was taken over within the limits counts as the input.
+        self.in_old = if self.load.get() { next } else { input };
+        self.out_old = out;
         self.out.set(next);
     }
 }
