@@ -220,7 +220,7 @@ impl Case {
                 (i.tame, "without extremes"),
             ];
             let mut to: Vec<&str> = words.iter().filter(|w| w.0).map(|w| w.1).collect();
-            let range = i.range.map(|[low, high]| format!("from {low} to {high}"));
+            let range = i.range.map(|[low, high]| format!("from {low:e} to {high:e}"));
             let set = i.set.as_ref().map(|value| format!("set to {value}"));
             to.extend(range.as_deref().into_iter().chain(set.as_deref()));
             write!(out, "; `{}` {}: {}", i.pins.join("`, `"), to.join(", "), i.why).unwrap();
