@@ -24,12 +24,15 @@ const WITH: &[(&str, &[&str])] = &[
     ("bitslice", &["personality=32"]),
     ("debounce", &["cfg=1,4,2"]),
     ("demux", &["personality=9"]),
+    ("gantry", &["personality=3"]),
     ("hal_parport", &["cfg=378_out_278_in_3bc_x"]),
     ("logic", &["count=2 personality=0x704,0x310"]),
+    ("message", &["messages=hello"]),
     ("motmod", &["base_period_nsec=100000 servo_period_nsec=500000 num_joints=3"]),
     ("sampler", &["depth=50,7 cfg=fbsulk,bb"]),
     ("pid", &["num_chan=2 debug=1"]),
     ("pwmgen", &["output_type=0,1,2"]),
+    ("spindle", &["numgears=3"]),
     (
         "stepgen",
         &[

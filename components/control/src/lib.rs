@@ -1,7 +1,8 @@
-//! Controllers of loops, spindles, tool carousels and torches.
+//! Controllers of loops.
 #![forbid(unsafe_code)]
 
+mod at_pid;
 mod pid;
 mod tune;
 
-hal_component::export!(pid::Pid);
+hal_component::export!(at_pid::AtPid, pid::Pid);

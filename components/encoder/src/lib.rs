@@ -6,7 +6,13 @@ mod channels;
 mod count;
 mod counter;
 mod encoder;
+mod encoder_ratio;
 mod handover;
 mod sim_encoder;
 
-hal_component::export!(counter::Counter, encoder::Encoder, sim_encoder::SimEncoder);
+hal_component::export!(
+    counter::Counter,
+    encoder::Encoder,
+    encoder_ratio::EncoderRatio,
+    sim_encoder::SimEncoder
+);

@@ -4,6 +4,7 @@
 mod joyhandle;
 mod knob2float;
 mod led_dim;
+mod message;
 mod nist;
 mod xhc_hb04_util;
 
@@ -11,6 +12,7 @@ hal_component::export!(
     joyhandle::Joyhandle,
     knob2float::Knob2float,
     led_dim::LedDim,
+    message::Message,
     nist::Momentary2nist,
     nist::Toggle2nist,
     xhc_hb04_util::XhcHb04Util,

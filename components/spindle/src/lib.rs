@@ -3,6 +3,12 @@
 
 mod gearchange;
 mod orient;
+mod spindle;
 mod spindle_monitor;
 
-hal_component::export!(gearchange::Gearchange, orient::Orient, spindle_monitor::SpindleMonitor);
+hal_component::export!(
+    gearchange::Gearchange,
+    orient::Orient,
+    spindle::Spindle,
+    spindle_monitor::SpindleMonitor,
+);

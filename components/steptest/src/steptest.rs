@@ -72,7 +72,7 @@ impl Update for Steptest {
                 self.move_on(at, period.secs());
             }
             (true, true) => self.move_on(at, period.secs()),
-            (true, false) => self.go_back(at),
+            (true, false) => self.go_back(at, period.secs()),
         }
         self.position_cmd.set(self.target);
         self.running.set(self.active);
@@ -127,10 +127,12 @@ impl Steptest {
         }
     }
 
-    fn go_back(&mut self, at: f64) {
+    fn go_back(&mut self, at: f64, dt: f64) {
+        if self.arrived {
+            self.waited += dt;
+        }
         let [_, start, _] = self.ends;
         self.target = start;
-        self.arrived = false;
         if self.is_at(at, start) {
             self.active = false;
         }

@@ -111,6 +111,8 @@ pub(super) fn positive(value: Value) -> Value {
         Value::Float(f) => Value::Float(if f.is_finite() { f.abs().max(1e-3) } else { 1e9 }),
         Value::S32(n) => Value::S32(n.checked_abs().unwrap_or(i32::MAX).max(1)),
         Value::S64(n) => Value::S64(n.checked_abs().unwrap_or(i64::MAX).max(1)),
+        Value::U32(n) => Value::U32(n.max(1)),
+        Value::U64(n) => Value::U64(n.max(1)),
         other => other,
     }
 }

@@ -1,0 +1,127 @@
+//! `simple_tp`.
+use hal_component::{Component, In, Out, Period, Update};
+
+/// Moves a position to a target, with limits of speed and acceleration.
+///
+/// In each run the speed is chosen from which the axis can still stop at the target,
+/// √(2·a·d + (a·t)²) - a·t with the distance d, the acceleration a and the period t; it is kept within
+/// `maxvel` and changes by no more than a·t. Nearer than a thousandth of a·t², the axis is there. While
+/// not enabled it slows down and stops.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt simple_tp
+/// loadrt threads name1=servo period1=1000000
+/// addf simple-tp.0.update servo
+/// setp simple-tp.0.maxvel 10
+/// setp simple-tp.0.maxaccel 100
+/// setp simple-tp.0.target-pos 5
+/// setp simple-tp.0.enable 1
+/// start
+/// run 100ms
+/// getp simple-tp.0.current-vel # -> 10
+/// run 1s
+/// getp simple-tp.0.current-pos # -> 5
+/// getp simple-tp.0.active # -> FALSE
+/// ```
+#[derive(Component)]
+#[hal(function = "update")]
+pub(crate) struct SimpleTp {
+    /// Where to go, in units.
+    target_pos: In<f64>,
+    /// Highest speed, in units per second.
+    maxvel: In<f64>,
+    /// Highest acceleration, in units per second squared.
+    maxaccel: In<f64>,
+    /// Whether to go there; while false the axis slows down.
+    enable: In<bool>,
+    /// Where the axis is now, in units.
+    current_pos: Out<f64>,
+    /// How fast it is now, in units per second.
+    current_vel: Out<f64>,
+    /// True while it moves, or is on its way.
+    active: Out<bool>,
+}
+
+impl Update for SimpleTp {
+    fn update(&mut self, period: Period) {
+        let (dt, accel) = (period.secs(), self.maxaccel.get());
+        let step = accel * dt;
+        let tiny = step * dt * 0.001;
+        let mut active = false;
+        let mut wanted = 0.0;
+        if self.enable.get() {
+            let far = self.target_pos.get() - self.current_pos.get();
+            if far > tiny {
+                wanted = -step + libm::sqrt(2.0 * accel * far + step * step);
+                active = true;
+            } else if far < -tiny {
+                wanted = step - libm::sqrt(-2.0 * accel * far + step * step);
+                active = true;
+            }
+        }
+        let most = self.maxvel.get();
+        if wanted > most {
+            wanted = most;
+        } else if wanted < -most {
+            wanted = -most;
+        }
+        let now = self.current_vel.get();
+        let next = if wanted > now + step {
+            now + step
+        } else if wanted < now - step {
+            now - step
+        } else {
+            wanted
+        };
+        self.current_vel.set(next);
+        self.active.set(active || next != 0.0);
+        self.current_pos.set(self.current_pos.get() + next * dt);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SimpleTp;
+    use hal_component::{bench::Bench, trace::replay};
+
+    #[test]
+    fn starts_and_stops() {
+        let rows = "load simple_tp
+            set simple-tp.0.maxvel 1
+            set simple-tp.0.maxaccel 100
+            within 1e-12
+            run simple-tp.0.update
+            in simple-tp.0.target-pos simple-tp.0.enable
+            out simple-tp.0.current-pos simple-tp.0.current-vel simple-tp.0.active
+            5 0 | 0 0 0
+            5 1 | 0.0001 0.1 1
+            . . | 0.0003 0.2 1
+            . . | 0.0006 0.3 1
+            . 0 | 0.0008 0.2 1
+            . . | 0.0009 0.1 1
+            . . | 0.0009 0 .
+            -5 1 | 0.0008 -0.1 1";
+        assert_eq!(replay::<SimpleTp>(rows), 8);
+    }
+
+    #[test]
+    fn is_never_too_fast_and_arrives() {
+        let mut bench = Bench::new();
+        bench.load::<SimpleTp>(&[]).unwrap();
+        bench.set("simple-tp.0.maxvel", 2.0);
+        bench.set("simple-tp.0.maxaccel", 50.0);
+        bench.set("simple-tp.0.target-pos", 1.0);
+        bench.set("simple-tp.0.enable", true);
+        let mut last = 0.0;
+        for _ in 0..1000 {
+            bench.run("simple-tp.0.update", 1_000_000);
+            let now = bench.get::<f64>("simple-tp.0.current-vel");
+            assert!(now <= 2.0 && (now - last).abs() <= 0.05 + 1e-12);
+            last = now;
+        }
+        assert!((bench.get::<f64>("simple-tp.0.current-pos") - 1.0).abs() < 1e-7);
+        assert!(!bench.get::<bool>("simple-tp.0.active"));
+    }
+}

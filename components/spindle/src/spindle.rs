@@ -1,0 +1,243 @@
+//! `spindle`.
+use hal_component::{
+    Arg, Builder, Component, Error, In, Out, Period, Touch, Update,
+    abi::{ArgSpec, component_flags},
+    pins,
+};
+
+/// The most gears.
+const MOST: i64 = 16;
+
+/// Speed of a spindle with gears.
+pub(crate) struct Spindle;
+
+impl Component for Spindle {
+    const NAME: &'static str = "spindle";
+    const DOC: &'static str = "Speed of a spindle with gears, with limits of speed and acceleration.\n\n\
+        It is for drives with an input for each direction, such as inverters. `numgears=3` makes pins for \
+        three gears, 1 to 16. With an encoder, the output is the speed that is measured plus `accel` \
+        or less `decel`, no further than the command; with `simulate-encoder` the speed itself \
+        changes by so much per second. A limit of 0 or less is none. The spindle stops \
+        before it turns the other way.\n\n\
+        # Example\n\n\
+        Without an encoder, 1000 turns per minute are reached after half a second.\n\n\
+        ```hal\n\
+        loadrt spindle\n\
+        loadrt threads name1=servo period1=1000000\n\
+        addf spindle.0 servo\n\
+        setp spindle.0.simulate-encoder 1\n\
+        setp spindle.0.accel.0 2000\n\
+        setp spindle.0.scale.0 0.01\n\
+        setp spindle.0.commanded-speed 1000\n\
+        setp spindle.0.enable 1\n\
+        start\n\
+        run 250ms\n\
+        getp spindle.0.spindle-rpm # -> 500\n\
+        run 251ms\n\
+        getp spindle.0.at-speed # -> TRUE\n\
+        getp spindle.0.output # -> 10\n\
+        ```";
+    const FLAGS: u32 = component_flags::PARALLEL;
+    const ARGS: &'static [&'static ArgSpec] =
+        &[&Arg::int("numgears", "Number of gears, 1 to 16.").or("1")];
+
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        let n = b.arg_int("numgears").unwrap_or(1);
+        if !(1..=MOST).contains(&n) {
+            return Err(Error::new(format!("numgears is {n}, and must be 1 to {MOST}")));
+        }
+        let pins = Pins::make(b, "")?;
+        let gears = (0..n).map(|i| Gear::make_number(b, i)).collect::<Result<_, _>>()?;
+        b.function("", "Sets the speed.", Run { pins, gears, was_at_speed: false })
+    }
+}
+
+pins! {
+    /// What is there once.
+    struct Pins {
+        /// The gear, from 0. Leave it at 0 where the `select` pins are used; beyond the last: the last.
+        select_gear: In<u32> = "select-gear", 0;
+        /// The speed that is wanted, in turns per minute; below 0 backwards.
+        commanded_speed: In<f64> = "commanded-speed", 0.0;
+        /// The speed that is measured, in turns per second.
+        actual_speed: In<f64> = "actual-speed", 0.0;
+        /// Whether there is no encoder, and the speed is what it should be.
+        simulate_encoder: In<bool> = "simulate-encoder", false;
+        /// Whether the spindle turns; while false it slows down and stops.
+        enable: In<bool> = "enable", false;
+        /// How much `spindle-rpm-abs` is smoothed at speed: how much of the difference it follows per
+        /// second; 0: not at all.
+        spindle_lpf: In<f64> = "spindle-lpf", 0.0;
+        /// The speed, in turns per minute; below 0 backwards.
+        spindle_rpm: Out<f64> = "spindle-rpm", 0.0;
+        /// The size of the speed for a display, in turns per minute.
+        spindle_rpm_abs: Out<f64> = "spindle-rpm-abs", 0.0;
+        /// The size of the speed for the drive, plus the gear's offset, times its scale.
+        output: Out<f64> = "output", 0.0;
+        /// The gear that is selected.
+        current_gear: Out<u32> = "current-gear", 0;
+        /// Whether the speed is within `speed-tolerance` of what is wanted.
+        at_speed: Out<bool> = "at-speed", false;
+        /// Whether the drive shall turn forward.
+        forward: Out<bool> = "forward", false;
+        /// Whether the drive shall turn backward.
+        reverse: Out<bool> = "reverse", false;
+        /// Always false, as in LinuxCNC 2.9.
+        brake: Out<bool> = "brake", false;
+        /// Whether the spindle stands, within `zero-tolerance`.
+        zero_speed: Out<bool> = "zero-speed", false;
+        /// Whether the wanted speed is beyond a limit of the gear.
+        limited: Out<bool> = "limited", false;
+    }
+}
+
+/// Writes the pins of a gear once: name, first value, docs.
+macro_rules! gear {
+    ($i:ident: $($(#[doc = $doc:literal])+ $field:ident: $ty:ty = $name:literal, $initial:expr;)+) => {
+        /// What each gear has.
+        #[derive(Touch)]
+        struct Gear {
+            $($(#[doc = $doc])+ $field: $ty,)+
+        }
+        impl Gear {
+            fn make_number(b: &mut Builder<'_>, $i: i64) -> Result<Self, Error> {
+                Ok(Self {
+                    $($field: b.item(
+                        &format!("{}.{}", $name, $i),
+                        &hal_component::pin_doc(&[$($doc),+]),
+                        $initial,
+                    )?,)+
+                })
+            }
+        }
+    };
+}
+
+gear! { i:
+    /// What makes the drive's unit of turns per minute; below 0 to turn it around.
+    scale: In<f64> = "scale", 1.0;
+    /// Lowest speed but 0, in turns per minute; 0 or less: none.
+    min: In<f64> = "min", 0.0;
+    /// Highest speed, in turns per minute; 0 or less: none.
+    max: In<f64> = "max", 0.0;
+    /// How fast it speeds up: in turns per minute and second, or, with an encoder, how far the output is
+    /// ahead, in turns per minute; 0 or less: at once.
+    accel: In<f64> = "accel", 0.0;
+    /// How fast it slows down, as `accel`.
+    decel: In<f64> = "decel", 0.0;
+    /// How far from the wanted speed is at speed, in turns per minute.
+    speed_tolerance: In<f64> = "speed-tolerance", 20.0;
+    /// Up to which speed it counts as standing, in turns per minute.
+    zero_tolerance: In<f64> = "zero-tolerance", 20.0;
+    /// What is added to the output, in turns per minute.
+    offset: In<f64> = "offset", 0.0;
+    /// Selects this gear; the highest that is selected counts.
+    select: In<bool> = "select", i == 0;
+}
+
+#[derive(Touch)]
+struct Run {
+    pins: Pins,
+    gears: Vec<Gear>,
+    #[state]
+    was_at_speed: bool,
+}
+
+impl Run {
+    fn gear(&self) -> usize {
+        let last = self.gears.len() - 1;
+        let asked = usize::try_from(self.pins.select_gear.get()).unwrap_or(last).min(last);
+        let selected = self.gears.iter().rposition(|g| g.select.get());
+        selected.map_or(asked, |g| g.max(asked))
+    }
+}
+
+impl Update for Run {
+    #[expect(clippy::cast_possible_truncation, reason = "single precision is meant")]
+    fn update(&mut self, period: Period) {
+        let number = self.gear();
+        let Some(g) = self.gears.get(number) else { return };
+        let p = &self.pins;
+        p.current_gear.set(number as u32);
+        let simulated = p.simulate_encoder.get();
+        if !simulated {
+            p.spindle_rpm.set(p.actual_speed.get() * 60.0);
+        }
+        // From here on in single precision, as in LinuxCNC.
+        let now = p.spindle_rpm.get() as f32;
+        let size = f64::from(now.abs());
+        let smooth = p.spindle_lpf.get();
+        let shown = if self.was_at_speed && smooth > 0.0 {
+            let before = p.spindle_rpm_abs.get();
+            before + (size - before) * smooth * period.secs()
+        } else {
+            size
+        };
+        p.spindle_rpm_abs.set(shown);
+        p.zero_speed.set(size <= g.zero_tolerance.get());
+
+        let enable = p.enable.get();
+        let commanded = if enable { p.commanded_speed.get() as f32 } else { 0.0 };
+        let turned = (commanded > 0.0 && now < 0.0) || (commanded < 0.0 && now > 0.0);
+        let off = f64::from((commanded - now).abs());
+        let at_speed = !turned && off <= g.speed_tolerance.get();
+        p.at_speed.set(at_speed);
+        self.was_at_speed = at_speed;
+        let (wanted, limited) = kept(commanded, g.min.get() as f32, g.max.get() as f32);
+        p.limited.set(limited);
+
+        let seconds = if simulated { period.secs() } else { 1.0 };
+        let (up, down) = ((g.accel.get() * seconds) as f32, (g.decel.get() * seconds) as f32);
+        let next = if at_speed { wanted } else { towards(wanted, now, up, down) };
+        if simulated {
+            p.spindle_rpm.set(f64::from(next));
+        }
+        p.forward.set(enable && next > 0.0);
+        p.reverse.set(enable && next < 0.0);
+        p.output.set((f64::from(next.abs()) + g.offset.get()) * g.scale.get());
+    }
+}
+
+/// A speed within limits of its size, and whether it had to be changed.
+fn kept(speed: f32, min: f32, max: f32) -> (f32, bool) {
+    let size = speed.abs();
+    let mut kept = size;
+    if min > 0.0 && size < min && size > 0.0 {
+        kept = min;
+    }
+    // Where they cross, the highest speed wins.
+    if max > 0.0 && kept > max {
+        kept = max;
+    }
+    (kept.copysign(speed), kept != size)
+}
+
+/// The next speed on the way: to 0 first where the direction changes.
+fn towards(wanted: f32, now: f32, up: f32, down: f32) -> f32 {
+    let turns = (wanted > 0.0 && now < 0.0) || (wanted < 0.0 && now > 0.0);
+    let goal = if turns { 0.0 } else { wanted };
+    let change = goal - now;
+    let slower = goal.abs() < now.abs();
+    let most = if slower { down } else { up };
+    let change = if most > 0.0 && change.abs() > most { most.copysign(change) } else { change };
+    now + change
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Spindle;
+    use hal_component::{bench::Bench, trace::replay};
+
+    #[test]
+    fn as_recorded() {
+        assert!(replay::<Spindle>(include_str!("../traces/spindle.txt")) > 1000);
+    }
+
+    #[test]
+    fn refusals() {
+        for n in ["0", "17"] {
+            let said = Bench::new().load::<Spindle>(&[&format!("numgears={n}")]).unwrap_err();
+            assert_eq!(said, format!("numgears is {n}, and must be 1 to 16"));
+        }
+    }
+}
