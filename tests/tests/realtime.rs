@@ -24,12 +24,16 @@ const WITH: &[(&str, &[&str])] = &[
     ("bitslice", &["personality=32"]),
     ("debounce", &["cfg=1,4,2"]),
     ("demux", &["personality=9"]),
+    ("demux_generic", &["config=ff4,bu3"]),
+    ("enum", &["enums=E;;a;b,D;;c;d"]),
     ("gantry", &["personality=3"]),
     ("hal_parport", &["cfg=378_out_278_in_3bc_x"]),
     ("logic", &["count=2 personality=0x704,0x310"]),
     ("message", &["messages=hello"]),
+    ("modmath", &["mod_dir=2"]),
     ("motmod", &["base_period_nsec=100000 servo_period_nsec=500000 num_joints=3"]),
     ("sampler", &["depth=50,7 cfg=fbsulk,bb"]),
+    ("mux_generic", &["config=ff8,fb5,bs4,uf6"]),
     ("pid", &["num_chan=2 debug=1"]),
     ("pwmgen", &["output_type=0,1,2"]),
     ("spindle", &["numgears=3"]),
@@ -43,6 +47,7 @@ const WITH: &[(&str, &[&str])] = &[
     ("streamer", &["depth=50,7 cfg=fbsulk,bb"]),
     ("threads", &["name1=also period1=1000000"]),
     ("watchdog", &["num_inputs=3"]),
+    ("weighted_sum", &["wsum_sizes=3,16"]),
 ];
 
 /// The function that comes and goes while cycles are counted.

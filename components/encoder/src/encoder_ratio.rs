@@ -63,7 +63,7 @@ impl Component for EncoderRatio {
                 master: 0,
                 slave: 0,
             });
-            updates.push(Tell { pins, raw, master_step, slave_step, unit: 0.0 });
+            updates.push(Tell { pins, raw, master_step, slave_step, whole: 0 });
         }
         let all = Samples { pairs: samples };
         b.fast_function("encoder-ratio.sample", "Counts, for all pairs.", all)?;
@@ -160,22 +160,22 @@ struct Tell {
     raw: Takes<AtomicI32>,
     master_step: Gives<AtomicI32>,
     slave_step: Gives<AtomicI32>,
-    /// Turns per raw count.
+    /// Raw counts of a turn.
     #[state]
-    unit: f64,
+    whole: u32,
 }
 
 impl Tell {
     fn tell(&mut self) {
         let p = &self.pins;
-        p.error.set(f64::from(self.raw.load(Relaxed)) * self.unit);
+        let raw = f64::from(self.raw.load(Relaxed));
+        p.error.set(if self.whole == 0 { 0.0 } else { raw / f64::from(self.whole) });
         let (master, slave) = (p.master_ppr.get(), p.slave_ppr.get());
         let of_slave = master.wrapping_mul(p.slave_teeth.get());
         let of_master = slave.wrapping_mul(p.master_teeth.get());
         self.slave_step.store(of_slave.cast_signed(), Relaxed);
         self.master_step.store(of_master.cast_signed(), Relaxed);
-        let whole = of_slave.wrapping_mul(slave);
-        self.unit = if whole == 0 { 0.0 } else { 1.0 / f64::from(whole) };
+        self.whole = of_slave.wrapping_mul(slave);
     }
 }
 
