@@ -14,15 +14,17 @@ pub fn read(bytes: &[u8]) -> Reading {
         let flaw = Some((Place::File, Flaw::Empty));
         return Reading { flaw, ..Reading::default() };
     }
+    let (skipped, bytes) = after_preamble(bytes);
     // Other programs need not end their last line; ours always do, so that one is cut off.
     let ours = bytes.starts_with(b"$version Ferrule $end");
     let end: &[u8] = if ours || bytes.ends_with(b"\n") { b"" } else { b"\n" };
-    let lines = bytes.trim_ascii_end().split(|b| *b == b'\n').count() as u64;
+    let lines = skipped + bytes.trim_ascii_end().split(|b| *b == b'\n').count() as u64;
     let mut parser = Parser::new(std::io::Read::chain(bytes, end));
     let flaw = reader.all(&mut parser).err().map(|flaw| {
         let begun = reader.is_vcd;
         let flaw = if begun { flaw } else { Flaw::Foreign { wanted: "VCD" } };
-        let place = if begun { Place::Line(parser.line().min(lines)) } else { Place::File };
+        let line = Place::Line((skipped + parser.line()).min(lines));
+        let place = if begun { line } else { Place::File };
         (place, flaw)
     });
     let mut trace = reader.trace;
@@ -232,6 +234,19 @@ impl Reader {
     }
 }
 
+/// Some programs say something before the head: how many lines that is, and what comes after it.
+fn after_preamble(bytes: &[u8]) -> (u64, &[u8]) {
+    let mut rest = bytes;
+    for skipped in 0..4 {
+        if rest.trim_ascii_start().starts_with(b"$") {
+            return (skipped, rest);
+        }
+        let Some(end) = rest.iter().position(|b| *b == b'\n') else { break };
+        rest = rest.get(end + 1..).unwrap_or_default();
+    }
+    (0, bytes)
+}
+
 /// Passes over a command that is not known, to its end.
 fn skip<R: std::io::BufRead>(parser: &mut Parser<R>) -> Result<(), Flaw> {
     let mut last = [0; 4];
@@ -314,6 +329,15 @@ fn bits_of(ty: Type, width: u32, vector: &vcd::Vector) -> Result<Option<u64>, St
 mod tests {
     use super::*;
     use crate::vcd::write;
+
+    #[test]
+    fn what_stands_before_the_head_is_passed_over() {
+        let text = "META samplerate: 1000\n$var wire 1 ! x $end\n$enddefinitions $end\n#1 1!\n#0\n";
+        let got = read(text.as_bytes());
+        assert_eq!(got.trace.find("x"), Some(0));
+        let (place, flaw) = got.flaw.unwrap();
+        assert_eq!((place, flaw.to_string()), (Place::Line(5), "time goes from 1 to 0".to_owned()));
+    }
 
     #[test]
     fn what_other_programs_write() {
