@@ -6,7 +6,8 @@
 
 use hal_engine::{ClockKind, Engine, Offer, Options};
 use hal_protocol::{
-    ArgInfo, CommandInfo, Direction, FunctInfo, ItemInfo, Kind, Link, Place, Reply, Request, Type,
+    ArgInfo, CommandInfo, Direction, FunctInfo, ItemInfo, Kind, Link, Place, Reply, Request,
+    SampleSpec, Type,
 };
 use hal_tests::{
     machine::{says, script, status, thread, wait},
@@ -375,6 +376,49 @@ fn planted() {
     }
 }
 
+/// Samples that begin and end, full rings and read ones, a recording, and what is watched coming
+/// and going.
+fn sampled() {
+    let mut e = engine(&[programs()]);
+    script(
+        &mut e,
+        "loadrt threads name1=fast period1=50000 name2=slow period2=1000000
+         loadrt and2 count=50
+         addf and2.0 fast
+         start",
+    );
+    begun(&mut e);
+    let spec = |thread: &str, depth| SampleSpec {
+        thread: Some(thread.to_owned()),
+        depth,
+        names: vec!["and2.*".to_owned(), "fast.threadbeat".to_owned()],
+        ..SampleSpec::default()
+    };
+    let full = e.sample(&spec("fast", 10)).unwrap();
+    let mut read = e.sample(&spec("slow", 1000)).unwrap();
+    counter::count(true);
+    script(&mut e, "record /dev/null");
+    let mut record = Vec::new();
+    for round in 0..50 {
+        script(&mut e, "loadrt or2\nnewsig s bit\nlinkps or2.0.in0 s\naddf or2.0 fast");
+        let mut names = spec("fast", 100);
+        names.names.extend(["or2.*".to_owned(), "s".to_owned()]);
+        let other = e.sample(&SampleSpec { every: 2, ..names }).unwrap();
+        wait(&mut e, "samples", |_| other.waiting() > 3);
+        script(&mut e, if round % 2 == 0 { "unloadrt or2\ndelsig s" } else { "delsig s" });
+        if round % 2 == 1 {
+            e.call(Request::EndSample { id: other.info().id }).unwrap();
+            script(&mut e, "unloadrt or2");
+        }
+        while read.take_bits(&mut record).is_some() {}
+    }
+    let calls = counter::counted();
+    counter::count(false);
+    assert_eq!(calls, 0, "calls of the allocator in cycles");
+    assert!(full.lost_at_end() > 0 && full.waiting() == 10);
+    e.close();
+}
+
 /// Runs one of the above in a process with the counter, with `SCHED_FIFO` and without.
 fn in_a_child(what: &str) {
     for fifo in [true, false] {
@@ -402,6 +446,7 @@ fn child() {
         "kinematics" => kinematics(),
         "moving" => moving(),
         "planted" => planted(),
+        "sampled" => sampled(),
         other => panic!("{other}"),
     }
 }
@@ -419,6 +464,11 @@ fn a_machine_that_moves_allocates_nothing() {
 #[test]
 fn kinematics_that_are_asked_allocate_nothing() {
     in_a_child("kinematics");
+}
+
+#[test]
+fn sampling_and_recording_allocate_nothing() {
+    in_a_child("sampled");
 }
 
 #[test]

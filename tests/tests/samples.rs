@@ -2,11 +2,21 @@
 //! ring cannot hold is counted exactly, and readers that go, stop or scribble harm nobody.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
-use hal_engine::ClockKind;
-use hal_protocol::{Client, Link, Request, SampleSpec, Samples, Stamp, Type, Value};
+use hal_engine::{ClockKind, Engine};
+use hal_protocol::{Client, Link, Place, Request, SampleSpec, Samples, Stamp, Type, Value};
 use hal_tests::{
     machine::{Machine, Served, applied, cycles, script, status, thread, wait, without_fifo},
+    programs::programs,
+    random::Random,
     scratch::Scratch,
+};
+use rustix::net::{RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, recvmsg};
+use std::{
+    fs::File,
+    io::{IoSliceMut, Write},
+    mem::MaybeUninit,
+    os::unix::{fs::FileExt, net::UnixStream},
+    process::Command,
 };
 
 const MACHINE: &str = "
@@ -410,6 +420,120 @@ fn components_and_links_come_and_go_while_the_real_clock_runs() {
     }
     assert_eq!(reader.sample_state(steady.info().id).unwrap().ended, None);
     served.end();
+}
+
+/// A connection, and the memory of a sample's ring that it was handed.
+fn handed(served: &Served) -> (UnixStream, File) {
+    let mut socket = UnixStream::connect(served.place.socket()).unwrap();
+    let asked = "{\"request\":{\"sample\":{\"names\":[\"fast.threadbeat\"],\"depth\":4}}}";
+    writeln!(socket, "{asked}").unwrap();
+    let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
+    let mut control = RecvAncillaryBuffer::new(&mut space);
+    let mut bytes = [0; 4096];
+    let mut bytes = [IoSliceMut::new(&mut bytes)];
+    recvmsg(&socket, &mut bytes, &mut control, RecvFlags::CMSG_CLOEXEC).unwrap();
+    let fd = control.drain().find_map(|m| match m {
+        RecvAncillaryMessage::ScmRights(mut fds) => fds.next(),
+        _ => None,
+    });
+    (socket, File::from(fd.unwrap()))
+}
+
+#[test]
+fn what_a_reader_writes_is_not_believed() {
+    let scratch = Scratch::new("scribble");
+    let served = Served::on(ClockKind::Virtual, &scratch, "scribble", MACHINE);
+    let (mut c, mut reader) = (served.client(), served.client());
+    let mut right = reader.sample(spec(&["fast.threadbeat"])).unwrap();
+    let mut random = Random::new(0x5eed);
+    let mut n = 0;
+    for round in 0..40 {
+        let (socket, file) = handed(&served);
+        let size = file.metadata().unwrap().len();
+        assert!(file.set_len(0).is_err() && file.set_len(size + 1).is_err());
+        for _ in 0..20 {
+            // Its indices first, then anything.
+            let at = if round < 20 { [64, 128][round % 2] } else { random.word() % (size / 8) * 8 };
+            let word = match random.word() % 3 {
+                0 => random.word(),
+                1 => random.word() % 16,
+                _ => (random.word() % 16).wrapping_neg(),
+            };
+            file.write_all_at(&word.to_ne_bytes(), at).unwrap();
+            let cycles = random.word() % 3;
+            run(&mut c, cycles * 25_000);
+            n += cycles.cast_signed();
+        }
+        drop((socket, file));
+        // The one beside it is right, and a new one begins as if nothing had been.
+        let all = stamps(&mut right);
+        assert!(all.iter().all(|s| s.0.cast_signed() + 1 == s.3 && s.2 == 0));
+        assert_eq!(all.last().map_or(n, |s| s.3), n);
+        let mut next = c.sample(spec(&["fast.threadbeat"])).unwrap();
+        run(&mut c, 50_000);
+        n += 2;
+        assert_eq!(
+            stamps(&mut next).iter().map(|s| (s.0, s.3)).collect::<Vec<_>>(),
+            [(0, n - 1), (1, n)]
+        );
+        c.end_sample(next.info().id).unwrap();
+    }
+    served.end();
+}
+
+/// A component in C, whose parameters are in memory of its own.
+const FOREIGN: &str = "component par \"Parameters.\";
+    pin out s32 n;
+    param rw float gain = 1.5;
+    param rw bit on = 1;
+    param rw signed low = -3;
+    param rw unsigned high = 4000000000;
+    param r signed count;
+    function _;
+    license \"GPL\";
+;;
+    FUNCTION(_) { count = count + 1; n = -count; }
+    ";
+
+#[test]
+fn parameters_in_memory_of_a_component_in_c() {
+    let cc = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+    if Command::new(cc).arg("--version").output().is_err() {
+        return;
+    }
+    let scratch = Scratch::new("foreign");
+    std::fs::write(scratch.path().join("par.comp"), FOREIGN).unwrap();
+    let compiled = scratch.run(scratch.command(&[], "halcompile").args(["--compile", "par.comp"]));
+    assert_eq!(compiled.status, Some(0), "{}", compiled.stderr);
+    for clock in [ClockKind::Virtual, ClockKind::Real] {
+        let place = Place::at("/nonexistent", "test").unwrap();
+        let mut options = hal_tests::machine::options(place, clock);
+        options.path = vec![programs().to_owned(), scratch.path().to_owned()];
+        let mut e = Engine::without_socket(options).unwrap();
+        e.add_static(&::threads::HAL_LIBRARY);
+        script(&mut e, "loadrt threads\nloadrt par\naddf par.0 thread1");
+        let names = ["par.0.count", "par.0.n", "par.0.gain", "par.0.on", "par.0.low", "par.0.high"];
+        let mut samples = e.sample(&spec(&names)).unwrap();
+        script(&mut e, "start");
+        if clock == ClockKind::Virtual {
+            run(&mut e, 3_000_000);
+        }
+        wait(&mut e, "samples", |_| samples.waiting() >= 3);
+        let mut record = Vec::new();
+        for i in 1..=3 {
+            samples.take(&mut record).unwrap();
+            let rest =
+                [Value::Float(1.5), Value::Bit(true), Value::S32(-3), Value::U32(4_000_000_000)];
+            assert_eq!(record.get(..2), Some(&[Value::S32(i), Value::S32(-i)][..]));
+            assert_eq!(record.get(2..), Some(&rest[..]));
+        }
+        // Its memory goes with it, and nobody looks at it any more.
+        script(&mut e, "unloadrt par");
+        let id = samples.info().id;
+        let state = e.call(Request::SampleState { id });
+        assert!(format!("{state:?}").contains("unloaded"), "{state:?}");
+        e.close();
+    }
 }
 
 #[test]

@@ -1,0 +1,94 @@
+//! What looking at values costs: a channel of a sample, and a pin whose changes are recorded.
+//!
+//! Machine time runs in a loop, so that the cost of a cycle is all that there is; the last column
+//! is how many channels are looked at in a second. Run it with `cargo bench -p hal-tests --bench
+//! samples`.
+#![expect(clippy::unwrap_used, reason = "a benchmark")]
+
+use divan::{Bencher, counter::ItemsCount};
+use hal_engine::{ClockKind, Engine, Options};
+use hal_protocol::{Link, Place, Request, SampleSpec};
+use std::cell::RefCell;
+
+/// Cycles between two looks at the ring.
+const CYCLES: u32 = 1000;
+
+/// So many gates, their outputs linked, in a thread of 1 ms that runs none of them.
+fn machine(gates: usize) -> Engine {
+    let options = Options {
+        place: Place::at("/nonexistent", "bench").unwrap(),
+        clock: ClockKind::Virtual,
+        hold: true,
+        simulate: true,
+        old_names: false,
+        path: Vec::new(),
+    };
+    let mut e = Engine::without_socket(options).unwrap();
+    e.add_static(&logic::HAL_LIBRARY);
+    e.add_static(&threads::HAL_LIBRARY);
+    let load = |e: &mut Engine, module: &str, args: &str| {
+        let args = args.split_whitespace().map(str::to_owned).collect();
+        e.call(Request::Load { module: module.to_owned(), args }).unwrap();
+    };
+    load(&mut e, "threads", "name1=t period1=1000000");
+    load(&mut e, "and2", &format!("count={gates}"));
+    for i in 0..gates {
+        let pins = vec![format!("and2.{i}.out"), format!("and2.{}.in0", (i + 1) % gates)];
+        e.call(Request::Net { signal: format!("s{i}"), pins }).unwrap();
+    }
+    e.call(Request::Start).unwrap();
+    e
+}
+
+fn run(e: &mut Engine) {
+    e.call(Request::Run { ns: u64::from(CYCLES) * 1_000_000 }).unwrap();
+}
+
+/// The cycle alone, with nothing to look at.
+#[divan::bench(sample_count = 50, sample_size = 1)]
+fn cycle_of_nothing(bencher: Bencher<'_, '_>) {
+    let mut e = machine(8);
+    bencher.counter(ItemsCount::new(CYCLES)).bench_local(|| run(&mut e));
+}
+
+/// Every value of so many linked pins, into a ring that a program would read.
+#[divan::bench(args = [16, 200, 1000], sample_count = 50, sample_size = 1)]
+fn channel_of_a_sample(bencher: Bencher<'_, '_>, channels: usize) {
+    let mut e = machine(channels);
+    let names = (0..channels).map(|i| format!("and2.{i}.out")).collect();
+    let spec = SampleSpec { depth: CYCLES, names, ..SampleSpec::default() };
+    let samples = RefCell::new(e.sample(&spec).unwrap());
+    let mut record = Vec::new();
+    bencher
+        .counter(ItemsCount::new(CYCLES as usize * channels))
+        .with_inputs(|| while samples.borrow_mut().take_bits(&mut record).is_some() {})
+        .bench_local_values(|()| run(&mut e));
+    assert_eq!(samples.borrow().lost_at_end(), 0);
+}
+
+/// The reading side of the same.
+#[divan::bench(args = [16, 200, 1000], sample_count = 50, sample_size = 1)]
+fn channel_that_is_read(bencher: Bencher<'_, '_>, channels: usize) {
+    let mut e = machine(channels);
+    let names = (0..channels).map(|i| format!("and2.{i}.out")).collect();
+    let spec = SampleSpec { depth: CYCLES, names, ..SampleSpec::default() };
+    let mut samples = e.sample(&spec).unwrap();
+    let mut record = Vec::new();
+    bencher
+        .counter(ItemsCount::new(CYCLES as usize * channels))
+        .with_inputs(|| run(&mut e))
+        .bench_local_values(|()| while samples.take_bits(&mut record).is_some() {});
+}
+
+/// Looking for changes, where there is none, at so many pins.
+#[divan::bench(args = [1000], sample_count = 50, sample_size = 1)]
+fn pin_that_is_recorded(bencher: Bencher<'_, '_>, pins: usize) {
+    let mut e = machine(pins);
+    let (path, patterns) = ("/dev/null".to_owned(), vec!["and2.*.out".to_owned()]);
+    e.call(Request::Record { path, patterns }).unwrap();
+    bencher.counter(ItemsCount::new(CYCLES as usize * pins)).bench_local(|| run(&mut e));
+}
+
+fn main() {
+    divan::main();
+}
