@@ -119,6 +119,7 @@ impl Engine {
         if self.recording.is_some() {
             self.begin_recording();
         }
+        self.refresh_flight();
         self.measure_ticks();
         self.quiet = false;
         if self.watchdog.is_none() && self.trial.is_none() {

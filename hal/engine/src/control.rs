@@ -31,6 +31,8 @@ impl Engine {
             self.run_tasks(now);
             self.look_while_stopped(now);
             self.drain_recording();
+            self.refresh_flight();
+            self.drain_flight();
             return false;
         }
         let target = self.target.max(self.client_target);
@@ -40,6 +42,7 @@ impl Engine {
         if self.recording.as_ref().is_some_and(Recording::is_waiting) {
             self.begin_recording();
         }
+        self.refresh_flight();
         let poll = crate::server::next_poll(self);
         let mut until = target.min(poll);
         if until == i64::MAX && self.is_idle() {
@@ -53,6 +56,7 @@ impl Engine {
         let instants = if looks || crate::server::waits_for_ticket(self) { 1 } else { SLICE };
         clock::turn(&self.shared, &self.probes, until.max(now), instants);
         self.drain_recording();
+        self.drain_flight();
         let now = self.shared.now();
         self.run_tasks(now);
         true
@@ -71,10 +75,12 @@ impl Engine {
         if self.held_back() {
             return false;
         }
+        self.refresh_flight();
         let until = self.next_task().min(crate::server::next_poll(self));
         let until = until.min(now.saturating_add(1_000_000_000));
         clock::turn(&self.shared, &self.probes, until.max(now), 1);
         self.drain_recording();
+        self.drain_flight();
         let then = self.shared.now();
         self.run_tasks(then);
         then > now

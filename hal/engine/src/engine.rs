@@ -4,6 +4,7 @@ use crate::{
     ClockKind, Error, Options,
     apply::{PATIENCE_NS, Retired},
     arena::Arena,
+    flight::Flight,
     graph::{Graph, Ix},
     loader::Loader,
     name::Name,
@@ -86,6 +87,7 @@ pub struct Engine {
     pub(crate) finished: BTreeMap<u64, TicketInfo>,
     pub(crate) next_ticket: u64,
     pub(crate) recording: Option<Recording>,
+    pub(crate) flight: Option<Box<Flight>>,
     pub(crate) probes: Probes,
     /// By the numbers of their probes.
     pub(crate) samples: BTreeMap<u64, Sample>,
@@ -166,6 +168,7 @@ impl Engine {
             finished: BTreeMap::new(),
             next_ticket: 1,
             recording: None,
+            flight: None,
             probes: Probes::default(),
             samples: BTreeMap::new(),
             fault: None,
@@ -258,6 +261,11 @@ impl Engine {
         self.run_stops(&self.graph.components_by_age());
         if self.recording.is_some()
             && let Err(e) = self.end_recording()
+        {
+            self.notice(e.to_string());
+        }
+        if self.flight.is_some()
+            && let Err(e) = self.end_flight()
         {
             self.notice(e.to_string());
         }

@@ -65,6 +65,8 @@ impl Engine {
              and outputs are at their safe levels",
             info.funct, info.component, info.thread, info.cause
         ));
+        let why = format!("fault: {} of {}: {}", info.funct, info.component, info.cause);
+        self.flight_event(self.shared.now(), &why);
         self.fault = Some(info);
     }
 

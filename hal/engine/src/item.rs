@@ -52,6 +52,7 @@ impl Engine {
             }
         };
         let (name, other) = (new.name.clone(), new.other.clone());
+        self.flight_is_stale();
         let item = Item {
             name: new.name,
             other: new.other,

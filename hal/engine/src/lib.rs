@@ -21,6 +21,7 @@ mod create;
 mod engine;
 mod error;
 mod fault;
+mod flight;
 mod foreign;
 mod graph;
 mod handover;

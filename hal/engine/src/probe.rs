@@ -4,7 +4,7 @@ use crate::{
     code::Ptr,
     node::own,
     ring::Memory,
-    sync::{Arc, AtomicU32, AtomicU64, Ordering},
+    sync::{Arc, AtomicBool, AtomicU32, AtomicU64, Ordering},
 };
 use core::{cell::UnsafeCell, ffi::c_void, ptr::NonNull};
 use crossbeam::queue::ArrayQueue;
@@ -52,7 +52,12 @@ enum Sink {
         memory: Arc<Memory>,
     },
     /// What has changed, for the control side: when, which, to what.
-    Changes { last: Box<[AtomicU64]>, queue: ArrayQueue<(i64, u32, u64)> },
+    Changes {
+        last: Box<[AtomicU64]>,
+        queue: ArrayQueue<(i64, u32, u64)>,
+        /// The next look tells every value.
+        all: AtomicBool,
+    },
 }
 
 /// Looks at values after each n-th cycle.
@@ -81,7 +86,11 @@ impl Probe {
 
     /// One that queues what is no longer as it was last.
     pub(crate) fn changes(sources: Box<[Source]>, last: Box<[AtomicU64]>, room: usize) -> Self {
-        Self::new(sources, 1, Sink::Changes { last, queue: ArrayQueue::new(room) })
+        Self::new(
+            sources,
+            1,
+            Sink::Changes { last, queue: ArrayQueue::new(room), all: AtomicBool::new(false) },
+        )
     }
 
     const fn new(sources: Box<[Source]>, every: u32, sink: Sink) -> Self {
@@ -107,10 +116,11 @@ impl Probe {
                     add_one(&self.lost);
                 }
             }
-            Sink::Changes { last, queue } => {
+            Sink::Changes { last, queue, all } => {
+                let all = all.load(Ordering::Relaxed) && all.swap(false, Ordering::Relaxed);
                 for (i, (source, last)) in self.sources.iter().zip(last).enumerate() {
                     let bits = source.bits();
-                    if bits != last.load(Ordering::Relaxed) {
+                    if all || bits != last.load(Ordering::Relaxed) {
                         last.store(bits, Ordering::Relaxed);
                         let which = u32::try_from(i).unwrap_or(u32::MAX);
                         if queue.push((time, which, bits)).is_err() {
@@ -128,6 +138,13 @@ impl Probe {
             // SAFETY: no cycle is under way, so nobody looks.
             Sink::Records { producer, .. } => unsafe { &*producer.get() }.room() > 0,
             Sink::Changes { queue, .. } => queue.capacity() - queue.len() >= self.sources.len(),
+        }
+    }
+
+    /// Control side: the next look tells every value, changed or not.
+    pub(crate) fn tell_all(&self) {
+        if let Sink::Changes { all, .. } = &self.sink {
+            all.store(true, Ordering::Relaxed);
         }
     }
 

@@ -66,6 +66,10 @@ impl Engine {
             Request::EndProgram { name } => self.end_program(name.as_deref())?,
             Request::Record { path, patterns } => self.record(&path, &patterns)?,
             Request::EndRecord => self.end_recording()?,
+            Request::Flight(spec) => self.begin_flight(spec)?,
+            Request::EndFlight => self.end_flight()?,
+            Request::SaveFlight { path, last } => self.save_flight(&path, last)?,
+            Request::FlightState => return Ok(Reply::Flight(self.flight_info()?)),
             Request::Sample(_) => return Err(WatchError::Here.into()),
             Request::SampleState { id } => {
                 return Ok(Reply::SampleState(self.sample_state(0, id)?));

@@ -152,6 +152,13 @@ impl Engine {
     }
 
     fn channel(&self, word: &str) -> Result<Channel, Error> {
+        let node = self.watchable(word)?;
+        let name = word.strip_prefix("sig:").unwrap_or(word);
+        self.open_channel(node, name).ok_or_else(|| WatchError::Port { name: name.into() }.into())
+    }
+
+    /// The pin, parameter or signal of this name.
+    pub(crate) fn watchable(&self, word: &str) -> Result<Ix, Error> {
         let found = match word.strip_prefix("sig:") {
             Some(name) => self.graph.signals.get(name),
             None => {
@@ -159,14 +166,12 @@ impl Engine {
                 pins.or_else(|| self.graph.signals.get(word))
             }
         };
-        let Some(node) = found.copied() else {
+        found.copied().ok_or_else(|| {
             let (signals, items) = (self.graph.signals.keys(), self.graph.pins.keys());
             let all = items.chain(self.graph.params.keys()).chain(signals).map(Name::as_str);
             let (what, near) = ("pin, parameter or signal", nearest(word, all));
-            return Err(Error::NotFound { what, name: word.into(), near });
-        };
-        let name = word.strip_prefix("sig:").unwrap_or(word);
-        self.open_channel(node, name).ok_or_else(|| WatchError::Port { name: name.into() }.into())
+            Error::NotFound { what, name: word.into(), near }
+        })
     }
 
     /// A node as a channel of this name; ports have no values.

@@ -184,7 +184,7 @@ pub(crate) fn serve_once(engine: &mut Engine, ms: i32) {
         if server.clients.iter().any(|c| matches!(c.waits, Waits::Ticket(_))) {
             ms = ms.min(1);
         }
-        if engine.recording.is_some() {
+        if engine.recording.is_some() || engine.flight.is_some() {
             ms = ms.min(5);
         }
     }

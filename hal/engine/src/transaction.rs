@@ -277,6 +277,9 @@ impl Engine {
             self.shared.fault.clear();
         }
         let done = core::mem::take(&mut self.staged);
+        if done.undo.iter().any(|u| !matches!(u, Undo::Assigned(..))) {
+            self.flight_is_stale();
+        }
         if done.starts {
             self.run_threads();
         }
@@ -288,6 +291,10 @@ impl Engine {
             self.have_parted(done.parting);
             done.going.iter().for_each(|going| self.release(*going));
             self.reap();
+            if !self.shared.is_virtual() && self.shared.boundary.is_running() {
+                // Before the places of what has gone are used again.
+                self.refresh_flight();
+            }
         }
         if let Err(e) = self.follow_fastest() {
             self.notice(e.to_string());

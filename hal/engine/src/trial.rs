@@ -40,7 +40,10 @@ impl Engine {
             | Request::Adopt { .. }
             | Request::EndProgram { .. }
             | Request::Record { .. }
-            | Request::EndRecord => Ok(()),
+            | Request::EndRecord
+            | Request::Flight(_)
+            | Request::EndFlight
+            | Request::SaveFlight { .. } => Ok(()),
             Request::Ticket { .. } => return Some(Ok(Reply::Ticket(TicketInfo::Done))),
             Request::Join { name, .. } => Name::parse("component", name)
                 .and_then(|name| self.new_component(name, None, None, false))

@@ -73,14 +73,26 @@ impl Engine {
 
     /// Puts a probe to work; its number.
     pub(crate) fn begin_watching(&mut self, watching: Watching) -> Result<u64, Error> {
+        self.swap_watching(None, watching)
+    }
+
+    /// The same in the place of another one that looks when this one does: no look is missed.
+    pub(crate) fn swap_watching(
+        &mut self,
+        old: Option<u64>,
+        watching: Watching,
+    ) -> Result<u64, Error> {
         let at = watching.at;
         self.probes.next += 1;
         let id = self.probes.next;
+        let before = old.and_then(|old| Some((old, self.probes.all.remove(&old)?)));
         self.probes.all.insert(id, watching);
         self.probes.sort();
         let done = self.renew_probes(at);
         if done.is_err() {
-            self.end_watching(id);
+            self.probes.all.remove(&id);
+            self.probes.all.extend(before);
+            self.probes.sort();
         }
         done.map(|()| id)
     }

@@ -15,6 +15,11 @@ pub enum WatchError {
     NoSample { id: u64 },
     Here,
     NotRecording,
+    FlightOff,
+    FlightSize { bytes: u64 },
+    NoEvent,
+    Condition { text: Box<str>, why: &'static str },
+    Ending { said: Box<str> },
     Recording { path: Box<str> },
 }
 
@@ -33,6 +38,13 @@ impl core::fmt::Display for WatchError {
             }
             Self::NoSample { id } => write!(f, "this client has no sample {id}"),
             Self::Here => f.write_str("samples go to programs: ask for them on the socket"),
+            Self::FlightOff => f.write_str("the flight recorder is off"),
+            Self::FlightSize { bytes } => {
+                write!(f, "a flight recorder of {bytes} bytes is not possible: 4 KiB to 4 GiB")
+            }
+            Self::NoEvent => f.write_str("the flight recorder has seen no event"),
+            Self::Condition { text, why } => write!(f, "'{text}' is no condition: {why}"),
+            Self::Ending { said } => f.write_str(said),
             Self::NotRecording => f.write_str("nothing is being recorded"),
             Self::Recording { path } => write!(f, "already recording to {path}"),
         }
@@ -43,7 +55,7 @@ impl WatchError {
     /// The errno that goes with it.
     pub(crate) const fn errno(&self) -> i32 {
         match self {
-            Self::NoMatch { .. } | Self::NoSample { .. } => -2,
+            Self::NoMatch { .. } | Self::NoSample { .. } | Self::NoEvent => -2,
             Self::TooDeep { .. } => -12,
             Self::Recording { .. } => -16,
             _ => -22,
@@ -53,7 +65,9 @@ impl WatchError {
     /// The word of the request that is wrong, if it is one word.
     pub(crate) const fn word(&self) -> Option<&str> {
         match self {
-            Self::NoMatch { pattern: word } | Self::Port { name: word } => Some(word),
+            Self::NoMatch { pattern: word }
+            | Self::Port { name: word }
+            | Self::Condition { text: word, .. } => Some(word),
             _ => None,
         }
     }

@@ -10,6 +10,7 @@ mod client;
 mod code;
 mod failure;
 mod finding;
+mod flight;
 mod info;
 mod kind;
 mod message;
@@ -28,6 +29,7 @@ pub use client::Client;
 pub use code::Code;
 pub use failure::Failure;
 pub use finding::{Finding, Level, Related};
+pub use flight::{FlightInfo, FlightSpec, KeptInfo, KeptState};
 pub use info::{
     AliasInfo, ArgInfo, CommandInfo, ComponentInfo, ComponentState, FaultInfo, ForeignInfo,
     ForeignPart, FunctInfo, ItemInfo, Offer, SignalInfo, StatusInfo, StreamInfo, ThreadInfo,

@@ -1,6 +1,6 @@
 //! What a client may ask.
 
-use crate::{Direction, Kind, Lock, SampleSpec, Type, Value};
+use crate::{Direction, FlightSpec, Kind, Lock, SampleSpec, Type, Value};
 use serde::{Deserialize, Serialize};
 
 /// The version of this protocol; both sides must agree.
@@ -288,6 +288,20 @@ pub enum Request {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         count: Option<u64>,
     },
+    /// `flight on`: keeps the latest changes of every pin and signal, and has them written when
+    /// something happens.
+    Flight(FlightSpec),
+    /// `flight off`.
+    EndFlight,
+    /// `flight save`: begins to write what there is; [`Self::FlightState`] says what came of it.
+    SaveFlight {
+        /// The file; its ending says how.
+        path: String,
+        /// The last event, rather than what there is now.
+        last: bool,
+    },
+    /// `flight`. Answer: [`crate::Reply::Flight`].
+    FlightState,
     /// Samples pins, signals and parameters until [`Self::EndSample`] or this client goes; the file
     /// descriptor of the ring comes with the answer [`crate::Reply::Sample`].
     Sample(SampleSpec),

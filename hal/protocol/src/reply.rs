@@ -1,8 +1,9 @@
 //! What the engine answers.
 
 use crate::{
-    AliasInfo, CommandInfo, ComponentInfo, Failure, Finding, FunctInfo, ItemInfo, Offer, OrderInfo,
-    SampleInfo, SampleState, SignalInfo, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Value,
+    AliasInfo, CommandInfo, ComponentInfo, Failure, Finding, FlightInfo, FunctInfo, ItemInfo,
+    Offer, OrderInfo, SampleInfo, SampleState, SignalInfo, StatusInfo, StreamInfo, ThreadInfo,
+    TicketInfo, Value,
 };
 use serde::{Deserialize, Serialize};
 
@@ -76,6 +77,8 @@ pub enum Reply {
     Ticket(TicketInfo),
     /// A ring to attach to.
     Stream(StreamInfo),
+    /// How the flight recorder is.
+    Flight(FlightInfo),
     /// A sample that has begun.
     Sample(SampleInfo),
     /// How a sample is.

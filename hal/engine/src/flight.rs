@@ -1,0 +1,388 @@
+//! The flight recorder: every change of every pin and signal, as far back as memory goes, kept when
+//! something happens.
+
+mod condition;
+mod history;
+mod keep;
+
+use crate::{
+    Engine, Error,
+    graph::{Item, Ix},
+    os,
+    probe::Probe,
+    sync::{Arc, AtomicU64},
+    watch::{At, Watching},
+    watch_error::WatchError,
+};
+use condition::Condition;
+use hal_protocol::{FlightInfo, FlightSpec, KeptInfo, KeptState, Type};
+use hal_trace::{FileError, Format};
+use history::{Group, History};
+use keep::{Kept, Snapshot};
+use std::{
+    collections::{BTreeMap, VecDeque},
+    fs::File,
+    path::Path,
+};
+
+/// What changes take when the user does not say.
+const USUAL_BYTES: u64 = 16 << 20;
+/// The least and the most that they may take.
+const BYTES: core::ops::RangeInclusive<u64> = 1 << 12..=1 << 32;
+/// How many changes wait for the control side at the most.
+const ROOM: usize = 1 << 16;
+/// How many events are told of, and how many are written.
+const TOLD: usize = 20;
+const MOST_FILES: u32 = 100;
+
+/// An event whose time after it is not over.
+#[derive(Debug)]
+struct Awaited {
+    at: i64,
+    until: i64,
+    marks: Vec<(i64, String)>,
+}
+
+/// The recorder.
+#[derive(Debug)]
+pub(crate) struct Flight {
+    spec: FlightSpec,
+    history: History,
+    /// Its probe, the number of that, and the columns that it watches.
+    probe: Option<(u64, Arc<Probe>, Vec<u32>)>,
+    /// The column of each signal and of each pin without one.
+    columns: BTreeMap<Ix, u32>,
+    /// What is to be watched may have changed.
+    pub(crate) stale: bool,
+    conditions: Vec<Condition>,
+    /// What follows from a change of a column.
+    by_column: BTreeMap<u32, Vec<usize>>,
+    awaited: Option<Awaited>,
+    events: u32,
+    kept: VecDeque<Kept>,
+    last: Option<Arc<Snapshot>>,
+    /// How many changes its former probes have lost, and its present one as far as is known.
+    lost: (u64, u64),
+}
+
+impl Engine {
+    /// `flight on`: what was on before is replaced.
+    pub(crate) fn begin_flight(&mut self, mut spec: FlightSpec) -> Result<(), Error> {
+        if spec.bytes == 0 {
+            spec.bytes = USUAL_BYTES;
+        }
+        if !BYTES.contains(&spec.bytes) {
+            return Err(WatchError::FlightSize { bytes: spec.bytes }.into());
+        }
+        if let Some(file) = &spec.file {
+            format_of(file)?;
+        }
+        let type_of = |name: &str| {
+            let ix = self.watchable(name)?;
+            let item = self.graph.item(ix).map(|i| i.ty);
+            let ty = item.or_else(|| self.graph.signal(ix).map(|s| s.ty));
+            ty.filter(|t| *t != Type::Port)
+                .ok_or_else(|| WatchError::Port { name: name.into() }.into())
+        };
+        let own: Result<Vec<Condition>, Error> =
+            spec.when.iter().map(|text| Condition::parse(text, type_of)).collect();
+        let conditions = own?;
+        if self.flight.is_some() {
+            self.end_flight()?;
+        }
+        self.flight = Some(Box::new(Flight {
+            history: History::new(spec.bytes, self.shared.now()),
+            spec,
+            probe: None,
+            columns: BTreeMap::new(),
+            stale: true,
+            conditions,
+            by_column: BTreeMap::new(),
+            awaited: None,
+            events: 0,
+            kept: VecDeque::new(),
+            last: None,
+            lost: (0, 0),
+        }));
+        self.refresh_flight();
+        Ok(())
+    }
+
+    /// `flight off`: an event under way is kept first.
+    pub(crate) fn end_flight(&mut self) -> Result<(), Error> {
+        self.drain_flight();
+        let Some(mut flight) = self.flight.take() else {
+            return Err(WatchError::FlightOff.into());
+        };
+        if let Some((id, _, _)) = &flight.probe {
+            self.end_watching(*id);
+        }
+        let now = self.shared.now();
+        let said = flight.finish(now, i64::MAX, true);
+        let written = flight.kept.iter_mut().filter_map(|k| k.look(true).then(|| k.words()));
+        said.into_iter().chain(written).for_each(|text| self.notice(text));
+        Ok(())
+    }
+
+    /// How it is.
+    pub(crate) fn flight_info(&mut self) -> Result<FlightInfo, Error> {
+        self.drain_flight();
+        let to = self.shared.now();
+        let f = self.flight.as_ref().ok_or(WatchError::FlightOff)?;
+        let values = f.probe.as_ref().map_or(0, |p| p.2.len());
+        Ok(FlightInfo {
+            bytes: f.spec.bytes,
+            used: f.history.bytes(),
+            values: u32::try_from(values).unwrap_or(u32::MAX),
+            from: f.history.from(),
+            to,
+            lost: f.lost.0 + f.lost.1,
+            kept: f.kept.iter().map(|k| k.info.clone()).collect(),
+        })
+    }
+
+    /// `flight save`: what there is now, or the last event.
+    pub(crate) fn save_flight(&mut self, path: &str, last: bool) -> Result<(), Error> {
+        let now = self.shared.now();
+        if let Some((_, probe, _)) = self.flight.as_ref().and_then(|f| f.probe.as_ref())
+            && self.shared.is_virtual()
+        {
+            // What a script has changed while time stood still.
+            probe.look(now);
+        }
+        self.drain_flight();
+        let at_once = self.shared.is_virtual();
+        let f = self.flight.as_mut().ok_or(WatchError::FlightOff)?;
+        let snapshot = if last {
+            f.last.clone().ok_or(WatchError::NoEvent)?
+        } else {
+            Arc::new(Snapshot { history: f.history.clone(), to: now, marks: Vec::new() })
+        };
+        let format = format_of(path)?;
+        let file = create(path)?;
+        let why = if last { "the last event, asked for" } else { "asked for" };
+        let mut kept = f.new_kept(now, why, Some(path.to_owned()));
+        kept.write(&snapshot, file, format, at_once);
+        f.keep(kept);
+        match f.kept.back().map(|k| &k.info.state) {
+            Some(KeptState::Failed(why)) => {
+                Err(Error::File { path: path.into(), why: why.as_str().into() })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Something has happened that the recorder is there for.
+    pub(crate) fn flight_event(&mut self, time: i64, why: &str) {
+        self.drain_flight();
+        if let Some(f) = &mut self.flight {
+            f.event(time, why);
+        }
+    }
+
+    /// What there is to watch may have changed.
+    pub(crate) fn flight_is_stale(&mut self) {
+        if let Some(f) = &mut self.flight {
+            f.stale = true;
+        }
+    }
+
+    /// Watches what there is now.
+    pub(crate) fn refresh_flight(&mut self) {
+        let Some(mut flight) = self.flight.take_if(|f| f.stale) else { return };
+        flight.stale = false;
+        let (nodes, groups) = self.groups(&flight);
+        let sources: Box<[_]> = nodes.iter().filter_map(|ix| self.source(*ix)).collect();
+        let last = sources.iter().map(|_| AtomicU64::new(0)).collect();
+        let room = ROOM.max(sources.len() * 4);
+        let probe = Arc::new(Probe::changes(sources, last, room));
+        // One look tells all: nothing is missed between the old probe and the new one.
+        probe.tell_all();
+        let watching = Watching {
+            probe: probe.clone(),
+            at: At::Moments,
+            // In the arena, where nothing moves: watched until the next refresh, even if it goes.
+            nodes: std::collections::BTreeSet::new(),
+            lossless: true,
+        };
+        let old = flight.probe.take();
+        match self.swap_watching(old.as_ref().map(|o| o.0), watching) {
+            Ok(id) => {
+                if let Some((_, old, columns)) = &old {
+                    flight.hear(old, columns);
+                    flight.lost.0 += old.lost();
+                    flight.lost.1 = 0;
+                }
+                let now = self.shared.now();
+                let columns = flight.history.regroup(now, &groups);
+                flight.columns = nodes.into_iter().zip(columns.iter().copied()).collect();
+                flight.probe = Some((id, probe, columns));
+                flight.look_out();
+            }
+            Err(e) => {
+                flight.probe = old;
+                flight.stale = true;
+                self.notice(e.to_string());
+            }
+        }
+        self.flight = Some(flight);
+    }
+
+    /// Signals with their pins, and pins without signal.
+    fn groups(&self, flight: &Flight) -> (Vec<Ix>, Vec<Group>) {
+        let mut nodes = Vec::new();
+        let mut groups: Vec<Group> = Vec::new();
+        let mut of_signal = BTreeMap::new();
+        let before = |ix: &Ix| flight.columns.get(ix).copied();
+        for (name, ix) in &self.graph.signals {
+            let Some(s) = self.graph.signal(*ix).filter(|s| s.ty != Type::Port) else { continue };
+            of_signal.insert(*ix, groups.len());
+            nodes.push(*ix);
+            let names = vec![name.as_str().to_owned()];
+            groups.push(Group { ty: s.ty, names, before: before(ix) });
+        }
+        for (name, ix) in &self.graph.pins {
+            let plain =
+                |i: &&Item| !i.hidden && !i.times && i.ty != Type::Port && i.shown() == name;
+            let Some(item) = self.graph.item(*ix).filter(plain) else { continue };
+            let signal = self.graph.signal_of(*ix).and_then(|s| of_signal.get(&s));
+            if let Some(group) = signal.and_then(|i| groups.get_mut(*i)) {
+                group.names.push(name.as_str().to_owned());
+                continue;
+            }
+            nodes.push(*ix);
+            let names = vec![name.as_str().to_owned()];
+            groups.push(Group { ty: item.ty, names, before: before(ix) });
+        }
+        (nodes, groups)
+    }
+
+    /// Takes what has been queued, and keeps what is to be kept.
+    pub(crate) fn drain_flight(&mut self) {
+        let Some(flight) = &mut self.flight else { return };
+        if let Some((id, probe, columns)) = flight.probe.take() {
+            flight.hear(&probe, &columns);
+            if probe.lost() != flight.lost.1 {
+                // Values are not what they were told to be: once more.
+                flight.lost.1 = probe.lost();
+                probe.tell_all();
+            }
+            flight.probe = Some((id, probe, columns));
+        }
+        let (now, at_once) = (self.shared.now(), self.shared.is_virtual());
+        let said = flight.finish(now, now, at_once);
+        let written = flight.kept.iter_mut().filter_map(|k| k.look(false).then(|| k.words()));
+        let said: Vec<String> = said.into_iter().chain(written).collect();
+        said.into_iter().for_each(|text| self.notice(text));
+    }
+}
+
+impl Flight {
+    fn hear(&mut self, probe: &Probe, columns: &[u32]) {
+        while let Some((time, which, bits)) = probe.change() {
+            let Some(column) = columns.get(which as usize).copied() else { continue };
+            if !self.history.push(time, column, bits) {
+                continue;
+            }
+            for i in self.by_column.get(&column).cloned().unwrap_or_default() {
+                let Some(c) = self.conditions.get_mut(i) else { continue };
+                let Some((_, ty)) = self.history.column(&c.name) else { continue };
+                if c.sees(ty, bits) {
+                    let why = c.why.clone();
+                    self.event(time, &why);
+                }
+            }
+        }
+        if let Some(before) = self.spec.before_ns.filter(|_| self.awaited.is_none()) {
+            let now = self.history.latest();
+            self.history.keep_from(now.saturating_sub(i64::try_from(before).unwrap_or(i64::MAX)));
+        }
+    }
+
+    /// Which columns conditions are about now, those included that every machine has.
+    fn look_out(&mut self) {
+        for (name, ty) in self.history.present() {
+            if self.conditions.iter().all(|c| c.name != name)
+                && let Some(usual) = Condition::usual(&name, ty)
+            {
+                self.conditions.push(usual);
+            }
+        }
+        self.by_column.clear();
+        for (i, c) in self.conditions.iter().enumerate() {
+            if let Some((column, _)) = self.history.column(&c.name) {
+                self.by_column.entry(column).or_default().push(i);
+            }
+        }
+    }
+
+    fn event(&mut self, time: i64, why: &str) {
+        let mark = (time, format!("trigger: {why}"));
+        if let Some(awaited) = &mut self.awaited {
+            awaited.marks.push(mark);
+            return;
+        }
+        let until = time.saturating_add(i64::try_from(self.spec.after_ns).unwrap_or(i64::MAX));
+        self.awaited = Some(Awaited { at: time, until, marks: vec![mark] });
+    }
+
+    /// Keeps an event whose time is over: what there is to say.
+    fn finish(&mut self, now: i64, until: i64, at_once: bool) -> Option<String> {
+        let Awaited { at, until: end, marks } = self.awaited.take_if(|a| a.until <= until)?;
+        let mut history = self.history.clone();
+        if let Some(before) = self.spec.before_ns {
+            history.keep_from(at.saturating_sub(i64::try_from(before).unwrap_or(i64::MAX)));
+        }
+        let why = marks.first().map_or("", |m| m.1.trim_start_matches("trigger: ")).to_owned();
+        let snapshot = Arc::new(Snapshot { history, to: end.min(now), marks });
+        self.last = Some(snapshot.clone());
+        self.events += 1;
+        let wanted = self.spec.file.clone().filter(|_| self.events <= MOST_FILES);
+        let file = wanted.map(|f| numbered(&f, self.events));
+        let mut kept = self.new_kept(at, &why, file.clone());
+        if let Some(path) = &file {
+            match (format_of(path), create(path)) {
+                (Ok(format), Ok(file)) => kept.write(&snapshot, file, format, at_once),
+                (Err(e), _) | (_, Err(e)) => {
+                    let text = e.to_string();
+                    let why = text.strip_prefix(&format!("{path}: ")).unwrap_or(&text).to_owned();
+                    kept.info.state = KeptState::Failed(why);
+                }
+            }
+        }
+        let said = (kept.info.state != KeptState::Writing).then(|| kept.words());
+        self.keep(kept);
+        said
+    }
+
+    fn new_kept(&self, time: i64, why: &str, file: Option<String>) -> Kept {
+        let (number, state) = (self.events, KeptState::InMemory);
+        Kept::new(KeptInfo { number, time, why: why.to_owned(), file, state })
+    }
+
+    fn keep(&mut self, kept: Kept) {
+        if self.kept.len() >= TOLD {
+            self.kept.pop_front();
+        }
+        self.kept.push_back(kept);
+    }
+}
+
+/// How a file is written, as its ending says.
+fn format_of(path: &str) -> Result<Format, Error> {
+    let path = Path::new(path);
+    let ending = || WatchError::Ending { said: FileError::Ending(path.into()).to_string().into() };
+    Format::of(path).ok_or_else(|| ending().into())
+}
+
+fn create(path: &str) -> Result<File, Error> {
+    File::create(path).map_err(|e| Error::File { path: path.into(), why: os::said(&e) })
+}
+
+/// `DIR/NAME-3.ENDING`.
+fn numbered(path: &str, number: u32) -> String {
+    match path.rsplit_once('.') {
+        Some((name, ending)) => format!("{name}-{number}.{ending}"),
+        None => format!("{path}-{number}"),
+    }
+}

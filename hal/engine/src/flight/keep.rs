@@ -1,0 +1,96 @@
+//! What the flight recorder has kept, and how it is written.
+
+use super::history::History;
+use crate::os;
+use hal_protocol::{KeptInfo, KeptState};
+use hal_trace::{Format, Trace};
+use std::{
+    fs::File,
+    io::{BufWriter, Write},
+    sync::Arc,
+    thread::JoinHandle,
+};
+
+/// What there was, with marks.
+#[derive(Debug)]
+pub(super) struct Snapshot {
+    pub(super) history: History,
+    pub(super) to: i64,
+    pub(super) marks: Vec<(i64, String)>,
+}
+
+impl Snapshot {
+    fn trace(&self) -> Trace {
+        let mut trace = self.history.trace(self.to);
+        self.marks.iter().for_each(|(at, text)| trace.mark(*at, text));
+        trace
+    }
+
+    fn write(&self, file: File, format: Format) -> Result<(), Box<str>> {
+        let mut out = BufWriter::with_capacity(1 << 16, file);
+        let written = format.write(&mut out, &self.trace()).and_then(|()| out.flush());
+        written.map_err(|e| os::said(&e))
+    }
+}
+
+/// An event, kept.
+#[derive(Debug)]
+pub(super) struct Kept {
+    pub(super) info: KeptInfo,
+    writer: Option<JoinHandle<Result<(), Box<str>>>>,
+}
+
+impl Kept {
+    pub(super) const fn new(info: KeptInfo) -> Self {
+        Self { info, writer: None }
+    }
+
+    /// Begins to write, in a thread of its own unless it is to be done at once.
+    pub(super) fn write(
+        &mut self,
+        snapshot: &Arc<Snapshot>,
+        file: File,
+        format: Format,
+        at_once: bool,
+    ) {
+        if at_once {
+            self.have_written(snapshot.write(file, format));
+            return;
+        }
+        self.info.state = KeptState::Writing;
+        let snapshot = snapshot.clone();
+        let named = std::thread::Builder::new().name("hal-flight".into());
+        match named.spawn(move || snapshot.write(file, format)) {
+            Ok(writer) => self.writer = Some(writer),
+            Err(e) => self.info.state = KeptState::Failed(os::said(&e).into()),
+        }
+    }
+
+    /// Looks whether it is written; whether that is news.
+    pub(super) fn look(&mut self, wait: bool) -> bool {
+        let Some(writer) = self.writer.take_if(|w| wait || w.is_finished()) else { return false };
+        let done = writer.join();
+        self.have_written(done.unwrap_or_else(|_| Err("its writer has failed".into())));
+        true
+    }
+
+    fn have_written(&mut self, done: Result<(), Box<str>>) {
+        self.info.state = match done {
+            Ok(()) => KeptState::Written,
+            Err(why) => KeptState::Failed(why.into()),
+        };
+    }
+
+    /// What is said of it.
+    pub(super) fn words(&self) -> String {
+        let (number, why) = (self.info.number, &self.info.why);
+        let file = self.info.file.as_deref().unwrap_or_default();
+        match &self.info.state {
+            KeptState::Written => format!("flight recorder: {why}; kept in {file}"),
+            KeptState::Failed(e) => format!(
+                "flight recorder: {why}; {file}: {e}; it is in memory: 'flight save FILE last'"
+            ),
+            _ => format!("flight recorder: {why}; kept in memory as event {number}"),
+        }
+    }
+}
