@@ -220,8 +220,10 @@ const fn why_not(command: &Command) -> &'static str {
             Request::Run { .. } => "it moves the clock, and all of this is one moment",
             Request::Shutdown => "it would end what is to be changed",
             Request::Record { .. } | Request::EndRecord => "a file cannot be taken back",
+            Request::Flight(_) | Request::EndFlight => "what was kept cannot be taken back",
             _ => "it changes neither wiring nor values",
         },
+        Command::Flight(_) => "a file cannot be taken back",
         Command::AwaitEnd(_) => "it waits, and all of this is one moment",
         _ => "it changes nothing",
     }

@@ -1,6 +1,7 @@
 //! Commands, parsed.
 
 use crate::{
+    flight::Flight,
     graph::{Format, Wanted},
     watch::Watch,
 };
@@ -35,6 +36,8 @@ pub enum Command {
     Order(Subject, bool),
     /// `graph`: of what, what of it, how, and the file.
     Graph(Subject, Wanted, Format, Option<String>),
+    /// `flight`, when it is no single request.
+    Flight(Flight),
     /// `check`, with its words.
     Check(Vec<String>),
     /// `explain`, with its words.

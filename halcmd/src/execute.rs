@@ -69,6 +69,7 @@ impl Session<'_> {
             Command::Explain(words) => {
                 explain::main(&words, self.terminal)?;
             }
+            Command::Flight(what) => self.flight(what)?,
             Command::Order(subject, script) => self.order(&subject, script)?,
             Command::Graph(subject, wanted, format, file) => {
                 self.graph(&subject, &wanted, format, file.as_deref())?;

@@ -178,6 +178,9 @@ fn script(
         let path = path.display().to_string();
         session.before_start(Request::Record { path, patterns: Vec::new() });
     }
+    if let Some(spec) = &plan.flight {
+        session.before_start(Request::Flight(spec.clone()));
+    }
     let typed = |session: &mut Session<'_>| {
         session.style_mut().keep_going = true;
         prompt::typed(session, plan.interactive)

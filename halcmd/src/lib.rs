@@ -16,6 +16,7 @@ mod examine;
 mod execute;
 pub mod explain;
 mod fault;
+mod flight;
 pub mod graph;
 pub mod halcmd;
 pub mod halrun;

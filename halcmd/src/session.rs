@@ -72,7 +72,7 @@ pub struct Session<'a> {
     place: (String, u32),
     depth: u32,
     ended: bool,
-    before_start: Option<Request>,
+    before_start: Vec<Request>,
     /// Where relative names of files begin, if not in this process's folder.
     pub(crate) folder: Option<PathBuf>,
     /// The INI file of the file that is being applied, and its lines so far.
@@ -112,7 +112,7 @@ impl<'a> Session<'a> {
             place: ("<commandline>".to_owned(), 0),
             depth: 0,
             ended: false,
-            before_start: None,
+            before_start: Vec::new(),
             folder: None,
             own_ini: None,
             plan: None,
@@ -132,7 +132,7 @@ impl<'a> Session<'a> {
 
     /// Sends this request before the threads are first started or the clock is first moved.
     pub fn before_start(&mut self, request: Request) {
-        self.before_start = Some(request);
+        self.before_start.push(request);
     }
 
     /// Relative names of files are names in this folder.
@@ -318,10 +318,8 @@ impl<'a> Session<'a> {
     }
 
     pub(crate) fn send_pending(&mut self) -> Result<(), Error> {
-        match self.before_start.take() {
-            Some(request) => self.call(request).map(|_| ()),
-            None => Ok(()),
-        }
+        let pending = core::mem::take(&mut self.before_start);
+        pending.into_iter().try_for_each(|request| self.call(request).map(|_| ()))
     }
 
     fn call(&mut self, request: Request) -> Result<Reply, Error> {

@@ -35,6 +35,8 @@ pub(crate) struct Joint {
     pub(crate) motor_offset: f64,
     ferror: f64,
     ferror_limit: f64,
+    /// Whether it was beyond its limit when it was measured: what it leads to makes it zero.
+    was_ferrored: bool,
     /// It switched the machine off.
     pub(crate) error: bool,
     pub(crate) homing: Homing,
@@ -76,6 +78,7 @@ impl Joint {
         let on_its_own = self.extra && self.homing.homed;
         self.ferror = if on_its_own { 0.0 } else { self.pos_cmd - self.pos_fb };
         self.ferror_limit = self.config.ferror_limit(self.vel_cmd);
+        self.was_ferrored = self.is_ferrored();
     }
 
     /// The following error is beyond its limit, or no number at all.
@@ -187,7 +190,7 @@ impl Joint {
         pins.active.set(self.active);
         pins.amp_enable_out.set(enabled && self.active);
         pins.error.set(self.error);
-        pins.f_errored.set(self.is_ferrored());
+        pins.f_errored.set(self.was_ferrored);
         pins.faulted.set(self.active && self.senses.amp_fault);
         pins.homed.set(self.homing.homed);
         pins.homing.set(self.homing.is_under_way());

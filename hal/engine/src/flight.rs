@@ -8,7 +8,6 @@ mod keep;
 use crate::{
     Engine, Error,
     graph::{Item, Ix},
-    os,
     probe::Probe,
     sync::{Arc, AtomicU64},
     watch::{At, Watching},
@@ -16,14 +15,9 @@ use crate::{
 };
 use condition::Condition;
 use hal_protocol::{FlightInfo, FlightSpec, KeptInfo, KeptState, Type};
-use hal_trace::{FileError, Format};
 use history::{Group, History};
-use keep::{Kept, Snapshot};
-use std::{
-    collections::{BTreeMap, VecDeque},
-    fs::File,
-    path::Path,
-};
+use keep::{Kept, Snapshot, create, format_of, numbered};
+use std::collections::{BTreeMap, VecDeque};
 
 /// What changes take when the user does not say.
 const USUAL_BYTES: u64 = 16 << 20;
@@ -61,6 +55,10 @@ pub(crate) struct Flight {
     events: u32,
     kept: VecDeque<Kept>,
     last: Option<Arc<Snapshot>>,
+    /// Files are written before time moves on.
+    at_once: bool,
+    /// What there is to say.
+    said: Vec<String>,
     /// How many changes its former probes have lost, and its present one as far as is known.
     lost: (u64, u64),
 }
@@ -102,6 +100,8 @@ impl Engine {
             events: 0,
             kept: VecDeque::new(),
             last: None,
+            at_once: self.shared.is_virtual(),
+            said: Vec::new(),
             lost: (0, 0),
         }));
         self.refresh_flight();
@@ -118,9 +118,10 @@ impl Engine {
             self.end_watching(*id);
         }
         let now = self.shared.now();
-        let said = flight.finish(now, i64::MAX, true);
-        let written = flight.kept.iter_mut().filter_map(|k| k.look(true).then(|| k.words()));
-        said.into_iter().chain(written).for_each(|text| self.notice(text));
+        flight.at_once = true;
+        flight.finish(now);
+        flight.look(true);
+        flight.said.into_iter().for_each(|text| self.notice(text));
         Ok(())
     }
 
@@ -137,7 +138,7 @@ impl Engine {
             from: f.history.from(),
             to,
             lost: f.lost.0 + f.lost.1,
-            kept: f.kept.iter().map(|k| k.info.clone()).collect(),
+            kept: f.kept.iter().map(|k| k.info.clone()).chain(f.awaits()).collect(),
         })
     }
 
@@ -269,11 +270,12 @@ impl Engine {
             }
             flight.probe = Some((id, probe, columns));
         }
-        let (now, at_once) = (self.shared.now(), self.shared.is_virtual());
-        let said = flight.finish(now, now, at_once);
-        let written = flight.kept.iter_mut().filter_map(|k| k.look(false).then(|| k.words()));
-        let said: Vec<String> = said.into_iter().chain(written).collect();
-        said.into_iter().for_each(|text| self.notice(text));
+        let now = self.shared.now();
+        if flight.awaited.as_ref().is_some_and(|a| a.until <= now) {
+            flight.finish(now);
+        }
+        flight.look(false);
+        core::mem::take(&mut flight.said).into_iter().for_each(|text| self.notice(text));
     }
 }
 
@@ -281,6 +283,9 @@ impl Flight {
     fn hear(&mut self, probe: &Probe, columns: &[u32]) {
         while let Some((time, which, bits)) = probe.change() {
             let Some(column) = columns.get(which as usize).copied() else { continue };
+            if self.awaited.as_ref().is_some_and(|a| a.until < time) {
+                self.finish(time);
+            }
             if !self.history.push(time, column, bits) {
                 continue;
             }
@@ -326,9 +331,15 @@ impl Flight {
         self.awaited = Some(Awaited { at: time, until, marks: vec![mark] });
     }
 
-    /// Keeps an event whose time is over: what there is to say.
-    fn finish(&mut self, now: i64, until: i64, at_once: bool) -> Option<String> {
-        let Awaited { at, until: end, marks } = self.awaited.take_if(|a| a.until <= until)?;
+    /// Looks what has been written.
+    fn look(&mut self, wait: bool) {
+        let written = self.kept.iter_mut().filter_map(|k| k.look(wait).then(|| k.words()));
+        self.said.extend(written);
+    }
+
+    /// Keeps the event whose time is over.
+    fn finish(&mut self, now: i64) {
+        let Some(Awaited { at, until: end, marks }) = self.awaited.take() else { return };
         let mut history = self.history.clone();
         if let Some(before) = self.spec.before_ns {
             history.keep_from(at.saturating_sub(i64::try_from(before).unwrap_or(i64::MAX)));
@@ -342,7 +353,7 @@ impl Flight {
         let mut kept = self.new_kept(at, &why, file.clone());
         if let Some(path) = &file {
             match (format_of(path), create(path)) {
-                (Ok(format), Ok(file)) => kept.write(&snapshot, file, format, at_once),
+                (Ok(format), Ok(file)) => kept.write(&snapshot, file, format, self.at_once),
                 (Err(e), _) | (_, Err(e)) => {
                     let text = e.to_string();
                     let why = text.strip_prefix(&format!("{path}: ")).unwrap_or(&text).to_owned();
@@ -350,9 +361,18 @@ impl Flight {
                 }
             }
         }
-        let said = (kept.info.state != KeptState::Writing).then(|| kept.words());
+        if kept.info.state != KeptState::Writing {
+            self.said.push(kept.words());
+        }
         self.keep(kept);
-        said
+    }
+
+    /// The event whose time is not over.
+    fn awaits(&self) -> Option<KeptInfo> {
+        let Awaited { at, marks, .. } = self.awaited.as_ref()?;
+        let why = marks.first().map_or("", |m| m.1.trim_start_matches("trigger: ")).to_owned();
+        let (number, state) = (self.events + 1, KeptState::Awaited);
+        Some(KeptInfo { number, time: *at, why, file: None, state })
     }
 
     fn new_kept(&self, time: i64, why: &str, file: Option<String>) -> Kept {
@@ -365,24 +385,5 @@ impl Flight {
             self.kept.pop_front();
         }
         self.kept.push_back(kept);
-    }
-}
-
-/// How a file is written, as its ending says.
-fn format_of(path: &str) -> Result<Format, Error> {
-    let path = Path::new(path);
-    let ending = || WatchError::Ending { said: FileError::Ending(path.into()).to_string().into() };
-    Format::of(path).ok_or_else(|| ending().into())
-}
-
-fn create(path: &str) -> Result<File, Error> {
-    File::create(path).map_err(|e| Error::File { path: path.into(), why: os::said(&e) })
-}
-
-/// `DIR/NAME-3.ENDING`.
-fn numbered(path: &str, number: u32) -> String {
-    match path.rsplit_once('.') {
-        Some((name, ending)) => format!("{name}-{number}.{ending}"),
-        None => format!("{path}-{number}"),
     }
 }

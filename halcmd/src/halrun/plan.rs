@@ -1,7 +1,7 @@
 //! What the command line and the environment ask halrun to do.
 
 use crate::{
-    Error, Style,
+    Error, Style, flight,
     halcmd::{self, Id as Common},
     nanoseconds,
     options::{Opt, from_environment, options, plain, usage},
@@ -9,7 +9,7 @@ use crate::{
     remote::instance_option,
 };
 use hal_engine::{ClockKind, Options};
-use hal_protocol::Place;
+use hal_protocol::{FlightSpec, Place};
 use std::path::{Path, PathBuf};
 
 /// What to do.
@@ -59,6 +59,8 @@ pub(super) struct Plan {
     pub(super) interactive: bool,
     pub(super) for_ns: Option<u64>,
     pub(super) record: Option<PathBuf>,
+    /// How the flight recorder is switched on.
+    pub(super) flight: Option<FlightSpec>,
     pub(super) detach: Detach,
 }
 
@@ -76,6 +78,7 @@ enum Id {
     For,
     Record,
     Modules,
+    Flight,
     Linuxcnc,
     Instance,
     Profile,
@@ -93,6 +96,7 @@ const OPTIONS: &[Opt<Id>] = &[
     with("hold", Id::Hold, None, Some("HAL_HOLD"), "move the virtual clock only in 'run TIME'"),
     with("simulate", Id::Simulate, None, Some("HAL_SIMULATE"), "simulate the hardware"),
     with("record", Id::Record, Some("FILE"), Some("HAL_RECORD"), "record every pin to a VCD file"),
+    with("flight", Id::Flight, Some("'WORDS'"), Some("HAL_FLIGHT"), "'flight on' with these words"),
     with(
         "linuxcnc-modules",
         Id::Linuxcnc,
@@ -223,6 +227,12 @@ pub(super) fn plan(
         interactive,
         for_ns,
         record: value(Id::Record).map(whole),
+        flight: value(Id::Flight)
+            .map(|words| {
+                let words: Vec<String> = words.split_whitespace().map(str::to_owned).collect();
+                flight::spec(&words)
+            })
+            .transpose()?,
         detach,
     })))
 }

@@ -1,6 +1,6 @@
 //! Looking at what is there.
 
-use crate::{Command, command::ShowKind, parse, rows::ANY, table::Row, word::Word as W};
+use crate::{Command, command::ShowKind, flight, parse, rows::ANY, table::Row, word::Word as W};
 use hal_protocol::Kind;
 
 pub(super) const ROWS: &[Row] = &[
@@ -109,5 +109,32 @@ pub(super) const ROWS: &[Row] = &[
             ("nothing is being recorded", "'record FILE' starts one"),
         ],
         parse: parse::record,
+    },
+    Row {
+        name: "flight",
+        usage: "[on [NAME=VALUE...]|off|save FILE [last]]",
+        args: (0, ANY),
+        summary: "keep the latest changes of every pin, for when something happens",
+        help: "'flight on' keeps them in memory: size=BYTES (64M; 16M if not said), time=TIME \
+               before an event and after=TIME after it, file=FILE in which events are kept (with \
+               their numbers: FILE-1.vcd), when=CONDITION for what is an event beside faults, \
+               following errors and e-stops: PIN, !PIN, PIN > VALUE. The file's ending says how \
+               it is written: .vcd, .fst, .csv or .json. 'flight save FILE' writes what there is, \
+               'flight save FILE last' the last event; 'flight' says how it is.",
+        words: &[
+            W::One(&["on", "off", "save"]),
+            W::Many(&[W::One(&["size=", "time=", "after=", "file=", "when="]), W::File]),
+        ],
+        examples: &[
+            "flight on time=10s after=1s file=crash.vcd when=spindle.0.speed-out > 24000",
+            "flight save now.fst",
+        ],
+        related: &["record", "status"],
+        errors: &[
+            ("the flight recorder is off", "'flight on' switches it on"),
+            ("is no condition", "PIN, !PIN, or PIN with <, <=, =, !=, >= or > and a value"),
+            ("has seen no event", "'flight save FILE' writes what there is"),
+        ],
+        parse: flight::parse,
     },
 ];

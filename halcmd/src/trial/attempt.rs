@@ -56,6 +56,7 @@ impl Session<'_> {
             | Command::Status(_)
             | Command::Order(..)
             | Command::Graph(..)
+            | Command::Flight(_)
             | Command::Check(_)
             | Command::Explain(_)
             | Command::Print(_)

@@ -12,8 +12,11 @@ pub(super) const USUAL: &[(&str, bool, &str)] = &[
     ("motion.enable", false, "e-stop"),
 ];
 
+/// Which orders of two values it holds for.
+type Relation = fn(Ordering) -> bool;
+
 /// The relations, those first that begin with another one.
-const RELATIONS: &[(&str, fn(Ordering) -> bool)] = &[
+const RELATIONS: &[(&str, Relation)] = &[
     ("<=", Ordering::is_le),
     (">=", Ordering::is_ge),
     ("==", Ordering::is_eq),
@@ -29,7 +32,7 @@ enum Test {
     /// A bit is this.
     Bit(bool),
     /// A number is in this relation to that one.
-    Number(fn(Ordering) -> bool, Value),
+    Number(Relation, Value),
 }
 
 /// Becomes true: an event.

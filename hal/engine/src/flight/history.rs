@@ -1,7 +1,7 @@
 //! The memory of the flight recorder: the latest changes of all values, and whose they were.
 
 use hal_protocol::Type;
-use hal_trace::{TimeBase, Trace};
+use hal_trace::{Refusal, TimeBase, Trace};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// A change.
@@ -33,6 +33,9 @@ struct Column {
     now: Option<u64>,
 }
 
+/// From when on something was which column.
+type Turns = Vec<(i64, Option<u32>)>;
+
 /// The latest changes.
 #[derive(Clone, Debug)]
 pub(super) struct History {
@@ -41,7 +44,7 @@ pub(super) struct History {
     /// Columns that nothing refers to.
     free: Vec<u32>,
     /// From when on a name was that of which column.
-    names: BTreeMap<String, Vec<(i64, Option<u32>)>>,
+    names: BTreeMap<String, Turns>,
     /// Changes from then on are here.
     from: i64,
     most: usize,
@@ -72,7 +75,7 @@ impl History {
             }
         }
         for (name, was) in &mut self.names {
-            if all.get(name.as_str()).is_none() && was.last().is_some_and(|w| w.1.is_some()) {
+            if !all.contains_key(name.as_str()) && was.last().is_some_and(|w| w.1.is_some()) {
                 was.push((now, None));
             }
         }
@@ -177,10 +180,10 @@ impl History {
 
     /// What is here, as a trace that ends at `to`. Names that were always those of one value are
     /// one channel.
-    pub(super) fn trace(&self, to: i64) -> Trace {
+    pub(super) fn trace(&self, to: i64) -> Result<Trace, Refusal> {
         let mut trace = Trace::new(TimeBase::NANOSECONDS);
         // By type, and by when it was which column.
-        let mut channels: BTreeMap<(u8, Vec<(i64, Option<u32>)>), usize> = BTreeMap::new();
+        let mut channels: BTreeMap<(u8, Turns), usize> = BTreeMap::new();
         for (name, was) in &self.names {
             let over = was.iter().rposition(|(at, _)| *at <= self.from).unwrap_or(0);
             let mut was: Vec<_> = was.get(over..).unwrap_or_default().to_vec();
@@ -204,8 +207,8 @@ impl History {
             turns.extend(was.iter().map(|(at, column)| (*at, *channel, *column)));
         }
         turns.sort_by_key(|t| t.0);
-        Replay::new(&self.columns).run(&mut trace, &turns, &self.changes, to);
-        trace
+        Replay::new(&self.columns).run(&mut trace, &turns, &self.changes, to)?;
+        Ok(trace)
     }
 }
 
@@ -229,16 +232,17 @@ impl Replay {
         turns: &[(i64, usize, Option<u32>)],
         changes: &VecDeque<Change>,
         to: i64,
-    ) {
+    ) -> Result<(), Refusal> {
+        let mut at = i64::MIN;
         let mut turns = turns.iter().peekable();
         let mut changes = changes.iter().filter(|c| c.time <= to).peekable();
         loop {
             let next = [turns.peek().map(|t| t.0), changes.peek().map(|c| c.time)];
             let Some(time) = next.into_iter().flatten().min() else { break };
-            // Times only increase here, and there are fewer than four billion.
-            drop(trace.sample(time));
+            at = time;
+            trace.sample(time)?;
             while let Some((_, channel, column)) = turns.next_if(|t| t.0 <= time) {
-                self.turn(trace, *channel, *column);
+                self.turn(trace, *channel, *column)?;
             }
             while let Some(change) = changes.next_if(|c| c.time <= time) {
                 let column = change.column as usize;
@@ -246,28 +250,34 @@ impl Replay {
                     *value = Some(change.bits);
                 }
                 for channel in self.heard.get(column).into_iter().flatten() {
-                    drop(trace.set_bits(*channel, Some(change.bits)));
+                    trace.set_bits(*channel, Some(change.bits))?;
                 }
             }
         }
         // The end, unless something changed just then.
-        drop(trace.sample(to));
+        if at < to { trace.sample(to) } else { Ok(()) }
     }
 
-    fn turn(&mut self, trace: &mut Trace, channel: usize, column: Option<u32>) {
+    fn turn(
+        &mut self,
+        trace: &mut Trace,
+        channel: usize,
+        column: Option<u32>,
+    ) -> Result<(), Refusal> {
         if let Some(before) = self.is.remove(&channel)
             && let Some(heard) = self.heard.get_mut(before as usize)
         {
             heard.retain(|c| *c != channel);
         }
         let value = column.and_then(|c| self.values.get(c as usize).copied().flatten());
-        drop(trace.set_bits(channel, value));
+        trace.set_bits(channel, value)?;
         if let Some(column) = column
             && let Some(heard) = self.heard.get_mut(column as usize)
         {
             heard.push(channel);
             self.is.insert(channel, column);
         }
+        Ok(())
     }
 }
 
@@ -281,7 +291,7 @@ mod tests {
     }
 
     fn values(h: &History, name: &str, to: i64) -> Vec<(i64, Option<Value>)> {
-        let t = h.trace(to);
+        let t = h.trace(to).unwrap();
         let channel = t.find(name).unwrap();
         let times: Vec<i64> = (h.from()..=to).collect();
         times.into_iter().map(|at| (at, t.at(channel, at))).collect()
@@ -305,8 +315,8 @@ mod tests {
         assert_eq!(h.from(), 1);
         assert_eq!(values(&h, "a", 5), [(1, n(2)), (2, n(2)), (3, n(3)), (4, n(3)), (5, n(3))]);
         assert_eq!(values(&h, "c", 4), [(1, n(10)), (2, n(20)), (3, n(20)), (4, n(30))]);
-        assert_eq!(h.trace(5).channels().len(), 2);
-        assert_eq!(h.trace(5).channels()[0].names(), ["a", "b"]);
+        assert_eq!(h.trace(5).unwrap().channels().len(), 2);
+        assert_eq!(h.trace(5).unwrap().channels()[0].names(), ["a", "b"]);
         h.keep_from(4);
         assert_eq!(values(&h, "b", 5), [(4, n(3)), (5, n(3))]);
         assert_eq!(values(&h, "c", 5), [(4, n(30)), (5, n(30))]);
@@ -331,7 +341,9 @@ mod tests {
         h.keep_from(11);
         let d = h.regroup(11, &[group(&["t", "p"], Some(c[1])), group(&["new"], None)]);
         assert_eq!(d[1], c[0]);
-        assert!(h.trace(12).find("q").is_none() && h.trace(12).find("new").is_some());
+        assert!(
+            h.trace(12).unwrap().find("q").is_none() && h.trace(12).unwrap().find("new").is_some()
+        );
         assert_eq!(values(&h, "new", 11), [(11, None)]);
     }
 }

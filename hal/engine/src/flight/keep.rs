@@ -1,12 +1,13 @@
 //! What the flight recorder has kept, and how it is written.
 
 use super::history::History;
-use crate::os;
+use crate::{Error, os, watch_error::WatchError};
 use hal_protocol::{KeptInfo, KeptState};
-use hal_trace::{Format, Trace};
+use hal_trace::{FileError, Format, Refusal, Trace};
 use std::{
     fs::File,
     io::{BufWriter, Write},
+    path::Path,
     sync::Arc,
     thread::JoinHandle,
 };
@@ -20,15 +21,16 @@ pub(super) struct Snapshot {
 }
 
 impl Snapshot {
-    fn trace(&self) -> Trace {
-        let mut trace = self.history.trace(self.to);
+    fn trace(&self) -> Result<Trace, Refusal> {
+        let mut trace = self.history.trace(self.to)?;
         self.marks.iter().for_each(|(at, text)| trace.mark(*at, text));
-        trace
+        Ok(trace)
     }
 
     fn write(&self, file: File, format: Format) -> Result<(), Box<str>> {
         let mut out = BufWriter::with_capacity(1 << 16, file);
-        let written = format.write(&mut out, &self.trace()).and_then(|()| out.flush());
+        let trace = self.trace().map_err(|e| e.to_string())?;
+        let written = format.write(&mut out, &trace).and_then(|()| out.flush());
         written.map_err(|e| os::said(&e))
     }
 }
@@ -92,5 +94,25 @@ impl Kept {
             ),
             _ => format!("flight recorder: {why}; kept in memory as event {number}"),
         }
+    }
+}
+
+/// How a file is written, as its ending says.
+pub(super) fn format_of(path: &str) -> Result<Format, Error> {
+    let path = Path::new(path);
+    let ending = || WatchError::Ending { said: FileError::Ending(path.into()).to_string().into() };
+    Format::of(path).ok_or_else(|| ending().into())
+}
+
+/// Creates a file.
+pub(super) fn create(path: &str) -> Result<File, Error> {
+    File::create(path).map_err(|e| Error::File { path: path.into(), why: os::said(&e) })
+}
+
+/// `DIR/NAME-3.ENDING`.
+pub(super) fn numbered(path: &str, number: u32) -> String {
+    match path.rsplit_once('.') {
+        Some((name, ending)) => format!("{name}-{number}.{ending}"),
+        None => format!("{path}-{number}"),
     }
 }
