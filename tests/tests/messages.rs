@@ -28,8 +28,6 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("signal '*' is a port and can only have one input pin", REFUSALS),
     ("there is no thread in whose cycles to sample", SAMPLES),
     ("nothing is named that is to be sampled", SAMPLES),
-    ("nothing matches '*'", SAMPLES),
-    ("'*' is a port and has no value to sample", SAMPLES),
     ("* channels at once; at most * are possible", SAMPLES),
     ("there is no memory for * samples of this kind, only for *", SAMPLES),
     ("this client has no sample *", SAMPLES),
