@@ -36,8 +36,8 @@ const ROWS: &[Row] = &[
     },
     Row {
         name: "view",
-        words: "FILE [CHANNEL...]",
-        help: "look at a file in the terminal: zoom, cursors, measurements",
+        words: "FILE [CHANNEL...], or [options] NAME...",
+        help: "look at a file or a machine in the terminal: zoom, cursors, measurements",
         run: view::main,
     },
     Row {

@@ -28,11 +28,24 @@ pub(super) enum End {
     Nothing(String),
 }
 
+/// What polling found.
+pub(super) enum Polled {
+    /// Nothing yet.
+    Nothing,
+    /// A capture.
+    Whole(Trace),
+    /// Nothing more comes, and why.
+    Over(String),
+}
+
 /// A connection that samples.
 pub(super) struct Live {
     client: Client,
     samples: Samples,
     capture: Capture,
+    /// The channels, by the names that were asked for.
+    asked: Vec<(String, Type)>,
+    polls: u32,
     record: Vec<u64>,
     /// Machine time when it began, and how long a trigger is waited for.
     began: i64,
@@ -72,23 +85,20 @@ impl Live {
         let channels = info.channels.iter().map(|c| (c.name.clone(), c.ty));
         let channels: Vec<(String, Type)> = channels.collect();
         let setup = plan.setup(info.period.saturating_mul(i64::from(info.every)))?;
-        let when = match &plan.condition {
-            None => None,
-            Some(condition) => {
-                // The trigger calls a channel as it was asked for: `sig:x` as well.
-                let mut asked = channels.clone();
-                for (channel, name) in asked.iter_mut().zip(plan.whole_names()) {
-                    name.clone_into(&mut channel.0);
-                }
-                let when = condition.bind(&asked);
-                Some(when.map_err(|e| e.to_string())?)
-            }
-        };
+        // The trigger calls a channel as it was asked for: `sig:x` as well.
+        let mut asked = channels.clone();
+        for (channel, name) in asked.iter_mut().zip(plan.whole_names()) {
+            name.clone_into(&mut channel.0);
+        }
+        let when = plan.condition.as_ref().map(|c| c.bind(&asked)).transpose();
+        let when = when.map_err(|e| e.to_string())?;
         let capture = Capture::new(&channels, when, setup);
         let mut live = Self {
             client,
             samples,
             capture,
+            asked,
+            polls: 0,
             record: Vec::new(),
             began,
             timeout: plan.timeout.map(|ns| i64::try_from(ns).unwrap_or(i64::MAX)),
@@ -104,6 +114,36 @@ impl Live {
             }));
         }
         Ok(live)
+    }
+
+    /// What there is now, for whoever looks at other things as well: a capture that has become
+    /// whole, or that nothing more comes.
+    pub(super) fn poll(&mut self) -> Result<Polled, String> {
+        // In this order: what was sampled before the end is taken.
+        let is_over = self.samples.is_over();
+        while let Some(stamp) = self.samples.take_bits(&mut self.record) {
+            if let Some(trace) = self.capture.feed(stamp.time, &self.record, stamp.lost) {
+                return Ok(Polled::Whole(trace));
+            }
+        }
+        if is_over {
+            return self.why().map(Polled::Over);
+        }
+        self.polls = self.polls.wrapping_add(1);
+        if self.polls.is_multiple_of(LOOK_EVERY) && machine_time(&mut self.client).is_err() {
+            return Ok(Polled::Over("the machine has ended".to_owned()));
+        }
+        Ok(Polled::Nothing)
+    }
+
+    /// The capture: to arm, force, and give another trigger.
+    pub(super) const fn capture(&mut self) -> &mut Capture {
+        &mut self.capture
+    }
+
+    /// The channels, as a trigger calls them.
+    pub(super) fn channels(&self) -> &[(String, Type)] {
+        &self.asked
     }
 
     /// The next capture.

@@ -121,6 +121,9 @@ impl Amount {
     }
 }
 
+/// After how long without a trigger a view shows what there is, in nanoseconds of machine time.
+const VIEW_AUTO_NS: i64 = 500_000_000;
+
 fn is_pattern(name: &str) -> bool {
     name.contains(['*', '?', '['])
 }
@@ -142,6 +145,7 @@ pub(super) struct Plan {
     pub(super) timeout: Option<u64>,
     pub(super) run: Option<u64>,
     pub(super) is_quiet: bool,
+    is_view: bool,
     pub(super) instance: Option<String>,
 }
 
@@ -153,6 +157,23 @@ pub(super) enum Asked {
 
 impl Plan {
     pub(super) fn parse(words: &[String]) -> Result<Asked, String> {
+        Self::of("capture [options] NAME...", words)
+    }
+
+    /// The same for a view: captures follow each other until somebody has seen enough.
+    pub(super) fn for_view(words: &[String]) -> Result<Asked, String> {
+        let asked = Self::of("view FILE [CHANNEL...], or view [options] NAME...", words)?;
+        let Asked::Plan(mut plan) = asked else { return Ok(asked) };
+        if plan.output.is_some() || plan.count > 1 {
+            return Err(
+                "a view writes when w is pressed; halscope capture has -o and -n".to_owned()
+            );
+        }
+        plan.is_view = true;
+        Ok(Asked::Plan(plan))
+    }
+
+    fn of(line: &str, words: &[String]) -> Result<Asked, String> {
         let (mut given, names) =
             mixed("halscope capture", OPTIONS, words).map_err(|e| e.to_string())?;
         from_environment(OPTIONS, &|name| std::env::var(name).ok(), &mut given);
@@ -171,11 +192,11 @@ impl Plan {
             timeout: None,
             run: None,
             is_quiet: false,
+            is_view: false,
             instance: None,
         };
         for (id, value) in given {
             if id == Id::Help {
-                let line = "capture [options] NAME...";
                 return Ok(Asked::Help(usage_of(line, OPTIONS, MORE)));
             }
             plan.option(id, value.unwrap_or_default())?;
@@ -273,6 +294,9 @@ impl Plan {
             other => HoldOff::Samples(other.samples(each, 0)),
         };
         let mode = match (self.auto, self.count) {
+            (auto, _) if self.is_view => {
+                Mode::Auto(auto.map_or(VIEW_AUTO_NS, |ns| i64::try_from(ns).unwrap_or(i64::MAX)))
+            }
             (Some(ns), _) => Mode::Auto(i64::try_from(ns).unwrap_or(i64::MAX)),
             (None, 1) => Mode::Single,
             (None, _) => Mode::Normal,

@@ -47,6 +47,12 @@ impl Capture {
         self.trigger.arm();
     }
 
+    /// Gives up what is under way, and waits for another condition.
+    pub fn arm_for(&mut self, when: Option<When>) {
+        self.current = None;
+        self.trigger.arm_for(when);
+    }
+
     /// The next sample: when, the value of each channel, and how many samples were lost before it. The
     /// trace, if that completes one; its markers say where it triggered, and why.
     pub fn feed(&mut self, time: i64, record: &[u64], lost: u64) -> Option<Trace> {

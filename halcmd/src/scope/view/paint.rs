@@ -1,7 +1,7 @@
 //! A view on the screen.
 
 use super::{
-    state::{Lane, State},
+    state::{Lane, State, Typed},
     wave,
 };
 use crate::{
@@ -30,7 +30,11 @@ const HELP: &str = "\
  x u         hide it; show what is hidden   c     no cursors
  a b         cursor A, cursor B: the one that is set last moves with the keys below
  , . < >     by a column, by ten            n p   to the next edge of the channel, the one before
- m           to the next marker             q     leave
+ m           to the next marker             g     to where something holds: xpos > 5
+ w           write it to a file             q     leave
+ of a machine that runs:                    r     stop, and run again
+ s           one capture                    t     another trigger: xstep rises
+ !           trigger now
 ";
 
 /// Paints it.
@@ -61,7 +65,11 @@ pub(super) fn paint(state: &mut State, status: &str, look: &Look, frame: &mut Fr
 }
 
 fn title<'a>(state: &State, status: &str, look: &Look) -> Line<'a> {
-    let range = format!("   {} to {}", state.time(state.from), state.time(state.to));
+    let zero = match state.zero {
+        0 => String::new(),
+        zero => format!(", 0 is at {}", state.span(zero)),
+    };
+    let range = format!("   {} to {}{zero}", state.time(state.from), state.time(state.to));
     let lost = match state.trace.lost() {
         0 => String::new(),
         lost => format!("   {lost} samples lost"),
@@ -78,12 +86,13 @@ fn title<'a>(state: &State, status: &str, look: &Look) -> Line<'a> {
 fn rule<'a>(state: &State, look: &Look) -> Line<'a> {
     let mut text: Vec<char> = vec![' '; usize::from(NAMES) + state.columns];
     let base = state.trace.base();
-    let (from, width) = (base.seconds(state.from), base.seconds(state.width()));
+    let after = |at: i64| at.saturating_sub(state.zero);
+    let (from, width) = (base.seconds(after(state.from)), base.seconds(state.width()));
     // A label takes up to 14 columns.
     let most = (state.columns / 16).max(1) as f64;
     let step = round_step(width / most);
-    let (factor, unit) =
-        unit_of(base.seconds(state.to.saturating_abs().max(state.from.saturating_abs())), "s");
+    let largest = after(state.to).saturating_abs().max(after(state.from).saturating_abs());
+    let (factor, unit) = unit_of(base.seconds(largest), "s");
     let mut tick = (from / step).ceil();
     for _ in 0..state.columns {
         let at = (tick * step - from) / width * state.columns as f64;
@@ -254,7 +263,7 @@ fn readings<'a>(state: &State, look: &Look) -> Vec<Line<'a>> {
     let [a, b] = state.cursors;
     if let Some((a, b)) = a.zip(b) {
         let apart = b.saturating_sub(a);
-        cursors.push_str(&format!("B-A {}", state.time(apart)));
+        cursors.push_str(&format!("B-A {}", state.span(apart)));
         let seconds = state.trace.base().seconds(apart).abs();
         if seconds > 0.0 {
             let (factor, unit) = unit_of(1.0 / seconds, "Hz");
@@ -313,7 +322,13 @@ fn said(m: &Measures, is_bit: bool) -> String {
 
 fn bottom<'a>(state: &State, look: &Look) -> Line<'a> {
     if let Some(typing) = &state.typing {
-        return Line::raw(format!("find: {}▏", typing.text));
+        let what = match typing.what {
+            Typed::Name => "find",
+            Typed::When => "go to where",
+            Typed::Trigger => "trigger when",
+            Typed::File => "write to",
+        };
+        return Line::raw(format!("{what}: {}▏", typing.text));
     }
     if !state.said.is_empty() {
         return Line::styled(state.said.clone(), look.changed);

@@ -9,7 +9,11 @@ use crate::{
     screen::Key,
 };
 use hal_protocol::Type;
-use hal_trace::Trace;
+use hal_trace::{
+    Trace, save,
+    trigger::{Condition, When},
+};
+use std::path::Path;
 
 /// A channel as it is shown.
 #[derive(Clone, Debug)]
@@ -23,7 +27,21 @@ pub(super) struct Lane {
 /// What is being typed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Typing {
+    pub(super) what: Typed,
     pub(super) text: String,
+}
+
+/// What a typed text is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Typed {
+    /// A part of a channel's name.
+    Name,
+    /// When to go to.
+    When,
+    /// When a machine is to trigger.
+    Trigger,
+    /// A file to write to.
+    File,
 }
 
 /// The state of a view.
@@ -46,17 +64,21 @@ pub(super) struct State {
     /// What there is to say until the next key.
     pub(super) said: String,
     pub(super) helps: bool,
+    /// Where times are counted from: a trigger, or where machine time begins.
+    pub(super) zero: i64,
     /// Columns of the drawing, as it was last painted.
     pub(super) columns: usize,
 }
 
 /// What a key means to whoever shows the view.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Asked {
     Nothing,
     Leave,
     /// A letter that this view has no use for.
     Other(char),
+    /// A trigger was typed.
+    Trigger(String),
 }
 
 /// The height of a lane of numbers, and its bounds.
@@ -86,10 +108,34 @@ impl State {
             typing: None,
             said: String::new(),
             helps: false,
+            zero: 0,
             columns: 80,
         };
+        state.count_from_trigger();
         state.fit();
         state
+    }
+
+    fn count_from_trigger(&mut self) {
+        let trigger = self.trace.markers().iter().find(|m| m.text.starts_with("trigger"));
+        self.zero = trigger.map_or(0, |m| m.at);
+    }
+
+    /// Another trace of the same channels: the window and the cursors stand to it as they stood to
+    /// the one before.
+    pub(super) fn replace(&mut self, trace: Trace) {
+        let (was_empty, was) = (self.trace.is_empty(), self.ends().0);
+        self.trace = trace;
+        self.count_from_trigger();
+        let by = self.ends().0.saturating_sub(was);
+        if was_empty {
+            return self.fit();
+        }
+        self.from = self.from.saturating_add(by);
+        self.to = self.to.saturating_add(by);
+        for cursor in self.cursors.iter_mut().flatten() {
+            *cursor = cursor.saturating_add(by);
+        }
     }
 
     /// The first and the last time.
@@ -113,8 +159,13 @@ impl State {
         self.lanes.get(self.selected)
     }
 
-    /// A time as it is written: `1.5 ms`.
+    /// A time as it is written: `1.5 ms`, after the trigger if there is one.
     pub(super) fn time(&self, ticks: i64) -> String {
+        self.span(ticks.saturating_sub(self.zero))
+    }
+
+    /// A span of time as it is written.
+    pub(super) fn span(&self, ticks: i64) -> String {
         let seconds = self.trace.base().seconds(ticks);
         let (factor, unit) = unit_of(seconds.abs(), "s");
         format!("{} {unit}", figures(seconds * factor))
@@ -124,8 +175,7 @@ impl State {
     pub(super) fn press(&mut self, key: Key) -> Asked {
         self.said.clear();
         if let Some(typing) = self.typing.take() {
-            self.typed(typing, key);
-            return if key == Key::Quit { Asked::Leave } else { Asked::Nothing };
+            return self.typed(typing, key);
         }
         if self.helps {
             self.helps = false;
@@ -163,22 +213,59 @@ impl State {
             Key::Letter('n') => self.edge(true),
             Key::Letter('p') => self.edge(false),
             Key::Letter('m') => self.marker(),
-            Key::Letter('/') => self.typing = Some(Typing { text: String::new() }),
+            Key::Letter('/') => self.ask(Typed::Name),
+            Key::Letter('g') => self.ask(Typed::When),
+            Key::Letter('w') => self.ask(Typed::File),
             Key::Letter(other) => return Asked::Other(other),
             _ => {}
         }
         Asked::Nothing
     }
 
-    fn typed(&mut self, mut typing: Typing, key: Key) {
+    /// Lets the user type.
+    pub(super) fn ask(&mut self, what: Typed) {
+        self.typing = Some(Typing { what, text: String::new() });
+    }
+
+    fn typed(&mut self, mut typing: Typing, key: Key) -> Asked {
         match key {
-            Key::Escape | Key::Quit => return,
-            Key::Enter => return self.find(&typing.text),
+            Key::Quit => return Asked::Leave,
+            Key::Escape => return Asked::Nothing,
+            Key::Enter => match typing.what {
+                Typed::Name => self.find(&typing.text),
+                Typed::When => self.go(&typing.text),
+                Typed::Trigger => return Asked::Trigger(typing.text),
+                Typed::File => self.write(&typing.text),
+            },
             Key::Back => drop(typing.text.pop()),
             Key::Letter(c) => typing.text.push(c),
             _ => {}
         }
-        self.typing = Some(typing);
+        if key != Key::Enter {
+            self.typing = Some(typing);
+        }
+        Asked::Nothing
+    }
+
+    fn write(&mut self, path: &str) {
+        self.said = match save(Path::new(path), &self.trace) {
+            Ok(()) => format!("{path}: {} samples", self.trace.len()),
+            Err(e) => e.to_string(),
+        };
+    }
+
+    /// Moves the active cursor to where a condition next holds.
+    fn go(&mut self, text: &str) {
+        let from = self.cursors.get(self.active).copied().flatten();
+        let from = from.map_or(0, |at| self.trace.times().from(at.saturating_add(1)));
+        let found = condition(&self.trace, text).map(|when| when.first(&self.trace, from));
+        match found {
+            Ok(sample) => match sample.and_then(|s| self.trace.times().get(s)) {
+                Some(at) => self.put(at),
+                None => self.said = format!("'{text}' does not hold later"),
+            },
+            Err(why) => self.said = why,
+        }
     }
 
     /// Selects the next channel whose name has this in it, also among those that are hidden.
@@ -341,4 +428,16 @@ impl State {
             None => self.said = "there are no markers".to_owned(),
         }
     }
+}
+
+/// A condition over a trace's own channels, each by the name that the condition has for it.
+fn condition(trace: &Trace, text: &str) -> Result<When, String> {
+    let said = |e: hal_trace::trigger::ConditionError| e.why().to_owned();
+    let condition = Condition::parse(text).map_err(said)?;
+    let called = condition.names();
+    let channels = trace.channels().iter().map(|c| {
+        let name = c.names().iter().find(|n| called.contains(&n.as_str()));
+        (name.map_or(c.name(), String::as_str).to_owned(), c.ty())
+    });
+    condition.bind(&channels.collect::<Vec<_>>()).map_err(said)
 }

@@ -56,7 +56,7 @@ fn a_jog_is_found_zoomed_and_measured() {
     keys(&mut state, "/xstep\nn++++");
     keys(&mut state, "bn");
     let lines = screen(&mut state, 90, 14);
-    assert_eq!(lines[0], "t.vcd   1.875 ms to 8.125 ms");
+    assert_eq!(lines[0], "t.vcd   -48.125 ms to -41.875 ms, 0 is at 50 ms");
     assert!(lines[1].contains('A') && lines[1].contains('B'), "{lines:#?}");
     let measured = &lines[11];
     assert_eq!(lines[10].split("   ").collect::<Vec<_>>()[2], "B-A 5 ms (200 Hz)", "{lines:#?}");
@@ -76,7 +76,7 @@ fn a_jog_is_found_zoomed_and_measured() {
 #[test]
 fn a_screen_is_as_it_should_be() {
     let mut state = view(&["xstep", "stepgen.0.position-fb"]);
-    (state.from, state.to) = (0, 12_000_000);
+    (state.from, state.to, state.zero) = (0, 12_000_000, 0);
     let lines = screen(&mut state, 74, 14);
     assert_eq!(lines[0], "t.vcd   0 s to 12 ms");
     assert_eq!(lines[1].split_whitespace().collect::<String>(), "╵0ms╵5ms╵10ms");
@@ -122,6 +122,42 @@ fn cursors_go_from_edge_to_edge_and_bring_themselves_into_view() {
     state.cursors = [Some(10_000_000), Some(20_000_000)];
     keys(&mut state, "z");
     assert_eq!((state.from, state.to), (9_500_000, 20_500_000));
+}
+
+#[test]
+fn a_condition_is_gone_to_and_a_trigger_is_asked_for() {
+    let mut state = view(&[]);
+    keys(&mut state, "gstepgen.0.position-fb > 41.5\n");
+    assert_eq!(state.cursors[0], Some(42_000_000), "{}", state.said);
+    keys(&mut state, "gxstep rises\n");
+    assert_eq!(state.cursors[0], Some(47_000_000), "later than where it is: {}", state.said);
+    assert_eq!(state.said, "");
+    keys(&mut state, "gstepgen.0.position-fb > 1000\n");
+    assert_eq!(state.said, "'stepgen.0.position-fb > 1000' does not hold later");
+    keys(&mut state, "gy > 1\n");
+    assert!(state.said.contains("'y'"), "{}", state.said);
+    keys(&mut state, "w/nonexistent/t.vcd\n");
+    assert!(state.said.starts_with("/nonexistent/t.vcd: "), "{}", state.said);
+    state.ask(super::state::Typed::Trigger);
+    keys(&mut state, "xstep");
+    assert_eq!(state.press(Key::Enter), Asked::Trigger("xstep".to_owned()));
+}
+
+#[test]
+fn the_next_capture_stands_where_the_last_one_stood() {
+    let mut state = view(&[]);
+    keys(&mut state, "n+++");
+    let (from, to, cursor) = (state.from, state.to, state.cursors[0].unwrap());
+    let mut later = Trace::default();
+    later.add("stepgen.0.step", Type::Bit);
+    later.add("stepgen.0.position-fb", Type::Float);
+    later.push(1_000_000_000, &[0, 0]).unwrap();
+    later.push(1_100_000_000, &[1, 0]).unwrap();
+    later.mark(1_050_000_000, "trigger: xstep rises");
+    state.replace(later);
+    assert_eq!((state.from, state.to), (from + 1_000_000_000, to + 1_000_000_000));
+    assert_eq!(state.cursors[0], Some(cursor + 1_000_000_000));
+    assert_eq!(state.time(1_050_000_000), "0 s");
 }
 
 #[test]
