@@ -90,12 +90,13 @@ fn run(plan: &Plan, terminal: &mut dyn Terminal) -> u8 {
 }
 
 /// What is read before there is an engine.
-struct Files {
-    ini: Option<Ini>,
-    script: Vec<u8>,
+pub(crate) struct Files {
+    pub(crate) ini: Option<Ini>,
+    pub(crate) script: Vec<u8>,
 }
 
-fn prepare(plan: &Plan) -> Result<Files, Error> {
+/// Reads them.
+pub(crate) fn prepare(plan: &Plan) -> Result<Files, Error> {
     let mut script = Vec::new();
     let ini_path = match &plan.script {
         Script::Hal(path) => {

@@ -106,6 +106,12 @@ impl Ini {
         self.entries.iter().find(|e| e.is(section, name)).map(|e| e.value.as_str())
     }
 
+    /// Gives the first entry of this name in the section another value; whether there is one.
+    pub fn change(&mut self, section: &str, name: &str, value: &str) -> bool {
+        let entry = self.entries.iter_mut().find(|e| e.is(section, name));
+        entry.map(|e| value.clone_into(&mut e.value)).is_some()
+    }
+
     /// Every entry of this name in the section, in order.
     pub fn all<'a>(&'a self, section: &str, name: &str) -> impl Iterator<Item = &'a Entry> {
         self.entries.iter().filter(move |e| e.is(section, name))

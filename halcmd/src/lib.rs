@@ -20,6 +20,7 @@ mod flight;
 pub mod graph;
 pub mod halcmd;
 pub mod halrun;
+pub mod haltest;
 pub mod help;
 mod hint;
 pub mod ini;

@@ -117,7 +117,9 @@ impl Engine {
             if !wanted || item.shown() != name || item.ty == Type::Port {
                 continue;
             }
-            let signal = self.graph.signal_of(*ix);
+            // Who names a pin in full wants to see it when it is on another signal, too.
+            let apart = r.patterns.is_one(name.as_str());
+            let signal = self.graph.signal_of(*ix).filter(|_| !apart);
             if let Some(at) =
                 signal.and_then(|s| of_signal.get(&s)).and_then(|i| columns.get_mut(*i))
             {

@@ -158,12 +158,21 @@ impl Engine {
         self.script_waits = false;
     }
 
+    /// A program whose poll is due now polls before anything else is done: otherwise what it sees of
+    /// the next line of a script would be a matter of chance.
+    fn settle_polls(&mut self) {
+        while self.shared.is_virtual() && !self.is_ending() && !crate::server::has_polled(self) {
+            self.pump(1);
+        }
+    }
+
     fn wait_for_ticket(&mut self, id: u64) -> Result<TicketInfo, Error> {
         loop {
             // Enough instants between looks at the socket that the look costs nothing.
             for _ in 0..4096 {
                 let info = self.ticket(id)?;
                 if info != TicketInfo::Pending || self.is_ending() || self.fault.is_some() {
+                    self.settle_polls();
                     return Ok(info);
                 }
                 if !self.shared.is_virtual() {
@@ -202,6 +211,7 @@ impl Link for Engine {
                 while self.shared.now() < end && !self.is_ending() {
                     self.pump(1);
                 }
+                self.settle_polls();
                 self.target = before;
                 Reply::Done
             }

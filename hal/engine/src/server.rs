@@ -144,6 +144,17 @@ pub(crate) fn owes_poll(engine: &Engine) -> bool {
     clients.into_iter().any(|c| c.owes.is_some_and(|t| t <= now) && c.waits == Waits::No)
 }
 
+/// Whether no program is still to poll at this moment of machine time, or before.
+pub(crate) fn has_polled(engine: &Engine) -> bool {
+    let now = engine.shared.now();
+    let clients = engine.server.iter().flat_map(|s| &s.clients);
+    clients.into_iter().all(|c| match c.waits {
+        Waits::Poll(t) => t > now,
+        Waits::No => c.owes.is_none_or(|t| t > now),
+        Waits::Time(_) | Waits::Wall(_) | Waits::Ticket(_) => true,
+    })
+}
+
 /// How far clients' waits let the virtual clock move.
 fn clients_target(server: &Server) -> i64 {
     let targets = server.clients.iter().filter_map(|c| match c.waits {

@@ -31,6 +31,12 @@ impl Patterns {
         Self(spelling).names(name)
     }
 
+    /// Whether one of them is `name` itself.
+    #[must_use]
+    pub fn is_one(&self, name: &str) -> bool {
+        self.0.iter().any(|p| p == name)
+    }
+
     /// Whether a pattern matches `name`: false when there is none.
     #[must_use]
     pub fn names(&self, name: &str) -> bool {

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 /// What to do.
 #[derive(Clone, Debug)]
-pub(super) enum Action {
+pub(crate) enum Action {
     /// Explain the options.
     Help,
     /// End the instance that runs there.
@@ -25,7 +25,7 @@ pub(super) enum Action {
 
 /// Where the script is.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Script {
+pub(crate) enum Script {
     /// A `.hal` file.
     Hal(String),
     /// A machine's INI file.
@@ -38,7 +38,7 @@ pub(super) enum Script {
 
 /// Whether the process is in the background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Detach {
+pub(crate) enum Detach {
     /// It is not.
     No,
     /// It is to start one that is.
@@ -49,11 +49,11 @@ pub(super) enum Detach {
 
 /// How to make and run an instance.
 #[derive(Clone, Debug)]
-pub(super) struct Plan {
-    pub(super) options: Options,
-    pub(super) style: Style,
+pub(crate) struct Plan {
+    pub(crate) options: Options,
+    pub(crate) style: Style,
     pub(super) level: Option<u8>,
-    pub(super) script: Script,
+    pub(crate) script: Script,
     pub(super) ini: Option<String>,
     pub(super) batch: bool,
     pub(super) interactive: bool,
@@ -140,7 +140,7 @@ const fn with(
 }
 
 /// Reads the command line and the environment.
-pub(super) fn plan(
+pub(crate) fn plan(
     words: &[String],
     environment: &dyn Fn(&str) -> Option<String>,
 ) -> Result<Action, Error> {
@@ -238,12 +238,12 @@ pub(super) fn plan(
 }
 
 /// The options, for completion.
-pub(super) fn table() -> Vec<Opt<()>> {
+pub(crate) fn table() -> Vec<Opt<()>> {
     [plain(OPTIONS), plain(&halcmd::COMMON)].concat()
 }
 
 /// The usage text.
-pub(super) fn help() -> String {
+pub(crate) fn help() -> String {
     format!(
         "\nUsage:   halrun [options] [FILE.hal|FILE.ini]\n         halrun [options] -f FILE\n         \
          halrun -U\n\n\

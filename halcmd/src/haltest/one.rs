@@ -1,0 +1,65 @@
+//! One test, in the process that is its own.
+
+use super::{
+    course::{self, Course},
+    judge,
+    outcome::{Complaint, Outcome, Spot},
+    process::{OUTCOME, RECORDING},
+    stage,
+    test::Test,
+};
+use rustix::process::{Signal, set_parent_process_death_signal};
+use std::path::Path;
+
+/// Runs the test that a file has, and leaves what came of it in a folder.
+pub(super) fn main(shown: &str, folder: &Path) {
+    // Whoever asked has gone: nobody wants to know any more.
+    let _ = set_parent_process_death_signal(Some(Signal::KILL));
+    let outcome = outcome(shown, folder);
+    if let Ok(text) = serde_json::to_vec(&outcome) {
+        // Without it the other side says that there is none.
+        drop(std::fs::write(folder.join(OUTCOME), text));
+    }
+}
+
+fn outcome(shown: &str, folder: &Path) -> Outcome {
+    let mut outcome = Outcome::default();
+    let path = std::path::absolute(shown).unwrap_or_else(|_| shown.into());
+    let test = match Test::read(&path, shown) {
+        Ok(test) => test,
+        Err(complaints) => {
+            outcome.complaints = complaints;
+            return outcome;
+        }
+    };
+    outcome.about.clone_from(&test.about);
+    let (copy, script) = match stage::set(&test, folder) {
+        Ok(found) => found,
+        Err(complaint) => {
+            outcome.complaints.push(complaint);
+            return outcome;
+        }
+    };
+    if let Err(error) = std::env::set_current_dir(&copy) {
+        let spot = Spot { file: shown.to_owned(), line: 1 };
+        outcome.complaints.push(Complaint::new(&spot, crate::ini::plain(&error)));
+        return outcome;
+    }
+    let course = course::run(&test, &script);
+    outcome.machine_ns = course.end.unsigned_abs();
+    outcome.said = course.said.iter().map(|(_, text)| text.clone()).collect();
+    judge(&test, &course, shown, folder, &mut outcome);
+    outcome
+}
+
+fn judge(test: &Test, course: &Course, shown: &str, folder: &Path, outcome: &mut Outcome) {
+    outcome.complaints.extend(course.complaints.iter().cloned());
+    if let Some(recording) = &course.recording {
+        // It is kept if somebody asks for it.
+        drop(std::fs::copy(recording, folder.join(RECORDING)));
+    }
+    // A course that was broken off is not what the expectations are about.
+    if course.complaints.is_empty() {
+        judge::judge(test, course, shown, outcome);
+    }
+}

@@ -1,0 +1,13 @@
+//! What came of all tests, in a line.
+
+use super::outcome::Outcome;
+
+/// The last line.
+pub(super) fn summary(outcomes: &[Outcome]) -> String {
+    let failed = outcomes.iter().filter(|o| !o.passed()).count();
+    let tests = if outcomes.len() == 1 { "test" } else { "tests" };
+    let ns = outcomes.iter().fold(0_u64, |sum, o| sum.saturating_add(o.machine_ns));
+    let time = crate::units::duration(ns);
+    let fate = if failed == 0 { "all passed".to_owned() } else { format!("{failed} failed") };
+    format!("{} {tests}, {fate}, {time} of machine time\n", outcomes.len())
+}
