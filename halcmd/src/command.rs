@@ -42,6 +42,8 @@ pub enum Command {
     Check(Vec<String>),
     /// `explain`, with its words.
     Explain(Vec<String>),
+    /// `man`, with its words.
+    Man(Vec<String>),
     /// `print`.
     Print(Option<String>),
     /// `echo`, `unecho`.

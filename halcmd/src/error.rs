@@ -180,6 +180,10 @@ pub enum Error {
         word: Box<str>,
         near: Option<Box<str>>,
     },
+    NoManual {
+        word: Box<str>,
+        near: Option<Box<str>>,
+    },
     ThreadsExist,
     NoScreen,
     Unexpected,
@@ -277,6 +281,7 @@ impl core::fmt::Display for Error {
                 write!(f, "halrun: Unknown file extension for filename=<{file}>")
             }
             Self::NoCode { word, .. } => write!(f, "there is no code '{word}'"),
+            Self::NoManual { word, .. } => write!(f, "there is no component '{word}'"),
             Self::ThreadsExist => {
                 f.write_str("HAL_LIB: Cannot run 'setexact' after a thread has been created")
             }

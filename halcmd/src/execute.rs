@@ -5,7 +5,7 @@ use crate::{
     command::{LockChange, SaveKind, ShowKind, StatusKind},
     explain, help,
     hint::nearest,
-    list, save, show, status,
+    list, man, save, show, status,
 };
 use hal_protocol::{Failure, Kind, Lock, Reply, Request, StatusInfo, TicketInfo, Type};
 use serde_json::{Value, json};
@@ -70,6 +70,9 @@ impl Session<'_> {
                 explain::main(&words, self.terminal)?;
             }
             Command::Flight(what) => self.flight(what)?,
+            Command::Man(words) => {
+                man::main(&words, self.terminal)?;
+            }
             Command::Order(subject, script) => self.order(&subject, script)?,
             Command::Graph(subject, wanted, format, file) => {
                 self.graph(&subject, &wanted, format, file.as_deref())?;

@@ -3,6 +3,7 @@
 use crate::{
     Bytes, Error, Outcome, Session, Stdio, Style, Terminal, check, complete, explain, help,
     ini::Ini,
+    man,
     options::{Opt, from_environment, options, plain, usage},
     profile::Profile,
     prompt,
@@ -136,6 +137,7 @@ fn run(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
     if let Some((name, words)) = rest.split_first().filter(|_| !file) {
         match name.as_str() {
             "explain" => return explain::main(words, terminal),
+            "man" if !words.is_empty() => return man::main(words, terminal),
             "check" => {
                 let before = check::Before { ini: value(Id::Ini), json: style.json };
                 let mut remote = Remote::new(place(value(Id::Instance))?, "");

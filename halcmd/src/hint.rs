@@ -12,6 +12,7 @@ impl Error {
             Self::UnknownCommand { near, .. }
             | Self::NoHelp { near, .. }
             | Self::NoCode { near, .. }
+            | Self::NoManual { near, .. }
             | Self::NotLoaded { near, .. } => {
                 near.as_ref().map(|near| format!("did you mean {near}?"))
             }

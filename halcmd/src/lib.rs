@@ -26,6 +26,7 @@ mod hint;
 pub mod ini;
 pub mod lex;
 pub mod list;
+pub mod man;
 pub mod manual;
 mod meter;
 pub mod options;

@@ -352,6 +352,8 @@ pub(crate) mod samples {
             users: 1,
             name: "and2.0".to_owned(),
             foreign: false,
+            doc: String::new(),
+            fast: false,
         }])
     }
 

@@ -27,7 +27,26 @@ impl Component for Pid {
         while the output is limited.\n\n\
         Tuning: with `enable` and `tune-mode` true, `tune-start` lets the output switch between \
         `bias` plus and minus `tune-effort` as the error changes sign; after `tune-cycles` half \
-        cycles the gains are set from what was seen, and `tune-start` becomes false.";
+        cycles the gains are set from what was seen, and `tune-start` becomes false.\n\n\
+        # Example\n\n\
+        ```hal\n\
+        loadrt pid num_chan=1\n\
+        loadrt threads name1=servo period1=1000000\n\
+        addf pid.0.do-pid-calcs servo\n\
+        start\n\
+        setp pid.0.Pgain 10\n\
+        setp pid.0.maxoutput 40\n\
+        setp pid.0.enable 1\n\
+        setp pid.0.command 3\n\
+        setp pid.0.feedback 1\n\
+        run 2ms\n\
+        getp pid.0.error # -> 2\n\
+        getp pid.0.output # -> 20\n\
+        setp pid.0.feedback -9\n\
+        run 2ms\n\
+        getp pid.0.output # -> 40\n\
+        getp pid.0.saturated # -> TRUE\n\
+        ```";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = &[
         &Arg::int("num_chan", "Number of loops, 1 to 16; 0 is taken as 3."),

@@ -18,7 +18,19 @@ pub(crate) struct Bitslice {
 impl Component for Bitslice {
     const NAME: &'static str = "bitslice";
     const DOC: &'static str = "The bits of a number, one by one.\n\n\
-        `personality=` is how many of them, from the lowest: 1 to 32; 16 without it.";
+        `personality=` is how many of them, from the lowest: 1 to 32; 16 without it.\n\n\
+        # Example\n\n\
+        ```hal\n\
+        loadrt bitslice personality=4\n\
+        loadrt threads name1=servo period1=1000000\n\
+        addf bitslice.0 servo\n\
+        start\n\
+        setp bitslice.0.in 9\n\
+        run 1ms\n\
+        getp bitslice.0.out-00 # -> TRUE\n\
+        getp bitslice.0.out-01 # -> FALSE\n\
+        getp bitslice.0.out-03 # -> TRUE\n\
+        ```";
     const FLAGS: u32 = component_flags::PERSONALITY | component_flags::PARALLEL;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {

@@ -4,6 +4,18 @@ use hal_component::{Component, In, Out, Period, Update};
 /// A number in Gray code.
 ///
 /// In Gray code, neighbours differ in one bit only.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt bin2gray
+/// loadrt threads name1=servo period1=1000000
+/// addf bin2gray.0 servo
+/// start
+/// setp bin2gray.0.in 3
+/// run 1ms
+/// getp bin2gray.0.out # -> 2
+/// ```
 #[derive(Component)]
 #[hal(name = "bin2gray")]
 pub(crate) struct Bin2gray {
@@ -21,6 +33,18 @@ impl Update for Bin2gray {
 }
 
 /// A number from Gray code.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt gray2bin
+/// loadrt threads name1=servo period1=1000000
+/// addf gray2bin.0 servo
+/// start
+/// setp gray2bin.0.in 2
+/// run 1ms
+/// getp gray2bin.0.out # -> 3
+/// ```
 #[derive(Component)]
 #[hal(name = "gray2bin")]
 pub(crate) struct Gray2bin {

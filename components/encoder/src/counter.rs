@@ -20,7 +20,25 @@ impl Component for Counter {
     const DOC: &'static str = "Counts the pulses of one line, such as a spindle's sensor.\n\n\
         `num_chan=2` makes `counter.0` and `counter.1`; 1 to 8. `encoder` with `counter-mode` does \
         this better; it is here for scripts that have it. `counter.update-counters` belongs in the \
-        fastest thread, `counter.capture-position` in a slower one.";
+        fastest thread, `counter.capture-position` in a slower one.\n\n\
+        # Example\n\n\
+        ```hal\n\
+        loadrt counter\n\
+        loadrt threads name1=servo period1=1000000\n\
+        addf counter.update-counters servo\n\
+        addf counter.capture-position servo\n\
+        start\n\
+        setp counter.0.position-scale 2\n\
+        run 1ms\n\
+        setp counter.0.phase-A 1\n\
+        run 1ms\n\
+        setp counter.0.phase-A 0\n\
+        run 1ms\n\
+        setp counter.0.phase-A 1\n\
+        run 2ms\n\
+        getp counter.0.counts # -> 2\n\
+        getp counter.0.position # -> 1\n\
+        ```";
     const FLAGS: u32 = component_flags::ONCE;
     const ARGS: &'static [&'static ArgSpec] =
         &[&Arg::int("num_chan", "Number of channels, 1 to 8.").or("1")];

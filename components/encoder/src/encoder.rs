@@ -26,7 +26,27 @@ impl Component for Encoder {
         positions and speeds, in a slower one.\n\n\
         A before B counts up, four counts to a cycle. With `index-enable` true, the next rising edge \
         of Z makes the position zero there and `index-enable` false. The speed comes from the time \
-        between counts, not from how many there were in a period.";
+        between counts, not from how many there were in a period.\n\n\
+        # Example\n\n\
+        ```hal\n\
+        loadrt encoder num_chan=1\n\
+        loadrt threads name1=servo period1=1000000\n\
+        addf encoder.update-counters servo\n\
+        addf encoder.capture-position servo\n\
+        start\n\
+        setp encoder.0.position-scale 4\n\
+        run 1ms\n\
+        setp encoder.0.phase-A 1\n\
+        run 1ms\n\
+        setp encoder.0.phase-B 1\n\
+        run 1ms\n\
+        setp encoder.0.phase-A 0\n\
+        run 1ms\n\
+        setp encoder.0.phase-B 0\n\
+        run 1ms\n\
+        getp encoder.0.counts # -> 4\n\
+        getp encoder.0.position # -> 1\n\
+        ```";
     const FLAGS: u32 = component_flags::ONCE;
     const ARGS: &'static [&'static ArgSpec] = &[
         &Arg::int("num_chan", "Number of channels, 1 to 8; 0 is taken as 3."),

@@ -24,7 +24,26 @@ impl Component for SimEncoder {
     const DOC: &'static str = "Simulated encoders: two phases and an index pulse.\n\n\
         `num_chan=2` makes `sim-encoder.0` and `sim-encoder.1`, `names=x,z` makes `x` and `z`, nothing \
         makes one; at most 8. `sim-encoder.make-pulses` belongs in the fastest thread, where it can \
-        move one count per run; `sim-encoder.update-speed` reads the speed, in a slower one.";
+        move one count per run; `sim-encoder.update-speed` reads the speed, in a slower one.\n\n\
+        # Example\n\n\
+        ```hal\n\
+        loadrt encoder num_chan=1\n\
+        loadrt sim_encoder num_chan=1\n\
+        loadrt threads name1=base period1=50000 name2=servo period2=1000000\n\
+        addf sim-encoder.make-pulses base\n\
+        addf encoder.update-counters base\n\
+        addf sim-encoder.update-speed servo\n\
+        addf encoder.capture-position servo\n\
+        net a sim-encoder.0.phase-A encoder.0.phase-A\n\
+        net b sim-encoder.0.phase-B encoder.0.phase-B\n\
+        start\n\
+        setp sim-encoder.0.ppr 100\n\
+        setp sim-encoder.0.speed 5\n\
+        setp encoder.0.position-scale 400\n\
+        # The first two counts are made before the speed is known.\n\
+        run 1s\n\
+        getp encoder.0.counts # -> 1998\n\
+        ```";
     const FLAGS: u32 = component_flags::ONCE;
     const ARGS: &'static [&'static ArgSpec] = &[
         &Arg::int("num_chan", "Number of channels, 1 to 8; 0 is taken as 1."),

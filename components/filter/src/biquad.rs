@@ -9,6 +9,23 @@ const PI: f64 = 3.141_592_653_589;
 ///
 /// `enable` computes the coefficients as it rises; while it is false, or `valid` is, the input goes
 /// through.
+///
+/// # Example
+///
+/// ```hal
+/// # What is at rest goes through a low-pass as it is.
+/// loadrt biquad
+/// loadrt threads name1=servo period1=1000000
+/// addf biquad.0 servo
+/// start
+/// setp biquad.0.type 1
+/// setp biquad.0.f0 50
+/// setp biquad.0.enable 1
+/// setp biquad.0.in 3
+/// run 1s
+/// getp biquad.0.valid # -> TRUE
+/// getp biquad.0.out # -> 3
+/// ```
 #[derive(Component)]
 pub(crate) struct Biquad {
     /// The signal.

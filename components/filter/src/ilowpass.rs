@@ -2,6 +2,20 @@
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
 /// Low-pass filter of a count, such as a hand wheel's.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt ilowpass
+/// loadrt threads name1=servo period1=1000000
+/// addf ilowpass.0 servo
+/// start
+/// setp ilowpass.0.in 100
+/// run 1ms
+/// getp ilowpass.0.out # -> 51200
+/// run 1ms
+/// getp ilowpass.0.out # -> 76800
+/// ```
 #[derive(Component)]
 pub(crate) struct Ilowpass {
     /// The count.

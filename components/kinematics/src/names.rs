@@ -35,7 +35,7 @@ macro_rules! example {
             $crate::names::example!(@joints $joints),
             "start\nmotion.enable --wait\nmotion.home joint=all --wait\n",
             $rest,
-            "```"
+            "getp motion.in-position # -> TRUE\n```"
         )
     };
     (@joints 3) => { $crate::names::example!(@list "0" "1" "2") };

@@ -6,6 +6,25 @@ use hal_component::{Component, In, Out, Period, Update};
 /// It starts in fault. A rising edge of `reset` while `ok-in` is true and `fault-in` is false makes
 /// it OK; it falls back in fault as soon as `ok-in` is false or `fault-in` is true, and stays there
 /// until the next reset.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt estop_latch
+/// loadrt threads name1=servo period1=1000000
+/// addf estop-latch.0 servo
+/// start
+/// setp estop-latch.0.ok-in 1
+/// run 1ms
+/// getp estop-latch.0.ok-out # -> FALSE
+/// setp estop-latch.0.reset 1
+/// run 1ms
+/// getp estop-latch.0.ok-out # -> TRUE
+/// setp estop-latch.0.ok-in 0
+/// run 1ms
+/// getp estop-latch.0.ok-out # -> FALSE
+/// getp estop-latch.0.fault-out # -> TRUE
+/// ```
 #[derive(Component)]
 pub(crate) struct EstopLatch {
     /// The chain before this latch is closed.

@@ -4,6 +4,24 @@ use hal_component::{Component, In, Io, Period, Update};
 /// D flip-flop with set and reset.
 ///
 /// `reset` goes before `set`, and `set` before the clock.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt flipflop
+/// loadrt threads name1=servo period1=1000000
+/// addf flipflop.0 servo
+/// start
+/// setp flipflop.0.data 1
+/// run 1ms
+/// getp flipflop.0.out # -> FALSE
+/// setp flipflop.0.clk 1
+/// run 1ms
+/// getp flipflop.0.out # -> TRUE
+/// setp flipflop.0.reset 1
+/// run 1ms
+/// getp flipflop.0.out # -> FALSE
+/// ```
 #[derive(Component)]
 pub(crate) struct Flipflop {
     /// The value that a rising edge of `clk` stores.

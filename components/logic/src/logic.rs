@@ -27,7 +27,22 @@ impl Component for Logic {
         `personality=` is the number of inputs (0 to 16) plus one number for each output wanted: \
         0x100 `and`, 0x200 `or`, 0x400 `xor`, 0x800 `nand`, 0x1000 `nor`. `0x102` is a two-input \
         AND gate. The pins are `in-00`, `in-01` and so on, and the outputs that were asked for; \
-        without a personality there are none.";
+        without a personality there are none.\n\n\
+        # Example\n\n\
+        ```hal\n\
+        loadrt logic personality=0x303\n\
+        loadrt threads name1=servo period1=1000000\n\
+        addf logic.0 servo\n\
+        start\n\
+        setp logic.0.in-00 1\n\
+        setp logic.0.in-01 1\n\
+        run 1ms\n\
+        getp logic.0.and # -> FALSE\n\
+        getp logic.0.or # -> TRUE\n\
+        setp logic.0.in-02 1\n\
+        run 1ms\n\
+        getp logic.0.and # -> TRUE\n\
+        ```";
     const FLAGS: u32 = component_flags::PERSONALITY | component_flags::PARALLEL;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {

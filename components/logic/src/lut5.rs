@@ -5,6 +5,24 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 ///
 /// The inputs form a number, `in-0` + 2·`in-1` + 4·`in-2` + 8·`in-3` + 16·`in-4`; the output is
 /// the bit of `function` with that number. `0x80000000` is a five-input AND, `0xfffffffe` an OR.
+///
+/// # Example
+///
+/// ```hal
+/// # True when the first two bits are, and the third is not.
+/// loadrt lut5
+/// loadrt threads name1=servo period1=1000000
+/// addf lut5.0 servo
+/// start
+/// setp lut5.0.function 0x8
+/// setp lut5.0.in-0 1
+/// setp lut5.0.in-1 1
+/// run 1ms
+/// getp lut5.0.out # -> TRUE
+/// setp lut5.0.in-2 1
+/// run 1ms
+/// getp lut5.0.out # -> FALSE
+/// ```
 #[derive(Component)]
 pub(crate) struct Lut5 {
     /// Input worth 1.

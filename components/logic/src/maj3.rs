@@ -2,6 +2,21 @@
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
 /// Majority of three bits.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt maj3
+/// loadrt threads name1=servo period1=1000000
+/// addf maj3.0 servo
+/// start
+/// setp maj3.0.in1 1
+/// run 1ms
+/// getp maj3.0.out # -> FALSE
+/// setp maj3.0.in3 1
+/// run 1ms
+/// getp maj3.0.out # -> TRUE
+/// ```
 #[derive(Component)]
 pub(crate) struct Maj3 {
     /// First input.

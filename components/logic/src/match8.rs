@@ -4,6 +4,21 @@ use hal_component::{Component, In, Out, Period, Update};
 /// Whether two numbers of eight bits are equal.
 ///
 /// Several can be chained: the `out` of one is the `in` of the next.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt match8
+/// loadrt threads name1=servo period1=1000000
+/// addf match8.0 servo
+/// start
+/// setp match8.0.a0 1
+/// run 1ms
+/// getp match8.0.out # -> FALSE
+/// setp match8.0.b0 1
+/// run 1ms
+/// getp match8.0.out # -> TRUE
+/// ```
 #[derive(Component)]
 pub(crate) struct Match8 {
     /// Whether to compare at all; false makes the output false.

@@ -2,6 +2,20 @@
 use hal_component::{Component, In, Out, Period, Update};
 
 /// Two-input OR gate.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt or2
+/// loadrt threads name1=servo period1=1000000
+/// addf or2.0 servo
+/// start
+/// run 1ms
+/// getp or2.0.out # -> FALSE
+/// setp or2.0.in1 1
+/// run 1ms
+/// getp or2.0.out # -> TRUE
+/// ```
 #[derive(Component)]
 pub(crate) struct Or2 {
     /// First input.

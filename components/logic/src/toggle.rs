@@ -6,6 +6,24 @@ use hal_component::{Component, In, Io, ParamRw, Period, Update};
 /// The input is debounced by counting: each run with the button down counts up to `debounce`, each
 /// run with it up counts down to zero. The output changes when the count arrives at the top, and
 /// again only after it was at zero.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt toggle
+/// loadrt threads name1=servo period1=1000000
+/// addf toggle.0 servo
+/// start
+/// setp toggle.0.in 1
+/// run 5ms
+/// getp toggle.0.out # -> TRUE
+/// setp toggle.0.in 0
+/// run 5ms
+/// getp toggle.0.out # -> TRUE
+/// setp toggle.0.in 1
+/// run 5ms
+/// getp toggle.0.out # -> FALSE
+/// ```
 #[derive(Component)]
 pub(crate) struct Toggle {
     /// The button.

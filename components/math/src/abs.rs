@@ -2,6 +2,19 @@
 use hal_component::{Component, In, Out, Period, Update};
 
 /// Absolute value and sign of a number.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt abs
+/// loadrt threads name1=servo period1=1000000
+/// addf abs.0 servo
+/// start
+/// setp abs.0.in -2.5
+/// run 1ms
+/// getp abs.0.out # -> 2.5
+/// getp abs.0.is-negative # -> TRUE
+/// ```
 #[derive(Component)]
 pub(crate) struct Abs {
     /// The number.

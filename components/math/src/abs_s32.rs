@@ -2,6 +2,19 @@
 use hal_component::{Component, In, Out, Period, Update};
 
 /// Absolute value and sign of a 32-bit number.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt abs_s32
+/// loadrt threads name1=servo period1=1000000
+/// addf abs-s32.0 servo
+/// start
+/// setp abs-s32.0.in -7
+/// run 1ms
+/// getp abs-s32.0.out # -> 7
+/// getp abs-s32.0.sign # -> TRUE
+/// ```
 #[derive(Component)]
 pub(crate) struct AbsS32 {
     /// The number.

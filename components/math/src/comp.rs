@@ -2,6 +2,23 @@
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
 /// Compares two numbers, with hysteresis.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt comp
+/// loadrt threads name1=servo period1=1000000
+/// addf comp.0 servo
+/// start
+/// setp comp.0.in1 1
+/// run 1ms
+/// getp comp.0.out # -> TRUE
+/// setp comp.0.hyst 4
+/// setp comp.0.in0 2
+/// run 1ms
+/// getp comp.0.equal # -> TRUE
+/// getp comp.0.out # -> TRUE
+/// ```
 #[derive(Component)]
 pub(crate) struct Comp {
     /// First number.

@@ -2,6 +2,20 @@
 use hal_component::{Component, In, Out, Period, Update};
 
 /// Rate of change of a number.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt ddt
+/// loadrt threads name1=servo period1=1000000
+/// addf ddt.0 servo
+/// start
+/// setp ddt.0.in 1
+/// run 1ms
+/// setp ddt.0.in 3
+/// run 1ms
+/// getp ddt.0.out # -> 2000
+/// ```
 #[derive(Component)]
 pub(crate) struct Ddt {
     /// The number, in units.

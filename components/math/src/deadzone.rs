@@ -2,6 +2,22 @@
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
 /// A number that stays at its centre while it is near.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt deadzone
+/// loadrt threads name1=servo period1=1000000
+/// addf deadzone.0 servo
+/// start
+/// setp deadzone.0.threshold 2
+/// setp deadzone.0.in 0.9
+/// run 1ms
+/// getp deadzone.0.out # -> 0
+/// setp deadzone.0.in 5
+/// run 1ms
+/// getp deadzone.0.out # -> 4
+/// ```
 #[derive(Component)]
 pub(crate) struct Deadzone {
     /// The number.

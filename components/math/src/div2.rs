@@ -3,6 +3,19 @@ use crate::bounds::away;
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
 /// Quotient of two numbers.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt div2
+/// loadrt threads name1=servo period1=1000000
+/// addf div2.0 servo
+/// start
+/// setp div2.0.in0 7
+/// setp div2.0.in1 2
+/// run 1ms
+/// getp div2.0.out # -> 3.5
+/// ```
 #[derive(Component)]
 pub(crate) struct Div2 {
     /// Dividend.

@@ -2,6 +2,20 @@
 use hal_component::{Component, In, Out, Period, Update};
 
 /// Length of a vector of up to three coordinates.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt hypot
+/// loadrt threads name1=servo period1=1000000
+/// addf hypot.0 servo
+/// start
+/// setp hypot.0.in0 3
+/// setp hypot.0.in1 4
+/// setp hypot.0.in2 12
+/// run 1ms
+/// getp hypot.0.out # -> 13
+/// ```
 #[derive(Component)]
 pub(crate) struct Hypot {
     /// First coordinate.

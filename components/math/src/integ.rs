@@ -3,6 +3,18 @@ use crate::bounds::{larger, smaller};
 use hal_component::{Component, In, Out, Period, Update};
 
 /// Integral of a number over time.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt integ
+/// loadrt threads name1=servo period1=1000000
+/// addf integ.0 servo
+/// start
+/// setp integ.0.in 5
+/// run 100ms
+/// getp integ.0.out # -> 0.5
+/// ```
 #[derive(Component)]
 pub(crate) struct Integ {
     /// The number, in units per second.

@@ -3,6 +3,18 @@ use crate::bounds::away;
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
 /// Reciprocal of a number.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt invert
+/// loadrt threads name1=servo period1=1000000
+/// addf invert.0 servo
+/// start
+/// setp invert.0.in 4
+/// run 1ms
+/// getp invert.0.out # -> 0.25
+/// ```
 #[derive(Component)]
 pub(crate) struct Invert {
     /// The number.

@@ -3,6 +3,19 @@ use crate::bounds::{larger, smaller};
 use hal_component::{Component, In, Out, Period, Update};
 
 /// Limits a number to a range.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt limit1
+/// loadrt threads name1=servo period1=1000000
+/// addf limit1.0 servo
+/// start
+/// setp limit1.0.max 10
+/// setp limit1.0.in 12
+/// run 1ms
+/// getp limit1.0.out # -> 10
+/// ```
 #[derive(Component)]
 pub(crate) struct Limit1 {
     /// The number.

@@ -3,6 +3,22 @@ use crate::bounds::within;
 use hal_component::{Component, In, Out, Period, Update};
 
 /// Limits a number to a range, and how fast it changes.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt limit2
+/// loadrt threads name1=servo period1=1000000
+/// addf limit2.0 servo
+/// start
+/// setp limit2.0.maxv 100
+/// setp limit2.0.in 12
+/// run 10ms
+/// getp limit2.0.out # -> 1
+/// setp limit2.0.load 1
+/// run 1ms
+/// getp limit2.0.out # -> 12
+/// ```
 #[derive(Component)]
 pub(crate) struct Limit2 {
     /// The number.

@@ -9,6 +9,24 @@ const NEAR: f64 = 1e-9;
 ///
 /// The output follows the input as fast as `maxv` and `maxa` allow, arrives at a moving input with
 /// its speed, and stops at `min` and `max` without passing them.
+///
+/// # Example
+///
+/// ```hal
+/// # Half a second to speed, and half a second to a stop.
+/// loadrt limit3
+/// loadrt threads name1=servo period1=1000000
+/// addf limit3.0 servo
+/// start
+/// setp limit3.0.maxv 10
+/// setp limit3.0.maxa 20
+/// setp limit3.0.max 100
+/// setp limit3.0.in 5
+/// run 250ms
+/// getp limit3.0.out # -> 0.6275
+/// run 2s
+/// getp limit3.0.out # -> 5
+/// ```
 #[derive(Component)]
 pub(crate) struct Limit3 {
     /// The position to follow, in units.

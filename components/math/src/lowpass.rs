@@ -2,6 +2,24 @@
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
 /// Low-pass filter of first order.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt lowpass
+/// loadrt threads name1=servo period1=1000000
+/// addf lowpass.0 servo
+/// start
+/// setp lowpass.0.gain 0.5
+/// setp lowpass.0.in 8
+/// run 1ms
+/// getp lowpass.0.out # -> 4
+/// run 1ms
+/// getp lowpass.0.out # -> 6
+/// setp lowpass.0.load 1
+/// run 1ms
+/// getp lowpass.0.out # -> 8
+/// ```
 #[derive(Component)]
 pub(crate) struct Lowpass {
     /// The number.

@@ -3,6 +3,24 @@ use crate::bounds::{larger, smaller};
 use hal_component::{Component, In, Out, Period, Update};
 
 /// Lowest and highest value of a number so far.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt minmax
+/// loadrt threads name1=servo period1=1000000
+/// addf minmax.0 servo
+/// start
+/// setp minmax.0.in 5
+/// run 1ms
+/// setp minmax.0.in -3
+/// run 1ms
+/// getp minmax.0.max # -> 5
+/// getp minmax.0.min # -> -3
+/// setp minmax.0.reset 1
+/// run 1ms
+/// getp minmax.0.max # -> -3
+/// ```
 #[derive(Component)]
 pub(crate) struct Minmax {
     /// The number.

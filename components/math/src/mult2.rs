@@ -2,6 +2,19 @@
 use hal_component::{Component, In, Out, Period, Update};
 
 /// Product of two numbers.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt mult2
+/// loadrt threads name1=servo period1=1000000
+/// addf mult2.0 servo
+/// start
+/// setp mult2.0.in0 7
+/// setp mult2.0.in1 -2
+/// run 1ms
+/// getp mult2.0.out # -> -14
+/// ```
 #[derive(Component)]
 pub(crate) struct Mult2 {
     /// First number.

@@ -2,6 +2,23 @@
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
 /// Whether two numbers are nearly equal.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt near
+/// loadrt threads name1=servo period1=1000000
+/// addf near.0 servo
+/// start
+/// setp near.0.in1 10
+/// setp near.0.in2 10.4
+/// setp near.0.difference 0.5
+/// run 1ms
+/// getp near.0.out # -> TRUE
+/// setp near.0.in2 11
+/// run 1ms
+/// getp near.0.out # -> FALSE
+/// ```
 #[derive(Component)]
 pub(crate) struct Near {
     /// First number.

@@ -16,7 +16,21 @@ pub(crate) struct Offset;
 impl Component for Offset {
     const NAME: &'static str = "offset";
     const DOC: &'static str = "Adds an offset to a number, and takes it off the feedback.\n\n\
-        Two functions: `update-output` on the way out, `update-feedback` on the way back.";
+        Two functions: `update-output` on the way out, `update-feedback` on the way back.\n\n\
+        # Example\n\n\
+        ```hal\n\
+        loadrt offset\n\
+        loadrt threads name1=servo period1=1000000\n\
+        addf offset.0.update-output servo\n\
+        addf offset.0.update-feedback servo\n\
+        start\n\
+        setp offset.0.offset 2\n\
+        setp offset.0.in 5\n\
+        setp offset.0.fb-in 7\n\
+        run 1ms\n\
+        getp offset.0.out # -> 7\n\
+        getp offset.0.fb-out # -> 5\n\
+        ```";
     const FLAGS: u32 = component_flags::PARALLEL;
     const ITEMS: &'static [&'static ItemSpec] = &[
         &OFFSET.spec::<In<f64>>(0),

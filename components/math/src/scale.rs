@@ -2,6 +2,20 @@
 use hal_component::{Component, In, Out, Period, Update};
 
 /// A number times a gain, plus an offset.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt scale
+/// loadrt threads name1=servo period1=1000000
+/// addf scale.0 servo
+/// start
+/// setp scale.0.in 4
+/// setp scale.0.gain 2.5
+/// setp scale.0.offset 1
+/// run 1ms
+/// getp scale.0.out # -> 11
+/// ```
 #[derive(Component)]
 pub(crate) struct Scale {
     /// The number.

@@ -2,6 +2,21 @@
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
 /// Sum of two numbers, each with a gain, and an offset.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt sum2
+/// loadrt threads name1=servo period1=1000000
+/// addf sum2.0 servo
+/// start
+/// setp sum2.0.in0 7
+/// setp sum2.0.in1 2
+/// setp sum2.0.gain1 -3
+/// setp sum2.0.offset 0.5
+/// run 1ms
+/// getp sum2.0.out # -> 1.5
+/// ```
 #[derive(Component)]
 pub(crate) struct Sum2 {
     /// First number.

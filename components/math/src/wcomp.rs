@@ -2,6 +2,24 @@
 use hal_component::{Component, In, Out, Period, Update};
 
 /// Whether a number is inside a window.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt wcomp
+/// loadrt threads name1=servo period1=1000000
+/// addf wcomp.0 servo
+/// start
+/// setp wcomp.0.min 1
+/// setp wcomp.0.max 3
+/// setp wcomp.0.in 2
+/// run 1ms
+/// getp wcomp.0.out # -> TRUE
+/// setp wcomp.0.in 4
+/// run 1ms
+/// getp wcomp.0.out # -> FALSE
+/// getp wcomp.0.over # -> TRUE
+/// ```
 #[derive(Component)]
 pub(crate) struct Wcomp {
     /// The number.

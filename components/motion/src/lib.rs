@@ -56,7 +56,27 @@ It goes off by itself when `motion.enable` goes FALSE, a limit switch closes, an
 fault, or a joint does not follow its command.
 
 With kinematics of several types, such as `scarakins`, `motion.switchkins-type` says which one is in
-force.";
+force.
+
+# Example
+
+```hal
+loadrt trivkins coordinates=XYZ
+loadrt motmod num_joints=3
+addf motion-command-handler servo-thread
+addf motion-controller servo-thread
+net x joint.0.motor-pos-cmd joint.0.motor-pos-fb
+start
+motion.configure joint=0 max-velocity=100 max-acceleration=1000 min-limit=-500 max-limit=500 ferror=1 min-ferror=1
+motion.enable
+run 10ms
+motion.jog joint=0 velocity=50
+run 1s
+motion.jog-stop joint=0
+run 1s
+getp motion.motion-enabled # -> TRUE
+getp joint.0.in-position # -> TRUE
+```";
     const FLAGS: u32 = component_flags::ONCE;
     const ARGS: &'static [&'static ArgSpec] = setup::ARGS;
 

@@ -2,6 +2,20 @@
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
 /// A mixture of two numbers.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt blend
+/// loadrt threads name1=servo period1=1000000
+/// addf blend.0 servo
+/// start
+/// setp blend.0.in1 10
+/// setp blend.0.in2 20
+/// setp blend.0.select 0.25
+/// run 1ms
+/// getp blend.0.out # -> 17.5
+/// ```
 #[derive(Component)]
 pub(crate) struct Blend {
     /// The number at `select` 1.

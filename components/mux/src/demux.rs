@@ -22,7 +22,21 @@ impl Component for Demux {
     const DOC: &'static str = "One of up to 32 bits, by number, or all up to it.\n\n\
         `personality=` is the number of outputs; 32 without it. The selector bits, worth 1 to 16, and \
         `sel-u32` together are the number; the last output stands for all beyond it,\n\
-         and numbers of 2^31 and more choose none.";
+         and numbers of 2^31 and more choose none.\n\n\
+        # Example\n\n\
+        ```hal\n\
+        loadrt demux personality=4\n\
+        loadrt threads name1=servo period1=1000000\n\
+        addf demux.0 servo\n\
+        start\n\
+        setp demux.0.sel-u32 2\n\
+        run 1ms\n\
+        getp demux.0.out-02 # -> TRUE\n\
+        getp demux.0.out-01 # -> FALSE\n\
+        setp demux.0.bargraph 1\n\
+        run 1ms\n\
+        getp demux.0.out-01 # -> TRUE\n\
+        ```";
     const FLAGS: u32 = component_flags::PERSONALITY | component_flags::PARALLEL;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {

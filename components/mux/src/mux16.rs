@@ -4,6 +4,21 @@ use hal_component::{Component, In, Out, ParamRo, Period, Update};
 /// One of sixteen numbers.
 ///
 /// The selectors form its number, `sel0` + 2·`sel1` + 4·`sel2` + 8·`sel3`, or its Gray code.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt mux16
+/// loadrt threads name1=servo period1=1000000
+/// addf mux16.0 servo
+/// start
+/// setp mux16.0.in09 7.9
+/// setp mux16.0.sel0 1
+/// setp mux16.0.sel3 1
+/// run 1ms
+/// getp mux16.0.out-f # -> 7.9
+/// getp mux16.0.out-s # -> 7
+/// ```
 #[derive(Component)]
 pub(crate) struct Mux16 {
     /// Whether the selectors are in Gray code, in which neighbours differ by one switch.

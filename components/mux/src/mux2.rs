@@ -2,6 +2,21 @@
 use hal_component::{Component, In, Out, Period, Update};
 
 /// One of two numbers.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt mux2
+/// loadrt threads name1=servo period1=1000000
+/// addf mux2.0 servo
+/// start
+/// setp mux2.0.in1 5
+/// run 1ms
+/// getp mux2.0.out # -> 0
+/// setp mux2.0.sel 1
+/// run 1ms
+/// getp mux2.0.out # -> 5
+/// ```
 #[derive(Component)]
 pub(crate) struct Mux2 {
     /// First number.

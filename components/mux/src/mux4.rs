@@ -4,6 +4,20 @@ use hal_component::{Component, In, Out, Period, Update};
 /// One of four numbers.
 ///
 /// The selectors form the number of the input, `sel0` + 2·`sel1`.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt mux4
+/// loadrt threads name1=servo period1=1000000
+/// addf mux4.0 servo
+/// start
+/// setp mux4.0.in3 7
+/// setp mux4.0.sel0 1
+/// setp mux4.0.sel1 1
+/// run 1ms
+/// getp mux4.0.out # -> 7
+/// ```
 #[derive(Component)]
 pub(crate) struct Mux4 {
     /// First number.

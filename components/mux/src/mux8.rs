@@ -4,6 +4,20 @@ use hal_component::{Component, In, Out, Period, Update};
 /// One of eight numbers.
 ///
 /// The selectors form the number of the input, `sel0` + 2·`sel1` + 4·`sel2`.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt mux8
+/// loadrt threads name1=servo period1=1000000
+/// addf mux8.0 servo
+/// start
+/// setp mux8.0.in5 7
+/// setp mux8.0.sel0 1
+/// setp mux8.0.sel2 1
+/// run 1ms
+/// getp mux8.0.out # -> 7
+/// ```
 #[derive(Component)]
 pub(crate) struct Mux8 {
     /// First number.

@@ -2,6 +2,19 @@
 use hal_component::{Component, In, Out, Period, Update};
 
 /// One of eight bits, by number.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt select8
+/// loadrt threads name1=servo period1=1000000
+/// addf select8.0 servo
+/// start
+/// setp select8.0.sel 3
+/// run 1ms
+/// getp select8.0.out3 # -> TRUE
+/// getp select8.0.out0 # -> FALSE
+/// ```
 #[derive(Component)]
 pub(crate) struct Select8 {
     /// The number of the output that is true; none for numbers beyond 0 to 7.

@@ -60,7 +60,23 @@ needs root. Simulated ports show their registers as `parport.N.sim.*`: raw bits 
 them, of which bit 7 of `status` and bits 0, 1 and 3 of `control` are the opposite of the line's
 level.
 
-When the machine stops, every output goes to the level of FALSE.";
+When the machine stops, every output goes to the level of FALSE.
+
+# Example
+
+```hal
+# On simulated hardware the lines are pins.
+loadrt hal_parport cfg=378
+loadrt threads name1=servo period1=1000000
+addf parport.0.read servo
+addf parport.0.write servo
+start
+setp parport.0.pin-02-out 1
+setp parport.0.sim.status-6 1
+run 1ms
+getp parport.0.pin-10-in # -> TRUE
+getp parport.0.sim.data-0 # -> TRUE
+```";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = &[&Arg::text(
         "cfg",

@@ -22,7 +22,22 @@ impl Component for Pwmgen {
         most 8. `pwmgen.make-pulses` belongs in the fastest thread, `pwmgen.update` in a slower \
         one.\n\n\
         The duty cycle is `value` / `scale` + `offset`, within `min-dc` and `max-dc` to either side. \
-        With `pwm-freq` 0 there are no periods: pulses of one run each come as often as it takes.";
+        With `pwm-freq` 0 there are no periods: pulses of one run each come as often as it takes.\n\n\
+        # Example\n\n\
+        ```hal\n\
+        # Half of the time forward: as a density, every other run.\n\
+        loadrt pwmgen output_type=1\n\
+        loadrt threads name1=base period1=100000 name2=servo period2=1000000\n\
+        addf pwmgen.make-pulses base\n\
+        addf pwmgen.update servo\n\
+        start\n\
+        setp pwmgen.0.scale 10\n\
+        setp pwmgen.0.value -5\n\
+        setp pwmgen.0.enable 1\n\
+        run 10ms\n\
+        getp pwmgen.0.dir # -> TRUE\n\
+        getp pwmgen.0.curr-dc # -> -0.5\n\
+        ```";
     const FLAGS: u32 = component_flags::ONCE;
     const ARGS: &'static [&'static ArgSpec] =
         &[&Arg::ints("output_type", "The type of each channel, 0 to 2; -1 ends the list.")

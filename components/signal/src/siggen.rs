@@ -19,7 +19,20 @@ impl Component for Siggen {
         `num_chan=2` makes `siggen.0` and `siggen.1`, `names=a,b` makes `a` and `b`, nothing makes \
         one. Each has a function `siggen.N.update`. All outputs of a generator have the same \
         frequency; square, sawtooth and triangle move by plus and minus `amplitude` around \
-        `offset`.";
+        `offset`.\n\n\
+        # Example\n\n\
+        ```hal\n\
+        loadrt siggen\n\
+        loadrt threads name1=servo period1=1000000\n\
+        addf siggen.0.update servo\n\
+        start\n\
+        setp siggen.0.frequency 10\n\
+        setp siggen.0.amplitude 2\n\
+        run 25ms\n\
+        getp siggen.0.square # -> -2\n\
+        run 50ms\n\
+        getp siggen.0.square # -> 2\n\
+        ```";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = &[
         &Arg::int("num_chan", "Number of generators, 1 to 16; 0 is taken as 1."),

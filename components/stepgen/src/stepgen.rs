@@ -45,7 +45,26 @@ thread; `stepgen.update-freq` and `stepgen.capture-position` in a slower one, ca
 
 The fastest rate is one step per `steplen` + `stepspace` (`steplen` alone for types 2 to 15); both
 count in whole periods of make-pulses. A reversal waits until `dirhold` and `dirsetup` (`dirdelay`)
-have passed, and the position waits with it. While `enable` is false a channel stands still at once.";
+have passed, and the position waits with it. While `enable` is false a channel stands still at once.
+
+# Example
+
+```hal
+loadrt stepgen step_type=0
+loadrt threads name1=base period1=50000 name2=servo period2=1000000
+addf stepgen.make-pulses base
+addf stepgen.capture-position servo
+addf stepgen.update-freq servo
+start
+setp stepgen.0.position-scale 1000
+setp stepgen.0.maxvel 5
+setp stepgen.0.maxaccel 50
+setp stepgen.0.enable 1
+setp stepgen.0.position-cmd 2
+run 2s
+getp stepgen.0.counts # -> 2000
+getp stepgen.0.dir # -> FALSE
+```";
 
 const TYPES: ArgSpec =
     Arg::ints("step_type", "The type of each channel, 0 to 15").required().at_most(16);

@@ -12,6 +12,35 @@ const REST_NS: i64 = 100_000_000;
 /// step until none has come for 20 ms. Speed is the mean over 20 ms; acceleration is fitted to the
 /// steps of a ramp, of which it takes eight over 30 ms. The function belongs after the one that
 /// makes the steps, in the same thread.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt stepgen step_type=0
+/// loadrt stepper
+/// loadrt threads name1=base period1=50000 name2=servo period2=1000000
+/// addf stepgen.make-pulses base
+/// addf stepper.0 base
+/// addf stepgen.update-freq servo
+/// net step stepgen.0.step stepper.0.step
+/// net dir stepgen.0.dir stepper.0.dir
+/// start
+/// setp stepgen.0.position-scale 100
+/// setp stepper.0.scale 100
+/// setp stepper.0.max-accel 10
+/// setp stepgen.0.maxvel 5
+/// setp stepgen.0.maxaccel 5
+/// setp stepgen.0.enable 1
+/// setp stepgen.0.position-cmd 2
+/// run 3s
+/// getp stepper.0.counts # -> 200
+/// getp stepper.0.lost # -> 0
+/// # Four times as hard, it loses steps.
+/// setp stepgen.0.maxaccel 40
+/// setp stepgen.0.position-cmd 0
+/// run 3s
+/// getp stepper.0.counts # -> 0
+/// ```
 #[derive(Component)]
 #[hal(fast)]
 pub struct Stepper {

@@ -12,6 +12,24 @@ use hal_component::{Component, In, Out, ParamRo, ParamRw, Period, Update};
 /// `run-start`, and only there `running` ends. Otherwise `position-cmd` is ahead of `position-fb` by
 /// two periods at `maxvel` in the direction of a jog; without one it follows `position-fb`, but for
 /// differences of less than a thousandth of a period at `maxvel`.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt steptest
+/// loadrt threads name1=servo period1=1000000
+/// addf steptest.0 servo
+/// net position steptest.0.position-cmd steptest.0.position-fb
+/// start
+/// setp steptest.0.maxvel 10
+/// setp steptest.0.maxaccel 100
+/// setp steptest.0.jog-plus 1
+/// run 1s
+/// setp steptest.0.jog-plus 0
+/// run 1s
+/// getp steptest.0.running # -> FALSE
+/// getp steptest.0.position-cmd # -> 20
+/// ```
 #[derive(Component)]
 pub struct Steptest {
     /// True jogs forward, while nothing runs.

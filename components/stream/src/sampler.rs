@@ -13,7 +13,22 @@ impl Component for Sampler {
     const DOC: &'static str = "Takes samples of pins at every run, for a program to read.\n\n\
         `depth=1000 cfg=fb` makes a channel `sampler.0` with a float pin `pin.0` and a bit pin \
         `pin.1`, and room for 999 records; further channels follow after commas. Its function \
-        `sampler.0` copies all pins at the same moment. `halsampler` prints the records.";
+        `sampler.0` copies all pins at the same moment. `halsampler` prints the records.\n\n\
+        # Example\n\n\
+        ```hal\n\
+        loadrt sampler depth=100 cfg=fb\n\
+        loadrt threads name1=servo period1=1000000\n\
+        addf sampler.0 servo\n\
+        start\n\
+        setp sampler.0.pin.0 1.5\n\
+        run 20ms\n\
+        getp sampler.0.curr-depth # -> 20\n\
+        getp sampler.0.full # -> FALSE\n\
+        # Without a reader it fills up, and counts what is lost.\n\
+        run 100ms\n\
+        getp sampler.0.full # -> TRUE\n\
+        getp sampler.0.overruns # -> 21\n\
+        ```";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = ARGS;
 

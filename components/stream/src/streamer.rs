@@ -13,7 +13,18 @@ impl Component for Streamer {
     const DOC: &'static str = "Plays records that a program wrote to pins, one at a time.\n\n\
         `depth=1000 cfg=fb` makes a channel `streamer.0` with a float pin `pin.0` and a bit pin \
         `pin.1`, and room for 999 records; further channels follow after commas. Its function \
-        `streamer.0` writes the next record to the pins. `halstreamer` fills it.";
+        `streamer.0` writes the next record to the pins. `halstreamer` fills it.\n\n\
+        # Example\n\n\
+        ```hal\n\
+        # Without a writer there is nothing to play.\n\
+        loadrt streamer depth=100 cfg=f\n\
+        loadrt threads name1=servo period1=1000000\n\
+        addf streamer.0 servo\n\
+        start\n\
+        run 5ms\n\
+        getp streamer.0.empty # -> TRUE\n\
+        getp streamer.0.underruns # -> 5\n\
+        ```";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = ARGS;
 

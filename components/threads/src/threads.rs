@@ -15,7 +15,16 @@ impl Component for Threads {
         `name1=fast period1=100000 name2=slow period2=1000000` creates two, the first with the \
         highest priority. A thread is created when it has a name and a period above zero; no \
         period may be shorter than that of the thread before. They go when the component is \
-        unloaded.";
+        unloaded.\n\n\
+        # Example\n\n\
+        ```hal\n\
+        loadrt threads name1=base period1=100000 name2=servo period2=1000000\n\
+        loadrt threadtest\n\
+        addf threadtest.0.increment base\n\
+        start\n\
+        run 950us\n\
+        getp threadtest.0.count # -> 9\n\
+        ```";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = &[
         &Arg::text("name1", "Name of the first thread.").or("thread1"),

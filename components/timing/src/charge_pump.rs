@@ -24,7 +24,21 @@ impl Component for ChargePump {
     const DOC: &'static str = "Square wave that stops when the machine does.\n\n\
         A charge pump outside keeps a relay closed only while it is fed: link `out` to a port's \
         pin and put the function `charge-pump` in the thread that must not stop. There is one of \
-        it, without a number in its names.";
+        it, without a number in its names.\n\n\
+        # Example\n\n\
+        ```hal\n\
+        loadrt charge_pump\n\
+        loadrt threads name1=servo period1=1000000\n\
+        addf charge-pump servo\n\
+        start\n\
+        run 1ms\n\
+        getp charge-pump.out # -> TRUE\n\
+        run 1ms\n\
+        getp charge-pump.out # -> FALSE\n\
+        setp charge-pump.enable 0\n\
+        run 5ms\n\
+        getp charge-pump.out # -> FALSE\n\
+        ```";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ITEMS: &'static [&'static ItemSpec] = &[
         &ENABLE.spec::<In<bool>>(1),

@@ -15,7 +15,19 @@ impl Component for Debounce {
         `cfg=4,2` makes a group of four filters, `debounce.0.0.in` and `.out` to `debounce.0.3`, \
         and a group of two. Each group has a function, `debounce.0`, and a delay. A filter counts \
         up at each run with its input true and down at each run with it false; its output changes \
-        when the count would leave its range, from zero to the delay.";
+        when the count would leave its range, from zero to the delay.\n\n\
+        # Example\n\n\
+        ```hal\n\
+        loadrt debounce cfg=2\n\
+        loadrt threads name1=servo period1=1000000\n\
+        addf debounce.0 servo\n\
+        start\n\
+        setp debounce.0.1.in 1\n\
+        run 3ms\n\
+        getp debounce.0.1.out # -> FALSE\n\
+        run 3ms\n\
+        getp debounce.0.1.out # -> TRUE\n\
+        ```";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = &[&Arg::ints(
         "cfg",

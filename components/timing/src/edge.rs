@@ -4,6 +4,25 @@ use hal_component::{Component, In, Out, ParamRo, ParamRw, Period, Update};
 /// Detects edges of a bit, and answers each with a pulse.
 ///
 /// The first run only looks where the bit is. An edge during a pulse begins the pulse anew.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt edge
+/// loadrt threads name1=servo period1=1000000
+/// addf edge.0 servo
+/// start
+/// setp edge.0.in-edge 0
+/// setp edge.0.out-width-ns 3000000
+/// run 1ms
+/// setp edge.0.in 1
+/// run 1ms
+/// getp edge.0.out # -> TRUE
+/// run 2ms
+/// getp edge.0.out # -> TRUE
+/// run 1ms
+/// getp edge.0.out # -> FALSE
+/// ```
 #[derive(Component)]
 pub(crate) struct Edge {
     /// The bit.

@@ -2,6 +2,21 @@
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
 /// Pulse of a given length at an edge of a bit.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt oneshot
+/// loadrt threads name1=servo period1=1000000
+/// addf oneshot.0 servo
+/// start
+/// setp oneshot.0.width 0.01
+/// setp oneshot.0.in 1
+/// run 5ms
+/// getp oneshot.0.out # -> TRUE
+/// run 10ms
+/// getp oneshot.0.out # -> FALSE
+/// ```
 #[derive(Component)]
 pub(crate) struct Oneshot {
     /// The bit.

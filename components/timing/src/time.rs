@@ -2,6 +2,19 @@
 use hal_component::{Component, In, Out, Period, Update};
 
 /// A stop watch: hours, minutes and seconds.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt time
+/// loadrt threads name1=servo period1=1000000
+/// addf time.0 servo
+/// start
+/// setp time.0.start 1
+/// run 75s
+/// getp time.0.minutes # -> 1
+/// getp time.0.seconds # -> 15
+/// ```
 #[derive(Component)]
 pub(crate) struct Time {
     /// Starts from zero as it rises; runs while it is true.

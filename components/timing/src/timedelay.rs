@@ -4,6 +4,21 @@ use hal_component::{Component, In, Out, Period, Update};
 /// Delays a bit, by one time when it rises and another when it falls.
 ///
 /// What does not last as long as the delay is lost.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt timedelay
+/// loadrt threads name1=servo period1=1000000
+/// addf timedelay.0 servo
+/// start
+/// setp timedelay.0.on-delay 0.02
+/// setp timedelay.0.in 1
+/// run 10ms
+/// getp timedelay.0.out # -> FALSE
+/// run 15ms
+/// getp timedelay.0.out # -> TRUE
+/// ```
 #[derive(Component)]
 pub(crate) struct Timedelay {
     /// The bit.

@@ -2,6 +2,26 @@
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
 /// Counts the rising edges of two bits, up and down.
+///
+/// # Example
+///
+/// ```hal
+/// loadrt updown
+/// loadrt threads name1=servo period1=1000000
+/// addf updown.0 servo
+/// start
+/// run 1ms
+/// setp updown.0.countup 1
+/// run 1ms
+/// setp updown.0.countup 0
+/// run 1ms
+/// setp updown.0.countup 1
+/// run 1ms
+/// getp updown.0.count # -> 2
+/// setp updown.0.countdown 1
+/// run 1ms
+/// getp updown.0.count # -> 1
+/// ```
 #[derive(Component)]
 pub(crate) struct Updown {
     /// Its rising edge counts up.

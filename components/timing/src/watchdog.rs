@@ -19,7 +19,21 @@ impl Component for Watchdog {
     const DOC: &'static str = "Tells whether several bits keep changing, such as heartbeats.\n\n\
         `num_inputs=2` makes `watchdog.input-0` and `watchdog.input-1`, each with a timeout. \
         `watchdog.process` looks at them and belongs in a fast thread; `watchdog.set-timeouts` takes \
-        over the timeouts and watches `enable-in`, in a slower one.";
+        over the timeouts and watches `enable-in`, in a slower one.\n\n\
+        # Example\n\n\
+        ```hal\n\
+        loadrt watchdog num_inputs=1\n\
+        loadrt threads name1=servo period1=1000000\n\
+        addf watchdog.process servo\n\
+        addf watchdog.set-timeouts servo\n\
+        start\n\
+        setp watchdog.timeout-0 0.005\n\
+        setp watchdog.enable-in 1\n\
+        run 3ms\n\
+        getp watchdog.ok-out # -> TRUE\n\
+        run 10ms\n\
+        getp watchdog.ok-out # -> FALSE\n\
+        ```";
     const FLAGS: u32 = component_flags::ONCE;
     const ARGS: &'static [&'static ArgSpec] =
         &[&Arg::int("num_inputs", "Number of inputs, 1 to 32.")];

@@ -13,7 +13,11 @@ use pins::Pins;
 use std::time::Duration;
 use task::Task;
 
-const DOC: &str = "\
+/// What the component says of itself under one of its names.
+macro_rules! doc {
+    ($name:literal) => {
+        concat!(
+            "\
 E-stop, coolant and tool changer.
 
 The machine comes up in e-stop: `iocontrol.estop-reset` asks the outside to leave it, by
@@ -23,7 +27,24 @@ TRUE, the changer answers, the request goes FALSE. Link `tool-prepare` to `tool-
 `tool-change` to `tool-changed` where nothing answers.
 
 It works in the background every `cycle_time`, not in a thread. `io` and `iov2` are other names for
-it; the further pins that `iov2` once had are not there.";
+it; the further pins that `iov2` once had are not there.
+
+# Example
+
+```hal
+loadrt ",
+            $name,
+            "
+loadrt threads name1=servo period1=1000000
+start
+setp iocontrol.0.emc-enable-in 1
+iocontrol.estop-reset
+run 1s
+getp iocontrol.0.user-enable-out # -> TRUE
+```"
+        )
+    };
+}
 
 const ARGS: &[&ArgSpec] =
     &[&Arg::float("cycle_time", "How often it looks at its pins, in seconds: 0.001 to 10.")
@@ -40,7 +61,7 @@ macro_rules! names {
 
         impl Component for $ty {
             const NAME: &'static str = $name;
-            const DOC: &'static str = DOC;
+            const DOC: &'static str = doc!($name);
             const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
             const ARGS: &'static [&'static ArgSpec] = ARGS;
             fn create(b: &mut Builder<'_>) -> Result<(), Error> {

@@ -20,7 +20,19 @@ Kinematics of a machine whose joints each move along one axis.
 
 `coordinates=XYZ` gives joint 0 to X, joint 1 to Y and joint 2 to Z. A letter may occur more than
 once: with `XYYZ` joints 1 and 2 both follow Y, and the position of Y is read from joint 1. It has
-no pins and no functions; load it before `motmod`.";
+no pins and no functions; load it before `motmod`.
+
+# Example
+
+```hal
+loadrt trivkins coordinates=XYZ
+loadrt motmod num_joints=3
+addf motion-command-handler servo-thread
+addf motion-controller servo-thread
+start
+run 10ms
+getp motion.on-soft-limit # -> FALSE
+```";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = &[
         &Arg::text(

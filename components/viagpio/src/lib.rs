@@ -56,7 +56,20 @@ The load makes the lines outputs, after it has made sure that PCI device 00:11.0
 (1106:8410) and before anything else is written. It needs root. The simulated chip shows its
 registers as `viagpio.sim.*`, raw bytes and bits.
 
-When the machine stops, every output goes to the level of FALSE.";
+When the machine stops, every output goes to the level of FALSE.
+
+# Example
+
+```hal
+loadrt hal_viagpio
+loadrt threads name1=servo period1=1000000
+addf viagpio.read servo
+addf viagpio.write servo
+start
+setp viagpio.pin-05-out 1
+run 1ms
+getp viagpio.pin-05-out # -> TRUE
+```";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ITEMS: &'static [&'static ItemSpec] = lines::ITEMS;
 

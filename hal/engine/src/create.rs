@@ -170,6 +170,7 @@ impl<'e> Creating<'e> {
             reentrant: spec.flags & funct_flags::REENTRANT != 0,
             unknown: spec.flags & funct_flags::UNKNOWN != 0,
             fast: spec.flags & funct_flags::FAST != 0,
+            doc: self.text(spec.doc)?.into(),
             told: false,
             code: Arc::new(code),
             account,

@@ -117,6 +117,8 @@ impl Engine {
                     users: u32::try_from(self.graph.threads_of(*ix).len()).unwrap_or(u32::MAX),
                     name: name.as_str().to_owned(),
                     foreign: f.unknown,
+                    doc: f.doc.to_string(),
+                    fast: f.fast,
                 })
             })
             .collect()

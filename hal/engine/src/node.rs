@@ -242,6 +242,7 @@ pub(crate) struct Funct {
     pub(crate) unknown: bool,
     /// It belongs in a fast thread.
     pub(crate) fast: bool,
+    pub(crate) doc: Box<str>,
     /// It takes what no function gives: commands, or what a background task has prepared.
     pub(crate) told: bool,
     pub(crate) code: Arc<Code<Run>>,

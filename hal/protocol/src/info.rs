@@ -109,6 +109,12 @@ pub struct FunctInfo {
     /// Whether what it reads and writes is unknown: a component in C.
     #[serde(default, skip_serializing_if = "is_false")]
     pub foreign: bool,
+    /// What it does.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub doc: String,
+    /// Whether it belongs in a fast thread.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub fast: bool,
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks so")]

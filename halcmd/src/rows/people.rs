@@ -40,6 +40,21 @@ pub(super) const ROWS: &[Row] = &[
         parse: |words| Ok(Command::Meter(words.first().cloned())),
     },
     Row {
+        name: "man",
+        usage: "COMPONENT [NAME=VALUE...]",
+        args: (1, ANY),
+        summary: "show the manual page of a component",
+        help: "Its pins, parameters, functions and arguments, from what its plugin says, and an \
+               example that runs. No machine need be running. What there is depends on how it is \
+               loaded: arguments of loadrt may follow. On a terminal the page is shown by MANPAGER, \
+               PAGER or less. Of components in C it tells what can be seen of them.",
+        words: &[W::Module, W::Many(&[W::ModuleArg])],
+        examples: &["man pid", "man mux_generic config=bb4"],
+        related: &["help", "show", "explain"],
+        errors: &[("there is no component", "'halcmd man' finds what 'loadrt' finds")],
+        parse: |words| Ok(Command::Man(words.to_vec())),
+    },
+    Row {
         name: "completion",
         usage: "bash|zsh|fish",
         args: (1, 1),

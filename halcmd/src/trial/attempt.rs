@@ -59,6 +59,7 @@ impl Session<'_> {
             | Command::Flight(_)
             | Command::Check(_)
             | Command::Explain(_)
+            | Command::Man(_)
             | Command::Print(_)
             | Command::Echo(_)
             | Command::Help(_)

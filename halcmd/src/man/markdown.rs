@@ -1,0 +1,99 @@
+//! A page as a file beside the code.
+
+use super::{
+    Entry, Page,
+    prose::Doc,
+    text::{synopsis, word},
+};
+use std::fmt::Write;
+
+impl Page {
+    /// The page in Markdown.
+    #[must_use]
+    pub fn markdown(&self) -> String {
+        let doc = Doc::of(&self.offer.doc);
+        let name = &self.offer.component;
+        let mut out = format!("# {name}\n\n{}\n", doc.summary);
+        let mut was_line = false;
+        for p in &doc.paragraphs {
+            let is_line = p.starts_with(['|', '-', '*']);
+            out.push_str(if was_line && is_line { "" } else { "\n" });
+            was_line = is_line;
+            out.push_str(&format!("{p}\n"));
+        }
+        let library = &self.offer.library;
+        let file = if library == name { String::new() } else { format!(" Library `{library}`.") };
+        let line = synopsis(name, &self.offer.args);
+        out.push_str(&format!("\n## Load\n\n`{line}`{file}\n"));
+        self.arguments(&mut out);
+        let (pins, params): (Vec<&Entry>, Vec<&Entry>) =
+            self.items.iter().partition(|e| e.direction.is_pin());
+        items(&mut out, "Pins", &pins);
+        items(&mut out, "Parameters", &params);
+        if !self.functs.is_empty() {
+            out.push_str("\n## Functions\n\n| function | thread | what it does |\n|---|---|---|\n");
+            for f in &self.functs {
+                let thread = if f.fast { "fast" } else { "any" };
+                row(&mut out, &[&code(&f.name), thread, &f.doc]);
+            }
+        }
+        if !self.commands.is_empty() {
+            out.push_str("\n## Commands\n\n| command | what it does |\n|---|---|\n");
+            for c in &self.commands {
+                let args: Vec<String> = c.args.iter().map(|a| format!(" {}=…", a.name)).collect();
+                row(&mut out, &[&code(&format!("{}{}", c.name, args.concat())), &c.doc]);
+            }
+        }
+        if let Some(example) = &doc.example {
+            out.push_str("\n## Example\n\n");
+            for p in &doc.before {
+                out.push_str(&format!("{p}\n\n"));
+            }
+            out.push_str(&format!("```hal\n{example}```\n"));
+        }
+        out
+    }
+
+    fn arguments(&self, out: &mut String) {
+        if self.offer.args.is_empty() {
+            return;
+        }
+        out.push_str("\n| argument | type | without it | what it is |\n|---|---|---|---|\n");
+        for a in &self.offer.args {
+            let without = match (&a.default, a.required) {
+                (_, true) => "required",
+                (Some(default), _) => default.as_str(),
+                (None, _) => "-",
+            };
+            row(out, &[&code(&a.name), &a.ty, without, &a.doc]);
+        }
+    }
+}
+
+fn items(out: &mut String, title: &str, list: &[&Entry]) {
+    if list.is_empty() {
+        return;
+    }
+    write!(out, "\n## {title}\n\n| name | type | direction | default | what it is |\n")
+        .unwrap_or(());
+    out.push_str("|---|---|---|---|---|\n");
+    for e in list {
+        let last = e.last.as_ref().map(|last| format!(" to {}", code(last))).unwrap_or_default();
+        let name = code(&e.first) + &last;
+        let default = e.default.as_deref().unwrap_or(if e.last.is_some() { "-" } else { "0" });
+        row(out, &[&name, e.ty.name(), word(e), default, &e.doc]);
+    }
+}
+
+fn code(text: &str) -> String {
+    format!("`{text}`")
+}
+
+fn row(out: &mut String, cells: &[&str]) {
+    for cell in cells {
+        let words: Vec<&str> = cell.split_whitespace().collect();
+        let text = words.join(" ").replace('|', "\\|");
+        out.push_str(&format!("| {text} "));
+    }
+    out.push_str("|\n");
+}

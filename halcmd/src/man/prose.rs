@@ -1,0 +1,76 @@
+//! The parts of a component's documentation.
+
+/// What a component says about itself, taken apart.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Doc {
+    /// What it is, in a line.
+    pub(super) summary: String,
+    /// What else there is to know: paragraphs, each in one line but for lists and tables.
+    pub(super) paragraphs: Vec<String>,
+    /// What is said of the example.
+    pub(super) before: Vec<String>,
+    /// The script that shows it at work.
+    pub(super) example: Option<String>,
+}
+
+impl Doc {
+    /// Takes it apart.
+    pub(super) fn of(doc: &str) -> Self {
+        let (summary, rest) = doc.split_once('\n').unwrap_or((doc, ""));
+        let (about, example) = rest.split_once("# Example\n").unwrap_or((rest, ""));
+        let (before, code) = example.split_once("```hal\n").unwrap_or((example, ""));
+        let script = code.split_once("```").map(|(script, _)| {
+            script.lines().map(|l| format!("{}\n", l.trim())).collect::<String>()
+        });
+        Self {
+            summary: summary.trim().to_owned(),
+            paragraphs: paragraphs(about),
+            before: paragraphs(before),
+            example: script.filter(|script| !script.is_empty()),
+        }
+    }
+}
+
+/// Paragraphs; lines of lists and tables stay lines.
+fn paragraphs(text: &str) -> Vec<String> {
+    let mut out: Vec<String> = Vec::new();
+    let mut open = false;
+    for line in text.lines().map(str::trim) {
+        let is_own = line.starts_with(['|', '#']) || starts_list(line);
+        if line.is_empty() {
+            open = false;
+        } else if let Some(last) = out.last_mut().filter(|_| open && !is_own) {
+            last.push(' ');
+            last.push_str(line);
+        } else {
+            out.push(line.to_owned());
+            open = !line.starts_with('|');
+        }
+    }
+    out
+}
+
+fn starts_list(line: &str) -> bool {
+    line.starts_with("- ") || line.starts_with("* ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Doc;
+
+    #[test]
+    fn parts() {
+        let doc = "What it is.\n\nOne\nparagraph.\n\n- a list\n  of two\n- lines\n\n| a | b |\n|---|---|\n\n\
+            # Example\n\nIt works so.\n\n```hal\nloadrt x\n getp x.0.out # -> 1\n```\n";
+        let doc = Doc::of(doc);
+        assert_eq!(doc.summary, "What it is.");
+        assert_eq!(
+            doc.paragraphs,
+            ["One paragraph.", "- a list of two", "- lines", "| a | b |", "|---|---|"]
+        );
+        assert_eq!(doc.before, ["It works so."]);
+        assert_eq!(doc.example.as_deref(), Some("loadrt x\ngetp x.0.out # -> 1\n"));
+        assert_eq!(Doc::of("Alone.").example, None);
+        assert_eq!(Doc::of("").summary, "");
+    }
+}

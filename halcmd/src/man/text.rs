@@ -1,0 +1,145 @@
+//! A page as a terminal shows it.
+
+use super::{Entry, Page, prose::Doc};
+use crate::help::wrapped;
+use hal_protocol::ArgInfo;
+
+/// How far text stands in.
+const IN: usize = 4;
+
+impl Page {
+    /// The page in lines of a terminal.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let doc = Doc::of(&self.offer.doc);
+        let name = &self.offer.component;
+        let mut out = String::new();
+        let summary = if doc.summary.is_empty() {
+            "a component in C, of which only its file tells".to_owned()
+        } else {
+            plain(&doc.summary)
+        };
+        section(&mut out, "NAME", &wrapped(&format!("{name} - {summary}"), IN));
+        let library = &self.offer.library;
+        let mut load = wrapped(&synopsis(name, &self.offer.args), IN);
+        if !library.is_empty() && library != name {
+            load.push_str(&wrapped(&format!("It is in the library '{library}'."), IN));
+        }
+        section(&mut out, "SYNOPSIS", &load);
+        section(&mut out, "DESCRIPTION", &prose(&doc.paragraphs));
+        section(&mut out, "ARGUMENTS", &self.offer.args.iter().map(argument).collect::<String>());
+        section(&mut out, "PINS", &entries(self.items.iter().filter(|e| e.direction.is_pin())));
+        let parameters = entries(self.items.iter().filter(|e| !e.direction.is_pin()));
+        section(&mut out, "PARAMETERS", &parameters);
+        let functions = self.functs.iter().map(|f| {
+            let fast = if f.fast { " It belongs in a fast thread." } else { "" };
+            entry(&f.name, &format!("{}{fast}", f.doc))
+        });
+        section(&mut out, "FUNCTIONS", &functions.collect::<String>());
+        let commands = self.commands.iter().map(|c| {
+            let args: String = c.args.iter().map(argument).collect();
+            entry(&c.name, &c.doc) + &args.lines().map(|l| format!("    {l}\n")).collect::<String>()
+        });
+        section(&mut out, "COMMANDS", &commands.collect::<String>());
+        section(&mut out, "LOADED AS", &self.loaded());
+        let lines = doc.example.unwrap_or_default();
+        let lines: String = lines.lines().map(|l| format!("    {l}\n")).collect();
+        let about = prose(&doc.before);
+        section(&mut out, "EXAMPLE", &if about.is_empty() { lines } else { about + "\n" + &lines });
+        out
+    }
+
+    /// What made the pins that are listed, if that is not plain.
+    fn loaded(&self) -> String {
+        if let Some(why) = &self.refused {
+            return wrapped(&format!("Nothing of it could be made: {why}."), IN);
+        }
+        let is_plain = *self.loads == [format!("loadrt {}", self.offer.component)];
+        let lines = if is_plain { &[][..] } else { &self.loads };
+        lines.iter().map(|line| format!("    {line}\n")).collect()
+    }
+}
+
+fn section(out: &mut String, title: &str, body: &str) {
+    if !body.is_empty() {
+        let before = if out.is_empty() { "" } else { "\n" };
+        out.push_str(&format!("{before}{title}\n{body}"));
+    }
+}
+
+/// How it is loaded.
+pub(super) fn synopsis(name: &str, args: &[ArgInfo]) -> String {
+    let word = |arg: &ArgInfo| {
+        let value = match arg.ty.as_str() {
+            "ints" => "N,N...",
+            "texts" => "TEXT,TEXT...",
+            "text" => "TEXT",
+            "float" => "X",
+            "bit" => "0|1",
+            _ => "N",
+        };
+        let word = format!("{}={value}", arg.name);
+        if arg.required { word } else { format!("[{word}]") }
+    };
+    let words: Vec<String> = args.iter().map(word).collect();
+    format!("loadrt {name} {}", words.join(" ")).trim_end().to_owned()
+}
+
+fn argument(arg: &ArgInfo) -> String {
+    let default = arg.default.as_ref().map(|d| format!(", {d} if not given")).unwrap_or_default();
+    let required = if arg.required { ", required" } else { "" };
+    entry(&format!("{} ({}{required}{default})", arg.name, arg.ty), &arg.doc)
+}
+
+fn entries<'e>(list: impl Iterator<Item = &'e Entry>) -> String {
+    list.map(|e| {
+        let last = e.last.as_ref().map(|last| format!(" to {last}")).unwrap_or_default();
+        let default = e.default.as_ref().map(|d| format!(", default {d}")).unwrap_or_default();
+        let title = format!("{}{last} ({} {}{default})", e.first, e.ty.name(), word(e));
+        entry(&title, &e.doc)
+    })
+    .collect()
+}
+
+/// The direction, as manuals have it.
+pub(super) const fn word(entry: &Entry) -> &'static str {
+    use hal_protocol::Direction;
+    match entry.direction {
+        Direction::In => "in",
+        Direction::Out => "out",
+        Direction::Io => "io",
+        Direction::Ro => "r",
+        Direction::Rw => "rw",
+    }
+}
+
+fn entry(title: &str, doc: &str) -> String {
+    let doc: Vec<&str> = doc.split_whitespace().collect();
+    let doc = plain(&doc.join(" "));
+    let body = if doc.is_empty() { String::new() } else { wrapped(&doc, 2 * IN) };
+    wrapped(title, IN) + &body
+}
+
+fn prose(paragraphs: &[String]) -> String {
+    let mut out = String::new();
+    let mut was_line = false;
+    for p in paragraphs {
+        let is_line = p.starts_with(['|', '-', '*']);
+        let follows = was_line && is_line;
+        if !out.is_empty() && !follows {
+            out.push('\n');
+        }
+        was_line = is_line;
+        out.push_str(&if p.starts_with('|') {
+            format!("    {p}\n")
+        } else {
+            wrapped(&plain(p), IN)
+        });
+    }
+    out
+}
+
+/// Without the marks of Markdown.
+fn plain(text: &str) -> String {
+    text.replace('`', "")
+}
