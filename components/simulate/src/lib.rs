@@ -7,7 +7,6 @@ mod sim_matrix_kb;
 mod sim_parport;
 mod sim_spindle;
 mod sphereprobe;
-mod supply;
 
 hal_component::export!(
     sim_axis_hardware::SimAxisHardware,
@@ -16,5 +15,4 @@ hal_component::export!(
     sim_parport::SimParport,
     sim_spindle::SimSpindle,
     sphereprobe::Sphereprobe,
-    supply::Supply,
 );
