@@ -6,6 +6,7 @@
 //! lost samples, and that a float is not known; our reader knows them, others pass over them. The one thing that is not held is the
 //! order of several names of one channel: they come back sorted. Blanks in names become `_`.
 
+mod kinds;
 mod read;
 mod write;
 

@@ -1,5 +1,6 @@
 //! Reading VCD, ours and that of other programs.
 
+use super::kinds::known;
 use crate::{Flaw, Place, Reading, TimeBase, Trace};
 use hal_protocol::{Type, Value};
 use std::collections::BTreeMap;
@@ -19,7 +20,9 @@ pub fn read(bytes: &[u8]) -> Reading {
     let ours = bytes.starts_with(b"$version Ferrule $end");
     let end: &[u8] = if ours || bytes.ends_with(b"\n") { b"" } else { b"\n" };
     let lines = skipped + bytes.trim_ascii_end().split(|b| *b == b'\n').count() as u64;
-    let mut parser = Parser::new(std::io::Read::chain(bytes, end));
+    let (head, body) = known(bytes);
+    let values = std::io::Read::chain(body, end);
+    let mut parser = Parser::new(std::io::Read::chain(&*head, values));
     let flaw = reader.all(&mut parser).err().map(|flaw| {
         let begun = reader.is_vcd;
         let flaw = if begun { flaw } else { Flaw::Foreign { wanted: "VCD" } };
