@@ -48,6 +48,7 @@ pub(super) struct Plot<'t> {
     from: i64,
     to: i64,
     title: String,
+    is_pixels: bool,
     /// Where the axis has its 0.
     pub(super) zero: i64,
     pub(super) measures: bool,
@@ -72,18 +73,31 @@ impl<'t> Plot<'t> {
         let trigger =
             trace.markers().iter().find(|m| within(m.at) && m.text.starts_with("trigger"));
         let zero = trigger.map_or(0, |m| m.at);
-        Self { trace, chosen, from, to, title, zero, measures: false, width: 1200, height: 0 }
+        Self {
+            trace,
+            chosen,
+            from,
+            to,
+            title,
+            is_pixels: false,
+            zero,
+            measures: false,
+            width: 1200,
+            height: 0,
+        }
     }
 
     /// As SVG.
-    pub(super) fn svg(&self) -> Result<String, String> {
+    pub(super) fn svg(&mut self) -> Result<String, String> {
+        self.is_pixels = false;
         let mut text = String::new();
         self.draw(SVGBackend::with_string(&mut text, self.size()))?;
         Ok(text)
     }
 
     /// As PNG.
-    pub(super) fn png(&self) -> Result<Vec<u8>, String> {
+    pub(super) fn png(&mut self) -> Result<Vec<u8>, String> {
+        self.is_pixels = true;
         let (width, height) = self.size();
         let mut pixels = vec![0; width as usize * height as usize * 3];
         self.draw(BitMapBackend::with_buffer(&mut pixels, (width, height)))?;
@@ -186,7 +200,11 @@ impl<'t> Plot<'t> {
             let points: Vec<(f64, f64)> =
                 piece.iter().map(|(at, v)| (seconds(*at) * factor, *v)).collect();
             let style = ShapeStyle { color: colour.to_rgba(), filled: false, stroke_width: 2 };
-            chart.draw_series(std::iter::once(PathElement::new(points, style)))?;
+            // Wide lines of pixels lose edges that are closer than a pixel: there, each stretch
+            // is a line of its own.
+            let count = if self.is_pixels { 2 } else { points.len() };
+            let lines = points.windows(count).map(|p| PathElement::new(p.to_vec(), style));
+            chart.draw_series(lines)?;
         }
         self.gaps(&mut |a, b| {
             let corners =
@@ -375,5 +393,26 @@ mod tests {
         let info = reader.next_frame(&mut pixels).unwrap();
         assert_eq!((info.width, info.height), (640, 300));
         assert!(pixels.chunks(3).any(|p| p == [0, 114, 178]), "a line has its colour");
+    }
+
+    #[test]
+    fn a_pulse_that_is_thinner_than_a_pixel_is_drawn() {
+        let mut t = Trace::default();
+        t.add("b", Type::Bit);
+        for (at, bit) in [(0, 0), (500_000, 1), (500_001, 0), (1_000_000, 0)] {
+            t.push(at, &[bit]).unwrap();
+        }
+        let mut plot = Plot::new(&t, chosen(&t, &[], "t").unwrap(), 0, 1_000_000, String::new());
+        let bytes = plot.png().unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut pixels).unwrap();
+        let width = info.width as usize;
+        let column = width - RIGHT as usize - (width - (NAMES + SCALE + RIGHT) as usize) / 2;
+        let lines = pixels.chunks(width * 3).filter(|line| {
+            let near = &line[(column - 3) * 3..(column + 3) * 3];
+            near.chunks(3).any(|p| p[0] < 128 && p[2] > 128)
+        });
+        assert!(lines.count() > 25, "a line from low to high");
     }
 }
