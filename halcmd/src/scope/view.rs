@@ -1,6 +1,7 @@
 //! `halscope view`: traces in the terminal, of a file or of a machine that runs, with cursors and
 //! measurements.
 
+mod cursor;
 mod paint;
 mod state;
 #[cfg(test)]
