@@ -310,8 +310,11 @@ impl Update for Loop {
         let error = self.error(raw);
         if !enable {
             self.was.error_i = 0.0;
-        } else if error * self.was.limited <= 0.0 {
-            self.was.error_i = limited(self.was.error_i + error * dt, self.pins.maxerror_i.get());
+        } else {
+            // While the output is at its limit the integral does not grow further that way; its own
+            // limit holds all the time.
+            let more = if error * self.was.limited <= 0.0 { error * dt } else { 0.0 };
+            self.was.error_i = limited(self.was.error_i + more, self.pins.maxerror_i.get());
         }
         self.derivatives(command, feedback, index_fell, 1.0 / dt);
         if enable {
