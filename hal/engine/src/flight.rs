@@ -2,6 +2,7 @@
 //! something happens.
 
 mod condition;
+mod hear;
 mod history;
 mod keep;
 
@@ -51,6 +52,8 @@ pub(crate) struct Flight {
     conditions: Vec<Condition>,
     /// What follows from a change of a column.
     by_column: BTreeMap<u32, Vec<usize>>,
+    /// The sample that is not looked at yet: its time, and how often the probe had looked then.
+    open: Option<(i64, u64)>,
     awaited: Option<Awaited>,
     events: u32,
     kept: VecDeque<Kept>,
@@ -77,13 +80,13 @@ impl Engine {
         }
         let type_of = |name: &str| {
             let ix = self.watchable(name)?;
-            let item = self.graph.item(ix).map(|i| i.ty);
-            let ty = item.or_else(|| self.graph.signal(ix).map(|s| s.ty));
+            let item = self.graph.item(ix);
+            let ty = item.map(|i| i.ty).or_else(|| self.graph.signal(ix).map(|s| s.ty));
             ty.filter(|t| *t != Type::Port)
                 .ok_or_else(|| WatchError::Port { name: name.into() }.into())
         };
         let own: Result<Vec<Condition>, Error> =
-            spec.when.iter().map(|text| Condition::parse(text, type_of)).collect();
+            spec.when.iter().map(|text| Condition::check(text, type_of)).collect();
         let conditions = own?;
         if self.flight.is_some() {
             self.end_flight()?;
@@ -96,6 +99,7 @@ impl Engine {
             stale: true,
             conditions,
             by_column: BTreeMap::new(),
+            open: None,
             awaited: None,
             events: 0,
             kept: VecDeque::new(),
@@ -118,6 +122,7 @@ impl Engine {
             self.end_watching(*id);
         }
         let now = self.shared.now();
+        flight.judge();
         flight.at_once = true;
         flight.finish(now);
         flight.look(true);
@@ -210,7 +215,7 @@ impl Engine {
         match self.swap_watching(old.as_ref().map(|o| o.0), watching) {
             Ok(id) => {
                 if let Some((_, old, columns)) = &old {
-                    flight.hear(old, columns);
+                    flight.hear(old, columns, true);
                     flight.lost.0 += old.lost();
                     flight.lost.1 = 0;
                 }
@@ -218,7 +223,7 @@ impl Engine {
                 let columns = flight.history.regroup(now, &groups);
                 flight.columns = nodes.into_iter().zip(columns.iter().copied()).collect();
                 flight.probe = Some((id, probe, columns));
-                flight.look_out();
+                flight.look_out(now);
             }
             Err(e) => {
                 flight.probe = old;
@@ -260,9 +265,11 @@ impl Engine {
 
     /// Takes what has been queued, and keeps what is to be kept.
     pub(crate) fn drain_flight(&mut self) {
+        // Where no cycle is under way, no look is.
+        let whole = self.shared.is_virtual() || !self.shared.boundary.is_running();
         let Some(flight) = &mut self.flight else { return };
         if let Some((id, probe, columns)) = flight.probe.take() {
-            flight.hear(&probe, &columns);
+            flight.hear(&probe, &columns, whole);
             if probe.lost() != flight.lost.1 {
                 // Values are not what they were told to be: once more.
                 flight.lost.1 = probe.lost();
@@ -280,47 +287,6 @@ impl Engine {
 }
 
 impl Flight {
-    fn hear(&mut self, probe: &Probe, columns: &[u32]) {
-        while let Some((time, which, bits)) = probe.change() {
-            let Some(column) = columns.get(which as usize).copied() else { continue };
-            if self.awaited.as_ref().is_some_and(|a| a.until < time) {
-                self.finish(time);
-            }
-            if !self.history.push(time, column, bits) {
-                continue;
-            }
-            for i in self.by_column.get(&column).cloned().unwrap_or_default() {
-                let Some(c) = self.conditions.get_mut(i) else { continue };
-                let Some((_, ty)) = self.history.column(&c.name) else { continue };
-                if c.sees(ty, bits) {
-                    let why = c.why.clone();
-                    self.event(time, &why);
-                }
-            }
-        }
-        if let Some(before) = self.spec.before_ns.filter(|_| self.awaited.is_none()) {
-            let now = self.history.latest();
-            self.history.keep_from(now.saturating_sub(i64::try_from(before).unwrap_or(i64::MAX)));
-        }
-    }
-
-    /// Which columns conditions are about now, those included that every machine has.
-    fn look_out(&mut self) {
-        for (name, ty) in self.history.present() {
-            if self.conditions.iter().all(|c| c.name != name)
-                && let Some(usual) = Condition::usual(&name, ty)
-            {
-                self.conditions.push(usual);
-            }
-        }
-        self.by_column.clear();
-        for (i, c) in self.conditions.iter().enumerate() {
-            if let Some((column, _)) = self.history.column(&c.name) {
-                self.by_column.entry(column).or_default().push(i);
-            }
-        }
-    }
-
     fn event(&mut self, time: i64, why: &str) {
         let mark = (time, format!("trigger: {why}"));
         if let Some(awaited) = &mut self.awaited {

@@ -167,7 +167,7 @@ impl Probe {
 
     /// How often it has looked.
     pub(crate) fn looks(&self) -> u64 {
-        self.looks.load(Ordering::Relaxed)
+        self.looks.load(Ordering::Acquire)
     }
 
     /// How many records or changes were lost for want of room.
@@ -178,5 +178,5 @@ impl Probe {
 
 /// Counts; one thread at a time does.
 fn add_one(count: &AtomicU64) {
-    count.store(count.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
+    count.store(count.load(Ordering::Relaxed).wrapping_add(1), Ordering::Release);
 }

@@ -18,7 +18,7 @@ pub enum WatchError {
     FlightOff,
     FlightSize { bytes: u64 },
     NoEvent,
-    Condition { text: Box<str>, why: &'static str },
+    Condition(hal_trace::trigger::ConditionError),
     Ending { said: Box<str> },
     Recording { path: Box<str> },
 }
@@ -43,7 +43,7 @@ impl core::fmt::Display for WatchError {
                 write!(f, "a flight recorder of {bytes} bytes is not possible: 4 KiB to 4 GiB")
             }
             Self::NoEvent => f.write_str("the flight recorder has seen no event"),
-            Self::Condition { text, why } => write!(f, "'{text}' is no condition: {why}"),
+            Self::Condition(e) => e.fmt(f),
             Self::Ending { said } => f.write_str(said),
             Self::NotRecording => f.write_str("nothing is being recorded"),
             Self::Recording { path } => write!(f, "already recording to {path}"),
@@ -65,9 +65,7 @@ impl WatchError {
     /// The word of the request that is wrong, if it is one word.
     pub(crate) const fn word(&self) -> Option<&str> {
         match self {
-            Self::NoMatch { pattern: word }
-            | Self::Port { name: word }
-            | Self::Condition { text: word, .. } => Some(word),
+            Self::NoMatch { pattern: word } | Self::Port { name: word } => Some(word),
             _ => None,
         }
     }
@@ -76,5 +74,11 @@ impl WatchError {
 impl From<WatchError> for crate::Error {
     fn from(e: WatchError) -> Self {
         Self::Watch(e)
+    }
+}
+
+impl From<hal_trace::trigger::ConditionError> for crate::Error {
+    fn from(e: hal_trace::trigger::ConditionError) -> Self {
+        WatchError::Condition(e).into()
     }
 }

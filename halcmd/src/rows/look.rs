@@ -118,8 +118,9 @@ pub(super) const ROWS: &[Row] = &[
         help: "'flight on' keeps them in memory: size=BYTES (64M; 16M if not said), time=TIME \
                before an event and after=TIME after it, file=FILE in which events are kept (with \
                their numbers: FILE-1.vcd), when=CONDITION for what is an event beside faults, \
-               following errors and e-stops: PIN, !PIN, PIN > VALUE. The file's ending says how \
-               it is written: .vcd, .fst, .csv or .json. 'flight save FILE' writes what there is, \
+               following errors and e-stops, as a trigger of halscope says it: x > 5 and not \
+               enable. The file's ending says how it is written: .vcd, .fst, .csv or .json. \
+               'flight save FILE' writes what there is, \
                'flight save FILE last' the last event; 'flight' says how it is.",
         words: &[
             W::One(&["on", "off", "save"]),
@@ -132,7 +133,7 @@ pub(super) const ROWS: &[Row] = &[
         related: &["record", "status"],
         errors: &[
             ("the flight recorder is off", "'flight on' switches it on"),
-            ("is no condition", "PIN, !PIN, or PIN with <, <=, =, !=, >= or > and a value"),
+            ("trigger: ", "as in x > 5 and not enable; the mark is under what is wrong"),
             ("has seen no event", "'flight save FILE' writes what there is"),
         ],
         parse: flight::parse,

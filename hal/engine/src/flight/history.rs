@@ -121,6 +121,11 @@ impl History {
         Some((column, self.columns.get(column as usize)?.ty))
     }
 
+    /// What a column is now, if that is known.
+    pub(super) fn now(&self, column: u32) -> Option<u64> {
+        self.columns.get(column as usize)?.now
+    }
+
     /// A value is this now; whether that is new.
     pub(super) fn push(&mut self, time: i64, column: u32, bits: u64) -> bool {
         let Some(place) = self.columns.get_mut(column as usize) else { return false };
