@@ -38,7 +38,7 @@ fn signal(terminal: &Terminal, signal: Signal) {
 fn lines_are_completed_found_again_and_given_up() {
     let scratch = Scratch::new("prompt");
     let mut t = prompt(&scratch, "halrun", &["--virtual"]);
-    t.keys("loadrt thr\t");
+    t.keys("loadrt threads\t");
     t.until("threads ");
     t.keys("name1=t period1=1000000\r");
     t.until(PROMPT);

@@ -19,6 +19,8 @@ const LOOK: Duration = Duration::from_millis(500);
 /// After how many looks at the same cycle, in the same function, a thread is stuck. Looks are
 /// counted and not seconds: a machine that is busy or asleep is late with these as well.
 const LOOKS: u32 = 5;
+/// For how many threads there is room from the start.
+const ROOM: usize = 64;
 
 /// The thread that looks; it ends with this.
 #[derive(Debug)]
@@ -40,13 +42,20 @@ impl Watchdog {
     /// Begins to look; nothing, where the system has no thread for it.
     pub(crate) fn begin(shared: Arc<Shared>) -> Option<Self> {
         let (end, ended) = channel();
+        let (ready, is_ready) = channel::<()>();
         let run = move || {
-            let mut seen = Vec::new();
+            // What it needs it has from the first look on, so that an engine that has come up takes
+            // no more memory later.
+            let mut seen = Vec::with_capacity(ROOM);
+            look(&shared, &mut seen);
+            drop(ready);
             while ended.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
                 look(&shared, &mut seen);
             }
         };
         let running = std::thread::Builder::new().name("hal-watchdog".into()).spawn(run).ok()?;
+        // Nothing is sent: it comes to an end when the first look is over.
+        is_ready.recv().unwrap_or_default();
         Some(Self { end: Some(end), running: Some(running) })
     }
 }
