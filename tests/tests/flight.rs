@@ -5,7 +5,9 @@
 use hal_engine::ClockKind;
 use hal_protocol::{FlightInfo, FlightSpec, KeptState, Link, Reply, Request, Value};
 use hal_tests::{
+    foreign::{compile, component},
     machine::{Machine, Served, cycles, script, status, wait, without_fifo},
+    plugins::plugins,
     programs::root,
     scratch::Scratch,
 };
@@ -234,4 +236,64 @@ fn failed_at(c: &mut impl Link, why: &str) -> bool {
 #[test]
 fn all_of_this_without_fifo() {
     without_fifo("all_of_this_without_fifo");
+}
+
+#[test]
+fn a_condition_hears_parameters_and_every_name() {
+    // A parameter in a component's own memory, which goes with it.
+    let scratch = Scratch::new("params");
+    let own = "static hal_u32_t *runs;";
+    let main = "runs = hal_malloc(sizeof *runs); *runs = 0;
+        if (hal_param_u32_newf(HAL_RO, runs, id, \"mine.runs\") < 0) return -1;";
+    let source = component(own, main, "(void)period; ++*runs;");
+    if compile(scratch.path(), "mine", &source, &[]).is_none() {
+        return;
+    }
+    scratch.write(
+        "m.hal",
+        "loadrt threads name1=t period1=1000000
+loadrt mine
+loadrt updown
+loadrt hal_parport cfg=\"0x378 out\"
+addf mine.0 t
+addf updown.0 t
+addf parport.0.write t
+alias pin updown.0.count ticks
+flight on after=1ms when='mine.runs >= 3' when='updown.0.max = 7' when='updown.0.count > 0' \\
+    when='parport.0.sim.data = 2'
+start
+run 5ms
+setp updown.0.max 7
+run 5ms
+setp updown.0.countup 1
+run 5ms
+setp parport.0.pin-03-out 1
+run 5ms
+delf mine.0 t
+unloadrt mine
+setp updown.0.max 6
+run 5ms
+setp updown.0.max 7
+run 5ms
+flight
+",
+    );
+    let folders = format!("{}:{}", scratch.path().display(), plugins().display());
+    let mut command = scratch.command(&[], "halrun");
+    let output =
+        scratch.run(command.env("HAL_RTMOD_DIR", folders).args(["--virtual", "-f", "m.hal"]));
+    let events: Vec<&str> = output.stderr.lines().filter(|l| l.starts_with("flight")).collect();
+    assert_eq!(
+        events,
+        [
+            "flight recorder: mine.runs >= 3; kept in memory as event 1",
+            "flight recorder: updown.0.max = 7; kept in memory as event 2",
+            "flight recorder: updown.0.count > 0; kept in memory as event 3",
+            "flight recorder: parport.0.sim.data = 2; kept in memory as event 4",
+            "flight recorder: updown.0.max = 7; kept in memory as event 5",
+        ],
+        "{}{}",
+        output.stdout,
+        output.stderr
+    );
 }

@@ -8,7 +8,8 @@ mod keep;
 
 use crate::{
     Engine, Error,
-    graph::{Item, Ix},
+    graph::{Item, Ix, Storage},
+    name::Name,
     probe::Probe,
     sync::{Arc, AtomicU64},
     watch::{At, Watching},
@@ -207,8 +208,8 @@ impl Engine {
         let watching = Watching {
             probe: probe.clone(),
             at: At::Moments,
-            // In the arena, where nothing moves: watched until the next refresh, even if it goes.
-            nodes: std::collections::BTreeSet::new(),
+            // In the arena nothing moves: watched until the next refresh, even if it goes.
+            nodes: nodes.iter().copied().filter(|ix| self.is_own(*ix)).collect(),
             lossless: true,
         };
         let old = flight.probe.take();
@@ -234,28 +235,40 @@ impl Engine {
         self.flight = Some(flight);
     }
 
-    /// Signals with their pins, and pins without signal.
+    /// Whether a value lies in its component's own memory, and goes with it.
+    fn is_own(&self, ix: Ix) -> bool {
+        self.graph.item(ix).is_some_and(|i| matches!(i.storage, Storage::Own(_)))
+    }
+
+    /// Signals with their pins, pins without signal, and parameters that a condition names.
     fn groups(&self, flight: &Flight) -> (Vec<Ix>, Vec<Group>) {
         let mut nodes = Vec::new();
         let mut groups: Vec<Group> = Vec::new();
-        let mut of_signal = BTreeMap::new();
+        // Which group a signal or a pin is in.
+        let mut group_of = BTreeMap::new();
         let before = |ix: &Ix| flight.columns.get(ix).copied();
         for (name, ix) in &self.graph.signals {
             let Some(s) = self.graph.signal(*ix).filter(|s| s.ty != Type::Port) else { continue };
-            of_signal.insert(*ix, groups.len());
+            group_of.insert(*ix, groups.len());
             nodes.push(*ix);
             let names = vec![name.as_str().to_owned()];
             groups.push(Group { ty: s.ty, names, before: before(ix) });
         }
-        for (name, ix) in &self.graph.pins {
-            let plain =
-                |i: &&Item| !i.hidden && !i.times && i.ty != Type::Port && i.shown() == name;
-            let Some(item) = self.graph.item(*ix).filter(plain) else { continue };
-            let signal = self.graph.signal_of(*ix).and_then(|s| of_signal.get(&s));
-            if let Some(group) = signal.and_then(|i| groups.get_mut(*i)) {
+        let named = |name: &Name| flight.conditions.iter().any(|c| c.names(name.as_str()));
+        let params = self.graph.params.iter().filter(|(name, _)| named(name));
+        for (name, ix) in self.graph.pins.iter().chain(params) {
+            // What a condition names is heard, by whichever of its names.
+            let wanted = |i: &&Item| {
+                let plain = !i.hidden && !i.times && i.shown() == name;
+                i.ty != Type::Port && (plain || named(name))
+            };
+            let Some(item) = self.graph.item(*ix).filter(wanted) else { continue };
+            let place = self.graph.signal_of(*ix).unwrap_or(*ix);
+            if let Some(group) = group_of.get(&place).and_then(|i: &usize| groups.get_mut(*i)) {
                 group.names.push(name.as_str().to_owned());
                 continue;
             }
+            group_of.insert(place, groups.len());
             nodes.push(*ix);
             let names = vec![name.as_str().to_owned()];
             groups.push(Group { ty: item.ty, names, before: before(ix) });

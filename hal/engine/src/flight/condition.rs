@@ -63,6 +63,11 @@ impl Condition {
         self.read.names() == [name]
     }
 
+    /// Whether it is about this name, too.
+    pub(super) fn names(&self, name: &str) -> bool {
+        self.read.names().contains(&name)
+    }
+
     /// Finds its values; whether they are others than before.
     pub(super) fn find(&mut self, history: &History) -> bool {
         let names = self.read.names();
