@@ -1,16 +1,22 @@
 //! Axes: joints coupled, jogged, offset and tried out.
 #![forbid(unsafe_code)]
 
+mod anglejog;
 mod axistest;
 mod corexy_by_hal;
 mod differential;
+mod eoffset_per_angle;
 mod gantry;
+mod planner;
 mod simple_tp;
+mod whole;
 
 hal_component::export!(
+    anglejog::Anglejog,
     axistest::Axistest,
     corexy_by_hal::CorexyByHal,
     differential::Differential,
+    eoffset_per_angle::EoffsetPerAngle,
     gantry::Gantry,
     simple_tp::SimpleTp,
 );

@@ -1,4 +1,5 @@
 //! `simple_tp`.
+use crate::planner::Planner;
 use hal_component::{Component, In, Out, Period, Update};
 
 /// Moves a position to a target, with limits of speed and acceleration.
@@ -46,38 +47,12 @@ pub(crate) struct SimpleTp {
 
 impl Update for SimpleTp {
     fn update(&mut self, period: Period) {
-        let (dt, accel) = (period.secs(), self.maxaccel.get());
-        let step = accel * dt;
-        let tiny = step * dt * 0.001;
-        let mut active = false;
-        let mut wanted = 0.0;
-        if self.enable.get() {
-            let far = self.target_pos.get() - self.current_pos.get();
-            if far > tiny {
-                wanted = -step + libm::sqrt(2.0 * accel * far + step * step);
-                active = true;
-            } else if far < -tiny {
-                wanted = step - libm::sqrt(-2.0 * accel * far + step * step);
-                active = true;
-            }
-        }
-        let most = self.maxvel.get();
-        if wanted > most {
-            wanted = most;
-        } else if wanted < -most {
-            wanted = -most;
-        }
-        let now = self.current_vel.get();
-        let next = if wanted > now + step {
-            now + step
-        } else if wanted < now - step {
-            now - step
-        } else {
-            wanted
-        };
-        self.current_vel.set(next);
-        self.active.set(active || next != 0.0);
-        self.current_pos.set(self.current_pos.get() + next * dt);
+        let mut axis = Planner { at: self.current_pos.get(), speed: self.current_vel.get() };
+        let target = self.enable.get().then(|| self.target_pos.get());
+        let active = axis.go(target, self.maxvel.get(), self.maxaccel.get(), period.secs());
+        self.current_vel.set(axis.speed);
+        self.active.set(active);
+        self.current_pos.set(axis.at);
     }
 }
 
