@@ -4,6 +4,7 @@
 mod joyhandle;
 mod knob2float;
 mod led_dim;
+mod matrix_kb;
 mod message;
 mod nist;
 mod xhc_hb04_util;
@@ -12,6 +13,7 @@ hal_component::export!(
     joyhandle::Joyhandle,
     knob2float::Knob2float,
     led_dim::LedDim,
+    matrix_kb::MatrixKb,
     message::Message,
     nist::Momentary2nist,
     nist::Toggle2nist,
