@@ -3,6 +3,7 @@
 
 mod joyhandle;
 mod knob2float;
+mod lcd;
 mod led_dim;
 mod matrix_kb;
 mod message;
@@ -12,6 +13,7 @@ mod xhc_hb04_util;
 hal_component::export!(
     joyhandle::Joyhandle,
     knob2float::Knob2float,
+    lcd::Lcd,
     led_dim::LedDim,
     matrix_kb::MatrixKb,
     message::Message,
