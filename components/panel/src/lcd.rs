@@ -51,9 +51,9 @@ impl Component for Lcd {
         setp lcd.00.page.00.arg.00 12.5\n\
         start\n\
         run 117ms\n\
-        getp lcd.00.out # -> 0x00000058\n\
+        getp lcd.00.out # -> 88\n\
         run 3ms\n\
-        getp lcd.00.out # -> 0x00000031\n\
+        getp lcd.00.out # -> 49\n\
         ```";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] =
