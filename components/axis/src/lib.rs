@@ -9,7 +9,11 @@ mod eoffset_per_angle;
 mod gantry;
 mod planner;
 mod simple_tp;
+mod steptest;
+mod trips;
 mod whole;
+
+pub use steptest::Steptest;
 
 hal_component::export!(
     anglejog::Anglejog,
@@ -19,4 +23,5 @@ hal_component::export!(
     eoffset_per_angle::EoffsetPerAngle,
     gantry::Gantry,
     simple_tp::SimpleTp,
+    Steptest,
 );

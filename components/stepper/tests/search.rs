@@ -3,10 +3,10 @@
 
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "a test that shows a table")]
 
+use axis::Steptest;
 use hal_component::bench::Bench;
 use stepgen::Stepgen;
 use stepper::Stepper;
-use steptest::Steptest;
 
 const BASE_NS: i64 = 100_000;
 const SERVO_NS: i64 = 1_000_000;

@@ -1,8 +1,8 @@
 //! The same script as LinuxCNC ran: every sample must be equal.
 
+use axis::Steptest;
 use hal_component::bench::Bench;
 use stepgen::Stepgen;
-use steptest::Steptest;
 
 #[path = "../../stepgen/tests/replay/mod.rs"]
 mod replay;

@@ -2,8 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "tests")]
 
+use axis::Steptest;
 use hal_component::bench::Bench;
-use steptest::Steptest;
 
 const NS: i64 = 1_000_000;
 

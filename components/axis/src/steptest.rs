@@ -1,0 +1,69 @@
+//! Realtime. `steptest`.
+use crate::trips::{Jog, Trips, runs};
+use hal_component::{Builder, Component, Error, In, Touch, abi::component_flags};
+
+/// Moves an axis back and forth, or jogs it, to find the speed and acceleration it can bear.
+#[derive(Debug)]
+pub struct Steptest;
+
+impl Component for Steptest {
+    const NAME: &'static str = "steptest";
+    const DOC: &'static str = concat!(
+        "Moves an axis back and forth, or jogs it, to find the speed and acceleration it can bear.\n\n\
+         The commanded position jumps from end to end: the speed and acceleration of a move are those \
+         that whoever follows the command allows, such as `stepgen.N.maxvel` and \
+         `stepgen.N.maxaccel`.\n\n",
+        runs!(),
+        "Otherwise `position-cmd` is ahead of `position-fb` by two periods at `maxvel` in the \
+         direction of a jog; without one it follows `position-fb`, but for differences of less than a \
+         thousandth of a period at `maxvel`.\n\n\
+         # Example\n\n\
+         ```hal\n\
+         loadrt steptest\n\
+         loadrt threads name1=servo period1=1000000\n\
+         addf steptest.0 servo\n\
+         net position steptest.0.position-cmd steptest.0.position-fb\n\
+         start\n\
+         setp steptest.0.maxvel 10\n\
+         setp steptest.0.maxaccel 100\n\
+         setp steptest.0.jog-plus 1\n\
+         run 1s\n\
+         setp steptest.0.jog-plus 0\n\
+         run 1s\n\
+         getp steptest.0.running # -> FALSE\n\
+         getp steptest.0.position-cmd # -> 20\n\
+         ```"
+    );
+    const FLAGS: u32 = component_flags::PARALLEL;
+
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        let by_speed = BySpeed {
+            maxvel: b.item("maxvel", "Speed of a jog, in units per second.", 0.0)?,
+            maxaccel: b.item(
+                "maxaccel",
+                "Acceleration of the test, in units per second squared; for whoever follows the \
+                 command.",
+                0.0,
+            )?,
+        };
+        let trips = Trips::new(b, by_speed)?;
+        b.function("", "Sends the axis to and fro.", trips)
+    }
+}
+
+/// A jog is two periods ahead.
+#[derive(Touch)]
+struct BySpeed {
+    maxvel: In<f64>,
+    maxaccel: In<f64>,
+}
+
+impl Jog for BySpeed {
+    fn ahead(&self, dt: f64) -> f64 {
+        2.0 * (self.maxvel.get() * dt)
+    }
+
+    fn still(&self, at: f64, target: f64, dt: f64) -> f64 {
+        if (at - target).abs() > 0.001 * (self.maxvel.get() * dt) { at } else { target }
+    }
+}
