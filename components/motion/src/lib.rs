@@ -10,6 +10,7 @@ mod cycle;
 mod desk;
 mod guard;
 mod homing;
+mod included;
 mod jogger;
 mod joint;
 mod line;
@@ -130,7 +131,7 @@ getp joint.0.in-position # -> TRUE
     }
 }
 
-hal_component::export!(Motmod);
+hal_component::export!(Motmod, included::Homemod, included::Tpmod);
 
 #[cfg(test)]
 mod tests;

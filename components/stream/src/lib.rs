@@ -3,6 +3,7 @@
 
 mod channel;
 mod sampler;
+mod scope_rt;
 mod streamer;
 
-hal_component::export!(sampler::Sampler, streamer::Streamer);
+hal_component::export!(sampler::Sampler, scope_rt::ScopeRt, streamer::Streamer);

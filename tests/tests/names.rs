@@ -1,0 +1,78 @@
+//! Every name that users may write behind `loadrt` is offered by a library of ours, or
+//! `components/README.md` says why not: `tests/compat/names.txt` has them all.
+#![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
+#![expect(clippy::print_stderr, reason = "what is skipped is said")]
+
+use hal_protocol::{Kind, Link, Reply, Request};
+use hal_tests::{
+    foreign::{Bench, installed},
+    programs::root,
+};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The names of the list.
+fn asked() -> BTreeSet<String> {
+    let text = std::fs::read_to_string(root().join("tests/compat/names.txt")).unwrap();
+    let lines: Vec<&str> = text.lines().filter(|l| !l.is_empty() && !l.starts_with('#')).collect();
+    let names: BTreeSet<String> = lines.iter().map(|l| (*l).to_owned()).collect();
+    assert_eq!(names.len(), lines.len(), "a name stands twice");
+    names
+}
+
+/// The names that our libraries offer.
+fn offered() -> BTreeSet<String> {
+    let request = Request::List { kind: Kind::Offers, patterns: Vec::new(), ty: None };
+    let Ok(Reply::Offers(list)) = Bench::new(&[]).call(request) else { panic!("no list") };
+    list.into_iter().map(|o| o.component).collect()
+}
+
+/// The names that a section of `components/README.md` explains, and how.
+fn explained(section: &str) -> BTreeMap<String, String> {
+    let text = std::fs::read_to_string(root().join("components/README.md")).unwrap();
+    let (_, from) = text.split_once(&format!("\n## {section}\n")).unwrap();
+    let rows = from.split("\n## ").next().unwrap().lines().filter(|l| l.starts_with("| `"));
+    let mut all = BTreeMap::new();
+    for row in rows {
+        let cells: Vec<&str> = row.trim_matches('|').split(" | ").map(str::trim).collect();
+        let [names, why] = cells[..] else { panic!("not two cells: {row}") };
+        for name in names.split(',') {
+            let name = name.trim().trim_matches('`').to_owned();
+            assert!(all.insert(name, why.to_owned()).is_none(), "{names} stands twice");
+        }
+    }
+    all
+}
+
+#[test]
+fn every_name_is_offered_or_explained() {
+    let (asked, offered) = (asked(), offered());
+    let mut told = explained("What cannot be built");
+    for (name, how) in explained("Names that are served otherwise") {
+        assert!(told.insert(name.clone(), how).is_none(), "{name} stands in both sections");
+    }
+    let missing: Vec<_> =
+        asked.iter().filter(|n| !offered.contains(*n) && !told.contains_key(*n)).collect();
+    assert!(missing.is_empty(), "neither offered nor explained: {missing:?}");
+    for (name, why) in &told {
+        assert!(why.split(' ').count() > 2, "{name}: `{why}` explains nothing");
+        assert!(!offered.contains(name), "{name} is offered, and explained as if it were not");
+        assert!(asked.contains(name), "{name} is explained, and not in tests/compat/names.txt");
+    }
+    let new: Vec<_> = offered.iter().filter(|n| !asked.contains(*n)).collect();
+    assert!(new.is_empty(), "not in tests/compat/names.txt: {new:?}");
+}
+
+/// The list has every module of the package, where that is installed.
+#[test]
+fn the_list_is_whole() {
+    let Some(folder) = installed() else {
+        eprintln!("skipped: LinuxCNC's package is not installed");
+        return;
+    };
+    let asked = asked();
+    let files = std::fs::read_dir(folder).unwrap().map(|f| f.unwrap().path());
+    let modules = files.filter(|f| f.extension().is_some_and(|e| e == "so"));
+    let names = modules.map(|f| f.file_stem().unwrap().to_string_lossy().into_owned());
+    let missing: Vec<_> = names.filter(|n| !asked.contains(n)).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}
