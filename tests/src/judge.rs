@@ -83,6 +83,7 @@ impl Pair<'_> {
     fn round(&mut self, round: usize, style: Style, args: &str) -> Result<(), String> {
         let (ours, theirs) = self.load(args)?;
         let (mut inputs, outputs) = self.matched(style, &ours, &theirs);
+        self.history.begin();
         for cycle in 0..CYCLES {
             self.drive(&mut inputs, cycle, round % 2 == 1);
             self.bench.call(Request::Run { ns: PERIOD }).unwrap();
