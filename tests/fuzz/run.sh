@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs one target: run.sh script|ini|protocol [libFuzzer options]. Needs a nightly toolchain and nothing else.
+# Runs one target: run.sh script|ini|protocol|trace [libFuzzer options]. Needs a nightly toolchain and nothing else.
 set -euo pipefail
 cd "$(dirname "$0")"
 target=$1

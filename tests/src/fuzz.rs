@@ -7,6 +7,7 @@
 use crate::machine::{bare, plain, with_libraries};
 use hal_engine::{ClockKind, Engine};
 use hal_protocol::{Kind, LATEST, Link, Place, Reply, Request, WireRequest};
+use hal_trace::Format;
 use halcmd::{
     Captured, Command, Outcome, Session, Style,
     ini::Ini,
@@ -170,4 +171,16 @@ pub fn protocol(bytes: &[u8]) {
     drop(client);
     engine.call(Request::Idle { ms: 0, flow: true }).unwrap();
     engine.close();
+}
+
+/// A recording: the first byte says of which format. What is read whole is the same in JSON.
+pub fn trace(bytes: &[u8]) {
+    let Some((kind, file)) = bytes.split_first() else { return };
+    let format = Format::ALL[usize::from(*kind) % Format::ALL.len()];
+    let Ok(trace) = format.read(file).whole() else { return };
+    let mut json = Vec::new();
+    // What JSON cannot hold is refused with a word.
+    if Format::Json.write(&mut json, &trace).is_ok() {
+        assert_eq!(Format::Json.read(&json).whole().as_ref(), Ok(&trace));
+    }
 }

@@ -30,3 +30,8 @@ fn ini_files() {
 fn what_clients_write() {
     replay("protocol", fuzz::protocol);
 }
+
+#[test]
+fn recordings() {
+    replay("trace", fuzz::trace);
+}

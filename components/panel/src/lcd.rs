@@ -30,7 +30,7 @@ impl Component for Lcd {
     const DOC: &'static str = "A text with values for a character display, sent one character each run.\n\n\
         It was made for the display at a Mesa 7I73. `fmt_strings=` has a text for each display, \
         separated by commas, and `|` between its pages; `page_num` selects one, and one that is not there \
-        stops the stream. After 100 runs, shared by all displays, a display is cleared; then the page is sent again \
+        stops the stream. After 100 runs, or 50 with two displays, a display is cleared; then the page is sent again \
         and again. Texts may have:\n\n\
         - `\\n`, the rest of the line is cleared and the next begins; `\\t`, four blanks; `\\\\`; `\\2C`, \
         the character of this code in hexadecimal, here the comma; `%%`;\n\
