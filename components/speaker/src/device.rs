@@ -1,0 +1,79 @@
+//! Realtime. The register, real or simulated, once it is open.
+
+use crate::REGISTER;
+use hal_component::{Builder, Error};
+use port::{Access, Lost, Simulated};
+use std::{
+    fs::{File, OpenOptions},
+    os::unix::fs::FileExt,
+    sync::OnceLock,
+};
+
+/// The processor's I/O ports, a byte each.
+const PORTS: &str = "/dev/port";
+
+/// Where the register is.
+#[derive(Debug)]
+pub(crate) enum Device {
+    Simulated(Simulated),
+    /// Empty until it is opened.
+    Real(OnceLock<File>),
+}
+
+impl Device {
+    pub(crate) fn new(b: &mut Builder<'_>) -> Result<Self, Error> {
+        if !b.is_simulated() {
+            return Ok(Self::Real(OnceLock::new()));
+        }
+        let mut file = Simulated::new(b, "speaker.sim", REGISTER, 1)?;
+        file.show(b, "0061", 0, 0, 0)?;
+        file.drive(b, "0061-in", 0, 0)?;
+        Ok(Self::Simulated(file))
+    }
+
+    pub(crate) const fn simulated(&self) -> Option<&Simulated> {
+        match self {
+            Self::Simulated(file) => Some(file),
+            Self::Real(_) => None,
+        }
+    }
+
+    /// Opens the real one.
+    pub(crate) fn open(&self) -> Result<(), String> {
+        if let Self::Real(slot) = self {
+            let ports = OpenOptions::new().read(true).write(true).open(PORTS);
+            let ports = ports.map_err(|e| format!("hal_speaker: {PORTS}: {e}"))?;
+            // A second opening keeps the first.
+            drop(slot.set(ports));
+        }
+        Ok(())
+    }
+}
+
+impl Access for Device {
+    fn read(&self, address: u16) -> Result<u8, Lost> {
+        match self {
+            Self::Simulated(file) => file.read(address),
+            Self::Real(slot) => {
+                let mut byte = [0];
+                let file = slot.get().ok_or(Lost::NONE)?;
+                file.read_exact_at(&mut byte, u64::from(address)).map_err(|e| lost(&e))?;
+                Ok(byte[0])
+            }
+        }
+    }
+
+    fn write(&self, address: u16, value: u8) -> Result<(), Lost> {
+        match self {
+            Self::Simulated(file) => file.write(address, value),
+            Self::Real(slot) => {
+                let file = slot.get().ok_or(Lost::NONE)?;
+                file.write_all_at(&[value], u64::from(address)).map_err(|e| lost(&e))
+            }
+        }
+    }
+}
+
+fn lost(error: &std::io::Error) -> Lost {
+    error.raw_os_error().map_or(Lost::NONE, Lost)
+}
