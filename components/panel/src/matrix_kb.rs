@@ -60,7 +60,7 @@ impl Component for MatrixKb {
         let (sizes, names) = (sizes?, b.arg_texts("names"));
         if !names.is_empty() && names.len() != sizes.len() {
             return Err(Error::new(format!(
-                "matrix_kb: names= has {} names, and config= {} keyboards; as many of each are needed",
+                "names= has {} of them, and config= {} keyboards: as many of each are needed",
                 names.len(),
                 sizes.len()
             )));
@@ -142,7 +142,7 @@ impl Size {
             })
             .ok_or_else(|| {
                 Error::new(format!(
-                    "matrix_kb: config={text} is no size: it is rows (1 to {ROWS}), x, columns \
+                    "config={text} is no size: it is rows (1 to {ROWS}), x, columns \
                      (1 to {COLUMNS}), and s if it shall scan, such as 4x8s"
                 ))
             })
@@ -474,7 +474,7 @@ mod tests {
             let mut bench = Bench::new();
             let said = bench.load::<MatrixKb>(&[&format!("config=4x4,{wrong}")]).unwrap_err();
             let wanted = format!(
-                "matrix_kb: config={wrong} is no size: it is rows (1 to 256), x, columns (1 to 32), \
+                "config={wrong} is no size: it is rows (1 to 256), x, columns (1 to 32), \
                  and s if it shall scan, such as 4x8s"
             );
             assert_eq!(said, wanted);
@@ -482,8 +482,7 @@ mod tests {
         }
         let mut bench = Bench::new();
         let said = bench.load::<MatrixKb>(&["config=4x4,2x2", "names=a"]).unwrap_err();
-        let wanted =
-            "matrix_kb: names= has 1 names, and config= 2 keyboards; as many of each are needed";
+        let wanted = "names= has 1 of them, and config= 2 keyboards: as many of each are needed";
         assert_eq!(said, wanted);
     }
 

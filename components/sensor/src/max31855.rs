@@ -74,7 +74,7 @@ impl Component for Max31855 {
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let n = b.personality();
         if !(0..=MOST).contains(&n) {
-            let text = format!("max31855: personality={n} is not a number of chips, 0 to {MOST}");
+            let text = format!("personality={n} is not a number of chips, 0 to {MOST}");
             return Err(Error::new(text));
         }
         let chips = Self {
@@ -330,7 +330,7 @@ mod tests {
         for wrong in ["16", "-1", "4294967295"] {
             let mut bench = Bench::new();
             let said = bench.load::<Max31855>(&[&format!("personality={wrong}")]).unwrap_err();
-            let wanted = format!("max31855: personality={wrong} is not a number of chips, 0 to 15");
+            let wanted = format!("personality={wrong} is not a number of chips, 0 to 15");
             assert_eq!(said, wanted);
             assert!(bench.names().is_empty());
         }

@@ -42,7 +42,7 @@ impl Device {
     pub(crate) fn open(&self) -> Result<(), String> {
         if let Self::Real(slot) = self {
             let ports = OpenOptions::new().read(true).write(true).open(PORTS);
-            let ports = ports.map_err(|e| format!("hal_speaker: {PORTS}: {e}"))?;
+            let ports = ports.map_err(|e| format!("{PORTS}: {e}"))?;
             // A second opening keeps the first.
             drop(slot.set(ports));
         }
