@@ -17,7 +17,7 @@ use crate::{
 use case::Case;
 use hal_protocol::{Direction, Kind, Link, Request, Value};
 use history::History;
-use inputs::{Source, positive, within};
+use inputs::{Source, float, of, positive, within};
 use std::collections::BTreeMap;
 
 /// How often both are loaded anew: what is not a number stays in a filter for ever, and would hide
@@ -42,6 +42,9 @@ struct Driven {
     steady: bool,
     positive: bool,
     range: Option<[f64; 2]>,
+    values: Vec<f64>,
+    often: Option<u64>,
+    follows: Option<(String, Option<String>)>,
     source: Source,
 }
 
@@ -68,7 +71,7 @@ pub fn judge(module: &str, rounds: usize) -> Result<Verdict, String> {
     let mut pair = Pair { module, case: &case, verdict, random, bench, history };
     script(&mut pair.bench, &format!("loadrt threads name1=t period1={PERIOD}\nstart"));
     let each = Style::ALL.len() * case.loads.len();
-    let whole = ROUNDS.div_ceil(each) * each;
+    let whole = case.rounds.unwrap_or(ROUNDS).div_ceil(each) * each;
     for round in 0..rounds.min(whole) {
         let style = Style::ALL[round % Style::ALL.len()];
         let args = &case.loads[round / Style::ALL.len() % case.loads.len()];
@@ -84,7 +87,7 @@ impl Pair<'_> {
         let (ours, theirs) = self.load(args)?;
         let (mut inputs, outputs) = self.matched(style, &ours, &theirs);
         self.history.begin();
-        for cycle in 0..CYCLES {
+        for cycle in 0..self.case.cycles.unwrap_or(CYCLES) {
             self.drive(&mut inputs, cycle, round % 2 == 1);
             self.bench.call(Request::Run { ns: PERIOD }).unwrap();
             self.verdict.cycles += 1;
@@ -152,6 +155,8 @@ impl Pair<'_> {
             } else if given && !case.keeps(name, |i| i.alone) {
                 let tame = matches!(style, Style::Extremes) && case.keeps(name, |i| i.tame);
                 let style = if tame { Style::Chance } else { style };
+                let often = case.often(name);
+                let source = Source::new(style, &mut self.random);
                 inputs.push(Driven {
                     name: name.clone(),
                     theirs: of_theirs.clone(),
@@ -160,7 +165,10 @@ impl Pair<'_> {
                     steady: case.keeps(name, |i| i.steady),
                     positive: case.keeps(name, |i| i.positive),
                     range: case.range(name),
-                    source: Source::new(style, &mut self.random),
+                    values: case.values(name),
+                    often,
+                    follows: case.follows(name).map(|(p, by)| (p.into(), by.map(str::to_owned))),
+                    source: if often.is_some() { source.each_time() } else { source },
                 });
             }
             outputs.push((name.clone(), of_theirs));
@@ -172,9 +180,25 @@ impl Pair<'_> {
     /// Gives both what is due before a cycle.
     fn drive(&mut self, inputs: &mut [Driven], cycle: u64, all_at_first: bool) {
         for i in inputs {
+            if let Some((pin, times)) = &i.follows {
+                let by = times
+                    .as_ref()
+                    .map_or(1.0, |t| t.parse().unwrap_or_else(|_| float(get(&mut self.bench, t))));
+                let value = of(i.first, float(get(&mut self.bench, pin)) * by);
+                self.bench.set(&i.name, value);
+                self.bench.set(&i.theirs, value);
+                continue;
+            }
             let now_and_then = (cycle == 0 && all_at_first) || self.random.below(100) == 0;
-            let due = if i.steady { cycle == 0 } else { !i.seldom || now_and_then };
-            let next = i.source.next(i.first, &mut self.random);
+            let due = match i.often {
+                _ if i.steady => cycle == 0,
+                Some(n) => cycle == 0 || self.random.below(n) == 0,
+                None => !i.seldom || now_and_then,
+            };
+            let mut next = i.source.next(i.first, &mut self.random);
+            if !i.values.is_empty() {
+                next = Some(of(i.first, self.random.pick(&i.values)));
+            }
             if let Some(value) = next.filter(|_| due) {
                 let value = if i.positive { positive(value) } else { value };
                 let value = i.range.map_or(value, |range| within(value, range));

@@ -20,6 +20,10 @@
 //! # Arguments of both, each line a configuration that is judged; without it, one without any.
 //! loads = ["", "count=2", "personality=16"]
 //!
+//! # A state machine needs longer rounds, or more of them, than usual.
+//! cycles = 2000
+//! rounds = 40
+//!
 //! # What inputs are kept to: one or several of these, and why. Names are written in full, or as
 //! # globs; without one of these an input gets everything, and NaN as well.
 //! [[inputs]]
@@ -31,6 +35,10 @@
 //! tame = true         # no extremes
 //! range = [0, 4]      # from one to the other
 //! set = "1"           # set to this after each load, and no more
+//! values = [0, 2.5]   # one of these, by chance
+//! often = 50          # changed once in so many cycles, by chance: it stays while states go by
+//! follows = "x.0.out" # what our output was after the last cycle, as if a machine were there
+//! times = "x.0.scale" # and that is multiplied with a pin of ours, or a number
 //!
 //! # Floats that may be apart, in units of the last place. Only what libm explains.
 //! [[tolerance]]

@@ -1,6 +1,7 @@
-//! E-stop, coolant and tool changer: what a machine has beside its motion.
+//! E-stop, coolant and tool changers: what a machine has beside its motion.
 #![forbid(unsafe_code)]
 
+mod carousel;
 mod desk;
 mod pins;
 mod task;
@@ -97,7 +98,7 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
     )
 }
 
-hal_component::export!(Iocontrol, Io, Iov2);
+hal_component::export!(Iocontrol, Io, Iov2, carousel::Carousel);
 
 #[cfg(test)]
 mod tests;

@@ -18,6 +18,10 @@ pub struct Case {
     pub skip: Option<String>,
     /// Arguments of `loadrt`, each a configuration of its own.
     pub loads: Vec<String>,
+    /// How often both are loaded anew, at least, where the usual number reaches too little.
+    pub rounds: Option<usize>,
+    /// Cycles of a round, where the usual number reaches too little.
+    pub cycles: Option<u64>,
     /// What inputs are kept to.
     pub inputs: Vec<Input>,
     /// Pins and parameters that only one side has.
@@ -56,6 +60,24 @@ pub struct Input {
     pub set: Option<String>,
     /// From the first to the second; with `positive`, that is kept as well.
     pub range: Option<[f64; 2]>,
+    /// One of these, by chance.
+    #[serde(default)]
+    pub values: Vec<f64>,
+    /// Changed once in so many cycles, by chance.
+    pub often: Option<u64>,
+    /// What our output of this name was after the last cycle, given to both.
+    pub follows: Option<String>,
+    /// What is multiplied with what it follows: a pin of ours, or a number.
+    pub times: Option<String>,
+}
+
+impl Input {
+    /// Whether it keeps its pins to anything.
+    fn tells(&self) -> bool {
+        let flags = self.positive || self.steady || self.alone || self.tame;
+        let one = self.range.is_some() || self.set.is_some() || self.often.is_some();
+        flags || one || !self.values.is_empty() || self.follows.is_some()
+    }
 }
 
 /// Pins and parameters that only one side has.
@@ -142,15 +164,11 @@ impl Case {
     fn parse(text: &str) -> Result<Self, String> {
         let case: Self = toml::from_str(text).map_err(|e| e.to_string())?;
         for i in &case.inputs {
-            if !(i.positive
-                || i.steady
-                || i.alone
-                || i.tame
-                || i.range.is_some()
-                || i.set.is_some())
-            {
+            if !i.tells() {
                 let pins = i.pins.join(", ");
-                return Err(format!("{pins}: positive, steady, alone, tame, set or range?"));
+                return Err(format!(
+                    "{pins}: positive, steady, alone, tame, set, range, values, often or follows?"
+                ));
             }
         }
         if case.lists().any(|(pins, why)| pins.is_empty() || why.is_empty()) {
@@ -199,6 +217,23 @@ impl Case {
         self.inputs.iter().filter(|i| named(&i.pins, name)).find_map(|i| i.range)
     }
 
+    /// The numbers that an input is one of.
+    pub fn values(&self, name: &str) -> Vec<f64> {
+        let mut all = self.inputs.iter().filter(|i| named(&i.pins, name));
+        all.find(|i| !i.values.is_empty()).map(|i| i.values.clone()).unwrap_or_default()
+    }
+
+    /// In how many cycles an input changes once.
+    pub fn often(&self, name: &str) -> Option<u64> {
+        self.inputs.iter().filter(|i| named(&i.pins, name)).find_map(|i| i.often)
+    }
+
+    /// The output that an input follows, and what that is multiplied with.
+    pub fn follows(&self, name: &str) -> Option<(&str, Option<&str>)> {
+        let mut all = self.inputs.iter().filter(|i| named(&i.pins, name));
+        all.find_map(|i| i.follows.as_deref().map(|pin| (pin, i.times.as_deref())))
+    }
+
     /// How far a number may be apart, in units of the last place.
     pub fn ulps(&self, name: &str) -> u64 {
         self.tolerance.iter().find(|t| named(&t.pins, name)).map_or(0, |t| t.ulps)
@@ -222,7 +257,15 @@ impl Case {
             let mut to: Vec<&str> = words.iter().filter(|w| w.0).map(|w| w.1).collect();
             let range = i.range.map(|[low, high]| format!("from {low:e} to {high:e}"));
             let set = i.set.as_ref().map(|value| format!("set to {value}"));
-            to.extend(range.as_deref().into_iter().chain(set.as_deref()));
+            let values = (!i.values.is_empty()).then(|| format!("one of {:?}", i.values));
+            let often = i.often.map(|n| format!("changed once in {n} cycles"));
+            let follows = i.follows.as_ref().map(|pin| match &i.times {
+                Some(by) => format!("`{pin}` times {by} of the cycle before"),
+                None => format!("`{pin}` of the cycle before"),
+            });
+            to.extend(
+                [&range, &set, &values, &often, &follows].into_iter().filter_map(|s| s.as_deref()),
+            );
             write!(out, "; `{}` {}: {}", i.pins.join("`, `"), to.join(", "), i.why).unwrap();
         }
         out

@@ -39,6 +39,11 @@ impl Source {
         Self { style, value: r.unit() * size, slope: r.unit() * size / 50.0, size, often }
     }
 
+    /// It has another value each time that it is asked.
+    pub(super) fn each_time(self) -> Self {
+        Self { often: 1, ..self }
+    }
+
     /// The next value of the type of `now`, if there is one.
     pub(super) fn next(&mut self, now: Value, r: &mut Random) -> Option<Value> {
         match self.style {
@@ -104,6 +109,37 @@ const ODD: [f64; 18] = [
     1.5,
     2.5,
 ];
+
+/// A value as a number.
+pub(super) fn float(value: Value) -> f64 {
+    match value {
+        Value::Bit(b) => f64::from(u8::from(b)),
+        Value::Float(f) => f,
+        Value::S32(n) => n.into(),
+        Value::U32(n) => n.into(),
+        Value::S64(n) => n as f64,
+        Value::U64(n) => n as f64,
+        Value::Port(_) => 0.0,
+    }
+}
+
+/// A number as a value of the type of `like`.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "what is beyond the type is at its end"
+)]
+pub(super) fn of(like: Value, number: f64) -> Value {
+    match like {
+        Value::Bit(_) => Value::Bit(number != 0.0),
+        Value::Float(_) => Value::Float(number),
+        Value::S32(_) => Value::S32(number as i32),
+        Value::U32(_) => Value::U32(number as u32),
+        Value::S64(_) => Value::S64(number as i64),
+        Value::U64(_) => Value::U64(number as u64),
+        Value::Port(_) => like,
+    }
+}
 
 /// A number as a size: no sign, and not 0.
 pub(super) fn positive(value: Value) -> Value {

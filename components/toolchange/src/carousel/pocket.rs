@@ -1,0 +1,327 @@
+//! Realtime. Which pocket of a magazine is at the spindle, by its sensors.
+
+use hal_component::{Builder, Error, In, Out, ParamRo, ParamRw, Touch};
+
+/// Counts beside the middle of a pocket that are still its mark.
+const AT_MARK: i32 = 2;
+
+/// How sensors tell a pocket.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Encoding {
+    Gray,
+    Binary,
+    Bcd,
+    Single,
+    Index,
+    Edge,
+    Counts,
+}
+
+impl Encoding {
+    /// The one of this name.
+    pub(super) fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "gray" => Self::Gray,
+            "binary" => Self::Binary,
+            "bcd" => Self::Bcd,
+            "single" => Self::Single,
+            "index" => Self::Index,
+            "edge" => Self::Edge,
+            "counts" => Self::Counts,
+            _ => return None,
+        })
+    }
+
+    /// The position is counted from a home that must be found.
+    const fn counts_from_home(self) -> bool {
+        matches!(self, Self::Index | Self::Edge | Self::Counts)
+    }
+}
+
+/// The sensors of a magazine, and where it is.
+#[derive(Touch)]
+pub(super) struct Pocket {
+    strobe: In<bool>,
+    parity: In<bool>,
+    sense: Vec<In<bool>>,
+    counts: In<i32>,
+    scale: In<i32>,
+    width: In<i32>,
+    home_offset: In<i32>,
+    unhome: In<bool>,
+    parity_error: Out<bool>,
+    current_position: Out<i32>,
+    homed: Out<bool>,
+    debounce: ParamRw<u32>,
+    base_counts: ParamRo<i32>,
+    counts_offset: ParamRo<i32>,
+    #[state]
+    encoding: Encoding,
+    #[state]
+    pockets: i32,
+    #[state]
+    odd: bool,
+    /// `sense-1` when it was counted last.
+    #[state]
+    was: bool,
+    /// A position that waits until it has been there for long enough, and how long it has.
+    #[state]
+    waiting: (i32, u32),
+    /// `unhome` in the run before.
+    #[state]
+    unhomed: bool,
+    /// The mark of the alignment.
+    #[state]
+    mark: bool,
+}
+
+impl Pocket {
+    pub(super) fn new(
+        b: &mut Builder<'_>,
+        name: &str,
+        encoding: Encoding,
+        pockets: i32,
+        sensors: i32,
+        odd: bool,
+    ) -> Result<Self, Error> {
+        let n = |pin: &str| format!("{name}.{pin}");
+        let mut sense = Vec::new();
+        for i in 0..sensors {
+            let about = match (encoding, i) {
+                (Encoding::Single, _) => format!("TRUE in pocket {}.", i + 1),
+                (Encoding::Index | Encoding::Edge, 0) => "The index: TRUE at home.".to_owned(),
+                (Encoding::Index, 1) => "A pulse for each pocket.".to_owned(),
+                (Encoding::Edge, 1) => "Changes at each pocket.".to_owned(),
+                (Encoding::Counts, 0) => "TRUE at home.".to_owned(),
+                (Encoding::Counts | Encoding::Index | Encoding::Edge, _) => "Not used.".to_owned(),
+                _ => format!("Bit {i} of the position."),
+            };
+            sense.push(b.item(&n(&format!("sense-{i}")), &about, false)?);
+        }
+        Ok(Self {
+            strobe: b.item(&n("strobe"), "The position is valid, and the mark of the alignment.", true)?,
+            parity: b.item(&n("parity"), "The parity bit of a code, where there is one.", false)?,
+            sense,
+            counts: b.item(&n("counts"), "Counts of an encoder or stepper.", 0)?,
+            scale: b.item(&n("scale"), "Counts from pocket to pocket.", 100)?,
+            width: b.item(
+                &n("width"),
+                "Counts within which a pocket is reached, half of them to each side. (0 in LinuxCNC 2.9.)",
+                10,
+            )?,
+            home_offset: b.item(&n("home-offset"), "Counts from pocket 1 to home.", 0)?,
+            unhome: b.item(&n("unhome"), "Forgets home.", false)?,
+            parity_error: b.item(
+                &n("parity-error"),
+                "The code and its parity bit do not fit.",
+                false,
+            )?,
+            current_position: b.item(
+                &n("current-position"),
+                "The pocket that was reached last, or what the code says; 0 before.",
+                0,
+            )?,
+            homed: b.item(
+                &n("homed"),
+                "Home was found, with `encoding` `index`, `edge` or `counts`.",
+                false,
+            )?,
+            debounce: b.item(
+                &n("debounce"),
+                "For how many runs a code must stay before it counts; 0: at once. (LinuxCNC 2.9 has \
+                 it, and no use for it.)",
+                0,
+            )?,
+            base_counts: b.item(
+                &n("base-counts"),
+                "`counts` at pocket 1. (LinuxCNC 2.9 does not have it.)",
+                0,
+            )?,
+            counts_offset: b.item(
+                &n("counts-offset"),
+                "`counts` from pocket 1. (LinuxCNC 2.9 does not have it.)",
+                0,
+            )?,
+            encoding,
+            pockets,
+            odd,
+            was: false,
+            waiting: (0, 0),
+            unhomed: false,
+            mark: false,
+        })
+    }
+
+    pub(super) fn pockets(&self) -> i32 {
+        self.pockets
+    }
+
+    pub(super) fn position(&self) -> i32 {
+        self.current_position.get()
+    }
+
+    /// Home must be found first.
+    pub(super) fn is_lost(&self) -> bool {
+        self.encoding.counts_from_home() && !self.homed.get()
+    }
+
+    /// With `encoding=counts`, the counts at a pocket that is reached in this direction.
+    pub(super) fn counts_at(&self, target: i32, dir: i32) -> Option<f64> {
+        if self.encoding != Encoding::Counts {
+            return None;
+        }
+        let scale = f64::from(self.scale.get());
+        let from = self.counts.get().wrapping_sub(self.base_counts.get());
+        let last = f64::from(self.pockets);
+        let way = f64::from(target.wrapping_sub(self.position())) * f64::from(dir);
+        let way = (way - libm::floor(way / last) * last) * f64::from(dir);
+        Some(
+            f64::from(self.base_counts.get()) + (libm::rint(f64::from(from) / scale) + way) * scale,
+        )
+    }
+
+    /// The mark of the alignment.
+    pub(super) fn mark(&self) -> bool {
+        self.mark
+    }
+
+    fn sense(&self, i: usize) -> bool {
+        self.sense.get(i).is_some_and(In::get)
+    }
+
+    /// Whether it is at home.
+    pub(super) fn is_home(&self, index_enable: bool) -> bool {
+        let sensed = self.sense(0) && (self.encoding == Encoding::Counts || self.sense(1));
+        sensed || !index_enable
+    }
+
+    /// Notes the pulse for the next run, when pockets go by.
+    pub(super) fn note(&mut self) {
+        self.was = self.sense(1);
+    }
+
+    /// It is at home.
+    pub(super) fn found(&mut self) {
+        self.homed.set(true);
+        self.current_position.set(1);
+        self.base_counts.set(self.counts.get().wrapping_sub(self.home_offset.get()));
+    }
+
+    /// Looks where it is, while it turns in this direction.
+    pub(super) fn look(&mut self, dir: i32, turns: bool) {
+        let code = self.sense.iter().rev().fold(0_u32, |code, s| code << 1 | u32::from(s.get()));
+        match self.encoding {
+            Encoding::Gray => self.read(gray(code)),
+            Encoding::Binary => self.read(code),
+            Encoding::Bcd => self.read(bcd(code)),
+            Encoding::Single => {
+                // That of the pocket where it was: a mark is left and reached before its number.
+                let pocket = usize::try_from(self.position()).unwrap_or(0);
+                // Between pockets LinuxCNC takes the pin before the first for it.
+                let between = self.parity.get();
+                self.mark = pocket.checked_sub(1).map_or(between, |i| self.sense(i));
+                if self.strobe.get() {
+                    self.check(false);
+                    self.steady(32_u32.wrapping_sub(code.leading_zeros()).cast_signed());
+                }
+            }
+            Encoding::Index | Encoding::Edge => self.pulse(dir, turns),
+            Encoding::Counts => {
+                self.check(false);
+                self.count();
+            }
+        }
+        if self.unhome.get() && !self.unhomed {
+            self.homed.set(false);
+        }
+        self.unhomed = self.unhome.get();
+    }
+
+    /// A code.
+    fn read(&mut self, code: u32) {
+        self.mark = self.strobe.get();
+        if !self.strobe.get() {
+            return;
+        }
+        self.check(self.sense.iter().filter(|s| s.get()).count() % 2 == 1);
+        self.steady(code.cast_signed());
+    }
+
+    /// Checks the parity of a code.
+    fn check(&self, odd: bool) {
+        if self.strobe.get() {
+            self.parity_error.set((odd != self.parity.get()) != self.odd);
+        }
+    }
+
+    /// A position, which counts if it stays.
+    fn steady(&mut self, position: i32) {
+        let (before, runs) = self.waiting;
+        let runs = if before == position { runs.saturating_add(1) } else { 0 };
+        self.waiting = (position, runs);
+        if runs >= self.debounce.get() {
+            self.current_position.set(position);
+        }
+    }
+
+    /// A pulse, or an end of one.
+    fn pulse(&mut self, dir: i32, turns: bool) {
+        self.check(false);
+        self.mark = self.encoding == Encoding::Edge || self.sense(1);
+        let now = self.sense(1);
+        let edge = self.encoding == Encoding::Edge;
+        let counts = now != self.was && (now || edge);
+        if edge {
+            self.was = now;
+        }
+        if counts && dir != 0 && (turns || edge) && self.strobe.get() && self.homed.get() {
+            let next = self.position().wrapping_add(dir);
+            let next = if next < 1 {
+                self.pockets
+            } else if next > self.pockets {
+                1
+            } else {
+                next
+            };
+            self.current_position.set(next);
+        }
+    }
+
+    /// Counts of an encoder.
+    fn count(&mut self) {
+        self.mark = false;
+        if !self.homed.get() {
+            return;
+        }
+        let from = self.counts.get().wrapping_sub(self.base_counts.get());
+        self.counts_offset.set(from);
+        self.mark =
+            from.checked_rem(self.scale.get()).is_some_and(|beside| beside.abs() <= AT_MARK);
+        if !self.strobe.get() {
+            return;
+        }
+        let (half, scale) = (f64::from(self.width.get()) / 2.0, f64::from(self.scale.get()));
+        let pocket = libm::floor((f64::from(from) + half) / scale);
+        if libm::fabs(f64::from(from) - pocket * scale) <= half {
+            let last = f64::from(self.pockets);
+            #[expect(clippy::cast_possible_truncation, reason = "less than the pockets")]
+            let pocket = (pocket - libm::floor(pocket / last) * last) as i32;
+            self.current_position.set(pocket.wrapping_add(1));
+        }
+    }
+}
+
+fn gray(code: u32) -> u32 {
+    let mut all = code;
+    for shift in [1, 2, 4, 8, 16] {
+        all ^= all >> shift;
+    }
+    all
+}
+
+/// Each four bits are a digit.
+fn bcd(code: u32) -> u32 {
+    (0..8)
+        .rev()
+        .fold(0, |sum: u32, digit| sum.wrapping_mul(10).wrapping_add(code >> (4 * digit) & 15))
+}
