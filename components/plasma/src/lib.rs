@@ -1,9 +1,11 @@
-//! Torches and lasers: height, power.
+//! Torches and lasers: height, power, rows of pixels.
 #![forbid(unsafe_code)]
 
 mod height;
 mod ohmic;
+mod pixels;
+mod raster;
 mod thc;
 mod thcud;
 
-hal_component::export!(ohmic::Ohmic, thc::Thc, thcud::Thcud);
+hal_component::export!(ohmic::Ohmic, raster::Raster, thc::Thc, thcud::Thcud);
