@@ -26,10 +26,10 @@ fn offered() -> BTreeSet<String> {
     list.into_iter().map(|o| o.component).collect()
 }
 
-/// The names that a section of `components/README.md` explains, and how.
+/// The names that a section of `components/README.md` explains, if it is there, and how.
 fn explained(section: &str) -> BTreeMap<String, String> {
     let text = std::fs::read_to_string(root().join("components/README.md")).unwrap();
-    let (_, from) = text.split_once(&format!("\n## {section}\n")).unwrap();
+    let from = text.split_once(&format!("\n## {section}\n")).map_or("", |(_, from)| from);
     let rows = from.split("\n## ").next().unwrap().lines().filter(|l| l.starts_with("| `"));
     let mut all = BTreeMap::new();
     for row in rows {
