@@ -327,7 +327,7 @@ impl Update for Magazine {
         let before = self.state;
         self.act(period);
         if before.turns() {
-            self.pocket.note();
+            self.pocket.note(matches!(before, State::Seeking | State::Homing));
         }
     }
 }

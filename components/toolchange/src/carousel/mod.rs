@@ -92,7 +92,7 @@ getp carousel.0.motor-rev # -> FALSE
             let encoding = at(&b.arg_texts("encoding"), i, "gray".to_owned());
             let Some(encoding) = Encoding::named(&encoding) else {
                 return Err(Error::new(format!(
-                    "carousel: encoding is '{encoding}', and must be gray, binary, bcd, single, \
+                    "encoding is '{encoding}', and must be gray, binary, bcd, single, \
                      index, edge or counts"
                 )));
             };
@@ -134,9 +134,7 @@ fn at<T: Clone>(list: &[T], i: usize, without: T) -> T {
 
 fn within(what: &str, value: i64, low: i64, high: i64) -> Result<i32, Error> {
     let fits = (low..=high).contains(&value).then(|| i32::try_from(value).ok()).flatten();
-    fits.ok_or_else(|| {
-        Error::new(format!("carousel: {what} is {value}, and must be {low} to {high}"))
-    })
+    fits.ok_or_else(|| Error::new(format!("{what} is {value}, and must be {low} to {high}")))
 }
 
 #[cfg(test)]

@@ -70,6 +70,9 @@ pub(super) struct Pocket {
     /// `unhome` in the run before.
     #[state]
     unhomed: bool,
+    /// The pulse that counted last, or home, has not ended yet.
+    #[state]
+    passed: bool,
     /// The mark of the alignment.
     #[state]
     mark: bool,
@@ -148,6 +151,7 @@ impl Pocket {
             was: false,
             waiting: (0, 0),
             unhomed: false,
+            passed: false,
             mark: false,
         })
     }
@@ -192,12 +196,21 @@ impl Pocket {
     /// Whether it is at home.
     pub(super) fn is_home(&self, index_enable: bool) -> bool {
         let sensed = self.sense(0) && (self.encoding == Encoding::Counts || self.sense(1));
-        sensed || !index_enable
+        (sensed && !self.passed) || !index_enable
     }
 
-    /// Notes the pulse for the next run, when pockets go by.
-    pub(super) fn note(&mut self) {
-        self.was = self.sense(1);
+    /// Both sensors are TRUE.
+    fn both(&self) -> bool {
+        self.sense(0) && self.sense(1)
+    }
+
+    /// Notes, when pockets go by, what must end before it counts again.
+    pub(super) fn note(&mut self, seeks: bool) {
+        match self.encoding {
+            _ if seeks => self.passed = self.both(),
+            Encoding::Index if self.homed.get() => self.passed = self.sense(1),
+            _ => (),
+        }
     }
 
     /// It is at home.
@@ -270,9 +283,10 @@ impl Pocket {
         self.mark = self.encoding == Encoding::Edge || self.sense(1);
         let now = self.sense(1);
         let edge = self.encoding == Encoding::Edge;
-        let counts = now != self.was && (now || edge);
-        if edge {
-            self.was = now;
+        let counts = if edge { now != self.was } else { now && !self.passed };
+        self.was = now;
+        if edge && self.homed.get() && self.strobe.get() {
+            self.passed = self.both();
         }
         if counts && dir != 0 && (turns || edge) && self.strobe.get() && self.homed.get() {
             let next = self.position().wrapping_add(dir);

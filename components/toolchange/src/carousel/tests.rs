@@ -241,14 +241,14 @@ fn lists() {
 #[test]
 fn refusals() {
     for (args, said) in [
-        (&["pockets=0"][..], "carousel: pockets is 0, and must be 1 to 2147483647"),
-        (&["pockets=4,-1"], "carousel: pockets is -1"),
-        (&["encoding=grey"], "carousel: encoding is 'grey', and must be gray, binary"),
-        (&["num_sense=33"], "carousel: num_sense is 33, and must be 1 to 32"),
+        (&["pockets=0"][..], "pockets is 0, and must be 1 to 2147483647"),
+        (&["pockets=4,-1"], "pockets is -1"),
+        (&["encoding=grey"], "encoding is 'grey', and must be gray, binary"),
+        (&["num_sense=33"], "num_sense is 33, and must be 1 to 32"),
         (&["encoding=edge", "num_sense=1"], "num_sense with encoding=edge is 1, and must be 2"),
         (&["encoding=single", "pockets=33"], "pockets with encoding=single is 33, and must be 1"),
-        (&["dir=3"], "carousel: dir is 3, and must be 1 to 2"),
-        (&["parity=2"], "carousel: parity is 2, and must be 0 to 1"),
+        (&["dir=3"], "dir is 3, and must be 1 to 2"),
+        (&["parity=2"], "parity is 2, and must be 0 to 1"),
     ] {
         let mut b = Bench::new();
         let why = b.load::<Carousel>(args).unwrap_err();
