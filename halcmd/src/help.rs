@@ -9,7 +9,7 @@ use crate::{
 use serde_json::{Value, json};
 
 /// How wide a terminal is at least.
-const WIDTH: usize = 78;
+pub(crate) const WIDTH: usize = 78;
 
 /// What `help` prints; about one command if it is named.
 ///

@@ -1,5 +1,7 @@
 //! `halcmd man`: the page of a component, from what its plugin says about itself.
 
+mod gather;
+mod grid;
 mod markdown;
 mod pager;
 mod prose;
@@ -9,6 +11,7 @@ use crate::{
     Bytes, Captured, Error, Outcome, Session, Style, Terminal, halrun::plan::plugin_path,
     hint::nearest,
 };
+use gather::{Found, functions, gathered};
 use hal_engine::{ClockKind, Engine, Options};
 use hal_protocol::{
     CommandInfo, Direction, FunctInfo, ItemInfo, Kind, Link, Offer, Place, Reply, Request, Type,
@@ -21,12 +24,14 @@ use std::path::PathBuf;
 pub struct Page {
     /// What the plugin says; only the name of what is no plugin.
     pub offer: Offer,
-    /// The `loadrt` lines that made what follows.
-    pub loads: Vec<String>,
+    /// Its other names.
+    pub also: Vec<String>,
+    /// The `loadrt` lines that made what follows; several, if no single one makes all.
+    pub loads: Vec<Vec<String>>,
     /// Its pins and parameters, where like ones are one entry.
     pub items: Vec<Entry>,
-    /// Its functions.
-    pub functs: Vec<FunctInfo>,
+    /// Its functions, where like ones are one entry.
+    pub functs: Vec<Function>,
     /// Its commands.
     pub commands: Vec<CommandInfo>,
     /// Why nothing of it could be made.
@@ -44,9 +49,24 @@ pub struct Entry {
     pub ty: Type,
     /// The direction of all.
     pub direction: Direction,
-    /// What they begin with; absent: nothing, or each with another value.
-    pub default: Option<String>,
+    /// What they begin with: one value, or that of each.
+    pub default: String,
+    /// With which arguments they are there, in words; empty: with all that were tried.
+    pub with: String,
     /// What they mean.
+    pub doc: String,
+}
+
+/// Functions that differ by a number in their names alone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Function {
+    /// The name of the first.
+    pub first: String,
+    /// The name of the last, if there are several.
+    pub last: Option<String>,
+    /// Whether they belong in a fast thread.
+    pub fast: bool,
+    /// What they do.
     pub doc: String,
 }
 
@@ -62,7 +82,8 @@ pub fn example(doc: &str) -> Option<String> {
 /// There is no engine to be had.
 pub fn pages(path: &[PathBuf]) -> Result<Vec<Page>, Error> {
     let offers = engine(path)?.catalogue();
-    offers.into_iter().map(|offer| Page::made(offer, &[], path)).collect()
+    let page = |offer: &Offer| Page::made(offer.clone(), also(offer, &offers), &[], path);
+    offers.iter().map(page).collect()
 }
 
 impl Page {
@@ -73,7 +94,9 @@ impl Page {
     pub fn of(name: &str, args: &[String], path: &[PathBuf]) -> Result<Self, Error> {
         let mut offers = engine(path)?.catalogue();
         if let Some(i) = offers.iter().position(|offer| offer.component == name) {
-            return Self::made(offers.swap_remove(i), args, path);
+            let offer = offers.swap_remove(i);
+            let also = also(&offer, &offers);
+            return Self::made(offer, also, args, path);
         }
         let offer = Offer {
             component: name.to_owned(),
@@ -83,40 +106,96 @@ impl Page {
         };
         let is_file = |folder: &PathBuf| folder.join(format!("{name}.so")).is_file();
         if !name.contains('/') && path.iter().any(is_file) {
-            return Self::made(offer, args, path);
+            return Self::made(offer, Vec::new(), args, path);
         }
         let near = nearest(name, offers.iter().map(|offer| offer.component.as_str()));
         Err(Error::NoManual { word: name.into(), near })
     }
 
-    fn made(offer: Offer, args: &[String], path: &[PathBuf]) -> Result<Self, Error> {
+    fn made(
+        offer: Offer,
+        also: Vec<String>,
+        args: &[String],
+        path: &[PathBuf],
+    ) -> Result<Self, Error> {
         let loads = loads(&offer, args);
-        let mut engine = engine(path)?;
-        let mut terminal = Captured::default();
-        let mut session = Session::new(&mut engine, &mut terminal, Style::default(), "manual");
-        session.begin_trial();
-        let _: Outcome = session.file("manual", Bytes::new(loads.join("\n").into_bytes()));
-        let attempt = session.end_trial();
-        let refused = attempt.refusals.first().map(|refusal| refusal.error.whole());
-        let name = &offer.component;
-        let functs: Vec<FunctInfo> = match engine.call(all(Kind::Functs)) {
-            Ok(Reply::Functs(list)) => list.into_iter().filter(|f| f.owner_name == *name).collect(),
-            _ => Vec::new(),
+        let mut page = Self {
+            offer,
+            also,
+            loads,
+            items: Vec::new(),
+            functs: Vec::new(),
+            commands: Vec::new(),
+            refused: None,
         };
-        let mut items = Vec::new();
-        for kind in [Kind::Pins, Kind::Params] {
-            if let Ok(Reply::Items(list)) = engine.call(all(kind)) {
-                let own = list.into_iter().filter(|item| item.owner_name == *name);
-                items.extend(gathered(own.filter(|item| !is_time(&item.name, &functs))));
+        let (mut pins, mut params, mut functs) = (Vec::new(), Vec::new(), Vec::new());
+        for (i, lines) in page.loads.clone().iter().enumerate() {
+            let mut engine = engine(path)?;
+            let mut terminal = Captured::default();
+            let mut session = Session::new(&mut engine, &mut terminal, Style::default(), "manual");
+            session.begin_trial();
+            let _: Outcome = session.file("manual", Bytes::new(lines.join("\n").into_bytes()));
+            let attempt = session.end_trial();
+            if let Some(refusal) = attempt.refusals.first() {
+                page.refused.get_or_insert_with(|| refusal.error.whole());
+            }
+            let name = &page.offer.component;
+            let own = of(&mut engine, name);
+            look(&mut engine, name, i, &own, [&mut pins, &mut params]);
+            functs.extend(own);
+            if let Ok(Reply::Commands(list)) = engine.call(all(Kind::Commands)) {
+                page.commands = list;
+            }
+            engine.close();
+        }
+        functs.sort_by(|a, b| a.name.cmp(&b.name));
+        functs.dedup_by(|a, b| a.name == b.name);
+        page.functs = functions(functs);
+        let args: Vec<Vec<String>> = page.loads.iter().map(|lines| arguments(lines)).collect();
+        page.items = gathered(pins, &args);
+        page.items.extend(gathered(params, &args));
+        Ok(page)
+    }
+}
+
+/// The functions of a component.
+fn of(engine: &mut Engine, name: &str) -> Vec<FunctInfo> {
+    match engine.call(all(Kind::Functs)) {
+        Ok(Reply::Functs(list)) => list.into_iter().filter(|f| f.owner_name == name).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// Takes down the pins and parameters that load number `i` made.
+fn look(
+    engine: &mut Engine,
+    name: &str,
+    i: usize,
+    functs: &[FunctInfo],
+    [pins, params]: [&mut Vec<Found>; 2],
+) {
+    for (kind, list) in [(Kind::Pins, pins), (Kind::Params, params)] {
+        let Ok(Reply::Items(items)) = engine.call(all(kind)) else { continue };
+        let own = items.into_iter().filter(|item| item.owner_name == name);
+        for item in own.filter(|item| !is_time(&item.name, functs)) {
+            match list.iter_mut().find(|found| is_same(&found.item, &item)) {
+                Some(found) => found.loads.push(i),
+                None => list.push(Found { item, loads: vec![i] }),
             }
         }
-        let commands = match engine.call(all(Kind::Commands)) {
-            Ok(Reply::Commands(list)) => list,
-            _ => Vec::new(),
-        };
-        engine.close();
-        Ok(Self { offer, loads, items, functs, commands, refused })
     }
+}
+
+fn is_same(a: &ItemInfo, b: &ItemInfo) -> bool {
+    let kind = |i: &ItemInfo| (i.value.ty(), i.direction);
+    a.name == b.name && kind(a) == kind(b) && a.doc == b.doc
+}
+
+/// The other names under which the same is offered.
+fn also(offer: &Offer, offers: &[Offer]) -> Vec<String> {
+    let same = |o: &&Offer| (&o.library, &o.doc) == (&offer.library, &offer.doc);
+    let names = offers.iter().filter(same).map(|o| &o.component);
+    names.filter(|name| **name != offer.component).cloned().collect()
 }
 
 fn all(kind: Kind) -> Request {
@@ -140,74 +219,40 @@ fn engine(path: &[PathBuf]) -> Result<Engine, Error> {
     })?)
 }
 
-/// The lines of the example that load something, up to the one that loads the component.
-fn loads(offer: &Offer, args: &[String]) -> Vec<String> {
+/// The lines of the example that load something, up to the one that loads the component; and the
+/// same with each line that the documentation has for its pins.
+fn loads(offer: &Offer, args: &[String]) -> Vec<Vec<String>> {
     let name = &offer.component;
-    let example = example(&offer.doc).unwrap_or_default();
-    let mut lines = Vec::new();
-    for line in example.lines().map(str::trim).filter(|l| l.starts_with("loadrt ")) {
-        if line.split_whitespace().nth(1) == Some(name) {
-            if args.is_empty() {
-                lines.push(line.to_owned());
-                return lines;
-            }
-            break;
-        }
-        lines.push(line.to_owned());
+    let doc = Doc::of(&offer.doc);
+    let example = doc.example.unwrap_or_default();
+    let loads_it = |l: &str| l.split_whitespace().nth(1) == Some(name);
+    let lines = || example.lines().map(str::trim).filter(|l| l.starts_with("loadrt "));
+    let before: Vec<String> = match lines().position(loads_it) {
+        Some(at) => lines().take(at).map(str::to_owned).collect(),
+        None => Vec::new(),
+    };
+    let mut own: Vec<String> = Vec::new();
+    if args.is_empty() {
+        own.extend(lines().find(|l| loads_it(l)).map(str::to_owned));
+        own.extend(doc.pins);
     }
-    let words: Vec<&str> =
-        ["loadrt", name].into_iter().chain(args.iter().map(String::as_str)).collect();
-    if !example.lines().any(|l| l.split_whitespace().nth(1) == Some(name)) {
-        lines.clear();
+    if own.is_empty() {
+        let words = ["loadrt", name].into_iter().chain(args.iter().map(String::as_str));
+        own.push(words.collect::<Vec<_>>().join(" "));
     }
-    lines.push(words.join(" "));
-    lines
+    own.into_iter().map(|line| [before.clone(), vec![line]].concat()).collect()
+}
+
+/// The arguments of the last line.
+fn arguments(lines: &[String]) -> Vec<String> {
+    let words = lines.last().map(|l| l.split_whitespace().skip(2));
+    words.into_iter().flatten().map(str::to_owned).collect()
 }
 
 /// Whether it is the time that one of its functions takes.
 fn is_time(name: &str, functs: &[FunctInfo]) -> bool {
     let owner = [".time", ".tmax", ".tmax-increased"].iter().find_map(|e| name.strip_suffix(e));
     owner.is_some_and(|owner| functs.iter().any(|f| f.name == owner))
-}
-
-/// Like ones together, where the first of them stood.
-fn gathered(items: impl Iterator<Item = ItemInfo>) -> Vec<Entry> {
-    let mut out: Vec<(String, Entry)> = Vec::new();
-    for item in items {
-        let template: String = item
-            .name
-            .split_inclusive(|c: char| !c.is_ascii_digit())
-            .map(|part| match part.trim_start_matches(|c: char| c.is_ascii_digit()) {
-                rest if rest.len() == part.len() => part.to_owned(),
-                rest => format!("#{rest}"),
-            })
-            .collect();
-        let value = item.value.to_string();
-        let is_nothing = matches!(value.as_str(), "0" | "FALSE" | "0x00000000");
-        let default = Some(value).filter(|_| !is_nothing);
-        let same = out.iter_mut().find(|(other, entry)| {
-            *other == template
-                && (entry.ty, entry.direction) == (item.value.ty(), item.direction)
-                && entry.doc == item.doc
-        });
-        if let Some((_, entry)) = same {
-            if entry.default != default {
-                entry.default = None;
-            }
-            entry.last = Some(item.name);
-        } else {
-            let entry = Entry {
-                first: item.name,
-                last: None,
-                ty: item.value.ty(),
-                direction: item.direction,
-                default,
-                doc: item.doc,
-            };
-            out.push((template, entry));
-        }
-    }
-    out.into_iter().map(|(_, entry)| entry).collect()
 }
 
 /// Runs `halcmd man NAME [ARGUMENTS]`: on a terminal through a pager.
@@ -226,45 +271,8 @@ pub fn main(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> 
 
 #[cfg(test)]
 mod tests {
-    use super::{gathered, loads};
-    use hal_protocol::{Direction, ItemInfo, Offer, Value};
-
-    fn item(name: &str, value: Value, doc: &str) -> ItemInfo {
-        ItemInfo {
-            owner: 1,
-            owner_name: "x".to_owned(),
-            direction: Direction::In,
-            value,
-            name: name.to_owned(),
-            original: None,
-            signal: None,
-            doc: doc.to_owned(),
-        }
-    }
-
-    #[test]
-    fn like_ones_are_one_entry() {
-        let items = [
-            item("x.0.in-00", Value::Bit(true), "Input."),
-            item("x.0.in-01", Value::Bit(true), "Input."),
-            item("x.0.out", Value::S32(0), "Output."),
-            item("x.0.s32-0", Value::S32(5), "Number."),
-            item("x.0.s32-1", Value::S32(6), "Number."),
-        ];
-        let found = gathered(items.into_iter());
-        let shown: Vec<_> = found
-            .iter()
-            .map(|e| (e.first.as_str(), e.last.as_deref(), e.default.as_deref()))
-            .collect();
-        assert_eq!(
-            shown,
-            [
-                ("x.0.in-00", Some("x.0.in-01"), Some("TRUE")),
-                ("x.0.out", None, None),
-                ("x.0.s32-0", Some("x.0.s32-1"), None),
-            ]
-        );
-    }
+    use super::loads;
+    use hal_protocol::Offer;
 
     #[test]
     fn what_the_example_loads_is_loaded() {
@@ -275,9 +283,14 @@ mod tests {
             doc: doc.to_owned(),
             args: Vec::new(),
         };
-        assert_eq!(loads(&offer, &[]), ["loadrt y", "loadrt x cfg=3"]);
-        assert_eq!(loads(&offer, &["cfg=9".to_owned()]), ["loadrt y", "loadrt x cfg=9"]);
-        let bare = Offer { doc: "It.".to_owned(), ..offer };
-        assert_eq!(loads(&bare, &[]), ["loadrt x"]);
+        assert_eq!(loads(&offer, &[]), [["loadrt y", "loadrt x cfg=3"]]);
+        assert_eq!(loads(&offer, &["cfg=9".to_owned()]), [["loadrt y", "loadrt x cfg=9"]]);
+        let bare = Offer { doc: "It.".to_owned(), ..offer.clone() };
+        assert_eq!(loads(&bare, &[]), [["loadrt x"]]);
+        let doc = doc.replace("# Example", "# Pins\n\n```hal\nloadrt x cfg=4\n```\n\n# Example");
+        let both = Offer { doc, ..offer };
+        let wanted = [["loadrt y", "loadrt x cfg=3"], ["loadrt y", "loadrt x cfg=4"]];
+        assert_eq!(loads(&both, &[]), wanted);
+        assert_eq!(loads(&both, &["cfg=9".to_owned()]), [["loadrt y", "loadrt x cfg=9"]]);
     }
 }

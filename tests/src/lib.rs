@@ -9,11 +9,13 @@
 )]
 
 pub mod case;
+pub mod counted;
 pub mod faults;
 pub mod foreign;
 pub mod fuzz;
 pub mod judge;
 pub mod machine;
+pub mod pins;
 pub mod plugins;
 pub mod programs;
 pub mod random;

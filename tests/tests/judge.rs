@@ -20,6 +20,12 @@
 //! # Arguments of both, each line a configuration that is judged; without it, one without any.
 //! loads = ["", "count=2", "personality=16"]
 //!
+//! # More arguments, with which only functions, pins and parameters are compared, by the test `pins`.
+//! shapes = ["personality=0x1f02"]
+//!
+//! # What must be loaded before it.
+//! before = ["trivkins"]
+//!
 //! # A state machine needs longer rounds, or more of them, than usual.
 //! cycles = 2000
 //! rounds = 40
@@ -87,6 +93,7 @@ use hal_tests::{
         case::{self, Case},
         judge,
     },
+    pins,
     programs::root,
 };
 use std::{fmt::Write, process::Command};
@@ -165,7 +172,9 @@ fn every_file_is_of_a_component() {
     }
     if installed().is_some() {
         let shared = shared();
-        let strange: Vec<_> = files.iter().filter(|f| !shared.contains(f)).collect();
+        let known = pins::names();
+        let is_known = |f: &&String| shared.contains(f) || known.contains(f);
+        let strange: Vec<_> = files.iter().filter(|f| !is_known(f)).collect();
         assert!(strange.is_empty(), "not of both: {strange:?}");
     }
 }

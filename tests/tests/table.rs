@@ -1,46 +1,240 @@
-//! The table of all components in `components/README.md` is what the plugins themselves say.
+//! The table of all components in `components/README.md`, and the page of each in
+//! `components/pages`, are what the plugins themselves say, and what was shown of them.
+//!
+//! `UPDATE_EXPECT=1 cargo test -p hal-tests --test table` writes both. Cells come from the
+//! plugins, from `tests/compat/pins`, `judge.md` and `kinematics.md`, from the sources of the
+//! tests, and from `components/SPEED.md`; one that none of these can fill fails, with what to do.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
-use hal_engine::{ClockKind, Engine, Options};
-use hal_protocol::Place;
-use hal_tests::programs::{programs, root};
-use std::fmt::Write;
+use hal_protocol::Offer;
+use hal_tests::{
+    counted::Sources,
+    pins,
+    programs::{programs, root},
+};
+use halcmd::man::{self, Page};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fmt::Write,
+    fs,
+};
 
 const BEGIN: &str = "<!-- table:begin -->";
 const END: &str = "<!-- table:end -->";
+const AGAIN: &str = "run `UPDATE_EXPECT=1 cargo test -p hal-tests --test table`";
+/// The words of a cell where LinuxCNC 2.9 has nothing to compare with.
+const NO_PEER: &str = "no peer";
 
-fn table() -> String {
-    let options = Options {
-        place: Place::find(Some("table")).unwrap(),
-        clock: ClockKind::Virtual,
-        hold: true,
-        simulate: true,
-        old_names: false,
-        path: vec![programs().to_owned()],
+/// The pages of all components, of those with several names under one: which LinuxCNC has, if one
+/// is known, or the first.
+fn pages() -> Vec<Page> {
+    let known: BTreeSet<String> = pins::names().into_iter().collect();
+    let all = man::pages(&[programs().to_owned()]).unwrap();
+    assert!(all.len() > 150, "only {} components found", all.len());
+    let is_first = |page: &Page| {
+        let name = &page.offer.component;
+        let rank = |name: &String| (!known.contains(name), name.clone());
+        page.also.iter().all(|other| rank(name) < rank(other))
     };
-    let mut engine = Engine::without_socket(options).unwrap();
-    let mut out = String::from("\n\n| component | library | what it is |\n|---|---|---|\n");
-    let catalogue = engine.catalogue();
-    assert!(catalogue.len() > 20, "only {} components found", catalogue.len());
-    for o in catalogue {
-        let summary = o.doc.lines().next().unwrap_or_default();
-        assert!(!summary.is_empty(), "{} has no documentation", o.component);
-        writeln!(out, "| `{}` | `{}` | {summary} |", o.component, o.library).unwrap();
+    all.into_iter().filter(is_first).collect()
+}
+
+/// The cells of the rows of a file of Markdown, by the name in the first.
+fn rows(file: &str) -> BTreeMap<String, Vec<String>> {
+    let text = fs::read_to_string(root().join(file)).unwrap_or_default();
+    let cells =
+        |line: &str| line.split('|').skip(1).map(|c| c.trim().to_owned()).collect::<Vec<String>>();
+    let mut out = BTreeMap::new();
+    for cells in text.lines().filter(|l| l.starts_with("| `")).map(cells) {
+        let name = cells.first().and_then(|c| c.split('`').nth(1)).unwrap_or_default().to_owned();
+        out.entry(name).or_insert(cells);
     }
-    out.push('\n');
     out
+}
+
+/// A number with a comma between thousands.
+fn thousands(number: &str) -> String {
+    let (head, tail) = number.split_at(number.len().saturating_sub(3));
+    if head.is_empty() { tail.to_owned() } else { format!("{},{tail}", thousands(head)) }
+}
+
+/// What was shown elsewhere.
+struct Shown {
+    judge: BTreeMap<String, Vec<String>>,
+    kinematics: BTreeMap<String, Vec<String>>,
+    speed: BTreeMap<String, Vec<String>>,
+}
+
+impl Shown {
+    fn read() -> Self {
+        Self {
+            judge: rows("tests/compat/judge.md"),
+            kinematics: rows("tests/compat/kinematics.md"),
+            speed: rows("components/SPEED.md"),
+        }
+    }
+
+    /// How many pins are LinuxCNC's.
+    fn pins(&self, offer: &Offer) -> Result<String, String> {
+        let found = pins::beside(offer)?;
+        if !found.faults.is_empty() {
+            return Err(found.faults.join("; "));
+        }
+        let Some(oldest) = found.versions.first() else { return Ok(NO_PEER.to_owned()) };
+        let version = if oldest == "2.9" { "" } else { " of 2.10" };
+        let number = found.compared.len();
+        Ok(match found.known.len() {
+            0 => format!("{number}{version}"),
+            n => format!("{number}{version}, {n} on purpose not"),
+        })
+    }
+
+    /// In how many cycles it did as LinuxCNC's.
+    fn judge(&self, offer: &Offer) -> Result<String, String> {
+        let name = &offer.component;
+        if let Some(row) = self.kinematics.get(name) {
+            let places = row.get(2).and_then(|c| c.split(' ').next()).unwrap_or_default();
+            return Ok(format!("{} places", thousands(places)));
+        }
+        let Some(row) = self.judge.get(name) else {
+            let is_there = pins::read(name).iter().any(|v| v.name == "2.9");
+            return Ok(if is_there { "not yet" } else { NO_PEER }.to_owned());
+        };
+        let [_, _, cycles, result, ..] = row.as_slice() else {
+            return Err("its row in tests/compat/judge.md is not whole".to_owned());
+        };
+        let cycles = thousands(cycles);
+        let short = result.split(';').next().unwrap_or_default();
+        Ok(match short.split(' ').collect::<Vec<_>>().as_slice() {
+            ["equal"] => cycles,
+            ["equal", "within", ulps, ..] => format!("{cycles}, {ulps} ULPs"),
+            ["equal", "but", "for", n, ..] => format!("{cycles}, {} known", n.trim_matches(',')),
+            ["not", ..] => "not judged".to_owned(),
+            _ => return Err(format!("tests/compat/judge.md says: {short}")),
+        })
+    }
+
+    /// How long a call takes.
+    fn time(&self, page: &Page) -> Result<String, String> {
+        if page.functs.is_empty() {
+            return Ok("no function".to_owned());
+        }
+        let row = self.speed.get(&page.offer.component);
+        let cell = row.and_then(|row| row.get(2)).filter(|cell| !cell.is_empty());
+        Ok(cell.cloned().unwrap_or_else(|| "not yet".to_owned()))
+    }
+
+    fn row(&self, page: &Page, sources: &Sources, is_alone: bool) -> Result<String, String> {
+        let offer = &page.offer;
+        let name = &offer.component;
+        let summary = offer.doc.lines().next().unwrap_or_default().trim();
+        if summary.is_empty() {
+            return Err("it has no documentation".to_owned());
+        }
+        let names: Vec<&str> = [name].into_iter().chain(&page.also).map(String::as_str).collect();
+        let counted = sources.count(&names, is_alone);
+        let tests = match (counted.tests, counted.rows) {
+            (0, 0) => return Err("no test in its library tells of it: write one".to_owned()),
+            (tests, 0) => tests.to_string(),
+            (tests, rows) => format!("{tests}, {} rows", thousands(&rows.to_string())),
+        };
+        let mut cells = vec![
+            format!("[`{name}`](pages/{name}.md)"),
+            summary.to_owned(),
+            self.pins(offer)?,
+            self.judge(offer)?,
+            tests,
+        ];
+        if !self.speed.is_empty() {
+            cells.push(self.time(page)?);
+        }
+        match cells.iter().position(|c| c.trim().is_empty()) {
+            Some(at) => Err(format!("cell {} is empty", at + 1)),
+            None => Ok(format!("| {} |", cells.join(" | "))),
+        }
+    }
+}
+
+/// What a library says it is, in its manifest.
+fn description(library: &str) -> String {
+    let file = root().join("components").join(library).join("Cargo.toml");
+    let text = fs::read_to_string(file).unwrap();
+    let line = text.lines().find_map(|l| l.strip_prefix("description = \"")).unwrap();
+    line.trim_end_matches('"').to_owned()
+}
+
+fn table(pages: &[Page]) -> String {
+    let shown = Shown::read();
+    let mut libraries: BTreeMap<&str, Vec<&Page>> = BTreeMap::new();
+    for page in pages {
+        libraries.entry(page.offer.library.as_str()).or_default().push(page);
+    }
+    let (time, rule) = if shown.speed.is_empty() { ("", "") } else { (" ns |", "---|") };
+    let head = format!(
+        "\n| component | what it is | pins | cycles | tests |{time}\n|---|---|---|---|---|{rule}\n"
+    );
+    let (mut families, mut alone) =
+        (String::new(), format!("\n### Alone in their libraries\n{head}"));
+    let mut wrong = Vec::new();
+    for (library, pages) in libraries {
+        let sources = Sources::of(library);
+        let is_alone = pages.len() == 1;
+        if !is_alone {
+            write!(families, "\n### {library}\n\n{}.\n{head}", description(library)).unwrap();
+        }
+        for page in pages {
+            let to = if is_alone { &mut alone } else { &mut families };
+            match shown.row(page, &sources, is_alone) {
+                Ok(row) => writeln!(to, "{row}").unwrap(),
+                Err(why) => wrong.push(format!("{}: {why}", page.offer.component)),
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    format!("\n{families}{alone}\n")
 }
 
 #[test]
 fn the_table_of_components_is_true() {
     let path = root().join("components/README.md");
-    let text = std::fs::read_to_string(&path).unwrap();
+    let text = fs::read_to_string(&path).unwrap();
     let (head, rest) = text.split_once(BEGIN).unwrap();
     let (old, tail) = rest.split_once(END).unwrap();
-    let new = table();
+    let new = table(&pages());
     if std::env::var_os("UPDATE_EXPECT").is_some() {
-        std::fs::write(&path, format!("{head}{BEGIN}{new}{END}{tail}")).unwrap();
+        fs::write(&path, format!("{head}{BEGIN}{new}{END}{tail}")).unwrap();
         return;
     }
-    assert_eq!(old, new, "run this test once with UPDATE_EXPECT=1");
+    assert_eq!(old, new, "{AGAIN}");
+}
+
+#[test]
+fn the_page_of_each_component_is_true() {
+    let folder = root().join("components/pages");
+    let update = std::env::var_os("UPDATE_EXPECT").is_some();
+    if update {
+        drop(fs::remove_dir_all(&folder));
+        fs::create_dir_all(&folder).unwrap();
+    }
+    let mut names = BTreeSet::new();
+    for page in pages() {
+        let file = format!("{}.md", page.offer.component);
+        assert!(page.refused.is_none(), "{file}: {}", page.refused.unwrap_or_default());
+        let items = page.items.iter().map(|e| (&e.first, &e.doc));
+        let silent = items.chain(page.functs.iter().map(|f| (&f.first, &f.doc)));
+        let silent: Vec<_> = silent.filter(|(_, doc)| doc.is_empty()).collect();
+        assert!(silent.is_empty(), "{file}: say what they are: {silent:?}");
+        let text = page.markdown();
+        if update {
+            fs::write(folder.join(&file), text).unwrap();
+        } else {
+            let old = fs::read_to_string(folder.join(&file)).unwrap_or_default();
+            assert_eq!(old, text, "{file}: {AGAIN}");
+        }
+        names.insert(file);
+    }
+    let is_there = |entry: fs::DirEntry| entry.file_name().into_string().unwrap();
+    let files: BTreeSet<String> =
+        fs::read_dir(&folder).unwrap().map(|e| is_there(e.unwrap())).collect();
+    assert_eq!(files, names, "{AGAIN}");
 }

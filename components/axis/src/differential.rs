@@ -28,11 +28,11 @@ pub(crate) struct Differential {
     roll_fb: Out<f64>,
     /// Where the pitch is, in degrees: half the difference of the motors.
     pitch_fb: Out<f64>,
-    /// Where the first motor shall be: `roll-cmd` + `pitch-cmd`.
+    /// Where the first motor shall be, in units: `roll-cmd` + `pitch-cmd`.
     motor0_cmd: Out<f64>,
     /// Where the second motor shall be: `roll-cmd` - `pitch-cmd`.
     motor1_cmd: Out<f64>,
-    /// Where the first motor is.
+    /// Where the first motor is, in units.
     motor0_fb: In<f64>,
     /// Where the second motor is.
     motor1_fb: In<f64>,

@@ -51,7 +51,7 @@ impl Component for Gantry {
             joints: Vec::new(),
             position_fb: b.item(
                 "position-fb",
-                "Where the axis is: the joint that homes last, with its offset.",
+                "Where the axis is, in units: the joint that homes last, with its offset.",
                 0.0,
             )?,
             home,
@@ -61,7 +61,7 @@ impl Component for Gantry {
         };
         let mut write = Write {
             joints: Vec::new(),
-            position_cmd: b.item("position-cmd", "Where the axis shall be.", 0.0)?,
+            position_cmd: b.item("position-cmd", "Where the axis shall be, in units.", 0.0)?,
             search_vel: b.item(
                 "search-vel",
                 "Speed of the search for the switches; only its sign counts.",
@@ -76,12 +76,19 @@ impl Component for Gantry {
                 "What this joint's command is less than the axis's.",
                 0.0,
             )?;
-            let home =
-                b.item(&format!("joint.{i:02}.home"), "Whether its switch is pressed.", false)?;
-            let pos_fb = b.item(&format!("joint.{i:02}.pos-fb"), "Where the joint is.", 0.0)?;
+            let home = b.item(
+                &format!("joint.{i:02}.home"),
+                "Whether this joint's home switch is pressed.",
+                false,
+            )?;
+            let pos_fb =
+                b.item(&format!("joint.{i:02}.pos-fb"), "Where the joint is, in units.", 0.0)?;
             read.joints.push(Told { home, pos_fb, offset });
-            let pos_cmd =
-                b.item(&format!("joint.{i:02}.pos-cmd"), "Where the joint shall be.", 0.0)?;
+            let pos_cmd = b.item(
+                &format!("joint.{i:02}.pos-cmd"),
+                "Where the joint shall be, in units.",
+                0.0,
+            )?;
             write.joints.push(Led { home, pos_cmd, offset, sum: 0.0 });
         }
         b.function("read", "Position and switches.", read)?;

@@ -28,6 +28,10 @@ impl Component for Pid {
         Tuning: with `enable` and `tune-mode` true, `tune-start` lets the output switch between \
         `bias` plus and minus `tune-effort` as the error changes sign; after `tune-cycles` half \
         cycles the gains are set from what was seen, and `tune-start` becomes false.\n\n\
+        # Pins\n\n\
+        ```hal\n\
+        loadrt pid num_chan=1 debug=1\n\
+        ```\n\n\
         # Example\n\n\
         ```hal\n\
         loadrt pid num_chan=1\n\
@@ -95,31 +99,31 @@ pins! {
         index_enable: In<bool> = "index-enable", false;
         /// How far it is off, in units.
         error: Out<f64> = "error", 0.0;
-        /// What the actuator is to do.
+        /// What the actuator is to do, in the unit that the gains make.
         output: Out<f64> = "output", 0.0;
         /// Whether the output is at its limit.
         saturated: Out<bool> = "saturated", false;
-        /// For how long it has been, in seconds.
+        /// For how long the output has been at its limit, in seconds.
         saturated_s: Out<f64> = "saturated-s", 0.0;
-        /// For how many runs it has been.
+        /// For how many runs on end the output has been at its limit.
         saturated_count: Out<i32> = "saturated-count", 0;
         /// An error that counts as none, in units; a larger one counts less by that.
         deadband: In<f64> = "deadband", 0.0;
         /// Largest error that counts, in units; 0: any.
         maxerror: In<f64> = "maxerror", 0.0;
-        /// Largest integral of the error; 0: any.
+        /// Largest integral of the error, in units times seconds; 0: any.
         maxerror_i: In<f64> = "maxerrorI", 0.0;
-        /// Largest rate of change of the error; 0: any.
+        /// Largest rate of change of the error that counts, in units per second; 0: any.
         maxerror_d: In<f64> = "maxerrorD", 0.0;
-        /// Largest first derivative of the command that counts; 0: any.
+        /// Largest first derivative of the command that counts, in units per second; 0: any.
         maxcmd_d: In<f64> = "maxcmdD", 0.0;
-        /// Largest second derivative of the command that counts; 0: any.
+        /// Largest second derivative of the command that counts, in units per second²; 0: any.
         maxcmd_dd: In<f64> = "maxcmdDD", 0.0;
-        /// Largest third derivative of the command that counts; 0: any.
+        /// Largest third derivative of the command that counts, in units per second³; 0: any.
         maxcmd_ddd: In<f64> = "maxcmdDDD", 0.0;
-        /// Largest output; 0: any.
+        /// Largest output to either side, in the output's unit; 0: any.
         maxoutput: In<f64> = "maxoutput", 0.0;
-        /// What is always added to the output.
+        /// What is always added to the output, in the output's unit.
         bias: In<f64> = "bias", 0.0;
         /// Output per unit of error. Tuning sets it.
         p_gain: InSet<f64> = "Pgain", 1.0;

@@ -43,8 +43,15 @@ impl Component for Bitslice {
             return Err(Error::new(text));
         }
         let number = b.item("in", "The number.", 0)?;
-        let bits: Result<Vec<_>, _> =
-            (0..n).map(|i| b.item(&format!("out-{i:02}"), "A bit of it.", false)).collect();
+        let bits: Result<Vec<_>, _> = (0..n)
+            .map(|i| {
+                b.item(
+                    &format!("out-{i:02}"),
+                    "The bit of the number with this place, 00 the lowest.",
+                    false,
+                )
+            })
+            .collect();
         b.function("", "Takes the number apart.", Self { number, bits: bits? })
     }
 }

@@ -102,28 +102,63 @@ mod tests {
         conv_u32_s32: u32, i32, 28;
     }
 
+    /// With 64 bits, which LinuxCNC 2.9 does not have: by hand.
     #[test]
     fn sixty_four_bits() {
-        fn check<C: Component>(rows: &str) {
-            let prefix = format!("{}.0", C::NAME.replace('_', "-"));
+        fn check<C: Component>(name: &str, rows: &str) {
+            assert_eq!(C::NAME, name);
+            let prefix = format!("{}.0", name.replace('_', "-"));
             let table = rows.replace('$', &prefix);
             replay::<C>(&format!(
-                "load {}\nrun {prefix}\nin {prefix}.in\nout {prefix}.out\n{table}",
-                C::NAME
+                "load {name}\nrun {prefix}\nin {prefix}.in\nout {prefix}.out\n{table}"
             ));
         }
-        check::<Conv<i64, i32>>("4294967297 | 1\n-5 | -5\nexpect $.out-of-range 1");
-        check::<Conv<i64, i32>>(
-            "set $.clamp 1\n4294967297 | 2147483647\nexpect $.out-of-range 1\n-5 | -5\nexpect $.out-of-range 0",
-        );
-        check::<Conv<u64, i64>>("set $.clamp 1\n18446744073709551615 | 9223372036854775807");
-        check::<Conv<i64, u64>>("-1 | 18446744073709551615\nset $.clamp 1\n-1 | 0");
+        check::<Conv<bool, i64>>("conv_bit_s64", "0 | 0\n1 | 1");
+        check::<Conv<bool, u64>>("conv_bit_u64", "0 | 0\n1 | 1");
         check::<Conv<f64, i64>>(
+            "conv_float_s64",
             "1e18 | 1000000000000000000\n-2.9 | -2\nset $.clamp 1\n1e300 | 9223372036854775807",
         );
-        check::<Conv<f64, u64>>("set $.clamp 1\n-1 | 0\n1e300 | 18446744073709551615");
-        check::<Conv<u64, bool>>("0 | 0\n7 | 1");
-        check::<Conv<i32, u64>>("-1 | 18446744073709551615\nset $.clamp 1\n-1 | 0");
+        check::<Conv<f64, u64>>(
+            "conv_float_u64",
+            "2.9 | 2\nset $.clamp 1\n-1 | 0\n1e300 | 18446744073709551615",
+        );
+        check::<Conv<i32, i64>>("conv_s32_s64", "-5 | -5\n-2147483648 | -2147483648");
+        check::<Conv<i32, u64>>(
+            "conv_s32_u64",
+            "7 | 7\n-1 | 18446744073709551615\nset $.clamp 1\n-1 | 0\nexpect $.out-of-range 1",
+        );
+        check::<Conv<i64, bool>>(
+            "conv_s64_bit",
+            "0 | 0\n-3 | 1\n4294967296 | 1\nset $.clamp 1\n-3 | 0",
+        );
+        check::<Conv<i64, f64>>("conv_s64_float", "-7 | -7\n-9007199254740993 | -9007199254740992");
+        check::<Conv<i64, i32>>(
+            "conv_s64_s32",
+            "4294967297 | 1\n-5 | -5\nexpect $.out-of-range 1\nset $.clamp 1\n\
+             4294967297 | 2147483647\nexpect $.out-of-range 1\n-5 | -5\nexpect $.out-of-range 0",
+        );
+        check::<Conv<i64, u32>>(
+            "conv_s64_u32",
+            "4294967297 | 1\n-1 | 4294967295\nset $.clamp 1\n-1 | 0\n4294967296 | 4294967295",
+        );
+        check::<Conv<i64, u64>>("conv_s64_u64", "-1 | 18446744073709551615\nset $.clamp 1\n-1 | 0");
+        check::<Conv<u32, i64>>("conv_u32_s64", "4294967295 | 4294967295");
+        check::<Conv<u32, u64>>("conv_u32_u64", "4294967295 | 4294967295");
+        check::<Conv<u64, bool>>("conv_u64_bit", "0 | 0\n7 | 1\nexpect $.out-of-range 1");
+        check::<Conv<u64, f64>>("conv_u64_float", "7 | 7\n9007199254740993 | 9007199254740992");
+        check::<Conv<u64, i32>>(
+            "conv_u64_s32",
+            "4294967297 | 1\nset $.clamp 1\n4294967297 | 2147483647",
+        );
+        check::<Conv<u64, i64>>(
+            "conv_u64_s64",
+            "18446744073709551615 | -1\nset $.clamp 1\n18446744073709551615 | 9223372036854775807",
+        );
+        check::<Conv<u64, u32>>(
+            "conv_u64_u32",
+            "4294967297 | 1\nset $.clamp 1\n4294967297 | 4294967295",
+        );
     }
 
     #[test]

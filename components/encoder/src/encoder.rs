@@ -87,9 +87,9 @@ pins! {
         index_enable: Io<bool> = "index-enable", false;
         /// An edge of it notes the position.
         latch_input: In<bool> = "latch-input", false;
-        /// Whether its rising edge does.
+        /// Whether the rising edge of `latch-input` notes the position.
         latch_rising: In<bool> = "latch-rising", true;
-        /// Whether its falling edge does.
+        /// Whether the falling edge of `latch-input` notes the position.
         latch_falling: In<bool> = "latch-falling", true;
         /// Whether every edge of both phases counts; otherwise one per cycle.
         x4_mode: Io<bool> = "x4-mode", true;

@@ -42,12 +42,12 @@ pub(crate) struct Biquad {
     /// The filter's frequency, in hertz, at most half of the thread's.
     #[hal(default = 250.0)]
     f0: In<f64>,
-    /// The filter's quality, 0.5 to 2.
+    /// The filter's quality, a number without a unit, 0.5 to 2.
     #[hal(name = "Q", default = 7071.0 / 10_000.0)]
     q: In<f64>,
-    /// What is added from the last run.
+    /// What is added from the last run, in the signal's unit.
     s1: Out<f64>,
-    /// What is added from the run before.
+    /// What is added from the run before that, in the signal's unit.
     s2: Out<f64>,
     /// Coefficient of the last output.
     d1: ParamRw<f64>,

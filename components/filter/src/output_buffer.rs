@@ -47,7 +47,7 @@ impl Component for OutputBuffer {
         }
         let mut bits = Vec::new();
         for i in 0..n {
-            let input = b.item(&format!("in-{i}"), "A bit.", false)?;
+            let input = b.item(&format!("in-{i}"), "A bit that goes through.", false)?;
             let doc = "The bit while enabled, otherwise `off-level`.";
             bits.push((input, b.item(&format!("out-{i}"), doc, false)?));
         }

@@ -28,6 +28,10 @@ impl Component for Logic {
         0x100 `and`, 0x200 `or`, 0x400 `xor`, 0x800 `nand`, 0x1000 `nor`. `0x102` is a two-input \
         AND gate. The pins are `in-00`, `in-01` and so on, and the outputs that were asked for; \
         without a personality there are none.\n\n\
+        # Pins\n\n\
+        ```hal\n\
+        loadrt logic personality=0x1c03\n\
+        ```\n\n\
         # Example\n\n\
         ```hal\n\
         loadrt logic personality=0x303\n\
@@ -54,7 +58,7 @@ impl Component for Logic {
         }
         let mut inputs = Vec::new();
         for i in 0..n {
-            inputs.push(b.item(&format!("in-{i:02}"), "Input.", false)?);
+            inputs.push(b.item(&format!("in-{i:02}"), "A bit that is joined.", false)?);
         }
         let mut output = |bit: i64, name: &str, doc: &str| {
             (wanted & bit != 0).then(|| b.item(name, doc, false)).transpose()

@@ -36,8 +36,10 @@ impl Component for Multiswitch {
         getp multiswitch.0.position # -> 1\n\
         ```";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
-    const ARGS: &'static [&'static ArgSpec] =
-        &[&Arg::ints("cfg", "Number of positions of each switch, 1 to 32.").at_most(INSTANCES)];
+    const ARGS: &'static [&'static ArgSpec] = &[
+        &Arg::ints("cfg", "Number of positions of each switch, 1 to 32.").at_most(INSTANCES),
+        &Arg::ints("personality", "Accepted for scripts that give it: cfg= is what counts."),
+    ];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let mut sizes = b.arg_ints("cfg");

@@ -31,7 +31,7 @@ use hal_component::{Component, In, Io, Period, Update};
 pub(crate) struct TristateBit {
     /// The bit.
     in_: In<bool>,
-    /// Where it is written; while `enable` is false, nothing is.
+    /// Where `in` is written; while `enable` is false, nothing is.
     out: Io<bool>,
     /// While true, `in` is written to `out` at each run.
     enable: In<bool>,
@@ -68,7 +68,7 @@ impl Update for TristateBit {
 pub(crate) struct TristateFloat {
     /// The number.
     in_: In<f64>,
-    /// Where it is written; while `enable` is false, nothing is.
+    /// Where `in` is written; while `enable` is false, nothing is.
     out: Io<f64>,
     /// While true, `in` is written to `out` at each run.
     enable: In<bool>,

@@ -21,7 +21,7 @@ use hal_component::{Component, Out, ParamRw, Period, Update};
 pub(crate) struct Constant {
     /// The number.
     out: Out<f64>,
-    /// What `out` is.
+    /// The number that `out` is, in whatever unit.
     value: ParamRw<f64>,
 }
 

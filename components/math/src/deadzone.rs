@@ -24,9 +24,9 @@ pub(crate) struct Deadzone {
     in_: In<f64>,
     /// `center` within the zone; beyond it, the number less half of its width.
     out: Out<f64>,
-    /// The middle of the zone.
+    /// The middle of the zone, in the number's unit.
     center: ParamRw<f64>,
-    /// The width of the zone.
+    /// The width of the zone, in the number's unit.
     #[hal(default = 1.0)]
     threshold: ParamRw<f64>,
 }

@@ -19,7 +19,7 @@ use hal_component::{Component, In, Out, Period, Update};
 pub(crate) struct Integ {
     /// The number, in units per second.
     in_: In<f64>,
-    /// Gain.
+    /// What the input is multiplied by, a number without a unit.
     #[hal(default = 1.0)]
     gain: In<f64>,
     /// While true, the integral is 0 (within the bounds).

@@ -20,10 +20,10 @@ use hal_component::{Component, In, Out, Period, Update};
 pub(crate) struct Limit1 {
     /// The number.
     in_: In<f64>,
-    /// Lowest output.
+    /// Lowest output, in the number's unit.
     #[hal(default = -1e20)]
     min_: In<f64>,
-    /// Highest output; it wins when the two cross.
+    /// Highest output, in the number's unit; it wins when the two cross.
     #[hal(default = 1e20)]
     max_: In<f64>,
     /// The number within the range. A bound that is not a number does not bind, and what is not a

@@ -88,7 +88,7 @@ impl Component for LimitAxis {
             let min_limit = pin("min-limit", "The lower limit that holds there, in units.")?;
             let max_limit = pin("max-limit", "The upper limit that holds there, in units.")?;
             let enable = b.item(&format!("enable-{i:02}"), "Whether this range counts.", false)?;
-            let doc = "Whether its limits stay when `fb` leaves it.";
+            let doc = "Whether the limits of this range stay when `fb` leaves it.";
             let sticky = b.item(&format!("sticky-{i:02}"), doc, false)?;
             let doc = "True while the ends of this range are not in order.";
             let error_range = b.item(&format!("error-range-{i:02}"), doc, true)?;

@@ -58,15 +58,20 @@ impl Component for Lincurve {
             let text = format!("Parameter x-val-##: Requested size {n} exceeds max size {MOST}");
             return Err(Error::new(text));
         }
-        let input = b.item("in", "Where on the curve.", 0.0)?;
-        let out = b.item("out", "How high the curve is there.", 0.0)?;
-        let doc = "The same, to be linked to what is bidirectional, such as a gain.";
+        let input = b.item("in", "Where on the curve, in the unit of the points' x.", 0.0)?;
+        let out =
+            b.item("out", "How high the curve is there, in the unit of the points' y.", 0.0)?;
+        let doc = "As `out`, to be linked to what is bidirectional, such as a gain.";
         let out_io = b.item("out-io", doc, 0.0)?;
         let mut points = Vec::new();
         for i in 0..n {
-            let x = "Where this point is; not less than the one before.";
+            let x = "Where this point is, in the unit of `in`; not less than the one before.";
             let x = b.item(&format!("x-val-{i:02}"), x, 0.0)?;
-            let y = b.item(&format!("y-val-{i:02}"), "How high this point is.", 0.0)?;
+            let y = b.item(
+                &format!("y-val-{i:02}"),
+                "How high this point is, in the unit of `out`.",
+                0.0,
+            )?;
             points.push((x, y));
         }
         b.function(

@@ -28,16 +28,16 @@ pub(crate) struct ScaledS32Sums {
     in2: In<i32>,
     /// Fourth number.
     in3: In<i32>,
-    /// What the first is multiplied by.
+    /// What the first number is multiplied by.
     #[hal(default = 1.0)]
     scale0: In<f64>,
-    /// What the second is multiplied by.
+    /// What the second number is multiplied by.
     #[hal(default = 1.0)]
     scale1: In<f64>,
-    /// What the third is multiplied by.
+    /// What the third number is multiplied by.
     #[hal(default = 1.0)]
     scale2: In<f64>,
-    /// What the fourth is multiplied by.
+    /// What the fourth number is multiplied by.
     #[hal(default = 1.0)]
     scale3: In<f64>,
     /// The sum without its fraction; one that does not fit becomes the lowest number.

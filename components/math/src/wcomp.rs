@@ -24,7 +24,7 @@ use hal_component::{Component, In, Out, Period, Update};
 pub(crate) struct Wcomp {
     /// The number.
     in_: In<f64>,
-    /// Lower edge of the window.
+    /// Lower edge of the window, in the number's unit.
     min_: In<f64>,
     /// Upper edge of the window.
     max_: In<f64>,

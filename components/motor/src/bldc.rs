@@ -19,12 +19,15 @@ impl Component for Bldc {
     const NAME: &'static str = "bldc";
     const DOC: &'static str = include_str!("bldc.md");
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
-    const ARGS: &'static [&'static ArgSpec] = &[&Arg::texts(
-        "cfg",
-        "For each motor the letters of its feedback (n h a q i f) and of its drive (B 6 H F T).",
-    )
-    .required()
-    .at_most(MOST)];
+    const ARGS: &'static [&'static ArgSpec] = &[
+        &Arg::texts(
+            "cfg",
+            "For each motor the letters of its feedback (n h a q i f) and of its drive (B 6 H F T).",
+        )
+        .required()
+        .at_most(MOST),
+        &Arg::ints("personality", "Accepted for scripts that give it: cfg= is what counts."),
+    ];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let texts = b.arg_texts("cfg");

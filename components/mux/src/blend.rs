@@ -24,7 +24,7 @@ pub(crate) struct Blend {
     in2: In<f64>,
     /// How much of the first, 0 to 1.
     select: In<f64>,
-    /// The mixture.
+    /// The mixture, in the inputs' unit.
     out: Out<f64>,
     /// Whether `select` may go beyond 0 and 1.
     open: ParamRw<bool>,

@@ -56,7 +56,11 @@ impl Component for Demux {
         let number = b.item("sel-u32", "Selector; added to the bits.", 0)?;
         let mut outputs = Vec::new();
         for i in 0..n {
-            outputs.push(b.item(&format!("out-{i:02}"), "An output.", false)?);
+            outputs.push(b.item(
+                &format!("out-{i:02}"),
+                "Whether this number is chosen; see `bargraph`.",
+                false,
+            )?);
         }
         let bar = "Whether all outputs below the chosen one are true, instead of that one.";
         let bargraph = b.item("bargraph", bar, false)?;

@@ -37,7 +37,7 @@ pub(crate) struct Mux16 {
     out_f: Out<f64>,
     /// The chosen number without its fraction; one that does not fit in 32 bits becomes the lowest.
     out_s: Out<i32>,
-    /// For how long they have said something else than what goes through, in seconds.
+    /// For how long the selectors have said something else than what goes through, in seconds.
     elapsed: ParamRo<f64>,
     /// The number that the selectors say; it goes through after `debounce-time`.
     selected: ParamRo<i32>,

@@ -32,7 +32,8 @@ impl Selector {
         let suppress = b.item(&format!("{name}.suppress-no-input"), doc, false)?;
         let doc = "For how long the selectors must stay before they count, in microseconds.";
         let debounce = b.item(&format!("{name}.debounce-us"), doc, 0)?;
-        let doc = "For how long they have said something else, in microseconds.";
+        let doc = "For how long the selectors have said something else than what was chosen, in \
+            microseconds.";
         let elapsed = b.item(&format!("{name}.elapsed"), doc, 0)?;
         let selected = b.item(&format!("{name}.selected"), "What they chose.", 0)?;
         Ok(Self { number, bits, suppress, debounce, elapsed, selected })

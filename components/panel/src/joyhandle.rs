@@ -26,17 +26,17 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 pub(crate) struct Joyhandle {
     /// Where the handle is, from -1 to 1.
     in_: In<f64>,
-    /// The curve at that point.
+    /// The curve at that point, in the unit of `scale`.
     out: Out<f64>,
-    /// How far the curve bends, 1 to about 5; below 1 it is set to 1.
+    /// How far the curve bends, a number without a unit, 1 to about 5; below 1 it is set to 1.
     #[hal(default = 2.0)]
     power: ParamRw<f64>,
-    /// Half the width of the dead zone, set to at least 0 and at most 0.99.
+    /// Half the width of the dead zone, of the 1 that the handle goes to either side; set to at least 0 and at most 0.99.
     deadband: ParamRw<f64>,
-    /// Height of the curve at 1, without `offset`.
+    /// Height of the curve at 1, without `offset`, in the unit that the output is to have.
     #[hal(default = 1.0)]
     scale: ParamRw<f64>,
-    /// Height of the curve at the edge of the dead zone.
+    /// Height of the curve at the edge of the dead zone, in the unit of `scale`.
     offset: ParamRw<f64>,
     /// Whether the curve is turned around.
     inverse: ParamRw<bool>,

@@ -23,7 +23,7 @@ use hal_component::{Component, In, Out, Period, Update};
 #[derive(Component)]
 #[hal(name = "xhc_hb04_util")]
 pub(crate) struct XhcHb04Util {
-    /// The button.
+    /// The button for start and pause.
     start_or_pause: In<bool>,
     /// Whether a program is paused, from `halui.program.is-paused`.
     is_paused: In<bool>,

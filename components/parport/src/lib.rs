@@ -62,6 +62,13 @@ level.
 
 When the machine stops, every output goes to the level of FALSE.
 
+# Pins
+
+```hal
+loadrt hal_parport cfg=378_in
+loadrt hal_parport cfg=378_x
+```
+
 # Example
 
 ```hal

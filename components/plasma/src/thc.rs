@@ -48,7 +48,7 @@ pins! {
     struct Pins {
         /// The frequency of the voltage card, from an encoder's `velocity`.
         encoder_vel: In<f64> = "encoder-vel", 0.0;
-        /// The speed of the machine.
+        /// The speed of the machine, in units per second.
         current_vel: In<f64> = "current-vel", 0.0;
         /// The speed that the program wants, in the same unit.
         requested_vel: In<f64> = "requested-vel", 0.0;
@@ -64,19 +64,19 @@ pins! {
         enable: In<bool> = "enable", false;
         /// Z as it is commanded.
         z_pos_in: In<f64> = "z-pos-in", 0.0;
-        /// Z with the offset, for the motor.
+        /// Z with the offset, in units, for the motor.
         z_pos_out: Out<f64> = "z-pos-out", 0.0;
-        /// Z without the offset, as the feedback of the axis.
+        /// Z without the offset, in units, as the feedback of the axis.
         z_fb_out: Out<f64> = "z-fb-out", 0.0;
         /// The voltage of the arc, in volts; not below 0.
         volts: Out<f64> = "volts", 0.0;
         /// Whether the machine is as fast as it should be.
         vel_status: Out<bool> = "vel-status", false;
-        /// The offset of Z before this run.
+        /// The offset of Z before this run, in units.
         offset_value: Out<f64> = "offset-value", 0.0;
         /// Volts per unit of frequency.
         vel_scale: ParamRw<f64> = "vel-scale", 0.0;
-        /// The frequency at 0 V.
+        /// The frequency at 0 V, in Hz.
         scale_offset: ParamRw<f64> = "scale-offset", 0.0;
         /// How far below the wanted speed still counts, in percent.
         velocity_tol: ParamRw<f64> = "velocity-tol", 0.0;

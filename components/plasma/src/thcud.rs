@@ -45,7 +45,7 @@ pins! {
         torch_up: In<bool> = "torch-up", false;
         /// Whether Z shall sink.
         torch_down: In<bool> = "torch-down", false;
-        /// The speed of the machine.
+        /// The speed of the machine, in units per second.
         current_vel: In<f64> = "current-vel", 0.0;
         /// The speed that the program wants, in the same unit.
         requested_vel: In<f64> = "requested-vel", 0.0;
@@ -57,9 +57,9 @@ pins! {
         enable: In<bool> = "enable", false;
         /// Z as it is commanded.
         z_pos_in: In<f64> = "z-pos-in", 0.0;
-        /// Z with the offset, for the motor.
+        /// Z with the offset, in units, for the motor.
         z_pos_out: Out<f64> = "z-pos-out", 0.0;
-        /// Z without the offset, as the feedback of the axis.
+        /// Z without the offset, in units, as the feedback of the axis.
         z_fb_out: Out<f64> = "z-fb-out", 0.0;
         /// Always 0, as in LinuxCNC; the offset is `z-pos-out` less `z-fb-out`.
         cur_offset: Out<f64> = "cur-offset", 0.0;

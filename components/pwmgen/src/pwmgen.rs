@@ -23,6 +23,11 @@ impl Component for Pwmgen {
         one.\n\n\
         The duty cycle is `value` / `scale` + `offset`, within `min-dc` and `max-dc` to either side. \
         With `pwm-freq` 0 there are no periods: pulses of one run each come as often as it takes.\n\n\
+        # Pins\n\n\
+        ```hal\n\
+        loadrt pwmgen output_type=0\n\
+        loadrt pwmgen output_type=2\n\
+        ```\n\n\
         # Example\n\n\
         ```hal\n\
         # Half of the time forward: as a density, every other run.\n\

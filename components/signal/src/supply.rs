@@ -55,7 +55,11 @@ impl Component for Supply {
                 variable: b.item(&pin("variable"), "The number.", 0.0)?,
                 negative: b.item(&pin("_variable"), "The number, with the other sign.", 0.0)?,
                 d: b.item(&pin("d"), "What `q` is.", false)?,
-                value: b.item(&pin("value"), "What `variable` is.", 0.0)?,
+                value: b.item(
+                    &pin("value"),
+                    "The number that `variable` is, in whatever unit.",
+                    0.0,
+                )?,
             };
             b.function(&pin("update"), "Sets the outputs.", run)?;
         }

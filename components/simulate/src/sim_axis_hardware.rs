@@ -36,7 +36,7 @@ impl Component for SimAxisHardware {
             axes,
             limit_offset: b.item(
                 "limit-offset",
-                "How far further out the limit switches are than their inner ends say.",
+                "How many units further out the limit switches are than their inner ends say.",
                 0.01,
             )?,
             homesw_all: b.item(
@@ -82,19 +82,19 @@ macro_rules! axis {
 }
 
 axis! {
-    /// Where the joint is, such as `joint.0.motor-pos-fb`.
+    /// Where the joint is, in units, such as `joint.0.motor-pos-fb`.
     current_pos: In<f64> = "current-pos", 0.0;
-    /// The middle of the home switch.
+    /// The middle of the home switch, in units.
     home_pos: In<f64> = "homesw-pos", 1.0;
-    /// The outer end of the upper limit switch; it is pressed below it.
+    /// The outer end of the upper limit switch, in units; it is pressed below it.
     max_upper: In<f64> = "maxsw-upper", 0.0;
-    /// The inner end of the upper limit switch; it is pressed `limit-offset` above it.
+    /// The inner end of the upper limit switch, in units; it is pressed `limit-offset` above it.
     max_lower: In<f64> = "maxsw-lower", 0.0;
-    /// The inner end of the lower limit switch; it is pressed `limit-offset` below it.
+    /// The inner end of the lower limit switch, in units; it is pressed `limit-offset` below it.
     min_upper: In<f64> = "minsw-upper", 0.0;
-    /// The outer end of the lower limit switch; it is pressed above it.
+    /// The outer end of the lower limit switch, in units; it is pressed above it.
     min_lower: In<f64> = "minsw-lower", 0.0;
-    /// How wide the home switch is.
+    /// How wide the home switch is, in units.
     home_hyst: In<f64> = "homesw-hyst", 0.025;
     /// Whether the joint homes: while any does, what is wired together counts as home switches alone.
     homing: In<bool> = "homing", false;

@@ -24,12 +24,12 @@ use hal_component::{Component, In, Io, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct SimHomeSwitch {
-    /// Where the joint is, such as `joint.0.motor-pos-fb`.
+    /// Where the joint is, in units, such as `joint.0.motor-pos-fb`.
     cur_pos: In<f64>,
-    /// Where the switch is.
+    /// Where the switch is, in units.
     #[hal(default = 1.0)]
     home_pos: In<f64>,
-    /// How far to go back until it opens.
+    /// How many units to go back until it opens.
     #[hal(default = 0.1)]
     hysteresis: In<f64>,
     /// Whether the switch is pressed.

@@ -19,7 +19,7 @@ use hal_component::{Component, In, Io, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct SimSpindle {
-    /// The speed that is wanted.
+    /// The speed that is wanted, in whatever unit `scale` makes turns per second of.
     velocity_cmd: In<f64>,
     /// Where the spindle is, in turns.
     position_fb: Out<f64>,

@@ -33,7 +33,7 @@ pub(crate) struct Gearchange {
     dir_in: In<bool>,
     /// The direction for the drive.
     dir_out: Out<bool>,
-    /// Lowest speed in the first gear.
+    /// Lowest speed in the first gear, in turns per minute.
     min1: ParamRw<f64>,
     /// Highest speed in the first gear; it loses against `min1`.
     #[hal(default = 100_000.0)]

@@ -123,7 +123,7 @@ gear! { i:
     /// How fast it speeds up: in turns per minute and second, or, with an encoder, how far the output is
     /// ahead, in turns per minute; 0 or less: at once.
     accel: In<f64> = "accel", 0.0;
-    /// How fast it slows down, as `accel`.
+    /// How fast it slows down, in the unit of `accel`.
     decel: In<f64> = "decel", 0.0;
     /// How far from the wanted speed is at speed, in turns per minute.
     speed_tolerance: In<f64> = "speed-tolerance", 20.0;

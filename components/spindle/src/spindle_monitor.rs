@@ -26,7 +26,7 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 pub(crate) struct SpindleMonitor {
     /// Whether the spindle is switched on.
     spindle_is_on: In<bool>,
-    /// The speed that is wanted.
+    /// The speed that is wanted, in whatever unit, such as turns per minute.
     spindle_command: In<f64>,
     /// The speed that is measured, in the same unit.
     spindle_feedback: In<f64>,

@@ -47,6 +47,14 @@ The fastest rate is one step per `steplen` + `stepspace` (`steplen` alone for ty
 count in whole periods of make-pulses. A reversal waits until `dirhold` and `dirsetup` (`dirdelay`)
 have passed, and the position waits with it. While `enable` is false a channel stands still at once.
 
+# Pins
+
+```hal
+loadrt stepgen step_type=1
+loadrt stepgen step_type=14
+loadrt stepgen step_type=0 ctrl_type=v
+```
+
 # Example
 
 ```hal

@@ -24,12 +24,12 @@ use hal_component::{Component, In, Io, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Reset {
-    /// The bit.
+    /// The bit whose edges set.
     trigger: In<bool>,
-    /// Whether its rising edge sets.
+    /// Whether the rising edge of `trigger` sets.
     #[hal(default = true)]
     rising: In<bool>,
-    /// Whether its falling edge sets.
+    /// Whether the falling edge of `trigger` sets.
     falling: In<bool>,
     /// Whether every edge sets; otherwise only the first.
     #[hal(default = true)]

@@ -25,7 +25,7 @@ pub(crate) struct Time {
     seconds: Out<u32>,
     /// Minutes, 0 to 59.
     minutes: Out<u32>,
-    /// Hours.
+    /// Full hours since the start.
     hours: Out<u32>,
     #[state]
     was_started: bool,

@@ -8,8 +8,11 @@ use hal_protocol::{ArgInfo, Offer};
 const COUNT: (&str, &str, &str) =
     ("count", "int", "How many instances, named after the component with a number.");
 const NAMES: (&str, &str, &str) = ("names", "texts", "The names of the instances, one for each.");
-const PERSONALITY: (&str, &str, &str) =
-    ("personality", "ints", "What each instance is like; see its documentation.");
+const PERSONALITY: (&str, &str, &str) = (
+    "personality",
+    "ints",
+    "What each instance is like, a number for each, as the description tells.",
+);
 
 /// The type `ty` of an open library.
 pub(crate) fn of(name: &str, library: &str, ty: &ComponentType) -> Offer {

@@ -3,7 +3,7 @@
 use super::{
     Entry, Page,
     prose::Doc,
-    text::{synopsis, word},
+    text::{synopsis, thread, word},
 };
 use std::fmt::Write;
 
@@ -24,8 +24,15 @@ impl Page {
         let library = &self.offer.library;
         let file = if library == name { String::new() } else { format!(" Library `{library}`.") };
         let line = synopsis(name, &self.offer.args);
-        out.push_str(&format!("\n## Load\n\n`{line}`{file}\n"));
+        let also: Vec<String> = self.also.iter().map(|name| code(name)).collect();
+        let also = if also.is_empty() {
+            also.concat()
+        } else {
+            format!(" Also called {}.", also.join(", "))
+        };
+        out.push_str(&format!("\n## Load\n\n`{line}`{file}{also}\n"));
         self.arguments(&mut out);
+        self.made_by(&mut out);
         let (pins, params): (Vec<&Entry>, Vec<&Entry>) =
             self.items.iter().partition(|e| e.direction.is_pin());
         items(&mut out, "Pins", &pins);
@@ -33,8 +40,7 @@ impl Page {
         if !self.functs.is_empty() {
             out.push_str("\n## Functions\n\n| function | thread | what it does |\n|---|---|---|\n");
             for f in &self.functs {
-                let thread = if f.fast { "fast" } else { "any" };
-                row(&mut out, &[&code(&f.name), thread, &f.doc]);
+                row(&mut out, &[&range(&f.first, f.last.as_ref()), thread(f), &f.doc]);
             }
         }
         if !self.commands.is_empty() {
@@ -52,6 +58,25 @@ impl Page {
             out.push_str(&format!("```hal\n{example}```\n"));
         }
         out
+    }
+
+    /// What made the pins that follow, if that is not plain.
+    fn made_by(&self, out: &mut String) {
+        let name = &self.offer.component;
+        if let Some(why) = &self.refused {
+            out.push_str(&format!("\nNothing of it could be made: {why}.\n"));
+            return;
+        }
+        if let [lines] = &*self.loads
+            && *lines == [format!("loadrt {name}")]
+        {
+            return;
+        }
+        let lines: Vec<String> =
+            self.loads.iter().filter_map(|lines| lines.last()).map(|line| code(line)).collect();
+        let made =
+            if self.items.is_empty() { "Loaded here as" } else { "The pins here are those of" };
+        out.push_str(&format!("\n{made} {}.\n", lines.join(" or ")));
     }
 
     fn arguments(&self, out: &mut String) {
@@ -78,11 +103,15 @@ fn items(out: &mut String, title: &str, list: &[&Entry]) {
         .unwrap_or(());
     out.push_str("|---|---|---|---|---|\n");
     for e in list {
-        let last = e.last.as_ref().map(|last| format!(" to {}", code(last))).unwrap_or_default();
-        let name = code(&e.first) + &last;
-        let default = e.default.as_deref().unwrap_or(if e.last.is_some() { "-" } else { "0" });
-        row(out, &[&name, e.ty.name(), word(e), default, &e.doc]);
+        let comma = if e.with.is_empty() { "" } else { ", " };
+        let name = format!("{}{comma}{}", range(&e.first, e.last.as_ref()), e.with);
+        row(out, &[&name, e.ty.name(), word(e), &e.default, &e.doc]);
     }
+}
+
+fn range(first: &str, last: Option<&String>) -> String {
+    let last = last.map(|last| format!(" to {}", code(last))).unwrap_or_default();
+    code(first) + &last
 }
 
 fn code(text: &str) -> String {

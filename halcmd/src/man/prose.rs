@@ -7,6 +7,8 @@ pub(super) struct Doc {
     pub(super) summary: String,
     /// What else there is to know: paragraphs, each in one line but for lists and tables.
     pub(super) paragraphs: Vec<String>,
+    /// The lines that load it with other arguments than the example, for the pins that these make.
+    pub(super) pins: Vec<String>,
     /// What is said of the example.
     pub(super) before: Vec<String>,
     /// The script that shows it at work.
@@ -18,17 +20,23 @@ impl Doc {
     pub(super) fn of(doc: &str) -> Self {
         let (summary, rest) = doc.split_once('\n').unwrap_or((doc, ""));
         let (about, example) = rest.split_once("# Example\n").unwrap_or((rest, ""));
-        let (before, code) = example.split_once("```hal\n").unwrap_or((example, ""));
-        let script = code.split_once("```").map(|(script, _)| {
-            script.lines().map(|l| format!("{}\n", l.trim())).collect::<String>()
-        });
+        let (about, pins) = about.split_once("# Pins\n").unwrap_or((about, ""));
+        let (before, lines) = script(example);
         Self {
             summary: summary.trim().to_owned(),
             paragraphs: paragraphs(about),
+            pins: script(pins).1,
             before: paragraphs(before),
-            example: script.filter(|script| !script.is_empty()),
+            example: (!lines.is_empty()).then(|| lines.join("\n") + "\n"),
         }
     }
+}
+
+/// What stands before a script, and its lines.
+fn script(text: &str) -> (&str, Vec<String>) {
+    let (before, code) = text.split_once("```hal\n").unwrap_or((text, ""));
+    let lines = code.split_once("```").map(|(script, _)| script.lines());
+    (before, lines.into_iter().flatten().map(|l| l.trim().to_owned()).collect())
 }
 
 /// Paragraphs; lines of lists and tables stay lines.
@@ -61,13 +69,14 @@ mod tests {
     #[test]
     fn parts() {
         let doc = "What it is.\n\nOne\nparagraph.\n\n- a list\n  of two\n- lines\n\n| a | b |\n|---|---|\n\n\
-            # Example\n\nIt works so.\n\n```hal\nloadrt x\n getp x.0.out # -> 1\n```\n";
+            # Pins\n\n```hal\nloadrt x cfg=2\n```\n\n# Example\n\nIt works so.\n\n```hal\nloadrt x\n getp x.0.out # -> 1\n```\n";
         let doc = Doc::of(doc);
         assert_eq!(doc.summary, "What it is.");
         assert_eq!(
             doc.paragraphs,
             ["One paragraph.", "- a list of two", "- lines", "| a | b |", "|---|---|"]
         );
+        assert_eq!(doc.pins, ["loadrt x cfg=2"]);
         assert_eq!(doc.before, ["It works so."]);
         assert_eq!(doc.example.as_deref(), Some("loadrt x\ngetp x.0.out # -> 1\n"));
         assert_eq!(Doc::of("Alone.").example, None);

@@ -1,8 +1,8 @@
 //! A page as a terminal shows it.
 
-use super::{Entry, Page, prose::Doc};
+use super::{Entry, Function, Page, grid::grid, prose::Doc};
 use crate::help::wrapped;
-use hal_protocol::ArgInfo;
+use hal_protocol::{ArgInfo, Direction};
 
 /// How far text stands in.
 const IN: usize = 4;
@@ -25,15 +25,19 @@ impl Page {
         if !library.is_empty() && library != name {
             load.push_str(&wrapped(&format!("It is in the library '{library}'."), IN));
         }
+        if !self.also.is_empty() {
+            load.push_str(&wrapped(&format!("It is also called {}.", self.also.join(", ")), IN));
+        }
         section(&mut out, "SYNOPSIS", &load);
         section(&mut out, "DESCRIPTION", &prose(&doc.paragraphs));
         section(&mut out, "ARGUMENTS", &self.offer.args.iter().map(argument).collect::<String>());
+        section(&mut out, "LOADED HERE AS", &self.loaded());
         section(&mut out, "PINS", &entries(self.items.iter().filter(|e| e.direction.is_pin())));
         let parameters = entries(self.items.iter().filter(|e| !e.direction.is_pin()));
         section(&mut out, "PARAMETERS", &parameters);
         let functions = self.functs.iter().map(|f| {
-            let fast = if f.fast { " It belongs in a fast thread." } else { "" };
-            entry(&f.name, &format!("{}{fast}", f.doc))
+            let last = f.last.as_ref().map(|last| format!(" to {last}")).unwrap_or_default();
+            entry(&format!("{}{last} ({} thread)", f.first, thread(f)), &f.doc)
         });
         section(&mut out, "FUNCTIONS", &functions.collect::<String>());
         let commands = self.commands.iter().map(|c| {
@@ -41,7 +45,6 @@ impl Page {
             entry(&c.name, &c.doc) + &args.lines().map(|l| format!("    {l}\n")).collect::<String>()
         });
         section(&mut out, "COMMANDS", &commands.collect::<String>());
-        section(&mut out, "LOADED AS", &self.loaded());
         let lines = doc.example.unwrap_or_default();
         let lines: String = lines.lines().map(|l| format!("    {l}\n")).collect();
         let about = prose(&doc.before);
@@ -54,9 +57,12 @@ impl Page {
         if let Some(why) = &self.refused {
             return wrapped(&format!("Nothing of it could be made: {why}."), IN);
         }
-        let is_plain = *self.loads == [format!("loadrt {}", self.offer.component)];
-        let lines = if is_plain { &[][..] } else { &self.loads };
-        lines.iter().map(|line| format!("    {line}\n")).collect()
+        let plain = [format!("loadrt {}", self.offer.component)];
+        match &*self.loads {
+            [lines] if *lines == plain => String::new(),
+            [lines] => lines.iter().map(|line| format!("    {line}\n")).collect(),
+            all => all.iter().filter_map(|l| l.last()).map(|l| format!("    {l}\n")).collect(),
+        }
     }
 }
 
@@ -94,16 +100,32 @@ fn argument(arg: &ArgInfo) -> String {
 fn entries<'e>(list: impl Iterator<Item = &'e Entry>) -> String {
     list.map(|e| {
         let last = e.last.as_ref().map(|last| format!(" to {last}")).unwrap_or_default();
-        let default = e.default.as_ref().map(|d| format!(", default {d}")).unwrap_or_default();
-        let title = format!("{}{last} ({} {}{default})", e.first, e.ty.name(), word(e));
+        let default = match default(e) {
+            Some(value) => format!(", default {value}"),
+            None => String::new(),
+        };
+        let comma = if e.with.is_empty() { "" } else { ", " };
+        let with = format!("{comma}{}", plain(&e.with));
+        let title = format!("{}{last} ({} {}{default}){with}", e.first, e.ty.name(), word(e));
         entry(&title, &e.doc)
     })
     .collect()
 }
 
+/// What it begins with: told of what users set, and of what does not begin with nothing.
+fn default(e: &Entry) -> Option<&str> {
+    let is_set = matches!(e.direction, Direction::In | Direction::Io | Direction::Rw);
+    let is_nothing = matches!(e.default.as_str(), "0" | "FALSE");
+    (is_set || !is_nothing).then_some(e.default.as_str())
+}
+
+/// In which threads functions belong.
+pub(super) const fn thread(funct: &Function) -> &'static str {
+    if funct.fast { "fast" } else { "any" }
+}
+
 /// The direction, as manuals have it.
 pub(super) const fn word(entry: &Entry) -> &'static str {
-    use hal_protocol::Direction;
     match entry.direction {
         Direction::In => "in",
         Direction::Out => "out",
@@ -122,16 +144,16 @@ fn entry(title: &str, doc: &str) -> String {
 
 fn prose(paragraphs: &[String]) -> String {
     let mut out = String::new();
-    let mut was_line = false;
-    for p in paragraphs {
-        let is_line = p.starts_with(['|', '-', '*']);
-        let follows = was_line && is_line;
-        if !out.is_empty() && !follows {
+    let mut was = ' ';
+    for block in paragraphs.chunk_by(|a, b| a.starts_with('|') && b.starts_with('|')) {
+        let Some(p) = block.first() else { continue };
+        let is = p.chars().next().filter(|c| "|-*".contains(*c)).unwrap_or(' ');
+        if !out.is_empty() && (is == ' ' || is != was) {
             out.push('\n');
         }
-        was_line = is_line;
-        out.push_str(&if p.starts_with('|') {
-            format!("    {p}\n")
+        was = is;
+        out.push_str(&if is == '|' {
+            grid(&block.iter().map(String::as_str).collect::<Vec<_>>(), IN)
         } else {
             wrapped(&plain(p), IN)
         });

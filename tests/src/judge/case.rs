@@ -18,6 +18,10 @@ pub struct Case {
     pub skip: Option<String>,
     /// Arguments of `loadrt`, each a configuration of its own.
     pub loads: Vec<String>,
+    /// More arguments, with which only pins, parameters and functions are compared.
+    pub shapes: Vec<String>,
+    /// What must be loaded before it.
+    pub before: Vec<String>,
     /// How often both are loaded anew, at least, where the usual number reaches too little.
     pub rounds: Option<usize>,
     /// Cycles of a round, where the usual number reaches too little.

@@ -80,6 +80,7 @@ getp carousel.0.motor-rev # -> FALSE
         .at_most(MOST),
         &Arg::ints("dir", "1: turns forwards alone, 2: both ways; 2 without it.").at_most(MOST),
         &Arg::ints("parity", "What the parity of a code must be, 0 even or 1 odd.").at_most(MOST),
+        &Arg::ints("personality", "Accepted for scripts that give it: the others are what counts."),
     ];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {

@@ -1,0 +1,136 @@
+//! How many tests a component has, from the sources of its library.
+//!
+//! A test function counts when it is in the component's own file, when it names the component or
+//! its type, or when the library has no other component. Rows are those of the recorded tables in
+//! the library's folder `traces` that load it.
+
+use crate::programs::root;
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+/// What was counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counted {
+    /// Test functions.
+    pub tests: usize,
+    /// Rows of recorded tables.
+    pub rows: usize,
+}
+
+/// The sources of a library: its files with their names, and its tables.
+#[derive(Debug)]
+pub struct Sources {
+    files: Vec<(String, String)>,
+    tables: Vec<String>,
+}
+
+impl Sources {
+    /// Those of a library of `components`.
+    pub fn of(library: &str) -> Self {
+        let folder = root().join("components").join(library);
+        let mut found = Vec::new();
+        walk(&folder, &mut found);
+        let text = |path: &PathBuf| fs::read_to_string(path).unwrap();
+        let stem = |path: &PathBuf| path.file_stem().unwrap().to_string_lossy().into_owned();
+        let of = |end: &'static str| {
+            found.iter().filter(move |p| p.extension().is_some_and(|e| e == end))
+        };
+        Self {
+            files: of("rs").map(|p| (stem(p), text(p))).collect(),
+            tables: of("txt").map(text).collect(),
+        }
+    }
+
+    /// What a component has, by all its names; whether it is the library's only one.
+    pub fn count(&self, names: &[&str], is_alone: bool) -> Counted {
+        // No file and no type begins with a digit.
+        let spelled = |n: &str| n.replace('-', "_").replace("5axis", "fiveaxis");
+        let same = |file: &str| names.iter().any(|n| spelled(n) == spelled(file));
+        let mut out = Counted::default();
+        for (file, text) in &self.files {
+            let own = is_alone || same(file);
+            let counts = |test: &&str| own || names.iter().any(|name| tells_of(test, name));
+            out.tests += tests(text).iter().filter(|test| counts(test)).count();
+        }
+        for table in &self.tables {
+            let mut mine = false;
+            for line in table.lines() {
+                if let Some(words) = line.strip_prefix("load ") {
+                    mine = words.split(' ').next().is_some_and(&same);
+                }
+                out.rows += usize::from(mine && !line.starts_with('#') && line.contains(" | "));
+            }
+        }
+        out
+    }
+}
+
+fn walk(folder: &Path, out: &mut Vec<PathBuf>) {
+    let mut entries: Vec<PathBuf> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    entries.sort();
+    for path in entries {
+        if path.is_dir() {
+            walk(&path, out);
+        } else {
+            out.push(path);
+        }
+    }
+}
+
+/// The test functions of a file, each with its body: to the brace that stands where it began.
+fn tests(text: &str) -> Vec<&str> {
+    const MARK: &str = "#[test]\n";
+    let begins = text.match_indices(MARK).map(|(at, _)| at);
+    begins
+        .map(|at| {
+            let line = text[..at].rfind('\n').map_or(0, |n| n + 1);
+            let rest = &text[at..];
+            rest.find(&format!("\n{}}}", &text[line..at])).map_or(rest, |end| &rest[..end])
+        })
+        .collect()
+}
+
+/// Whether a text has a component's name, or that of its type, as a word.
+fn tells_of(text: &str, name: &str) -> bool {
+    let camel: String = name
+        .split(['-', '_'])
+        .flat_map(|word| {
+            let mut letters = word.chars();
+            letters.next().map(|c| c.to_ascii_uppercase()).into_iter().chain(letters)
+        })
+        .collect();
+    let forms = [name.to_owned(), name.replace('_', "-"), name.replace('-', "_"), camel];
+    forms.iter().any(|form| {
+        text.match_indices(form.as_str()).any(|(at, _)| {
+            let inside = |c: char| c.is_alphanumeric() || c == '_';
+            !text[..at].ends_with(|c| inside(c) || c == '-')
+                && !text[at + form.len()..].starts_with(|c| inside(c) || c == '-')
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Counted, Sources};
+
+    #[test]
+    fn what_tells_of_a_component_counts() {
+        let file = "    #[test]\n    fn a() {\n        load::<SumTwo>();\n    }\n\n    #[test]\n    fn b() {\n        \
+            run(\"sum-two.0\");\n    }\n\n    #[test]\n    fn c() {\n        run(\"sum-two-more.0\");\n        \
+            x(sum_two_more, MySumTwo);\n    }\n";
+        let table = "load sum_two\n# a | b\n1 | 2\n2 | 3\nload other\n1 | 1\n";
+        let sources = Sources {
+            files: vec![("lib".to_owned(), file.to_owned())],
+            tables: vec![table.to_owned()],
+        };
+        let count = |name: &str, alone| sources.count(&[name], alone);
+        assert_eq!(count("sum_two", false), Counted { tests: 2, rows: 2 });
+        assert_eq!(count("sum_two_more", false), Counted { tests: 1, rows: 0 });
+        assert_eq!(count("other", false), Counted { tests: 0, rows: 1 });
+        assert_eq!(count("other", true), Counted { tests: 3, rows: 1 });
+        assert_eq!(sources.count(&["lib", "third"], false).tests, 3);
+    }
+}

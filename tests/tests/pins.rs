@@ -1,0 +1,130 @@
+//! What each of our components has beside LinuxCNC's of the same name: arguments, functions, pins
+//! and parameters with their types, directions and first values.
+//!
+//! `cargo test -p hal-tests --test pins -- --ignored` loads LinuxCNC's of its package and compares
+//! with `tests/compat/pins`; with `UPDATE_EXPECT=1` it writes those files (`PINS=NAME`: of one
+//! component). Without the package nothing is run, with a word. Ours are compared with the files
+//! everywhere and always.
+//!
+//! What differs on purpose stands in `tests/judge/NAME.toml`; the head of `tests/tests/judge.rs`
+//! tells how. What LinuxCNC 2.9 does not have was looked at in 2.10, and is written by hand.
+#![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "what is skipped is said")]
+
+use hal_protocol::{Kind, Link, Offer, Reply, Request};
+use hal_tests::{
+    foreign::{Bench, installed},
+    pins::{self, Version},
+};
+use object::{Object, ObjectSymbol};
+use std::{collections::BTreeSet, fs, process::Command};
+
+fn offers() -> Vec<Offer> {
+    let mut bench = Bench::new(&[]);
+    let all = Request::List { kind: Kind::Offers, patterns: Vec::new(), ty: None };
+    let Ok(Reply::Offers(list)) = bench.call(all) else { panic!("no offers") };
+    bench.engine.close();
+    list
+}
+
+#[test]
+fn every_component_has_what_theirs_has() {
+    let only = std::env::var("PINS").ok();
+    let (mut wrong, mut seen) = (Vec::new(), 0);
+    for offer in offers() {
+        let name = &offer.component;
+        if only.as_ref().is_some_and(|only| only != name) {
+            continue;
+        }
+        match pins::beside(&offer) {
+            Ok(found) => {
+                seen += usize::from(!found.versions.is_empty());
+                wrong.extend(found.faults.into_iter().map(|fault| format!("{name}: {fault}")));
+            }
+            Err(e) => wrong.push(format!("{name}: {e}")),
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(only.is_some() || seen > 150, "only {seen} components were compared");
+}
+
+/// The arguments that a module of LinuxCNC's takes, by what its file says.
+fn arguments(module: &str) -> BTreeSet<String> {
+    let bytes = fs::read(installed().unwrap().join(format!("{module}.so"))).unwrap();
+    let file = object::File::parse(&*bytes).unwrap();
+    let names = file.dynamic_symbols().filter_map(|s| {
+        s.name().ok().and_then(|n| n.strip_prefix("rtapi_info_address_")).map(str::to_owned)
+    });
+    names.collect()
+}
+
+/// In a process of its own, because not every module of LinuxCNC's bears to be loaded again: what
+/// the load that the environment names makes.
+#[test]
+fn one_load() {
+    let Ok(line) = std::env::var("HAL_TEST_LOAD") else { return };
+    let (module, args) = line.split_once(' ').unwrap();
+    match pins::measured(module, args) {
+        Ok(load) => {
+            let version = Version { loads: vec![load], ..Version::default() };
+            println!("\nMADE\n{}MADE", pins::written(module, &version));
+        }
+        Err(e) => println!("\nMADE\nrefused {e}\nMADE"),
+    }
+}
+
+/// What LinuxCNC's module has.
+fn measured(module: &str) -> Result<Version, String> {
+    let args = arguments(module);
+    let mut loads = Vec::new();
+    for line in pins::lines(module, &args)? {
+        let mut me = Command::new(std::env::current_exe().unwrap());
+        me.args(["--exact", "one_load", "--nocapture"]);
+        let out = me.env("HAL_TEST_LOAD", format!("{module} {line}")).output().unwrap();
+        let text = String::from_utf8_lossy(&out.stdout).into_owned();
+        match text.split("MADE\n").nth(1) {
+            Some(made) if made.starts_with("LinuxCNC") => {
+                loads.extend(pins::parse(made).into_iter().flat_map(|v| v.loads));
+            }
+            Some(refused) => return Err(format!("{line}: {refused}")),
+            None => return Err(format!("{line}: {}", String::from_utf8_lossy(&out.stderr))),
+        }
+    }
+    Ok(Version { name: "2.9".to_owned(), args, loads })
+}
+
+#[test]
+#[ignore = "needs LinuxCNC's package"]
+fn every_file_is_what_theirs_has() {
+    let Some(folder) = installed() else {
+        eprintln!("skipped: LinuxCNC's package is not installed");
+        return;
+    };
+    let only = std::env::var("PINS").ok();
+    let update = std::env::var_os("UPDATE_EXPECT").is_some();
+    let mut wrong = Vec::new();
+    for offer in offers() {
+        let name = &offer.component;
+        let is_asked = only.as_ref().is_none_or(|only| only == name);
+        if !is_asked || !folder.join(format!("{name}.so")).is_file() {
+            continue;
+        }
+        let version = match measured(name) {
+            Ok(version) => version,
+            Err(e) => {
+                wrong.push(format!("{name}: {e}"));
+                continue;
+            }
+        };
+        let known = pins::read(name);
+        if update {
+            let later = known.iter().filter(|v| v.name != version.name);
+            let all = std::iter::once(&version).chain(later);
+            let text: Vec<String> = all.map(|v| pins::written(name, v)).collect();
+            fs::write(pins::folder().join(format!("{name}.txt")), text.join("\n")).unwrap();
+        } else if known.first() != Some(&version) {
+            wrong.push(format!("{name}: its file is not what LinuxCNC's has"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
