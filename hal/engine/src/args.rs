@@ -3,6 +3,7 @@
 use crate::Error;
 use hal_abi::{ArgSpec, ArgValue, Str, arg};
 use hal_protocol::ArgInfo;
+use std::collections::BTreeMap;
 
 /// What one argument is declared as, copied from its plugin.
 #[derive(Clone, Debug)]
@@ -72,8 +73,8 @@ enum Given {
 #[derive(Debug, Default)]
 pub(crate) struct Args {
     given: Vec<(Box<str>, Given)>,
-    /// What the plugin was shown of lists of strings.
-    shown: Vec<Box<[Str]>>,
+    /// What the plugin was shown of lists of strings, by their place: once for all instances.
+    shown: BTreeMap<usize, Box<[Str]>>,
 }
 
 impl Args {
@@ -104,13 +105,16 @@ impl Args {
                 given.push((d.name.clone(), read(d, default, default)?));
             }
         }
-        Ok(Self { given, shown: Vec::new() })
+        Ok(Self { given, shown: BTreeMap::new() })
     }
 
     /// An argument as the contract shows it.
     pub(crate) fn get(&mut self, name: &str) -> ArgValue {
         let none = ArgValue { size: hal_abi::size::<ArgValue>(), ..ArgValue::NONE };
-        let Some((_, given)) = self.given.iter().find(|(n, _)| &**n == name) else { return none };
+        let at = self.given.iter().position(|(n, _)| &**n == name);
+        let Some((at, (_, given))) = at.and_then(|at| Some((at, self.given.get(at)?))) else {
+            return none;
+        };
         let mut value = ArgValue { given: 1, ..none };
         match given {
             Given::Int(i) => {
@@ -121,9 +125,9 @@ impl Args {
             Given::Text(t) => value.text = Str::borrow(t),
             Given::Ints(list) => (value.ints, value.len) = (list.as_ptr(), list.len()),
             Given::Texts(list) => {
-                let shown: Box<[Str]> = list.iter().map(|t| Str::borrow(t)).collect();
+                let show = || list.iter().map(|t| Str::borrow(t)).collect();
+                let shown = self.shown.entry(at).or_insert_with(show);
                 (value.texts, value.len) = (shown.as_ptr(), shown.len());
-                self.shown.push(shown);
             }
         }
         value

@@ -80,20 +80,23 @@ impl<'e> Creating<'e> {
             }
         }
         let hidden = core::mem::take(&mut self.hidden);
+        let mut takers: BTreeMap<u64, Vec<Ix>> = BTreeMap::new();
+        for (taker, token, _) in hidden.iter().filter(|h| h.2 & access::READ != 0) {
+            takers.entry(*token).or_default().push(*taker);
+        }
         let given = hidden.iter().filter(|h| h.2 & access::WRITE != 0);
         let given: BTreeSet<u64> = given.map(|h| h.1).collect();
-        for (taker, token, _) in hidden.iter().filter(|h| h.2 & access::READ != 0) {
-            if !given.contains(token)
-                && let Some(funct) = self.engine.graph.funct_mut(*taker)
-            {
-                funct.told = true;
+        for (_, told) in takers.iter().filter(|(token, _)| !given.contains(token)) {
+            for taker in told {
+                if let Some(funct) = self.engine.graph.funct_mut(*taker) {
+                    funct.told = true;
+                }
             }
         }
+        // In the order of the functions: a token is an address, and tells nothing of order.
         for (giver, token, _) in hidden.iter().filter(|h| h.2 & access::WRITE != 0) {
-            for (taker, ..) in hidden.iter().filter(|h| h.1 == *token && h.2 & access::READ != 0) {
-                if giver != taker {
-                    self.engine.graph.g.add_edge(*giver, *taker, Edge::HandsOver);
-                }
+            for taker in takers.get(token).into_iter().flatten().filter(|taker| *taker != giver) {
+                self.engine.graph.g.add_edge(*giver, *taker, Edge::HandsOver);
             }
         }
     }

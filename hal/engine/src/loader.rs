@@ -94,23 +94,27 @@ impl Loader {
                 }
             }
         }
-        self.look_into_families();
+        self.look_into_families(Some(name));
         match self.known.get(name).cloned() {
             Some(file) => open_type(&file, name)?.ok_or_else(|| self.missing(name)),
             None => Err(self.missing(name)),
         }
     }
 
-    /// Notes what every plugin on the path offers. What is not a plugin is passed over here: it
-    /// is only an error when it is asked for by name.
-    fn look_into_families(&mut self) {
+    /// Notes what the plugins on the path offer: all of them, or those up to the one that offers this
+    /// component. What is not a plugin is passed over here: it is only an error when it is asked for
+    /// by name.
+    fn look_into_families(&mut self, until: Option<&str>) {
         for folder in self.path.clone() {
             let Ok(entries) = std::fs::read_dir(&folder) else { continue };
             let mut files: Vec<PathBuf> = entries.filter_map(|e| Some(e.ok()?.path())).collect();
             files.sort();
             for file in files {
+                if until.is_some_and(|name| self.known.contains_key(name)) {
+                    return;
+                }
                 let is_library = file.extension().is_some_and(|e| e == "so");
-                if !is_library || !self.seen.insert(file.clone()) || descriptor(&file).is_err() {
+                if !is_library || !self.seen.insert(file.clone()) {
                     continue;
                 }
                 if let Ok((library, _open)) = open(&file, Stay::WhileOpen) {
@@ -127,7 +131,7 @@ impl Loader {
 
     /// The component types that could be loaded and match, by name.
     pub(crate) fn catalogue(&mut self, p: &Patterns) -> Vec<Offer> {
-        self.look_into_families();
+        self.look_into_families(None);
         let mut out = BTreeMap::new();
         for (name, file) in self.known.iter().filter(|(name, _)| p.matches(name)) {
             let Ok((found, _library)) = open(file, Stay::WhileOpen) else { continue };
@@ -149,7 +153,7 @@ impl Loader {
 
     /// The symbol by which a file that is no plugin is known to a loader.
     fn foreign_symbol(&mut self, file: &Path) -> Option<String> {
-        self.look_into_families();
+        self.look_into_families(None);
         self.loaders.keys().find(|symbol| exports(file, symbol).unwrap_or(false)).cloned()
     }
 

@@ -43,6 +43,21 @@ pub(crate) enum Edge {
     Needs,
 }
 
+impl Edge {
+    /// The position of a function in a thread, from 1.
+    pub(crate) const fn place(self) -> Option<u64> {
+        match self {
+            Self::Runs(at) | Self::Begins(at) => Some(at),
+            Self::Owns
+            | Self::Links
+            | Self::Reads
+            | Self::Writes
+            | Self::HandsOver
+            | Self::Needs => None,
+        }
+    }
+}
+
 /// A component: one load of a plugin, or a program.
 #[derive(Debug)]
 pub(crate) struct Component {

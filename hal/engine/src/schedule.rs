@@ -10,7 +10,10 @@ use crate::{
     thread::{Entry, List, Thread},
 };
 use hal_protocol::{ComponentState, Direction, Lock, Type};
-use petgraph::{Direction::Outgoing, visit::EdgeRef};
+use petgraph::{
+    Direction::{Incoming, Outgoing},
+    visit::EdgeRef,
+};
 
 /// The shortest and the longest period, in nanoseconds.
 const PERIODS: core::ops::RangeInclusive<i64> = 1_000..=1_000_000_000_000;
@@ -210,10 +213,11 @@ impl Engine {
         if init && self.graph.thread(t).is_some_and(done) {
             return Err(Error::InitDone { thread: thread.into(), funct: funct.into() });
         }
-        self.touch_thread(t);
         if position != -1 {
+            self.touch_thread(t);
             return self.insert_at(t, f, position, init);
         }
+        self.extend_thread(t);
         if let Some(node) = self.graph.thread_mut(t) {
             node.next += 1;
             let at = node.next;
@@ -288,8 +292,9 @@ impl Engine {
     /// Takes a function out of a thread.
     pub(crate) fn take_out(&mut self, funct: Ix, thread: Ix) {
         self.touch_thread(thread);
-        let runs = self.graph.g.edges_connecting(thread, funct);
-        let runs = runs.filter(|e| matches!(e.weight(), Edge::Runs(_) | Edge::Begins(_)));
+        // A thread may run thousands, a function is in few threads.
+        let runs = self.graph.g.edges_directed(funct, Incoming);
+        let runs = runs.filter(|e| e.source() == thread && e.weight().place().is_some());
         let edges: Vec<_> = runs.map(|e| e.id()).collect();
         for edge in edges {
             self.graph.g.remove_edge(edge);

@@ -225,10 +225,18 @@ impl Engine {
 
     /// What a thread runs is about to change.
     pub(crate) fn touch_thread(&mut self, thread: Ix) {
+        self.extend_thread(thread);
+        if let Some(order) = self.staged.orders.get_mut(&thread) {
+            self.graph.note_order(thread, order);
+        }
+    }
+
+    /// A function is about to be added at a thread's end.
+    pub(crate) fn extend_thread(&mut self, thread: Ix) {
         if !self.staged.orders.contains_key(&thread)
-            && let Some(order) = self.graph.order_of(thread)
+            && let Some(end) = self.graph.end_of(thread)
         {
-            self.staged.orders.insert(thread, order);
+            self.staged.orders.insert(thread, end);
         }
         if let Some(node) = self.graph.thread_mut(thread) {
             node.stale = true;

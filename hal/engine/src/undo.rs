@@ -61,7 +61,8 @@ pub(crate) enum Undo {
 /// What a thread ran before the transaction touched it.
 #[derive(Debug)]
 pub(crate) struct Order {
-    functs: Vec<(Ix, Edge, Option<Site>)>,
+    /// Not noted as long as functions are only added at the end.
+    functs: Option<Vec<(Ix, Edge, Option<Site>)>>,
     next: u64,
     stale: bool,
 }
@@ -80,20 +81,31 @@ impl Graph {
         }
     }
 
-    /// What a thread runs now.
-    pub(crate) fn order_of(&self, thread: Ix) -> Option<Order> {
+    /// How a thread is, but for what it runs: that is before the end.
+    pub(crate) fn end_of(&self, thread: Ix) -> Option<Order> {
         let node = self.thread(thread)?;
-        let runs = self.g.edges_directed(thread, Outgoing);
-        let runs = runs.filter(|e| matches!(e.weight(), Edge::Runs(_) | Edge::Begins(_)));
-        let functs =
-            runs.map(|e| (e.target(), *e.weight(), self.sites.of_joined(e.id()))).collect();
-        Some(Order { functs, next: node.next, stale: node.stale })
+        Some(Order { functs: None, next: node.next, stale: node.stale })
+    }
+
+    /// Notes what a thread ran: all that it runs now but what was added since.
+    pub(crate) fn note_order(&self, thread: Ix, order: &mut Order) {
+        if order.functs.is_none() {
+            let runs = self.g.edges_directed(thread, Outgoing);
+            let runs = runs.filter(|e| e.weight().place().is_some_and(|at| at <= order.next));
+            let functs = runs.map(|e| (e.target(), *e.weight(), self.sites.of_joined(e.id())));
+            order.functs = Some(functs.collect());
+        }
     }
 
     /// Takes every function out of a thread.
     pub(crate) fn empty_thread(&mut self, thread: Ix) {
+        self.shorten_thread(thread, 0);
+    }
+
+    /// Takes the functions out of a thread that are beyond a place.
+    fn shorten_thread(&mut self, thread: Ix, last: u64) {
         let runs = self.g.edges_directed(thread, Outgoing);
-        let runs = runs.filter(|e| matches!(e.weight(), Edge::Runs(_) | Edge::Begins(_)));
+        let runs = runs.filter(|e| e.weight().place().is_some_and(|at| at > last));
         let edges: Vec<_> = runs.map(|e| e.id()).collect();
         for edge in edges {
             self.g.remove_edge(edge);
@@ -101,12 +113,17 @@ impl Graph {
         }
     }
 
-    /// Gives an empty thread what it ran before.
+    /// Gives a thread what it ran before: one that is empty, or has more at its end.
     fn refill_thread(&mut self, thread: Ix, order: &Order) {
-        // The latest comes first when edges are walked.
-        for (funct, runs, site) in order.functs.iter().rev() {
-            let edge = self.g.add_edge(thread, *funct, *runs);
-            self.sites.joined_at(edge, *site);
+        match &order.functs {
+            None => self.shorten_thread(thread, order.next),
+            // The latest comes first when edges are walked.
+            Some(functs) => {
+                for (funct, runs, site) in functs.iter().rev() {
+                    let edge = self.g.add_edge(thread, *funct, *runs);
+                    self.sites.joined_at(edge, *site);
+                }
+            }
         }
         if let Some(node) = self.thread_mut(thread) {
             node.next = order.next;
@@ -145,7 +162,7 @@ impl Engine {
     /// uses is then kept until it can.
     pub(crate) fn take_back(&mut self, undo: Vec<Undo>, orders: BTreeMap<Ix, Order>) -> bool {
         let mut clean = true;
-        for thread in orders.keys() {
+        for (thread, _) in orders.iter().filter(|(_, order)| order.functs.is_some()) {
             self.graph.empty_thread(*thread);
         }
         for done in undo.into_iter().rev() {
