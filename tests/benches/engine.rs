@@ -70,6 +70,64 @@ fn a_million_pins(bencher: Bencher<'_, '_>) {
     });
 }
 
+/// How many instances there are: the time of each is to be the same.
+const INSTANCES: [usize; 3] = [1000, 10_000, 100_000];
+
+/// `loadrt and2 count=N`.
+#[divan::bench(args = INSTANCES, sample_count = 5, sample_size = 1)]
+fn instance_that_is_loaded(bencher: Bencher<'_, '_>, n: usize) {
+    let e = || plain(ClockKind::Virtual);
+    bencher.counter(ItemsCount::new(n)).with_inputs(e).bench_local_values(|mut e| {
+        load(&mut e, "and2", &[&format!("count={n}")]);
+        e
+    });
+}
+
+/// `loadrt and2 names=…`.
+#[divan::bench(args = INSTANCES, sample_count = 5, sample_size = 1)]
+fn instance_that_is_loaded_by_name(bencher: Bencher<'_, '_>, n: usize) {
+    let names: Vec<String> = (0..n).map(|i| format!("gate-{i}")).collect();
+    let names = format!("names={}", names.join(","));
+    let e = || plain(ClockKind::Virtual);
+    bencher.counter(ItemsCount::new(n)).with_inputs(e).bench_local_values(|mut e| {
+        load(&mut e, "and2", &[&names]);
+        e
+    });
+}
+
+fn loaded(n: usize) -> Engine {
+    let mut e = plain(ClockKind::Virtual);
+    load(&mut e, "threads", &["name1=t", "period1=1000000"]);
+    load(&mut e, "and2", &[&format!("count={n}")]);
+    e
+}
+
+fn add(mut e: Engine, n: usize) -> Engine {
+    for i in 0..n {
+        let (funct, thread) = (format!("and2.{i}"), "t".to_owned());
+        e.call(Request::AddFunct { funct, thread, position: -1, init: false }).unwrap();
+    }
+    e.call(Request::Start).unwrap();
+    e
+}
+
+/// A line `addf` for each, and `start`.
+#[divan::bench(args = INSTANCES, sample_count = 5, sample_size = 1)]
+fn instance_that_is_added_to_a_thread(bencher: Bencher<'_, '_>, n: usize) {
+    let e = || loaded(n);
+    bencher.counter(ItemsCount::new(n)).with_inputs(e).bench_local_values(|e| add(e, n));
+}
+
+/// `unloadrt and2`, while the thread runs them all.
+#[divan::bench(args = INSTANCES, sample_count = 5, sample_size = 1)]
+fn instance_that_is_unloaded(bencher: Bencher<'_, '_>, n: usize) {
+    let e = || add(loaded(n), n);
+    bencher.counter(ItemsCount::new(n)).with_inputs(e).bench_local_values(|mut e| {
+        e.call(Request::Unload { name: "and2".to_owned() }).unwrap();
+        e
+    });
+}
+
 /// The least of several runs of a program.
 fn least(runs: u32, make: impl Fn() -> Command) -> Option<Duration> {
     let mut best: Option<Duration> = None;

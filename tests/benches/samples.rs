@@ -1,14 +1,25 @@
 //! What looking at values costs: a channel of a sample, and a pin whose changes are recorded.
 //!
 //! Machine time runs in a loop, so that the cost of a cycle is all that there is; the last column
-//! is how many channels are looked at in a second. Run it with `cargo bench -p hal-tests --bench
-//! samples`.
-#![expect(clippy::unwrap_used, reason = "a benchmark")]
+//! is how many channels are looked at in a second. Then the printer, as a whole, with its flight recorder
+//! and without. Run it with `cargo bench -p hal-tests --bench samples`.
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    clippy::disallowed_methods,
+    reason = "a benchmark measures the wall clock and prints"
+)]
 
 use divan::{Bencher, counter::ItemsCount};
 use hal_engine::{ClockKind, Engine, Options};
-use hal_protocol::{Link, Place, Request, SampleSpec};
-use std::cell::RefCell;
+use hal_protocol::{Client, FlightSpec, Link, Place, Reply, Request, SampleSpec};
+use hal_tests::{
+    machine::script,
+    programs::root,
+    scratch::{Scratch, until},
+};
+use std::{cell::RefCell, time::Instant};
 
 /// Cycles between two looks at the ring.
 const CYCLES: u32 = 1000;
@@ -89,6 +100,70 @@ fn pin_that_is_recorded(bencher: Bencher<'_, '_>, pins: usize) {
     bencher.counter(ItemsCount::new(CYCLES as usize * pins)).bench_local(|| run(&mut e));
 }
 
+/// How often each is measured; the least counts.
+const ROUNDS: usize = 60;
+/// The printer's base period, and cycles of it in a round.
+const BASE: u32 = 100_000;
+const BASE_CYCLES: u32 = 2_000;
+
+/// Nanoseconds for a base cycle of the printer.
+fn cycle(client: &mut Client) -> f64 {
+    let begin = Instant::now();
+    client.call(Request::Run { ns: u64::from(BASE) * u64::from(BASE_CYCLES) }).unwrap();
+    begin.elapsed().as_secs_f64() * 1e9 / f64::from(BASE_CYCLES)
+}
+
+/// X moves at this speed, in mm/s, unless it is 0.
+fn jog(client: &mut Client, velocity: i32) {
+    if velocity != 0 {
+        script(client, &format!("motion.jog joint=0 velocity={velocity}"));
+    }
+}
+
+/// The printer of `configs`, standing and moving: a cycle of its base thread, with all that is due
+/// beside it, and what the flight recorder adds.
+fn printer() {
+    let scratch = Scratch::copy_of(&root().join("configs/printer"));
+    let lines =
+        "iocontrol.estop-reset --wait\nmotion.enable --wait\nmotion.home joint=all --wait\n";
+    scratch.write("custom_postgui.hal", format!("{lines}newsig is-up bit\n"));
+    let mut halrun = scratch.command(&[], "halrun");
+    let _halrun = scratch.start(halrun.args(["--virtual", "--hold", "printer.ini"]));
+    let place = Place::at(scratch.path().join(".run/ferrule"), "default").unwrap();
+    let up = Request::GetSignal { name: "is-up".to_owned() };
+    until("the printer is up", || {
+        Client::connect(&place, "").is_ok_and(|mut c| c.call(up.clone()).is_ok())
+    });
+    let mut client = Client::connect(&place, "").unwrap();
+    for velocity in [0, 50] {
+        let (mut without, mut with, mut values) = (f64::INFINITY, f64::INFINITY, 0);
+        for _ in 0..ROUNDS {
+            jog(&mut client, velocity);
+            without = without.min(cycle(&mut client));
+            jog(&mut client, -velocity);
+            client.call(Request::Flight(FlightSpec::default())).unwrap();
+            with = with.min(cycle(&mut client));
+            let Ok(Reply::Flight(info)) = client.call(Request::FlightState) else {
+                panic!("no flight recorder")
+            };
+            assert_eq!(info.lost, 0);
+            values = info.values;
+            client.call(Request::EndFlight).unwrap();
+        }
+        let more = with - without;
+        println!(
+            "the printer at {velocity:>2} mm/s: a base cycle {without:.0} ns, with {values} values in the \
+             flight recorder {with:.0} ns: {:.2} ns a value, {:.2} % of the base period",
+            more / f64::from(values),
+            more / f64::from(BASE) * 100.0
+        );
+    }
+    client.call(Request::Shutdown).unwrap();
+}
+
 fn main() {
     divan::main();
+    if !std::env::args().any(|a| a == "--test" || a == "--list") {
+        printer();
+    }
 }
