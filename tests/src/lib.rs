@@ -10,6 +10,7 @@
 
 pub mod case;
 pub mod counted;
+pub mod every;
 pub mod faults;
 pub mod foreign;
 pub mod fuzz;

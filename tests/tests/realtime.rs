@@ -10,6 +10,7 @@ use hal_protocol::{
     SampleSpec, Type,
 };
 use hal_tests::{
+    every,
     machine::{says, script, status, thread, wait},
     plugins::{interpose, plugins},
     programs::programs,
@@ -18,42 +19,6 @@ use hal_tests::{
 use std::{path::Path, process::Command};
 
 const CYCLES: u64 = 10_000;
-
-/// What some components must be given, or show more with; once for each way.
-const WITH: &[(&str, &[&str])] = &[
-    ("and2", &["count=4"]),
-    ("bitslice", &["personality=32"]),
-    ("bldc", &["cfg=hH,q6"]),
-    ("debounce", &["cfg=1,4,2"]),
-    ("demux", &["personality=9"]),
-    ("demux_generic", &["config=ff4,bu3"]),
-    ("enum", &["enums=E;;a;b,D;;c;d"]),
-    ("gantry", &["personality=3"]),
-    ("hal_parport", &["cfg=378_out_278_in_3bc_x"]),
-    ("lcd", &["fmt_strings=X%7.2f\\n%i|%u%b01%c,page"]),
-    ("logic", &["count=2 personality=0x704,0x310"]),
-    ("matrix_kb", &["config=2x3,4x8s"]),
-    ("max31855", &["personality=3"]),
-    ("message", &["messages=hello"]),
-    ("modmath", &["mod_dir=2"]),
-    ("motmod", &["base_period_nsec=100000 servo_period_nsec=500000 num_joints=3"]),
-    ("sampler", &["depth=50,7 cfg=fbsulk,bb"]),
-    ("mux_generic", &["config=ff8,fb5,bs4,uf6"]),
-    ("pid", &["num_chan=2 debug=1"]),
-    ("pwmgen", &["output_type=0,1,2"]),
-    ("spindle", &["numgears=3"]),
-    (
-        "stepgen",
-        &[
-            "step_type=0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15 user_step_type=1,2,4,8",
-            "step_type=0,0,2,5 ctrl_type=v,p,v,p",
-        ],
-    ),
-    ("streamer", &["depth=50,7 cfg=fbsulk,bb"]),
-    ("threads", &["name1=also period1=1000000"]),
-    ("watchdog", &["num_inputs=3"]),
-    ("weighted_sum", &["wsum_sizes=3,16"]),
-];
 
 /// The function that comes and goes while cycles are counted.
 const EDITED: &str = "and2.3";
@@ -228,16 +193,13 @@ fn counted(e: &mut Engine) -> u64 {
 
 /// Everything on the path, in as many engines as it takes: some cannot be beside others.
 fn everything() {
-    let offers = engine(&[programs()]).catalogue();
-    assert!(offers.len() >= 40, "every library of components/ is there: {}", offers.len());
     let mut wanted: Vec<String> = Vec::new();
-    for Offer { component, library, .. } in &offers {
+    for Offer { component, library, .. } in every::offers() {
         // Of kinematics there is one in an engine; what they do is seen when motion uses them.
         if library == "kinematics" {
             continue;
         }
-        let ways = WITH.iter().find(|w| w.0 == component).map_or(&[""][..], |w| w.1);
-        wanted.extend(ways.iter().map(|w| format!("{component} {w}")));
+        wanted.extend(every::ways(&component).iter().map(|w| format!("{component} {w}")));
     }
     // Kinematics come before who needs them.
     wanted.sort_by_key(|w| !w.starts_with("trivkins"));
@@ -254,7 +216,7 @@ fn everything() {
             }
             said != "ok"
         });
-        assert!(wanted.len() < before, "add to WITH what these need: {refused:#?}");
+        assert!(wanted.len() < before, "add to `every` what these need: {refused:#?}");
         let calls = counted(&mut e);
         assert_eq!(calls, 0, "calls of the allocator in cycles");
         e.close();
@@ -316,7 +278,7 @@ fn moving() {
 
 /// Every kind of kinematics, as motion uses them: from joints to poses in each cycle, and back.
 fn kinematics() {
-    for Offer { component, library, .. } in engine(&[programs()]).catalogue() {
+    for Offer { component, library, .. } in every::offers() {
         if library != "kinematics" {
             continue;
         }

@@ -1,0 +1,84 @@
+//! What each function of every component costs per call, and how long each library takes to load.
+//!
+//! Instances of one component run beside each other in one thread on the virtual clock, their inputs
+//! linked to values that change in every cycle; the time of an empty function is taken off. Run it with
+//! `cargo bench -p hal-tests --bench components`; with `UPDATE_EXPECT=1` it writes `components/SPEED.md`.
+//! `COMPONENT=NAME` measures one.
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    clippy::print_stdout,
+    clippy::disallowed_methods,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a benchmark measures the wall clock and prints"
+)]
+
+mod speed;
+
+use hal_tests::{every, programs::root};
+use speed::{Cost, bench::HAL_LIBRARY, costs, loads, nothing};
+use std::fmt::Write;
+
+const BEGIN: &str = "<!-- speed:begin -->";
+const END: &str = "<!-- speed:end -->";
+
+/// All functions, the dearest first, and what cannot be measured.
+fn functions() -> (Vec<Cost>, Vec<String>) {
+    let only = std::env::var("COMPONENT").ok();
+    let mut engine = every::engine();
+    engine.add_static(&HAL_LIBRARY);
+    let empty = nothing(&mut engine);
+    let (mut all, mut refused) = (Vec::new(), Vec::new());
+    for offer in every::offers() {
+        if only.as_ref().is_some_and(|only| *only != offer.component) {
+            continue;
+        }
+        match costs(&mut engine, &offer) {
+            Ok(costs) => all.extend(costs),
+            Err(why) => refused.push(format!("{}: {why}", offer.component)),
+        }
+    }
+    all.iter_mut().for_each(|c| c.ns = (c.ns - empty).max(0.0));
+    all.sort_by(|a, b| b.ns.total_cmp(&a.ns));
+    (all, refused)
+}
+
+fn table() -> String {
+    let mut out = String::from("\n\n| component | function | ns |\n|---|---|---|\n");
+    let (costs, refused) = functions();
+    for Cost { component, function, args, ns } in costs {
+        let with = if args.is_empty() { String::new() } else { format!(", `{args}`") };
+        let ns = if ns < 100.0 { format!("{ns:.1}") } else { format!("{ns:.0}") };
+        writeln!(out, "| `{component}` | `{function}`{with} | {ns} |").unwrap();
+    }
+    if std::env::var_os("COMPONENT").is_none() {
+        assert!(refused.is_empty(), "{out}not measured: {refused:#?}");
+        out.push_str(
+            "\n| library | components | KiB | first load, ms | again, ms |\n|---|---|---|---|---|\n",
+        );
+        for l in loads::loads() {
+            let (library, n, kib) = (l.library, l.components, l.kib);
+            writeln!(out, "| `{library}` | {n} | {kib} | {:.2} | {:.2} |", l.first, l.again)
+                .unwrap();
+        }
+    }
+    out.push('\n');
+    out
+}
+
+fn main() {
+    if std::env::args().any(|a| a == "--test" || a == "--list") || loads::child() {
+        return;
+    }
+    let table = table();
+    println!("{table}");
+    if std::env::var_os("UPDATE_EXPECT").is_some() {
+        let path = root().join("components/SPEED.md");
+        let text = std::fs::read_to_string(&path).unwrap();
+        let (head, rest) = text.split_once(BEGIN).unwrap();
+        let (_, tail) = rest.split_once(END).unwrap();
+        std::fs::write(&path, format!("{head}{BEGIN}{table}{END}{tail}")).unwrap();
+    }
+}

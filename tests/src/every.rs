@@ -1,0 +1,153 @@
+//! Every component that a library offers, and what each is given where all of them are loaded.
+
+use crate::programs::programs;
+use hal_engine::{ClockKind, Engine, Offer, Options};
+use hal_protocol::Place;
+
+/// What some must be given, or show more with; once for each way.
+const WAYS: &[(&str, &[&str])] = &[
+    ("and2", &["count=4"]),
+    ("bitslice", &["personality=32"]),
+    ("bldc", &["cfg=hH,q6"]),
+    ("debounce", &["cfg=1,4,2"]),
+    ("demux", &["personality=9"]),
+    ("demux_generic", &["config=ff4,bu3"]),
+    ("enum", &["enums=E;;a;b,D;;c;d"]),
+    ("gantry", &["personality=3"]),
+    ("hal_parport", &["cfg=378_out_278_in_3bc_x"]),
+    ("lcd", &["fmt_strings=X%7.2f\\n%i|%u%b01%c,page"]),
+    ("logic", &["count=2 personality=0x704,0x310"]),
+    ("matrix_kb", &["config=2x3,4x8s"]),
+    ("max31855", &["personality=3"]),
+    ("message", &["messages=hello"]),
+    ("modmath", &["mod_dir=2"]),
+    ("motmod", &["base_period_nsec=100000 servo_period_nsec=500000 num_joints=3"]),
+    ("sampler", &["depth=50,7 cfg=fbsulk,bb"]),
+    ("mux_generic", &["config=ff8,fb5,bs4,uf6"]),
+    ("pid", &["num_chan=2 debug=1"]),
+    ("pwmgen", &["output_type=0,1,2"]),
+    // Without a name of its own its pins are those of motion's spindles.
+    ("spindle", &["names=gears numgears=3"]),
+    (
+        "stepgen",
+        &[
+            "step_type=0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15 user_step_type=1,2,4,8",
+            "step_type=0,0,2,5 ctrl_type=v,p,v,p",
+        ],
+    ),
+    ("streamer", &["depth=50,7 cfg=fbsulk,bb"]),
+    ("threads", &["name1=also period1=1000000"]),
+    ("watchdog", &["num_inputs=3"]),
+    ("weighted_sum", &["wsum_sizes=3,16"]),
+];
+
+/// How one is made large.
+enum Size {
+    /// `ARG=VALUE,VALUE,…`, one for each instance, at most so many.
+    Each(&'static str, &'static str, usize),
+    /// `ARG=N`, at most so many.
+    Number(&'static str, usize),
+    /// Always this.
+    Fixed(&'static str),
+}
+
+/// The largest that each can be made, where that is more than without arguments.
+const LARGE: &[(&str, &[Size])] = {
+    use Size::{Each, Fixed, Number};
+    const ANY: usize = usize::MAX;
+    &[
+        ("at_pid", &[Number("num_chan", 16)]),
+        ("bitmerge", &[Each("personality", "32", ANY)]),
+        ("bitslice", &[Each("personality", "32", ANY)]),
+        ("bldc", &[Each("cfg", "qiB", 8)]),
+        ("counter", &[Number("num_chan", 8)]),
+        ("debounce", &[Each("cfg", "50", 8)]),
+        ("demux", &[Each("personality", "32", ANY)]),
+        ("demux_generic", &[Each("config", "ff32", 100)]),
+        ("encoder", &[Number("num_chan", 8)]),
+        ("encoder_ratio", &[Number("num_chan", 8)]),
+        ("enum", &[Each("enums", "E;;a;b;c;d;e;f;g;h", 16)]),
+        ("gantry", &[Each("personality", "7", ANY)]),
+        (
+            "hal_parport",
+            &[Fixed("cfg=278_out_378_out_3bc_x_2bc_in_1278_in_1378_x_13bc_x_12bc_epp")],
+        ),
+        ("lcd", &[Each("fmt_strings", "%7.2f%7.2f%i%u%b01|page", 16)]),
+        ("limit_axis", &[Each("personality", "10", ANY)]),
+        ("lincurve", &[Each("personality", "16", ANY)]),
+        ("logic", &[Each("personality", "0x710", ANY)]),
+        ("matrix_kb", &[Each("config", "16x32s", 32)]),
+        ("message", &[Each("messages", "hello", ANY)]),
+        ("modmath", &[Number("mod_dir", 16)]),
+        ("motmod", &[Fixed("base_period_nsec=500000 servo_period_nsec=1000000 num_joints=9")]),
+        ("multiswitch", &[Each("cfg", "32", 16)]),
+        ("mux_generic", &[Each("config", "ff32", 100)]),
+        ("output_buffer", &[Each("personality", "10", ANY)]),
+        ("pid", &[Number("num_chan", 16), Fixed("debug=1")]),
+        ("pwmgen", &[Each("output_type", "1", 8)]),
+        ("radiobutton", &[Each("personality", "32", ANY)]),
+        ("sampler", &[Each("depth", "1000", 8), Each("cfg", "fffffffffffffffffffff", 8)]),
+        ("siggen", &[Number("num_chan", 16)]),
+        ("sim_encoder", &[Number("num_chan", 8)]),
+        ("spindle", &[Fixed("numgears=16")]),
+        ("stepgen", &[Each("step_type", "2", 16)]),
+        ("streamer", &[Each("depth", "1000", 8), Each("cfg", "fffffffffffffffffffff", 8)]),
+        ("supply", &[Number("num_chan", 8)]),
+        (
+            "threads",
+            &[Fixed("name1=a period1=1000000 name2=b period2=2000000 name3=c period3=3000000")],
+        ),
+        ("watchdog", &[Number("num_inputs", 32)]),
+        ("weighted_sum", &[Each("wsum_sizes", "16", 8)]),
+    ]
+};
+
+/// An engine on the virtual clock that finds every plugin.
+pub fn engine() -> Engine {
+    Engine::without_socket(Options {
+        place: Place::at("/nonexistent", "every").unwrap(),
+        clock: ClockKind::Virtual,
+        hold: true,
+        simulate: true,
+        old_names: false,
+        path: vec![programs().to_owned()],
+    })
+    .unwrap()
+}
+
+/// What every library offers.
+pub fn offers() -> Vec<Offer> {
+    let offers = engine().catalogue();
+    assert!(offers.len() > 150, "every library of components/ is there: {}", offers.len());
+    offers
+}
+
+/// The arguments with which a component is to be loaded, once for each way.
+pub fn ways(component: &str) -> &'static [&'static str] {
+    WAYS.iter().find(|(name, _)| *name == component).map_or(&[""], |(_, ways)| ways)
+}
+
+/// Whether it is created once for each of `count=`.
+pub fn is_counted(offer: &Offer) -> bool {
+    // Kinematics, of which there is one, have an argument of that name of their own.
+    offer.library != "kinematics" && offer.args.iter().any(|a| a.name == "count")
+}
+
+/// The arguments for so many instances, each as large as it gets, or as many as one load makes.
+pub fn large(offer: &Offer, count: usize) -> String {
+    let mut words = Vec::new();
+    if is_counted(offer) {
+        words.push(format!("count={count}"));
+    }
+    let sizes = LARGE.iter().find(|(name, _)| *name == offer.component);
+    for size in sizes.map_or(&[][..], |(_, sizes)| sizes) {
+        words.push(match *size {
+            Size::Each(arg, value, most) => {
+                format!("{arg}={}", vec![value; count.min(most)].join(","))
+            }
+            Size::Number(arg, most) => format!("{arg}={}", count.min(most)),
+            Size::Fixed(words) => words.to_owned(),
+        });
+    }
+    words.join(" ")
+}
