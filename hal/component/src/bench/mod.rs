@@ -23,7 +23,12 @@
 //! ```
 
 mod host;
+mod random;
+mod response;
 mod table;
+
+pub use random::Random;
+pub use response::response;
 
 use table::{Args, Laid, Table, int};
 

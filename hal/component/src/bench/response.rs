@@ -1,0 +1,40 @@
+//! What a filter makes of a sine.
+
+use core::f64::consts::TAU;
+
+/// Gain and phase, in radians, with which `step` answers a sine of `cycles` cycles in `samples` runs.
+///
+/// `step` is fed the sine for at least `settle` runs, and then once more for the measurement: the
+/// correlation of what comes out with the sine over whole cycles, which is exact for a linear filter
+/// that has settled, but for a rounding with each sample. A negative phase is late.
+///
+/// ```
+/// use hal_component::bench::response;
+///
+/// let mut last = 0.0;
+/// let late = |x| std::mem::replace(&mut last, x) * 0.5;
+/// let (gain, phase) = response(late, 1, 8, 8);
+/// assert!((gain - 0.5).abs() < 1e-15);
+/// assert!((phase + std::f64::consts::FRAC_PI_4).abs() < 1e-15);
+/// ```
+pub fn response(
+    mut step: impl FnMut(f64) -> f64,
+    cycles: u32,
+    samples: u32,
+    settle: u32,
+) -> (f64, f64) {
+    let (mut re, mut im) = (0.0, 0.0);
+    let settling = settle.div_ceil(samples) * samples;
+    for n in 0..settling + samples {
+        // Whole numbers, so that the angle is as exact late as it is early.
+        let part = u64::from(n) * u64::from(cycles) % u64::from(samples);
+        let (sin, cos) = (TAU * part as f64 / f64::from(samples)).sin_cos();
+        let out = step(cos);
+        if n >= settling {
+            re += out * cos;
+            im -= out * sin;
+        }
+    }
+    let half = f64::from(samples) / 2.0;
+    (re.hypot(im) / half, im.atan2(re))
+}
