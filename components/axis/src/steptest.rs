@@ -60,7 +60,7 @@ struct BySpeed {
 
 impl Jog for BySpeed {
     fn ahead(&self, dt: f64) -> f64 {
-        2.0 * (self.maxvel.get() * dt)
+        self.maxvel.get() * 2.0 * dt
     }
 
     fn still(&self, at: f64, target: f64, dt: f64) -> f64 {

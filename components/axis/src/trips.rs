@@ -105,7 +105,6 @@ impl<J: Jog> Update for Trips<J> {
         }
         self.pins.position_cmd.set(self.target);
         self.pins.running.set(self.active);
-        self.pins.elapsed.set(self.waited);
     }
 }
 
@@ -135,16 +134,17 @@ impl<J: Jog> Trips<J> {
 
     fn move_on(&mut self, at: f64, dt: f64) {
         let there = self.is_at(at, self.target);
+        let [low, _, high] = self.ends;
         if !self.arrived {
-            if there {
+            // On the way back to the start, run begins nothing.
+            if there && (self.target == low || self.target == high) {
                 self.arrived = true;
                 self.waited = 0.0;
             }
             return;
         }
-        self.waited += dt;
+        self.wait(dt);
         if there && self.waited >= f64::from(self.pins.pause.get()) {
-            let [low, _, high] = self.ends;
             if self.target == low {
                 self.target = high;
                 self.arrived = false;
@@ -157,13 +157,18 @@ impl<J: Jog> Trips<J> {
 
     fn go_back(&mut self, at: f64, dt: f64) {
         if self.arrived {
-            self.waited += dt;
+            self.wait(dt);
         }
         let [_, start, _] = self.ends;
         self.target = start;
         if self.is_at(at, start) {
             self.active = false;
         }
+    }
+
+    fn wait(&mut self, dt: f64) {
+        self.waited += dt;
+        self.pins.elapsed.set(self.waited);
     }
 
     fn is_at(&self, at: f64, target: f64) -> bool {
