@@ -1,6 +1,9 @@
 //! `biquad`.
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
+#[cfg(test)]
+mod closed;
+
 /// The π of the coefficients.
 #[expect(clippy::approx_constant, reason = "the figures that users know come from this one")]
 const PI: f64 = 3.141_592_653_589;
@@ -9,6 +12,10 @@ const PI: f64 = 3.141_592_653_589;
 ///
 /// `enable` computes the coefficients as it rises; while it is false, or `valid` is, the input goes
 /// through.
+///
+/// The transfer function is H(z) = (n0 + n1/z + n2/z²) / (1 + d1/z + d2/z²). The designs are the bilinear transforms of 1/(s² +
+/// s/Q + 1) and (s² + 1)/(s² + s/Q + 1), with `f0` kept in place: a low-pass has the gain `Q` there (-3 dB for 0.7071), a
+/// notch lets nothing through there, and what is at rest comes through both as it is.
 ///
 /// # Example
 ///

@@ -3,6 +3,8 @@ use hal_component::{Component, In, Out, Period, Update};
 
 /// Rate of change of a number.
 ///
+/// It is the backward difference (x - x before)/T, the rate in the middle of the last period.
+///
 /// # Example
 ///
 /// ```hal
@@ -37,7 +39,29 @@ impl Update for Ddt {
 #[cfg(test)]
 mod tests {
     use super::Ddt;
-    use hal_component::trace::replay;
+    use hal_component::{bench::Bench, trace::replay};
+
+    /// The backward difference of a ramp is its slope, and that of a parabola x = a·t²/2 is a·(t - T/2): the middle of the run.
+    #[test]
+    fn ramps_and_parabolas() {
+        let mut bench = Bench::new();
+        bench.load::<Ddt>(&["count=2"]).unwrap();
+        let (slope, accel, dt) = (-3.7, 12.5, 0.001);
+        for n in 1..=1000 {
+            let t = f64::from(n) * dt;
+            let given = [slope * t, 0.5 * accel * t * t];
+            for (i, (x, wanted)) in
+                given.into_iter().zip([slope, accel * (t - dt / 2.0)]).enumerate()
+            {
+                bench.set(&format!("ddt.{i}.in"), x);
+                bench.run(&format!("ddt.{i}"), 1_000_000);
+                let is: f64 = bench.get(&format!("ddt.{i}.out"));
+                // Both numbers were rounded two or three times before they were subtracted.
+                let bound = 4.0 * f64::EPSILON * x.abs() / dt;
+                assert!((is - wanted).abs() <= bound, "{i} at {t}: {is}, not {wanted}");
+            }
+        }
+    }
 
     #[test]
     fn as_recorded() {

@@ -4,6 +4,8 @@ use hal_component::{Component, In, Out, Period, Update};
 
 /// Integral of a number over time.
 ///
+/// Each run adds `gain`·`in`·T, the number as it is now for the whole of the last period.
+///
 /// # Example
 ///
 /// ```hal
@@ -48,7 +50,32 @@ impl Update for Integ {
 #[cfg(test)]
 mod tests {
     use super::Integ;
-    use hal_component::trace::replay;
+    use hal_component::{bench::Bench, trace::replay};
+
+    /// A rectangle for each run: a constant c gives c·t, a ramp r·t gives r·t·(t + T)/2, and a whole cycle of a sine nothing.
+    #[test]
+    fn areas() {
+        let mut bench = Bench::new();
+        bench.load::<Integ>(&["count=3"]).unwrap();
+        let (gain, constant, slope, dt) = (0.7, 4.2, -9.1, 0.001);
+        for n in 1..=1000 {
+            let t = f64::from(n) * dt;
+            let sine = libm::sin(core::f64::consts::TAU * t);
+            let given = [constant, slope * t, sine];
+            let wanted = [constant * t, slope * t * (t + dt) / 2.0, 0.0];
+            for (i, (x, wanted)) in given.into_iter().zip(wanted).enumerate() {
+                bench.set(&format!("integ.{i}.gain"), gain);
+                bench.set(&format!("integ.{i}.in"), x);
+                bench.run(&format!("integ.{i}"), 1_000_000);
+                let is: f64 = bench.get(&format!("integ.{i}.out"));
+                // Each run rounds what is added four times and the sum once; no sum is above 5.
+                let bound = f64::from(n) * (4.0 * 0.01 + 5.0) * f64::EPSILON / 2.0;
+                if i < 2 || n == 1000 {
+                    assert!((is - gain * wanted).abs() <= bound, "{i} at {t}: {is}, not {wanted}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn as_recorded() {

@@ -2,6 +2,9 @@
 use crate::bounds::{larger, smaller};
 use hal_component::{Component, In, Out, Period, Update};
 
+#[cfg(test)]
+mod closed;
+
 /// Distances and speeds closer than this are equal.
 const NEAR: f64 = 1e-9;
 
@@ -9,6 +12,10 @@ const NEAR: f64 = 1e-9;
 ///
 /// The output follows the input as fast as `maxv` and `maxa` allow, arrives at a moving input with
 /// its speed, and stops at `min` and `max` without passing them.
+///
+/// A distance d from rest takes 2·√(d/`maxa`), or d/`maxv` + `maxv`/`maxa` where the speed is reached. With the period T, a goal
+/// may be passed by `maxa`·T²/8, and the last 4·`maxa`·T² may take longer, in a sawtooth that a larger `smooth-steps` takes
+/// away.
 ///
 /// # Example
 ///
