@@ -6,6 +6,9 @@ use hal_component::{
     pins,
 };
 
+#[cfg(test)]
+mod closed;
+
 /// The most loops.
 const MOST: usize = 16;
 /// How many there are if nobody says.

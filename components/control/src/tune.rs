@@ -2,6 +2,9 @@
 
 use crate::pid::Pins;
 
+#[cfg(test)]
+mod closed;
+
 /// The π of the gain.
 #[expect(clippy::approx_constant, reason = "the figures that users know come from this one")]
 const PI: f64 = 3.141_592_653_589;

@@ -11,6 +11,9 @@ use hal_component::{
     pins,
 };
 
+#[cfg(test)]
+mod closed;
+
 const WORDS: Words =
     Words { prefix: "encoder", wrong: "ENCODER: ERROR: invalid number of channels:", usual: 3 };
 
@@ -99,8 +102,8 @@ pins! {
         missing_teeth: In<i32> = "missing-teeth", 0;
         /// Counts per unit; negative: reversed. Closer to 0 than 1e-20: 1.
         position_scale: Io<f64> = "position-scale", 1.0;
-        /// The speed below which it counts as still, in units per second;
-        /// 0: 1. A negative one belongs to a negative scale.
+        /// It counts as still when nothing was counted for position-scale divided by this, in
+        /// seconds; 0: 1. A negative one belongs to a negative scale.
         min_speed_estimate: InSet<f64> = "min-speed-estimate", 1.0;
         /// The count, which neither index nor reset changes.
         rawcounts: Out<i32> = "rawcounts", 0;

@@ -45,7 +45,7 @@ thread; `stepgen.update-freq` and `stepgen.capture-position` in a slower one, ca
 
 The fastest rate is one step per `steplen` + `stepspace` (`steplen` alone for types 2 to 15); both
 count in whole periods of make-pulses. A reversal waits until `dirhold` and `dirsetup` (`dirdelay`)
-have passed, and the position waits with it. While `enable` is false a channel stands still at once.
+have passed, and the position waits with it; where the last step is longer ago than that, it begins at once. While `enable` is false a channel stands still at once.
 
 # Pins
 

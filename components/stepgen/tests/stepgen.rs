@@ -1,64 +1,10 @@
 //! What `stepgen` promises.
 
-#![expect(clippy::unwrap_used, reason = "tests")]
-
 use hal_component::bench::Bench;
+use rig::Rig;
 use stepgen::Stepgen;
 
-/// A base thread of 100 µs unless said otherwise, and a servo thread of ten of its periods.
-struct Rig {
-    bench: Bench,
-    base_ns: i64,
-    cycles: i64,
-}
-
-impl Rig {
-    fn new(args: &[&str]) -> Self {
-        let mut bench = Bench::new();
-        bench.load::<Stepgen>(args).unwrap();
-        Self { bench, base_ns: 100_000, cycles: 0 }
-    }
-
-    fn float(&self, name: &str, value: f64) {
-        self.bench.set(&format!("stepgen.{name}"), value);
-    }
-
-    fn ns(&self, name: &str, value: u32) {
-        self.bench.set(&format!("stepgen.{name}"), value);
-    }
-
-    fn enable(&self, n: usize, on: bool) {
-        self.bench.set(&format!("stepgen.{n}.enable"), on);
-    }
-
-    fn get<T: hal_component::Value>(&self, name: &str) -> T {
-        self.bench.get(&format!("stepgen.{name}"))
-    }
-
-    /// One base period; every tenth time the servo thread runs after it.
-    fn tick(&mut self) {
-        self.bench.run("stepgen.make-pulses", self.base_ns);
-        if self.cycles % 10 == 0 {
-            self.bench.run("stepgen.capture-position", 10 * self.base_ns);
-            self.bench.run("stepgen.update-freq", 10 * self.base_ns);
-        }
-        self.cycles += 1;
-    }
-
-    fn run(&mut self, ticks: usize) {
-        (0..ticks).for_each(|_| self.tick());
-    }
-
-    /// A pin over some base periods, `#` true, `.` false.
-    fn trace(&mut self, pin: &str, ticks: usize) -> String {
-        let mut line = String::new();
-        for _ in 0..ticks {
-            self.tick();
-            line.push(if self.get(pin) { '#' } else { '.' });
-        }
-        line
-    }
-}
+mod rig;
 
 #[test]
 fn items_by_type_and_control() {

@@ -1,0 +1,234 @@
+//! `encoder` against an ideal disc: a place x in counts shows A in the quarters 1 and 2 of its cycle and B in 2 and 3, and what is
+//! counted, timed and noted follows from x.
+
+#![expect(clippy::cast_possible_truncation, reason = "places are small")]
+
+use super::Encoder;
+use hal_component::bench::{Bench, Random};
+
+/// The fast period, and the slow one.
+const BASE: i64 = 50_000;
+const SERVO: i64 = 1_000_000;
+
+struct Rig {
+    bench: Bench,
+    /// When it is.
+    now: i64,
+}
+
+impl Rig {
+    fn new() -> Self {
+        let mut bench = Bench::new();
+        bench.load::<Encoder>(&["names=x"]).unwrap();
+        Self { bench, now: 0 }
+    }
+
+    /// The disc is at `x` as it is looked at.
+    fn see(&mut self, x: f64) {
+        let quarter = (libm::floor(x) as i64).rem_euclid(4);
+        self.bench.set("x.phase-A", matches!(quarter, 1 | 2));
+        self.bench.set("x.phase-B", matches!(quarter, 2 | 3));
+        self.look();
+    }
+
+    /// Counts; every so often, the slow function runs after it: then true.
+    fn look(&mut self) -> bool {
+        self.bench.run("encoder.update-counters", BASE);
+        self.now += BASE;
+        let slow = self.now % SERVO == 0;
+        if slow {
+            self.bench.run("encoder.capture-position", SERVO);
+        }
+        slow
+    }
+
+    fn capture(&mut self) {
+        while !self.look() {}
+    }
+
+    fn float(&self, name: &str) -> f64 {
+        self.bench.get(&format!("x.{name}"))
+    }
+
+    fn int(&self, name: &str) -> i32 {
+        self.bench.get(&format!("x.{name}"))
+    }
+}
+
+/// Every quarter is a count, or one of four: as B falls with A false, which begins a cycle upward.
+#[test]
+fn a_disc_that_turns_to_and_fro_is_counted() {
+    for x4 in [true, false] {
+        let mut random = Random::new(1);
+        let mut rig = Rig::new();
+        rig.bench.set("x.x4-mode", x4);
+        let (mut x, mut cycles, mut speed) = (0_i64, 0, 1);
+        for _ in 0..20_000 {
+            if random.below(10) == 0 {
+                speed = random.pick(&[-1, 0, 1]);
+            }
+            let next = x + speed;
+            // One count per cycle: between the first quarter and the one before it.
+            if x.rem_euclid(4) == 0 && next.rem_euclid(4) == 1 {
+                cycles += 1;
+            } else if x.rem_euclid(4) == 1 && next.rem_euclid(4) == 0 {
+                cycles -= 1;
+            }
+            x = next;
+            rig.see(x as f64);
+            let wanted = if x4 { x } else { cycles };
+            assert_eq!(i64::from(rig.int("rawcounts")), wanted, "x4 {x4} at {x}");
+        }
+    }
+}
+
+#[test]
+fn counter_mode_counts_the_rising_edges_of_a() {
+    let mut random = Random::new(2);
+    let mut rig = Rig::new();
+    rig.bench.set("x.counter-mode", true);
+    let (mut a, mut count) = (false, 0);
+    for _ in 0..5000 {
+        let next = random.below(2) == 0;
+        count += i32::from(next && !a);
+        a = next;
+        rig.bench.set("x.phase-A", a);
+        rig.bench.set("x.phase-B", random.below(2) == 0);
+        rig.look();
+        assert_eq!(rig.int("rawcounts"), count);
+    }
+}
+
+/// The least time, in nanoseconds, between the counts from which a speed is told: they are the last before two captures, each up to a
+/// count away from it, and seen up to a fast period late.
+fn span(speed: f64) -> f64 {
+    f64::max(1e9 / speed, SERVO as f64 - 1e9 / speed) - BASE as f64
+}
+
+/// Whether there were counts in enough captures for a speed.
+fn is_sure(now: i64, speed: f64) -> bool {
+    now >= 4 * SERVO && now as f64 * 1e-9 * speed > 4.0
+}
+
+/// A constant speed is told from whole counts and times that are up to one fast period late: of a span t it is off by BASE/t. The
+/// interpolated position is off by what turns in that time, in all less than half a count.
+#[test]
+fn a_constant_speed() {
+    for speed in [0.3, 3.0, 47.1, 500.0, 1234.5, 9000.0, -77.7, -8765.4] {
+        let (scale, mut rig) = (40.0, Rig::new());
+        rig.bench.set("x.position-scale", scale);
+        // Slower than any here, so that nothing counts as still.
+        rig.bench.set("x.min-speed-estimate", 1e-3);
+        let seconds = 5.0 / f64::abs(speed) + 1.0;
+        let start = 0.5;
+        while (rig.now as f64) < seconds * 1e9 {
+            let x = start + speed * rig.now as f64 * 1e-9;
+            rig.see(x);
+            if rig.now % SERVO != 0 || !is_sure(rig.now, f64::abs(speed)) {
+                continue;
+            }
+            let part = BASE as f64 / span(f64::abs(speed));
+            let velocity = rig.float("velocity");
+            let off = (velocity * scale / speed - 1.0).abs();
+            assert!(off <= part, "{speed}: {velocity}, off by {off}, not {part}");
+            assert!((rig.float("velocity-rpm") - velocity * 60.0).abs() <= 1e-12 * velocity.abs());
+            let counts = rig.int("counts");
+            assert_eq!(f64::from(counts), libm::floor(x), "{speed}");
+            assert_eq!(rig.float("position"), f64::from(counts) * (1.0 / scale), "{speed}");
+        }
+    }
+}
+
+/// Between two counts the position goes on with the speed. It is late by up to the fast period in which a count was seen, and off
+/// by what the speed is since then; forward it begins at the lower edge of a count, as the disc does.
+#[test]
+fn the_interpolated_position_is_within_half_a_count() {
+    for speed in [47.1, 500.0, 1234.5, 2000.0] {
+        let mut rig = Rig::new();
+        rig.bench.set("x.min-speed-estimate", 1e-3);
+        while rig.now < 2 * 1_000_000_000 {
+            let x = 0.5 + speed * rig.now as f64 * 1e-9;
+            rig.see(x);
+            if rig.now % SERVO == 0 && is_sure(rig.now, speed) {
+                // The slow function runs with the clock at the end of the fast one.
+                let x = x + speed * BASE as f64 * 1e-9;
+                let off = rig.float("position-interpolated") - x;
+                assert!(off.abs() <= 0.5, "{speed}: off by {off} counts");
+                let part = (1e9 / speed + BASE as f64) / span(speed);
+                let late = speed * BASE as f64 * 1e-9 * (1.0 + part);
+                assert!(off.abs() <= late + 1e-9, "{speed}: off by {off}, not {late}");
+            }
+        }
+    }
+}
+
+/// Since the last count t ago the disc has turned less than one count: the speed is at most 1/t counts, and none when t is
+/// `position-scale`/`min-speed-estimate`.
+#[test]
+fn a_speed_decays_when_nothing_is_counted() {
+    let (scale, speed, least) = (10.0, 2000.0, 50.0);
+    let mut rig = Rig::new();
+    rig.bench.set("x.position-scale", scale);
+    rig.bench.set("x.min-speed-estimate", least);
+    let mut last = 0;
+    for n in 0..4000 {
+        if n % 10 == 0 && n < 2000 {
+            last = rig.now;
+        }
+        rig.see(f64::from((n / 10).min(199)) + 0.5);
+    }
+    for _ in 0..2000 {
+        rig.capture();
+        let since = (rig.now - last) as f64 * 1e-9;
+        let most = 1.0 / scale / since;
+        let wanted = if since < scale / least { most.min(speed / scale) } else { 0.0 };
+        let is = rig.float("velocity");
+        assert!((is - wanted).abs() <= 1e-12 * speed, "{since} s: {is}, not {wanted}");
+        if wanted == 0.0 {
+            return;
+        }
+    }
+    unreachable!("it never stands still");
+}
+
+/// An index zeroes the position at the very count where it rose, however late the capture; a latch notes it at its edges.
+#[test]
+fn an_index_and_a_latch_note_their_count() {
+    let mut random = Random::new(4);
+    for _ in 0..50 {
+        let mut rig = Rig::new();
+        let speed = random.between(-0.9, 0.9);
+        let (index, rise, fall) =
+            (random.below(900) + 40, random.below(900) + 40, random.below(900) + 40);
+        rig.bench.set("x.index-enable", true);
+        rig.bench.set("x.latch-rising", true);
+        rig.bench.set("x.latch-falling", random.below(2) == 0);
+        let falling: bool = rig.bench.get("x.latch-falling");
+        rig.capture();
+        let count = |n: u64| libm::floor(0.5 + speed * n as f64) as i32;
+        for n in 0..1000 {
+            rig.bench.set("x.phase-Z", n >= index);
+            // High between two of the moments, whichever comes first.
+            let high = if rise < fall {
+                (rise..fall).contains(&n)
+            } else {
+                !(fall..rise).contains(&n) && n >= 1
+            };
+            rig.bench.set("x.latch-input", high);
+            rig.see(0.5 + speed * n as f64);
+        }
+        rig.capture();
+        let zero = count(index);
+        assert!(!rig.bench.get::<bool>("x.index-enable"));
+        assert_eq!(rig.int("counts"), count(999) - zero);
+        // What was noted last: of the two edges the later, if it counts.
+        let (first, second) = if rise < fall { (rise, fall) } else { (fall, rise) };
+        let noted = match (rise < fall, falling) {
+            (true, true) | (false, _) => second,
+            (true, false) => first,
+        };
+        if rise != fall {
+            assert_eq!(rig.int("counts-latched"), count(noted) - zero, "{rise} {fall} {falling}");
+        }
+    }
+}
