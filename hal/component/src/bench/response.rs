@@ -14,8 +14,8 @@ use core::f64::consts::TAU;
 /// let mut last = 0.0;
 /// let late = |x| std::mem::replace(&mut last, x) * 0.5;
 /// let (gain, phase) = response(late, 1, 8, 8);
-/// assert!((gain - 0.5).abs() < 1e-15);
-/// assert!((phase + std::f64::consts::FRAC_PI_4).abs() < 1e-15);
+/// assert!((gain - 0.5).abs() <= 8.0 * f64::EPSILON);
+/// assert!((phase + std::f64::consts::FRAC_PI_4).abs() <= 8.0 * f64::EPSILON);
 /// ```
 pub fn response(
     mut step: impl FnMut(f64) -> f64,
