@@ -72,7 +72,7 @@ const LARGE: &[(&str, &[Size])] = {
             "hal_parport",
             &[Fixed("cfg=278_out_378_out_3bc_x_2bc_in_1278_in_1378_x_13bc_x_12bc_epp")],
         ),
-        ("lcd", &[Each("fmt_strings", "%7.2f%7.2f%i%u%b01|page", 16)]),
+        ("lcd", &[Each("fmt_strings", "%7.2f%7.2f%i%u%b01", 16)]),
         ("limit_axis", &[Each("personality", "10", ANY)]),
         ("lincurve", &[Each("personality", "16", ANY)]),
         ("logic", &[Each("personality", "0x710", ANY)]),
