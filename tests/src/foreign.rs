@@ -2,7 +2,7 @@
 
 use crate::programs::{programs, root};
 use hal_engine::{ClockKind, Engine, Options};
-use hal_protocol::{Failure, ItemInfo, Kind, Link, Place, Reply, Request, Value};
+use hal_protocol::{Failure, FunctInfo, ItemInfo, Kind, Link, Place, Reply, Request, Value};
 use std::{
     path::{Path, PathBuf},
     process::Command,
@@ -61,12 +61,10 @@ impl Bench {
         }
     }
 
-    /// The functions of a component, by name.
-    pub fn functs(&mut self, owner: &str) -> Vec<String> {
+    /// The functions of a component.
+    pub fn functs(&mut self, owner: &str) -> Vec<FunctInfo> {
         match self.call(Request::List { kind: Kind::Functs, patterns: Vec::new(), ty: None }) {
-            Ok(Reply::Functs(list)) => {
-                list.into_iter().filter(|f| f.owner_name == owner).map(|f| f.name).collect()
-            }
+            Ok(Reply::Functs(list)) => list.into_iter().filter(|f| f.owner_name == owner).collect(),
             other => panic!("show funct: {other:?}"),
         }
     }

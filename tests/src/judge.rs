@@ -4,9 +4,12 @@
 pub mod case;
 mod history;
 mod inputs;
+mod plan;
+pub mod rows;
 mod verdict;
 
 pub use inputs::Style;
+pub use plan::CYCLES;
 pub use verdict::Verdict;
 
 use crate::{
@@ -17,36 +20,15 @@ use crate::{
 use case::Case;
 use hal_protocol::{Direction, Kind, Link, Request, Value};
 use history::History;
-use inputs::{Source, float, of, positive, within};
-use std::collections::BTreeMap;
+use inputs::Driven;
+use plan::{Plan, Round, with_names};
+use std::collections::{BTreeMap, BTreeSet};
 
-/// How often both are loaded anew: what is not a number stays in a filter for ever, and would hide
-/// all that follows.
-pub const ROUNDS: usize = 20;
-/// Cycles of a round.
-pub const CYCLES: u64 = 500;
-const PERIOD: u64 = 1_000_000;
 /// What is put before the names of LinuxCNC's.
 const PREFIX: &str = "c-";
 
 /// Pins and parameters by name, with direction and first value; the prefix is taken off.
 type Items = BTreeMap<String, (Direction, Value)>;
-
-/// An input with its way.
-struct Driven {
-    name: String,
-    theirs: String,
-    first: Value,
-    /// Parameters, and what both sides write, are set now and then.
-    seldom: bool,
-    steady: bool,
-    positive: bool,
-    range: Option<[f64; 2]>,
-    values: Vec<f64>,
-    often: Option<u64>,
-    follows: Option<(String, Option<String>)>,
-    source: Source,
-}
 
 /// Both, side by side.
 struct Pair<'c> {
@@ -65,54 +47,74 @@ struct Pair<'c> {
 pub fn judge(module: &str, rounds: usize) -> Result<Verdict, String> {
     let folder = installed().unwrap();
     let case = Case::of(module)?;
-    let random = Random::new(module.bytes().map(u64::from).sum());
+    let more: u64 = std::env::var("JUDGE_SEED").map_or(0, |n| n.parse().unwrap());
+    let random = Random::new(module.bytes().map(u64::from).sum::<u64>() + (more << 16));
     let (verdict, bench) = (Verdict::default(), Bench::new(&[&folder]));
     let history = History::default();
     let mut pair = Pair { module, case: &case, verdict, random, bench, history };
-    script(&mut pair.bench, &format!("loadrt threads name1=t period1={PERIOD}\nstart"));
-    let each = Style::ALL.len() * case.loads.len();
-    let whole = case.rounds.unwrap_or(ROUNDS).div_ceil(each) * each;
-    for round in 0..rounds.min(whole) {
-        let style = Style::ALL[round % Style::ALL.len()];
-        let args = &case.loads[round / Style::ALL.len() % case.loads.len()];
-        pair.round(round, style, args)?;
+    let named = case.loads.iter().any(|l| l.contains("names="));
+    let names = !named && pair.takes_names(&case.loads[0]);
+    let plan = Plan::new(&case.loads, names, &case);
+    for round in plan.rounds().take(rounds) {
+        pair.round(&round)?;
     }
-    pair.verdict.whole = rounds >= whole;
+    pair.verdict.whole = rounds >= plan.rounds().count();
     Ok(pair.verdict)
 }
 
 impl Pair<'_> {
+    /// Whether theirs takes names for its instances, beside these arguments.
+    fn takes_names(&mut self, args: &str) -> bool {
+        let (module, b) = (self.module, &mut self.bench);
+        let takes =
+            b.load_c(PREFIX, &format!("{module} {}", with_names(args, &["a", "b"]))).is_ok();
+        if takes {
+            script(b, &format!("unloadrt {PREFIX}{module}"));
+        }
+        takes
+    }
+
     /// Both loaded, driven, unloaded.
-    fn round(&mut self, round: usize, style: Style, args: &str) -> Result<(), String> {
-        let (ours, theirs) = self.load(args)?;
-        let (mut inputs, outputs) = self.matched(style, &ours, &theirs);
+    fn round(&mut self, round: &Round) -> Result<(), String> {
+        let (ours, theirs) = self.load(round)?;
+        let (mut inputs, outputs) = self.matched(round.style, &ours, &theirs);
+        self.verdict.begin(self.module, round, outputs.iter().map(|(n, _)| (&**n, ours[n])));
         self.history.begin();
+        script(&mut self.bench, "start");
         for cycle in 0..self.case.cycles.unwrap_or(CYCLES) {
-            self.drive(&mut inputs, cycle, round % 2 == 1);
-            self.bench.call(Request::Run { ns: PERIOD }).unwrap();
+            self.drive(&mut inputs, cycle, round.all_at_first);
+            self.bench.call(Request::Run { ns: round.period }).unwrap();
             self.verdict.cycles += 1;
-            self.compare(style, &outputs);
+            self.compare(round, &outputs);
         }
         let module = self.module;
-        script(&mut self.bench, &format!("unloadrt {PREFIX}{module}\nunloadrt {module}"));
+        let away = format!("stop\nunloadrt {PREFIX}{module}\nunloadrt {module}\nunloadrt threads");
+        script(&mut self.bench, &away);
         Ok(())
     }
 
-    /// Loads both, their functions in one thread.
-    fn load(&mut self, args: &str) -> Result<(Items, Items), String> {
-        let (module, b) = (self.module, &mut self.bench);
+    /// Loads both, and adds their functions to the same threads in the same order.
+    fn load(&mut self, round: &Round) -> Result<(Items, Items), String> {
+        let (module, args, b) = (self.module, &round.args, &mut self.bench);
         let words = args.split(' ').filter(|w| !w.is_empty()).map(str::to_owned).collect();
         b.call(Request::Load { module: module.to_owned(), args: words })
             .map_err(|e| format!("ours: {e}"))?;
         b.load_c(PREFIX, &format!("{module} {args}"))?;
         let theirs = format!("{PREFIX}{module}");
-        let found = b.functs(&theirs);
-        for f in b.functs(module) {
-            let of_theirs = format!("{PREFIX}{f}");
+        let found: Vec<String> = b.functs(&theirs).into_iter().map(|f| f.name).collect();
+        let mut functs = b.functs(module);
+        if round.shuffled {
+            shuffle(&mut functs, &mut self.random);
+        }
+        let slow = functs.iter().any(|f| f.fast) && functs.iter().any(|f| !f.fast);
+        script(b, &round.threads(slow));
+        for f in functs {
+            let (of_ours, of_theirs) = (&f.name, format!("{PREFIX}{}", f.name));
             if !found.contains(&of_theirs) {
-                return Err(format!("theirs has no function {f}, but {}", found.join(", ")));
+                return Err(format!("theirs has no function {of_ours}, but {}", found.join(", ")));
             }
-            script(b, &format!("addf {f} t\naddf {of_theirs} t"));
+            let thread = if slow && !f.fast { "slow" } else { "fast" };
+            script(b, &format!("addf {of_ours} {thread}\naddf {of_theirs} {thread}"));
         }
         Ok((items(b, module, ""), items(b, &theirs, PREFIX)))
     }
@@ -126,14 +128,15 @@ impl Pair<'_> {
     ) -> (Vec<Driven>, Vec<(String, String)>) {
         let (mut inputs, mut outputs) = (Vec::new(), Vec::new());
         let (case, v) = (self.case, &mut self.verdict);
-        let lone = |a: &Items, b: &Items| -> Vec<_> {
+        let lone = |a: &Items, b: &Items| -> BTreeSet<_> {
             a.keys().filter(|k| !b.contains_key(*k)).cloned().collect()
         };
-        v.ours_only.extend(lone(ours, theirs));
+        let extra = lone(ours, theirs);
         v.theirs_only.extend(lone(theirs, ours));
-        for (name, value) in case.sets(&v.ours_only) {
+        for (name, value) in case.sets(&extra) {
             self.bench.call(Request::Set { name, value }).unwrap();
         }
+        v.ours_only.extend(extra);
         v.names.extend(ours.keys().chain(theirs.keys()).cloned());
         for (name, &(direction, first)) in ours.iter().filter(|(n, _)| theirs.contains_key(*n)) {
             let (other, value) = theirs[name];
@@ -153,23 +156,9 @@ impl Pair<'_> {
             if let Some(value) = case.set(name) {
                 script(&mut self.bench, &format!("setp {name} {value}\nsetp {of_theirs} {value}"));
             } else if given && !case.keeps(name, |i| i.alone) {
-                let tame = matches!(style, Style::Extremes) && case.keeps(name, |i| i.tame);
-                let style = if tame { Style::Chance } else { style };
-                let often = case.often(name);
-                let source = Source::new(style, &mut self.random);
-                inputs.push(Driven {
-                    name: name.clone(),
-                    theirs: of_theirs.clone(),
-                    first,
-                    seldom: !matches!(direction, Direction::In),
-                    steady: case.keeps(name, |i| i.steady),
-                    positive: case.keeps(name, |i| i.positive),
-                    range: case.range(name),
-                    values: case.values(name),
-                    often,
-                    follows: case.follows(name).map(|(p, by)| (p.into(), by.map(str::to_owned))),
-                    source: if often.is_some() { source.each_time() } else { source },
-                });
+                let seldom = !matches!(direction, Direction::In);
+                let (theirs, r) = (of_theirs.clone(), &mut self.random);
+                inputs.push(Driven::new(case, style, (name, theirs), first, seldom, r));
             }
             outputs.push((name.clone(), of_theirs));
         }
@@ -180,28 +169,9 @@ impl Pair<'_> {
     /// Gives both what is due before a cycle.
     fn drive(&mut self, inputs: &mut [Driven], cycle: u64, all_at_first: bool) {
         for i in inputs {
-            if let Some((pin, times)) = &i.follows {
-                let by = times
-                    .as_ref()
-                    .map_or(1.0, |t| t.parse().unwrap_or_else(|_| float(get(&mut self.bench, t))));
-                let value = of(i.first, float(get(&mut self.bench, pin)) * by);
-                self.bench.set(&i.name, value);
-                self.bench.set(&i.theirs, value);
-                continue;
-            }
-            let now_and_then = (cycle == 0 && all_at_first) || self.random.below(100) == 0;
-            let due = match i.often {
-                _ if i.steady => cycle == 0,
-                Some(n) => cycle == 0 || self.random.below(n) == 0,
-                None => !i.seldom || now_and_then,
-            };
-            let mut next = i.source.next(i.first, &mut self.random);
-            if !i.values.is_empty() {
-                next = Some(of(i.first, self.random.pick(&i.values)));
-            }
-            if let Some(value) = next.filter(|_| due) {
-                let value = if i.positive { positive(value) } else { value };
-                let value = i.range.map_or(value, |range| within(value, range));
+            let b = &mut self.bench;
+            let value = i.next(cycle == 0, all_at_first, &mut self.random, |name| get(b, name));
+            if let Some(value) = value {
                 self.bench.set(&i.name, value);
                 self.bench.set(&i.theirs, value);
             }
@@ -210,7 +180,7 @@ impl Pair<'_> {
 
     /// Compares all after a cycle.
     #[expect(clippy::print_stdout, reason = "asked for")]
-    fn compare(&mut self, style: Style, names: &[(String, String)]) {
+    fn compare(&mut self, round: &Round, names: &[(String, String)]) {
         let b = &mut self.bench;
         let values: Vec<_> =
             names.iter().map(|(our, their)| (get(b, our), get(b, their))).collect();
@@ -224,7 +194,7 @@ impl Pair<'_> {
             self.history.push(self.verdict.cycles, values);
             for name in new {
                 let said = &self.verdict.apart[name].said;
-                println!("{style:?}, {name}, {said}");
+                println!("{round}, {name}, {said}");
                 print!("{}", self.history.of(name, names));
             }
         }
@@ -236,4 +206,11 @@ fn items(b: &mut Bench, owner: &str, prefix: &str) -> Items {
     all.extend(b.items(Kind::Params, ""));
     let mine = all.into_iter().filter(|i| i.owner_name == owner);
     mine.map(|i| (i.name[prefix.len()..].to_owned(), (i.direction, i.value))).collect()
+}
+
+/// Mixes a list.
+fn shuffle<T>(list: &mut [T], r: &mut Random) {
+    for i in (1..list.len()).rev() {
+        list.swap(i, r.index(i + 1));
+    }
 }

@@ -179,7 +179,7 @@ fn loaded(bench: &mut Bench, component: &str, args: String) -> Loaded {
     let mine = items.into_iter().filter(|i| i.owner_name == component);
     Loaded {
         args,
-        functs: bench.functs(component).into_iter().collect(),
+        functs: bench.functs(component).into_iter().map(|f| f.name).collect(),
         items: mine.map(|i| (i.name, Item { direction: i.direction, first: i.value })).collect(),
     }
 }

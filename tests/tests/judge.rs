@@ -30,6 +30,9 @@
 //! cycles = 2000
 //! rounds = 40
 //!
+//! # Periods of the fast thread, in ns, where the usual ones will not do.
+//! periods = [25000, 100000]
+//!
 //! # What inputs are kept to: one or several of these, and why. Names are written in full, or as
 //! # globs; without one of these an input gets everything, and NaN as well.
 //! [[inputs]]
@@ -39,6 +42,10 @@
 //! steady = true       # set once after each load
 //! alone = true        # never set
 //! tame = true         # no extremes
+//! number = true       # never NaN
+//! finite = true       # neither NaN nor infinite
+//! nonzero = true      # not 0
+//! larger = 1000       # so many times as large
 //! range = [0, 4]      # from one to the other
 //! set = "1"           # set to this after each load, and no more
 //! values = [0, 2.5]   # one of these, by chance
@@ -70,6 +77,11 @@
 //! pins = ["*.size"]
 //! why = "…"
 //!
+//! # Outputs that never change, though every output should.
+//! [[still]]
+//! pins = ["*.brake"]
+//! why = "…"
+//!
 //! # What is known to differ, and how bad it may be: not before this cycle, in no more cycles for
 //! # each pin, and by no more than that.
 //! [[differs]]
@@ -92,11 +104,20 @@ use hal_tests::{
         CYCLES, Style,
         case::{self, Case},
         judge,
+        rows::measured,
     },
     pins,
     programs::root,
 };
-use std::{fmt::Write, process::Command};
+use std::{
+    collections::BTreeMap,
+    fmt::Write,
+    process::Command,
+    sync::{
+        Mutex,
+        atomic::{AtomicUsize, Ordering::Relaxed},
+    },
+};
 
 /// In a process of its own: the row of the component that the environment names.
 #[test]
@@ -108,15 +129,15 @@ fn one_component() {
     let told = judge(&module, rounds).and_then(|v| Ok(v.row(&Case::of(&module)?)));
     match told {
         Ok(row) => println!("\nROW {row}"),
-        Err(e) => println!("\nROW | | DIFFERS: not judged: {}", e.replace('\n', " ")),
+        Err(e) => println!("\nROW | | | DIFFERS: not judged: {}", e.replace('\n', " ")),
     }
 }
 
 fn row(module: &str, rounds: usize) -> String {
     match Case::of(module).map(|c| c.skip) {
         Ok(None) => (),
-        Ok(Some(why)) => return format!("| `{module}` | | | not judged: {why} |"),
-        Err(e) => return format!("| `{module}` | | | DIFFERS: {} |", e.replace('\n', " ")),
+        Ok(Some(why)) => return format!("| `{module}` | | | | not judged: {why} |"),
+        Err(e) => return format!("| `{module}` | | | | DIFFERS: {} |", e.replace('\n', " ")),
     }
     let mut me = Command::new(std::env::current_exe().unwrap());
     me.args(["--exact", "one_component", "--nocapture"]).env_remove("JUDGE");
@@ -128,7 +149,7 @@ fn row(module: &str, rounds: usize) -> String {
         None => {
             let said = String::from_utf8_lossy(&out.stderr).into_owned();
             let said: Vec<&str> = said.lines().filter(|l| !l.trim().is_empty()).collect();
-            format!("| `{module}` | | | DIFFERS: ended: {} |", said.join(" "))
+            format!("| `{module}` | | | | DIFFERS: ended: {} |", said.join(" "))
         }
     }
 }
@@ -144,6 +165,23 @@ fn shared() -> Vec<String> {
     names.sort();
     names.dedup();
     names
+}
+
+/// The rows of all, as many at a time as there are processors.
+fn rows(modules: &[String]) -> Vec<String> {
+    let (next, rows) = (AtomicUsize::new(0), Mutex::new(BTreeMap::new()));
+    let work = || {
+        while let Some(module) = modules.get(next.fetch_add(1, Relaxed)) {
+            let row = row(module, usize::MAX);
+            rows.lock().unwrap().insert(module, row);
+        }
+    };
+    std::thread::scope(|s| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
+            s.spawn(work);
+        }
+    });
+    rows.into_inner().unwrap().into_values().collect()
 }
 
 /// A component of each kind, for a while.
@@ -179,6 +217,40 @@ fn every_file_is_of_a_component() {
     }
 }
 
+/// What the rows of `components/*/traces/` say is what LinuxCNC's components do; with
+/// `UPDATE_EXPECT=1` they are written so, `?` and all. Those rows are what tests where there is no
+/// LinuxCNC.
+#[test]
+fn rows_are_as_theirs() {
+    let Some(folder) = installed() else {
+        eprintln!("skipped: LinuxCNC's package is not installed");
+        return;
+    };
+    let mut wrong = Vec::new();
+    for family in std::fs::read_dir(root().join("components")).unwrap() {
+        let Ok(tables) = std::fs::read_dir(family.unwrap().path().join("traces")) else { continue };
+        for file in tables.map(|t| t.unwrap().path()) {
+            let module = file.file_stem().unwrap().to_str().unwrap();
+            if !folder.join(module).with_extension("so").is_file() {
+                continue;
+            }
+            let table = std::fs::read_to_string(&file).unwrap();
+            match measured(&table) {
+                Ok(text) if text == table => {}
+                Ok(text) if std::env::var_os("UPDATE_EXPECT").is_some() => {
+                    std::fs::write(&file, text).unwrap();
+                }
+                Ok(text) => {
+                    let apart = text.lines().zip(table.lines()).find(|(a, b)| a != b);
+                    wrong.push(format!("{module}: theirs, and the row: {apart:?}"));
+                }
+                Err(e) => wrong.push(format!("{module}: {e}")),
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 #[test]
 #[ignore = "takes a minute: every component that LinuxCNC's package has as well, 10,000 cycles each"]
 fn every_component_does_as_theirs() {
@@ -186,7 +258,7 @@ fn every_component_does_as_theirs() {
         eprintln!("skipped: LinuxCNC's package is not installed");
         return;
     }
-    let rows: Vec<String> = shared().iter().map(|m| row(m, usize::MAX)).collect();
+    let rows = rows(&shared());
     let judged = rows.iter().filter(|r| !r.contains("| not judged")).count();
     let equal = rows.iter().filter(|r| r.contains("| equal") && !r.contains("| equal but")).count();
     let mut text = format!(
@@ -199,8 +271,8 @@ fn every_component_does_as_theirs() {
          `UPDATE_EXPECT=1 cargo test -p hal-tests --test judge -- --ignored` writes this file.\n\n\
          Of {} that both have, {judged} are judged; {equal} are equal in all that is compared,\n\
          and the others but for what their rows tell.\n\n\
-         | component | compared | cycles | result |\n\
-         |---|---|---|---|\n",
+         | component | compared | moved | cycles | result |\n\
+         |---|---|---|---|---|\n",
         rows.len()
     );
     for row in &rows {

@@ -111,7 +111,7 @@ fn drive(module: &str) -> String {
     }
     let mut owners: Vec<&str> = before.to_vec();
     owners.push(module);
-    let functs: Vec<String> = owners.iter().flat_map(|o| b.functs(o)).collect();
+    let functs: Vec<String> = owners.iter().flat_map(|o| b.functs(o)).map(|f| f.name).collect();
     let mine = |b: &mut Bench, kind| -> Vec<_> {
         let all = b.items(kind, "").into_iter();
         all.filter(|i| owners.contains(&&*i.owner_name) && !clean.contains(&i.name)).collect()

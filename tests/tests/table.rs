@@ -100,7 +100,7 @@ impl Shown {
             let is_there = pins::read(name).iter().any(|v| v.name == "2.9");
             return Ok(if is_there { "not yet" } else { NO_PEER }.to_owned());
         };
-        let [_, _, cycles, result, ..] = row.as_slice() else {
+        let [_, _, _, cycles, result, ..] = row.as_slice() else {
             return Err("its row in tests/compat/judge.md is not whole".to_owned());
         };
         let cycles = thousands(cycles);

@@ -62,6 +62,11 @@ mod tests {
     use hal_component::trace::replay;
 
     #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Axistest>(include_str!("../traces/axistest.txt")), 150);
+    }
+
+    #[test]
     fn jogs_and_runs() {
         let rows = "load axistest
             set axistest.0.amplitude 0.5

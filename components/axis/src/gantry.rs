@@ -46,7 +46,7 @@ impl Component for Gantry {
         }
         let home = b.item("home", "Whether the axis is at its switches.", false)?;
         let limit = b.item("limit", "Whether any switch is pressed.", false)?;
-        let (gives, takes) = b.shared(AtomicBool::new(false));
+        let (gives, takes) = b.shared(AtomicBool::new(true));
         let mut read = Read {
             joints: Vec::new(),
             position_fb: b.item(
@@ -109,7 +109,7 @@ struct Read {
     position_fb: Out<f64>,
     home: Out<bool>,
     limit: Out<bool>,
-    /// Whether some joints are at their switches and the axis is not.
+    /// Whether the axis is not at its switches.
     homes: Gives<AtomicBool>,
     /// The joint whose position is that of the axis.
     #[state]
@@ -133,7 +133,7 @@ impl Update for Read {
         };
         self.home.set(home);
         self.limit.set(limit);
-        self.homes.store(limit && !home, Relaxed);
+        self.homes.store(!home, Relaxed);
         if let Some(joint) = self.joints.get(self.told) {
             self.position_fb.set(joint.pos_fb.get() + joint.offset.get());
         }

@@ -67,3 +67,14 @@ impl Jog for BySpeed {
         if (at - target).abs() > 0.001 * (self.maxvel.get() * dt) { at } else { target }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Steptest;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Steptest>(include_str!("../traces/steptest.txt")), 150);
+    }
+}

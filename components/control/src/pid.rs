@@ -308,7 +308,8 @@ impl Update for Loop {
         let raw = if before { self.was.command } else { command } - feedback;
         self.pins.error.set(raw);
         if self.tuner.is_on() || self.pins.tune_mode.get() {
-            self.tuner.run(&self.pins, raw, dt);
+            #[expect(clippy::cast_possible_truncation, reason = "the time wraps")]
+            self.tuner.run(&self.pins, raw, period.ns().cast_unsigned() as u32);
             self.was.forget();
             self.show_inside();
             return;
@@ -355,7 +356,7 @@ mod tests {
 
     #[test]
     fn as_recorded() {
-        assert_eq!(replay::<Pid>(include_str!("../traces/pid.txt")), 2018);
+        assert_eq!(replay::<Pid>(include_str!("../traces/pid.txt")), 2658);
     }
 
     #[test]

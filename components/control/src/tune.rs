@@ -52,7 +52,7 @@ impl Tuner {
     }
 
     /// One run of tuning; the output is left as it is where nothing is said.
-    pub(crate) fn run(&mut self, pins: &Pins, error: f64, dt: f64) {
+    pub(crate) fn run(&mut self, pins: &Pins, error: f64, ns: u32) {
         let mode = pins.tune_mode.get();
         match self.state {
             State::Off => self.rest(pins, 0.0, State::Idle),
@@ -67,25 +67,27 @@ impl Tuner {
                 *self = Self { state: State::Positive, ..Self::default() };
                 pins.output.set(pins.bias.get() + effort(pins));
             }
-            State::Positive | State::Negative => self.swing(pins, error, dt),
+            State::Positive | State::Negative => self.swing(pins, error, ns),
         }
     }
 
     /// A run of the oscillation.
-    fn swing(&mut self, pins: &Pins, error: f64, dt: f64) {
+    fn swing(&mut self, pins: &Pins, error: f64, ns: u32) {
         self.runs = self.runs.wrapping_add(1);
         self.peak = if error.abs() > self.peak { error.abs() } else { self.peak };
         let now = if error < 0.0 { State::Negative } else { State::Positive };
         if now != self.state {
             self.state = now;
             self.average += self.peak / f64::from(pins.tune_cycles.get());
-            self.time += f64::from(self.runs) * dt;
+            // In 32 bits, as in LinuxCNC: a half cycle of more than 4.29 s is taken as a shorter one.
+            self.time += f64::from(self.runs.wrapping_mul(ns)) * 1e-9;
             (self.runs, self.peak) = (0, 0.0);
             self.cycles = self.cycles.wrapping_add(1);
-            if self.cycles >= pins.tune_cycles.get() {
-                self.conclude(pins);
-                return;
-            }
+        }
+        // The number may have become less meanwhile; without a single swing there is nothing to tell.
+        if self.cycles > 0 && self.cycles >= pins.tune_cycles.get() {
+            self.conclude(pins);
+            return;
         }
         let effort = effort(pins);
         let effort = if now == State::Negative { -effort } else { effort };

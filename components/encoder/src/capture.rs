@@ -48,26 +48,29 @@ impl Capture {
         // In all these, `Acquire` and `swap` pair with the `Release` of counting.
         let counted = seen.counted.swap(false, Acquire);
         let (raw, at) = (seen.raw.load(Acquire), seen.at.load(Acquire));
-        if p.position_scale.get() != was.scale {
-            if p.position_scale.get().abs() < 1e-20 {
+        let scale = p.position_scale.get();
+        if scale != was.scale {
+            // As it was given: a second 0 is not corrected, and changes nothing.
+            was.scale = scale;
+            if scale.abs() < 1e-20 {
                 p.position_scale.set(1.0);
             }
-            was.scale = p.position_scale.get();
-            was.unit = 1.0 / was.scale;
+            was.unit = 1.0 / p.position_scale.get();
         }
         if p.min_speed_estimate.get() == 0.0 {
             p.min_speed_estimate.set(1.0);
         }
-        let (moved, lasted) = (raw.wrapping_sub(was.raw), at.wrapping_sub(was.at));
+        let moved = if p.reset.get() { 0 } else { raw.wrapping_sub(was.raw) };
+        let lasted = at.wrapping_sub(was.at);
         if counted {
             (was.raw, was.at) = (raw, at);
-        }
-        if p.reset.get() {
-            was.index = was.raw;
         }
         if seen.indexed.swap(false, Acquire) {
             was.index = seen.index.load(Acquire);
             p.index_enable.set(false);
+        }
+        if p.reset.get() {
+            was.index = was.raw;
         }
         if seen.latched.swap(false, Acquire) {
             was.latch = seen.latch.load(Acquire);
@@ -100,9 +103,6 @@ impl Capture {
                 was.sure = 0;
             }
         } else {
-            p.velocity.set(0.0);
-        }
-        if p.reset.get() && counted {
             p.velocity.set(0.0);
         }
         let velocity = p.velocity.get();

@@ -40,9 +40,9 @@ pub(crate) struct Channel {
     state: u8,
     #[state]
     raw: i32,
-    /// When it last changed.
+    /// When it last grew.
     #[state]
-    at: u32,
+    up_at: u32,
     #[state]
     z_was: bool,
     #[state]
@@ -65,7 +65,7 @@ impl Channel {
             notes,
             state: 0,
             raw: 0,
-            at: 0,
+            up_at: 0,
             z_was: false,
             latch_was: false,
         }
@@ -95,20 +95,23 @@ impl Channel {
         let pause = self.notes.pause.load(Acquire); // Pairs with the capture.
         let gap = self.state & UP != 0
             && missing != 0
-            && now.wrapping_sub(self.at).cast_signed() >= pause;
+            && now.wrapping_sub(self.up_at).cast_signed() >= pause;
         if gap {
             self.raw = self.raw.wrapping_add(missing);
         }
         let seen = self.notes.write();
         if counted {
-            self.at = now;
+            if self.state & UP != 0 {
+                self.up_at = now;
+            }
             seen.raw.store(self.raw, Release); // Pairs with the capture.
             seen.at.store(now, Release); // Pairs with the capture.
             seen.counted.store(true, Release); // Pairs with the capture.
         }
-        let z = self.phase_z.get();
+        // Where teeth are missing, there is the index as well.
+        let z = gap || self.phase_z.get();
         let armed = self.notes.armed.load(Acquire); // Pairs with the capture.
-        if armed && (gap || z && !self.z_was) {
+        if armed && z && !self.z_was {
             seen.index.store(self.raw, Release); // Pairs with the capture.
             seen.indexed.store(true, Release); // Pairs with the capture.
             self.notes.armed.store(false, Release); // Pairs with the capture.

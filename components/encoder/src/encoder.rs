@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn as_recorded() {
-        assert_eq!(replay::<Encoder>(include_str!("../traces/encoder.txt")), 2080);
+        assert_eq!(replay::<Encoder>(include_str!("../traces/encoder.txt")), 2248);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use hal_component::{
     pins,
 };
 use std::sync::atomic::{
-    AtomicI64, AtomicU32,
+    AtomicI64,
     Ordering::{Acquire, Release},
 };
 
@@ -94,8 +94,6 @@ pins! {
 struct Rate {
     /// Counts per fast period, times 2^31; negative: backward.
     step: AtomicI64,
-    /// Cycles per turn.
-    cycles: AtomicU32,
 }
 
 /// A channel in the slow function.
@@ -128,7 +126,6 @@ impl Update for UpdateSpeed {
             }
             let turns = c.speed.get() / c.scale.get();
             let rate = turns * f64::from(c.ppr.get()) * 4.0 * secs;
-            c.rate.cycles.store(c.ppr.get(), Release); // Pairs with `Turning`.
             c.rate.step.store(step(rate), Release); // Pairs with `Turning`.
         }
     }
@@ -154,6 +151,7 @@ struct Turning {
     phase_b: Out<bool>,
     phase_z: Out<bool>,
     rawcounts: InSet<i32>,
+    ppr: Io<u32>,
     rate: Takes<Rate>,
     /// Counts so far, times 2^31.
     #[state]
@@ -174,6 +172,7 @@ impl Turning {
             phase_b,
             phase_z,
             rawcounts: pins.rawcounts,
+            ppr: pins.ppr,
             rate,
             accum: 0,
             state: 0,
@@ -183,7 +182,7 @@ impl Turning {
 
     fn run(&mut self) {
         let step = self.rate.step.load(Acquire); // Pairs with `UpdateSpeed`.
-        let cycles = self.rate.cycles.load(Acquire); // Pairs with `UpdateSpeed`.
+        let cycles = self.ppr.get();
         let before = self.accum >> FRACTION;
         self.accum = self.accum.wrapping_add(step);
         let now = self.accum >> FRACTION;
@@ -203,7 +202,7 @@ impl Turning {
         if self.state == 0 {
             self.cycle = self.cycle.wrapping_add(1);
             if self.cycle >= cycles {
-                self.cycle = 0;
+                self.cycle -= cycles;
             }
         }
     }
@@ -242,7 +241,7 @@ mod tests {
 
     #[test]
     fn as_recorded() {
-        assert_eq!(replay::<SimEncoder>(include_str!("../traces/sim_encoder.txt")), 470);
+        assert_eq!(replay::<SimEncoder>(include_str!("../traces/sim_encoder.txt")), 634);
     }
 
     #[test]

@@ -26,5 +26,7 @@ pub(crate) fn away(x: f64, deadband: &ParamRw<f64>) -> f64 {
         deadband.set(LEAST);
     }
     let least = deadband.get();
+    // Where the dead band is not a number, -0 is 0 all the same.
+    let x = x + 0.0;
     if x.abs() < least { if x < 0.0 { -least } else { least } } else { x }
 }

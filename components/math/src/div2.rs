@@ -42,6 +42,6 @@ mod tests {
 
     #[test]
     fn as_recorded() {
-        assert_eq!(replay::<Div2>(include_str!("../traces/div2.txt")), 48);
+        assert_eq!(replay::<Div2>(include_str!("../traces/div2.txt")), 52);
     }
 }

@@ -202,6 +202,6 @@ mod tests {
 
     #[test]
     fn as_recorded() {
-        assert_eq!(replay::<Limit3>(include_str!("../traces/limit3.txt")), 2946);
+        assert_eq!(replay::<Limit3>(include_str!("../traces/limit3.txt")), 3246);
     }
 }

@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn as_recorded() {
-        assert_eq!(replay::<Pwmgen>(include_str!("../traces/pwmgen.txt")), 2675);
+        assert_eq!(replay::<Pwmgen>(include_str!("../traces/pwmgen.txt")), 2707);
     }
 
     #[test]

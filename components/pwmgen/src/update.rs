@@ -30,6 +30,8 @@ struct Was {
     period: i64,
     /// Runs of a period.
     runs: i64,
+    /// What part of a period a run is; 0 before there was a period.
+    per_run: f64,
 }
 
 impl Duty {
@@ -46,6 +48,7 @@ impl Duty {
             per_scale: 1.0,
             period: 0,
             runs: 0,
+            per_run: 0.0,
         };
         Self { pins, dir, wanted, is_single, was }
     }
@@ -69,7 +72,11 @@ impl Duty {
     #[expect(clippy::cast_possible_truncation, reason = "a period beyond 64 bits cannot be")]
     fn timing(&mut self, base: i64, base_changed: bool) {
         let (p, was) = (&self.pins, &mut self.was);
+        let most = 0.5e9 / base as f64;
         let freq = p.pwm_freq.get();
+        if base_changed {
+            p.pwm_freq.set(possible(freq, most));
+        }
         let mode = if !p.enable.get() {
             Mode::Off
         } else if freq == 0.0 {
@@ -87,26 +94,18 @@ impl Duty {
             self.wanted.ask(mode, was.period);
             return;
         }
-        if freq <= 0.0 || freq.is_nan() {
-            p.pwm_freq.set(0.0);
+        let freq = possible(freq, most);
+        p.pwm_freq.set(freq);
+        if freq == 0.0 {
+            // Of what was below 0: the next run sees a density.
             was.period = base;
+        } else if mode == Mode::Dither {
+            was.period = (1e9 / freq) as i64;
         } else {
-            let most = 0.5e9 / base as f64;
-            let freq = if freq < 0.5 {
-                0.5
-            } else if freq > most {
-                most
-            } else {
-                freq
-            };
-            p.pwm_freq.set(freq);
-            if mode == Mode::Dither {
-                was.period = (1e9 / freq) as i64;
-            } else {
-                was.runs = ((1e9 / freq / base as f64) + 0.5) as i64;
-                was.period = was.runs * base;
-                p.pwm_freq.set(1e9 / was.period as f64);
-            }
+            was.runs = ((1e9 / freq / base as f64) + 0.5) as i64;
+            was.per_run = 1.0 / was.runs as f64;
+            was.period = was.runs * base;
+            p.pwm_freq.set(1e9 / was.period as f64);
         }
         was.freq = p.pwm_freq.get();
         self.wanted.ask(was.mode, was.period);
@@ -117,12 +116,14 @@ impl Duty {
         let (min, max) = self.limits();
         self.timing(base, base_changed);
         let (p, was) = (&self.pins, &mut self.was);
-        if p.scale.get() != was.scale {
-            if p.scale.get().abs() < 1e-20 {
+        let scale = p.scale.get();
+        if scale != was.scale {
+            // As it was given: a second 0 is not corrected, and changes nothing.
+            was.scale = scale;
+            if scale.abs() < 1e-20 {
                 p.scale.set(1.0);
             }
-            was.scale = p.scale.get();
-            was.per_scale = 1.0 / was.scale;
+            was.per_scale = 1.0 / p.scale.get();
         }
         let wanted = p.value.get() * was.per_scale + p.offset.get();
         let wanted = if self.is_single && wanted < 0.0 { 0.0 } else { wanted };
@@ -142,11 +143,24 @@ impl Duty {
         if was.mode == Mode::Pure {
             let high = (was.runs as f64 * duty + 0.5) as i64;
             self.wanted.width(high * base, down);
-            p.curr_dc.set(sign * high as f64 * (1.0 / was.runs as f64));
+            p.curr_dc.set(sign * high as f64 * was.per_run);
         } else {
             self.wanted.width((was.period as f64 * duty + 0.5) as i64, down);
             p.curr_dc.set(sign * duty);
         }
+    }
+}
+
+/// A frequency that can be: from 0.5 to the highest, or 0.
+fn possible(freq: f64, most: f64) -> f64 {
+    if freq <= 0.0 || freq.is_nan() {
+        0.0
+    } else if freq < 0.5 {
+        0.5
+    } else if freq > most {
+        most
+    } else {
+        freq
     }
 }
 

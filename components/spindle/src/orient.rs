@@ -60,9 +60,11 @@ impl Orient {
             let ahead = goal(turn) - position;
             turn += match self.mode.get() {
                 0 if ahead > 0.5 => -1.0,
-                0 if ahead < -0.5 => 1.0,
+                0 if ahead <= -0.5 => 1.0,
                 1 if ahead < 0.0 => 1.0,
+                1 if ahead >= 1.0 => -1.0,
                 2 if ahead > 0.0 => -1.0,
+                2 if ahead <= -1.0 => 1.0,
                 0..=2 => 0.0,
                 _ => return self.command.get(),
             };
@@ -90,6 +92,11 @@ impl Update for Orient {
 mod tests {
     use super::Orient;
     use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Orient>(include_str!("../traces/orient.txt")), 240);
+    }
 
     #[test]
     fn goals() {

@@ -15,7 +15,7 @@ impl Component for Spindle {
     const NAME: &'static str = "spindle";
     const DOC: &'static str = "Speed of a spindle with gears, with limits of speed and acceleration.\n\n\
         It is for drives with an input for each direction, such as inverters. `numgears=3` makes pins for \
-        three gears, 1 to 16. With an encoder, the output is the speed that is measured plus `accel` \
+        three gears, 1 to 16; with several instances, `numgears=3,2` for each of them. With an encoder, the output is the speed that is measured plus `accel` \
         or less `decel`, no further than the command; with `simulate-encoder` the speed itself \
         changes by so much per second. A limit of 0 or less is none. The spindle stops \
         before it turns the other way.\n\n\
@@ -38,11 +38,14 @@ impl Component for Spindle {
         getp spindle.0.output # -> 10\n\
         ```";
     const FLAGS: u32 = component_flags::PARALLEL;
-    const ARGS: &'static [&'static ArgSpec] =
-        &[&Arg::int("numgears", "Number of gears, 1 to 16.").or("1")];
+    const ARGS: &'static [&'static ArgSpec] = &[&Arg::ints(
+        "numgears",
+        "Number of gears of each instance, 1 to 16; 1 where it is not said.",
+    )];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let n = b.arg_int("numgears").unwrap_or(1);
+        let all = b.arg_ints("numgears");
+        let n = usize::try_from(b.index()).ok().and_then(|i| all.get(i).copied()).unwrap_or(1);
         if !(1..=MOST).contains(&n) {
             return Err(Error::new(format!("numgears is {n}, and must be 1 to {MOST}")));
         }
@@ -55,7 +58,7 @@ impl Component for Spindle {
 pins! {
     /// What is there once.
     struct Pins {
-        /// The gear, from 0. Leave it at 0 where the `select` pins are used; beyond the last: the last.
+        /// The gear, from 0; beyond the last: the last. While it is 0, the `select` pins count.
         select_gear: In<u32> = "select-gear", 0;
         /// The speed that is wanted, in turns per minute; below 0 backwards.
         commanded_speed: In<f64> = "commanded-speed", 0.0;
@@ -78,9 +81,9 @@ pins! {
         current_gear: Out<u32> = "current-gear", 0;
         /// Whether the speed is within `speed-tolerance` of what is wanted.
         at_speed: Out<bool> = "at-speed", false;
-        /// Whether the drive shall turn forward.
+        /// Whether the drive shall turn forward; also while it slows down to 0 from there.
         forward: Out<bool> = "forward", false;
-        /// Whether the drive shall turn backward.
+        /// Whether the drive shall turn backward; not while it slows down to 0.
         reverse: Out<bool> = "reverse", false;
         /// Always false, as in LinuxCNC 2.9.
         brake: Out<bool> = "brake", false;
@@ -125,7 +128,7 @@ gear! { i:
     accel: In<f64> = "accel", 0.0;
     /// How fast it slows down, in the unit of `accel`.
     decel: In<f64> = "decel", 0.0;
-    /// How far from the wanted speed is at speed, in turns per minute.
+    /// How far from the wanted speed is at speed, in turns per minute; 0 or less: it never is.
     speed_tolerance: In<f64> = "speed-tolerance", 20.0;
     /// Up to which speed it counts as standing, in turns per minute.
     zero_tolerance: In<f64> = "zero-tolerance", 20.0;
@@ -147,8 +150,10 @@ impl Run {
     fn gear(&self) -> usize {
         let last = self.gears.len() - 1;
         let asked = usize::try_from(self.pins.select_gear.get()).unwrap_or(last).min(last);
-        let selected = self.gears.iter().rposition(|g| g.select.get());
-        selected.map_or(asked, |g| g.max(asked))
+        if asked > 0 {
+            return asked;
+        }
+        self.gears.iter().rposition(|g| g.select.get()).unwrap_or(0)
     }
 }
 
@@ -179,21 +184,25 @@ impl Update for Run {
         let enable = p.enable.get();
         let commanded = if enable { p.commanded_speed.get() as f32 } else { 0.0 };
         let turned = (commanded > 0.0 && now < 0.0) || (commanded < 0.0 && now > 0.0);
-        let off = f64::from((commanded - now).abs());
-        let at_speed = !turned && off <= g.speed_tolerance.get();
+        let off = (commanded - now).abs();
+        let tolerance = g.speed_tolerance.get() as f32;
+        let at_speed = !turned && tolerance > 0.0 && off <= tolerance;
         p.at_speed.set(at_speed);
         self.was_at_speed = at_speed;
         let (wanted, limited) = kept(commanded, g.min.get() as f32, g.max.get() as f32);
         p.limited.set(limited);
 
         let seconds = if simulated { period.secs() } else { 1.0 };
-        let (up, down) = ((g.accel.get() * seconds) as f32, (g.decel.get() * seconds) as f32);
+        let step = |rate: f64| (f64::from(rate as f32) * seconds) as f32;
+        let (up, down) = (step(g.accel.get()), step(g.decel.get()));
         let next = if at_speed { wanted } else { towards(wanted, now, up, down) };
         if simulated {
             p.spindle_rpm.set(f64::from(next));
         }
-        p.forward.set(enable && next > 0.0);
-        p.reverse.set(enable && next < 0.0);
+        // On the way to 0, what turned forward does so to the end; what turned backward does not.
+        let forward = commanded != 0.0 || p.forward.get();
+        p.forward.set(next > 0.0 && forward);
+        p.reverse.set(next < 0.0 && commanded != 0.0);
         p.output.set((f64::from(next.abs()) + g.offset.get()) * g.scale.get());
     }
 }
@@ -201,15 +210,15 @@ impl Update for Run {
 /// A speed within limits of its size, and whether it had to be changed.
 fn kept(speed: f32, min: f32, max: f32) -> (f32, bool) {
     let size = speed.abs();
-    let mut kept = size;
+    let (mut kept, mut limited) = (size, false);
     if min > 0.0 && size < min && size > 0.0 {
-        kept = min;
+        (kept, limited) = (min, true);
     }
     // Where they cross, the highest speed wins.
     if max > 0.0 && kept > max {
-        kept = max;
+        (kept, limited) = (max, true);
     }
-    (kept.copysign(speed), kept != size)
+    (kept.copysign(speed), limited)
 }
 
 /// The next speed on the way: to 0 first where the direction changes.

@@ -99,7 +99,7 @@ impl Freq {
             return;
         }
         let period = f64::from(timing.len) + f64::from(timing.space);
-        let limits = self.limits(1e9 / period, scale.abs(), dt);
+        let limits = self.limits(1.0 / (period * 1e-9), scale.abs(), dt);
         self.speed = match self.control {
             Control::Position => self.follow(scale, limits, dt),
             Control::Velocity => self.approach(scale, limits, dt),
@@ -129,7 +129,7 @@ impl Freq {
         } else if maxvel != 0.0 {
             self.maxvel.set(0.0);
         }
-        let mut accel = speed / dt;
+        let mut accel = speed * (1.0 / dt);
         let maxaccel = self.maxaccel.get();
         if maxaccel > 0.0 {
             let wish = maxaccel * scale;

@@ -76,8 +76,10 @@ impl Params {
         }
     }
 
-    fn rounded(&self, t: Timing, base_ns: i64) -> Timing {
-        let bare = self.delayed && t.hold == 0 && t.setup == 0;
+    /// `held` is whether the hold time is as it was: then 0 stays even where the setup time has
+    /// become 0 as well.
+    fn rounded(&self, t: Timing, base_ns: i64, held: bool) -> Timing {
+        let bare = self.delayed && t.hold == 0 && t.setup == 0 && !held;
         Timing {
             len: round_up(if t.len == 0 { 1 } else { t.len }, base_ns),
             space: round_up(t.space, base_ns),
@@ -114,7 +116,8 @@ impl Rounder {
     pub(crate) fn check(&mut self, base_ns: Option<i64>) -> Timing {
         let now = self.params.get();
         if now != self.last || base_ns != self.base_ns {
-            self.last = self.params.rounded(now, base_ns.unwrap_or(ASSUMED_NS));
+            let held = now.hold == self.last.hold && base_ns == self.base_ns;
+            self.last = self.params.rounded(now, base_ns.unwrap_or(ASSUMED_NS), held);
             self.base_ns = base_ns;
             if base_ns.is_some() {
                 self.params.set(self.last);

@@ -143,3 +143,14 @@ impl Channel<'_, '_> {
         F::make(self.b, Decl::new(&name, doc), initial)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Stepgen;
+    use hal_component::trace::replay;
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Stepgen>(include_str!("../traces/stepgen.txt")), 47);
+    }
+}

@@ -46,6 +46,8 @@ struct Sampling {
     curr_depth: Out<i32>,
     overruns: Io<i32>,
     ring: StreamOut,
+    #[state]
+    depth: i32,
 }
 
 impl Sampling {
@@ -62,13 +64,18 @@ impl Sampling {
             pins,
             enable: b.item(&name("enable"), "Whether samples are taken.", true)?,
             full: b.item(&name("full"), "True when there is no room, or was none.", false)?,
-            curr_depth: b.item(&name("curr-depth"), "How many records wait.", 0)?,
+            curr_depth: b.item(
+                &name("curr-depth"),
+                "How many records wait; after one that was lost, the depth.",
+                0,
+            )?,
             overruns: b.item(
                 &name("overruns"),
                 "How many records were lost for want of room; may be set back.",
                 0,
             )?,
             ring,
+            depth: i32::try_from(channel.depth).unwrap_or(i32::MAX),
         };
         b.function(&format!("sampler.{n}"), "Takes a sample of every pin.", sampling)
     }
@@ -76,17 +83,14 @@ impl Sampling {
 
 impl Update for Sampling {
     fn update(&mut self, _: Period) {
-        let full = if self.enable.get() {
-            let pins = &self.pins;
-            let taken = self.ring.put(|i| pins.get(i).map_or(0, AnyIn::bits));
-            if !taken {
-                self.overruns.set(self.overruns.get().wrapping_add(1));
-            }
-            !taken
-        } else {
-            self.ring.room() == 0
-        };
-        self.full.set(full);
+        let pins = &self.pins;
+        if self.enable.get() && !self.ring.put(|i| pins.get(i).map_or(0, AnyIn::bits)) {
+            self.overruns.set(self.overruns.get().wrapping_add(1));
+            self.full.set(true);
+            self.curr_depth.set(self.depth);
+            return;
+        }
+        self.full.set(!self.enable.get() && self.ring.room() == 0);
         self.curr_depth.set(i32::try_from(self.ring.waiting()).unwrap_or(i32::MAX));
     }
 }
@@ -115,10 +119,10 @@ mod tests {
         (3.0, false, false, 2, 0),
         (4.0, true, false, 3, 0),
         (5.0, true, false, 4, 0),
-        (6.0, true, true, 4, 1),
-        (7.0, true, true, 4, 2),
+        (6.0, true, true, 5, 1),
+        (7.0, true, true, 5, 2),
         (8.0, false, true, 4, 2),
-        (9.0, true, true, 4, 3),
+        (9.0, true, true, 5, 3),
     ];
 
     #[test]

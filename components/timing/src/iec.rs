@@ -44,10 +44,10 @@ impl Update for Ton {
         if !self.in_.get() {
             self.et.set(0.0);
             self.q.set(false);
-        } else if self.et.get() < self.pt.get() {
-            self.et.set(self.et.get() + period.secs());
-        } else {
+        } else if self.et.get() >= self.pt.get() {
             self.q.set(true);
+        } else {
+            self.et.set(self.et.get() + period.secs());
         }
     }
 }
@@ -89,10 +89,10 @@ impl Update for Tof {
         if self.in_.get() {
             self.et.set(0.0);
             self.q.set(true);
-        } else if self.et.get() < self.pt.get() {
-            self.et.set(self.et.get() + period.secs());
-        } else {
+        } else if self.et.get() >= self.pt.get() {
             self.q.set(false);
+        } else {
+            self.et.set(self.et.get() + period.secs());
         }
     }
 }
@@ -166,7 +166,7 @@ mod tests {
     #[test]
     fn a_rising_edge_comes_later() {
         let rows = "1 | 0 0.25\n1 | 0 0.5\n1 | 0 0.75\n1 | 1 0.75\n1 | 1 0.75\n0 | 0 0\n\
-            1 | 0 0.25\n0 | 0 0\nset $.0.pt 0\n1 | 1 0\nset $.0.pt nan\n1 | 1 0";
+            1 | 0 0.25\n0 | 0 0\nset $.0.pt 0\n1 | 1 0\nset $.0.pt nan\n1 | 1 0.25";
         assert_eq!(replay::<Ton>(&table("ton", rows)), 10);
     }
 

@@ -63,9 +63,12 @@ pub(crate) struct Multiclick {
     /// Length of the pulses, in nanoseconds; of length 0 they do not end.
     #[hal(default = 100_000_000)]
     output_hold_ns: ParamRw<u32>,
-    /// How long it may yet be in this state, in nanoseconds.
+    /// For how long it has been in this state, in nanoseconds; it wraps after 4.29 s.
     #[state]
-    time: i64,
+    time: u32,
+    /// How long it may be.
+    #[state]
+    most: u32,
     /// What is left of each pulse, in nanoseconds.
     #[state]
     left: [i64; 8],
@@ -80,7 +83,9 @@ const TOO_MUCH: i32 = 9;
 
 impl Update for Multiclick {
     fn update(&mut self, period: Period) {
-        self.time = self.time.saturating_sub(period.ns());
+        #[expect(clippy::cast_possible_truncation, reason = "the time wraps")]
+        let passed = period.ns().cast_unsigned() as u32;
+        self.time = self.time.wrapping_add(passed);
         let outputs = self.outputs().map(|(.., out)| out);
         for (left, out) in self.left.iter_mut().zip(outputs) {
             if *left > 0 {
@@ -100,11 +105,11 @@ impl Update for Multiclick {
         } else if pressed && !down {
             self.enter(state + 1);
             self.show(state + 1, false);
-        } else if pressed && self.time < 0 {
+        } else if pressed && self.time > self.most {
             self.enter(TOO_MUCH);
         } else if !pressed && down {
             self.enter(if state == LAST { TOO_MUCH } else { state + 1 });
-        } else if !pressed && state != IDLE && self.time < 0 {
+        } else if !pressed && state != IDLE && self.time > self.most {
             self.enter(IDLE);
             self.show(state, true);
         }
@@ -115,7 +120,7 @@ impl Multiclick {
     fn enter(&mut self, state: i32) {
         self.state.set(state);
         let most = if state % 2 == 1 { self.max_hold_ns } else { self.max_space_ns };
-        self.time = i64::from(most.get());
+        (self.time, self.most) = (0, most.get());
     }
 
     /// Where the outputs are: after so many presses and releases, soon or when no more can follow.
@@ -156,6 +161,11 @@ mod tests {
         run multiclick.0
         in multiclick.0.in
         out multiclick.0.state multiclick.0.single-click multiclick.0.single-click-only multiclick.0.double-click multiclick.0.double-click-only\n";
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Multiclick>(include_str!("../traces/multiclick.txt")), 14);
+    }
 
     #[test]
     fn one_click() {

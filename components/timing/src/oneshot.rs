@@ -67,13 +67,13 @@ impl Oneshot {
         let rising = now && !self.was && self.rising.get();
         let falling = !now && self.was && self.falling.get();
         self.was = now;
+        let free = self.left <= 0.0 || self.retriggerable.get();
         if self.left > 0.0 {
             self.left -= dt;
             if self.left < 0.0 {
                 self.left = 0.0;
             }
         }
-        let free = self.left <= 0.0 || self.retriggerable.get();
         if (rising || falling) && free {
             self.left = self.width.get();
         }
@@ -87,6 +87,6 @@ mod tests {
 
     #[test]
     fn as_recorded() {
-        assert_eq!(replay::<Oneshot>(include_str!("../traces/oneshot.txt")), 600);
+        assert_eq!(replay::<Oneshot>(include_str!("../traces/oneshot.txt")), 660);
     }
 }

@@ -62,7 +62,7 @@ impl Component for Watchdog {
             let input = b.item(&format!("watchdog.input-{i}"), "A bit that must change.", false)?;
             let doc = "For how long it may stay the same, in seconds; below 0: taken as 0. A new one holds from the next change on.";
             let timeout = b.item(&format!("watchdog.timeout-{i}"), doc, 0.0)?;
-            let (gives, takes) = b.shared(AtomicI64::new(0));
+            let (gives, takes) = b.shared(Limit::default());
             beats.push(Beat { input, limit: takes, was: false, left: 0 });
             times.push(Timeout { timeout, limit: gives });
         }
@@ -74,11 +74,20 @@ impl Component for Watchdog {
     }
 }
 
+/// For how long an input may stay the same, in nanoseconds.
+#[derive(Debug, Default)]
+struct Limit {
+    /// From the next change on.
+    next: AtomicI64,
+    /// From the last start on.
+    start: AtomicI64,
+}
+
 /// One input, as it is watched.
 #[derive(Touch)]
 struct Beat {
     input: In<bool>,
-    limit: Takes<AtomicI64>,
+    limit: Takes<Limit>,
     #[state]
     was: bool,
     /// For how long it may stay the same yet, in nanoseconds.
@@ -100,18 +109,20 @@ struct Process {
 impl Update for Process {
     fn update(&mut self, period: Period) {
         let starts = self.starts.load(Acquire); // Pairs with `SetTimeouts`.
-        let begins = starts != self.seen;
-        self.seen = starts;
         if !self.enable.get() || !self.ok.get() {
             return;
         }
+        let begins = starts != self.seen;
+        self.seen = starts;
         for b in &mut self.beats {
             let input = b.input.get();
             let changed = input != b.was;
-            if begins || changed {
-                b.left = b.limit.load(Acquire); // Pairs with `SetTimeouts`.
+            if begins {
+                b.left = b.limit.start.load(Acquire); // Pairs with `SetTimeouts`.
             }
-            if !changed {
+            if changed {
+                b.left = b.limit.next.load(Acquire); // Pairs with `SetTimeouts`.
+            } else {
                 b.left = b.left.saturating_sub(period.ns());
             }
             b.was = input;
@@ -126,7 +137,7 @@ impl Update for Process {
 #[derive(Touch)]
 struct Timeout {
     timeout: ParamRw<f64>,
-    limit: Gives<AtomicI64>,
+    limit: Gives<Limit>,
 }
 
 /// A timeout: whole seconds, and the rest cut to nanoseconds. What is below 0 is 0; what is no
@@ -158,11 +169,15 @@ struct SetTimeouts {
 impl Update for SetTimeouts {
     fn update(&mut self, _: Period) {
         for t in &self.times {
-            t.limit.store(nanoseconds(t.timeout.get()), Release); // Pairs with `Process`.
+            t.limit.next.store(nanoseconds(t.timeout.get()), Release); // Pairs with `Process`.
         }
         let enable = self.enable.get();
         if enable && !self.was_enabled {
             if !self.ok.get() {
+                for t in &self.times {
+                    let limit = t.limit.next.load(Acquire); // Only this side stores.
+                    t.limit.start.store(limit, Release); // Pairs with `Process`.
+                }
                 let next = self.start.load(Acquire).wrapping_add(1); // Only this side stores.
                 self.start.store(next, Release); // Pairs with `Process`.
             }
@@ -179,7 +194,7 @@ mod tests {
 
     #[test]
     fn as_recorded() {
-        assert_eq!(replay::<Watchdog>(include_str!("../traces/watchdog.txt")), 410);
+        assert_eq!(replay::<Watchdog>(include_str!("../traces/watchdog.txt")), 710);
     }
 
     #[test]

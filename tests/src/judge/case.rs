@@ -26,12 +26,16 @@ pub struct Case {
     pub rounds: Option<usize>,
     /// Cycles of a round, where the usual number reaches too little.
     pub cycles: Option<u64>,
+    /// Periods of the fast thread, in ns; without any, the usual ones.
+    pub periods: Vec<u64>,
     /// What inputs are kept to.
     pub inputs: Vec<Input>,
     /// Pins and parameters that only one side has.
     pub only: Vec<Only>,
     /// Items of another kind or direction on the other side, which are given all the same.
     pub kinds: Vec<Only>,
+    /// Outputs that never change.
+    pub still: Vec<Only>,
     /// First values that differ.
     pub defaults: Vec<First>,
     /// How far numbers may be apart.
@@ -60,6 +64,17 @@ pub struct Input {
     /// No extremes.
     #[serde(default)]
     pub tame: bool,
+    /// Never NaN.
+    #[serde(default)]
+    pub number: bool,
+    /// Neither NaN nor infinite.
+    #[serde(default)]
+    pub finite: bool,
+    /// Never 0.
+    #[serde(default)]
+    pub nonzero: bool,
+    /// So many times as large, first of all.
+    pub larger: Option<f64>,
     /// Set to this after each load, and no more.
     pub set: Option<String>,
     /// From the first to the second; with `positive`, that is kept as well.
@@ -76,15 +91,32 @@ pub struct Input {
 }
 
 impl Input {
-    /// Whether it keeps its pins to anything.
-    fn tells(&self) -> bool {
-        let flags = self.positive || self.steady || self.alone || self.tame;
-        let one = self.range.is_some() || self.set.is_some() || self.often.is_some();
-        flags || one || !self.values.is_empty() || self.follows.is_some()
+    /// What they are kept to, in words.
+    fn kept(&self) -> Vec<String> {
+        let words = [
+            (self.alone, "left alone"),
+            (self.positive, "kept positive"),
+            (self.steady, "set once"),
+            (self.tame, "without extremes"),
+            (self.number, "never NaN"),
+            (self.finite, "finite"),
+            (self.nonzero, "not 0"),
+        ];
+        let mut out: Vec<String> = words.iter().filter(|w| w.0).map(|w| w.1.to_owned()).collect();
+        out.extend(self.larger.map(|n| format!("{n:e} times as large")));
+        out.extend(self.range.map(|[low, high]| format!("from {low:e} to {high:e}")));
+        out.extend(self.set.as_ref().map(|value| format!("set to {value}")));
+        out.extend((!self.values.is_empty()).then(|| format!("one of {:?}", self.values)));
+        out.extend(self.often.map(|n| format!("changed once in {n} cycles")));
+        out.extend(self.follows.as_ref().map(|pin| match &self.times {
+            Some(by) => format!("`{pin}` times {by} of the cycle before"),
+            None => format!("`{pin}` of the cycle before"),
+        }));
+        out
     }
 }
 
-/// Pins and parameters that only one side has.
+/// Pins and parameters with a reason: those that only one side has, for one.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Only {
@@ -168,11 +200,8 @@ impl Case {
     fn parse(text: &str) -> Result<Self, String> {
         let case: Self = toml::from_str(text).map_err(|e| e.to_string())?;
         for i in &case.inputs {
-            if !i.tells() {
-                let pins = i.pins.join(", ");
-                return Err(format!(
-                    "{pins}: positive, steady, alone, tame, set, range, values, often or follows?"
-                ));
+            if i.kept().is_empty() {
+                return Err(format!("{}: positive, steady, alone, tame, …?", i.pins.join(", ")));
             }
         }
         if case.lists().any(|(pins, why)| pins.is_empty() || why.is_empty()) {
@@ -183,7 +212,8 @@ impl Case {
 
     fn lists(&self) -> impl Iterator<Item = (&[String], &str)> {
         let inputs = self.inputs.iter().map(|r| (&*r.pins, &*r.why));
-        let only = self.only.iter().chain(&self.kinds).map(|r| (&*r.pins, &*r.why));
+        let only =
+            self.only.iter().chain(&self.kinds).chain(&self.still).map(|r| (&*r.pins, &*r.why));
         let defaults = self.defaults.iter().map(|r| (&*r.pins, &*r.why));
         let tolerance = self.tolerance.iter().map(|r| (&*r.pins, &*r.why));
         let differs = self.differs.iter().map(|r| (&*r.pins, &*r.why));
@@ -213,29 +243,16 @@ impl Case {
 
     /// What an input is set to, and stays.
     pub fn set(&self, name: &str) -> Option<&str> {
-        self.inputs.iter().filter(|i| named(&i.pins, name)).find_map(|i| i.set.as_deref())
+        self.told(name, |i| i.set.as_deref())
     }
 
-    /// The range that an input is kept to.
-    pub fn range(&self, name: &str) -> Option<[f64; 2]> {
-        self.inputs.iter().filter(|i| named(&i.pins, name)).find_map(|i| i.range)
-    }
-
-    /// The numbers that an input is one of.
-    pub fn values(&self, name: &str) -> Vec<f64> {
-        let mut all = self.inputs.iter().filter(|i| named(&i.pins, name));
-        all.find(|i| !i.values.is_empty()).map(|i| i.values.clone()).unwrap_or_default()
-    }
-
-    /// In how many cycles an input changes once.
-    pub fn often(&self, name: &str) -> Option<u64> {
-        self.inputs.iter().filter(|i| named(&i.pins, name)).find_map(|i| i.often)
-    }
-
-    /// The output that an input follows, and what that is multiplied with.
-    pub fn follows(&self, name: &str) -> Option<(&str, Option<&str>)> {
-        let mut all = self.inputs.iter().filter(|i| named(&i.pins, name));
-        all.find_map(|i| i.follows.as_deref().map(|pin| (pin, i.times.as_deref())))
+    /// The first that is told of an input.
+    pub(super) fn told<'c, T>(
+        &'c self,
+        name: &str,
+        of: impl Fn(&'c Input) -> Option<T>,
+    ) -> Option<T> {
+        self.inputs.iter().filter(|i| named(&i.pins, name)).find_map(of)
     }
 
     /// How far a number may be apart, in units of the last place.
@@ -251,26 +268,12 @@ impl Case {
     /// What its inputs are kept to, for people.
     pub fn kept(&self) -> String {
         let mut out = String::new();
+        if !self.periods.is_empty() {
+            write!(out, "; at {:?} ns", self.periods).unwrap();
+        }
         for i in &self.inputs {
-            let words = [
-                (i.alone, "left alone"),
-                (i.positive, "kept positive"),
-                (i.steady, "set once"),
-                (i.tame, "without extremes"),
-            ];
-            let mut to: Vec<&str> = words.iter().filter(|w| w.0).map(|w| w.1).collect();
-            let range = i.range.map(|[low, high]| format!("from {low:e} to {high:e}"));
-            let set = i.set.as_ref().map(|value| format!("set to {value}"));
-            let values = (!i.values.is_empty()).then(|| format!("one of {:?}", i.values));
-            let often = i.often.map(|n| format!("changed once in {n} cycles"));
-            let follows = i.follows.as_ref().map(|pin| match &i.times {
-                Some(by) => format!("`{pin}` times {by} of the cycle before"),
-                None => format!("`{pin}` of the cycle before"),
-            });
-            to.extend(
-                [&range, &set, &values, &often, &follows].into_iter().filter_map(|s| s.as_deref()),
-            );
-            write!(out, "; `{}` {}: {}", i.pins.join("`, `"), to.join(", "), i.why).unwrap();
+            let (pins, to) = (i.pins.join("`, `"), i.kept().join(", "));
+            write!(out, "; `{pins}` {to}: {}", i.why).unwrap();
         }
         out
     }

@@ -20,7 +20,7 @@ impl History {
         std::env::var_os("JUDGE").is_some()
     }
 
-    /// Forgets the cycles of what was loaded before, which had other pins.
+    /// Forgets what was before a round.
     pub(super) fn begin(&mut self) {
         self.cycles.clear();
     }

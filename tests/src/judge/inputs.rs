@@ -1,5 +1,6 @@
 //! What the judge gives to inputs: chance, ramps, edges and extremes.
 
+use super::case::Case;
 use crate::random::Random;
 use hal_protocol::Value;
 
@@ -21,9 +22,110 @@ impl Style {
     pub const ALL: [Self; 4] = [Self::Chance, Self::Ramps, Self::Edges, Self::Extremes];
 }
 
-/// One input's way through a round.
+/// An input with its way through a round, and what it is kept to.
 #[derive(Debug)]
-pub(super) struct Source {
+pub(super) struct Driven {
+    /// Ours.
+    pub(super) name: String,
+    /// Theirs.
+    pub(super) theirs: String,
+    first: Value,
+    /// Parameters, and what both sides write, are set now and then.
+    seldom: bool,
+    steady: bool,
+    positive: bool,
+    number: bool,
+    finite: bool,
+    nonzero: bool,
+    larger: f64,
+    range: Option<[f64; 2]>,
+    values: Vec<f64>,
+    often: Option<u64>,
+    /// An output of ours, and what is multiplied with it: a pin, or a number.
+    follows: Option<(String, Option<String>)>,
+    source: Source,
+}
+
+impl Driven {
+    /// The input of these names, in ours and theirs, for a round.
+    pub(super) fn new(
+        case: &Case,
+        style: Style,
+        (name, theirs): (&str, String),
+        first: Value,
+        seldom: bool,
+        r: &mut Random,
+    ) -> Self {
+        let tame = matches!(style, Style::Extremes) && case.keeps(name, |i| i.tame);
+        let often = case.told(name, |i| i.often);
+        let follows = case.told(name, |i| i.follows.clone().map(|pin| (pin, i.times.clone())));
+        let source = Source::new(if tame { Style::Chance } else { style }, r);
+        Self {
+            name: name.to_owned(),
+            theirs,
+            first,
+            seldom,
+            steady: case.keeps(name, |i| i.steady),
+            positive: case.keeps(name, |i| i.positive),
+            number: case.keeps(name, |i| i.number),
+            finite: case.keeps(name, |i| i.finite),
+            nonzero: case.keeps(name, |i| i.nonzero),
+            larger: case.told(name, |i| i.larger).unwrap_or(1.0),
+            range: case.told(name, |i| i.range),
+            values: case
+                .told(name, |i| (!i.values.is_empty()).then(|| i.values.clone()))
+                .unwrap_or_default(),
+            often,
+            follows,
+            source: if often.is_some() { source.each_time() } else { source },
+        }
+    }
+
+    /// What it is set to before a cycle, if it is; `get` reads an output.
+    pub(super) fn next(
+        &mut self,
+        is_first: bool,
+        all_at_first: bool,
+        r: &mut Random,
+        mut get: impl FnMut(&str) -> Value,
+    ) -> Option<Value> {
+        if let Some((pin, times)) = &self.follows {
+            let by = times.as_ref().map_or(1.0, |t| t.parse().unwrap_or_else(|_| float(get(t))));
+            return Some(of(self.first, float(get(pin)) * by));
+        }
+        let now_and_then = (is_first && all_at_first) || r.below(40) == 0;
+        let due = match self.often {
+            _ if self.steady => is_first,
+            Some(n) => is_first || r.below(n) == 0,
+            None => !self.seldom || now_and_then,
+        };
+        let outside = self.range.is_some_and(|range| within(self.first, range) != self.first);
+        let next = match self.values.is_empty() {
+            true => self.source.next(self.first, r),
+            false => Some(of(self.first, r.pick(&self.values))),
+        };
+        let next =
+            if is_first && outside { next.or(Some(self.first)) } else { next.filter(|_| due) };
+        let value = next.map(|v| if self.larger == 1.0 { v } else { larger(v, self.larger) });
+        let value = if self.positive { positive(value?) } else { value? };
+        let value = self.range.map_or(value, |range| within(value, range));
+        let refused = match value {
+            Value::Float(f) => {
+                self.number && f.is_nan()
+                    || self.finite && !f.is_finite()
+                    || self.nonzero && f == 0.0
+            }
+            Value::U32(n) => self.nonzero && n == 0,
+            Value::S32(n) => self.nonzero && n == 0,
+            _ => false,
+        };
+        (!refused).then_some(value)
+    }
+}
+
+/// One input's numbers.
+#[derive(Debug)]
+struct Source {
     style: Style,
     value: f64,
     slope: f64,
@@ -33,19 +135,19 @@ pub(super) struct Source {
 
 impl Source {
     /// Begins a round.
-    pub(super) fn new(style: Style, r: &mut Random) -> Self {
+    fn new(style: Style, r: &mut Random) -> Self {
         let size = r.pick(&[0.1, 1.0, 1.0, 10.0, 1000.0]);
         let often = 1 + r.below(20);
         Self { style, value: r.unit() * size, slope: r.unit() * size / 50.0, size, often }
     }
 
     /// It has another value each time that it is asked.
-    pub(super) fn each_time(self) -> Self {
+    fn each_time(self) -> Self {
         Self { often: 1, ..self }
     }
 
     /// The next value of the type of `now`, if there is one.
-    pub(super) fn next(&mut self, now: Value, r: &mut Random) -> Option<Value> {
+    fn next(&mut self, now: Value, r: &mut Random) -> Option<Value> {
         match self.style {
             Style::Chance => self.value = r.unit() * self.size,
             Style::Ramps => {
@@ -110,8 +212,13 @@ const ODD: [f64; 18] = [
     2.5,
 ];
 
+/// A number so many times as large; one that does not fit is the largest that does.
+fn larger(value: Value, n: f64) -> Value {
+    if matches!(value, Value::Bit(_)) { value } else { of(value, float(value) * n) }
+}
+
 /// A value as a number.
-pub(super) fn float(value: Value) -> f64 {
+fn float(value: Value) -> f64 {
     match value {
         Value::Bit(b) => f64::from(u8::from(b)),
         Value::Float(f) => f,
@@ -129,7 +236,7 @@ pub(super) fn float(value: Value) -> f64 {
     clippy::cast_sign_loss,
     reason = "what is beyond the type is at its end"
 )]
-pub(super) fn of(like: Value, number: f64) -> Value {
+fn of(like: Value, number: f64) -> Value {
     match like {
         Value::Bit(_) => Value::Bit(number != 0.0),
         Value::Float(_) => Value::Float(number),
@@ -142,7 +249,7 @@ pub(super) fn of(like: Value, number: f64) -> Value {
 }
 
 /// A number as a size: no sign, and not 0.
-pub(super) fn positive(value: Value) -> Value {
+fn positive(value: Value) -> Value {
     match value {
         Value::Float(f) => Value::Float(if f.is_finite() { f.abs().max(1e-3) } else { 1e9 }),
         Value::S32(n) => Value::S32(n.checked_abs().unwrap_or(i32::MAX).max(1)),
@@ -154,7 +261,7 @@ pub(super) fn positive(value: Value) -> Value {
 }
 
 /// A number within a range: what is outside is taken round it.
-pub(super) fn within(value: Value, [low, high]: [f64; 2]) -> Value {
+fn within(value: Value, [low, high]: [f64; 2]) -> Value {
     #[expect(clippy::cast_possible_truncation, reason = "bounds of a file")]
     let around = |n: i64| {
         let (low, high) = (low as i64, high as i64);

@@ -1,7 +1,10 @@
 //! What came of a comparison, and whether it is what is known.
 
-use super::case::{Case, named};
-use hal_protocol::Value;
+use super::{
+    case::{Case, named},
+    plan::Round,
+};
+use hal_protocol::{Direction, Value};
 use std::{
     collections::{BTreeMap, BTreeSet},
     fmt::Write,
@@ -39,11 +42,32 @@ pub struct Verdict {
     pub names: BTreeSet<String>,
     pub(super) ours_only: BTreeSet<String>,
     pub(super) theirs_only: BTreeSet<String>,
+    /// Outputs, as they are called where instances are counted, and whether they ever changed.
+    moved: BTreeMap<String, bool>,
+    /// Those of this load by their names, with that name and their first value.
+    still: BTreeMap<String, (String, Value)>,
     defaults: BTreeMap<String, String>,
     wrong: BTreeSet<String>,
 }
 
 impl Verdict {
+    /// Both are loaded anew, with these items.
+    pub(super) fn begin<'n>(
+        &mut self,
+        module: &str,
+        round: &Round,
+        items: impl Iterator<Item = (&'n str, (Direction, Value))>,
+    ) {
+        self.still.clear();
+        for (name, (_, value)) in items.filter(|i| matches!(i.1.0, Direction::Out | Direction::Ro))
+        {
+            let counted = round.counted(module, name);
+            if !*self.moved.entry(counted.clone()).or_default() {
+                self.still.insert(name.to_owned(), (counted, value));
+            }
+        }
+    }
+
     /// A pin whose type or direction differs.
     pub(super) fn shape(&mut self, name: &str, said: String) {
         self.wrong.insert(format!("`{name}` is {said}"));
@@ -71,6 +95,12 @@ impl Verdict {
             && a.to_bits() != b.to_bits()
         {
             self.zeros += 1;
+        }
+        if let Some((counted, first)) = self.still.get(name)
+            && apart(*first, ours) != Some(0)
+        {
+            self.moved.insert(counted.clone(), true);
+            self.still.remove(name);
         }
         let ulps = apart(ours, theirs);
         if let Some(ulps) = ulps.filter(|n| *n <= allowed) {
@@ -138,6 +168,11 @@ impl Verdict {
         for pin in case.unknown(&names) {
             out.push(format!("no pin is `{pin}`, of which its file tells"));
         }
+        for name in self.moved.iter().filter(|(_, moved)| !**moved).map(|(name, _)| name) {
+            if !case.still.iter().any(|s| named(&s.pins, name)) {
+                out.push(format!("`{name}` never moves"));
+            }
+        }
         let mut gone = |what: &str, pins: &[String], found: bool| {
             if !found {
                 out.push(format!("`{}`: {what}: take it out of its file", pins.join("`, `")));
@@ -152,6 +187,10 @@ impl Verdict {
         for d in &case.defaults {
             gone("begins as theirs", &d.pins, self.defaults.keys().any(|n| named(&d.pins, n)));
         }
+        for s in &case.still {
+            let found = self.moved.iter().any(|(n, moved)| !moved && named(&s.pins, n));
+            gone("moves", &s.pins, found);
+        }
         for o in &case.only {
             let lone = self.ours_only.iter().chain(&self.theirs_only);
             gone("both have it", &o.pins, lone.into_iter().any(|n| named(&o.pins, n)));
@@ -161,7 +200,9 @@ impl Verdict {
     /// Its row in the table, without the name.
     pub fn row(&self, case: &Case) -> String {
         let faults = self.faults(case);
-        let mut out = format!("{} | {} | ", self.compared, self.cycles);
+        let moved = self.moved.values().filter(|moved| **moved).count();
+        let mut out =
+            format!("{} | {moved} of {} | {} | ", self.compared, self.moved.len(), self.cycles);
         if faults.is_empty() {
             let most = self.ulps.values().max().copied().unwrap_or(0);
             match (self.apart.len() + self.defaults.len(), most) {
@@ -185,6 +226,9 @@ impl Verdict {
             write!(out, "; {said}").unwrap();
         }
         out.push_str(&case.kept());
+        for s in &case.still {
+            write!(out, "; `{}` never moves: {}", s.pins.join("`, `"), s.why).unwrap();
+        }
         for o in &case.only {
             write!(out, "; only one has `{}`: {}", o.pins.join("`, `"), o.why).unwrap();
             if let Some(value) = &o.set {
