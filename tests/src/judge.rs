@@ -3,7 +3,7 @@
 
 pub mod case;
 mod history;
-mod inputs;
+pub(crate) mod inputs;
 mod plan;
 pub mod rows;
 mod verdict;

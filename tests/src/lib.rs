@@ -19,6 +19,7 @@ pub mod machine;
 pub mod pins;
 pub mod plugins;
 pub mod programs;
+pub mod properties;
 pub mod random;
 pub mod scratch;
 pub mod terminal;

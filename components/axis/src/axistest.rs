@@ -67,6 +67,19 @@ mod tests {
     }
 
     #[test]
+    fn a_start_at_no_place_is_given_up() {
+        let rows = "load axistest
+            run axistest.0.update
+            in axistest.0.run axistest.0.position-fb
+            out axistest.0.running axistest.0.position-cmd
+            1 nan | 1 nan
+            0 2 | 0 nan
+            0 2 | 0 2
+            1 2 | 1 2";
+        assert_eq!(replay::<Axistest>(rows), 4);
+    }
+
+    #[test]
     fn jogs_and_runs() {
         let rows = "load axistest
             set axistest.0.amplitude 0.5

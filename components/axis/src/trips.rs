@@ -161,7 +161,8 @@ impl<J: Jog> Trips<J> {
         }
         let [_, start, _] = self.ends;
         self.target = start;
-        if self.is_at(at, start) {
+        // There is no way back to what is no place.
+        if self.is_at(at, start) || !start.is_finite() {
             self.active = false;
         }
     }

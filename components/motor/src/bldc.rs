@@ -22,7 +22,7 @@ impl Component for Bldc {
     const ARGS: &'static [&'static ArgSpec] = &[
         &Arg::texts(
             "cfg",
-            "For each motor the letters of its feedback (n h a q i f) and of its drive (B 6 H F T).",
+            "For each motor the letters of its feedback (n h a q i f) and of its drive (B 6 H F T), such as hH.",
         )
         .required()
         .at_most(MOST),
@@ -249,6 +249,33 @@ mod tests {
     #[test]
     fn as_recorded() {
         assert!(replay::<Bldc>(include_str!("../traces/bldc.txt")) > 500);
+    }
+
+    #[test]
+    fn a_frequency_that_was_none_is_forgotten() {
+        let mut bench = Bench::new();
+        bench.load::<Bldc>(&["cfg=n"]).unwrap();
+        for (frequency, finite) in [(5.0, true), (f64::NAN, false), (5.0, true)] {
+            bench.set("bldc.0.frequency", frequency);
+            bench.run("bldc.0", 1_000_000);
+            assert_eq!(bench.get::<f64>("bldc.0.rotor-angle").is_finite(), finite, "{frequency}");
+        }
+    }
+
+    #[test]
+    fn counts_and_poles_at_their_ends_are_no_panic() {
+        for cfg in ["a", "aB6"] {
+            let mut bench = Bench::new();
+            bench.load::<Bldc>(&[&format!("cfg={cfg}")]).unwrap();
+            for (counts, poles) in [(0, 2), (i32::MIN, i32::MAX), (i32::MAX, i32::MIN)] {
+                bench.set("bldc.0.rawcounts", counts);
+                bench.set("bldc.0.encoder-offset", !counts);
+                bench.set("bldc.0.poles", poles);
+                bench.run("bldc.0", 1_000_000);
+                let angle = bench.get::<f64>("bldc.0.rotor-angle");
+                assert!((0.0..=1.0).contains(&angle), "{cfg} {poles}: {angle}");
+            }
+        }
     }
 
     /// A bench with one motor, `cfg` and settings, after its first run.

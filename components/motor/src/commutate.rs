@@ -84,7 +84,9 @@ impl Motor {
     /// Without feedback the rotor goes with the field.
     fn free(&self, period: Period) -> Field {
         let frequency = self.frequency.as_ref().map_or(0.0, In::get);
-        let angle = turn(self.rotor_angle.get() + frequency * period.ns() as f64 / 1e9);
+        // From no angle it begins anew.
+        let before = Some(self.rotor_angle.get()).filter(|angle| angle.is_finite());
+        let angle = turn(before.unwrap_or(0.0) + frequency * period.ns() as f64 / 1e9);
         self.turned(angle, angle)
     }
 
@@ -105,7 +107,7 @@ impl Motor {
         let measured = self.offset_measured.as_ref().map_or(0, ParamRo::get);
         // Half a period later it will have moved on.
         let at = i64::from(counts) + i64::from(moved / 2) - i64::from(offset) - i64::from(measured);
-        let half = at * i64::from(counter.poles.get()) / 2;
+        let half = at.wrapping_mul(i64::from(counter.poles.get())) / 2;
         let rotor = turn(half as f64 / f64::from(counter.scale.get()));
         let lead = counter.lead_angle.get() / 360.0;
         let value = if self.letters.any("T") { 0.0 } else { value };

@@ -125,7 +125,7 @@ impl Driven {
 
 /// One input's numbers.
 #[derive(Debug)]
-struct Source {
+pub(crate) struct Source {
     style: Style,
     value: f64,
     slope: f64,
@@ -135,19 +135,24 @@ struct Source {
 
 impl Source {
     /// Begins a round.
-    fn new(style: Style, r: &mut Random) -> Self {
+    pub(crate) fn new(style: Style, r: &mut Random) -> Self {
         let size = r.pick(&[0.1, 1.0, 1.0, 10.0, 1000.0]);
         let often = 1 + r.below(20);
         Self { style, value: r.unit() * size, slope: r.unit() * size / 50.0, size, often }
     }
 
     /// It has another value each time that it is asked.
-    fn each_time(self) -> Self {
+    pub(crate) fn each_time(self) -> Self {
         Self { often: 1, ..self }
     }
 
+    /// Whether its numbers are those at the edges.
+    pub(crate) const fn is_odd(&self) -> bool {
+        matches!(self.style, Style::Extremes)
+    }
+
     /// The next value of the type of `now`, if there is one.
-    fn next(&mut self, now: Value, r: &mut Random) -> Option<Value> {
+    pub(crate) fn next(&mut self, now: Value, r: &mut Random) -> Option<Value> {
         match self.style {
             Style::Chance => self.value = r.unit() * self.size,
             Style::Ramps => {
@@ -218,7 +223,7 @@ fn larger(value: Value, n: f64) -> Value {
 }
 
 /// A value as a number.
-fn float(value: Value) -> f64 {
+pub(crate) fn float(value: Value) -> f64 {
     match value {
         Value::Bit(b) => f64::from(u8::from(b)),
         Value::Float(f) => f,
@@ -236,7 +241,7 @@ fn float(value: Value) -> f64 {
     clippy::cast_sign_loss,
     reason = "what is beyond the type is at its end"
 )]
-fn of(like: Value, number: f64) -> Value {
+pub(crate) fn of(like: Value, number: f64) -> Value {
     match like {
         Value::Bit(_) => Value::Bit(number != 0.0),
         Value::Float(_) => Value::Float(number),
@@ -249,7 +254,7 @@ fn of(like: Value, number: f64) -> Value {
 }
 
 /// A number as a size: no sign, and not 0.
-fn positive(value: Value) -> Value {
+pub(crate) fn positive(value: Value) -> Value {
     match value {
         Value::Float(f) => Value::Float(if f.is_finite() { f.abs().max(1e-3) } else { 1e9 }),
         Value::S32(n) => Value::S32(n.checked_abs().unwrap_or(i32::MAX).max(1)),
@@ -261,7 +266,7 @@ fn positive(value: Value) -> Value {
 }
 
 /// A number within a range: what is outside is taken round it.
-fn within(value: Value, [low, high]: [f64; 2]) -> Value {
+pub(crate) fn within(value: Value, [low, high]: [f64; 2]) -> Value {
     #[expect(clippy::cast_possible_truncation, reason = "bounds of a file")]
     let around = |n: i64| {
         let (low, high) = (low as i64, high as i64);

@@ -50,6 +50,13 @@ impl Random {
         *of.get(self.index(of.len())).unwrap()
     }
 
+    /// Puts a list into another order.
+    pub fn shuffle<T>(&mut self, list: &mut [T]) {
+        for i in (1..list.len()).rev() {
+            list.swap(i, self.index(i + 1));
+        }
+    }
+
     /// A place in a list of so many.
     pub fn index(&mut self, len: usize) -> usize {
         usize::try_from(self.below(u64::try_from(len).unwrap())).unwrap()
