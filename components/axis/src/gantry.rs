@@ -39,11 +39,7 @@ impl Component for Gantry {
     const FLAGS: u32 = component_flags::PERSONALITY | component_flags::PARALLEL;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let n = b.personality();
-        if !(0..=MOST).contains(&n) {
-            let text = format!("Pin joint.##.pos-cmd: Requested size {n} exceeds max size {MOST}");
-            return Err(Error::new(text));
-        }
+        let n = b.size("Pin joint.##.pos-cmd", 0, MOST)?;
         let home = b.item("home", "Whether the axis is at its switches.", false)?;
         let limit = b.item("limit", "Whether any switch is pressed.", false)?;
         let (gives, takes) = b.shared(AtomicBool::new(true));

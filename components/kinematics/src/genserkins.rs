@@ -42,8 +42,14 @@ In types 1 and 2 every joint is an axis; `motion.switchkins-type` says which typ
 const ARGS: &[&ArgSpec] = &[
     &COORDINATES.or("XYZABCUVW"),
     &SPARM,
-    &Arg::texts("min_limits", "The lowest angle of each of the six joints, in degrees."),
-    &Arg::texts("max_limits", "The highest angle of each of the six joints, in degrees."),
+    &Arg::texts(
+        "min_limits",
+        "The lowest angle of each of the six joints, in degrees, such as -90,-90,-90,-90,-90,-90.",
+    ),
+    &Arg::texts(
+        "max_limits",
+        "The highest angle of each of the six joints, in degrees, such as 90,90,90,90,90,90.",
+    ),
 ];
 
 names! {

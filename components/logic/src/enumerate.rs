@@ -33,10 +33,12 @@ impl Component for Enum {
         getp enum-decode.00.idle-out # -> FALSE\n\
         ```";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
-    const ARGS: &'static [&'static ArgSpec] =
-        &[&Arg::texts("enums", "Lists of names: `E` or `D` first, then names, with semicolons.")
-            .required()
-            .at_most(LISTS)];
+    const ARGS: &'static [&'static ArgSpec] = &[&Arg::texts(
+        "enums",
+        "Lists of names, such as `E;off;on`: `E` or `D` first, then names, with semicolons.",
+    )
+    .required()
+    .at_most(LISTS)];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let (mut encoders, mut decoders) = (0, 0);

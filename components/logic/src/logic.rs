@@ -52,8 +52,9 @@ impl Component for Logic {
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let wanted = b.personality();
         let n = wanted & 0xff;
+        let form = "personality= is 0 to 16 for the inputs, with 0x100 to 0x1000 for each output";
         if n > MOST {
-            let text = format!("Pin in-##: Requested size {n} exceeds max size {MOST}");
+            let text = format!("Pin in-##: Requested size {n} exceeds max size {MOST}: {form}");
             return Err(Error::new(text));
         }
         let mut inputs = Vec::new();
@@ -136,7 +137,9 @@ mod tests {
         bench.run("logic.0", 1_000_000);
         assert!(bench.get::<bool>("logic.0.and"));
         let refused = Bench::new().load::<Logic>(&["personality=0x111"]).unwrap_err();
-        assert_eq!(refused, "Pin in-##: Requested size 17 exceeds max size 16");
+        assert!(refused.starts_with(
+            "Pin in-##: Requested size 17 exceeds max size 16: personality= is 0 to 16"
+        ));
     }
 
     #[test]

@@ -71,14 +71,7 @@ impl Component for LimitAxis {
     const FLAGS: u32 = component_flags::PERSONALITY | component_flags::PARALLEL;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let n = match b.personality() {
-            0 => USUAL,
-            n => n,
-        };
-        if !(1..=MOST).contains(&n) {
-            let text = format!("Pin enable-##: Requested size {n} exceeds max size {MOST}");
-            return Err(Error::new(text));
-        }
+        let n = b.size("Pin enable-##", USUAL, MOST)?;
         let feedback = b.item("fb", "Where it is, in units.", 0.0)?;
         let mut ranges = Vec::new();
         for i in 0..n {
@@ -221,6 +214,8 @@ mod tests {
         ));
         assert_eq!(rows, 2);
         let refused = Bench::new().load::<LimitAxis>(&["personality=11"]).unwrap_err();
-        assert_eq!(refused, "Pin enable-##: Requested size 11 exceeds max size 10");
+        assert!(refused.starts_with(
+            "Pin enable-##: Requested size 11 exceeds max size 10: personality= is 1 to "
+        ));
     }
 }

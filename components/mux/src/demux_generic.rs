@@ -38,7 +38,7 @@ impl Component for DemuxGeneric {
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = &[&Arg::texts(
         "config",
-        "For each: the letters of its types, and how many outputs it has.",
+        "For each: the letters of its types, and how many outputs it has, such as ff4.",
     )
     .required()
     .at_most(100)];

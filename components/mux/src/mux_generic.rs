@@ -39,10 +39,12 @@ impl Component for MuxGeneric {
         getp mux-gen.00.out-s32 # -> -2147483647\n\
         ```";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
-    const ARGS: &'static [&'static ArgSpec] =
-        &[&Arg::texts("config", "For each: the letters of its types, and how many inputs it has.")
-            .required()
-            .at_most(100)];
+    const ARGS: &'static [&'static ArgSpec] = &[&Arg::texts(
+        "config",
+        "For each: the letters of its types, and how many inputs it has, such as ff4.",
+    )
+    .required()
+    .at_most(100)];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let texts = b.arg_texts("config");

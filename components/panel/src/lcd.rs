@@ -56,10 +56,12 @@ impl Component for Lcd {
         getp lcd.00.out # -> 49\n\
         ```";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
-    const ARGS: &'static [&'static ArgSpec] =
-        &[&Arg::texts("fmt_strings", "A text for each display, separated by commas.")
-            .required()
-            .at_most(MOST)];
+    const ARGS: &'static [&'static ArgSpec] = &[&Arg::texts(
+        "fmt_strings",
+        "A text for each display, separated by commas, such as `X%6.2f`.",
+    )
+    .required()
+    .at_most(MOST)];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let texts = b.arg_texts("fmt_strings");

@@ -47,7 +47,7 @@ impl Component for MatrixKb {
         ```";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = &[
-        &Arg::texts("config", "Rows and columns of each keyboard, as 4x8; 4x8s scans.")
+        &Arg::texts("config", "Rows and columns of each keyboard, such as 4x8; 4x8s scans.")
             .required()
             .at_most(32),
         &Arg::texts("names", "Names of the keyboards, as many as there are; without it, numbers.")

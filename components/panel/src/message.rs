@@ -26,8 +26,11 @@ impl Component for Message {
         getp oil.edge # -> FALSE\n\
         ```";
     const FLAGS: u32 = component_flags::PARALLEL;
-    const ARGS: &'static [&'static ArgSpec] =
-        &[&Arg::texts("messages", "A text for each instance, separated by commas.").required()];
+    const ARGS: &'static [&'static ArgSpec] = &[&Arg::texts(
+        "messages",
+        "A text for each instance, separated by commas, such as `hot,cold`.",
+    )
+    .required()];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let texts = b.arg_texts("messages");

@@ -28,7 +28,7 @@ impl Component for Threads {
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = &[
         &Arg::text("name1", "Name of the first thread.").or("thread1"),
-        &Arg::int("period1", "Its period, in nanoseconds.").or("1000000"),
+        &Arg::int("period1", "Its period, in nanoseconds, 1000 to 1000000000000.").or("1000000"),
         &Arg::int("fp1", IGNORED).or("1"),
         &Arg::text("name2", "Name of the second thread; none without it."),
         &Arg::int("period2", "Its period, in nanoseconds.").or("0"),

@@ -1,6 +1,9 @@
 //! How a component declares the arguments of `loadrt` and of its commands.
 
-use crate::abi::{ArgSpec, arg};
+use crate::{
+    Builder, Error,
+    abi::{ArgSpec, arg},
+};
 
 /// Declares arguments: `const ARGS: … = &[&Arg::ints("step_type", "…").required().at_most(16)];`
 #[derive(Debug)]
@@ -41,5 +44,22 @@ impl Arg {
     #[must_use]
     pub const fn bit(name: &'static str, doc: &'static str) -> ArgSpec {
         ArgSpec::new(arg::BIT, name, doc)
+    }
+}
+
+impl Builder<'_> {
+    /// How many of `pins` a personality asks for, which is their number: `usual` if it is 0.
+    ///
+    /// # Errors
+    /// It is not 0 to `most`.
+    pub fn size(&self, pins: &str, usual: i64, most: i64) -> Result<i64, Error> {
+        match self.personality() {
+            0 => Ok(usual),
+            n if (1..=most).contains(&n) => Ok(n),
+            n => Err(Error::new(format!(
+                "{pins}: Requested size {n} exceeds max size {most}: personality= is 1 to {most}, \
+                 or 0 for {usual}"
+            ))),
+        }
     }
 }

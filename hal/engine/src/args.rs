@@ -1,9 +1,9 @@
 //! Arguments of `loadrt` and of commands: text, checked against what the plugin declares.
 
-use crate::Error;
+use crate::{Error, name::Name};
 use hal_abi::{ArgSpec, ArgValue, Str, arg};
 use hal_protocol::ArgInfo;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What one argument is declared as, copied from its plugin.
 #[derive(Clone, Debug)]
@@ -78,8 +78,13 @@ pub(crate) struct Args {
 }
 
 impl Args {
-    /// Checks words of the form `NAME=VALUE`; every `"` is removed, as users expect.
-    pub(crate) fn parse(declared: &[Declared], words: &[String]) -> Result<Self, Error> {
+    /// Checks words of the form `NAME=VALUE`; every `"` is removed, as users expect. `also` are the
+    /// names of arguments that somebody else has read.
+    pub(crate) fn parse(
+        declared: &[Declared],
+        also: &[&str],
+        words: &[String],
+    ) -> Result<Self, Error> {
         let mut given: Vec<(Box<str>, Given)> = Vec::new();
         for word in words {
             let word = word.replace('"', "");
@@ -87,8 +92,12 @@ impl Args {
                 .split_once('=')
                 .ok_or_else(|| Error::InvalidParameter { word: word.as_str().into() })?;
             let Some(d) = declared.iter().find(|d| &*d.name == name) else {
-                let near = crate::near::nearest(name, declared.iter().map(|d| &*d.name));
-                return Err(Error::UnknownParameter { word: word.as_str().into(), near });
+                let all: Vec<&str> =
+                    declared.iter().map(|d| &*d.name).chain(also.iter().copied()).collect();
+                let near = crate::near::nearest(name, all.iter().copied());
+                let takes: Vec<String> = all.iter().map(|name| format!("{name}=")).collect();
+                let takes = takes.join(" ").into();
+                return Err(Error::UnknownParameter { word: word.as_str().into(), near, takes });
             };
             let value = read(d, value, &word)?;
             given.retain(|(n, _)| **n != *d.name);
@@ -139,10 +148,13 @@ fn read(d: &Declared, value: &str, word: &str) -> Result<Given, Error> {
         value: text.into(),
         word: word.into(),
         expects,
+        doc: d.doc.trim_end_matches('.').into(),
     };
     let items = || -> Result<Vec<&str>, Error> {
-        let items: Vec<&str> =
-            if value.is_empty() { Vec::new() } else { value.split(',').collect() };
+        if value.is_empty() && d.kind == arg::TEXTS {
+            return Err(invalid(value, "expected texts separated by commas"));
+        }
+        let items: Vec<&str> = value.split(',').collect();
         if d.most > 0 && items.len() > d.most as usize {
             return Err(Error::TooManyItems { name: d.name.clone(), most: d.most });
         }
@@ -170,9 +182,26 @@ fn read(d: &Declared, value: &str, word: &str) -> Result<Given, Error> {
             }
             Given::Ints(list.into())
         }
+        arg::TEXTS if d.name.starts_with("names") => {
+            let names = items()?;
+            distinct(names.iter().copied())?;
+            Given::Texts(names.into_iter().map(Into::into).collect())
+        }
         arg::TEXTS => Given::Texts(items()?.into_iter().map(Into::into).collect()),
         _ => Given::Text(value.into()),
     })
+}
+
+/// Checks names of instances: each can be one, and is there once.
+fn distinct<'n>(names: impl Iterator<Item = &'n str>) -> Result<(), Error> {
+    let (what, mut seen) = ("component instance", BTreeSet::new());
+    for name in names {
+        Name::parse(what, name)?;
+        if !seen.insert(name) {
+            return Err(Error::Duplicate { what, name: name.into() });
+        }
+    }
+    Ok(())
 }
 
 /// An integer in C's notation.
@@ -203,10 +232,11 @@ impl Instances {
     /// Splits the words of a `loadrt`.
     pub(crate) fn parse(words: &[String], personality: bool) -> Result<Self, Error> {
         let mut out = Self::default();
-        let invalid = |value: &str, word: &str| Error::InvalidArgument {
+        let invalid = |value: &str, word: &str, expects| Error::InvalidArgument {
             value: value.into(),
             word: word.into(),
-            expects: "expected an integer such as 10 or 0x1f",
+            expects,
+            doc: "".into(),
         };
         for word in words {
             let plain = word.replace('"', "");
@@ -214,18 +244,18 @@ impl Instances {
                 Some(("count", n)) => {
                     let count = integer(n).and_then(|n| u32::try_from(n).ok());
                     let count = count.filter(|n| *n <= MOST_INSTANCES);
-                    out.count = Some(count.ok_or_else(|| Error::InvalidArgument {
-                        value: n.into(),
-                        word: plain.as_str().into(),
-                        expects: "expected a number from 0 to 1000000",
-                    })?);
+                    let expects = "expected a number from 0 to 1000000";
+                    out.count = Some(count.ok_or_else(|| invalid(n, &plain, expects))?);
                 }
                 Some(("names", list)) => {
                     out.names = list.split(',').map(str::to_owned).collect();
+                    distinct(list.split(','))?;
                 }
                 Some(("personality", list)) if personality => {
                     for item in list.split(',') {
-                        out.personality.push(integer(item).ok_or_else(|| invalid(item, &plain))?);
+                        let expects = "expected integers separated by commas, such as 0,0,2";
+                        let number = integer(item);
+                        out.personality.push(number.ok_or_else(|| invalid(item, &plain, expects))?);
                     }
                 }
                 _ => out.rest.push(word.clone()),

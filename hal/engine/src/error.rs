@@ -154,6 +154,7 @@ pub enum Error {
     UnknownParameter {
         word: Box<str>,
         near: Option<Box<str>>,
+        takes: Box<str>,
     },
     InvalidParameter {
         word: Box<str>,
@@ -162,6 +163,7 @@ pub enum Error {
         value: Box<str>,
         word: Box<str>,
         expects: &'static str,
+        doc: Box<str>,
     },
     TooManyItems {
         name: Box<str>,
@@ -223,6 +225,7 @@ pub enum Error {
         why: Box<str>,
     },
     Watch(crate::WatchError),
+    Loading(Box<crate::Loading>),
     Running {
         instance: Box<str>,
     },
@@ -382,6 +385,7 @@ impl core::fmt::Display for Error {
             }
             Self::File { path, why } => write!(f, "{path}: {why}"),
             Self::Watch(e) => e.fmt(f),
+            Self::Loading(e) => e.fmt(f),
             Self::Running { instance } => write!(f, "instance '{instance}' is already running"),
             Self::System { what, why } => write!(f, "{what}: {why}"),
             Self::ServiceTaken { name, by } => {

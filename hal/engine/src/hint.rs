@@ -28,6 +28,7 @@ impl Error {
             Self::QueueAllocated { .. } => -106,
             Self::InitFailed { code, .. } | Self::CommandFailed { code, .. } => *code,
             Self::Watch(e) => e.errno(),
+            Self::Loading(e) => e.error.errno(),
             _ => -22,
         }
     }
@@ -75,6 +76,7 @@ impl Error {
             | Self::NotInThread { funct, .. }
             | Self::InitDone { funct, .. } => Some(funct),
             Self::Watch(e) => e.word(),
+            Self::Loading(e) => e.word.as_deref().or_else(|| e.error.word()),
             Self::UnknownParameter { word, .. }
             | Self::InvalidParameter { word }
             | Self::InvalidArgument { word, .. } => Some(word),
@@ -116,6 +118,7 @@ impl Error {
                 Code::LoadRefused
             }
             Self::NoService { .. } => Code::NoService,
+            Self::Loading(e) => return e.error.finding(),
             _ => return None,
         })
     }
@@ -127,13 +130,25 @@ impl Error {
             Self::NotFound { near, .. }
             | Self::NoItem { near, .. }
             | Self::NoPin { near, .. }
-            | Self::NoModule { near, .. }
-            | Self::UnknownParameter { near, .. } => {
-                near.as_ref().map(|n| format!("did you mean {n}?"))
+            | Self::NoModule { near, .. } => near.as_ref().map(|n| format!("did you mean {n}?")),
+            Self::UnknownParameter { near: Some(near), .. } => {
+                Some(format!("did you mean {near}?"))
             }
-            Self::InvalidValue { expects, .. }
-            | Self::OutOfRange { expects, .. }
-            | Self::InvalidArgument { expects, .. } => Some((*expects).to_owned()),
+            Self::UnknownParameter { takes, .. } if takes.is_empty() => {
+                Some("it takes no arguments".to_owned())
+            }
+            Self::UnknownParameter { takes, .. } => Some(format!("it takes {takes}")),
+            Self::InvalidValue { expects, .. } | Self::OutOfRange { expects, .. } => {
+                Some((*expects).to_owned())
+            }
+            Self::InvalidArgument { expects, doc, .. } if doc.is_empty() => {
+                Some((*expects).to_owned())
+            }
+            Self::InvalidArgument { expects, doc, word, .. } => {
+                let name = word.split_once('=').map_or(&**word, |(name, _)| name);
+                Some(format!("{expects}; {name}=: {doc}"))
+            }
+            Self::Loading(e) => e.hint(),
             Self::NotWritable { why, .. } => Some((*why).to_owned()),
             Self::InvalidParameter { .. } => {
                 Some("an argument is NAME=VALUE, such as count=2".to_owned())

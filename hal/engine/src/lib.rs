@@ -63,6 +63,7 @@ mod wiring;
 pub use engine::{Ended, Engine};
 pub use error::Error;
 pub use hal_protocol::Offer;
+pub use load::Loading;
 pub use watch_error::WatchError;
 
 use hal_protocol::Place;

@@ -1,4 +1,4 @@
-//! `loadrt`: a component is created and opened.
+//! `loadrt`: a component is created and opened, or refused by name.
 
 use crate::{
     Engine, Error,
@@ -12,6 +12,91 @@ use crate::{
 };
 use hal_abi::component_flags;
 use hal_protocol::Lock;
+
+/// Why a component was refused, with its name and what its arguments may be.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Loading {
+    pub(crate) component: Box<str>,
+    pub(crate) error: Error,
+    /// The argument that names its instances, if a name is to blame.
+    pub(crate) word: Option<Box<str>>,
+    /// What the arguments mean that it may have refused.
+    about: Option<Box<str>>,
+}
+
+impl Loading {
+    fn of(component: &str, words: &[String], error: Error) -> Error {
+        let named = matches!(
+            error,
+            Error::Duplicate { .. } | Error::BadName { .. } | Error::NameTooLong { .. }
+        );
+        let word = words.iter().find(|w| named && w.starts_with("names"));
+        let word = word.map(|w| w.replace('"', "").into());
+        Error::Loading(Box::new(Self { component: component.into(), error, word, about: None }))
+    }
+
+    /// What came of creating it: with what it says of the arguments that its refusal names, or else
+    /// of those that were given, or of all.
+    fn own(component: &str, declared: &[Declared], words: &[String], error: Error) -> Error {
+        let why = match &error {
+            Error::InitFailed { why, .. } | Error::OpenFailed { why, .. } => &**why,
+            _ => "",
+        };
+        let named = |d: &&Declared| {
+            let letter = |c: char| c.is_alphanumeric() || c == '_';
+            why.split(|c| !letter(c)).any(|word| word == &*d.name)
+        };
+        let given = |d: &&Declared| {
+            let of = |w: &String| w.split_once('=').is_some_and(|(name, _)| name == &*d.name);
+            words.iter().any(of)
+        };
+        let mut about: Vec<&Declared> = declared.iter().filter(named).collect();
+        if about.is_empty() {
+            about = declared.iter().filter(given).collect();
+        }
+        if about.is_empty() && !why.is_empty() {
+            about = declared.iter().collect();
+        }
+        let said = about.iter().map(|d| format!("{}=: {}", d.name, d.doc.trim_end_matches('.')));
+        let said = said.collect::<Vec<_>>().join("; ");
+        let about = (!said.is_empty()).then(|| said.into());
+        match Self::of(component, words, error) {
+            Error::Loading(loading) => Error::Loading(Box::new(Self { about, ..*loading })),
+            other => other,
+        }
+    }
+
+    /// What would be right.
+    pub(crate) fn hint(&self) -> Option<String> {
+        match (&self.error, &self.word) {
+            (Error::Duplicate { .. } | Error::BadName { .. }, Some(_)) => {
+                Some("expected names that are not taken, each once, such as names=a,b".to_owned())
+            }
+            _ => {
+                let about = self.about.as_deref().map(str::to_owned);
+                let all: Vec<String> = self.error.hint().into_iter().chain(about).collect();
+                (!all.is_empty()).then(|| all.join("; "))
+            }
+        }
+    }
+}
+
+impl core::fmt::Display for Loading {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match &self.error {
+            // It names the component itself.
+            Error::InitFailed { .. } | Error::OpenFailed { .. } => return self.error.fmt(f),
+            other => write!(f, "{}: {other}", self.component)?,
+        }
+        match &self.word {
+            Some(word) if word.len() <= 80 => write!(f, ", with `{word}'"),
+            Some(word) => {
+                write!(f, ", with {}=", word.split_once('=').map_or("names", |(name, _)| name))
+            }
+            None => Ok(()),
+        }
+    }
+}
 
 impl Engine {
     /// `loadrt MODULE ARGS…`.
@@ -35,11 +120,17 @@ impl Engine {
                 code: -22,
             })?);
         }
+        let personality = found.ty.flags & component_flags::PERSONALITY != 0;
+        let also: &[&str] = match (found.is_once(), personality) {
+            (true, _) => &[],
+            (false, false) => &["count", "names"],
+            (false, true) => &["count", "names", "personality"],
+        };
+        let refused = |e| Loading::of(module, words, e);
         let instances = if found.is_once() {
             Instances { rest: words.to_vec(), ..Instances::default() }
         } else {
-            let mut instances =
-                Instances::parse(words, found.ty.flags & component_flags::PERSONALITY != 0)?;
+            let mut instances = Instances::parse(words, personality).map_err(refused)?;
             // A type with its own `names=` or `num_chan=` keeps them.
             if declared.iter().any(|d| &*d.name == "names") {
                 instances.names.clear();
@@ -47,10 +138,11 @@ impl Engine {
             }
             instances
         };
-        let args = Args::parse(&declared, &instances.rest)?;
+        let args = Args::parse(&declared, also, &instances.rest).map_err(refused)?;
         let component = self.new_component(name, None, Some(words.join(" ")), true)?;
         self.staged.undo_by(Undo::Made(component));
         self.create(component, module, &found, &instances, args)
+            .map_err(|e| Loading::own(module, &declared, words, e))
     }
 
     fn create(

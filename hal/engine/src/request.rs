@@ -94,7 +94,7 @@ impl Engine {
             name: name.into(),
             near: None,
         })?;
-        let args = Args::parse(&command.args, words)?;
+        let args = Args::parse(&command.args, &[], words)?;
         let outcome = command.code.call(args)?;
         let ticket = outcome.ticket.map(|ticket| {
             let id = self.next_ticket;

@@ -70,7 +70,7 @@ getp carousel.0.motor-rev # -> FALSE
         &Arg::ints("pockets", "Pockets of each magazine, 1 or more; 8 without it.").at_most(MOST),
         &Arg::texts(
             "encoding",
-            "`gray`, `binary`, `bcd`, `single`, `index`, `edge` or `counts`; `gray` without it.",
+            "One of `gray`, `binary`, `bcd`, `single`, `index`, `edge` or `counts`; `gray` without it.",
         )
         .at_most(MOST),
         &Arg::ints(
