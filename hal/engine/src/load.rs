@@ -10,7 +10,7 @@ use crate::{
     name::Name,
     undo::Undo,
 };
-use hal_abi::component_flags;
+use hal_abi::{Status, component_flags};
 use hal_protocol::Lock;
 
 /// Why a component was refused, with its name and what its arguments may be.
@@ -39,7 +39,9 @@ impl Loading {
     /// of those that were given, or of all.
     fn own(component: &str, declared: &[Declared], words: &[String], error: Error) -> Error {
         let why = match &error {
-            Error::InitFailed { why, .. } | Error::OpenFailed { why, .. } => &**why,
+            Error::InitFailed { why, code, .. } if *code == Status::EINVAL.0 => &**why,
+            // A panic, and a device that is not there, are no argument's fault.
+            Error::InitFailed { .. } | Error::OpenFailed { .. } => return error,
             _ => "",
         };
         let named = |d: &&Declared| {
