@@ -6,11 +6,14 @@ mod axistest;
 mod corexy_by_hal;
 mod differential;
 mod eoffset_per_angle;
+mod follower;
 mod gantry;
+mod moveoff;
 mod planner;
 mod simple_tp;
 mod steptest;
 mod trips;
+mod waypoints;
 mod whole;
 
 pub use steptest::Steptest;
@@ -22,6 +25,7 @@ hal_component::export!(
     differential::Differential,
     eoffset_per_angle::EoffsetPerAngle,
     gantry::Gantry,
+    moveoff::Moveoff,
     simple_tp::SimpleTp,
     Steptest,
 );
