@@ -53,7 +53,7 @@ pub fn judge(module: &str, rounds: usize) -> Result<Verdict, String> {
     let history = History::default();
     let mut pair = Pair { module, case: &case, verdict, random, bench, history };
     let named = case.loads.iter().any(|l| l.contains("names="));
-    let names = !named && pair.takes_names(&case.loads[0]);
+    let names = !named && case.single.is_none() && pair.takes_names(&case.loads[0]);
     let plan = Plan::new(&case.loads, names, &case);
     for round in plan.rounds().take(rounds) {
         pair.round(&round)?;

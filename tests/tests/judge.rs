@@ -17,6 +17,9 @@
 //! ```toml
 //! skip = "why it is not judged at all"
 //!
+//! # Why one instance alone is judged, and not also several with `names=`.
+//! single = "theirs keeps something once for all instances"
+//!
 //! # Arguments of both, each line a configuration that is judged; without it, one without any.
 //! loads = ["", "count=2", "personality=16"]
 //!

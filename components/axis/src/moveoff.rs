@@ -14,9 +14,9 @@ use std::sync::atomic::{AtomicI32, AtomicU8, AtomicU64, Ordering::Relaxed};
 const USUAL: usize = 3;
 
 /// What `write-outputs` is to do.
-const FOLLOW: u8 = 0;
+const FOLLOW: u8 = 2;
 const FREEZE: u8 = 1;
-const CLEAR: u8 = 2;
+const CLEAR: u8 = 0;
 
 /// Offsets of joints, given and taken back while a program is paused.
 pub(crate) struct Moveoff;

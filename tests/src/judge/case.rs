@@ -16,6 +16,8 @@ pub fn folder() -> PathBuf {
 pub struct Case {
     /// Why it is not judged at all.
     pub skip: Option<String>,
+    /// Why several instances of theirs cannot be compared: no `names=` beside `loads`.
+    pub single: Option<String>,
     /// Arguments of `loadrt`, each a configuration of its own.
     pub loads: Vec<String>,
     /// More arguments, with which only pins, parameters and functions are compared.

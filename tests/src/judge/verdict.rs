@@ -229,6 +229,9 @@ impl Verdict {
         for s in &case.still {
             write!(out, "; `{}` never moves: {}", s.pins.join("`, `"), s.why).unwrap();
         }
+        if let Some(why) = &case.single {
+            write!(out, "; one instance alone: {why}").unwrap();
+        }
         for o in &case.only {
             write!(out, "; only one has `{}`: {}", o.pins.join("`, `"), o.why).unwrap();
             if let Some(value) = &o.set {
