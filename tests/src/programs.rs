@@ -1,6 +1,9 @@
 //! The programs and plugins under test: built once, found, run.
 
 use std::{
+    collections::BTreeSet,
+    ffi::OsStr,
+    fs,
     path::{Path, PathBuf},
     process::{Command, Stdio},
     sync::OnceLock,
@@ -18,10 +21,31 @@ pub fn programs() -> &'static Path {
         let mut cargo = cargo("build");
         cargo.args(["--workspace", "--exclude", "hal-tests", "--lib", "--bins", "--quiet"]);
         cargo.arg("--target-dir").arg(&target).args(["--profile", dev(&profile)]);
-        let status = cargo.status().unwrap();
-        assert!(status.success(), "the programs under test do not build");
-        target.join(profile)
+        let folder = target.join(&profile);
+        let built = cargo.arg("--message-format=json-render-diagnostics");
+        let built = built.stderr(Stdio::inherit()).output().unwrap();
+        assert!(built.status.success(), "the programs under test do not build");
+        forget_others(&folder, &built.stdout);
+        folder
     })
+}
+
+/// Removes the plugins that this build, by what cargo says of it, has not made: a family that the
+/// workspace no longer has would go on offering its components there.
+fn forget_others(folder: &Path, built: &[u8]) {
+    let lines = serde_json::Deserializer::from_slice(built).into_iter::<serde_json::Value>();
+    let made: BTreeSet<_> = lines
+        .flat_map(|line| line.unwrap()["filenames"].as_array().cloned().unwrap_or_default())
+        .filter_map(|path| Path::new(path.as_str().unwrap()).file_name().map(OsStr::to_owned))
+        .collect();
+    assert!(!made.is_empty(), "cargo does not say what it made");
+    for entry in fs::read_dir(folder).unwrap() {
+        let entry = entry.unwrap();
+        if entry.path().extension().is_some_and(|e| e == "so") && !made.contains(&entry.file_name())
+        {
+            fs::remove_file(entry.path()).unwrap();
+        }
+    }
 }
 
 /// A cargo command for this workspace.
