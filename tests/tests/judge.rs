@@ -255,7 +255,7 @@ fn rows_are_as_theirs() {
 }
 
 #[test]
-#[ignore = "takes a minute: every component that LinuxCNC's package has as well, 10,000 cycles each"]
+#[ignore = "takes a minute, needs LinuxCNC's package: cargo test -p hal-tests --test judge -- --ignored"]
 fn every_component_does_as_theirs() {
     if installed().is_none() {
         eprintln!("skipped: LinuxCNC's package is not installed");

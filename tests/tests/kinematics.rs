@@ -467,7 +467,7 @@ fn program() -> Option<PathBuf> {
 }
 
 #[test]
-#[ignore = "needs LinuxCNC's package, and a C compiler"]
+#[ignore = "needs LinuxCNC's package and cc: cargo test -p hal-tests --test kinematics -- --ignored"]
 fn ours_and_theirs_at_the_same_places() {
     if installed().is_none() {
         eprintln!("skipped: LinuxCNC's package is not installed");

@@ -233,7 +233,7 @@ fn some_modules_run() {
 }
 
 #[test]
-#[ignore = "takes a minute: every component of LinuxCNC's package, each in a process"]
+#[ignore = "takes a minute, needs LinuxCNC's package: cargo test -p hal-tests --test modules -- --ignored"]
 fn all_modules() {
     if installed().is_none() {
         eprintln!("skipped: LinuxCNC's package is not installed");

@@ -94,7 +94,7 @@ fn measured(module: &str) -> Result<Version, String> {
 }
 
 #[test]
-#[ignore = "needs LinuxCNC's package"]
+#[ignore = "needs LinuxCNC's package: cargo test -p hal-tests --test pins -- --ignored"]
 fn every_file_is_what_theirs_has() {
     let Some(folder) = installed() else {
         eprintln!("skipped: LinuxCNC's package is not installed");

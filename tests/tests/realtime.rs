@@ -405,7 +405,7 @@ fn in_a_child(what: &str) {
 }
 
 #[test]
-#[ignore = "run by the others, in a process with the counter"]
+#[ignore = "run by the others, each in a process with the counter: cargo test -p hal-tests --test realtime"]
 fn child() {
     match std::env::var(CHILD).unwrap().as_str() {
         "everything" => everything(),

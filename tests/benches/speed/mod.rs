@@ -21,6 +21,9 @@ const ROUNDS: usize = 15;
 
 /// About how long a round takes, in nanoseconds.
 const ROUND: f64 = 2e6;
+/// The most cycles of a round, and the fewest.
+const MOST: f64 = 20_000.0;
+const FEWEST: f64 = 20.0;
 
 /// Components that are driven by lines of a script, and need others.
 const DRIVEN: &[(&str, &str, &str)] = &[(
@@ -131,7 +134,8 @@ fn rounds(engine: &mut Engine, marks: usize) -> Vec<f64> {
     };
     run(100);
     let once: f64 = run(100).iter().skip(1).sum();
-    let cycles = (ROUND / once.max(1.0)).clamp(20.0, 20_000.0) as u64;
+    let once = once.max(ROUND / MOST);
+    let cycles = (ROUND / once).max(FEWEST) as u64;
     let mut least = vec![f64::INFINITY; marks];
     for _ in 0..ROUNDS {
         for (least, now) in least.iter_mut().zip(run(cycles)) {
