@@ -1,8 +1,9 @@
 //! `anglejog`.
-use crate::{planner::Planner, whole::whole};
+use crate::planner::Planner;
 use core::f64::consts::PI;
 use hal_component::{
     Builder, Component, Error, In, Messages, Out, Period, Touch, Update, abi::component_flags,
+    to_s32,
 };
 
 /// What `iscale-factor` may become while the component runs.
@@ -177,7 +178,9 @@ impl Update for Jog {
         }
         match s.phase {
             Phase::Waits(at) if at == counts => return,
-            Phase::Waits(at) => s.phase = Phase::Follows(whole(s.point.at / unit).wrapping_sub(at)),
+            Phase::Waits(at) => {
+                s.phase = Phase::Follows(to_s32(s.point.at / unit).wrapping_sub(at));
+            }
             Phase::Off | Phase::Follows(_) => {}
         }
         let target = match s.phase {
@@ -193,8 +196,8 @@ impl Update for Jog {
         self.current_vel.set(s.point.speed);
         let turn = self.current_angle_degrees.get() * PI / 180.0;
         let (cos, sin) = (libm::cos(turn), libm::sin(turn));
-        self.coscounts.set(whole(s.point.at * cos / unit));
-        self.sincounts.set(whole(s.point.at * sin / unit));
+        self.coscounts.set(to_s32(s.point.at * cos / unit));
+        self.sincounts.set(to_s32(s.point.at * sin / unit));
         let fraction = self.accel_fraction_in.get();
         self.cos_accel_fraction.set(fraction * cos);
         self.sin_accel_fraction.set(fraction * sin);

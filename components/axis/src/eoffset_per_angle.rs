@@ -1,8 +1,8 @@
 //! `eoffset_per_angle`.
-use crate::whole::whole;
 use core::f64::consts::PI;
 use hal_component::{
     Builder, Component, Error, In, Messages, Out, Period, Touch, Update, abi::component_flags,
+    to_s32,
 };
 
 /// `k` where it is 0.
@@ -182,7 +182,7 @@ impl Offset {
             Phase::Follows if enabled => {
                 self.enable_out.set(true);
                 let offset = self.offset();
-                self.kcounts.set(offset.map_or(0, |o| whole(o * f64::from(k))));
+                self.kcounts.set(offset.map_or(0, |o| to_s32(o * f64::from(k))));
                 if offset.is_some() { Phase::Follows } else { Phase::GoesBack(true) }
             }
             Phase::Follows => {

@@ -14,7 +14,6 @@ mod simple_tp;
 mod steptest;
 mod trips;
 mod waypoints;
-mod whole;
 
 pub use steptest::Steptest;
 

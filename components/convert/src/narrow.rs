@@ -141,7 +141,7 @@ macro_rules! from_float {
 }
 from_float! {
     i32, "conv_float_s32", "A float as a 32-bit number, without its fraction.", "setp conv.in 2.9\nrun 1ms\ngetp conv.out # -> 2\nsetp conv.clamp 1\nsetp conv.in 1e12\nrun 1ms\ngetp conv.out # -> 2147483647\ngetp conv.out-of-range # -> TRUE\n", i32::MAX,
-        |v| if out(v, f64::from(i32::MIN), f64::from(i32::MAX)) { i32::MIN } else { v as i32 };
+        |v| hal_component::to_s32(v);
     i64, "conv_float_s64", "A float as a 64-bit number, without its fraction.", "setp conv.in 2.9\nrun 1ms\ngetp conv.out # -> 2\nsetp conv.clamp 1\nsetp conv.in 1e300\nrun 1ms\ngetp conv.out # -> 9223372036854775807\ngetp conv.out-of-range # -> TRUE\n", i64::MAX,
         |v| wide(v);
     u32, "conv_float_u32", "A float as an unsigned 32-bit number, without its fraction.", "setp conv.in 2.9\nrun 1ms\ngetp conv.out # -> 2\nsetp conv.clamp 1\nsetp conv.in -5\nrun 1ms\ngetp conv.out # -> 0\ngetp conv.out-of-range # -> TRUE\n",
@@ -152,11 +152,6 @@ from_float! {
 
 /// A float as a machine takes it into 64 bits: what does not fit becomes the lowest.
 fn wide(v: f64) -> i64 {
-    if out(v, i64::MIN as f64, i64::MAX as f64) { i64::MIN } else { v as i64 }
-}
-
-/// Whether the whole part of a float is beyond these.
-fn out(v: f64, min: f64, max: f64) -> bool {
-    let whole = libm::trunc(v);
-    !(min <= whole && whole <= max)
+    let fits = i64::MIN as f64 <= v && v <= i64::MAX as f64;
+    if fits { v as i64 } else { i64::MIN }
 }

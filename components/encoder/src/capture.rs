@@ -4,7 +4,7 @@ use crate::{
     encoder::Pins,
     handover::{Notes, TimeBase},
 };
-use hal_component::{Period, Takes, Touch, Update};
+use hal_component::{Period, Takes, Touch, Update, to_s32};
 use std::sync::atomic::Ordering::{Acquire, Release};
 
 /// How many captures with counts it takes until a speed is known.
@@ -84,7 +84,8 @@ impl Capture {
             if moved != 0 {
                 let teeth = f64::from(p.missing_teeth.get()) + 0.5;
                 let pause = teeth * f64::from(lasted) / f64::from(moved.cast_unsigned());
-                was.pause = whole(0.9 * f64::from(was.pause) + 0.1 * pause);
+                // Infinite after counts that took each other back.
+                was.pause = to_s32(0.9 * f64::from(was.pause) + 0.1 * pause);
             }
             self.notes.pause.store(was.pause, Release); // Pairs with counting.
         } else if was.sure > 0 {
@@ -115,13 +116,6 @@ impl Capture {
         p.position_latched.set(f64::from(latched) * was.unit);
         p.position_interpolated.set(p.position.get() + velocity * (f64::from(still) * 1e-9));
     }
-}
-
-/// As the processor converts: what does not fit is the lowest number. The pause is infinite after
-/// counts that took each other back.
-fn whole(ns: f64) -> i32 {
-    #[expect(clippy::cast_possible_truncation, reason = "it fits")]
-    if -2_147_483_649.0 < ns && ns < 2_147_483_648.0 { ns as i32 } else { i32::MIN }
 }
 
 /// `encoder.capture-position`.

@@ -1,5 +1,5 @@
 //! `scaled_s32_sums`.
-use hal_component::{Component, In, Out, Period, Update};
+use hal_component::{Component, In, Out, Period, Update, to_s32};
 
 /// Sum of four numbers, each with a scale.
 ///
@@ -47,7 +47,6 @@ pub(crate) struct ScaledS32Sums {
 }
 
 impl Update for ScaledS32Sums {
-    #[expect(clippy::cast_possible_truncation, reason = "checked before")]
     fn update(&mut self, _: Period) {
         let part = |n: In<i32>, scale: In<f64>| f64::from(n.get()) * scale.get();
         let sum = part(self.in0, self.scale0)
@@ -55,9 +54,7 @@ impl Update for ScaledS32Sums {
             + part(self.in2, self.scale2)
             + part(self.in3, self.scale3);
         self.out_f.set(sum);
-        let whole = libm::trunc(sum);
-        let fits = f64::from(i32::MIN) <= whole && whole <= f64::from(i32::MAX);
-        self.out_s.set(if fits { whole as i32 } else { i32::MIN });
+        self.out_s.set(to_s32(sum));
     }
 }
 

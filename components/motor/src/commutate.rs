@@ -1,6 +1,6 @@
 //! Realtime. How a motor of `bldc` is run.
 use crate::{bldc::Motor, drive::Field, hall, letters::Feedback};
-use hal_component::{In, Io, ParamRo, ParamRw, Period, Update};
+use hal_component::{In, Io, ParamRo, ParamRw, Period, Update, to_s32};
 
 /// How long an alignment takes, in seconds, and when its parts end.
 pub(crate) const ALIGN: f64 = 2.4;
@@ -149,7 +149,7 @@ impl Motor {
                 let offset = self.counter.as_ref().map_or(0.0, |c| {
                     f64::from(c.scale.get()) * rotor * 2.0 / f64::from(c.poles.get())
                 });
-                self.measured(whole(f64::from(counts) - offset));
+                self.measured(to_s32(f64::from(counts) - offset));
             }
             Feedback::HallThenIndex
                 if !trapezoidal && !self.index_enable.as_ref().is_some_and(Io::get) =>
@@ -237,12 +237,4 @@ fn turn(angle: f64) -> f64 {
 /// An angle ahead of another, in the direction of drive.
 fn ahead(rotor: f64, lead: f64, value: f64) -> f64 {
     turn(if value < 0.0 { rotor - lead } else { rotor + lead })
-}
-
-/// A number without its fraction; what does not fit becomes the lowest.
-#[expect(clippy::cast_possible_truncation, reason = "checked before")]
-fn whole(number: f64) -> i32 {
-    let whole = libm::trunc(number);
-    let fits = f64::from(i32::MIN) <= whole && whole <= f64::from(i32::MAX);
-    if fits { whole as i32 } else { i32::MIN }
 }

@@ -1,5 +1,5 @@
 //! `mux16`.
-use hal_component::{Component, In, Out, ParamRo, Period, Update};
+use hal_component::{Component, In, Out, ParamRo, Period, Update, to_s32};
 
 /// One of sixteen numbers.
 ///
@@ -58,7 +58,6 @@ impl Mux16 {
 }
 
 impl Update for Mux16 {
-    #[expect(clippy::cast_possible_truncation, reason = "checked before")]
     fn update(&mut self, period: Period) {
         let bits = self.wanted();
         if self.suppress_no_input.get() && bits == 0 {
@@ -81,9 +80,7 @@ impl Update for Mux16 {
         let chosen = usize::try_from(self.selected.get()).ok().and_then(|n| self.in_.get(n));
         let value = chosen.map_or(0.0, In::get);
         self.out_f.set(value);
-        let whole = libm::trunc(value);
-        let fits = f64::from(i32::MIN) <= whole && whole <= f64::from(i32::MAX);
-        self.out_s.set(if fits { whole as i32 } else { i32::MIN });
+        self.out_s.set(to_s32(value));
     }
 }
 

@@ -1,5 +1,5 @@
 //! `xhc_hb04_util`.
-use hal_component::{Component, In, Out, Period, Update};
+use hal_component::{Component, In, Out, Period, Update, to_s32};
 
 /// Logic of a hand-held panel such as the XHC-HB04: its start button and its displays.
 ///
@@ -86,11 +86,8 @@ impl Update for XhcHb04Util {
 }
 
 /// The nearest integer, the lower of two; out of range the lowest.
-#[expect(clippy::cast_possible_truncation, reason = "checked before")]
 fn whole(number: f64) -> i32 {
-    let near = libm::ceil(number - 0.5);
-    let fits = f64::from(i32::MIN) <= near && near <= f64::from(i32::MAX);
-    if fits { near as i32 } else { i32::MIN }
+    to_s32(libm::ceil(number - 0.5))
 }
 
 #[cfg(test)]

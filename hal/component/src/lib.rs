@@ -38,6 +38,7 @@ mod call;
 mod decl;
 mod item;
 mod kinematics;
+mod number;
 mod outside;
 mod pins;
 mod port;
@@ -58,6 +59,7 @@ pub use hal_derive::{Component, Touch};
 pub use item::Begins;
 pub use item::{Field, In, InSet, Io, Item, Out, ParamRo, ParamRw, Value, Write};
 pub use kinematics::{Kinematics, KinematicsKind, KinematicsRef, Pose};
+pub use number::to_s32;
 #[doc(hidden)]
 pub use pins::{pin_doc, pin_name};
 pub use port::Port;
