@@ -54,7 +54,7 @@ impl Component for Enum {
                     decoders += 1;
                 }
                 _ => {
-                    let text = format!("enum: enums={list} does not begin with 'E;' or 'D;'");
+                    let text = format!("enums={list} does not begin with 'E;' or 'D;'");
                     return Err(Error::new(text));
                 }
             }
@@ -67,7 +67,7 @@ impl Component for Enum {
 fn named(names: &str) -> Result<Vec<(u32, &str)>, Error> {
     let list: Vec<_> = (0..).zip(names.split(';')).filter(|(_, n)| !n.is_empty()).collect();
     if list.is_empty() {
-        return Err(Error::new(format!("enum: enums={names} has no names")));
+        return Err(Error::new(format!("enums={names} has no names")));
     }
     Ok(list)
 }

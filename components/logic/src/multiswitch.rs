@@ -47,7 +47,7 @@ impl Component for Multiswitch {
             sizes.push(USUAL);
         }
         if let Some(n) = sizes.iter().find(|n| !(1..=MOST).contains(*n)) {
-            let text = format!("multiswitch: cfg={n} is not a number of positions, 1 to {MOST}");
+            let text = format!("cfg={n} is not a number of positions, 1 to {MOST}");
             return Err(Error::new(text));
         }
         for (i, n) in sizes.into_iter().enumerate() {

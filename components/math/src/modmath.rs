@@ -39,9 +39,7 @@ impl Component for Modmath {
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let n = b.arg_int("mod_dir").unwrap_or(0);
         if !(1..=MOST).contains(&n) {
-            return Err(Error::new(format!(
-                "modmath: mod_dir={n} is not a number from 1 to {MOST}"
-            )));
+            return Err(Error::new(format!("mod_dir={n} is not a number from 1 to {MOST}")));
         }
         for i in 0..n {
             let name = format!("mod-dir.{i}");

@@ -40,7 +40,7 @@ impl Component for WeightedSum {
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let sizes = b.arg_ints("wsum_sizes");
         if let Some(n) = sizes.iter().find(|n| !(1..=MOST).contains(*n)) {
-            let text = format!("weighted_sum: wsum_sizes={n} is not a number of bits, 1 to {MOST}");
+            let text = format!("wsum_sizes={n} is not a number of bits, 1 to {MOST}");
             return Err(Error::new(text));
         }
         let mut sums = Vec::new();

@@ -59,7 +59,7 @@ pub(crate) struct Letters {
 impl Letters {
     /// Reads a text such as `qhB6`.
     pub(crate) fn read(text: &str) -> Result<Self, Error> {
-        let refused = |why: String| Error::new(format!("bldc: cfg={text}: {why}"));
+        let refused = |why: String| Error::new(format!("cfg={text}: {why}"));
         let mut bits = 0;
         for letter in text.chars() {
             let known = LETTERS.iter().find(|(l, ..)| *l == letter);
@@ -203,7 +203,7 @@ mod tests {
         ] {
             let said = Letters::read(text).unwrap_err();
             let said = said.text().unwrap().to_owned();
-            assert!(said.starts_with(&format!("bldc: cfg={text}: {why}")), "{said}");
+            assert!(said.starts_with(&format!("cfg={text}: {why}")), "{said}");
         }
     }
 }

@@ -14,10 +14,10 @@ pub(crate) struct Config {
 }
 
 /// Reads a text such as `ff4`: letters of types, at most two, and a number, in any order.
-pub(crate) fn read(component: &str, text: &str) -> Result<Config, Error> {
+pub(crate) fn read(text: &str) -> Result<Config, Error> {
     let refused = |why: &str| {
         let text = format!(
-            "{component}: config={text}: {why}; a config is two letters of b, f, s, u and a number \
+            "config={text}: {why}; a config is two letters of b, f, s, u and a number \
              from 2 to {MOST}, such as bf4"
         );
         Error::new(text)
@@ -52,7 +52,7 @@ mod tests {
 
     #[test]
     fn texts() {
-        let is = |text: &str| read("mux_generic", text).unwrap();
+        let is = |text: &str| read(text).unwrap();
         assert_eq!(is("ff4"), Config { from: Float, to: Float, size: 4 });
         assert_eq!(is("BU12"), Config { from: Bit, to: U32, size: 12 });
         assert_eq!(is("4s"), Config { from: S32, to: S32, size: 4 });
@@ -70,9 +70,9 @@ mod tests {
             ("ff-3", "'-' is no type"),
             ("ff\u{0664}", "'\u{0664}' is no type"),
         ] {
-            let said = read("mux_generic", wrong).unwrap_err();
+            let said = read(wrong).unwrap_err();
             let said = said.text().unwrap().to_owned();
-            assert!(said.starts_with(&format!("mux_generic: config={wrong}: {why};")), "{said}");
+            assert!(said.starts_with(&format!("config={wrong}: {why};")), "{said}");
         }
     }
 }

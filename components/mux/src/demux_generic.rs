@@ -45,7 +45,7 @@ impl Component for DemuxGeneric {
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let texts = b.arg_texts("config");
-        let list: Result<Vec<Config>, _> = texts.iter().map(|t| read(Self::NAME, t)).collect();
+        let list: Result<Vec<Config>, _> = texts.iter().map(String::as_str).map(read).collect();
         for (i, Config { from, to, size }) in list?.into_iter().enumerate() {
             let name = format!("demux-gen.{i:02}");
             let selector = Selector::declare(b, &name, size)?;

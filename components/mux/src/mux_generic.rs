@@ -48,7 +48,7 @@ impl Component for MuxGeneric {
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let texts = b.arg_texts("config");
-        let list: Result<Vec<Config>, _> = texts.iter().map(|t| read(Self::NAME, t)).collect();
+        let list: Result<Vec<Config>, _> = texts.iter().map(String::as_str).map(read).collect();
         for (i, Config { from, to, size }) in list?.into_iter().enumerate() {
             let name = format!("mux-gen.{i:02}");
             let selector = Selector::declare(b, &name, size)?;
@@ -172,7 +172,7 @@ mod tests {
     fn a_wrong_config_makes_nothing() {
         let mut bench = Bench::new();
         let said = bench.load::<MuxGeneric>(&["config=ff4,fx4"]).unwrap_err();
-        assert!(said.starts_with("mux_generic: config=fx4: 'x' is no type"), "{said}");
+        assert!(said.starts_with("config=fx4: 'x' is no type"), "{said}");
         assert!(bench.names().is_empty());
     }
 }

@@ -3,6 +3,10 @@ use hal_component::{
     Arg, Builder, Component, Error, In, Messages, ParamRw, Period, Touch, Update,
     abi::{ArgSpec, component_flags},
 };
+use std::{
+    collections::BTreeSet,
+    sync::{Mutex, PoisonError},
+};
 
 /// A message that a bit gives.
 pub(crate) struct Message;
@@ -13,7 +17,7 @@ impl Component for Message {
         `messages=` has a text for each of `count=` or `names=`, separated by commas; more are not used. \
         The text comes as an error of the instance, in `halcmd` and in the log, as soon as the bit \
         becomes what `edge` says. LinuxCNC shows it in its user interface as well. A text stays in \
-        memory when its component is unloaded.\n\n\
+        memory when its component is unloaded, once however often it is loaded.\n\n\
         # Example\n\n\
         ```hal\n\
         loadrt message names=oil messages=\"Slideway oil low\"\n\
@@ -33,9 +37,8 @@ impl Component for Message {
     .required()];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let texts = b.arg_texts("messages");
         let number = b.index() as usize;
-        let Some(text) = texts.into_iter().nth(number) else {
+        let Some(text) = b.arg_text_at("messages", number) else {
             return Err(Error::new(format!("messages= has no text number {}", number + 1)));
         };
         let run = Run {
@@ -46,14 +49,25 @@ impl Component for Message {
                 false,
             )?,
             edge: b.item("edge", "For which `trigger` the message is.", true)?,
-            // What a cycle says must live for ever.
-            text: text.leak(),
+            text: lasting(text),
             messages: b.messages(),
             held: false,
             forced: false,
         };
         b.function("", "Gives the message when it is due.", run)
     }
+}
+
+/// What a cycle says must live for ever: each text does once, however often it is loaded.
+fn lasting(text: String) -> &'static str {
+    static TEXTS: Mutex<BTreeSet<&str>> = Mutex::new(BTreeSet::new());
+    let mut texts = TEXTS.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(text) = texts.get(&*text) {
+        return text;
+    }
+    let text = text.leak();
+    texts.insert(text);
+    text
 }
 
 #[derive(Touch)]
@@ -85,7 +99,7 @@ impl Update for Run {
 
 #[cfg(test)]
 mod tests {
-    use super::Message;
+    use super::{Message, lasting};
     use hal_component::bench::Bench;
 
     #[test]
@@ -114,6 +128,13 @@ mod tests {
             all.extend(said);
         }
         assert!(all.iter().all(|m| m == "second {}"));
+    }
+
+    #[test]
+    fn a_text_is_kept_once() {
+        let first = lasting("kept once".to_owned());
+        assert!(std::ptr::eq(first, lasting("kept once".to_owned())));
+        assert_ne!(first, lasting("kept twice".to_owned()));
     }
 
     #[test]

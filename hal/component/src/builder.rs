@@ -105,11 +105,19 @@ impl<'h> Builder<'h> {
     /// A list of strings; empty when it was not given and has no default.
     #[must_use]
     pub fn arg_texts(&self, name: &str) -> Vec<String> {
-        let Some(v) = self.value(name).filter(|v| !v.texts.is_null()) else { return Vec::new() };
+        self.texts(name).iter().map(owned).collect()
+    }
+
+    /// One of a list of strings, from zero, if there are so many.
+    #[must_use]
+    pub fn arg_text_at(&self, name: &str, at: usize) -> Option<String> {
+        self.texts(name).get(at).map(owned)
+    }
+
+    fn texts(&self, name: &str) -> &[Str] {
+        let Some(v) = self.value(name).filter(|v| !v.texts.is_null()) else { return &[] };
         // SAFETY: the engine keeps the list until `create` returns.
-        let list = unsafe { core::slice::from_raw_parts(v.texts, v.len) };
-        // SAFETY: as for the list.
-        list.iter().map(|s| unsafe { s.get() }.unwrap_or_default().to_owned()).collect()
+        unsafe { core::slice::from_raw_parts(v.texts, v.len) }
     }
 
     pub(crate) fn full<'n>(&self, name: &'n str) -> Cow<'n, str> {
@@ -327,6 +335,11 @@ impl<'h> Builder<'h> {
         // SAFETY: the engine's function; ownership of the state passes with the call.
         check(unsafe { to(self.host.ctx, &raw const spec) })
     }
+}
+
+fn owned(text: &Str) -> String {
+    // SAFETY: the engine keeps the strings of a list until `create` returns.
+    unsafe { text.get() }.unwrap_or_default().to_owned()
 }
 
 type Act = unsafe extern "C" fn(*mut c_void, *const ActionSpec) -> Status;

@@ -164,7 +164,9 @@ impl Error {
                 pin_type.name(),
                 signal_type.name()
             )),
-            Self::MissingArgument { doc, .. } => Some(doc.to_string()),
+            Self::MissingArgument { name, doc } => {
+                Some(format!("{name}=: {}", doc.trim_end_matches('.')))
+            }
             Self::BadPeriod { .. } => Some("expected 1000 to 1000000000000 ns".to_owned()),
             Self::PeriodTooShort { .. } => Some("create the fastest thread first".to_owned()),
             Self::Faulted { .. } => Some("'status' says why; unload it to go on".to_owned()),
