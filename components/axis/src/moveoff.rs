@@ -38,6 +38,8 @@ impl Component for Moveoff {
         let epsilon: In<f64> = b.item("epsilon", epsilon, 0.0005)?;
         let applied = "Whether an offset is beyond `epsilon`.";
         let offset_applied: Out<bool> = b.item("offset-applied", applied, false)?;
+        let full = "Whether there is no room for another waypoint: the offsets stand still. True until one is passed on the way back, or none is applied.";
+        let waypoint_limit: Out<bool> = b.item("waypoint-limit", full, false)?;
         let mut read = Read {
             power_on: b.item("power-on", "Whether the machine is on; else all is 0.", false)?,
             move_enable: b.item("move-enable", "Whether offsets are wanted.", false)?,
@@ -55,7 +57,7 @@ impl Component for Moveoff {
             )?,
             waypoint_sample_secs: b.item(
                 "waypoint-sample-secs",
-                "Least time from one waypoint to the next, in seconds.",
+                "Least time from one waypoint to the next, in seconds; what is no number is none.",
                 0.02,
             )?,
             warning: b.item(
@@ -64,20 +66,11 @@ impl Component for Moveoff {
                 false,
             )?,
             offset_applied,
-            waypoint_limit: b.item(
-                "waypoint-limit",
-                "Whether there is no room for another waypoint: the offsets stand still.",
-                false,
-            )?,
+            waypoint_limit,
             dbg_waypoint_limit_test: b.item(
                 "dbg-waypoint-limit-test",
                 "Leaves room for 50 waypoints instead of 1000.",
                 false,
-            )?,
-            dbg_state: b.item(
-                "dbg-state",
-                "What was done at the beginning of the last run: 0 waits, 1 offsets, 2 goes back.",
-                0,
             )?,
             inputs: Vec::new(),
             offsets: Vec::new(),
@@ -89,10 +82,16 @@ impl Component for Moveoff {
         let mut write = Write {
             joints: Vec::new(),
             offset_applied,
+            waypoint_limit,
             waypoint_ct: b.item("waypoint-ct", "How many waypoints there are.", 0)?,
             waypoint_percent_used: b.item(
                 "waypoint-percent-used",
                 "How much of their room is used, in per cent.",
+                0,
+            )?,
+            dbg_state: b.item(
+                "dbg-state",
+                "What was done at the beginning of the last run: 0 waits, 1 offsets, 2 goes back.",
                 0,
             )?,
             order: takes,
@@ -145,6 +144,7 @@ impl Component for Moveoff {
 #[derive(Debug, Default)]
 struct Order {
     what: AtomicU8,
+    phase: AtomicI32,
     epsilon: AtomicU64,
     count: AtomicI32,
     room: AtomicI32,
@@ -164,7 +164,6 @@ struct Read {
     offset_applied: Out<bool>,
     waypoint_limit: Out<bool>,
     dbg_waypoint_limit_test: In<bool>,
-    dbg_state: Out<i32>,
     inputs: Vec<In<f64>>,
     offsets: Vec<Out<f64>>,
     order: Gives<Order>,
@@ -176,16 +175,18 @@ struct Read {
 
 impl Update for Read {
     fn update(&mut self, _: Period) {
-        self.dbg_state.set(self.path.phase as i32);
+        let phase = self.path.phase as i32;
         self.warn();
         if !self.offset_applied.get() {
             self.path.count = 0;
+            self.path.noted.1 = [0.0; MOST];
         }
         let what = if self.power_on.get() { self.step() } else { self.clear() };
         for (to, target) in self.order.targets.iter().zip(self.path.target) {
             to.store(target.to_bits(), Relaxed);
         }
         self.order.what.store(what, Relaxed);
+        self.order.phase.store(phase, Relaxed);
         self.order.epsilon.store(self.path.epsilon.to_bits(), Relaxed);
         self.order.count.store(i32::try_from(self.path.count).unwrap_or(0), Relaxed);
         self.order.room.store(i32::try_from(self.path.room).unwrap_or(1), Relaxed);
@@ -207,8 +208,8 @@ impl Read {
         self.path.phase = Phase::Waits;
         self.path.count = 0;
         self.path.target = [0.0; MOST];
-        self.waypoint_limit.set(false);
         self.warning.set(false);
+        self.offset_applied.set(false);
         CLEAR
     }
 
@@ -231,27 +232,18 @@ impl Read {
                 self.aim();
                 FOLLOW
             }
-            Phase::Offsets if enabled => {
-                if self.waypoint_limit.get() || self.path.count >= self.path.room {
-                    self.waypoint_limit.set(true);
-                    return FREEZE;
-                }
-                self.note();
-                self.aim();
-                FOLLOW
-            }
             Phase::Offsets => {
                 if self.path.count < self.path.room {
                     self.note();
                 }
-                self.waypoint_limit.set(false);
-                self.path.phase = Phase::GoesBack;
-                self.path.target = [0.0; MOST];
-                if self.backtrack_enable.get() && self.path.count > 0 {
-                    self.path.count -= 1;
-                    self.take();
+                if enabled {
+                    self.aim();
+                } else {
+                    self.turn_back();
                 }
-                FOLLOW
+                let full = self.path.count >= self.path.room;
+                self.waypoint_limit.set(full);
+                if full { FREEZE } else { FOLLOW }
             }
             Phase::GoesBack => self.go_back(),
         }
@@ -263,13 +255,21 @@ impl Read {
             return CLEAR;
         }
         if self.path.count == 0 || !self.backtrack_enable.get() {
-            self.path.count = 0;
             self.path.target = [0.0; MOST];
         } else if self.is_there() {
             self.take();
             self.path.count -= 1;
         }
         FOLLOW
+    }
+
+    fn turn_back(&mut self) {
+        self.path.phase = Phase::GoesBack;
+        self.path.target = [0.0; MOST];
+        if self.backtrack_enable.get() && self.path.count > 0 {
+            self.path.count -= 1;
+            self.take();
+        }
     }
 
     /// Takes the waypoint after the last that is left as a target.
@@ -282,7 +282,7 @@ impl Read {
 
     fn is_there(&self) -> bool {
         let p = &self.path;
-        self.offsets.iter().zip(p.target).all(|(o, t)| (o.get() - t).abs() < p.epsilon)
+        self.offsets.iter().zip(p.target).all(|(o, t)| (o.get() - t).abs() <= p.epsilon)
     }
 
     fn aim(&mut self) {
@@ -301,7 +301,8 @@ impl Read {
         }
         let (when, last) = p.noted;
         let far = here.iter().zip(last).any(|(a, b)| (a - b).abs() > p.threshold);
-        if far && now.wrapping_sub(when) as f64 * 1e-9 >= p.seconds {
+        let soon = (now.wrapping_sub(when) as f64 * 1e-9) < p.seconds;
+        if far && !soon {
             if let Some(waypoint) = p.waypoints.get_mut(p.count) {
                 *waypoint = here;
                 p.count += 1;
@@ -330,8 +331,10 @@ struct Joint {
 struct Write {
     joints: Vec<Joint>,
     offset_applied: Out<bool>,
+    waypoint_limit: Out<bool>,
     waypoint_ct: Out<i32>,
     waypoint_percent_used: Out<i32>,
+    dbg_state: Out<i32>,
     order: Takes<Order>,
 }
 
@@ -345,7 +348,7 @@ impl Update for Write {
                 joint.follower = Follower::default();
                 joint.offset.set(0.0);
             }
-            joint.fb_minus.set(joint.fb.get() - joint.offset.get());
+            let before = joint.offset.get();
             if what == FOLLOW {
                 let wanted = f64::from_bits(target.load(Relaxed));
                 let (min, max) = (joint.min.get(), joint.max.get());
@@ -364,12 +367,18 @@ impl Update for Write {
                 joint.follower.stop();
             }
             let offset = joint.offset.get();
+            // In this order, as LinuxCNC's: it is rounded so.
+            joint.fb_minus.set((joint.fb.get() - offset) + (offset - before));
             joint.pos_plus.set(joint.pos.get() + offset);
             applied |= offset.abs() > epsilon;
         }
         self.offset_applied.set(applied);
         // Until there is an offset, there is no way back.
         let count = if applied { self.order.count.load(Relaxed) } else { 0 };
+        if !applied {
+            self.waypoint_limit.set(false);
+        }
+        self.dbg_state.set(self.order.phase.load(Relaxed));
         self.waypoint_ct.set(count);
         self.waypoint_percent_used.set(100 * count / self.order.room.load(Relaxed).max(1));
     }
@@ -403,6 +412,43 @@ mod tests {
 
     fn offset(bench: &Bench, joint: usize) -> f64 {
         bench.get(&format!("m.offset-current-{joint}"))
+    }
+
+    #[test]
+    fn as_recorded() {
+        assert!(replay::<Moveoff>(include_str!("../traces/moveoff.txt")) > 250);
+    }
+
+    /// What LinuxCNC 2.9 does otherwise: it stays at a waypoint, as long as the pin is false.
+    #[test]
+    fn without_waypoints_at_one_of_them_it_goes_straight_back() {
+        let mut bench = on(&[("offset-in-0", 1.0), ("waypoint-sample-secs", 0.0)]);
+        run(&mut bench, 500);
+        bench.set("m.move-enable", false);
+        run(&mut bench, 2);
+        assert!(bench.get::<i32>("m.waypoint-ct") > 10);
+        bench.set("m.backtrack-enable", false);
+        run(&mut bench, 300);
+        assert_eq!(offset(&bench, 0), 0.0);
+    }
+
+    #[test]
+    fn waypoints_are_no_sooner_than_their_time() {
+        for (secs, most) in [(0.05, 10), (0.1, 5), (0.0, 500), (f64::NAN, 500)] {
+            let settings = [
+                ("offset-in-0", 1000.0),
+                ("waypoint-sample-secs", secs),
+                ("waypoint-threshold", -1.0),
+                ("epsilon", 0.0001),
+            ];
+            let mut bench = on(&settings);
+            for _ in 0..501 {
+                bench.pass(SERVO);
+                run(&mut bench, 1);
+            }
+            // The first run begins, and notes nothing.
+            assert_eq!(bench.get::<i32>("m.waypoint-ct"), most, "{secs}");
+        }
     }
 
     #[test]
