@@ -34,7 +34,7 @@ impl Update for Motor {
             Feedback::Align | Feedback::Index if !self.state.init => return,
             Feedback::Align => {
                 if let Some(field) = self.align(period) {
-                    self.outputs.give(field, self.out.get(), value < 0.0);
+                    self.drive(field, self.out.get(), value < 0.0);
                 } else {
                     self.measured(counts);
                 }
@@ -43,7 +43,7 @@ impl Update for Motor {
             Feedback::Index => {
                 if self.index_enable.as_ref().is_some_and(Io::get) {
                     let field = self.search(period);
-                    self.outputs.give(field, self.out.get(), value < 0.0);
+                    self.drive(field, self.out.get(), value < 0.0);
                     return;
                 }
                 self.measured(counts);
@@ -55,21 +55,35 @@ impl Update for Motor {
             }
         };
         self.out.set(value);
-        self.outputs.give(field, value, value < 0.0);
+        self.drive(field, value, value < 0.0);
     }
 }
 
 impl Motor {
-    /// Shows the letters; those that give way to others are gone a run later.
+    /// Shows the letters; a run later those of the feedback that give way to others are gone.
     fn begin(&mut self) {
-        let types = (self.letters.in_type(), self.letters.out_type());
-        let shown = (self.in_type.get(), self.out_type.get());
-        let given = self.letters.given();
-        let show = if shown == (-1, -1) { given } else { types };
-        self.state.begun = show == types;
-        self.in_type.set(show.0);
-        self.out_type.set(show.1);
+        if self.in_type.get() == -1 {
+            self.show_all();
+        } else {
+            self.in_type.set(self.letters.in_type());
+        }
+        self.state.begun = self.in_type.get() == self.letters.in_type();
+    }
+
+    fn show_all(&self) {
+        let (in_type, out_type) = self.letters.given();
+        self.in_type.set(in_type);
+        self.out_type.set(out_type);
         self.ask_for_index();
+    }
+
+    /// Drives; in the first run the letters that give way to others are gone, and no more.
+    fn drive(&self, field: Field, out: f64, back: bool) {
+        if self.out_type.get() == self.letters.out_type() {
+            self.outputs.give(field, out, back);
+        } else {
+            self.out_type.set(self.letters.out_type());
+        }
     }
 
     /// The field for a rotor and a phase.
@@ -137,19 +151,19 @@ impl Motor {
         if last.is_some() && !follows && !trapezoidal {
             halls.error.set(true);
         }
-        let mut rotor = sector.map_or(0.0, |s| turn((s as f64 + 1.0) / 6.0));
+        let mut rotor = sector.map_or(0.0, |s| turn(end_of(s + 1)));
         let mut phase = ahead(rotor, -0.25, value);
         match self.state.feedback {
             Feedback::HallThenCounts if was.is_some() && was != sector && !trapezoidal => {
                 if let (Some(was), Some(is)) = (was, sector) {
-                    let edge = if (was + 1) % 6 == is { -1.0 / 12.0 } else { 1.0 / 12.0 };
-                    rotor = turn(rotor + edge);
+                    rotor = edge(was, is);
                 }
                 phase = ahead(rotor, 0.25, value);
-                let offset = self.counter.as_ref().map_or(0.0, |c| {
-                    f64::from(c.scale.get()) * rotor * 2.0 / f64::from(c.poles.get())
+                // Whole counts in an electrical turn, as LinuxCNC's.
+                let per_turn = self.counter.as_ref().map_or(0, |c| {
+                    (2 * i64::from(c.scale.get())).checked_div(c.poles.get().into()).unwrap_or(0)
                 });
-                self.measured(to_s32(f64::from(counts) - offset));
+                self.measured(to_s32(f64::from(counts) - rotor * per_turn as f64));
             }
             Feedback::HallThenIndex
                 if !trapezoidal && !self.index_enable.as_ref().is_some_and(Io::get) =>
@@ -215,11 +229,10 @@ impl Motor {
 
     fn align_anew(&mut self) {
         self.state.feedback = self.letters.feedback;
-        self.in_type.set(self.letters.in_type());
         if let Some((_, done)) = &self.init {
             done.set(false);
         }
-        self.ask_for_index();
+        self.show_all();
     }
 
     fn ask_for_index(&self) {
@@ -227,6 +240,17 @@ impl Motor {
             pin.set(true);
         }
     }
+}
+
+/// The angle where sector `i` of the Hall sensors ends, counted from 1.
+fn end_of(i: usize) -> f64 {
+    i as f64 / 6.0
+}
+
+/// The angle where a rotor came into a sector, from the one before it or else from the one after.
+fn edge(was: usize, is: usize) -> f64 {
+    let other = if (was + 1) % 6 == is { is } else { is + 2 };
+    turn((end_of(is + 1) + end_of(other)) / 2.0)
 }
 
 /// An angle within its turn.
