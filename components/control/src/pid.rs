@@ -1,7 +1,7 @@
 //! `pid`.
 use crate::tune::Tuner;
 use hal_component::{
-    Arg, Builder, Component, Error, In, InSet, Io, Out, Period, Touch, Update,
+    Arg, Builder, Channels, Component, Error, In, InSet, Io, Out, Period, Touch, Update,
     abi::{ArgSpec, component_flags},
     pins,
 };
@@ -9,10 +9,12 @@ use hal_component::{
 #[cfg(test)]
 mod closed;
 
-/// The most loops.
-const MOST: usize = 16;
-/// How many there are if nobody says.
-const USUAL: usize = 3;
+const LOOPS: Channels = Channels {
+    prefix: "pid",
+    usual: 3,
+    most: 16,
+    wrong: "PID: ERROR: invalid number of channels:",
+};
 
 /// Closed-loop controller.
 pub(crate) struct Pid;
@@ -63,22 +65,7 @@ impl Component for Pid {
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let debug = b.arg_int("debug").unwrap_or(0) != 0;
-        let names = names(b.arg_int("num_chan"), b.arg_texts("names"))?;
-        names.iter().try_for_each(|name| Loop::create(b, name, debug))
-    }
-}
-
-fn names(count: Option<i64>, given: Vec<String>) -> Result<Vec<String>, Error> {
-    let count = count.unwrap_or(0);
-    let named: Vec<String> = given.into_iter().take_while(|n| !n.is_empty()).collect();
-    let numbered = |n: usize| (0..n).map(|i| format!("pid.{i}")).collect();
-    match (named.len(), usize::try_from(count)) {
-        (0, Ok(0)) => Ok(numbered(USUAL)),
-        (0, Ok(n @ 1..=MOST)) => Ok(numbered(n)),
-        (1..=MOST, Ok(0)) => Ok(named),
-        (1.., Ok(1..) | Err(_)) => Err(Error::new("num_chan= and names= are mutually exclusive")),
-        (0, _) => Err(Error::new(format!("PID: ERROR: invalid number of channels: {count}"))),
-        (n, _) => Err(Error::new(format!("PID: ERROR: invalid number of channels: {n}"))),
+        LOOPS.names(b)?.iter().try_for_each(|name| Loop::create(b, name, debug))
     }
 }
 

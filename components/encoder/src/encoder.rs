@@ -1,12 +1,11 @@
 //! `encoder`.
 use crate::{
     capture::{Capture, CapturePosition},
-    channels::Words,
     count::{Channel, UpdateCounters},
     handover::{Notes, TimeBase},
 };
 use hal_component::{
-    Arg, Builder, Component, Error, In, InSet, Io, Out,
+    Arg, Builder, Channels, Component, Error, In, InSet, Io, Out,
     abi::{ArgSpec, component_flags},
     pins,
 };
@@ -14,8 +13,12 @@ use hal_component::{
 #[cfg(test)]
 mod closed;
 
-const WORDS: Words =
-    Words { prefix: "encoder", wrong: "ENCODER: ERROR: invalid number of channels:", usual: 3 };
+const CHANNELS: Channels = Channels {
+    prefix: "encoder",
+    wrong: "ENCODER: ERROR: invalid number of channels:",
+    most: 8,
+    usual: 3,
+};
 
 /// Counters of encoders.
 pub(crate) struct Encoder;
@@ -58,7 +61,7 @@ impl Component for Encoder {
     ];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let names = WORDS.names(b.arg_int("num_chan"), b.arg_texts("names"))?;
+        let names = CHANNELS.names(b)?;
         let (gives_time, takes_time) = b.shared(TimeBase::default());
         let mut count =
             UpdateCounters { channels: Vec::with_capacity(names.len()), time: gives_time };

@@ -1,7 +1,6 @@
 //! `encoder_ratio`.
-use crate::channels::Words;
 use hal_component::{
-    Arg, Builder, Component, Error, Gives, In, Io, Out, Period, Takes, Touch, Update,
+    Arg, Builder, Channels, Component, Error, Gives, In, Io, Out, Period, Takes, Touch, Update,
     abi::{ArgSpec, component_flags},
     pins,
 };
@@ -43,13 +42,14 @@ impl Component for EncoderRatio {
     ];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let words = Words {
+        let channels = Channels {
             prefix: "encoder-ratio",
             wrong: "ENCODER_RATIO: ERROR: invalid num_chan:",
+            most: 8,
             usual: 1,
         };
         let (mut samples, mut updates) = (Vec::new(), Vec::new());
-        for name in words.names(b.arg_int("num_chan"), b.arg_texts("names"))? {
+        for name in channels.names(b)? {
             let pins = Pins::make(b, &name)?;
             let (gives, raw) = b.shared(AtomicI32::new(0));
             let (master_step, takes_master) = b.shared(AtomicI32::new(0));

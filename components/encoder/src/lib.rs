@@ -2,7 +2,6 @@
 #![forbid(unsafe_code)]
 
 mod capture;
-mod channels;
 mod count;
 mod counter;
 mod encoder;

@@ -1,7 +1,7 @@
 //! `sim_encoder`.
-use crate::channels::Words;
 use hal_component::{
-    Arg, Builder, Component, Error, Gives, In, InSet, Io, Out, Period, Takes, Touch, Update,
+    Arg, Builder, Channels, Component, Error, Gives, In, InSet, Io, Out, Period, Takes, Touch,
+    Update,
     abi::{ArgSpec, component_flags},
     pins,
 };
@@ -10,9 +10,10 @@ use std::sync::atomic::{
     Ordering::{Acquire, Release},
 };
 
-const WORDS: Words = Words {
+const CHANNELS: Channels = Channels {
     prefix: "sim-encoder",
     wrong: "SIM_ENCODER: ERROR: invalid number of channels",
+    most: 8,
     usual: 1,
 };
 
@@ -52,7 +53,7 @@ impl Component for SimEncoder {
     ];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let names = WORDS.names(b.arg_int("num_chan"), b.arg_texts("names"))?;
+        let names = CHANNELS.names(b)?;
         let (gives_base, takes_base) = b.shared(AtomicI64::new(ASSUMED_NS));
         let mut make = MakePulses { channels: Vec::with_capacity(names.len()), base: gives_base };
         let mut update =

@@ -1,11 +1,15 @@
 //! `siggen`.
 use hal_component::{
-    Arg, Builder, Component, Error, In, InSet, Out, Period, Touch, Update,
+    Arg, Builder, Channels, Component, Error, In, InSet, Out, Period, Touch, Update,
     abi::{ArgSpec, component_flags},
 };
 
-/// The most generators.
-const MOST: usize = 16;
+const GENERATORS: Channels = Channels {
+    prefix: "siggen",
+    usual: 1,
+    most: 16,
+    wrong: "SIGGEN: ERROR: invalid number of channels:",
+};
 /// The π of sine and cosine.
 #[expect(clippy::approx_constant, reason = "the figures that users know come from this one")]
 const PI: f64 = 3.141_592_7;
@@ -41,22 +45,7 @@ impl Component for Siggen {
     ];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        names(b.arg_int("num_chan"), b.arg_texts("names"))?
-            .iter()
-            .try_for_each(|name| Generator::create(b, name))
-    }
-}
-
-fn names(count: Option<i64>, given: Vec<String>) -> Result<Vec<String>, Error> {
-    let count = count.unwrap_or(0);
-    let named: Vec<String> = given.into_iter().take_while(|n| !n.is_empty()).collect();
-    match (named.len(), usize::try_from(count)) {
-        (0, Ok(0)) => Ok(vec!["siggen.0".to_owned()]),
-        (0, Ok(n @ 1..=MOST)) => Ok((0..n).map(|i| format!("siggen.{i}")).collect()),
-        (1..=MOST, Ok(0)) => Ok(named),
-        (1.., Ok(1..) | Err(_)) => Err(Error::new("num_chan= and names= are mutually exclusive")),
-        (0, _) => Err(Error::new(format!("SIGGEN: ERROR: invalid number of channels: {count}"))),
-        (n, _) => Err(Error::new(format!("SIGGEN: ERROR: invalid number of channels: {n}"))),
+        GENERATORS.names(b)?.iter().try_for_each(|name| Generator::create(b, name))
     }
 }
 

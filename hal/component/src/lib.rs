@@ -35,6 +35,7 @@ mod args;
 pub mod bench;
 mod builder;
 mod call;
+mod channels;
 mod decl;
 mod item;
 mod kinematics;
@@ -51,6 +52,7 @@ pub mod trace;
 pub use args::Arg;
 pub use builder::Builder;
 pub use call::{Call, Clock, Messages, TicketHandle};
+pub use channels::Channels;
 pub use decl::{Decl, Error};
 #[doc(hidden)]
 pub use hal_abi as abi;
