@@ -1,26 +1,11 @@
 //! The example of each component's page runs in virtual time, and what it shows is true: behind a
 //! line stands `# -> WHAT IT PRINTS`. `EXAMPLE=NAME` runs one.
-#![expect(clippy::unwrap_used, reason = "tests")]
 #![expect(clippy::print_stdout, reason = "one that is asked for is shown")]
 
-use hal_engine::{ClockKind, Engine, Options};
-use hal_protocol::Place;
-use hal_tests::programs::programs;
+use hal_tests::every::{engine, offers};
 use halcmd::{Bytes, Captured, Outcome, Session, Style, man};
 
 const SHOWS: &str = "# ->";
-
-fn engine() -> Engine {
-    Engine::without_socket(Options {
-        place: Place::at("/nonexistent", "example").unwrap(),
-        clock: ClockKind::Virtual,
-        hold: true,
-        simulate: true,
-        old_names: false,
-        path: vec![programs().to_owned()],
-    })
-    .unwrap()
-}
 
 /// What is wrong with an example.
 fn wrong(name: &str, script: &str) -> Vec<String> {
@@ -62,12 +47,8 @@ fn wrong(name: &str, script: &str) -> Vec<String> {
 #[test]
 fn every_example_shows_what_it_says() {
     let only = std::env::var("EXAMPLE").ok();
-    let mut engine = engine();
-    let offers = engine.catalogue();
-    engine.close();
-    assert!(offers.len() > 100, "only {} components found", offers.len());
     let mut all = Vec::new();
-    for offer in offers {
+    for offer in offers() {
         let name = offer.component;
         if only.as_ref().is_some_and(|only| *only != name) {
             continue;

@@ -1,7 +1,7 @@
 //! What all kinematics are asked at the edges of what makes sense.
 
-use crate::testing::{Random, Rig, Space};
-use hal_component::{Component, Pose, Solved, Unsolved};
+use crate::testing::{Rig, Space};
+use hal_component::{Component, Pose, Solved, Unsolved, bench::Random};
 
 /// What no machine is asked: nothing but numbers comes out, and a refusal changes nothing.
 pub(crate) fn edges<C: Component>(args: &[&str], space: &Space<'_>) {
@@ -25,15 +25,17 @@ pub(crate) fn edges<C: Component>(args: &[&str], space: &Space<'_>) {
             }
         }
     };
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let n = rig.k.joints();
     let any = |random: &mut Random| {
-        let mut joints: Vec<f64> = space.joints.iter().map(|j| random.within(j.range)).collect();
+        let mut joints: Vec<f64> =
+            space.joints.iter().map(|j| random.between(j.range.0, j.range.1)).collect();
         joints.resize(n, 0.0);
         let mut pose = [0.0; 9];
         for (i, l) in space.letters.iter().enumerate() {
             let most = if (3..6).contains(l) { 180.0 } else { space.size };
-            pose[*l] = random.within(*space.poses.get(i).unwrap_or(&(-most, most)));
+            let (low, high) = *space.poses.get(i).unwrap_or(&(-most, most));
+            pose[*l] = random.between(low, high);
         }
         (joints, pose)
     };
@@ -55,7 +57,7 @@ pub(crate) fn edges<C: Component>(args: &[&str], space: &Space<'_>) {
     for _ in 0..500 {
         let (joints, mut pose) = any(&mut random);
         for p in &mut pose {
-            *p *= 10f64.powf(random.within((-3.0, 3.0)));
+            *p *= 10f64.powf(random.between(-3.0, 3.0));
         }
         ask(&joints, &pose);
     }

@@ -298,8 +298,9 @@ mod tests {
     use super::*;
     use crate::{
         pumakins::Pumakins,
-        testing::{Joint, Random, Rig, Space, close, serial},
+        testing::{Joint, Rig, Space, close, serial},
     };
+    use hal_component::bench::Random;
 
     const LINE: Joint = Joint::linear(100.0);
     const TURN: Joint = Joint::rotary(180.0);
@@ -331,9 +332,9 @@ mod tests {
     fn all_ways_are_those_of_the_closed_form() {
         let (puma, general) = (Rig::new::<Pumakins>(&[]), Rig::new::<Genserkins>(&[]));
         general.bench.set("genserkins.D-5", 70.0);
-        let mut random = Random(5);
+        let mut random = Random::new(5);
         for _ in 0..10 {
-            let joints: Vec<f64> = (0..6).map(|_| random.within((-150.0, 150.0))).collect();
+            let joints: Vec<f64> = (0..6).map(|_| random.between(-150.0, 150.0)).collect();
             let pose = puma.pose(&joints);
             #[expect(clippy::cast_possible_truncation, reason = "whole degrees")]
             let whole = |angle: &f64| libm::remainder(*angle, 360.0).round() as i64;

@@ -2,7 +2,9 @@
 
 use crate::rotation::{from_abc, to_vector};
 use hal_component::{
-    Builder, Component, Error, KinematicsRef, Pose, Unsolved, abi::component_flags, bench::Bench,
+    Builder, Component, Error, KinematicsRef, Pose, Unsolved,
+    abi::component_flags,
+    bench::{Bench, Random},
 };
 use nalgebra::DMatrix;
 use std::cell::Cell;
@@ -93,23 +95,6 @@ pub(crate) fn close(a: &[f64], b: &[f64], within: f64) {
     assert_eq!(a.len(), b.len());
     for (x, y) in a.iter().zip(b) {
         assert!((x - y).abs() <= within, "{a:?} is not {b:?}");
-    }
-}
-
-/// Numbers that come again, and look random (Steele, Lea and Flood's splitmix).
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    pub(crate) fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z ^ (z >> 31)) as f64 / 2f64.powi(64)
-    }
-
-    pub(crate) fn within(&mut self, (low, high): (f64, f64)) -> f64 {
-        low + (high - low) * self.unit()
     }
 }
 
@@ -211,10 +196,11 @@ pub(crate) fn serial<C: Component>(args: &[&str], space: &Space<'_>) {
     assert!(rig.k.switch(space.switch));
     let n = space.joints.len();
     assert_eq!(rig.k.joints(), n, "joints");
-    let mut random = Random(C::NAME.len() as u64);
+    let mut random = Random::new(C::NAME.len() as u64);
     let (mut regular, mut worst) = (0, 0.0f64);
     for round in 0..ROUNDS {
-        let joints: Vec<f64> = space.joints.iter().map(|j| random.within(j.range)).collect();
+        let joints: Vec<f64> =
+            space.joints.iter().map(|j| random.between(j.range.0, j.range.1)).collect();
         let mut pose = [0.0; 9];
         if let Err(why) = rig.k.forward(&joints, &mut pose) {
             assert!(space.has_gaps, "{round}: {joints:?}: {why:?}");
@@ -225,8 +211,7 @@ pub(crate) fn serial<C: Component>(args: &[&str], space: &Space<'_>) {
         if condition.is_nan() || condition >= WORST {
             continue;
         }
-        let aside =
-            |random: &mut Random, unit: f64| random.within((-1.0, 1.0)) * space.aside * unit;
+        let aside = |random: &mut Random, unit: f64| random.unit() * space.aside * unit;
         let mut back: Vec<f64> = joints
             .iter()
             .zip(space.joints)
@@ -280,12 +265,12 @@ pub(crate) fn parallel<C: Component>(args: &[&str], space: &Space<'_>) {
     let rig = Rig::new::<C>(args);
     rig.set(space.set);
     assert!(rig.k.switch(space.switch));
-    let mut random = Random(C::NAME.len() as u64);
+    let mut random = Random::new(C::NAME.len() as u64);
     let mut regular = 0;
     for round in 0..ROUNDS {
         let mut pose = [0.0; 9];
         for (l, range) in space.letters.iter().zip(space.poses) {
-            pose[*l] = random.within(*range);
+            pose[*l] = random.between(range.0, range.1);
         }
         let mut joints = [0.0; 16];
         if rig.k.inverse(&pose, &mut joints).is_err() {
@@ -317,7 +302,7 @@ pub(crate) fn parallel<C: Component>(args: &[&str], space: &Space<'_>) {
         let mut back = pose;
         for l in space.letters {
             let unit = if (3..6).contains(l) { 1f64.to_degrees() } else { space.size };
-            back[*l] += random.within((-1.0, 1.0)) * space.aside * unit / condition.max(1.0);
+            back[*l] += random.unit() * space.aside * unit / condition.max(1.0);
         }
         rig.k.forward(&joints, &mut back).unwrap_or_else(|e| panic!("{round}: {pose:?}: {e:?}"));
         let off = most(&space.apart(&back, &pose));

@@ -4,62 +4,45 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 
-const IGNORED: &str = "Accepted for old scripts; nothing comes of it.";
+/// A name that scripts may load, and nothing more.
+macro_rules! included {
+    ($(#[$of:meta])* $component:ident, $name:literal, $arg:literal, $what:literal, $other:literal, $shows:literal) => {
+        $(#[$of])*
+        pub(crate) struct $component;
 
-/// Homing, as a name to load.
-pub(crate) struct Homemod;
+        impl Component for $component {
+            const NAME: &'static str = $name;
+            const DOC: &'static str = concat!(
+                $what,
+                ", which `motmod` has in itself: a name that scripts may load before it.\n\n\
+                 It has no pins and no functions, and nothing is missing without it. In LinuxCNC \
+                 another ",
+                $other,
+                " can be\nloaded in its place; here it cannot.\n\n\
+                 # Example\n\n```hal\nloadrt trivkins\nloadrt tpmod\nloadrt homemod\n\
+                 loadrt motmod num_joints=1\ngetp ",
+                $shows,
+                " # -> FALSE\n```"
+            );
+            const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
+            const ARGS: &'static [&'static ArgSpec] = &[&Arg::text(
+                $arg,
+                "Accepted for old scripts; nothing comes of it.",
+            )];
 
-impl Component for Homemod {
-    const NAME: &'static str = "homemod";
-    const DOC: &'static str = "\
-Homing, which `motmod` has in itself: a name that scripts may load before it.
-
-It has no pins and no functions, and nothing is missing without it. In LinuxCNC another homing can be
-loaded in its place; here it cannot.
-
-# Example
-
-```hal
-loadrt trivkins
-loadrt tpmod
-loadrt homemod
-loadrt motmod num_joints=1
-getp joint.0.homing # -> FALSE
-```";
-    const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
-    const ARGS: &'static [&'static ArgSpec] = &[&Arg::text("home_parms", IGNORED)];
-
-    fn create(_: &mut Builder<'_>) -> Result<(), Error> {
-        Ok(())
-    }
+            fn create(_: &mut Builder<'_>) -> Result<(), Error> {
+                Ok(())
+            }
+        }
+    };
 }
-
-/// The trajectory planner, as a name to load.
-pub(crate) struct Tpmod;
-
-impl Component for Tpmod {
-    const NAME: &'static str = "tpmod";
-    const DOC: &'static str = "\
-The trajectory planner, which `motmod` has in itself: a name that scripts may load before it.
-
-It has no pins and no functions, and nothing is missing without it. In LinuxCNC another planner can be
-loaded in its place; here it cannot.
-
-# Example
-
-```hal
-loadrt trivkins
-loadrt tpmod
-loadrt homemod
-loadrt motmod num_joints=1
-getp motion.coord-mode # -> FALSE
-```";
-    const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
-    const ARGS: &'static [&'static ArgSpec] = &[&Arg::text("tp_parms", IGNORED)];
-
-    fn create(_: &mut Builder<'_>) -> Result<(), Error> {
-        Ok(())
-    }
+included! {
+    /// Homing, as a name to load.
+    Homemod, "homemod", "home_parms", "Homing", "homing", "joint.0.homing"
+}
+included! {
+    /// The trajectory planner, as a name to load.
+    Tpmod, "tpmod", "tp_parms", "The trajectory planner", "planner", "motion.coord-mode"
 }
 
 #[cfg(test)]

@@ -1,45 +1,26 @@
 //! Random machines: orderly ones that must keep every limit, and ones that are fed nonsense.
 
 use super::{LIMITS, Rig};
+use hal_component::bench::Random;
 
-/// Numbers that look random, the same in every run.
-struct Dice(u64);
-
-impl Dice {
-    fn next(&mut self) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11
-    }
-
-    fn pick<T: Copy>(&mut self, from: &[T]) -> T {
-        from[usize::try_from(self.next()).unwrap() % from.len()]
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * (self.next() as f64 / (1_u64 << 53) as f64)
-    }
-}
-
-fn orderly(dice: &mut Dice) -> String {
-    let joint = dice.pick(&[0, 1, 2]);
-    let axis = dice.pick(&["x", "y", "z"]);
-    let speed = dice.between(0.1, 200.0);
+fn orderly(random: &mut Random) -> String {
+    let joint = random.pick(&[0, 1, 2]);
+    let axis = random.pick(&["x", "y", "z"]);
+    let speed = random.between(0.1, 200.0);
     let (_, _, min, max) = LIMITS[joint];
-    let to = dice.between(min * 1.2, max * 1.2);
-    let way = dice.between(-30.0, 30.0);
-    let inside = dice.between(min, max);
-    match dice.next() % 16 {
-        0 => format!("motion.jog joint={joint} velocity={}", dice.pick(&[speed, -speed])),
+    let to = random.between(min * 1.2, max * 1.2);
+    let way = random.between(-30.0, 30.0);
+    let inside = random.between(min, max);
+    match random.below(16) {
+        0 => format!("motion.jog joint={joint} velocity={}", random.pick(&[speed, -speed])),
         1 => format!("motion.jog joint={joint} velocity={speed} position={to}"),
         2 | 3 => format!("motion.jog joint={joint} velocity={speed} distance={way}"),
-        4 => format!("motion.jog axis={axis} velocity={}", dice.pick(&[speed, -speed])),
+        4 => format!("motion.jog axis={axis} velocity={}", random.pick(&[speed, -speed])),
         5 => format!("motion.jog axis={axis} velocity={speed} distance={way}"),
         6 => format!("motion.jog-stop joint={joint}"),
         7 => "motion.jog-stop".to_owned(),
         8 => "motion.abort".to_owned(),
-        9 => format!("motion.feed override={}", dice.pick(&[0.0, 0.3, 1.0, 5.0])),
+        9 => format!("motion.feed override={}", random.pick(&[0.0, 0.3, 1.0, 5.0])),
         _ => format!(
             "motion.move {}={inside} {}={way} velocity={speed}",
             ["x", "y", "z"][joint],
@@ -50,24 +31,24 @@ fn orderly(dice: &mut Dice) -> String {
 
 #[test]
 fn orderly_machines_keep_their_limits() {
-    let mut dice = Dice(0x1234_5678_9abc_def1);
+    let mut random = Random::new(1);
     let mut went = [0.0_f64; 3];
-    for kinematics in [&[][..], &["kinstype=b"]].repeat(6) {
+    for kinematics in [&[][..], &["kinstype=b"]].repeat(20) {
         let mut rig = Rig::homed(kinematics);
         for n in 0..3 {
             rig.bench.set(&format!("joint.{n}.jog-scale"), 0.05);
             rig.bench.set(&format!("joint.{n}.jog-enable"), true);
         }
         for _ in 0..60 {
-            rig.say(&orderly(&mut dice));
-            rig.bench.set("motion.feed-hold", dice.next().is_multiple_of(8));
-            rig.bench.set("motion.jog-stop", dice.next().is_multiple_of(8));
-            let fraction = dice.between(0.0, 1.2);
-            for _ in 0..dice.pick(&[1, 7, 50, 300]) {
+            rig.say(&orderly(&mut random));
+            rig.bench.set("motion.feed-hold", random.below(8) == 0);
+            rig.bench.set("motion.jog-stop", random.below(8) == 0);
+            let fraction = random.between(0.0, 1.2);
+            for _ in 0..random.pick(&[1, 7, 50, 300]) {
                 rig.bench.set("joint.0.jog-accel-fraction", fraction);
-                if dice.next().is_multiple_of(16) {
+                if random.below(16) == 0 {
                     let counts: i32 = rig.bench.get("joint.0.jog-counts");
-                    rig.bench.set("joint.0.jog-counts", counts + dice.pick(&[-9, 2, 7]));
+                    rig.bench.set("joint.0.jog-counts", counts + random.pick(&[-9, 2, 7]));
                 }
                 rig.cycle();
                 for (n, (place, (.., min, max))) in rig.places().iter().zip(LIMITS).enumerate() {
@@ -100,9 +81,9 @@ fn nonsense_is_survived() {
         -0.0,
         0.1,
     ];
-    let mut dice = Dice(0xdead_beef_cafe_f00d);
+    let mut random = Random::new(3);
     for _ in 0..20 {
-        let mut rig = Rig::on(dice.pick(&[&[][..], &["kinstype=b"], &["coordinates=xyyz"]]));
+        let mut rig = Rig::on(random.pick(&[&[][..], &["kinstype=b"], &["coordinates=xyyz"]]));
         rig.strict = false;
         let inputs: Vec<String> = rig.bench.names();
         let inputs: Vec<Vec<&str>> = inputs
@@ -111,32 +92,32 @@ fn nonsense_is_survived() {
             .filter(|l: &Vec<&str>| l[2] != "OUT" && l[2] != "RO")
             .collect();
         for _ in 0..600 {
-            let pin = &inputs[usize::try_from(dice.next()).unwrap() % inputs.len()];
+            let pin = &inputs[random.index(inputs.len())];
             match pin[1] {
-                "float" => rig.bench.set(pin[0], dice.pick(&FLOATS)),
-                "bit" => rig.bench.set(pin[0], dice.next().is_multiple_of(4)),
-                _ => rig.bench.set(pin[0], dice.pick(&[i32::MIN, -1, 0, 1, i32::MAX])),
+                "float" => rig.bench.set(pin[0], random.pick(&FLOATS)),
+                "bit" => rig.bench.set(pin[0], random.below(4) == 0),
+                _ => rig.bench.set(pin[0], random.pick(&[i32::MIN, -1, 0, 1, i32::MAX])),
             }
-            let text = match dice.next() % 8 {
+            let text = match random.below(8) {
                 0 => "motion.enable".to_owned(),
                 1 => "motion.home joint=all".to_owned(),
                 2 => "motion.override-limits".to_owned(),
                 3 => format!(
                     "motion.configure joint=0 min-limit={} max-limit={}",
-                    dice.pick(&FLOATS),
-                    dice.pick(&FLOATS)
+                    random.pick(&FLOATS),
+                    random.pick(&FLOATS)
                 ),
                 4 => format!(
                     "motion.configure joint=1 max-velocity={} max-acceleration={}",
-                    dice.pick(&FLOATS),
-                    dice.pick(&FLOATS)
+                    random.pick(&FLOATS),
+                    random.pick(&FLOATS)
                 ),
-                5 => format!("motion.move x={} velocity={}", dice.pick(&FLOATS), 1e300),
-                _ => orderly(&mut dice),
+                5 => format!("motion.move x={} velocity={}", random.pick(&FLOATS), 1e300),
+                _ => orderly(&mut random),
             };
             // Refused or not: nothing breaks.
             drop(rig.try_say(&text));
-            rig.stuck = [0; 3].map(|_: i32| dice.next().is_multiple_of(4));
+            rig.stuck = [0; 3].map(|_: i32| random.below(4) == 0);
             rig.cycles(3);
             let on = rig.is("motion.motion-enabled");
             for n in 0..3 {

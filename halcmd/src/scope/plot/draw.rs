@@ -381,17 +381,23 @@ mod tests {
         assert_eq!(plot(&trace(), &[]), svg, "the same on every run");
     }
 
+    /// Width, height, and three bytes for each pixel.
+    fn pixels(plot: &mut Plot<'_>) -> (usize, usize, Vec<u8>) {
+        let bytes = plot.png().unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut pixels).unwrap();
+        (info.width as usize, info.height as usize, pixels)
+    }
+
     #[test]
     fn a_png_has_the_size_and_is_not_white() {
         let trace = trace();
         let mut plot =
             Plot::new(&trace, chosen(&trace, &[], "t").unwrap(), 0, 100_000, String::new());
         (plot.width, plot.height) = (640, 300);
-        let bytes = plot.png().unwrap();
-        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
-        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-        let info = reader.next_frame(&mut pixels).unwrap();
-        assert_eq!((info.width, info.height), (640, 300));
+        let (width, height, pixels) = pixels(&mut plot);
+        assert_eq!((width, height), (640, 300));
         assert!(pixels.chunks(3).any(|p| p == [0, 114, 178]), "a line has its colour");
     }
 
@@ -403,11 +409,7 @@ mod tests {
             t.push(at, &[bit]).unwrap();
         }
         let mut plot = Plot::new(&t, chosen(&t, &[], "t").unwrap(), 0, 1_000_000, String::new());
-        let bytes = plot.png().unwrap();
-        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
-        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-        let info = reader.next_frame(&mut pixels).unwrap();
-        let width = info.width as usize;
+        let (width, _, pixels) = pixels(&mut plot);
         let column = width - RIGHT as usize - (width - (NAMES + SCALE + RIGHT) as usize) / 2;
         let lines = pixels.chunks(width * 3).filter(|line| {
             let near = &line[(column - 3) * 3..(column + 3) * 3];
