@@ -7,11 +7,11 @@
 use crate::{
     circles::{bend, shoulder},
     dh::{Chain, Link},
-    model::{Found, Joints},
+    model::{Found, Joints, Model},
     rotation::{Matrix, Vector, about_x, about_y, about_z, from_abc, is_straight, near, to_abc},
 };
 use core::f64::consts::{FRAC_PI_2, PI};
-use hal_component::{Pose, Solution, Solved, Unsolved, Ways};
+use hal_component::{Pose, Solution, Solved, Touch, Unsolved, Ways};
 use libm::{atan2, fabs, hypot, sqrt};
 
 /// The lengths of the arm.
@@ -31,6 +31,36 @@ pub(crate) struct Arm {
     pub(crate) d4: f64,
     /// From the wrist to the tool's tip.
     pub(crate) d6: f64,
+}
+
+/// Pins from which an arm has its lengths.
+pub(crate) trait Lengths: Touch + Send + Sync + 'static {
+    /// The lengths as the pins have them now; none when they make no sense.
+    fn arm(&self) -> Option<Arm>;
+}
+
+impl<L: Lengths> Model for L {
+    type Geometry = Arm;
+
+    fn joints(&self) -> usize {
+        6
+    }
+
+    fn geometry(&self) -> Option<Arm> {
+        self.arm()
+    }
+
+    fn forward(&self, arm: &Arm, joints: &Joints, guess: &Pose) -> Found<Pose> {
+        arm.forward(joints, guess)
+    }
+
+    fn inverse(&self, arm: &Arm, pose: &Pose, guess: &Joints) -> Found<Joints> {
+        arm.inverse(pose, guess)
+    }
+
+    fn solutions(&self, arm: &Arm, pose: &Pose, ways: &mut Ways<'_>) -> Solution {
+        arm.solutions(pose, ways)
+    }
 }
 
 /// An answer by which a singular place is known.

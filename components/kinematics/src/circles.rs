@@ -5,6 +5,9 @@ use crate::rotation::{Vector, is_straight};
 use hal_component::{Solved, Unsolved};
 use libm::{acos, atan2, fabs, sqrt};
 
+/// Sine of 60 degrees.
+pub(crate) const SIN_60: f64 = 0.866_025_403_784_438_6;
+
 /// The two links of an arm that reaches a point in its plane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bend {

@@ -2,7 +2,6 @@
 
 use crate::{
     genhexpins::Pins,
-    letters::{ANY, Letters, Rule},
     model::{Found, Joints, Model, is_finite},
     names::{example, names},
     rotation::{Matrix, Vector, about, from_abc, to_abc},
@@ -50,11 +49,7 @@ names! {
 }
 
 fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-    let rule = Rule { twice: false, most: 6, ..ANY };
-    let letters = Letters::parse(&b.arg_text("coordinates").unwrap_or_default(), rule)?;
-    let pins = Pins::make(b)?;
-    let kinematics = Switched::usual(b, pins, letters)?;
-    b.offer_kinematics(kinematics)
+    Switched::offer_six(b, Pins::make)
 }
 
 /// One strut: its ends, and the axes of the joints there.

@@ -1,7 +1,7 @@
 //! `lineardeltakins`.
 
 use crate::{
-    circles::meet,
+    circles::{SIN_60, meet},
     model::{Found, Joints, Model, Service, are_lengths, pass},
     names::{example, names},
     rotation::{Vector, is_straight},
@@ -57,9 +57,6 @@ struct Delta {
     rails: [Vector; 3],
     rod: f64,
 }
-
-/// Sine of 60 degrees.
-const SIN_60: f64 = 0.866_025_403_784_438_6;
 
 impl Model for Pins {
     type Geometry = Delta;

@@ -1,13 +1,12 @@
 //! `pumakins`.
 
 use crate::{
-    arm::Arm,
-    letters::{ANY, Letters, Rule},
-    model::{Found, Joints, Model, are_lengths, is_finite},
+    arm::{Arm, Lengths},
+    model::{are_lengths, is_finite},
     names::{example, names},
     switch::{COORDINATES, SPARM, Switched},
 };
-use hal_component::{Builder, Error, In, Pose, Solution, Ways, abi::ArgSpec, pins};
+use hal_component::{Builder, Error, In, abi::ArgSpec, pins};
 
 const DOC: &str = concat!(
     "\
@@ -39,11 +38,7 @@ names! {
 }
 
 fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-    let rule = Rule { twice: false, most: 6, ..ANY };
-    let letters = Letters::parse(&b.arg_text("coordinates").unwrap_or_default(), rule)?;
-    let pins = Pins::make(b, "pumakins")?;
-    let kinematics = Switched::usual(b, pins, letters)?;
-    b.offer_kinematics(kinematics)
+    Switched::offer_six(b, |b| Pins::make(b, "pumakins"))
 }
 
 pins! {
@@ -63,14 +58,8 @@ pins! {
     }
 }
 
-impl Model for Pins {
-    type Geometry = Arm;
-
-    fn joints(&self) -> usize {
-        6
-    }
-
-    fn geometry(&self) -> Option<Arm> {
+impl Lengths for Pins {
+    fn arm(&self) -> Option<Arm> {
         let [a2, a3, d3, d4, d6] = [&self.a2, &self.a3, &self.d3, &self.d4, &self.d6].map(In::get);
         (are_lengths(&[a2, d4]) && is_finite(&[a3, d3, d6])).then_some(Arm {
             a1: 0.0,
@@ -81,18 +70,6 @@ impl Model for Pins {
             d4,
             d6,
         })
-    }
-
-    fn forward(&self, arm: &Arm, joints: &Joints, guess: &Pose) -> Found<Pose> {
-        arm.forward(joints, guess)
-    }
-
-    fn inverse(&self, arm: &Arm, pose: &Pose, guess: &Joints) -> Found<Joints> {
-        arm.inverse(pose, guess)
-    }
-
-    fn solutions(&self, arm: &Arm, pose: &Pose, ways: &mut Ways<'_>) -> Solution {
-        arm.solutions(pose, ways)
     }
 }
 

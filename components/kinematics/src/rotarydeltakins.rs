@@ -1,7 +1,7 @@
 //! `rotarydeltakins`.
 
 use crate::{
-    circles::{meet, within_one},
+    circles::{SIN_60, meet, within_one},
     model::{Found, Joints, Model, Service, are_lengths, pass},
     names::{example, names},
     rotation::{Vector, is_straight, near},
@@ -61,8 +61,6 @@ struct Delta {
     shin: f64,
 }
 
-/// Sine of 60 degrees.
-const SIN_60: f64 = 0.866_025_403_784_438_6;
 /// The directions of the three legs.
 const OUT: [(f64, f64); 3] = [(0.0, -1.0), (SIN_60, 0.5), (-SIN_60, 0.5)];
 

@@ -2,7 +2,6 @@
 
 use crate::{
     circles::{bend, shoulder},
-    letters::{ANY, Letters, Rule},
     model::{Found, Joints, Model, are_lengths, is_finite, pass},
     names::{example, names},
     rotation::near,
@@ -41,11 +40,7 @@ names! {
 }
 
 fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-    let rule = Rule { twice: false, most: 6, ..ANY };
-    let letters = Letters::parse(&b.arg_text("coordinates").unwrap_or_default(), rule)?;
-    let pins = Pins::make(b, "scarakins")?;
-    let kinematics = Switched::usual(b, pins, letters)?;
-    b.offer_kinematics(kinematics)
+    Switched::offer_six(b, |b| Pins::make(b, "scarakins"))
 }
 
 pins! {

@@ -1,7 +1,7 @@
 //! Realtime. Kinematics that can be switched: their own type, and joints that are axes.
 
 use crate::{
-    letters::Letters,
+    letters::{ANY, Letters, Rule},
     model::{self, Found, Joints, Model},
 };
 use hal_component::{
@@ -105,6 +105,18 @@ impl<M: Model> Switched<M> {
         let mut made = Self::make(b, models, letters)?;
         made.counts = Some(Counts::make(b)?);
         Ok(made)
+    }
+
+    /// Offers six joints, each of which is then an axis of its own.
+    pub(crate) fn offer_six(
+        b: &mut Builder<'_>,
+        own: impl FnOnce(&mut Builder<'_>) -> Result<M, Error>,
+    ) -> Result<(), Error> {
+        let rule = Rule { twice: false, most: 6, ..ANY };
+        let letters = Letters::parse(&b.arg_text("coordinates").unwrap_or_default(), rule)?;
+        let own = own(b)?;
+        let kinematics = Self::usual(b, own, letters)?;
+        b.offer_kinematics(kinematics)
     }
 
     /// As many types as there are models.
