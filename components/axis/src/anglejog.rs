@@ -78,7 +78,7 @@ impl Component for Anglejog {
                 1.0,
             )?,
             enable_out: b.item("enable-out", "`enable-in`.", false)?,
-            current_scale: b.item("current-scale", "The scale in use.", 0.0)?,
+            current_scale: b.item("current-scale", "The scale in use, in units per count.", 0.0)?,
             current_scale_out: b.item(
                 "current-scale-out",
                 "What a count of the outputs is worth, in units: the scale by the factor.",

@@ -33,7 +33,11 @@ impl Component for Axistest {
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let ahead = Ahead {
-            maxvel: b.item("maxvel", "Highest speed; for whoever follows the command.", 0.0)?,
+            maxvel: b.item(
+                "maxvel",
+                "Highest speed, in units per second; for whoever follows the command.",
+                0.0,
+            )?,
         };
         let trips = Trips::new(b, ahead)?;
         b.function("update", "Sends the axis to and fro.", trips)

@@ -22,19 +22,19 @@ use hal_component::{Component, In, Out, Period, Update};
 pub(crate) struct CorexyByHal {
     /// Where the first motor is, in units.
     alpha_fb: In<f64>,
-    /// Where the second motor is.
+    /// Where the second motor is, in units.
     beta_fb: In<f64>,
     /// Where X shall be, in units, from `joint.0.motor-pos-cmd`.
     j0_motor_pos_cmd: In<f64>,
     /// Where Y shall be, in units, from `joint.1.motor-pos-cmd`.
     j1_motor_pos_cmd: In<f64>,
-    /// Where X is: the sum of the motors, for `joint.0.motor-pos-fb`.
+    /// Where X is, in units: the sum of the motors, for `joint.0.motor-pos-fb`.
     j0_motor_pos_fb: Out<f64>,
     /// Where Y is, in units: the difference of the motors, for `joint.1.motor-pos-fb`.
     j1_motor_pos_fb: Out<f64>,
-    /// Where the first motor shall be: half the sum.
+    /// Where the first motor shall be, in units: half the sum.
     alpha_cmd: Out<f64>,
-    /// Where the second motor shall be: half the difference.
+    /// Where the second motor shall be, in units: half the difference.
     beta_cmd: Out<f64>,
 }
 

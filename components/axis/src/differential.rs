@@ -30,11 +30,11 @@ pub(crate) struct Differential {
     pitch_fb: Out<f64>,
     /// Where the first motor shall be, in units: `roll-cmd` + `pitch-cmd`.
     motor0_cmd: Out<f64>,
-    /// Where the second motor shall be: `roll-cmd` - `pitch-cmd`.
+    /// Where the second motor shall be, in units: `roll-cmd` - `pitch-cmd`.
     motor1_cmd: Out<f64>,
     /// Where the first motor is, in units.
     motor0_fb: In<f64>,
-    /// Where the second motor is.
+    /// Where the second motor is, in units.
     motor1_fb: In<f64>,
 }
 

@@ -66,7 +66,7 @@ impl Component for EoffsetPerAngle {
             start_angle: b.item("start-angle", "What the angle counts from, in degrees.", 0.0)?,
             fnum: b.item("fnum", "What the offset is: 0 to 3; any other is as 0.", 0)?,
             rfraction: b.item("rfraction", "The size a of the offset, as a part of the radius.", 0.1)?,
-            fmult: b.item("fmult", "Sides of a polygon, or waves in a turn.", 6.0)?,
+            fmult: b.item("fmult", "How many sides a polygon has, or waves a turn.", 6.0)?,
             k: b.item(
                 "k",
                 "Counts in a unit; 0 is 10000, and what is above 2147483647 is 4294967296 less.",

@@ -69,7 +69,7 @@ impl Component for Gantry {
         for i in 0..n {
             let offset: Out<f64> = b.item(
                 &format!("joint.{i:02}.offset"),
-                "What this joint's command is less than the axis's.",
+                "What this joint's command is less than the axis's, in units.",
                 0.0,
             )?;
             let home = b.item(

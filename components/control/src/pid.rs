@@ -145,17 +145,18 @@ pins! {
 pins! {
     /// What `debug=1` adds.
     struct Inside {
-        /// The integral of the error.
+        /// The integral of the error, in units times seconds.
         error_i: Out<f64> = "errorI", 0.0;
-        /// The rate of change of the error.
+        /// The rate of change of the error, in units per second.
         error_d: Out<f64> = "errorD", 0.0;
-        /// The command's first derivative.
+        /// The command's first derivative, in units per second.
         command_d: Out<f64> = "commandD", 0.0;
-        /// The command's second derivative.
+        /// The command's second derivative, in units per second².
         command_dd: Out<f64> = "commandDD", 0.0;
-        /// The command's third derivative.
+        /// The command's third derivative, in units per second³.
         command_ddd: Out<f64> = "commandDDD", 0.0;
-        /// The gain at which the loop would oscillate, as tuning found it.
+        /// The gain at which the loop would oscillate, as tuning found it: output per unit of
+        /// error.
         ultimate_gain: Out<f64> = "ultimate-gain", 0.0;
         /// How long such an oscillation takes, in seconds, as tuning found it.
         ultimate_period: Out<f64> = "ultimate-period", 0.0;

@@ -18,8 +18,9 @@ where
     const FLAGS: u32 = component_flags::PARALLEL;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let input = b.item("in", "The value as it is.", A::default())?;
-        let output = b.item("out", "The value in the other type.", B::default())?;
+        let input = b.item("in", "The value as it is, in any unit.", A::default())?;
+        let output =
+            b.item("out", "The value in the other type, in the same unit.", B::default())?;
         let range = if A::CAN_FAIL {
             let clamp = "Whether a value that does not fit becomes the nearest that does; otherwise \
                 it wraps.";

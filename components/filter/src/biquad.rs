@@ -35,9 +35,9 @@ const PI: f64 = 3.141_592_653_589;
 /// ```
 #[derive(Component)]
 pub(crate) struct Biquad {
-    /// The signal.
+    /// The signal, in any unit.
     in_: In<f64>,
-    /// The filtered signal.
+    /// The filtered signal, in the same unit.
     out: Out<f64>,
     /// Whether it filters.
     enable: In<bool>,
@@ -56,16 +56,16 @@ pub(crate) struct Biquad {
     s1: Out<f64>,
     /// What is added from the run before that, in the signal's unit.
     s2: Out<f64>,
-    /// Coefficient of the last output.
+    /// Coefficient of the last output; no unit.
     d1: ParamRw<f64>,
-    /// Coefficient of the output before.
+    /// Coefficient of the output before; no unit.
     d2: ParamRw<f64>,
-    /// Coefficient of the input.
+    /// Coefficient of the input; no unit.
     #[hal(default = 1.0)]
     n0: ParamRw<f64>,
-    /// Coefficient of the last input.
+    /// Coefficient of the last input; no unit.
     n1: ParamRw<f64>,
-    /// Coefficient of the input before.
+    /// Coefficient of the input before; no unit.
     n2: ParamRw<f64>,
     #[state]
     was_enabled: bool,

@@ -22,9 +22,10 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Feedcomp {
-    /// The number times `vel` over `feed`, if enabled; a feed of 0 makes it infinite, or no number.
+    /// The number times `vel` over `feed`, in its unit, if enabled; a feed of 0 makes it infinite,
+    /// or no number.
     out: Out<f64>,
-    /// The number at the feed rate.
+    /// The number at the feed rate, in any unit.
     in_: In<f64>,
     /// Whether speed counts; otherwise `out` is `in`.
     enable: In<bool>,

@@ -82,7 +82,7 @@ impl Pins {
             let on_base = format!("of the end of strut {n} on the base, in units");
             let on_platform =
                 format!("of the end of strut {n} on the platform, from its middle, in units");
-            let axis = "of the direction of the axis of the strut's joint";
+            let axis = "of the direction, without a unit, of the axis of the strut's joint";
             let base = point("base", &on_base, base)?;
             let platform = point("platform", &on_platform, platform)?;
             let base_axis = point("base-n", &format!("{axis} at the base"), base_axis)?;

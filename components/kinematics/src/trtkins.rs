@@ -108,7 +108,7 @@ pins! {
         /// From there to the axis about which the table tilts, along Y; it counts where the table
         /// tilts by A.
         y: In<f64> = "y-offset", 0.0;
-        /// From there to the axis about which the table tilts, along Z.
+        /// From there to the axis about which the table tilts, along Z, in units.
         z: In<f64> = "z-offset", 0.0;
         /// The length of the tool, in units: usually from motion.tooloffset.z.
         tool: In<f64> = "tool-offset", 0.0;

@@ -57,13 +57,13 @@ impl Component for Radiobutton {
         for i in 0..n {
             let sel = "Its rising edge presses this button; of several at once the last counts.";
             let sel = b.item(&format!("sel-{i:02}"), sel, false)?;
-            let input = "The number that goes to `value` while this button is down.";
+            let input = "The number that goes to `value` while this button is down, in any unit.";
             let input = b.item(&format!("input-{i:02}"), input, 0.0)?;
             let out = b.item(&format!("out-{i:02}"), "Whether this button is down.", false)?;
             buttons.push(Button { sel, input, out, was: false });
         }
         let selected = b.item("selected", "The number of the button that is down, from 0.", 0)?;
-        let value = b.item("value", "The number of the button that is down.", 0.0)?;
+        let value = b.item("value", "The number of the button that is down, in its unit.", 0.0)?;
         b.function("", "Looks which button is down.", Self { buttons, selected, value })
     }
 }

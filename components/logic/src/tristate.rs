@@ -66,9 +66,9 @@ impl Update for TristateBit {
 /// ```
 #[derive(Component)]
 pub(crate) struct TristateFloat {
-    /// The number.
+    /// The number, in any unit.
     in_: In<f64>,
-    /// Where `in` is written; while `enable` is false, nothing is.
+    /// Where `in` is written, in its unit; while `enable` is false, nothing is.
     out: Io<f64>,
     /// While true, `in` is written to `out` at each run.
     enable: In<bool>,

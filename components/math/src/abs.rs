@@ -17,9 +17,9 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Abs {
-    /// The number.
+    /// The number, in any unit.
     in_: In<f64>,
-    /// Its absolute value.
+    /// Its absolute value, in the same unit.
     out: Out<f64>,
     /// True when the number is negative, or not a number.
     sign: Out<bool>,

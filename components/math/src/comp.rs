@@ -21,16 +21,16 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Comp {
-    /// First number.
+    /// First number, in any unit.
     in0: In<f64>,
-    /// Second number.
+    /// Second number, in the same unit.
     in1: In<f64>,
     /// True after `in1` was above `in0` by more than half of `hyst`, false after it was below by
     /// more than that; in between it stays as it is.
     out: Out<bool>,
     /// True when the numbers differ by no more than half of `hyst`.
     equal: Out<bool>,
-    /// Hysteresis: the width of the range in which the numbers count as equal.
+    /// Hysteresis, in the same unit: the width of the range in which the numbers count as equal.
     hyst: ParamRw<f64>,
 }
 

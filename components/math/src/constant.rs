@@ -19,7 +19,7 @@ use hal_component::{Component, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Constant {
-    /// The number.
+    /// The number, in any unit.
     out: Out<f64>,
     /// The number that `out` is, in whatever unit.
     value: ParamRw<f64>,

@@ -20,9 +20,9 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Deadzone {
-    /// The number.
+    /// The number, in any unit.
     in_: In<f64>,
-    /// `center` within the zone; beyond it, the number less half of its width.
+    /// `center` within the zone; beyond it, the number less half of its width; in its unit.
     out: Out<f64>,
     /// The middle of the zone, in the number's unit.
     center: ParamRw<f64>,

@@ -18,14 +18,15 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Div2 {
-    /// Dividend.
+    /// Dividend, in any unit.
     in0: In<f64>,
-    /// Divisor.
+    /// Divisor, in any unit.
     in1: In<f64>,
-    /// `in0` / `in1`, the divisor kept away from zero by `deadband`.
+    /// `in0` / `in1`, in the unit of one per that of the other; the divisor is kept away from zero
+    /// by `deadband`.
     out: Out<f64>,
-    /// A divisor closer to zero than this is taken as this, with its sign (zero as positive);
-    /// positive, and set to 1e-12 when it is less.
+    /// A divisor closer to zero than this, in its unit, is taken as this, with its sign (zero as
+    /// positive); positive, and set to 1e-12 when it is less.
     deadband: ParamRw<f64>,
 }
 

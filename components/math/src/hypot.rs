@@ -18,13 +18,13 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Hypot {
-    /// First coordinate.
+    /// First coordinate, in any unit.
     in0: In<f64>,
-    /// Second coordinate.
+    /// Second coordinate, in the same unit.
     in1: In<f64>,
-    /// Third coordinate; leave it unlinked for two.
+    /// Third coordinate, in the same unit; leave it unlinked for two.
     in2: In<f64>,
-    /// Square root of the sum of the squares.
+    /// Square root of the sum of the squares, in the same unit.
     out: Out<f64>,
 }
 

@@ -17,12 +17,12 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Invert {
-    /// The number.
+    /// The number, in any unit.
     in_: In<f64>,
-    /// 1 / `in`, the number kept away from zero by `deadband`.
+    /// 1 / `in`, per unit of it; the number is kept away from zero by `deadband`.
     out: Out<f64>,
-    /// A number closer to zero than this is taken as this, with its sign (zero as positive);
-    /// positive, and set to 1e-12 when it is less.
+    /// A number closer to zero than this, in its unit, is taken as this, with its sign (zero as
+    /// positive); positive, and set to 1e-12 when it is less.
     deadband: ParamRw<f64>,
 }
 

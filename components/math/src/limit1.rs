@@ -18,7 +18,7 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Limit1 {
-    /// The number.
+    /// The number, in any unit.
     in_: In<f64>,
     /// Lowest output, in the number's unit.
     #[hal(default = -1e20)]
@@ -26,8 +26,8 @@ pub(crate) struct Limit1 {
     /// Highest output, in the number's unit; it wins when the two cross.
     #[hal(default = 1e20)]
     max_: In<f64>,
-    /// The number within the range. A bound that is not a number does not bind, and what is not a
-    /// number passes.
+    /// The number within the range, in its unit. A bound that is not a number does not bind, and
+    /// what is not a number passes.
     out: Out<f64>,
 }
 

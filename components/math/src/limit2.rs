@@ -21,7 +21,7 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Limit2 {
-    /// The number.
+    /// The number, in any unit.
     in_: In<f64>,
     /// While true, the output jumps to the number (within the range) at once.
     load: In<bool>,
@@ -35,7 +35,7 @@ pub(crate) struct Limit2 {
     /// faster than this either.
     #[hal(default = 1e20)]
     maxv: In<f64>,
-    /// The limited number.
+    /// The limited number, in the same unit.
     out: Out<f64>,
 }
 

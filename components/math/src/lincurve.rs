@@ -54,7 +54,7 @@ impl Component for Lincurve {
         let input = b.item("in", "Where on the curve, in the unit of the points' x.", 0.0)?;
         let out =
             b.item("out", "How high the curve is there, in the unit of the points' y.", 0.0)?;
-        let doc = "As `out`, to be linked to what is bidirectional, such as a gain.";
+        let doc = "As `out`, in its unit, to be linked to what is bidirectional, such as a gain.";
         let out_io = b.item("out-io", doc, 0.0)?;
         let mut points = Vec::new();
         for i in 0..n {

@@ -26,11 +26,11 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Lowpass {
-    /// The number.
+    /// The number, in any unit.
     in_: In<f64>,
     /// While true, the output is the number.
     load: In<bool>,
-    /// The filtered number.
+    /// The filtered number, in the same unit.
     out: Out<f64>,
     /// Which part of the distance to the number the output covers at each run: 1 follows at
     /// once, 0 never. For a corner at f hertz with a period of T seconds it is 1 - exp(-2πfT); the

@@ -23,13 +23,13 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Minmax {
-    /// The number.
+    /// The number, in any unit.
     in_: In<f64>,
     /// While true, both outputs are the number: the search begins anew.
     reset: In<bool>,
-    /// The lowest value; at most 0 before the first reset.
+    /// The lowest value, in the same unit; at most 0 before the first reset.
     min_: Out<f64>,
-    /// The highest value; at least 0 before the first reset.
+    /// The highest value, in the same unit; at least 0 before the first reset.
     max_: Out<f64>,
 }
 

@@ -17,11 +17,11 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Mult2 {
-    /// First number.
+    /// First number, in any unit.
     in0: In<f64>,
-    /// Second number.
+    /// Second number, in any unit.
     in1: In<f64>,
-    /// `in0` · `in1`.
+    /// `in0` · `in1`, in the product of their units.
     out: Out<f64>,
 }
 

@@ -21,9 +21,9 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Near {
-    /// First number.
+    /// First number, in any unit.
     in1: In<f64>,
-    /// Second number.
+    /// Second number, in the same unit.
     in2: In<f64>,
     /// True when the numbers are within a factor of `scale`, or no more than `difference` apart.
     out: Out<bool>,

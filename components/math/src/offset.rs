@@ -6,9 +6,9 @@ use hal_component::{
 
 const OFFSET: Decl<'static> = Decl::new("offset", "The offset, in units.");
 const IN: Decl<'static> = Decl::new("in", "The number, in units.");
-const OUT: Decl<'static> = Decl::new("out", "`in` + `offset`.");
+const OUT: Decl<'static> = Decl::new("out", "`in` + `offset`, in their unit.");
 const FB_IN: Decl<'static> = Decl::new("fb-in", "Feedback that contains the offset, in units.");
-const FB_OUT: Decl<'static> = Decl::new("fb-out", "`fb-in` - `offset`.");
+const FB_OUT: Decl<'static> = Decl::new("fb-out", "`fb-in` - `offset`, in their unit.");
 
 /// Adds an offset on the way out and takes it off on the way back.
 pub(crate) struct Offset;

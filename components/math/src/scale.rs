@@ -18,13 +18,13 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Scale {
-    /// The number.
+    /// The number, in any unit.
     in_: In<f64>,
-    /// The gain; it is 0 until it is set.
+    /// The gain, in the unit of `out` per unit of `in`; it is 0 until it is set.
     gain: In<f64>,
-    /// Added to the product.
+    /// Added to the product, in the unit of `out`.
     offset: In<f64>,
-    /// `in` · `gain` + `offset`.
+    /// `in` · `gain` + `offset`, in the unit that they make.
     out: Out<f64>,
 }
 

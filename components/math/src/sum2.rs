@@ -19,19 +19,19 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Sum2 {
-    /// First number.
+    /// First number, in any unit.
     in0: In<f64>,
-    /// Second number.
+    /// Second number, in any unit.
     in1: In<f64>,
-    /// `in0` · `gain0` + `in1` · `gain1` + `offset`.
+    /// `in0` · `gain0` + `in1` · `gain1` + `offset`, in the unit that they make.
     out: Out<f64>,
-    /// Gain of `in0`; -1 subtracts it.
+    /// Gain of `in0`, in the unit of `out` per unit of it; -1 subtracts it.
     #[hal(default = 1.0)]
     gain0: ParamRw<f64>,
-    /// Gain of `in1`; -1 subtracts it.
+    /// Gain of `in1`, in the unit of `out` per unit of it; -1 subtracts it.
     #[hal(default = 1.0)]
     gain1: ParamRw<f64>,
-    /// Added to the sum.
+    /// Added to the sum, in the unit of `out`.
     offset: ParamRw<f64>,
 }
 

@@ -22,11 +22,11 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Wcomp {
-    /// The number.
+    /// The number, in any unit.
     in_: In<f64>,
     /// Lower edge of the window, in the number's unit.
     min_: In<f64>,
-    /// Upper edge of the window.
+    /// Upper edge of the window, in the same unit.
     max_: In<f64>,
     /// True when the number is between the edges, on neither of them.
     out: Out<bool>,

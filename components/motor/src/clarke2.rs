@@ -20,13 +20,13 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Clarke2 {
-    /// First phase.
+    /// First phase, in any unit.
     a: In<f64>,
-    /// Second phase.
+    /// Second phase, in the same unit.
     b: In<f64>,
-    /// First coordinate, along the first phase.
+    /// First coordinate, along the first phase, in the same unit.
     x: Out<f64>,
-    /// Second coordinate, a quarter turn ahead.
+    /// Second coordinate, a quarter turn ahead, in the same unit.
     y: Out<f64>,
 }
 

@@ -20,17 +20,17 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Clarke3 {
-    /// First phase.
+    /// First phase, in any unit.
     a: In<f64>,
-    /// Second phase.
+    /// Second phase, in the same unit.
     b: In<f64>,
-    /// Third phase.
+    /// Third phase, in the same unit.
     c: In<f64>,
-    /// First coordinate, along the first phase.
+    /// First coordinate, along the first phase, in the same unit.
     x: Out<f64>,
-    /// Second coordinate, a quarter turn ahead.
+    /// Second coordinate, a quarter turn ahead, in the same unit.
     y: Out<f64>,
-    /// What the phases have in common; 0 where they sum to zero.
+    /// What the phases have in common, in the same unit; 0 where they sum to zero.
     h: Out<f64>,
 }
 

@@ -20,19 +20,19 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Clarkeinv {
-    /// First coordinate.
+    /// First coordinate, in any unit.
     x: In<f64>,
-    /// Second coordinate.
+    /// Second coordinate, in the same unit.
     y: In<f64>,
-    /// What the phases have in common, as `clarke3` gives it; 0 with three wires.
+    /// What the phases have in common, in the same unit, as `clarke3` gives it; 0 with three wires.
     h: In<f64>,
     /// By how much to turn, in turns.
     theta: In<f64>,
-    /// First phase.
+    /// First phase, in the same unit.
     a: Out<f64>,
-    /// Second phase.
+    /// Second phase, in the same unit.
     b: Out<f64>,
-    /// Third phase.
+    /// Third phase, in the same unit.
     c: Out<f64>,
 }
 

@@ -18,9 +18,9 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Blend {
-    /// The number at `select` 1.
+    /// The number at `select` 1, in any unit.
     in1: In<f64>,
-    /// The number at `select` 0.
+    /// The number at `select` 0, in the same unit.
     in2: In<f64>,
     /// How much of the first, 0 to 1.
     select: In<f64>,

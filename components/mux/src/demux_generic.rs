@@ -49,11 +49,16 @@ impl Component for DemuxGeneric {
         for (i, Config { from, to, size }) in list?.into_iter().enumerate() {
             let name = format!("demux-gen.{i:02}");
             let selector = Selector::declare(b, &name, size)?;
-            let input = from.input(b, &format!("{name}.in-{}", from.word()), "The value.")?;
+            let input =
+                from.input(b, &format!("{name}.in-{}", from.word()), "The value, in any unit.")?;
             let mut outputs = Vec::new();
             for i in 0..size {
                 let pin = format!("{name}.out-{}-{i:02}", to.word());
-                outputs.push(to.output(b, &pin, "The value while this is chosen, otherwise 0.")?);
+                outputs.push(to.output(
+                    b,
+                    &pin,
+                    "The value while this is chosen, in its unit; otherwise 0.",
+                )?);
             }
             b.function(&name, "Chooses.", Demux { selector, input, outputs })?;
         }

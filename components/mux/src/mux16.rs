@@ -30,10 +30,10 @@ pub(crate) struct Mux16 {
     /// A selector, worth 1, 2, 4 and 8.
     #[hal(name = "sel#", count = 4_u32)]
     sel: Vec<In<bool>>,
-    /// A number to choose.
+    /// A number to choose, in any unit.
     #[hal(name = "in##", count = 16_u32)]
     in_: Vec<In<f64>>,
-    /// The chosen number.
+    /// The chosen number, in its unit.
     out_f: Out<f64>,
     /// The chosen number without its fraction; one that does not fit in 32 bits becomes the lowest.
     out_s: Out<i32>,

@@ -19,13 +19,13 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Mux2 {
-    /// First number.
+    /// First number, in any unit.
     in0: In<f64>,
-    /// Second number.
+    /// Second number, in the same unit.
     in1: In<f64>,
     /// Which: false for `in0`, true for `in1`.
     sel: In<bool>,
-    /// The chosen number.
+    /// The chosen number, in the same unit.
     out: Out<f64>,
 }
 

@@ -20,19 +20,19 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Mux4 {
-    /// First number.
+    /// First number, in any unit.
     in0: In<f64>,
-    /// Second number.
+    /// Second number, in the same unit.
     in1: In<f64>,
-    /// Third number.
+    /// Third number, in the same unit.
     in2: In<f64>,
-    /// Fourth number.
+    /// Fourth number, in the same unit.
     in3: In<f64>,
     /// Selector worth 1.
     sel0: In<bool>,
     /// Selector worth 2.
     sel1: In<bool>,
-    /// The chosen number.
+    /// The chosen number, in the same unit.
     out: Out<f64>,
 }
 

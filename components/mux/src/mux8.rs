@@ -20,21 +20,21 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Mux8 {
-    /// First number.
+    /// First number, in any unit.
     in0: In<f64>,
-    /// Second number.
+    /// Second number, in the same unit.
     in1: In<f64>,
-    /// Third number.
+    /// Third number, in the same unit.
     in2: In<f64>,
-    /// Fourth number.
+    /// Fourth number, in the same unit.
     in3: In<f64>,
-    /// Fifth number.
+    /// Fifth number, in the same unit.
     in4: In<f64>,
-    /// Sixth number.
+    /// Sixth number, in the same unit.
     in5: In<f64>,
-    /// Seventh number.
+    /// Seventh number, in the same unit.
     in6: In<f64>,
-    /// Eighth number.
+    /// Eighth number, in the same unit.
     in7: In<f64>,
     /// Selector worth 1.
     sel0: In<bool>,
@@ -42,7 +42,7 @@ pub(crate) struct Mux8 {
     sel1: In<bool>,
     /// Selector worth 4.
     sel2: In<bool>,
-    /// The chosen number.
+    /// The chosen number, in the same unit.
     out: Out<f64>,
 }
 

@@ -55,9 +55,9 @@ impl Component for MuxGeneric {
             let mut inputs = Vec::new();
             for i in 0..size {
                 let pin = format!("{name}.in-{}-{i:02}", from.word());
-                inputs.push(from.input(b, &pin, "A value to choose.")?);
+                inputs.push(from.input(b, &pin, "A value to choose, in any unit.")?);
             }
-            let doc = "The chosen value, as this type can have it.";
+            let doc = "The chosen value, in its unit, as this type can have it.";
             let output = to.output(b, &format!("{name}.out-{}", to.word()), doc)?;
             b.function(&name, "Chooses.", Mux { selector, inputs, output })?;
         }

@@ -31,7 +31,8 @@ pub(crate) struct Joyhandle {
     /// How far the curve bends, a number without a unit, 1 to about 5; below 1 it is set to 1.
     #[hal(default = 2.0)]
     power: ParamRw<f64>,
-    /// Half the width of the dead zone, of the 1 that the handle goes to either side; set to at least 0 and at most 0.99.
+    /// Half the width of the dead zone, as a fraction of what the handle goes to either side; set
+    /// to at least 0 and at most 0.99.
     deadband: ParamRw<f64>,
     /// Height of the curve at 1, without `offset`, in the unit that the output is to have.
     #[hal(default = 1.0)]

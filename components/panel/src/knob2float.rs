@@ -23,14 +23,14 @@ pub(crate) struct Knob2float {
     counts: In<i32>,
     /// Whether the knob counts; while false the number stays.
     enable: In<bool>,
-    /// By how much one count changes the number.
+    /// By how much one count changes the number, in its unit.
     scale: In<f64>,
-    /// The number.
+    /// The number, in any unit.
     out: Out<f64>,
-    /// The highest number.
+    /// The highest number, in the same unit.
     #[hal(default = 1.0)]
     max_out: ParamRw<f64>,
-    /// The lowest number; above `max-out` it is set to that.
+    /// The lowest number, in the same unit; above `max-out` it is set to that.
     min_out: ParamRw<f64>,
     #[state]
     last: i32,

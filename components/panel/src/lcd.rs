@@ -220,7 +220,7 @@ impl Display {
 impl Shown {
     fn declare(b: &mut Builder<'_>, pin: &str, kind: Kind, field: Field) -> Result<Self, Error> {
         Ok(match kind {
-            Kind::Float => Self::Float(b.item(pin, "A number to show.", 0.0)?, field),
+            Kind::Float => Self::Float(b.item(pin, "A number to show, in any unit.", 0.0)?, field),
             Kind::Signed => Self::Signed(b.item(pin, "An integer to show.", 0)?, field),
             Kind::Unsigned(base) => {
                 Self::Unsigned(b.item(pin, "An integer to show.", 0)?, base, field)

@@ -43,18 +43,18 @@ pub(crate) struct XhcHb04Util {
     /// Output of a filter: its number times its scale, rounded, halves down; out of range: the lowest.
     #[hal(name = "out#", count = 4_u32)]
     out: Vec<Out<i32>>,
-    /// Scale of a filter.
+    /// Scale of a filter: the unit of its output per that of its input.
     #[hal(name = "scale#", count = 4_u32, default = 1.0)]
     scale: Vec<In<f64>>,
     /// How much of the difference a filter follows in a run, 0 to 1, without its sign; beyond
     /// that it follows all.
     #[hal(name = "coef#", count = 4_u32, default = 1.0)]
     coef: Vec<In<f64>>,
-    /// The number to divide.
+    /// The number to divide, in any unit.
     divide_by_k_in: In<f64>,
-    /// `divide-by-k-in` / `k`; 1e99 when `k` is 0.
+    /// `divide-by-k-in` / `k`, in the unit of one per that of the other; 1e99 when `k` is 0.
     divide_by_k_out: Out<f64>,
-    /// What to divide by.
+    /// What to divide by, in any unit.
     #[hal(default = 1.0)]
     k: In<f64>,
     #[state]

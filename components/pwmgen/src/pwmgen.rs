@@ -93,21 +93,21 @@ pins! {
     pub(crate) struct Pins {
         /// Whether there are pulses.
         enable: In<bool> = "enable", false;
-        /// What the duty cycle is to be, in `scale`.
+        /// What the duty cycle is to be, in the unit of `scale`.
         value: In<f64> = "value", 0.0;
-        /// The value of a duty cycle of 1. Closer to 0 than 1e-20: 1.
+        /// The value of a duty cycle of 1, in its unit. Closer to 0 than 1e-20: 1.
         scale: Io<f64> = "scale", 1.0;
-        /// What is added to the duty cycle.
+        /// What is added to the duty cycle, as a fraction.
         offset: Io<f64> = "offset", 0.0;
         /// Whether widths between two whole runs are made of both in turn.
         dither_pwm: Io<bool> = "dither-pwm", false;
         /// Periods per second, corrected to what can be; 0: density of pulses instead.
         pwm_freq: Io<f64> = "pwm-freq", 0.0;
-        /// Least duty cycle, 0 to `max-dc`.
+        /// Least duty cycle, a fraction: 0 to `max-dc`.
         min_dc: Io<f64> = "min-dc", 0.0;
-        /// Greatest duty cycle, `min-dc` to 1.
+        /// Greatest duty cycle, a fraction: `min-dc` to 1.
         max_dc: Io<f64> = "max-dc", 1.0;
-        /// The duty cycle as it is; negative: backward.
+        /// The duty cycle as it is, from -1 to 1; negative: backward.
         curr_dc: Out<f64> = "curr-dc", 0.0;
     }
 }

@@ -70,23 +70,43 @@ impl Generator {
     fn create(b: &mut Builder<'_>, name: &str) -> Result<(), Error> {
         let pin = |pin: &str| format!("{name}.{pin}");
         let generator = Self {
-            amplitude: b.item(&pin("amplitude"), "Half the height of the signals.", 1.0)?,
+            amplitude: b.item(
+                &pin("amplitude"),
+                "Half the height of the signals, in any unit.",
+                1.0,
+            )?,
             frequency: b.item(
                 &pin("frequency"),
                 "Frequency, in hertz; set back to half of the thread's when it is above that.",
                 1.0,
             )?,
-            offset: b.item(&pin("offset"), "The middle of the signals.", 0.0)?,
+            offset: b.item(
+                &pin("offset"),
+                "The middle of the signals, in the unit of `amplitude`.",
+                0.0,
+            )?,
             reset: b.item(
                 &pin("reset"),
                 "While true, the signals stay in the middle of their cycle.",
                 false,
             )?,
-            square: b.item(&pin("square"), "High in the second half of the cycle.", 0.0)?,
-            sawtooth: b.item(&pin("sawtooth"), "Rises over the whole cycle.", 0.0)?,
-            triangle: b.item(&pin("triangle"), "Falls in the first half, then rises.", 0.0)?,
-            sine: b.item(&pin("sine"), "Sine.", 0.0)?,
-            cosine: b.item(&pin("cosine"), "Cosine.", 0.0)?,
+            square: b.item(
+                &pin("square"),
+                "High in the second half of the cycle, in the unit of `amplitude`.",
+                0.0,
+            )?,
+            sawtooth: b.item(
+                &pin("sawtooth"),
+                "Rises over the whole cycle, in the unit of `amplitude`.",
+                0.0,
+            )?,
+            triangle: b.item(
+                &pin("triangle"),
+                "Falls in the first half, then rises, in the unit of `amplitude`.",
+                0.0,
+            )?,
+            sine: b.item(&pin("sine"), "Sine, in the unit of `amplitude`.", 0.0)?,
+            cosine: b.item(&pin("cosine"), "Cosine, in the unit of `amplitude`.", 0.0)?,
             clock: b.item(&pin("clock"), "True in the second half of the cycle.", false)?,
             index: 0.0,
         };

@@ -52,8 +52,12 @@ impl Component for Supply {
             let run = Self {
                 q: b.item(&pin("q"), "The bit.", false)?,
                 not_q: b.item(&pin("_q"), "The opposite of the bit.", true)?,
-                variable: b.item(&pin("variable"), "The number.", 0.0)?,
-                negative: b.item(&pin("_variable"), "The number, with the other sign.", 0.0)?,
+                variable: b.item(&pin("variable"), "The number, in any unit.", 0.0)?,
+                negative: b.item(
+                    &pin("_variable"),
+                    "The number, with the other sign, in the same unit.",
+                    0.0,
+                )?,
                 d: b.item(&pin("d"), "What `q` is.", false)?,
                 value: b.item(
                     &pin("value"),

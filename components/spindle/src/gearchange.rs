@@ -33,17 +33,17 @@ pub(crate) struct Gearchange {
     dir_in: In<bool>,
     /// The direction for the drive.
     dir_out: Out<bool>,
-    /// Lowest speed in the first gear, in turns per minute.
+    /// Lowest speed in the first gear, in the unit of `speed-in`.
     min1: ParamRw<f64>,
-    /// Highest speed in the first gear; it loses against `min1`.
+    /// Highest speed in the first gear, in the unit of `speed-in`; it loses against `min1`.
     #[hal(default = 100_000.0)]
     max1: ParamRw<f64>,
-    /// Lowest speed in the second gear.
+    /// Lowest speed in the second gear, in the unit of `speed-in`.
     min2: ParamRw<f64>,
-    /// Highest speed in the second gear; it loses against `min2`.
+    /// Highest speed in the second gear, in the unit of `speed-in`; it loses against `min2`.
     #[hal(default = 100_000.0)]
     max2: ParamRw<f64>,
-    /// How much faster the second gear is than the first; below 1 it is set to 1.
+    /// How much faster the second gear is than the first, a ratio; below 1 it is set to 1.
     #[hal(default = 1.0)]
     scale2: ParamRw<f64>,
     /// Whether the second gear turns the other way.

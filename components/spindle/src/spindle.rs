@@ -75,7 +75,8 @@ pins! {
         spindle_rpm: Out<f64> = "spindle-rpm", 0.0;
         /// The size of the speed for a display, in turns per minute.
         spindle_rpm_abs: Out<f64> = "spindle-rpm-abs", 0.0;
-        /// The size of the speed for the drive, plus the gear's offset, times its scale.
+        /// The size of the speed for the drive, plus the gear's offset, times its scale: in the
+        /// drive's unit.
         output: Out<f64> = "output", 0.0;
         /// The gear that is selected.
         current_gear: Out<u32> = "current-gear", 0;

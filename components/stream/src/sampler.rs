@@ -57,7 +57,12 @@ impl Sampling {
         let ring = b.stream_out(&format!("sampler.{n}"), channel.depth, &codes)?;
         let mut pins = Vec::new();
         for (i, ty) in channel.types.iter().enumerate() {
-            pins.push(AnyIn::create(b, *ty, &name(&format!("pin.{i}")), "What is sampled.")?);
+            pins.push(AnyIn::create(
+                b,
+                *ty,
+                &name(&format!("pin.{i}")),
+                "What is sampled, in any unit.",
+            )?);
         }
         let _: Io<i32> = b.item(&name("sample-num"), "Kept for old scripts; stays as set.", 0)?;
         let sampling = Self {

@@ -55,7 +55,7 @@ impl Streaming {
         let ring = b.stream_in(&format!("streamer.{n}"), channel.depth, &codes)?;
         let mut pins = Vec::new();
         for (i, ty) in channel.types.iter().enumerate() {
-            let doc = "A value of the last record.";
+            let doc = "A value of the last record, in any unit.";
             pins.push(AnyOut::create(b, *ty, &name(&format!("pin.{i}")), doc)?);
         }
         let streaming = Self {

@@ -88,7 +88,7 @@ impl Component for Histobins {
         let doc = "Which input is counted: 0 `input`, 1 `input-s32`, 2 `input-u32`, 3 `input-bit`; \
             others: `input`.";
         let pintype = b.item("pintype", doc, 0)?;
-        let doc = "The value; what is not a number is passed over.";
+        let doc = "The value, in any unit; what is not a number is passed over.";
         let float = b.item("input", doc, 0.0)?;
         let s32 = b.item("input-s32", "The value, if `pintype` is 1.", 0)?;
         let u32 = b.item("input-u32", "The value, if `pintype` is 2.", 0)?;
@@ -107,9 +107,10 @@ impl Component for Histobins {
         let doc = "True while `nbins` cannot be; nothing is counted then.";
         let input_error = b.item("input-error", doc, false)?;
         let mut pin = |name: &str, doc: &str| b.item(name, doc, 0.0);
-        let binvalue = pin("binvalue", "Values in this bin; -1 for one that is not used.")?;
-        let pextra = pin("pextra", "Values beyond the last bin.")?;
-        let nextra = pin("nextra", "Values before the first bin.")?;
+        let binvalue =
+            pin("binvalue", "How many values are in this bin; -1 for one that is not used.")?;
+        let pextra = pin("pextra", "How many values are beyond the last bin.")?;
+        let nextra = pin("nextra", "How many values are before the first bin.")?;
         let input_min = pin("input-min", "The lowest value, in units.")?;
         let input_max = pin("input-max", "The highest value, in units.")?;
         let nsamples = b.item("nsamples", "How many values there were.", 0)?;

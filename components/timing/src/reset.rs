@@ -36,7 +36,7 @@ pub(crate) struct Reset {
     retriggerable: In<bool>,
     /// What `out-bit` is set to.
     reset_bit: In<bool>,
-    /// What `out-float` is set to.
+    /// What `out-float` is set to, in any unit.
     reset_float: In<f64>,
     /// What `out-s32` is set to.
     reset_s32: In<i32>,
@@ -44,7 +44,7 @@ pub(crate) struct Reset {
     reset_u32: In<u32>,
     /// A bit that is set; between edges others may write it.
     out_bit: Io<bool>,
-    /// A number that is set; between edges others may write it.
+    /// A number that is set, in any unit; between edges others may write it.
     out_float: Io<f64>,
     /// A 32-bit number that is set; between edges others may write it.
     out_s32: Io<i32>,

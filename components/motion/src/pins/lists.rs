@@ -53,7 +53,8 @@ impl Lists {
                 b,
                 &setup.analog_in,
                 ["analog-in-", "ain-"],
-                "Analog input for programs, to be waited for or read. Not used yet.",
+                "Analog input for programs, in the unit of its source, to be waited for or read. Not used \
+                 yet.",
                 false,
             )?,
             analog_out: list(

@@ -92,20 +92,21 @@ impl Magazine {
                 "How long it is pulled back against its stop, in seconds; 0 or less: not at all.",
                 0.0,
             )?,
-            fwd_dc: b.item(&n("fwd-dc"), "`motor-vel` forwards, a speed or duty cycle.", 0.0)?,
+            fwd_dc: b.item(&n("fwd-dc"), "`motor-vel` forwards, in its unit.", 0.0)?,
             rev_dc: b.item(
                 &n("rev-dc"),
-                "`motor-vel` in reverse, with its sign.",
+                "`motor-vel` in reverse, in its unit, with its sign.",
                 0.0,
             )?,
             hold_dc: b.item(
                 &n("hold-dc"),
-                "`motor-vel` at rest, to hold it against its stop.",
+                "`motor-vel` at rest, in its unit, to hold it against its stop.",
                 0.0,
             )?,
             align_dc: b.item(
                 &n("align-dc"),
-                "`motor-vel` of the alignment, backwards with the other sign; 0: no alignment.",
+                "`motor-vel` of the alignment, in its unit, backwards with the other sign; 0: no \
+                 alignment.",
                 0.0,
             )?,
             decel_time: b.item(
@@ -133,7 +134,7 @@ impl Magazine {
             motor_rev: b.item(&n("motor-rev"), "The motor is to run in reverse.", false)?,
             motor_vel: b.item(
                 &n("motor-vel"),
-                "Speed or duty cycle of the motor, one of the `-dc` pins.",
+                "Speed or duty cycle of the motor, in the unit of its drive: one of the `-dc` pins.",
                 0.0,
             )?,
             counts_target: b.item(

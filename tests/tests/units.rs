@@ -1,0 +1,76 @@
+//! The documentation of every pin and parameter that is a float says in which unit it is, that it
+//! has none, or between which numbers it stays.
+
+use hal_protocol::Type;
+use hal_tests::programs::programs;
+use halcmd::man;
+
+/// Words by which a unit is known, or that there is none.
+const WORDS: &str = "counts cycles degrees fraction hertz k microseconds milliseconds ms nanoseconds \
+    ns part percent periods pulses radians ratio revolution revolutions rpm seconds steps turns unit \
+    units volts °c °f µs";
+/// The same in several words.
+const PHRASES: &[&str] = &[
+    "always 0",
+    "how many",
+    "is not used",
+    "number of",
+    "per minute",
+    "per second",
+    "without effect",
+];
+
+/// A component and a library whose documentation does not say so yet.
+const NOT_YET: &[&str] = &["bldc", "plasma"];
+
+/// Whether a text says how its number is meant.
+fn says(doc: &str) -> bool {
+    let text = doc.to_lowercase();
+    let letter = |c: char| c.is_alphanumeric() || c == '°';
+    let words: Vec<&str> = text.split(|c| !letter(c)).filter(|w| !w.is_empty()).collect();
+    let number = |word: &str| word.starts_with(|c: char| c.is_ascii_digit());
+    // As in `-1 to 1`, and `1 or 4`.
+    let range = |w: &[&str]| matches!(*w, [low, "to" | "or", high] if number(low) && number(high));
+    words.iter().any(|w| WORDS.split(' ').any(|unit| unit == *w))
+        || PHRASES.iter().any(|p| text.contains(p))
+        || words.windows(3).any(range)
+}
+
+#[test]
+fn every_float_has_a_unit_or_a_range() {
+    let mut silent = Vec::new();
+    for page in man::pages(&[programs().to_owned()]).unwrap() {
+        let (component, library) = (&*page.offer.component, &*page.offer.library);
+        if NOT_YET.contains(&component) || NOT_YET.contains(&library) {
+            continue;
+        }
+        let floats = page.items.iter().filter(|i| i.ty == Type::Float && !says(&i.doc));
+        silent.extend(floats.map(|i| format!("{}: {}", i.first, i.doc)));
+    }
+    assert!(silent.is_empty(), "{} of them:\n{}", silent.len(), silent.join("\n"));
+}
+
+#[test]
+fn what_says_it_is_known() {
+    for doc in [
+        "Highest speed, in units per second; positive.",
+        "The gain; no unit.",
+        "How much is driven, from -1 to 1.",
+        "Always 0: not used.",
+        "Temperature, in °C.",
+        "Number of samples.",
+    ] {
+        assert!(says(doc), "{doc}");
+    }
+    for doc in [
+        "The number.",
+        "Second number.",
+        "Position; 0: any.",
+        "The unity of it.",
+        "A pin.",
+        "A quarter turn on.",
+        "",
+    ] {
+        assert!(!says(doc), "{doc}");
+    }
+}
