@@ -50,6 +50,7 @@
 //! nonzero = true      # not 0
 //! larger = 1000       # so many times as large
 //! range = [0, 4]      # from one to the other
+//! evenly = true       # each whole number of that range is as likely as any other
 //! set = "1"           # set to this after each load, and no more
 //! values = [0, 2.5]   # one of these, by chance
 //! often = 50          # changed once in so many cycles, by chance: it stays while states go by

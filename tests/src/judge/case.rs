@@ -81,6 +81,9 @@ pub struct Input {
     pub set: Option<String>,
     /// From the first to the second; with `positive`, that is kept as well.
     pub range: Option<[f64; 2]>,
+    /// Each whole number of its range is as likely as any other.
+    #[serde(default)]
+    pub evenly: bool,
     /// One of these, by chance.
     #[serde(default)]
     pub values: Vec<f64>,
@@ -103,6 +106,7 @@ impl Input {
             (self.number, "never NaN"),
             (self.finite, "finite"),
             (self.nonzero, "not 0"),
+            (self.evenly, "evenly"),
         ];
         let mut out: Vec<String> = words.iter().filter(|w| w.0).map(|w| w.1.to_owned()).collect();
         out.extend(self.larger.map(|n| format!("{n:e} times as large")));
@@ -206,6 +210,9 @@ impl Case {
                 return Err(format!("{}: positive, steady, alone, tame, …?", i.pins.join(", ")));
             }
         }
+        if let Some(i) = case.inputs.iter().find(|i| i.evenly && i.range.is_none()) {
+            return Err(format!("{}: evenly in which range?", i.pins.join(", ")));
+        }
         if case.lists().any(|(pins, why)| pins.is_empty() || why.is_empty()) {
             return Err("a list without pins, or without a reason".to_owned());
         }
@@ -290,6 +297,8 @@ mod tests {
         let wrong = |text: &str| Case::parse(text).unwrap_err();
         assert!(wrong("skp = \"x\"").contains("unknown field `skp`"));
         assert!(wrong("[[inputs]]\npins = [\"a\"]\nwhy = \"b\"").contains("positive, steady"));
+        let evenly = "[[inputs]]\npins = [\"a\"]\nwhy = \"b\"\nevenly = true";
+        assert!(wrong(evenly).contains("in which range"));
         assert!(wrong("[[tolerance]]\npins = []\nwhy = \"b\"\nulps = 1").contains("without pins"));
         assert!(wrong("[[differs]]\npins = [\"a\"]\nwhy = \"b\"").contains("missing field `from`"));
     }

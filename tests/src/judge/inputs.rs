@@ -39,6 +39,7 @@ pub(super) struct Driven {
     nonzero: bool,
     larger: f64,
     range: Option<[f64; 2]>,
+    evenly: bool,
     values: Vec<f64>,
     often: Option<u64>,
     /// An output of ours, and what is multiplied with it: a pin, or a number.
@@ -72,6 +73,7 @@ impl Driven {
             nonzero: case.keeps(name, |i| i.nonzero),
             larger: case.told(name, |i| i.larger).unwrap_or(1.0),
             range: case.told(name, |i| i.range),
+            evenly: case.keeps(name, |i| i.evenly),
             values: case
                 .told(name, |i| (!i.values.is_empty()).then(|| i.values.clone()))
                 .unwrap_or_default(),
@@ -100,9 +102,10 @@ impl Driven {
             None => !self.seldom || now_and_then,
         };
         let outside = self.range.is_some_and(|range| within(self.first, range) != self.first);
-        let next = match self.values.is_empty() {
-            true => self.source.next(self.first, r),
-            false => Some(of(self.first, r.pick(&self.values))),
+        let next = match (self.range, self.values.as_slice()) {
+            (Some(range), []) if self.evenly => Some(of(self.first, whole_in(range, r))),
+            (_, []) => self.source.next(self.first, r),
+            (_, values) => Some(of(self.first, r.pick(values))),
         };
         let next =
             if is_first && outside { next.or(Some(self.first)) } else { next.filter(|_| due) };
@@ -216,6 +219,12 @@ const ODD: [f64; 18] = [
     1.5,
     2.5,
 ];
+
+/// Any whole number of a range.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounds of a file")]
+fn whole_in([low, high]: [f64; 2], r: &mut Random) -> f64 {
+    low + r.below((high - low) as u64 + 1) as f64
+}
 
 /// A number so many times as large; one that does not fit is the largest that does.
 fn larger(value: Value, n: f64) -> Value {

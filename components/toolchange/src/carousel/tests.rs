@@ -1,6 +1,23 @@
 use super::Carousel;
 use hal_component::{bench::Bench, trace::replay};
 
+#[test]
+fn as_recorded() {
+    assert!(replay::<Carousel>(include_str!("../../traces/carousel.txt")) > 90);
+}
+
+/// Each magazine has its own encoding; LinuxCNC 2.9 takes gray after another for that other one.
+#[test]
+fn gray_after_another() {
+    let rows = "load carousel pockets=8,8 encoding=counts,gray
+        run carousel.1
+        in carousel.1.sense-0 carousel.1.sense-1 carousel.1.sense-2
+        out carousel.1.current-position
+        1 1 1 | 5
+        0 1 1 | 4";
+    assert_eq!(replay::<Carousel>(rows), 2);
+}
+
 /// Six pockets in binary code: the shorter way, across the end, and what a script may ask for.
 #[test]
 fn the_shorter_way() {
