@@ -4,8 +4,8 @@
 //! in other orders, in two threads, with periods from 1 us to 1 s that change in between.
 //!
 //! Nothing panics. While inputs are sane, outputs are finite and within their limits; when they are
-//! sane again, so are the outputs. A second run gives the same bits. That no cycle allocates is in
-//! `realtime.rs`, with the same configurations.
+//! sane again, so are the outputs, and no integer stays at an end of its type. A second run gives
+//! the same bits. That no cycle allocates is in `realtime.rs`, with the same configurations.
 //!
 //! `PROPERTIES=pid cargo test -p hal-tests --test properties one_component` looks at one.
 //!
@@ -45,8 +45,8 @@
 //! pins = ["*.out"]
 //! why = "…"
 //!
-//! # Outputs that keep what was no number, and what clears them, step by step; nothing but a new
-//! # load if there is no step.
+//! # Outputs that keep what was no number or too large, and what clears them, step by step; nothing
+//! # but a new load if there is no step.
 //! [[stays]]
 //! pins = ["*.out"]
 //! why = "it is a sum"
