@@ -10,13 +10,46 @@ pub(crate) struct JointConfig {
     pub(crate) ferror: f64,
     /// As large as `ferror` when it was never given.
     pub(crate) min_ferror: Option<f64>,
-    pub(crate) home: f64,
-    pub(crate) home_offset: f64,
-    pub(crate) home_search_vel: f64,
-    pub(crate) home_latch_vel: f64,
-    /// Zero: as fast as the joint may go.
-    pub(crate) home_final_vel: f64,
+    pub(crate) home: HomeConfig,
     pub(crate) backlash: f64,
+}
+
+/// How a joint is homed, in machine units and seconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct HomeConfig {
+    /// Where it goes in the end.
+    pub(crate) place: f64,
+    /// What the switch, the index or the place where it stands is called.
+    pub(crate) offset: f64,
+    /// Towards the switch; zero: there is none.
+    pub(crate) search_vel: f64,
+    /// Onto or off the switch's edge; zero: it is home where it stands.
+    pub(crate) latch_vel: f64,
+    /// Zero: as fast as the joint may go.
+    pub(crate) final_vel: f64,
+    /// Joints are homed in this order; those below zero make their final move together.
+    pub(crate) sequence: i32,
+    pub(crate) encoder: Encoder,
+    pub(crate) use_index: bool,
+    pub(crate) ignore_limits: bool,
+    /// Several joints have this switch together.
+    pub(crate) is_shared: bool,
+    /// No longer homed when the machine goes off.
+    pub(crate) is_volatile: bool,
+}
+
+/// What the encoder tells.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Encoder {
+    /// The way; its index sets it to zero.
+    #[default]
+    Resets,
+    /// The way; its index does not.
+    Goes,
+    /// The place.
+    Absolute,
+    /// The place, and homing does not move.
+    AbsoluteStill,
 }
 
 impl Default for JointConfig {
@@ -28,11 +61,7 @@ impl Default for JointConfig {
             max_acceleration: 1.0,
             ferror: 1.0,
             min_ferror: None,
-            home: 0.0,
-            home_offset: 0.0,
-            home_search_vel: 0.0,
-            home_latch_vel: 0.0,
-            home_final_vel: 0.0,
+            home: HomeConfig::default(),
             backlash: 0.0,
         }
     }
@@ -88,5 +117,12 @@ impl Default for TrajConfig {
             units_per_mm: 1.0,
             max_feed_override: 1.0,
         }
+    }
+}
+
+impl Encoder {
+    /// Its position is zero at the index.
+    pub(crate) fn resets(self) -> bool {
+        self == Self::Resets
     }
 }

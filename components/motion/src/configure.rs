@@ -2,7 +2,7 @@
 
 use crate::{
     command::Command,
-    config::{AxisConfig, JointConfig, TrajConfig},
+    config::{AxisConfig, Encoder, HomeConfig, JointConfig, TrajConfig},
     desk::letter,
 };
 use hal_component::{Arg, Call, Error, abi::ArgSpec};
@@ -35,16 +35,46 @@ pub(crate) const ARGS: &[&ArgSpec] = &[
         "Following error of a joint allowed at any velocity, in units; ferror if never given.",
     ),
     &Arg::float("home", "Where a joint goes at the end of homing, in units."),
-    &Arg::float("home-offset", "What homing calls the place where a joint stands, in units."),
-    &Arg::float("home-search-vel", "Velocity to look for a home switch; only 0 can be homed yet."),
+    &Arg::float(
+        "home-offset",
+        "What homing calls the place of the switch or index, or where a joint stands, in units; \
+         with an absolute encoder what is added to its position.",
+    ),
+    &Arg::float(
+        "home-search-vel",
+        "Velocity to look for the home switch, in units/s; its sign is the direction; 0: no switch.",
+    ),
     &Arg::float(
         "home-latch-vel",
-        "Velocity to find a home switch's edge; only 0 can be homed yet.",
+        "Velocity to find the switch's edge and the index, in units/s: onto the switch when its \
+         sign is that of home-search-vel, off it otherwise.",
     ),
     &Arg::float(
         "home-final-vel",
         "Velocity of the move to home, in units/s; 0 or less: max-velocity.",
     ),
+    &Arg::int(
+        "home-sequence",
+        "When a joint is homed with all, -1000 to 1000, lowest first, at first 0; those of one \
+         number below 0 are homed together, with a common final move, in the order of the number \
+         without its sign.",
+    ),
+    &Arg::bit("home-use-index", "Home is at the encoder's index behind the switch's edge."),
+    &Arg::bit(
+        "home-index-no-encoder-reset",
+        "The encoder goes on at its index and does not become 0.",
+    ),
+    &Arg::int(
+        "home-absolute-encoder",
+        "1: the encoder knows where it is, and homing only goes to home; 2: nor that; 0: it does \
+         not.",
+    ),
+    &Arg::bit("home-ignore-limits", "Limit switches do not end homing, such as one that is home."),
+    &Arg::bit(
+        "home-is-shared",
+        "Several joints have this home switch: none begins while it is closed.",
+    ),
+    &Arg::bit("volatile-home", "The joint is no longer homed when the machine goes off."),
     &Arg::float("backlash", "Backlash of a joint, in units."),
     &Arg::float(
         "default-velocity",
@@ -75,6 +105,13 @@ const JOINT: &[&str] = &[
     "home-search-vel",
     "home-latch-vel",
     "home-final-vel",
+    "home-sequence",
+    "home-use-index",
+    "home-index-no-encoder-reset",
+    "home-absolute-encoder",
+    "home-ignore-limits",
+    "home-is-shared",
+    "volatile-home",
     "backlash",
 ];
 const AXIS: &[&str] = &["min-limit", "max-limit", "max-velocity", "max-acceleration"];
@@ -130,11 +167,7 @@ impl Book {
             not_negative(call, "min-ferror", &mut least)?;
             c.min_ferror = Some(least);
         }
-        finite(call, "home", &mut c.home)?;
-        finite(call, "home-offset", &mut c.home_offset)?;
-        finite(call, "home-search-vel", &mut c.home_search_vel)?;
-        finite(call, "home-latch-vel", &mut c.home_latch_vel)?;
-        finite(call, "home-final-vel", &mut c.home_final_vel)?;
+        home(call, &mut c.home)?;
         finite(call, "backlash", &mut c.backlash)?;
         Ok(Command::Joint(n, c))
     }
@@ -160,6 +193,40 @@ impl Book {
         }
         Ok(Command::Traj(c))
     }
+}
+
+fn home(call: &Call<'_>, c: &mut HomeConfig) -> Result<(), Error> {
+    finite(call, "home", &mut c.place)?;
+    finite(call, "home-offset", &mut c.offset)?;
+    finite(call, "home-search-vel", &mut c.search_vel)?;
+    finite(call, "home-latch-vel", &mut c.latch_vel)?;
+    finite(call, "home-final-vel", &mut c.final_vel)?;
+    if let Some(n) = call.int("home-sequence") {
+        c.sequence = i32::try_from(n)
+            .ok()
+            .filter(|n| (-1000..=1000).contains(n))
+            .ok_or_else(|| Error::new(format!("home-sequence is {n}, must be -1000 to 1000")))?;
+    }
+    let no_reset = call.bit("home-index-no-encoder-reset");
+    c.encoder = match (call.int("home-absolute-encoder"), no_reset) {
+        (None, None) => c.encoder,
+        (None | Some(0), Some(true)) => Encoder::Goes,
+        (None, Some(false)) | (Some(0), _) => Encoder::Resets,
+        (Some(1), _) => Encoder::Absolute,
+        (Some(2), _) => Encoder::AbsoluteStill,
+        (Some(n), _) => {
+            return Err(Error::new(format!("home-absolute-encoder is {n}, must be 0, 1 or 2")));
+        }
+    };
+    for (name, to) in [
+        ("home-use-index", &mut c.use_index),
+        ("home-ignore-limits", &mut c.ignore_limits),
+        ("home-is-shared", &mut c.is_shared),
+        ("volatile-home", &mut c.is_volatile),
+    ] {
+        *to = call.bit(name).unwrap_or(*to);
+    }
+    Ok(())
 }
 
 /// Refuses arguments that belong to something else.

@@ -68,12 +68,12 @@ impl Update for Controller {
         self.state.guard(&self.pins);
         self.state.advance(&self.pins, dt);
         self.pins.general.last_period.set(u32::try_from(last).unwrap_or(u32::MAX));
-        show(&self.state, &self.pins);
+        show(&mut self.state, &self.pins);
     }
 }
 
-fn show(s: &State, pins: &Pins) {
-    for (joint, pins) in s.joints.iter().zip(&pins.joints) {
+fn show(s: &mut State, pins: &Pins) {
+    for (joint, pins) in s.joints.iter_mut().zip(&pins.joints) {
         joint.show(pins, s.enabled);
     }
     for ((axis, pins), pos) in s.axes.iter().zip(&pins.axes).zip(s.pose) {

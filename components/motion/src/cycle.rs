@@ -3,7 +3,6 @@
 use crate::{
     axis,
     command::Mode,
-    homing,
     jogger::By,
     joint,
     line::Machine,
@@ -64,17 +63,7 @@ impl State {
     /// Jog wheels and homing, then the position of every joint.
     pub(crate) fn advance(&mut self, pins: &Pins, dt: f64) {
         self.wheels(pins);
-        for joint in &mut self.joints {
-            homing::cycle(joint, dt);
-        }
-        if let Some((set, ticket)) = self.homing
-            && (0..self.joints.len())
-                .filter(|n| set >> n & 1 == 1)
-                .all(|n| self.joints.get(n).is_none_or(|j| !j.homing.is_under_way()))
-        {
-            ticket.done();
-            self.homing = None;
-        }
+        self.homing_cycle(dt);
         self.on_soft_limit = false;
         if self.enabled {
             match self.mode {

@@ -68,9 +68,13 @@ Jogs and moves change it by themselves.",
     Row {
         name: "motion.home",
         doc: "\
-Homes joints where they stand.
+Homes joints, in the order of their home-sequence.
 
-The place becomes home-offset, and the joint then goes to home.",
+A joint with home-search-vel goes to its home switch, and with home-latch-vel to its edge: onto it when
+both have one sign, after it has gone back, and off it otherwise. With home-use-index it goes on to the
+encoder's index. Without a switch it is home where it stands. That place becomes home-offset, and the
+joint then goes to home, and its limits hold. What ends it: a limit switch, unless home-ignore-limits,
+and twice the way between the limits without a switch or an index.",
         args: &[&JOINTS],
         read: |desk, call| Ok(Ask::Home(desk.set(call)?)),
     },

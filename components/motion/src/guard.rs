@@ -56,8 +56,9 @@ impl State {
     pub(crate) fn turn_off(&mut self, cause: &'static str) {
         self.enabled = false;
         self.path.clear(cause);
+        self.end_homing(cause);
         for joint in &mut self.joints {
-            joint.homing.abort();
+            joint.homing.homed &= !joint.config.home.is_volatile;
             joint.follow(cause);
         }
         for axis in &mut self.axes {
@@ -65,9 +66,6 @@ impl State {
         }
         for spindle in &mut self.spindles {
             spindle.stop();
-        }
-        if let Some((_, ticket)) = self.homing.take() {
-            ticket.fail(cause);
         }
         if let Some(ticket) = self.enabling.take() {
             ticket.fail(cause);

@@ -124,6 +124,11 @@ impl Jogger {
         }
     }
 
+    /// Brakes, and nobody waits for it.
+    pub(crate) const fn brake(&mut self) {
+        self.tp.enable = false;
+    }
+
     /// Stands still at a position at once.
     pub(crate) fn reset(&mut self, pos: f64, why: &'static str) {
         self.tp.reset(pos);

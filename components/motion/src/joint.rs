@@ -16,6 +16,8 @@ pub(crate) struct Senses {
     pub(crate) amp_fault: bool,
     pub(crate) at_max: bool,
     pub(crate) at_min: bool,
+    pub(crate) at_home: bool,
+    pub(crate) index_enable: bool,
 }
 
 /// A joint.
@@ -57,6 +59,8 @@ impl Joint {
             amp_fault: pins.amp_fault_in.get(),
             at_max: pins.pos_lim_sw_in.get(),
             at_min: pins.neg_lim_sw_in.get(),
+            at_home: pins.home_sw_in.get(),
+            index_enable: pins.index_enable.get(),
         };
         self.measure();
     }
@@ -72,7 +76,10 @@ impl Joint {
     }
 
     fn measure(&mut self) {
-        if self.active {
+        if self.homing.is_at_index(self.senses.index_enable) && self.config.home.encoder.resets() {
+            // What the encoder tells has jumped, and not the joint.
+            self.pos_fb = self.pos_cmd;
+        } else if self.active {
             self.pos_fb = self.senses.motor_pos_fb - (self.backlash.pos + self.motor_offset);
         }
         let on_its_own = self.extra && self.homing.homed;
@@ -168,8 +175,24 @@ impl Joint {
         self.free.tp.target += shift;
     }
 
+    /// Adds to what the encoder tells from now on; nothing moves.
+    pub(crate) fn offset(&mut self, offset: f64) {
+        let pos = self.senses.motor_pos_fb - self.backlash.pos + offset;
+        if !pos.is_finite() {
+            return;
+        }
+        self.motor_offset = -offset;
+        self.pos_cmd = pos;
+        self.pos_fb = pos;
+        self.free.tp.pos = pos;
+        self.free.tp.target = pos;
+    }
+
     /// Writes the pins.
-    pub(crate) fn show(&self, pins: &JointPins, enabled: bool) {
+    pub(crate) fn show(&mut self, pins: &JointPins, enabled: bool) {
+        if let Some(wish) = self.homing.index_wish() {
+            pins.index_enable.set(wish);
+        }
         let tp = &self.free.tp;
         pins.motor_pos_cmd.set(self.pos_cmd + self.backlash.pos + self.motor_offset);
         pins.pos_cmd.set(self.pos_cmd);

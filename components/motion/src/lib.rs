@@ -19,6 +19,7 @@ mod path;
 mod pins;
 mod planner;
 mod refusal;
+mod round;
 mod setup;
 mod spindle;
 mod state;
@@ -52,7 +53,8 @@ It creates `servo-thread`, and `base-thread` when there is a base period. Add
 `trivkins` must be loaded before it.
 
 Each joint is told its limits with `motion.configure joint=N …`; then `motion.enable` switches the
-machine on, `motion.jog` moves a joint or an axis, and `motion.move` moves along a straight line.
+machine on, `motion.home` finds home switches, `motion.jog` moves a joint or an axis, and
+`motion.move` moves along a straight line.
 It goes off by itself when `motion.enable` goes FALSE, a limit switch closes, an amplifier has a
 fault, or a joint does not follow its command.
 

@@ -45,7 +45,10 @@ impl State {
             Ask::Enable => return self.enable(ticket),
             Ask::Disable => self.turn_off("the machine was switched off"),
             Ask::Mode(mode) => self.set_mode(mode)?,
-            Ask::Home(set) => return self.home(set, ticket),
+            Ask::Home(set) => {
+                self.home(set, ticket)?;
+                return Ok(Answer::Later);
+            }
             Ask::Unhome(set) => self.unhome(set)?,
             Ask::Jog(jog) => return self.jog(jog, ticket),
             Ask::JogStop(what) => return Ok(self.jog_stop(what, ticket)),
@@ -84,59 +87,12 @@ impl State {
         Ok(Answer::Later)
     }
 
-    fn needs_enabled(&self, text: &'static str) -> Result<(), Refusal> {
+    pub(crate) fn needs_enabled(&self, text: &'static str) -> Result<(), Refusal> {
         if self.enabled { Ok(()) } else { Err(Refusal::new(text)) }
     }
 
-    fn home(&mut self, set: Joints, ticket: TicketHandle) -> Result<Answer, Refusal> {
-        self.needs_enabled("cannot home: the machine is not enabled")?;
-        if self.inputs.homing_inhibit {
-            return Err(Refusal::new("homing denied by motion.homing-inhibit"));
-        }
-        if self.homing.is_some() {
-            return Err(Refusal::new("cannot home: homing is under way"));
-        }
-        let set = self.wanted(set)?;
-        for (n, joint) in self.joints.iter().enumerate().filter(|(n, _)| set >> n & 1 == 1) {
-            if joint.config.home_search_vel != 0.0 || joint.config.home_latch_vel != 0.0 {
-                return Err(Refusal::joint(
-                    "homing on a switch is not done yet: \
-                     home-search-vel and home-latch-vel must be 0",
-                    "cannot home joint {}: homing on a switch is not done yet, \
-                     home-search-vel and home-latch-vel must be 0",
-                    n,
-                ));
-            }
-        }
-        self.set_mode(Mode::Free)?;
-        for (n, joint) in self.joints.iter_mut().enumerate() {
-            if set >> n & 1 == 1 {
-                joint.free.stop("homing began", None);
-                joint.homing.begin();
-            }
-        }
-        self.homing = Some((set, ticket));
-        Ok(Answer::Later)
-    }
-
-    fn unhome(&mut self, set: Joints) -> Result<(), Refusal> {
-        let set = self.wanted(set)?;
-        if !self.is_idle() {
-            return Err(Refusal::new("cannot unhome while the machine moves"));
-        }
-        if self.enabled {
-            self.set_mode(Mode::Free)?;
-        }
-        for (n, joint) in self.joints.iter_mut().enumerate() {
-            if set >> n & 1 == 1 {
-                joint.homing.homed = false;
-            }
-        }
-        Ok(())
-    }
-
     /// The joints of a set; every bit means all that are active.
-    fn wanted(&self, set: Joints) -> Result<Joints, Refusal> {
+    pub(crate) fn wanted(&self, set: Joints) -> Result<Joints, Refusal> {
         let active = |n: &usize| self.joints.get(*n).is_some_and(|j| j.active);
         let actives = (0..self.joints.len()).filter(active).fold(0, |s, n| s | 1 << n);
         if set == Joints::MAX {
@@ -268,13 +224,7 @@ impl State {
 
     fn abort(&mut self, ticket: TicketHandle) -> Answer {
         self.path.abort();
-        for joint in self.joints.iter_mut().filter(|j| j.homing.is_under_way()) {
-            joint.homing.abort();
-            joint.free.stop("aborted", None);
-        }
-        if let Some((_, ticket)) = self.homing.take() {
-            ticket.fail("aborted");
-        }
+        self.end_homing("aborted");
         self.stop_jogs("aborted");
         for spindle in &mut self.spindles {
             spindle.stop();

@@ -2,13 +2,14 @@
 
 use crate::{
     axis::Axis,
-    command::{Joints, Mode},
+    command::Mode,
     config::TrajConfig,
     jogger::Room,
     joint::Joint,
     line::Places,
     path::Path,
     refusal::Refusal,
+    round::Round,
     setup::{MAX_JOINTS, Setup},
     spindle::Spindle,
     switch::Switch,
@@ -59,7 +60,8 @@ pub(crate) struct State {
     pub(crate) coord_error: bool,
     pub(crate) on_soft_limit: bool,
     pub(crate) enabling: Option<TicketHandle>,
-    pub(crate) homing: Option<(Joints, TicketHandle)>,
+    /// Joints that are being homed.
+    pub(crate) round: Option<Round>,
     /// Done when everything stands still.
     pub(crate) standing: Option<TicketHandle>,
 }
@@ -87,7 +89,7 @@ impl State {
             coord_error: false,
             on_soft_limit: false,
             enabling: None,
-            homing: None,
+            round: None,
             standing: None,
         }
     }

@@ -2,6 +2,7 @@
 
 mod command;
 mod fault;
+mod home;
 mod jog;
 mod line;
 mod pin;

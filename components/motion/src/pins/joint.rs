@@ -63,7 +63,7 @@ pins! {
         homing: Out<bool> = false, "homing" was "homing";
         /// Step of homing, 0 when none is under way.
         home_state: Out<i32> = 0, "home-state" was "home-state";
-        /// TRUE from the home switch. Homing on a switch is not done yet, so it has no effect.
+        /// TRUE from the home switch, for homing with home-search-vel.
         home_sw_in: In<bool> = false, "home-sw-in" was "home-sw-in";
         /// TRUE when the joint's own planner stands still.
         in_position: Out<bool> = false, "in-position" was "in-position";
@@ -76,7 +76,7 @@ pins! {
         pos_hard_limit: Out<bool> = false, "pos-hard-limit" was "pos-hard-limit";
         /// TRUE while neg-lim-sw-in of an active joint is.
         neg_hard_limit: Out<bool> = false, "neg-hard-limit" was "neg-hard-limit";
-        /// Handshake with an encoder for homing on its index. Not used yet.
+        /// Homing with home-use-index sets it, and the encoder clears it at its index.
         index_enable: Io<bool> = false, "index-enable" was "index-enable";
         /// Counts of a jog wheel; only differences matter, and it may wrap.
         jog_counts: In<i32> = 0, "jog-counts" was "jog-counts";

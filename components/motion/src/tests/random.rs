@@ -81,6 +81,7 @@ fn nonsense_is_survived() {
         -0.0,
         0.1,
     ];
+    const SPEEDS: [f64; 6] = [0.0, -20.0, 5.0, 1e300, -1e-300, f64::NAN];
     let mut random = Random::new(3);
     for _ in 0..20 {
         let mut rig = Rig::on(random.pick(&[&[][..], &["kinstype=b"], &["coordinates=xyyz"]]));
@@ -98,7 +99,7 @@ fn nonsense_is_survived() {
                 "bit" => rig.bench.set(pin[0], random.below(4) == 0),
                 _ => rig.bench.set(pin[0], random.pick(&[i32::MIN, -1, 0, 1, i32::MAX])),
             }
-            let text = match random.below(8) {
+            let text = match random.below(9) {
                 0 => "motion.enable".to_owned(),
                 1 => "motion.home joint=all".to_owned(),
                 2 => "motion.override-limits".to_owned(),
@@ -113,6 +114,18 @@ fn nonsense_is_survived() {
                     random.pick(&FLOATS)
                 ),
                 5 => format!("motion.move x={} velocity={}", random.pick(&FLOATS), 1e300),
+                6 => format!(
+                    "motion.configure joint={} home-search-vel={} home-latch-vel={} home={} \
+                     home-offset={} home-use-index={} home-sequence={} home-absolute-encoder={}",
+                    random.below(3),
+                    random.pick(&SPEEDS),
+                    random.pick(&SPEEDS),
+                    random.pick(&SPEEDS),
+                    random.pick(&SPEEDS),
+                    random.below(2),
+                    random.pick(&[-1, 0, 1]),
+                    random.below(3),
+                ),
                 _ => orderly(&mut random),
             };
             // Refused or not: nothing breaks.
