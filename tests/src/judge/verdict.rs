@@ -190,6 +190,9 @@ impl Verdict {
         for s in &case.still {
             let found = self.moved.iter().any(|(n, moved)| !moved && named(&s.pins, n));
             gone("moves", &s.pins, found);
+            for (name, _) in self.moved.iter().filter(|(n, moved)| **moved && named(&s.pins, n)) {
+                gone("moves", std::slice::from_ref(name), false);
+            }
         }
         for o in &case.only {
             let lone = self.ours_only.iter().chain(&self.theirs_only);
