@@ -32,7 +32,7 @@ impl Component for Message {
     const FLAGS: u32 = component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = &[&Arg::texts(
         "messages",
-        "A text for each instance, separated by commas, such as `hot,cold`.",
+        "A text for each instance, separated by commas, such as `hot,cold`; none may be missing.",
     )
     .required()];
 

@@ -40,7 +40,7 @@ impl Component for Spindle {
     const FLAGS: u32 = component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = &[&Arg::ints(
         "numgears",
-        "Number of gears of each instance, 1 to 16; 1 where it is not said.",
+        "Number of gears of each instance, 1 to 16; 1 where the list is shorter.",
     )];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {

@@ -76,9 +76,11 @@ getp stepgen.0.dir # -> FALSE
 
 const TYPES: ArgSpec =
     Arg::ints("step_type", "The type of each channel, 0 to 15").required().at_most(16);
-const CONTROLS: ArgSpec =
-    Arg::texts("ctrl_type", "For each channel p: follows a position (default), v: follows a speed")
-        .at_most(16);
+const CONTROLS: ArgSpec = Arg::texts(
+    "ctrl_type",
+    "For each channel p: follows a position, v: follows a speed; p where the list is shorter",
+)
+.at_most(16);
 const USER: ArgSpec = Arg::ints(
     "user_step_type",
     "The cycle of type 15: the bits of its phases in each state, 0 to 31",

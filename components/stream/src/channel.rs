@@ -13,13 +13,15 @@ const DEPTHS: RangeInclusive<u32> = 2..=1 << 24;
 pub(crate) const ARGS: &[&ArgSpec] = &[
     &Arg::ints(
         "depth",
-        "Number of slots of each channel, 2 to 16777216; it holds one record less.",
+        "Number of slots of each channel, 2 to 16777216; it holds one record less. There are as many \
+         channels as this and `cfg=` have both.",
     )
     .at_most(8),
     &Arg::texts(
         "cfg",
         "Types of the pins of each channel, a letter each, at most 21: `f` or `r` float, `b` bit, \
-         `s` s32, `u` u32, `l` s64, `k` u64. At most 8 channels.",
+         `s` s32, `u` u32, `l` s64, `k` u64. At most 8 channels, as many as this and `depth=` have \
+         both.",
     )
     .at_most(8),
 ];

@@ -11,7 +11,8 @@ const NAMES: (&str, &str, &str) = ("names", "texts", "The names of the instances
 const PERSONALITY: (&str, &str, &str) = (
     "personality",
     "ints",
-    "What each instance is like, a number for each, as the description tells.",
+    "What each instance is like, a number for each, as the description tells; 0 where the list is \
+     shorter.",
 );
 
 /// The type `ty` of an open library.

@@ -75,7 +75,7 @@ getp carousel.0.motor-rev # -> FALSE
         .at_most(MOST),
         &Arg::ints(
             "num_sense",
-            "Sensors, 1 to 32; 4 without it. `single` has one for each pocket, `index` two.",
+            "Sensors, 1 to 32; 4 without it. `single` has at least one for each pocket, `index` two.",
         )
         .at_most(MOST),
         &Arg::ints("dir", "1: turns forwards alone, 2: both ways; 2 without it.").at_most(MOST),
@@ -98,21 +98,16 @@ getp carousel.0.motor-rev # -> FALSE
                 )));
             };
             let pockets = within("pockets", pockets, 1, i64::from(i32::MAX))?;
+            let given = at(&b.arg_ints("num_sense"), i, 4);
             let sensors = match encoding {
                 Encoding::Single => {
-                    let given =
-                        within("num_sense", at(&b.arg_ints("num_sense"), i, 1), 1, MOST_SENSORS)?;
+                    let given = within("num_sense", given, 1, MOST_SENSORS)?;
                     within("pockets with encoding=single", pockets.into(), 1, MOST_SENSORS)?
                         .max(given)
                 }
                 Encoding::Index => 2,
-                Encoding::Edge => within(
-                    "num_sense with encoding=edge",
-                    at(&b.arg_ints("num_sense"), i, 4),
-                    2,
-                    MOST_SENSORS,
-                )?,
-                _ => within("num_sense", at(&b.arg_ints("num_sense"), i, 4), 1, MOST_SENSORS)?,
+                Encoding::Edge => within("num_sense with encoding=edge", given, 2, MOST_SENSORS)?,
+                _ => within("num_sense", given, 1, MOST_SENSORS)?,
             };
             let both = within("dir", at(&b.arg_ints("dir"), i, 2), 1, 2)? == 2;
             let odd = within("parity", at(&b.arg_ints("parity"), i, 0), 0, 1)? == 1;
