@@ -3,6 +3,7 @@
 use crate::{
     config::AxisConfig,
     jogger::{By, Jogger, WheelPins},
+    offset::{Offset, OffsetPins},
     pins::AxisPins,
     refusal::Refusal,
 };
@@ -12,6 +13,7 @@ use crate::{
 pub(crate) struct Axis {
     pub(crate) config: AxisConfig,
     pub(crate) teleop: Jogger,
+    pub(crate) offset: Offset,
 }
 
 impl Axis {
@@ -35,6 +37,7 @@ impl Axis {
         pins.teleop_tp_enable.set(tp.enable);
         pins.kb_jog_active.set(self.teleop.by == By::Command);
         pins.wheel_jog_active.set(self.teleop.by == By::Wheel);
+        self.offset.show(&offset(pins));
     }
 }
 
@@ -61,5 +64,17 @@ pub(crate) const fn wheel(pins: &AxisPins) -> WheelPins {
         scale: pins.jog_scale,
         vel_mode: pins.jog_vel_mode,
         accel_fraction: pins.jog_accel_fraction,
+    }
+}
+
+/// The external offset of an axis.
+pub(crate) const fn offset(pins: &AxisPins) -> OffsetPins {
+    OffsetPins {
+        enable: pins.eoffset_enable,
+        clear: pins.eoffset_clear,
+        counts: pins.eoffset_counts,
+        scale: pins.eoffset_scale,
+        request: pins.eoffset_request,
+        now: pins.eoffset,
     }
 }

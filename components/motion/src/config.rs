@@ -83,6 +83,8 @@ pub(crate) struct AxisConfig {
     pub(crate) max_limit: f64,
     pub(crate) max_velocity: f64,
     pub(crate) max_acceleration: f64,
+    /// What an external offset has of velocity and acceleration; 0: there is no offset.
+    pub(crate) offset_share: f64,
 }
 
 impl Default for AxisConfig {
@@ -92,6 +94,7 @@ impl Default for AxisConfig {
             max_limit: f64::INFINITY,
             max_velocity: f64::INFINITY,
             max_acceleration: f64::INFINITY,
+            offset_share: 0.0,
         }
     }
 }

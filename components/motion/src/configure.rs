@@ -77,6 +77,11 @@ pub(crate) const ARGS: &[&ArgSpec] = &[
     &Arg::bit("volatile-home", "The joint is no longer homed when the machine goes off."),
     &Arg::float("backlash", "Backlash of a joint, in units."),
     &Arg::float(
+        "offset-av-ratio",
+        "What part of an axis's velocity and acceleration its external offset has, 0 to 0.9; moves \
+         have the rest; 0, as at first: no external offset.",
+    ),
+    &Arg::float(
         "default-velocity",
         "Velocity of a path when none is given, in units/s, above 0; at first 1.",
     ),
@@ -114,7 +119,8 @@ const JOINT: &[&str] = &[
     "volatile-home",
     "backlash",
 ];
-const AXIS: &[&str] = &["min-limit", "max-limit", "max-velocity", "max-acceleration"];
+const AXIS: &[&str] =
+    &["min-limit", "max-limit", "max-velocity", "max-acceleration", "offset-av-ratio"];
 const TRAJ: &[&str] =
     &["max-velocity", "max-acceleration", "default-velocity", "linear-units", "max-feed-override"];
 
@@ -179,6 +185,8 @@ impl Book {
         ordered(c.min_limit, c.max_limit)?;
         above(call, "max-velocity", &mut c.max_velocity)?;
         above(call, "max-acceleration", &mut c.max_acceleration)?;
+        let legal = |v: f64| (0.0..=0.9).contains(&v);
+        take(call, "offset-av-ratio", &mut c.offset_share, legal, "0 to 0.9")?;
         Ok(Command::Axis(n, c))
     }
 
@@ -231,7 +239,7 @@ fn home(call: &Call<'_>, c: &mut HomeConfig) -> Result<(), Error> {
 
 /// Refuses arguments that belong to something else.
 fn only(call: &Call<'_>, names: &[&str], what: &str) -> Result<(), Error> {
-    let all = JOINT.iter().chain(TRAJ).filter(|n| !names.contains(n));
+    let all = JOINT.iter().chain(AXIS).chain(TRAJ).filter(|n| !names.contains(n));
     for name in all {
         // A number or a text: whichever it was declared as.
         if call.float(name).is_some() {

@@ -89,6 +89,9 @@ fn show(s: &mut State, pins: &Pins) {
     g.teleop_mode.set(s.mode == Mode::Teleop);
     g.coord_error.set(s.coord_error);
     g.on_soft_limit.set(s.on_soft_limit);
+    let (active, limited) = s.is_offset();
+    g.eoffset_active.set(active);
+    g.eoffset_limited.set(limited);
     g.is_all_homed.set(s.is_all_homed());
     g.jog_is_active.set(s.is_jogging() && !s.is_homing());
     g.current_vel.set(velocity(s));

@@ -65,6 +65,7 @@ impl State {
         self.wheels(pins);
         self.homing_cycle(dt);
         self.on_soft_limit = false;
+        self.offsets(pins, dt);
         if self.enabled {
             match self.mode {
                 Mode::Free => self.free(dt),
@@ -112,7 +113,7 @@ impl State {
         for (n, pins) in pins.axes.iter().enumerate() {
             let wheel = axis::wheel(pins);
             let turned = self.axes.get(n).is_some_and(|a| a.teleop.is_turned(&wheel));
-            let room = if allowed && turned { self.axis_room(n).ok() } else { None };
+            let room = if allowed && turned { self.jog_room(n).ok() } else { None };
             if let Some(axis) = self.axes.get_mut(n) {
                 axis.teleop.wheel(&wheel, room.is_some(), || room.unwrap_or_default());
             }
@@ -138,6 +139,7 @@ impl State {
             self.pose = before;
             for (axis, pos) in self.axes.iter_mut().zip(before) {
                 axis.teleop.reset(pos, why.text());
+                axis.offset.stay();
             }
             for joint in &mut self.joints {
                 joint.place(joint.pos_cmd, dt);
@@ -150,8 +152,9 @@ impl State {
     }
 
     fn coord(&mut self, dt: f64) {
+        let shares = &self.shares();
         let Self { path, pose, kinematics, joints, axes, feed, .. } = self;
-        let machine = Machine { kinematics, joints, axes };
+        let machine = Machine { kinematics, joints, axes, shares };
         let before = *pose;
         let stepped = path.step(before, dt, feed.net, machine);
         let placed = stepped.and_then(|pose| {
@@ -162,17 +165,23 @@ impl State {
             self.pose = before;
             self.path.clear(why.text());
             self.coord_error = true;
+            for axis in &mut self.axes {
+                axis.offset.stay();
+            }
             for joint in &mut self.joints {
                 joint.place(joint.pos_cmd, dt);
             }
             why.say(&self.say);
+        } else if self.on_soft_limit && self.is_offset().0 && self.path.goes_on() {
+            self.path.abort();
+            self.say.error("an external offset takes a joint beyond its limit: the move ends", &[]);
         }
     }
 
-    /// Takes the joints to the pose.
+    /// Takes the joints to the pose with the offsets.
     fn place(&mut self, dt: f64) -> Result<(), Refusal> {
         let mut places = self.places();
-        if let Err(why) = self.kinematics.inverse(&self.pose, &mut places) {
+        if let Err(why) = self.kinematics.inverse(&self.whole_pose(), &mut places) {
             return Err(Refusal::new(why.text()));
         }
         let moved = || self.joints.iter().zip(&places).filter(|(j, _)| j.active && !j.extra);

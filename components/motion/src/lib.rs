@@ -15,6 +15,7 @@ mod jogger;
 mod joint;
 mod line;
 mod obey;
+mod offset;
 mod path;
 mod pins;
 mod planner;

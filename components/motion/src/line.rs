@@ -25,6 +25,8 @@ pub(crate) struct Machine<'m> {
     pub(crate) kinematics: &'m KinematicsRef,
     pub(crate) joints: &'m [Joint],
     pub(crate) axes: &'m [Axis],
+    /// What part of its velocity and acceleration each joint has for moves.
+    pub(crate) shares: &'m [f64; MAX_JOINTS],
 }
 
 /// A move with its limits: velocity and acceleration are along its length.
@@ -64,7 +66,7 @@ impl Line {
             return Ok(line);
         }
         line.obey_axes(machine.axes);
-        line.obey_joints(machine.joints, &moves);
+        line.obey_joints(machine, &moves);
         if line.velocity > line.max_velocity {
             line.velocity = line.max_velocity;
         }
@@ -75,26 +77,30 @@ impl Line {
         for ((axis, start), end) in axes.iter().zip(&self.start).zip(&self.end) {
             let slope = fabs(end - start) / self.length;
             if slope > 0.0 {
-                self.max_velocity = less(self.max_velocity, axis.config.max_velocity / slope);
-                self.acceleration = less(self.acceleration, axis.config.max_acceleration / slope);
+                let (c, share) = (&axis.config, 1.0 - axis.config.offset_share);
+                self.max_velocity = less(self.max_velocity, c.max_velocity * share / slope);
+                self.acceleration = less(self.acceleration, c.max_acceleration * share / slope);
             }
         }
     }
 
-    fn obey_joints(&mut self, joints: &[Joint], moves: &[Move]) {
-        let moving = || joints.iter().zip(moves).filter(|(_, m)| m.slope > 0.0);
-        for (joint, m) in moving() {
-            let c = &joint.config;
-            self.max_velocity = less(self.max_velocity, c.max_velocity / m.slope);
+    fn obey_joints(&mut self, machine: Machine<'_>, moves: &[Move]) {
+        let of = |(joint, share): (&Joint, &f64)| {
+            (joint.config.max_velocity * share, joint.config.max_acceleration * share)
+        };
+        let limits = || machine.joints.iter().zip(machine.shares).map(of);
+        let moving = || limits().zip(moves).filter(|(_, m)| m.slope > 0.0);
+        for ((velocity, acceleration), m) in moving() {
+            self.max_velocity = less(self.max_velocity, velocity / m.slope);
             if m.curve > 0.0 {
                 // Half the acceleration is for going round, half for going faster.
-                let round = sqrt(0.5 * c.max_acceleration / m.curve);
+                let round = sqrt(0.5 * acceleration / m.curve);
                 self.max_velocity = less(self.max_velocity, round);
             }
         }
         let fastest = self.max_velocity;
-        for (joint, m) in moving() {
-            let rest = joint.config.max_acceleration - m.curve * fastest * fastest;
+        for ((_, acceleration), m) in moving() {
+            let rest = acceleration - m.curve * fastest * fastest;
             self.acceleration = less(self.acceleration, rest / m.slope);
         }
     }

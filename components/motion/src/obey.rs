@@ -116,7 +116,7 @@ impl State {
             What::Joint(n) => self.joint_room(n)?,
             What::Axis(letter) => {
                 self.set_mode(Mode::Teleop)?;
-                self.axis_room(letter)?
+                self.jog_room(letter)?
             }
         };
         let Some(jogger) = self.jogger(jog.what) else {
@@ -217,8 +217,9 @@ impl State {
             acceleration: m.acceleration.filter(|a| *a < most).unwrap_or(most),
             max_velocity: traj.max_velocity,
         };
+        let shares = &self.shares();
         let Self { path, pose, kinematics, joints, axes, .. } = self;
-        let machine = crate::line::Machine { kinematics, joints, axes };
+        let machine = crate::line::Machine { kinematics, joints, axes, shares };
         path.push(*pose, m.to, wish, machine, ticket)
     }
 

@@ -1,8 +1,8 @@
 //! Realtime. External offsets: what pins add to the position of an axis, within a share of its limits.
 
 use crate::{
-    command::Mode, jogger::Room, pins::Pins, planner::SimpleTp, refusal::Refusal, setup::MAX_JOINTS,
-    state::State,
+    command::Mode, jogger::Room, pins::Pins, planner::SimpleTp, refusal::Refusal,
+    setup::MAX_JOINTS, state::State,
 };
 use hal_component::{In, KinematicsKind, Out, Pose};
 use libm::fabs;
@@ -13,6 +13,8 @@ pub(crate) struct Offset {
     pub(crate) tp: SimpleTp,
     /// Where it shall be, wherever the limits are.
     request: f64,
+    /// Where it was a cycle before.
+    last: f64,
     counts: Option<i32>,
     /// A limit keeps it from its request.
     is_limited: bool,
@@ -46,6 +48,7 @@ impl Offset {
 
     /// One cycle on the way to where it shall be, or as far as there is room for.
     fn step(&mut self, room: &Room, dt: f64) {
+        self.last = self.tp.pos;
         let mut target = self.request;
         // Of crossed limits none is kept to.
         if target > room.max && room.max >= room.min {
@@ -59,6 +62,12 @@ impl Offset {
         self.tp.max_acc = room.max_acc;
         self.tp.enable = true;
         self.tp.step_exactly(dt);
+    }
+
+    /// It cannot go on: it stays where it was.
+    pub(crate) const fn stay(&mut self) {
+        self.request = self.last;
+        self.tp.reset(self.last);
     }
 
     /// There is none.
@@ -84,9 +93,10 @@ impl State {
         let allowed = in_axes && self.is_all_homed();
         for n in 0..self.axes.len() {
             let Some(pins) = pins.axes.get(n).map(crate::axis::offset) else { continue };
+            let Some(axis) = self.axes.get_mut(n) else { continue };
+            axis.offset.ask(&pins, allowed && axis.config.offset_share > 0.0);
             let room = if in_axes { self.offset_room(n) } else { None };
             let Some(axis) = self.axes.get_mut(n) else { continue };
-            axis.offset.ask(&pins, allowed && room.is_some());
             match room {
                 Some(room) => axis.offset.step(&room, dt),
                 None => axis.offset.forget(),

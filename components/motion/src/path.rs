@@ -141,6 +141,11 @@ impl Path {
         self.tp.reset(0.0);
     }
 
+    /// A move is under way, and not being given up.
+    pub(crate) const fn goes_on(&self) -> bool {
+        self.current.is_some() && !self.stopping
+    }
+
     pub(crate) fn is_idle(&self) -> bool {
         self.current.is_none() && self.waiting.is_empty()
     }

@@ -123,6 +123,9 @@ impl State {
         if !self.is_idle() {
             return Err(Refusal::new("the mode cannot change while the machine moves"));
         }
+        if mode == Mode::Free {
+            self.needs_no_offset()?;
+        }
         let identity = self.kinematics.kind() == KinematicsKind::Identity;
         if !identity && !self.is_all_homed() {
             match mode {
@@ -163,6 +166,9 @@ impl State {
             && pose.iter().all(|p| p.is_finite());
         if found {
             self.pose = pose;
+            for (place, axis) in self.pose.iter_mut().zip(&self.axes) {
+                *place -= axis.offset.tp.pos;
+            }
         }
         found
     }
@@ -176,7 +182,17 @@ impl State {
         places
     }
 
-    /// Where an axis may be jogged to, and how: within its own limits and those of its joints.
+    /// Where an axis may be jogged to, and how: with what its offset leaves.
+    pub(crate) fn jog_room(&self, letter: usize) -> Result<Room, Refusal> {
+        let mut room = self.axis_room(letter)?;
+        if let Some(axis) = self.axes.get(letter) {
+            room.max_vel *= 1.0 - axis.config.offset_share;
+            room.max_acc *= 1.0 - axis.config.offset_share;
+        }
+        Ok(room)
+    }
+
+    /// Where an axis may be, and how it may move: within its own limits and those of its joints.
     pub(crate) fn axis_room(&self, letter: usize) -> Result<Room, Refusal> {
         let (Some(axis), Some(pos)) = (self.axes.get(letter), self.pose.get(letter)) else {
             return Err(NO_JOINT);

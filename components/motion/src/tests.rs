@@ -5,6 +5,7 @@ mod fault;
 mod home;
 mod jog;
 mod line;
+mod offset;
 mod pin;
 mod random;
 mod switch;

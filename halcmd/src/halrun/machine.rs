@@ -206,7 +206,8 @@ fn data<'a>(ini: &'a Ini, command: &CommandInfo) -> Vec<(&'a Entry, Vec<String>)
 }
 
 /// What counts of an axis.
-const AXIS: &[&str] = &["min-limit", "max-limit", "max-velocity", "max-acceleration"];
+const AXIS: &[&str] =
+    &["min-limit", "max-limit", "max-velocity", "max-acceleration", "offset-av-ratio"];
 
 /// How many sections of joints count: as many as the machine says that it has joints.
 fn joint_count(ini: &Ini) -> u32 {

@@ -31,17 +31,20 @@ pins! {
         /// Acceleration for the wheel as a fraction of the axis's, 0 to 1; anything else counts
         /// as 1, and 0 means that the wheel moves nothing.
         jog_accel_fraction: In<f64> = 1.0, "jog-accel-fraction";
-        /// External offset applied, in units. Not used yet: always 0.
+        /// External offset applied, in units or degrees; pos-cmd does not have it.
         eoffset: Out<f64> = 0.0, "eoffset";
-        /// External offset asked for, in units. Not used yet: always 0.
+        /// External offset asked for, in units or degrees; the limits may keep eoffset from it.
         eoffset_request: Out<f64> = 0.0, "eoffset-request";
-        /// TRUE lets eoffset-counts shift the axis. Not used yet.
+        /// TRUE lets eoffset-counts shift the axis, when all joints are homed, in teleop and coordinated
+        /// mode, and the axis has an offset-av-ratio (motion.configure).
         eoffset_enable: In<bool> = false, "eoffset-enable";
-        /// TRUE takes the external offset back to zero. Not used yet.
+        /// TRUE takes the external offset back to zero, and keeps it there.
         eoffset_clear: In<bool> = false, "eoffset-clear";
-        /// Counts of the external offset. Not used yet.
+        /// Counts of the external offset; only differences matter, and it may wrap. While the machine is
+        /// off the offset is zero, and stays zero when it comes on.
         eoffset_counts: In<i32> = 0, "eoffset-counts";
-        /// Distance for one count of the external offset in units. Not used yet.
+        /// Distance for one count of the external offset in units or degrees; with one that is not
+        /// finite it stays as it is.
         eoffset_scale: In<f64> = 0.0, "eoffset-scale";
     }
 }

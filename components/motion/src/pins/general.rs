@@ -42,9 +42,9 @@ pins! {
         is_all_homed: Out<bool> = false, "is-all-homed";
         /// TRUE while a jog moves a joint or an axis.
         jog_is_active: Out<bool> = false, "jog-is-active";
-        /// TRUE while external offsets are applied. Not used yet: always FALSE.
+        /// TRUE while any external offset is applied.
         eoffset_active: Out<bool> = false, "eoffset-active";
-        /// TRUE while a soft limit cuts an external offset. Not used yet: always FALSE.
+        /// TRUE while a soft limit keeps an external offset from what is asked for.
         eoffset_limited: Out<bool> = false, "eoffset-limited";
         /// TRUE while a path is run backwards. Not used yet: always FALSE.
         tp_reverse: Out<bool> = false, "tp-reverse";

@@ -86,6 +86,7 @@ fn nonsense_is_survived() {
     for _ in 0..20 {
         let mut rig = Rig::on(random.pick(&[&[][..], &["kinstype=b"], &["coordinates=xyyz"]]));
         rig.strict = false;
+        drop(rig.try_say("motion.configure axis=x offset-av-ratio=0.5"));
         let inputs: Vec<String> = rig.bench.names();
         let inputs: Vec<Vec<&str>> = inputs
             .iter()
