@@ -69,6 +69,13 @@ pub(crate) struct SpindleChange {
     pub(crate) brake: Option<bool>,
 }
 
+/// What an output for programs is set to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Output {
+    Digital(usize, bool),
+    Analog(usize, f64),
+}
+
 /// A set of joints, one bit each.
 pub(crate) type Joints = u32;
 
@@ -85,6 +92,9 @@ pub(crate) enum Ask {
     Move(Move),
     Abort,
     Spindle(SpindleChange),
+    /// A spindle, the angle in degrees, and the direction.
+    Orient(usize, f64, i32),
+    Output(Output),
     Feed(FeedChange),
     OverrideLimits,
 }

@@ -82,6 +82,12 @@ fn show(s: &mut State, pins: &Pins) {
     for (spindle, pins) in s.spindles.iter().zip(&pins.spindles) {
         spindle.show(pins);
     }
+    for (pin, value) in pins.lists.digital_out.iter().zip(&s.digital_out) {
+        pin.set(*value);
+    }
+    for (pin, value) in pins.lists.analog_out.iter().zip(&s.analog_out) {
+        pin.set(*value);
+    }
     let g = &pins.general;
     g.motion_enabled.set(s.enabled);
     g.in_position.set(s.is_idle());

@@ -26,6 +26,11 @@ impl State {
         for (joint, pins) in self.joints.iter_mut().zip(&pins.joints) {
             joint.sense(pins);
         }
+        for (n, (spindle, pins)) in self.spindles.iter_mut().zip(&pins.spindles).enumerate() {
+            spindle.sense(n, pins, &self.say);
+        }
+        self.at_speed =
+            self.spindles.iter().zip(&pins.spindles).all(|(spindle, pins)| spindle.is_ready(pins));
         if self.inputs.jog_stop && !before.jog_stop {
             self.stop_jogs("stopped by motion.jog-stop");
         }
@@ -153,10 +158,10 @@ impl State {
 
     fn coord(&mut self, dt: f64) {
         let shares = &self.shares();
-        let Self { path, pose, kinematics, joints, axes, feed, .. } = self;
+        let Self { path, pose, kinematics, joints, axes, feed, at_speed, .. } = self;
         let machine = Machine { kinematics, joints, axes, shares };
         let before = *pose;
-        let stepped = path.step(before, dt, feed.net, machine);
+        let stepped = path.step(before, dt, feed.net, *at_speed, machine);
         let placed = stepped.and_then(|pose| {
             self.pose = pose;
             self.place(dt)

@@ -1,7 +1,9 @@
 //! The control side: what users may command.
 
 use crate::{
-    command::{Ask, Command, Far, FeedChange, Jog, Joints, Mode, Move, SpindleChange, What},
+    command::{
+        Ask, Command, Far, FeedChange, Jog, Joints, Mode, Move, Output, SpindleChange, What,
+    },
     configure::{self, Book},
     pins::{LETTERS, Pins},
     status,
@@ -15,6 +17,8 @@ pub(crate) struct Desk {
     pub(crate) to: Sender<Command>,
     pub(crate) joints: usize,
     pub(crate) spindles: usize,
+    pub(crate) digital_out: usize,
+    pub(crate) analog_out: usize,
     pub(crate) kinematics: KinematicsRef,
     pub(crate) book: Arc<Mutex<Book>>,
 }
@@ -33,6 +37,8 @@ struct Row {
 const JOINT: ArgSpec = Arg::int("joint", "Number of the joint, from 0.");
 const JOINTS: ArgSpec = Arg::text("joint", "Number of the joint, from 0, or all.").required();
 const AXIS: ArgSpec = Arg::text("axis", "Letter of the axis: x y z a b c u v w.");
+const SPINDLE: ArgSpec = Arg::int("spindle", "Number of the spindle, from 0.").or("0");
+const INDEX: ArgSpec = Arg::int("index", "Number of the output, from 0.").required();
 
 const ROWS: &[Row] = &[
     Row {
@@ -112,7 +118,8 @@ a limit. A target beyond a limit ends at the limit.",
 Moves in a straight line to a position of the axes, after the moves that wait already.
 
 Letters that are not given stay. Velocity and acceleration hold along the line (of x y z; without
-these of u v w; without these of a b c), less where a joint, an axis or the machine allows less.",
+these of u v w; without these of a b c), less where a joint, an axis or the machine allows less. It
+waits while a spindle that is on has no at-speed.",
         args: &[
             &Arg::float("x", "Position of x in units."),
             &Arg::float("y", "Position of y in units."),
@@ -141,12 +148,50 @@ these of u v w; without these of a b c), less where a joint, an axis or the mach
         name: "motion.spindle",
         doc: "Turns or stops a spindle.",
         args: &[
-            &Arg::int("spindle", "Number of the spindle, from 0.").or("0"),
+            &SPINDLE,
             &Arg::float("speed", "Turns per minute, negative in reverse; 0 stops and brakes."),
             &Arg::float("override", "Factor for the speed, 0 or more; at first 1."),
             &Arg::bit("brake", "Closes or opens the brake."),
         ],
         read: Desk::spindle,
+    },
+    Row {
+        name: "motion.spindle-orient",
+        doc: "Stops a spindle and turns it to an angle, with orient and is-oriented.",
+        args: &[
+            &SPINDLE,
+            &Arg::float("angle", "Angle in degrees, 0 to 360.").required(),
+            &Arg::int("mode", "Direction: 0 the shorter, 1 clockwise, 2 counterclockwise.").or("0"),
+        ],
+        read: |desk, call| {
+            let angle = number(call, "angle")?.unwrap_or(0.0);
+            if !(0.0..=360.0).contains(&angle) {
+                return Err(Error::new(format!("angle is {angle}, must be 0 to 360")));
+            }
+            let mode = i32::try_from(within(call, "mode", "are 0, 1 and 2", 3)?).unwrap_or(0);
+            Ok(Ask::Orient(desk.number_of_spindle(call)?, angle, mode))
+        },
+    },
+    Row {
+        name: "motion.digital-out",
+        doc: "Sets a pin motion.digital-out-NN at once, as M64 and M65 do.",
+        args: &[&INDEX, &Arg::bit("value", "TRUE or FALSE.").required()],
+        read: |desk, call| {
+            let (n, value) = (output(call, desk.digital_out)?, call.bit("value"));
+            Ok(Ask::Output(Output::Digital(n, value.unwrap_or(false))))
+        },
+    },
+    Row {
+        name: "motion.analog-out",
+        doc: "Sets a pin motion.analog-out-NN at once, as M68 does.",
+        args: &[
+            &INDEX,
+            &Arg::float("value", "The value, in the output's unit; finite.").required(),
+        ],
+        read: |desk, call| {
+            let (n, value) = (output(call, desk.analog_out)?, number(call, "value")?);
+            Ok(Ask::Output(Output::Analog(n, value.unwrap_or(0.0))))
+        },
     },
     Row {
         name: "motion.feed",
@@ -282,12 +327,12 @@ impl Desk {
         Err(Error::new(format!("axis {letter} has no joint in these kinematics")))
     }
 
+    fn number_of_spindle(&self, call: &Call<'_>) -> Result<usize, Error> {
+        within(call, "spindle", &format!("are {}", self.spindles), self.spindles)
+    }
+
     fn spindle(&self, call: &Call<'_>) -> Result<Ask, Error> {
-        let given = call.int("spindle").unwrap_or(0);
-        let spindle =
-            usize::try_from(given).ok().filter(|n| *n < self.spindles).ok_or_else(|| {
-                Error::new(format!("there is no spindle {given}, there are {}", self.spindles))
-            })?;
+        let spindle = self.number_of_spindle(call)?;
         Ok(Ask::Spindle(SpindleChange {
             spindle,
             speed: number(call, "speed")?,
@@ -295,6 +340,19 @@ impl Desk {
             brake: call.bit("brake"),
         }))
     }
+}
+
+/// A number below `count`, of things that are so many.
+fn within(call: &Call<'_>, name: &str, are: &str, count: usize) -> Result<usize, Error> {
+    let given = call.int(name).unwrap_or(0);
+    usize::try_from(given)
+        .ok()
+        .filter(|n| *n < count)
+        .ok_or_else(|| Error::new(format!("there is no {name} {given}, there {are}")))
+}
+
+fn output(call: &Call<'_>, count: usize) -> Result<usize, Error> {
+    within(call, "index", &format!("are {count} outputs"), count)
 }
 
 fn full() -> Error {

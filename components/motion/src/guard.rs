@@ -65,7 +65,7 @@ impl State {
             axis.teleop.reset(axis.teleop.tp.pos, cause);
         }
         for spindle in &mut self.spindles {
-            spindle.stop();
+            spindle.stop(cause);
         }
         if let Some(ticket) = self.enabling.take() {
             ticket.fail(cause);

@@ -108,6 +108,8 @@ getp joint.0.in-position # -> TRUE
             to: to_handler,
             joints: setup.joints,
             spindles: setup.spindles,
+            digital_out: setup.digital_out.len(),
+            analog_out: setup.analog_out.len(),
             kinematics,
             book: Default::default(),
         };

@@ -1,7 +1,9 @@
 //! Realtime. What each command does to the machine.
 
 use crate::{
-    command::{Ask, Command, Far, FeedChange, Jog, Joints, Mode, Move, SpindleChange, What},
+    command::{
+        Ask, Command, Far, FeedChange, Jog, Joints, Mode, Move, Output, SpindleChange, What,
+    },
     jogger::{By, Jogger, Room},
     line::Wish,
     refusal::Refusal,
@@ -55,6 +57,14 @@ impl State {
             Ask::Move(m) => return self.move_to(m, ticket),
             Ask::Abort => return Ok(self.abort(ticket)),
             Ask::Spindle(change) => self.change_spindle(change)?,
+            Ask::Orient(n, angle, mode) => {
+                self.needs_enabled("the spindle cannot turn: the machine is not enabled")?;
+                if let Some(spindle) = self.spindles.get_mut(n) {
+                    spindle.orient(angle, mode, ticket);
+                }
+                return Ok(Answer::Later);
+            }
+            Ask::Output(output) => self.put(output),
             Ask::Feed(change) => self.change_feed(change),
             Ask::OverrideLimits => {
                 let at_switch = self.active().any(|j| j.senses.at_max || j.senses.at_min);
@@ -228,7 +238,7 @@ impl State {
         self.end_homing("aborted");
         self.stop_jogs("aborted");
         for spindle in &mut self.spindles {
-            spindle.stop();
+            spindle.stop("aborted");
         }
         self.stand(ticket)
     }
@@ -257,6 +267,21 @@ impl State {
             spindle.brake(brake);
         }
         Ok(())
+    }
+
+    fn put(&mut self, output: Output) {
+        match output {
+            Output::Digital(n, value) => {
+                if let Some(place) = self.digital_out.get_mut(n) {
+                    *place = value;
+                }
+            }
+            Output::Analog(n, value) => {
+                if let Some(place) = self.analog_out.get_mut(n) {
+                    *place = value;
+                }
+            }
+        }
     }
 
     fn change_feed(&mut self, change: FeedChange) {

@@ -68,16 +68,18 @@ impl Path {
         Ok(())
     }
 
-    /// One cycle: where the machine is now. The limits are looked at when a move begins.
+    /// One cycle: where the machine is now. No move begins unless `may_begin`. The limits are looked at when a move begins.
     pub(crate) fn step(
         &mut self,
         now: Pose,
         dt: f64,
         scale: f64,
+        may_begin: bool,
         machine: Machine<'_>,
     ) -> Result<Pose, Refusal> {
         if self.current.is_none()
             && !self.stopping
+            && may_begin
             && let Some(next) = self.waiting.pop_front()
         {
             match Line::plan(now, next.end, next.wish, machine) {

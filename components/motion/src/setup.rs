@@ -58,6 +58,15 @@ pub(crate) enum Names {
     Given(Vec<String>),
 }
 
+impl Names {
+    pub(crate) const fn len(&self) -> usize {
+        match self {
+            Self::Count(n) => *n,
+            Self::Given(names) => names.len(),
+        }
+    }
+}
+
 /// The arguments, checked.
 #[derive(Clone, Debug)]
 pub(crate) struct Setup {

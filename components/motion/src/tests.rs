@@ -6,6 +6,7 @@ mod home;
 mod jog;
 mod line;
 mod offset;
+mod output;
 mod pin;
 mod random;
 mod switch;

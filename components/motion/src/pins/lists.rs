@@ -26,9 +26,9 @@ pins! {
 #[derive(Clone, Debug, Touch)]
 pub(crate) struct Lists {
     digital_in: Vec<In<bool>>,
-    digital_out: Vec<Out<bool>>,
+    pub(crate) digital_out: Vec<Out<bool>>,
     analog_in: Vec<In<f64>>,
-    analog_out: Vec<Out<f64>>,
+    pub(crate) analog_out: Vec<Out<f64>>,
     pub(crate) misc_errors: Vec<In<bool>>,
 }
 
@@ -46,7 +46,7 @@ impl Lists {
                 b,
                 &setup.digital_out,
                 ["digital-out-", "dout-"],
-                "Digital output for programs. Not used yet: always FALSE.",
+                "Digital output, as motion.digital-out last set it.",
                 false,
             )?,
             analog_in: list(
@@ -61,7 +61,7 @@ impl Lists {
                 b,
                 &setup.analog_out,
                 ["analog-out-", "aout-"],
-                "Analog output for programs. Not used yet: always 0.",
+                "Analog output, as motion.analog-out last set it, in whatever unit that means.",
                 false,
             )?,
             misc_errors: list(

@@ -15,9 +15,9 @@ pins! {
         /// TRUE when the brake shall hold the spindle: after it was stopped, and whenever the
         /// machine goes off.
         brake: Out<bool> = false, "brake" was "brake";
-        /// TRUE when the spindle shall be locked in its orientation. Not used yet.
+        /// TRUE while the spindle stands at orient-angle, until it is told to turn, stop or orient.
         locked: Out<bool> = false, "locked" was "locked";
-        /// TRUE when the spindle shall turn to orient-angle. Not used yet.
+        /// TRUE when the spindle shall turn to orient-angle, until is-oriented or a fault.
         orient: Out<bool> = false, "orient" was "orient";
         /// Speed wanted in turns per minute, negative in reverse, with the override applied.
         speed_out: Out<f64> = 0.0, "speed-out" was "speed-out";
@@ -29,23 +29,23 @@ pins! {
         speed_out_rps_abs: Out<f64> = 0.0, "speed-out-rps-abs" was "speed-out-rps-abs";
         /// Speed commanded in turns per second, before override and inhibit.
         speed_cmd_rps: Out<f64> = 0.0, "speed-cmd-rps" was "speed-cmd-rps";
-        /// Angle to turn to, in degrees. Not used yet.
+        /// Angle to turn to, in degrees, 0 to 360.
         orient_angle: Out<f64> = 0.0, "orient-angle" was "orient-angle";
-        /// Direction of the turn to orient-angle. Not used yet.
+        /// Direction of the turn to orient-angle: 0 the shorter, 1 clockwise, 2 counterclockwise.
         orient_mode: Out<i32> = 0, "orient-mode" was "orient-mode";
         /// Turns since the index, for movements tied to the spindle. Not used yet.
         revs: In<f64> = 0.0, "revs" was "revs";
         /// Speed measured, in turns per second. Not used yet.
         speed_in: In<f64> = 0.0, "speed-in" was "speed-in";
-        /// TRUE when the spindle has its speed; feed movements will wait for it. Not used yet.
+        /// TRUE when the spindle has its speed: no move begins while one that is on has it not.
         at_speed: In<bool> = true, "at-speed" was "at-speed";
         /// TRUE from the spindle's amplifier when it has a fault: switches the machine off.
         amp_fault_in: In<bool> = false, "amp-fault-in" [safety];
         /// TRUE stops the spindle and keeps it stopped; the commanded speed is not forgotten.
         inhibit: In<bool> = false, "inhibit" was "inhibit";
-        /// TRUE when the spindle stands at orient-angle. Not used yet.
+        /// TRUE when the spindle stands at orient-angle; it counts while orient is TRUE.
         is_oriented: In<bool> = false, "is-oriented" was "is-oriented";
-        /// A number other than 0 says why orienting failed. Not used yet.
+        /// A number other than 0 while orient is TRUE gives it up, and is told to the operator.
         orient_fault: In<i32> = 0, "orient-fault" was "orient-fault";
         /// Handshake with the spindle's encoder for its index. Not used yet.
         index_enable: Io<bool> = false, "index-enable" was "index-enable";

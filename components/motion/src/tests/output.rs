@@ -1,0 +1,111 @@
+//! Spindles that orient and come to speed, and outputs for programs.
+
+use super::Rig;
+
+const BITS: [&str; 4] = ["spindle.0.orient", "spindle.0.locked", "spindle.0.brake", "spindle.0.on"];
+
+#[test]
+fn a_spindle_orients() {
+    let mut rig = Rig::on(&[]);
+    rig.done("motion.spindle speed=600");
+    rig.say("motion.spindle-orient angle=90 mode=2");
+    rig.cycles(5);
+    assert_eq!(rig.which(&BITS), ["spindle.0.orient"]);
+    assert_eq!(rig.float("spindle.0.orient-angle"), 90.0);
+    assert_eq!(rig.bench.get::<i32>("spindle.0.orient-mode"), 2);
+    rig.bench.set("spindle.0.is-oriented", true);
+    assert_eq!(rig.end(), Ok(()));
+    assert_eq!(rig.which(&BITS), ["spindle.0.locked", "spindle.0.brake"]);
+    // It stays so until it is told something else.
+    rig.bench.set("spindle.0.is-oriented", false);
+    rig.cycles(5);
+    assert_eq!(rig.which(&BITS), ["spindle.0.locked", "spindle.0.brake"]);
+    rig.done("motion.spindle speed=-600");
+    assert_eq!(rig.which(&BITS), ["spindle.0.on"]);
+    // What gives it up, or takes its place.
+    for (text, bits) in [
+        ("motion.spindle speed=10", &["spindle.0.on"][..]),
+        ("motion.spindle speed=0", &["spindle.0.brake"]),
+        ("motion.spindle-orient angle=0", &["spindle.0.orient"]),
+        ("motion.abort", &["spindle.0.brake"]),
+        ("motion.disable", &["spindle.0.brake"]),
+    ] {
+        rig.say("motion.spindle-orient angle=360 mode=1");
+        rig.cycles(2);
+        assert_eq!(rig.which(&BITS), ["spindle.0.orient"]);
+        rig.say(text);
+        rig.cycles(2);
+        assert_eq!(rig.which(&BITS), bits, "{text}");
+        rig.bench.set("spindle.0.is-oriented", true);
+        rig.cycles(2);
+        let goes_on = text.contains("orient");
+        assert_eq!(rig.is("spindle.0.locked"), goes_on, "{text}");
+        rig.bench.set("spindle.0.is-oriented", false);
+    }
+}
+
+#[test]
+fn a_fault_ends_it() {
+    let mut rig = Rig::on(&[]);
+    rig.bench.set("spindle.0.orient-fault", 7_i32);
+    rig.cycles(3);
+    assert_eq!(rig.bench.said(), [""; 0]);
+    assert_eq!(rig.failed("motion.spindle-orient angle=45"), "spindle orient fault");
+    assert_eq!(rig.bench.said(), ["spindle 0 orient fault 7"]);
+    assert_eq!(rig.which(&BITS), ["spindle.0.brake"]);
+    for (text, why) in [
+        ("spindle=1 angle=0", "there is no spindle 1, there are 1"),
+        ("spindle=-1 angle=0", "there is no spindle -1, there are 1"),
+        ("angle=361", "angle is 361, must be 0 to 360"),
+        ("angle=nan", "angle is NaN, must be a finite number"),
+        ("angle=0 mode=3", "there is no mode 3, there are 0, 1 and 2"),
+    ] {
+        assert_eq!(rig.try_say(&format!("motion.spindle-orient {text}")), Err(why.into()));
+    }
+    rig.done("motion.disable");
+    let why = "the spindle cannot turn: the machine is not enabled";
+    assert_eq!(rig.failed("motion.spindle-orient angle=0"), why);
+}
+
+#[test]
+fn moves_wait_for_the_speed() {
+    let mut rig = Rig::homed(&[]);
+    rig.bench.set("spindle.0.at-speed", false);
+    // A spindle that stands still is not waited for.
+    rig.done("motion.move x=1 velocity=50");
+    rig.done("motion.spindle speed=600");
+    rig.say("motion.move x=2 velocity=50");
+    rig.cycles(500);
+    assert_eq!(rig.joint(0, "pos-cmd"), 1.0);
+    assert!(!rig.is("motion.in-position"));
+    rig.bench.set("spindle.0.at-speed", true);
+    rig.cycles(2);
+    assert!(rig.joint(0, "pos-cmd") > 1.0);
+    // A move that has begun goes on.
+    rig.bench.set("spindle.0.at-speed", false);
+    assert_eq!(rig.end(), Ok(()));
+    assert_eq!(rig.joint(0, "pos-cmd"), 2.0);
+    // One that waits can be given up, and a jog does not wait.
+    rig.say("motion.move x=3 velocity=50");
+    rig.cycles(10);
+    rig.done("motion.abort");
+    rig.done("motion.jog joint=0 velocity=50 position=5");
+}
+
+#[test]
+fn outputs_for_programs() {
+    let mut rig = Rig::off(&[]);
+    rig.done("motion.digital-out index=3 value=1");
+    rig.done("motion.analog-out index=0 value=-2.5");
+    assert!(rig.is("motion.digital-out-03") && !rig.is("motion.digital-out-02"));
+    assert_eq!(rig.float("motion.analog-out-00"), -2.5);
+    rig.done("motion.digital-out index=3 value=0");
+    assert!(!rig.is("motion.digital-out-03"));
+    for (text, why) in [
+        ("motion.digital-out index=4 value=1", "there is no index 4, there are 4 outputs"),
+        ("motion.analog-out index=-1 value=1", "there is no index -1, there are 4 outputs"),
+        ("motion.analog-out index=0 value=inf", "value is inf, must be a finite number"),
+    ] {
+        assert_eq!(rig.try_say(text), Err(why.into()));
+    }
+}
