@@ -342,6 +342,26 @@ mod tests {
         assert_eq!(b.get::<i32>("bldc.0.offset-measured"), 7);
     }
 
+    /// The search for the index begins anew where counts gave no angle.
+    #[test]
+    fn turns_from_no_angle() {
+        let b = motor("qi", &[("initvalue", 0.25)]);
+        b.set("bldc.0.init", true);
+        b.run("bldc.0", 1_000_000);
+        b.set("bldc.0.index-enable", false);
+        b.set("bldc.0.scale", 0);
+        b.run("bldc.0", 1_000_000);
+        b.run("bldc.0", 1_000_000);
+        assert!(b.get::<f64>("bldc.0.rotor-angle").is_nan());
+        b.set("bldc.0.init", false);
+        b.run("bldc.0", 1_000_000);
+        b.set("bldc.0.init", true);
+        b.set("bldc.0.index-enable", true);
+        b.run("bldc.0", 1_000_000);
+        b.run("bldc.0", 1_000_000);
+        assert!(b.get::<f64>("bldc.0.rotor-angle").is_finite());
+    }
+
     /// What a drive gets from a rotor that turns by itself: three sines that add up to nothing.
     #[test]
     fn sines_are_balanced() {

@@ -98,10 +98,13 @@ impl Motor {
     /// Without feedback the rotor goes with the field.
     fn free(&self, period: Period) -> Field {
         let frequency = self.frequency.as_ref().map_or(0.0, In::get);
-        // From no angle it begins anew.
-        let before = Some(self.rotor_angle.get()).filter(|angle| angle.is_finite());
-        let angle = turn(before.unwrap_or(0.0) + frequency * period.ns() as f64 / 1e9);
+        let angle = turn(self.before() + frequency * period.ns() as f64 / 1e9);
         self.turned(angle, angle)
+    }
+
+    /// Where the rotor was; from no angle it begins anew.
+    fn before(&self) -> f64 {
+        Some(self.rotor_angle.get()).filter(|angle| angle.is_finite()).unwrap_or(0.0)
     }
 
     fn sixteenth(&self, value: f64) -> Field {
@@ -208,7 +211,7 @@ impl Motor {
     fn search(&self, period: Period) -> Field {
         let value = self.initvalue.as_ref().map_or(0.0, In::get);
         let step = period.ns() as f64 / 1e9;
-        let angle = turn(self.rotor_angle.get() + if value < 0.0 { -step } else { step });
+        let angle = turn(self.before() + if value < 0.0 { -step } else { step });
         self.out.set(value.abs());
         self.out_abs.set(value.abs());
         self.turned(angle, angle)
