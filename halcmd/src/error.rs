@@ -155,7 +155,7 @@ pub enum Error {
     IniSyntax {
         path: Box<str>,
         line: u32,
-        why: &'static str,
+        why: Box<str>,
     },
     /// `place` is the profile, or a line of it.
     Profile {

@@ -165,7 +165,10 @@ impl Ini {
 
     fn add(&mut self, path: &Path, text: &[u8], depth: u32) -> Result<(), Error> {
         let file = path.display().to_string();
-        let wrong = |line: u32, why| Error::IniSyntax { path: file.as_str().into(), line, why };
+        let wrong = |line: u32, why: &str| {
+            let path = file.as_str().into();
+            Error::IniSyntax { path, line, why: why.into() }
+        };
         let mut section: Option<String> = None;
         for (line, text) in joined(text) {
             let text = text.ok_or_else(|| wrong(line, "this is not UTF-8"))?;
@@ -174,7 +177,16 @@ impl Ini {
                 if depth >= MAX_DEPTH {
                     return Err(wrong(line, "files include each other too deeply (16 at most)"));
                 }
-                self.add_file(&beside(path, name.trim()), depth + 1)?;
+                let name = name.trim();
+                if name.is_empty() {
+                    return Err(wrong(line, "#INCLUDE needs the name of a file"));
+                }
+                self.add_file(&beside(path, name), depth + 1).map_err(|error| match error {
+                    Error::IniFile { path, why } => {
+                        wrong(line, &format!("#INCLUDE: could not open INI file '{path}': {why}"))
+                    }
+                    other => other,
+                })?;
             } else if text.is_empty() || text.starts_with(['#', ';']) {
             } else if text.starts_with('[') {
                 let (_, name) = header(text)
@@ -369,8 +381,9 @@ mod tests {
             ("[A]\nX = \\uD800\n", "! m.ini:2: no such character"),
             (
                 "#INCLUDE /nowhere/x\n",
-                "! Could not open INI file '/nowhere/x'; No such file or directory",
+                "! m.ini:1: #INCLUDE: could not open INI file '/nowhere/x': No such file or directory",
             ),
+            ("[A]\n#INCLUDE \n", "! m.ini:2: #INCLUDE needs the name of a file"),
         ] {
             check(text, want);
         }

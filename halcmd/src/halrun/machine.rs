@@ -104,7 +104,13 @@ impl Machine<'_, '_> {
     }
 
     fn file(&mut self, entry: &Entry, must_exist: bool) {
-        let name = entry.value.split_whitespace().next().unwrap_or_default();
+        let Some(name) = entry.value.split_whitespace().next() else {
+            return self.then(|session| {
+                session.stand_at(&entry.file, entry.line);
+                session.complain(&format!("Warning: {} names no file", entry.name));
+                Outcome::Good
+            });
+        };
         let found = self.folders.find(name);
         let searched = self.folders.searched(name);
         self.then(|session| match found {
