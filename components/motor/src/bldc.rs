@@ -105,14 +105,14 @@ impl Motor {
         Ok(Self {
             halls: has("h").then(|| Halls::declare(b, name)).transpose()?,
             gray: has("f").then(|| gray(b, name)).transpose()?,
-            value: b.item(&pin("value"), "How much to drive; below 0 the other way round.", 0.0)?,
+            value: b.item(&pin("value"), "How much to drive, in any unit, such as volts; below 0 the other way round.", 0.0)?,
             counter: has("aq").then(|| Counter::declare(b, name)).transpose()?,
             rev: b.item(&pin("rev"), "Drives the other way round.", false)?,
             frequency: (!has("haqi"))
                 .then(|| b.item(&pin("frequency"), "Electrical turns per second.", 0.0))
                 .transpose()?,
             initvalue: has("q")
-                .then(|| b.item(&pin("initvalue"), "How much to drive while it aligns.", 0.2))
+                .then(|| b.item(&pin("initvalue"), "How much to drive while it aligns, in the unit of value.", 0.2))
                 .transpose()?,
             index_enable: has("i")
                 .then(|| {
@@ -133,9 +133,9 @@ impl Motor {
                 "Where the rotor is, in electrical turns from 0 to 1.",
                 0.0,
             )?,
-            out: b.item(&pin("out"), "How much is driven, below 0 the other way round.", 0.0)?,
+            out: b.item(&pin("out"), "How much is driven, in the unit of value; below 0 the other way round.", 0.0)?,
             out_dir: b.item(&pin("out-dir"), "Whether that is below 0.", false)?,
-            out_abs: b.item(&pin("out-abs"), "How much is driven, without a sign.", 0.0)?,
+            out_abs: b.item(&pin("out-abs"), "How much is driven, in the unit of value, without a sign.", 0.0)?,
             in_type: b.item(
                 &pin("in-type"),
                 "The feedback in use, once it runs: 0 none, 1 Hall, 2 counts, 4 waits for or does an \

@@ -38,11 +38,12 @@ impl Outputs {
             Self { values: Vec::new(), bits: Vec::new(), pattern: None, drive: letters.drive };
         let (mut values, mut bits) = (Vec::new(), Vec::new());
         match letters.drive {
-            Drive::Values => values.push(("value", "What phase {} gets; below 0 downwards.")),
+            Drive::Values => values
+                .push(("value", "What phase {} gets, in the unit of value; below 0 downwards.")),
             Drive::Bits => bits.push(("on", "Whether phase {} is driven high, else low.")),
             Drive::SixValues => {
-                values.push(("high", "How much phase {} is driven high."));
-                values.push(("low", "How much phase {} is driven low."));
+                values.push(("high", "How much phase {} is driven high, in the unit of value."));
+                values.push(("low", "How much phase {} is driven low, in the unit of value."));
             }
             Drive::SixBits => {
                 bits.push(("high-on", "Whether phase {} is driven high."));
