@@ -41,13 +41,13 @@ pub(crate) struct Laserpower {
     enabled: In<bool>,
     /// Whether the power changes along a move; else it is constant.
     raster_mode: In<bool>,
-    /// Power at the end of the move, in raster mode.
+    /// Power at the end of the move, in raster mode, in the laser's unit, such as percent.
     raster_power: In<f64>,
-    /// Power in vector mode.
+    /// Power in vector mode, in the laser's unit.
     vector_power: In<f64>,
-    /// Lowest power while enabled.
+    /// Lowest power while enabled, in the laser's unit.
     min_power: In<f64>,
-    /// Highest power; below 0 it is 0.
+    /// Highest power, in the laser's unit; below 0 it is 0.
     max_power: In<f64>,
     /// How fast the machine is, in units per second; from `motion.current-vel`.
     cur_velocity: In<f64>,
@@ -57,13 +57,13 @@ pub(crate) struct Laserpower {
     distance_to_go: In<f64>,
     /// The part of the requested speed that the machine has, 0 to 1.
     vel_scale: Out<f64>,
-    /// Power at the requested speed.
+    /// Power at the requested speed, in the laser's unit.
     command_power: Out<f64>,
-    /// Power for the laser.
+    /// Power for the laser, in its unit.
     power: Out<f64>,
-    /// `command-power` where `raster-power` changed.
+    /// `command-power` where `raster-power` changed, in the laser's unit.
     start_power: Out<f64>,
-    /// `distance-to-go` where `raster-power` changed.
+    /// `distance-to-go` where `raster-power` changed, in units.
     start_distance: Out<f64>,
     /// The end of the present change, in raster mode.
     #[state]

@@ -49,14 +49,14 @@ pub(crate) struct Ohmic {
     /// From which voltage a contact counts while probing: 0 V if it is 0, else 1 V.
     #[hal(default = 22.0)]
     ohmic_threshold: In<f64>,
-    /// Below this voltage a contact ends while not probing.
+    /// Below this voltage, in volts, a contact ends while not probing.
     #[hal(default = 21.0)]
     ohmic_low: In<f64>,
     /// True from the card's full scale on: there is an arc. (LinuxCNC 2.9 has it, 2.10 has not.)
     arc_on: Out<bool>,
-    /// The voltage at the card. (LinuxCNC 2.9 has it, 2.10 has not.)
+    /// The voltage at the card, in volts. (LinuxCNC 2.9 has it, 2.10 has not.)
     thcad_volts: Out<f64>,
-    /// The voltage at the torch.
+    /// The voltage at the torch, in volts.
     ohmic_volts: Out<f64>,
     /// True while the torch touches the metal.
     ohmic_on: Out<bool>,

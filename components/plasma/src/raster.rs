@@ -75,7 +75,7 @@ pub(crate) struct Raster {
     count: Out<i32>,
     /// Units from where `run` rose.
     program_position: Out<f64>,
-    /// Pixels from where the first one begins.
+    /// Number of pixels from where the first one begins, with a fraction.
     bitmap_position: Out<f64>,
     /// The pixel where the head is, from 0; -1 before the first.
     #[hal(default = -1)]
@@ -83,7 +83,7 @@ pub(crate) struct Raster {
     /// Its power in percent; -1 is off.
     #[hal(default = -1.0)]
     current_pixel_value: Out<f64>,
-    /// That of the pixel before.
+    /// That of the pixel before, in percent; -1 is off.
     #[hal(default = -1.0)]
     previous_pixel_value: Out<f64>,
     /// How far into the pixel the head is, 0 to 1.

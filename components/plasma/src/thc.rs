@@ -46,7 +46,7 @@ impl Component for Thc {
 pins! {
     /// Its pins.
     struct Pins {
-        /// The frequency of the voltage card, from an encoder's `velocity`.
+        /// The frequency of the voltage card, from an encoder's `velocity`, in hertz.
         encoder_vel: In<f64> = "encoder-vel", 0.0;
         /// The speed of the machine, in units per second.
         current_vel: In<f64> = "current-vel", 0.0;
@@ -62,7 +62,7 @@ pins! {
         arc_ok: In<bool> = "arc-ok", false;
         /// Whether to control the height at all.
         enable: In<bool> = "enable", false;
-        /// Z as it is commanded.
+        /// Z as it is commanded, in units.
         z_pos_in: In<f64> = "z-pos-in", 0.0;
         /// Z with the offset, in units, for the motor.
         z_pos_out: Out<f64> = "z-pos-out", 0.0;
@@ -76,7 +76,7 @@ pins! {
         offset_value: Out<f64> = "offset-value", 0.0;
         /// Volts per unit of frequency.
         vel_scale: ParamRw<f64> = "vel-scale", 0.0;
-        /// The frequency at 0 V, in Hz.
+        /// The frequency at 0 V, in hertz.
         scale_offset: ParamRw<f64> = "scale-offset", 0.0;
         /// How far below the wanted speed still counts, in percent.
         velocity_tol: ParamRw<f64> = "velocity-tol", 0.0;

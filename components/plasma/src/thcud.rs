@@ -55,7 +55,7 @@ pins! {
         arc_ok: In<bool> = "arc-ok", false;
         /// Whether to control the height at all.
         enable: In<bool> = "enable", false;
-        /// Z as it is commanded.
+        /// Z as it is commanded, in units.
         z_pos_in: In<f64> = "z-pos-in", 0.0;
         /// Z with the offset, in units, for the motor.
         z_pos_out: Out<f64> = "z-pos-out", 0.0;
