@@ -5,6 +5,7 @@ mod height;
 mod laserpower;
 mod ohmic;
 mod pixels;
+mod plasmac;
 mod raster;
 mod thc;
 mod thcud;
@@ -12,6 +13,7 @@ mod thcud;
 hal_component::export!(
     laserpower::Laserpower,
     ohmic::Ohmic,
+    plasmac::Plasmac,
     raster::Raster,
     thc::Thc,
     thcud::Thcud

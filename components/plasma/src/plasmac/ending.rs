@@ -1,0 +1,133 @@
+//! Realtime. What ends a cut, and states 14 to 17: the way up, and the end.
+
+use super::{
+    machine::Machine,
+    state::{State, Stop},
+};
+
+impl Machine {
+    /// Ends a cut for this reason, by this state.
+    pub(super) fn end(&mut self, stop: Stop, state: State) {
+        self.stops(stop);
+        self.dark();
+        self.drive.feed_hold.set(true);
+        self.go(state);
+    }
+
+    /// A fault: the program pauses, and the torch goes up.
+    pub(super) fn fault(&mut self) {
+        self.drive.program_pause.set(!self.at.is_paused.get());
+        self.end(Stop::Fault, State::MaxHeight);
+        self.max_height();
+    }
+
+    /// What ends a cut from outside: whether it did.
+    pub(super) fn interrupted(&mut self) -> bool {
+        let ends = matches!(self.state, State::MaxHeight | State::EndCut);
+        if ends && self.stop == Stop::None && self.at.is_idle.get() && !self.wanted() {
+            self.end(Stop::Job, State::MaxHeight);
+            self.max_height();
+            return true;
+        }
+        if !(State::ProbeHeight..=State::PauseAtEnd).contains(&self.state) {
+            return false;
+        }
+        let touched = self.probe.float_switch.get()
+            && (State::CutHeight..=State::CutByHand).contains(&self.state)
+            && !self.at.is_idle.get();
+        let shorted = self.tip && self.state == State::Cut;
+        let low = f64::from(self.thc.low_cut_volts.get());
+        let dim = low > 0.0 && self.told.thc_active.get() && self.now < low;
+        let broken = self.probe.breakaway.get() && !self.at.is_idle.get();
+        if broken || touched || shorted {
+            self.tripped = true;
+            self.messages.error("plasmac: a sensor is active", &[]);
+            self.fault();
+        } else if dim || self.at.is_paused.get() {
+            self.fault();
+        } else if self.ran && self.at.is_idle.get() {
+            self.end(Stop::Job, State::MaxHeight);
+            self.max_height();
+        } else if self.tests {
+            if self.probe.test.get() {
+                return false;
+            }
+            self.go(State::ProbeTest);
+        } else if self.probe.test.get() {
+            return false;
+        } else if !self.wanted() && self.state != State::PauseAtEnd {
+            if self.state >= State::Cut {
+                self.last = Some((self.at.x.get(), self.at.y.get()));
+            }
+            if self.at.is_idle.get() {
+                self.end(Stop::Job, State::MaxHeight);
+                self.max_height();
+            } else if self.state < State::PauseAtEnd && self.cut.pause_at_end.get() > 0.0 {
+                self.stops(Stop::Cut);
+                self.drive.feed_hold.set(true);
+                self.go(State::PauseAtEnd);
+                return false;
+            } else {
+                self.end(Stop::Cut, State::SafeHeight);
+            }
+        } else if self.lost() {
+            self.messages.error("plasmac: the arc is lost", &[]);
+            self.fault();
+        } else {
+            return false;
+        }
+        true
+    }
+
+    pub(super) fn safe_height(&mut self) {
+        self.told.cornerlock.set(false);
+        if self.known && self.entered {
+            let safe = self.cut.safe_height.get();
+            #[expect(clippy::cast_possible_truncation, reason = "what does not fit is at its end")]
+            let most = self.highest as i32;
+            self.goal = if safe > 0.0 { self.above(safe).min(most) } else { most };
+            self.entered = false;
+        }
+        if !self.known {
+            self.goal = 0;
+        }
+        if self.toward(self.setup()) {
+            self.drive.feed_hold.set(false);
+            self.go(State::EndCut);
+        }
+    }
+
+    pub(super) fn max_height(&mut self) {
+        self.told.cornerlock.set(false);
+        self.goal = 0;
+        if self.toward(self.setup()) {
+            let paused = self.stop == Stop::Fault && self.at.is_paused.get();
+            self.go(if paused && self.jobs.consumable_change.get() {
+                State::ConsumablesOut
+            } else if paused && self.jobs.cut_recovery.get() {
+                State::RecoveryOut
+            } else {
+                State::EndCut
+            });
+        }
+    }
+
+    pub(super) fn end_cut(&mut self) {
+        self.told.target_volts.set(0.0);
+        self.told.led_up.set(false);
+        self.told.led_down.set(false);
+        self.drive.cutting_stop.set(false);
+        self.go(if self.stop == Stop::Job || self.at.is_idle.get() {
+            State::EndJob
+        } else {
+            State::Idle
+        });
+    }
+
+    pub(super) fn end_job(&mut self) {
+        self.stops(Stop::None);
+        self.ran = false;
+        self.times.begun = false;
+        self.go(State::Idle);
+    }
+}

@@ -1,0 +1,95 @@
+//! Realtime. State 0: what begins.
+
+use super::{
+    machine::Machine,
+    state::{State, Stop},
+};
+
+impl Machine {
+    pub(super) fn idle(&mut self) {
+        if self.drive.z_counts.get() == 0 {
+            self.base = self.at.z.get();
+        }
+        let first = core::mem::take(&mut self.entered);
+        let paused = self.at.is_paused.get();
+        let sensor = self.told.sensor_active.get();
+        if self.tripped {
+            if sensor {
+                self.go(State::MaxHeight);
+                self.max_height();
+            } else {
+                self.tripped = false;
+                self.eases = true;
+            }
+            return;
+        }
+        if self.stop == Stop::Fault {
+            if paused {
+                self.while_paused();
+                return;
+            }
+            if sensor {
+                return;
+            }
+            self.stops(Stop::None);
+            self.drive.feed_hold.set(self.at.motion_type.get() != 1);
+            self.entered = core::mem::take(&mut self.eases);
+            return;
+        }
+        if !self.at.homed.get() {
+            return;
+        }
+        if sensor && self.runs {
+            self.tripped = true;
+            self.drive.z_enable.set(true);
+            self.messages.error("plasmac: a sensor is active before a cut", &[]);
+            let stop = self.stop;
+            self.fault();
+            if stop != Stop::None {
+                self.stops(stop);
+            }
+            return;
+        }
+        if self.stop == Stop::Cut && self.at.is_idle.get() {
+            self.end(Stop::Job, State::MaxHeight);
+            self.max_height();
+        } else if self.stop == Stop::None && !self.drive.program_pause.get() && self.begin_job() {
+        } else if self.wanted() {
+            self.stops(Stop::None);
+            self.drive.feed_hold.set(true);
+            if self.drive.program_pause.get() || paused {
+                return;
+            }
+            self.tests = false;
+            self.attempts = 0;
+            let near = self.near_last();
+            self.go(if near { State::PierceHeight } else { State::ProbeHeight });
+        } else if self.stop == Stop::None && first {
+            self.drive.feed_hold.set(false);
+        }
+    }
+
+    /// So near to the last cut that its surface is taken.
+    fn near_last(&self) -> bool {
+        let distance = self.probe.skip_ihs_distance.get();
+        let Some((x, y)) = self.last.filter(|_| distance > 0.0 && self.known) else {
+            return false;
+        };
+        libm::hypot(self.at.x.get() - x, self.at.y.get() - y) < distance
+    }
+
+    /// What begins while a program is paused.
+    fn while_paused(&mut self) {
+        if self.jobs.paused_motion_speed.get() != 0.0 {
+            self.go(State::PausedMotion);
+        } else if self.jobs.consumable_change.get() {
+            if self.drive.x_counts.get() == 0 && self.drive.y_counts.get() == 0 {
+                self.go(State::MaxHeight);
+            }
+        } else if self.told.consumable_changing.get() {
+            self.go(State::ConsumablesBack);
+        } else if self.jobs.cut_recovery.get() {
+            self.go(State::RecoveryOut);
+        }
+    }
+}

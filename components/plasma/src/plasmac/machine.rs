@@ -1,0 +1,386 @@
+//! Realtime. A plasma cutter: what it knows, and one cycle of it.
+
+use super::{
+    ins,
+    numbers::{at_most, later, short, sooner},
+    outs,
+    state::{State, Stop},
+    thc::Thc,
+    times::Times,
+    volts::Volts,
+    wants,
+};
+use hal_component::{Builder, Error, Messages, Period, Touch, Update};
+
+/// A plasma cutter.
+#[derive(Touch)]
+pub(super) struct Machine {
+    pub(super) arc: ins::Arc,
+    pub(super) at: ins::Machine,
+    pub(super) probe: ins::Probe,
+    pub(super) cut: wants::Cut,
+    pub(super) thc: wants::Thc,
+    pub(super) jobs: wants::Jobs,
+    pub(super) drive: outs::Drive,
+    pub(super) told: outs::Told,
+    pub(super) messages: Messages,
+    pub(super) volts: Volts,
+    pub(super) control: Thc,
+    pub(super) times: Times,
+    #[state]
+    pub(super) state: State,
+    #[state]
+    pub(super) stop: Stop,
+    /// Seconds in this state, or since something happened in it.
+    #[state]
+    pub(super) timer: f32,
+    /// The first cycle of a state.
+    #[state]
+    pub(super) entered: bool,
+    /// Z without its offset, as it was when there was none.
+    #[state]
+    pub(super) base: f64,
+    /// The offset of Z at the surface, in counts; a surface was found.
+    #[state]
+    pub(super) surface: i32,
+    #[state]
+    pub(super) known: bool,
+    /// As high as Z may go, in counts.
+    #[state]
+    pub(super) highest: f64,
+    /// By how many counts the voltage moved Z above the cut height.
+    #[state]
+    pub(super) drift: i32,
+    /// Where this state moves Z, in counts.
+    #[state]
+    pub(super) goal: i32,
+    /// Seconds until the torch may be lit again.
+    #[state]
+    pub(super) restart: f32,
+    /// Starts of the torch in this cut.
+    #[state]
+    pub(super) starts: i32,
+    /// Contact came on the way to the start height.
+    #[state]
+    pub(super) early: bool,
+    /// Contacts that were tried in this cut.
+    #[state]
+    pub(super) attempts: i32,
+    /// The contact is that of the tip.
+    #[state]
+    pub(super) by_tip: bool,
+    /// A program ran since the machine was idle.
+    #[state]
+    pub(super) ran: bool,
+    /// A program ran in the cycle before this one.
+    #[state]
+    pub(super) runs: bool,
+    /// A sensor ended the cut.
+    #[state]
+    pub(super) tripped: bool,
+    /// A sensor that ended the cut is off again.
+    #[state]
+    pub(super) eases: bool,
+    /// It is a probe test.
+    #[state]
+    pub(super) tests: bool,
+    /// The torch is being moved to where a cut goes on.
+    #[state]
+    pub(super) recovers: bool,
+    /// X and Y as the last cut ended.
+    #[state]
+    pub(super) last: Option<(f64, f64)>,
+    /// The contact of the tip, as it was read in the last cycle.
+    #[state]
+    pub(super) tip: bool,
+    /// For how many cycles the relay of the contact is on, and off.
+    #[state]
+    pub(super) sensed: (i32, i32),
+    /// Volts of this cycle.
+    #[state]
+    pub(super) now: f64,
+    /// Seconds that the arc may be away from now on.
+    #[state]
+    pub(super) left: f32,
+}
+
+impl Machine {
+    pub(super) fn new(b: &mut Builder<'_>) -> Result<Self, Error> {
+        Ok(Self {
+            arc: ins::Arc::make(b, "plasmac")?,
+            at: ins::Machine::make(b, "plasmac")?,
+            probe: ins::Probe::make(b, "plasmac")?,
+            cut: wants::Cut::make(b, "plasmac")?,
+            thc: wants::Thc::make(b, "plasmac")?,
+            jobs: wants::Jobs::make(b, "plasmac")?,
+            drive: outs::Drive::make(b, "plasmac")?,
+            told: outs::Told::make(b, "plasmac")?,
+            messages: b.messages(),
+            volts: Volts::default(),
+            control: Thc::default(),
+            times: Times::default(),
+            state: State::Idle,
+            stop: Stop::None,
+            timer: 0.0,
+            entered: true,
+            base: 0.0,
+            surface: 0,
+            known: false,
+            highest: 0.0,
+            drift: 0,
+            goal: 0,
+            restart: 0.0,
+            starts: 0,
+            early: false,
+            attempts: 0,
+            by_tip: false,
+            ran: false,
+            runs: false,
+            tripped: false,
+            eases: false,
+            tests: false,
+            recovers: false,
+            last: None,
+            tip: false,
+            sensed: (0, 0),
+            now: 0.0,
+            left: 0.0,
+        })
+    }
+
+    /// Enters a state, which acts from the next cycle on.
+    pub(super) fn go(&mut self, state: State) {
+        self.state = state;
+        self.entered = true;
+        self.timer = 0.0;
+        self.told.state.set(state as i32);
+    }
+
+    /// Notes why it stops.
+    pub(super) fn stops(&mut self, stop: Stop) {
+        self.stop = stop;
+        self.told.stop_type.set(stop as i32);
+    }
+
+    /// The torch is off, and the arc with it.
+    pub(super) fn dark(&mut self) {
+        self.drive.torch_on.set(false);
+        self.told.arc_ok.set(false);
+        self.volts.dark();
+    }
+
+    /// Whether a time is over, this cycle counted.
+    pub(super) fn waited(&mut self, seconds: f64, period: Period) -> bool {
+        self.pass(period);
+        f64::from(self.timer) >= seconds
+    }
+
+    /// Whether a time is over, counted from the next cycle on.
+    pub(super) fn lasted(&mut self, seconds: f64, period: Period) -> bool {
+        let over = f64::from(self.timer) >= seconds;
+        self.pass(period);
+        over
+    }
+
+    fn pass(&mut self, period: Period) {
+        self.timer = later(self.timer, period);
+    }
+
+    /// Factor of counts, within its limits.
+    pub(super) fn resolution(&self) -> i32 {
+        at_most(self.cut.resolution.get(), 1000)
+    }
+
+    /// Counts per cycle for a speed in machine units per minute, with the 24 bits of LinuxCNC's factor.
+    pub(super) fn pace(&self, rate: f64) -> f64 {
+        let factor = f64::from(self.resolution()) / self.at.units_per_mm.get() / 60.0;
+        rate * f64::from(short(factor))
+    }
+
+    /// The same in whole counts.
+    #[expect(clippy::cast_possible_truncation, reason = "what does not fit is at its end")]
+    pub(super) fn speed(&self, rate: f64) -> i32 {
+        self.pace(rate) as i32
+    }
+
+    /// Speed of Z between heights.
+    pub(super) fn setup(&self) -> i32 {
+        self.speed(self.cut.setup_feed_rate.get())
+    }
+
+    /// Counts of a distance in machine units.
+    #[expect(clippy::cast_possible_truncation, reason = "what does not fit is at its end")]
+    pub(super) fn counts(&self, distance: f64) -> i32 {
+        (distance / self.drive.offset_scale.get()) as i32
+    }
+
+    /// Machine units of counts.
+    pub(super) fn units(&self, counts: i32) -> f64 {
+        f64::from(counts) * self.drive.offset_scale.get()
+    }
+
+    /// Moves Z one step nearer to the goal: whether it was there.
+    pub(super) fn toward(&self, speed: i32) -> bool {
+        let now = self.drive.z_counts.get();
+        let left = self.goal.saturating_sub(now);
+        let most = speed.saturating_abs();
+        self.drive.z_counts.set(now.saturating_add(left.max(-most).min(most)));
+        left == 0
+    }
+
+    /// Moves Z by so many counts.
+    pub(super) fn shift(&self, by: i32) {
+        self.drive.z_counts.set(self.drive.z_counts.get().saturating_add(by));
+    }
+
+    /// The switch or the tip touches the surface.
+    pub(super) fn touches(&self) -> bool {
+        self.probe.float_switch.get() || self.tip
+    }
+
+    /// A cut or a spot is wanted.
+    pub(super) fn wanted(&self) -> bool {
+        self.jobs.cutting_start.get() || self.jobs.spotting_start.get()
+    }
+
+    /// A cut goes on without an arc.
+    pub(super) fn ignores_arc(&self) -> bool {
+        self.arc.ignore_ok_0.get()
+            || self.arc.ignore_ok_1.get()
+            || (self.cut.mesh_enable.get() && self.cut.mesh_arc_ok.get())
+    }
+
+    fn read(&mut self, period: Period) {
+        let resolution = f64::from(self.resolution());
+        self.drive.offset_scale.set(self.at.units_per_mm.get() * period.secs() / resolution);
+        self.now = self.volts.read(&self.arc, period);
+        self.told.arc_voltage.set(self.now);
+        self.told.current_feed_rate.set(self.at.velocity.get() * 60.0);
+        let enabled = self.thc.enable.get()
+            && !self.thc.disable.get()
+            && !self.arc.ignore_ok_0.get()
+            && !self.arc.ignore_ok_1.get()
+            && !self.cut.mesh_enable.get()
+            && self.left == short(self.arc.lost_delay.get());
+        self.told.thc_enabled.set(enabled);
+        let cuts = matches!(self.state, State::Cut | State::CutByHand);
+        self.told.thc_active.set(self.control.active && enabled && cuts);
+        self.sense();
+        let sensor = self.touches() || self.probe.breakaway.get();
+        self.told.sensor_active.set(sensor);
+        if self.at.is_paused.get() {
+            self.drive.program_pause.set(false);
+        }
+    }
+
+    /// Whether there is an arc.
+    fn look(&mut self, period: Period) {
+        if self.cut.torch_off.get() {
+            self.drive.torch_on.set(false);
+        }
+        let lit = self.drive.torch_on.get();
+        if !lit || self.volts.arc(&self.arc, self.cut.mode.get(), self.now) {
+            self.left = short(self.arc.lost_delay.get());
+            self.told.arc_ok.set(lit);
+        } else if self.told.arc_ok.get() {
+            if self.left <= 0.0 {
+                self.told.arc_ok.set(false);
+            } else {
+                self.left = sooner(self.left, period);
+            }
+        }
+    }
+
+    /// The relay of the tip's contact, debounced.
+    fn sense(&mut self) {
+        let (on, off) = self.sensed;
+        if self.probe.ohmic_sense_in.get() {
+            self.sensed = (on.saturating_add(1), 0);
+            if self.sensed.0 > self.probe.ohmic_sense_on_delay.get() {
+                self.drive.ohmic_sense_out.set(true);
+            }
+        } else {
+            self.sensed = (0, off.saturating_add(1));
+            if self.sensed.1 > self.probe.ohmic_sense_off_delay.get() {
+                self.drive.ohmic_sense_out.set(false);
+            }
+        }
+    }
+
+    fn act(&mut self, period: Period) {
+        match self.state {
+            State::Idle => self.idle(),
+            State::ProbeHeight => self.probe_height(),
+            State::ProbeDown => self.probe_down(),
+            State::ProbeUp => self.probe_up(),
+            State::ZeroHeight => self.zero_height(),
+            State::PierceHeight => self.pierce_height(),
+            State::TorchOn => self.torch_on(period),
+            State::ArcOk => self.arc_ok(period),
+            State::PierceDelay => self.pierce_delay(period),
+            State::PuddleJump => self.puddle_jump(period),
+            State::CutHeight => self.cut_height(),
+            State::Cut => self.cutting(period),
+            State::CutByHand => self.by_hand(),
+            State::PauseAtEnd => self.pause_at_end(period),
+            State::SafeHeight => self.safe_height(),
+            State::MaxHeight => self.max_height(),
+            State::EndCut => self.end_cut(),
+            State::EndJob => self.end_job(),
+            State::TorchPulse => self.torch_pulse(period),
+            State::PausedMotion => self.paused_motion(),
+            State::OhmicTest => self.ohmic_test(),
+            State::ProbeTest => self.probe_test(),
+            State::Scribing => self.scribing(period),
+            State::ConsumablesOut => self.consumables_out(),
+            State::ConsumablesBack => self.consumables_back(),
+            State::RecoveryOut => self.recovery_out(),
+            State::RecoveryBack => self.recovery_back(),
+        }
+    }
+
+    /// The machine is off: no torch, no offsets.
+    fn off(&mut self) {
+        self.drive.program_pause.set(false);
+        self.drive.z_counts.set(0);
+        self.drive.x_counts.set(0);
+        self.drive.y_counts.set(0);
+        self.drive.torch_on.set(false);
+        self.stops(Stop::None);
+        if self.state != State::Idle {
+            self.go(State::Idle);
+        }
+    }
+}
+
+impl Update for Machine {
+    fn update(&mut self, period: Period) {
+        self.read(period);
+        self.told.z_height.set(if self.known {
+            self.at.z_offset_current.get() - self.units(self.surface)
+        } else {
+            self.at.z.get() - self.at.z_min.get()
+        });
+        let is_on = self.at.is_on.get();
+        let acts = is_on && !self.interrupted();
+        let stands = !matches!(self.state, State::ProbeDown | State::ProbeUp);
+        let may = self.at.is_idle.get() && stands && !self.jobs.override_jog.get();
+        self.drive.jog_inhibit.set(self.told.sensor_active.get() && may);
+        self.look(period);
+        self.count(period);
+        if acts {
+            if self.state != State::PausedMotion {
+                self.drive.adaptive_feed.set(1.0);
+            }
+            if self.state != State::Idle {
+                self.drive.z_enable.set(true);
+            }
+            self.act(period);
+        } else if !is_on {
+            self.drive.adaptive_feed.set(1.0);
+            self.off();
+        }
+        self.runs = self.at.is_running.get();
+        self.tip = self.probe.ohmic_probe.get() && self.probe.ohmic_probe_enable.get();
+    }
+}

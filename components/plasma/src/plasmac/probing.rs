@@ -1,0 +1,134 @@
+//! Realtime. States 1 to 5: to the surface, and to the height of piercing.
+
+use super::{machine::Machine, numbers::at_most, state::State};
+
+impl Machine {
+    /// Whether what touches has been asked for the tip often enough.
+    fn counts_as_contact(&mut self) -> bool {
+        let tip = self.probe.ohmic_probe_enable.get();
+        if tip && !self.tip && self.attempts < self.probe.ohmic_max_attempts.get() {
+            self.attempts += 1;
+            return false;
+        }
+        self.by_tip = self.tip;
+        true
+    }
+
+    pub(super) fn probe_height(&mut self) {
+        self.drive.ohmic_enable.set(self.probe.ohmic_probe_enable.get());
+        if self.touches() && self.attempts == 0 {
+            self.early = true;
+            self.go(State::ProbeUp);
+            return;
+        }
+        if self.entered {
+            let low = self.at.z_min.get() - self.base;
+            self.goal = self.counts(low + self.probe.start_height.get());
+            self.entered = false;
+        }
+        if self.toward(self.setup()) {
+            self.go(State::ProbeDown);
+        }
+    }
+
+    pub(super) fn probe_down(&mut self) {
+        if self.touches() {
+            if self.counts_as_contact() {
+                self.early = false;
+                self.go(State::ProbeUp);
+            } else {
+                self.go(State::ProbeHeight);
+            }
+            return;
+        }
+        let speed = self.speed(self.probe.feed_rate.get()).min(self.setup());
+        let next = self.at.z.get() - self.units(speed);
+        if next >= self.at.z_min.get() + 0.25 * self.at.units_per_mm.get() {
+            self.shift(speed.saturating_neg());
+        } else if self.entered {
+            self.entered = false;
+        } else if self.tests {
+            self.told.probe_test_error.set(true);
+            self.go(State::ProbeTest);
+        } else {
+            self.messages.error("plasmac: Z is at its lowest, and no surface was found", &[]);
+            self.fault();
+        }
+    }
+
+    pub(super) fn probe_up(&mut self) {
+        if self.touches() {
+            let by = if self.early { 10 } else { at_most(self.probe.final_speed.get(), 10) };
+            self.shift(by.saturating_mul(self.resolution()));
+            self.entered = false;
+        } else if self.early {
+            self.go(State::ProbeDown);
+        } else {
+            self.drive.ohmic_enable.set(false);
+            self.go(State::ZeroHeight);
+            self.find();
+        }
+    }
+
+    pub(super) fn zero_height(&mut self) {
+        if self.toward(self.setup()) {
+            self.go(State::PierceHeight);
+        }
+    }
+
+    /// The surface is where contact ended, or a bit above.
+    fn find(&mut self) {
+        let travel = if self.by_tip {
+            self.probe.ohmic_probe_offset.get()
+        } else {
+            self.probe.float_switch_travel.get()
+        };
+        self.goal = self.drive.z_counts.get().saturating_add(self.counts(travel));
+        self.surface = self.goal;
+        self.drift = 0;
+        let free = f64::from(self.cut.max_offset.get()) * self.at.units_per_mm.get();
+        let left = self.at.z_max.get() - self.at.z.get() - free;
+        let here = f64::from(self.drive.z_counts.get());
+        self.highest = here + left / self.drive.offset_scale.get();
+        self.known = true;
+    }
+
+    /// A height above the surface, in counts.
+    #[expect(clippy::cast_possible_truncation, reason = "what does not fit is at its end")]
+    pub(super) fn above(&self, height: f64) -> i32 {
+        (f64::from(self.surface.saturating_add(self.drift))
+            + height / self.drive.offset_scale.get()) as i32
+    }
+
+    /// Aims at a height above the surface.
+    pub(super) fn aim(&mut self, height: f64) {
+        if self.entered {
+            self.goal = self.above(height);
+            self.entered = false;
+        }
+    }
+
+    pub(super) fn pierce_height(&mut self) {
+        let cut = &self.cut;
+        let heights = [cut.pierce_height.get(), cut.cut_height.get(), cut.cut_volts.get()];
+        if !heights.iter().all(|n| *n > 0.0) {
+            self.messages.error(
+                "plasmac: pierce-height {}, cut-height {} and cut-volts {} must be above 0",
+                &heights,
+            );
+            self.fault();
+            return;
+        }
+        self.aim(self.cut.pierce_height.get());
+        if self.toward(self.setup()) {
+            self.starts = 0;
+            if self.tests {
+                self.go(State::ProbeTest);
+            } else if self.cut.torch_enable.get() {
+                self.go(State::TorchOn);
+            } else {
+                self.go(State::PierceDelay);
+            }
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! Realtime. Torch height control.
+
+use super::{
+    ins,
+    numbers::{at_most, later, short},
+    outs::Told,
+    wants,
+};
+use hal_component::{Period, Touch};
+
+/// What there is of a cut's height control.
+#[derive(Default, Touch)]
+pub(super) struct Thc {
+    /// Seconds since the speed was reached.
+    #[state]
+    since: f32,
+    #[state]
+    sum: f32,
+    #[state]
+    samples: i32,
+    #[state]
+    target: f64,
+    /// The target is there.
+    #[state]
+    aims: bool,
+    /// It was controlled in the last cycle.
+    #[state]
+    pub(super) active: bool,
+    #[state]
+    error: f64,
+    #[state]
+    volts: Option<f64>,
+    #[state]
+    rising: i32,
+    #[state]
+    level: i32,
+    #[state]
+    void: bool,
+}
+
+impl Thc {
+    /// A cut begins.
+    pub(super) fn begin(&mut self) {
+        *self = Self { error: self.error, ..Self::default() };
+    }
+
+    /// Waits for the target: whether it is there.
+    fn aim(
+        &mut self,
+        wants: (&wants::Thc, &wants::Cut),
+        speed: (f64, f64),
+        volts: f64,
+        period: Period,
+    ) -> bool {
+        if self.aims {
+            return true;
+        }
+        if self.samples == 0 {
+            if speed.0.is_nan() || speed.1.is_nan() || speed.0 < speed.1 {
+                return false;
+            }
+            if f64::from(self.since) < wants.0.delay.get() {
+                self.since = later(self.since, period);
+                return false;
+            }
+        }
+        if wants.0.use_auto_volts.get() {
+            self.sum = short(f64::from(self.sum) + volts);
+            self.samples += 1;
+            if self.samples < wants.0.target_samples.get() {
+                return false;
+            }
+            self.target = f64::from(short(f64::from(self.sum) / f64::from(self.samples)));
+        } else {
+            self.target = wants.1.cut_volts.get();
+        }
+        self.aims = true;
+        true
+    }
+
+    /// Whether a void is below.
+    fn is_void(&mut self, wants: &wants::Thc, volts: f64, period: Period) -> bool {
+        let slope = (volts - self.volts.unwrap_or(volts)) / period.secs();
+        let steep = f64::from(wants.voidlock_slope.get());
+        self.volts = Some(volts);
+        self.rising = if slope > steep { self.rising.saturating_add(1) } else { 0 };
+        self.level = if slope.abs() <= steep { self.level.saturating_add(1) } else { 0 };
+        if self.rising > wants.voidlock_on_cycles.get() {
+            self.void = true;
+        }
+        if self.level >= wants.voidlock_off_cycles.get() {
+            self.void = false;
+        }
+        self.void && wants.voidlock_enable.get()
+    }
+
+    /// Looks for the target, and by how many counts the torch is to be moved.
+    pub(super) fn step(
+        &mut self,
+        wants: (&wants::Thc, &wants::Cut),
+        machine: &ins::Machine,
+        told: &Told,
+        (volts, most, may, period): (f64, f64, bool, Period),
+    ) -> f64 {
+        let wanted = told.requested_feed_rate.get();
+        let speed = machine.velocity.get() * 60.0;
+        if !self.aims {
+            told.cornerlock.set(true);
+            if self.aim(wants, (speed, wanted), volts, period) {
+                told.target_volts.set(self.target);
+            }
+            return 0.0;
+        }
+        let void = self.is_void(wants.0, volts, period);
+        if !may {
+            told.led_up.set(false);
+            told.led_down.set(false);
+            return 0.0;
+        }
+        let slow = wants.0.cornerlock_enable.get()
+            && speed < wanted * wants.0.cornerlock_threshold.get() / 100.0;
+        told.cornerlock.set(slow);
+        told.voidlock.set(void);
+        self.active = !slow && !void;
+        let error = self.target + wants.0.height_override.get() - volts;
+        let error = if error.abs() < wants.0.threshold.get() { 0.0 } else { error };
+        if !self.active {
+            self.error = 0.0;
+            told.led_up.set(false);
+            told.led_down.set(false);
+            return 0.0;
+        }
+        let change = (error - self.error) / period.secs();
+        self.error = error;
+        let by = wants.0.p_gain.get() * error
+            + wants.0.i_gain.get() * error * period.secs()
+            + wants.0.d_gain.get() * change;
+        // Each stays until the voltage is near enough.
+        told.led_up.set(by != 0.0 && (told.led_up.get() || by > 0.0));
+        told.led_down.set(by != 0.0 && (told.led_down.get() || by < 0.0));
+        let resolution = f64::from(at_most(wants.1.resolution.get(), 1000));
+        (by * resolution / 10.0).max(-most).min(most)
+    }
+}
