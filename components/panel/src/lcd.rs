@@ -365,6 +365,45 @@ mod tests {
         }
     }
 
+    /// A turn of a page ends after the most that its field, its end and what begins the next can take.
+    #[test]
+    fn no_value_makes_a_page_longer() {
+        let odd =
+            [f64::NAN, f64::INFINITY, -f64::INFINITY, f64::MAX, f64::MIN, 1e15, -1e19, 5e-324];
+        for text in
+            ["%f", "%.1f", "%+9.3f", "%2.1f", "%i", "%+05i", "%u", "%x", "%o", "%20c", "%b10"]
+        {
+            for n in 0..8_u32 {
+                let bench = bench(text);
+                let pin = "lcd.00.page.00.arg.00";
+                match text.trim_matches(|c: char| !c.is_ascii_lowercase()) {
+                    "f" => bench.set(pin, odd[n as usize]),
+                    "i" => bench.set(pin, i32::MIN.wrapping_add_unsigned(n).wrapping_sub(4)),
+                    "b" => bench.set(pin, n % 2 == 0),
+                    _ => bench.set(pin, u32::MAX.wrapping_add(n).wrapping_sub(4)),
+                }
+                bench.set("lcd.00.decimal-separator", [46, 0, 1 << 31, u32::MAX][n as usize % 4]);
+                bench.set("lcd.00.contrast", odd[n as usize]);
+                sent(&bench, 0, 116);
+                let shown = sent(&bench, 0, 300);
+                let turns = shown.matches(&format!("0{HOME}")).count();
+                assert!(turns >= 300 / (20 + 1 + 4 + 3), "{text}: {shown}");
+            }
+        }
+    }
+
+    /// As LinuxCNC's: 0 ends a field but where it comes first.
+    #[test]
+    fn a_separator_of_0() {
+        for (text, shown) in [("a%2.1fb", "a00b0"), ("a%4.1fb", "a 0b0")] {
+            let bench = bench(text);
+            bench.set("lcd.00.decimal-separator", 1_u32 << 31);
+            sent(&bench, 0, 116);
+            let runs = shown.len() + HOME.len();
+            assert_eq!(sent(&bench, 0, runs), format!("{shown}{HOME}"));
+        }
+    }
+
     #[test]
     fn a_wrong_text_makes_nothing() {
         for (text, why) in [

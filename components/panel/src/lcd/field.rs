@@ -28,10 +28,13 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// These characters, up to the first that is 0.
+    /// These characters, up to the first that is 0; one that begins them is sent.
     pub(super) fn of(text: &[u8]) -> Self {
         let mut line = Self::default();
-        for (to, from) in line.bytes.iter_mut().zip(text).take_while(|(_, from)| **from != 0) {
+        for (to, from) in line.bytes.iter_mut().zip(text) {
+            if *from == 0 && line.len > 0 {
+                break;
+            }
             *to = *from;
             line.len += 1;
         }
