@@ -75,8 +75,10 @@ struct Direction {
 
 impl Update for Direction {
     fn update(&mut self, _: Period) {
-        let round = self.max.get().wrapping_sub(self.min.get()).wrapping_add(1);
-        let within = |position: In<i32>| position.get().checked_rem(round).unwrap_or(0);
+        let min = self.min.get();
+        let round = self.max.get().wrapping_sub(min).wrapping_add(1);
+        let within =
+            |position: In<i32>| position.get().wrapping_sub(min).checked_rem(round).unwrap_or(0);
         let mut far = within(self.desired).wrapping_sub(within(self.actual));
         if self.wrap.get() {
             if far > round / 2 {
@@ -96,6 +98,11 @@ impl Update for Direction {
 mod tests {
     use super::Modmath;
     use hal_component::{bench::Bench, trace::replay};
+
+    #[test]
+    fn as_recorded() {
+        assert_eq!(replay::<Modmath>(include_str!("../traces/modmath.txt")), 272);
+    }
 
     #[test]
     fn the_shorter_way() {
