@@ -77,6 +77,9 @@ impl Pair<'_> {
     /// Both loaded, driven, unloaded.
     fn round(&mut self, round: &Round) -> Result<(), String> {
         let (ours, theirs) = self.load(round)?;
+        for (name, (_, first)) in ours.iter().filter(|(_, (direction, _))| is_given(*direction)) {
+            self.case.suits(self.module, name, *first)?;
+        }
         let (mut inputs, outputs) = self.matched(round.style, &ours, &theirs);
         self.verdict.begin(self.module, round, outputs.iter().map(|(n, _)| (&**n, ours[n])));
         self.history.begin();
@@ -149,7 +152,7 @@ impl Pair<'_> {
                 continue;
             }
             let of_theirs = format!("{PREFIX}{name}");
-            let given = matches!(direction, Direction::In | Direction::Io | Direction::Rw);
+            let given = is_given(direction);
             if given && value != first && v.begins(case, name, first, value) {
                 self.bench.set(&of_theirs, first);
             }
@@ -199,6 +202,11 @@ impl Pair<'_> {
             }
         }
     }
+}
+
+/// Whether the judge sets it.
+const fn is_given(direction: Direction) -> bool {
+    matches!(direction, Direction::In | Direction::Io | Direction::Rw)
 }
 
 fn items(b: &mut Bench, owner: &str, prefix: &str) -> Items {

@@ -1,7 +1,8 @@
 //! What is told of one component to the judge: `tests/judge/NAME.toml`, read and checked.
 
+use super::inputs::fits;
 use crate::programs::root;
-use hal_protocol::Patterns;
+use hal_protocol::{Patterns, Value};
 use serde::Deserialize;
 use std::{collections::BTreeSet, fmt::Write, path::PathBuf};
 
@@ -213,6 +214,13 @@ impl Case {
         if let Some(i) = case.inputs.iter().find(|i| i.evenly && i.range.is_none()) {
             return Err(format!("{}: evenly in which range?", i.pins.join(", ")));
         }
+        if let Some(i) = case.inputs.iter().find(|i| i.range.is_some_and(|[a, b]| b < a)) {
+            return Err(format!(
+                "{}: range = {:?} ends before it begins",
+                i.pins.join(", "),
+                i.range
+            ));
+        }
         if case.lists().any(|(pins, why)| pins.is_empty() || why.is_empty()) {
             return Err("a list without pins, or without a reason".to_owned());
         }
@@ -227,6 +235,20 @@ impl Case {
         let tolerance = self.tolerance.iter().map(|r| (&*r.pins, &*r.why));
         let differs = self.differs.iter().map(|r| (&*r.pins, &*r.why));
         inputs.chain(only).chain(defaults).chain(tolerance).chain(differs)
+    }
+
+    /// Looks at what is told of an input whose type is known now.
+    ///
+    /// # Errors
+    /// A range is beyond its type.
+    pub(super) fn suits(&self, module: &str, name: &str, first: Value) -> Result<(), String> {
+        match self.told(name, |i| i.range.filter(|range| !fits(first, *range))) {
+            None => Ok(()),
+            Some(range) => Err(format!(
+                "tests/judge/{module}.toml: range = {range:?}: `{name}` is {}, which has no such number",
+                first.ty().name()
+            )),
+        }
     }
 
     /// What those that only we have are set to.
@@ -291,6 +313,7 @@ impl Case {
 #[cfg(test)]
 mod tests {
     use super::Case;
+    use hal_protocol::Value;
 
     #[test]
     fn what_is_wrong_in_a_file_is_told() {
@@ -299,7 +322,29 @@ mod tests {
         assert!(wrong("[[inputs]]\npins = [\"a\"]\nwhy = \"b\"").contains("positive, steady"));
         let evenly = "[[inputs]]\npins = [\"a\"]\nwhy = \"b\"\nevenly = true";
         assert!(wrong(evenly).contains("in which range"));
+        let range = evenly.replace("evenly = true", "range = [1, 0]");
+        assert!(wrong(&range).contains("ends before it begins"));
         assert!(wrong("[[tolerance]]\npins = []\nwhy = \"b\"\nulps = 1").contains("without pins"));
         assert!(wrong("[[differs]]\npins = [\"a\"]\nwhy = \"b\"").contains("missing field `from`"));
+    }
+
+    #[test]
+    fn a_range_is_one_of_the_type() {
+        let case =
+            Case::parse("[[inputs]]\npins = [\"*\"]\nwhy = \"b\"\nrange = [-5, 1e10]").unwrap();
+        for (first, suits) in [
+            (Value::Float(0.0), true),
+            (Value::Bit(false), true),
+            (Value::S64(0), true),
+            (Value::S32(0), false),
+            (Value::U32(0), false),
+            (Value::U64(0), false),
+        ] {
+            assert_eq!(case.suits("x", "x.0.in", first).is_ok(), suits, "{first:?}");
+        }
+        assert_eq!(
+            case.suits("x", "x.0.in", Value::U32(0)).unwrap_err(),
+            "tests/judge/x.toml: range = [-5.0, 10000000000.0]: `x.0.in` is u32, which has no such number"
+        );
     }
 }

@@ -274,6 +274,12 @@ pub(crate) fn positive(value: Value) -> Value {
     }
 }
 
+/// Whether a range is one of numbers that a value's type has; that of a bit is not looked at.
+pub(crate) fn fits(like: Value, range: [f64; 2]) -> bool {
+    matches!(like, Value::Bit(_) | Value::Port(_))
+        || range.iter().all(|bound| float(of(like, *bound)) == *bound)
+}
+
 /// A number within a range: what is outside is taken round it.
 pub(crate) fn within(value: Value, [low, high]: [f64; 2]) -> Value {
     #[expect(clippy::cast_possible_truncation, reason = "bounds of a file")]
