@@ -4,6 +4,9 @@ use hal_component::{
 };
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
+#[cfg(test)]
+mod closed;
+
 /// The most joints.
 const MOST: i64 = 7;
 

@@ -1,6 +1,9 @@
 //! `bin2gray` and `gray2bin`.
 use hal_component::{Component, In, Out, Period, Update};
 
+#[cfg(test)]
+mod closed;
+
 /// A number in Gray code.
 ///
 /// In Gray code, neighbours differ in one bit only.

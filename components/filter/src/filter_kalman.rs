@@ -4,6 +4,9 @@ use hal_component::{
     abi::component_flags,
 };
 
+#[cfg(test)]
+mod closed;
+
 /// How uncertain the first estimate is.
 const FIRST: f32 = 1.0;
 /// The variances, until they are set: nearly nothing.

@@ -5,6 +5,8 @@ mod bldc;
 mod clarke2;
 mod clarke3;
 mod clarkeinv;
+#[cfg(test)]
+mod closed;
 mod commutate;
 mod drive;
 mod hall;

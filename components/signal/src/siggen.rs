@@ -10,6 +10,9 @@ const GENERATORS: Channels = Channels {
     most: 16,
     wrong: "SIGGEN: ERROR: invalid number of channels:",
 };
+#[cfg(test)]
+mod closed;
+
 /// The π of sine and cosine.
 #[expect(clippy::approx_constant, reason = "the figures that users know come from this one")]
 const PI: f64 = 3.141_592_7;

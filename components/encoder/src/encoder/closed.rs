@@ -232,3 +232,65 @@ fn an_index_and_a_latch_note_their_count() {
         }
     }
 }
+
+/// Teeth of a gear, of which the last are missing, and fast periods of one: half of them a tooth shows.
+struct Gear {
+    teeth: i32,
+    missing: i32,
+    tooth: i32,
+}
+
+impl Gear {
+    /// Turns by one tooth, number n since the beginning.
+    fn turn(&self, rig: &mut Rig, n: i32) {
+        for part in 0..self.tooth {
+            let shows = n % self.teeth < self.teeth - self.missing && 2 * part < self.tooth;
+            rig.bench.set("x.phase-A", shows);
+            rig.look();
+        }
+    }
+
+    /// What has been counted when tooth n has begun: the missing ones are, with the first that comes after them.
+    fn counted(&self, n: i32) -> i32 {
+        n / self.teeth * self.teeth + (n % self.teeth).min(self.teeth - self.missing - 1) + 1
+    }
+}
+
+/// A gap tells itself from a pause between teeth once the speed is known: from where a pause of `missing-teeth` and a half is longer than
+/// what comes between two teeth. Each turn is a whole one then, and its index is at the first tooth.
+#[test]
+fn a_gear_with_missing_teeth_makes_whole_turns() {
+    for (teeth, missing, tooth) in [(60, 2, 8), (36, 1, 10), (60, 2, 26), (24, 3, 4), (12, 1, 40)] {
+        let mut rig = Rig::new();
+        rig.bench.set("x.counter-mode", true);
+        rig.bench.set("x.position-scale", f64::from(teeth));
+        rig.bench.set("x.min-speed-estimate", 1e-3);
+        rig.bench.set("x.index-enable", true);
+        // A whole gear, four times as slow: half a tooth of it is longer than one of those to come.
+        let slow = Gear { teeth, missing: 0, tooth: 4 * tooth };
+        (0..200).for_each(|n| slow.turn(&mut rig, n));
+        let gear = Gear { teeth, missing, tooth };
+        gear.turn(&mut rig, 0);
+        rig.bench.set("x.missing-teeth", missing);
+        let before = rig.int("rawcounts") - gear.counted(0);
+        let last = 8 * teeth - 1;
+        let speed = 1e9 / f64::from(tooth * teeth) / BASE as f64;
+        for n in 1..=last {
+            gear.turn(&mut rig, n);
+            let is = rig.int("rawcounts") - before;
+            assert_eq!(is, gear.counted(n), "{teeth}-{missing}, tooth {n}");
+            // It holds in the gap as well: turns per second, which a whole number of fast periods tells exactly.
+            let velocity = rig.float("velocity");
+            let off = (velocity / speed - 1.0).abs();
+            assert!(
+                n < teeth || off <= 1e-12,
+                "{teeth}-{missing}, tooth {n}: {velocity}, not {speed}"
+            );
+        }
+        rig.capture();
+        assert!(!rig.bench.get::<bool>("x.index-enable"), "{teeth}-{missing}");
+        // From the first tooth after the first gap.
+        let turns = f64::from(gear.counted(last) - gear.counted(teeth)) / f64::from(teeth);
+        assert!((rig.float("position") - turns).abs() <= 1e-12, "{teeth}-{missing}");
+    }
+}

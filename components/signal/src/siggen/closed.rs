@@ -1,0 +1,142 @@
+//! `siggen` against its waves as functions of the time: after n runs of T seconds the place in the cycle is the fraction of n·f·T,
+//! and every output follows from it alone. f·T is k/N here, so that all places are known exactly.
+
+use super::{PI, Siggen};
+use core::f64::consts::TAU;
+use hal_component::bench::{Bench, Random};
+
+const NS: i64 = 1_000_000;
+const DT: f64 = 0.001;
+
+/// What the π of the sines makes them differ by, at most.
+const OFF: f64 = 2.0 * (PI - core::f64::consts::PI);
+
+struct Rig {
+    bench: Bench,
+    amplitude: f64,
+    offset: f64,
+}
+
+impl Rig {
+    fn new(frequency: f64, amplitude: f64, offset: f64) -> Self {
+        let mut bench = Bench::new();
+        bench.load::<Siggen>(&["names=x"]).unwrap();
+        for (pin, value) in [("frequency", frequency), ("amplitude", amplitude), ("offset", offset)]
+        {
+            bench.set(&format!("x.{pin}"), value);
+        }
+        Self { bench, amplitude, offset }
+    }
+
+    fn run(&self) {
+        self.bench.run("x.update", NS);
+    }
+
+    /// An output, as one of amplitude 1 around 0.
+    fn unit(&self, pin: &str) -> f64 {
+        let is: f64 = self.bench.get(&format!("x.{pin}"));
+        (is - self.offset) / self.amplitude
+    }
+
+    /// What is rounded away in the output and here.
+    fn rounding(&self) -> f64 {
+        8.0 * f64::EPSILON * (1.0 + self.offset.abs() / self.amplitude)
+    }
+}
+
+/// Of a place in the cycle, half a cycle on: the square is low, then high; the sawtooth rises, the triangle falls and rises.
+#[test]
+fn every_wave_follows_from_the_place() {
+    let mut random = Random::new(1);
+    for _ in 0..50 {
+        // Of an odd number of places none is the middle.
+        let places = 2 * random.below(200) + 3;
+        let k = 1 + random.below(places / 2);
+        let frequency = k as f64 / places as f64 / DT;
+        let rig = Rig::new(frequency, random.scaled(0.1, 100.0), random.between(-50.0, 50.0));
+        for n in 1..=2000_u64 {
+            rig.run();
+            let at = (n * k % places) as f64 / places as f64;
+            // Each run rounds the place and the step.
+            let bound = 2.0 * n as f64 * f64::EPSILON + rig.rounding();
+            let off = |pin: &str, wanted: f64, slope: f64| {
+                let is = rig.unit(pin);
+                let why = format!("{pin} at {at} in run {n}: {is}, not {wanted}");
+                assert!((is - wanted).abs() <= slope * bound, "{why}");
+            };
+            off("triangle", 4.0 * (at - 0.5).abs() - 1.0, 4.0);
+            let sines = TAU + OFF / bound;
+            off("sine", libm::sin(TAU * at), sines);
+            off("cosine", libm::cos(TAU * at), sines);
+            // Where a cycle ends and begins they jump, a rounding earlier or later.
+            if !(n * k).is_multiple_of(places) {
+                off("sawtooth", 2.0 * at - 1.0, 2.0);
+                off("square", if at > 0.5 { 1.0 } else { -1.0 }, 1.0);
+                assert_eq!(rig.bench.get::<bool>("x.clock"), at > 0.5);
+            }
+        }
+    }
+}
+
+/// A period of N places, from anywhere: Σ saw² is N/3 + 2/(3N), Σ sin² = Σ cos² = N/2.
+#[test]
+fn powers_of_the_waves() {
+    for places in [4_u32, 10, 64, 250] {
+        let rig = Rig::new(1.0 / f64::from(places) / DT, 1.0, 0.0);
+        let n = f64::from(places);
+        (0..7).for_each(|_| rig.run());
+        let (mut saw, mut sine, mut cosine, mut across) = (0.0, 0.0, 0.0, 0.0);
+        for _ in 0..places {
+            rig.run();
+            let (s, c) = (rig.unit("sine"), rig.unit("cosine"));
+            saw += rig.unit("sawtooth") * rig.unit("sawtooth");
+            sine += s * s;
+            cosine += c * c;
+            across += s * c;
+        }
+        let bound = n * (OFF * 2.0 + 1e-12);
+        for (is, wanted) in [(sine, n / 2.0), (cosine, n / 2.0), (across, 0.0)] {
+            assert!((is - wanted).abs() <= bound, "{places}: {is}, not {wanted}");
+        }
+        // A place that is 1 by a rounding less counts as the last, not as the first: both have the same square.
+        let wanted = n / 3.0 + 2.0 / (3.0 * n);
+        assert!((saw - wanted).abs() <= 1e-9, "{places}: {saw}, not {wanted}");
+    }
+}
+
+/// No wave can be faster than half of the thread (Nyquist): from there on there are two places in a cycle, and the frequency
+/// says so.
+#[test]
+fn half_of_the_threads_frequency_is_the_highest() {
+    for asked in [500.0, 500.1, 1e6, f64::INFINITY] {
+        let rig = Rig::new(asked, 1.0, 0.0);
+        rig.run();
+        for n in 2..50 {
+            rig.run();
+            assert!(!rig.bench.get::<bool>("x.clock"), "{asked}, {n}");
+            let at = if n % 2 == 0 { -1.0 } else { 0.0 };
+            assert!((rig.unit("sawtooth") - at).abs() < 1e-12, "{asked}, {n}");
+        }
+        let is: f64 = rig.bench.get("x.frequency");
+        assert!((is - 500.0).abs() < 1e-9, "{asked}: {is}");
+    }
+}
+
+/// A reset is the middle of the cycle, from which it goes on.
+#[test]
+fn a_reset_is_half_a_cycle() {
+    let rig = Rig::new(10.0, 1.0, 0.0);
+    (0..33).for_each(|_| rig.run());
+    rig.bench.set("x.reset", true);
+    for _ in 0..3 {
+        rig.run();
+        assert_eq!(rig.unit("sawtooth"), 0.0);
+        assert_eq!(rig.unit("triangle"), -1.0);
+    }
+    rig.bench.set("x.reset", false);
+    for n in 1..50 {
+        rig.run();
+        assert!((rig.unit("sawtooth") - 0.02 * f64::from(n)).abs() < 1e-12, "{n}");
+        assert_eq!(rig.unit("square"), 1.0);
+    }
+}
