@@ -11,15 +11,15 @@ pins! {
         lost_delay: In<f64> = "arc-lost-delay", 0.0;
         /// How often a start is tried.
         max_starts: In<i32> = "arc-max-starts", 0;
-        /// Highest voltage of an arc that is there, with `mode` 0.
+        /// Highest voltage of an arc that is there, in volts, with `mode` 0.
         ok_high: In<f64> = "arc-ok-high", 0.0;
-        /// Lowest voltage of an arc that is there, with `mode` 0.
+        /// Lowest voltage of an arc that is there, in volts, with `mode` 0.
         ok_low: In<f64> = "arc-ok-low", 0.0;
         /// The power source says that there is an arc, with `mode` 1 and 2.
         ok_in: In<bool> = "arc-ok-in", false;
-        /// The voltage as it is measured, with `mode` 0 and 1.
+        /// The voltage as it is measured, in units of its own that the scale makes volts; its sign does not count.
         voltage_in: In<f64> = "arc-voltage-in", 0.0;
-        /// What is measured at 0 V.
+        /// What is measured at 0 volts.
         voltage_offset: In<f64> = "arc-voltage-offset", 0.0;
         /// Volts for one of what is measured, less the offset.
         voltage_scale: In<f64> = "arc-voltage-scale", 0.0;
@@ -53,33 +53,33 @@ pins! {
         units_per_mm: In<f64> = "units-per-mm", 0.0;
         /// X, from `axis.x.pos-cmd`, in machine units.
         x: In<f64> = "axis-x-position", 0.0;
-        /// Lowest X.
+        /// Lowest X, in machine units; not used here.
         x_min: In<f64> = "axis-x-min-limit", 0.0;
-        /// Highest X.
+        /// Highest X, in machine units; not used here.
         x_max: In<f64> = "axis-x-max-limit", 0.0;
         /// Y, from `axis.y.pos-cmd`, in machine units.
         y: In<f64> = "axis-y-position", 0.0;
-        /// Lowest Y.
+        /// Lowest Y, in machine units; not used here.
         y_min: In<f64> = "axis-y-min-limit", 0.0;
-        /// Highest Y.
+        /// Highest Y, in machine units; not used here.
         y_max: In<f64> = "axis-y-max-limit", 0.0;
         /// Z, from the joint's `pos-fb`, in machine units.
         z: In<f64> = "axis-z-position", 0.0;
-        /// Lowest Z.
+        /// Lowest Z, in machine units.
         z_min: In<f64> = "axis-z-min-limit", 0.0;
-        /// Highest Z.
+        /// Highest Z, in machine units.
         z_max: In<f64> = "axis-z-max-limit", 0.0;
-        /// The offset of X that is there, from `axis.x.eoffset`.
+        /// The offset of X that is there, in machine units, from `axis.x.eoffset`.
         x_offset_current: In<f64> = "x-offset-current", 0.0;
-        /// The offset of Y that is there, from `axis.y.eoffset`.
+        /// The offset of Y that is there, in machine units, from `axis.y.eoffset`.
         y_offset_current: In<f64> = "y-offset-current", 0.0;
-        /// The offset of Z that is there, from `axis.z.eoffset`.
+        /// The offset of Z that is there, in machine units, from `axis.z.eoffset`.
         z_offset_current: In<f64> = "z-offset-current", 0.0;
         /// Offsets are there, from `motion.eoffset-active`.
         offsets_active: In<bool> = "offsets-active", false;
         /// Speed of the tool, from `motion.current-vel`, in machine units per second.
         velocity: In<f64> = "current-velocity", 0.0;
-        /// The speed that is wanted; not used.
+        /// The speed that is wanted, in machine units per second; not used.
         requested_velocity: In<f64> = "requested-velocity", 0.0;
         /// The kind of move, from `motion.motion-type`: 1 is a rapid one.
         motion_type: In<i32> = "motion-type", 0;
@@ -87,7 +87,7 @@ pins! {
         feed_upm: In<f64> = "feed-upm", 0.0;
         /// Machine units for one of the program's.
         gcode_scale: In<f64> = "gcode-scale", 1.0;
-        /// Feed override, 1 is 100 %.
+        /// Feed override, where 1 is 100 percent; not used here.
         feed_override: In<f64> = "feed-override", 0.0;
         /// To how many percent the program reduces the feed, 10 to 100; else it does not.
         feed_reduction: In<f64> = "feed-reduction", 0.0;

@@ -68,6 +68,12 @@ is reached the target is `cut-volts`, or with `use-auto-volts` the mean of the n
 A difference of `thc-threshold` or more moves Z by the gains, no faster than `thc-feed-rate`.
 `cornerlock-enable` stops that in corners, `voidlock-enable` where the voltage rises quickly.
 
+Not made: the moves of an offset probe in X and Y, the move of a changed `height-override` (it shifts the
+target alone), `thc-auto`, `spotting-threshold` and `spotting-time` (a spot is as a cut); the height of piercing is
+not compared with the highest Z, and a safe height that is too high is cut down without a message. Not compared with
+LinuxCNC in every order of events: sensors, pauses and faults in one cycle with others, contact by the tip, voids,
+`mode` 0, and states 19 and 23 to 26.
+
 The pins are those of LinuxCNC 2.9; 2.10 has more. Numbers are kept with the 24 bits that LinuxCNC keeps of them
 where that shows: speeds, times, the voltage (to three decimals) and the sum of Z's counts.
 

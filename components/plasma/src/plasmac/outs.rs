@@ -5,7 +5,7 @@ use hal_component::{Out, pins};
 pins! {
     /// The machine: torch, offsets, the program.
     pub(super) struct Drive {
-        /// Factor of the feed, for `motion.adaptive-feed`.
+        /// Factor of the feed, without a unit, for `motion.adaptive-feed`.
         adaptive_feed: Out<f64> = "adaptive-feed", 0.0;
         /// Holds the feed, for `motion.feed-hold`.
         feed_hold: Out<bool> = "feed-hold", false;
@@ -51,7 +51,7 @@ pins! {
     pub(super) struct Told {
         /// There is an arc.
         arc_ok: Out<bool> = "arc-ok-out", false;
-        /// The arc's voltage.
+        /// The arc's voltage, in volts to three decimals.
         arc_voltage: Out<f64> = "arc-voltage-out", 0.0;
         /// Consumables are being changed.
         consumable_changing: Out<bool> = "consumable-changing", false;
@@ -99,11 +99,11 @@ pins! {
         thc_active: Out<bool> = "thc-active", false;
         /// The height may be controlled.
         thc_enabled: Out<bool> = "thc-enabled", false;
-        /// The voltage that height control keeps.
+        /// The voltage that height control keeps, in volts.
         target_volts: Out<f64> = "target-volts", 0.0;
-        /// Height above the surface, or above the lowest Z before a surface is known.
+        /// Height above the surface, or above the lowest Z before a surface is known, in machine units.
         z_height: Out<f64> = "z-height", 0.0;
-        /// Distance from the last surface.
+        /// Distance from the last surface, in machine units: always 0 here, as LinuxCNC was seen to do.
         z_relative: Out<f64> = "z-relative", 0.0;
         /// Feed rate now, in machine units per minute.
         current_feed_rate: Out<f64> = "current-feed-rate", 0.0;

@@ -11,11 +11,11 @@ pins! {
         pierce_delay: In<f64> = "pierce-delay", 0.0;
         /// Height of the torch while it cuts, in machine units.
         cut_height: In<f64> = "cut-height", 0.0;
-        /// Voltage of the cut; must be above 0.
+        /// Voltage of the cut, in volts; must be above 0.
         cut_volts: In<f64> = "cut-volts", 0.0;
         /// Feed rate of the cut, in machine units per minute.
         cut_feed_rate: In<f64> = "cut-feed-rate", 0.0;
-        /// Width of the cut; not used here.
+        /// Width of the cut, in machine units; not used here.
         kerf_width: In<f64> = "kerf-width", 0.0;
         /// Height of the puddle jump, in percent of the pierce height; 0: none.
         puddle_jump_height: In<f64> = "puddle-jump-height", 0.0;
@@ -75,11 +75,11 @@ pins! {
         height_override: In<f64> = "height-override", 0.0;
         /// Height of one volt of `height-override`, in machine units.
         height_per_volt: In<f64> = "height-per-volt", 0.0;
-        /// Proportional gain.
+        /// Proportional gain, in tenths of `resolution` counts for a volt of error.
         p_gain: In<f64> = "pid-p-gain", 0.0;
-        /// Integral gain.
+        /// Integral gain, in the same counts for a volt of error and a second; it does not add up over cycles.
         i_gain: In<f64> = "pid-i-gain", 0.0;
-        /// Derivative gain.
+        /// Derivative gain, in the same counts for a volt per second.
         d_gain: In<f64> = "pid-d-gain", 0.0;
         /// Stops height control in corners.
         cornerlock_enable: In<bool> = "cornerlock-enable", false;
