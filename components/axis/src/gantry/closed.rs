@@ -87,6 +87,13 @@ fn a_beam_is_squared_at_its_switches() {
         let fb: f64 = beam.bench.get("gantry.0.position-fb");
         // What is fed back is a period old.
         assert_eq!(fb, beam.command + way * STEP, "{away:?}");
+        // Joints that lag differ: it is the last one that tells.
+        for (i, lag) in [3.0, 5.0].iter().enumerate() {
+            beam.bench.set(&format!("gantry.0.joint.{i:02}.pos-fb"), beam.place(i) - lag);
+        }
+        beam.bench.run("gantry.0.read", 1_000_000);
+        let fb: f64 = beam.bench.get("gantry.0.position-fb");
+        assert_eq!(fb, beam.command - [3.0, 5.0][late], "{away:?}");
     }
 }
 
