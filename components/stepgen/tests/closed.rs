@@ -95,6 +95,29 @@ fn speed_mode_integrates_its_command() {
     assert!((is - area).abs() <= (steps + cut) / scale, "{is}, not {area}");
 }
 
+/// Within a servo period as well the rate grows by a·T² steps in each base period T, before it is added: N of them from rest go
+/// a·T²·N(N + 1)/2. Here a·T² is a whole number of grains, of which the conversions may lose one.
+#[test]
+fn a_ramp_grows_in_every_base_period() {
+    let grains = 131_072.0;
+    let a = grains * GRAIN / (BASE * BASE);
+    let mut rig = Rig::new(&["step_type=2", "ctrl_type=v"]);
+    rig.float("0.maxaccel", a);
+    rig.enable(0, true);
+    rig.run(20);
+    rig.float("0.velocity-cmd", 4000.0);
+    // The command is seen at the end of a servo period.
+    rig.run(10);
+    let began = rig.get::<f64>("0.position-fb");
+    for servos in 1..=60 {
+        rig.run(10);
+        let n = f64::from(10 * servos);
+        let gone = rig.get::<f64>("0.position-fb") - began;
+        let wanted = grains * GRAIN * n * (n + 1.0) / 2.0;
+        assert!((gone - wanted).abs() <= n * n * GRAIN, "{servos}: {gone}, not {wanted}");
+    }
+}
+
 /// A move of a whole number of steps makes as many pulses, each as long as `steplen`, at least `stepspace` apart; the fastest rate
 /// is one in both.
 #[test]
