@@ -30,7 +30,7 @@ impl Component for Moveoff {
         let n = match b.personality() {
             0 => USUAL,
             n => usize::try_from(n).ok().filter(|n| *n <= MOST).ok_or_else(|| {
-                Error::new(format!("moveoff: personality is {n}, and must be 1 to {MOST} joints"))
+                Error::new(format!("personality is {n}, and must be 1 to {MOST} joints"))
             })?,
         };
         let (gives, takes) = b.shared(Order::default());

@@ -18,7 +18,7 @@ pub(crate) struct Bitslice {
 impl Component for Bitslice {
     const NAME: &'static str = "bitslice";
     const DOC: &'static str = "The bits of a number, one by one.\n\n\
-        `personality=` is how many of them, from the lowest: 1 to 32; 16 without it.\n\n\
+        `personality=` is how many of them, from the lowest: 1 to 32; 16 without it (LinuxCNC 2.9 makes none then).\n\n\
         # Example\n\n\
         ```hal\n\
         loadrt bitslice personality=4\n\

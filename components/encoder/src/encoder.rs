@@ -101,7 +101,8 @@ pins! {
         x4_mode: Io<bool> = "x4-mode", true;
         /// Whether the rising edges of A alone count, upward.
         counter_mode: Io<bool> = "counter-mode", false;
-        /// With `counter-mode`: how many teeth a gear lacks at the index; 0: none.
+        /// With `counter-mode`: how many teeth a gear lacks at the index; 0: none. Set it when the gear
+        /// turns: at a constant speed from rest every tooth is taken for a gap, as in LinuxCNC.
         missing_teeth: In<i32> = "missing-teeth", 0;
         /// Counts per unit; negative: reversed. Closer to 0 than 1e-20: 1.
         position_scale: Io<f64> = "position-scale", 1.0;
