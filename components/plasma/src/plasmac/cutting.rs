@@ -2,7 +2,7 @@
 
 use super::{
     machine::Machine,
-    numbers::{short, sooner, sum},
+    numbers::{later, short, sooner, sum},
     state::{State, Stop},
 };
 use hal_component::Period;
@@ -14,6 +14,9 @@ impl Machine {
     }
 
     pub(super) fn torch_on(&mut self, period: Period) {
+        if self.stop == Stop::Cut {
+            self.stops(Stop::None);
+        }
         if self.starts >= self.arc.max_starts.get() {
             self.restart = 0.0;
             if self.is_manual() {
@@ -39,16 +42,37 @@ impl Machine {
             self.told.pierce_count.set(self.told.pierce_count.get().wrapping_add(1));
             self.drive.torch_on.set(true);
         }
+        self.spot = None;
         self.go(State::ArcOk);
     }
 
     pub(super) fn arc_ok(&mut self, period: Period) {
-        if self.waited(self.arc.fail_delay.get(), period) {
+        let failed = self.waited(self.arc.fail_delay.get(), period);
+        let spots = self.jobs.spotting_start.get() && !self.jobs.cutting_start.get();
+        if spots {
+            self.spotting(period);
+        }
+        if failed {
             self.drive.torch_on.set(false);
             self.restart = short(self.arc.restart_delay.get());
             self.go(State::TorchOn);
-        } else if self.told.arc_ok.get() || self.ignores_arc() {
+        } else if !spots && (self.told.arc_ok.get() || self.ignores_arc()) {
             self.go(State::PierceDelay);
+        }
+    }
+
+    /// Marks a spot: its time counts from when the voltage is first high enough, with an arc or without.
+    fn spotting(&mut self, period: Period) {
+        if let Some(time) = self.spot {
+            let time = later(time, period);
+            self.spot = Some(time);
+            if f64::from(time) * 1000.0 >= self.jobs.spotting_time.get() {
+                self.drive.torch_on.set(false);
+                self.stops(Stop::Cut);
+                self.go(State::SafeHeight);
+            }
+        } else if self.now >= self.jobs.spotting_threshold.get() {
+            self.spot = Some(0.0);
         }
     }
 
@@ -57,7 +81,7 @@ impl Machine {
         let ignores = self.ignores_arc() || self.cut.mesh_enable.get();
         let needs = self.cut.torch_enable.get() && !ignores && !self.is_manual();
         let cuts = (State::PierceDelay..=State::CutByHand).contains(&self.state);
-        cuts && needs && !self.told.arc_ok.get()
+        cuts && needs && !self.told.arc_ok.get() && !self.cut.torch_off.get()
     }
 
     pub(super) fn pierce_delay(&mut self, period: Period) {
@@ -83,7 +107,10 @@ impl Machine {
     pub(super) fn cut_height(&mut self) {
         self.aim(self.cut.cut_height.get());
         if self.toward(self.setup()) {
-            self.control.begin();
+            // Of a cut that the machine's off ended, the target is kept, as LinuxCNC does.
+            if self.control.waits() {
+                self.control.begin();
+            }
             if self.recovers {
                 self.go(State::RecoveryBack);
                 return;
@@ -96,6 +123,8 @@ impl Machine {
     pub(super) fn cutting(&mut self, period: Period) {
         self.ask_feed();
         let most = self.speed(self.thc.feed_rate.get());
+        let auto = self.thc.auto.get() && self.thc.use_auto_volts.get();
+        let steady = (auto && self.control.waits()).then(|| self.steady.mean(&self.thc));
         let wants = (&self.thc, &self.cut);
         let meshes = self.cut.mesh_enable.get();
         let ignores = self.arc.ignore_ok_0.get() || self.arc.ignore_ok_1.get();
@@ -104,7 +133,8 @@ impl Machine {
         }
         let may = self.told.thc_enabled.get();
         let now = (self.now, f64::from(most), may, period);
-        let by = self.control.step(wants, &self.at, &self.told, now);
+        let moves = (self.drive.offset_scale.get(), self.setup());
+        let by = self.control.step(wants, &self.at, &self.told, moves, steady, now);
         if by != 0.0 {
             let now = sum(self.drive.z_counts.get(), by);
             self.drift = self.drift.max(now.saturating_sub(self.goal));

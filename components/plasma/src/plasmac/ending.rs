@@ -41,6 +41,7 @@ impl Machine {
         let broken = self.probe.breakaway.get() && !self.at.is_idle.get();
         if broken || touched || shorted {
             self.tripped = true;
+            self.eases = false;
             self.messages.error("plasmac: a sensor is active", &[]);
             self.fault();
         } else if dim || self.at.is_paused.get() {
@@ -101,6 +102,9 @@ impl Machine {
         self.told.cornerlock.set(false);
         self.goal = 0;
         if self.toward(self.setup()) {
+            if self.stop == Stop::Cut {
+                self.drive.feed_hold.set(false);
+            }
             let paused = self.stop == Stop::Fault && self.at.is_paused.get();
             self.go(if paused && self.jobs.consumable_change.get() {
                 State::ConsumablesOut
@@ -114,20 +118,20 @@ impl Machine {
 
     pub(super) fn end_cut(&mut self) {
         self.told.target_volts.set(0.0);
+        self.control.begin();
         self.told.led_up.set(false);
         self.told.led_down.set(false);
         self.drive.cutting_stop.set(false);
-        self.go(if self.stop == Stop::Job || self.at.is_idle.get() {
-            State::EndJob
-        } else {
-            State::Idle
-        });
+        self.go(if self.at.is_idle.get() { State::EndJob } else { State::Idle });
     }
 
     pub(super) fn end_job(&mut self) {
-        self.stops(Stop::None);
-        self.ran = false;
-        self.times.begun = false;
-        self.go(State::Idle);
+        self.goal = 0;
+        if self.at.is_idle.get() && self.toward(self.setup()) {
+            self.stops(Stop::None);
+            self.ran = false;
+            self.times.begun = false;
+            self.go(State::Idle);
+        }
     }
 }

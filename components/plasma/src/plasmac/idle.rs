@@ -13,22 +13,21 @@ impl Machine {
         let first = core::mem::take(&mut self.entered);
         let paused = self.at.is_paused.get();
         let sensor = self.told.sensor_active.get();
-        if self.tripped {
+        let trips = sensor && self.stop == Stop::Fault && !self.at.is_idle.get();
+        if self.tripped || trips {
+            self.tripped = true;
             if sensor {
+                self.drive.program_pause.set(!paused);
                 self.go(State::MaxHeight);
                 self.max_height();
             } else {
                 self.tripped = false;
-                self.eases = true;
             }
             return;
         }
         if self.stop == Stop::Fault {
             if paused {
                 self.while_paused();
-                return;
-            }
-            if sensor {
                 return;
             }
             self.stops(Stop::None);
@@ -39,22 +38,22 @@ impl Machine {
         if !self.at.homed.get() {
             return;
         }
-        if sensor && self.runs {
+        if sensor && !self.at.is_idle.get() {
             self.tripped = true;
+            self.eases = true;
             self.drive.z_enable.set(true);
             self.messages.error("plasmac: a sensor is active before a cut", &[]);
-            let stop = self.stop;
-            self.fault();
-            if stop != Stop::None {
-                self.stops(stop);
-            }
+            let stop = if self.stop == Stop::None { Stop::Fault } else { self.stop };
+            self.drive.program_pause.set(!paused);
+            self.end(stop, State::MaxHeight);
+            self.max_height();
             return;
         }
-        if self.stop == Stop::Cut && self.at.is_idle.get() {
+        if matches!(self.stop, Stop::Job | Stop::Cut) && self.at.is_idle.get() {
             self.end(Stop::Job, State::MaxHeight);
             self.max_height();
         } else if self.stop == Stop::None && !self.drive.program_pause.get() && self.begin_job() {
-        } else if self.wanted() {
+        } else if self.wanted() && self.stop != Stop::Job {
             self.stops(Stop::None);
             self.drive.feed_hold.set(true);
             if self.drive.program_pause.get() || paused {
@@ -64,7 +63,7 @@ impl Machine {
             self.attempts = 0;
             let near = self.near_last();
             self.go(if near { State::PierceHeight } else { State::ProbeHeight });
-        } else if self.stop == Stop::None && first {
+        } else if matches!(self.stop, Stop::None | Stop::Job) && first {
             self.drive.feed_hold.set(false);
         }
     }

@@ -5,6 +5,7 @@ use super::{
     numbers::{at_most, later, short, sooner},
     outs,
     state::{State, Stop},
+    steady::Steady,
     thc::Thc,
     times::Times,
     volts::Volts,
@@ -26,6 +27,7 @@ pub(super) struct Machine {
     pub(super) messages: Messages,
     pub(super) volts: Volts,
     pub(super) control: Thc,
+    pub(super) steady: Steady,
     pub(super) times: Times,
     #[state]
     pub(super) state: State,
@@ -57,6 +59,9 @@ pub(super) struct Machine {
     /// Seconds until the torch may be lit again.
     #[state]
     pub(super) restart: f32,
+    /// Seconds of a spot since the voltage was high enough.
+    #[state]
+    pub(super) spot: Option<f32>,
     /// Starts of the torch in this cut.
     #[state]
     pub(super) starts: i32,
@@ -118,6 +123,7 @@ impl Machine {
             messages: b.messages(),
             volts: Volts::default(),
             control: Thc::default(),
+            steady: Steady::default(),
             times: Times::default(),
             state: State::Idle,
             stop: Stop::None,
@@ -130,6 +136,7 @@ impl Machine {
             drift: 0,
             goal: 0,
             restart: 0.0,
+            spot: None,
             starts: 0,
             early: false,
             attempts: 0,
@@ -362,18 +369,20 @@ impl Update for Machine {
             self.at.z.get() - self.at.z_min.get()
         });
         let is_on = self.at.is_on.get();
+        if is_on && self.state != State::Idle {
+            self.drive.z_enable.set(true);
+        }
         let acts = is_on && !self.interrupted();
         let stands = !matches!(self.state, State::ProbeDown | State::ProbeUp);
         let may = self.at.is_idle.get() && stands && !self.jobs.override_jog.get();
         self.drive.jog_inhibit.set(self.told.sensor_active.get() && may);
         self.look(period);
+        let lit = self.drive.torch_on.get();
+        self.steady.keep(lit, self.now);
         self.count(period);
         if acts {
             if self.state != State::PausedMotion {
                 self.drive.adaptive_feed.set(1.0);
-            }
-            if self.state != State::Idle {
-                self.drive.z_enable.set(true);
             }
             self.act(period);
         } else if !is_on {

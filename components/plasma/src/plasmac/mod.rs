@@ -11,6 +11,7 @@ mod paused;
 mod probing;
 mod recovery;
 mod state;
+mod steady;
 mod thc;
 mod times;
 mod volts;
@@ -42,7 +43,7 @@ holds the program's feed until the torch cuts. `mode` says what an arc is: 0 a s
 | 4 | moves to the surface | 5 |
 | 5 | moves to the height of piercing | 6; 8 without a torch, 21 in a probe test |
 | 6 | lights the torch, after `restart-delay` | 7; waits for a pause after `arc-max-starts` |
-| 7 | waits for the arc | 8; 6 after `arc-fail-delay` |
+| 7 | waits for the arc, or marks a spot | 8, 14 after a spot; 6 after `arc-fail-delay` |
 | 8 | pierces | 9 or 10 after `pierce-delay` |
 | 9 | jumps over the puddle | 10 |
 | 10 | moves to the height of the cut | 11, or 12 with `mode` 2; 26 in a recovery |
@@ -66,13 +67,19 @@ starts, an arc that is lost, a sensor during a cut, heights or volts that are no
 While it cuts at the program's feed rate (`feed-upm`), Z follows the voltage: `thc-delay` after that feed rate
 is reached the target is `cut-volts`, or with `use-auto-volts` the mean of the next `target-samples`.
 A difference of `thc-threshold` or more moves Z by the gains, no faster than `thc-feed-rate`.
-`cornerlock-enable` stops that in corners, `voidlock-enable` where the voltage rises quickly.
+`cornerlock-enable` stops that in corners, `voidlock-enable` where the voltage rises quickly. With `thc-auto` and
+`use-auto-volts` there is no delay: the target is the mean of the last `thc-sample-counts` voltages (1000 at most)
+as soon as they differ by no more than `thc-sample-threshold`. A changed `height-override` shifts the target, and
+moves Z by `height-per-volt` for each volt: up at once, down by `setup-feed-rate`.
 
-Not made: the moves of an offset probe in X and Y, the move of a changed `height-override` (it shifts the
-target alone), `thc-auto`, `spotting-threshold` and `spotting-time` (a spot is as a cut); the height of piercing is
-not compared with the highest Z, and a safe height that is too high is cut down without a message. Not compared with
-LinuxCNC in every order of events: sensors, pauses and faults in one cycle with others, contact by the tip, voids,
-`mode` 0, and states 19 and 23 to 26.
+`spotting-start` makes a spot instead of a cut: `spotting-time` after the voltage is first `spotting-threshold` the
+torch goes off in state 7, and Z to `safe-height`. With `cutting-start` as well it is a cut.
+
+Not made: the moves of an offset probe in X and Y; the height of piercing is not compared with the highest Z, and a
+safe height that is too high is cut down without a message. A spot without a program ends as its input falls;
+LinuxCNC lights on and cuts. Not compared with LinuxCNC in every order of events: sensors in one cycle with the
+machine's power or with others, `feed-hold` after a sensor, `thc-enabled` before the first arc, `thc-auto` in a cut
+without a program whose arc was away, contact by the tip, voids, `mode` 0, and states 19 and 23 to 26.
 
 The pins are those of LinuxCNC 2.9; 2.10 has more. Numbers are kept with the 24 bits that LinuxCNC keeps of them
 where that shows: speeds, times, the voltage (to three decimals) and the sum of Z's counts.

@@ -273,3 +273,118 @@ fn consumables_are_changed_in_a_pause() {
     assert_eq!((table.count("x-offset-counts"), table.count("y-offset-counts")), (0, 0));
     assert!(!table.is("consumable-changing"));
 }
+
+#[test]
+fn a_spot_lasts_its_time_from_when_the_voltage_is_high_enough() {
+    let mut table = Table::new(&[("spotting-threshold", 50.0), ("spotting-time", 10.0)]);
+    table.arc = false;
+    table.volts = 20.0;
+    table.run(2);
+    table.put("spotting-start", true);
+    table.until(7);
+    table.run(5);
+    assert!(table.state() == 7 && table.is("torch-on"));
+    table.volts = 60.0;
+    assert_eq!(table.until(14), 11);
+    assert_eq!(table.count("stop-type-out"), 2);
+    assert!(!table.is("torch-on"));
+    assert_eq!(table.count("pierce-count"), 1);
+    // It is wanted still: another one.
+    table.until(0);
+    table.until(7);
+    // Its time is longer than a start may take: no spot.
+    table.bench.set("plasmac.spotting-time", 40.0);
+    assert_eq!(table.until(6), 20);
+}
+
+#[test]
+fn a_cut_and_a_spot_together_are_a_cut() {
+    let table = Table::new(&[("spotting-threshold", 50.0)]);
+    table.run(2);
+    table.put("spotting-start", true);
+    table.put("cutting-start", true);
+    table.until(11);
+}
+
+#[test]
+fn z_moves_for_a_changed_override() {
+    let table = cutting(&[("height-per-volt", 0.1)]);
+    table.run(40);
+    let before = table.count("z-offset-counts");
+    table.bench.set("plasmac.height-override", 0.9);
+    table.run(1);
+    assert_eq!(table.count("z-offset-counts"), before);
+    table.run(1);
+    assert_eq!(table.count("z-offset-counts"), before + 9000);
+    table.bench.set("plasmac.setup-feed-rate", 1200.0);
+    table.bench.set("plasmac.height-override", 0.4);
+    table.run(2);
+    assert_eq!(table.count("z-offset-counts"), before + 9000 - 1999);
+    table.run(3);
+    assert_eq!(table.count("z-offset-counts"), before + 4000);
+}
+
+#[test]
+fn a_target_is_the_mean_of_a_voltage_that_is_steady() {
+    let mut table = Table::new(&[("thc-delay", 1.0), ("thc-sample-threshold", 0.5)]);
+    table.put("thc-auto", true);
+    table.put("use-auto-volts", true);
+    table.bench.set("plasmac.thc-sample-counts", 4);
+    table.velocity = 40.0;
+    table.run(2);
+    table.put("cutting-start", true);
+    table.until(11);
+    table.run(5);
+    // Too slow: no target, however steady it is.
+    assert_eq!(table.float("target-volts"), 0.0);
+    table.velocity = 50.0;
+    for volts in [90.0, 91.0, 92.0] {
+        table.volts = volts;
+        table.run(1);
+        assert_eq!(table.float("target-volts"), 0.0);
+    }
+    table.volts = 91.75;
+    table.run(2);
+    assert_eq!(table.float("target-volts"), 0.0);
+    table.run(1);
+    assert_eq!(table.float("target-volts"), (92.0 + 3.0 * 91.75) / 4.0);
+}
+
+#[test]
+fn a_job_ends_only_without_a_program() {
+    let table = cutting(&[]);
+    table.put("program-is-running", false);
+    table.put("program-is-idle", true);
+    table.until(17);
+    table.put("program-is-idle", false);
+    table.put("program-is-running", true);
+    assert_eq!(table.states(20), [17]);
+    table.put("cutting-start", false);
+    table.put("program-is-running", false);
+    table.put("program-is-idle", true);
+    assert_eq!(table.states(5), [17, 0]);
+    assert_eq!(table.count("stop-type-out"), 0);
+}
+
+#[test]
+fn the_feed_is_held_after_a_torch_that_broke_away() {
+    let table = cutting(&[]);
+    table.put("breakaway", true);
+    table.until(0);
+    assert_eq!(table.states(4), [0, 16, 0, 16, 0]);
+    table.put("breakaway", false);
+    table.run(4);
+    assert_eq!((table.state(), table.count("stop-type-out")), (0, 0));
+    assert!(table.is("feed-hold") && table.is("program-pause"));
+}
+
+#[test]
+fn a_torch_that_is_put_out_is_no_lost_arc() {
+    let table = cutting(&[]);
+    table.put("torch-off", true);
+    assert_eq!(table.states(10), [11]);
+    assert!(!table.is("torch-on") && !table.is("program-pause"));
+    table.put("torch-off", false);
+    assert_eq!(table.states(2), [11, 15]);
+    assert!(table.is("program-pause"));
+}

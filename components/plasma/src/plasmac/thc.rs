@@ -36,6 +36,12 @@ pub(super) struct Thc {
     level: i32,
     #[state]
     void: bool,
+    /// The override that Z was moved for.
+    #[state]
+    overridden: f64,
+    /// What is left of that move, in counts.
+    #[state]
+    left: i32,
 }
 
 impl Thc {
@@ -44,11 +50,17 @@ impl Thc {
         *self = Self { error: self.error, ..Self::default() };
     }
 
+    /// There is no target yet.
+    pub(super) const fn waits(&self) -> bool {
+        !self.aims
+    }
+
     /// Waits for the target: whether it is there.
     fn aim(
         &mut self,
         wants: (&wants::Thc, &wants::Cut),
         speed: (f64, f64),
+        steady: Option<Option<f64>>,
         volts: f64,
         period: Period,
     ) -> bool {
@@ -58,6 +70,11 @@ impl Thc {
         if self.samples == 0 {
             if speed.0.is_nan() || speed.1.is_nan() || speed.0 < speed.1 {
                 return false;
+            }
+            if let Some(steady) = steady {
+                self.aims = steady.is_some();
+                self.target = steady.unwrap_or(self.target);
+                return self.aims;
             }
             if f64::from(self.since) < wants.0.delay.get() {
                 self.since = later(self.since, period);
@@ -94,22 +111,48 @@ impl Thc {
         self.void && wants.voidlock_enable.get()
     }
 
+    /// A move for a changed override: up at once, down by the speed of Z; the loop waits meanwhile.
+    #[expect(clippy::cast_possible_truncation, reason = "what does not fit is at its end")]
+    fn overrides(&mut self, wants: &wants::Thc, scale: f64, setup: i32) -> Option<i32> {
+        let wanted = wants.height_override.get();
+        if wanted != self.overridden {
+            let change = wanted - self.overridden;
+            self.left =
+                self.left.saturating_add((change * wants.height_per_volt.get() / scale) as i32);
+            self.overridden = wanted;
+            return Some(0);
+        }
+        if self.left == 0 {
+            return None;
+        }
+        let by = self.left.max(setup.saturating_abs().saturating_neg());
+        self.left -= by;
+        Some(by)
+    }
+
     /// Looks for the target, and by how many counts the torch is to be moved.
     pub(super) fn step(
         &mut self,
         wants: (&wants::Thc, &wants::Cut),
         machine: &ins::Machine,
         told: &Told,
+        (scale, setup): (f64, i32),
+        steady: Option<Option<f64>>,
         (volts, most, may, period): (f64, f64, bool, Period),
     ) -> f64 {
         let wanted = told.requested_feed_rate.get();
         let speed = machine.velocity.get() * 60.0;
         if !self.aims {
             told.cornerlock.set(true);
-            if self.aim(wants, (speed, wanted), volts, period) {
+            if self.aim(wants, (speed, wanted), steady, volts, period) {
                 told.target_volts.set(self.target);
             }
             return 0.0;
+        }
+        if let Some(by) = self.overrides(wants.0, scale, setup) {
+            told.led_up.set(false);
+            told.led_down.set(false);
+            return f64::from(by);
         }
         let void = self.is_void(wants.0, volts, period);
         if !may {

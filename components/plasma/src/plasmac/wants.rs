@@ -55,7 +55,7 @@ pins! {
         enable: In<bool> = "thc-enable", false;
         /// The program wants no height control now.
         disable: In<bool> = "thc-disable", false;
-        /// Begins when the voltage is steady, with `use-auto-volts`.
+        /// Takes the target as soon as the voltage is steady, with `use-auto-volts`.
         auto: In<bool> = "thc-auto", false;
         /// Seconds from the feed rate reached to the begin.
         delay: In<f64> = "thc-delay", 0.0;
