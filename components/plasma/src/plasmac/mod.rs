@@ -75,8 +75,11 @@ moves Z by `height-per-volt` for each volt: up at once, down by `setup-feed-rate
 `spotting-start` makes a spot instead of a cut: `spotting-time` after the voltage is first `spotting-threshold` the
 torch goes off in state 7, and Z to `safe-height`. With `cutting-start` as well it is a cut.
 
-Not made: the moves of an offset probe in X and Y; the height of piercing is not compared with the highest Z, and a
-safe height that is too high is cut down without a message. A spot without a program ends as its input falls;
+A surface above which there is less room than `pierce-height` and 1 mm is a fault, at the contact and, with a
+`safe-height`, where contact ends; Z goes no higher than `axis-z-max-limit` less `max-offset`. A `safe-height` beyond
+that is told in a message, and Z ends there.
+
+Not made: the moves of an offset probe in X and Y. A spot without a program ends as its input falls;
 LinuxCNC lights on and cuts. Not compared with LinuxCNC in every order of events: sensors in one cycle with the
 machine's power or with others, `feed-hold` after a sensor, `thc-enabled` before the first arc, `thc-auto` in a cut
 without a program whose arc was away, contact by the tip, voids, `mode` 0, and states 19 and 23 to 26.

@@ -35,7 +35,11 @@ impl Machine {
         if self.touches() {
             if self.counts_as_contact() {
                 self.early = false;
-                self.go(State::ProbeUp);
+                if self.room(self.at.z.get()) < self.least_room() {
+                    self.too_high();
+                } else {
+                    self.go(State::ProbeUp);
+                }
             } else {
                 self.go(State::ProbeHeight);
             }
@@ -67,7 +71,32 @@ impl Machine {
             self.drive.ohmic_enable.set(false);
             self.go(State::ZeroHeight);
             self.find();
+            let surface = self.at.z.get() + self.units(self.surface - self.drive.z_counts.get());
+            let (room, safe) = (self.room(surface), self.cut.safe_height.get());
+            if safe > 0.0 && room < self.least_room() {
+                self.too_high();
+            } else if room < safe {
+                let heights = [room, safe];
+                self.messages
+                    .warn("plasmac: the safe height is {}, not {}: Z ends there", &heights);
+            }
         }
+    }
+
+    /// How far Z may go above this, in machine units.
+    fn room(&self, z: f64) -> f64 {
+        let free = f64::from(self.cut.max_offset.get()) * self.at.units_per_mm.get();
+        self.at.z_max.get() - free - z
+    }
+
+    /// As much of it as a cut needs: 1 mm above the height of piercing.
+    fn least_room(&self) -> f64 {
+        self.cut.pierce_height.get() + self.at.units_per_mm.get()
+    }
+
+    fn too_high(&mut self) {
+        self.messages.error("plasmac: the surface is too high to pierce below the highest Z", &[]);
+        self.fault();
     }
 
     pub(super) fn zero_height(&mut self) {

@@ -388,3 +388,20 @@ fn a_torch_that_is_put_out_is_no_lost_arc() {
     assert_eq!(table.states(2), [11, 15]);
     assert!(table.is("program-pause"));
 }
+
+#[test]
+fn a_surface_that_leaves_no_room_is_a_fault() {
+    // The surface is at 0.5, and Z may go to the limit less 5 mm.
+    let rooms = |limit: f64, safe: f64| {
+        let table = Table::new(&[("axis-z-max-limit", limit), ("safe-height", safe)]);
+        table.bench.set("plasmac.max-offset", 5);
+        table.run(2);
+        table.put("cutting-start", true);
+        table.states(500)
+    };
+    // Less than 4 above the contact, at -0.2 and less; then less than 4 above the surface.
+    assert!(rooms(8.5, 10.0).starts_with(&[0, 1, 2, 15, 16, 0]));
+    assert!(rooms(9.3, 10.0).starts_with(&[0, 1, 2, 3, 15, 16, 0]));
+    assert!(rooms(9.3, 0.0).starts_with(&[0, 1, 2, 3, 4, 5, 6, 7, 8]));
+    assert!(rooms(9.7, 10.0).starts_with(&[0, 1, 2, 3, 4, 5, 6, 7, 8]));
+}
