@@ -35,7 +35,7 @@ impl Machine {
         let touched = self.probe.float_switch.get()
             && (State::CutHeight..=State::CutByHand).contains(&self.state)
             && !self.at.is_idle.get();
-        let shorted = self.tip && self.state == State::Cut;
+        let shorted = self.tip_touches() && self.state == State::Cut;
         let low = f64::from(self.thc.low_cut_volts.get());
         let dim = low > 0.0 && self.told.thc_active.get() && self.now < low;
         let broken = self.probe.breakaway.get() && !self.at.is_idle.get();
@@ -101,7 +101,7 @@ impl Machine {
     pub(super) fn max_height(&mut self) {
         self.told.cornerlock.set(false);
         self.goal = 0;
-        if self.toward(self.setup()) {
+        if self.toward(self.setup()) && !self.probe.test.get() {
             if self.stop == Stop::Cut {
                 self.drive.feed_hold.set(false);
             }
@@ -118,6 +118,7 @@ impl Machine {
 
     pub(super) fn end_cut(&mut self) {
         self.told.target_volts.set(0.0);
+        self.told.probe_test_error.set(false);
         self.control.begin();
         self.told.led_up.set(false);
         self.told.led_down.set(false);

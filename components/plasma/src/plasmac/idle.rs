@@ -30,12 +30,27 @@ impl Machine {
                 self.while_paused();
                 return;
             }
+            let ends = self.at.is_idle.get();
+            if self.told.consumable_changing.get() {
+                self.go(State::ConsumablesBack);
+                if ends {
+                    self.consumables_back();
+                } else {
+                    self.stops(Stop::None);
+                }
+                return;
+            }
+            if ends {
+                self.end(Stop::Job, State::MaxHeight);
+                self.max_height();
+                return;
+            }
             self.stops(Stop::None);
             self.drive.feed_hold.set(self.at.motion_type.get() != 1);
             self.entered = core::mem::take(&mut self.eases);
             return;
         }
-        if !self.at.homed.get() {
+        if !self.at.homed.get() || self.laser_leaves() {
             return;
         }
         if sensor && !self.at.is_idle.get() {

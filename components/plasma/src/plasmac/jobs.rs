@@ -13,7 +13,9 @@ impl Machine {
             drive.feed_hold.set(true);
             self.tests = true;
             self.attempts = 0;
-            self.go(State::ProbeHeight);
+            let touched = self.tip_touches();
+            self.told.probe_test_error.set(touched);
+            self.go(if touched { State::ProbeTest } else { State::ProbeHeight });
         } else if self.jobs.scribe_start.get() {
             self.go(State::Scribing);
         } else if self.cut.torch_pulse_start.get()
@@ -44,7 +46,6 @@ impl Machine {
             self.goal = 0;
             self.toward(self.setup());
             if self.drive.z_counts.get() == 0 {
-                self.told.probe_test_error.set(false);
                 self.tests = false;
                 self.go(State::EndCut);
             }

@@ -92,6 +92,9 @@ pub(super) struct Machine {
     /// The torch is being moved to where a cut goes on.
     #[state]
     pub(super) recovers: bool,
+    /// Where the laser is then, as offsets of X and Y.
+    #[state]
+    pub(super) laser: (i32, i32),
     /// X and Y as the last cut ended.
     #[state]
     pub(super) last: Option<(f64, f64)>,
@@ -147,6 +150,7 @@ impl Machine {
             eases: false,
             tests: false,
             recovers: false,
+            laser: (0, 0),
             last: None,
             tip: false,
             sensed: (0, 0),
@@ -240,11 +244,6 @@ impl Machine {
         self.drive.z_counts.set(self.drive.z_counts.get().saturating_add(by));
     }
 
-    /// The switch or the tip touches the surface.
-    pub(super) fn touches(&self) -> bool {
-        self.probe.float_switch.get() || self.tip
-    }
-
     /// A cut or a spot is wanted.
     pub(super) fn wanted(&self) -> bool {
         self.jobs.cutting_start.get() || self.jobs.spotting_start.get()
@@ -273,7 +272,7 @@ impl Machine {
         let cuts = matches!(self.state, State::Cut | State::CutByHand);
         self.told.thc_active.set(self.control.active && enabled && cuts);
         self.sense();
-        let sensor = self.touches() || self.probe.breakaway.get();
+        let sensor = self.probe.float_switch.get() || self.tip || self.probe.breakaway.get();
         self.told.sensor_active.set(sensor);
         if self.at.is_paused.get() {
             self.drive.program_pause.set(false);
@@ -317,7 +316,7 @@ impl Machine {
     fn act(&mut self, period: Period) {
         match self.state {
             State::Idle => self.idle(),
-            State::ProbeHeight => self.probe_height(),
+            State::ProbeHeight => self.probe_height(period),
             State::ProbeDown => self.probe_down(),
             State::ProbeUp => self.probe_up(),
             State::ZeroHeight => self.zero_height(),
@@ -390,6 +389,6 @@ impl Update for Machine {
             self.off();
         }
         self.runs = self.at.is_running.get();
-        self.tip = self.probe.ohmic_probe.get() && self.probe.ohmic_probe_enable.get();
+        self.tip = self.tip_touches();
     }
 }

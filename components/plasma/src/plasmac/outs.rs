@@ -77,7 +77,7 @@ pins! {
         pierce_count: Out<i32> = "pierce-count", 0;
         /// A cut is being taken up again.
         cut_recovering: Out<bool> = "cut-recovering", false;
-        /// How far the laser's recovery is: 0 to 3.
+        /// How far the laser's recovery is: 0 to 5.
         laser_recovery_state: Out<i32> = "laser-recovery-state", 0;
         /// Height control moves down.
         led_down: Out<bool> = "led-down", false;

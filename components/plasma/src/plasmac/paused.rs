@@ -37,6 +37,15 @@ impl Machine {
             self.entered = false;
             return;
         }
+        if self.at.is_idle.get() {
+            self.go(State::ConsumablesBack);
+            self.consumables_back();
+            return;
+        }
+        if !self.jobs.consumable_change.get() {
+            self.go(State::Idle);
+            return;
+        }
         if self.touches() || self.probe.breakaway.get() {
             return;
         }

@@ -1,20 +1,31 @@
 //! Realtime. States 1 to 5: to the surface, and to the height of piercing.
 
 use super::{machine::Machine, numbers::at_most, state::State};
+use hal_component::Period;
 
 impl Machine {
+    /// The tip touches the surface.
+    pub(super) fn tip_touches(&self) -> bool {
+        self.probe.ohmic_probe.get() && self.probe.ohmic_probe_enable.get()
+    }
+
+    /// The switch or the tip touches the surface.
+    pub(super) fn touches(&self) -> bool {
+        self.probe.float_switch.get() || self.tip_touches()
+    }
+
     /// Whether what touches has been asked for the tip often enough.
     fn counts_as_contact(&mut self) -> bool {
         let tip = self.probe.ohmic_probe_enable.get();
-        if tip && !self.tip && self.attempts < self.probe.ohmic_max_attempts.get() {
+        if tip && !self.tip_touches() && self.attempts < self.probe.ohmic_max_attempts.get() {
             self.attempts += 1;
             return false;
         }
-        self.by_tip = self.tip;
+        self.by_tip = self.tip_touches();
         true
     }
 
-    pub(super) fn probe_height(&mut self) {
+    pub(super) fn probe_height(&mut self, period: Period) {
         self.drive.ohmic_enable.set(self.probe.ohmic_probe_enable.get());
         if self.touches() && self.attempts == 0 {
             self.early = true;
@@ -26,7 +37,9 @@ impl Machine {
             self.goal = self.counts(low + self.probe.start_height.get());
             self.entered = false;
         }
-        if self.toward(self.setup()) {
+        // After a contact that did not count it stays there a cycle longer.
+        let stays = if self.attempts > 0 { f64::MIN_POSITIVE } else { 0.0 };
+        if self.toward(self.setup()) && self.lasted(stays, period) {
             self.go(State::ProbeDown);
         }
     }

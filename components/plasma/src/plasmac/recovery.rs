@@ -1,6 +1,10 @@
 //! Realtime. States 25 and 26: to where a cut goes on, and back to the path.
 
-use super::{machine::Machine, numbers::sum, state::State};
+use super::{
+    machine::Machine,
+    numbers::{short, sum},
+    state::State,
+};
 
 impl Machine {
     pub(super) fn recovery_out(&mut self) {
@@ -11,33 +15,57 @@ impl Machine {
             self.go(State::Idle);
             return;
         }
+        if self.at.is_idle.get() {
+            self.go(State::RecoveryBack);
+            self.recovery_back();
+            return;
+        }
         if !self.jobs.cut_recovery.get() {
             self.go(State::RecoveryBack);
             return;
         }
-        let goal = (self.jobs.x_offset.get(), self.jobs.y_offset.get());
-        if self.jobs.laser_recovery_start.get() >= 1 && self.told.laser_recovery_state.get() < 3 {
-            let state = self.told.laser_recovery_state.get();
+        let mut goal = (self.jobs.x_offset.get(), self.jobs.y_offset.get());
+        let state = self.told.laser_recovery_state.get();
+        if state == 3 {
+            goal = self.by_laser(goal);
+        } else if self.jobs.laser_recovery_start.get() >= 1 {
             if state < 2 {
                 self.told.laser_recovery_state.set(state + 1);
-                return;
-            }
-            let goal = (
-                self.drive.x_counts.get().saturating_add(self.jobs.laser_x_offset.get()),
-                self.drive.y_counts.get().saturating_add(self.jobs.laser_y_offset.get()),
-            );
-            if self.along(goal, self.pace(self.cut.cut_feed_rate.get())) {
+                self.laser = self.by_laser((self.drive.x_counts.get(), self.drive.y_counts.get()));
+            } else if self.along(self.laser, self.pace(self.cut.cut_feed_rate.get())) {
                 self.told.laser_recovery_state.set(3);
             }
             return;
         }
-        let half = self.pace(self.cut.cut_feed_rate.get()) / 2.0;
+        let half = f64::from(short(self.pace(self.cut.cut_feed_rate.get()))) / 2.0;
         let step = |now: i32, goal: i32| {
             let left = f64::from(goal) - f64::from(now);
             if left.abs() <= half { goal } else { sum(now, half.copysign(left)) }
         };
         self.drive.x_counts.set(step(self.drive.x_counts.get(), goal.0));
         self.drive.y_counts.set(step(self.drive.y_counts.get(), goal.1));
+    }
+
+    /// These offsets, and the distance of the laser.
+    fn by_laser(&self, (x, y): (i32, i32)) -> (i32, i32) {
+        let jobs = &self.jobs;
+        (x.saturating_add(jobs.laser_x_offset.get()), y.saturating_add(jobs.laser_y_offset.get()))
+    }
+
+    /// Takes the laser's distance off again before the cut goes on: whether there is something to do.
+    pub(super) fn laser_leaves(&mut self) -> bool {
+        let state = self.told.laser_recovery_state.get();
+        if state == 3 {
+            self.told.laser_recovery_state.set(4);
+        } else if state == 4 {
+            self.told.laser_recovery_state.set(5);
+        } else if state == 5 {
+            let goal = (self.jobs.x_offset.get(), self.jobs.y_offset.get());
+            if self.along(goal, self.pace(self.cut.cut_feed_rate.get())) {
+                self.told.laser_recovery_state.set(0);
+            }
+        }
+        state > 2
     }
 
     pub(super) fn recovery_back(&mut self) {
@@ -47,8 +75,12 @@ impl Machine {
             self.told.cut_recovering.set(false);
             self.told.laser_recovery_state.set(0);
             self.recovers = false;
-            self.drive.feed_hold.set(false);
-            self.go(if cuts { State::Cut } else { State::Idle });
+            if self.at.is_paused.get() {
+                self.go(State::Idle);
+            } else {
+                self.drive.feed_hold.set(false);
+                self.go(State::Cut);
+            }
         }
     }
 }

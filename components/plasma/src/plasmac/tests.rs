@@ -1,19 +1,31 @@
 use super::Plasmac;
 use hal_component::{bench::Bench, trace::replay};
 
+mod rare;
+
 /// A machine whose Z follows the offset, over a table at 0.
 struct Table {
     bench: Bench,
     arc: bool,
     volts: f64,
     velocity: f64,
+    /// From which Z downwards the float switch is on, and the tip touches.
+    switch: f64,
+    tip: f64,
 }
 
 impl Table {
     fn new(more: &[(&str, f64)]) -> Self {
         let mut bench = Bench::new();
         bench.load::<Plasmac>(&[]).unwrap();
-        let table = Self { bench, arc: true, volts: 100.0, velocity: 50.0 };
+        let table = Self {
+            bench,
+            arc: true,
+            volts: 100.0,
+            velocity: 50.0,
+            switch: 0.0,
+            tip: f64::NEG_INFINITY,
+        };
         for pin in ["machine-is-on", "homed", "torch-enable", "thc-enable", "program-is-running"] {
             table.put(pin, true);
         }
@@ -76,7 +88,8 @@ impl Table {
             let offset = f64::from(self.count("z-offset-counts")) * self.float("offset-scale");
             self.bench.set("plasmac.z-offset-current", offset);
             self.bench.set("plasmac.axis-z-position", 20.0 + offset);
-            self.put("float-switch", 20.0 + offset <= 0.0);
+            self.put("float-switch", 20.0 + offset <= self.switch);
+            self.put("ohmic-probe", 20.0 + offset <= self.tip);
             let lit = self.is("torch-on");
             self.put("arc-ok-in", lit && self.arc);
             self.bench.set("plasmac.arc-voltage-in", if lit { self.volts } else { 0.0 });
