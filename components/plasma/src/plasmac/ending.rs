@@ -101,7 +101,9 @@ impl Machine {
     pub(super) fn max_height(&mut self) {
         self.told.cornerlock.set(false);
         self.goal = 0;
-        if self.toward(self.setup()) && !self.probe.test.get() {
+        let up = self.toward(self.setup());
+        let back = up && self.along((0, 0), f64::from(self.setup()));
+        if back && !self.probe.test.get() {
             if self.stop == Stop::Cut {
                 self.drive.feed_hold.set(false);
             }
@@ -123,6 +125,7 @@ impl Machine {
         self.told.led_up.set(false);
         self.told.led_down.set(false);
         self.drive.cutting_stop.set(false);
+        self.drive.ohmic_enable.set(false);
         self.go(if self.at.is_idle.get() { State::EndJob } else { State::Idle });
     }
 

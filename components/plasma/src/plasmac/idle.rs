@@ -76,8 +76,11 @@ impl Machine {
             }
             self.tests = false;
             self.attempts = 0;
-            let near = self.near_last();
-            self.go(if near { State::PierceHeight } else { State::ProbeHeight });
+            if self.near_last() {
+                self.go(State::PierceHeight);
+            } else if self.aim_probe() {
+                self.go(State::ProbeHeight);
+            }
         } else if matches!(self.stop, Stop::None | Stop::Job) && first {
             self.drive.feed_hold.set(false);
         }

@@ -53,15 +53,15 @@ pins! {
         units_per_mm: In<f64> = "units-per-mm", 0.0;
         /// X, from `axis.x.pos-cmd`, in machine units.
         x: In<f64> = "axis-x-position", 0.0;
-        /// Lowest X, in machine units; not used here.
+        /// Lowest X of an offset probe, in machine units.
         x_min: In<f64> = "axis-x-min-limit", 0.0;
-        /// Highest X, in machine units; not used here.
+        /// Highest X of an offset probe, in machine units.
         x_max: In<f64> = "axis-x-max-limit", 0.0;
         /// Y, from `axis.y.pos-cmd`, in machine units.
         y: In<f64> = "axis-y-position", 0.0;
-        /// Lowest Y, in machine units; not used here.
+        /// Lowest Y of an offset probe, in machine units.
         y_min: In<f64> = "axis-y-min-limit", 0.0;
-        /// Highest Y, in machine units; not used here.
+        /// Highest Y of an offset probe, in machine units.
         y_max: In<f64> = "axis-y-max-limit", 0.0;
         /// Z, from the joint's `pos-fb`, in machine units.
         z: In<f64> = "axis-z-position", 0.0;
@@ -135,15 +135,15 @@ pins! {
         ohmic_sense_off_delay: In<i32> = "ohmic-sense-off-delay", 3;
         /// No probing within this distance of the last cut, in machine units.
         skip_ihs_distance: In<f64> = "skip-ihs-distance", 0.0;
-        /// Moves an offset probe out.
+        /// Sets `ohmic-enable` while nothing is done, to see where an offset probe is.
         offset_set_probe: In<bool> = "offset-set-probe", false;
         /// Moves a scribe out.
         offset_set_scribe: In<bool> = "offset-set-scribe", false;
-        /// Seconds until an offset probe is out.
+        /// Seconds until an offset probe is out, and until it is back.
         offset_delay: In<f64> = "offset-probe-delay", 0.0;
-        /// Distance of an offset probe in X, in machine units.
+        /// Distance of an offset probe in X, with `ohmic-probe-enable`, in machine units.
         offset_x: In<f64> = "offset-probe-x", 0.0;
-        /// Distance of an offset probe in Y, in machine units.
+        /// Distance of an offset probe in Y, with `ohmic-probe-enable`, in machine units.
         offset_y: In<f64> = "offset-probe-y", 0.0;
     }
 }

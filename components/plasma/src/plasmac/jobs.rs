@@ -15,7 +15,11 @@ impl Machine {
             self.attempts = 0;
             let touched = self.tip_touches();
             self.told.probe_test_error.set(touched);
-            self.go(if touched { State::ProbeTest } else { State::ProbeHeight });
+            if touched {
+                self.go(State::ProbeTest);
+            } else if self.aim_probe() {
+                self.go(State::ProbeHeight);
+            }
         } else if self.jobs.scribe_start.get() {
             self.go(State::Scribing);
         } else if self.cut.torch_pulse_start.get()
@@ -45,7 +49,9 @@ impl Machine {
         if !self.probe.test.get() {
             self.goal = 0;
             self.toward(self.setup());
-            if self.drive.z_counts.get() == 0 {
+            self.along((0, 0), f64::from(self.setup()));
+            let drive = &self.drive;
+            if [&drive.x_counts, &drive.y_counts, &drive.z_counts].iter().all(|n| n.get() == 0) {
                 self.tests = false;
                 self.go(State::EndCut);
             }

@@ -3,6 +3,7 @@
 use super::{
     ins,
     numbers::{at_most, later, short, sooner},
+    offset::Offset,
     outs,
     state::{State, Stop},
     steady::Steady,
@@ -29,6 +30,7 @@ pub(super) struct Machine {
     pub(super) control: Thc,
     pub(super) steady: Steady,
     pub(super) times: Times,
+    pub(super) offset: Offset,
     #[state]
     pub(super) state: State,
     #[state]
@@ -128,6 +130,7 @@ impl Machine {
             control: Thc::default(),
             steady: Steady::default(),
             times: Times::default(),
+            offset: Offset::default(),
             state: State::Idle,
             stop: Stop::None,
             timer: 0.0,
@@ -317,10 +320,10 @@ impl Machine {
         match self.state {
             State::Idle => self.idle(),
             State::ProbeHeight => self.probe_height(period),
-            State::ProbeDown => self.probe_down(),
+            State::ProbeDown => self.probe_down(period),
             State::ProbeUp => self.probe_up(),
             State::ZeroHeight => self.zero_height(),
-            State::PierceHeight => self.pierce_height(),
+            State::PierceHeight => self.pierce_height(period),
             State::TorchOn => self.torch_on(period),
             State::ArcOk => self.arc_ok(period),
             State::PierceDelay => self.pierce_delay(period),

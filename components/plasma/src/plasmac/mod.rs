@@ -6,6 +6,7 @@ mod ins;
 mod jobs;
 mod machine;
 mod numbers;
+mod offset;
 mod outs;
 mod paused;
 mod probing;
@@ -79,7 +80,14 @@ A surface above which there is less room than `pierce-height` and 1 mm is a faul
 `safe-height`, where contact ends; Z goes no higher than `axis-z-max-limit` less `max-offset`. A `safe-height` beyond
 that is told in a message, and Z ends there.
 
-Not made: the moves of an offset probe in X and Y. A spot without a program ends as its input falls;
+With `ohmic-probe-enable` and an `offset-probe-x` or `offset-probe-y`, X and Y move to where that probe is above the
+torch's place, at `setup-feed-rate` along the line, while Z goes to its start height, and back in state 5. Z goes down
+no sooner than `offset-probe-delay` after the begin, and up as long after state 5 began. A place beyond the limits of
+X and Y, and contact on the way there, are faults. A cut that ends at once leaves X and Y where they are, as LinuxCNC
+does; a pause takes them back. With both distances 0 there is no delay; LinuxCNC with a delay waits for ever.
+After contact in state 1 LinuxCNC waits a cycle more in state 2.
+
+A spot without a program ends as its input falls;
 LinuxCNC lights on and cuts. Not compared with LinuxCNC in every order of events: sensors in one cycle with the
 machine's power or with others, `feed-hold` after a sensor, `thc-enabled` before the first arc, `thc-auto` in a cut
 without a program whose arc was away, contact by the tip, voids, `mode` 0, and states 19 and 23 to 26.

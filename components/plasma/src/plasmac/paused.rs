@@ -65,25 +65,33 @@ impl Machine {
 
     /// Moves X and Y one step along the line to the goal: whether they were there.
     pub(super) fn along(&self, goal: (i32, i32), speed: f64) -> bool {
-        let drive = &self.drive;
-        let now = (drive.x_counts.get(), drive.y_counts.get());
-        let left = (f64::from(goal.0) - f64::from(now.0), f64::from(goal.1) - f64::from(now.1));
-        if left == (0.0, 0.0) {
-            return true;
-        }
-        let far = libm::hypot(left.0, left.1);
-        if far > speed {
+        let now = (self.drive.x_counts.get(), self.drive.y_counts.get());
+        self.across(now, goal, speed)
+    }
+
+    /// The same along the line from one place to another: each axis stops at its goal.
+    pub(super) fn across(&self, from: (i32, i32), goal: (i32, i32), speed: f64) -> bool {
+        let line = (away(from.0, goal.0), away(from.1, goal.1));
+        let far = libm::hypot(line.0, line.1);
+        let mut was_there = true;
+        for (counts, part, goal) in
+            [(&self.drive.x_counts, line.0, goal.0), (&self.drive.y_counts, line.1, goal.1)]
+        {
+            let left = away(counts.get(), goal);
+            was_there &= left == 0.0;
+            let step = if far > speed { libm::trunc(part / far * speed) } else { left };
             #[expect(
                 clippy::cast_possible_truncation,
-                reason = "shorter than the way that is left"
+                reason = "no more than the way that is left"
             )]
-            let step = ((left.0 / far * speed) as i32, (left.1 / far * speed) as i32);
-            drive.x_counts.set(now.0.saturating_add(step.0));
-            drive.y_counts.set(now.1.saturating_add(step.1));
-        } else {
-            drive.x_counts.set(goal.0);
-            drive.y_counts.set(goal.1);
+            let next = counts.get().saturating_add(step as i32);
+            counts.set(if step == 0.0 || left.abs() <= step.abs() { goal } else { next });
         }
-        false
+        was_there
     }
+}
+
+/// How far it is from one to the other.
+fn away(from: i32, goal: i32) -> f64 {
+    f64::from(goal) - f64::from(from)
 }

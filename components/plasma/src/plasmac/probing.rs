@@ -1,6 +1,10 @@
 //! Realtime. States 1 to 5: to the surface, and to the height of piercing.
 
-use super::{machine::Machine, numbers::at_most, state::State};
+use super::{
+    machine::Machine,
+    numbers::at_most,
+    state::{State, Stop},
+};
 use hal_component::Period;
 
 impl Machine {
@@ -27,6 +31,16 @@ impl Machine {
 
     pub(super) fn probe_height(&mut self, period: Period) {
         self.drive.ohmic_enable.set(self.probe.ohmic_probe_enable.get());
+        let there = self.probe_out(period);
+        if self.touches() && !there {
+            self.messages.error(
+                "plasmac: contact before the offset probe is out: probe-start-height {} is too low",
+                &[self.probe.start_height.get()],
+            );
+            self.drive.program_pause.set(!self.at.is_paused.get());
+            self.end(Stop::Fault, State::MaxHeight);
+            return;
+        }
         if self.touches() && self.attempts == 0 {
             self.early = true;
             self.go(State::ProbeUp);
@@ -39,12 +53,13 @@ impl Machine {
         }
         // After a contact that did not count it stays there a cycle longer.
         let stays = if self.attempts > 0 { f64::MIN_POSITIVE } else { 0.0 };
-        if self.toward(self.setup()) && self.lasted(stays, period) {
+        if self.toward(self.setup()) && self.is_there() && self.lasted(stays, period) {
             self.go(State::ProbeDown);
         }
     }
 
-    pub(super) fn probe_down(&mut self) {
+    pub(super) fn probe_down(&mut self, period: Period) {
+        let out = self.is_out(period);
         if self.touches() {
             if self.counts_as_contact() {
                 self.early = false;
@@ -56,6 +71,9 @@ impl Machine {
             } else {
                 self.go(State::ProbeHeight);
             }
+            return;
+        }
+        if !out {
             return;
         }
         let speed = self.speed(self.probe.feed_rate.get()).min(self.setup());
@@ -150,7 +168,7 @@ impl Machine {
         }
     }
 
-    pub(super) fn pierce_height(&mut self) {
+    pub(super) fn pierce_height(&mut self, period: Period) {
         let cut = &self.cut;
         let heights = [cut.pierce_height.get(), cut.cut_height.get(), cut.cut_volts.get()];
         if !heights.iter().all(|n| *n > 0.0) {
@@ -161,8 +179,9 @@ impl Machine {
             self.fault();
             return;
         }
+        let (back, swung) = self.probe_back(period);
         self.aim(self.cut.pierce_height.get());
-        if self.toward(self.setup()) {
+        if swung && self.toward(self.setup()) && back {
             self.starts = 0;
             if self.tests {
                 self.go(State::ProbeTest);

@@ -61,7 +61,8 @@ impl Machine {
             return;
         }
         let rises = self.state == State::ProbeUp && (self.touches() || !self.early);
-        if rises || matches!(self.state, State::ProbeHeight | State::ProbeDown) {
+        let falls = self.state == State::ProbeDown && !self.swings();
+        if rises || falls || self.state == State::ProbeHeight {
             add(&told.probe_time, secs);
         }
         if matches!(self.state, State::Cut | State::CutByHand) {
