@@ -70,6 +70,12 @@ impl Offset {
         self.tp.reset(self.last);
     }
 
+    /// It goes nowhere.
+    const fn hold(&mut self) {
+        self.request = self.tp.pos;
+        self.tp.reset(self.tp.pos);
+    }
+
     /// There is none.
     fn forget(&mut self) {
         *self = Self { counts: self.counts, ..Self::default() };
@@ -99,6 +105,8 @@ impl State {
             let Some(axis) = self.axes.get_mut(n) else { continue };
             match room {
                 Some(room) => axis.offset.step(&room, dt),
+                // What is applied does not go away at once while the machine is on.
+                None if in_axes => axis.offset.hold(),
                 None => axis.offset.forget(),
             }
         }

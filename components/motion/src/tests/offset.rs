@@ -152,6 +152,19 @@ fn when_it_does_not_count() {
     near(rig.float("axis.z.pos-cmd"), 1.0);
     rig.done("motion.enable");
     rig.done("motion.jog joint=0 velocity=1 distance=1");
+    // Without a share it stays where it is, as long as the machine is on.
+    rig.done("motion.mode mode=coord");
+    ask(&mut rig, 50);
+    rig.cycles(2000);
+    let applied = rig.float("axis.z.eoffset");
+    near(applied, 1.0);
+    rig.say("motion.configure axis=z offset-av-ratio=0");
+    rig.bench.set("axis.z.eoffset-clear", true);
+    rig.cycles(500);
+    assert_eq!(rig.float("axis.z.eoffset"), applied);
+    rig.done("motion.disable");
+    rig.cycles(1);
+    assert_eq!(rig.float("axis.z.eoffset"), 0.0);
     let most = "offset-av-ratio is 0.95, must be 0 to 0.9";
     assert_eq!(rig.try_say("motion.configure axis=z offset-av-ratio=0.95"), Err(most.into()));
 }
