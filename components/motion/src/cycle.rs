@@ -157,8 +157,7 @@ impl State {
     }
 
     fn coord(&mut self, dt: f64) {
-        let shares = &self.shares();
-        let Self { path, pose, kinematics, joints, axes, feed, at_speed, .. } = self;
+        let Self { path, pose, kinematics, joints, axes, shares, feed, at_speed, .. } = self;
         let machine = Machine { kinematics, joints, axes, shares };
         let before = *pose;
         let stepped = path.step(before, dt, feed.net, *at_speed, machine);

@@ -32,6 +32,7 @@ impl State {
                 if let Some(axis) = self.axes.get_mut(n) {
                     axis.config = config;
                 }
+                self.share();
             }
             Command::Traj(config) => self.traj = config,
             Command::Ask(ask, ticket) => match self.ask(ask, ticket) {
@@ -227,8 +228,7 @@ impl State {
             acceleration: m.acceleration.filter(|a| *a < most).unwrap_or(most),
             max_velocity: traj.max_velocity,
         };
-        let shares = &self.shares();
-        let Self { path, pose, kinematics, joints, axes, .. } = self;
+        let Self { path, pose, kinematics, joints, axes, shares, .. } = self;
         let machine = crate::line::Machine { kinematics, joints, axes, shares };
         path.push(*pose, m.to, wish, machine, ticket)
     }

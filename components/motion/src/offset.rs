@@ -64,21 +64,15 @@ impl Offset {
         self.tp.step_exactly(dt);
     }
 
-    /// It cannot go on: it stays where it was.
-    pub(crate) const fn stay(&mut self) {
-        self.request = self.last;
-        self.tp.reset(self.last);
+    /// It cannot go on: it stays where it was a cycle before.
+    pub(crate) fn stay(&mut self) {
+        self.be_at(self.last);
     }
 
-    /// It goes nowhere.
-    const fn hold(&mut self) {
-        self.request = self.tp.pos;
-        self.tp.reset(self.tp.pos);
-    }
-
-    /// There is none.
-    fn forget(&mut self) {
-        *self = Self { counts: self.counts, ..Self::default() };
+    /// It stands still there, and that is what was asked for.
+    fn be_at(&mut self, place: f64) {
+        *self = Self { request: place, last: place, counts: self.counts, ..Self::default() };
+        self.tp.reset(place);
     }
 
     fn is_there(&self) -> bool {
@@ -106,8 +100,8 @@ impl State {
             match room {
                 Some(room) => axis.offset.step(&room, dt),
                 // What is applied does not go away at once while the machine is on.
-                None if in_axes => axis.offset.hold(),
-                None => axis.offset.forget(),
+                None if in_axes => axis.offset.be_at(axis.offset.tp.pos),
+                None => axis.offset.be_at(0.0),
             }
         }
     }
@@ -148,8 +142,8 @@ impl State {
         (any(Offset::is_there), any(|o| o.is_limited))
     }
 
-    /// What the offsets leave to the moves of each joint, of its velocity and acceleration.
-    pub(crate) fn shares(&self) -> [f64; MAX_JOINTS] {
+    /// Finds what the offsets leave to the moves of each joint, of its velocity and acceleration.
+    pub(crate) fn share(&mut self) {
         let mut shares = [1.0; MAX_JOINTS];
         let identity = self.kinematics.kind() == KinematicsKind::Identity;
         for (n, axis) in self.axes.iter().enumerate().filter(|(_, a)| a.config.offset_share > 0.0) {
@@ -167,7 +161,7 @@ impl State {
                 }
             }
         }
-        shares
+        self.shares = shares;
     }
 
     /// Refuses what cannot be with an offset.

@@ -45,6 +45,8 @@ pub(crate) struct State {
     pub(crate) say: Messages,
     pub(crate) joints: Vec<Joint>,
     pub(crate) axes: Vec<Axis>,
+    /// What part of its velocity and acceleration each joint has for moves.
+    pub(crate) shares: [f64; MAX_JOINTS],
     pub(crate) spindles: Vec<Spindle>,
     pub(crate) digital_out: Vec<bool>,
     pub(crate) analog_out: Vec<f64>,
@@ -80,6 +82,7 @@ impl State {
             say,
             joints: (0..setup.joints).map(joint).collect(),
             axes: (0..9).map(|_| Axis::default()).collect(),
+            shares: [1.0; MAX_JOINTS],
             spindles: vec![Spindle::default(); setup.spindles],
             digital_out: vec![false; setup.digital_out.len()],
             analog_out: vec![0.0; setup.analog_out.len()],

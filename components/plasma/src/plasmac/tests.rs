@@ -1,6 +1,8 @@
 use super::Plasmac;
 use hal_component::{bench::Bench, trace::replay};
 
+mod height;
+mod probing;
 mod rare;
 
 /// A machine whose Z follows the offset, over a table at 0.
@@ -153,25 +155,6 @@ fn a_cut_from_start_to_end() {
 }
 
 #[test]
-fn the_height_follows_the_voltage() {
-    let mut table = cutting(&[]);
-    table.run(40);
-    let before = table.count("z-offset-counts");
-    table.volts = 103.0;
-    table.run(10);
-    assert!(table.is("led-down"));
-    assert_eq!(table.count("z-offset-counts") - before, -3000);
-    table.volts = 100.5;
-    table.run(10);
-    assert!(!table.is("led-down"));
-    assert_eq!(table.count("z-offset-counts") - before, -3000);
-    // No faster than its speed: 1000 in a minute are 1666 counts in a cycle.
-    table.volts = 60.0;
-    table.run(1);
-    assert_eq!(table.count("z-offset-counts") - before, -3000 + 1666);
-}
-
-#[test]
 fn a_start_that_fails_is_tried_again() {
     let mut table = Table::new(&[]);
     table.arc = false;
@@ -212,16 +195,6 @@ fn a_pause_takes_the_torch_up_and_it_begins_anew() {
     assert_eq!(table.count("stop-type-out"), 3);
     table.put("program-is-paused", false);
     assert_eq!(table.states(5), [0, 1]);
-}
-
-#[test]
-fn nothing_is_lower_than_the_lowest_z() {
-    let table = Table::new(&[("axis-z-min-limit", 5.0), ("probe-start-height", 5.0)]);
-    table.run(2);
-    table.put("cutting-start", true);
-    table.until(15);
-    assert!(table.is("program-pause"));
-    assert!(20.0 + table.float("z-offset-current") >= 5.25);
 }
 
 #[test]
@@ -320,50 +293,6 @@ fn a_cut_and_a_spot_together_are_a_cut() {
 }
 
 #[test]
-fn z_moves_for_a_changed_override() {
-    let table = cutting(&[("height-per-volt", 0.1)]);
-    table.run(40);
-    let before = table.count("z-offset-counts");
-    table.bench.set("plasmac.height-override", 0.9);
-    table.run(1);
-    assert_eq!(table.count("z-offset-counts"), before);
-    table.run(1);
-    assert_eq!(table.count("z-offset-counts"), before + 9000);
-    table.bench.set("plasmac.setup-feed-rate", 1200.0);
-    table.bench.set("plasmac.height-override", 0.4);
-    table.run(2);
-    assert_eq!(table.count("z-offset-counts"), before + 9000 - 1999);
-    table.run(3);
-    assert_eq!(table.count("z-offset-counts"), before + 4000);
-}
-
-#[test]
-fn a_target_is_the_mean_of_a_voltage_that_is_steady() {
-    let mut table = Table::new(&[("thc-delay", 1.0), ("thc-sample-threshold", 0.5)]);
-    table.put("thc-auto", true);
-    table.put("use-auto-volts", true);
-    table.bench.set("plasmac.thc-sample-counts", 4);
-    table.velocity = 40.0;
-    table.run(2);
-    table.put("cutting-start", true);
-    table.until(11);
-    table.run(5);
-    // Too slow: no target, however steady it is.
-    assert_eq!(table.float("target-volts"), 0.0);
-    table.velocity = 50.0;
-    for volts in [90.0, 91.0, 92.0] {
-        table.volts = volts;
-        table.run(1);
-        assert_eq!(table.float("target-volts"), 0.0);
-    }
-    table.volts = 91.75;
-    table.run(2);
-    assert_eq!(table.float("target-volts"), 0.0);
-    table.run(1);
-    assert_eq!(table.float("target-volts"), (92.0 + 3.0 * 91.75) / 4.0);
-}
-
-#[test]
 fn a_job_ends_only_without_a_program() {
     let table = cutting(&[]);
     table.put("program-is-running", false);
@@ -400,80 +329,4 @@ fn a_torch_that_is_put_out_is_no_lost_arc() {
     table.put("torch-off", false);
     assert_eq!(table.states(2), [11, 15]);
     assert!(table.is("program-pause"));
-}
-
-#[test]
-fn a_surface_that_leaves_no_room_is_a_fault() {
-    // The surface is at 0.5, and Z may go to the limit less 5 mm.
-    let rooms = |limit: f64, safe: f64| {
-        let table = Table::new(&[("axis-z-max-limit", limit), ("safe-height", safe)]);
-        table.bench.set("plasmac.max-offset", 5);
-        table.run(2);
-        table.put("cutting-start", true);
-        table.states(500)
-    };
-    // Less than 4 above the contact, at -0.2 and less; then less than 4 above the surface.
-    assert!(rooms(8.5, 10.0).starts_with(&[0, 1, 2, 15, 16, 0]));
-    assert!(rooms(9.3, 10.0).starts_with(&[0, 1, 2, 3, 15, 16, 0]));
-    assert!(rooms(9.3, 0.0).starts_with(&[0, 1, 2, 3, 4, 5, 6, 7, 8]));
-    assert!(rooms(9.7, 10.0).starts_with(&[0, 1, 2, 3, 4, 5, 6, 7, 8]));
-}
-
-#[test]
-fn an_offset_probe_goes_out_and_back() {
-    let table = Table::new(&[
-        ("offset-probe-x", 5.0),
-        ("offset-probe-y", 3.0),
-        ("offset-probe-delay", 0.05),
-        ("axis-x-max-limit", 5.0),
-        ("axis-y-max-limit", 3.0),
-    ]);
-    let xy = || (table.count("x-offset-counts"), table.count("y-offset-counts"));
-    table.put("ohmic-probe-enable", true);
-    table.run(2);
-    table.put("cutting-start", true);
-    table.run(2);
-    assert!(table.is("xy-offset-enable"));
-    assert_eq!((xy(), table.count("z-offset-counts")), ((85_748, 51_449), -99_999));
-    table.until(2);
-    let high = table.count("z-offset-counts");
-    assert_eq!(xy(), (499_999, 300_000));
-    table.run(30);
-    assert_eq!(table.count("z-offset-counts"), high);
-    table.until(5);
-    table.run(1);
-    assert_eq!(xy(), (414_251, 248_551));
-    let low = table.count("z-offset-counts");
-    table.run(49);
-    assert_eq!((xy(), table.count("z-offset-counts")), ((0, 0), low));
-    table.run(1);
-    assert_eq!(table.count("z-offset-counts"), low + 99_999);
-    table.until(11);
-}
-
-#[test]
-fn an_offset_probe_that_cannot_go_out_is_a_fault() {
-    let begin = |limit: f64| {
-        let table = Table::new(&[("offset-probe-x", -30.0), ("axis-x-min-limit", limit)]);
-        table.put("ohmic-probe-enable", true);
-        table.run(2);
-        table.put("cutting-start", true);
-        table.run(1);
-        table
-    };
-    // Beyond a limit it does not begin.
-    let table = begin(-29.0);
-    assert_eq!((table.state(), table.count("stop-type-out")), (0, 3));
-    assert!(table.is("program-pause") && table.is("feed-hold"));
-    assert_eq!(table.states(20), [0]);
-    // Contact on the way out: Z up, and X back, and no cut.
-    let mut table = begin(-30.0);
-    table.run(3);
-    table.tip = 100.0;
-    table.run(1);
-    assert_eq!((table.state(), table.count("stop-type-out")), (15, 3));
-    assert!(table.is("program-pause") && table.count("x-offset-counts") < -300_000);
-    table.tip = f64::NEG_INFINITY;
-    table.until(16);
-    assert_eq!((table.count("x-offset-counts"), table.count("z-offset-counts")), (0, 0));
 }
