@@ -44,7 +44,11 @@ impl Machine {
             self.eases = false;
             self.messages.error("plasmac: a sensor is active", &[]);
             self.fault();
-        } else if dim || self.at.is_paused.get() {
+        } else if dim {
+            let volts = [self.now, low];
+            self.messages.error("plasmac: {} V are below low-cut-volts, {}", &volts);
+            self.fault();
+        } else if self.at.is_paused.get() {
             self.fault();
         } else if self.ran && self.at.is_idle.get() {
             self.end(Stop::Job, State::MaxHeight);

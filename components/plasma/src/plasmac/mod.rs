@@ -62,7 +62,7 @@ holds the program's feed until the torch cuts. `mode` says what an arc is: 0 a s
 
 `stop-type-out` tells why a cut ended: 1 the program did, 2 the cut did, 3 a fault or a pause. A fault
 sets `program-pause` and says in a message what it was: the lowest Z without a contact, no arc after all
-starts, an arc that is lost, a sensor during a cut, heights or volts that are not above 0. A sensor is the
+starts, an arc that is lost, a voltage below `low-cut-volts`, a sensor, heights or volts that are not above 0, no room. A sensor is the
 `float-switch`, the tip (`ohmic-probe`) or `breakaway`.
 
 While it cuts at the program's feed rate (`feed-upm`), Z follows the voltage: `thc-delay` after that feed rate
@@ -84,13 +84,15 @@ With `ohmic-probe-enable` and an `offset-probe-x` or `offset-probe-y`, X and Y m
 torch's place, at `setup-feed-rate` along the line, while Z goes to its start height, and back in state 5. Z goes down
 no sooner than `offset-probe-delay` after the begin, and up as long after state 5 began. A place beyond the limits of
 X and Y, and contact on the way there, are faults. A cut that ends at once leaves X and Y where they are, as LinuxCNC
-does; a pause takes them back. With both distances 0 there is no delay; LinuxCNC with a delay waits for ever.
+does; a pause takes them back. With both distances 0 there is no delay; LinuxCNC with a delay then waits on and on.
 After contact in state 1 LinuxCNC waits a cycle more in state 2.
 
-A spot without a program ends as its input falls;
-LinuxCNC lights on and cuts. Not compared with LinuxCNC in every order of events: sensors in one cycle with the
-machine's power or with others, `feed-hold` after a sensor, `thc-enabled` before the first arc, `thc-auto` in a cut
-without a program whose arc was away, contact by the tip, voids, `mode` 0, and states 19 and 23 to 26.
+A spot without a program ends as its input falls; LinuxCNC lights on and cuts. Known to differ from LinuxCNC 2.9:
+`feed-hold` after a sensor that comes in idle or with the machine's power, `thc-enabled` before the first arc with
+`arc-lost-delay`, `voidlock-enable`, `thc-auto` in a cut without a program whose arc was away, a program that resumes
+while `laser-recovery-start` is 1, `probe-test` during a cut, a program that ends while consumables are out, and by a
+cycle or a count `probe-time`, X and Y as state 15 begins. Not compared in every order of events: sensors in one cycle
+with others, contact by the tip, `mode` 0, and states 19 and 23 to 26.
 
 The pins are those of LinuxCNC 2.9; 2.10 has more. Numbers are kept with the 24 bits that LinuxCNC keeps of them
 where that shows: speeds, times, the voltage (to three decimals) and the sum of Z's counts.

@@ -2,6 +2,7 @@ use super::Plasmac;
 use hal_component::{bench::Bench, trace::replay};
 
 mod height;
+mod messages;
 mod probing;
 mod rare;
 
