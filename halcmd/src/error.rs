@@ -148,15 +148,8 @@ pub enum Error {
         command: Box<str>,
         why: Box<str>,
     },
-    IniFile {
-        path: Box<str>,
-        why: Box<str>,
-    },
-    IniSyntax {
-        path: Box<str>,
-        line: u32,
-        why: Box<str>,
-    },
+    /// The INI file was refused.
+    Ini(hal_ini::Error),
     /// `place` is the profile, or a line of it.
     Profile {
         place: Box<str>,
@@ -271,8 +264,7 @@ impl core::fmt::Display for Error {
                 write!(f, "Can't open 'save' destination '{path}'")
             }
             Self::GivenUp { command, why } => write!(f, "{command}: {why}"),
-            Self::IniFile { path, .. } => write!(f, "Could not open INI file '{path}'"),
-            Self::IniSyntax { path, line, why } => write!(f, "{path}:{line}: {why}"),
+            Self::Ini(error) => error.fmt(f),
             Self::Profile { place, why } => write!(f, "{place}: {why}"),
             Self::IniNotFound { file, .. } => write!(f, "cannot find '{file}'"),
             Self::NotYet { what, .. } => write!(f, "{what} is not supported"),
@@ -304,6 +296,12 @@ impl Error {
             }
             _ => Vec::new(),
         }
+    }
+}
+
+impl From<hal_ini::Error> for Error {
+    fn from(error: hal_ini::Error) -> Self {
+        Self::Ini(error)
     }
 }
 

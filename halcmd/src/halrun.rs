@@ -78,7 +78,7 @@ fn run(plan: &Plan, terminal: &mut dyn Terminal) -> u8 {
     }
     match prepare(plan) {
         Ok(files) => make(plan, &files, terminal),
-        Err(error @ (Error::NoCommandFile { .. } | Error::IniFile { .. })) => {
+        Err(error @ (Error::NoCommandFile { .. } | Error::Ini(hal_ini::Error::File { .. }))) => {
             terminal.err(&format!("{}\n", error.whole()));
             255
         }

@@ -28,7 +28,7 @@ impl Error {
             }
             Self::TooManyTokens => Some(format!("at most {} words", crate::lex::MAX_WORDS)),
             Self::NoDestination { why, .. }
-            | Self::IniFile { why, .. }
+            | Self::Ini(hal_ini::Error::File { why, .. })
             | Self::NoCommandFile { why, .. } => Some(why.to_string()),
             Self::IniNotFound { folders, .. } => Some(format!("looked in {folders}")),
             Self::NotApplied { why, .. } => Some((*why).to_owned()),

@@ -49,6 +49,7 @@ const COMMANDS: &str = "loadrt unloadrt loadusr waitusr unloadusr unload newsig 
 /// Where sentences are made.
 const SOURCES: &[&str] = &[
     "halcmd/src/error.rs",
+    "hal/ini/src/error.rs",
     "hal/engine/src/error.rs",
     "hal/engine/src/hint.rs",
     "hal/engine/src/watch_error.rs",

@@ -71,9 +71,10 @@ fn arrows_point_only_downward() {
         ("hal-derive", &[]),
         ("hal-component", &["hal-abi", "hal-derive"]),
         ("hal-protocol", &["hal-abi"]),
+        ("hal-ini", &[]),
         ("hal-trace", &["hal-protocol"]),
         ("hal-engine", &["hal-abi", "hal-protocol", "hal-trace"]),
-        ("halcmd", &["hal-engine", "hal-protocol", "hal-trace"]),
+        ("halcmd", &["hal-engine", "hal-ini", "hal-protocol", "hal-trace"]),
         ("ferrule-client", &["hal-protocol"]),
     ]);
     for (name, table) in &members {

@@ -76,8 +76,8 @@ pub(super) fn remark(remark: &Remark) -> Finding {
 /// Where an error says that it is.
 pub(super) fn place(error: &Error) -> Option<At> {
     match error {
-        Error::IniSyntax { path, line, .. } => Some(At::new(path, *line)),
-        Error::IniFile { path, .. }
+        Error::Ini(hal_ini::Error::Syntax { path, line, .. }) => Some(At::new(path, *line)),
+        Error::Ini(hal_ini::Error::File { path, .. })
         | Error::NoFile { path, .. }
         | Error::NoCommandFile { path, .. } => Some(At::new(path, 0)),
         _ => None,
@@ -99,7 +99,7 @@ fn code(error: &Error) -> Code {
         Error::NoEnvironment { .. } => Code::NoEnvironment,
         Error::NoIniVariable { .. } => Code::NoIniEntry,
         Error::NoFile { .. } | Error::NoCommandFile { .. } | Error::TooDeep { .. } => Code::NoFile,
-        Error::IniFile { .. } | Error::IniSyntax { .. } => Code::IniUnreadable,
+        Error::Ini(_) => Code::IniUnreadable,
         Error::IniNotFound { .. } => Code::NoHalfile,
         Error::NotYet { .. } => Code::NotSupported,
         Error::NotLoaded { .. } => Code::NoSuchName,

@@ -34,7 +34,7 @@ pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path) -> Outcom
         session.set_folder(&folders.named);
     } else if let Err(error) = std::env::set_current_dir(&folders.here) {
         let (path, why) = (path.display().to_string().into(), crate::ini::plain(&error));
-        return failed(session, &Error::IniFile { path, why });
+        return failed(session, &Error::Ini(hal_ini::Error::File { path, why }));
     }
     let mut machine = Machine { session, ini, folders, outcome: Outcome::Good };
     machine.load();

@@ -1,0 +1,172 @@
+//! INI files: the data of a machine, with the place of every entry.
+//!
+//! The format is LinuxCNC's: `[SECTION]` headers, `NAME = value` entries, comments that begin a line with `#` or `;`,
+//! lines joined by a backslash at their end, and `#INCLUDE FILE`, whose path is relative to the file that includes it.
+//! Names may repeat; a look-up finds the first one, [`Ini::all`] finds every one.
+//!
+//! ```
+//! let ini = hal_ini::Ini::parse("mill.ini", b"[JOINT_0]\nMAX_VELOCITY = 50\n")?;
+//! assert_eq!(ini.get("JOINT_0", "MAX_VELOCITY"), Some("50"));
+//! # Ok::<(), hal_ini::Error>(())
+//! ```
+#![forbid(unsafe_code)]
+
+mod error;
+mod read;
+mod syntax;
+
+pub use error::Error;
+
+use std::path::Path;
+
+/// Depth to which files may include each other.
+pub const MAX_DEPTH: u32 = 16;
+/// Number of files that one INI file may consist of.
+pub const MAX_FILES: u32 = 1000;
+/// Bytes that an INI file may have, together with the files that it includes.
+pub const MAX_BYTES: u64 = 64 << 20;
+
+/// One `NAME = value`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Entry {
+    /// Section, without brackets.
+    pub section: String,
+    /// Name.
+    pub name: String,
+    /// Value, escapes decoded.
+    pub value: String,
+    /// File that holds the entry.
+    pub file: String,
+    /// Line of that file, from 1; the last one of a continued entry.
+    pub line: u32,
+}
+
+impl Entry {
+    fn is(&self, section: &str, name: &str) -> bool {
+        self.name == name && (section.is_empty() || self.section == section)
+    }
+}
+
+/// An INI file together with the files that it includes.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Ini {
+    entries: Vec<Entry>,
+    sections: Vec<String>,
+    warnings: Vec<String>,
+    broken: Option<Error>,
+}
+
+impl Ini {
+    /// Reads a file for a script. When a line is malformed, the result has no entries and [`Self::broken`] gives the
+    /// reason, so that a script runs on until it needs an entry.
+    ///
+    /// # Errors
+    /// [`Error::File`]: the file cannot be read.
+    pub fn open(path: &Path) -> Result<Self, Error> {
+        match Self::read(path) {
+            Err(error @ Error::Syntax { .. }) => {
+                Ok(Self { broken: Some(error), ..Self::default() })
+            }
+            other => other,
+        }
+    }
+
+    /// Returns the malformed line that emptied this file.
+    #[must_use]
+    pub const fn broken(&self) -> Option<&Error> {
+        self.broken.as_ref()
+    }
+
+    /// Reads a file and the files that it includes.
+    ///
+    /// # Errors
+    /// [`Error::File`]: the file cannot be read. [`Error::Syntax`]: a line is malformed, or an included file cannot be
+    /// read.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        read::file(path)
+    }
+
+    /// Parses a text. `name` is the path of its file, for messages and for the files that it includes.
+    ///
+    /// # Errors
+    /// [`Error::Syntax`]: a line is malformed, or an included file cannot be read.
+    pub fn parse(name: &str, text: &[u8]) -> Result<Self, Error> {
+        read::text(Path::new(name), text)
+    }
+
+    /// Returns the first value of this name in the section, or in any section when `section` is empty.
+    #[must_use]
+    pub fn get(&self, section: &str, name: &str) -> Option<&str> {
+        self.entries.iter().find(|e| e.is(section, name)).map(|e| e.value.as_str())
+    }
+
+    /// Replaces the value of the first entry of this name in the section. Returns whether there is one.
+    pub fn change(&mut self, section: &str, name: &str, value: &str) -> bool {
+        let entry = self.entries.iter_mut().find(|e| e.is(section, name));
+        entry.map(|e| value.clone_into(&mut e.value)).is_some()
+    }
+
+    /// Iterates over the entries of this name in the section, in order.
+    pub fn all<'a>(&'a self, section: &str, name: &str) -> impl Iterator<Item = &'a Entry> {
+        self.entries.iter().filter(move |e| e.is(section, name))
+    }
+
+    /// Iterates over the entries of a section, in order.
+    pub fn section<'a>(&'a self, section: &str) -> impl Iterator<Item = &'a Entry> {
+        self.entries.iter().filter(move |e| e.section == section)
+    }
+
+    /// Iterates over all entries, in order.
+    pub fn entries(&self) -> impl Iterator<Item = &Entry> {
+        self.entries.iter()
+    }
+
+    /// Returns whether there is a section of this name.
+    #[must_use]
+    pub fn has_section(&self, name: &str) -> bool {
+        self.sections.iter().any(|s| s == name)
+    }
+
+    /// Iterates over all entries as `[SECTION]NAME`, in order.
+    pub fn names(&self) -> impl Iterator<Item = String> {
+        self.entries.iter().map(|e| format!("[{}]{}", e.section, e.name))
+    }
+
+    /// Returns remarks about legal but doubtful lines, as `file:line: text`.
+    #[must_use]
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Returns whether the file is of the old kind, which has `[AXIS_0]` and no `[JOINT_0]`. Pins then have their old
+    /// names.
+    #[must_use]
+    pub fn is_old(&self) -> bool {
+        let numbered = |prefix: &str| {
+            self.sections.iter().any(|s| {
+                s.strip_prefix(prefix)
+                    .is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
+            })
+        };
+        numbered("AXIS_") && !numbered("JOINT_")
+    }
+
+    /// Returns the entry nearest to `[SECTION]NAME`, and whether the user probably meant it: it has this name in
+    /// another section, or nearly this name in this section.
+    #[must_use]
+    pub fn nearest(&self, section: &str, name: &str) -> Option<(String, bool)> {
+        let apart =
+            |a: &str, b: &str| strsim::damerau_levenshtein(&a.to_lowercase(), &b.to_lowercase());
+        let rank = |e: &Entry| {
+            let (far, whole) = (apart(name, &e.name), apart(section, &e.section));
+            let meant = far == 0 || far + whole <= 2 || (whole == 0 && far <= 1 + name.len() / 3);
+            (!meant, far + whole)
+        };
+        let (best, (far, _)) =
+            self.entries.iter().map(|e| (e, rank(e))).min_by_key(|(_, rank)| *rank)?;
+        Some((format!("[{}]{}", best.section, best.name), !far))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,178 @@
+//! Sections, entries, escapes, includes, and every message.
+
+use super::*;
+
+fn check(text: &str, want: &str) {
+    let shown = match Ini::parse("m.ini", text.as_bytes()) {
+        Ok(ini) => ini
+            .entries
+            .iter()
+            .map(|e| format!("[{}]{}={:?}@{}\n", e.section, e.name, e.value, e.line))
+            .collect::<String>(),
+        Err(e) => format!("! {e}"),
+    };
+    assert_eq!(shown, want, "{text:?}");
+}
+
+#[test]
+fn sections_and_entries() {
+    for (text, want) in [
+        ("[A]\nX = 1\n[B]\nX=2", "[A]X=\"1\"@2\n[B]X=\"2\"@4\n"),
+        ("[A]\n  X  =  some text  \n", "[A]X=\"some text\"@2\n"),
+        ("[A]\r\nX = 1\r\n", "[A]X=\"1\"@2\n"),
+        ("# c\n; c\n[A] # c\nX = 1 # kept\n", "[A]X=\"1 # kept\"@4\n"),
+        ("[A]\nX = a\nX = b\n", "[A]X=\"a\"@2\n[A]X=\"b\"@3\n"),
+        ("[A]\nX =\n", "[A]X=\"\"@2\n"),
+        ("[A]\nX = .25\nY = 5mm .5mm\n", "[A]X=\".25\"@2\n[A]Y=\"5mm .5mm\"@3\n"),
+        ("[A]\nX = a=b\n", "[A]X=\"a=b\"@2\n"),
+        ("[A]\nX = one \\\n   two\nY = 1\n", "[A]X=\"one    two\"@3\n[A]Y=\"1\"@4\n"),
+        ("[A]\nX-Y.Z = 1\n", "[A]X-Y.Z=\"1\"@2\n"),
+        ("", ""),
+    ] {
+        check(text, want);
+    }
+}
+
+#[test]
+fn escapes() {
+    for (value, want) in [
+        ("a\\tb\\x41", "a\tbA"),
+        ("\\101\\\\\\n", "A\\\n"),
+        ("\\u00e9\\U0001F600", "é😀"),
+        ("c:\\qdir", "c:\\qdir"),
+        ("\\xzz", "\\xzz"),
+    ] {
+        let ini = Ini::parse("m", format!("[A]\nX = {value}\n").as_bytes()).unwrap();
+        assert_eq!(ini.get("A", "X"), Some(want), "{value}");
+    }
+}
+
+#[test]
+fn what_is_wrong_names_its_line() {
+    for (text, want) in [
+        ("X = 1\n", "! m.ini:1: this entry stands before the first [SECTION]"),
+        ("[A\n", "! m.ini:1: a section is [NAME]: letters, digits and _"),
+        (
+            "[A]\n\nnonsense\n",
+            "! m.ini:3: expected NAME = value, with letters, digits and _ in the name",
+        ),
+        (
+            "[A]\n9X = 1\n",
+            "! m.ini:2: expected NAME = value, with letters, digits and _ in the name",
+        ),
+        ("[A]\nX = \\uD800\n", "! m.ini:2: no such character"),
+        (
+            "#INCLUDE /nowhere/x\n",
+            "! m.ini:1: #INCLUDE: could not open INI file '/nowhere/x': No such file or directory",
+        ),
+        ("[A]\n#INCLUDE \n", "! m.ini:2: #INCLUDE needs the name of a file"),
+    ] {
+        check(text, want);
+    }
+    let bad = Ini::parse("m.ini", b"[A]\nX = \xff\n").unwrap_err();
+    assert_eq!(bad.to_string(), "m.ini:2: this is not UTF-8");
+}
+
+#[test]
+fn look_ups() {
+    let text = b"[A]\nX = 1\n[B]\nX = 2\nY = 3\n[A]\nX = 4\n";
+    let ini = Ini::parse("m", text).unwrap();
+    assert_eq!(ini.get("A", "X"), Some("1"));
+    assert_eq!(ini.get("", "Y"), Some("3"));
+    assert_eq!(ini.get("a", "X"), None);
+    let all: Vec<_> = ini.all("A", "X").map(|e| e.value.as_str()).collect();
+    assert_eq!(all, ["1", "4"]);
+    let warning = "m:6: Warning: section [A] is repeated; its entries are added to the first";
+    assert_eq!(ini.warnings(), [warning]);
+}
+
+#[test]
+fn the_old_kind_has_numbered_axes_and_no_joints() {
+    for (text, old) in [
+        ("[AXIS_0]\n", true),
+        ("[AXIS_X]\n[JOINT_0]\n", false),
+        ("[AXIS_0]\n[JOINT_0]\n", false),
+        ("[AXIS_]\n", false),
+        ("", false),
+    ] {
+        assert_eq!(Ini::parse("m", text.as_bytes()).unwrap().is_old(), old, "{text}");
+    }
+}
+
+#[test]
+fn a_file_with_an_error_has_nothing() {
+    let path = std::env::temp_dir().join(format!("ferrule-broken-{}.ini", std::process::id()));
+    std::fs::write(&path, "[A]\nX = 1\n[B\n").unwrap();
+    let broken = Ini::open(&path).unwrap();
+    std::fs::remove_file(&path).unwrap();
+    assert_eq!(broken.get("A", "X"), None);
+    let why = broken.broken().unwrap().to_string();
+    assert!(why.ends_with(".ini:3: a section is [NAME]: letters, digits and _"), "{why}");
+    assert!(Ini::open(&path).is_err(), "a file that is not there");
+}
+
+#[test]
+fn the_nearest_entry() {
+    let ini = Ini::parse("m", b"[TRAJ]\nAXES = 3\n[JOINT_0]\nSCALE = 1\nMAX_LIMIT = 2\n").unwrap();
+    for (section, name, want) in [
+        ("JOINT_0", "SCALES", Some(("[JOINT_0]SCALE", true))),
+        ("JOINT_1", "SCALE", Some(("[JOINT_0]SCALE", true))),
+        ("AXIS_0", "SCALE", Some(("[JOINT_0]SCALE", true))),
+        ("traj", "axes", Some(("[TRAJ]AXES", true))),
+        ("JOINT_0", "MAXLIMIT", Some(("[JOINT_0]MAX_LIMIT", true))),
+        ("HAL", "TWOPASS", Some(("[TRAJ]AXES", false))),
+    ] {
+        let near = ini.nearest(section, name);
+        assert_eq!(near, want.map(|(n, m)| (n.to_owned(), m)), "[{section}]{name}");
+    }
+    assert_eq!(Ini::default().nearest("A", "B"), None);
+}
+
+#[test]
+fn files_include_each_other() {
+    let folder = std::env::temp_dir().join(format!("ferrule-ini-{}", std::process::id()));
+    std::fs::create_dir_all(folder.join("sub")).unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    write("a.ini", "[A]\nX = 1\n#INCLUDE sub/b.ini\n[A]\nZ = 3\n");
+    write("sub/b.ini", "[B]\nY = 2\n#INCLUDE c.ini\n");
+    write("sub/c.ini", "[C]\nW = 4\n");
+    write("loop.ini", "#INCLUDE loop.ini\n");
+    for n in 0..18 {
+        write(&format!("d{n}.ini"), &format!("[D]\nD = {n}\n#INCLUDE d{}.ini\n", n + 1));
+    }
+    write("d18.ini", "");
+    // The last of 16 that are included, and one too many.
+    let deep = Ini::read(&folder.join("d2.ini")).unwrap();
+    let deeper = Ini::read(&folder.join("d1.ini")).unwrap_err().to_string();
+    let ini = Ini::read(&folder.join("a.ini")).unwrap();
+    let names: Vec<_> = ini.names().collect();
+    let endless = Ini::read(&folder.join("loop.ini")).unwrap_err().to_string();
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert_eq!(names, ["[A]X", "[B]Y", "[C]W", "[A]Z"]);
+    assert_eq!(deep.all("D", "D").count(), 16);
+    assert!(deeper.ends_with("files include each other too deeply (16 at most)"), "{deeper}");
+    assert!(endless.ends_with("loop.ini:1: files include each other too deeply (16 at most)"));
+}
+
+#[test]
+fn the_number_of_files_is_bounded() {
+    let folder = std::env::temp_dir().join(format!("ferrule-ini-many-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    for n in 0..14 {
+        let twice = format!("#INCLUDE d{}.ini\n", n + 1).repeat(2);
+        std::fs::write(folder.join(format!("d{n}.ini")), twice).unwrap();
+    }
+    std::fs::write(folder.join("d14.ini"), "").unwrap();
+    let few = Ini::read(&folder.join("d6.ini"));
+    let many = Ini::read(&folder.join("d0.ini")).unwrap_err().to_string();
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert!(few.is_ok(), "511 files");
+    assert!(many.ends_with("it consists of more than 1000 files"), "{many}");
+}
+
+#[test]
+fn the_bytes_of_all_files_are_bounded() {
+    let refused = Ini::read(Path::new("/dev/zero")).unwrap_err();
+    let Error::File { why, .. } = refused else { panic!("{refused}") };
+    assert_eq!(&*why, "it is larger than 64 MiB");
+}
