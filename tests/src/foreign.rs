@@ -124,7 +124,7 @@ pub fn compile(folder: &Path, name: &str, source: &str, options: &[&str]) -> Opt
     cc.args(["-std=gnu11", "-DRTAPI", "-O1", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared"]);
     cc.args(["-Wl,-Bsymbolic"]).args(options).arg("-I").arg(include);
     let Ok(out) = cc.arg(&from).arg("-o").arg(&to).arg("-lm").output() else {
-        eprintln!("skipped: there is no C compiler");
+        crate::tools::COMPILER.skip();
         return None;
     };
     assert!(out.status.success(), "{name}: {}", String::from_utf8_lossy(&out.stderr));

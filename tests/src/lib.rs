@@ -23,5 +23,6 @@ pub mod properties;
 pub mod random;
 pub mod scratch;
 pub mod terminal;
+pub mod tools;
 pub mod trace;
 pub mod vcd;

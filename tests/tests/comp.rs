@@ -1,16 +1,16 @@
 //! The components of `tests/comp`: compiled by halcompile, loaded by halrun, and compared to their
 //! tables. `CASE=name` takes those whose names begin so.
-#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{
     programs::{programs, root},
     scratch::{Scratch, until},
+    tools,
     trace::replay,
 };
 use std::{
     fs,
     path::{Path, PathBuf},
-    process::Command,
 };
 
 /// The files of this ending.
@@ -27,24 +27,10 @@ fn name(path: &Path) -> String {
     path.file_stem().unwrap().to_string_lossy().into_owned()
 }
 
-/// Whether there is a C compiler; without one these tests have nothing to do.
-fn compiler() -> bool {
-    let cc = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-    let is_there = Command::new(cc).arg("--version").output().is_ok();
-    if !is_there {
-        println!("no C compiler: skipped");
-    }
-    is_there
-}
-
-/// Whether the library that loads components in C is there: it has a descriptor.
-fn loader() -> bool {
-    let library = fs::read(programs().join("libcompat.so")).unwrap_or_default();
-    let is_there = dynamic_symbols(&library).iter().any(|s| s == "hal_library_compat");
-    if !is_there {
-        println!("no loader of components in C: skipped");
-    }
-    is_there
+/// Asserts that the library that loads components in C was built: it has a descriptor.
+fn assert_loader() {
+    let library = fs::read(programs().join("libcompat.so")).unwrap();
+    assert!(dynamic_symbols(&library).iter().any(|s| s == "hal_library_compat"));
 }
 
 /// Compiles a file into a folder of its own.
@@ -87,9 +73,10 @@ fn for_each(files: &[PathBuf], run: impl Fn(&Path) -> Result<usize, String> + Sy
 
 #[test]
 fn every_component_does_what_its_table_says() {
-    if !compiler() || !loader() {
+    if tools::compiler().is_none() {
         return;
     }
+    assert_loader();
     let tables = files("txt");
     let rows = for_each(&tables, |table| {
         let scratch = compiled(&table.with_extension("comp"))?;
@@ -104,7 +91,7 @@ fn every_component_does_what_its_table_says() {
 /// A symbol is there for other modules only when `EXPORT_SYMBOL` says so.
 #[test]
 fn symbols_stay_inside() {
-    if !compiler() {
+    if tools::compiler().is_none() {
         return;
     }
     let scratch =
@@ -136,7 +123,7 @@ fn dynamic_symbols(bytes: &[u8]) -> Vec<String> {
 /// The compiler's messages name lines of the .comp file, and nothing is left where something stood.
 #[test]
 fn what_the_compiler_refuses_is_named_in_the_comp_file() {
-    if !compiler() {
+    if tools::compiler().is_none() {
         return;
     }
     let scratch = Scratch::new("refused");
@@ -198,7 +185,7 @@ fn becomes(scratch: &Scratch, pin: &str, value: &str) {
 /// A program in C with pins: it joins, its values go both ways, and it ends with the instance.
 #[test]
 fn programs_exchange_their_values() {
-    if !compiler() {
+    if tools::compiler().is_none() {
         return;
     }
     let scratch = Scratch::new("programs");

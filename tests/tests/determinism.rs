@@ -1,11 +1,12 @@
 //! The promise of the virtual clock: the same bytes on one processor or two, under load, in another
 //! environment, at other addresses, with another arithmetic in the C library.
-#![expect(clippy::unwrap_used, clippy::print_stderr, reason = "tests")]
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{
     case::{Around, cases, for_each},
     programs::root,
     scratch::{Running, Scratch},
+    tools::Tool,
 };
 use std::{collections::BTreeMap, fmt::Write};
 
@@ -68,7 +69,7 @@ fn works(before: &[&str]) -> bool {
 /// Every case and the printer, in these surroundings.
 fn check(before: &[&str], environment: &[(&str, &str)]) {
     if !works(before) {
-        eprintln!("skipped: {before:?} does not work here");
+        Tool::of(before.first().unwrap()).skip();
         return;
     }
     let around = Around { before: before.to_vec(), environment: environment.to_vec() };

@@ -5,7 +5,6 @@
 //! the kernel, what it says under another product's name, and the variables that it never reads.
 #![expect(
     clippy::unwrap_used,
-    clippy::print_stderr,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "tests; registers have 32 bits at most"
@@ -14,6 +13,7 @@
 use hal_tests::{
     programs::root,
     scratch::{Output, Scratch},
+    tools,
     vcd::Vcd,
 };
 use std::fs;
@@ -35,7 +35,7 @@ fn bench(name: &str) -> Option<Scratch> {
         fs::copy(from.join(&file), scratch.path().join(&file)).unwrap();
         let made = scratch.run(scratch.command(&[], "halcompile").args(["--compile", &file]));
         if made.stderr.contains("apt-get install gcc") {
-            eprintln!("skipped: there is no C compiler");
+            tools::COMPILER.skip();
             return None;
         }
         assert_eq!((made.status, made.stderr.as_str()), (Some(0), ""));

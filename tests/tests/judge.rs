@@ -99,7 +99,7 @@
 //! What differs and is not listed fails, and so does what is worse than listed, what is listed and
 //! no longer so, and a name that no pin has. The message has the figures.
 #![expect(clippy::unwrap_used, reason = "tests")]
-#![expect(clippy::print_stdout, clippy::print_stderr, reason = "what is skipped is said")]
+#![expect(clippy::print_stdout, reason = "one that is asked for is shown")]
 
 use hal_protocol::{Kind, Link, Reply, Request};
 use hal_tests::{
@@ -112,6 +112,7 @@ use hal_tests::{
     },
     pins,
     programs::root,
+    tools,
 };
 use std::{
     collections::BTreeMap,
@@ -191,8 +192,7 @@ fn rows(modules: &[String]) -> Vec<String> {
 /// A component of each kind, for a while.
 #[test]
 fn some_components_do_as_theirs() {
-    if installed().is_none() {
-        eprintln!("skipped: LinuxCNC's package is not installed");
+    if tools::linuxcnc().is_none() {
         return;
     }
     for module in ["and2", "pid", "limit3", "mux2"] {
@@ -226,10 +226,7 @@ fn every_file_is_of_a_component() {
 /// LinuxCNC.
 #[test]
 fn rows_are_as_theirs() {
-    let Some(folder) = installed() else {
-        eprintln!("skipped: LinuxCNC's package is not installed");
-        return;
-    };
+    let Some(folder) = tools::linuxcnc() else { return };
     let mut wrong = Vec::new();
     for family in std::fs::read_dir(root().join("components")).unwrap() {
         let Ok(tables) = std::fs::read_dir(family.unwrap().path().join("traces")) else { continue };
@@ -258,8 +255,7 @@ fn rows_are_as_theirs() {
 #[test]
 #[ignore = "takes a minute, needs LinuxCNC's package: cargo test -p hal-tests --test judge -- --ignored"]
 fn every_component_does_as_theirs() {
-    if installed().is_none() {
-        eprintln!("skipped: LinuxCNC's package is not installed");
+    if tools::linuxcnc().is_none() {
         return;
     }
     let rows = rows(&shared());

@@ -10,7 +10,7 @@
 use hal_component::{
     Builder, Component, Error, KinematicsRef, Pose, abi::component_flags, bench::Bench,
 };
-use hal_tests::{foreign::installed, programs::root};
+use hal_tests::{foreign::installed, programs::root, tools};
 use kinematics as k;
 use std::{
     cell::Cell,
@@ -469,12 +469,11 @@ fn program() -> Option<PathBuf> {
 #[test]
 #[ignore = "needs LinuxCNC's package and cc: cargo test -p hal-tests --test kinematics -- --ignored"]
 fn ours_and_theirs_at_the_same_places() {
-    if installed().is_none() {
-        eprintln!("skipped: LinuxCNC's package is not installed");
+    if tools::linuxcnc().is_none() {
         return;
     }
     let Some(program) = program() else {
-        eprintln!("skipped: there is no C compiler");
+        tools::COMPILER.skip();
         return;
     };
     let mut text = HEAD.to_owned();

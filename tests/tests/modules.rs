@@ -4,7 +4,7 @@
 //! `cargo test -p hal-tests --test modules -- --ignored` runs all of them and compares with
 //! `tests/compat/modules.md`; with `UPDATE_EXPECT=1` it writes that file. Without the package
 //! nothing is run, with a word.
-#![expect(clippy::unwrap_used, clippy::print_stdout, clippy::print_stderr, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
 
 use hal_protocol::{Direction, Kind, Link, Request, Value};
 use hal_tests::{
@@ -12,6 +12,7 @@ use hal_tests::{
     machine::script,
     programs::root,
     random::Random,
+    tools,
 };
 use std::{collections::BTreeSet, fmt::Write, process::Command};
 
@@ -220,8 +221,7 @@ fn modules() -> Vec<String> {
 /// Motion with its kinematics, planner and homing, and some of each kind.
 #[test]
 fn some_modules_run() {
-    if installed().is_none() {
-        eprintln!("skipped: LinuxCNC's package is not installed");
+    if tools::linuxcnc().is_none() {
         return;
     }
     let table = std::fs::read_to_string(root().join("tests/compat/modules.md")).unwrap();
@@ -235,8 +235,7 @@ fn some_modules_run() {
 #[test]
 #[ignore = "takes a minute, needs LinuxCNC's package: cargo test -p hal-tests --test modules -- --ignored"]
 fn all_modules() {
-    if installed().is_none() {
-        eprintln!("skipped: LinuxCNC's package is not installed");
+    if tools::linuxcnc().is_none() {
         return;
     }
     let rows: Vec<(bool, String)> = modules().iter().map(|m| row(m)).collect();

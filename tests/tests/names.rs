@@ -1,13 +1,9 @@
 //! Every name that users may write behind `loadrt` is offered by a library of ours, or
 //! `components/README.md` says why not: `tests/compat/names.txt` has them all.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
-#![expect(clippy::print_stderr, reason = "what is skipped is said")]
 
 use hal_protocol::{Kind, Link, Reply, Request};
-use hal_tests::{
-    foreign::{Bench, installed},
-    programs::root,
-};
+use hal_tests::{foreign::Bench, programs::root, tools};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The names of the list.
@@ -65,10 +61,7 @@ fn every_name_is_offered_or_explained() {
 /// The list has every module of the package, where that is installed.
 #[test]
 fn the_list_is_whole() {
-    let Some(folder) = installed() else {
-        eprintln!("skipped: LinuxCNC's package is not installed");
-        return;
-    };
+    let Some(folder) = tools::linuxcnc() else { return };
     let asked = asked();
     let files = std::fs::read_dir(folder).unwrap().map(|f| f.unwrap().path());
     let modules = files.filter(|f| f.extension().is_some_and(|e| e == "so"));

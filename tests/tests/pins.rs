@@ -9,12 +9,13 @@
 //! What differs on purpose stands in `tests/judge/NAME.toml`; the head of `tests/tests/judge.rs`
 //! tells how. What LinuxCNC 2.9 does not have was looked at in 2.10, and is written by hand.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
-#![expect(clippy::print_stdout, clippy::print_stderr, reason = "what is skipped is said")]
+#![expect(clippy::print_stdout, reason = "one that is asked for is shown")]
 
 use hal_protocol::{Kind, Link, Offer, Reply, Request};
 use hal_tests::{
     foreign::{Bench, installed},
     pins::{self, Version},
+    tools,
 };
 use object::{Object, ObjectSymbol};
 use std::{collections::BTreeSet, fs, process::Command};
@@ -96,10 +97,7 @@ fn measured(module: &str) -> Result<Version, String> {
 #[test]
 #[ignore = "needs LinuxCNC's package: cargo test -p hal-tests --test pins -- --ignored"]
 fn every_file_is_what_theirs_has() {
-    let Some(folder) = installed() else {
-        eprintln!("skipped: LinuxCNC's package is not installed");
-        return;
-    };
+    let Some(folder) = tools::linuxcnc() else { return };
     let only = std::env::var("PINS").ok();
     let update = std::env::var_os("UPDATE_EXPECT").is_some();
     let mut wrong = Vec::new();

@@ -9,6 +9,7 @@ use hal_tests::{
     programs::programs,
     random::Random,
     scratch::Scratch,
+    tools,
 };
 use rustix::net::{RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, recvmsg};
 use std::{
@@ -16,7 +17,6 @@ use std::{
     io::{IoSliceMut, Write},
     mem::MaybeUninit,
     os::unix::{fs::FileExt, net::UnixStream},
-    process::Command,
 };
 
 const MACHINE: &str = "
@@ -497,8 +497,7 @@ const FOREIGN: &str = "component par \"Parameters.\";
 
 #[test]
 fn parameters_in_memory_of_a_component_in_c() {
-    let cc = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-    if Command::new(cc).arg("--version").output().is_err() {
+    if tools::compiler().is_none() {
         return;
     }
     let scratch = Scratch::new("foreign");

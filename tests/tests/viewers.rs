@@ -1,9 +1,9 @@
 //! Files of traces in programs that are not ours: what the tools of `GTKWave`, sigrok and Python make of
 //! them, and what we make of what those write. Programs that are not installed are passed over, and said.
-#![expect(clippy::unwrap_used, clippy::print_stderr, reason = "tests")]
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_protocol::{Type, Value};
-use hal_tests::scratch::Scratch;
+use hal_tests::{scratch::Scratch, tools::Tool};
 use hal_trace::{Trace, load, save};
 use std::process::Command;
 
@@ -11,7 +11,7 @@ use std::process::Command;
 fn run(scratch: &Scratch, program: &str, words: &[&str]) -> Option<String> {
     let output = Command::new(program).args(words).current_dir(scratch.path()).output();
     let Ok(output) = output else {
-        eprintln!("skipped: {program} is not installed");
+        Tool::of(program).skip();
         return None;
     };
     let text = String::from_utf8_lossy(&output.stdout).into_owned();

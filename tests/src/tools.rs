@@ -1,0 +1,98 @@
+//! Programs that a test needs and a machine may lack: each skipped test is reported, and CI can demand a program.
+//!
+//! - `FERRULE_REQUIRE` lists the programs that must be there, separated by commas (`cc,linuxcnc`; `all` for every one).
+//!   A test that lacks one of them fails.
+//! - `FERRULE_SKIPPED` names a file. Each skipped test adds a line `TEST: PROGRAM is not installed (REMEDY)`, which
+//!   `.ci/run` prints at its end.
+
+use std::{fs::OpenOptions, io::Write, path::PathBuf, process::Command, thread};
+
+/// A program outside the workspace.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tool {
+    /// Name in `FERRULE_REQUIRE`.
+    pub name: &'static str,
+    /// Words for a person.
+    pub what: &'static str,
+    /// Command that installs it.
+    pub remedy: &'static str,
+}
+
+/// A C compiler.
+pub const COMPILER: Tool =
+    Tool { name: "cc", what: "a C compiler", remedy: "apt-get install build-essential" };
+/// LinuxCNC's package, to measure its components.
+pub const LINUXCNC: Tool = Tool {
+    name: "linuxcnc",
+    what: "LinuxCNC's package",
+    remedy: "apt-get install linuxcnc-uspace",
+};
+/// Programs that read and write traces, and others that tests start by name.
+const PROGRAMS: &[Tool] = &[
+    Tool { name: "vcd2fst", what: "vcd2fst", remedy: "apt-get install gtkwave" },
+    Tool { name: "fst2vcd", what: "fst2vcd", remedy: "apt-get install gtkwave" },
+    Tool { name: "sigrok-cli", what: "sigrok-cli", remedy: "apt-get install sigrok-cli" },
+    Tool { name: "python3", what: "python3", remedy: "apt-get install python3" },
+    Tool { name: "ssconvert", what: "ssconvert", remedy: "apt-get install gnumeric" },
+    Tool { name: "taskset", what: "taskset", remedy: "apt-get install util-linux" },
+    Tool { name: "setarch", what: "setarch", remedy: "apt-get install util-linux" },
+];
+
+impl Tool {
+    /// Returns the program that is started by this name.
+    ///
+    /// # Panics
+    /// The name is not in the list of this module.
+    pub fn of(program: &str) -> Self {
+        let found = PROGRAMS.iter().find(|t| t.name == program);
+        *found.unwrap_or_else(|| panic!("{program}: add it to tests/src/tools.rs"))
+    }
+
+    /// Reports that the running test is skipped because this program is not there.
+    ///
+    /// # Panics
+    /// `FERRULE_REQUIRE` demands the program.
+    pub fn skip(self) {
+        let line = format!("{} is not installed ({})", self.what, self.remedy);
+        let required = std::env::var("FERRULE_REQUIRE").unwrap_or_default();
+        let demanded = |name: &str| name == self.name || name == "all";
+        assert!(
+            !required.split(',').any(demanded),
+            "{line}, and FERRULE_REQUIRE={required} demands it"
+        );
+        report(&line);
+    }
+
+    /// Returns `found`, or reports that the running test is skipped.
+    pub fn or_skip<T>(self, found: Option<T>) -> Option<T> {
+        if found.is_none() {
+            self.skip();
+        }
+        found
+    }
+}
+
+/// Reports that the running test is skipped, for a reason other than a program that is not there (a right that this
+/// user lacks, a processor of another kind).
+pub fn report(reason: &str) {
+    let current = thread::current();
+    let test = current.name().unwrap_or("a test");
+    eprintln!("skipped: {reason}");
+    let Some(path) = std::env::var_os("FERRULE_SKIPPED").filter(|p| !p.is_empty()) else { return };
+    let file = OpenOptions::new().append(true).create(true).open(path);
+    // One write a line, so that lines of tests that run at once stay whole.
+    file.and_then(|mut f| f.write_all(format!("{test}: {reason}\n").as_bytes())).unwrap();
+}
+
+/// Returns the C compiler's name where there is one; reports the running test as skipped otherwise.
+pub fn compiler() -> Option<String> {
+    let cc = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+    let found = Command::new(&cc).arg("--version").output().is_ok_and(|o| o.status.success());
+    COMPILER.or_skip(found.then_some(cc))
+}
+
+/// Returns the folder of LinuxCNC's components where its package is installed; reports the running test as skipped
+/// otherwise.
+pub fn linuxcnc() -> Option<PathBuf> {
+    LINUXCNC.or_skip(crate::foreign::installed())
+}
