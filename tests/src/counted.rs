@@ -4,7 +4,7 @@
 //! its type, or when the library has no other component. Rows are those of the recorded tables in
 //! the library's folder `traces` that load it.
 
-use crate::programs::root;
+use crate::programs::family;
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -29,7 +29,7 @@ pub struct Sources {
 impl Sources {
     /// Those of a library of `components`.
     pub fn of(library: &str) -> Self {
-        let folder = root().join("components").join(library);
+        let folder = family(library);
         let mut found = Vec::new();
         walk(&folder, &mut found);
         let text = |path: &PathBuf| fs::read_to_string(path).unwrap();

@@ -1,7 +1,7 @@
 //! The programs and plugins under test: built once, found, run.
 
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeMap, BTreeSet},
     ffi::OsStr,
     fs,
     path::{Path, PathBuf},
@@ -66,6 +66,38 @@ pub fn target() -> (PathBuf, String) {
 /// The workspace.
 pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
+}
+
+/// Returns the folder of each crate of `components/`, by the folder's own name.
+///
+/// # Panics
+/// There are too few for a workspace: it was looked for in the wrong place.
+pub fn families() -> BTreeMap<String, PathBuf> {
+    let mut found = BTreeMap::new();
+    let mut folders = vec![root().join("components")];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.join("Cargo.toml").is_file() {
+                let name = path.file_name().unwrap().to_string_lossy().into_owned();
+                found.insert(name, path.clone());
+            }
+            let source = path.file_name().is_some_and(|n| n == "src" || n == "tests");
+            if path.is_dir() && !source {
+                folders.push(path);
+            }
+        }
+    }
+    assert!(found.len() > 25, "only {} crates in components/", found.len());
+    found
+}
+
+/// Returns the folder of one crate of `components/`.
+///
+/// # Panics
+/// There is none of this name.
+pub fn family(library: &str) -> PathBuf {
+    families().remove(library).unwrap_or_else(|| panic!("no crate {library} in components/"))
 }
 
 /// The profile that builds into this folder.

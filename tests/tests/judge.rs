@@ -111,7 +111,7 @@ use hal_tests::{
         rows::measured,
     },
     pins,
-    programs::root,
+    programs::{families, root},
     tools,
 };
 use std::{
@@ -228,8 +228,8 @@ fn every_file_is_of_a_component() {
 fn rows_are_as_theirs() {
     let Some(folder) = tools::linuxcnc() else { return };
     let mut wrong = Vec::new();
-    for family in std::fs::read_dir(root().join("components")).unwrap() {
-        let Ok(tables) = std::fs::read_dir(family.unwrap().path().join("traces")) else { continue };
+    for family in families().values() {
+        let Ok(tables) = std::fs::read_dir(family.join("traces")) else { continue };
         for file in tables.map(|t| t.unwrap().path()) {
             let module = file.file_stem().unwrap().to_str().unwrap();
             if !folder.join(module).with_extension("so").is_file() {

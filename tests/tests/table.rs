@@ -10,7 +10,7 @@ use hal_protocol::Offer;
 use hal_tests::{
     counted::Sources,
     pins,
-    programs::{programs, root},
+    programs::{family, programs, root},
 };
 use halcmd::man::{self, Page};
 use std::{
@@ -160,7 +160,7 @@ impl Shown {
 
 /// What a library says it is, in its manifest.
 fn description(library: &str) -> String {
-    let file = root().join("components").join(library).join("Cargo.toml");
+    let file = family(library).join("Cargo.toml");
     let text = fs::read_to_string(file).unwrap();
     let line = text.lines().find_map(|l| l.strip_prefix("description = \"")).unwrap();
     line.trim_end_matches('"').to_owned()
