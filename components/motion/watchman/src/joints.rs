@@ -1,0 +1,146 @@
+//! Realtime. Judges the velocity, acceleration and jerk of joints by finite differences.
+
+/// Number of roundings that a position may have gone through, each of half a unit in the last place.
+pub const ROUNDINGS: f64 = 8.0;
+
+/// Limits of one joint; infinity means that there is no limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Highest speed, in units per second.
+    pub velocity: f64,
+    /// Highest acceleration, in units per second squared.
+    pub acceleration: f64,
+    /// Highest jerk, in units per second cubed.
+    pub jerk: f64,
+}
+
+/// The largest ratio of a value to its limit, and the place where it occurred.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Worst {
+    /// Value divided by limit, after the allowance for rounding; above 1 is a violation.
+    pub ratio: f64,
+    /// Cycle number, from 0.
+    pub cycle: u64,
+    /// Joint number.
+    pub joint: usize,
+    /// Line of the program, as the caller gave it.
+    pub line: u32,
+}
+
+/// The worst of each value so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Velocity, by first differences.
+    pub velocity: Worst,
+    /// Acceleration, by second differences.
+    pub acceleration: Worst,
+    /// Jerk, by third differences.
+    pub jerk: Worst,
+    /// Cycles in which at least one value exceeded its limit.
+    pub violations: u64,
+    /// Cycles judged.
+    pub cycles: u64,
+}
+
+/// Judge of `J` joints. It assumes that the joints were at rest before the first position.
+#[derive(Clone, Debug)]
+pub struct Watchman<const J: usize> {
+    limits: [Limits; J],
+    period: f64,
+    size: f64,
+    past: [Past; J],
+    report: Report,
+    started: bool,
+}
+
+/// The last position of a joint, and the last differences.
+#[derive(Clone, Copy, Debug, Default)]
+struct Past {
+    position: f64,
+    first: f64,
+    second: f64,
+}
+
+impl<const J: usize> Watchman<J> {
+    /// Judge for a period in seconds. `size` is the largest coordinate, radius or length in the computation of the
+    /// positions; larger positions count by themselves.
+    pub const fn new(limits: [Limits; J], period: f64, size: f64) -> Self {
+        let past = [Past { position: 0.0, first: 0.0, second: 0.0 }; J];
+        let zero = Worst { ratio: 0.0, cycle: 0, joint: 0, line: 0 };
+        let report =
+            Report { velocity: zero, acceleration: zero, jerk: zero, violations: 0, cycles: 0 };
+        Self { limits, period, size, past, report, started: false }
+    }
+
+    /// Sets the position at which the joints are at rest, for example after a reset.
+    pub fn rest_at(&mut self, positions: &[f64; J]) {
+        for (past, position) in self.past.iter_mut().zip(positions) {
+            *past = Past { position: *position, first: 0.0, second: 0.0 };
+        }
+        self.started = true;
+    }
+
+    /// Judges the positions of one cycle; returns false if a limit is exceeded or a position is not finite.
+    pub fn step(&mut self, positions: &[f64; J], line: u32) -> bool {
+        if !self.started {
+            self.rest_at(positions);
+        }
+        let cycle = self.report.cycles;
+        let mut good = true;
+        for (joint, ((past, position), limits)) in
+            self.past.iter_mut().zip(positions).zip(&self.limits).enumerate()
+        {
+            let at = |ratio: f64| Worst { ratio, cycle, joint, line };
+            if !position.is_finite() {
+                self.report.velocity.raise(at(f64::INFINITY));
+                good = false;
+                continue;
+            }
+            let first = position - past.position;
+            let second = first - past.first;
+            let third = second - past.second;
+            let largest = self.size.max(position.abs()).max(past.position.abs());
+            let error = ROUNDINGS * (f64::EPSILON / 2.0) * largest;
+            *past = Past { position: *position, first, second };
+            let h = self.period;
+            let v = ratio(first, 2.0 * error, limits.velocity * h);
+            let a = ratio(second, 4.0 * error, limits.acceleration * h * h);
+            let j = ratio(third, 8.0 * error, limits.jerk * h * h * h);
+            self.report.velocity.raise(at(v));
+            self.report.acceleration.raise(at(a));
+            self.report.jerk.raise(at(j));
+            good &= v <= 1.0 && a <= 1.0 && j <= 1.0;
+        }
+        self.report.cycles = cycle.wrapping_add(1);
+        if !good {
+            self.report.violations = self.report.violations.wrapping_add(1);
+        }
+        good
+    }
+
+    /// Returns the worst of each value so far.
+    pub const fn report(&self) -> &Report {
+        &self.report
+    }
+}
+
+impl Worst {
+    /// Keeps the larger ratio.
+    pub(crate) fn raise(&mut self, other: Self) {
+        if other.ratio > self.ratio {
+            *self = other;
+        }
+    }
+}
+
+/// Returns the excess ratio of a difference to its limit; a limit of zero allows nothing but rounding.
+fn ratio(difference: f64, error: f64, limit: f64) -> f64 {
+    let value = difference.abs() - error;
+    if value <= 0.0 {
+        0.0
+    } else if limit > 0.0 {
+        value / limit
+    } else {
+        f64::INFINITY
+    }
+}

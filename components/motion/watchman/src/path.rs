@@ -1,0 +1,85 @@
+//! Realtime. Judges the distance of the pose from the programmed path.
+
+use crate::{
+    joints::{ROUNDINGS, Worst},
+    shape::{AXES, Shape, distances},
+};
+
+/// Allowed distance from the path around one shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// In XYZ and in UVW each, in length units.
+    pub linear: f64,
+    /// In ABC, in degrees.
+    pub angular: f64,
+}
+
+/// Judge of the distance from a path. The path is given before motion starts; a step allocates nothing.
+#[derive(Clone, Debug)]
+pub struct PathWatch {
+    shapes: Box<[(Shape, Tolerance)]>,
+    size: f64,
+    reach: usize,
+    worst: Worst,
+    violations: u64,
+    cycles: u64,
+}
+
+/// Number of neighbours on either side that are examined when the near ones are too far from the pose.
+const FAR: usize = 2048;
+
+impl PathWatch {
+    /// Judge for these shapes. Each step examines `reach` shapes on either side of the hint, and more of them before it
+    /// reports a violation. `size` has the meaning that it has in [`crate::Watchman::new`].
+    pub fn new(shapes: Box<[(Shape, Tolerance)]>, size: f64, reach: usize) -> Self {
+        Self { shapes, size, reach, worst: Worst::default(), violations: 0, cycles: 0 }
+    }
+
+    /// Judges one pose; `near` is the number of a shape in its neighbourhood. A wrong hint can only enlarge the
+    /// distance that is found. Returns false if the pose is too far from the path.
+    pub fn step(&mut self, pose: &[f64; AXES], near: usize) -> bool {
+        let mut ratio = self.least(pose, near, self.reach);
+        if ratio > 1.0 {
+            ratio = ratio.min(self.least(pose, near, FAR));
+        }
+        let line = u32::try_from(near).unwrap_or(u32::MAX);
+        self.worst.raise(Worst { ratio, cycle: self.cycles, joint: 0, line });
+        self.cycles = self.cycles.wrapping_add(1);
+        let good = ratio <= 1.0;
+        if !good {
+            self.violations = self.violations.wrapping_add(1);
+        }
+        good
+    }
+
+    /// Returns the largest ratio of distance to tolerance so far, and its place.
+    pub const fn worst(&self) -> &Worst {
+        &self.worst
+    }
+
+    /// Returns the number of cycles in which the pose was too far from the path.
+    pub const fn violations(&self) -> u64 {
+        self.violations
+    }
+
+    /// Least ratio of distance to tolerance over the shapes within `reach` of `near`; infinity if the pose is not finite.
+    fn least(&self, pose: &[f64; AXES], near: usize, reach: usize) -> f64 {
+        let first = near.saturating_sub(reach);
+        let count = near.saturating_add(reach).saturating_add(1).saturating_sub(first);
+        let mut least = f64::INFINITY;
+        if !pose.iter().all(|x| x.is_finite()) {
+            return least;
+        }
+        for (shape, tolerance) in self.shapes.iter().skip(first).take(count) {
+            let nearest = shape.at(shape.nearest(pose));
+            let [xyz, abc, uvw] = distances(&nearest, pose);
+            let error = 4.0 * ROUNDINGS * f64::EPSILON * self.size;
+            let over = |d: f64, limit: f64| if d <= error { 0.0 } else { (d - error) / limit };
+            let ratio = over(xyz, tolerance.linear)
+                .max(over(uvw, tolerance.linear))
+                .max(over(abc, tolerance.angular));
+            least = least.min(ratio);
+        }
+        least
+    }
+}

@@ -1,0 +1,228 @@
+//! Closed forms: nothing is invented on a motion that obeys its limits, and a violation of a thousandth is found.
+
+use crate::{Limits, PathWatch, Shape, Tolerance, Watchman};
+
+const H: f64 = 1e-3;
+const LIMITS: Limits = Limits { velocity: 200.0, acceleration: 1750.0, jerk: 1e5 };
+
+/// A motion of constant jerk per piece: (jerk, duration).
+fn play(pieces: &[(f64, f64)], start: f64, mut see: impl FnMut(f64)) {
+    let total: f64 = pieces.iter().map(|p| p.1).sum();
+    let mut cycle = 0.0;
+    loop {
+        let t = cycle * H;
+        let (mut left, mut s, mut v, mut a) = (t, start, 0.0, 0.0);
+        for (jerk, length) in pieces {
+            let d = left.min(*length);
+            s += d * (v + d * (a / 2.0 + d * jerk / 6.0));
+            v += d * (a + d * jerk / 2.0);
+            a += d * jerk;
+            left -= d;
+        }
+        see(s);
+        if t > total + 10.0 * H {
+            return;
+        }
+        cycle += 1.0;
+    }
+}
+
+/// A rest-to-rest move that reaches the velocity `v`, acceleration `a` and jerk `j`.
+fn s_curve(v: f64, a: f64, j: f64) -> Vec<(f64, f64)> {
+    let (ramp, flat) = (a / j, v / a - a / j);
+    vec![(j, ramp), (0.0, flat), (-j, ramp), (0.0, 0.1), (-j, ramp), (0.0, flat), (j, ramp)]
+}
+
+fn judge(limits: Limits, pieces: &[(f64, f64)], start: f64) -> Watchman<1> {
+    let mut watch = Watchman::new([limits], H, start.abs());
+    watch.rest_at(&[start]);
+    play(pieces, start, |s| {
+        watch.step(&[s], 7);
+    });
+    watch
+}
+
+#[test]
+fn a_motion_at_its_limits_is_no_violation() {
+    for start in [0.0, -12.5, 1000.0, 1e6] {
+        for scale in [1.0, 0.9, 0.31] {
+            let l = LIMITS;
+            let pieces = s_curve(l.velocity * scale, l.acceleration * scale, l.jerk * scale);
+            let report = *judge(LIMITS, &pieces, start).report();
+            assert_eq!(report.violations, 0, "start {start} scale {scale}: {report:?}");
+            let near = if start.abs() < 1e5 { 0.999 * scale } else { 0.9 * scale };
+            assert!(report.velocity.ratio > near, "{report:?}");
+            assert!(report.acceleration.ratio > near * 0.9, "{report:?}");
+            assert!(report.jerk.ratio > near * 0.9, "{report:?}");
+        }
+    }
+}
+
+#[test]
+fn a_violation_of_a_thousandth_is_found() {
+    let more = 1.001;
+    for start in [0.0, 1000.0] {
+        let l = LIMITS;
+        let cases = [
+            (s_curve(l.velocity * more, l.acceleration * 0.8, l.jerk * 0.8), 0),
+            (s_curve(l.velocity * 0.8, l.acceleration * more, l.jerk * 0.8), 1),
+            (s_curve(l.velocity * 0.8, l.acceleration * 0.8, l.jerk * more), 2),
+        ];
+        for (pieces, which) in cases {
+            let report = *judge(LIMITS, &pieces, start).report();
+            assert!(report.violations > 0, "start {start}, value {which}: {report:?}");
+            let ratios = [report.velocity.ratio, report.acceleration.ratio, report.jerk.ratio];
+            for (k, ratio) in ratios.iter().enumerate() {
+                assert_eq!(*ratio > 1.0, k == which, "start {start}: {report:?}");
+            }
+            assert!((ratios[which] - more).abs() < 2e-4, "{report:?}");
+        }
+    }
+}
+
+#[test]
+fn the_worst_has_its_cycle_joint_and_line() {
+    let mut watch = Watchman::new([LIMITS; 3], H, 1.0);
+    watch.rest_at(&[0.0; 3]);
+    for cycle in 0..20_u32 {
+        let step = if cycle < 9 { 0.0 } else { 1e-6 };
+        watch.step(&[0.0, 0.0, step], cycle + 100);
+    }
+    let jerk = watch.report().jerk;
+    // The third difference of a step of 1e-6 is at most 2e-6: 2000 units per second cubed.
+    assert_eq!((jerk.cycle, jerk.joint, jerk.line), (10, 2, 110));
+    assert!((jerk.ratio - 2000.0 / LIMITS.jerk).abs() < 1e-6, "{jerk:?}");
+}
+
+#[test]
+fn the_first_position_counts_from_the_point_of_rest() {
+    let mut watch = Watchman::new([LIMITS], H, 1.0);
+    watch.rest_at(&[0.0]);
+    assert!(!watch.step(&[0.1], 0), "0.1 units from rest in a period is an acceleration of 1e5");
+    let mut watch = Watchman::new([LIMITS], H, 1.0);
+    assert!(watch.step(&[0.1], 0), "without a point of rest the first position is one");
+}
+
+#[test]
+fn nan_and_infinity_are_violations() {
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let mut watch = Watchman::new([LIMITS], H, 1.0);
+        assert!(watch.step(&[0.0], 0));
+        assert!(!watch.step(&[bad], 0));
+        assert_eq!(watch.report().violations, 1);
+        let line = Shape::Line { from: [0.0; 9], to: [1.0; 9] };
+        let tolerance = Tolerance { linear: 1.0, angular: 1.0 };
+        let mut path = PathWatch::new(Box::new([(line, tolerance)]), 1.0, 2);
+        assert!(!path.step(&[0.0, bad, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], 0));
+    }
+}
+
+#[test]
+fn no_limit_is_no_violation_and_a_limit_of_zero_allows_no_motion() {
+    let free = Limits { jerk: f64::INFINITY, ..LIMITS };
+    let mut watch = Watchman::new([free], H, 1.0);
+    watch.rest_at(&[0.0]);
+    watch.step(&[0.001], 0);
+    assert_eq!(watch.report().jerk.ratio, 0.0);
+    assert!(watch.report().acceleration.ratio > 0.5);
+    let none = Limits { velocity: 0.0, ..LIMITS };
+    let mut watch = Watchman::new([none], H, 1.0);
+    watch.rest_at(&[5.0]);
+    assert!(watch.step(&[5.0], 0));
+    assert!(!watch.step(&[5.000_001], 0));
+}
+
+fn pose(x: f64, y: f64, z: f64) -> [f64; 9] {
+    [x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+}
+
+fn ratio(shapes: &[(Shape, Tolerance)], at: [f64; 9], near: usize) -> f64 {
+    let mut watch = PathWatch::new(shapes.into(), 10.0, 1);
+    watch.step(&at, near);
+    watch.worst().ratio
+}
+
+#[test]
+fn distance_from_lines() {
+    let tolerance = Tolerance { linear: 0.1, angular: 0.05 };
+    let shapes: Vec<_> = (0..50)
+        .map(|k| {
+            let x = f64::from(k);
+            (Shape::Line { from: pose(x, 0.0, 0.0), to: pose(x + 1.0, 0.0, 0.0) }, tolerance)
+        })
+        .collect();
+    assert_eq!(ratio(&shapes, pose(3.5, 0.0, 0.0), 3), 0.0);
+    assert!((ratio(&shapes, pose(3.5, 0.06, 0.08), 3) - 1.0).abs() < 1e-9);
+    assert!(ratio(&shapes, pose(3.5, 0.0, 0.1001), 3) > 1.0005);
+    assert!((ratio(&shapes, pose(-0.05, 0.0, 0.0), 0) - 0.5).abs() < 1e-9, "before the start");
+    assert_eq!(ratio(&shapes, pose(40.0, 0.0, 0.0), 3), 0.0, "a poor hint costs time only");
+    let mut tilted = pose(3.5, 0.0, 0.0);
+    tilted[4] = 0.06;
+    assert!((ratio(&shapes, tilted, 3) - 1.2).abs() < 1e-9, "rotary axes have their own tolerance");
+    tilted[4] = 0.0;
+    tilted[7] = 0.05;
+    assert!((ratio(&shapes, tilted, 3) - 0.5).abs() < 1e-9, "UVW count as lengths");
+}
+
+#[test]
+fn a_pure_rotary_line_is_judged_in_degrees() {
+    let mut to = [0.0; 9];
+    to[3] = 90.0;
+    let tolerance = Tolerance { linear: 0.1, angular: 0.05 };
+    let shapes = [(Shape::Line { from: [0.0; 9], to }, tolerance)];
+    let mut at = [0.0; 9];
+    at[3] = 45.0;
+    assert_eq!(ratio(&shapes, at, 0), 0.0);
+    at[4] = 0.1;
+    assert!((ratio(&shapes, at, 0) - 2.0).abs() < 1e-9);
+}
+
+#[test]
+fn distance_from_arcs_and_helices() {
+    let tolerance = Tolerance { linear: 0.1, angular: 0.05 };
+    for angle in [4.0, -4.0, 7.0, 628.0] {
+        for rise in [0.0, 0.3] {
+            let turned = |t: f64| {
+                let (sin, cos) = libm::sincos(angle * t);
+                pose(10.0 + 5.0 * cos, 5.0 * sin, rise * angle.abs() * t)
+            };
+            let arc = Shape::Arc {
+                from: turned(0.0),
+                to: turned(1.0),
+                center: [10.0, 0.0, 0.0],
+                normal: [0.0, 0.0, 1.0],
+                angle,
+            };
+            let shapes = [(arc, tolerance)];
+            for k in 0..=10 {
+                let t = f64::from(k) / 10.0;
+                let on = turned(t);
+                let found = ratio(&shapes, on, 0);
+                assert!(found < 1e-5, "angle {angle} rise {rise} t {t}: {found}");
+                let (sin, cos) = libm::sincos(angle * t);
+                let mut off = on;
+                off[0] += 0.2 * cos;
+                off[1] += 0.2 * sin;
+                let found = ratio(&shapes, off, 0);
+                assert!((found - 2.0).abs() < 1e-4, "angle {angle} rise {rise} t {t}: {found}");
+            }
+        }
+    }
+}
+
+/// Deliberate faults of a judge, each of which the tests above must notice.
+#[test]
+fn faults_of_the_judge_would_be_noticed() {
+    let pieces = s_curve(LIMITS.velocity, LIMITS.acceleration * 1.001, LIMITS.jerk * 0.8);
+    let blind = Limits { acceleration: LIMITS.acceleration * 1.01, ..LIMITS };
+    assert_eq!(judge(blind, &pieces, 0.0).report().violations, 0, "a limit that is 1 % too wide");
+    let pieces = s_curve(LIMITS.velocity, LIMITS.acceleration, LIMITS.jerk);
+    let strict = Limits { jerk: LIMITS.jerk * 0.999, ..LIMITS };
+    assert!(judge(strict, &pieces, 0.0).report().violations > 0, "a limit that is too narrow");
+    let mut late = Watchman::new([LIMITS], H * 1.001, 1.0);
+    late.rest_at(&[0.0]);
+    play(&s_curve(LIMITS.velocity * 1.0005, LIMITS.acceleration, LIMITS.jerk), 0.0, |s| {
+        late.step(&[s], 0);
+    });
+    assert_eq!(late.report().velocity.ratio.max(1.0), 1.0, "a wrong period hides 0.05 %");
+}
