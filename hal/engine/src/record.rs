@@ -1,5 +1,8 @@
 //! Recording to VCD: the file that the control side writes from what the probe saw. Changes only.
 
+mod file;
+mod tape;
+
 use crate::{
     Engine, Error,
     graph::Ix,
@@ -9,12 +12,11 @@ use crate::{
     watch::{At, Watching},
     watch_error::WatchError,
 };
+use file::WholeFile;
 use hal_protocol::{Patterns, Type};
-use hal_trace::{
-    TimeBase,
-    vcd::{Column, Writer},
-};
-use std::{collections::BTreeMap, fs::File, io::BufWriter};
+use hal_trace::vcd::Column;
+use std::{collections::BTreeMap, fs::File};
+use tape::Tape;
 
 /// How many changes wait for the file at the most.
 const ROOM: usize = 1 << 16;
@@ -25,9 +27,9 @@ pub(crate) struct Recording {
     pub(crate) path: String,
     patterns: Patterns,
     /// The file, until time first moves; what is watched is settled then.
-    file: Option<BufWriter<File>>,
-    writer: Option<Writer<BufWriter<File>>>,
-    /// Its probe and the number of that.
+    file: Option<WholeFile>,
+    tape: Option<Tape>,
+    /// The number of its probe, and the probe.
     probe: Option<(u64, Arc<Probe>)>,
     failed: bool,
 }
@@ -55,8 +57,8 @@ impl Engine {
         self.recording = Some(Recording {
             path: path.to_owned(),
             patterns: Patterns::new(patterns),
-            file: Some(BufWriter::with_capacity(1 << 16, file)),
-            writer: None,
+            file: Some(WholeFile::new(file)),
+            tape: None,
             probe: None,
             failed: false,
         });
@@ -77,14 +79,8 @@ impl Engine {
             let sources: Box<[_]> = nodes.iter().filter_map(|ix| self.source(*ix)).collect();
             let last = sources.iter().map(|s| AtomicU64::new(s.bits())).collect();
             let probe = Arc::new(Probe::changes(sources, last, ROOM.max(nodes.len() * 4)));
-            let begun = Writer::new(file, TimeBase::NANOSECONDS, &columns, None);
-            let begun = begun.and_then(|mut writer| {
-                let first: Vec<_> = probe.last().map(Some).collect();
-                writer.all(self.shared.now(), &first)?;
-                Ok(writer)
-            });
-            r.failed = begun.is_err();
-            r.writer = begun.ok();
+            r.tape = Tape::begin(file, &columns, probe.clone(), self.shared.now()).ok();
+            r.failed = r.tape.is_none();
             let (at, nodes) = (At::Moments, nodes.into_iter().collect());
             let watching = Watching { probe: probe.clone(), at, nodes, lossless: true };
             match self.begin_watching(watching) {
@@ -135,15 +131,13 @@ impl Engine {
         (nodes, columns)
     }
 
-    /// Writes what has been queued.
+    /// Takes what has been queued.
     pub(crate) fn drain_recording(&mut self) {
-        let Some(r) = &mut self.recording else { return };
-        let Some((_, probe)) = r.probe.clone() else { return };
-        while let Some((time, which, bits)) = probe.change() {
-            let Some(writer) = &mut r.writer else { continue };
-            let written =
-                writer.time(time).and_then(|()| writer.change(which as usize, Some(bits)));
-            r.failed |= written.is_err();
+        // Where no cycle is under way, no look is.
+        let still = self.shared.is_virtual() || self.quiet;
+        let tape = self.recording.as_mut().and_then(|r| r.tape.as_mut());
+        if let Some(tape) = tape {
+            tape.drain(still);
         }
     }
 
@@ -158,17 +152,15 @@ impl Engine {
     /// Ends the recording: the file is whole afterwards.
     pub(crate) fn end_recording(&mut self) -> Result<(), Error> {
         self.look_last();
-        self.drain_recording();
         let Some(mut r) = self.recording.take() else {
             return Err(WatchError::NotRecording.into());
         };
         if let Some((id, _)) = &r.probe {
             self.end_watching(*id);
         }
-        if let Some(mut writer) = r.writer.take() {
-            let now = self.shared.now();
-            let last = if writer.at() < Some(now) { writer.time(now) } else { Ok(()) };
-            r.failed |= last.and_then(|()| writer.finish().map(drop)).is_err();
+        if let Some(tape) = &mut r.tape {
+            tape.end(self.shared.now());
+            r.failed |= tape.has_failed();
         }
         if r.failed {
             let why = "the recording could not be written whole".into();

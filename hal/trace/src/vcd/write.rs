@@ -118,6 +118,11 @@ impl<W: Write> Writer<W> {
         self.at
     }
 
+    /// Where it writes to: a sink that is to know where records end is told between two calls.
+    pub const fn out(&mut self) -> &mut W {
+        &mut self.out
+    }
+
     /// The end: what was written is on its way.
     ///
     /// # Errors
