@@ -21,6 +21,7 @@ pub mod plugins;
 pub mod programs;
 pub mod properties;
 pub mod random;
+pub mod raw;
 pub mod scratch;
 pub mod terminal;
 pub mod tools;

@@ -1,18 +1,16 @@
 //! Clients that send nonsense, half of something, far too much, or never read: each is answered or
 //! let go, and the others are served meanwhile.
-#![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_protocol::{Client, Kind, Link, Reply, Request};
 use hal_tests::{
     machine::{Served, bit, count, cycles, says, script, status, wait, without_fifo},
+    raw::Raw,
     scratch::Scratch,
 };
 use std::{
-    io::{BufRead, BufReader, Read, Write},
+    io::{BufRead, Read, Write},
     net::Shutdown,
-    os::unix::net::UnixStream,
     sync::atomic::{AtomicBool, Ordering::SeqCst},
-    time::Duration,
 };
 
 /// A thread with a function, running.
@@ -21,33 +19,6 @@ const MACHINE: &str = "
     loadrt boom
     addf boom.0 thread1
     start";
-
-/// A connection on which anything can be sent.
-struct Raw {
-    socket: UnixStream,
-    answers: BufReader<UnixStream>,
-}
-
-impl Raw {
-    fn connect(served: &Served) -> Self {
-        let socket = UnixStream::connect(served.place.socket()).unwrap();
-        // A test that goes wrong fails instead of waiting for ever.
-        socket.set_read_timeout(Some(Duration::from_secs(100))).unwrap();
-        let answers = BufReader::new(socket.try_clone().unwrap());
-        Self { socket, answers }
-    }
-
-    fn send(&mut self, bytes: impl AsRef<[u8]>) {
-        self.socket.write_all(bytes.as_ref()).unwrap();
-    }
-
-    /// The next answer; empty when the engine has hung up.
-    fn answer(&mut self) -> String {
-        let mut line = String::new();
-        self.answers.read_line(&mut line).unwrap_or(0);
-        line
-    }
-}
 
 const GET: &str = r#"{"request":{"get":{"name":"boom.0.line"}}}"#;
 const LINE_IS_ON: &str = "{\"ok\":{\"value\":{\"bit\":true}}}\n";
@@ -340,7 +311,8 @@ fn what_a_client_says_of_itself_is_not_believed() {
     let served = served(&scratch);
     let mut client = served.client();
     let refused = |c: &mut Client, request: Request| c.call(request).unwrap_err().to_string();
-    for pid in [i32::MIN, -1, 0, 1] {
+    let own = i32::try_from(std::process::id()).unwrap();
+    for pid in [i32::MIN, -1, 0, 1, own] {
         let said = refused(&mut client, Request::Adopt { pid, program: "init".into() });
         assert_eq!(said, format!("{pid} is not the number of a program"));
     }
@@ -362,6 +334,8 @@ fn what_a_client_says_of_itself_is_not_believed() {
     ] {
         assert_eq!(refused(&mut client, Request::Poll { writes }), why);
     }
+    let said = refused(&mut client, Request::Poll { writes: vec![] });
+    assert_eq!(said, "this program has joined without a period for its polls (poll_ns is 0)");
     assert_eq!(
         refused(&mut client, Request::Run { ns: u64::MAX }),
         "'run' moves the virtual clock; this one is real"

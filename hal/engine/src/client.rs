@@ -1,6 +1,6 @@
 //! One client's connection: lines in, answers out.
 
-use crate::{Error, graph::Ix};
+use crate::{Error, graph::Ix, polls::Hold};
 use hal_protocol::{Failure, LONGEST, Reply, WireReply};
 use rustix::net::{SendAncillaryBuffer, SendAncillaryMessage, SendFlags};
 use std::{
@@ -43,6 +43,8 @@ pub(crate) struct Client {
     pub(crate) poll_ns: i64,
     /// When its next poll is owed, in machine time.
     pub(crate) owes: Option<i64>,
+    /// How long the virtual clock has waited for that poll.
+    pub(crate) hold: Hold,
     /// What it writes when that poll is due.
     pub(crate) writes: Vec<(Ix, u64)>,
     pub(crate) waits: Waits,
@@ -71,6 +73,7 @@ impl Client {
             pins: Vec::new(),
             poll_ns: 0,
             owes: None,
+            hold: Hold::NONE,
             writes: Vec::new(),
             waits: Waits::No,
             flows: false,

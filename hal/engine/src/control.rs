@@ -1,9 +1,6 @@
 //! What the control side does while it waits: it hears, turns the clock, serves, frees.
 
-use crate::{
-    Engine, clock, name::Name, os, record::Recording, ring::SharedRing, shared::Message,
-    sync::Ordering,
-};
+use crate::{Engine, clock, name::Name, os, record::Recording, shared::Message, sync::Ordering};
 use hal_abi::level;
 
 /// How many instants of machine time are run between looks at the socket.
@@ -43,7 +40,7 @@ impl Engine {
             self.begin_recording();
         }
         self.refresh_flight();
-        let poll = crate::server::next_poll(self);
+        let poll = crate::polls::next_poll(self);
         let mut until = target.min(poll);
         if until == i64::MAX && self.is_idle() {
             // Without an end nothing moves while nothing runs: a script that waits for a program
@@ -53,7 +50,7 @@ impl Engine {
         until = until.min(self.next_task());
         // Whoever waits for a ticket or a ring is to see it as soon as it changes.
         let looks = self.script_waits && !self.rings.is_empty();
-        let instants = if looks || crate::server::waits_for_ticket(self) { 1 } else { SLICE };
+        let instants = if looks || crate::polls::waits_for_ticket(self) { 1 } else { SLICE };
         clock::turn(&self.shared, &self.probes, until.max(now), instants);
         self.drain_recording();
         self.drain_flight();
@@ -76,7 +73,7 @@ impl Engine {
             return false;
         }
         self.refresh_flight();
-        let until = self.next_task().min(crate::server::next_poll(self));
+        let until = self.next_task().min(crate::polls::next_poll(self));
         let until = until.min(now.saturating_add(1_000_000_000));
         clock::turn(&self.shared, &self.probes, until.max(now), 1);
         self.drain_recording();
@@ -84,18 +81,6 @@ impl Engine {
         let then = self.shared.now();
         self.run_tasks(then);
         then > now
-    }
-
-    /// Whether the virtual clock must wait for a program.
-    fn held_back(&mut self) -> bool {
-        let now = os::monotonic_ns();
-        self.programs.retain(|p| os::alive(p.pid));
-        let starting = self.programs.iter().any(|p| !p.joined && now - p.since < 1_000_000_000);
-        starting
-            || !self.probes.have_room()
-            || crate::server::owes_poll(self)
-            || (self.script_waits && self.rings.values().any(SharedRing::holds_back))
-            || self.waits_for.is_some_and(|pid| self.rings.values().any(|r| r.is_enough_for(pid)))
     }
 
     /// Learns how long a tick of the cycle counter is.

@@ -8,8 +8,9 @@ use crate::{
     graph::{Graph, Ix},
     loader::Loader,
     name::Name,
-    os,
+    os, polls,
     record::Recording,
+    request::LONGEST_TIME_NS,
     ring::SharedRing,
     runners::{Runners, Scheduling},
     sample::Sample,
@@ -98,6 +99,8 @@ pub struct Engine {
     pub(crate) script_waits: bool,
     /// The program whose end the script waits for.
     pub(crate) waits_for: Option<i32>,
+    /// How long the virtual clock waits for one client on the wall.
+    pub(crate) patience_ns: i64,
     /// The virtual clock may move up to here.
     pub(crate) target: i64,
     /// As far as waiting clients let it move.
@@ -176,6 +179,7 @@ impl Engine {
             shutdown: false,
             script_waits: false,
             waits_for: None,
+            patience_ns: polls::patience_ns(),
             target: 0,
             client_target: i64::MIN,
             retired: Vec::new(),
@@ -203,7 +207,8 @@ impl Engine {
     /// Serves clients until something ends it; `for_ns` bounds machine time.
     pub fn serve(&mut self, for_ns: Option<u64>) -> Ended {
         let limit = for_ns
-            .map(|ns| self.shared.now().saturating_add(i64::try_from(ns).unwrap_or(i64::MAX)));
+            .map(|ns| self.shared.now().saturating_add(i64::try_from(ns).unwrap_or(i64::MAX)))
+            .map(|limit| limit.min(LONGEST_TIME_NS));
         let before = self.target;
         let ended = loop {
             if self.shutdown {

@@ -36,6 +36,7 @@ mod node;
 mod offer;
 mod order;
 mod os;
+mod polls;
 mod probe;
 mod record;
 mod request;

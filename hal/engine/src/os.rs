@@ -162,6 +162,11 @@ pub(crate) fn alive(pid: i32) -> bool {
     }
 }
 
+/// The number of this process.
+pub(crate) fn own_pid() -> i32 {
+    rustix::process::getpid().as_raw_nonzero().get()
+}
+
 /// Sends SIGTERM, or SIGKILL when `hard`.
 pub(crate) fn end_process(pid: i32, hard: bool) {
     if pid > 1 {

@@ -11,6 +11,9 @@ use crate::{
 };
 use hal_protocol::{Answer, Failure, LATEST, Link, Reply, Request, TicketInfo};
 
+/// Where the virtual clock ends, in nanoseconds: after 146 years. Sums of times stay representable.
+pub(crate) const LONGEST_TIME_NS: i64 = i64::MAX / 2;
+
 impl Engine {
     /// Carries out what needs no client and no waiting.
     pub(crate) fn carry(&mut self, request: Request) -> Result<Reply, Error> {
@@ -50,10 +53,12 @@ impl Engine {
             Request::Timing { thread, on } => self.time_functs(thread.as_deref(), on)?,
             Request::MessageLevel { level } => self.shared.level.store(level, Ordering::Relaxed),
             Request::Command { name, args } => return self.command(&name, &args),
-            Request::Adopt { pid, .. } if pid <= 1 => {
+            Request::Adopt { pid, .. } if pid <= 1 || pid == os::own_pid() => {
                 let why = format!("{pid} is not the number of a program").into();
                 return Err(Error::Protocol { why });
             }
+            // The virtual clock waits for the start of a program once.
+            Request::Adopt { pid, .. } if self.programs.iter().any(|p| p.pid == pid) => {}
             Request::Adopt { pid, program } => {
                 let since = os::monotonic_ns();
                 let joined = self
@@ -136,7 +141,13 @@ impl Engine {
         if !self.shared.is_virtual() {
             return Err(Error::NotVirtual);
         }
-        Ok(self.shared.now().saturating_add(i64::try_from(ns).unwrap_or(i64::MAX)))
+        let now = self.shared.now();
+        let end = i64::try_from(ns).ok().and_then(|ns| now.checked_add(ns));
+        end.filter(|end| *end <= LONGEST_TIME_NS).ok_or_else(|| Error::OutOfRange {
+            what: "time",
+            name: format!("{ns} ns").into(),
+            expects: "the virtual clock ends after 146 years",
+        })
     }
 
     /// Waits on the wall; `flow` lets the virtual clock move meanwhile.
@@ -161,7 +172,7 @@ impl Engine {
     /// A program whose poll is due now polls before anything else is done: otherwise what it sees of
     /// the next line of a script would be a matter of chance.
     fn settle_polls(&mut self) {
-        while self.shared.is_virtual() && !self.is_ending() && !crate::server::has_polled(self) {
+        while self.shared.is_virtual() && !self.is_ending() && !crate::polls::has_polled(self) {
             self.pump(1);
         }
     }

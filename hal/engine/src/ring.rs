@@ -1,6 +1,6 @@
 //! Rings that components share with programs: memory that no program can shrink.
 
-use crate::graph::Ix;
+use crate::{graph::Ix, polls::Hold};
 use core::ptr::null_mut;
 use hal_abi::{MAX_WIDTH, Producer, Ring, StreamRef, StreamSpec, stream_direction};
 use hal_protocol::{StreamInfo, Type};
@@ -81,6 +81,9 @@ pub(crate) struct SharedRing {
     pid: i32,
     /// The index at which that one has all the records that it wants.
     enough: Option<u64>,
+    /// How long its writer has left it empty while the virtual clock was to move; nothing once that
+    /// was too long.
+    hold: Option<Hold>,
     types: Vec<Type>,
     depth: u32,
     pub(crate) memory: Memory,
@@ -106,7 +109,8 @@ impl SharedRing {
         let types = types.ok_or("a stream has a value of no known type")?;
         let memory = Memory::new(spec.depth, spec.width, spec.types)?;
         let (attached, enough, depth) = (None, None, spec.depth);
-        Ok(Self { owner, out, attached, pid: 0, enough, types, depth, memory })
+        let hold = Some(Hold::NONE);
+        Ok(Self { owner, out, attached, pid: 0, enough, hold, types, depth, memory })
     }
 
     /// What its component is given.
@@ -146,6 +150,7 @@ impl SharedRing {
         let taken = self.ring().taken();
         self.attached = Some(client);
         self.pid = pid;
+        self.hold = Some(Hold::NONE);
         self.enough = count.map(|n| taken.saturating_add(n));
     }
 
@@ -161,9 +166,22 @@ impl SharedRing {
     }
 
     /// Whether the virtual clock would lose something by moving: full, or empty with its writer
-    /// still there.
-    pub(crate) fn holds_back(&self) -> bool {
+    /// still there. A writer is waited for no longer than `patience_ns` on the wall; `late` is
+    /// called then.
+    pub(crate) fn holds_back(&mut self, patience_ns: i64, now: i64, late: impl FnOnce()) -> bool {
         let waiting = self.ring().waiting(self.depth);
-        if self.out { waiting + 1 >= self.depth } else { waiting == 0 && self.attached.is_some() }
+        if self.out {
+            return waiting + 1 >= self.depth;
+        }
+        if waiting > 0 || self.attached.is_none() {
+            self.hold = Some(Hold::NONE);
+            return false;
+        }
+        let Some(hold) = &mut self.hold else { return false };
+        if hold.outlasts(patience_ns, now) {
+            self.hold = None;
+            late();
+        }
+        self.hold.is_some()
     }
 }

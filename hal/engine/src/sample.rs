@@ -6,6 +6,7 @@ use crate::{
     name::Name,
     near::nearest,
     os,
+    polls::Hold,
     probe::{Probe, Source},
     ring::Memory,
     sync::Arc,
@@ -35,6 +36,8 @@ pub(crate) struct Sample {
     probe: Arc<Probe>,
     memory: Arc<Memory>,
     bytes: usize,
+    /// How long the virtual clock has waited for its reader to take more than this.
+    hold: (u64, Hold),
     /// Why it has ended.
     ended: Option<&'static str>,
 }
@@ -92,7 +95,10 @@ impl Engine {
             lossless,
         })?;
         let bytes = Ring::bytes(depth + 1, width);
-        self.samples.insert(id, Sample { client, probe, memory, bytes, ended: None });
+        self.samples.insert(
+            id,
+            Sample { client, probe, memory, bytes, hold: (0, Hold::NONE), ended: None },
+        );
         let channels = channels.into_iter().map(|c| c.info).collect();
         let (thread, wait) = (thread_name, lossless);
         Ok((SampleInfo { id, thread, period, every, depth, wait, channels }, fd))
@@ -228,6 +234,24 @@ impl Engine {
             s.memory.ring().close();
         }
         Ok(state)
+    }
+
+    /// The samples without room whose reader has kept the virtual clock waiting for too long.
+    pub(crate) fn unread_samples(&mut self, too_long: impl Fn(&mut Hold) -> bool) -> Vec<u64> {
+        let mut unread = Vec::new();
+        for (id, sample) in &mut self.samples {
+            if !self.probes.is_lossless(*id) || sample.probe.has_room() {
+                continue;
+            }
+            let taken = sample.memory.ring().taken();
+            if sample.hold.0 != taken {
+                sample.hold = (taken, Hold::NONE);
+            }
+            if too_long(&mut sample.hold.1) {
+                unread.push(*id);
+            }
+        }
+        unread
     }
 
     /// A client has gone.

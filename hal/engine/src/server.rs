@@ -3,11 +3,11 @@
 use crate::{
     Engine, Error,
     client::{Client, Waits},
-    graph::{Graph, Ix},
     os,
+    polls::{clients_target, next_poll_of, settle},
     session::{forget_left, leave, respond},
 };
-use hal_protocol::{Failure, Place, Reply, TicketInfo, Value};
+use hal_protocol::Place;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use std::{
     fs::File,
@@ -30,7 +30,7 @@ pub(crate) struct Server {
     place: Place,
     #[expect(dead_code, reason = "locked as long as the instance lives")]
     lock: File,
-    clients: Vec<Client>,
+    pub(crate) clients: Vec<Client>,
     next: u64,
 }
 
@@ -119,53 +119,6 @@ impl Drop for Server {
     }
 }
 
-/// Whether a client waits for the end of a command.
-pub(crate) fn waits_for_ticket(engine: &Engine) -> bool {
-    let clients = engine.server.iter().flat_map(|s| &s.clients);
-    clients.into_iter().any(|c| matches!(c.waits, Waits::Ticket(_)))
-}
-
-/// When the next program is to poll, in machine time.
-pub(crate) fn next_poll(engine: &Engine) -> i64 {
-    let clients = engine.server.iter().flat_map(|s| &s.clients);
-    let times = clients.filter_map(|c| match c.waits {
-        Waits::Poll(t) | Waits::Time(t) => Some(t),
-        // It is to have polled by then.
-        Waits::No => c.owes,
-        Waits::Wall(_) | Waits::Ticket(_) => None,
-    });
-    times.min().unwrap_or(i64::MAX)
-}
-
-/// Whether a program has not polled yet that should have.
-pub(crate) fn owes_poll(engine: &Engine) -> bool {
-    let now = engine.shared.now();
-    let clients = engine.server.iter().flat_map(|s| &s.clients);
-    clients.into_iter().any(|c| c.owes.is_some_and(|t| t <= now) && c.waits == Waits::No)
-}
-
-/// Whether no program is still to poll at this moment of machine time, or before.
-pub(crate) fn has_polled(engine: &Engine) -> bool {
-    let now = engine.shared.now();
-    let clients = engine.server.iter().flat_map(|s| &s.clients);
-    clients.into_iter().all(|c| match c.waits {
-        Waits::Poll(t) => t > now,
-        Waits::No => c.owes.is_none_or(|t| t > now),
-        Waits::Time(_) | Waits::Wall(_) | Waits::Ticket(_) => true,
-    })
-}
-
-/// How far clients' waits let the virtual clock move.
-fn clients_target(server: &Server) -> i64 {
-    let targets = server.clients.iter().filter_map(|c| match c.waits {
-        Waits::Time(t) => Some(t),
-        Waits::Ticket(_) => Some(i64::MAX),
-        Waits::Wall(_) if c.flows => Some(i64::MAX),
-        _ => None,
-    });
-    targets.max().unwrap_or(i64::MIN)
-}
-
 /// One look at the socket: waits at most `ms` for something to do, and does it.
 pub(crate) fn serve_once(engine: &mut Engine, ms: i32) {
     let inside = || engine.shared.threads.load().iter().any(|t| t.gate.is_inside());
@@ -244,44 +197,8 @@ pub(crate) fn serve_once(engine: &mut Engine, ms: i32) {
     engine.server = Some(server);
 }
 
-fn next_poll_of(server: &Server) -> i64 {
-    let times = server.clients.iter().filter_map(|c| match c.waits {
-        Waits::Poll(t) => Some(t),
-        _ => None,
-    });
-    times.min().unwrap_or(i64::MAX)
-}
-
 fn wait(fds: &mut [PollFd<'_>], ms: i32) -> std::io::Result<bool> {
     let ms = i64::from(ms);
     let limit = Timespec { tv_sec: ms / 1000, tv_nsec: ms % 1000 * 1_000_000 };
     Ok(poll(fds, Some(&limit))? > 0)
-}
-
-/// Answers a client whose wait is over.
-fn settle(engine: &mut Engine, c: &mut Client) {
-    let now = engine.shared.now();
-    let reply = match c.waits {
-        Waits::Wall(t) if os::monotonic_ns() >= t => Ok(Reply::Done),
-        Waits::Time(t) if now >= t => Ok(Reply::Done),
-        Waits::Poll(t) if now >= t => {
-            crate::session::put_writes(engine, c);
-            c.owes = Some(now + c.poll_ns);
-            Ok(values(engine, c))
-        }
-        Waits::Ticket(id) => match engine.ticket(id) {
-            Ok(TicketInfo::Pending) if engine.fault.is_none() => return,
-            other => other.map(Reply::Ticket).map_err(Failure::from),
-        },
-        Waits::No | Waits::Wall(_) | Waits::Time(_) | Waits::Poll(_) => return,
-    };
-    c.waits = Waits::No;
-    c.flows = false;
-    c.answer(reply);
-}
-
-fn values(engine: &Engine, c: &Client) -> Reply {
-    let value = |ix: &Ix| engine.graph.item(*ix).map(|i| Graph::value(i.ty, i.bits()));
-    let values = c.pins.iter().map(|ix| value(ix).unwrap_or(Value::Bit(false))).collect();
-    Reply::Values { time: u64::try_from(engine.shared.now()).unwrap_or(0), values }
 }

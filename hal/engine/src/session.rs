@@ -8,6 +8,7 @@ use crate::{
     item::NewItem,
     name::Name,
     os,
+    polls::{Hold, period},
 };
 use hal_protocol::{
     ComponentState, Direction, Failure, LATEST, Reply, Request, TicketInfo, Type, Value,
@@ -73,7 +74,8 @@ fn answer(engine: &mut Engine, c: &mut Client, request: Request) -> Option<Resul
                     put_writes(engine, c);
                 }
                 let now = engine.shared.now();
-                c.waits = Waits::Poll(c.owes.take().unwrap_or(now + c.poll_ns).max(now));
+                let due = c.owes.take().unwrap_or(now.saturating_add(c.poll_ns));
+                (c.waits, c.hold) = (Waits::Poll(due.max(now)), Hold::NONE);
                 return None;
             }
             Err(e) => Err(e),
@@ -122,13 +124,16 @@ fn hello(
 }
 
 fn join(engine: &mut Engine, c: &mut Client, name: &str, poll_ns: u64) -> Result<Reply, Error> {
+    let name = Name::parse("component", name)?;
+    let poll_ns = period(poll_ns)?;
     if let Some(old) = c.component.take() {
         engine.remove_component(old);
     }
     c.pins.clear();
-    let name = Name::parse("component", name)?;
+    c.writes.clear();
+    (c.owes, c.poll_ns) = (None, 0);
     c.component = Some(engine.new_component(name, Some(c.pid), None, false)?);
-    c.poll_ns = i64::try_from(poll_ns).unwrap_or(i64::MAX);
+    c.poll_ns = poll_ns;
     Ok(Reply::Done)
 }
 
@@ -176,7 +181,7 @@ fn ready(engine: &mut Engine, c: &mut Client) -> Result<Reply, Error> {
     }
     has_started(engine, c);
     if c.poll_ns > 0 {
-        c.owes = Some(engine.shared.now() + c.poll_ns);
+        c.owes = Some(engine.shared.now().saturating_add(c.poll_ns));
     }
     Ok(Reply::Done)
 }
@@ -190,8 +195,10 @@ pub(crate) fn put_writes(engine: &Engine, c: &mut Client) {
     }
 }
 
+/// The writes of a poll, checked, and whether this client may poll at all.
 fn checked(engine: &Engine, c: &Client, writes: &[(u32, Value)]) -> Result<Vec<(Ix, u64)>, Error> {
     let odd = |why: &str| Error::Protocol { why: why.into() };
+    member(engine, c)?;
     let mut all = Vec::new();
     for (which, value) in writes {
         let ix = c.pins.get(*which as usize).ok_or_else(|| odd("this client has no such pin"))?;
@@ -203,6 +210,9 @@ fn checked(engine: &Engine, c: &Client, writes: &[(u32, Value)]) -> Result<Vec<(
             return Err(odd("a program does not write its own input"));
         }
         all.push((*ix, value.bits()));
+    }
+    if c.poll_ns == 0 {
+        return Err(odd("this program has joined without a period for its polls (poll_ns is 0)"));
     }
     Ok(all)
 }

@@ -48,6 +48,19 @@ impl Probes {
         self.lossless.iter().all(|p| p.has_room())
     }
 
+    /// Whether the virtual clock waits for this one.
+    pub(crate) fn is_lossless(&self, id: u64) -> bool {
+        self.all.get(&id).is_some_and(|w| w.lossless)
+    }
+
+    /// Lets the virtual clock move on without room for this one.
+    pub(crate) fn lose(&mut self, id: u64) {
+        if let Some(w) = self.all.get_mut(&id) {
+            w.lossless = false;
+        }
+        self.sort();
+    }
+
     fn sort(&mut self) {
         let chosen = |wanted: &dyn Fn(&&Watching) -> bool| {
             self.all.values().filter(wanted).map(|w| w.probe.clone()).collect()

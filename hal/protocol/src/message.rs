@@ -260,7 +260,8 @@ pub enum Request {
     Join {
         /// The component's name.
         name: String,
-        /// How often it polls, in nanoseconds of machine time; zero: it does not.
+        /// The period of its polls in nanoseconds of machine time, 1000 to 1000000000000; zero: it
+        /// does not poll.
         poll_ns: u64,
     },
     /// Makes a pin of this client's component.
@@ -274,8 +275,8 @@ pub enum Request {
     },
     /// This client's component is complete.
     Ready,
-    /// Writes this client's pins, then waits for its next poll and reads all of them, in order of
-    /// creation. Answer: [`crate::Reply::Values`].
+    /// Writes the pins of this client, which has joined with a period, then waits for its next poll
+    /// and reads all of them, in order of creation. Answer: [`crate::Reply::Values`].
     Poll {
         /// Pin (by order of creation) and value.
         writes: Vec<(u32, Value)>,

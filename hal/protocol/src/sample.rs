@@ -20,7 +20,7 @@ pub struct SampleSpec {
     /// Where a name has `*`, `?` or `[`, all that match are meant, by name.
     pub names: Vec<String>,
     /// On the virtual clock, time waits while the ring is full, as long as the client is
-    /// connected. On the real one, and without this, samples for which there is no room are lost,
+    /// connected, but no longer than 10 s on the wall without a sample taken. On the real one, and without this, samples for which there is no room are lost,
     /// and counted.
     pub wait: bool,
 }
