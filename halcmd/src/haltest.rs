@@ -4,7 +4,7 @@
 //! virtual time, in a process and an instance of its own, and comes to the same on every run. The
 //! form is in `halcmd/README.md`.
 //!
-//! From Rust, [`run`] gives the [`Outcome`] of one file, whose waveforms are texts that `insta` can keep:
+//! From Rust, [`run`] gives the [`Outcome`] of one file, whose waveforms are texts that a test can keep:
 //!
 //! ```no_run
 //! let outcome = halcmd::haltest::run("configs/printer/tests/reversal.toml");

@@ -1,6 +1,7 @@
 //! Cases as data: a folder with a script, and what must come of it.
 
 use crate::{
+    golden,
     programs::{programs, root},
     scratch::Scratch,
 };
@@ -89,7 +90,7 @@ impl Case {
     pub fn check(&self) -> Result<(), String> {
         let got = self.run(&Around::default());
         let compared = self.compare(&got);
-        if compared.is_err() && std::env::var_os("UPDATE_EXPECT").is_some() {
+        if compared.is_err() && golden::is_update() {
             fs::write(self.path(), merged(&self.expected(), &got)).unwrap();
             return Ok(());
         }
@@ -168,18 +169,9 @@ fn merged(expected: &str, got: &str) -> String {
     })
 }
 
-/// The first lines that differ, with some around.
-pub fn difference(expected: &str, got: &str) -> String {
-    let (expected, got): (Vec<&str>, Vec<&str>) =
-        (expected.lines().collect(), got.lines().collect());
-    let same = expected.iter().zip(&got).take_while(|(e, g)| line_matches(e, g)).count();
-    let part = |mark: &str, lines: &[&str], n: usize| {
-        lines.iter().take(n).fold(String::new(), |t, l| t + mark + l + "\n")
-    };
-    let from = same.saturating_sub(3);
-    part("  ", got.get(from..same).unwrap_or_default(), 3)
-        + &part("- ", expected.get(same..).unwrap_or_default(), 10)
-        + &part("+ ", got.get(same..).unwrap_or_default(), 10)
+/// Returns the first lines that differ, open places aside, with some around.
+fn difference(expected: &str, got: &str) -> String {
+    golden::differing(expected, got, line_matches)
 }
 
 fn short(path: &Path) -> String {

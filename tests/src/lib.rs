@@ -14,6 +14,7 @@ pub mod every;
 pub mod faults;
 pub mod foreign;
 pub mod fuzz;
+pub mod golden;
 pub mod judge;
 pub mod machine;
 pub mod pins;

@@ -16,6 +16,7 @@ use hal_protocol::{Failure, Kind, Link, Offer, Request};
 use hal_tests::{
     every::offers,
     foreign::Bench,
+    golden,
     machine::{script, seen},
     programs::root,
     properties::case::Case,
@@ -358,8 +359,5 @@ fn every_bad_argument_is_refused_and_nothing_is_left() {
     }
     let path = root().join("tests/arguments.md");
     let new = written(&all);
-    if std::env::var_os("UPDATE_EXPECT").is_some() {
-        std::fs::write(&path, &new).unwrap();
-    }
-    assert_eq!(std::fs::read_to_string(&path).unwrap(), new, "run this with UPDATE_EXPECT=1");
+    golden::check(&path, &new);
 }

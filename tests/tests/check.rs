@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_protocol::Code;
-use hal_tests::{faults::mistakes, programs::root, scratch::Scratch};
+use hal_tests::{faults::mistakes, golden, programs::root, scratch::Scratch};
 use halcmd::explain;
 
 /// Does something for each, several at once; fails with all that went wrong.
@@ -29,15 +29,9 @@ fn what_explain_shows_is_so() {
     all(&rows, |row| mistakes(&format!("explain-{}", row.code), row.code, row.wrong, row.right));
 }
 
-/// Compares with a file of `tests/check`; with `UPDATE_EXPECT=1`, it becomes what came.
+/// Compares with a golden file of `tests/check`.
 fn golden(path: &str, got: &str) {
-    let path = root().join("tests/check").join(path);
-    let expected = std::fs::read_to_string(&path).unwrap_or_default();
-    if expected != got && std::env::var_os("UPDATE_EXPECT").is_some() {
-        std::fs::write(&path, got).unwrap();
-        return;
-    }
-    assert_eq!(got, expected, "{}: run this test once with UPDATE_EXPECT=1", path.display());
+    golden::check(&root().join("tests/check").join(path), got);
 }
 
 #[test]

@@ -1,15 +1,10 @@
 //! Machines as pictures, through the real halcmd. `UPDATE_EXPECT=1` writes what is expected.
-#![expect(clippy::unwrap_used, reason = "tests")]
 
-use hal_tests::{programs::root, scratch::Scratch};
-use std::{fs, path::Path};
+use hal_tests::{golden, programs::root, scratch::Scratch};
+use std::path::Path;
 
 fn is(path: &Path, text: &str) {
-    if std::env::var_os("UPDATE_EXPECT").is_some() {
-        fs::write(path, text).unwrap();
-    }
-    let want = fs::read_to_string(path).unwrap_or_default();
-    assert!(text == want, "{}: run this test once with UPDATE_EXPECT=1, and look", path.display());
+    golden::check(path, text);
 }
 
 fn drawn(scratch: &Scratch, words: &[&str]) -> String {

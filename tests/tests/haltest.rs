@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{
-    case::difference,
+    golden,
     programs::root,
     scratch::{Output, Scratch},
 };
@@ -25,16 +25,6 @@ fn tests(folder: &Path) -> Vec<String> {
     names.retain(|n| n.starts_with(&wanted));
     names.sort();
     names
-}
-
-/// Compares with a file; with `UPDATE_EXPECT=1`, it becomes what came.
-fn golden(path: &Path, got: &str) -> Option<String> {
-    let expected = fs::read_to_string(path).unwrap_or_default();
-    if expected != got && std::env::var_os("UPDATE_EXPECT").is_some() {
-        fs::write(path, got).unwrap();
-        return None;
-    }
-    (expected != got).then(|| format!("{}\n{}", path.display(), difference(&expected, got)))
 }
 
 #[test]
@@ -69,7 +59,7 @@ fn each_kind_of_failure_says_what_is_wrong() {
             assert_eq!(output.status, Some(i32::from(!good)), "{name}: {}", output.stdout);
             let status = output.status.map_or("a signal".to_owned(), |s| s.to_string());
             let text = format!("{}{}status {status}\n", output.stdout, output.stderr);
-            golden(&folder.join(format!("{name}.expected")), &text)
+            golden::compare(&folder.join(format!("{name}.expected")), &text).err()
         })
         .collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
@@ -89,7 +79,7 @@ fn a_longer_set_up_of_the_direction_is_a_moved_edge() {
     scratch.write(kept, fs::read(root().join("configs/printer/tests").join(kept)).unwrap());
     let output = scratch.run(scratch.command(&[], "haltest").arg("reversal.toml"));
     let path = root().join("tests/haltest/dirsetup.shown");
-    assert_eq!(golden(&path, &output.stdout), None);
+    golden::check(&path, &output.stdout);
     assert_eq!((output.status, output.stderr.as_str()), (Some(1), ""));
 }
 

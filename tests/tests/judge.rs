@@ -104,6 +104,7 @@
 use hal_protocol::{Kind, Link, Reply, Request};
 use hal_tests::{
     foreign::{Bench, installed},
+    golden,
     judge::{
         CYCLES, Style,
         case::{self, Case},
@@ -238,7 +239,7 @@ fn rows_are_as_theirs() {
             let table = std::fs::read_to_string(&file).unwrap();
             match measured(&table) {
                 Ok(text) if text == table => {}
-                Ok(text) if std::env::var_os("UPDATE_EXPECT").is_some() => {
+                Ok(text) if golden::is_update() => {
                     std::fs::write(&file, text).unwrap();
                 }
                 Ok(text) => {
@@ -279,10 +280,6 @@ fn every_component_does_as_theirs() {
         writeln!(text, "{row}").unwrap();
     }
     let file = root().join("tests/compat/judge.md");
-    if std::env::var_os("UPDATE_EXPECT").is_some() {
-        std::fs::write(file, &text).unwrap();
-    } else {
-        assert_eq!(std::fs::read_to_string(file).unwrap_or_default(), text);
-    }
+    golden::check(&file, &text);
     assert!(!text.contains("DIFFERS"), "{text}");
 }

@@ -10,7 +10,7 @@
 use hal_component::{
     Builder, Component, Error, KinematicsRef, Pose, abi::component_flags, bench::Bench,
 };
-use hal_tests::{foreign::installed, programs::root, tools};
+use hal_tests::{foreign::installed, golden, programs::root, tools};
 use kinematics as k;
 use std::{
     cell::Cell,
@@ -483,9 +483,5 @@ fn ours_and_theirs_at_the_same_places() {
     std::fs::remove_file(&program).unwrap();
     assert!(!text.contains("DIFFERS"), "{text}");
     let path = root().join("tests/compat/kinematics.md");
-    if std::env::var_os("UPDATE_EXPECT").is_some() {
-        std::fs::write(&path, text).unwrap();
-        return;
-    }
-    assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+    golden::check(&path, &text);
 }

@@ -1,7 +1,7 @@
 //! The machines of `configs`: each loads, does what it is there for, saves, and comes back from what was saved.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
-use hal_tests::{case::difference, programs::root, scratch::Scratch};
+use hal_tests::{golden, programs::root, scratch::Scratch};
 use std::{
     fmt::Write,
     fs,
@@ -137,17 +137,10 @@ impl Machine {
     }
 }
 
-/// Compares with what is committed; with `UPDATE_EXPECT=1`, commits it.
+/// Compares with a golden file, and adds how it differs to `wrong`.
 fn compare(path: &Path, got: &str, wrong: &mut String) {
-    let expected = fs::read_to_string(path).unwrap_or_default();
-    if expected == got {
-        return;
-    }
-    if std::env::var_os("UPDATE_EXPECT").is_some() {
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(path, got).unwrap();
-    } else {
-        writeln!(wrong, "{}:\n{}", path.display(), difference(&expected, got)).unwrap();
+    if let Err(difference) = golden::compare(path, got) {
+        writeln!(wrong, "{difference}").unwrap();
     }
 }
 
@@ -216,13 +209,5 @@ fn the_table_of_machines_is_true() {
         writeln!(new, "| [`{0}`]({0}) | {1} |", m.name, m.purpose()).unwrap();
     }
     new.push('\n');
-    let path = root().join("configs/README.md");
-    let text = fs::read_to_string(&path).unwrap();
-    let (head, rest) = text.split_once(BEGIN).unwrap();
-    let (old, tail) = rest.split_once(END).unwrap();
-    if std::env::var_os("UPDATE_EXPECT").is_some() {
-        fs::write(&path, format!("{head}{BEGIN}{new}{END}{tail}")).unwrap();
-        return;
-    }
-    assert_eq!(old, new, "run this test once with UPDATE_EXPECT=1");
+    golden::check_part(&root().join("configs/README.md"), BEGIN, END, &new);
 }

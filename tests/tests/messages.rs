@@ -3,7 +3,7 @@
 //! writes it.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
-use hal_tests::{case::cases, programs::root};
+use hal_tests::{case::cases, golden, programs::root};
 use std::{collections::BTreeMap, fmt::Write, fs};
 
 /// Messages that no script brings about, and what shows them instead.
@@ -176,10 +176,7 @@ fn every_message_is_shown_by_a_case() {
         }
     }
     assert!(missing.is_empty(), "no case shows:\n{}", missing.join("\n"));
-    if std::env::var_os("UPDATE_EXPECT").is_some() {
-        fs::write(&path, &table).unwrap();
-    }
-    assert_eq!(fs::read_to_string(&path).unwrap(), table, "run this with UPDATE_EXPECT=1");
+    golden::check(&path, &table);
 }
 
 #[test]

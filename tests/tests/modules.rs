@@ -9,6 +9,7 @@
 use hal_protocol::{Direction, Kind, Link, Request, Value};
 use hal_tests::{
     foreign::{Bench, installed},
+    golden,
     machine::script,
     programs::root,
     random::Random,
@@ -254,11 +255,7 @@ fn all_modules() {
         writeln!(text, "{row}").unwrap();
     }
     let file = root().join("tests/compat/modules.md");
-    if std::env::var_os("UPDATE_EXPECT").is_some() {
-        std::fs::write(file, &text).unwrap();
-    } else {
-        assert_eq!(std::fs::read_to_string(file).unwrap_or_default(), text);
-    }
+    golden::check(&file, &text);
     assert!(running >= 150, "only {running} run");
     assert!(!text.contains("unexplained"), "{text}");
 }

@@ -2,8 +2,7 @@
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use hal_protocol::{DelayInfo, OrderInfo, Reply};
-use hal_tests::{programs::root, scratch::Scratch, vcd::Vcd};
-use std::fs;
+use hal_tests::{golden, programs::root, scratch::Scratch, vcd::Vcd};
 
 fn folder() -> Scratch {
     Scratch::copy_of(&root().join("tests/order"))
@@ -17,11 +16,7 @@ fn halcmd(scratch: &Scratch, words: &[&str]) -> String {
 }
 
 fn expect(name: &str, text: &str) {
-    let path = root().join("tests/order").join(name);
-    if std::env::var_os("UPDATE_EXPECT").is_some() {
-        fs::write(&path, text).unwrap();
-    }
-    assert_eq!(text, fs::read_to_string(&path).unwrap_or_default(), "{}", path.display());
+    golden::check(&root().join("tests/order").join(name), text);
 }
 
 /// Runs these scripts one after the other and records their signals.

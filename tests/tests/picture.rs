@@ -2,7 +2,7 @@
 //! `UPDATE_EXPECT=1` draws `configs/printer/scope.svg` and `scope.png` again.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
-use hal_tests::{programs::root, scratch::Scratch};
+use hal_tests::{golden, programs::root, scratch::Scratch};
 use hal_trace::{Trace, load, measure::measure};
 use std::{fs, path::Path};
 
@@ -68,7 +68,7 @@ fn the_picture_is_as_it_was_drawn() {
         assert_eq!((output.stderr.as_str(), output.status), ("", Some(0)), "{kind}");
         let drawn = fs::read(scratch.path().join(name)).unwrap();
         let kept = root().join("configs/printer").join(name);
-        if std::env::var_os("UPDATE_EXPECT").is_some() {
+        if golden::is_update() {
             fs::write(&kept, &drawn).unwrap();
         }
         assert!(same(&drawn, &kept), "{} is drawn in another way", kept.display());

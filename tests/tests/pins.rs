@@ -14,6 +14,7 @@
 use hal_protocol::{Kind, Link, Offer, Reply, Request};
 use hal_tests::{
     foreign::{Bench, installed},
+    golden,
     pins::{self, Version},
     tools,
 };
@@ -99,7 +100,7 @@ fn measured(module: &str) -> Result<Version, String> {
 fn every_file_is_what_theirs_has() {
     let Some(folder) = tools::linuxcnc() else { return };
     let only = std::env::var("PINS").ok();
-    let update = std::env::var_os("UPDATE_EXPECT").is_some();
+    let update = golden::is_update();
     let mut wrong = Vec::new();
     for offer in offers() {
         let name = &offer.component;

@@ -9,7 +9,7 @@
 use hal_protocol::Offer;
 use hal_tests::{
     counted::Sources,
-    pins,
+    golden, pins,
     programs::{family, programs, root},
 };
 use halcmd::man::{self, Page};
@@ -199,22 +199,13 @@ fn table(pages: &[Page]) -> String {
 
 #[test]
 fn the_table_of_components_is_true() {
-    let path = root().join("components/README.md");
-    let text = fs::read_to_string(&path).unwrap();
-    let (head, rest) = text.split_once(BEGIN).unwrap();
-    let (old, tail) = rest.split_once(END).unwrap();
-    let new = table(&pages());
-    if std::env::var_os("UPDATE_EXPECT").is_some() {
-        fs::write(&path, format!("{head}{BEGIN}{new}{END}{tail}")).unwrap();
-        return;
-    }
-    assert_eq!(old, new, "{AGAIN}");
+    golden::check_part(&root().join("components/README.md"), BEGIN, END, &table(&pages()));
 }
 
 #[test]
 fn the_page_of_each_component_is_true() {
     let folder = root().join("components/pages");
-    let update = std::env::var_os("UPDATE_EXPECT").is_some();
+    let update = golden::is_update();
     if update {
         drop(fs::remove_dir_all(&folder));
         fs::create_dir_all(&folder).unwrap();

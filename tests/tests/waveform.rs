@@ -2,8 +2,7 @@
 //! `UPDATE_EXPECT=1` writes what is expected.
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
 
-use hal_tests::{programs::root, scratch::Scratch, vcd::Vcd};
-use std::fs;
+use hal_tests::{golden, programs::root, scratch::Scratch, vcd::Vcd};
 
 /// The lines that the drawing shows.
 const LINES: [&str; 4] = ["xstep", "xdir", "viagpio.sim.reg-4d-4", "viagpio.sim.reg-4f-2"];
@@ -42,10 +41,7 @@ fn the_edges_around_a_reversal() {
         waits.push(wait);
     }
     let path = root().join("tests/hal/printer/waveform.expected");
-    if std::env::var_os("UPDATE_EXPECT").is_some() {
-        fs::write(&path, &text).unwrap();
-    }
-    assert_eq!(text, fs::read_to_string(&path).unwrap_or_default(), "{}", path.display());
+    golden::check(&path, &text);
     // Times are rounded up to base periods: a longer set-up moves the first step after the turn.
     assert!(waits.iter().zip([100_000, 600_000, 100_000]).all(|(w, least)| *w >= least));
     assert!(waits[1] > waits[0], "{waits:?}");
