@@ -24,7 +24,7 @@ use std::fmt::Write;
 const BEGIN: &str = "<!-- speed:begin -->";
 const END: &str = "<!-- speed:end -->";
 
-/// All functions, the dearest first, and what cannot be measured.
+/// All functions, the most expensive first, and what cannot be measured.
 fn functions() -> (Vec<Cost>, Vec<String>) {
     let only = std::env::var("COMPONENT").ok();
     let mut engine = every::engine();
@@ -50,7 +50,12 @@ fn table() -> String {
     let (costs, refused) = functions();
     for Cost { component, function, args, ns } in costs {
         let with = if args.is_empty() { String::new() } else { format!(", `{args}`") };
-        let ns = if ns < 100.0 { format!("{ns:.1}") } else { format!("{ns:.0}") };
+        // Below one nanosecond the difference to an empty function is noise.
+        let ns = match ns {
+            ns if ns < 1.0 => "< 1".to_owned(),
+            ns if ns < 100.0 => format!("{ns:.1}"),
+            ns => format!("{ns:.0}"),
+        };
         writeln!(out, "| `{component}` | `{function}`{with} | {ns} |").unwrap();
     }
     if std::env::var_os("COMPONENT").is_none() {

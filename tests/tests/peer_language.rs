@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{programs::root, scratch::Scratch};
-use std::fs;
+use std::{collections::BTreeSet, fs};
 
 /// What Ferrule prints for a script of `tests/peer`: standard output, standard error.
 fn ours(script: &str) -> (String, String) {
@@ -14,6 +14,7 @@ fn ours(script: &str) -> (String, String) {
     (output.stdout, output.stderr)
 }
 
+/// A file of what LinuxCNC printed, or of what is known about it.
 fn theirs(file: &str) -> String {
     fs::read_to_string(root().join("tests/peer").join(file)).unwrap()
 }
@@ -37,45 +38,23 @@ fn listings_are_the_same_but_for_widths() {
     assert_eq!(got, want);
 }
 
-/// What LinuxCNC 2.9 says that Ferrule does not say in these words.
-const BY_DESIGN: &[(&str, &str)] = &[
-    ("rtapi_app", "no program of its own loads modules"),
-    (": dlopen: ", "what cannot be found is said with where it was looked for"),
-    (" invalid for ", "the newer release: thing 'X': invalid argument"),
-    ("setp failed", "the newer release has no second line"),
-    ("sets failed", "the newer release has no second line"),
-    (" is not writable", "the newer release: thing 'X': not writable"),
-    ("already has writer(s)", "the newer release: thing 'X': not writable"),
-    ("parameter or pin 'nothing' not found", "the newer release: 'X': not found"),
-    ("pin or parameter ", "the newer release: parameter or pin 'X': not found"),
-    ("signal 'nosig' not found", "the newer release: 'X': not found, where a value is asked for"),
-    ("newsig failed", "the newer release has no second line for a type"),
-    ("signal 'q' already has output", "'net' is whole or not at all"),
-    ("link failed", "'net' is whole or not at all"),
-    (": Permission denied", "what the system says of a folder in PATH"),
-];
-
+/// Lines that LinuxCNC prints and Ferrule does not are exactly those of `refusals.differences`.
 #[test]
 fn refusals_are_the_same_but_where_that_is_meant() {
     let (_, stderr) = ours("refusals.hal");
     let said: Vec<&str> = stderr.lines().collect();
-    let mut unknown = Vec::new();
-    let mut used = Vec::new();
-    for line in theirs("refusals.err").lines().filter(|l| !l.is_empty()) {
-        // The library's sentences have no place there.
+    let is_said = |line: &&str| {
+        // Lines of the library have no place there.
         let library = line.strip_prefix("HAL: ERROR: ");
-        let same = match library {
-            Some(text) => said.iter().any(|s| s.ends_with(&format!(": {text}"))),
-            None => said.iter().any(|s| *s == line || s.ends_with(&format!(": {line}"))),
-        };
-        match BY_DESIGN.iter().find(|(part, _)| line.contains(part)) {
-            _ if same => {}
-            Some((part, _)) => used.push(*part),
-            None => unknown.push(line.to_owned()),
-        }
-    }
-    for (part, why) in BY_DESIGN {
-        assert!(used.contains(part), "no longer different: {part}: {why}");
-    }
-    assert!(unknown.is_empty(), "not said here:\n{}\nbut:\n{stderr}", unknown.join("\n"));
+        let end = format!(": {}", library.unwrap_or(line));
+        said.iter().any(|s| s.ends_with(&end) || (library.is_none() && s == line))
+    };
+    let (theirs, known) = (theirs("refusals.err"), theirs("refusals.differences"));
+    let missing: BTreeSet<&str> =
+        theirs.lines().filter(|l| !l.is_empty()).filter(|l| !is_said(l)).collect();
+    let known: BTreeSet<&str> =
+        known.lines().filter(|l| !l.is_empty() && !l.starts_with('#')).collect();
+    let new: Vec<_> = missing.difference(&known).collect();
+    let gone: Vec<_> = known.difference(&missing).collect();
+    assert!(new.is_empty() && gone.is_empty(), "not said: {new:#?}\nsaid after all: {gone:#?}");
 }
