@@ -13,7 +13,7 @@ use crate::{
     remote::{is_gone, pause},
 };
 use hal_engine::Engine;
-use hal_protocol::{Client, Link, Place, Request};
+use hal_protocol::{Client, Link, NOT_RUNNING, Place, Request};
 use plan::{Action, Detach, Plan, Script};
 use serve::{Local, stay};
 use std::{
@@ -53,7 +53,14 @@ pub(crate) fn options() -> Vec<Opt<()>> {
 
 /// `-U`: asks the instance to end, and waits until it has.
 fn stop(place: &Place, terminal: &mut dyn Terminal) -> u8 {
-    let Ok(mut client) = Client::connect(place, "") else { return 0 };
+    let mut client = match Client::connect(place, "") {
+        Ok(client) => client,
+        Err(failure) if failure.code == NOT_RUNNING => return 0,
+        Err(failure) => {
+            terminal.err(&format!("halrun: {failure}\n"));
+            return 1;
+        }
+    };
     if client.call(Request::Shutdown).is_err() && is_gone(place) {
         return 0;
     }

@@ -1,8 +1,8 @@
 //! An engine that runs elsewhere.
 
 use crate::options::Opt;
-use hal_protocol::{At, Client, Failure, Link, Place, Reply, Request};
-use rustix::{fs::FlockOperation, thread::NanosleepRelativeResult, time::Timespec};
+use hal_protocol::{At, Client, Failure, Folder, FolderError, Link, Place, Reply, Request};
+use rustix::{thread::NanosleepRelativeResult, time::Timespec};
 
 /// A connection that is made when it is first needed.
 #[derive(Debug)]
@@ -78,6 +78,8 @@ pub fn pause(ms: u32) {
 /// Whether the instance's process is gone: nobody holds its lock.
 #[must_use]
 pub fn is_gone(place: &Place) -> bool {
-    let Ok(file) = std::fs::File::open(place.lock()) else { return true };
-    rustix::fs::flock(&file, FlockOperation::NonBlockingLockShared).is_ok()
+    match Folder::open(place) {
+        Ok(folder) => folder.is_free(place),
+        Err(e) => matches!(e, FolderError::Missing { .. }),
+    }
 }

@@ -27,4 +27,5 @@ pub mod scratch;
 pub mod terminal;
 pub mod tools;
 pub mod trace;
+pub mod user;
 pub mod vcd;

@@ -16,6 +16,15 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("*: not a plugin: *", FAULTS),
     ("function '*' has failed: threads stay stopped", "tests/tests/faults_running.rs"),
     ("instance '*' is already running", REFUSALS),
+    ("* belongs to user *, not to user *", FALSE_ENGINE),
+    ("* can be written by other users (mode *)", FALSE_ENGINE),
+    ("* is a symbolic link, which leads anywhere", FALSE_ENGINE),
+    ("* is no folder", FALSE_ENGINE),
+    ("* is no socket", FALSE_ENGINE),
+    ("*: there is no such folder", FALSE_ENGINE),
+    ("remove it, or *", FALSE_ENGINE),
+    ("run 'chmod go-w *', or *", FALSE_ENGINE),
+    ("the engine at * runs as user *, not as user *", FALSE_ENGINE),
     ("no command with ticket * is known", REFUSALS),
     ("stream '*' is in use by another program", "tests/tests/rings.rs"),
     (
@@ -38,6 +47,7 @@ const ELSEWHERE: &[(&str, &str)] = &[
 ];
 const SAMPLES: &str = "tests/tests/samples.rs";
 const FAULTS: &str = "tests/tests/faults.rs";
+const FALSE_ENGINE: &str = "tests/tests/false_engine.rs";
 const REFUSALS: &str = "tests/tests/refusals.rs";
 
 /// The commands that scripts of LinuxCNC have.
@@ -53,6 +63,7 @@ const SOURCES: &[&str] = &[
     "hal/engine/src/error.rs",
     "hal/engine/src/hint.rs",
     "hal/engine/src/watch_error.rs",
+    "hal/protocol/src/folder.rs",
 ];
 
 /// What every case prints, by its name.

@@ -226,9 +226,6 @@ pub enum Error {
     },
     Watch(crate::WatchError),
     Loading(Box<crate::Loading>),
-    Running {
-        instance: Box<str>,
-    },
     System {
         what: &'static str,
         why: Box<str>,
@@ -386,7 +383,6 @@ impl core::fmt::Display for Error {
             Self::File { path, why } => write!(f, "{path}: {why}"),
             Self::Watch(e) => e.fmt(f),
             Self::Loading(e) => e.fmt(f),
-            Self::Running { instance } => write!(f, "instance '{instance}' is already running"),
             Self::System { what, why } => write!(f, "{what}: {why}"),
             Self::ServiceTaken { name, by } => {
                 write!(f, "{name} are loaded already, by component '{by}'")

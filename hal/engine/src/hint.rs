@@ -19,10 +19,7 @@ impl Error {
             Self::Locked { .. } => -1,
             Self::NotWritable { .. } => -13,
             Self::OutOfMemory => -12,
-            Self::InUseBy { .. }
-            | Self::Stuck { .. }
-            | Self::StreamTaken { .. }
-            | Self::Running { .. } => -16,
+            Self::InUseBy { .. } | Self::Stuck { .. } | Self::StreamTaken { .. } => -16,
             Self::Duplicate { .. } | Self::ModuleExists { .. } | Self::ServiceTaken { .. } => -17,
             Self::OutOfRange { .. } => -34,
             Self::QueueAllocated { .. } => -106,

@@ -7,15 +7,11 @@ use crate::{
     polls::{clients_target, next_poll_of, settle},
     session::{forget_left, leave, respond},
 };
-use hal_protocol::Place;
+use hal_protocol::{Folder, FolderError, Place, peer};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use std::{
     fs::File,
-    io::ErrorKind,
-    os::unix::{
-        fs::{DirBuilderExt, MetadataExt, PermissionsExt},
-        net::UnixListener,
-    },
+    os::unix::net::{UnixListener, UnixStream},
 };
 
 /// The most clients at once.
@@ -28,6 +24,7 @@ const MOST_IN_TURN: usize = 16;
 pub(crate) struct Server {
     listener: UnixListener,
     place: Place,
+    folder: Folder,
     #[expect(dead_code, reason = "locked as long as the instance lives")]
     lock: File,
     pub(crate) clients: Vec<Client>,
@@ -36,62 +33,11 @@ pub(crate) struct Server {
 
 impl Server {
     /// Takes the socket of an instance, also over from an owner that has died.
-    pub(crate) fn open(place: &Place) -> Result<Self, Error> {
-        let system =
-            |what: &'static str| move |e: std::io::Error| Error::System { what, why: os::said(&e) };
-        let mut builder = std::fs::DirBuilder::new();
-        builder
-            .recursive(true)
-            .mode(0o700)
-            .create(place.folder())
-            .map_err(system("the runtime folder cannot be made"))?;
-        let folder = std::fs::metadata(place.folder())
-            .map_err(system("the runtime folder cannot be looked at"))?;
-        let me = rustix::process::getuid().as_raw();
-        if folder.uid() != me || folder.mode() & 0o022 != 0 {
-            let why = format!("{} is not this user's alone", place.folder().display());
-            return Err(Error::System { what: "the runtime folder", why: why.into() });
-        }
-        let lock = Self::lock(place)?;
-        let path = place.socket();
-        match std::fs::remove_file(&path) {
-            Err(e) if e.kind() != ErrorKind::NotFound => {
-                return Err(system("an old socket cannot be removed")(e));
-            }
-            _ => {}
-        }
-        let listener =
-            UnixListener::bind(&path).map_err(system("the instance's socket cannot be made"))?;
-        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o600))
-            .map_err(system("the instance's socket cannot be protected"))?;
-        listener.set_nonblocking(true).map_err(system("the instance's socket"))?;
-        Ok(Self { listener, place: place.clone(), lock, clients: Vec::new(), next: 1 })
-    }
-
-    /// Takes the lock that says that the instance is alive.
-    fn lock(place: &Place) -> Result<File, Error> {
-        let system = |e: std::io::Error| Error::System {
-            what: "the instance's lock cannot be opened",
-            why: os::said(&e),
-        };
-        loop {
-            let lock = File::options()
-                .create(true)
-                .truncate(false)
-                .read(true)
-                .write(true)
-                .open(place.lock())
-                .map_err(system)?;
-            let flock = rustix::fs::FlockOperation::NonBlockingLockExclusive;
-            if rustix::fs::flock(&lock, flock).is_err() {
-                return Err(Error::Running { instance: place.name().into() });
-            }
-            // An owner that ended meanwhile has removed the file: then this lock means nothing.
-            let same = lock.metadata().map_err(system)?.ino();
-            if std::fs::metadata(place.lock()).is_ok_and(|m| m.ino() == same) {
-                return Ok(lock);
-            }
-        }
+    pub(crate) fn open(place: &Place) -> Result<Self, FolderError> {
+        let folder = Folder::make(place)?;
+        let lock = folder.lock(place)?;
+        let listener = folder.listen(place)?;
+        Ok(Self { listener, place: place.clone(), folder, lock, clients: Vec::new(), next: 1 })
     }
 
     /// Ends every connection: programs see it and leave.
@@ -104,7 +50,13 @@ impl Server {
             if self.clients.len() >= MOST_CLIENTS || socket.set_nonblocking(true).is_err() {
                 continue;
             }
-            self.clients.push(Client::new(self.next, socket));
+            let mut client = Client::new(self.next, socket);
+            if let Err(refusal) = admitted(&client.socket) {
+                client.closing = true;
+                client.answer(Err(refusal.into()));
+                continue;
+            }
+            self.clients.push(client);
             self.next += 1;
         }
     }
@@ -112,11 +64,25 @@ impl Server {
 
 impl Drop for Server {
     fn drop(&mut self) {
-        // A file that has gone already is as good.
-        for file in [self.place.socket(), self.place.lock()] {
-            drop(std::fs::remove_file(file));
-        }
+        self.folder.remove(&self.place);
     }
+}
+
+/// Whether the user at the other end may use this instance: its own user, and root.
+fn admitted(socket: &UnixStream) -> Result<(), Error> {
+    let me = rustix::process::geteuid().as_raw();
+    let peer = peer(socket).map_err(|e| Error::System {
+        what: "the user of this program cannot be found out",
+        why: os::said(&e),
+    })?;
+    if peer == me || peer == 0 {
+        return Ok(());
+    }
+    let why = format!(
+        "this instance belongs to user {me}, and is used by that user and root; this program runs \
+         as user {peer}"
+    );
+    Err(Error::Protocol { why: why.into() })
 }
 
 /// One look at the socket: waits at most `ms` for something to do, and does it.

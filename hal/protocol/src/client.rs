@@ -1,8 +1,8 @@
 //! The client's end of the socket.
 
 use crate::{
-    At, Failure, LATEST, LONGEST, Link, Place, Reply, Request, SampleSpec, SampleState, Samples,
-    Stream, WireReply, WireRequest,
+    At, Failure, Folder, FolderError, LATEST, LONGEST, Link, Place, Reply, Request, SampleSpec,
+    SampleState, Samples, Stream, WireReply, WireRequest,
 };
 use rustix::net::{RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags};
 use std::{
@@ -21,18 +21,25 @@ pub struct Client {
 }
 
 const EIO: i32 = -5;
-const ECONNREFUSED: i32 = -111;
+/// The code of the failure to connect where no instance runs (ECONNREFUSED).
+pub const NOT_RUNNING: i32 = -111;
 const EMSGSIZE: i32 = -90;
 
 impl Client {
     /// Connects and introduces this process as component `name`; empty: not listed.
     ///
     /// # Errors
-    /// Nobody listens, or the engine speaks another protocol.
+    /// Nobody listens ([`NOT_RUNNING`]), another user could have made the folder or the socket or
+    /// listens there, or the engine speaks another protocol.
     pub fn connect(place: &Place, name: &str) -> Result<Self, Failure> {
-        let socket = UnixStream::connect(place.socket()).map_err(|_| {
+        let socket = match Folder::open(place) {
+            Ok(folder) => folder.connect(place)?,
+            Err(FolderError::Missing { .. }) => None,
+            Err(e) => return Err(e.into()),
+        };
+        let socket = socket.ok_or_else(|| {
             let mut f =
-                Failure::new(ECONNREFUSED, format!("no instance '{}' is running", place.name()));
+                Failure::new(NOT_RUNNING, format!("no instance '{}' is running", place.name()));
             f.hint = Some("start one with 'halrun FILE', or name another with --instance".into());
             f
         })?;

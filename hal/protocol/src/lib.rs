@@ -3,7 +3,7 @@
 //! On the socket each message is one line of JSON, answered in order. Floats that are not finite
 //! and 64-bit integers are strings. The same types serve inside one process: whoever can answer
 //! requests is a [`Link`].
-#![expect(unsafe_code, reason = "maps rings that the engine hands over")]
+#![expect(unsafe_code, reason = "maps rings that the engine hands over, asks who is at a socket")]
 
 mod at;
 mod client;
@@ -11,6 +11,7 @@ mod code;
 mod failure;
 mod finding;
 mod flight;
+mod folder;
 mod info;
 mod kind;
 mod message;
@@ -25,11 +26,12 @@ mod value;
 mod wire;
 
 pub use at::At;
-pub use client::Client;
+pub use client::{Client, NOT_RUNNING};
 pub use code::Code;
 pub use failure::Failure;
 pub use finding::{Finding, Level, Related};
 pub use flight::{FlightInfo, FlightSpec, KeptInfo, KeptState};
+pub use folder::{Folder, FolderError, peer};
 pub use info::{
     AliasInfo, ArgInfo, CommandInfo, ComponentInfo, ComponentState, FaultInfo, ForeignInfo,
     ForeignPart, FunctInfo, ItemInfo, Offer, SignalInfo, StatusInfo, StreamInfo, ThreadInfo,

@@ -3,7 +3,10 @@
 use crate::{StreamInfo, Type, Value};
 use core::{ffi::c_void, ptr};
 use hal_abi::{Consumer, Got, Producer, RING_MAGIC, Ring};
-use rustix::mm::{MapFlags, ProtFlags, mmap, munmap};
+use rustix::{
+    fs::SealFlags,
+    mm::{MapFlags, ProtFlags, mmap, munmap},
+};
 use std::os::fd::{AsFd, OwnedFd};
 
 /// A program's end of a shared ring.
@@ -34,8 +37,13 @@ impl Mapping {
         if usize::try_from(size).ok().is_none_or(|s| s < bytes) {
             return Err("the ring is smaller than it says".into());
         }
+        let seals = rustix::fs::fcntl_get_seals(fd).map_err(|e| e.to_string())?;
+        if !seals.contains(SealFlags::SHRINK) {
+            return Err("the ring could be cut while it is read".into());
+        }
         let (prot, flags) = (ProtFlags::READ | ProtFlags::WRITE, MapFlags::SHARED);
-        // SAFETY: a fresh shared mapping; the file is sealed against shrinking.
+        // SAFETY: a fresh shared mapping; the file is sealed against shrinking, as
+        // was just looked up.
         let address = unsafe { mmap(ptr::null_mut(), bytes, prot, flags, fd.as_fd(), 0) }
             .map_err(|e| e.to_string())?;
         let mapping = Self { address, bytes };
@@ -114,5 +122,31 @@ impl Stream {
             End::Reads(c) => c.waiting(),
             End::Writes(p) => p.waiting(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rustix::fs::{MemfdFlags, fcntl_add_seals, ftruncate, memfd_create};
+
+    #[test]
+    fn memory_that_could_be_cut_is_not_mapped() {
+        let map = |seal: SealFlags, bytes: u64| {
+            let flags = MemfdFlags::CLOEXEC | MemfdFlags::ALLOW_SEALING;
+            let fd = memfd_create("hal-test", flags).unwrap();
+            ftruncate(&fd, bytes).unwrap();
+            fcntl_add_seals(&fd, seal).unwrap();
+            Mapping::new(&fd, 4, 1).map(drop).unwrap_err()
+        };
+        assert_eq!(map(SealFlags::GROW, 4096), "the ring could be cut while it is read");
+        assert_eq!(map(SealFlags::SHRINK, 8), "the ring is smaller than it says");
+        assert_eq!(map(SealFlags::SHRINK, 4096), "this is not a ring");
+        // What is no such memory has no seals.
+        let file = std::env::temp_dir().join(format!("hal-ring-{}", std::process::id()));
+        std::fs::write(&file, [0; 4096]).unwrap();
+        let fd = OwnedFd::from(std::fs::File::open(&file).unwrap());
+        assert!(Mapping::new(&fd, 4, 1).is_err());
+        std::fs::remove_file(file).unwrap();
     }
 }

@@ -7,13 +7,16 @@ use super::{
 };
 use crate::ini::plain;
 use std::{
-    fs, io,
-    os::unix::fs::symlink,
+    fs::{self, DirBuilder},
+    io,
+    os::unix::fs::{DirBuilderExt, symlink},
     path::{Component, Path, PathBuf},
 };
 
 /// Where instances have their sockets.
 pub(super) const RUNTIME: &str = ".run";
+/// How many names of folders are tried.
+const MAX_ATTEMPTS: u32 = 1000;
 
 /// A folder for one run; it is removed in the end.
 #[derive(Debug)]
@@ -24,10 +27,21 @@ pub(super) struct Stage {
 impl Stage {
     /// An empty one, for the `number`-th run of this process.
     pub(super) fn new(number: u32) -> io::Result<Self> {
-        let name = format!("haltest-{}-{number}", std::process::id());
-        let path = std::env::temp_dir().join(name);
-        fs::create_dir_all(path.join(RUNTIME))?;
-        Ok(Self { path })
+        let process = std::process::id();
+        for attempt in 0..MAX_ATTEMPTS {
+            let path = std::env::temp_dir().join(format!("haltest-{process}-{number}-{attempt}"));
+            // One that is there already may be another user's.
+            match DirBuilder::new().mode(0o700).create(&path) {
+                Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {}
+                made => {
+                    made?;
+                    let stage = Self { path };
+                    fs::create_dir(stage.path.join(RUNTIME))?;
+                    return Ok(stage);
+                }
+            }
+        }
+        Err(io::ErrorKind::AlreadyExists.into())
     }
 
     pub(super) fn path(&self) -> &Path {

@@ -1,0 +1,319 @@
+//! The folder with the files of a user's instances: checked, held open, and used through what was
+//! opened, so that nobody can exchange it in between.
+
+use crate::{Failure, Place};
+use rustix::{
+    fs::{AtFlags, FileType, FlockOperation, Mode, OFlags, Stat},
+    io::Errno,
+    net::{AddressFamily, SocketAddrUnix, SocketFlags, SocketType},
+};
+use std::{
+    fs::{DirBuilder, File},
+    os::{
+        fd::{AsFd, AsRawFd, OwnedFd},
+        unix::{
+            fs::DirBuilderExt,
+            net::{UnixListener, UnixStream},
+        },
+    },
+    path::{Path, PathBuf},
+};
+
+/// The user who may do everything.
+const ROOT: u32 = 0;
+/// The bits of a mode that let the group or others write.
+const OTHERS_WRITE: u32 = 0o022;
+
+/// Why the files of an instance are not used.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the sentence of each variant is its documentation")]
+pub enum FolderError {
+    Missing { path: Box<Path> },
+    Link { path: Box<Path> },
+    NoFolder { path: Box<Path> },
+    Owner { path: Box<Path>, owner: u32, expected: u32 },
+    Writable { path: Box<Path>, mode: u32 },
+    NoSocket { path: Box<Path> },
+    Peer { path: Box<Path>, peer: u32, expected: u32 },
+    Taken { instance: Box<str> },
+    System { path: Box<Path>, why: Box<str> },
+}
+
+impl core::fmt::Display for FolderError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Missing { path } => write!(f, "{}: there is no such folder", path.display()),
+            Self::Link { path } => {
+                write!(f, "{} is a symbolic link, which leads anywhere", path.display())
+            }
+            Self::NoFolder { path } => write!(f, "{} is no folder", path.display()),
+            Self::Owner { path, owner, expected } => {
+                write!(f, "{} belongs to user {owner}, not to user {expected}", path.display())
+            }
+            Self::Writable { path, mode } => {
+                write!(f, "{} can be written by other users (mode {mode:04o})", path.display())
+            }
+            Self::NoSocket { path } => write!(f, "{} is no socket", path.display()),
+            Self::Peer { path, peer, expected } => write!(
+                f,
+                "the engine at {} runs as user {peer}, not as user {expected}",
+                path.display()
+            ),
+            Self::Taken { instance } => write!(f, "instance '{instance}' is already running"),
+            Self::System { path, why } => write!(f, "{}: {why}", path.display()),
+        }
+    }
+}
+
+impl std::error::Error for FolderError {}
+
+impl FolderError {
+    /// Returns what would be right.
+    fn hint(&self) -> Option<String> {
+        let own = "name a folder of this user's own in HAL_RUNTIME_DIR";
+        match self {
+            Self::Link { .. } | Self::NoFolder { .. } | Self::NoSocket { .. } => {
+                Some(format!("remove it, or {own}"))
+            }
+            Self::Owner { .. } => Some(own.to_owned()),
+            Self::Writable { path, .. } => {
+                Some(format!("run 'chmod go-w {}', or {own}", path.display()))
+            }
+            Self::Missing { .. } | Self::Peer { .. } | Self::Taken { .. } | Self::System { .. } => {
+                None
+            }
+        }
+    }
+}
+
+impl From<FolderError> for Failure {
+    fn from(error: FolderError) -> Self {
+        let errno = match &error {
+            FolderError::Missing { .. } => Errno::NOENT,
+            FolderError::Taken { .. } => Errno::BUSY,
+            FolderError::System { .. } => Errno::IO,
+            _ => Errno::ACCESS,
+        };
+        let mut failure = Self::new(-errno.raw_os_error(), error.to_string());
+        failure.hint = error.hint();
+        failure
+    }
+}
+
+/// The folder, open.
+#[derive(Debug)]
+pub struct Folder {
+    fd: OwnedFd,
+    path: PathBuf,
+    owner: u32,
+}
+
+impl Folder {
+    /// Opens the folder of an instance of this user's; for root, also of another user's if it is
+    /// named ([`Place::is_named`]).
+    ///
+    /// # Errors
+    /// There is none, or another user could have made it or can change it.
+    pub fn open(place: &Place) -> Result<Self, FolderError> {
+        let me = rustix::process::geteuid().as_raw();
+        let any_user = me == ROOT && place.is_named();
+        Self::checked(place.folder(), |owner| if any_user { owner } else { me })
+    }
+
+    /// Opens the folder of this user's instances, or makes it.
+    ///
+    /// # Errors
+    /// As [`Self::open`]; or it cannot be made.
+    pub fn make(place: &Place) -> Result<Self, FolderError> {
+        let path = place.folder();
+        let made = DirBuilder::new().recursive(true).mode(0o700).create(path);
+        let me = rustix::process::geteuid().as_raw();
+        match (Self::checked(path, |_| me), made) {
+            (Err(FolderError::Missing { .. }), Err(e)) => {
+                Err(FolderError::System { path: path.into(), why: reason(&e) })
+            }
+            (opened, _) => opened,
+        }
+    }
+
+    fn checked(path: &Path, expected: impl Fn(u32) -> u32) -> Result<Self, FolderError> {
+        let flags = OFlags::PATH | OFlags::DIRECTORY | OFlags::NOFOLLOW | OFlags::CLOEXEC;
+        let fd = rustix::fs::open(path, flags, Mode::empty()).map_err(|e| match e {
+            Errno::NOENT => FolderError::Missing { path: path.into() },
+            Errno::NOTDIR | Errno::LOOP if path.is_symlink() => {
+                FolderError::Link { path: path.into() }
+            }
+            Errno::NOTDIR => FolderError::NoFolder { path: path.into() },
+            e => FolderError::System { path: path.into(), why: reason(&e.into()) },
+        })?;
+        let stat = rustix::fs::fstat(&fd)
+            .map_err(|e| FolderError::System { path: path.into(), why: reason(&e.into()) })?;
+        let expected = expected(stat.st_uid);
+        if stat.st_uid != expected {
+            return Err(FolderError::Owner { path: path.into(), owner: stat.st_uid, expected });
+        }
+        let mode = stat.st_mode & 0o7777;
+        if mode & OTHERS_WRITE != 0 {
+            return Err(FolderError::Writable { path: path.into(), mode });
+        }
+        Ok(Self { fd, path: path.to_owned(), owner: stat.st_uid })
+    }
+
+    /// Connects to the engine of an instance; nothing when none listens.
+    ///
+    /// # Errors
+    /// What is there is not a socket of the folder's owner's, or another user listens at it.
+    pub fn connect(&self, place: &Place) -> Result<Option<UnixStream>, FolderError> {
+        let name = place.socket_name();
+        match self.stat(&name)? {
+            None => return Ok(None),
+            Some(stat) => self.own(&name, &stat, FileType::Socket)?,
+        }
+        let socket = match UnixStream::connect(self.through(&name)) {
+            Ok(socket) => socket,
+            Err(e) => match e.kind() {
+                std::io::ErrorKind::ConnectionRefused | std::io::ErrorKind::NotFound => {
+                    return Ok(None);
+                }
+                _ => return Err(self.system(&name, &e)),
+            },
+        };
+        let peer = peer(&socket).map_err(|e| self.system(&name, &e))?;
+        if peer != self.owner {
+            let path = self.path.join(&name).into();
+            return Err(FolderError::Peer { path, peer, expected: self.owner });
+        }
+        Ok(Some(socket))
+    }
+
+    /// Takes the lock that says that the instance is alive.
+    ///
+    /// # Errors
+    /// It is alive, or the lock cannot be made.
+    pub fn lock(&self, place: &Place) -> Result<File, FolderError> {
+        let name = place.lock_name();
+        let flags = OFlags::CREATE | OFlags::RDWR | OFlags::NOFOLLOW | OFlags::NONBLOCK;
+        loop {
+            let opened = rustix::fs::openat(
+                &self.fd,
+                &*name,
+                flags | OFlags::CLOEXEC,
+                Mode::RUSR | Mode::WUSR,
+            );
+            let fd = opened.map_err(|e| self.system(&name, &e.into()))?;
+            let stat = rustix::fs::fstat(&fd).map_err(|e| self.system(&name, &e.into()))?;
+            self.own(&name, &stat, FileType::RegularFile)?;
+            if rustix::fs::flock(&fd, FlockOperation::NonBlockingLockExclusive).is_err() {
+                return Err(FolderError::Taken { instance: place.name().into() });
+            }
+            // An owner that ended meanwhile has removed the file: then this lock means nothing.
+            if self.stat(&name)?.is_some_and(|now| now.st_ino == stat.st_ino) {
+                return Ok(fd.into());
+            }
+        }
+    }
+
+    /// Whether nobody holds the instance's lock.
+    #[must_use]
+    pub fn is_free(&self, place: &Place) -> bool {
+        let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
+        match rustix::fs::openat(&self.fd, &*place.lock_name(), flags, Mode::empty()) {
+            Ok(fd) => rustix::fs::flock(&fd, FlockOperation::NonBlockingLockShared).is_ok(),
+            Err(e) => e == Errno::NOENT,
+        }
+    }
+
+    /// Listens at the instance's socket, which only its user can reach. Whoever calls this holds the
+    /// lock; what an owner that has died has left is removed.
+    ///
+    /// # Errors
+    /// The system refuses.
+    pub fn listen(&self, place: &Place) -> Result<UnixListener, FolderError> {
+        let name = place.socket_name();
+        let system = |e: Errno| self.system(&name, &e.into());
+        match rustix::fs::unlinkat(&self.fd, &*name, AtFlags::empty()) {
+            Ok(()) | Err(Errno::NOENT) => {}
+            Err(e) => return Err(system(e)),
+        }
+        let flags = SocketFlags::CLOEXEC | SocketFlags::NONBLOCK;
+        let socket = rustix::net::socket_with(AddressFamily::UNIX, SocketType::STREAM, flags, None);
+        let socket = socket.map_err(system)?;
+        let mode = Mode::RUSR | Mode::WUSR;
+        // The file has this mode as it is made: there is no moment at which others reach it.
+        rustix::fs::fchmod(&socket, mode).map_err(system)?;
+        let address = SocketAddrUnix::new(self.through(&name)).map_err(system)?;
+        rustix::net::bind(&socket, &address).map_err(system)?;
+        rustix::fs::chmodat(&self.fd, &*name, mode, AtFlags::empty()).map_err(system)?;
+        rustix::net::listen(&socket, 128).map_err(system)?;
+        Ok(socket.into())
+    }
+
+    /// Removes the files of an instance that ends. A file that has gone already is as good.
+    pub fn remove(&self, place: &Place) {
+        for name in [place.socket_name(), place.lock_name()] {
+            rustix::fs::unlinkat(&self.fd, &*name, AtFlags::empty()).unwrap_or_default();
+        }
+    }
+
+    /// A path that leads through the open folder, wherever that is now.
+    fn through(&self, name: &str) -> PathBuf {
+        Path::new("/proc/self/fd").join(self.fd.as_raw_fd().to_string()).join(name)
+    }
+
+    fn stat(&self, name: &str) -> Result<Option<Stat>, FolderError> {
+        match rustix::fs::statat(&self.fd, name, AtFlags::SYMLINK_NOFOLLOW) {
+            Ok(stat) => Ok(Some(stat)),
+            Err(Errno::NOENT) => Ok(None),
+            Err(e) => Err(self.system(name, &e.into())),
+        }
+    }
+
+    /// Checks that a file in the folder is of this type and of the folder's owner.
+    fn own(&self, name: &str, stat: &Stat, ty: FileType) -> Result<(), FolderError> {
+        let path = || self.path.join(name).into();
+        match FileType::from_raw_mode(stat.st_mode) {
+            FileType::Symlink => return Err(FolderError::Link { path: path() }),
+            found if found == ty => {}
+            _ if ty == FileType::Socket => return Err(FolderError::NoSocket { path: path() }),
+            _ => {
+                let why = "it is no regular file".into();
+                return Err(FolderError::System { path: path(), why });
+            }
+        }
+        if stat.st_uid == self.owner {
+            return Ok(());
+        }
+        Err(FolderError::Owner { path: path(), owner: stat.st_uid, expected: self.owner })
+    }
+
+    fn system(&self, name: &str, error: &std::io::Error) -> FolderError {
+        FolderError::System { path: self.path.join(name).into(), why: reason(error) }
+    }
+}
+
+/// The user of the process at the other end of a connection, as the kernel noted when that process
+/// connected or began to listen.
+///
+/// # Errors
+/// The system refuses.
+pub fn peer(socket: impl AsFd) -> std::io::Result<u32> {
+    let mut peer = libc::ucred { pid: 0, uid: u32::MAX, gid: u32::MAX };
+    let mut size = libc::socklen_t::try_from(size_of::<libc::ucred>()).unwrap_or(0);
+    // SAFETY: the kernel writes at most `size` bytes, and both live across the call.
+    let status = unsafe {
+        libc::getsockopt(
+            socket.as_fd().as_raw_fd(),
+            libc::SOL_SOCKET,
+            libc::SO_PEERCRED,
+            (&raw mut peer).cast(),
+            &raw mut size,
+        )
+    };
+    if status == 0 { Ok(peer.uid) } else { Err(std::io::Error::last_os_error()) }
+}
+
+/// The system's reason, in words without a number.
+fn reason(error: &std::io::Error) -> Box<str> {
+    let text = error.to_string();
+    text.split(" (os error").next().unwrap_or(&text).into()
+}

@@ -1,0 +1,411 @@
+//! An engine and its clients use only what their own user can have made: the folder, the lock, the
+//! socket, and the process at the other end. Needs root, which can be several users.
+#![expect(clippy::unwrap_used, reason = "tests")]
+
+use hal_engine::{ClockKind, Engine};
+use hal_protocol::{Client, Folder, NOT_RUNNING, Place, Reply, WireReply};
+use hal_tests::{
+    machine::{Served, options, status},
+    programs::programs,
+    raw::Raw,
+    scratch::{Running, Scratch, until},
+    user::{ROOT, as_user, is_root},
+};
+use rustix::fs::{CWD, FileType, Mode, mknodat};
+use std::{
+    fs::{self, File},
+    io::{BufRead, BufReader, Write},
+    os::unix::{
+        fs::{MetadataExt, PermissionsExt, chown, symlink},
+        net::{UnixListener, UnixStream},
+        process::CommandExt,
+    },
+    path::{Path, PathBuf},
+};
+
+const USER: u32 = 60_001;
+const OTHER: u32 = 60_002;
+
+/// A folder for temporary files: everybody makes files in it, and only their owners remove them.
+fn temporary(name: &str) -> (Scratch, PathBuf) {
+    let scratch = Scratch::new(name);
+    let tmp = scratch.path().join("tmp");
+    fs::create_dir(&tmp).unwrap();
+    mode(&tmp, 0o1777);
+    (scratch, tmp)
+}
+
+fn mode(path: &Path, mode: u32) {
+    fs::set_permissions(path, fs::Permissions::from_mode(mode)).unwrap();
+}
+
+/// Makes the folder of a user's instances as that user would.
+fn folder_of(user: u32, folder: &Path) {
+    as_user(user, || fs::create_dir(folder)).unwrap();
+    mode(folder, 0o700);
+}
+
+/// Listens at a socket as a user, like an engine; it answers nothing by itself.
+fn listen(user: u32, socket: &Path) -> UnixListener {
+    let listener = as_user(user, || UnixListener::bind(socket)).unwrap();
+    listener.set_nonblocking(true).unwrap();
+    mode(socket, 0o777);
+    listener
+}
+
+/// Why a user does not connect; empty if that works, as far as the connection goes.
+fn refusal(user: u32, place: &Place) -> String {
+    as_user(user, || match Folder::open(place) {
+        Ok(folder) => match folder.connect(place) {
+            Ok(Some(_)) => String::new(),
+            Ok(None) => "nobody listens".to_owned(),
+            Err(e) => hal_protocol::Failure::from(e).to_string(),
+        },
+        Err(e) => hal_protocol::Failure::from(e).to_string(),
+    })
+}
+
+#[test]
+fn a_client_passes_by_what_another_user_has_made() {
+    if !is_root() {
+        return;
+    }
+    let (_scratch, tmp) = temporary("client");
+    let at = |name: &str| {
+        let folder = tmp.join(name);
+        (Place::at(&folder, "default").unwrap(), folder)
+    };
+    let own = "name a folder of this user's own in HAL_RUNTIME_DIR";
+    let shown = |path: &Path| path.display().to_string();
+
+    // No folder, then one that was made first.
+    let (place, folder) = at("first");
+    assert_eq!(refusal(USER, &place), format!("{}: there is no such folder", shown(&folder)));
+    folder_of(OTHER, &folder);
+    mode(&folder, 0o777);
+    let theirs = listen(OTHER, &place.socket());
+    let want = format!("{} belongs to user {OTHER}, not to user {USER}; {own}", shown(&folder));
+    assert_eq!(refusal(USER, &place), want);
+    let failure = as_user(USER, || Client::connect(&place, "").unwrap_err());
+    assert_eq!((failure.code, failure.to_string()), (-13, want));
+    assert!(theirs.accept().is_err(), "nobody has connected");
+
+    // A link, also to a folder that would be right.
+    let (place, folder) = at("link");
+    let (_, right) = at("right");
+    folder_of(USER, &right);
+    as_user(OTHER, || symlink(&right, &folder)).unwrap();
+    let want =
+        format!("{} is a symbolic link, which leads anywhere; remove it, or {own}", shown(&folder));
+    assert_eq!(refusal(USER, &place), want);
+    // And nothing that is a folder.
+    let (place, folder) = at("file");
+    as_user(USER, || File::create(&folder)).unwrap();
+    let want = format!("{} is no folder; remove it, or {own}", shown(&folder));
+    assert_eq!(refusal(USER, &place), want);
+
+    // Modes: in an own folder others may look, but not write.
+    let (place, folder) = at("modes");
+    folder_of(USER, &folder);
+    let ours = listen(USER, &place.socket());
+    for bits in [0o700, 0o711, 0o755] {
+        mode(&folder, bits);
+        assert_eq!(refusal(USER, &place), "");
+    }
+    for bits in [0o720, 0o702, 0o777, 0o1777, 0o2770] {
+        mode(&folder, bits);
+        let path = shown(&folder);
+        let want = format!(
+            "{path} can be written by other users (mode {bits:04o}); run 'chmod go-w {path}', or {own}"
+        );
+        assert_eq!(refusal(USER, &place), want);
+    }
+    drop(ours);
+    mode(&folder, 0o700);
+    assert_eq!(refusal(USER, &place), "nobody listens");
+
+    // What another user left in it, while that was possible.
+    fs::remove_file(place.socket()).unwrap();
+    mode(&folder, 0o777);
+    let theirs = listen(OTHER, &place.socket());
+    mode(&folder, 0o700);
+    let socket = shown(&place.socket());
+    let want = format!("{socket} belongs to user {OTHER}, not to user {USER}; {own}");
+    assert_eq!(refusal(USER, &place), want);
+    // The file is right, and another user listens.
+    chown(place.socket(), Some(USER), None).unwrap();
+    let want = format!("the engine at {socket} runs as user {OTHER}, not as user {USER}");
+    assert_eq!(refusal(USER, &place), want);
+    drop(theirs);
+    fs::remove_file(place.socket()).unwrap();
+    symlink(tmp.join("first/default.sock"), place.socket()).unwrap();
+    let want = format!("{socket} is a symbolic link, which leads anywhere; remove it, or {own}");
+    assert_eq!(refusal(USER, &place), want);
+    fs::remove_file(place.socket()).unwrap();
+    File::create(place.socket()).unwrap();
+    assert_eq!(refusal(USER, &place), format!("{socket} is no socket; remove it, or {own}"));
+}
+
+#[test]
+fn a_folder_that_is_exchanged_after_it_was_checked_is_not_used() {
+    if !is_root() {
+        return;
+    }
+    let (_scratch, tmp) = temporary("exchanged");
+    let folder = tmp.join("folder");
+    folder_of(USER, &folder);
+    let place = Place::at(&folder, "default").unwrap();
+    let ours = listen(USER, &place.socket());
+    let checked = as_user(USER, || Folder::open(&place)).unwrap();
+    fs::rename(&folder, tmp.join("away")).unwrap();
+    folder_of(OTHER, &folder);
+    mode(&folder, 0o777);
+    let theirs = listen(OTHER, &place.socket());
+    let socket = as_user(USER, || checked.connect(&place)).unwrap();
+    assert!(socket.is_some() && ours.accept().is_ok() && theirs.accept().is_err());
+    // Nor does what an engine makes and removes land there.
+    fs::remove_file(tmp.join("away/default.sock")).unwrap();
+    let lock = as_user(USER, || checked.lock(&place)).unwrap();
+    let listener = as_user(USER, || checked.listen(&place)).unwrap();
+    let names = |folder: &str| {
+        let names = fs::read_dir(tmp.join(folder)).unwrap().map(|e| e.unwrap().file_name());
+        let mut names: Vec<_> = names.map(|n| n.into_string().unwrap()).collect();
+        names.sort();
+        names
+    };
+    assert_eq!(names("away"), ["default.lock", "default.sock"]);
+    checked.remove(&place);
+    drop((lock, listener));
+    assert_eq!((names("away"), names("folder")), (vec![], vec!["default.sock".to_owned()]));
+}
+
+#[test]
+fn an_engine_is_not_made_where_another_user_could_be_in_its_place() {
+    if !is_root() {
+        return;
+    }
+    let (_scratch, tmp) = temporary("engine");
+    let made = |place: &Place| {
+        let engine = Engine::new(options(place.clone(), ClockKind::Virtual));
+        engine.map(Engine::close).map_err(|e| e.to_string())
+    };
+    let own = "name a folder of this user's own in HAL_RUNTIME_DIR";
+    let folder = tmp.join("theirs");
+    folder_of(OTHER, &folder);
+    let place = Place::at(&folder, "default").unwrap();
+    let path = folder.display();
+    let want = format!("{path} belongs to user {OTHER}, not to user {ROOT}; {own}");
+    assert_eq!(made(&place), Err(want), "not even root, and not even where it was named");
+    let folder = tmp.join("ours");
+    let place = Place::at(&folder, "default").unwrap();
+    assert_eq!(made(&place), Ok(()));
+    assert_eq!(fs::metadata(&folder).unwrap().mode() & 0o7777, 0o700);
+    mode(&folder, 0o730);
+    let said = made(&place).unwrap_err();
+    assert!(said.contains("can be written by other users (mode 0730)"), "{said}");
+    mode(&folder, 0o700);
+
+    // The lock: nothing that could hang, lead elsewhere, or be held by another user.
+    let lock = place.lock();
+    let shown = lock.display();
+    mknodat(CWD, &lock, FileType::Fifo, Mode::from_raw_mode(0o600), 0).unwrap();
+    assert_eq!(made(&place), Err(format!("{shown}: it is no regular file")));
+    assert!(Folder::open(&place).unwrap().is_free(&place), "looking does not hang either");
+    fs::remove_file(&lock).unwrap();
+    symlink(tmp.join("elsewhere"), &lock).unwrap();
+    let said = made(&place).unwrap_err();
+    assert!(said.starts_with(&format!("{shown}: ")) && !tmp.join("elsewhere").exists(), "{said}");
+    fs::remove_file(&lock).unwrap();
+    File::create(&lock).unwrap();
+    chown(&lock, Some(OTHER), None).unwrap();
+    let want = format!("{shown} belongs to user {OTHER}, not to user {ROOT}; {own}");
+    assert_eq!(made(&place), Err(want));
+    fs::remove_file(&lock).unwrap();
+    // Where its socket is to be, an engine removes what it may: a folder it does not.
+    fs::create_dir(place.socket()).unwrap();
+    let said = made(&place).unwrap_err();
+    assert_eq!(said, format!("{}: Is a directory", place.socket().display()));
+    fs::remove_dir(place.socket()).unwrap();
+    assert_eq!(made(&place), Ok(()));
+}
+
+#[test]
+fn an_engine_serves_its_own_user_and_root() {
+    if !is_root() {
+        return;
+    }
+    let scratch = Scratch::new("served");
+    let served = Served::on(ClockKind::Virtual, &scratch, "served", "loadrt threads");
+    let socket = served.place.socket();
+    assert_eq!(fs::metadata(&socket).unwrap().mode() & 0o7777, 0o600);
+    // As after a mistake of the administrator's.
+    mode(served.place.folder(), 0o755);
+    mode(&socket, 0o777);
+    let mut raw = as_user(USER, || Raw::connect(&served));
+    let want = format!(
+        "this instance belongs to user {ROOT}, and is used by that user and root; this program \
+         runs as user {USER}"
+    );
+    let answer = raw.answer();
+    match serde_json::from_str(&answer) {
+        Ok(WireReply::Error(failure)) => assert_eq!(failure.text, want),
+        other => unreachable!("{other:?}"),
+    }
+    assert_eq!(raw.answer(), "", "and hung up");
+    // Its client does not even ask.
+    let said = as_user(USER, || Client::connect(&served.place, "").unwrap_err().to_string());
+    assert!(said.contains(&format!("belongs to user {ROOT}, not to user {USER}")), "{said}");
+    assert_eq!(status(&mut served.client()).instance, "served");
+    served.end();
+}
+
+#[test]
+fn root_uses_an_instance_of_a_user_that_it_names() {
+    if !is_root() {
+        return;
+    }
+    let (scratch, tmp) = temporary("named");
+    let folder = tmp.join("ferrule");
+    folder_of(USER, &folder);
+    let place = Place::at(&folder, "default").unwrap();
+    let ours = listen(USER, &place.socket());
+    assert_eq!(refusal(ROOT, &place), "");
+    assert!(ours.accept().is_ok());
+    // One that the system offers, such as XDG_RUNTIME_DIR, is not named.
+    mode(&tmp, 0o755);
+    let mut halcmd = scratch.command(&[], "halcmd");
+    halcmd.env_remove("HAL_RUNTIME_DIR").env("XDG_RUNTIME_DIR", &tmp);
+    let output = scratch.run(halcmd.args(["show", "pin"]));
+    let want = format!("{} belongs to user {USER}, not to user {ROOT}", folder.display());
+    assert!(output.stderr.contains(&want), "{}", output.stderr);
+    assert_eq!(output.status, Some(1));
+    assert!(ours.accept().is_err());
+    // With its socket taken over by somebody else it is not that user's.
+    drop(ours);
+    fs::remove_file(place.socket()).unwrap();
+    mode(&folder, 0o777);
+    let theirs = listen(OTHER, &place.socket());
+    mode(&folder, 0o700);
+    let want = format!("belongs to user {OTHER}, not to user {USER}");
+    assert!(refusal(ROOT, &place).contains(&want));
+    drop(theirs);
+}
+
+/// Answers whatever is asked as an engine would in which every pin is true, until a client sends
+/// `end`; returns how many clients came before that.
+fn impersonate(listener: &UnixListener) -> usize {
+    listener.set_nonblocking(false).unwrap();
+    for served in 0.. {
+        let (socket, _) = listener.accept().unwrap();
+        let mut writer = socket.try_clone().unwrap();
+        for line in BufReader::new(socket).lines().map_while(Result::ok) {
+            let reply = if line == "end" {
+                return served;
+            } else if line.contains("hello") {
+                let (instance, version) = ("default".to_owned(), "0".to_owned());
+                Reply::Hello { protocol: 1, instance, version, id: 1 }
+            } else {
+                Reply::Value(hal_protocol::Value::Bit(true))
+            };
+            let line = serde_json::to_string(&WireReply::Ok(reply)).unwrap();
+            if writeln!(writer, "{line}").is_err() {
+                break;
+            }
+        }
+    }
+    unreachable!()
+}
+
+/// The programs, run by a user without a folder of the system's, while another user pretends to be
+/// the engine.
+#[test]
+fn programs_refuse_a_false_engine_with_a_status() {
+    if !is_root() {
+        return;
+    }
+    let reachable = std::process::Command::new(programs().join("halcmd")).uid(USER).output();
+    if reachable.is_err() {
+        return hal_tests::tools::report("another user cannot run the programs under test");
+    }
+    let (scratch, tmp) = temporary("programs");
+    let place = Place::at(tmp.join(format!("ferrule-{USER}")), "default").unwrap();
+    let machine = tmp.join("machine.hal");
+    fs::write(&machine, "loadrt threads name1=t period1=1000000\nstart\n").unwrap();
+    let start = |program: &str, words: &[&str]| -> Running {
+        let mut command = scratch.command(&[], program);
+        command.env_remove("HAL_RUNTIME_DIR").env_remove("XDG_RUNTIME_DIR").env("TMPDIR", &tmp);
+        scratch.start(command.uid(USER).gid(USER).current_dir(&tmp).args(words))
+    };
+    let run = |program: &str, words: &[&str]| start(program, words).wait();
+    // Nobody is there, then the user's own engine: the programs work, and leave nothing.
+    let output = run("halcmd", &["show", "pin"]);
+    assert!(output.stderr.contains("no instance 'default' is running"), "{}", output.stderr);
+    assert_eq!(run("halrun", &["-U"]).status, Some(0));
+    let engine = start("halrun", &["machine.hal"]);
+    until("it runs", || run("halcmd", &["getp", "t.threadbeat"]).status == Some(0));
+    let modes = |path: &Path| fs::metadata(path).unwrap().mode() & 0o7777;
+    assert_eq!((modes(place.folder()), modes(&place.socket())), (0o700, 0o600));
+    assert_eq!(fs::metadata(place.socket()).unwrap().uid(), USER);
+    assert_eq!(run("halrun", &["-U"]).status, Some(0));
+    assert_eq!(engine.wait().status, Some(0));
+    fs::remove_dir(place.folder()).unwrap();
+
+    folder_of(OTHER, place.folder());
+    mode(place.folder(), 0o777);
+    let listener = listen(OTHER, &place.socket());
+    let want = format!("{} belongs to user {OTHER}, not to user {USER}", place.folder().display());
+    let served = std::thread::scope(|scope| {
+        let server = scope.spawn(|| impersonate(&listener));
+        let outputs = [
+            ("halcmd", &["getp", "spindle.on"][..]),
+            ("halcmd", &["setp", "spindle.on", "1"]),
+            ("halcmd", &["-f", "machine.hal"]),
+            ("halrun", &["machine.hal"]),
+            ("halrun", &["-U"]),
+            ("halsampler", &[]),
+            ("halstreamer", &[]),
+            ("halscope", &["capture", "spindle.on"]),
+            ("hal_manualtoolchange", &[]),
+        ]
+        .map(|(program, words)| (format!("{program} {words:?}"), run(program, words)));
+        writeln!(UnixStream::connect(place.socket()).unwrap(), "end").unwrap();
+        for (what, output) in outputs {
+            let all = output.stdout + &output.stderr;
+            assert!(all.contains(&want), "{what}: {all}");
+            assert!(all.contains("name a folder of this user's own in HAL_RUNTIME_DIR"), "{all}");
+            assert!(!matches!(output.status, None | Some(0)), "{what}: {all}");
+        }
+        server.join().unwrap()
+    });
+    assert_eq!(served, 0, "nobody has connected to it");
+}
+
+/// What works for every user: names that lead nowhere else, and modes whatever the umask is.
+#[test]
+fn an_instance_has_a_name_and_its_files_their_modes() {
+    let scratch = Scratch::new("modes");
+    scratch.write("machine.hal", "loadrt threads name1=t period1=1000000\nstart\n");
+    for name in ["../x", "a/b", "..", ".", "/tmp/x"] {
+        for (program, words) in [("halcmd", &["show", "pin"][..]), ("halrun", &["-U"])] {
+            let mut command = scratch.command(&[], program);
+            let output = scratch.run(command.env("HAL_INSTANCE", name).args(words));
+            assert!(!matches!(output.status, None | Some(0)), "{program} {name}: {output:?}");
+            let want = format!("instance name '{name}' is not usable");
+            assert!(output.stderr.contains(&want), "{}", output.stderr);
+        }
+    }
+    assert_eq!(scratch.left(), [""; 0]);
+    let mut open = scratch.command(&["sh", "-c", "umask 000; exec \"$@\"", "sh"], "halrun");
+    let mut running = scratch.start(open.args(["--virtual", "--hold", "machine.hal"]));
+    let place = Place::at(scratch.path().join(".run/ferrule"), "default").unwrap();
+    until("it runs", || {
+        assert!(running.is_running(), "{:?}", running.said());
+        Client::connect(&place, "").map_err(|e| assert_eq!(e.code, NOT_RUNNING)).is_ok()
+    });
+    for (path, want) in [(place.folder(), 0o700), (&place.socket(), 0o600), (&place.lock(), 0o600)]
+    {
+        assert_eq!(fs::metadata(path).unwrap().mode() & 0o7777, want, "{}", path.display());
+    }
+    assert_eq!(scratch.halrun(&["-U"]).status, Some(0));
+    assert_eq!(running.wait().status, Some(0));
+}
