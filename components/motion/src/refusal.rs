@@ -7,26 +7,32 @@ use hal_component::{Messages, TicketHandle};
 pub(crate) struct Refusal {
     text: &'static str,
     say: &'static str,
-    number: f64,
+    numbers: [f64; 3],
 }
 
 impl Refusal {
     pub(crate) const fn new(text: &'static str) -> Self {
-        Self { text, say: text, number: 0.0 }
+        Self { text, say: text, numbers: [0.0; 3] }
     }
 
     /// The operator is told which joint: it replaces `{}` in `say`.
     pub(crate) const fn joint(text: &'static str, say: &'static str, n: usize) -> Self {
-        Self { text, say, number: n as f64 }
+        Self { text, say, numbers: [n as f64, 0.0, 0.0] }
+    }
+
+    /// A text whose `{}` stand for a joint, its place, and where the kinematics have it: both for
+    /// the one who waits and for the operator.
+    pub(crate) const fn at(text: &'static str, n: usize, place: f64, answer: f64) -> Self {
+        Self { text, say: text, numbers: [n as f64, place, answer] }
     }
 
     pub(crate) fn report(self, messages: &Messages, ticket: TicketHandle) {
-        messages.error(self.say, &[self.number]);
-        ticket.fail(self.text);
+        self.say(messages);
+        ticket.fail_with(self.text, &self.numbers);
     }
 
     pub(crate) fn say(self, messages: &Messages) {
-        messages.error(self.say, &[self.number]);
+        messages.error(self.say, &self.numbers);
     }
 
     pub(crate) const fn text(self) -> &'static str {

@@ -34,12 +34,12 @@ pub use spec::{
     Library, Run, StreamSpec, TaskSpec, ThreadSpec, Use, access, arg, component_flags, funct_flags,
     item_flags, panic_strategy, stream_direction,
 };
-pub use ticket::{Ticket, TicketState};
+pub use ticket::{TICKET_NUMBERS, Ticket, TicketState};
 
 /// Changes when an existing field or rule changes. Engine and library must agree exactly.
 pub const ABI_MAJOR: u32 = 1;
 /// Grows when something is appended. The engine must be at least as new as the library.
-pub const ABI_MINOR: u32 = 2;
+pub const ABI_MINOR: u32 = 3;
 /// The longest name of a pin, parameter, signal, function, thread or component, in bytes.
 pub const NAME_LEN: usize = 55;
 

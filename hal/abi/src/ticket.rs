@@ -3,7 +3,7 @@
 use core::{
     mem::offset_of,
     sync::atomic::{
-        AtomicPtr, AtomicU32, AtomicUsize,
+        AtomicPtr, AtomicU32, AtomicU64, AtomicUsize,
         Ordering::{Acquire, Relaxed, Release},
     },
 };
@@ -24,9 +24,16 @@ pub enum TicketState {
 #[derive(Debug, Default)]
 pub struct Ticket {
     state: AtomicU32,
+    /// Since minor 3: how many of `numbers` belong to the text.
+    count: AtomicU32,
     len: AtomicUsize,
     text: AtomicPtr<u8>,
+    /// Since minor 3: the bits of the floats that replace each `{}` of the text.
+    numbers: [AtomicU64; TICKET_NUMBERS],
 }
+
+/// The number of floats that a failure can carry.
+pub const TICKET_NUMBERS: usize = 4;
 
 const WORD: usize = size_of::<usize>();
 const _: () = assert!(offset_of!(Ticket, len) == WORD && offset_of!(Ticket, text) == 2 * WORD);
@@ -36,8 +43,10 @@ impl Ticket {
     pub const fn new() -> Self {
         Self {
             state: AtomicU32::new(0),
+            count: AtomicU32::new(0),
             len: AtomicUsize::new(0),
             text: AtomicPtr::new(core::ptr::null_mut()),
+            numbers: [const { AtomicU64::new(0) }; TICKET_NUMBERS],
         }
     }
 
@@ -51,6 +60,30 @@ impl Ticket {
         self.text.store(why.as_ptr().cast_mut(), Relaxed);
         self.len.store(why.len(), Relaxed);
         self.state.store(2, Release); // Pairs with `state`.
+    }
+
+    /// Reports failure with a text in which each `{}` stands for the next of `numbers`, at most
+    /// [`TICKET_NUMBERS`]; the last access by the function that carries the command out.
+    pub fn fail_with(&self, why: &'static str, numbers: &[f64]) {
+        let mut count = 0;
+        for (place, number) in self.numbers.iter().zip(numbers) {
+            place.store(number.to_bits(), Relaxed);
+            count += 1;
+        }
+        self.count.store(count, Relaxed);
+        self.fail(why);
+    }
+
+    /// The numbers of a failure, and how many of them count. Zeros and none before the command
+    /// has failed.
+    pub fn numbers(&self) -> ([f64; TICKET_NUMBERS], usize) {
+        // Pairs with `fail`.
+        if self.state.load(Acquire) < 2 {
+            return ([0.0; TICKET_NUMBERS], 0);
+        }
+        let count = self.count.load(Relaxed) as usize;
+        let number = |n: &AtomicU64| f64::from_bits(n.load(Relaxed));
+        (self.numbers.each_ref().map(number), count.min(TICKET_NUMBERS))
     }
 
     /// How far the command has come. The text lives in the plugin's library: copy it before that

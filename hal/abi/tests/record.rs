@@ -107,6 +107,15 @@ fn a_ticket_says_how_far_a_command_is() {
     assert_eq!(ticket.state(), TicketState::Pending);
     ticket.fail("joint 0 is on its limit");
     assert_eq!(ticket.state(), TicketState::Failed("joint 0 is on its limit"));
+    assert_eq!(ticket.numbers(), ([0.0; 4], 0));
+    let ticket = Ticket::new();
+    ticket.fail_with("joint {} is at {}", &[2.0, -1.5]);
+    assert_eq!(ticket.state(), TicketState::Failed("joint {} is at {}"));
+    assert_eq!(ticket.numbers(), ([2.0, -1.5, 0.0, 0.0], 2));
+    // Numbers beyond those that it has room for are dropped.
+    let ticket = Ticket::new();
+    ticket.fail_with("", &[1.0, 2.0, 3.0, 4.0, 5.0]);
+    assert_eq!(ticket.numbers(), ([1.0, 2.0, 3.0, 4.0], 4));
     let ticket = Ticket::new();
     ticket.done();
     assert_eq!(ticket.state(), TicketState::Done);

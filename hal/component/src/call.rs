@@ -133,6 +133,12 @@ impl TicketHandle {
     pub fn fail(self, why: &'static str) {
         self.0.fail(why);
     }
+
+    /// The command was given up: each `{}` of `why` is replaced by the next of `numbers`, at most
+    /// four.
+    pub fn fail_with(self, why: &'static str, numbers: &[f64]) {
+        self.0.fail_with(why, numbers);
+    }
 }
 
 pub(crate) fn read_arg(ask: impl Fn(*mut ArgValue) -> Status) -> Option<ArgValue> {

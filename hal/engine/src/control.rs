@@ -139,11 +139,7 @@ impl Engine {
     fn worded(&self, m: &Message) -> String {
         // SAFETY: static in a library that is open: messages are heard before one is closed.
         let text = unsafe { m.text.get() }.unwrap_or("?");
-        let said = m
-            .numbers
-            .iter()
-            .take(m.n)
-            .fold(text.to_owned(), |s, x| s.replacen("{}", &x.to_string(), 1));
+        let said = filled(text, m.numbers.get(..m.n).unwrap_or_default());
         format!("{}: {said}", self.speaker(m.component))
     }
 
@@ -156,4 +152,9 @@ impl Engine {
             .or_else(|| self.gone.as_ref().filter(|(id, _)| *id == component).map(|(_, n)| n))
             .map_or("?", Name::as_str)
     }
+}
+
+/// A text with each `{}` replaced by the next number.
+pub(crate) fn filled(text: &str, numbers: &[f64]) -> String {
+    numbers.iter().fold(text.to_owned(), |s, x| s.replacen("{}", &x.to_string(), 1))
 }

@@ -326,7 +326,11 @@ impl Engine {
         let info = match pending.ticket.state() {
             TicketState::Pending => return Ok(TicketInfo::Pending),
             TicketState::Done => TicketInfo::Done,
-            TicketState::Failed(why) => TicketInfo::Failed(why.to_owned()),
+            TicketState::Failed(why) => {
+                let (numbers, count) = pending.ticket.numbers();
+                let numbers = numbers.get(..count).unwrap_or_default();
+                TicketInfo::Failed(crate::control::filled(why, numbers))
+            }
         };
         self.tickets.remove(&id);
         self.finished.insert(id, info.clone());

@@ -292,6 +292,18 @@ impl Bench {
         self.table.borrow().tickets.borrow().last().map(|t| t.state())
     }
 
+    /// Why the last command that took a ticket failed, with its numbers.
+    #[must_use]
+    pub fn failure(&self) -> Option<String> {
+        let table = self.table.borrow();
+        let tickets = table.tickets.borrow();
+        let ticket = tickets.last()?;
+        let TicketState::Failed(why) = ticket.state() else { return None };
+        let (numbers, count) = ticket.numbers();
+        let filled = |s: String, x: &f64| s.replacen("{}", &x.to_string(), 1);
+        Some(numbers.iter().take(count).fold(why.to_owned(), filled))
+    }
+
     /// What was said since the last call.
     #[must_use]
     pub fn said(&self) -> Vec<String> {
