@@ -55,11 +55,20 @@ pub(crate) struct Controller {
 impl Update for Controller {
     fn update(&mut self, period: Period) {
         let dt = period.secs();
-        if dt <= 0.0 {
-            return;
+        if dt > 0.0 {
+            self.advance(dt);
+            self.put_out(dt);
         }
+    }
+}
+
+impl Controller {
+    /// Reads the pins, carries out commands, and finds where everything is to be.
+    pub(crate) fn advance(&mut self, dt: f64) {
         let now = self.clock.now_ns();
         let last = self.last_ns.replace(now).map_or(0, |last| now.wrapping_sub(last));
+        self.pins.general.last_period.set(u32::try_from(last).unwrap_or(u32::MAX));
+        self.state.dt = dt;
         self.state.sense(&self.pins);
         self.state.switch_kinematics(&self.pins.switch);
         while let Some(command) = self.from.take() {
@@ -67,7 +76,11 @@ impl Update for Controller {
         }
         self.state.guard(&self.pins);
         self.state.advance(&self.pins, dt);
-        self.pins.general.last_period.set(u32::try_from(last).unwrap_or(u32::MAX));
+    }
+
+    /// Writes the pins.
+    pub(crate) fn put_out(&mut self, dt: f64) {
+        self.state.put_out(dt);
         show(&mut self.state, &self.pins);
     }
 }

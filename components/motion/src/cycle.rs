@@ -10,6 +10,7 @@ use crate::{
     refusal::Refusal,
     state::{Inputs, State},
 };
+use hal_component::Pose;
 
 impl State {
     /// Reads the pins.
@@ -140,16 +141,11 @@ impl State {
             axis.teleop.step(dt);
             *pos = axis.teleop.tp.pos;
         }
-        if let Err(why) = self.place(dt) {
-            self.pose = before;
+        if let Err(why) = self.place(&before, dt) {
             for (axis, pos) in self.axes.iter_mut().zip(before) {
                 axis.teleop.reset(pos, why.text());
-                axis.offset.stay();
             }
-            for joint in &mut self.joints {
-                joint.place(joint.pos_cmd, dt);
-            }
-            why.say(&self.say);
+            self.stay(before, why, dt);
         }
         if self.on_soft_limit {
             self.stop_jogs("a joint is beyond its limit");
@@ -163,19 +159,12 @@ impl State {
         let stepped = path.step(before, dt, feed.net, *at_speed, machine);
         let placed = stepped.and_then(|pose| {
             self.pose = pose;
-            self.place(dt)
+            self.place(&before, dt)
         });
         if let Err(why) = placed {
-            self.pose = before;
             self.path.clear(why.text());
             self.coord_error = true;
-            for axis in &mut self.axes {
-                axis.offset.stay();
-            }
-            for joint in &mut self.joints {
-                joint.place(joint.pos_cmd, dt);
-            }
-            why.say(&self.say);
+            self.stay(before, why, dt);
         } else if self.on_soft_limit && self.is_offset().0 && self.path.goes_on() {
             self.path.abort();
             self.say.error("an external offset takes a joint beyond its limit: the move ends", &[]);
@@ -183,22 +172,32 @@ impl State {
     }
 
     /// Takes the joints to the pose with the offsets.
-    fn place(&mut self, dt: f64) -> Result<(), Refusal> {
-        let mut places = self.places();
-        if let Err(why) = self.kinematics.inverse(&self.whole_pose(), &mut places) {
-            return Err(Refusal::new(why.text()));
-        }
+    fn place(&mut self, before: &Pose, dt: f64) -> Result<(), Refusal> {
+        let places = self.paced(before, dt)?;
         let moved = || self.joints.iter().zip(&places).filter(|(j, _)| j.active && !j.extra);
-        if !moved().all(|(_, place)| place.is_finite()) {
-            return Err(UNREACHABLE);
-        }
         self.on_soft_limit = moved().any(|(joint, place)| joint.is_beyond(*place));
         for (joint, place) in self.joints.iter_mut().zip(&places) {
             if joint.active && !joint.extra {
                 joint.place(*place, dt);
             }
         }
+        self.stays = None;
         Ok(())
+    }
+
+    /// Keeps joints, axes and offsets where they are. The reason is reported once, for as long as
+    /// it lasts.
+    fn stay(&mut self, before: Pose, why: Refusal, dt: f64) {
+        self.pose = before;
+        for axis in &mut self.axes {
+            axis.offset.stay();
+        }
+        for joint in &mut self.joints {
+            joint.place(joint.pos_cmd, dt);
+        }
+        if self.stays.replace(why.text()) != Some(why.text()) {
+            why.say(&self.say);
+        }
     }
 
     fn extras(&mut self, pins: &Pins, dt: f64) {
@@ -225,5 +224,3 @@ impl State {
         }
     }
 }
-
-const UNREACHABLE: Refusal = Refusal::new("the kinematics cannot go there");

@@ -5,6 +5,7 @@ use crate::{
         Ask, Command, Far, FeedChange, Jog, Joints, Mode, Move, Output, SpindleChange, What,
     },
     configure::{self, Book},
+    jump::LastJump,
     pins::{LETTERS, Pins},
     status,
 };
@@ -222,7 +223,12 @@ Closed limit switches do not switch the machine off until the next jog has ended
 
 impl Desk {
     /// Declares all commands.
-    pub(crate) fn open(self, b: &mut Builder<'_>, pins: &Pins) -> Result<(), Error> {
+    pub(crate) fn open(
+        self,
+        b: &mut Builder<'_>,
+        pins: &Pins,
+        last_jump: Arc<LastJump>,
+    ) -> Result<(), Error> {
         for row in ROWS {
             let (desk, read) = (self.clone(), row.read);
             b.command(row.name, row.doc, row.args, move |call| {
@@ -232,7 +238,7 @@ impl Desk {
         }
         let pins = pins.clone();
         b.command("motion.status", status::DOC, &[], move |call| {
-            status::tell(&pins, call);
+            status::tell(&pins, &last_jump, call);
             Ok(())
         })?;
         b.command("motion.configure", configure::DOC, configure::ARGS, move |call| {

@@ -124,6 +124,13 @@ impl Jogger {
         }
     }
 
+    /// Goes no faster than this from now on.
+    pub(crate) fn slow_to(&mut self, velocity: f64) {
+        if velocity < self.tp.max_vel {
+            self.tp.max_vel = velocity;
+        }
+    }
+
     /// Brakes, and nobody waits for it.
     pub(crate) const fn brake(&mut self) {
         self.tp.enable = false;

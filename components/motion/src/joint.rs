@@ -6,6 +6,7 @@ use crate::{
     jogger::{Jogger, Room, WheelPins},
     pins::JointPins,
     planner::SimpleTp,
+    step_guard::{MotorCommand, StepGuard},
 };
 use libm::fabs;
 
@@ -43,8 +44,10 @@ pub(crate) struct Joint {
     pub(crate) error: bool,
     pub(crate) homing: Homing,
     pub(crate) free: Jogger,
-    backlash: SimpleTp,
+    pub(crate) backlash: SimpleTp,
     backlash_want: f64,
+    /// Nothing reaches the motor but through it.
+    pub(crate) step_guard: StepGuard,
 }
 
 impl Joint {
@@ -65,14 +68,16 @@ impl Joint {
         self.measure();
     }
 
-    /// Takes a configuration, and takes part from now on.
-    pub(crate) fn configure(&mut self, config: JointConfig) {
+    /// Takes a configuration; true when the joint takes part from now on.
+    pub(crate) fn configure(&mut self, config: JointConfig) -> bool {
         self.config = config;
-        if !self.active {
+        let joins = !self.active;
+        if joins {
             self.active = true;
             self.measure();
             self.follow("the joint was configured");
         }
+        joins
     }
 
     fn measure(&mut self) {
@@ -129,8 +134,10 @@ impl Joint {
         self.moving(vel, dt);
     }
 
-    /// Takes position and velocity of this cycle from its own planner.
+    /// Takes position and velocity of this cycle from its own planner. A velocity limit that was
+    /// lowered on the way holds: the joint brakes.
     pub(crate) fn place_free(&mut self, dt: f64) {
+        self.free.slow_to(self.config.max_velocity);
         self.free.step(dt);
         self.pos_cmd = self.free.tp.pos;
         self.moving(self.free.tp.vel, dt);
@@ -188,13 +195,34 @@ impl Joint {
         self.free.tp.target = pos;
     }
 
+    /// The command for the motor, for the guard to judge.
+    pub(crate) fn command(&self, enabled: bool) -> MotorCommand {
+        MotorCommand {
+            position: self.pos_cmd + self.backlash.pos + self.motor_offset,
+            offset: self.motor_offset,
+            correction: self.backlash.pos,
+            feedback: self.senses.motor_pos_fb,
+            max_velocity: self.config.max_velocity,
+            is_on: enabled && self.active,
+        }
+    }
+
+    /// Goes back to the command that was put out last, as the machine goes off.
+    pub(crate) fn hold(&mut self) {
+        self.step_guard.hold();
+        let pos = self.step_guard.last() - self.backlash.pos - self.motor_offset;
+        if pos.is_finite() {
+            self.pos_cmd = pos;
+        }
+    }
+
     /// Writes the pins.
     pub(crate) fn show(&mut self, pins: &JointPins, enabled: bool) {
         if let Some(wish) = self.homing.index_wish() {
             pins.index_enable.set(wish);
         }
         let tp = &self.free.tp;
-        pins.motor_pos_cmd.set(self.pos_cmd + self.backlash.pos + self.motor_offset);
+        pins.motor_pos_cmd.set(self.step_guard.last());
         pins.pos_cmd.set(self.pos_cmd);
         pins.pos_fb.set(self.pos_fb);
         pins.vel_cmd.set(self.vel_cmd);

@@ -13,9 +13,11 @@ mod homing;
 mod included;
 mod jogger;
 mod joint;
+mod jump;
 mod line;
 mod obey;
 mod offset;
+mod pace;
 mod path;
 mod pins;
 mod planner;
@@ -25,7 +27,9 @@ mod setup;
 mod spindle;
 mod state;
 mod status;
+mod step_guard;
 mod switch;
+mod world;
 
 use controller::{Controller, Handler};
 use desk::Desk;
@@ -59,6 +63,13 @@ machine on, `motion.home` finds home switches, `motion.jog` moves a joint or an 
 It goes off by itself when `motion.enable` goes FALSE, a limit switch closes, an amplifier has a
 fault, or a joint does not follow its command.
 
+Axes move only where the kinematics have a pose for the joints, and for that pose the same joints;
+elsewhere teleop and coordinated mode, jogs of axes and moves are refused, naming a joint and its
+place, and a machine that is switched on is in free mode. Whatever goes wrong, no motor is sent
+farther in one cycle than its joint's max-velocity allows: the last commands are held, the machine
+goes off, and a message and `motion.status` say which joint would have gone from where to where and
+what moved it. A max-velocity that is lowered in motion makes what moves brake.
+
 With kinematics of several types, such as `scarakins`, `motion.switchkins-type` says which one is in
 force.
 
@@ -85,55 +96,55 @@ getp joint.0.in-position # -> TRUE
     const ARGS: &'static [&'static ArgSpec] = setup::ARGS;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let setup = Setup::read(b)?;
-        let kinematics = b.kinematics()?;
-        if kinematics.joints() > MAX_JOINTS {
-            return Err(Error::new(format!(
-                "the kinematics move {} joints, motmod has at most {MAX_JOINTS}",
-                kinematics.joints()
-            )));
-        }
-        if setup.extra_joints > 0 && kinematics.kind() != hal_component::KinematicsKind::Both {
-            return Err(Error::new("num_extrajoints needs kinematics with kinstype=b"));
-        }
-        let pins = Pins::make(b, &setup, kinematics.types())?;
-        if setup.base_period_ns > 0 {
-            b.thread("base-thread", setup.base_period_ns)?;
-        }
-        b.thread("servo-thread", setup.servo_period_ns)?;
-
-        let (to_handler, from_desk) = b.queue(ROOM);
-        let (to_controller, from_handler) = b.queue(ROOM);
-        let desk = Desk {
-            to: to_handler,
-            joints: setup.joints,
-            spindles: setup.spindles,
-            digital_out: setup.digital_out.len(),
-            analog_out: setup.analog_out.len(),
-            kinematics,
-            book: Default::default(),
-        };
-        desk.open(b, &pins)?;
+        let (handler, controller) = make(b)?;
         b.function(
             "motion-command-handler",
             "Takes the commands that wait, at most 16 in a cycle.",
-            Handler::new(from_desk, to_controller),
+            handler,
         )?;
-        let state = State::new(&setup, kinematics, b.messages());
-        let controller = Controller {
-            from: from_handler,
-            pins,
-            kinematics,
-            clock: b.clock(),
-            last_ns: None,
-            state,
-        };
         b.function(
             "motion-controller",
             "Carries out commands, watches for faults and moves the joints.",
             controller,
         )
     }
+}
+
+/// Declares everything but the two functions.
+fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
+    let setup = Setup::read(b)?;
+    let kinematics = b.kinematics()?;
+    if kinematics.joints() > MAX_JOINTS {
+        return Err(Error::new(format!(
+            "the kinematics move {} joints, motmod has at most {MAX_JOINTS}",
+            kinematics.joints()
+        )));
+    }
+    if setup.extra_joints > 0 && kinematics.kind() != hal_component::KinematicsKind::Both {
+        return Err(Error::new("num_extrajoints needs kinematics with kinstype=b"));
+    }
+    let pins = Pins::make(b, &setup, kinematics.types())?;
+    if setup.base_period_ns > 0 {
+        b.thread("base-thread", setup.base_period_ns)?;
+    }
+    b.thread("servo-thread", setup.servo_period_ns)?;
+
+    let (to_handler, from_desk) = b.queue(ROOM);
+    let (to_controller, from_handler) = b.queue(ROOM);
+    let state = State::new(&setup, kinematics, b.messages());
+    let desk = Desk {
+        to: to_handler,
+        joints: setup.joints,
+        spindles: setup.spindles,
+        digital_out: setup.digital_out.len(),
+        analog_out: setup.analog_out.len(),
+        kinematics,
+        book: Default::default(),
+    };
+    desk.open(b, &pins, state.last_jump.clone())?;
+    let controller =
+        Controller { from: from_handler, pins, kinematics, clock: b.clock(), last_ns: None, state };
+    Ok((Handler::new(from_desk, to_controller), controller))
 }
 
 hal_component::export!(Motmod, included::Homemod, included::Tpmod);

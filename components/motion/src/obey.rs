@@ -24,15 +24,21 @@ impl State {
     pub(crate) fn obey(&mut self, command: Command) {
         match command {
             Command::Joint(n, config) => {
-                if let Some(joint) = self.joints.get_mut(n) {
-                    joint.configure(config);
+                if self.joints.get_mut(n).is_some_and(|j| j.configure(config))
+                    && self.enabled
+                    && self.is_idle()
+                {
+                    self.sync("a joint was configured");
+                    self.leave_world();
                 }
+                self.lower_limits();
             }
             Command::Axis(n, config) => {
                 if let Some(axis) = self.axes.get_mut(n) {
                     axis.config = config;
                 }
                 self.share();
+                self.lower_limits();
             }
             Command::Traj(config) => self.traj = config,
             Command::Ask(ask, ticket) => match self.ask(ask, ticket) {
@@ -93,6 +99,8 @@ impl State {
             joint.follow("the machine was off");
         }
         self.sync("the machine was off");
+        self.leave_world();
+        self.last_jump.clear();
         self.enabled = true;
         self.enabling = Some(ticket);
         Ok(Answer::Later)

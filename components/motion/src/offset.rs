@@ -64,6 +64,11 @@ impl Offset {
         self.tp.step_exactly(dt);
     }
 
+    /// It goes only a part of its way in this cycle.
+    pub(crate) fn slow_down(&mut self, factor: f64) {
+        self.tp.slow_down(self.last, factor);
+    }
+
     /// It cannot go on: it stays where it was a cycle before.
     pub(crate) fn stay(&mut self) {
         self.be_at(self.last);
@@ -73,6 +78,11 @@ impl Offset {
     fn be_at(&mut self, place: f64) {
         *self = Self { request: place, last: place, counts: self.counts, ..Self::default() };
         self.tp.reset(place);
+    }
+
+    /// It went on in this cycle.
+    pub(crate) fn moves(&self) -> bool {
+        self.tp.pos.to_bits() != self.last.to_bits()
     }
 
     fn is_there(&self) -> bool {

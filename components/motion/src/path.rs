@@ -28,6 +28,10 @@ pub(crate) struct Path {
     tp: SimpleTp,
     /// Braking to give up everything.
     stopping: bool,
+    /// A move was under way in the last cycle.
+    moved: bool,
+    /// Where along it that cycle began.
+    from: f64,
 }
 
 impl Path {
@@ -37,6 +41,8 @@ impl Path {
             current: None,
             tp: SimpleTp::default(),
             stopping: false,
+            moved: false,
+            from: 0.0,
         }
     }
 
@@ -91,6 +97,8 @@ impl Path {
                 }
             }
         }
+        self.moved = self.current.is_some();
+        self.from = self.tp.pos;
         let Some((line, ticket)) = self.current else {
             self.stopping = false;
             return Ok(now);
@@ -113,6 +121,25 @@ impl Path {
             self.tp.reset(0.0);
         }
         Ok(pose)
+    }
+
+    /// Goes only a part of the way of this cycle: where the machine is then, unless a move has
+    /// just ended.
+    pub(crate) fn slow_down(&mut self, factor: f64) -> Option<Pose> {
+        let (line, _) = self.current?;
+        self.tp.slow_down(self.from, factor);
+        Some(line.at(self.tp.pos))
+    }
+
+    /// Lets the move under way brake to velocity limits that were lowered. Its acceleration stays:
+    /// with less it could not stop at its end.
+    pub(crate) fn lower_limits(&mut self, machine: Machine<'_>) {
+        let Some((line, _)) = &mut self.current else { return };
+        let Line { start, end, velocity, max_velocity, acceleration, .. } = *line;
+        let wish = Wish { velocity, acceleration, max_velocity };
+        if let Ok(new) = Line::plan(start, end, wish, machine) {
+            (line.velocity, line.max_velocity) = (new.velocity, new.max_velocity);
+        }
     }
 
     const fn begin(&mut self, line: Line, ticket: TicketHandle) {
@@ -141,6 +168,11 @@ impl Path {
         }
         self.stopping = false;
         self.tp.reset(0.0);
+    }
+
+    /// The last cycle went along a move.
+    pub(crate) const fn has_moved(&self) -> bool {
+        self.moved
     }
 
     /// A move is under way, and not being given up.

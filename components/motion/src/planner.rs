@@ -65,6 +65,16 @@ impl SimpleTp {
         }
     }
 
+    /// Goes only a part of the way that the last cycle went from there, at that part of the
+    /// velocity.
+    pub(crate) fn slow_down(&mut self, from: f64, factor: f64) {
+        self.pos = from + (self.pos - from) * factor;
+        self.vel *= factor;
+        if !self.enable {
+            self.target = self.pos;
+        }
+    }
+
     /// One cycle that ends exactly at the target, by going the last bit too.
     pub(crate) fn step_exactly(&mut self, dt: f64) {
         let max_dv = self.max_acc * dt;

@@ -22,8 +22,8 @@ impl Refusal {
 
     /// A text whose `{}` stand for a joint, its place, and where the kinematics have it: both for
     /// the one who waits and for the operator.
-    pub(crate) const fn at(text: &'static str, n: usize, place: f64, answer: f64) -> Self {
-        Self { text, say: text, numbers: [n as f64, place, answer] }
+    pub(crate) fn at(text: &'static str, n: usize, place: f64, answer: f64) -> Self {
+        Self { text, say: text, numbers: [n as f64, rounded(place, 1e6), rounded(answer, 1e6)] }
     }
 
     pub(crate) fn report(self, messages: &Messages, ticket: TicketHandle) {
@@ -38,4 +38,10 @@ impl Refusal {
     pub(crate) const fn text(self) -> &'static str {
         self.text
     }
+}
+
+/// A number for a message, in parts of a unit: nobody reads the digits that rounding made.
+pub(crate) fn rounded(number: f64, parts: f64) -> f64 {
+    let rounded = libm::rint(number * parts) / parts;
+    if rounded.is_finite() { rounded } else { number }
 }

@@ -6,6 +6,7 @@ use crate::{
     config::TrajConfig,
     jogger::Room,
     joint::Joint,
+    jump::LastJump,
     line::Places,
     path::Path,
     refusal::Refusal,
@@ -16,6 +17,7 @@ use crate::{
 };
 use hal_component::{KinematicsKind, KinematicsRef, Messages, Pose, TicketHandle};
 use libm::fabs;
+use std::sync::Arc;
 
 /// The inputs of this cycle that concern all.
 #[derive(Clone, Copy, Debug, Default)]
@@ -57,6 +59,8 @@ pub(crate) struct State {
     pub(crate) path: Path,
     pub(crate) mode: Mode,
     pub(crate) enabled: bool,
+    /// The servo period in seconds.
+    pub(crate) dt: f64,
     /// Where the axes are commanded to be.
     pub(crate) pose: Pose,
     pub(crate) inputs: Inputs,
@@ -70,6 +74,9 @@ pub(crate) struct State {
     pub(crate) round: Option<Round>,
     /// Done when everything stands still.
     pub(crate) standing: Option<TicketHandle>,
+    pub(crate) last_jump: Arc<LastJump>,
+    /// Why the axes do not move, while that lasts.
+    pub(crate) stays: Option<&'static str>,
 }
 
 impl State {
@@ -92,6 +99,7 @@ impl State {
             path: Path::new(),
             mode: Mode::Free,
             enabled: false,
+            dt: 0.0,
             pose: [0.0; 9],
             inputs: Inputs::default(),
             overriding: false,
@@ -101,6 +109,8 @@ impl State {
             enabling: None,
             round: None,
             standing: None,
+            last_jump: Arc::default(),
+            stays: None,
         }
     }
 
@@ -136,22 +146,7 @@ impl State {
         if mode == Mode::Free {
             self.needs_no_offset()?;
         }
-        let identity = self.kinematics.kind() == KinematicsKind::Identity;
-        if !identity && !self.is_all_homed() {
-            match mode {
-                Mode::Free => {}
-                Mode::Teleop => {
-                    return Err(Refusal::new(
-                        "all joints must be homed before going into teleop mode",
-                    ));
-                }
-                Mode::Coord => {
-                    return Err(Refusal::new(
-                        "all joints must be homed before going into coordinated mode",
-                    ));
-                }
-            }
-        }
+        self.needs_world(mode)?;
         self.mode = mode;
         self.sync("the mode has changed");
         Ok(())

@@ -1,13 +1,17 @@
 //! `motion.status`: the machine in a few lines.
 
-use crate::pins::{JointPins, LETTERS, Pins};
+use crate::{
+    jump::LastJump,
+    pins::{JointPins, LETTERS, Pins},
+};
 use hal_component::Call;
 
 pub(crate) const DOC: &str = "\
 Tells how the machine is: one line for all, one per joint that takes part, one per axis that is not
-at zero.";
+at zero. After a joint would have jumped, one line says where, how far and what moved it, until the
+machine is switched on again.";
 
-pub(crate) fn tell(pins: &Pins, call: &Call<'_>) {
+pub(crate) fn tell(pins: &Pins, last_jump: &LastJump, call: &Call<'_>) {
     let g = &pins.general;
     let mode = match (g.coord_mode.get(), g.teleop_mode.get()) {
         (true, _) => "coord",
@@ -23,6 +27,12 @@ pub(crate) fn tell(pins: &Pins, call: &Call<'_>) {
         g.current_vel.get(),
         g.distance_to_go.get(),
     ));
+    if let Some(jump) = last_jump.get() {
+        call.reply(&format!(
+            "jump joint={} from={:.6} to={:.6} allowed={:.6} by {}",
+            jump.joint, jump.from, jump.to, jump.allowed, jump.mover
+        ));
+    }
     for (n, joint) in pins.joints.iter().enumerate().filter(|(_, j)| j.active.get()) {
         call.reply(&line(n, joint));
     }

@@ -1,6 +1,6 @@
 //! Realtime. Switching between the types of kinematics that a machine has.
 
-use crate::state::State;
+use crate::{command::Mode, state::State};
 use hal_component::{Builder, Decl, Error, In, Touch};
 
 /// `motion.switchkins-type`, where there is something to switch.
@@ -56,6 +56,16 @@ impl State {
             self.find_pose();
             self.switch.refused = Some(wanted);
             self.say.error("the kinematics of type {} have no pose for these joints", &[wanted]);
+            return;
+        }
+        if self.mode != Mode::Free
+            && let Err(why) = self.needs_pose()
+        {
+            self.kinematics.switch(before);
+            self.find_pose();
+            self.switch.refused = Some(wanted);
+            self.say.error("cannot switch to kinematics of type {}", &[wanted]);
+            why.say(&self.say);
             return;
         }
         self.switch.is = to;

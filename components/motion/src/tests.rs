@@ -4,15 +4,17 @@ mod command;
 mod fault;
 mod home;
 mod jog;
+mod jump;
 mod line;
 mod offset;
 mod output;
 mod pin;
 mod random;
 mod switch;
+mod world;
 
 use crate::Motmod;
-use hal_component::{abi::TicketState, bench::Bench};
+use hal_component::{Component, abi::TicketState, bench::Bench};
 use trivkins::Trivkins;
 
 /// The servo period in nanoseconds, and in seconds.
@@ -43,8 +45,13 @@ impl Rig {
     }
 
     /// The same, with the kinematics that are on the bench.
-    fn with(mut bench: Bench) -> Self {
-        bench.load::<Motmod>(&["num_joints=3", "num_misc_error=2"]).unwrap();
+    fn with(bench: Bench) -> Self {
+        Self::of::<Motmod>(bench)
+    }
+
+    /// The same, with a motion controller that tests have changed.
+    fn of<M: Component>(mut bench: Bench) -> Self {
+        bench.load::<M>(&["num_joints=3", "num_misc_error=2"]).unwrap();
         let rig = Self { bench, stuck: [false; 3], seen: [(0.0, 0.0); 3], strict: true };
         for (n, (velocity, acceleration, min, max)) in LIMITS.iter().enumerate() {
             rig.say(&format!(

@@ -30,7 +30,8 @@ pins! {
         motion_enabled: Out<bool> = false, "motion-enabled";
         /// TRUE while nothing moves and nothing waits to move.
         in_position: Out<bool> = false, "in-position";
-        /// TRUE in coordinated mode.
+        /// TRUE in coordinated mode. As teleop mode it needs kinematics that lead from the joints to
+        /// a pose and back to the same joints.
         coord_mode: Out<bool> = false, "coord-mode";
         /// TRUE in teleop mode: jogs move axes instead of joints.
         teleop_mode: Out<bool> = false, "teleop-mode";

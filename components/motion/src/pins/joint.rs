@@ -7,7 +7,9 @@ pins! {
     /// What a joint has.
     JointPins {
         /// Position for the motor in machine units: pos-cmd with backlash-filt and motor-offset
-        /// added. While the machine is off it follows motor-pos-fb.
+        /// added. While the machine is off it follows motor-pos-fb. A step that is longer than
+        /// max-velocity allows in one cycle is not put out: the machine goes off, with a message
+        /// about what moved the joint.
         motor_pos_cmd: Out<f64> = 0.0, "motor-pos-cmd" was "motor-pos-cmd";
         /// Position that the motor has reached, in machine units. A value that is not a finite
         /// number counts as a following error.

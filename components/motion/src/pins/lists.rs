@@ -17,7 +17,9 @@ pins! {
 pins! {
     /// What an extra joint has.
     ExtraPins {
-        /// Position of the joint in machine units once it is homed; not finite: it stays.
+        /// Position of the joint in machine units once it is homed; not finite: it stays. A step
+        /// beyond the joint's max-velocity, also from where the joint is as it is homed or as the
+        /// machine is switched on, switches the machine off and is not put out.
         posthome_cmd: In<f64> = 0.0, "posthome-cmd";
     }
 }

@@ -312,8 +312,11 @@ fn an_extra_joint_follows_its_pin_once_homed() {
     run(300);
     assert!(bench.get::<bool>("motion.is-all-homed"));
     // Its feedback no longer counts.
-    bench.set("joint.1.posthome-cmd", 3.25);
-    run(2);
+    for n in 1..=130 {
+        bench.set("joint.1.posthome-cmd", f64::from(n) * 0.025);
+        run(1);
+    }
+    run(1);
     assert_eq!(bench.get::<f64>("joint.1.motor-pos-cmd"), 3.25);
     bench.set("joint.1.posthome-cmd", f64::NAN);
     bench.command("motion.move", &["x=1"]).unwrap();

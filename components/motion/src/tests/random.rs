@@ -3,7 +3,7 @@
 use super::{LIMITS, Rig};
 use hal_component::bench::Random;
 
-fn orderly(random: &mut Random) -> String {
+pub(super) fn orderly(random: &mut Random) -> String {
     let joint = random.pick(&[0, 1, 2]);
     let axis = random.pick(&["x", "y", "z"]);
     let speed = random.between(0.1, 200.0);
