@@ -5,9 +5,7 @@ use crate::{
         Ask, Command, Far, FeedChange, Jog, Joints, Mode, Move, Output, SpindleChange, What,
     },
     configure::{self, Book},
-    jump::LastJump,
-    pins::{LETTERS, Pins},
-    status,
+    pins::LETTERS,
 };
 use hal_component::{Arg, Builder, Call, Error, KinematicsRef, Sender, abi::ArgSpec};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -223,12 +221,7 @@ Closed limit switches do not switch the machine off until the next jog has ended
 
 impl Desk {
     /// Declares all commands.
-    pub(crate) fn open(
-        self,
-        b: &mut Builder<'_>,
-        pins: &Pins,
-        last_jump: Arc<LastJump>,
-    ) -> Result<(), Error> {
+    pub(crate) fn open(self, b: &mut Builder<'_>) -> Result<(), Error> {
         for row in ROWS {
             let (desk, read) = (self.clone(), row.read);
             b.command(row.name, row.doc, row.args, move |call| {
@@ -236,11 +229,6 @@ impl Desk {
                 desk.ask(ask, call)
             })?;
         }
-        let pins = pins.clone();
-        b.command("motion.status", status::DOC, &[], move |call| {
-            status::tell(&pins, &last_jump, call);
-            Ok(())
-        })?;
         b.command("motion.configure", configure::DOC, configure::ARGS, move |call| {
             let mut book = self.book.lock().unwrap_or_else(PoisonError::into_inner);
             let command = book.read(call, self.joints)?;

@@ -141,7 +141,8 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
         kinematics,
         book: Default::default(),
     };
-    desk.open(b, &pins, state.last_jump.clone())?;
+    desk.open(b)?;
+    status::open(b, pins.clone(), state.last_jump.clone())?;
     let controller =
         Controller { from: from_handler, pins, kinematics, clock: b.clock(), last_ns: None, state };
     Ok((Handler::new(from_desk, to_controller), controller))

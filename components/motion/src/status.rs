@@ -4,14 +4,23 @@ use crate::{
     jump::LastJump,
     pins::{JointPins, LETTERS, Pins},
 };
-use hal_component::Call;
+use hal_component::{Builder, Call, Error};
+use std::sync::Arc;
 
-pub(crate) const DOC: &str = "\
+const DOC: &str = "\
 Tells how the machine is: one line for all, one per joint that takes part, one per axis that is not
 at zero. After a joint would have jumped, one line says where, how far and what moved it, until the
 machine is switched on again.";
 
-pub(crate) fn tell(pins: &Pins, last_jump: &LastJump, call: &Call<'_>) {
+/// Declares the command.
+pub(crate) fn open(b: &mut Builder<'_>, pins: Pins, last_jump: Arc<LastJump>) -> Result<(), Error> {
+    b.command("motion.status", DOC, &[], move |call| {
+        tell(&pins, &last_jump, call);
+        Ok(())
+    })
+}
+
+fn tell(pins: &Pins, last_jump: &LastJump, call: &Call<'_>) {
     let g = &pins.general;
     let mode = match (g.coord_mode.get(), g.teleop_mode.get()) {
         (true, _) => "coord",

@@ -25,7 +25,7 @@
 use libm::fabs;
 
 /// A part of the largest position: what rounding makes of sums and of kinematics.
-const ROUNDING: f64 = 1e-12;
+const ROUNDING: f64 = 1e-13;
 
 /// A part of the step that is allowed.
 const MARGIN: f64 = 1e-6;
@@ -153,4 +153,146 @@ impl StepGuard {
 
 fn less(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hal_component::bench::Random;
+
+    const DT: f64 = 1e-3;
+    const ON: MotorCommand = MotorCommand {
+        position: 0.0,
+        offset: 0.0,
+        correction: 0.0,
+        feedback: 0.0,
+        max_velocity: 100.0,
+        is_on: true,
+    };
+
+    fn passes(guard: &mut StepGuard, c: MotorCommand) -> bool {
+        let passes = guard.judge(&c, DT).is_ok();
+        if passes {
+            guard.put_out(&c, DT);
+        }
+        passes
+    }
+
+    #[test]
+    fn the_margin_does_not_add_up() {
+        let mut guard = StepGuard::default();
+        let (mut position, mut step) = (0.0, 0.1);
+        let mut passed = 0;
+        for _ in 0..100 {
+            position += step;
+            step *= 1.0 + 0.6 * MARGIN;
+            passed += usize::from(passes(&mut guard, MotorCommand { position, ..ON }));
+        }
+        // The first steps are within the margin, and the one that is not stays out for good.
+        assert_eq!(passed, 2);
+    }
+
+    #[test]
+    fn at_any_size_of_the_position() {
+        for at in [0.0, 1e-6, 1.0, -1e6, 1e8] {
+            let mut guard = StepGuard::default();
+            let start = MotorCommand { position: at, feedback: at, ..ON };
+            assert!(passes(&mut guard, start), "{at}");
+            let near = MotorCommand { position: at + 0.1, ..start };
+            assert!(guard.judge(&near, DT).is_ok(), "{at}");
+            let far = MotorCommand { position: at + 0.102, ..start };
+            let jump = guard.judge(&far, DT).unwrap_err();
+            assert_eq!((jump.from, jump.to, jump.is_of_correction), (at, at + 0.102, false));
+            assert_eq!(jump.allowed, 0.1);
+        }
+    }
+
+    #[test]
+    fn while_the_amplifier_is_off_everything_finite_passes() {
+        let mut guard = StepGuard::default();
+        for position in [3.0, -1e9, f64::NAN, f64::INFINITY, 7.0] {
+            let last = guard.last();
+            assert!(passes(&mut guard, MotorCommand { position, is_on: false, ..ON }));
+            assert_eq!(guard.last(), if position.is_finite() { position } else { last });
+        }
+        // On it begins where the motor is, wherever it was told to be.
+        let mut other = guard;
+        assert!(!passes(&mut other, MotorCommand { position: 7.0, feedback: 8.0, ..ON }));
+        assert!(passes(&mut guard, MotorCommand { position: 8.05, feedback: 8.0, ..ON }));
+    }
+
+    #[test]
+    fn an_offset_changes_with_the_position_or_at_the_place_of_the_motor() {
+        let mut guard = StepGuard::default();
+        let start = MotorCommand { position: 50.0, feedback: 50.0, ..ON };
+        assert!(passes(&mut guard, start));
+        // Alone, it would take the motor along.
+        let alone = MotorCommand { position: 53.0, offset: 3.0, ..start };
+        assert!(guard.judge(&alone, DT).is_err());
+        let renamed = MotorCommand { offset: 3.0, ..start };
+        assert!(guard.judge(&renamed, DT).is_ok());
+        // The encoder's index has set the feedback to zero.
+        let index = MotorCommand { position: 0.05, offset: 3.0, feedback: 0.0, ..start };
+        assert!(guard.judge(&index, DT).is_ok());
+        let beside = MotorCommand { position: 0.15, offset: 3.0, feedback: 0.0, ..start };
+        assert!(guard.judge(&beside, DT).is_err());
+        let no_index = MotorCommand { position: 0.05, feedback: 0.0, ..start };
+        assert!(guard.judge(&no_index, DT).is_err());
+    }
+
+    /// Against the rules written down once more, for orders of commands that no planner gives.
+    #[test]
+    fn random_commands() {
+        let mut random = Random::new(7);
+        let steps = [0.0, 0.05, -0.0999, 0.1, 0.1002, -0.3, 4.0, -1e6];
+        let (mut passed, mut held) = (0, 0);
+        for _ in 0..2000 {
+            let mut guard = StepGuard::default();
+            let mut last: Option<MotorCommand> = None;
+            let [mut way, mut correction_way] = [0.0_f64; 2];
+            for _ in 0..50 {
+                let before = last.unwrap_or(ON);
+                let mut c = before;
+                c.position += random.pick(&steps);
+                c.feedback = before.position + random.pick(&[0.0, 0.02, 5.0]);
+                c.is_on = random.below(10) > 0;
+                c.max_velocity = random.pick(&[100.0, 100.0, 100.0, 30.0, 1000.0]);
+                if random.below(8) == 0 {
+                    c.correction += random.pick(&[0.04, -0.2]);
+                    c.position += c.correction - before.correction;
+                }
+                if random.below(8) == 0 {
+                    c.offset += 1.5;
+                }
+                let was_on = last.is_some_and(|l| l.is_on);
+                let start = if was_on { before.position } else { c.feedback };
+                let limit = c.max_velocity * DT;
+                let [allowed, allowed_correction] =
+                    [way, correction_way].map(|w| if was_on { w.max(limit) } else { limit });
+                let corrected = c.correction - before.correction;
+                let step = (c.position - start - corrected).abs();
+                let beside = (c.position - c.feedback - corrected).abs();
+                let renamed = c.offset != before.offset;
+                let nearest = if renamed { step.min(beside) } else { step };
+                let legal = !c.is_on
+                    || nearest < allowed * 1.0005 && corrected.abs() < allowed_correction * 1.0005;
+                assert_eq!(guard.judge(&c, DT).is_ok(), legal, "{before:?} {c:?}");
+                let out = guard.last();
+                if legal {
+                    guard.put_out(&c, DT);
+                    assert_eq!(guard.last(), c.position);
+                    way = nearest.min(allowed);
+                    correction_way = corrected.abs().min(allowed_correction);
+                    last = Some(c);
+                    passed += 1;
+                } else {
+                    guard.hold();
+                    assert_eq!(guard.last(), out);
+                    last = last.map(|l| MotorCommand { is_on: false, ..l });
+                    held += 1;
+                }
+            }
+        }
+        assert!(passed > 10_000 && held > 10_000, "{passed} {held}");
+    }
 }
