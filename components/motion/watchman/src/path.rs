@@ -2,7 +2,7 @@
 
 use crate::{
     joints::{ROUNDINGS, Worst},
-    shape::{AXES, Shape, distances},
+    shape::{AXES, Shape},
 };
 
 /// Allowed distance from the path around one shape.
@@ -38,9 +38,13 @@ impl PathWatch {
     /// Judges one pose; `near` is the number of a shape in its neighbourhood. A wrong hint can only enlarge the
     /// distance that is found. Returns false if the pose is too far from the path.
     pub fn step(&mut self, pose: &[f64; AXES], near: usize) -> bool {
-        let mut ratio = self.least(pose, near, self.reach);
+        // The cheap value is an upper bound of the exact one.
+        let mut ratio = self.least(pose, near, self.reach, false);
         if ratio > 1.0 {
-            ratio = ratio.min(self.least(pose, near, FAR));
+            ratio = ratio.min(self.least(pose, near, self.reach, true));
+        }
+        if ratio > 1.0 {
+            ratio = ratio.min(self.least(pose, near, FAR, true));
         }
         let line = u32::try_from(near).unwrap_or(u32::MAX);
         self.worst.raise(Worst { ratio, cycle: self.cycles, joint: 0, line });
@@ -63,7 +67,7 @@ impl PathWatch {
     }
 
     /// Least ratio of distance to tolerance over the shapes within `reach` of `near`; infinity if the pose is not finite.
-    fn least(&self, pose: &[f64; AXES], near: usize, reach: usize) -> f64 {
+    fn least(&self, pose: &[f64; AXES], near: usize, reach: usize, exact: bool) -> f64 {
         let first = near.saturating_sub(reach);
         let count = near.saturating_add(reach).saturating_add(1).saturating_sub(first);
         let mut least = f64::INFINITY;
@@ -71,13 +75,13 @@ impl PathWatch {
             return least;
         }
         for (shape, tolerance) in self.shapes.iter().skip(first).take(count) {
-            let nearest = shape.at(shape.nearest(pose));
-            let [xyz, abc, uvw] = distances(&nearest, pose);
             let error = 4.0 * ROUNDINGS * f64::EPSILON * self.size;
-            let over = |d: f64, limit: f64| if d <= error { 0.0 } else { (d - error) / limit };
-            let ratio = over(xyz, tolerance.linear)
-                .max(over(uvw, tolerance.linear))
-                .max(over(abc, tolerance.angular));
+            let ratio = shape.ratio(pose, exact, |[xyz, abc, uvw]| {
+                let over = |d: f64, limit: f64| if d <= error { 0.0 } else { (d - error) / limit };
+                over(xyz, tolerance.linear)
+                    .max(over(uvw, tolerance.linear))
+                    .max(over(abc, tolerance.angular))
+            });
             least = least.min(ratio);
         }
         least

@@ -49,8 +49,45 @@ impl Shape {
         }
     }
 
-    /// Returns the fraction at which the shape is nearest to `pose`: in XYZ if it moves there, else in UVW, else in ABC.
-    pub fn nearest(&self, pose: &[f64; AXES]) -> f64 {
+    /// Returns the least value of `weigh` over the points of the shape, which receives the distances in XYZ, ABC and UVW
+    /// and must not fall when one of them rises. On a line the least value is exact if `exact` is true; else, and on an
+    /// arc, it is the value at the nearest point (on an arc, of every turn), an upper bound.
+    pub(crate) fn ratio(
+        &self,
+        pose: &[f64; AXES],
+        exact: bool,
+        weigh: impl Fn([f64; 3]) -> f64,
+    ) -> f64 {
+        let at = |t: f64| weigh(distances(&self.at(t), pose));
+        let Self::Line { from, to } = self else {
+            let mut least = f64::INFINITY;
+            self.candidates(pose, |t| least = least.min(at(t)));
+            return least;
+        };
+        let moves = |first: usize| {
+            let by = sub3(group(to, first), group(from, first));
+            square(by) > 0.0
+        };
+        if !exact || [0, 3, 6].iter().filter(|k| moves(**k)).count() < 2 {
+            let mut value = f64::INFINITY;
+            self.candidates(pose, |t| value = at(t));
+            return value;
+        }
+        // The larger of convex functions is convex: golden-section search finds the least value.
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..64 {
+            let (a, b) = (low + 0.381_966 * (high - low), low + 0.618_034 * (high - low));
+            if at(a) < at(b) {
+                high = b;
+            } else {
+                low = a;
+            }
+        }
+        at(low).min(at(high)).min(at(0.0)).min(at(1.0))
+    }
+
+    /// Offers the fractions at which the shape is nearest to `pose`: in XYZ if it moves there, else in UVW, else in ABC.
+    fn candidates(&self, pose: &[f64; AXES], mut offer: impl FnMut(f64)) {
         match self {
             Self::Line { from, to } => {
                 for first in [0, 6, 3] {
@@ -58,10 +95,10 @@ impl Shape {
                     let along = sub3(b, a);
                     let square = dot3(along, along);
                     if square > 0.0 {
-                        return fraction(dot3(sub3(p, a), along) / square);
+                        return offer(fraction(dot3(sub3(p, a), along) / square));
                     }
                 }
-                0.0
+                offer(0.0);
             }
             Self::Arc { from, to, center, normal, angle } => {
                 let arm = sub3(xyz(from), *center);
@@ -74,41 +111,57 @@ impl Shape {
                     place += core::f64::consts::TAU;
                 }
                 let whole = angle.abs();
-                let mut best = (f64::INFINITY, 0.0);
-                let mut offer = |t: f64| {
-                    let d = square(sub3(xyz(&self.at(t)), xyz(pose)));
-                    if d < best.0 {
-                        best = (d, t);
-                    }
-                };
                 offer(0.0);
                 offer(1.0);
-                // One candidate per turn, refined where the helix rises.
-                let mut turned = place - core::f64::consts::TAU;
-                while turned <= whole + core::f64::consts::TAU {
-                    let t = fraction(turned / whole);
-                    offer(if rise == 0.0 { t } else { self.refine(t, whole, pose) });
+                // One candidate per turn, refined where the helix rises, and one at the height of the pose.
+                let helix = Helix { arm, side, normal: *normal, rise: rise / whole, away, turn };
+                let mut turned = place;
+                while turned < whole + core::f64::consts::TAU {
+                    let angle = if rise == 0.0 { turned } else { helix.refine(turned) };
+                    offer(fraction(angle / whole));
                     turned += core::f64::consts::TAU;
                 }
-                best.1
+                if rise != 0.0 {
+                    let height = dot3(away, *normal) / helix.rise;
+                    offer(fraction(helix.refine(height) / whole));
+                }
             }
         }
     }
+}
 
-    /// Golden-section search for the nearest fraction within 0.7 rad of `t`.
-    fn refine(&self, t: f64, whole: f64, pose: &[f64; AXES]) -> f64 {
-        let reach = 0.7 / whole;
-        let (mut low, mut high) = ((t - reach).max(0.0), (t + reach).min(1.0));
-        let far = |t: f64| square(sub3(xyz(&self.at(t)), xyz(pose)));
-        for _ in 0..48 {
-            let (a, b) = (low + 0.381_966 * (high - low), low + 0.618_034 * (high - low));
-            if far(a) < far(b) {
-                high = b;
-            } else {
-                low = a;
+/// A helix around its centre, and a point beside it.
+struct Helix {
+    arm: [f64; 3],
+    side: [f64; 3],
+    normal: [f64; 3],
+    /// Rise per radian turned.
+    rise: f64,
+    away: [f64; 3],
+    /// Sense of rotation, 1 or -1.
+    turn: f64,
+}
+
+impl Helix {
+    /// Newton's method for the angle at which the helix is nearest to the point; a poor result costs accuracy only, as the
+    /// distance is taken at the angle that is returned.
+    fn refine(&self, start: f64) -> f64 {
+        let square = dot3(self.arm, self.arm);
+        let (x, y) = (dot3(self.away, self.arm), dot3(self.away, self.side) * self.turn);
+        let z = dot3(self.away, self.normal);
+        let mut angle = start;
+        for _ in 0..12 {
+            let (sin, cos) = libm::sincos(angle);
+            // Half the derivative of the squared distance, and its derivative.
+            let slope = x * sin - y * cos + self.rise * (self.rise * angle - z);
+            let bend = x * cos + y * sin + self.rise * self.rise;
+            let step = if bend > 0.1 * square { slope / bend } else { slope / square };
+            angle -= if step.abs() < 0.5 { step } else { 0.5 * step.signum() };
+            if step.abs() < 1e-12 {
+                break;
             }
         }
-        0.5 * (low + high)
+        angle
     }
 }
 

@@ -1,0 +1,185 @@
+//! Bounds of the derivatives of a curve over an interval: in closed form, or by the hull of Bernstein coefficients.
+
+use crate::{
+    curve::Curve,
+    pose::{Group, Pose},
+};
+
+/// Upper bounds of the absolute values of three derivatives, per axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bounds {
+    /// Of the first derivative.
+    pub first: Pose,
+    /// Of the second derivative.
+    pub second: Pose,
+    /// Of the third derivative.
+    pub third: Pose,
+    /// Of the length of the first derivative in the group that governs the feed.
+    pub speed: f64,
+}
+
+impl Curve {
+    /// Bounds the derivatives for `from <= s <= to`; `lead` is the group that governs the feed.
+    pub fn bounds(&self, from: f64, to: f64, lead: Group) -> Bounds {
+        match self {
+            Self::Line { slope, .. } => {
+                Bounds { first: slope.abs(), speed: slope.norm(lead), ..Bounds::default() }
+            }
+            Self::Arc { arm, side, rate, drift, .. } => {
+                let mut out = Bounds { first: drift.abs(), ..Bounds::default() };
+                let (low, high) = (rate * from, rate * to);
+                let rows = out.first.0.iter_mut().zip(&mut out.second.0).zip(&mut out.third.0);
+                for (((first, second), third), (a, b)) in rows.zip(arm.iter().zip(side)) {
+                    let wave = largest(*a, *b, low, high);
+                    let slope = largest(*b, -*a, low, high);
+                    *first += rate.abs() * slope;
+                    *second = rate * rate * wave;
+                    *third = (rate * rate * rate).abs() * slope;
+                }
+                let radius = arm.iter().map(|x| x * x).sum::<f64>().sqrt();
+                let turning = (rate * radius).abs();
+                // A helix moves along its axis, at right angles to the circle.
+                let [x, y, z] = drift.group(Group::Xyz);
+                let normal = cross(arm, side);
+                let size = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+                let [nx, ny, nz] = normal;
+                let rise = if size > 0.0 { (x * nx + y * ny + z * nz).abs() / size } else { 0.0 };
+                let flat = (drift.dot(drift, Group::Xyz) - rise * rise).max(0.0).sqrt();
+                let xyz = ((turning + flat) * (turning + flat) + rise * rise).sqrt();
+                out.speed = if lead == Group::Xyz { xyz } else { drift.norm(lead) };
+                out
+            }
+            Self::Poly { c, length } => poly(c, *length, from / length, to / length, lead),
+        }
+    }
+}
+
+/// Bounds of a polynomial in `u` by the Bernstein coefficients of its derivatives over `from <= u <= to`.
+fn poly(c: &[Pose; 6], length: f64, from: f64, to: f64, lead: Group) -> Bounds {
+    let [_, c1, c2, c3, c4, c5] = shifted(c, from, to - from);
+    // First derivative over the interval, of degree 4.
+    let d = [c1, c2 * 2.0, c3 * 3.0, c4 * 4.0, c5 * 5.0];
+    let first = [
+        d[0],
+        d[0] + d[1] * 0.25,
+        d[0] + d[1] * 0.5 + d[2] * (1.0 / 6.0),
+        d[0] + d[1] * 0.75 + d[2] * 0.5 + d[3] * 0.25,
+        d[0] + d[1] + d[2] + d[3] + d[4],
+    ];
+    let d = [c2 * 2.0, c3 * 6.0, c4 * 12.0, c5 * 20.0];
+    let third_part = 1.0 / 3.0;
+    let second = [
+        d[0],
+        d[0] + d[1] * third_part,
+        d[0] + (d[1] * 2.0 + d[2]) * third_part,
+        d[0] + d[1] + d[2] + d[3],
+    ];
+    let d = [c3 * 6.0, c4 * 24.0, c5 * 60.0];
+    let third = [d[0], d[0] + d[1] * 0.5, d[0] + d[1] + d[2]];
+    let k = 1.0 / (length * (to - from));
+    let most = |list: &[Pose], k: f64| {
+        list.iter().fold(Pose::ZERO, |m, p| m.max(&p.abs())) * (k * (1.0 + 1e-12))
+    };
+    Bounds {
+        first: most(&first, k),
+        second: most(&second, k * k),
+        third: most(&third, k * k * k),
+        speed: first.iter().map(|p| p.norm(lead)).fold(0.0, f64::max) * k * (1.0 + 1e-12),
+    }
+}
+
+/// Coefficients of the polynomial in `t`, with `u = from + width · t`.
+fn shifted(c: &[Pose; 6], from: f64, width: f64) -> [Pose; 6] {
+    let mut out = *c;
+    if from != 0.0 {
+        // Synthetic division, once per coefficient.
+        for low in 0..5 {
+            let mut above = Pose::ZERO;
+            for (k, x) in out.iter_mut().enumerate().rev() {
+                if k < low {
+                    break;
+                }
+                *x = *x + above * from;
+                above = *x;
+            }
+        }
+    }
+    let mut scale = 1.0;
+    for x in &mut out {
+        *x = *x * scale;
+        scale *= width;
+    }
+    out
+}
+
+/// Returns the largest |a·cos t + b·sin t| for t between two angles.
+fn largest(a: f64, b: f64, low: f64, high: f64) -> f64 {
+    let (low, high) = if low <= high { (low, high) } else { (high, low) };
+    let size = (a * a + b * b).sqrt();
+    let peak = libm::atan2(b, a);
+    let pi = core::f64::consts::PI;
+    let next = ((low - peak) / pi).ceil() * pi + peak;
+    if next <= high + 1e-9 {
+        return size;
+    }
+    let at = |t: f64| {
+        let (sin, cos) = libm::sincos(t);
+        (a * cos + b * sin).abs()
+    };
+    at(low).max(at(high)).min(size) * (1.0 + 1e-12) + size * 1e-12
+}
+
+pub(crate) const fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hal_corpus::Rng;
+
+    /// No sample of a curve exceeds its bounds, and the bounds are not far above the samples.
+    #[test]
+    fn bounds_hold_and_are_tight() {
+        let mut rng = Rng::new(1);
+        for round in 0..400 {
+            let mut pose = |k: f64| Pose([0.0; 9].map(|_: f64| rng.between(-k, k)));
+            let curve = if round % 2 == 0 {
+                Curve::Poly { c: [0; 6].map(|_| pose(1.0)), length: 2.0 }
+            } else {
+                let a = pose(5.0);
+                let [x, y, _] = a.group(Group::Xyz);
+                Curve::Arc {
+                    center: Pose::ZERO,
+                    arm: [x, y, 0.0],
+                    side: [-y, x, 0.0],
+                    rate: 0.7,
+                    drift: pose(0.3),
+                }
+            };
+            let from = rng.between(0.0, 1.5);
+            let to = from + rng.between(0.01, 0.5);
+            let bounds = curve.bounds(from, to, Group::Xyz);
+            let mut seen = Bounds::default();
+            for k in 0..=200 {
+                let d = curve.at(from + (to - from) * f64::from(k) / 200.0);
+                seen.first = seen.first.max(&d.first.abs());
+                seen.second = seen.second.max(&d.second.abs());
+                seen.third = seen.third.max(&d.third.abs());
+                seen.speed = seen.speed.max(d.first.norm(Group::Xyz));
+            }
+            let pairs = [
+                (bounds.first, seen.first),
+                (bounds.second, seen.second),
+                (bounds.third, seen.third),
+            ];
+            for (bound, seen) in pairs {
+                for (b, s) in bound.0.iter().zip(seen.0) {
+                    assert!(s <= *b, "round {round}: {s} above the bound {b}");
+                    assert!(*b <= 1.6 * s + 1.0, "round {round}: bound {b} of {s}");
+                }
+            }
+            assert!(seen.speed <= bounds.speed * (1.0 + 1e-12), "round {round}");
+        }
+    }
+}

@@ -1,0 +1,357 @@
+//! Realtime. The follower: walks along the track below its speeds, at any override, and filters the jerk.
+//!
+//! The follower keeps a place on the track and a speed. In each period it accelerates, cruises or brakes with the
+//! accelerations that the cells allow, below the curve of highest speeds. The travel per period goes through a moving
+//! average, and the averaged travel moves the output along the same track. The filter moves the output along the path,
+//! never off it.
+
+use crate::{
+    pose::Pose,
+    speed::MAX_SAMPLES,
+    track::{Cell, Track},
+};
+
+/// Largest number of changes of acceleration in a period. A cell border is one.
+const MAX_EVENTS: u32 = 64;
+
+/// Periods of rest, beyond the length of the filter, before motion leaves an exact stop.
+const REST: u32 = 3;
+
+/// Walks along a track, one servo period at a time.
+#[derive(Clone, Debug)]
+pub struct Follower {
+    period: f64,
+    /// Cell of the input, and the distance to its end in the direction of motion. The distance is kept, and not the
+    /// place from the other end, so that it is exact near the end.
+    cell: u64,
+    to_go: f64,
+    begun: bool,
+    speed: f64,
+    back: bool,
+    output: Place,
+    ring: Box<[f64]>,
+    samples: usize,
+    next: usize,
+    sum: f64,
+    flat: u32,
+    events: u32,
+    position: Pose,
+    line: u32,
+}
+
+/// A place on the track.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Place {
+    cell: u64,
+    /// Path coordinate from the start of the cell.
+    x: f64,
+}
+
+/// Result of a period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// Pose at the end of the period.
+    pub pose: Pose,
+    /// Line of the program at this pose.
+    pub line: u32,
+    /// Travel in this period, in units of the path coordinate; negative in reverse.
+    pub travel: f64,
+    /// True while the follower or its filter moves.
+    pub moving: bool,
+}
+
+impl Follower {
+    /// Follower at rest at the start of a track, at this pose, with a period in seconds.
+    pub fn new(period: f64, start: Pose) -> Self {
+        Self {
+            period,
+            cell: 0,
+            to_go: 0.0,
+            begun: false,
+            speed: 0.0,
+            back: false,
+            output: Place::default(),
+            ring: vec![0.0; usize::from(MAX_SAMPLES)].into_boxed_slice(),
+            samples: 1,
+            next: 0,
+            sum: 0.0,
+            flat: u32::from(MAX_SAMPLES),
+            events: 0,
+            position: start,
+            line: 0,
+        }
+    }
+
+    /// Advances by one period. `scale` is the feed override; 0 holds. `reverse` moves back along the path.
+    pub fn step(&mut self, track: &Track, scale: f64, reverse: bool) -> Step {
+        let scale = if scale > 0.0 { scale.min(1e6) } else { 0.0 };
+        let moved = self.walk(track, scale, reverse);
+        let travel = self.filter(moved);
+        self.advance(track, travel);
+        Step {
+            pose: self.position,
+            line: self.line,
+            travel,
+            moving: self.speed > 0.0 || !self.is_flat(),
+        }
+    }
+
+    /// Returns true if the follower rests at the end of the track and the filter is flat.
+    pub fn is_done(&self, track: &Track) -> bool {
+        let last = track.cell(self.cell);
+        let after = track.cell(self.cell + 1).is_none();
+        after && self.is_flat() && last.is_none_or(|c| self.place(c).x >= c.length)
+    }
+
+    /// Returns the largest number of events in a period so far.
+    pub const fn events(&self) -> u32 {
+        self.events
+    }
+
+    /// Returns the number of the oldest cell in use. Reverse motion needs older ones.
+    pub fn oldest(&self) -> u64 {
+        self.cell.min(self.output.cell)
+    }
+
+    /// Returns the speed of the input along the path.
+    pub const fn speed(&self) -> f64 {
+        self.speed
+    }
+
+    /// Place of the input.
+    fn place(&self, cell: &Cell) -> Place {
+        let x = if self.back { self.to_go } else { cell.length - self.to_go };
+        Place { cell: self.cell, x: if self.begun { x } else { 0.0 } }
+    }
+
+    fn is_flat(&self) -> bool {
+        usize::try_from(self.flat).is_ok_and(|f| f >= self.samples)
+    }
+
+    /// Walks the input for one period and returns its travel.
+    fn walk(&mut self, track: &Track, scale: f64, reverse: bool) -> f64 {
+        let mut left = self.period;
+        let mut moved = 0.0;
+        let mut still = true;
+        let mut events = 0;
+        while left > 0.0 && events < MAX_EVENTS {
+            events += 1;
+            let Some(cell) = track.cell(self.cell) else { break };
+            if !self.begun {
+                self.begun = true;
+                self.to_go = cell.length;
+            }
+            if self.speed == 0.0 && self.back != reverse {
+                self.back = reverse;
+                self.to_go = cell.length - self.to_go;
+            }
+            if usize::from(cell.samples) != self.samples && !self.change_filter(cell) {
+                break;
+            }
+            if self.to_go <= 0.0 {
+                if !self.cross(track, cell) {
+                    break;
+                }
+                continue;
+            }
+            let cap = if self.back == reverse { cell.feed * scale } else { 0.0 };
+            let Some((time, distance)) = self.event(cell, cap, left) else { break };
+            left -= time;
+            self.to_go -= distance;
+            // A stop that is reached in this period needs its full time of rest.
+            self.flat = 0;
+            still = false;
+            moved += if self.back { -distance } else { distance };
+        }
+        self.events = self.events.max(events);
+        if still {
+            self.flat = self.flat.saturating_add(1);
+        }
+        moved
+    }
+
+    /// Goes to the next cell, or waits at a stop. Returns false if the input stays.
+    fn cross(&mut self, track: &Track, cell: &Cell) -> bool {
+        let (number, floor) = if self.back {
+            let Some(number) = self.cell.checked_sub(1) else {
+                self.speed = 0.0;
+                return false;
+            };
+            (number, cell.begin)
+        } else {
+            (self.cell + 1, cell.end)
+        };
+        self.speed = self.speed.min(floor.sqrt());
+        let Some(next) = track.cell(number) else {
+            self.speed = 0.0;
+            return false;
+        };
+        if if self.back { next.stop } else { cell.stop } {
+            self.speed = 0.0;
+            if !self.has_rested() {
+                return false;
+            }
+        }
+        self.cell = number;
+        self.to_go = next.length;
+        true
+    }
+
+    /// Takes over the length of the filter from a cell, which needs rest. Returns false if the motion must wait.
+    fn change_filter(&mut self, cell: &Cell) -> bool {
+        self.speed = 0.0;
+        if self.has_rested() {
+            self.samples = usize::from(cell.samples).max(1).min(self.ring.len());
+            self.next = 0;
+            self.ring.fill(0.0);
+            return true;
+        }
+        false
+    }
+
+    /// Returns true if the input has rested for longer than the filter and the third difference look back.
+    fn has_rested(&self) -> bool {
+        usize::try_from(self.flat.saturating_sub(REST)).is_ok_and(|f| f >= self.samples)
+    }
+
+    /// Moves up to the next change of acceleration. Returns the time and the distance, and sets the speed; `None` if
+    /// nothing moves.
+    fn event(&mut self, cell: &Cell, cap: f64, left: f64) -> Option<(f64, f64)> {
+        let to_go = self.to_go;
+        let (floor, braking) =
+            if self.back { (cell.begin, cell.braking_back()) } else { (cell.end, cell.braking()) };
+        let top = cell.speed * cell.speed;
+        let curve = |to_go: f64| (floor + 2.0 * braking * to_go).min(top);
+        let here = curve(to_go);
+        let highest = here.sqrt();
+        if self.speed > highest {
+            self.speed = highest;
+        }
+        let v = self.speed;
+        // Distance on which the curve is level before it falls towards the end of the cell.
+        let level = if braking > 0.0 { to_go - (top - floor) / (2.0 * braking) } else { to_go };
+        let falling = level <= 1e-13 * to_go;
+        let on_curve = v >= highest;
+        let allowed = |v: f64| (cell.rest - cell.fade * v * v).max(0.0);
+        let mut following = false;
+        let mut goal = f64::INFINITY;
+        let a = if v > cap {
+            let own = allowed(v);
+            -(if falling { own.max(braking) } else { own })
+        } else if on_curve && falling {
+            following = true;
+            -braking
+        } else if v < cap && !on_curve {
+            // The acceleration of a step is the one at its end; a long step is cut, so that it does not vanish.
+            let target = cap.min(highest);
+            if cell.fade > 0.0 && target - v > 0.005 * target {
+                goal = 0.5 * (v + target);
+            }
+            allowed((v + allowed(v) * left).min(goal).min(cap).min(cell.speed))
+        } else {
+            0.0
+        };
+        if v == 0.0 && a <= 0.0 {
+            return None;
+        }
+        let takes = |y: f64| {
+            let w = v * v + 2.0 * a * y;
+            let sum = v + w.max(0.0).sqrt();
+            if w < -1e-12 * v * v || sum <= 0.0 { f64::INFINITY } else { 2.0 * y / sum }
+        };
+        // The first of: end of the period, end of the cell, end of the level part, cap, curve.
+        let (mut time, mut distance, mut speed) = (left, f64::NAN, f64::NAN);
+        let mut offer = |t: f64, y: f64, v: f64| {
+            if t < time {
+                (time, distance, speed) = (t, y, v);
+            }
+        };
+        offer(takes(to_go), to_go, f64::NAN);
+        if !falling && level < to_go {
+            offer(takes(level), level, f64::NAN);
+        }
+        if v > cap && a < 0.0 {
+            offer((cap - v) / a, f64::NAN, cap);
+        } else if a > 0.0 && cap.min(goal) < highest {
+            offer((cap.min(goal) - v) / a, f64::NAN, cap.min(goal));
+        }
+        if !on_curve && falling && a > -braking {
+            let y = (here - v * v) / (2.0 * (a + braking));
+            offer(takes(y), y, curve(to_go - y).max(0.0).sqrt());
+        } else if !on_curve && a > 0.0 {
+            let y = (top - v * v) / (2.0 * a);
+            offer(takes(y), y, cell.speed);
+        }
+        if distance.is_nan() {
+            distance = time * (v + 0.5 * a * time);
+        }
+        let distance = distance.max(0.0).min(to_go);
+        self.speed = if following {
+            curve(to_go - distance).max(0.0).sqrt()
+        } else if speed.is_nan() {
+            (v + a * time).max(0.0)
+        } else {
+            speed
+        };
+        Some((time, distance))
+    }
+
+    /// Averages the travel over the last periods.
+    fn filter(&mut self, moved: f64) -> f64 {
+        let n = self.samples;
+        if let Some(slot) = self.ring.get_mut(self.next) {
+            self.sum += moved - *slot;
+            *slot = moved;
+        }
+        self.next += 1;
+        if self.next >= n {
+            self.next = 0;
+            // The sum is formed again once a revolution, so that rounding does not grow.
+            self.sum = self.ring.iter().take(n).sum();
+        }
+        if self.is_flat() {
+            self.sum = 0.0;
+        }
+        #[expect(clippy::cast_precision_loss, reason = "at most 2000")]
+        let mean = self.sum / n as f64;
+        mean
+    }
+
+    /// Moves the output along the track.
+    fn advance(&mut self, track: &Track, travel: f64) {
+        if self.is_flat() {
+            // Input and output agree but for rounding.
+            if let Some(cell) = track.cell(self.cell) {
+                self.output = self.place(cell);
+            }
+        } else {
+            self.output.x += travel;
+            while let Some(cell) = track.cell(self.output.cell) {
+                if self.output.x > cell.length {
+                    if track.cell(self.output.cell + 1).is_none() {
+                        self.output.x = cell.length;
+                        break;
+                    }
+                    self.output.x -= cell.length;
+                    self.output.cell += 1;
+                } else if self.output.x < 0.0 {
+                    let before = self.output.cell.checked_sub(1);
+                    let Some((k, before)) = before.and_then(|k| Some((k, track.cell(k)?))) else {
+                        self.output.x = 0.0;
+                        break;
+                    };
+                    self.output.x += before.length;
+                    self.output.cell = k;
+                } else {
+                    break;
+                }
+            }
+        }
+        if let Some(cell) = track.cell(self.output.cell)
+            && let Some(curve) = track.curve(cell.curve)
+        {
+            self.position = curve.pose(cell.from + self.output.x);
+            self.line = cell.line;
+        }
+    }
+}

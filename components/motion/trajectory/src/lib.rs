@@ -1,0 +1,61 @@
+//! Paths of thousands of lines and arcs at speed, inside limits that hold.
+//!
+//! Three parts work together:
+//!
+//! - The [`Planner`] turns moves into a [`Track`]: curves with continuous first and second derivatives inside the path
+//!   tolerance, cut into cells with the highest speed and acceleration that every axis and joint allows.
+//! - The [`Follower`] walks along the track in the servo thread, at any override, holds, and reverses. A moving average
+//!   over its travel limits the jerk. The average moves the output along the path, never off it.
+//! - A certificate checks each cell, by other means than the plan, before the follower may see it.
+//!
+//! ```
+//! use hal_trajectory::{Follower, Limits, Machine, Mode, Move, Planner, Pose, Shape, Trivial};
+//!
+//! let limits = Limits { velocity: 200.0, acceleration: 1750.0, jerk: 1e5 };
+//! let machine = Machine::uniform(limits);
+//! let mut planner = Planner::new(machine, Trivial, Pose::ZERO)?;
+//! for (line, (x, y)) in [(50.0, 0.0), (50.0, 30.0), (0.0, 30.0)].into_iter().enumerate() {
+//!     let shape = Shape::Line { end: Pose::from_xyz([x, y, 0.0]) };
+//!     planner.push(&Move { shape, feed: 100.0, mode: Mode::Blend(0.1), line: line as u32 })?;
+//! }
+//! planner.finish();
+//!
+//! let mut follower = Follower::new(machine.period, Pose::ZERO);
+//! let mut periods = 0;
+//! while !follower.is_done(planner.track()) {
+//!     let step = follower.step(planner.track(), 1.0, false);
+//!     assert!(step.pose.0[0] <= 50.0 + 1e-9);
+//!     periods += 1;
+//! }
+//! assert!((1_300..1_600).contains(&periods), "130 mm at 100 mm/s take {periods} ms");
+//! # Ok::<(), hal_trajectory::Error>(())
+//! ```
+#![forbid(unsafe_code)]
+
+mod blend;
+mod bounds;
+mod certificate;
+mod curve;
+mod erosion;
+mod error;
+mod follower;
+mod kinematics;
+mod machine;
+mod moves;
+mod plan;
+mod pose;
+mod segment;
+mod speed;
+mod track;
+
+pub use bounds::Bounds;
+pub use certificate::{Rejection, Rule};
+pub use curve::{Curve, Derivatives};
+pub use error::Error;
+pub use follower::{Follower, Step};
+pub use kinematics::{Jet, Joints, Kinematics, Trivial};
+pub use machine::{JOINTS, Limits, Machine};
+pub use moves::{Mode, Move, SHORTEST, Shape};
+pub use plan::{CAPACITY, Planner};
+pub use pose::{AXES, FARTHEST, Group, Pose};
+pub use track::{Cell, Track};

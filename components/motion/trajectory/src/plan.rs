@@ -1,0 +1,320 @@
+//! The planner: from moves to cells with proved limits.
+
+use crate::{
+    blend::{self, Joint},
+    certificate::{Certificate, Rejection},
+    curve::Curve,
+    erosion::{Erosion, Raw},
+    error::Error,
+    kinematics::{CELL, Kinematics, joint_bounds},
+    machine::{Limits, Machine},
+    moves::{Mode, Move},
+    pose::Pose,
+    segment::{Segment, Tolerances},
+    speed::Law,
+    track::{Cell, Track},
+};
+
+/// Number of cells that a track holds; further moves are refused until the follower has advanced.
+pub const CAPACITY: usize = 16384;
+
+/// Plans a path move by move. Everything that is published can be followed at once and ends at rest.
+#[derive(Clone, Debug)]
+pub struct Planner<K> {
+    machine: Machine,
+    kinematics: K,
+    direct: bool,
+    law: Law,
+    track: Track,
+    erosion: Erosion,
+    certificate: Certificate,
+    /// End of the last accepted move.
+    position: Pose,
+    /// Last segment, whose end depends on the next one, and the coordinate up to which it is used.
+    held: Option<(Segment, f64)>,
+}
+
+/// A piece of a curve of the path, between two coordinates of it.
+#[derive(Clone, Copy, Debug)]
+struct Span {
+    curve: Curve,
+    from: f64,
+    to: f64,
+    pieces: u16,
+}
+
+impl<K: Kinematics> Planner<K> {
+    /// Planner for a machine at rest at a pose.
+    pub fn new(machine: Machine, kinematics: K, start: Pose) -> Result<Self, Error> {
+        machine.check()?;
+        if !start.is_usable() {
+            return Err(Error::NotFinite { line: 0 });
+        }
+        let mut axes = machine.axes;
+        let map = kinematics.axes_of_joints();
+        for (axis, limits) in map.iter().flatten().zip(&machine.joints) {
+            if let Some(slot) = axis.and_then(|k| axes.get_mut(k)) {
+                *slot = tighter(slot, limits);
+            }
+        }
+        let law = Law::new(&machine, axes);
+        Ok(Self {
+            machine,
+            kinematics,
+            direct: map.is_some(),
+            law,
+            track: Track::default(),
+            erosion: Erosion::default(),
+            certificate: Certificate::default(),
+            position: start,
+            held: None,
+        })
+    }
+
+    /// Adds a move. A refused move changes nothing.
+    pub fn push(&mut self, next: &Move) -> Result<(), Error> {
+        if self.track.len() >= CAPACITY {
+            return Err(Error::Full);
+        }
+        let Some(segment) = next.segment(&self.position)? else {
+            // Too short to be a move: its length becomes part of the next one.
+            if next.mode == Mode::ExactStop
+                && let Some((held, _)) = &mut self.held
+            {
+                held.mode = Mode::ExactStop;
+            }
+            return Ok(());
+        };
+        if !self.direct {
+            self.check_reach(&segment)?;
+        }
+        self.position = segment.curve.pose(segment.length);
+        self.place(Some(&segment));
+        self.publish();
+        Ok(())
+    }
+
+    /// Ends the path for now: publishes everything, with a stop at the end.
+    pub fn finish(&mut self) {
+        self.place(None);
+        self.stop();
+        self.publish();
+    }
+
+    /// Returns the track that the follower reads.
+    pub const fn track(&self) -> &Track {
+        &self.track
+    }
+
+    /// Forgets cells before this number. Call it while the follower moves forward or rests.
+    pub fn forget(&mut self, number: u64) {
+        self.track.forget(number);
+    }
+
+    /// Returns the end of the last accepted move.
+    pub const fn position(&self) -> &Pose {
+        &self.position
+    }
+
+    /// Returns how many cells the certificate has rejected, and the last of them.
+    pub const fn rejections(&self) -> (u64, Option<Rejection>) {
+        (self.certificate.rejections, self.certificate.last)
+    }
+
+    /// Returns the tolerances at the joint between two segments: the tighter of theirs.
+    fn tolerances(&self, a: &Segment, b: &Segment) -> Tolerances {
+        let of = |mode: &Mode| match mode {
+            Mode::Blend(p) if *p >= 1e-6 => p.min(1e6),
+            Mode::Blend(_) | Mode::Exact | Mode::ExactStop => self.machine.exact_tolerance,
+        };
+        Tolerances { linear: of(&a.mode).min(of(&b.mode)), angular: self.machine.angular_tolerance }
+    }
+
+    /// Refuses a segment that passes a pose without joint positions, or a singularity.
+    fn check_reach(&self, segment: &Segment) -> Result<(), Error> {
+        let line = segment.line;
+        let pieces = count(segment.length / CELL);
+        let width = segment.length / f64::from(pieces);
+        for k in 0..pieces {
+            let (from, to) = (width * f64::from(k), width * f64::from(k + 1));
+            let joints = joint_bounds(&self.kinematics, &segment.curve, from, to)
+                .map_err(|joint| Error::Unreachable { line, joint })?;
+            let feed = segment.feed.min(self.machine.top_speed());
+            let bounds = segment.curve.bounds(from, to, segment.lead);
+            let plain = self.law.allowed(&bounds, None, feed).speed;
+            if self.law.allowed(&bounds, Some(&joints), feed).speed < 0.01 * plain {
+                return Err(Error::Singular { line, joint: self.law.tightest_joint(&joints) });
+            }
+        }
+        Ok(())
+    }
+
+    /// Lays the held segment on the track up to its joint with the next, and holds the next.
+    fn place(&mut self, next: Option<&Segment>) {
+        let Some((a, begun)) = self.held.take() else {
+            self.held = next.map(|b| (*b, 0.0));
+            return;
+        };
+        let joint = match next {
+            Some(b) if a.mode != Mode::ExactStop => {
+                let room = 0.5 * a.length.min(b.length);
+                blend::joint(&a, b, room, &self.tolerances(&a, b), self.law.has_jerk())
+            }
+            _ => Joint::Stop,
+        };
+        let half = if let Joint::Blend(blend) = &joint { blend.half } else { 0.0 };
+        let (from, to) = (begun, a.length - half);
+        if to > from {
+            let pieces = match &a.curve {
+                Curve::Line { .. } => 1,
+                Curve::Arc { rate, .. } => count((to - from) * rate.abs() / 0.3),
+                Curve::Poly { .. } => 2,
+            };
+            self.add_span(&Span { curve: a.curve, from, to, pieces }, &a, None);
+        }
+        if let (Joint::Blend(blend), Some(b)) = (&joint, next) {
+            let span = Span { curve: blend.curve, from: 0.0, to: 2.0 * half, pieces: 4 };
+            self.add_span(&span, &a, Some(b));
+        }
+        if joint == Joint::Stop {
+            self.stop();
+        }
+        self.held = next.map(|b| (*b, half));
+    }
+
+    /// Cuts a span into cells with limits.
+    fn add_span(&mut self, span: &Span, a: &Segment, b: Option<&Segment>) {
+        let length = span.to - span.from;
+        let mut pieces = span.pieces;
+        if !self.direct {
+            pieces = pieces.max(count(length / CELL));
+        } else if self.law.has_jerk() && b.is_some() {
+            // A blend that is short against the reach of the filter has one speed anyway.
+            let whole = span.curve.bounds(span.from, span.to, a.lead);
+            let speed = self.law.allowed(&whole, None, a.feed * self.machine.max_override).speed;
+            if length < speed * self.law.reach() {
+                pieces = 1;
+            }
+        }
+        let number = self.track.add_curve(&span.curve);
+        let mut from = span.from;
+        for k in 1..=pieces {
+            let to = if k == pieces {
+                span.to
+            } else {
+                span.from + length * (f64::from(k) / f64::from(pieces))
+            };
+            self.add_raw(number, &span.curve, from, to, a, b);
+            from = to;
+        }
+    }
+
+    /// Adds a cell with its own limits.
+    fn add_raw(
+        &mut self,
+        number: u64,
+        curve: &Curve,
+        from: f64,
+        to: f64,
+        a: &Segment,
+        b: Option<&Segment>,
+    ) {
+        let bounds = curve.bounds(from, to, a.lead);
+        let feed_of = |feed: f64, speed: f64| if speed > 0.0 { feed / speed } else { 1e9 };
+        let mut feed = feed_of(a.feed, bounds.speed);
+        if let Some(b) = b {
+            let speed =
+                if a.lead == b.lead { bounds.speed } else { curve.bounds(from, to, b.lead).speed };
+            feed = feed.min(feed_of(b.feed, speed));
+        }
+        let feed = feed.min(1e9);
+        if self.erosion.known() == 0.0 {
+            self.law.choose_filter(feed * self.machine.max_override);
+        }
+        let joints = if self.direct {
+            None
+        } else {
+            // The door has checked the segment; a blend beside it stays within the tolerance.
+            joint_bounds(&self.kinematics, curve, from, to).ok()
+        };
+        let mut allowed =
+            self.law.allowed(&bounds, joints.as_ref(), feed * self.machine.max_override);
+        if !self.direct && joints.is_none() {
+            allowed.speed = allowed.speed.min(1e-3);
+            allowed.rest = allowed.rest.min(1e-3);
+        }
+        let mut raw =
+            Raw { curve: number, from, length: to - from, allowed, feed, line: a.line, start: 0.0 };
+        self.certificate.judge(&self.law, curve, a.lead, joints.as_ref(), &mut raw);
+        let time = self.law.reach();
+        let raw = self.erosion.push(raw, time);
+        if time > 0.0 {
+            self.certificate.remember(&raw);
+            self.drain(raw.end() - self.law.longest_reach());
+        } else {
+            self.drain(f64::INFINITY);
+        }
+    }
+
+    /// Gives the cells before `frontier` to the track.
+    fn drain(&mut self, frontier: f64) {
+        let (time, longest) = (self.law.reach(), self.law.longest_reach());
+        let samples = self.law.samples;
+        let shortest = 0.1 * self.machine.period;
+        let Self { erosion, certificate, track, .. } = self;
+        let mut give = |mut raw: Raw| {
+            if time > 0.0 {
+                certificate.admit(&mut raw, time, longest);
+            }
+            track.add_cell(Cell {
+                curve: raw.curve,
+                from: raw.from,
+                length: raw.length,
+                speed: raw.allowed.speed,
+                feed: raw.feed,
+                rest: raw.allowed.rest,
+                fade: raw.allowed.fade,
+                end: 0.0,
+                begin: 0.0,
+                samples,
+                stop: false,
+                line: raw.line,
+            });
+        };
+        if time > 0.0 {
+            erosion.drain(frontier, shortest, give);
+        } else {
+            while let Some(raw) = erosion.pass() {
+                give(raw);
+            }
+        }
+    }
+
+    /// Ends the run with a stop.
+    fn stop(&mut self) {
+        self.drain(f64::INFINITY);
+        self.track.stop_at_end();
+        self.erosion.restart();
+        self.certificate.restart();
+    }
+
+    fn publish(&mut self) {
+        self.track.sweep();
+    }
+}
+
+/// Returns the tighter of two limits, value by value.
+const fn tighter(a: &Limits, b: &Limits) -> Limits {
+    Limits {
+        velocity: a.velocity.min(b.velocity),
+        acceleration: a.acceleration.min(b.acceleration),
+        jerk: a.jerk.min(b.jerk),
+    }
+}
+
+/// Returns the next whole number, from 1 to 60000.
+fn count(x: f64) -> u16 {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 60000")]
+    let whole = if x > 1.0 { x.ceil().min(60000.0) as u16 } else { 1 };
+    whole
+}

@@ -1,0 +1,49 @@
+//! Checked moves as curves, and the tolerances around them.
+
+use crate::{
+    curve::Curve,
+    moves::Mode,
+    pose::{Group, Pose},
+};
+
+/// A checked move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Segment {
+    pub(crate) curve: Curve,
+    /// Length in the path coordinate.
+    pub(crate) length: f64,
+    /// Group that governs the feed.
+    pub(crate) lead: Group,
+    /// Group in which places on the path are compared.
+    pub(crate) main: Group,
+    /// Programmed feed in units of the lead group per second.
+    pub(crate) feed: f64,
+    pub(crate) mode: Mode,
+    pub(crate) line: u32,
+    /// True if the start continues the segment before with the same first two derivatives.
+    pub(crate) smooth: bool,
+}
+
+/// Allowed distance from the path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Tolerances {
+    /// In XYZ and in UVW each.
+    pub(crate) linear: f64,
+    /// In ABC.
+    pub(crate) angular: f64,
+}
+
+impl Tolerances {
+    /// Returns the tolerance of a group.
+    pub(crate) const fn of(&self, group: Group) -> f64 {
+        match group {
+            Group::Abc => self.angular,
+            Group::Xyz | Group::Uvw => self.linear,
+        }
+    }
+
+    /// Returns the largest ratio of a displacement to the tolerance of its group.
+    pub(crate) fn ratio(&self, by: &Pose) -> f64 {
+        Group::ALL.iter().map(|g| by.norm(*g) / self.of(*g)).fold(0.0, f64::max)
+    }
+}

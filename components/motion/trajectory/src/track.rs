@@ -1,0 +1,170 @@
+//! The track: the planned path as cells, each with its curve and its speed.
+//!
+//! A cell is a piece of one curve with constant limits. It carries everything that the follower needs; nothing is
+//! found again from sums of lengths. Two values of b = v² belong to each cell: `end`, the highest at its end from which
+//! the motion can still stop at the end of the track (backward sweep), and `begin`, the highest at its start that a
+//! motion from rest at the start of the run can reach (forward sweep; it bounds reverse motion). `end` only rises while
+//! cells are added, so a motion below the old values is below the new ones.
+
+use std::collections::VecDeque;
+
+use crate::curve::Curve;
+
+/// A piece of the path with constant limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cell {
+    /// Number of its curve in the track.
+    pub curve: u64,
+    /// Path coordinate of the curve at the start of the cell.
+    pub from: f64,
+    /// Length in the path coordinate.
+    pub length: f64,
+    /// Highest speed along the path, in units of the path coordinate per second.
+    pub speed: f64,
+    /// Programmed speed along the path at an override of 1.
+    pub feed: f64,
+    /// Highest acceleration along the path at rest.
+    pub rest: f64,
+    /// Loss of acceleration per squared speed.
+    pub fade: f64,
+    /// Highest squared speed at the end.
+    pub end: f64,
+    /// Highest squared speed at the start, for reverse motion.
+    pub begin: f64,
+    /// Servo periods that the jerk filter averages.
+    pub samples: u16,
+    /// True if the motion rests at the end until the filter is flat.
+    pub stop: bool,
+    /// Line of the program.
+    pub line: u32,
+}
+
+impl Cell {
+    /// Returns the highest squared speed at the far end of the cell for a motion that has `near` at the other end.
+    fn reach(&self, near: f64) -> f64 {
+        let l = 2.0 * self.length;
+        ((near + l * self.rest) / (1.0 + l * self.fade)).min(self.speed * self.speed)
+    }
+
+    /// Returns the deceleration along the cell on the way to `end`.
+    pub(crate) fn braking(&self) -> f64 {
+        self.rest - self.fade * self.reach(self.end)
+    }
+
+    /// Returns the deceleration of reverse motion along the cell on the way to `begin`.
+    pub(crate) fn braking_back(&self) -> f64 {
+        self.rest - self.fade * self.reach(self.begin)
+    }
+}
+
+/// The planned path that has not been forgotten yet.
+#[derive(Clone, Debug, Default)]
+pub struct Track {
+    cells: VecDeque<Cell>,
+    curves: VecDeque<Curve>,
+    first_cell: u64,
+    first_curve: u64,
+    /// Number of cells, from the start, whose `end` is final up to the end of the track.
+    swept: u64,
+}
+
+impl Track {
+    /// Returns a cell by its number.
+    pub fn cell(&self, number: u64) -> Option<&Cell> {
+        let k = number.checked_sub(self.first_cell)?;
+        self.cells.get(usize::try_from(k).ok()?)
+    }
+
+    /// Returns a curve by its number.
+    pub fn curve(&self, number: u64) -> Option<&Curve> {
+        let k = number.checked_sub(self.first_curve)?;
+        self.curves.get(usize::try_from(k).ok()?)
+    }
+
+    /// Number of the oldest cell that is kept.
+    pub const fn oldest(&self) -> u64 {
+        self.first_cell
+    }
+
+    /// Number of cells kept.
+    pub fn len(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// Returns true if no cell is kept.
+    pub fn is_empty(&self) -> bool {
+        self.cells.is_empty()
+    }
+
+    /// Returns the cells kept, oldest first.
+    pub fn cells(&self) -> impl Iterator<Item = &Cell> {
+        self.cells.iter()
+    }
+
+    /// Returns the memory in use, in bytes.
+    pub fn memory(&self) -> usize {
+        self.cells.capacity() * size_of::<Cell>() + self.curves.capacity() * size_of::<Curve>()
+    }
+
+    /// Forgets cells before `number`, and their curves. Reverse motion can then return to the start of that cell.
+    pub fn forget(&mut self, number: u64) {
+        while self.first_cell < number && self.cells.len() > 1 {
+            self.cells.pop_front();
+            self.first_cell += 1;
+        }
+        if let Some(curve) = self.cells.front().map(|c| c.curve) {
+            while self.first_curve < curve && self.curves.len() > 1 {
+                self.curves.pop_front();
+                self.first_curve += 1;
+            }
+        }
+        // Reverse motion must come to rest at the new start.
+        let mut begin = 0.0;
+        for cell in &mut self.cells {
+            if cell.begin <= begin {
+                break;
+            }
+            cell.begin = begin;
+            begin = if cell.stop { 0.0 } else { cell.reach(begin) };
+        }
+    }
+
+    pub(crate) fn add_curve(&mut self, curve: &Curve) -> u64 {
+        self.curves.push_back(*curve);
+        self.first_curve + self.curves.len() as u64 - 1
+    }
+
+    /// Adds a cell at the end. Its speeds are found by [`Track::sweep`].
+    pub(crate) fn add_cell(&mut self, mut cell: Cell) {
+        cell.end = 0.0;
+        cell.begin = self.cells.back().map_or(0.0, |last| {
+            if last.stop { 0.0 } else { last.reach(last.begin).min(cell.speed * cell.speed) }
+        });
+        self.cells.push_back(cell);
+    }
+
+    /// Marks the last cell as a stop.
+    pub(crate) fn stop_at_end(&mut self) {
+        if let Some(last) = self.cells.back_mut() {
+            last.stop = true;
+        }
+    }
+
+    /// Backward sweep: raises `end` of every cell as far as the cells after it allow.
+    pub(crate) fn sweep(&mut self) {
+        let mut next = 0.0;
+        let total = self.first_cell + self.cells.len() as u64;
+        let old = self.cells.len()
+            - usize::try_from(total - self.swept.max(self.first_cell)).unwrap_or(0);
+        for (k, cell) in self.cells.iter_mut().enumerate().rev() {
+            let end = if cell.stop { 0.0 } else { f64::min(next, cell.speed * cell.speed) };
+            // Cells before the first unchanged one keep their values.
+            if k < old && end == cell.end {
+                break;
+            }
+            cell.end = end;
+            next = cell.reach(end);
+        }
+        self.swept = total;
+    }
+}

@@ -1,0 +1,246 @@
+//! Runs a program through planner and follower, under the eyes of the watchman.
+#![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
+#![expect(unreachable_pub, dead_code, reason = "each test uses a part")]
+
+use hal_corpus::{Kind, Mode as CorpusMode, Motion, Options, Program, Rng, Step, random};
+use hal_trajectory::{
+    AXES, Error, Follower, JOINTS, Kinematics, Limits, Machine, Mode, Move, Planner, Pose, Shape,
+};
+use hal_watchman::{Limits as WatchLimits, PathWatch, Shape as WatchShape, Tolerance, Watchman};
+
+/// How a program is run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conduct {
+    /// Seed of the schedule.
+    pub seed: u64,
+    /// Probability per period that the override changes.
+    pub change: f64,
+    /// Probability per period that the direction changes.
+    pub turn: f64,
+    /// Largest number of moves per period that the planner receives; 0 gives it all of them at once.
+    pub feed: u64,
+}
+
+/// An override of 1, and every move at once.
+pub const PLAIN: Conduct = Conduct { seed: 0, change: 0.0, turn: 0.0, feed: 0 };
+
+/// Findings about a run.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    /// Periods.
+    pub cycles: u64,
+    /// Periods with a violation, of whatever kind.
+    pub violations: u64,
+    /// Worst ratios of velocity, acceleration, jerk, and distance from the path.
+    pub worst: [f64; 4],
+    /// Description of the worst place.
+    pub place: String,
+    /// Largest number of follower events in a period.
+    pub events: u32,
+    /// Cells that the certificate rejected.
+    pub rejected: u64,
+    /// Largest memory of the track.
+    pub memory: usize,
+    /// Last pose.
+    pub end: Pose,
+    /// Moves that were refused.
+    pub refused: usize,
+}
+
+/// Converts a program to moves and to shapes for the path judge.
+pub fn convert(program: &Program, machine: &Machine) -> (Vec<Move>, Vec<(WatchShape, Tolerance)>) {
+    let poses = program.poses();
+    let mut moves = Vec::new();
+    let mut shapes = Vec::new();
+    for (k, step) in program.steps.iter().enumerate() {
+        let (from, to) = (poses[k], poses[k + 1]);
+        moves.push(convert_move(step, &from, &to, u32::try_from(k).unwrap()));
+        let linear = match step.mode {
+            CorpusMode::Blend(p) if p >= 1e-6 => p,
+            _ => machine.exact_tolerance,
+        };
+        let tolerance = Tolerance { linear, angular: machine.angular_tolerance };
+        let shape = match step.motion {
+            Motion::Line { .. } => WatchShape::Line { from, to },
+            Motion::Arc { center, normal, angle, .. } => {
+                let center = [from[0] + center[0], from[1] + center[1], from[2] + center[2]];
+                WatchShape::Arc { from, to, center, normal, angle }
+            }
+        };
+        shapes.push((shape, tolerance));
+    }
+    (moves, shapes)
+}
+
+fn convert_move(step: &Step, from: &[f64; AXES], to: &[f64; AXES], line: u32) -> Move {
+    let end = Pose(*to);
+    let shape = match step.motion {
+        Motion::Line { .. } => Shape::Line { end },
+        Motion::Arc { center: c, normal: n, angle, .. } => {
+            let turns = ((angle.abs() - 1e-6) / core::f64::consts::TAU).floor().max(0.0);
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small")]
+            let turns = turns as u32;
+            let s = angle.signum();
+            Shape::Arc {
+                end,
+                center: [from[0] + c[0], from[1] + c[1], from[2] + c[2]],
+                normal: [n[0] * s, n[1] * s, n[2] * s],
+                turns,
+            }
+        }
+    };
+    let mode = match step.mode {
+        CorpusMode::ExactStop => Mode::ExactStop,
+        CorpusMode::Exact => Mode::Exact,
+        CorpusMode::Blend(p) => Mode::Blend(p),
+    };
+    Move { shape, feed: step.feed, mode, line }
+}
+
+/// Runs a program and judges it.
+pub fn run<K: Kinematics + Clone>(
+    program: &Program,
+    machine: &Machine,
+    kinematics: &K,
+    conduct: &Conduct,
+) -> Outcome {
+    let (moves, shapes) = convert(program, machine);
+    let start = Pose(program.start);
+    let size = program.size();
+    let mut rng = Rng::new(conduct.seed);
+    let mut planner = Planner::new(*machine, kinematics.clone(), start).unwrap();
+    let mut follower = Follower::new(machine.period, start);
+    let watch_limits = |l: &Limits| WatchLimits {
+        velocity: l.velocity,
+        acceleration: l.acceleration,
+        jerk: l.jerk,
+    };
+    let mut axes =
+        Watchman::<AXES>::new(machine.axes.map(|l| watch_limits(&l)), machine.period, size);
+    axes.rest_at(&start.0);
+    let mut joints =
+        Watchman::<JOINTS>::new(machine.joints.map(|l| watch_limits(&l)), machine.period, size);
+    joints.rest_at(&kinematics.inverse(&start).unwrap());
+    let mut path = PathWatch::new(shapes.into_boxed_slice(), size, 4);
+    let mut out = Outcome::default();
+    let (mut given, mut finished, mut scale, mut reverse) = (0, false, 1.0, false);
+    let mut flat_cycles = 0;
+    let most: u64 = 2_000_000;
+    // Random changes end after a while, so that every program ends.
+    let quiet = 30_000;
+    while out.cycles < most {
+        let mut room = if conduct.feed == 0 { u64::MAX } else { rng.below(conduct.feed + 1) };
+        while given < moves.len() && room > 0 {
+            match planner.push(&moves[given]) {
+                Ok(()) => {}
+                Err(Error::Full) => break,
+                Err(_) => out.refused += 1,
+            }
+            given += 1;
+            room -= 1;
+        }
+        if given == moves.len() && !finished {
+            planner.finish();
+            finished = true;
+        }
+        if out.cycles > quiet {
+            (scale, reverse) = (1.0, false);
+        } else if conduct.change > 0.0 && rng.chance(conduct.change) {
+            scale = rng.pick(&[0.0, 0.1, 0.5, 1.0, 1.0, 1.5, -1.0], 1.0);
+            if scale < 0.0 {
+                scale = rng.unit();
+            }
+        }
+        let turns = if reverse { 5.0 * conduct.turn } else { conduct.turn };
+        if out.cycles <= quiet && turns > 0.0 && rng.chance(turns) {
+            reverse = !reverse;
+        }
+        // A hold or a reverse motion to the oldest cell ends after a while.
+        if flat_cycles > 50 {
+            (scale, reverse) = (1.0, false);
+        }
+        let step = follower.step(planner.track(), scale, reverse);
+        flat_cycles = if step.moving { 0 } else { flat_cycles + 1 };
+        let good_axes = axes.step(&step.pose.0, step.line);
+        let at = kinematics.inverse(&step.pose).unwrap_or([f64::NAN; JOINTS]);
+        let good_joints = joints.step(&at, step.line);
+        let good_path = path.step(&step.pose.0, usize::try_from(step.line).unwrap());
+        if !(good_axes && good_joints && good_path) {
+            out.violations += 1;
+        }
+        out.cycles += 1;
+        if out.cycles % 64 == 0 {
+            out.memory = out.memory.max(planner.track().memory());
+            if !reverse {
+                planner.forget(follower.oldest().saturating_sub(200));
+            }
+        }
+        if finished && !reverse && follower.is_done(planner.track()) {
+            break;
+        }
+        out.end = step.pose;
+    }
+    let (a, j) = (axes.report(), joints.report());
+    out.worst = [
+        a.velocity.ratio.max(j.velocity.ratio),
+        a.acceleration.ratio.max(j.acceleration.ratio),
+        a.jerk.ratio.max(j.jerk.ratio),
+        path.worst().ratio,
+    ];
+    if out.violations > 0 {
+        out.place = format!("axes {a:?}\n joints {j:?}\n path {:?}", path.worst());
+    }
+    if out.cycles >= most {
+        out.place.push_str(&format!(
+            " did not finish {}",
+            format!("{follower:?}").chars().take(300).collect::<String>()
+        ));
+        out.violations += 1;
+    }
+    out.events = follower.events();
+    out.rejected = planner.rejections().0;
+    out
+}
+
+/// A random machine, program and conduct for a seed.
+pub fn case(seed: u64, count: usize) -> (Machine, Program, Conduct) {
+    let mut rng = Rng::new(seed ^ 0x5EED);
+    let jerk = rng.pick(&[f64::INFINITY, 1e6, 1e5, 1e5, 1e4, 1e4], 1e5);
+    let base = Limits { velocity: 200.0, acceleration: 1750.0, jerk };
+    let mut machine = Machine::uniform(base);
+    for limits in &mut machine.axes {
+        if rng.chance(0.3) {
+            limits.velocity *= rng.log(0.2, 2.0);
+            limits.acceleration *= rng.log(0.3, 2.0);
+            limits.jerk *= rng.log(0.5, 2.0);
+        }
+    }
+    machine.max_override = rng.pick(&[1.0, 1.2, 1.5], 1.0);
+    let kind = Kind::ALL[usize::try_from(seed % 7).unwrap()];
+    let mode = rng.pick(
+        &[
+            CorpusMode::ExactStop,
+            CorpusMode::Exact,
+            CorpusMode::Blend(0.0),
+            CorpusMode::Blend(0.01),
+            CorpusMode::Blend(0.1),
+            CorpusMode::Blend(2.0),
+            CorpusMode::Blend(1e3),
+        ],
+        CorpusMode::Exact,
+    );
+    let feed = rng.pick(&[1.0, 20.0, 60.0, 150.0, 500.0, 5000.0], 60.0);
+    let axes = 1 + usize::try_from(rng.below(9)).unwrap();
+    let stops = if rng.chance(0.5) { 0.02 } else { 0.0 };
+    // A crawl takes long: shorter programs.
+    let count = if feed < 5.0 { count / 20 } else { count };
+    let options = Options { count, axes, mode, feed, stops, area: 300.0 };
+    let program = random(kind, seed, &options);
+    let conduct = Conduct {
+        seed,
+        change: rng.pick(&[0.0, 0.003, 0.01, 0.1], 0.0),
+        turn: rng.pick(&[0.0, 0.0, 0.002], 0.0),
+        feed: rng.pick(&[0, 1, 8], 0),
+    };
+    (machine, program, conduct)
+}
