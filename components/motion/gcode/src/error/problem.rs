@@ -1,0 +1,272 @@
+//! The table of problems: each with its message and its remedy.
+
+use core::fmt;
+
+/// Declares the problems with their messages and remedies.
+macro_rules! problems {
+    ($($name:ident $({ $($field:ident : $type:ty),+ })? : $message:literal, $remedy:literal;)+) => {
+        /// A problem that a user can fix. Messages that users of LinuxCNC know keep its wording.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum Problem {
+            $(
+                #[doc = $message]
+                $name $({ $(
+                    #[doc = "A part of the message."]
+                    $field: $type
+                ),+ })?,
+            )+
+        }
+
+        impl Problem {
+            /// Returns advice, or nothing where the message says it all.
+            pub fn remedy(&self) -> &'static str {
+                match self { $( Self::$name $({ $($field: _),+ })? => $remedy, )+ }
+            }
+        }
+
+        impl fmt::Display for Problem {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                match self { $( Self::$name $({ $($field),+ })? => write!(f, $message), )+ }
+            }
+        }
+    };
+}
+
+problems! {
+    // The text of a line.
+    BadCharacter { shown: Box<str> }: "Bad character '{shown}' used", "a word begins with a letter; a value follows it";
+    LineTooLong { limit: usize }: "Command too long (limit {limit} bytes)", "break the line up";
+    NestedComment: "Nested comment found", "use other brackets inside a comment";
+    UnclosedComment: "Unclosed comment found", "close the comment with )";
+    NoNumber: "Bad number format (conversion failed)", "write a number, #parameter, function or [expression]";
+    NumberTooLarge: "number is too large", "";
+    BadUnsigned: "Bad format unsigned integer", "write digits only";
+    NoName: "Expected a name in < >", "write #<name>";
+    UnclosedName: "Unclosed name: missing >", "write #<name>";
+    NoBracket: "Left bracket missing after word", "write [expression]";
+    UnclosedExpression: "Unclosed expression", "close the expression with ]";
+    UnknownOperator: "Unknown operation", "operators are + - * / ** mod eq ne gt ge lt le and or xor";
+    ExistsNeedsName: "Expected #< after exists[", "write exists[#<name>]";
+    AtanNeedsSlash: "Slash missing after first atan argument", "write atan[y]/[x]";
+    AtanNeedsBracket: "Left bracket missing after slash with atan", "write atan[y]/[x]";
+    UnknownWord { first: char }: "Unknown word starting with {first}", "functions are abs acos asin atan cos exists exp fix fup ln round sin sqrt tan";
+    NestedTooDeep { limit: u32 }: "expression is nested deeper than {limit} levels", "use a parameter for a part of it";
+    TooManyOperators { limit: u32 }: "expression has more than {limit} operators", "use a parameter for a part of it";
+    NoEqualSign: "Equal sign missing in parameter setting", "write #n=value";
+    UnknownOCommand: "Unknown control command in o word", "keywords are sub endsub return call do while endwhile if elseif else endif repeat endrepeat break continue";
+    AfterOWord: "Unexpected character after O-word", "only a comment may follow it";
+    TooManyArguments: "Too many subroutine parameters", "use at most 30";
+
+    // Values.
+    NotANumber: "Calculation resulted in 'not a number'", "";
+    Infinite: "Calculation resulted in 'infinity'", "";
+    NotAnInteger: "Non integer value for integer", "";
+    DivideByZero: "Attempt to divide by zero", "";
+    PowerRange: "Attempt to raise negative to non integer power", "";
+    AcosRange: "Argument to acos out of range", "use -1 to 1";
+    AsinRange: "Argument to asin out of range", "use -1 to 1";
+    LnRange: "Zero or negative argument to ln", "";
+    SqrtRange: "Negative argument to sqrt", "";
+    ParameterRange: "Parameter number out of range", "use 1 to 5601";
+    ParameterReadOnly: "Parameter is readonly", "";
+    NamedReadOnly { name: Box<str> }: "Cannot assign to read-only parameter #<{name}>", "";
+    NamedUndefined { name: Box<str> }: "Named parameter #<{name}> not defined", "assign it first, or test it with exists[]";
+    TooManyNames { limit: usize }: "more than {limit} named parameters", "";
+
+    // Words of a block.
+    MultipleWords { letter: char }: "Multiple {letter} words on one line", "";
+    UnknownG: "Unknown g code used", "";
+    NegativeG: "Negative g code used", "";
+    GRange: "G-code out of range", "";
+    UnknownM { code: i32 }: "Unknown m code used: M{code}", "user codes M100 to M199 need a program of that name";
+    NegativeM: "Negative m code used", "";
+    MTooLarge { code: i32 }: "M-code greater than 199: M{code}", "";
+    SameGGroup: "Two g codes used from same modal group", "use one of them, or two lines";
+    SameMGroup: "Two m codes used from same modal group", "use one of them, or two lines";
+    TooManyM: "Too many m codes on line", "use at most 4";
+    TwoAxisCodes: "Cannot use two g codes that both use axis values", "use two lines";
+    AxisWithG80: "Cannot use axis values with g80", "program a motion code";
+    AxisWithoutCode: "Cannot use axis values without a g code that uses them", "program a motion code";
+    AxesMissing: "All axes missing with motion code", "";
+    AxesMissingG52OrG92 : "All axes missing with g52 or g92", "";
+    UnusedWord { letter: char, with: &'static str }: "{letter} word with no {with}", "";
+    NegativeWord { letter: char }: "Negative {letter} word used", "";
+    ValueNotInteger { letter: char }: "{letter} number not an integer", "";
+    PolarAndXy: "Cannot specify X or Y words with polar coordinate", "";
+    PolarNeedsAngle: "Must specify angle in polar coordinate if at the origin", "";
+    PolarWithCode: "Cannot use polar coordinates with this g code", "";
+    NotInMdi: "Cannot use this command in MDI", "";
+
+    // Feed, spindle, tool.
+    ZeroFeed { code: &'static str }: "Cannot do {code} with zero feed rate", "program F";
+    ZeroFeedArc: "Cannot make arc with zero feed rate", "program F";
+    ZeroFeedCycle: "Cannot feed with zero feed rate", "program F";
+    InverseFeedMissing { code: &'static str }: "F word missing with inverse time {code} move", "";
+    InverseFeedWithoutMotion: "cannot use F without motion in inverse time mode", "";
+    NegativeFeed: "Negative f word used", "";
+    NegativeSpeed: "Negative spindle speed used", "";
+    ZeroSpindleFeed: "Cannot feed with zero spindle speed in feed per rev mode", "program S";
+    SpindleRange { with: &'static str }: "Invalid spindle ($) number in {with} command", "";
+    SpindleOff { code: &'static str }: "Spindle not turning in {code}", "start it with M3 or M4";
+    SpindleCw { code: &'static str }: "Spindle turning clockwise in {code}", "";
+    SpindleNotCw { code: &'static str }: "Spindle not turning clockwise in {code}", "";
+    G96NeedsS: "S word missing with G96", "";
+    FeedPerRevolutionCss: "Cannot use inverse time feed with constant surface speed", "";
+    OrientRange: "R value must be within 0..360 with M19", "";
+    OrientMode: "P value must be 0,1,or 2 with M19", "";
+    OrientTimeout: "Q word with M19 requires a value > 0", "";
+    ToolMissing { tool: i32 }: "Requested tool {tool} not found in the tool table", "";
+    NegativeTool: "Negative tool id (tool not found)", "";
+    NoToolSelected: "Need tool prepared -Txx- for toolchange", "";
+    M61NeedsQ: "Need non-negative Q-word to specify tool number with M61", "";
+    ToolChangeFailed { reason: Box<str> }: "toolchange failed: {reason}", "";
+
+    // Offsets and coordinate systems.
+    HNegative: "Negative tool length offset index", "";
+    OffsetWordsMissing: "G43.2: No axes specified and H word missing", "";
+    HWithoutTool: "No tool loaded with G43", "";
+    G43AndXyz: "Can't use G43.1 without offset words", "";
+    G10NeedsL: "Line with G10 does not have L0, L1, L10, L11, L2, or L20", "";
+    G10LRange: "Line with G10 does not have L0, L1, L10, L11, L2, or L20", "";
+    G10NeedsP: "P value not an integer with G10 L2", "";
+    G10PRange: "P value out of range (0-9) with G10 L2", "";
+    G10NeedsTool: "P value out of range with G10 L1", "";
+    G10ToolRange: "P value out of range with G10 L1, L10 or L11", "";
+    G10Orientation: "Invalid tool orientation", "use 0 to 9";
+    G10AxisRotation: "R not allowed in G10 L20", "";
+    OffsetWithComp { what: &'static str }: "{what} with cutter radius compensation on", "program G40 first";
+    G53Motion: "Must use g0 or g1 with g53", "";
+    G53Incremental: "Cannot use g53 incremental", "program G90";
+    G92WithComp: "Cannot change axis offsets with cutter radius comp", "program G40 first";
+
+    WrappedRange { axis: char }: "Invalid absolute position for wrapped rotary axis {axis}", "use -360 to 360";
+
+    // Motion.
+    ArcWordsMissing { words: &'static str }: "{words} words all missing for arc", "give R or the centre";
+    ArcBothCentre { letter: char }: "{letter} word missing in absolute center arc", "";
+    ArcMixed: "Mixed radius ijk format for arc", "give R or the centre";
+    ArcWordPlane { letter: char, plane: &'static str }: "{letter} word given for arc in {plane} plane", "";
+    ArcEndMissing { words: &'static str, plane: &'static str }: "{words} words missing for arc in {plane} plane", "";
+    ArcSamePlace: "Current point same as end point of arc", "use the centre for a full circle";
+    ArcRadiusSmall: "Arc radius too small to reach end point", "";
+    ArcRadiusZero { detail: Box<str> }: "Zero-radius arc: {detail}", "";
+    ArcRadiiDiffer { detail: Box<str> }: "Radius to end of arc differs from radius to start: {detail}", "";
+    ArcTurns: "P value should be 1 or greater with G2 or G3", "";
+    TurnsNotInteger: "P value not an integer with M19 G2 or G3", "";
+    ArcUvw: "Cannot move UVW axes with arcs in XYZ planes", "";
+    ArcXyz: "Cannot move XYZ axes with arcs in UVW planes", "";
+    DwellTime: "Dwell time missing with g4", "program P seconds";
+    DwellNegative: "Negative P word used", "";
+    ProbeAxes: "cannot probe with only a rotary axis", "";
+    ProbeComp: "Cannot probe with cutter radius comp on", "program G40 first";
+    ProbeInverse: "Cannot probe in inverse time feed mode", "program G94";
+    ProbeStart: "Start point too close to probe point", "";
+    ProbeRotary: "Cannot move rotary axes during probing", "";
+    ProbeFailed: "probe did not trip", "";
+    ThreadNeedsK: "K word missing with g33/g33.1", "";
+    ThreadXyz: "K word with only rotary axes", "";
+    SplinePlane: "Splines must be in the XY plane", "program G17";
+    SplineAxes: "Splines may move X and Y only", "";
+    SplineComp: "Cannot convert spline with cutter radius compensation", "program G40 first";
+    SplineIj: "Must specify both I and J with G5", "";
+    SplineFirstIj: "Must specify both I and J with first G5", "";
+    SplinePq: "Must specify both P and Q with G5", "";
+    SplineIncremental: "Must specify P and Q ...", "";
+    QuadraticIj: "Must specify both I and J with G5.1", "";
+    NurbsXy: "Must specify both X and Y coordinates for Control Point", "";
+    NurbsWeight: "Must specify positive weight P for every Control Point", "";
+    NurbsFew: "You must specify a number of control points at least equal to the order L", "";
+    NurbsOrder: "L word out of range for G5.2", "";
+    NurbsMode: "Program G5.3 before another motion code", "";
+    NurbsNotOpen: "Cannot use G5.3 without G5.2 first", "";
+
+    // Cycles.
+    CyclePlane: "Plane for canned cycle not supported", "";
+    CycleRepeats: "Cannot do zero repeats of cycle", "";
+    CycleIncomplete { letter: char, code: &'static str }: "{letter} word missing with {code}", "";
+    CycleR { letter: char, plane: &'static str }: "R less than {letter} in cycle in {plane} plane", "";
+    CycleAxis { letter: char }: "Cannot put an {letter} in canned cycle", "";
+    CycleQNegative { code: &'static str }: "Negative or zero q value used with {code}", "";
+    SpindleCcw { code: &'static str }: "Spindle turning counterclockwise in {code}", "";
+    ProbeFeed: "Cannot probe with zero feed rate", "program F";
+    CycleRMissing: "R clearance plane unspecified in cycle", "";
+    CycleZMissing { letter: char }: "{letter} value unspecified in cycle", "";
+    CycleInverse: "Cannot use inverse time feed with canned cycles", "program G94";
+    CycleComp: "Cannot use canned cycles with cutter compensation on", "program G40 first";
+    CycleRotary: "Cannot have rotary motion with canned cycle", "";
+    CycleUvw: "Cannot put a UVW in an XYZ canned cycle", "";
+    CycleXyz: "Cannot put an XYZ in a UVW canned cycle", "";
+    CycleDwell { code: &'static str }: "Dwell time p word missing with {code}", "";
+    CycleQ { code: &'static str }: "Q word missing with {code}", "";
+    CycleIjk: "I, J and K words are needed with G87", "";
+    G76Words { detail: &'static str }: "{detail}", "";
+    G7xWords { detail: &'static str }: "{detail}", "";
+
+    // Compensation.
+    CompPlane: "Cutter radius compensation allowed only in XY, XZ planes", "program G17 or G18";
+    CompLathePlane { code: &'static str }: "{code} with lathe tool, but plane is not G18", "";
+    CompLPlane { code: &'static str }: "{code} with L word, but plane is not G18", "";
+    CompLRange { code: &'static str }: "{code} with an L word out of range", "use 0 to 9";
+    CompOn: "Cannot turn cutter radius comp on when on", "program G40 first";
+    CompPlaneChange: "Cannot change planes with cutter radius compensation on", "program G40 first";
+    CompUnits: "Cannot change units with cutter radius comp on", "program G40 first";
+    CompNeedsD { code: &'static str }: "{code} with no D word", "";
+    CompEntryShort: "Length of cutter compensation entry move is not greater than the tool radius", "";
+    CompGouge: "Straight feed in concave corner cannot be reached by the tool without gouging", "use a tool with a smaller radius";
+    CompGougeArc: "Arc move in concave corner cannot be reached by the tool without gouging", "use a tool with a smaller radius";
+    CompConcave: "Concave corner with tool radius compensation", "use a tool with a smaller radius";
+    CompArcRadius: "Tool radius not less than arc radius with comp", "use a tool with a smaller radius";
+    CompEntryVertical: "Length of cutter compensation move is not greater than the tool radius", "";
+    CompMotion { what: &'static str }: "{what}", "program G40 first";
+    CompWith { code: &'static str }: "Cannot use {code} with cutter radius compensation on", "program G40 first";
+    CompNoIntersection: "compensated moves do not meet", "use a tool with a smaller radius";
+
+    // M codes.
+    OutputP { code: &'static str }: "No valid P word with {code}", "";
+    OutputQ { code: &'static str }: "Q word missing with {code}", "give the value";
+    OutputE { code: &'static str }: "Invalid analog index with {code}", "";
+    InputWords: "Need to have either a valid P or a valid E word with M66", "";
+    InputBoth: "Invalid to select both a digital and an analog input with M66", "";
+    InputL: "Invalid L word with M66", "use 0 to 4";
+    InputQ: "Zero timeout with wait type != immediate return", "";
+    InputAnalog: "Can't select analog input with wait type != immediate return", "";
+    OverrideP { code: &'static str }: "P word out of range with {code}", "use 0 or 1";
+
+    // Flow.
+    NoProgramEnd: "File ended with no percent sign or program end", "end the program with M2, M30 or %";
+    LabelDuplicate { label: Box<str> }: "o-word label is already defined: o<{label}>", "";
+    SubNested: "Nested subroutine definition", "end the outer one first";
+    NotInSub { label: Box<str>, word: &'static str }: "not in a subroutine definition: 'o{label} {word}'", "";
+    NotInLoop { label: Box<str>, word: &'static str }: "undefined O-word label: 'o{label} {word}'", "its beginning is missing";
+    LabelMissing { label: Box<str> }: "Unable to open file or find o-word: o<{label}>", "";
+    EndMissing { label: Box<str>, line: u32 }: "end of file while seeking o-word o<{label}> of line {line}", "";
+    TooManyLevels: "Too many subroutine levels", "end the recursion, or raise the limit";
+    LoopsTooDeep { limit: u32 }: "o-words are nested deeper than {limit} levels", "";
+    RunAway { limit: u64 }: "{limit} lines without a canonical call", "end the loop, or raise the limit";
+    LinesSpent { limit: u64 }: "{limit} lines were run", "raise the limit";
+    OutputTooLarge { limit: usize }: "one line makes more than {limit} canonical calls", "";
+    NothingSaved: "Cannot restore context from invalid stack frame - missing M70/M73?", "";
+    M98NeedsP: "Found 'm98' code with no P-word", "";
+    M98LRange: "L word out of range with M98", "";
+    M99Context: "M99 outside of a program part", "";
+    UserAbort { text: Box<str> }: "{text}", "";
+    NoFile { name: Box<str> }: "Unable to open file <{name}>", "";
+    WrongAnswer: "the answer does not fit the request", "";
+    CalledBeforeAnswer: "the interpreter waits for an answer", "";
+    SavedTextChanged { name: Box<str> }: "file <{name}> changed since the state was saved", "";
+    Unsupported { thing: &'static str }: "{thing} is not supported yet", "";
+    RefusedRemap { word: Box<str>, option: &'static str }: "REMAP of {word} uses {option}=, which needs Python", "use ngc=";
+}
+
+impl Problem {
+    /// Returns the problem of a byte that begins nothing; `None` is the end of the line.
+    pub fn of_byte(byte: Option<u8>) -> Self {
+        match byte {
+            None => Self::NoNumber,
+            Some(b) if b.is_ascii_graphic() => {
+                Self::BadCharacter { shown: char::from(b).to_string().into() }
+            }
+            Some(b) => Self::BadCharacter { shown: format!("\\{b:03o}").into() },
+        }
+    }
+}

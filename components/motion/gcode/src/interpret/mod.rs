@@ -1,0 +1,245 @@
+//! The interpreter: reads a line, runs it, hands out its canonical calls.
+
+pub mod block;
+mod check;
+pub mod codes;
+mod execute;
+mod feed;
+mod io;
+mod offsets;
+mod position;
+mod read;
+mod remark;
+mod stop;
+mod tools;
+
+use std::{collections::BTreeMap, sync::Arc};
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    axis::Position,
+    canon::{Call, Frame},
+    environment::{Answer, Environment, Request, Text},
+    error::{Error, Place, Problem},
+    motion::{compensation::Compensation, cycle::Cycle},
+    parameters::{Names, Numbered},
+    program::{Cursor, Level, LevelKind, Sources},
+    state::{Modal, Settings, State},
+    text::{expression::Left, line::Line},
+    tool::Tool,
+};
+pub use execute::Run;
+
+/// A canonical call and the line that made it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Issued {
+    /// The call.
+    pub call: Call,
+    /// The line, from 1.
+    pub line: u32,
+    /// Its N number.
+    pub number: Option<u32>,
+}
+
+/// The result of one step.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Step {
+    /// A line was run; there are more.
+    Line,
+    /// The interpreter waits for an answer.
+    Ask(Request),
+    /// The program ended.
+    Ended,
+}
+
+/// The place of a problem on its line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum TroubleAt {
+    /// The whole line.
+    Line,
+    /// So many bytes before the end of the cleaned line.
+    Left(Left),
+    /// This byte of the raw line.
+    Raw(usize),
+}
+
+/// A problem and its place on the line.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Trouble {
+    pub(crate) at: TroubleAt,
+    pub(crate) problem: Problem,
+}
+
+impl From<Problem> for Trouble {
+    fn from(problem: Problem) -> Self {
+        Self { at: TroubleAt::Line, problem }
+    }
+}
+
+/// The interpreter. Its [`State`] is everything that a run depends on; the rest is a cache.
+pub struct Interpreter {
+    /// The state.
+    pub state: State,
+    pub(crate) sources: Sources,
+    cleaned: Vec<u8>,
+    line: Line,
+    block: block::Block,
+    /// Calls of an O-word, which hands them out at its end.
+    pub(crate) late: Vec<Issued>,
+}
+
+impl Interpreter {
+    /// Returns an interpreter at power-on, with the parameters of the parameter file.
+    pub fn new(settings: Settings, numbered: Numbered) -> Self {
+        let modal = Modal::new(settings.program_unit, settings.spindles);
+        let frame = Frame::new(settings.program_unit);
+        let state = State {
+            settings,
+            modal,
+            frame,
+            position: Position::default(),
+            numbered,
+            globals: Names::new(),
+            levels: Vec::new(),
+            mdi: None,
+            tool: Tool::default(),
+            selected: None,
+            changed_tools: BTreeMap::new(),
+            returned: None,
+            cycle: Cycle::default(),
+            compensation: Compensation::default(),
+            nurbs: None,
+            spline: None,
+            pending: None,
+            line: 0,
+            ended: true,
+            lines_run: 0,
+            lines_quiet: 0,
+            probe_file: false,
+        };
+        let mut out = Self::from_state(state);
+        out.load_system();
+        out
+    }
+
+    /// Returns an interpreter that goes on where `state` was saved.
+    pub fn from_state(state: State) -> Self {
+        let mut sources = Sources::default();
+        if let Some(text) = &state.mdi {
+            sources.put("", Arc::new(text.as_bytes().to_vec()));
+        }
+        let (cleaned, line, block) = (Vec::new(), Line::default(), block::Block::default());
+        Self { state, sources, cleaned, line, block, late: Vec::new() }
+    }
+
+    /// Begins a program. Modal state, offsets and global parameters stay.
+    pub fn load(&mut self, name: &str, text: Text) {
+        let percent = first_line_is_percent((*text).as_ref());
+        self.sources = Sources::default();
+        self.sources.put(name, text);
+        self.state.mdi = None;
+        self.begin(Level::new(name.into(), Cursor::default(), LevelKind::Main { percent }));
+    }
+
+    /// Begins a line of MDI.
+    pub fn mdi(&mut self, text: &str) {
+        self.state.mdi = Some(text.into());
+        self.sources.put("", Arc::new(text.as_bytes().to_vec()));
+        self.begin(Level::new(Box::default(), Cursor::default(), LevelKind::Mdi));
+    }
+
+    fn begin(&mut self, level: Level) {
+        let state = &mut self.state;
+        state.levels = vec![level];
+        state.pending = None;
+        state.ended = false;
+        state.line = 0;
+        state.lines_run = 0;
+        state.lines_quiet = 0;
+    }
+
+    /// Runs the next line and adds its canonical calls to `out`.
+    pub fn next(&mut self, env: &dyn Environment, out: &mut Vec<Issued>) -> Result<Step, Error> {
+        if self.state.ended {
+            return Ok(Step::Ended);
+        }
+        if self.state.pending.is_some() {
+            return Err(self.error(Problem::CalledBeforeAnswer.into(), &[]));
+        }
+        let before = out.len();
+        let result = self.run_line(env, out);
+        self.count(out.len() - before, result)
+    }
+
+    /// Takes the answer to the question of the last step and runs the rest of its line.
+    pub fn answer(
+        &mut self,
+        answer: &Answer,
+        env: &dyn Environment,
+        out: &mut Vec<Issued>,
+    ) -> Result<Step, Error> {
+        let Some(pending) = self.state.pending.take() else {
+            return Err(self.error(Problem::WrongAnswer.into(), &[]));
+        };
+        let before = out.len();
+        let result = self.resume(pending, answer, env, out).map_err(|t| self.error(t, &[]));
+        self.count(out.len() - before, result)
+    }
+
+    /// Sets the position, in machine coordinates of millimetres and degrees, after motion that this interpreter did
+    /// not order: a jog, an abort.
+    pub fn synchronise(&mut self, machine_mm: Position) {
+        let state = &mut self.state;
+        let machine = machine_mm.scaled(1.0 / state.frame.unit.millimetres());
+        state.position = state.frame.program(machine);
+        state.compensation.forget();
+        state.spline = None;
+        state.nurbs = None;
+    }
+
+    /// Returns the places of the line in execution: the innermost call last.
+    pub fn places(&self) -> Vec<Place> {
+        self.state.levels.iter().map(Level::place).collect()
+    }
+
+    /// Returns the text of a file that is known or that the environment opens.
+    pub(crate) fn text(&mut self, file: &str, env: &dyn Environment) -> Result<Text, Trouble> {
+        let text = self.sources.text(file, env);
+        text.ok_or_else(|| Problem::NoFile { name: file.into() }.into())
+    }
+
+    fn count(&mut self, calls: usize, result: Result<Step, Error>) -> Result<Step, Error> {
+        let limit = self.state.settings.limits.quiet_lines;
+        if calls > 0 {
+            self.state.lines_quiet = 0;
+        } else if self.state.lines_quiet > limit {
+            return Err(self.error(Problem::RunAway { limit }.into(), &[]));
+        }
+        if result.is_err() {
+            self.state.ended = true;
+        }
+        result
+    }
+
+    pub(crate) fn error(&self, trouble: Trouble, raw: &[u8]) -> Error {
+        let mut places = self.places();
+        let mut place = places.pop().unwrap_or_default();
+        place.line = self.state.line;
+        place.column = match trouble.at {
+            TroubleAt::Line => 0,
+            TroubleAt::Raw(byte) => u32::try_from(byte).unwrap_or(u32::MAX).saturating_add(1),
+            TroubleAt::Left(left) => {
+                let left = usize::try_from(left).unwrap_or(0);
+                let offset = self.cleaned.len().saturating_sub(left);
+                crate::text::clean::column(raw, offset)
+            }
+        };
+        Error { place, problem: trouble.problem, calls: places }
+    }
+}
+
+fn first_line_is_percent(text: &[u8]) -> bool {
+    let mut lines = text.split(|b| *b == b'\n').map(<[u8]>::trim_ascii);
+    lines.find(|l| !l.is_empty()).is_some_and(|l| l == b"%")
+}

@@ -1,0 +1,314 @@
+//! Reading of a line: limits, end of the program, words to values.
+
+use super::{Interpreter, Issued, Run, Step, Trouble, TroubleAt, block::Block};
+use crate::{
+    canon::Call,
+    environment::{Answer, Environment},
+    error::{Error, Problem},
+    interpret::codes::MGroup,
+    parameters::{check_writable, set_name, system},
+    program::{Level, LevelKind, line_at},
+    state::Pending,
+    text::{
+        clean,
+        evaluate::{Values, evaluate, integer},
+        line::{Line, Target},
+    },
+};
+
+impl Interpreter {
+    /// Reads and runs one line.
+    pub(super) fn run_line(
+        &mut self,
+        env: &dyn Environment,
+        out: &mut Vec<Issued>,
+    ) -> Result<Step, Error> {
+        let limits = self.state.settings.limits;
+        if self.state.lines_run >= limits.lines {
+            return Err(self.error(Problem::LinesSpent { limit: limits.lines }.into(), &[]));
+        }
+        self.state.lines_run += 1;
+        self.state.lines_quiet += 1;
+        let Some(level) = self.state.levels.last() else {
+            self.state.ended = true;
+            return Ok(Step::Ended);
+        };
+        let (file, at) = (level.file.clone(), level.cursor);
+        let text = self.text(&file, env).map_err(|t| self.error(t, &[]))?;
+        let Some((raw, next)) = line_at((*text).as_ref(), at) else {
+            return self.end_of_file(out).map_err(|t| self.error(t, &[]));
+        };
+        if let Some(level) = self.state.levels.last_mut() {
+            level.cursor = next;
+        }
+        self.state.line = next.line;
+        let result = self.run_text(raw, at, env, out);
+        result.map_err(|trouble| self.error(trouble, raw))
+    }
+
+    fn run_text(
+        &mut self,
+        raw: &[u8],
+        at: crate::program::Cursor,
+        env: &dyn Environment,
+        out: &mut Vec<Issued>,
+    ) -> Result<Step, Trouble> {
+        let limit = self.state.settings.limits.line_length;
+        if raw.len() > limit {
+            return Err(Problem::LineTooLong { limit }.into());
+        }
+        clean::clean(raw, &mut self.cleaned)
+            .map_err(|(at, problem)| Trouble { at: TroubleAt::Raw(at), problem })?;
+        if self.cleaned.is_empty() {
+            return Ok(Step::Line);
+        }
+        if self.cleaned == b"%" {
+            return self.percent(out);
+        }
+        let mut line = core::mem::take(&mut self.line);
+        let parsed = line.parse(&self.cleaned).map_err(|fault| Trouble {
+            at: TroubleAt::Left(crate::text::expression::left(fault.at)),
+            problem: fault.problem,
+        });
+        let result = parsed.and_then(|()| self.run_parsed(&line, at, env, out));
+        self.line = line;
+        result
+    }
+
+    fn run_parsed(
+        &mut self,
+        line: &Line,
+        at: crate::program::Cursor,
+        env: &dyn Environment,
+        out: &mut Vec<Issued>,
+    ) -> Result<Step, Trouble> {
+        if line.deletable && self.state.settings.block_delete {
+            return Ok(Step::Line);
+        }
+        if let Some(word) = &line.oword {
+            let result = self.flow(word, at, env);
+            out.append(&mut self.late);
+            result?;
+            return Ok(Step::Line);
+        }
+        let mut block = core::mem::take(&mut self.block);
+        let result = self.run_words(line, &mut block, env, out);
+        self.block = block;
+        result
+    }
+
+    fn run_words(
+        &mut self,
+        line: &Line,
+        block: &mut Block,
+        env: &dyn Environment,
+        out: &mut Vec<Issued>,
+    ) -> Result<Step, Trouble> {
+        *block = Block::default();
+        block.number = line.number;
+        self.values(line, block, env)?;
+        if let Some(remark) = &line.remark {
+            block.remark = Some((remark.kind as u8, remark.text.clone()));
+        }
+        let mut run = Run { state: &mut self.state, env, out, line: 0, number: None, focus: None };
+        run.line = run.state.line;
+        run.number = block.number;
+        let asked = run.prepare(block).and_then(|()| run.execute(block, 0));
+        let focus = run.focus;
+        let asked = asked.map_err(|p| located(p, block, focus))?;
+        self.after(block, asked, env, out)
+    }
+
+    /// Runs the rest of a block after an answer.
+    pub(super) fn resume(
+        &mut self,
+        pending: Pending,
+        answer: &Answer,
+        env: &dyn Environment,
+        out: &mut Vec<Issued>,
+    ) -> Result<Step, Trouble> {
+        let Pending { request, block, step } = pending;
+        let mut run = Run { state: &mut self.state, env, out, line: 0, number: None, focus: None };
+        run.line = run.state.line;
+        run.number = block.number;
+        run.take_answer(&request, answer)?;
+        let mut block = block;
+        let asked = run.execute(&mut block, step + 1)?;
+        self.after(&mut block, asked, env, out)
+    }
+
+    /// Finishes a block: keeps it if it asks, or follows M70 to M73, M98 and M99.
+    fn after(
+        &mut self,
+        block: &mut Block,
+        asked: Option<(crate::environment::Request, u8)>,
+        env: &dyn Environment,
+        out: &mut Vec<Issued>,
+    ) -> Result<Step, Trouble> {
+        if let Some((request, step)) = asked {
+            let block = block.clone();
+            self.state.pending = Some(Pending { request: request.clone(), block, step });
+            return Ok(Step::Ask(request));
+        }
+        match block.m(MGroup::Call) {
+            Some(98) => {
+                let part = block.integer(b'p')?.ok_or(Problem::M98NeedsP)?;
+                let repeats = block.integer(b'l')?.unwrap_or(1);
+                self.call_part(part, repeats, env)?;
+            }
+            Some(99) if !self.end_part(env)? => {
+                let line = self.state.line;
+                let mut run =
+                    Run { state: &mut self.state, env, out, line, number: None, focus: None };
+                run.end(false)?;
+            }
+            _ => {}
+        }
+        out.append(&mut self.late);
+        Ok(if self.state.ended { Step::Ended } else { Step::Line })
+    }
+
+    /// Evaluates the words of a line and then its assignments, which all see the old values.
+    fn values(
+        &mut self,
+        line: &Line,
+        block: &mut Block,
+        env: &dyn Environment,
+    ) -> Result<(), Trouble> {
+        let reader = system::Reader { state: &self.state, environment: env };
+        let lost = |(at, problem)| Trouble { at: TroubleAt::Left(at), problem };
+        for word in &line.words {
+            let value = evaluate(&word.value, word.at, &reader).map_err(lost)?;
+            block
+                .add(word.letter, word.at, value)
+                .map_err(|problem| Trouble { at: TroubleAt::Left(word.at), problem })?;
+        }
+        if line.assignments.is_empty() {
+            return Ok(());
+        }
+        let mut numbered: Vec<(i32, f64)> = Vec::new();
+        let mut named: Vec<(&str, f64)> = Vec::new();
+        for (at, target, expr) in &line.assignments {
+            let here = |problem| Trouble { at: TroubleAt::Left(*at), problem };
+            let value = evaluate(expr, *at, &reader).map_err(lost)?;
+            match target {
+                Target::Numbered(index) => {
+                    let index =
+                        integer(evaluate(index, *at, &reader).map_err(lost)?).map_err(here)?;
+                    check_writable(index).map_err(here)?;
+                    numbered.push((index, value));
+                }
+                Target::Named(name) => {
+                    if system::is_system(&self.state, name) {
+                        // The reference ignores an assignment to a value of the INI file or HAL.
+                        if reader.exists(name) && !name.ends_with(']') {
+                            return Err(here(Problem::NamedReadOnly { name: name.clone() }));
+                        }
+                        continue;
+                    }
+                    named.push((name, value));
+                }
+            }
+        }
+        for (index, value) in numbered {
+            self.state.numbered.put(index, value);
+        }
+        for (name, value) in named {
+            let locals = self.state.levels.last_mut().map(|l| &mut l.locals);
+            match locals {
+                Some(locals) if !name.starts_with('_') => set_name(locals, name, value)?,
+                _ => set_name(&mut self.state.globals, name, value)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn percent(&mut self, out: &mut Vec<Issued>) -> Result<Step, Trouble> {
+        let level = self.state.levels.last();
+        let Some(Level { kind: LevelKind::Main { percent: true }, cursor, .. }) = level else {
+            return Err(Problem::BadCharacter { shown: "%".into() }.into());
+        };
+        // The first percent sign begins the program; only blank lines came before it.
+        if self.state.lines_run <= u64::from(cursor.line) && !self.seen_percent(*cursor) {
+            return Ok(Step::Line);
+        }
+        let line = self.state.line;
+        out.push(Issued { call: Call::Finish, line, number: None });
+        self.state.ended = true;
+        Ok(Step::Ended)
+    }
+
+    /// Tells whether a line with text came before the one at which the level is.
+    fn seen_percent(&mut self, at: crate::program::Cursor) -> bool {
+        let Some(level) = self.state.levels.last() else { return true };
+        let Some(text) = self.sources.text(&level.file.clone(), &NoFiles) else { return true };
+        let mut cursor = crate::program::Cursor::default();
+        while let Some((raw, next)) = line_at((*text).as_ref(), cursor) {
+            if !raw.trim_ascii().is_empty() {
+                return next != at;
+            }
+            cursor = next;
+        }
+        true
+    }
+
+    fn end_of_file(&mut self, out: &mut Vec<Issued>) -> Result<Step, Trouble> {
+        match self.state.levels.last().map(|l| &l.kind) {
+            Some(LevelKind::Mdi) => {
+                self.state.ended = true;
+                let mut run = Run {
+                    state: &mut self.state,
+                    env: &NoFiles,
+                    out,
+                    line: 0,
+                    number: None,
+                    focus: None,
+                };
+                run.flush_compensation();
+                Ok(Step::Ended)
+            }
+            Some(LevelKind::Sub) => {
+                let level = self.state.levels.last();
+                let label = level.map(|l| l.label.clone()).unwrap_or_default();
+                Err(Problem::EndMissing { label, line: 0 }.into())
+            }
+            _ => Err(Problem::NoProgramEnd.into()),
+        }
+    }
+}
+
+/// Gives a problem of a block its place: its word's, or that of the code in execution.
+fn located(
+    problem: Problem,
+    block: &Block,
+    focus: Option<crate::text::expression::Left>,
+) -> Trouble {
+    let letter = match &problem {
+        Problem::UnusedWord { letter, .. }
+        | Problem::NegativeWord { letter }
+        | Problem::ValueNotInteger { letter }
+        | Problem::ArcWordPlane { letter, .. } => {
+            u8::try_from(letter.to_ascii_lowercase()).ok().filter(|l| block.has(*l))
+        }
+        _ => None,
+    };
+    let at = match (letter, focus) {
+        (Some(letter), _) => TroubleAt::Left(block.place(letter)),
+        (None, Some(left)) => TroubleAt::Left(left),
+        (None, None) => TroubleAt::Line,
+    };
+    Trouble { at, problem }
+}
+
+/// An environment without anything.
+struct NoFiles;
+
+impl Environment for NoFiles {
+    fn open(&self, _: &str) -> Option<crate::environment::Text> {
+        None
+    }
+
+    fn tool(&self, _: i32) -> Option<crate::tool::Tool> {
+        None
+    }
+}

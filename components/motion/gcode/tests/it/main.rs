@@ -1,0 +1,9 @@
+//! Programs as data: what they give, what they give in the reference, and what their state is on the way.
+#![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::print_stderr, reason = "the report of a comparison")]
+
+mod golden;
+mod input;
+mod oracle;
+mod state;
+mod support;

@@ -1,0 +1,151 @@
+//! Every program through `rs274` of LinuxCNC and through this interpreter: the same calls, the same line of an error.
+
+use std::{
+    collections::BTreeMap,
+    path::Path,
+    process::{Command, Stdio},
+};
+
+use crate::support::{World, folder, printed, run};
+
+/// The output of `rs274`: its calls, its message and the line of its error.
+struct Peer {
+    calls: Vec<String>,
+    message: Option<String>,
+    line: String,
+}
+
+fn peer(room: &Path, name: &str) -> Peer {
+    std::fs::write(room.join("v.var"), "5161 0.0\n").unwrap();
+    let file = format!("{name}.ngc");
+    let mut command = Command::new("timeout");
+    command.args(["5", "runuser", "-u", "nobody", "--", "env"]);
+    command.arg(format!("HOME={}", room.display())).args(["rs274", "-g", "-n", "2"]);
+    command.args(["-t", "t.tbl", "-v", "v.var", &file]);
+    command.current_dir(room).stdin(Stdio::null());
+    let output = command.output().unwrap();
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let mut calls = Vec::new();
+    for line in text.lines() {
+        let call = numbered(line);
+        match call {
+            Some((n, _)) if n <= 6 => {}
+            Some((_, "ON_RESET()")) => {}
+            // The reference repeats an entry for the spindle, as index 0.
+            Some((_, call)) if call.starts_with("SET_TOOL_TABLE_ENTRY(0,") => {}
+            Some((_, call)) => calls.push(call.to_owned()),
+            None => calls.push(line.to_owned()),
+        }
+    }
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    let mut lines = told.lines().filter(|l| *l != "executing");
+    let message = lines.next().map(str::to_owned);
+    let line = lines.next().unwrap_or_default().trim().to_owned();
+    Peer { calls, message, line }
+}
+
+/// Splits a line of the form `  12 N..... CALL(…)`.
+fn numbered(line: &str) -> Option<(u32, &str)> {
+    let (n, rest) = line.trim_start().split_once(' ')?;
+    let n = n.parse().ok()?;
+    let rest = rest.strip_prefix('N')?;
+    let end = rest.find(|c: char| !c.is_ascii_digit() && c != '.' && c != ' ')?;
+    Some((n, rest.get(end..)?))
+}
+
+/// Compares calls; numbers may differ in the last digit that is printed.
+fn same(a: &str, b: &str) -> bool {
+    let split = |t: &str| -> Vec<String> {
+        let mut parts = vec![String::new()];
+        let mut in_number = false;
+        for c in t.chars() {
+            let number = c.is_ascii_digit() || c == '.' || c == '-';
+            if number != in_number {
+                parts.push(String::new());
+                in_number = number;
+            }
+            parts.last_mut().unwrap().push(c);
+        }
+        parts
+    };
+    let (a, b) = (split(a), split(b));
+    a.len() == b.len()
+        && a.iter().zip(&b).all(|(a, b)| {
+            a == b
+                || match (a.parse::<f64>(), b.parse::<f64>()) {
+                    (Ok(x), Ok(y)) => (x - y).abs() < 1.5e-4,
+                    _ => false,
+                }
+        })
+}
+
+/// The programs that differ, with the reasons.
+fn differences() -> BTreeMap<String, String> {
+    let text = std::fs::read_to_string(folder("differences.txt")).unwrap();
+    let lines = text.lines().filter(|l| !l.starts_with('#') && !l.trim().is_empty());
+    lines.map(|l| l.split_once(": ").map(|(a, b)| (a.to_owned(), b.to_owned())).unwrap()).collect()
+}
+
+#[test]
+#[ignore = "needs LinuxCNC's rs274 and root for runuser: cargo test -p hal-gcode --test programs -- --ignored --nocapture"]
+fn programs_give_the_calls_of_the_reference() {
+    let room = std::env::temp_dir().join("hal-gcode-oracle");
+    std::fs::create_dir_all(&room).unwrap();
+    let world = World::new();
+    for (name, text) in &world.files {
+        std::fs::write(room.join(format!("{name}.ngc")), text).unwrap();
+    }
+    std::fs::write(room.join("t.tbl"), crate::support::TABLE).unwrap();
+    let open = Command::new("chmod").args(["-R", "a+rwX"]).arg(&room).status().unwrap();
+    assert!(open.success());
+    let only = std::env::var("ONLY").ok();
+    let known = differences();
+    let mut wrong = Vec::new();
+    let (mut equal, mut messages, mut errors) = (0, 0, 0);
+    for name in world.files.keys() {
+        if only.as_ref().is_some_and(|o| !name.contains(o.as_str())) || name.starts_with("lib-") {
+            continue;
+        }
+        let theirs = peer(&room, name);
+        let (calls, error) = run(name, &world);
+        let ours = printed(&calls);
+        let mut report = Vec::new();
+        let at = ours.iter().zip(&theirs.calls).position(|(a, b)| !same(a, b));
+        let at =
+            at.or((ours.len() != theirs.calls.len()).then(|| ours.len().min(theirs.calls.len())));
+        if let Some(at) = at {
+            for i in at..(at + 4).min(ours.len().max(theirs.calls.len())) {
+                let none = String::from("-");
+                report.push(format!("  ours   {}", ours.get(i).unwrap_or(&none)));
+                report.push(format!("  theirs {}", theirs.calls.get(i).unwrap_or(&none)));
+            }
+        }
+        let source = String::from_utf8_lossy(&world.files[name]).into_owned();
+        let line = error.as_ref().map_or("", |e| {
+            let index = usize::try_from(e.place.line).unwrap().saturating_sub(1);
+            source.lines().nth(index).unwrap_or_default()
+        });
+        let foreign =
+            error.as_ref().is_some_and(|e| e.place.file.as_ref() != format!("{name}.ngc"));
+        if error.is_some() != theirs.message.is_some() || (line.trim() != theirs.line && !foreign) {
+            report.push(format!("  error  {:?}", error.as_ref().map(ToString::to_string)));
+            report.push(format!("  theirs {:?} at {:?}", theirs.message, theirs.line));
+        } else if let (Some(error), Some(message)) = (&error, &theirs.message) {
+            errors += 1;
+            let same = error.problem.to_string().to_lowercase() == message.to_lowercase();
+            messages += u32::from(same);
+            if !same && std::env::var("MESSAGES").is_ok() {
+                eprintln!("{name}: {} | {message}", error.problem);
+            }
+        }
+        match (report.is_empty(), known.get(name)) {
+            (true, None) => equal += 1,
+            (true, Some(_)) => wrong.push(format!("{name}: listed as different, but equal")),
+            (false, Some(_)) => {}
+            (false, None) => wrong.push(format!("{name}:\n{}", report.join("\n"))),
+        }
+    }
+    eprintln!("{equal} equal, {} listed as different, {} not explained", known.len(), wrong.len());
+    eprintln!("{messages} of {errors} error messages have the same text");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
