@@ -81,7 +81,7 @@ pub fn main(
     let has = |wanted| given.iter().any(|(id, _)| *id == wanted);
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.clone();
     if has(Id::Help) {
-        terminal.out(&help());
+        terminal.out(&help())?;
         return Ok(0);
     }
     let from = value(Id::Level).map(|word| level(&word)).transpose()?.unwrap_or(Level::Note);
@@ -104,7 +104,7 @@ pub fn main(
     } else {
         render::write(&shown, &checked.texts, Shown::for_terminal())
     };
-    terminal.out(&text);
+    terminal.out(&text)?;
     Ok(status(&checked.findings))
 }
 

@@ -1,5 +1,6 @@
 //! Why a line was refused, in the user's words.
 
+use hal_output::Unwritten;
 use hal_protocol::Failure;
 
 /// Why a line, a file or an option was refused. What LinuxCNC has a sentence for is worded so.
@@ -10,6 +11,8 @@ pub enum Error {
     Engine(Failure),
     /// What is wrong has been said already, with its own place.
     Told,
+    /// What a command prints could not be written.
+    Output(Unwritten),
     UnterminatedQuote,
     TooManyTokens,
     CarriageReturn,
@@ -144,6 +147,10 @@ pub enum Error {
         path: Box<str>,
         why: Box<str>,
     },
+    NotWritten {
+        path: Box<str>,
+        why: Box<str>,
+    },
     GivenUp {
         command: Box<str>,
         why: Box<str>,
@@ -187,6 +194,7 @@ impl core::fmt::Display for Error {
         match self {
             Self::Engine(failure) => f.write_str(&failure.text),
             Self::Told => Ok(()),
+            Self::Output(unwritten) => unwritten.fmt(f),
             Self::UnterminatedQuote => f.write_str("unterminated quoted string"),
             Self::TooManyTokens => f.write_str("too many tokens on line"),
             Self::CarriageReturn => f.write_str("File contains embedded carriage returns."),
@@ -263,6 +271,7 @@ impl core::fmt::Display for Error {
             Self::NoDestination { path, .. } => {
                 write!(f, "Can't open 'save' destination '{path}'")
             }
+            Self::NotWritten { path, why } => write!(f, "cannot write '{path}': {why}"),
             Self::GivenUp { command, why } => write!(f, "{command}: {why}"),
             Self::Ini(error) => error.fmt(f),
             Self::Profile { place, why } => write!(f, "{place}: {why}"),
@@ -302,6 +311,12 @@ impl Error {
 impl From<hal_ini::Error> for Error {
     fn from(error: hal_ini::Error) -> Self {
         Self::Ini(error)
+    }
+}
+
+impl From<Unwritten> for Error {
+    fn from(unwritten: Unwritten) -> Self {
+        Self::Output(unwritten)
     }
 }
 

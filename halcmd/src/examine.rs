@@ -3,6 +3,7 @@
 use crate::{
     Command, Error, Session,
     command::Subject,
+    execute::written,
     graph::{self, Drawing, Format, Wanted},
     options::{Given, Opt, options},
     order,
@@ -116,11 +117,8 @@ impl Session<'_> {
             graph::text(&drawing, format)
         };
         match file {
-            None => self.terminal.out(&text),
-            Some(file) => std::fs::write(file, text).map_err(|e| Error::NoDestination {
-                path: file.into(),
-                why: crate::ini::plain(&e),
-            })?,
+            None => self.terminal.out(&text)?,
+            Some(file) => written(file, &text)?,
         }
         if refused { Err(Error::Told) } else { Ok(()) }
     }

@@ -7,8 +7,13 @@ use crate::{
     hint::nearest,
     list, man, save, show, status,
 };
+use hal_output::{Unwritten, Whole};
 use hal_protocol::{Failure, Kind, Lock, Reply, Request, StatusInfo, TicketInfo, Type};
 use serde_json::{Value, json};
+use std::{
+    io::{self, Write},
+    path::Path,
+};
 
 /// The code of a failure that says that something is not there.
 const ENOENT: i32 = -2;
@@ -83,7 +88,7 @@ impl Session<'_> {
             }
             Command::Echo(on) => {
                 let text = if on { "Echo on\n" } else { "Echo off\n" };
-                self.text(text, || json!({ "echo": on }));
+                self.text(text, || json!({ "echo": on }))?;
                 self.style.echo = on;
             }
             Command::Source(path) => self.source(&path)?,
@@ -92,11 +97,11 @@ impl Session<'_> {
                 // As the reference: what has no help is said, and is no failure.
                 let about = about.as_deref();
                 let text = help::help(about).unwrap_or_else(|e| format!("{}\n", e.whole()));
-                self.text(&text, || help::object(about));
+                self.text(&text, || help::object(about))?;
             }
             Command::Watch(watch) => self.watch(&watch)?,
             Command::Meter(name) => self.meter(name)?,
-            Command::Completion(text) => self.text(text, || json!({ "completion": text })),
+            Command::Completion(text) => self.text(text, || json!({ "completion": text }))?,
             Command::Lock(change) => self.lock(change)?,
             Command::SetExact => self.set_exact()?,
             Command::Component { name, args, wait } => self.component(name, args, wait)?,
@@ -128,14 +133,13 @@ impl Session<'_> {
         } else {
             words(reply).ok_or(Error::Unexpected)?
         };
-        self.terminal.out(&text);
-        Ok(())
+        Ok(self.terminal.out(&text)?)
     }
 
     /// Prints a text of our own, or the object that stands for it.
-    fn text(&mut self, text: &str, object: impl FnOnce() -> Value) {
+    fn text(&mut self, text: &str, object: impl FnOnce() -> Value) -> Result<(), Error> {
         let text = if self.style.json { format!("{}\n", object()) } else { text.to_owned() };
-        self.terminal.out(&text);
+        Ok(self.terminal.out(&text)?)
     }
 
     /// The same for listings, which `-Q` keeps quiet.
@@ -200,11 +204,8 @@ impl Session<'_> {
         let text = save::write(kind, &mut |request| self.ask(request))?;
         match file {
             None if self.style.silent => {}
-            None => self.text(&text, || json!({ "save": text.lines().collect::<Vec<_>>() })),
-            Some(file) => std::fs::write(file, text).map_err(|e| Error::NoDestination {
-                path: file.into(),
-                why: crate::ini::plain(&e),
-            })?,
+            None => self.text(&text, || json!({ "save": text.lines().collect::<Vec<_>>() }))?,
+            Some(file) => written(file, &text)?,
         }
         Ok(())
     }
@@ -290,4 +291,18 @@ impl Session<'_> {
             _ => Err(Error::Unexpected),
         }
     }
+}
+
+/// Writes what a command was told to put into a file; what stood there stays until all of it is written.
+pub(crate) fn written(file: &str, text: &str) -> Result<(), Error> {
+    let why = |e: &io::Error| crate::ini::plain(e);
+    let mut out = Whole::create(Path::new(file))
+        .map_err(|e| Error::NoDestination { path: file.into(), why: why(&e) })?;
+    out.write_all(text.as_bytes()).and_then(|()| out.finish()).map_err(|e| {
+        if e.kind() == io::ErrorKind::BrokenPipe {
+            hal_output::lose_reader();
+            return Unwritten::ReaderGone.into();
+        }
+        Error::NotWritten { path: file.into(), why: why(&e) }
+    })
 }

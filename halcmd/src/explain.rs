@@ -49,15 +49,15 @@ pub fn row(code: Code) -> Option<&'static Row> {
 /// There is no such code.
 pub fn main(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
     if words.is_empty() {
-        terminal.out(&list());
+        terminal.out(&list())?;
     }
     for (i, word) in words.iter().enumerate() {
         let Some(code) = Code::parse(word) else {
             let near = nearest(&word.to_ascii_uppercase(), Code::ALL.iter().map(|c| c.id()));
             return Err(Error::NoCode { word: word.as_str().into(), near });
         };
-        terminal.out(if i == 0 { "" } else { "\n" });
-        terminal.out(&explained(code));
+        terminal.out(if i == 0 { "" } else { "\n" })?;
+        terminal.out(&explained(code))?;
     }
     Ok(0)
 }

@@ -60,7 +60,7 @@ pub(crate) fn blamed(error: &Error, words: &[String]) -> Span {
         | Error::ProgramKilled { program: word }
         | Error::NotReady { program: word, .. } => find(words, word).map_or(0..count, one),
         Error::Level | Error::NoFile { .. } => one(1),
-        Error::NoDestination { .. } => one(2),
+        Error::NoDestination { .. } | Error::NotWritten { .. } => one(2),
         Error::BadOption { option, .. } => {
             let given = |w: &String| w.starts_with('-') && w.contains(*option);
             words.iter().position(given).map_or(0..count, one)

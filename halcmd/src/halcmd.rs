@@ -10,6 +10,7 @@ use crate::{
     remote::{Remote, instance_option},
     say,
     signals::leave_on_signals,
+    terminal::complain,
 };
 use hal_protocol::Place;
 use std::{path::Path, process::ExitCode};
@@ -100,7 +101,7 @@ pub fn main(words: &[String]) -> ExitCode {
         Err(error) => {
             let json = words.iter().take_while(|w| w.starts_with('-')).any(|w| w == "--json");
             let text = if json { say::lone_object(&error) } else { format!("{}\n", error.whole()) };
-            terminal.err(&text);
+            complain(&text);
             ExitCode::from(255)
         }
     }
@@ -113,24 +114,24 @@ fn run(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
     let has = |wanted| given.iter().any(|(id, _)| *id == wanted);
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.clone();
     if has(Id::Complete) {
-        return Ok(complete_line(&rest, terminal));
+        return complete_line(&rest, terminal);
     }
     let mut style = Style::default();
     given.iter().for_each(|(id, _)| apply(&mut style, *id));
     if has(Id::Help) {
         let about = rest.first().map(String::as_str);
         if style.json {
-            terminal.out(&format!("{}\n", help::object(about)));
+            terminal.out(&format!("{}\n", help::object(about)))?;
             return Ok(0);
         }
         let text = about.map_or_else(|| Ok(usage_text()), |name| help::help(Some(name)));
-        terminal.out(&text.unwrap_or_else(|error| format!("{}\n", error.whole())));
+        terminal.out(&text.unwrap_or_else(|error| format!("{}\n", error.whole())))?;
         return Ok(0);
     }
     let file = has(Id::File);
     if !file && rest.is_empty() {
         if !has(Id::Release) {
-            terminal.out(&usage_text());
+            terminal.out(&usage_text())?;
         }
         return Ok(0);
     }
@@ -185,7 +186,7 @@ pub(crate) fn completable() -> Vec<Opt<()>> {
 
 /// `-C`: bash gives the program, the word that is being typed and the one before; the line and
 /// how far it counts are in the environment. With `HAL_COMPLETE=about`, what each word is follows.
-fn complete_line(rest: &[String], terminal: &mut dyn Terminal) -> u8 {
+fn complete_line(rest: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
     let line = std::env::var("COMP_LINE").unwrap_or_default();
     let point = std::env::var("COMP_POINT").ok().and_then(|p| p.parse::<usize>().ok());
     let line = point.and_then(|p| line.get(..p)).unwrap_or(&line);
@@ -193,9 +194,9 @@ fn complete_line(rest: &[String], terminal: &mut dyn Terminal) -> u8 {
     let found = complete::for_shell(line, rest.get(1).map(String::as_str));
     for candidate in &found.candidates {
         let about = if about { format!("\t{}", candidate.about) } else { String::new() };
-        terminal.out(&format!("{}{about}\n", candidate.word));
+        terminal.out(&format!("{}{about}\n", candidate.word))?;
     }
-    if found.files { complete::COMPLETE_FILES } else { 0 }
+    Ok(if found.files { complete::COMPLETE_FILES } else { 0 })
 }
 
 /// The instance that is asked for.

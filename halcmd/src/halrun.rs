@@ -11,6 +11,7 @@ use crate::{
     options::Opt,
     prompt,
     remote::{is_gone, pause},
+    terminal::complain,
 };
 use hal_engine::Engine;
 use hal_protocol::{Client, Link, NOT_RUNNING, Place, Request};
@@ -29,10 +30,7 @@ const PATIENCE: u32 = 1000;
 pub fn main(words: &[String]) -> ExitCode {
     let mut terminal = Stdio;
     let code = match plan::plan(words, &|name| std::env::var(name).ok()) {
-        Ok(Action::Help) => {
-            terminal.out(&plan::help());
-            0
-        }
+        Ok(Action::Help) => shown(&plan::help(), &mut terminal),
         Ok(Action::Stop(place)) => stop(&place, &mut terminal),
         Ok(Action::Run(plan)) if plan.detach == Detach::Parent => {
             detach::parent(words, &mut terminal)
@@ -44,6 +42,17 @@ pub fn main(words: &[String]) -> ExitCode {
         }
     };
     ExitCode::from(code)
+}
+
+/// Prints a text, and returns the status of the program.
+fn shown(text: &str, terminal: &mut dyn Terminal) -> u8 {
+    match terminal.out(text) {
+        Ok(()) => 0,
+        Err(unwritten) => {
+            complain(&format!("halrun: {unwritten}\n"));
+            1
+        }
+    }
 }
 
 /// Its options, for completion.

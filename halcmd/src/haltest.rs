@@ -42,8 +42,12 @@ pub use process::{Options, run, run_with};
 use crate::{
     Error, Stdio, Terminal, nanoseconds,
     options::{Opt, options, usage},
+    terminal::complain,
 };
-use std::{path::PathBuf, process::ExitCode};
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 const NAME: &str = "haltest";
 
@@ -117,31 +121,58 @@ struct Wanted {
     paths: Vec<String>,
 }
 
+/// Why nothing could be tested, or told.
+#[derive(Debug)]
+enum Failure {
+    /// The command line is not what it should be.
+    Asked(String),
+    /// What came of the tests could not be written.
+    Unwritten(String),
+}
+
+impl From<hal_output::Unwritten> for Failure {
+    fn from(unwritten: hal_output::Unwritten) -> Self {
+        Self::Unwritten(unwritten.to_string())
+    }
+}
+
+impl Failure {
+    /// A file that could not be written.
+    fn file(path: &Path, error: &std::io::Error) -> Self {
+        Self::Unwritten(format!("{}: {}", path.display(), hal_output::reason(error)))
+    }
+}
+
 /// Runs the program with these words.
 #[must_use]
 pub fn main(words: &[String]) -> ExitCode {
-    let mut terminal = Stdio;
-    let table = [OPTIONS, HIDDEN].concat();
-    let result = read(&table, words).and_then(|(given, paths)| {
-        let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.clone();
-        if given.iter().any(|(id, _)| *id == Id::Help) {
-            terminal.out(&help());
-            return Ok(0);
-        }
-        if let (Some(file), Some(folder)) = (value(Id::One), value(Id::To)) {
-            one::main(&file, folder.as_ref());
-            return Ok(0);
-        }
-        let wanted = wanted(&given, paths).map_err(|e| e.whole())?;
-        list::main(&wanted, &mut terminal).map_err(|text| format!("{NAME}: {text}"))
-    });
-    match result {
+    match run_program(words) {
         Ok(code) => ExitCode::from(code),
-        Err(text) => {
-            terminal.err(&format!("{text}\n\nFor usage try: {NAME} -h\n"));
+        Err(failure) => {
+            complain(&match failure {
+                Failure::Asked(text) => format!("{text}\n\nFor usage try: {NAME} -h\n"),
+                Failure::Unwritten(text) => format!("{NAME}: {text}\n"),
+            });
             ExitCode::from(2)
         }
     }
+}
+
+fn run_program(words: &[String]) -> Result<u8, Failure> {
+    let mut terminal = Stdio;
+    let table = [OPTIONS, HIDDEN].concat();
+    let (given, paths) = read(&table, words).map_err(Failure::Asked)?;
+    let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.clone();
+    if given.iter().any(|(id, _)| *id == Id::Help) {
+        terminal.out(&help())?;
+        return Ok(0);
+    }
+    if let (Some(file), Some(folder)) = (value(Id::One), value(Id::To)) {
+        one::main(&file, folder.as_ref())?;
+        return Ok(0);
+    }
+    let wanted = wanted(&given, paths).map_err(|e| Failure::Asked(e.whole()))?;
+    list::main(&wanted, &mut terminal)
 }
 
 /// Options may also follow the files.

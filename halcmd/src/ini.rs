@@ -4,6 +4,5 @@ pub use hal_ini::{Entry, Ini};
 
 /// The system's reason, without its number.
 pub(crate) fn plain(error: &std::io::Error) -> Box<str> {
-    let text = error.to_string();
-    text.split(" (os error").next().unwrap_or(&text).into()
+    hal_output::reason(error).into()
 }

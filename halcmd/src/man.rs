@@ -264,7 +264,7 @@ pub fn main(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> 
     let page = Page::of(name, args, &plugin_path(&|name| std::env::var(name).ok()))?;
     let text = page.text();
     if !(terminal.is_screen() && pager::show(&text)) {
-        terminal.out(&text);
+        terminal.out(&text)?;
     }
     Ok(0)
 }

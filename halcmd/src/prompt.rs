@@ -209,8 +209,8 @@ impl Drop for Restored {
     fn drop(&mut self) {
         aside::hold(false);
         if let Some(held) = self.edited.take() {
-            // Pasting as usual, and a line of its own for whoever writes next.
-            crate::Terminal::out(&mut crate::Stdio, "\x1b[?2004l\r\n");
+            // Pasting as usual, and a line of its own for whoever writes next. The terminal may have gone.
+            hal_output::print("\x1b[?2004l\r\n").unwrap_or_default();
             tcsetattr(std::io::stdin(), OptionalActions::Now, &self.before).unwrap_or_default();
             drop(held);
         }

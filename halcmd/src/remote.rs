@@ -4,6 +4,11 @@ use crate::options::Opt;
 use hal_protocol::{At, Client, Failure, Folder, FolderError, Link, Place, Reply, Request};
 use rustix::{thread::NanosleepRelativeResult, time::Timespec};
 
+/// How often it is looked whether an instance whose socket is closed has ended, and how many
+/// milliseconds lie between.
+const LOOKS_FOR_END: u32 = 100;
+const LOOK_MS: u32 = 2;
+
 /// A connection that is made when it is first needed.
 #[derive(Debug)]
 pub struct Remote {
@@ -82,4 +87,16 @@ pub fn is_gone(place: &Place) -> bool {
         Ok(folder) => folder.is_free(place),
         Err(e) => matches!(e, FolderError::Missing { .. }),
     }
+}
+
+/// Returns what is said of an instance that does not answer any more. Its socket may be closed a
+/// little before its lock.
+pub(crate) fn lost_words(place: &Place) -> &'static str {
+    for _ in 0..LOOKS_FOR_END {
+        if is_gone(place) {
+            return "the machine has ended";
+        }
+        pause(LOOK_MS);
+    }
+    "the connection to the machine is lost"
 }

@@ -3,13 +3,15 @@
 use crate::{
     Stdio, Terminal,
     options::{Opt, from_environment, options, usage},
-    remote::{Remote, instance_option, pause},
+    remote::{Remote, instance_option, lost_words, pause},
     signals::ending_flag,
     terminal::ended,
 };
-use hal_protocol::{Place, Request, Stream, Value};
+use hal_output::Growing;
+use hal_protocol::{Link, Place, Request, Stream, Value};
 use std::{
-    io::Write,
+    io::ErrorKind,
+    path::Path,
     process::ExitCode,
     sync::atomic::{AtomicBool, Ordering::Relaxed},
 };
@@ -81,7 +83,8 @@ fn run(words: &[String]) -> Result<(), String> {
     from_environment(OPTIONS, &|name| std::env::var(name).ok(), &mut given);
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.clone();
     if given.iter().any(|(id, _)| *id == Id::Help) {
-        Stdio.out(&format!("Usage: halsampler [options] [FILE]\n\noptions:\n{}", usage(OPTIONS)));
+        Stdio
+            .out(&format!("Usage: halsampler [options] [FILE]\n\noptions:\n{}", usage(OPTIONS)))?;
         return Ok(());
     }
     let channel = channel(value(Id::Channel).as_deref())?;
@@ -90,70 +93,120 @@ fn run(words: &[String]) -> Result<(), String> {
         Some(n) => Some(n.parse().map_err(|_| format!("ERROR: invalid sample count '{n}'"))?),
     };
     let count = wanted.unwrap_or(u64::MAX);
-    let mut out: Box<dyn Write> = match one_file(&rest)? {
-        None => Box::new(std::io::stdout()),
-        Some(path) => {
-            let file = std::fs::File::create(path);
-            Box::new(file.map_err(|e| format!("ERROR: cannot write '{path}': {e}"))?)
-        }
-    };
+    let path = one_file(&rest)?;
     let ending = ending_flag();
     let place = Place::find(value(Id::Instance).as_deref())?;
-    let mut remote = Remote::new(place, &format!("halsampler{channel}"));
+    let mut remote = Remote::new(place.clone(), &format!("halsampler{channel}"));
     let attached = remote.client().and_then(|c| c.attach(&format!("sampler.{channel}"), wanted));
     let stream = attached.map_err(|f| format!("ERROR: {f}"))?;
     let tagged = given.iter().any(|(id, _)| *id == Id::Tag);
-    print(stream, &mut remote, &mut out, count, tagged, &ending)
+    let printer =
+        Printer { out: Out::open(path)?, tagged, expected: 1, text: String::new(), records: 0 };
+    print(stream, &mut remote, &place, printer, count, &ending)
 }
 
 fn print(
     mut stream: Stream,
     remote: &mut Remote,
-    out: &mut dyn Write,
+    place: &Place,
+    mut printer: Printer<'_>,
     count: u64,
-    tagged: bool,
     ending: &AtomicBool,
 ) -> Result<(), String> {
-    let mut printer = Printer { tagged, expected: 1, text: String::new() };
     let mut record = Vec::new();
-    let mut left = count;
     let mut empty = 0;
-    let flush = |text: &mut String, out: &mut dyn Write| {
-        let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
-        text.clear();
-        written.map_err(|e| format!("ERROR: {e}"))
-    };
-    while left > 0 && !ending.load(Relaxed) {
+    let mut lost = None;
+    while printer.records < count && !ending.load(Relaxed) {
         if let Some(number) = stream.take(&mut record) {
             printer.record(number, &record);
-            left -= 1;
             empty = 0;
             if printer.text.len() > 60_000 {
-                flush(&mut printer.text, out)?;
+                printer.flush()?;
             }
             continue;
         }
-        flush(&mut printer.text, out)?;
+        printer.flush()?;
+        if let Some(why) = lost {
+            let (n, place) = (printer.records, printer.out.place());
+            let s = if n == 1 { "" } else { "s" };
+            printer.out.finish()?;
+            return Err(format!("ERROR: {why}: {n} record{s} {place}"));
+        }
         pause(WAIT_MS);
         empty += 1;
-        if empty % LOOK_EVERY == 0 && stream.waiting() == 0 {
-            use hal_protocol::Link;
-            remote
-                .call(Request::Idle { ms: 0, flow: false })
-                .map_err(|failure| format!("ERROR: {failure}"))?;
+        if empty % LOOK_EVERY == 0
+            && stream.waiting() == 0
+            && remote.call(Request::Idle { ms: 0, flow: false }).is_err()
+        {
+            // What has come meanwhile is taken first.
+            lost = Some(lost_words(place));
         }
     }
-    flush(&mut printer.text, out)
+    printer.flush()?;
+    printer.out.finish()
+}
+
+/// Where records go.
+enum Out<'a> {
+    Stdout,
+    File(&'a str, Growing),
+}
+
+impl<'a> Out<'a> {
+    fn open(path: Option<&'a String>) -> Result<Self, String> {
+        let Some(path) = path else { return Ok(Self::Stdout) };
+        let file = Growing::create(Path::new(path)).map_err(|e| refused(path, &e))?;
+        Ok(Self::File(path, file))
+    }
+
+    /// Where they are, for a sentence that ends with it.
+    fn place(&self) -> String {
+        match self {
+            Self::Stdout => "were printed".to_owned(),
+            Self::File(path, _) => format!("are in '{path}'"),
+        }
+    }
+
+    fn finish(self) -> Result<(), String> {
+        match self {
+            Self::Stdout => Ok(()),
+            Self::File(path, file) => file.finish().map_err(|e| refused(path, &e)),
+        }
+    }
+}
+
+fn refused(path: &str, error: &std::io::Error) -> String {
+    if error.kind() == ErrorKind::BrokenPipe {
+        hal_output::lose_reader();
+    }
+    format!("ERROR: cannot write '{path}': {}", hal_output::reason(error))
 }
 
 /// Writes records as lines.
-struct Printer {
+struct Printer<'a> {
+    out: Out<'a>,
     tagged: bool,
     expected: u64,
+    /// Lines that are not written yet.
     text: String,
+    /// How many records there were.
+    records: u64,
 }
 
-impl Printer {
+impl Printer<'_> {
+    /// Writes the lines that there are.
+    fn flush(&mut self) -> Result<(), String> {
+        let text = core::mem::take(&mut self.text);
+        if text.is_empty() {
+            return Ok(());
+        }
+        match &mut self.out {
+            Out::Stdout => hal_output::print(&text).map_err(|e| format!("ERROR: {e}")),
+            Out::File(path, file) => file.append(text.as_bytes()).map_err(|e| refused(path, &e)),
+        }
+    }
+
+    /// Adds a line.
     fn record(&mut self, number: u64, record: &[Value]) {
         if number != self.expected {
             self.text.push_str("overrun\n");
@@ -171,6 +224,7 @@ impl Printer {
             }
         }
         self.text.push('\n');
+        self.records += 1;
     }
 }
 
@@ -180,7 +234,8 @@ mod tests {
 
     #[test]
     fn records_become_lines() {
-        let mut printer = Printer { tagged: true, expected: 1, text: String::new() };
+        let (out, text) = (Out::Stdout, String::new());
+        let mut printer = Printer { out, tagged: true, expected: 1, text, records: 0 };
         let row = |f: f64| [Value::Float(f), Value::Bit(f > 0.0), Value::U32(7), Value::S32(-3)];
         printer.record(1, &row(1.5));
         printer.record(2, &row(-0.0));

@@ -9,8 +9,8 @@ mod plan;
 mod plot;
 mod view;
 
-use crate::{Stdio, Terminal, hint::nearest, units::nanoseconds};
-use hal_trace::Trace;
+use crate::{Stdio, Terminal, hint::nearest, terminal::complain, units::nanoseconds};
+use hal_trace::{FileError, Trace};
 use std::{path::Path, process::ExitCode};
 
 /// A command: its name, what follows it, what it does, and how.
@@ -54,7 +54,7 @@ pub fn main(words: &[String]) -> ExitCode {
     match run(words) {
         Ok(status) => status,
         Err(text) => {
-            Stdio.err(&format!("halscope: {text}\n"));
+            complain(&format!("halscope: {text}\n"));
             ExitCode::FAILURE
         }
     }
@@ -65,7 +65,7 @@ fn run(words: &[String]) -> Result<ExitCode, String> {
         return Err(format!("which command?\n{}", usage()));
     };
     if ["-h", "--help", "help"].contains(&name.as_str()) {
-        Stdio.out(&usage());
+        Stdio.out(&usage())?;
         return Ok(ExitCode::SUCCESS);
     }
     if let Some(row) = ROWS.iter().find(|r| r.name == name) {
@@ -98,6 +98,15 @@ fn load(path: &Path) -> Result<Trace, String> {
         Stdio.err(&format!("halscope: {flaw}: {n} samples were read, {text}\n"));
     }
     Ok(reading.trace)
+}
+
+/// Returns what is said of a file that could not be written. A pipe whose reader has gone ends the
+/// program as standard output does.
+fn unwritten(error: &FileError) -> String {
+    if matches!(error, FileError::ReaderGone(_)) {
+        hal_output::lose_reader();
+    }
+    error.to_string()
 }
 
 /// A time that is given as an option, in ticks of the trace: `1.5ms`, `-20us`.

@@ -51,7 +51,8 @@ impl Screen {
 
 impl Drop for Screen {
     fn drop(&mut self) {
-        ratatui::restore();
+        // A terminal that has gone needs none, and nobody there would read about it.
+        ratatui::try_restore().unwrap_or_default();
     }
 }
 

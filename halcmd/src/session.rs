@@ -11,6 +11,7 @@ use crate::{
     trial::Attempt,
     vars::{Values, mentioned},
 };
+use hal_output::Unwritten;
 use hal_protocol::{Link, Reply, Request};
 use std::{
     path::{Path, PathBuf},
@@ -287,6 +288,8 @@ impl<'a> Session<'a> {
         } else {
             self.execute(command)
         };
+        // What comes after it would be for nobody.
+        self.ended |= done == Err(Error::Output(Unwritten::ReaderGone));
         done.map(|()| Step::On).map_err(|error| {
             let after = last.lines(&error);
             let quiet = last.is_enough();

@@ -1,5 +1,6 @@
 //! Where physical lines come from: a text, or standard input.
 
+use hal_output::Unwritten;
 use hal_protocol::{Link, Request};
 use rustix::{
     event::{PollFd, PollFlags, poll},
@@ -118,7 +119,10 @@ impl Lines for Stdin {
     fn next(&mut self, continuing: bool, link: &mut dyn Link) -> Option<Physical> {
         if let Some(prompt) = self.prompt {
             let text = if continuing { prompt.next } else { prompt.first };
-            crate::Terminal::out(&mut crate::Stdio, text);
+            // A command that prints says when that cannot be written.
+            if hal_output::print(text) == Err(Unwritten::ReaderGone) {
+                return None;
+            }
         }
         loop {
             let whole = self.buffer.len() >= MAX_PHYSICAL || self.buffer.contains(&b'\n');

@@ -42,7 +42,8 @@ fn run(words: &[String]) -> Result<(), String> {
     from_environment(OPTIONS, &|name| std::env::var(name).ok(), &mut given);
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.clone();
     if given.iter().any(|(id, _)| *id == Id::Help) {
-        Stdio.out(&format!("Usage: halstreamer [options] [FILE]\n\noptions:\n{}", usage(OPTIONS)));
+        Stdio
+            .out(&format!("Usage: halstreamer [options] [FILE]\n\noptions:\n{}", usage(OPTIONS)))?;
         return Ok(());
     }
     let channel = channel(value(Id::Channel).as_deref())?;

@@ -1,11 +1,15 @@
 //! Where text for people goes.
 
+use hal_output::{Unwritten, print, reader_is_gone};
 use std::{io::Write, process::ExitCode};
 
 /// Standard output and standard error, or what stands for them.
 pub trait Terminal {
     /// Writes to standard output, as it is.
-    fn out(&mut self, text: &str);
+    ///
+    /// # Errors
+    /// The text could not be written.
+    fn out(&mut self, text: &str) -> Result<(), Unwritten>;
     /// Writes to standard error, as it is.
     fn err(&mut self, text: &str);
     /// Whether a person reads standard error: then errors show the line and point into it.
@@ -23,16 +27,13 @@ pub trait Terminal {
     }
 }
 
-/// This process's own. A reader that has gone is not an error.
+/// This process's own. Standard error that cannot be written to is no error: there is nowhere to say so.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stdio;
 
 impl Terminal for Stdio {
-    fn out(&mut self, text: &str) {
-        let mut out = std::io::stdout().lock();
-        if out.write_all(text.as_bytes()).is_ok() {
-            out.flush().unwrap_or_default();
-        }
+    fn out(&mut self, text: &str) -> Result<(), Unwritten> {
+        print(text)
     }
 
     fn err(&mut self, text: &str) {
@@ -57,9 +58,16 @@ pub(crate) fn ended(result: Result<(), String>) -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(text) => {
-            Stdio.err(&format!("{text}\n"));
+            complain(&format!("{text}\n"));
             ExitCode::FAILURE
         }
+    }
+}
+
+/// Says why a program ends. That nobody reads its output any more is no news to the user.
+pub(crate) fn complain(text: &str) {
+    if !reader_is_gone() {
+        Stdio.err(text);
     }
 }
 
@@ -77,9 +85,10 @@ pub struct Captured {
 }
 
 impl Terminal for Captured {
-    fn out(&mut self, text: &str) {
+    fn out(&mut self, text: &str) -> Result<(), Unwritten> {
         self.all.push_str(text);
         self.out.push_str(text);
+        Ok(())
     }
 
     fn err(&mut self, text: &str) {

@@ -165,7 +165,7 @@ impl Session<'_> {
         if self.terminal.is_screen() && !self.style.json && !self.style.script {
             let last = screen::watch(self.link, watch, first, &self.instance)?;
             let text: String = last.seen.iter().map(|s| line(last.time, s)).collect();
-            self.terminal.out(&text);
+            self.terminal.out(&text)?;
             return Ok(());
         }
         self.watch_lines(watch, first)
@@ -206,7 +206,7 @@ impl Session<'_> {
         } else {
             seen.iter().map(|s| line(time, s)).collect()
         };
-        self.terminal.out(&text);
+        self.terminal.out(&text)?;
         Ok(())
     }
 

@@ -72,9 +72,11 @@ fn arrows_point_only_downward() {
         ("hal-component", &["hal-abi", "hal-derive"]),
         ("hal-protocol", &["hal-abi"]),
         ("hal-ini", &[]),
-        ("hal-trace", &["hal-protocol"]),
-        ("hal-engine", &["hal-abi", "hal-protocol", "hal-trace"]),
-        ("halcmd", &["hal-engine", "hal-ini", "hal-protocol", "hal-trace"]),
+        ("hal-output", &[]),
+        ("hal-trace", &["hal-output", "hal-protocol"]),
+        ("hal-engine", &["hal-abi", "hal-output", "hal-protocol", "hal-trace"]),
+        ("halcmd", &["hal-engine", "hal-ini", "hal-output", "hal-protocol", "hal-trace"]),
+        ("halcompile", &["hal-output"]),
         ("ferrule-client", &["hal-protocol"]),
     ]);
     for (name, table) in &members {
@@ -216,6 +218,59 @@ fn atomics_of_the_engine_come_from_one_module() {
         let direct = text.contains("std::sync::atomic") || text.contains("core::sync::atomic");
         assert!(!direct || path.ends_with("sync.rs"), "{}: use crate::sync", short(&path));
     }
+}
+
+#[test]
+fn output_goes_through_one_crate() {
+    let words = [
+        "fs::write(",
+        "fs::copy(",
+        "fs::rename(",
+        "File::create(",
+        "File::options(",
+        "OpenOptions",
+        "print!(",
+        "println!(",
+        "stdout().lock",
+        "stdout().write",
+    ];
+    // Files that open what is no output, and why. Each is used.
+    let scratch = "files in a folder that goes again";
+    let device = "a device";
+    let mut others = BTreeMap::from([
+        ("components/halcompile/src/build.rs", scratch),
+        ("components/halcompile/src/command.rs", scratch),
+        ("components/halcompile/src/headers.rs", "a folder that is renamed when it is whole"),
+        ("components/halcompile/src/install.rs", scratch),
+        ("components/halcompile/src/program.rs", scratch),
+        ("components/parport/src/hardware.rs", device),
+        ("components/speaker/src/device.rs", device),
+        ("components/viagpio/src/hardware.rs", device),
+        ("hal/engine/src/record.rs", "see the next change"),
+        ("halcmd/src/halrun/detach.rs", device),
+        ("halcmd/src/haltest/one.rs", scratch),
+        ("halcmd/src/haltest/process.rs", scratch),
+        ("halcmd/src/haltest/stage.rs", scratch),
+    ]);
+    for folder in ["hal", "halcmd", "components"] {
+        for path in files(&root().join(folder), ".rs") {
+            let at = short(&path);
+            let folders = ["/tests/", "/benches/", "/examples/"];
+            let own = at.starts_with("hal/output/") || folders.iter().any(|f| at.contains(f));
+            let is_build = at.ends_with("/build.rs") && !at.contains("/src/");
+            if own || is_build || at.ends_with("/tests.rs") {
+                continue;
+            }
+            let text = code(&path);
+            let lines = text.lines().filter(|l| !l.trim_start().starts_with("//"));
+            let used = lines.flat_map(|l| words.iter().filter(|w| l.contains(**w))).next();
+            if let Some(word) = used {
+                let known = others.remove(at.as_str());
+                assert!(known.is_some(), "{at}: {word} ...): use hal-output");
+            }
+        }
+    }
+    assert_eq!(others, BTreeMap::new(), "exceptions that nothing needs");
 }
 
 #[test]

@@ -9,6 +9,7 @@ use std::{
     env,
     ffi::OsString,
     fs,
+    os::unix::fs::MetadataExt,
     path::{Path, PathBuf},
     process::{Command, Stdio},
 };
@@ -82,7 +83,9 @@ pub fn build(job: &Job<'_>) -> Result<(), Error> {
     }
     link.arg("-lm");
     run(link, job.source)?;
-    fs::rename(&out, job.out).map_err(at(job.out))
+    let bytes = fs::read(&out).map_err(at(&out))?;
+    let mode = fs::metadata(&out).map_err(at(&out))?.mode() & 0o777;
+    hal_output::install(job.out, &bytes, mode).map_err(at(job.out))
 }
 
 /// The compiler of the system, or that of `CC`.

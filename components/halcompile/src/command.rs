@@ -152,7 +152,8 @@ fn documents(args: &Args, component: &Component, said: &mut Said) -> Result<(), 
         write(args, &format!("{}.adoc", component.name), &crate::document::adoc(component))?;
     }
     if let Some(keep) = &args.keep_adoc {
-        fs::write(keep, crate::document::adoc(component)).map_err(at(keep))?;
+        let text = crate::document::adoc(component);
+        hal_output::write(keep, text.as_bytes()).map_err(at(keep))?;
     }
     if args.view_doc {
         said.out.push_str(&install::view(&page, &roff())?);
@@ -231,7 +232,7 @@ fn place(args: &Args, file: &Path, name: &str, target: Target) -> Result<PathBuf
 
 fn write(args: &Args, name: &str, text: &str) -> Result<(), Error> {
     let out = args.outfile.clone().unwrap_or_else(|| PathBuf::from(name));
-    fs::write(&out, text).map_err(at(&out))
+    hal_output::write(&out, text.as_bytes()).map_err(at(&out))
 }
 
 fn not_for(file: &Path, action: &'static str, kinds: &'static str) -> Error {

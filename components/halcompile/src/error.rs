@@ -31,7 +31,7 @@ pub(crate) fn at(path: &Path) -> impl FnOnce(io::Error) -> Error {
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Io { path, cause } => write!(f, "{path}: {cause}"),
+            Self::Io { path, cause } => write!(f, "{path}: {}", hal_output::reason(cause)),
             Self::Faults(report) => write!(f, "{}", report.to_string().trim_end()),
             Self::UnixEnds { path } => {
                 write!(f, "{path}: lines end as DOS writes them (\\r\\n); --unix wants \\n alone")

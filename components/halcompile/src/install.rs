@@ -3,9 +3,9 @@
 use crate::error::{Error, at};
 use std::{
     env, fs,
-    os::unix::fs::PermissionsExt,
+    io::IsTerminal,
     path::{Path, PathBuf},
-    process::Command,
+    process::{Command, ExitStatus, Stdio},
 };
 
 /// The folder of modules: the first of `HAL_RTMOD_DIR`, or beside this program, where `halrun` looks.
@@ -38,10 +38,8 @@ pub fn python(file: &Path) -> Result<(), Error> {
         None => &text,
     };
     let out = programs()?.join(file.file_stem().unwrap_or_default());
-    let unfinished = out.with_extension(format!("new{}", std::process::id()));
-    fs::write(&unfinished, format!("#!/usr/bin/env python3\n{body}")).map_err(at(&unfinished))?;
-    fs::set_permissions(&unfinished, fs::Permissions::from_mode(0o555)).map_err(at(&unfinished))?;
-    fs::rename(&unfinished, &out).map_err(at(&out))
+    let text = format!("#!/usr/bin/env python3\n{body}");
+    hal_output::install(&out, text.as_bytes(), 0o555).map_err(at(&out))
 }
 
 /// Puts a manual page where `man` looks: below `HAL_MAN_DIR`, or in the user's own folder.
@@ -53,19 +51,29 @@ pub fn page(name: &str, section: u32, roff: &str) -> Result<(), Error> {
     let base = given("HAL_MAN_DIR").or_else(|| given("HOME").map(|h| h.join(".local/share/man")));
     let folder = base.map(|b| b.join(format!("man{section}")));
     let out = made(folder, "manual pages", "HAL_MAN_DIR")?.join(name);
-    fs::write(&out, roff).map_err(at(&out))
+    hal_output::write(&out, roff.as_bytes()).map_err(at(&out))
 }
 
-/// The page as `man` shows it; as it is where there is no `man`.
+/// Shows a page as `man` shows it on a terminal, and returns nothing; elsewhere returns what `man` prints,
+/// or the page as it is where there is no `man`.
 ///
 /// # Errors
 /// It cannot be written down for `man`.
 pub fn view(name: &str, roff: &str) -> Result<String, Error> {
     let file = env::temp_dir().join(format!("{}-{name}", std::process::id()));
     fs::write(&file, roff).map_err(at(&file))?;
-    let shown = Command::new("man").arg("-l").arg(&file).status();
+    let mut man = Command::new("man");
+    man.arg("-l").arg(&file);
+    let is_terminal = std::io::stdout().is_terminal();
+    let shown = if is_terminal {
+        man.status().ok().filter(ExitStatus::success).map(|_| String::new())
+    } else {
+        let printed = man.stderr(Stdio::inherit()).output().ok();
+        let printed = printed.filter(|p| p.status.success());
+        printed.map(|p| String::from_utf8_lossy(&p.stdout).into_owned())
+    };
     drop(fs::remove_file(&file));
-    Ok(if shown.is_ok_and(|s| s.success()) { String::new() } else { roff.to_owned() })
+    Ok(shown.unwrap_or_else(|| roff.to_owned()))
 }
 
 fn here() -> Option<PathBuf> {

@@ -1,20 +1,40 @@
 //! The program `halcompile`.
-#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program speaks")]
 
 use clap::Parser;
 use halcompile::command::{Args, run};
-use std::process::ExitCode;
+use std::{io::Write, process::ExitCode};
+
+/// The status of a command line that is not what it should be.
+const USAGE: u8 = 2;
 
 fn main() -> ExitCode {
-    match run(&Args::parse()) {
-        Ok(said) => {
-            print!("{}", said.out);
-            eprint!("{}", said.doubts);
-            ExitCode::SUCCESS
+    hal_output::program(|_| {
+        ended().unwrap_or_else(|(text, status)| {
+            if !hal_output::reader_is_gone() {
+                complain(&text);
+            }
+            ExitCode::from(status)
+        })
+    })
+}
+
+fn ended() -> Result<ExitCode, (String, u8)> {
+    let unwritten = |e: hal_output::Unwritten| (format!("halcompile: {e}\n"), 1);
+    let args = match Args::try_parse() {
+        Ok(args) => args,
+        Err(asked) if !asked.use_stderr() => {
+            hal_output::print(&asked.render().to_string()).map_err(unwritten)?;
+            return Ok(ExitCode::SUCCESS);
         }
-        Err(e) => {
-            eprintln!("{e}");
-            ExitCode::FAILURE
-        }
-    }
+        Err(wrong) => return Err((wrong.render().to_string(), USAGE)),
+    };
+    let said = run(&args).map_err(|e| (format!("{e}\n"), 1))?;
+    complain(&said.doubts);
+    hal_output::print(&said.out).map_err(unwritten)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Writes to standard error; where that cannot be written to, there is nowhere to say so.
+fn complain(text: &str) {
+    std::io::stderr().write_all(text.as_bytes()).unwrap_or_default();
 }

@@ -175,8 +175,7 @@ pub(crate) fn end_process(pid: i32, hard: bool) {
     }
 }
 
-/// What the system says went wrong, in words without a number.
+/// Returns the reason of an error in the system's words.
 pub(crate) fn said(error: &std::io::Error) -> Box<str> {
-    let text = error.to_string();
-    text.split(" (os error").next().unwrap_or(&text).into()
+    hal_output::reason(error).into()
 }

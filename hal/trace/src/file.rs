@@ -1,9 +1,9 @@
 //! Files by their endings.
 
 use crate::{Flaw, Place, Reading, Trace, csv, fst, json, vcd};
+use hal_output::{Whole, reason};
 use std::{
-    fs::File,
-    io::{BufWriter, Write},
+    io::{ErrorKind, Write},
     path::{Path, PathBuf},
 };
 
@@ -74,6 +74,8 @@ pub enum FileError {
     Ending(PathBuf),
     /// What the system says.
     System(PathBuf, Box<str>),
+    /// A pipe whose reader has closed its end.
+    ReaderGone(PathBuf),
     /// A flaw, and where.
     Flaw(PathBuf, Place, Flaw),
 }
@@ -85,6 +87,7 @@ impl core::fmt::Display for FileError {
                 write!(f, "{}: a file ends in .vcd, .fst, .csv or .json", path.display())
             }
             Self::System(path, why) => write!(f, "{}: {why}", path.display()),
+            Self::ReaderGone(path) => write!(f, "{}: its reader has gone", path.display()),
             Self::Flaw(path, place, flaw) => {
                 write!(f, "{}:", path.display())?;
                 match place {
@@ -100,10 +103,15 @@ impl core::fmt::Display for FileError {
 
 impl core::error::Error for FileError {}
 
-fn said(path: &Path, error: &std::io::Error) -> FileError {
-    let text = error.to_string();
-    let text = text.split(" (os error").next().unwrap_or(&text);
-    FileError::System(path.to_owned(), text.into())
+impl FileError {
+    /// What the system says of a file.
+    #[must_use]
+    pub fn of(path: &Path, error: &std::io::Error) -> Self {
+        match error.kind() {
+            ErrorKind::BrokenPipe => Self::ReaderGone(path.to_owned()),
+            _ => Self::System(path.to_owned(), reason(error).into()),
+        }
+    }
 }
 
 /// Reads a file, as far as it can be read: what is wrong is the second, if anything is.
@@ -112,13 +120,14 @@ fn said(path: &Path, error: &std::io::Error) -> FileError {
 /// There is no such file, or its ending says nothing.
 pub fn load(path: &Path) -> Result<(Reading, Option<FileError>), FileError> {
     let format = Format::of(path).ok_or_else(|| FileError::Ending(path.to_owned()))?;
-    let bytes = std::fs::read(path).map_err(|e| said(path, &e))?;
+    let bytes = std::fs::read(path).map_err(|e| FileError::of(path, &e))?;
     let reading = format.read(&bytes);
     let flaw = reading.flaw.clone().map(|(at, flaw)| FileError::Flaw(path.to_owned(), at, flaw));
     Ok((reading, flaw))
 }
 
-/// Writes a file. If that fails, what was written until then stays. A device gets CSV.
+/// Writes a file as a whole: what stood under its name stays until all of it is written. A device
+/// gets CSV.
 ///
 /// # Errors
 /// The ending says nothing, the system refuses, or the format cannot hold the trace.
@@ -126,7 +135,6 @@ pub fn save(path: &Path, trace: &Trace) -> Result<(), FileError> {
     let device = path.starts_with("/dev").then_some(Format::Csv);
     let format = Format::of(path).or(device);
     let format = format.ok_or_else(|| FileError::Ending(path.to_owned()))?;
-    let file = File::create(path).map_err(|e| said(path, &e))?;
-    let mut out = BufWriter::with_capacity(1 << 16, file);
-    format.write(&mut out, trace).and_then(|()| out.flush()).map_err(|e| said(path, &e))
+    let mut file = Whole::create(path).map_err(|e| FileError::of(path, &e))?;
+    format.write(&mut file, trace).and_then(|()| file.finish()).map_err(|e| FileError::of(path, &e))
 }

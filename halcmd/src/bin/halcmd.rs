@@ -3,7 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let words: Vec<String> =
-        std::env::args_os().skip(1).map(|w| w.to_string_lossy().into_owned()).collect();
-    halcmd::halcmd::main(&words)
+    hal_output::program(halcmd::halcmd::main)
 }

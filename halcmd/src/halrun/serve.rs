@@ -15,7 +15,9 @@ pub(super) fn listen() {
         .with_ansi(false)
         .with_level(false)
         .with_target(false)
-        .without_time();
+        .without_time()
+        // Standard error that cannot be written to would be told there, and end the machine.
+        .log_internal_errors(false);
     // Another one may have been installed by whoever uses this as a library.
     drop(plain.try_init());
 }

@@ -1,6 +1,6 @@
 //! All tests that are asked for, several at once.
 
-use super::{Wanted, junit, outcome::Outcome, picture, process, report};
+use super::{Failure, NAME, Wanted, junit, outcome::Outcome, picture, process, report};
 use crate::{Terminal, ini::plain};
 use std::{
     fs,
@@ -12,42 +12,47 @@ use std::{
 };
 
 /// Runs what is wanted; the status of the program.
-pub(super) fn main(wanted: &Wanted, terminal: &mut dyn Terminal) -> Result<u8, String> {
+pub(super) fn main(wanted: &Wanted, terminal: &mut dyn Terminal) -> Result<u8, Failure> {
     if wanted.paths.is_empty() {
-        return Err("which tests? Name a folder or a file".to_owned());
+        return Err(asked("which tests? Name a folder or a file"));
     }
     let mut files = Vec::new();
     for path in &wanted.paths {
-        found(Path::new(path), &mut files).map_err(|e| format!("{path}: {}", plain(&e)))?;
+        found(Path::new(path), &mut files).map_err(|e| asked(&format!("{path}: {}", plain(&e))))?;
     }
     let all = files.len();
     if let Some(part) = &wanted.filter {
         files.retain(|f| f.display().to_string().contains(part));
     }
     if files.is_empty() {
-        return Err(match &wanted.filter {
+        return Err(asked(&match &wanted.filter {
             Some(part) if all > 0 => format!("none of {all} tests has '{part}' in its name"),
             _ => format!("no tests in {}", wanted.paths.join(", ")),
-        });
+        }));
     }
     if wanted.list {
         for file in &files {
-            terminal.out(&format!("{}\n", file.display()));
+            terminal.out(&format!("{}\n", file.display()))?;
         }
         return Ok(0);
     }
     if let Some(folder) = &wanted.record {
-        fs::create_dir_all(folder).map_err(|e| format!("{}: {}", folder.display(), plain(&e)))?;
+        fs::create_dir_all(folder).map_err(|e| Failure::file(folder, &e))?;
     }
     let outcomes = run(wanted, &files, terminal)?;
     if let Some(path) = &wanted.junit {
-        let text = junit::write(&outcomes).map_err(|e| format!("{}: {e}", path.display()))?;
-        fs::write(path, text).map_err(|e| format!("{}: {}", path.display(), plain(&e)))?;
+        let text = junit::write(&outcomes)
+            .map_err(|e| Failure::Unwritten(format!("{}: {e}", path.display())))?;
+        hal_output::write(path, text.as_bytes()).map_err(|e| Failure::file(path, &e))?;
     }
     if !wanted.json {
-        terminal.out(&report::summary(&outcomes));
+        terminal.out(&report::summary(&outcomes))?;
     }
     Ok(u8::from(outcomes.iter().any(|o| !o.passed())))
+}
+
+fn asked(text: &str) -> Failure {
+    Failure::Asked(format!("{NAME}: {text}"))
 }
 
 /// Runs them, and tells of each as soon as all before it are done.
@@ -55,7 +60,7 @@ fn run(
     wanted: &Wanted,
     files: &[PathBuf],
     terminal: &mut dyn Terminal,
-) -> Result<Vec<Outcome>, String> {
+) -> Result<Vec<Outcome>, Failure> {
     let next = AtomicUsize::new(0);
     let (sender, receiver) = mpsc::channel();
     let mut done: Vec<Option<Outcome>> = files.iter().map(|_| None).collect();
@@ -98,19 +103,21 @@ fn told(
     wanted: &Wanted,
     mut outcome: Outcome,
     terminal: &mut dyn Terminal,
-) -> Result<Outcome, String> {
+) -> Result<Outcome, Failure> {
     let accepted = if wanted.accept { picture::accept(&mut outcome)? } else { Vec::new() };
     if wanted.json {
-        let text = serde_json::to_string(&outcome).map_err(|e| e.to_string())?;
-        terminal.out(&format!("{text}\n"));
+        let text =
+            serde_json::to_string(&outcome).map_err(|e| Failure::Unwritten(e.to_string()))?;
+        terminal.out(&format!("{text}\n"))?;
         return Ok(outcome);
     }
-    terminal.out(&format!("{outcome}\n"));
+    terminal.out(&format!("{outcome}\n"))?;
     for path in accepted {
-        terminal.out(&format!("  accepted: {}\n", path.display()));
+        terminal.out(&format!("  accepted: {}\n", path.display()))?;
     }
     if wanted.accept && !outcome.passed() && outcome.pictures.iter().any(|p| !p.same) {
-        terminal.out("  its waveforms are not accepted: something else is not as it should be\n");
+        terminal
+            .out("  its waveforms are not accepted: something else is not as it should be\n")?;
     }
     Ok(outcome)
 }

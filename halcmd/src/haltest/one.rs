@@ -1,6 +1,7 @@
 //! One test, in the process that is its own.
 
 use super::{
+    Failure,
     course::{self, Course},
     judge,
     outcome::{Complaint, Outcome, Spot},
@@ -12,14 +13,16 @@ use rustix::process::{Signal, set_parent_process_death_signal};
 use std::path::Path;
 
 /// Runs the test that a file has, and leaves what came of it in a folder.
-pub(super) fn main(shown: &str, folder: &Path) {
+///
+/// # Errors
+/// The outcome cannot be written.
+pub(super) fn main(shown: &str, folder: &Path) -> Result<(), Failure> {
     // Whoever asked has gone: nobody wants to know any more.
     let _ = set_parent_process_death_signal(Some(Signal::KILL));
     let outcome = outcome(shown, folder);
-    if let Ok(text) = serde_json::to_vec(&outcome) {
-        // Without it the other side says that there is none.
-        drop(std::fs::write(folder.join(OUTCOME), text));
-    }
+    let text = serde_json::to_vec(&outcome).map_err(|e| Failure::Unwritten(e.to_string()))?;
+    let path = folder.join(OUTCOME);
+    std::fs::write(&path, text).map_err(|e| Failure::file(&path, &e))
 }
 
 fn outcome(shown: &str, folder: &Path) -> Outcome {
@@ -54,9 +57,12 @@ fn outcome(shown: &str, folder: &Path) -> Outcome {
 
 fn judge(test: &Test, course: &Course, shown: &str, folder: &Path, outcome: &mut Outcome) {
     outcome.complaints.extend(course.complaints.iter().cloned());
-    if let Some(recording) = &course.recording {
-        // It is kept if somebody asks for it.
-        drop(std::fs::copy(recording, folder.join(RECORDING)));
+    if let Some(recording) = &course.recording
+        && let Err(error) = std::fs::copy(recording, folder.join(RECORDING))
+    {
+        let spot = Spot { file: shown.to_owned(), line: 1 };
+        let text = format!("the recording cannot be kept: {}", crate::ini::plain(&error));
+        outcome.complaints.push(Complaint::new(&spot, text));
     }
     // A course that was broken off is not what the expectations are about.
     if course.complaints.is_empty() {

@@ -1,6 +1,9 @@
 //! Waveforms that are kept in files beside their test.
 
-use super::outcome::{Complaint, Outcome, Picture};
+use super::{
+    Failure,
+    outcome::{Complaint, Outcome, Picture},
+};
 use crate::ini::plain;
 use hal_trace::draw;
 use std::{
@@ -56,14 +59,14 @@ fn difference(picture: &mut Picture) -> Option<Complaint> {
 }
 
 /// Keeps the waveforms of a test in which all else is as it should be: the files that were written.
-pub(super) fn accept(outcome: &mut Outcome) -> Result<Vec<PathBuf>, String> {
+pub(super) fn accept(outcome: &mut Outcome) -> Result<Vec<PathBuf>, Failure> {
     if !outcome.is_acceptable() {
         return Ok(Vec::new());
     }
     let mut written = Vec::new();
     for picture in outcome.pictures.iter_mut().filter(|p| !p.same) {
-        fs::write(&picture.path, &picture.drawing)
-            .map_err(|e| format!("{}: {}", picture.path.display(), plain(&e)))?;
+        hal_output::write(&picture.path, picture.drawing.as_bytes())
+            .map_err(|e| Failure::file(&picture.path, &e))?;
         picture.same = true;
         written.push(picture.path.clone());
     }

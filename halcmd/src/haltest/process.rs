@@ -82,15 +82,17 @@ fn begun(shown: &str, options: &Options) -> io::Result<Outcome> {
         .process_group(0)
         .spawn()?;
     let status = wait(child, options.patience_ns)?;
-    if let Some(to) = &options.recording {
-        // A test that was refused has no recording.
-        drop(fs::copy(folder.join(RECORDING), to));
-    }
-    let read = fs::read(folder.join(OUTCOME)).ok();
-    if let Some(outcome) = read.and_then(|text| serde_json::from_slice(&text).ok()) {
-        return Ok(outcome);
-    }
     let spot = Spot { file: shown.to_owned(), line: 1 };
+    let kept = options.recording.as_ref().and_then(|to| {
+        let error = keep(&folder.join(RECORDING), to).err()?;
+        let text = format!("{}: {}", to.display(), plain(&error));
+        Some(Complaint::new(&spot, text))
+    });
+    let read = fs::read(folder.join(OUTCOME)).ok();
+    if let Some(outcome) = read.and_then(|text| serde_json::from_slice::<Outcome>(&text).ok()) {
+        let complaints = outcome.complaints.into_iter().chain(kept).collect();
+        return Ok(Outcome { complaints, ..outcome });
+    }
     let text = match status {
         None => {
             let limit = crate::units::duration(options.patience_ns);
@@ -107,6 +109,17 @@ fn begun(shown: &str, options: &Options) -> io::Result<Outcome> {
     let words = String::from_utf8_lossy(&words);
     let complaint = words.lines().fold(Complaint::new(&spot, text), Complaint::with);
     Ok(Outcome { complaints: vec![complaint], ..Outcome::default() })
+}
+
+/// Keeps a recording under another name. A test that was refused has none.
+fn keep(recording: &Path, to: &Path) -> io::Result<()> {
+    let mut from = match File::open(recording) {
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(()),
+        opened => opened?,
+    };
+    let mut file = hal_output::Whole::create(to)?;
+    io::copy(&mut from, &mut file)?;
+    file.finish()
 }
 
 /// Waits for a process; nothing when it takes too long, and then it is ended with all that it began.

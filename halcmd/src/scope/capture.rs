@@ -3,6 +3,7 @@
 use super::{
     live::{End, Live},
     plan::{Asked, Plan},
+    unwritten,
 };
 use crate::{Stdio, Terminal};
 use hal_trace::{Trace, csv, save};
@@ -25,36 +26,42 @@ fn run(words: &[String]) -> Result<u8, String> {
     let plan = match Plan::parse(words)? {
         Asked::Plan(plan) => plan,
         Asked::Help(text) => {
-            Stdio.out(&text);
+            Stdio.out(&text)?;
             return Ok(0);
         }
     };
-    let say = |text: String| {
-        if !plan.is_quiet {
+    // What is not as it was asked for is said in any case.
+    let say = |is_whole: bool, text: String| {
+        if !plan.is_quiet || !is_whole {
             Stdio.err(&format!("halscope: {text}\n"));
         }
     };
     let mut live = Live::begin(&plan)?;
-    let mut done = 0;
-    while done < plan.count {
+    for n in 1..=plan.count {
+        let path = plan.output.as_deref().map(|p| numbered(p, n, plan.count));
+        let keep = |trace: &Trace, is_whole| {
+            write(path.as_deref(), trace)?;
+            say(is_whole, told(path.as_deref(), trace));
+            Ok::<(), String>(())
+        };
         let end = live.next()?;
-        let (trace, why) = match end {
-            End::Whole(trace) => (trace, None),
-            End::Part(trace, why) => (trace, Some(why)),
-            End::Nothing(why) => {
-                say(format!("{why}: no trigger{}", if done > 0 { " any more" } else { "" }));
+        match end {
+            End::Whole(trace) => keep(&trace, true)?,
+            End::Part(trace, why) => {
+                keep(&trace, false)?;
+                say(false, format!("{why}: the capture is not whole"));
+                live.leave();
+                return Ok(NOT_WHOLE);
+            }
+            End::Nothing(before, why) => {
+                let more = if n > 1 { " any more" } else { "" };
+                say(before.is_none(), format!("{why}: no trigger{more}"));
+                if let Some(trace) = before {
+                    keep(&trace, false)?;
+                }
                 live.leave();
                 return Ok(NOT_TRIGGERED);
             }
-        };
-        done += 1;
-        let path = plan.output.as_deref().map(|p| numbered(p, done, plan.count));
-        write(path.as_deref(), &trace)?;
-        say(told(path.as_deref(), &trace));
-        if let Some(why) = why {
-            say(format!("{why}: the capture is not whole"));
-            live.leave();
-            return Ok(NOT_WHOLE);
         }
     }
     live.leave();
@@ -75,21 +82,11 @@ fn numbered(path: &Path, n: u64, of: u64) -> PathBuf {
 fn write(path: Option<&Path>, trace: &Trace) -> Result<(), String> {
     let Some(path) = path else {
         let mut text = Vec::new();
-        let written = csv::write(&mut text, trace);
-        written.map_err(|e| e.to_string())?;
-        Stdio.out(&String::from_utf8_lossy(&text));
-        return Ok(());
+        csv::write(&mut text, trace).map_err(|e| e.to_string())?;
+        return Ok(Stdio.out(&String::from_utf8_lossy(&text))?);
     };
-    save(path, trace).map_err(|e| {
-        let kept = std::fs::metadata(path).map_or(0, |m| m.len());
-        let kept = match kept {
-            0 => "nothing of the capture could be written".to_owned(),
-            n => format!(
-                "the first {n} bytes of the capture are there; halscope convert --keep reads them"
-            ),
-        };
-        format!("{e}\n{kept}")
-    })
+    save(path, trace)
+        .map_err(|e| format!("{}: nothing of the capture could be written", unwritten(&e)))
 }
 
 fn told(path: Option<&Path>, trace: &Trace) -> String {

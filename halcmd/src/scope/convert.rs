@@ -1,6 +1,6 @@
 //! `halscope convert`: turns a trace into a file of another kind.
 
-use super::plan::usage_of;
+use super::{plan::usage_of, unwritten};
 use crate::{Stdio, Terminal, examine::mixed, options::Opt};
 use hal_trace::{load, save};
 use std::{path::Path, process::ExitCode};
@@ -30,7 +30,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     let (given, files) = mixed("halscope convert", OPTIONS, words).map_err(|e| e.to_string())?;
     let has = |id| given.iter().any(|(i, _)| *i == id);
     if has(Id::Help) {
-        Stdio.out(&usage_of("convert [options] IN OUT", OPTIONS, MORE));
+        Stdio.out(&usage_of("convert [options] IN OUT", OPTIONS, MORE))?;
         return Ok(ExitCode::SUCCESS);
     }
     let [from, to] = &files[..] else {
@@ -55,6 +55,6 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     for note in &reading.notes {
         Stdio.err(&format!("halscope: {from}: {note}\n"));
     }
-    save(Path::new(to), &reading.trace).map_err(|e| e.to_string())?;
+    save(Path::new(to), &reading.trace).map_err(|e| unwritten(&e))?;
     Ok(ExitCode::SUCCESS)
 }

@@ -1,7 +1,10 @@
 //! A capture of a machine that runs.
 
 use super::plan::Plan;
-use crate::{remote::pause, signals::ending_flag};
+use crate::{
+    remote::{lost_words, pause},
+    signals::ending_flag,
+};
 use hal_protocol::{Client, Failure, Link, Place, Reply, Request, SampleSpec, Samples, Type};
 use hal_trace::{Trace, trigger::Capture};
 use signal_hook::{consts::SIGUSR1, flag};
@@ -24,8 +27,8 @@ pub(super) enum End {
     Whole(Trace),
     /// It was triggered, and something ended it too early.
     Part(Trace, String),
-    /// No trigger came.
-    Nothing(String),
+    /// No trigger came. The trace is what was sampled before the machine ended, if it did.
+    Nothing(Option<Trace>, String),
 }
 
 /// What polling found.
@@ -34,12 +37,13 @@ pub(super) enum Polled {
     Nothing,
     /// A capture.
     Whole(Trace),
-    /// Nothing more comes, and why.
-    Over(String),
+    /// Nothing more comes: what there is of a capture that is not complete, and why.
+    Over(Option<Trace>, String),
 }
 
 /// A connection that samples.
 pub(super) struct Live {
+    place: Place,
     client: Client,
     samples: Samples,
     capture: Capture,
@@ -52,6 +56,8 @@ pub(super) struct Live {
     timeout: Option<i64>,
     /// Who moves the clock, on a connection of its own.
     running: Option<JoinHandle<Result<(), String>>>,
+    /// Why the clock was not moved, if it was not.
+    not_run: Option<String>,
     run: Option<u64>,
     ending: Arc<AtomicBool>,
     force: Arc<AtomicBool>,
@@ -94,6 +100,7 @@ impl Live {
         let when = when.map_err(|e| e.to_string())?;
         let capture = Capture::new(&channels, when, setup);
         let mut live = Self {
+            place,
             client,
             samples,
             capture,
@@ -103,12 +110,13 @@ impl Live {
             began,
             timeout: plan.timeout.map(|ns| i64::try_from(ns).unwrap_or(i64::MAX)),
             running: None,
+            not_run: None,
             run: plan.run,
             ending,
             force,
         };
         if let Some(ns) = plan.run {
-            let mut other = Client::connect(&place, "").map_err(|f| told(&f))?;
+            let mut other = Client::connect(&live.place, "").map_err(|f| told(&f))?;
             live.running = Some(std::thread::spawn(move || {
                 other.call(Request::Run { ns }).map(drop).map_err(|f| told(&f))
             }));
@@ -121,19 +129,20 @@ impl Live {
     pub(super) fn poll(&mut self) -> Result<Polled, String> {
         // In this order: what was sampled before the end is taken.
         let is_over = self.samples.is_over();
+        self.polls = self.polls.wrapping_add(1);
+        let is_lost =
+            self.polls.is_multiple_of(LOOK_EVERY) && machine_time(&mut self.client).is_err();
         while let Some(stamp) = self.samples.take_bits(&mut self.record) {
             if let Some(trace) = self.capture.feed(stamp.time, &self.record, stamp.lost) {
                 return Ok(Polled::Whole(trace));
             }
         }
-        if is_over {
-            return self.why().map(Polled::Over);
+        if !is_over && !is_lost {
+            return Ok(Polled::Nothing);
         }
-        self.polls = self.polls.wrapping_add(1);
-        if self.polls.is_multiple_of(LOOK_EVERY) && machine_time(&mut self.client).is_err() {
-            return Ok(Polled::Over("the machine has ended".to_owned()));
-        }
-        Ok(Polled::Nothing)
+        let (why, _) = self.why();
+        let rest = self.capture.rest().or_else(|| self.before());
+        Ok(Polled::Over(rest, why))
     }
 
     /// The capture: to arm, force, and give another trigger.
@@ -155,7 +164,7 @@ impl Live {
                 self.capture.trigger().force();
             }
             if self.ending.load(Relaxed) {
-                return Ok(self.ended("interrupted".to_owned()));
+                return Ok(self.interrupted());
             }
             if let Some(stamp) = self.samples.take_bits(&mut self.record) {
                 empty = 0;
@@ -164,24 +173,28 @@ impl Live {
                     return Ok(End::Whole(trace));
                 }
                 if self.is_late(stamp.time) {
-                    return Ok(End::Nothing(self.waited()));
+                    return Ok(End::Nothing(None, self.waited()));
                 }
                 continue;
             }
             if is_over {
-                return self.why().map(|why| self.ended(why));
+                return self.over();
             }
             // In this order: what was sampled before the end is taken.
-            is_over = self.samples.is_over() || self.has_run()?;
+            is_over = self.samples.is_over() || self.has_run();
             if is_over {
                 continue;
             }
             pause(WAIT_MS);
             empty += 1;
             if empty % LOOK_EVERY == 0 {
-                let now = machine_time(&mut self.client)?;
-                if self.is_late(now) && self.samples.waiting() == 0 {
-                    return Ok(End::Nothing(self.waited()));
+                match machine_time(&mut self.client) {
+                    Ok(now) if self.is_late(now) && self.samples.waiting() == 0 => {
+                        return Ok(End::Nothing(None, self.waited()));
+                    }
+                    Ok(_) => {}
+                    // What waits in the ring is still to be had.
+                    Err(_) => is_over = true,
                 }
             }
         }
@@ -206,34 +219,53 @@ impl Live {
         format!("after {} s", self.timeout.unwrap_or(0) as f64 / 1e9)
     }
 
-    /// Whether the clock has come to where it was to be moved.
-    fn has_run(&mut self) -> Result<bool, String> {
+    /// Whether the clock has come to where it was to be moved, or cannot be moved.
+    fn has_run(&mut self) -> bool {
         if !self.running.as_ref().is_some_and(JoinHandle::is_finished) {
-            return Ok(false);
+            return false;
         }
-        match self.running.take().map(JoinHandle::join) {
-            Some(Ok(Err(text))) => Err(text),
-            _ => Ok(true),
+        if let Some(Ok(Err(why))) = self.running.take().map(JoinHandle::join) {
+            self.not_run = Some(why);
         }
+        true
     }
 
-    /// Why there are no more samples.
-    fn why(&mut self) -> Result<String, String> {
+    /// Returns why there are no more samples, and whether that is because the machine has ended.
+    fn why(&mut self) -> (String, bool) {
         let id = self.samples.info().id;
-        match self.client.sample_state(id) {
-            Ok(state) => Ok(match (state.ended, self.run) {
-                (Some(why), _) => why,
-                (None, Some(ns)) => format!("after {} s", ns as f64 / 1e9),
-                (None, None) => "sampling ended".to_owned(),
-            }),
-            Err(_) => Ok("the machine has ended".to_owned()),
-        }
+        let Ok(state) = self.client.sample_state(id) else {
+            return (lost_words(&self.place).to_owned(), true);
+        };
+        let why = match (state.ended, self.not_run.take(), self.run) {
+            (Some(why), _, _) | (None, Some(why), _) => why,
+            (None, None, Some(ns)) => format!("after {} s", ns as f64 / 1e9),
+            (None, None, None) => "sampling ended".to_owned(),
+        };
+        (why, false)
     }
 
-    fn ended(&mut self, why: String) -> End {
+    /// How a capture ends when no more samples come.
+    fn over(&mut self) -> Result<End, String> {
+        let is_refused = self.not_run.is_some();
+        let (why, is_lost) = self.why();
+        Ok(match self.capture.rest() {
+            Some(trace) => End::Part(trace, why),
+            None if is_lost => End::Nothing(self.before(), why),
+            None if is_refused => return Err(why),
+            None => End::Nothing(None, why),
+        })
+    }
+
+    /// What was sampled before a trigger that did not come, if anything.
+    fn before(&self) -> Option<Trace> {
+        Some(self.capture.so_far()).filter(|trace| !trace.is_empty())
+    }
+
+    fn interrupted(&mut self) -> End {
+        let why = "interrupted".to_owned();
         match self.capture.rest() {
             Some(trace) => End::Part(trace, why),
-            None => End::Nothing(why),
+            None => End::Nothing(None, why),
         }
     }
 }

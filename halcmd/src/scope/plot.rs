@@ -3,13 +3,13 @@
 mod draw;
 mod lane;
 
-use super::{names, time};
+use super::{names, time, unwritten};
 use crate::{
     Stdio, Terminal,
     options::{Opt, options, usage},
 };
 use draw::Plot;
-use hal_trace::Trace;
+use hal_trace::{FileError, Trace};
 use std::{
     path::{Path, PathBuf},
     process::ExitCode,
@@ -65,7 +65,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     let is_given = |wanted| given.iter().any(|(id, _)| *id == wanted);
     if is_given(Id::Help) {
         let head = "Usage: halscope plot [options] FILE [CHANNEL...]\n\noptions:\n";
-        Stdio.out(&format!("{head}{}", usage(OPTIONS)));
+        Stdio.out(&format!("{head}{}", usage(OPTIONS)))?;
         return Ok(ExitCode::SUCCESS);
     }
     let (file, patterns) =
@@ -94,7 +94,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
         Kind::Svg => plot.svg()?.into_bytes(),
         Kind::Png => plot.png()?,
     };
-    std::fs::write(&output, bytes).map_err(|e| format!("{}: {e}", output.display()))?;
+    hal_output::write(&output, &bytes).map_err(|e| unwritten(&FileError::of(&output, &e)))?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -17,6 +17,7 @@ use crate::{
     Stdio, Terminal,
     remote::pause,
     screen::{Key, Look, Screen},
+    signals::leave_on_signals,
 };
 use hal_trace::{Format, Trace, trigger::Condition};
 use state::{Asked, State, Typed};
@@ -27,6 +28,8 @@ const LOOK_MS: u32 = 20;
 
 /// `halscope view FILE [CHANNEL...]` and `halscope view [options] NAME...`.
 pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
+    // While a view has the terminal, the view is left first.
+    leave_on_signals(1);
     match words.split_first() {
         Some((file, patterns)) if Format::of(Path::new(file)).is_some() => {
             let trace = load(Path::new(file))?;
@@ -34,7 +37,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
             show_file(&mut State::new(trace, file.clone(), chosen))?;
         }
         _ => match Plan::for_view(words)? {
-            plan::Asked::Help(text) => Stdio.out(&text),
+            plan::Asked::Help(text) => Stdio.out(&text)?,
             plan::Asked::Plan(plan) => show_machine(&plan)?,
         },
     }
@@ -91,7 +94,10 @@ fn show_machine(plan: &Plan) -> Result<(), String> {
         if !matches!(doing, Doing::Over(_)) {
             match live.poll()? {
                 Polled::Nothing => {}
-                Polled::Over(why) => doing = Doing::Over(why),
+                Polled::Over(rest, why) => {
+                    rest.into_iter().for_each(|trace| state.replace(trace));
+                    doing = Doing::Over(why);
+                }
                 Polled::Whole(trace) => {
                     state.replace(trace);
                     if doing == Doing::Once {
@@ -121,7 +127,10 @@ fn show_machine(plan: &Plan) -> Result<(), String> {
     }
     drop(screen);
     live.leave();
-    Ok(())
+    match doing {
+        Doing::Over(why) => Err(why),
+        Doing::Runs | Doing::Once | Doing::Stopped => Ok(()),
+    }
 }
 
 fn command(letter: char, state: &mut State, live: &mut Live, doing: &mut Doing) {

@@ -2,15 +2,10 @@
 
 use super::history::History;
 use crate::{Error, os, watch_error::WatchError};
+use hal_output::Whole;
 use hal_protocol::{KeptInfo, KeptState};
 use hal_trace::{FileError, Format, Refusal, Trace};
-use std::{
-    fs::File,
-    io::{BufWriter, Write},
-    path::Path,
-    sync::Arc,
-    thread::JoinHandle,
-};
+use std::{path::Path, sync::Arc, thread::JoinHandle};
 
 /// What there was, with marks.
 #[derive(Debug)]
@@ -27,10 +22,9 @@ impl Snapshot {
         Ok(trace)
     }
 
-    fn write(&self, file: File, format: Format) -> Result<(), Box<str>> {
-        let mut out = BufWriter::with_capacity(1 << 16, file);
+    fn write(&self, mut file: Whole, format: Format) -> Result<(), Box<str>> {
         let trace = self.trace().map_err(|e| e.to_string())?;
-        let written = format.write(&mut out, &trace).and_then(|()| out.flush());
+        let written = format.write(&mut file, &trace).and_then(|()| file.finish());
         written.map_err(|e| os::said(&e))
     }
 }
@@ -51,7 +45,7 @@ impl Kept {
     pub(super) fn write(
         &mut self,
         snapshot: &Arc<Snapshot>,
-        file: File,
+        file: Whole,
         format: Format,
         at_once: bool,
     ) {
@@ -104,9 +98,9 @@ pub(super) fn format_of(path: &str) -> Result<Format, Error> {
     Format::of(path).ok_or_else(|| ending().into())
 }
 
-/// Creates a file.
-pub(super) fn create(path: &str) -> Result<File, Error> {
-    File::create(path).map_err(|e| Error::File { path: path.into(), why: os::said(&e) })
+/// Begins a file that takes its place when all of the snapshot is written.
+pub(super) fn create(path: &str) -> Result<Whole, Error> {
+    Whole::create(Path::new(path)).map_err(|e| Error::File { path: path.into(), why: os::said(&e) })
 }
 
 /// `DIR/NAME-3.ENDING`.

@@ -1,0 +1,161 @@
+//! Files as they are before, while and after they are written.
+
+use super::{Growing, Whole, install, write};
+use std::{
+    fs::{self, Permissions},
+    io::Write,
+    os::unix::fs::{PermissionsExt, symlink},
+    path::{Path, PathBuf},
+};
+
+/// A folder that is removed again.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("hal-output-{}-{name}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn join(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    /// A file as it stands in the folder.
+    fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.join(name)).unwrap()
+    }
+
+    fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(&self.0).unwrap();
+        let mut names: Vec<String> =
+            entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        drop(fs::remove_dir_all(&self.0));
+    }
+}
+
+fn mode(path: &Path) -> u32 {
+    fs::metadata(path).unwrap().permissions().mode() & 0o7777
+}
+
+fn why(result: std::io::Result<()>) -> String {
+    crate::reason(&result.unwrap_err())
+}
+
+#[test]
+fn a_file_is_replaced_when_it_is_whole() {
+    let folder = Folder::new("whole");
+    let path = folder.join("a");
+    fs::write(&path, "good").unwrap();
+    let mut file = Whole::create(&path).unwrap();
+    // More than is held back.
+    file.write_all(&[b'x'; 200_000]).unwrap();
+    assert_eq!((folder.read("a").as_str(), folder.names().len()), ("good", 2));
+    drop(file);
+    assert_eq!((folder.read("a").as_str(), folder.names()), ("good", vec!["a".to_owned()]));
+    write(&path, b"new").unwrap();
+    assert_eq!((folder.read("a").as_str(), folder.names()), ("new", vec!["a".to_owned()]));
+}
+
+#[test]
+fn permissions_and_links_stay() {
+    let folder = Folder::new("links");
+    fs::write(folder.join("a"), "old").unwrap();
+    fs::set_permissions(folder.join("a"), Permissions::from_mode(0o640)).unwrap();
+    symlink("a", folder.join("b")).unwrap();
+    symlink(folder.join("b"), folder.join("c")).unwrap();
+    symlink("d", folder.join("to-nothing")).unwrap();
+    symlink("round", folder.join("round")).unwrap();
+    write(&folder.join("c"), b"new").unwrap();
+    write(&folder.join("to-nothing"), b"made").unwrap();
+    assert_eq!((folder.read("a"), folder.read("d")), ("new".to_owned(), "made".to_owned()));
+    assert_eq!(mode(&folder.join("a")), 0o640);
+    for link in ["b", "c", "to-nothing"] {
+        assert!(folder.join(link).is_symlink(), "{link}");
+    }
+    assert_eq!(why(write(&folder.join("round"), b"")), "Too many levels of symbolic links");
+    // A new file is as the user wants new files.
+    fs::write(folder.join("plain"), "").unwrap();
+    assert_eq!(mode(&folder.join("d")), mode(&folder.join("plain")));
+}
+
+#[test]
+fn an_installed_file_has_the_mode_that_is_asked_for() {
+    let folder = Folder::new("install");
+    let path = folder.join("program");
+    for text in ["one", "two"] {
+        install(&path, text.as_bytes(), 0o555).unwrap();
+        assert_eq!((folder.read("program").as_str(), mode(&path)), (text, 0o555));
+    }
+}
+
+#[test]
+fn what_cannot_be_written_says_why_and_leaves_nothing() {
+    let folder = Folder::new("refused");
+    fs::create_dir(folder.join("folder")).unwrap();
+    fs::write(folder.join("file"), "good").unwrap();
+    for (path, want) in [
+        ("/dev/full".into(), "No space left on device"),
+        (folder.join("folder"), "Is a directory"),
+        (folder.join("none/file"), "No such file or directory"),
+        (folder.join("file/file"), "Not a directory"),
+        (PathBuf::new(), "No such file or directory"),
+        ("/proc/self/none".into(), "No such file or directory"),
+    ] {
+        assert_eq!(why(write(&path, b"text")), want, "{path:?}");
+        let mut growing = match Growing::create(&path) {
+            Err(e) => {
+                assert_eq!(crate::reason(&e), want, "{path:?}");
+                continue;
+            }
+            Ok(growing) => growing,
+        };
+        assert_eq!(why(growing.append(b"text")), want, "{path:?}");
+        assert_eq!(why(growing.append(b"text")), "writing has ended");
+        assert_eq!((growing.bytes(), why(growing.finish())), (0, "writing has ended".to_owned()));
+    }
+    assert_eq!(folder.names(), ["file", "folder"]);
+    assert_eq!(folder.read("file"), "good");
+}
+
+#[test]
+fn devices_and_pipes_are_written_to_directly() {
+    let folder = Folder::new("direct");
+    write(Path::new("/dev/null"), b"text").unwrap();
+    assert!(!Path::new("/dev/null").is_file());
+    // A descriptor of this process is a link to a file, and means the descriptor.
+    let kept = fs::File::create(folder.join("kept")).unwrap();
+    let fd = std::os::fd::AsRawFd::as_raw_fd(&kept);
+    write(Path::new(&format!("/dev/fd/{fd}")), b"text").unwrap();
+    assert_eq!(kept.metadata().unwrap().len(), 4);
+    assert_eq!(folder.names(), ["kept"]);
+}
+
+#[test]
+fn a_growing_file_takes_its_place_with_its_first_records() {
+    let folder = Folder::new("growing");
+    let path = folder.join("a");
+    fs::write(&path, "good").unwrap();
+    drop(Growing::create(&path).unwrap());
+    assert_eq!((folder.read("a").as_str(), folder.names().len()), ("good", 1));
+    let mut file = Growing::create(&path).unwrap();
+    assert!(!file.is_there());
+    for (records, want) in [("one\n", "one\n"), ("two\n", "one\ntwo\n")] {
+        file.append(records.as_bytes()).unwrap();
+        assert_eq!((folder.read("a").as_str(), file.is_there()), (want, true));
+    }
+    assert_eq!(file.bytes(), 8);
+    file.finish().unwrap();
+    assert_eq!(folder.names(), ["a"]);
+    // One without records is empty.
+    Growing::create(&path).unwrap().finish().unwrap();
+    assert_eq!(folder.read("a"), "");
+}

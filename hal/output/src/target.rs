@@ -1,0 +1,167 @@
+//! Where a file goes: which file a path means, what is written meanwhile, and how it takes its place.
+
+use rustix::{
+    fs::{Gid, PROC_SUPER_MAGIC, Uid, fchown, statfs},
+    io::Errno,
+};
+use std::{
+    fs::{self, File, Metadata, OpenOptions, Permissions},
+    io::{self, ErrorKind},
+    os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt},
+    path::{Path, PathBuf},
+    sync::atomic::{AtomicU32, Ordering::Relaxed},
+};
+
+/// How many links are followed.
+const LINKS: u32 = 40;
+/// How many names are tried for a temporary file.
+const NAMES: u32 = 100;
+
+/// A temporary file beside the file that it will replace. It is removed unless it is settled.
+#[derive(Debug)]
+pub(crate) struct Target {
+    /// None: what is written goes to its place at once, or is there.
+    temporary: Option<PathBuf>,
+    path: PathBuf,
+    keep: Option<Keep>,
+}
+
+/// Permissions and owner of a file that is made.
+#[derive(Clone, Copy, Debug)]
+struct Keep {
+    mode: u32,
+    /// Whether the caller asked for this mode; else it is that of the file that is replaced.
+    is_asked: bool,
+    /// Those of the file that is replaced.
+    owner: Option<(u32, u32)>,
+}
+
+/// The file that a path means, through its links.
+enum Meant {
+    /// A device, a pipe, or a file that is open as `/dev/stdout`: it cannot be replaced.
+    Fixed,
+    /// A file that is not there yet.
+    New(PathBuf),
+    /// A file that is there.
+    Old(PathBuf, Metadata),
+}
+
+impl Target {
+    /// Opens the file that is written for this path. With `mode` the file gets these permissions, and
+    /// replaces even one that may not be written to, as programs are installed.
+    pub(crate) fn open(path: &Path, mode: Option<u32>) -> io::Result<(Self, File)> {
+        let (place, old) = match meant(path)? {
+            Meant::Fixed => {
+                let file = OpenOptions::new().write(true).truncate(true).open(path)?;
+                return Ok((Self { temporary: None, path: path.to_owned(), keep: None }, file));
+            }
+            Meant::New(place) => (place, None),
+            Meant::Old(place, old) => {
+                if mode.is_none() {
+                    // A file that may not be written to is not replaced either.
+                    drop(OpenOptions::new().write(true).open(&place)?);
+                }
+                (place, Some(old))
+            }
+        };
+        let owner = old.as_ref().map(|old| (old.uid(), old.gid()));
+        let kept = mode.or(old.as_ref().map(|old| old.mode() & 0o7777));
+        let keep = kept.map(|kept| Keep { mode: kept, is_asked: mode.is_some(), owner });
+        let (temporary, file) =
+            temporary(&place, keep.is_some()).map_err(|e| beside(e, old.is_some()))?;
+        Ok((Self { temporary: Some(temporary), path: place, keep }, file))
+    }
+
+    /// Whether what is written is at its place.
+    pub(crate) const fn is_settled(&self) -> bool {
+        self.temporary.is_none()
+    }
+
+    /// Puts the file in its place.
+    pub(crate) fn settle(&mut self, file: &File) -> io::Result<()> {
+        let Some(temporary) = &self.temporary else { return Ok(()) };
+        if let Some(Keep { mode, is_asked, owner }) = self.keep {
+            if let Some((uid, gid)) = owner {
+                // Only the administrator may give files away: otherwise it is the writer's.
+                let _ = fchown(file, None, Some(Gid::from_raw(gid)));
+                let _ = fchown(file, Some(Uid::from_raw(uid)), None);
+            }
+            let set = file.set_permissions(Permissions::from_mode(mode));
+            // Some file systems have none.
+            if is_asked {
+                set?;
+            }
+        }
+        fs::rename(temporary, &self.path)?;
+        self.temporary = None;
+        Ok(())
+    }
+}
+
+impl Drop for Target {
+    fn drop(&mut self) {
+        if let Some(temporary) = &self.temporary {
+            // What stays behind has a name that says what it is.
+            drop(fs::remove_file(temporary));
+        }
+    }
+}
+
+/// Follows links by hand: the last of them may lead to a file that is not there.
+fn meant(path: &Path) -> io::Result<Meant> {
+    let mut path = path.to_owned();
+    for _ in 0..LINKS {
+        let found = match fs::symlink_metadata(&path) {
+            Err(e) if e.kind() == ErrorKind::NotFound => return Ok(Meant::New(path)),
+            found => found?,
+        };
+        if found.is_dir() {
+            return Err(Errno::ISDIR.into());
+        }
+        if found.is_file() {
+            return Ok(Meant::Old(path, found));
+        }
+        // The links of /proc are open files, whatever their text is.
+        if !found.is_symlink() || is_of_processes(folder(&path)) {
+            return Ok(Meant::Fixed);
+        }
+        path = folder(&path).join(fs::read_link(&path)?);
+    }
+    Err(Errno::LOOP.into())
+}
+
+fn is_of_processes(folder: &Path) -> bool {
+    statfs(folder).is_ok_and(|s| s.f_type == PROC_SUPER_MAGIC)
+}
+
+fn folder(path: &Path) -> &Path {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Makes a file with a name of its own in the folder of `path`.
+fn temporary(path: &Path, is_private: bool) -> io::Result<(PathBuf, File)> {
+    static NEXT: AtomicU32 = AtomicU32::new(0);
+    let mut options = OpenOptions::new();
+    options.write(true).create_new(true).mode(if is_private { 0o600 } else { 0o666 });
+    for _ in 0..NAMES {
+        let n = NEXT.fetch_add(1, Relaxed);
+        let name = format!(".ferrule-{}-{n}.part", std::process::id());
+        let temporary = folder(path).join(name);
+        match options.open(&temporary) {
+            Err(e) if e.kind() == ErrorKind::AlreadyExists => {}
+            opened => return opened.map(|file| (temporary, file)),
+        }
+    }
+    Err(ErrorKind::AlreadyExists.into())
+}
+
+/// Says what is refused when a file may be written to and its folder may not.
+fn beside(error: io::Error, is_old: bool) -> io::Error {
+    match error.kind() {
+        ErrorKind::PermissionDenied if is_old => io::Error::new(
+            error.kind(),
+            format!("{}: no file can be made beside it", crate::reason(&error)),
+        ),
+        _ => error,
+    }
+}
