@@ -141,11 +141,17 @@ fn text(info: &FlightInfo) -> String {
     if info.lost > 0 {
         line(&format!("{} changes were lost: they came too fast", info.lost));
     }
+    // Memory holds the last event alone.
+    let events = info.kept.iter().filter(|k| k.state != KeptState::Awaited);
+    let last = events.map(|k| k.number).max().unwrap_or(0);
     for k in &info.kept {
         let file = k.file.as_deref().unwrap_or("memory");
         let state = match &k.state {
             KeptState::Awaited => "what comes after it is awaited".to_owned(),
-            KeptState::InMemory => "in memory: 'flight save FILE last'".to_owned(),
+            KeptState::InMemory if k.number == last => {
+                "in memory: 'flight save FILE.vcd last'".to_owned()
+            }
+            KeptState::InMemory => "no longer in memory: a later event took its place".to_owned(),
             KeptState::Writing => format!("being written to {file}"),
             KeptState::Written => file.to_owned(),
             KeptState::Failed(why) => format!("{file}: {why}"),
@@ -165,7 +171,8 @@ fn size(bytes: u64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{parse, size, spec};
+    use super::{parse, size, spec, text};
+    use hal_protocol::{FlightInfo, KeptInfo, KeptState};
 
     fn words(text: &str) -> Vec<String> {
         text.split_whitespace().map(str::to_owned).collect()
@@ -198,5 +205,36 @@ mod tests {
             (size(1023), size(1 << 20), size(3 << 29)),
             ("1023 bytes".into(), "1.0 MiB".into(), "1.5 GiB".into())
         );
+    }
+
+    #[test]
+    fn only_the_last_event_is_in_memory() {
+        let kept = |number, why: &str, state| KeptInfo {
+            number,
+            time: i64::from(number) * 1_000_000,
+            why: why.to_owned(),
+            file: (state == KeptState::Written).then(|| "/x.vcd".to_owned()),
+            state,
+        };
+        let info = FlightInfo {
+            bytes: 4096,
+            used: 24,
+            values: 3,
+            from: 0,
+            to: 5_000_000,
+            lost: 0,
+            kept: vec![
+                kept(1, "a", KeptState::InMemory),
+                kept(2, "b", KeptState::InMemory),
+                kept(2, "asked for", KeptState::Written),
+                kept(3, "c", KeptState::Awaited),
+            ],
+        };
+        let want = "Flight recorder: 3 values, 24 bytes of 4.0 KiB, from 0 ns to 5 ms\n\
+             \x20 1  at 1 ms  a  no longer in memory: a later event took its place\n\
+             \x20 2  at 2 ms  b  in memory: 'flight save FILE.vcd last'\n\
+             \x20 2  at 2 ms  asked for  /x.vcd\n\
+             \x20 3  at 3 ms  c  what comes after it is awaited\n";
+        assert_eq!(text(&info), want);
     }
 }

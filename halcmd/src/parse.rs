@@ -7,6 +7,7 @@ use crate::{
     table::{self, KINDS, SAVES, STATUSES},
     units::nanoseconds,
 };
+use core::num::{IntErrorKind, ParseIntError};
 use hal_protocol::{Kind, Request, Type};
 
 pub(crate) fn first(words: &[String]) -> String {
@@ -300,10 +301,17 @@ pub(crate) fn unknown_kind<T>(command: &'static str, word: &str, kinds: &[(&str,
     Error::Kind { command, word: word.into(), kinds: kinds.join(", ").into() }
 }
 
+/// Returns the number that a word begins with, 0 if it begins with none; what is beyond 64 bits is
+/// the outermost number.
 fn leading_number(word: &str) -> i64 {
     let end = word
         .char_indices()
         .find(|(i, c)| !(c.is_ascii_digit() || (*i == 0 && (*c == '-' || *c == '+'))))
         .map_or(word.len(), |(i, _)| i);
-    word.get(..end).and_then(|w| w.parse().ok()).unwrap_or(0)
+    let number = word.get(..end).unwrap_or_default();
+    number.parse().unwrap_or_else(|e: ParseIntError| match e.kind() {
+        IntErrorKind::PosOverflow => i64::MAX,
+        IntErrorKind::NegOverflow => i64::MIN,
+        _ => 0,
+    })
 }

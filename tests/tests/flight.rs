@@ -297,3 +297,43 @@ flight
         output.stderr
     );
 }
+
+#[test]
+fn the_hint_names_what_can_be_saved_and_nothing_that_is_lost() {
+    let scratch = Scratch::new("hint");
+    let event = "setp and2.0.in0 0\nrun 1ms\nsetp and2.0.in0 1\nrun 1ms\n";
+    for (on, file, said) in [
+        ("", "", "kept in memory as event 1\n"),
+        (
+            "file=none/x.csv",
+            "none/x-1.csv: No such file or directory; ",
+            "it is in memory: 'flight save FILE.csv last'\n",
+        ),
+    ] {
+        let begin = format!(
+            "loadrt threads name1=t period1=1000000\nloadrt and2\naddf and2.0 t\nsetp and2.0.in1 1\n\
+             start\nrun 1ms\nflight on {on} when=and2.0.in0\n"
+        );
+        let lines = format!("{begin}{event}flight\nflight save event.csv last\nflight off\n");
+        scratch.write("m.hal", lines);
+        let output = scratch.halrun(&["--virtual", "-f", "m.hal"]);
+        let here = format!("{}/", scratch.path().display());
+        let words = output.stderr.replace(&here, "");
+        assert_eq!(words, format!("flight recorder: and2.0.in0; {file}{said}"));
+        assert_eq!(output.status, Some(0));
+        assert!(!read(&scratch.path().join("event.csv")).is_empty());
+        // The event is under way when the recorder is switched off.
+        scratch.write(
+            "m.hal",
+            format!("{}{event}flight off\n", begin.replace("when=", "after=1s when=")),
+        );
+        let output = scratch.halrun(&["--virtual", "-f", "m.hal"]);
+        let words = output.stderr.replace(&here, "");
+        let lost = if file.is_empty() {
+            "it is lost: 'flight on' was given no file="
+        } else {
+            "it is lost"
+        };
+        assert_eq!(words, format!("flight recorder: and2.0.in0; {file}{lost}\n"));
+    }
+}

@@ -61,6 +61,8 @@ pub(crate) struct Flight {
     last: Option<Arc<Snapshot>>,
     /// Files are written before time moves on.
     at_once: bool,
+    /// The recorder is being switched off: nothing stays in memory.
+    ends: bool,
     /// What there is to say.
     said: Vec<String>,
     /// How many changes its former probes have lost, and its present one as far as is known.
@@ -106,6 +108,7 @@ impl Engine {
             kept: VecDeque::new(),
             last: None,
             at_once: self.shared.is_virtual(),
+            ends: false,
             said: Vec::new(),
             lost: (0, 0),
         }));
@@ -125,6 +128,7 @@ impl Engine {
         let now = self.shared.now();
         flight.judge();
         flight.at_once = true;
+        flight.ends = true;
         flight.finish(now);
         flight.look(true);
         flight.said.into_iter().for_each(|text| self.notice(text));
@@ -312,7 +316,8 @@ impl Flight {
 
     /// Looks what has been written.
     fn look(&mut self, wait: bool) {
-        let written = self.kept.iter_mut().filter_map(|k| k.look(wait).then(|| k.words()));
+        let ends = self.ends;
+        let written = self.kept.iter_mut().filter_map(|k| k.look(wait).then(|| k.words(ends)));
         self.said.extend(written);
     }
 
@@ -341,7 +346,7 @@ impl Flight {
             }
         }
         if kept.info.state != KeptState::Writing {
-            self.said.push(kept.words());
+            self.said.push(kept.words(self.ends));
         }
         self.keep(kept);
     }

@@ -231,19 +231,7 @@ impl Engine {
     /// Draws the edge at a position counted from the start or the end; the others move.
     fn insert_at(&mut self, t: Ix, f: Ix, position: i64, init: bool) -> Result<(), Error> {
         let order = self.graph.runs(t, init);
-        let n = i64::try_from(order.len()).unwrap_or(i64::MAX);
-        let at = if position > 0 {
-            if position > n + 1 {
-                return Err(Error::PositionTooFar { position, most: n + 1 });
-            }
-            position - 1
-        } else {
-            if -position > n + 1 {
-                return Err(Error::PositionTooFar { position, most: n + 1 });
-            }
-            n + 1 + position
-        };
-        let at = usize::try_from(at).unwrap_or(0);
+        let at = place_in(order.len(), position)?;
         let mut edges: Vec<_> = self
             .graph
             .g
@@ -300,5 +288,45 @@ impl Engine {
             self.graph.g.remove_edge(edge);
             self.graph.sites.parted(edge);
         }
+    }
+}
+
+/// Returns the index that a position stands for in a list of `n` functions: 1 is before the first,
+/// -1 after the last.
+fn place_in(n: usize, position: i64) -> Result<usize, Error> {
+    let too_far = || {
+        let most = i64::try_from(n).unwrap_or(i64::MAX).saturating_add(1);
+        Error::PositionTooFar { position, most }
+    };
+    let from_end = usize::try_from(position.unsigned_abs()).map_err(|_| too_far())?;
+    if from_end == 0 {
+        return Err(Error::BadPosition { position });
+    }
+    let at = if position > 0 { Some(from_end - 1) } else { (n + 1).checked_sub(from_end) };
+    at.filter(|at| *at <= n).ok_or_else(too_far)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::place_in;
+
+    fn check(n: usize, position: i64, want: Result<usize, &str>) {
+        let got = place_in(n, position).map_err(|e| e.to_string());
+        assert_eq!(got, want.map_err(str::to_owned), "{position} of {n}");
+    }
+
+    #[test]
+    fn positions_in_a_list_and_out_of_it() {
+        for (n, position, at) in
+            [(0, 1, 0), (0, -1, 0), (2, 1, 0), (2, 3, 2), (2, -1, 2), (2, -2, 1), (2, -3, 0)]
+        {
+            check(n, position, Ok(at));
+        }
+        check(2, 4, Err("position '4' is too high"));
+        check(2, -4, Err("position '-4' is too low"));
+        check(0, i64::MAX, Err("position '9223372036854775807' is too high"));
+        check(0, i64::MIN, Err("position '-9223372036854775808' is too low"));
+        check(2, i64::MIN + 1, Err("position '-9223372036854775807' is too low"));
+        check(2, 0, Err("bad position: 0"));
     }
 }

@@ -77,17 +77,22 @@ impl Kept {
         };
     }
 
-    /// What is said of it.
-    pub(super) fn words(&self) -> String {
+    /// Returns the message about it. `ends`: the recorder is being switched off, and what is only
+    /// in memory is lost.
+    pub(super) fn words(&self, ends: bool) -> String {
         let (number, why) = (self.info.number, &self.info.why);
         let file = self.info.file.as_deref().unwrap_or_default();
-        match &self.info.state {
-            KeptState::Written => format!("flight recorder: {why}; kept in {file}"),
-            KeptState::Failed(e) => format!(
-                "flight recorder: {why}; {file}: {e}; it is in memory: 'flight save FILE last'"
-            ),
-            _ => format!("flight recorder: {why}; kept in memory as event {number}"),
-        }
+        let ending = file.rsplit_once('.').map_or("vcd", |(_, ending)| ending);
+        let kept = match &self.info.state {
+            KeptState::Written => format!("kept in {file}"),
+            KeptState::Failed(e) if ends => format!("{file}: {e}; it is lost"),
+            KeptState::Failed(e) => {
+                format!("{file}: {e}; it is in memory: 'flight save FILE.{ending} last'")
+            }
+            _ if ends => "it is lost: 'flight on' was given no file=".to_owned(),
+            _ => format!("kept in memory as event {number}"),
+        };
+        format!("flight recorder: {why}; {kept}")
     }
 }
 
