@@ -3,6 +3,7 @@
 mod detach;
 pub(crate) mod machine;
 pub(crate) mod plan;
+mod realtime;
 mod serve;
 
 use crate::{
@@ -70,17 +71,22 @@ fn stop(place: &Place, terminal: &mut dyn Terminal) -> u8 {
             return 1;
         }
     };
-    if client.call(Request::Shutdown).is_err() && is_gone(place) {
-        return 0;
-    }
+    let fault = serve::fault(&mut client);
+    // One that has ended meanwhile refuses it.
+    drop(client.call(Request::Shutdown));
     drop(client);
-    for _ in 0..PATIENCE {
-        if is_gone(place) {
-            return 0;
+    let has_ended = (0..PATIENCE).any(|_| {
+        is_gone(place) || {
+            pause(10);
+            false
         }
-        pause(10);
+    });
+    let name = place.name();
+    match fault {
+        _ if !has_ended => terminal.err(&format!("halrun: instance '{name}' does not end\n")),
+        Some(fault) => terminal.err(&format!("halrun: instance '{name}' had a fault: {fault}\n")),
+        None => return 0,
     }
-    terminal.err(&format!("halrun: instance '{}' does not end\n", place.name()));
     1
 }
 
@@ -128,8 +134,10 @@ pub(crate) fn prepare(plan: &Plan) -> Result<Files, Error> {
     // A whole machine needs all of its INI file, a script what it looks up.
     let read = if matches!(plan.script, Script::Ini(_)) { Ini::read } else { Ini::open };
     let ini = ini_path.map(|path| read(Path::new(path))).transpose()?;
-    if let (Script::Ini(_), Some(ini)) = (&plan.script, &ini) {
-        machine::refuse(ini)?;
+    match (&plan.script, &ini) {
+        (Script::Ini(_), Some(ini)) => machine::refuse(ini)?,
+        (_, Some(ini)) => realtime::of_ini(ini).map(|_| ())?,
+        (_, None) => {}
     }
     Ok(Files { ini, script })
 }
@@ -141,6 +149,8 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
     }
     let mut options = plan.options.clone();
     options.old_names = files.ini.as_ref().is_some_and(Ini::is_old);
+    let stuck_ns = files.ini.as_ref().and_then(|ini| realtime::of_ini(ini).ok().flatten());
+    options.realtime.stuck_ns = options.realtime.stuck_ns.or(stuck_ns);
     let mut engine = match Engine::new(options) {
         Ok(engine) => engine,
         Err(failure) => {
@@ -161,11 +171,10 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
     let goes_on = outcome == Outcome::Good && !plan.interactive && plan.script != Script::Terminal;
     if goes_on {
         stay(plan, &mut engine);
-        if serve::has_fault(&mut engine) {
-            code = 1;
-        }
     }
-    engine.close();
+    if !engine.close_checked() {
+        code = 1;
+    }
     // The engine has ended them; now they are collected.
     for mut program in programs {
         drop(program.wait());

@@ -12,7 +12,7 @@ use crate::{
     hint::nearest,
 };
 use gather::{Found, functions, gathered};
-use hal_engine::{ClockKind, Engine, Options};
+use hal_engine::{ClockKind, Engine, Options, RealtimeOptions};
 use hal_protocol::{
     CommandInfo, Direction, FunctInfo, ItemInfo, Kind, Link, Offer, Place, Reply, Request, Type,
 };
@@ -216,6 +216,7 @@ fn engine(path: &[PathBuf]) -> Result<Engine, Error> {
         simulate: false,
         old_names: false,
         path: path.to_vec(),
+        realtime: RealtimeOptions::default(),
     })?)
 }
 

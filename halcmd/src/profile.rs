@@ -83,6 +83,24 @@ const KEYS: &[Key] = &[
         variable: "HAL_LINUXCNC_MODULES",
         help: "find LinuxCNC's own components in C too",
     },
+    Key {
+        name: "cpu",
+        form: Form::Text,
+        variable: "HAL_CPU",
+        help: "the processor of the threads, such as `\"3\"`",
+    },
+    Key {
+        name: "dma-latency",
+        form: Form::Text,
+        variable: "HAL_DMA_LATENCY",
+        help: "how many microseconds processors may take to wake, or `\"off\"`",
+    },
+    Key {
+        name: "stuck-time",
+        form: Form::Text,
+        variable: "HAL_STUCK_TIME",
+        help: "stop the machine when a function does not come back for so long, such as `\"5ms\"`",
+    },
 ];
 
 /// What a file says.
@@ -246,7 +264,7 @@ mod tests {
             ),
             (
                 "x = 1\n",
-                ":1: no key 'x'; there are clock, simulate, hold, for, record, instance, rtmod-dir, linuxcnc-modules",
+                ":1: no key 'x'; there are clock, simulate, hold, for, record, instance, rtmod-dir, linuxcnc-modules, cpu, dma-latency, stuck-time",
             ),
             ("clock = \"fast\"\n", ":1: 'clock' is \"real\" or \"virtual\""),
             ("\nhold = 1\n", ":2: 'hold' is true or false"),

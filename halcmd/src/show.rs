@@ -366,6 +366,7 @@ pub(crate) mod samples {
             tmax: 0,
             cycles: 0,
             overruns: 0,
+            missed: 0,
             overrun_by: None,
             latency_max: 0,
             latency: Vec::new(),

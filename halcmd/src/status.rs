@@ -1,7 +1,7 @@
 //! What `status` prints.
 
-use crate::command::StatusKind;
-use hal_protocol::{Lock, StatusInfo, ThreadInfo, Usage};
+use crate::{command::StatusKind, units::duration};
+use hal_protocol::{Lock, RealtimeInfo, StatusInfo, ThreadInfo, Usage};
 
 const LOCKS: &[(Lock, &str)] = &[
     (Lock::LOAD, "  HAL_LOCK_LOAD    - loading of new components is locked\n"),
@@ -68,9 +68,19 @@ fn instance(text: &mut String, status: &StatusInfo, threads: &[ThreadInfo]) {
     line("clock:", &format!("{}, at {}", status.clock, seconds(status.time)));
     line("threads:", &format!("{running}; {}", status.scheduling));
     line("hardware:", hardware);
+    if let Some(realtime) = &status.realtime {
+        line("memory:", &locked(realtime.memory));
+        line("idle:", &idle(realtime));
+        let stuck = duration(realtime.stuck_ns);
+        line("watchdog:", &format!("stops the machine when a function takes {stuck} in one cycle"));
+    }
+    for (t, wake_ups) in threads.iter().filter_map(|t| Some((t, wake_ups(t)?))) {
+        line("wake-ups:", &format!("of thread '{}': {wake_ups}", t.name));
+    }
     for t in threads.iter().filter(|t| t.overruns > 0) {
         let by = t.overrun_by.as_ref().map(|f| format!(", the last by '{f}'")).unwrap_or_default();
-        line("overruns:", &format!("{} of thread '{}'{by}", t.overruns, t.name));
+        let (overruns, missed, name) = (t.overruns, t.missed, &t.name);
+        line("overruns:", &format!("{overruns} of thread '{name}', {missed} cycles missed{by}"));
     }
     for kind in kinds(status) {
         let of_kind = || status.foreign.iter().filter(|f| f.kind == kind);
@@ -107,6 +117,54 @@ fn instance(text: &mut String, status: &StatusInfo, threads: &[ThreadInfo]) {
         let lost = if *lost > 0 { format!(" ({lost} records lost)") } else { String::new() };
         line("recording:", &format!("{file}{lost}"));
     }
+}
+
+/// How much memory is locked.
+fn locked((locked, present): (u64, u64)) -> String {
+    let mib = |bytes: u64| bytes as f64 / f64::from(1 << 20);
+    let rest = present.saturating_sub(locked);
+    let rest =
+        if rest == 0 { String::new() } else { format!("; {:.1} MiB may be pushed out", mib(rest)) };
+    format!("{:.1} of {:.1} MiB locked{rest}", mib(locked), mib(present))
+}
+
+/// How deeply processors may sleep.
+fn idle(realtime: &RealtimeInfo) -> String {
+    match (realtime.idle_us, &realtime.idle_refusal) {
+        (Some(us), _) => format!("/dev/cpu_dma_latency is held: processors wake within {us} us"),
+        (None, Some(why)) => format!("processors may sleep deeply: {why}"),
+        (None, None) => "processors sleep as the system lets them".to_owned(),
+    }
+}
+
+/// How late a thread woke: upper bounds, as far as they were counted.
+fn wake_ups(t: &ThreadInfo) -> Option<String> {
+    let all: u64 = t.latency.iter().fold(0, |sum, n| sum.saturating_add(*n));
+    if all == 0 {
+        return None;
+    }
+    let within = |thousandths: u64| {
+        // How many are late at most so much, rounded up.
+        let wanted = (u128::from(all) * u128::from(thousandths)).div_ceil(1000);
+        let mut sum = 0_u128;
+        let bin = t.latency.iter().position(|n| {
+            sum += u128::from(*n);
+            sum >= wanted
+        });
+        let latest = t.latency_max.max(0).unsigned_abs().div_ceil(1000);
+        match bin {
+            // The last bin has no end of its own.
+            Some(bin) if bin + 1 < t.latency.len() => (1_u64 << bin.min(63)).min(latest),
+            _ => latest,
+        }
+    };
+    let latest = t.latency_max as f64 / 1000.0;
+    Some(format!(
+        "half within {} us, 99 % within {} us, 99.9 % within {} us, the latest {latest:.1} us",
+        within(500),
+        within(990),
+        within(999)
+    ))
 }
 
 /// The kinds of what is no plugin, in order of appearance.
@@ -149,6 +207,7 @@ pub(crate) mod samples {
             clock: "virtual".to_owned(),
             time: 2_500_000_000,
             scheduling: "all in one place".to_owned(),
+            realtime: None,
             simulated: true,
             running: true,
             fault: None,
@@ -163,7 +222,7 @@ pub(crate) mod samples {
 mod tests {
     use super::{samples, seconds, text};
     use crate::{command::StatusKind, show};
-    use hal_protocol::{FaultInfo, ForeignPart, Lock, ThreadInfo};
+    use hal_protocol::{FaultInfo, ForeignPart, Lock, RealtimeInfo, ThreadInfo};
 
     #[test]
     fn locks() {
@@ -205,6 +264,59 @@ mod tests {
     }
 
     #[test]
+    fn what_there_is_of_real_time() {
+        let mut status = samples::status(Lock::NONE);
+        let mut lines = |realtime: RealtimeInfo, latency: &[u64], latency_max| {
+            status.realtime = Some(realtime);
+            let latency = latency.to_vec();
+            let thread =
+                ThreadInfo { latency, latency_max, ..show::samples::thread("t", 1_000_000, &[]) };
+            let text = text(&status, &[thread], StatusKind::Instance);
+            let lines = text.lines().skip_while(|l| !l.contains("memory:"));
+            lines.map(|l| l.trim_start().to_owned()).collect::<Vec<_>>()
+        };
+        let good = RealtimeInfo {
+            memory: (10_171_187, 10_171_187),
+            idle_us: Some(0),
+            idle_refusal: None,
+            stuck_ns: 2_000_000,
+        };
+        // Of 1000: 600 below 1 us, 380 below 16, 19 below 32, one beyond the last bin.
+        let bins = [600, 0, 0, 0, 380, 19, 0, 1];
+        assert_eq!(
+            lines(good.clone(), &bins, 307_040),
+            [
+                "memory:     9.7 of 9.7 MiB locked",
+                "idle:       /dev/cpu_dma_latency is held: processors wake within 0 us",
+                "watchdog:   stops the machine when a function takes 2 ms in one cycle",
+                "wake-ups:   of thread 't': half within 1 us, 99 % within 32 us, 99.9 % within 32 \
+                 us, the latest 307.0 us",
+            ]
+        );
+        let refused = "/dev/cpu_dma_latency: Permission denied".to_owned();
+        let bad = RealtimeInfo {
+            memory: (1 << 20, 10_171_187),
+            idle_us: None,
+            idle_refusal: Some(refused),
+            ..good
+        };
+        assert_eq!(
+            lines(bad.clone(), &[0, 1], 1_200)[..2],
+            [
+                "memory:     1.0 of 9.7 MiB locked; 8.7 MiB may be pushed out",
+                "idle:       processors may sleep deeply: /dev/cpu_dma_latency: Permission denied",
+            ]
+        );
+        let off = RealtimeInfo { idle_refusal: None, ..bad };
+        let off = lines(off, &[0, 0, 0, 3], 20_000_000);
+        assert_eq!(off[1], "idle:       processors sleep as the system lets them");
+        // All in the last bin, which has no end.
+        let late = "half within 20000 us, 99 % within 20000 us, 99.9 % within 20000 us, the latest \
+                    20000.0 us";
+        assert_eq!(off[3], format!("wake-ups:   of thread 't': {late}"));
+    }
+
+    #[test]
     fn the_instance_says_what_went_wrong() {
         let mut status = samples::status(Lock::NONE);
         status.fault = Some(FaultInfo {
@@ -223,6 +335,7 @@ mod tests {
         status.foreign = vec![part("probe", 64), part("laser", 128)];
         let late = ThreadInfo {
             overruns: 3,
+            missed: 1012,
             overrun_by: Some("adder".to_owned()),
             ..show::samples::thread("fast", 1_000_000, &[])
         };
@@ -231,7 +344,7 @@ mod tests {
              \x20 clock:      virtual, at 2.5 s\n\
              \x20 threads:    running; all in one place\n\
              \x20 hardware:   simulated\n\
-             \x20 overruns:   3 of thread 'fast', the last by 'adder'\n\
+             \x20 overruns:   3 of thread 'fast', 1012 cycles missed, the last by 'adder'\n\
              \x20 foreign:    probe, laser: each a component in C, whose flow is not known; 192 \
              bytes of memory\n\
              \x20 stuck:      component 'siggen', function 'siggen.0.update' in thread 'fast': \

@@ -13,7 +13,7 @@ use crate::{
     ini::Ini,
     profile::Profile,
 };
-use hal_engine::{ClockKind, Engine, Options};
+use hal_engine::{ClockKind, Engine, Options, RealtimeOptions};
 use hal_protocol::{At, Finding, Place};
 use std::{
     collections::BTreeSet,
@@ -110,6 +110,7 @@ impl Trial {
             simulate: true,
             old_names: ini.as_ref().is_some_and(Ini::is_old),
             path,
+            realtime: RealtimeOptions::default(),
         })?;
         let mut terminal = Captured::default();
         let style = Style { keep_going: true, ..Style::default() };

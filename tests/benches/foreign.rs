@@ -14,7 +14,7 @@
 mod beside;
 
 use beside::{CHAIN, account, chain_script, peer, programs, while_running};
-use hal_engine::{ClockKind, Engine, Options};
+use hal_engine::{ClockKind, Engine, Options, RealtimeOptions};
 use hal_protocol::{Link, Place, Request};
 use hal_tests::foreign::installed;
 use std::{
@@ -46,6 +46,7 @@ fn in_process(lines: &str, path: Vec<PathBuf>) -> f64 {
         simulate: true,
         old_names: false,
         path,
+        realtime: RealtimeOptions::default(),
     })
     .unwrap();
     for line in lines.lines() {

@@ -12,7 +12,7 @@
 )]
 
 use divan::{Bencher, counter::ItemsCount};
-use hal_engine::{ClockKind, Engine, Options};
+use hal_engine::{ClockKind, Engine, Options, RealtimeOptions};
 use hal_protocol::{Client, FlightSpec, Link, Place, Reply, Request, SampleSpec};
 use hal_tests::{
     machine::script,
@@ -33,6 +33,7 @@ fn machine(gates: usize) -> Engine {
         simulate: true,
         old_names: false,
         path: Vec::new(),
+        realtime: RealtimeOptions::default(),
     };
     let mut e = Engine::without_socket(options).unwrap();
     e.add_static(&logic::HAL_LIBRARY);

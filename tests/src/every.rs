@@ -111,6 +111,7 @@ pub fn engine() -> Engine {
         simulate: true,
         old_names: false,
         path: vec![programs().to_owned()],
+        realtime: crate::machine::realtime(),
     })
     .unwrap()
 }

@@ -32,6 +32,7 @@ impl Bench {
             simulate: true,
             old_names: false,
             path,
+            realtime: crate::machine::realtime(),
         };
         Self { engine: Engine::without_socket(options).unwrap() }
     }

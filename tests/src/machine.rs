@@ -1,7 +1,10 @@
 //! An engine inside a test, told what to do in lines of a script.
 
-use crate::{plugins::plugins, scratch::Scratch};
-use hal_engine::{ClockKind, Ended, Engine, Options};
+use crate::{
+    plugins::plugins,
+    scratch::{REALTIME, Scratch},
+};
+use hal_engine::{ClockKind, Ended, Engine, Options, RealtimeOptions};
 use hal_protocol::{
     Client, Direction, Edit, Failure, Kind, Link, Lock, Place, Reply, Request, StatusInfo,
     ThreadInfo, Type, Value,
@@ -22,7 +25,21 @@ pub fn options(place: Place, clock: ClockKind) -> Options {
 
 /// The same for an engine that looks for no file.
 pub(crate) fn bare(place: Place, clock: ClockKind) -> Options {
-    Options { place, clock, hold: true, simulate: true, old_names: false, path: Vec::new() }
+    Options {
+        place,
+        clock,
+        hold: true,
+        simulate: true,
+        old_names: false,
+        path: Vec::new(),
+        realtime: realtime(),
+    }
+}
+
+/// What tests ask of the system. Functions that do not come back for long are what many of them are
+/// about: that alone stops no machine.
+pub fn realtime() -> RealtimeOptions {
+    RealtimeOptions { stuck_ns: Some(3_600_000_000_000), ..RealtimeOptions::default() }
 }
 
 /// An engine that knows `threads` and `logic` alone, looks for no file, and that no client reaches.
@@ -45,14 +62,29 @@ impl Machine {
         Self { engine: with_libraries(Engine::without_socket(options(place, clock)).unwrap()) }
     }
 
+    /// On the real clock, with these demands on the system; no client can reach it.
+    pub fn realtime(realtime: RealtimeOptions) -> Self {
+        let place = Place::at("/nonexistent", "test").unwrap();
+        let options = Options { realtime, ..options(place, ClockKind::Real) };
+        Self { engine: with_libraries(Engine::without_socket(options).unwrap()) }
+    }
+
     /// Runs lines that must work.
     pub fn script(&mut self, lines: &str) {
         script(&mut self.engine, lines);
     }
 
+    /// What it has said since the last call, but for real time: how late threads wake is this
+    /// computer's matter.
+    pub fn said(&mut self) -> Vec<String> {
+        let mut said = self.engine.take_messages();
+        said.retain(|text| !text.starts_with(REALTIME));
+        said
+    }
+
     /// Ends it; the last things that it had to say.
     pub fn end(mut self) -> Vec<String> {
-        let said = self.engine.take_messages();
+        let said = self.said();
         self.engine.close();
         said
     }

@@ -23,13 +23,18 @@ pub struct Scratch {
     path: PathBuf,
 }
 
+/// How every message about real time begins.
+pub(crate) const REALTIME: &str = "realtime: ";
+
 /// What a program did.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Output {
     /// What it printed.
     pub stdout: String,
-    /// What it complained about.
+    /// What it complained about, but for real time.
     pub stderr: String,
+    /// What it said of real time. How late threads wake is this computer's matter.
+    pub realtime: String,
     /// Its exit status; none when a signal ended it.
     pub status: Option<i32>,
 }
@@ -164,13 +169,26 @@ impl Running {
         self.child.try_wait().unwrap().is_none()
     }
 
-    /// What it has said so far: printed, and complained about.
+    /// What it has said so far: printed, and complained about, but for real time.
     pub fn said(&self) -> (String, String) {
+        let (out, err, _) = self.all();
+        (out, err)
+    }
+
+    /// What it has said so far of real time.
+    pub fn realtime(&self) -> String {
+        self.all().2
+    }
+
+    fn all(&self) -> (String, String, String) {
         let text = |name| {
             let bytes = fs::read(self.said.join(name)).unwrap_or_default();
             String::from_utf8_lossy(&bytes).into_owned()
         };
-        (text("out"), text("err"))
+        let err = text("err");
+        let (realtime, other) =
+            err.split_inclusive('\n').partition(|line| line.starts_with(REALTIME));
+        (text("out"), other, realtime)
     }
 
     /// Waits until it ends. One that never does is killed, and that is among its complaints.
@@ -180,11 +198,11 @@ impl Running {
             status = self.child.try_wait().unwrap();
             status.is_some()
         });
-        let (stdout, mut stderr) = self.said();
+        let (stdout, mut stderr, realtime) = self.all();
         if !ended {
             stderr.push_str("(it did not end and was killed)\n");
         }
-        Output { stdout, stderr, status: status.and_then(|s| s.code()) }
+        Output { stdout, stderr, realtime, status: status.and_then(|s| s.code()) }
     }
 }
 

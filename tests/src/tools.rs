@@ -36,6 +36,8 @@ const PROGRAMS: &[Tool] = &[
     Tool { name: "ssconvert", what: "ssconvert", remedy: "apt-get install gnumeric" },
     Tool { name: "unshare", what: "unshare, with the right to mount", remedy: "run it as root" },
     Tool { name: "taskset", what: "taskset", remedy: "apt-get install util-linux" },
+    Tool { name: "prlimit", what: "prlimit", remedy: "apt-get install util-linux" },
+    Tool { name: "setpriv", what: "setpriv", remedy: "apt-get install util-linux" },
     Tool { name: "setarch", what: "setarch", remedy: "apt-get install util-linux" },
 ];
 

@@ -100,12 +100,24 @@ fn who_does_not_come_back_is_named_on_the_real_clock_until_it_does() {
     let stuck =
         "  stuck:      component 'mine', function 'mine.0' in thread 't': it does not come back";
     until("it is stuck", || status().contains(stuck));
+    let fault = "  fault:      component 'mine', function 'mine.0' in thread 't': it did not come \
+                 back within 2 ms";
+    until("the machine has stopped for it", || status().contains(fault));
     let refused = scratch.halcmd(&["unloadrt", "mine"]);
     assert!(refused.stderr.contains("thread 't' is stuck in its cycle, in function 'mine.0'"));
     assert_eq!(scratch.halcmd(&["setp", "mine.0.hold", "0"]).status, Some(0));
     until("it has come back", || !status().contains("stuck:"));
-    assert_eq!(scratch.halcmd(&["shutdown"]).status, Some(0));
-    assert_eq!(running.wait().status, Some(0));
+    // Nothing begins again by itself.
+    assert!(status().contains(fault) && status().contains("threads:    stopped"), "{}", status());
+    let start = scratch.halcmd(&["start"]);
+    let said = "function 'mine.0' has failed: threads stay stopped";
+    assert!(start.stderr.contains(said), "{}", start.stderr);
+    let ended = scratch.halrun(&["-U"]);
+    let said = "halrun: instance 'default' had a fault: function 'mine.0' of component 'mine' in \
+                thread 't': it did not come back within 2 ms\n";
+    assert_eq!((ended.stderr.as_str(), ended.status), (said, Some(1)));
+    let output = running.wait();
+    assert_eq!(output.status, Some(1), "{}", output.stderr);
 }
 
 /// On trial, set-up runs in a copy of the process first: whatever it does there is a finding among

@@ -77,7 +77,7 @@ fn a_function_that_panics_stops_all_threads_and_says_who_and_why() {
                 "{clock:?} {how}"
             );
             assert!(!s.running);
-            let said = m.engine.take_messages();
+            let said = m.said();
             assert_eq!(
                 said,
                 [format!(
@@ -156,14 +156,14 @@ fn actions_and_ends_that_panic_change_nothing_else() {
         running(&mut m, clock);
         m.script("setp boom.0.bad-stop 1\nsetp boom.0.bad-drop 1\nsetp boom.1.go 1");
         until(&mut m, clock, "the fault is seen", |m| status(m).fault.is_some());
-        let said: Vec<String> = m.engine.take_messages().iter().map(|s| without_line(s)).collect();
+        let said: Vec<String> = m.said().iter().map(|s| without_line(s)).collect();
         let stop = "boom: stop action: panicked: told to panic when stopped \
                     (faulty/src/boom.rs:LINE)";
         assert_eq!(said[0], stop);
         assert!(said[1].starts_with("function 'boom.1' of component 'boom' failed"), "{said:?}");
         assert!(!bit(&mut m, "boom.1.line"), "the other's outputs are safe all the same");
         assert_eq!(says(&mut m, "unloadrt boom"), "ok");
-        let said: Vec<String> = m.engine.take_messages().iter().map(|s| without_line(s)).collect();
+        let said: Vec<String> = m.said().iter().map(|s| without_line(s)).collect();
         assert_eq!(said, [stop]);
         m.script("loadrt boom\naddf boom.0 fast\nstart");
         until(&mut m, clock, "it runs again", |m| count(m, "boom.0.cycles") > 0);
@@ -192,7 +192,7 @@ fn tasks_and_commands_that_panic_say_so_and_threads_go_on() {
         let mut said = Vec::new();
         for _ in 0..60_000 {
             m.script(if clock == ClockKind::Real { "idle 1" } else { "run 10000000" });
-            said = m.engine.take_messages().iter().map(|s| without_line(s)).collect();
+            said = m.said().iter().map(|s| without_line(s)).collect();
             if !said.is_empty() {
                 break;
             }

@@ -87,6 +87,7 @@ fn engine(path: &[&Path]) -> Engine {
         simulate: true,
         old_names: false,
         path: path.iter().map(|p| p.to_path_buf()).collect(),
+        realtime: hal_tests::machine::realtime(),
     };
     Engine::without_socket(options).unwrap()
 }

@@ -125,6 +125,7 @@ impl Engine {
         if self.watchdog.is_none() && self.trial.is_none() {
             self.watchdog = Watchdog::begin(self.shared.clone());
         }
+        self.begin_realtime();
         self.shared.boundary.start();
         self.graph.sites.has_run();
     }

@@ -97,6 +97,13 @@ impl Arena {
         self.marked = false;
     }
 
+    /// Takes the lock from what has no memory yet.
+    pub(crate) fn unlock_rest(&self) {
+        // SAFETY: below the reservation's end.
+        let rest = unsafe { self.base.add(self.committed) };
+        os::memory::unlock(rest, RESERVED - self.committed);
+    }
+
     /// Keeps the memory mapped for good: a thread that cannot be ended may use it.
     pub(crate) const fn leave(&mut self) {
         self.left = true;

@@ -73,7 +73,8 @@ fn boundary(shared: &Shared, me: &Thread, threads: &[Arc<Thread>]) {
 
 /// One cycle that was due at `due`; sets when the next is due.
 fn beat(shared: &Shared, t: &Thread, threads: &[Arc<Thread>], due: i64) {
-    t.woke(os::monotonic_ns() - due);
+    let began = os::monotonic_ns();
+    t.woke(began - due);
     boundary(shared, t, threads);
     let longest = t.cycle(shared, due - shared.origin());
     let mut next = due + t.period_ns;
@@ -81,8 +82,7 @@ fn beat(shared: &Shared, t: &Thread, threads: &[Arc<Thread>], due: i64) {
     if now > next {
         let missed = (now - next) / t.period_ns;
         if shared.boundary.is_running() {
-            t.overruns.fetch_add(1, Ordering::Relaxed);
-            t.guilty.store(longest, Ordering::Relaxed);
+            t.overran(longest, began - due, now - began, missed);
         }
         next += missed * t.period_ns;
     }
@@ -91,6 +91,7 @@ fn beat(shared: &Shared, t: &Thread, threads: &[Arc<Thread>], due: i64) {
 
 /// One thread, until it is told to end.
 pub(crate) fn run_one(shared: &Shared, t: &Thread) {
+    t.tid.store(os::progress::this_thread(), Ordering::Relaxed);
     let ends = || t.end.load(Ordering::Relaxed) || shared.quit.load(Ordering::Relaxed);
     while !ends() {
         let due = t.due.load(Ordering::Relaxed);
@@ -103,6 +104,7 @@ pub(crate) fn run_one(shared: &Shared, t: &Thread) {
 
 /// All threads in turn, from one timeline.
 pub(crate) fn run_all(shared: &Shared) {
+    let tid = os::progress::this_thread();
     while !shared.quit.load(Ordering::Relaxed) {
         let next = |threads: &[Arc<Thread>]| {
             let dues = threads.iter().map(|t| t.due.load(Ordering::Relaxed));
@@ -117,6 +119,7 @@ pub(crate) fn run_all(shared: &Shared) {
         for t in threads.iter() {
             let own = t.due.load(Ordering::Relaxed);
             if own <= due && !t.end.load(Ordering::Relaxed) {
+                t.tid.store(tid, Ordering::Relaxed);
                 beat(shared, t, &threads, own);
             }
         }

@@ -25,6 +25,7 @@ impl Engine {
         self.measure_ticks();
         let now = self.shared.now();
         if !self.shared.is_virtual() {
+            self.tell_overruns(false);
             self.run_tasks(now);
             self.look_while_stopped(now);
             self.drain_recording();

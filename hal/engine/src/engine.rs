@@ -9,6 +9,7 @@ use crate::{
     loader::Loader,
     name::Name,
     os, polls,
+    realtime::Realtime,
     record::Recording,
     request::LONGEST_TIME_NS,
     ring::SharedRing,
@@ -75,7 +76,7 @@ pub struct Engine {
     pub(crate) runners: Runners,
     /// From the first `start` on.
     pub(crate) watchdog: Option<Watchdog>,
-    pub(crate) scheduling: String,
+    pub(crate) realtime: Realtime,
     pub(crate) lock: Lock,
     pub(crate) next_component: u32,
     pub(crate) next_thread: u32,
@@ -137,29 +138,19 @@ impl Engine {
     /// The system refuses.
     pub fn without_socket(mut options: Options) -> Result<Self, Failure> {
         options.simulate |= options.clock == ClockKind::Virtual;
-        let real = options.clock == ClockKind::Real;
-        let fifo = real && std::env::var_os("HAL_NO_FIFO").is_none() && os::may_fifo();
-        let cpu = real.then(|| choose_cpu(options.place.name())).flatten();
-        let scheduling = match (real, fifo) {
-            (false, _) => "virtual clock: all threads in one place".to_owned(),
-            (true, true) => format!(
-                "SCHED_FIFO, all threads on {}",
-                cpu.map_or("any processor".into(), |c| format!("processor {c}"))
-            ),
-            (true, false) => "no SCHED_FIFO (not permitted): one ordinary thread runs all threads \
-                              in turn; expect late wake-ups"
-                .to_owned(),
-        };
+        let realtime = Realtime::find(&options)?;
         let shared = Shared::new(options.clock);
-        let kind = if fifo { Scheduling::Fifo } else { Scheduling::Timeline };
+        let stuck_ns = options.realtime.stuck_ns.unwrap_or(0);
+        shared.set_stuck_limit(i64::try_from(stuck_ns).unwrap_or(i64::MAX));
+        let threads = (realtime.scheduling, realtime.cpu);
         Ok(Self {
-            arena: Arena::new(fifo)?,
+            arena: Arena::new(realtime.scheduling == Scheduling::Fifo)?,
             graph: Graph::default(),
             counts: Counts::default(),
             loader: Loader::new(options.path.clone()),
-            runners: Runners::new(shared.clone(), kind, cpu),
+            runners: Runners::new(shared.clone(), threads, options.realtime.idle_us),
+            realtime,
             watchdog: None,
-            scheduling,
             lock: Lock::NONE,
             next_component: 1,
             next_thread: 1,
@@ -259,10 +250,18 @@ impl Engine {
         self.end();
     }
 
-    fn end(&mut self) {
+    /// Closes the instance as [`Self::close`] does. Returns false when a function had failed, or a
+    /// thread did not leave one.
+    #[must_use]
+    pub fn close_checked(mut self) -> bool {
+        self.end()
+    }
+
+    fn end(&mut self) -> bool {
         if let Err(e) = self.stop_threads() {
             self.notice(e.to_string());
         }
+        let failed = self.shared.fault.get().is_some();
         self.run_stops(&self.graph.components_by_age());
         if self.recording.is_some()
             && let Err(e) = self.end_recording()
@@ -277,6 +276,7 @@ impl Engine {
         self.end_programs();
         self.shared.quit.store(true, Ordering::Relaxed);
         self.watchdog = None;
+        self.end_realtime();
         let clean = self.runners.end(&[], true, PATIENCE_NS);
         if clean {
             for ix in self.graph.components_by_age().into_iter().rev() {
@@ -296,6 +296,7 @@ impl Engine {
         }
         self.hear();
         self.server = None;
+        clean && !failed
     }
 
     fn end_programs(&mut self) {
@@ -352,15 +353,4 @@ impl Drop for Engine {
             self.end();
         }
     }
-}
-
-/// The processor for all threads of an instance: as asked, else spread by name, the last first.
-fn choose_cpu(instance: &str) -> Option<usize> {
-    let cpus = os::cpus();
-    if let Ok(asked) = std::env::var("HAL_CPU") {
-        return asked.parse().ok().filter(|c| cpus.contains(c));
-    }
-    let spread = if instance == "default" { 0 } else { instance.bytes().map(usize::from).sum() };
-    let n = cpus.len();
-    if n < 2 { None } else { cpus.get((n - 1 + n - spread % n) % n).copied() }
 }

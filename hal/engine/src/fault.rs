@@ -27,6 +27,16 @@ impl Engine {
         Error::Stuck { thread: "?".into(), funct: "?".into() }
     }
 
+    /// The thread that threads were stopped for, while it is still in its function.
+    pub(crate) fn stuck_still(&self) -> Option<FaultInfo> {
+        let fault = self.fault.as_ref().filter(|_| self.shared.fault.is_abandoned())?;
+        let (thread, _) = self.shared.fault.get()?;
+        let threads = self.shared.threads.load();
+        let is_inside = threads.iter().any(|t| t.id == thread && t.gate.is_inside());
+        let cause = "it does not come back".to_owned();
+        is_inside.then(|| FaultInfo { cause, ..fault.clone() })
+    }
+
     /// The name of a function by its number.
     pub(crate) fn funct_name(&self, id: u32) -> String {
         let funct = self.graph.funct(Ix::from(id));
@@ -86,6 +96,8 @@ impl Engine {
     /// Runs the stop actions of components.
     pub(crate) fn run_stops(&mut self, components: &[Ix]) {
         let mut failed = Vec::new();
+        let shared = self.shared.clone();
+        let alone = shared.stops_alone();
         for ix in components.iter().filter(|_| self.trial.is_none()) {
             let Some(c) = self.graph.component(*ix) else { continue };
             for stop in &c.stops {
@@ -94,6 +106,7 @@ impl Engine {
                 }
             }
         }
+        drop(alone);
         failed.into_iter().for_each(|f| self.notice(f));
     }
 }

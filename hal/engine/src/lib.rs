@@ -36,8 +36,10 @@ mod node;
 mod offer;
 mod order;
 mod os;
+mod overruns;
 mod polls;
 mod probe;
+mod realtime;
 mod record;
 mod request;
 mod ring;
@@ -48,6 +50,7 @@ mod server;
 mod session;
 mod shared;
 mod sites;
+mod stuck;
 mod sync;
 mod task;
 mod thread;
@@ -94,4 +97,28 @@ pub struct Options {
     pub old_names: bool,
     /// Folders with plugins, searched in order.
     pub path: Vec<PathBuf>,
+    /// What is asked of the system for realtime threads.
+    pub realtime: RealtimeOptions,
 }
+
+/// What is asked of the system for realtime threads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RealtimeOptions {
+    /// The processor that all threads run on; absent: an isolated one, or the last.
+    pub cpu: Option<usize>,
+    /// How long processors may take to wake while threads run under `SCHED_FIFO`, in microseconds;
+    /// absent: as the system has it.
+    pub idle_us: Option<u32>,
+    /// The time in one call of a function after which its thread is stuck, in nanoseconds (see
+    /// [`STUCK_NS`]); absent: two of the slowest periods.
+    pub stuck_ns: Option<u64>,
+}
+
+impl Default for RealtimeOptions {
+    fn default() -> Self {
+        Self { cpu: None, idle_us: Some(0), stuck_ns: None }
+    }
+}
+
+/// The range of [`RealtimeOptions::stuck_ns`]: from a millisecond to an hour.
+pub const STUCK_NS: core::ops::RangeInclusive<u64> = 1_000_000..=3_600_000_000_000;

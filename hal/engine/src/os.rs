@@ -1,5 +1,9 @@
 //! Everything that this crate asks of Linux: memory, scheduling, clocks, signals.
 
+pub(crate) mod memory;
+pub(crate) mod processors;
+pub(crate) mod progress;
+
 use crate::sync::{AtomicBool, Ordering::Relaxed};
 use core::ptr::{NonNull, null_mut};
 
@@ -21,7 +25,13 @@ pub(crate) fn reserve(bytes: usize) -> Option<NonNull<u8>> {
             0,
         )
     };
-    if p == libc::MAP_FAILED { None } else { NonNull::new(p.cast()) }
+    if p == libc::MAP_FAILED {
+        return None;
+    }
+    let at = NonNull::new(p.cast())?;
+    // Where all memory is locked, this is not: it is locked as it is used.
+    memory::unlock(at, bytes);
+    Some(at)
 }
 
 /// Puts memory behind a part of a reservation; locks and touches it where the system allows.
@@ -94,25 +104,16 @@ pub(crate) fn become_fifo(priority: i32) -> bool {
     unsafe { libc::sched_setscheduler(0, libc::SCHED_FIFO, &raw const p) == 0 }
 }
 
-/// Whether this process may use `SCHED_FIFO`: tried on a thread that ends at once.
-pub(crate) fn may_fifo() -> bool {
-    std::thread::spawn(|| become_fifo(1)).join().unwrap_or(false)
-}
-
-/// The processors that this process may use.
-pub(crate) fn cpus() -> Vec<usize> {
-    let Ok(set) = rustix::thread::sched_getaffinity(None) else { return Vec::new() };
-    (0..rustix::thread::CpuSet::MAX_CPU).filter(|c| set.is_set(*c)).collect()
-}
-
-/// Keeps this thread on one processor.
-pub(crate) fn stay_on(cpu: usize) -> bool {
-    if cpu >= rustix::thread::CpuSet::MAX_CPU {
-        return false;
+/// Why this process may not use `SCHED_FIFO` at `priority`: tried on a thread that ends at once.
+pub(crate) fn fifo_refusal(priority: i32) -> Option<String> {
+    if std::thread::spawn(move || become_fifo(priority)).join().unwrap_or(false) {
+        return None;
     }
-    let mut set = rustix::thread::CpuSet::new();
-    set.set(cpu);
-    rustix::thread::sched_setaffinity(None, &set).is_ok()
+    let limit = rustix::process::getrlimit(rustix::process::Resource::Rtprio).current;
+    Some(match limit {
+        Some(limit) => format!("RLIMIT_RTPRIO is {limit} and must be {priority} or more"),
+        None => "the system refuses it".to_owned(),
+    })
 }
 
 static SIGNALLED: AtomicBool = AtomicBool::new(false);

@@ -2,11 +2,15 @@
 
 use crate::{
     Error, clock, os,
+    realtime::FASTEST_PRIORITY,
     shared::Shared,
     sync::{Arc, Ordering},
     thread::Thread,
 };
-use std::thread::JoinHandle;
+use std::{fs::File, thread::JoinHandle};
+
+/// The stack of a thread, all of which is present before its first cycle.
+const STACK: usize = 1 << 20;
 
 /// How the system's threads are arranged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,12 +28,29 @@ pub(crate) struct Runners {
     scheduling: Scheduling,
     cpu: Option<usize>,
     running: Vec<(u32, JoinHandle<()>)>,
+    /// How long processors may take to wake while threads run under `SCHED_FIFO`, in microseconds.
+    idle_us: Option<u32>,
+    /// What keeps them to it, or why nothing does.
+    idle: Option<Result<File, Box<str>>>,
 }
 
 impl Runners {
     /// None yet.
-    pub(crate) fn new(shared: Arc<Shared>, scheduling: Scheduling, cpu: Option<usize>) -> Self {
-        Self { shared, scheduling, cpu, running: Vec::new() }
+    pub(crate) fn new(
+        shared: Arc<Shared>,
+        (scheduling, cpu): (Scheduling, Option<usize>),
+        idle_us: Option<u32>,
+    ) -> Self {
+        Self { shared, scheduling, cpu, running: Vec::new(), idle_us, idle: None }
+    }
+
+    /// How long processors may take to wake, as long as that is held; why it is not held.
+    pub(crate) fn idle(&self) -> (Option<u32>, Option<String>) {
+        match &self.idle {
+            Some(Ok(_)) => (self.idle_us, None),
+            Some(Err(why)) => (None, Some(why.as_ref().to_owned())),
+            None => (None, None),
+        }
     }
 
     /// Begins to run a thread that is in `shared.threads` already.
@@ -42,14 +63,18 @@ impl Runners {
         }
         let (shared, cpu) = (self.shared.clone(), self.cpu);
         let mine = fifo.then(|| thread.clone());
-        // Below the kernel's own threads, and below each faster thread.
-        let priority = 90_i32.saturating_sub(i32::try_from(rank).unwrap_or(89)).max(1);
+        if fifo && self.idle.is_none() {
+            self.idle = self.idle_us.map(os::processors::hold_idle_latency);
+        }
+        let rank = i32::try_from(rank).unwrap_or(FASTEST_PRIORITY);
+        let priority = FASTEST_PRIORITY.saturating_sub(rank).max(1);
         let run = move || {
             if let Some(cpu) = cpu {
-                os::stay_on(cpu);
+                os::processors::stay_on(cpu);
             }
             if fifo {
                 os::become_fifo(priority);
+                os::memory::keep_stack();
             }
             clock::warm(&shared);
             match mine {
@@ -57,7 +82,7 @@ impl Runners {
                 None => clock::run_all(&shared),
             }
         };
-        let named = std::thread::Builder::new().name("hal-thread".into());
+        let named = std::thread::Builder::new().name("hal-thread".into()).stack_size(STACK);
         let handle = named.spawn(run).map_err(|e| Error::System {
             what: "no thread of the system could be started",
             why: os::said(&e),
@@ -88,6 +113,9 @@ impl Runners {
             os::sleep_until(os::monotonic_ns() + 200_000);
         }
         self.running.retain(|(id, _)| !leaving(id));
+        if self.running.is_empty() {
+            self.idle = None;
+        }
         true
     }
 }

@@ -119,7 +119,10 @@ impl Engine {
         if self.shared.is_virtual() {
             return Ok(());
         }
-        self.runners.begin(&thread, rank)
+        self.lock_memory();
+        self.runners.begin(&thread, rank)?;
+        self.renew_watch();
+        Ok(())
     }
 
     /// Ends threads: they tick no more when this returns. When it fails, none has ended.

@@ -45,6 +45,8 @@ impl Spoken {
 pub(crate) struct Fault {
     /// 0 none, 1 being written, 2 there.
     state: AtomicU32,
+    /// Cycles under way end after the function that they are in.
+    abandoned: AtomicBool,
     thread: AtomicU32,
     funct: AtomicU32,
     cause: Cause,
@@ -53,7 +55,19 @@ pub(crate) struct Fault {
 impl Fault {
     const fn new() -> Self {
         let (state, thread, funct) = (AtomicU32::new(0), AtomicU32::new(0), AtomicU32::new(0));
-        Self { state, thread, funct, cause: Cause::new() }
+        let abandoned = AtomicBool::new(false);
+        Self { state, abandoned, thread, funct, cause: Cause::new() }
+    }
+
+    /// Ends every cycle under way after the function that it is in.
+    pub(crate) fn abandon(&self) {
+        self.abandoned.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether cycles under way are to end.
+    #[inline]
+    pub(crate) fn is_abandoned(&self) -> bool {
+        self.abandoned.load(Ordering::Relaxed)
     }
 
     /// Records the first fault. What fails after it, in a cycle that was under way, leaves its
@@ -81,6 +95,7 @@ impl Fault {
 
     /// Control side: forgets it; no thread is inside a cycle.
     pub(crate) fn clear(&self) {
+        self.abandoned.store(false, Ordering::Relaxed);
         self.state.store(0, Ordering::Release); // Pairs with `set`.
     }
 }
@@ -93,7 +108,7 @@ pub(crate) struct Cause {
 }
 
 impl Cause {
-    const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self { len: AtomicU32::new(0), bytes: [const { AtomicU8::new(0) }; 256] }
     }
 
@@ -121,6 +136,19 @@ impl Cause {
     }
 }
 
+/// How long a thread waits for another's stop actions.
+const STOPS_NS: i64 = 2_000_000_000;
+
+/// The right to run stop actions.
+#[derive(Debug)]
+pub(crate) struct Stopping<'a>(&'a AtomicBool);
+
+impl Drop for Stopping<'_> {
+    fn drop(&mut self) {
+        self.0.store(false, Ordering::Release); // Pairs with `Shared::stops_alone`.
+    }
+}
+
 /// Shared by all threads of an instance and its control side.
 #[derive(Debug)]
 pub(crate) struct Shared {
@@ -139,6 +167,10 @@ pub(crate) struct Shared {
     spoken: ArrayQueue<Spoken>,
     /// What a crash runs: the stop actions of everything that is loaded.
     pub(crate) stops: ArcSwap<Vec<Arc<Code<CommandRun>>>>,
+    /// Some thread runs stop actions.
+    stopping: AtomicBool,
+    /// After how many nanoseconds in one call a thread is stuck; 0: two of the slowest periods.
+    stuck_ns: AtomicI64,
     pub(crate) lost_messages: AtomicU64,
     /// Up to which level components' messages are shown.
     pub(crate) level: AtomicU8,
@@ -164,6 +196,8 @@ impl Shared {
             messages: ArrayQueue::new(4096),
             spoken: ArrayQueue::new(512),
             stops: ArcSwap::from_pointee(Vec::default()),
+            stopping: AtomicBool::new(false),
+            stuck_ns: AtomicI64::new(0),
             lost_messages: AtomicU64::new(0),
             level: AtomicU8::new(hal_abi::level::ERR),
             tick_ns: AtomicU64::new(1_f64.to_bits()),
@@ -228,6 +262,39 @@ impl Shared {
         for stop in self.stops.load().iter() {
             stop.call_mute();
         }
+    }
+
+    /// Keeps stop actions to the caller until what is returned is dropped: of two threads that want
+    /// to run them the second waits. One that does not come back keeps nobody for ever.
+    pub(crate) fn stops_alone(&self) -> Stopping<'_> {
+        let limit = os::monotonic_ns() + STOPS_NS;
+        // Pairs with the end of `Stopping`.
+        while self.stopping.swap(true, Ordering::Acquire) && os::monotonic_ns() < limit {
+            os::sleep_until(os::monotonic_ns() + 20_000);
+        }
+        Stopping(&self.stopping)
+    }
+
+    /// Drives all outputs to their safe levels, from beside the control side.
+    pub(crate) fn stop_outputs(&self) {
+        let _alone = self.stops_alone();
+        self.stops.load().iter().for_each(|stop| stop.call_mute());
+    }
+
+    /// After how many nanoseconds in one call of a function a thread is stuck.
+    pub(crate) fn stuck_limit(&self) -> i64 {
+        match self.stuck_ns.load(Ordering::Relaxed) {
+            0 => {
+                let threads = self.threads.load();
+                threads.iter().map(|t| t.period_ns).max().unwrap_or(0).saturating_mul(2)
+            }
+            ns => ns,
+        }
+    }
+
+    /// Control side: sets that time; 0 is two of the slowest periods.
+    pub(crate) fn set_stuck_limit(&self, ns: i64) {
+        self.stuck_ns.store(ns, Ordering::Relaxed);
     }
 
     /// Control side: the oldest message.

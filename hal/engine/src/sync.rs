@@ -1,7 +1,7 @@
 //! The atomics of this crate, so that a model checker can stand in for them.
 
 pub(crate) use std::sync::atomic::{
-    AtomicBool, AtomicI64, AtomicPtr, AtomicU8, AtomicU32, AtomicU64,
+    AtomicBool, AtomicI32, AtomicI64, AtomicPtr, AtomicU8, AtomicU32, AtomicU64,
 };
 pub(crate) use std::sync::{
     Arc,

@@ -7,7 +7,7 @@ use crate::{
     os,
     probe::Probe,
     shared::Shared,
-    sync::{Arc, AtomicBool, AtomicI64, AtomicU32, AtomicU64, Ordering},
+    sync::{Arc, AtomicBool, AtomicI32, AtomicI64, AtomicU32, AtomicU64, Ordering},
 };
 use arc_swap::ArcSwap;
 use core::ffi::c_void;
@@ -108,8 +108,18 @@ pub(crate) struct Thread {
     /// When its next cycle begins: virtual, machine time; real, the monotonic clock.
     pub(crate) due: AtomicI64,
     pub(crate) cycles: AtomicU64,
+    /// Cycles that ended after the next was due.
     pub(crate) overruns: AtomicU64,
+    /// Cycles that never began: the time for them passed in another, or while the process was
+    /// stopped.
+    pub(crate) missed: AtomicU64,
+    /// Of the last overrun: the function that took longest (nobody when the cycle itself began too
+    /// late), how late the cycle began and how long it took, in nanoseconds.
     pub(crate) guilty: AtomicU32,
+    pub(crate) over_late: AtomicI64,
+    pub(crate) over_took: AtomicI64,
+    /// The kernel's number of the thread that runs this one.
+    pub(crate) tid: AtomicI32,
     pub(crate) current: AtomicU32,
     pub(crate) init_done: AtomicBool,
     /// Whether functions are timed.
@@ -142,7 +152,11 @@ impl Thread {
             due: AtomicI64::new(due),
             cycles: AtomicU64::new(0),
             overruns: AtomicU64::new(0),
+            missed: AtomicU64::new(0),
             guilty: AtomicU32::new(NOBODY),
+            over_late: AtomicI64::new(0),
+            over_took: AtomicI64::new(0),
+            tid: AtomicI32::new(0),
             current: AtomicU32::new(NOBODY),
             init_done: AtomicBool::new(false),
             timed: AtomicBool::new(timed),
@@ -193,6 +207,9 @@ impl Thread {
                 shared.fault.set(self.id, e.id, &shared.cause);
                 break;
             }
+            if shared.fault.is_abandoned() {
+                break;
+            }
         }
         self.current.store(NOBODY, Ordering::Relaxed);
         NOBODY
@@ -218,10 +235,23 @@ impl Thread {
                 shared.fault.set(self.id, e.id, &shared.cause);
                 break;
             }
+            if shared.fault.is_abandoned() {
+                break;
+            }
         }
         self.current.store(NOBODY, Ordering::Relaxed);
         self.account.note(in_ns(last.wrapping_sub(begin), tick_ns));
         longest
+    }
+
+    /// Notes that a cycle ended after the next was due, and how many were left out.
+    pub(crate) fn overran(&self, longest: u32, late_ns: i64, took_ns: i64, missed: i64) {
+        self.overruns.fetch_add(1, Ordering::Relaxed);
+        self.missed.fetch_add(missed.unsigned_abs(), Ordering::Relaxed);
+        let guilty = if late_ns > took_ns { NOBODY } else { longest };
+        self.guilty.store(guilty, Ordering::Relaxed);
+        self.over_late.store(late_ns, Ordering::Relaxed);
+        self.over_took.store(took_ns, Ordering::Relaxed);
     }
 
     /// Notes how late a cycle began.

@@ -288,6 +288,9 @@ impl Engine {
         if done.undo.iter().any(|u| !matches!(u, Undo::Assigned(..))) {
             self.flight_is_stale();
         }
+        if done.undo.iter().any(|u| matches!(u, Undo::Opened(_))) {
+            self.lock_more();
+        }
         if done.starts {
             self.run_threads();
         }

@@ -1,7 +1,7 @@
 //! Small machines in virtual time, from components that are linked in.
 #![expect(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "tests")]
 
-use hal_engine::{ClockKind, Engine, Options};
+use hal_engine::{ClockKind, Engine, Options, RealtimeOptions};
 use hal_protocol::{Failure, Kind, Link, Place, Reply, Request, Value};
 
 fn engine() -> Engine {
@@ -12,6 +12,7 @@ fn engine() -> Engine {
         simulate: true,
         old_names: false,
         path: Vec::new(),
+        realtime: RealtimeOptions::default(),
     };
     let mut e = Engine::without_socket(options).unwrap();
     e.add_static(&logic::HAL_LIBRARY);

@@ -139,7 +139,10 @@ pub struct ThreadInfo {
     pub cycles: u64,
     /// Cycles that began late because the one before took too long.
     pub overruns: u64,
-    /// The function that took longest in the last overrun.
+    /// Cycles that never began: their time passed in others, or while the process was stopped.
+    #[serde(default)]
+    pub missed: u64,
+    /// The function that took longest in the last overrun; absent when that cycle began late.
     pub overrun_by: Option<String>,
     /// Latest wake-up in nanoseconds, on the real clock.
     pub latency_max: i64,
@@ -244,6 +247,21 @@ pub struct FaultInfo {
     pub cause: String,
 }
 
+/// What an instance has of real time.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RealtimeInfo {
+    /// Memory that is locked, and that is present, in bytes.
+    pub memory: (u64, u64),
+    /// How long processors may take to wake, in microseconds, while that is held.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub idle_us: Option<u32>,
+    /// Why it is not held although it was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub idle_refusal: Option<String>,
+    /// The time in one call of a function after which its thread is stuck, in nanoseconds.
+    pub stuck_ns: u64,
+}
+
 /// The state of the instance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StatusInfo {
@@ -275,6 +293,9 @@ pub struct StatusInfo {
     pub time: u64,
     /// How threads are scheduled, in a sentence.
     pub scheduling: String,
+    /// What there is of real time; absent on the virtual clock.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub realtime: Option<RealtimeInfo>,
     /// Whether hardware is simulated.
     pub simulated: bool,
     /// Whether threads run their functions.

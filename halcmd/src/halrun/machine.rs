@@ -23,7 +23,7 @@ pub(crate) fn refuse(ini: &Ini) -> Result<(), Error> {
             return Err(Error::NotYet { what, instead: TCL });
         }
     }
-    Ok(())
+    super::realtime::of_ini(ini).map(|_| ())
 }
 
 /// Carries out what the INI file asks for, in order.
@@ -352,6 +352,7 @@ mod tests {
         for (text, want) in [
             ("[HAL]\nTWOPASS = on\n", "m.ini:2: [HAL]TWOPASS is not supported; "),
             ("[HAL]\nHALFILE = a.tcl x y\n", "m.ini:2: Tcl file 'a.tcl' is not supported; "),
+            ("[HAL]\nSTUCK_TIME = 5\n", "m.ini:2: [HAL]STUCK_TIME '5': it is a number and "),
             ("[HAL]\nPOSTGUI_HALFILE = b.tcl\n", "m.ini:2: Tcl file 'b.tcl' is not supported; "),
         ] {
             let ini = Ini::parse("m.ini", text.as_bytes()).unwrap();

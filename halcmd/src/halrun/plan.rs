@@ -1,5 +1,6 @@
 //! What the command line and the environment ask halrun to do.
 
+use super::realtime;
 use crate::{
     Error, Style, flight,
     halcmd::{self, Id as Common},
@@ -80,6 +81,9 @@ enum Id {
     Modules,
     Flight,
     Linuxcnc,
+    Cpu,
+    DmaLatency,
+    StuckTime,
     Instance,
     Profile,
     Help,
@@ -110,6 +114,21 @@ const OPTIONS: &[Opt<Id>] = &[
         Some("FOLDERS"),
         Some("HAL_RTMOD_DIR"),
         "find plugins and components in C there, too",
+    ),
+    with("cpu", Id::Cpu, Some("N"), Some("HAL_CPU"), "run the threads on processor N"),
+    with(
+        "dma-latency",
+        Id::DmaLatency,
+        Some("US"),
+        Some("HAL_DMA_LATENCY"),
+        "let processors take US microseconds to wake (0 if not said), or off: as they like",
+    ),
+    with(
+        "stuck-time",
+        Id::StuckTime,
+        Some("TIME"),
+        Some("HAL_STUCK_TIME"),
+        "stop the machine when a function does not come back within TIME",
     ),
     instance_option(Id::Instance),
     with(
@@ -202,6 +221,7 @@ pub(crate) fn plan(
         (false, false) => Detach::No,
     };
     let script = script(&files, detach)?;
+    let realtime = realtime::options(value(Id::Cpu), value(Id::DmaLatency), value(Id::StuckTime))?;
     let interactive = has(Id::Interactive);
     style.background = detach == Detach::Child;
     style.reads_input = interactive || script == Script::Terminal || detach == Detach::Child;
@@ -218,6 +238,7 @@ pub(crate) fn plan(
                 "HAL_RTMOD_DIR" => value(Id::Modules),
                 _ => environment(name),
             }),
+            realtime,
         },
         style,
         level,

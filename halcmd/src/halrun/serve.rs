@@ -62,9 +62,12 @@ pub(super) fn was_broken_off(engine: &mut Engine) -> bool {
     engine.serve(Some(0)) == Ended::Signal
 }
 
-/// Whether the threads have stopped because a component failed.
-pub(super) fn has_fault(engine: &mut Engine) -> bool {
-    matches!(engine.call(Request::Status), Ok(Reply::Status(status)) if status.fault.is_some())
+/// The function for which the threads of an instance have stopped, or that does not come back.
+pub(super) fn fault(link: &mut impl Link) -> Option<String> {
+    let Ok(Reply::Status(status)) = link.call(Request::Status) else { return None };
+    let f = status.fault.or(status.stuck)?;
+    let (component, funct, thread, cause) = (f.component, f.funct, f.thread, f.cause);
+    Some(format!("function '{funct}' of component '{component}' in thread '{thread}': {cause}"))
 }
 
 /// Serves clients until the instance's time is over.

@@ -4,6 +4,7 @@ mod alloc;
 mod boom;
 mod busy;
 mod chatty;
+mod deep;
 mod doomed;
 mod foreign;
 mod last_words;
@@ -20,6 +21,7 @@ hal_component::export!(
     busy::Busy,
     busy::Stuck,
     chatty::Chatty,
+    deep::Deep,
     doomed::Doomed,
     foreign::Foreign,
     last_words::LastWords,

@@ -1,0 +1,100 @@
+//! How a thread of this process gets on, seen from another: without allocation, since it is asked
+//! while a machine runs.
+
+use rustix::fs::{Mode, OFlags, open};
+use std::io::Write;
+
+/// A thread of the system, by the kernel's number.
+pub(crate) fn this_thread() -> i32 {
+    rustix::thread::gettid().as_raw_nonzero().get()
+}
+
+/// What a thread is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Doing {
+    /// It runs, waits for a processor, or was stopped from outside: it does not wait for anything
+    /// of its own.
+    Runs,
+    /// It waits in a system call.
+    Waits,
+    /// It waits for a disk, a page or a device, and cannot be disturbed.
+    WaitsForDevice,
+}
+
+/// Nanoseconds of processor time that a thread has had.
+pub(crate) fn processor_time(tid: i32) -> Option<i64> {
+    // The kernel's number for the clock of one thread: every bit of its number turned, three bits
+    // up, with 4 for "a thread" and 2 for "what the scheduler counts".
+    let clock = (!tid << 3) | 6;
+    let mut t = libc::timespec { tv_sec: 0, tv_nsec: 0 };
+    // SAFETY: `t` lives across the call; a thread that has gone is refused.
+    let status = unsafe { libc::clock_gettime(clock, &raw mut t) };
+    (status == 0).then_some(t.tv_sec * 1_000_000_000 + t.tv_nsec)
+}
+
+/// What a thread is doing now.
+pub(crate) fn doing(tid: i32) -> Doing {
+    let mut path = [0; 48];
+    let mut rest = &mut path[..];
+    if write!(rest, "/proc/self/task/{tid}/stat\0").is_err() {
+        return Doing::Runs;
+    }
+    let Ok(path) = core::ffi::CStr::from_bytes_until_nul(&path) else { return Doing::Runs };
+    let Ok(file) = open(path, OFlags::RDONLY | OFlags::CLOEXEC, Mode::empty()) else {
+        return Doing::Runs;
+    };
+    let mut text = [0; 128];
+    let n = rustix::io::read(&file, &mut text).unwrap_or(0);
+    state(text.get(..n).unwrap_or_default())
+}
+
+/// Reads the state from a line `TID (NAME) STATE …`; the name may hold anything.
+fn state(line: &[u8]) -> Doing {
+    let after = line.iter().rposition(|b| *b == b')').and_then(|at| line.get(at + 2));
+    match after {
+        Some(b'S') => Doing::Waits,
+        Some(b'D') => Doing::WaitsForDevice,
+        _ => Doing::Runs,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Doing, doing, processor_time, state, this_thread};
+
+    #[test]
+    fn states() {
+        for (line, want) in [
+            (&b"12 (hal-thread) R 1 2"[..], Doing::Runs),
+            (b"12 (a) D) S 1 2", Doing::Waits),
+            (b"12 (hal) D 1", Doing::WaitsForDevice),
+            (b"12 (hal) t 1", Doing::Runs),
+            (b"12 (hal)", Doing::Runs),
+            (b"", Doing::Runs),
+        ] {
+            assert_eq!(state(line), want, "{}", String::from_utf8_lossy(line));
+        }
+    }
+
+    #[test]
+    fn a_thread_that_computes_has_more_processor_time_and_one_that_waits_has_not() {
+        let me = this_thread();
+        let before = processor_time(me).unwrap();
+        while processor_time(me).unwrap() < before + 1_000_000 {}
+        assert_eq!(doing(me), Doing::Runs);
+        let (tell, told) = std::sync::mpsc::channel();
+        let (end, ended) = std::sync::mpsc::channel::<()>();
+        let waits = std::thread::spawn(move || {
+            tell.send(this_thread()).unwrap();
+            ended.recv().unwrap_err();
+        });
+        let other = told.recv().unwrap();
+        while doing(other) != Doing::Waits {}
+        let had = processor_time(other).unwrap();
+        while processor_time(me).unwrap() < before + 2_000_000 {}
+        assert_eq!(processor_time(other), Some(had));
+        drop(end);
+        waits.join().unwrap();
+        assert_eq!(processor_time(other), None, "it has gone");
+    }
+}

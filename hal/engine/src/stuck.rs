@@ -1,0 +1,362 @@
+//! Finds a thread that is stuck in a function on the real clock: no further cycle begins, and
+//! outputs go to their safe levels.
+//!
+//! Only the time that the function itself has had counts: on a processor, or waiting in a system
+//! call of its own. Time in which its thread waited for a processor, or was stopped with its
+//! process or by a debugger, does not, so that a busy machine stops no outputs. Of the time between
+//! two looks no more counts than is meant to lie between them: where a whole machine stands still,
+//! the looks do as well. Before a verdict the looks are made on the processor of the threads, so
+//! that each proves that this processor ran.
+
+use crate::{
+    os::{
+        self,
+        progress::{Doing, doing, processor_time},
+    },
+    realtime::WATCH_PRIORITY,
+    shared::{Cause, Shared},
+    sync::{Arc, Ordering},
+    thread::{NOBODY, Thread},
+};
+use std::{
+    sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel},
+    thread::JoinHandle,
+    time::Duration,
+};
+
+/// The shortest and the longest time between two looks.
+const STEPS_NS: (i64, i64) = (500_000, 100_000_000);
+/// How many looks must find the same call after the first has.
+const LOOKS: u32 = 3;
+/// What a function has at least when it sets up hardware (`initf`), or waits for a disk or a
+/// device that cannot be disturbed.
+const PATIENCE_NS: i64 = 1_000_000_000;
+/// For how many threads there is room from the start.
+const ROOM: usize = 64;
+
+/// What a look finds of a thread that is inside a function.
+#[derive(Clone, Copy, Debug)]
+struct Sight {
+    cycles: u64,
+    funct: u32,
+    /// The function runs once, before all others.
+    init: bool,
+    /// Processor time that the thread has had.
+    ran_ns: i64,
+    doing: Doing,
+}
+
+/// The time that one call of a function has had, as far as was seen.
+#[derive(Clone, Copy, Debug)]
+struct Case {
+    thread: u32,
+    seen: Sight,
+    had_ns: i64,
+    looks: u32,
+    patient: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Verdict {
+    /// The call is new.
+    Fine,
+    /// The thread was in the same call at the last look.
+    Suspect,
+    /// The call has had its time.
+    Stuck,
+}
+
+impl Case {
+    const fn new(thread: u32, seen: Sight) -> Self {
+        Self { thread, seen, had_ns: 0, looks: 0, patient: seen.init }
+    }
+
+    /// Takes another look, which was to come `step_ns` after the last.
+    fn look(&mut self, now: Sight, step_ns: i64, limit_ns: i64) -> Verdict {
+        let last = self.seen;
+        if (last.cycles, last.funct) != (now.cycles, now.funct) {
+            *self = Self::new(self.thread, now);
+            return Verdict::Fine;
+        }
+        let ran = now.ran_ns.saturating_sub(last.ran_ns).max(0);
+        let waits = last.doing != Doing::Runs && now.doing != Doing::Runs;
+        self.had_ns += if waits || ran > step_ns { step_ns } else { ran };
+        self.patient |= waits && now.doing == Doing::WaitsForDevice;
+        self.looks = self.looks.saturating_add(1);
+        self.seen = now;
+        let limit = if self.patient { limit_ns.max(PATIENCE_NS) } else { limit_ns };
+        if self.looks >= LOOKS && self.had_ns >= limit { Verdict::Stuck } else { Verdict::Suspect }
+    }
+}
+
+/// The thread that looks; it ends with this.
+#[derive(Debug)]
+pub(crate) struct StuckWatch {
+    end: Option<Sender<()>>,
+    running: Option<JoinHandle<()>>,
+}
+
+impl StuckWatch {
+    /// Begins to look at threads that run on `cpu`, if on one; nothing where the system has no
+    /// thread for it.
+    pub(crate) fn begin(shared: Arc<Shared>, fifo: bool, cpu: Option<usize>) -> Option<Self> {
+        let (end, ended) = channel();
+        let (ready, is_ready) = channel::<()>();
+        let run = move || {
+            let mut watch = Watch::new(shared, cpu);
+            // What it needs of memory it takes now.
+            let mut goes_on = watch.look(Duration::ZERO, &ended);
+            if fifo {
+                os::become_fifo(WATCH_PRIORITY);
+            }
+            drop(ready);
+            while goes_on {
+                let step = watch.step();
+                goes_on = watch.look(step, &ended);
+            }
+        };
+        let running = std::thread::Builder::new().name("hal-stuck".into()).spawn(run).ok()?;
+        // Nothing is sent: it comes to an end when the first look is over.
+        is_ready.recv().unwrap_or_default();
+        Some(Self { end: Some(end), running: Some(running) })
+    }
+
+    /// Lets it look now: there are threads that it may not have seen yet.
+    pub(crate) fn poke(&self) {
+        if let Some(end) = &self.end {
+            // It ends before this does.
+            let _: Result<(), _> = end.send(());
+        }
+    }
+}
+
+impl Drop for StuckWatch {
+    fn drop(&mut self) {
+        drop(self.end.take());
+        if let Some(running) = self.running.take() {
+            drop(running.join());
+        }
+    }
+}
+
+struct Watch {
+    shared: Arc<Shared>,
+    cpu: Option<usize>,
+    others: Vec<usize>,
+    cases: Vec<Case>,
+    /// Some thread was in the same call at the last two looks: this one is on its processor.
+    near: bool,
+    /// Threads that were inside a cycle when outputs went to their safe levels.
+    left_inside: Vec<u32>,
+}
+
+impl Watch {
+    fn new(shared: Arc<Shared>, cpu: Option<usize>) -> Self {
+        let mut others = os::processors::cpus();
+        others.retain(|c| Some(*c) != cpu);
+        if !others.is_empty() {
+            os::processors::stay_among(&others);
+        }
+        let (cases, left_inside) = (Vec::with_capacity(ROOM), Vec::with_capacity(ROOM));
+        Self { shared, cpu, others, cases, near: false, left_inside }
+    }
+
+    /// How long to wait for the next look.
+    fn step(&self) -> Duration {
+        let part = if self.near || !self.left_inside.is_empty() { 4 } else { 2 };
+        let (least, most) = STEPS_NS;
+        let step = match self.shared.stuck_limit() {
+            // There is no thread.
+            0 => most,
+            limit => (limit / part).max(least).min(most),
+        };
+        Duration::from_nanos(step.unsigned_abs())
+    }
+
+    /// Waits and looks; false when it is to end.
+    fn look(&mut self, step: Duration, ended: &Receiver<()>) -> bool {
+        match ended.recv_timeout(step) {
+            Ok(()) => return true,
+            Err(RecvTimeoutError::Disconnected) => return false,
+            Err(RecvTimeoutError::Timeout) => {}
+        }
+        let threads = self.shared.threads.load_full();
+        self.rest_again(&threads);
+        let step_ns = i64::try_from(step.as_nanos()).unwrap_or(i64::MAX);
+        let limit = self.shared.stuck_limit();
+        let (mut near, mut stuck) = (false, None);
+        self.cases.retain(|c| threads.iter().any(|t| t.id == c.thread));
+        for t in threads.iter() {
+            let known = self.cases.iter_mut().find(|c| c.thread == t.id);
+            let Some(sight) = sight(t, known.as_deref()) else {
+                self.cases.retain(|c| c.thread != t.id);
+                continue;
+            };
+            let Some(case) = known else {
+                self.cases.push(Case::new(t.id, sight));
+                continue;
+            };
+            match case.look(sight, step_ns, limit) {
+                Verdict::Fine => {}
+                Verdict::Suspect => near = true,
+                Verdict::Stuck => stuck = stuck.or(Some((t, sight.funct))),
+            }
+        }
+        if let Some((thread, funct)) = stuck {
+            if !self.shared.fault.is_abandoned() {
+                self.stop(thread, funct, limit, &threads);
+            }
+        } else if near != self.near {
+            self.near = near;
+            self.move_over();
+        }
+        true
+    }
+
+    /// Goes to the processor of the threads, or away from it.
+    fn move_over(&self) {
+        match self.cpu {
+            Some(cpu) if self.near => os::processors::stay_on(cpu),
+            _ if !self.others.is_empty() => os::processors::stay_among(&self.others),
+            _ => true,
+        };
+    }
+
+    /// Ends every cycle after the function that it is in, and begins none.
+    fn stop(&mut self, thread: &Thread, funct: u32, limit: i64, threads: &[Arc<Thread>]) {
+        let cause = Cause::new();
+        let us = limit / 1000;
+        let mut text = [0; 64];
+        cause.store(worded(&mut text, us));
+        self.shared.fault.set(thread.id, funct, &cause);
+        self.shared.fault.abandon();
+        self.shared.stop_outputs();
+        let inside = threads.iter().filter(|t| t.gate.is_inside()).map(|t| t.id);
+        self.left_inside.clear();
+        self.left_inside.extend(inside);
+    }
+
+    /// A function that comes back may have written outputs meanwhile: they are driven once more.
+    fn rest_again(&mut self, threads: &[Arc<Thread>]) {
+        let before = self.left_inside.len();
+        let inside = |id: &u32| threads.iter().any(|t| t.id == *id && t.gate.is_inside());
+        self.left_inside.retain(inside);
+        if self.left_inside.len() != before {
+            self.shared.stop_outputs();
+        }
+    }
+}
+
+/// What a thread is doing, if it is inside a function. What takes longer to find out is asked only
+/// of one that was in the same call before.
+fn sight(t: &Thread, known: Option<&Case>) -> Option<Sight> {
+    let funct = t.current.load(Ordering::Relaxed);
+    if funct == NOBODY || !t.gate.is_inside() {
+        return None;
+    }
+    let cycles = t.cycles.load(Ordering::Relaxed);
+    let tid = t.tid.load(Ordering::Relaxed);
+    let same = known.is_some_and(|c| (c.seen.cycles, c.seen.funct) == (cycles, funct));
+    Some(Sight {
+        cycles,
+        funct,
+        init: !t.init_done.load(Ordering::Relaxed),
+        ran_ns: processor_time(tid)?,
+        doing: if same { doing(tid) } else { Doing::Runs },
+    })
+}
+
+fn worded(room: &mut [u8; 64], us: i64) -> &str {
+    use std::io::Write;
+    let mut rest = &mut room[..];
+    let (ms, part) = (us / 1000, us % 1000);
+    let written = if part == 0 {
+        write!(rest, "it did not come back within {ms} ms")
+    } else {
+        write!(rest, "it did not come back within {ms}.{part:03} ms")
+    };
+    let left = rest.len();
+    let used = if written.is_ok() { room.len() - left } else { 0 };
+    core::str::from_utf8(room.get(..used).unwrap_or_default()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Case, Sight, Verdict, worded};
+    use crate::os::progress::Doing;
+
+    const MS: i64 = 1_000_000;
+
+    /// Looks at a thread each 0.5 ms, with a limit of 2 ms: of each look the cycle, the processor
+    /// time that passed since the one before, in µs, and what the thread does: it runs, waits, or
+    /// waits for a device. Returns the looks until the thread is stuck.
+    fn check(init: bool, looks: impl IntoIterator<Item = (u64, i64, char)>) -> Option<usize> {
+        let mut case: Option<Case> = None;
+        let mut ran_ns = 0;
+        for (i, (cycles, us, doing)) in looks.into_iter().enumerate() {
+            ran_ns += us * 1000;
+            let doing = match doing {
+                'r' => Doing::Runs,
+                'w' => Doing::Waits,
+                'd' => Doing::WaitsForDevice,
+                other => unreachable!("{other}"),
+            };
+            let sight = Sight { cycles, funct: 7, init, ran_ns, doing };
+            let Some(case) = &mut case else {
+                case = Some(Case::new(1, sight));
+                continue;
+            };
+            if case.look(sight, MS / 2, 2 * MS) == Verdict::Stuck {
+                return Some(i);
+            }
+        }
+        None
+    }
+
+    fn same(n: usize, us: i64, doing: char) -> impl Iterator<Item = (u64, i64, char)> {
+        core::iter::repeat_n((1, us, doing), n)
+    }
+
+    #[test]
+    fn a_function_that_computes_or_waits_for_ever_is_stuck_after_its_time() {
+        assert_eq!(check(false, same(100, 500, 'r')), Some(4));
+        assert_eq!(check(false, same(100, 0, 'w')), Some(4));
+        // Half of the time another thread has the processor.
+        assert_eq!(check(false, same(100, 250, 'r')), Some(8));
+        // It computes and sleeps in turn.
+        let turns = (0..100).map(|i| if i % 2 == 0 { (1, 300, 'r') } else { (1, 100, 'w') });
+        assert_eq!(check(false, turns), Some(10));
+    }
+
+    #[test]
+    fn a_thread_that_gets_no_time_is_late_and_not_stuck() {
+        // It waits for a processor, is stopped, or is held by a debugger.
+        assert_eq!(check(false, same(100_000, 0, 'r')), None);
+        // The clock of a virtual machine that stood still for a second, seen once.
+        let mut looks: Vec<_> = same(3, 10, 'r').collect();
+        looks.push((1, 1_000_000, 'r'));
+        looks.extend(same(50, 10, 'r'));
+        assert_eq!(check(false, looks), None);
+        // Each cycle is a call of its own, however long it takes.
+        assert_eq!(check(false, (0..1000).map(|i| (i / 4, 500, 'r'))), None);
+    }
+
+    #[test]
+    fn disks_and_hardware_that_is_set_up_have_a_second() {
+        assert_eq!(check(false, same(1900, 0, 'd')), None);
+        assert_eq!(check(false, same(2100, 0, 'd')), Some(2000));
+        assert_eq!(check(true, same(1900, 500, 'r')), None);
+        assert_eq!(check(true, same(2100, 500, 'r')), Some(2000));
+    }
+
+    #[test]
+    fn the_message_has_the_time() {
+        for (us, want) in [
+            (2000, "it did not come back within 2 ms"),
+            (1500, "it did not come back within 1.500 ms"),
+            (3_600_000_000, "it did not come back within 3600000 ms"),
+        ] {
+            assert_eq!(worded(&mut [0; 64], us), want);
+        }
+    }
+}
