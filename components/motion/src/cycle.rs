@@ -28,7 +28,7 @@ impl State {
             joint.sense(pins);
         }
         for (n, (spindle, pins)) in self.spindles.iter_mut().zip(&pins.spindles).enumerate() {
-            spindle.sense(n, pins, &self.say);
+            spindle.sense(n, pins, self.dt, &self.say);
         }
         self.at_speed =
             self.spindles.iter().zip(&pins.spindles).all(|(spindle, pins)| spindle.is_ready(pins));

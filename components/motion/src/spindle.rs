@@ -22,9 +22,21 @@ pub(crate) struct Spindle {
 enum Orient {
     #[default]
     Nowhere,
-    Turning(TicketHandle),
+    /// On its way. `is_again`: it was on its way to another angle, so that the pin `orient` must
+    /// fall for a cycle. For `late` seconds it has been said to stand there, and has turned.
+    Turning {
+        ticket: TicketHandle,
+        is_again: bool,
+        late: f64,
+    },
     Locked,
 }
+
+/// The highest speed of a spindle that stands, in turns per second: a degree in 28 ms.
+const STANDSTILL: f64 = 0.1;
+
+/// How long, in seconds, a spindle may be said to stand and turn before the operator is told.
+const LATE: f64 = 1.0;
 
 impl Default for Spindle {
     fn default() -> Self {
@@ -54,7 +66,7 @@ impl Spindle {
     }
 
     pub(crate) fn stop(&mut self, why: &'static str) {
-        if let Orient::Turning(ticket) = self.orient {
+        if let Orient::Turning { ticket, .. } = self.orient {
             ticket.fail(why);
         }
         *self = Self { speed: 0.0, on: false, brake: true, orient: Orient::Nowhere, ..*self };
@@ -62,20 +74,37 @@ impl Spindle {
 
     /// Stops, and is to stand at an angle; the ticket is done when it does.
     pub(crate) fn orient(&mut self, angle: f64, mode: i32, ticket: TicketHandle) {
+        let is_again = matches!(self.orient, Orient::Turning { .. });
         self.stop("the spindle was told to orient");
-        *self = Self { brake: false, orient: Orient::Turning(ticket), angle, mode, ..*self };
+        let orient = Orient::Turning { ticket, is_again, late: 0.0 };
+        *self = Self { brake: false, orient, angle, mode, ..*self };
     }
 
     /// Reads the pins; `n` is its number.
-    pub(crate) fn sense(&mut self, n: usize, pins: &SpindlePins, say: &Messages) {
-        let Orient::Turning(ticket) = self.orient else { return };
-        let fault = pins.orient_fault.get();
+    pub(crate) fn sense(&mut self, n: usize, pins: &SpindlePins, dt: f64, say: &Messages) {
+        let Orient::Turning { ticket, is_again, late } = &mut self.orient else { return };
+        if core::mem::take(is_again) {
+            // What is said of the last angle does not count.
+            return;
+        }
+        let (fault, speed) = (pins.orient_fault.get(), pins.speed_in.get());
         if fault != 0 {
             say.error("spindle {} orient fault {}", &[n as f64, f64::from(fault)]);
-            self.stop("spindle orient fault");
-        } else if pins.is_oriented.get() {
+            return self.stop("spindle orient fault");
+        }
+        if !pins.is_oriented.get() {
+            return;
+        }
+        if speed.abs() <= STANDSTILL {
             ticket.done();
             *self = Self { brake: true, orient: Orient::Locked, ..*self };
+            return;
+        }
+        let before = *late;
+        *late += dt;
+        if before < LATE && LATE <= *late {
+            let text = "spindle {} is not locked: is-oriented is TRUE, but speed-in is {} turns/s";
+            say.error(text, &[n as f64, speed]);
         }
     }
 
@@ -97,7 +126,7 @@ impl Spindle {
         pins.speed_out_rps.set(speed / 60.0);
         pins.speed_out_rps_abs.set(speed.abs() / 60.0);
         pins.speed_cmd_rps.set(self.speed / 60.0);
-        pins.orient.set(matches!(self.orient, Orient::Turning(_)));
+        pins.orient.set(matches!(self.orient, Orient::Turning { is_again: false, .. }));
         pins.locked.set(matches!(self.orient, Orient::Locked));
         pins.orient_angle.set(self.angle);
         pins.orient_mode.set(self.mode);

@@ -35,7 +35,8 @@ pins! {
         orient_mode: Out<i32> = 0, "orient-mode" was "orient-mode";
         /// Turns since the index, for movements tied to the spindle. Not used yet.
         revs: In<f64> = 0.0, "revs" was "revs";
-        /// Speed measured, in turns per second. Not used yet.
+        /// Speed measured, in turns per second. A spindle that turns faster than 0.1 is not locked
+        /// by is-oriented.
         speed_in: In<f64> = 0.0, "speed-in" was "speed-in";
         /// TRUE when the spindle has its speed: no move begins while one that is on has it not.
         at_speed: In<bool> = true, "at-speed" was "at-speed";
@@ -43,7 +44,8 @@ pins! {
         amp_fault_in: In<bool> = false, "amp-fault-in" [safety];
         /// TRUE stops the spindle and keeps it stopped; the commanded speed is not forgotten.
         inhibit: In<bool> = false, "inhibit" was "inhibit";
-        /// TRUE when the spindle stands at orient-angle; it counts while orient is TRUE.
+        /// TRUE when the spindle stands at orient-angle, as `orient` says; it counts while orient is
+        /// TRUE and speed-in is not above 0.1 turns per second, and then the spindle is locked.
         is_oriented: In<bool> = false, "is-oriented" was "is-oriented";
         /// A number other than 0 while orient is TRUE gives it up, and is told to the operator.
         orient_fault: In<i32> = 0, "orient-fault" was "orient-fault";

@@ -44,6 +44,58 @@ fn a_spindle_orients() {
     }
 }
 
+/// Another angle while it is on its way: `orient` falls for a cycle, so that a new goal is chosen.
+#[test]
+fn another_angle_begins_anew() {
+    let mut rig = Rig::on(&[]);
+    rig.say("motion.spindle-orient angle=90");
+    rig.cycles(5);
+    rig.say("motion.spindle-orient angle=180");
+    rig.cycle();
+    assert_eq!(rig.which(&BITS), [""; 0]);
+    assert_eq!(rig.float("spindle.0.orient-angle"), 180.0);
+    // What is said of the angle before does not count.
+    rig.bench.set("spindle.0.is-oriented", true);
+    rig.cycle();
+    assert_eq!(rig.which(&BITS), ["spindle.0.orient"]);
+    rig.bench.set("spindle.0.is-oriented", false);
+    rig.cycles(5);
+    assert_eq!(rig.which(&BITS), ["spindle.0.orient"]);
+    rig.bench.set("spindle.0.is-oriented", true);
+    rig.cycle();
+    assert_eq!(rig.which(&BITS), ["spindle.0.locked", "spindle.0.brake"]);
+}
+
+/// Whatever is-oriented says: a spindle that turns is not locked.
+#[test]
+fn a_turning_spindle_is_not_locked() {
+    for speed in [5.0, -0.11, f64::NAN, f64::INFINITY] {
+        let mut rig = Rig::on(&[]);
+        rig.bench.set("spindle.0.speed-in", speed);
+        rig.bench.set("spindle.0.is-oriented", true);
+        rig.say("motion.spindle-orient angle=90");
+        rig.cycles(900);
+        assert_eq!(rig.which(&BITS), ["spindle.0.orient"], "{speed}");
+        assert_eq!(rig.bench.said(), [""; 0]);
+        // After a second it is told, once.
+        rig.cycles(3000);
+        assert_eq!(rig.which(&BITS), ["spindle.0.orient"], "{speed}");
+        assert_eq!(
+            rig.bench.said(),
+            [format!(
+                "spindle 0 is not locked: is-oriented is TRUE, but speed-in is {speed} turns/s"
+            )]
+        );
+        rig.bench.set("spindle.0.speed-in", 0.1);
+        assert_eq!(rig.end(), Ok(()));
+        assert_eq!(rig.which(&BITS), ["spindle.0.locked", "spindle.0.brake"]);
+        // Locked is locked: only a command ends it.
+        rig.bench.set("spindle.0.speed-in", speed);
+        rig.cycles(5);
+        assert_eq!(rig.which(&BITS), ["spindle.0.locked", "spindle.0.brake"]);
+    }
+}
+
 #[test]
 fn a_fault_ends_it() {
     let mut rig = Rig::on(&[]);
