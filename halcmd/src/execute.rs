@@ -18,6 +18,9 @@ use std::{
 /// The code of a failure that says that something is not there.
 const ENOENT: i32 = -2;
 
+/// Why a command is still under way when waiting for it ends.
+const STOPPED: &str = "the threads have stopped before it was carried out";
+
 /// The sections of `show`, in order.
 const SECTIONS: &[(Kind, &str)] = &[
     (Kind::Components, "Loaded HAL Components:"),
@@ -281,11 +284,16 @@ impl Session<'_> {
             }
             _ => None,
         })?;
-        let ticket = if let Reply::Answer(answer) = reply { answer.ticket } else { None };
-        let Some(id) = ticket.filter(|_| wait || self.style.wait) else { return Ok(()) };
+        let Reply::Answer(answer) = reply else { return Ok(()) };
+        let waits = wait || self.style.wait || answer.awaited;
+        let Some(id) = answer.ticket.filter(|_| waits) else { return Ok(()) };
         match self.ask(Request::Ticket { id, wait: true })? {
             Reply::Ticket(TicketInfo::Failed(why)) => {
                 Err(Error::GivenUp { command: name.into(), why: why.into() })
+            }
+            // Nothing carries it out any more.
+            Reply::Ticket(TicketInfo::Pending) if !self.link.is_ending() => {
+                Err(Error::GivenUp { command: name.into(), why: STOPPED.into() })
             }
             Reply::Ticket(_) => Ok(()),
             _ => Err(Error::Unexpected),

@@ -14,7 +14,7 @@ use crate::{
     remote::{is_gone, pause},
     terminal::complain,
 };
-use hal_engine::Engine;
+use hal_engine::{Engine, Options};
 use hal_protocol::{Client, Link, NOT_RUNNING, Place, Request};
 use plan::{Action, Detach, Plan, Script};
 use serve::{Local, stay};
@@ -142,16 +142,22 @@ pub(crate) fn prepare(plan: &Plan) -> Result<Files, Error> {
     Ok(Files { ini, script })
 }
 
+/// The options of the instance: the plan's, and those that follow from the INI file.
+pub(crate) fn instance_options(plan: &Plan, files: &Files) -> Options {
+    let mut options = plan.options.clone();
+    options.old_names = files.ini.as_ref().is_some_and(Ini::is_old);
+    options.interlock = matches!(plan.script, Script::Ini(_));
+    let stuck_ns = files.ini.as_ref().and_then(|ini| realtime::of_ini(ini).ok().flatten());
+    options.realtime.stuck_ns = options.realtime.stuck_ns.or(stuck_ns);
+    options
+}
+
 fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
     serve::listen();
     if plan.detach == Detach::Child {
         detach::leave_terminal();
     }
-    let mut options = plan.options.clone();
-    options.old_names = files.ini.as_ref().is_some_and(Ini::is_old);
-    let stuck_ns = files.ini.as_ref().and_then(|ini| realtime::of_ini(ini).ok().flatten());
-    options.realtime.stuck_ns = options.realtime.stuck_ns.or(stuck_ns);
-    let mut engine = match Engine::new(options) {
+    let mut engine = match Engine::new(instance_options(plan, files)) {
         Ok(engine) => engine,
         Err(failure) => {
             terminal.err(&format!("halrun: {failure}\n"));

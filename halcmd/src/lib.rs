@@ -24,6 +24,7 @@ pub mod haltest;
 pub mod help;
 mod hint;
 pub mod ini;
+mod io;
 pub mod lex;
 pub mod list;
 pub mod man;

@@ -215,6 +215,7 @@ fn engine(path: &[PathBuf]) -> Result<Engine, Error> {
         hold: true,
         simulate: false,
         old_names: false,
+        interlock: false,
         path: path.to_vec(),
         realtime: RealtimeOptions::default(),
     })?)

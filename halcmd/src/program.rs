@@ -174,7 +174,7 @@ impl Session<'_> {
         }
     }
 
-    fn component_of(&mut self, name: &str) -> Result<Option<ComponentInfo>, Error> {
+    pub(crate) fn component_of(&mut self, name: &str) -> Result<Option<ComponentInfo>, Error> {
         match self.ask(Request::Component { name: name.to_owned() })? {
             Reply::Components(list) => Ok(list.into_iter().next()),
             _ => Err(Error::Unexpected),

@@ -81,6 +81,8 @@ pub struct Session<'a> {
     pub(crate) plan: Option<Plan>,
     /// Set when nothing outside is to be touched.
     pub(crate) attempt: Option<Attempt>,
+    /// Set when the lines are those of a machine from an INI file.
+    pub(crate) is_machine: bool,
 }
 
 impl core::fmt::Debug for Session<'_> {
@@ -118,6 +120,7 @@ impl<'a> Session<'a> {
             own_ini: None,
             plan: None,
             attempt: None,
+            is_machine: false,
         }
     }
 
@@ -283,10 +286,13 @@ impl<'a> Session<'a> {
         let last = Last::of(&command);
         let done = if self.plan.is_some() {
             self.plan(statement, command)
-        } else if self.attempt.is_some() {
-            self.attempt(command)
         } else {
-            self.execute(command)
+            match self.with_own_io(command) {
+                Ok(Some(command)) if self.attempt.is_some() => self.attempt(command),
+                Ok(Some(command)) => self.execute(command),
+                Ok(None) => Ok(()),
+                Err(error) => Err(error),
+            }
         };
         // What comes after it would be for nobody.
         self.ended |= done == Err(Error::Output(Unwritten::ReaderGone));
@@ -387,6 +393,7 @@ mod tests {
                 Request::Command { name, .. } => Ok(Reply::Answer(Answer {
                     lines: vec![format!("{name} says this")],
                     ticket: Some(7),
+                    awaited: false,
                 })),
                 Request::Ticket { .. } => {
                     Ok(Reply::Ticket(TicketInfo::Failed("limit switch".to_owned())))

@@ -98,6 +98,14 @@ impl Trial {
             })?;
             scripts.push((file, text));
         }
+        // Scripts that load it themselves are no HAL files of a machine.
+        let loads = scripts.iter().any(|(_, text)| loads_iocontrol(text));
+        let whole = match (given, &ini) {
+            (Some(path), Some(ini)) if machine.is_none() && ini.has_section("EMCIO") && !loads => {
+                Some((ini, Path::new(path)))
+            }
+            _ => None,
+        };
         let mut engine = Engine::trial(Options {
             place: Place::at(std::env::temp_dir(), "trial").map_err(|why| Error::OptionValue {
                 program: "halcmd",
@@ -109,6 +117,7 @@ impl Trial {
             hold: true,
             simulate: true,
             old_names: ini.as_ref().is_some_and(Ini::is_old),
+            interlock: machine.is_some() || whole.is_some(),
             path,
             realtime: RealtimeOptions::default(),
         })?;
@@ -135,14 +144,6 @@ impl Trial {
                 let _: Outcome = machine::start(&mut session, ini, Path::new(path));
             }
             _ => {
-                // Scripts that load it themselves are no HAL files of a machine.
-                let loads = scripts.iter().any(|(_, text)| loads_iocontrol(text));
-                let whole = match (given, &ini) {
-                    (Some(path), Some(ini)) if ini.has_section("EMCIO") && !loads => {
-                        Some((ini, Path::new(path)))
-                    }
-                    _ => None,
-                };
                 if let Some((ini, path)) = whole {
                     machine::before_files(&mut session, ini, path);
                 }

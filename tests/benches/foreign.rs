@@ -45,6 +45,7 @@ fn in_process(lines: &str, path: Vec<PathBuf>) -> f64 {
         hold: true,
         simulate: true,
         old_names: false,
+        interlock: false,
         path,
         realtime: RealtimeOptions::default(),
     })

@@ -32,6 +32,7 @@ fn machine(gates: usize) -> Engine {
         hold: true,
         simulate: true,
         old_names: false,
+        interlock: false,
         path: Vec::new(),
         realtime: RealtimeOptions::default(),
     };

@@ -110,6 +110,7 @@ pub fn engine() -> Engine {
         hold: true,
         simulate: true,
         old_names: false,
+        interlock: false,
         path: vec![programs().to_owned()],
         realtime: crate::machine::realtime(),
     })

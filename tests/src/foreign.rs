@@ -31,6 +31,7 @@ impl Bench {
             hold: true,
             simulate: true,
             old_names: false,
+            interlock: false,
             path,
             realtime: crate::machine::realtime(),
         };

@@ -31,6 +31,7 @@ pub(crate) fn bare(place: Place, clock: ClockKind) -> Options {
         hold: true,
         simulate: true,
         old_names: false,
+        interlock: false,
         path: Vec::new(),
         realtime: realtime(),
     }

@@ -113,7 +113,7 @@ impl Machine {
             let programs: Vec<&str> = texts.iter().flat_map(|t| t.lines().filter(own)).collect();
             let kind = if ini.contains("[AXIS_0]") { "[AXIS_0]\nTYPE = LINEAR\n" } else { "" };
             scratch.write("programs.hal", programs.join("\n"));
-            scratch.write("saved.hal", saved.replace("loadrt iocontrol \n", ""));
+            scratch.write("saved.hal", saved.replace("loadrt iocontrol interlock=1\n", ""));
             scratch.write("save.hal", "save all again\nshutdown\n");
             let files = ["programs.hal", "saved.hal", "save.hal"];
             let files: String = files.iter().map(|f| format!("HALFILE = {f}\n")).collect();

@@ -86,6 +86,7 @@ fn engine(path: &[&Path]) -> Engine {
         hold: false,
         simulate: true,
         old_names: false,
+        interlock: false,
         path: path.iter().map(|p| p.to_path_buf()).collect(),
         realtime: hal_tests::machine::realtime(),
     };

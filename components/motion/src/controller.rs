@@ -2,6 +2,7 @@
 
 use crate::{
     command::{Command, Mode},
+    interlock::Interlock,
     pins::{GeneralPins, Pins},
     state::State,
 };
@@ -44,6 +45,7 @@ impl Update for Handler {
 pub(crate) struct Controller {
     pub(crate) from: Receiver<Command>,
     pub(crate) pins: Pins,
+    pub(crate) interlock: Interlock,
     pub(crate) kinematics: KinematicsRef,
     pub(crate) clock: Clock,
     #[state]
@@ -70,6 +72,7 @@ impl Controller {
         self.pins.general.last_period.set(u32::try_from(last).unwrap_or(u32::MAX));
         self.state.dt = dt;
         self.state.sense(&self.pins);
+        self.state.inputs.lockout = self.interlock.read();
         self.state.switch_kinematics(&self.pins.switch);
         while let Some(command) = self.from.take() {
             self.state.obey(command);

@@ -18,6 +18,7 @@ impl State {
         let g = &pins.general;
         let before = self.inputs;
         self.inputs = Inputs {
+            lockout: before.lockout,
             enable: g.enable.get(),
             jog_inhibit: g.jog_inhibit.get(),
             homing_inhibit: g.homing_inhibit.get(),

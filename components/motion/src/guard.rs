@@ -18,7 +18,10 @@ impl State {
     /// The first cause to switch off; all are told to the operator.
     fn cause(&mut self, pins: &Pins) -> Option<&'static str> {
         let mut cause = None;
-        if !self.inputs.enable {
+        if let Some(lockout) = self.inputs.lockout {
+            self.say.error(lockout.cause(), &[]);
+            cause.get_or_insert(lockout.cause());
+        } else if !self.inputs.enable {
             self.say.error("motion stopped by enable input", &[]);
             cause.get_or_insert("motion stopped by enable input");
         }

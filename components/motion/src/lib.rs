@@ -11,6 +11,7 @@ mod desk;
 mod guard;
 mod homing;
 mod included;
+mod interlock;
 mod jogger;
 mod joint;
 mod jump;
@@ -37,6 +38,7 @@ use hal_component::{
     Builder, Component, Error,
     abi::{ArgSpec, component_flags},
 };
+use interlock::Interlock;
 use pins::Pins;
 use setup::{MAX_JOINTS, Setup};
 use state::State;
@@ -62,6 +64,11 @@ machine on, `motion.home` finds home switches, `motion.jog` moves a joint or an 
 `motion.move` moves along a straight line.
 It goes off by itself when `motion.enable` goes FALSE, a limit switch closes, an amplifier has a
 fault, or a joint does not follow its command.
+
+In a machine from an INI file, and after `loadrt iocontrol interlock=1`, it reads the e-stop of
+iocontrol in every cycle: it is never switched on in e-stop, it goes off in the cycle in which an
+e-stop comes, and it stays off until the next `motion.enable`. Elsewhere a script wires that itself:
+lead `iocontrol.0.user-enable-out` and the chain of e-stop contacts to `motion.enable`.
 
 Axes move only where the kinematics have a pose for the joints, and for that pose the same joints;
 elsewhere teleop and coordinated mode, jogs of axes and moves are refused, naming a joint and its
@@ -123,6 +130,7 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
     if setup.extra_joints > 0 && kinematics.kind() != hal_component::KinematicsKind::Both {
         return Err(Error::new("num_extrajoints needs kinematics with kinstype=b"));
     }
+    let interlock = Interlock::bind(b)?;
     let pins = Pins::make(b, &setup, kinematics.types())?;
     if setup.base_period_ns > 0 {
         b.thread("base-thread", setup.base_period_ns)?;
@@ -143,8 +151,15 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
     };
     desk.open(b)?;
     status::open(b, pins.clone(), state.last_jump.clone())?;
-    let controller =
-        Controller { from: from_handler, pins, kinematics, clock: b.clock(), last_ns: None, state };
+    let controller = Controller {
+        from: from_handler,
+        pins,
+        interlock,
+        kinematics,
+        clock: b.clock(),
+        last_ns: None,
+        state,
+    };
     Ok((Handler::new(from_desk, to_controller), controller))
 }
 

@@ -83,6 +83,9 @@ impl State {
     }
 
     fn enable(&mut self, ticket: TicketHandle) -> Result<Answer, Refusal> {
+        if let Some(lockout) = self.inputs.lockout {
+            return Err(lockout.refusal());
+        }
         if !self.inputs.enable {
             return Err(Refusal::new("can't enable motion, enable input is false"));
         }

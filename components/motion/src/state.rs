@@ -4,6 +4,7 @@ use crate::{
     axis::Axis,
     command::Mode,
     config::TrajConfig,
+    interlock::Lockout,
     jogger::Room,
     joint::Joint,
     jump::LastJump,
@@ -22,6 +23,7 @@ use std::sync::Arc;
 /// The inputs of this cycle that concern all.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Inputs {
+    pub(crate) lockout: Option<Lockout>,
     pub(crate) enable: bool,
     pub(crate) jog_inhibit: bool,
     pub(crate) homing_inhibit: bool,

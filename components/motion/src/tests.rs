@@ -3,6 +3,7 @@
 mod command;
 mod fault;
 mod home;
+mod interlock;
 mod jog;
 mod jump;
 mod line;

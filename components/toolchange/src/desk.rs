@@ -1,10 +1,11 @@
 //! The commands.
 
 use crate::{
+    estop::{self, Shared},
     pins::Pins,
     task::{Ask, Tool},
 };
-use hal_component::{Arg, Builder, Call, Error, Sender, TicketHandle, abi::ArgSpec};
+use hal_component::{Arg, Builder, Call, Error, Gives, Sender, TicketHandle, abi::ArgSpec};
 
 type To = Sender<(Ask, TicketHandle)>;
 
@@ -21,12 +22,6 @@ const POCKET: ArgSpec =
     Arg::int("pocket", "Pocket that the tool is kept in; the tool's number if missing.");
 
 const ROWS: &[Row] = &[
-    Row {
-        name: "iocontrol.estop-reset",
-        doc: "Leaves e-stop, if nothing outside holds it.",
-        args: &[],
-        read: |_| Ok(Ask::EstopReset),
-    },
     Row {
         name: "iocontrol.prepare",
         doc: "Asks the changer to prepare a tool, and waits for it.",
@@ -77,38 +72,67 @@ Nothing happens when it is there already.",
 ];
 
 /// Declares all commands.
-pub(crate) fn open(b: &mut Builder<'_>, to: &To, pins: Pins) -> Result<(), Error> {
+pub(crate) fn open(
+    b: &mut Builder<'_>,
+    to: &To,
+    pins: Pins,
+    shared: &Gives<Shared>,
+) -> Result<(), Error> {
     for row in ROWS {
         let (to, read) = (to.clone(), row.read);
         b.command(row.name, row.doc, row.args, move |call| ask(&to, read(call)?, call))?;
     }
-    let to = to.clone();
+    let (to_stop, to_reset) = (to.clone(), to.clone());
+    let (stopped, reset, told) = (shared.clone(), shared.clone(), shared.clone());
+    b.command("iocontrol.estop", ESTOP, &[], move |call| {
+        estop::command(&stopped, &pins);
+        let reads = stopped.reads();
+        // Contacts that do not open at once may never do: the caller is to know.
+        let ticket = if pins.emc_enable_in.get() || stopped.is_unread() {
+            call.awaited_ticket()?
+        } else {
+            call.ticket()?
+        };
+        send(&to_stop, Ask::Estop { reads }, ticket)
+    })?;
     b.command(
-        "iocontrol.estop",
-        "Puts the machine into e-stop: user-enable-out goes FALSE at once.",
+        "iocontrol.estop-reset",
+        "Leaves e-stop, if nothing outside holds it.",
         &[],
-        move |call| {
-            // The task, which does it again with all the rest, may be a whole cycle away.
-            pins.user_enable_out.set(false);
-            ask(&to, Ask::Estop, call)
-        },
+        move |call| ask(&to_reset, Ask::EstopReset { stops: reset.stops() }, call),
     )?;
     b.command(
         "iocontrol.status",
         "Tells e-stop, coolant, and the tools in the spindle and prepared.",
         &[],
         move |call| {
-            status(&pins, call);
+            status(&pins, !estop::state(&told, pins.emc_enable_in).is_released(), call);
             Ok(())
         },
     )
 }
 
+const ESTOP: &str = "\
+Puts the machine into e-stop at once: all outputs of iocontrol go FALSE.
+
+It fails if emc-enable-in stays TRUE, which says that the chain of e-stop contacts does not follow
+user-enable-out, and if motion no longer reads the interlock. While emc-enable-in is TRUE the
+caller waits for the answer, with --wait or without, for ten cycles of iocontrol at the most.";
+
 fn ask(to: &To, ask: Ask, call: &Call<'_>) -> Result<(), Error> {
-    let ticket = call.ticket()?;
+    send(to, ask, call.ticket()?)
+}
+
+fn send(to: &To, ask: Ask, ticket: TicketHandle) -> Result<(), Error> {
+    let is_estop = matches!(ask, Ask::Estop { .. });
     to.send((ask, ticket)).map_err(|_| {
         ticket.fail("too many commands wait");
-        Error::new("too many commands wait for iocontrol")
+        Error::new(if is_estop {
+            "the machine is in e-stop, but too many commands wait for iocontrol to see whether \
+             emc-enable-in follows"
+        } else {
+            "too many commands wait for iocontrol"
+        })
     })
 }
 
@@ -135,11 +159,11 @@ fn number(name: &str, given: i64) -> Result<i32, Error> {
         .ok_or_else(|| Error::new(format!("{name} is {given}, must be between 0 and {}", i32::MAX)))
 }
 
-fn status(p: &Pins, call: &Call<'_>) {
+fn status(p: &Pins, in_estop: bool, call: &Call<'_>) {
     let bit = |value: bool| if value { "TRUE" } else { "FALSE" };
     call.reply(&format!(
         "machine estop={} mist={} flood={} lube={}",
-        bit(!p.emc_enable_in.get()),
+        bit(in_estop),
         bit(p.coolant_mist.get()),
         bit(p.coolant_flood.get()),
         bit(p.lube.get()),

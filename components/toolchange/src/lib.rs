@@ -3,9 +3,11 @@
 
 mod carousel;
 mod desk;
+mod estop;
 mod pins;
 mod task;
 
+use estop::{Service, Shared};
 use hal_component::{
     Arg, Builder, Component, Error,
     abi::{ArgSpec, component_flags},
@@ -23,7 +25,17 @@ E-stop, coolant and tool changer.
 
 The machine comes up in e-stop: `iocontrol.estop-reset` asks the outside to leave it, by
 `iocontrol.0.user-enable-out`, and the machine is out of e-stop while
-`iocontrol.0.emc-enable-in` is TRUE. A tool is prepared and changed by handshakes: a request goes
+`iocontrol.0.emc-enable-in` is TRUE. `iocontrol.estop` puts it back, and fails when
+`emc-enable-in` stays TRUE: lead `user-enable-out` to `emc-enable-in`, directly or through the
+chain of e-stop contacts.
+
+With `interlock=1`, which a start from an INI file gives, the motion controller that is loaded after
+it reads the e-stop in every servo cycle: motion is never enabled in e-stop, and goes off in the
+cycle in which it comes, whatever else is wired. Afterwards it stays off until `motion.enable`. While
+the motion controller is loaded, this component cannot be unloaded then. Without it, only signals
+stop motion: link `user-enable-out` to `motion.enable`, too.
+
+A tool is prepared and changed by handshakes: a request goes
 TRUE, the changer answers, the request goes FALSE. Link `tool-prepare` to `tool-prepared` and
 `tool-change` to `tool-changed` where nothing answers.
 
@@ -47,9 +59,15 @@ getp iocontrol.0.user-enable-out # -> TRUE
     };
 }
 
-const ARGS: &[&ArgSpec] =
-    &[&Arg::float("cycle_time", "How often it looks at its pins, in seconds: 0.001 to 10.")
-        .or("0.1")];
+const ARGS: &[&ArgSpec] = &[
+    &Arg::float("cycle_time", "How often it looks at its pins, in seconds: 0.001 to 10.").or("0.1"),
+    &Arg::bit(
+        "interlock",
+        "Motion that is loaded afterwards is off in e-stop, whatever is wired. A start from an INI \
+         file says so.",
+    )
+    .or("0"),
+];
 
 /// How many commands may wait for the task.
 const ROOM: usize = 64;
@@ -88,13 +106,17 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
     }
     let pins = Pins::make(b)?;
     let (to, from) = b.queue(ROOM);
-    desk::open(b, &to, pins)?;
+    let (shared, read) = b.shared(Shared::new());
+    desk::open(b, &to, pins, &shared)?;
+    if b.needs_interlock() || b.arg_int("interlock").is_some_and(|on| on != 0) {
+        b.offer_interlock(Service { emc_enable_in: pins.emc_enable_in, shared: read })?;
+    }
     let period_ns = i64::try_from(period.as_nanos()).unwrap_or(i64::MAX);
     b.task(
         "iocontrol",
         "Looks at e-stop and the tool changer, and carries out commands.",
         period_ns,
-        Task::new(pins, from),
+        Task::new(pins, from, shared, b.messages()),
     )
 }
 

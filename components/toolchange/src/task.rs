@@ -7,8 +7,11 @@
 //!          change               tool-changed
 //! ```
 
-use crate::pins::Pins;
-use hal_component::{Period, Receiver, TicketHandle, Touch, Update};
+use crate::{
+    estop::{self, Shared},
+    pins::Pins,
+};
+use hal_component::{Gives, Messages, Period, Receiver, TicketHandle, Touch, Update};
 
 /// A tool as it was asked for.
 #[derive(Clone, Copy, Debug)]
@@ -21,12 +24,22 @@ pub(crate) struct Tool {
 /// What commands ask.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Ask {
-    Estop,
-    EstopReset,
+    /// The e-stop is in force already; `reads` is how often the interlock was read by then.
+    Estop {
+        reads: u32,
+    },
+    /// `stops` is how often an e-stop was commanded before it.
+    EstopReset {
+        stops: u32,
+    },
     Prepare(Tool),
     Change,
     SetTool(Tool),
-    Coolant { mist: Option<bool>, flood: Option<bool>, lube: Option<bool> },
+    Coolant {
+        mist: Option<bool>,
+        flood: Option<bool>,
+        lube: Option<bool>,
+    },
     Abort,
 }
 
@@ -38,14 +51,26 @@ enum Changer {
     Changing(Tool, TicketHandle),
 }
 
-/// How many cycles the outside has to leave e-stop before whoever waits is told.
+/// How many cycles the outside has to follow user-enable-out, in both directions.
 const PATIENCE: u32 = 10;
+
+/// An e-stop whose effect is awaited.
+#[derive(Clone, Copy, Debug)]
+struct Stopping {
+    ticket: TicketHandle,
+    /// Cycles left.
+    left: u32,
+    /// How often the interlock had been read.
+    reads: u32,
+}
 
 /// The task.
 #[derive(Debug, Touch)]
 pub(crate) struct Task {
     pins: Pins,
     from: Receiver<(Ask, TicketHandle)>,
+    shared: Gives<Shared>,
+    messages: Messages,
     #[state]
     changer: Changer,
     #[state]
@@ -54,7 +79,14 @@ pub(crate) struct Task {
     #[state]
     resetting: Option<(TicketHandle, u32)>,
     #[state]
+    stopping: Vec<Stopping>,
+    #[state]
     was_enabled: bool,
+    /// How often an e-stop was commanded, and the interlock read, in the last cycle.
+    #[state]
+    stops: u32,
+    #[state]
+    reads: u32,
 }
 
 impl Update for Task {
@@ -72,25 +104,45 @@ impl Update for Task {
 }
 
 impl Task {
-    pub(crate) const fn new(pins: Pins, from: Receiver<(Ask, TicketHandle)>) -> Self {
+    pub(crate) const fn new(
+        pins: Pins,
+        from: Receiver<(Ask, TicketHandle)>,
+        shared: Gives<Shared>,
+        messages: Messages,
+    ) -> Self {
         Self {
             pins,
             from,
+            shared,
+            messages,
             changer: Changer::Idle,
             prepared: None,
             resetting: None,
+            stopping: Vec::new(),
             was_enabled: false,
+            stops: 0,
+            reads: 0,
         }
     }
 
     fn look_at_estop(&mut self) {
-        let enabled = self.pins.emc_enable_in.get();
+        let (reads, stops) = (self.shared.reads(), self.shared.stops());
+        self.shared.set_unread(reads != 0 && reads == self.reads);
+        self.reads = reads;
+        let enabled = self.is_released();
         self.pins.user_request_enable.set(false);
-        if self.was_enabled && !enabled {
+        if stops != self.stops || self.was_enabled && !enabled {
             self.quiet("e-stop");
             self.pins.lube.set(false);
         }
+        if stops != self.stops
+            && let Some((ticket, _)) = self.resetting.take()
+        {
+            ticket.fail("e-stop");
+        }
+        self.stops = stops;
         self.was_enabled = enabled;
+        self.look_at_stopping();
         self.resetting = match self.resetting {
             Some((ticket, _)) if enabled => {
                 ticket.done();
@@ -103,6 +155,35 @@ impl Task {
             Some((ticket, left)) => Some((ticket, left - 1)),
             None => None,
         };
+    }
+
+    /// Answers e-stops: the contacts outside follow, and motion has read the interlock.
+    fn look_at_stopping(&mut self) {
+        let is_open = !self.pins.emc_enable_in.get();
+        let reads = self.shared.reads();
+        self.stopping.retain_mut(|stopping| {
+            let is_read = reads == 0 || reads != stopping.reads;
+            if is_open && is_read {
+                stopping.ticket.done();
+                return false;
+            }
+            if stopping.left > 0 {
+                stopping.left -= 1;
+                return true;
+            }
+            let why = match (is_read, reads) {
+                (false, _) => UNREAD,
+                (true, 0) => STAYS,
+                (true, _) => STAYS_LOCKED,
+            };
+            self.messages.error(why, &[]);
+            stopping.ticket.fail(why);
+            false
+        });
+    }
+
+    fn is_released(&self) -> bool {
+        estop::state(&self.shared, self.pins.emc_enable_in).is_released()
     }
 
     fn look_at_changer(&mut self) {
@@ -131,21 +212,22 @@ impl Task {
     fn obey(&mut self, ask: Ask, ticket: TicketHandle) -> Result<bool, &'static str> {
         let p = self.pins;
         match ask {
-            Ask::Estop => {
-                p.user_enable_out.set(false);
-                p.user_request_enable.set(false);
-                p.lube.set(false);
-                self.quiet("e-stop");
-                if let Some((earlier, _)) = self.resetting.take() {
-                    earlier.fail("e-stop");
-                }
+            Ask::Estop { reads } => {
+                self.stopping.push(Stopping { ticket, left: PATIENCE, reads });
+                self.look_at_stopping();
+                return Ok(false);
             }
-            Ask::EstopReset => {
-                if p.user_enable_out.get() && p.emc_enable_in.get() {
+            Ask::EstopReset { stops } => {
+                if stops != self.shared.stops() {
+                    return Err("e-stop");
+                }
+                if self.is_released() {
                     return Ok(true);
                 }
-                p.user_enable_out.set(true);
-                p.user_request_enable.set(true);
+                for stopping in self.stopping.drain(..) {
+                    stopping.ticket.fail("superseded by iocontrol.estop-reset");
+                }
+                estop::release(&self.shared, &p);
                 if let Some((earlier, _)) = self.resetting.replace((ticket, PATIENCE)) {
                     earlier.fail("another reset took its place");
                 }
@@ -195,7 +277,7 @@ impl Task {
     }
 
     fn needs_enabled(&self) -> Result<(), &'static str> {
-        if self.pins.emc_enable_in.get() { Ok(()) } else { Err("the machine is in e-stop") }
+        if self.is_released() { Ok(()) } else { Err("the machine is in e-stop") }
     }
 
     fn needs_rest(&self) -> Result<(), &'static str> {
@@ -229,3 +311,14 @@ impl Task {
         }
     }
 }
+
+const STAYS: &str = "{iocontrol.0.emc-enable-in} stays TRUE: the e-stop chain does not follow \
+                     {iocontrol.0.user-enable-out}, and what hangs at the chain goes on. Lead \
+                     user-enable-out to emc-enable-in, directly or through the components of the \
+                     chain";
+const STAYS_LOCKED: &str = "{iocontrol.0.emc-enable-in} stays TRUE: the e-stop chain does not \
+                            follow {iocontrol.0.user-enable-out}. The interlock has switched \
+                            motion off, and nothing else: lead user-enable-out to emc-enable-in, \
+                            directly or through the components of the chain";
+const UNREAD: &str = "motion has not read the interlock since: motion-controller runs in no \
+                      thread, or the threads stand still, so what it last put out stays";

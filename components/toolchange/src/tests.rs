@@ -1,5 +1,7 @@
 //! E-stop and the handshakes, cycle by cycle.
 
+mod estop;
+
 use crate::{Io, Iocontrol, Iov2};
 use hal_component::{abi::TicketState, bench::Bench};
 
@@ -132,6 +134,7 @@ fn comes_up_in_estop_and_leaves_it() {
     // E-stop does not wait for the task.
     rig.say("estop");
     assert_eq!(rig.on(), NONE);
+    rig.set("emc-enable-in", false);
     rig.cycle();
     assert_eq!(rig.ticket(), Some(TicketState::Done));
 }

@@ -2,9 +2,9 @@
 
 use crate::{
     ActionSpec, CommandSpec, FunctSpec, ItemSpec, Record, Ring, ServiceSpec, Slot, Status, Str,
-    StreamSpec, TaskSpec, ThreadSpec, Ticket,
+    StreamSpec, TaskSpec, ThreadSpec, Ticket, Use,
 };
-use core::ffi::c_void;
+use core::{ffi::c_void, mem::offset_of};
 
 /// Bits of [`Host::flags`].
 pub mod host_flags {
@@ -17,6 +17,9 @@ pub mod host_flags {
     pub const PRIVATE: u32 = 4;
     /// The instance is on trial (`check`): nothing it makes will ever run.
     pub const TRIAL: u32 = 8;
+    /// Since minor 4: the instance is a machine from an INI file, so motion needs the service
+    /// `interlock`.
+    pub const INTERLOCK: u32 = 16;
 }
 
 /// The value of an argument; which field counts follows from its type.
@@ -71,6 +74,19 @@ pub struct StreamRef {
     pub width: u32,
 }
 
+/// A service that was found.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct ServiceRef {
+    /// Its table, live until the component that found it is unloaded; null when it is not there.
+    pub table: *const c_void,
+    /// The pins, parameters and hidden state that its functions touch; valid until `create`
+    /// returns.
+    pub uses: *const Use,
+    /// The number of uses.
+    pub n_uses: usize,
+}
+
 /// What a component may call after `create`, from a function, a task, a command or an action.
 ///
 /// The record handed to `create` lives until the component is unloaded; the one handed to a
@@ -98,10 +114,12 @@ pub struct CallHost {
     pub reply: Option<unsafe extern "C" fn(*const c_void, text: Str)>,
     /// A place to report the end of this command later.
     pub ticket: Option<unsafe extern "C" fn(*const c_void) -> *const Ticket>,
+    /// Since minor 4: the caller waits for the ticket of this command, whether it asked to or not.
+    pub awaited: Option<unsafe extern "C" fn(*const c_void)>,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
 unsafe impl Record for CallHost {
-    const MIN: usize = size_of::<Self>();
+    const MIN: usize = offset_of!(Self, awaited);
 }
 // SAFETY: the engine takes these calls from any thread; components never look behind `ctx`.
 unsafe impl Sync for CallHost {}
@@ -155,8 +173,13 @@ pub struct Host {
     pub find: Option<
         unsafe extern "C" fn(*mut c_void, name: Str, version: u32, *mut *const c_void) -> Status,
     >,
+    /// Since minor 4: finds a service as `find` does, with what its functions touch. A service
+    /// that is not there is no error and has no table; one of another version is an error.
+    pub bind: Option<
+        unsafe extern "C" fn(*mut c_void, name: Str, version: u32, *mut ServiceRef) -> Status,
+    >,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
 unsafe impl Record for Host {
-    const MIN: usize = size_of::<Self>();
+    const MIN: usize = offset_of!(Self, bind);
 }

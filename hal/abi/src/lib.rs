@@ -24,11 +24,11 @@ mod ticket;
 
 pub use cell::{Cell, Slot};
 pub use foreign::{ForeignFile, ForeignLoader, Load, edit};
-pub use host::{ArgValue, CallHost, Host, StreamRef, host_flags};
+pub use host::{ArgValue, CallHost, Host, ServiceRef, StreamRef, host_flags};
 pub use port::PortQueue;
 pub use record::{List, Record, Status, Str};
 pub use ring::{Consumer, Got, MAX_WIDTH, Producer, RING_MAGIC, Ring};
-pub use service::{Kinematics, ServiceSpec};
+pub use service::{Interlock, Kinematics, ServiceSpec};
 pub use spec::{
     ActionSpec, ArgSpec, CommandRun, CommandSpec, ComponentType, Create, Free, FunctSpec, ItemSpec,
     Library, Run, StreamSpec, TaskSpec, ThreadSpec, Use, access, arg, component_flags, funct_flags,
@@ -39,7 +39,7 @@ pub use ticket::{TICKET_NUMBERS, Ticket, TicketState};
 /// Changes when an existing field or rule changes. Engine and library must agree exactly.
 pub const ABI_MAJOR: u32 = 1;
 /// Grows when something is appended. The engine must be at least as new as the library.
-pub const ABI_MINOR: u32 = 3;
+pub const ABI_MINOR: u32 = 4;
 /// The longest name of a pin, parameter, signal, function, thread or component, in bytes.
 pub const NAME_LEN: usize = 55;
 

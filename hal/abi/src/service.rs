@@ -93,3 +93,34 @@ impl Kinematics {
 unsafe impl Record for Kinematics {
     const MIN: usize = offset_of!(Self, types);
 }
+
+/// The table of the service `interlock`, version 1: the e-stop as a realtime thread reads it.
+///
+/// Motion is allowed only while [`Interlock::state`] answers exactly [`Interlock::RELEASED`]. A
+/// missing function, and every other answer, means e-stop.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Interlock {
+    /// `size_of::<Interlock>()` as compiled.
+    pub size: u32,
+    /// Zero; for later versions.
+    pub flags: u32,
+    /// Passed to the function.
+    pub ctx: *const c_void,
+    /// Realtime, reentrant. The bits [`Interlock::NOT_COMMANDED`] and [`Interlock::ENABLED`].
+    pub state: Option<unsafe extern "C" fn(*const c_void) -> u32>,
+}
+
+impl Interlock {
+    /// No e-stop is commanded.
+    pub const NOT_COMMANDED: u32 = 1;
+    /// The chain of e-stop contacts is closed: `emc-enable-in` is TRUE.
+    pub const ENABLED: u32 = 2;
+    /// The only answer that is no e-stop.
+    pub const RELEASED: u32 = Self::NOT_COMMANDED | Self::ENABLED;
+}
+
+// SAFETY: `#[repr(C)]`, size first, zero is valid.
+unsafe impl Record for Interlock {
+    const MIN: usize = size_of::<Self>();
+}

@@ -15,8 +15,9 @@ macro_rules! layout {
 fn table() -> Result<String, std::fmt::Error> {
     use hal_abi::{
         ActionSpec, ArgSpec, ArgValue, CallHost, Cell, CommandSpec, ComponentType, ForeignFile,
-        ForeignLoader, FunctSpec, Host, ItemSpec, Kinematics, Library, List, PortQueue, Ring,
-        ServiceSpec, Slot, Status, Str, StreamRef, StreamSpec, TaskSpec, ThreadSpec, Ticket, Use,
+        ForeignLoader, FunctSpec, Host, Interlock, ItemSpec, Kinematics, Library, List, PortQueue,
+        Ring, ServiceRef, ServiceSpec, Slot, Status, Str, StreamRef, StreamSpec, TaskSpec,
+        ThreadSpec, Ticket, Use,
     };
     let mut out = String::new();
     layout! { out,
@@ -42,10 +43,12 @@ fn table() -> Result<String, std::fmt::Error> {
         ActionSpec { size flags run state free }
         ServiceSpec { size version name table state free uses n_uses }
         Kinematics { size joints kind joint_of ctx forward inverse types solutions switch }
+        Interlock { size flags ctx state }
         ArgValue { size given int float text ints texts len }
         StreamRef { ring depth width }
-        CallHost { size flags ctx message now fail arg reply ticket }
-        Host { size abi_minor flags index personality prefix ctx calls fail arg item funct thread task command open stop stream offer find }
+        ServiceRef { table uses n_uses }
+        CallHost { size flags ctx message now fail arg reply ticket awaited }
+        Host { size abi_minor flags index personality prefix ctx calls fail arg item funct thread task command open stop stream offer find bind }
         Ring { magic depth width types lost }
     }
     Ok(out)

@@ -10,7 +10,8 @@ use crate::{
 pub struct Messages(pub(crate) &'static CallHost);
 
 impl Messages {
-    /// An error: each `{}` of `text` is replaced by the next of `numbers`.
+    /// An error: each `{}` of `text` is replaced by the next of `numbers`, and a pin that it names
+    /// as `{NAME}` is shown with its wiring.
     pub fn error(&self, text: &'static str, numbers: &[f64]) {
         self.say(level::ERR, text, numbers);
     }
@@ -116,6 +117,20 @@ impl Call<'_> {
             .map(TicketHandle)
             .ok_or_else(|| Error::new("too many commands are under way"))
     }
+
+    /// As [`ticket`](Self::ticket), and the caller waits for it, whether it asked to or not: for a
+    /// command whose failure nobody may miss.
+    ///
+    /// # Errors
+    /// The engine has none left.
+    pub fn awaited_ticket(&self) -> Result<TicketHandle, Error> {
+        let ticket = self.ticket()?;
+        if let Some(awaited) = self.0.awaited {
+            // SAFETY: the engine's function with the engine's context.
+            unsafe { awaited(self.0.ctx) };
+        }
+        Ok(ticket)
+    }
 }
 
 /// Realtime. Where a function reports the end of a command; exactly one of `done` and `fail` is
@@ -129,7 +144,7 @@ impl TicketHandle {
         self.0.done();
     }
 
-    /// The command was given up.
+    /// The command was given up. A pin that `why` names as `{NAME}` is shown with its wiring.
     pub fn fail(self, why: &'static str) {
         self.0.fail(why);
     }

@@ -37,6 +37,7 @@ mod builder;
 mod call;
 mod channels;
 mod decl;
+mod interlock;
 mod item;
 mod kinematics;
 mod number;
@@ -57,6 +58,7 @@ pub use decl::{Decl, Error};
 #[doc(hidden)]
 pub use hal_abi as abi;
 pub use hal_derive::{Component, Touch};
+pub use interlock::{Estop, Interlock, InterlockRef};
 #[doc(hidden)]
 pub use item::Begins;
 pub use item::{Field, In, InSet, Io, Item, Out, ParamRo, ParamRw, Value, Write};

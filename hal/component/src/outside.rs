@@ -1,10 +1,11 @@
 //! What a component shares: rings with programs, state and queues between functions, services.
 
 use crate::{
-    Builder, Error, Gives, Kinematics, KinematicsRef, Receiver, Sender, StreamIn, StreamOut, Takes,
-    abi::{self, Status, Str, StreamSpec},
+    Builder, Error, Gives, Interlock, InterlockRef, Kinematics, KinematicsRef, Receiver, Sender,
+    StreamIn, StreamOut, Takes,
+    abi::{self, ServiceRef, ServiceSpec, Status, Str, StreamSpec, host_flags},
     builder::check,
-    kinematics,
+    interlock, kinematics,
 };
 use core::ffi::c_void;
 use crossbeam::queue::ArrayQueue;
@@ -81,10 +82,22 @@ impl Builder<'_> {
     /// Kinematics are loaded already.
     pub fn offer_kinematics<K: Kinematics>(&mut self, k: K) -> Result<(), Error> {
         let uses = self.uses(&k);
-        let spec = kinematics::offer(k, &uses);
+        self.offer(&kinematics::offer(k, &uses))
+    }
+
+    /// Offers the e-stop to realtime functions of other plugins.
+    ///
+    /// # Errors
+    /// An interlock is loaded already.
+    pub fn offer_interlock<I: Interlock>(&mut self, interlock: I) -> Result<(), Error> {
+        let uses = self.uses(&interlock);
+        self.offer(&interlock::offer(interlock, &uses))
+    }
+
+    fn offer(&self, spec: &ServiceSpec) -> Result<(), Error> {
         let offer = self.host.offer.ok_or(Error::engine(Status::EINVAL))?;
         // SAFETY: the engine's function; ownership of the state passes with the call.
-        check(unsafe { offer(self.host.ctx, &raw const spec) })
+        check(unsafe { offer(self.host.ctx, std::ptr::from_ref(spec)) })
     }
 
     /// The kinematics that are loaded; functions declared afterwards take over what they touch.
@@ -100,5 +113,38 @@ impl Builder<'_> {
         })?;
         // SAFETY: the engine found a table of this name and version.
         unsafe { kinematics::found(table) }.ok_or(Error::engine(Status::EINVAL))
+    }
+
+    /// The interlock that is loaded, if there is one. A function that holds it takes over what it
+    /// touches.
+    ///
+    /// # Errors
+    /// The interlock is of another version.
+    pub fn interlock(&mut self) -> Result<Option<InterlockRef>, Error> {
+        let bind = self.host.bind.ok_or(Error::engine(Status::EINVAL))?;
+        let mut found = ServiceRef { table: core::ptr::null(), uses: core::ptr::null(), n_uses: 0 };
+        // SAFETY: the engine's function; `found` lives across the call.
+        check(unsafe {
+            bind(self.host.ctx, Str::new(interlock::NAME), interlock::VERSION, &raw mut found)
+        })?;
+        if found.table.is_null() {
+            return Ok(None);
+        }
+        let uses = if found.n_uses == 0 || found.uses.is_null() {
+            Vec::new()
+        } else {
+            // SAFETY: the engine's list, valid until `create` returns.
+            unsafe { core::slice::from_raw_parts(found.uses, found.n_uses) }.to_vec()
+        };
+        // SAFETY: the engine found a table of this name and version.
+        let found = unsafe { interlock::found(found.table, uses) };
+        // A table that cannot be read is no reason to go without one.
+        found.ok_or(Error::engine(Status::EINVAL)).map(Some)
+    }
+
+    /// Whether the instance is a machine from an INI file: motion then needs an interlock.
+    #[must_use]
+    pub const fn needs_interlock(&self) -> bool {
+        self.host.flags & host_flags::INTERLOCK != 0
     }
 }

@@ -3,8 +3,8 @@
 use crate::{Error, create::Creating, sync::Arc};
 use core::ffi::c_void;
 use hal_abi::{
-    ABI_MINOR, ActionSpec, ArgValue, CommandSpec, FunctSpec, Host, ItemSpec, Record, ServiceSpec,
-    Slot, Status, Str, StreamRef, StreamSpec, TaskSpec, ThreadSpec, host_flags,
+    ABI_MINOR, ActionSpec, ArgValue, CommandSpec, FunctSpec, Host, ItemSpec, Record, ServiceRef,
+    ServiceSpec, Slot, Status, Str, StreamRef, StreamSpec, TaskSpec, ThreadSpec, host_flags,
 };
 
 impl Creating<'_> {
@@ -22,6 +22,9 @@ impl Creating<'_> {
         }
         if self.engine.trial.is_some() {
             flags |= host_flags::TRIAL;
+        }
+        if self.engine.options.interlock {
+            flags |= host_flags::INTERLOCK;
         }
         if private {
             flags |= host_flags::PRIVATE;
@@ -47,6 +50,7 @@ impl Creating<'_> {
             stream: Some(stream),
             offer: Some(offer),
             find: Some(find),
+            bind: Some(bind),
         }
     }
 }
@@ -157,4 +161,20 @@ unsafe extern "C" fn find(
         unsafe { out.write(table) };
     });
     c.answer(found)
+}
+
+/// # Safety
+/// Called by a component during `create` with the context and records of that call.
+unsafe extern "C" fn bind(
+    ctx: *mut c_void,
+    name: Str,
+    version: u32,
+    out: *mut ServiceRef,
+) -> Status {
+    let c = creating(ctx);
+    let bound = c.bind(name, version).map(|found| {
+        // SAFETY: a live place of the component's.
+        unsafe { out.write(found) };
+    });
+    c.answer(bound)
 }

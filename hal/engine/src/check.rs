@@ -1,6 +1,7 @@
 //! `check`: what the graph says about a machine before it moves.
 
 mod components;
+mod estop;
 mod flow;
 mod functs;
 mod protection;
@@ -29,6 +30,7 @@ impl Engine {
         look.threads();
         look.components();
         look.protection();
+        look.estop();
         look.steps();
         look.flow(&self.order());
         look.found

@@ -7,7 +7,10 @@ use crate::{
 };
 use core::ffi::c_void;
 use hal_abi::{ArgValue, CallHost, CommandRun, Free, Run, Status, Str, Ticket, host_flags};
-use std::{cell::RefCell, ptr::NonNull};
+use std::{
+    cell::{Cell, RefCell},
+    ptr::NonNull,
+};
 
 /// A plugin library, open as long as anything of it is alive.
 #[derive(Debug)]
@@ -49,6 +52,7 @@ impl Keep {
                 arg: None,
                 reply: None,
                 ticket: None,
+                awaited: None,
             },
             component,
             shared,
@@ -201,6 +205,7 @@ pub(crate) struct Frame {
     lines: RefCell<Vec<String>>,
     failed: RefCell<String>,
     ticket: RefCell<Option<Box<Ticket>>>,
+    awaited: Cell<bool>,
 }
 
 /// What a command answered.
@@ -208,6 +213,8 @@ pub(crate) struct Frame {
 pub(crate) struct Outcome {
     pub(crate) lines: Vec<String>,
     pub(crate) ticket: Option<Box<Ticket>>,
+    /// The caller waits for the ticket, whether it asked to or not.
+    pub(crate) awaited: bool,
 }
 
 impl Code<CommandRun> {
@@ -223,6 +230,7 @@ impl Code<CommandRun> {
             arg: None,
             reply: None,
             ticket: None,
+            awaited: None,
         };
         // SAFETY: the component's code with its state; stop actions take no lock.
         unsafe { (self.run)(self.state, &raw const calls) };
@@ -242,6 +250,7 @@ impl Code<CommandRun> {
             arg: Some(frame_arg),
             reply: Some(frame_reply),
             ticket: Some(frame_ticket),
+            awaited: Some(frame_awaited),
         };
         // SAFETY: the component's code with its state, on the control side only.
         let status = unsafe { (self.run)(self.state, &raw const calls) };
@@ -250,6 +259,7 @@ impl Code<CommandRun> {
             return Ok(Outcome {
                 lines: frame.lines.into_inner(),
                 ticket: frame.ticket.into_inner(),
+                awaited: frame.awaited.get(),
             });
         }
         let why = frame.failed.into_inner();
@@ -294,6 +304,12 @@ unsafe extern "C" fn frame_ticket(ctx: *const c_void) -> *const Ticket {
     let mut place = frame(ctx).ticket.borrow_mut();
     let ticket = place.get_or_insert_with(|| Box::new(Ticket::new()));
     &raw const **ticket
+}
+
+/// # Safety
+/// Called by a component with the context it was given.
+unsafe extern "C" fn frame_awaited(ctx: *const c_void) {
+    frame(ctx).awaited.set(true);
 }
 
 /// A pointer that the contract lets other threads use.

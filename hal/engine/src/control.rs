@@ -43,15 +43,17 @@ impl Engine {
         self.refresh_flight();
         let poll = crate::polls::next_poll(self);
         let mut until = target.min(poll);
-        if until == i64::MAX && self.is_idle() {
+        let waits = crate::polls::waits_for_ticket(self);
+        let task_answers = waits && !self.tasks.is_empty();
+        if until == i64::MAX && self.is_idle() && !task_answers {
             // Without an end nothing moves while nothing runs: a script that waits for a program
-            // before `start` finds the clock where it was.
+            // before `start` finds the clock where it was. A command that a task answers goes on.
             return false;
         }
         until = until.min(self.next_task());
         // Whoever waits for a ticket or a ring is to see it as soon as it changes.
         let looks = self.script_waits && !self.rings.is_empty();
-        let instants = if looks || crate::polls::waits_for_ticket(self) { 1 } else { SLICE };
+        let instants = if looks || waits { 1 } else { SLICE };
         clock::turn(&self.shared, &self.probes, until.max(now), instants);
         self.drain_recording();
         self.drain_flight();
@@ -141,7 +143,7 @@ impl Engine {
         // SAFETY: static in a library that is open: messages are heard before one is closed.
         let text = unsafe { m.text.get() }.unwrap_or("?");
         let said = filled(text, m.numbers.get(..m.n).unwrap_or_default());
-        format!("{}: {said}", self.speaker(m.component))
+        format!("{}: {}", self.speaker(m.component), self.with_wiring(&said))
     }
 
     fn speaker(&self, component: u32) -> &str {

@@ -13,8 +13,8 @@ use crate::{
 };
 use core::{ffi::c_void, ptr::NonNull};
 use hal_abi::{
-    ActionSpec, CommandRun, CommandSpec, FunctSpec, ItemSpec, ServiceSpec, Slot, Status, Str,
-    StreamRef, StreamSpec, TaskSpec, ThreadSpec, Use, access, funct_flags, item_flags,
+    ActionSpec, CommandRun, CommandSpec, FunctSpec, ItemSpec, ServiceRef, ServiceSpec, Slot,
+    Status, Str, StreamRef, StreamSpec, TaskSpec, ThreadSpec, Use, access, funct_flags, item_flags,
 };
 use hal_protocol::{Direction, Type};
 use std::collections::{BTreeMap, BTreeSet};
@@ -181,10 +181,10 @@ impl<'e> Creating<'e> {
         let ix = self.engine.graph.g.add_node(Node::Funct(funct));
         self.engine.graph.g.add_edge(self.component, ix, Edge::Owns);
         self.engine.graph.functs.insert(name, ix);
-        if spec.n_uses > 0 && !spec.uses.is_null() {
-            // SAFETY: the component's list lives across its call.
-            let uses = unsafe { core::slice::from_raw_parts(spec.uses, spec.n_uses) };
-            self.created.insert(ix, uses.to_vec());
+        // SAFETY: the component's list lives across its call.
+        let uses = unsafe { copied(spec.uses, spec.n_uses) };
+        if !uses.is_empty() {
+            self.created.insert(ix, uses);
         }
         Ok(())
     }
@@ -251,7 +251,10 @@ impl<'e> Creating<'e> {
             let by = self.engine.graph.component(by).map_or("", |c| c.name.as_str()).into();
             return Err(Error::ServiceTaken { name: name.into(), by });
         }
-        let service = Service { name: name.into(), version: spec.version, table: spec.table, code };
+        // SAFETY: the component's list lives across its call.
+        let uses = unsafe { copied(spec.uses, spec.n_uses) };
+        let (name, version) = (name.into(), spec.version);
+        let service = Service { name, version, table: spec.table, uses, code };
         if let Some(c) = self.engine.graph.component_mut(self.component) {
             c.services.push(service);
         }
@@ -260,15 +263,32 @@ impl<'e> Creating<'e> {
 
     pub(crate) fn find(&mut self, name: Str, version: u32) -> Result<*const c_void, Error> {
         let name = self.text(name)?;
-        let (by, table) = self
-            .engine
-            .graph
-            .service(name, Some(version))
-            .ok_or_else(|| Error::NoService { name: name.into(), version })?;
-        if by != self.component {
-            self.engine.graph.g.add_edge(self.component, by, Edge::Needs);
+        let found = self.found(name, version).map(|found| found.table);
+        found.ok_or_else(|| Error::NoService { name: name.into(), version })
+    }
+
+    /// As [`find`](Self::find), with what the service touches. None of that name is no error.
+    pub(crate) fn bind(&mut self, name: Str, version: u32) -> Result<ServiceRef, Error> {
+        let name = self.text(name)?;
+        match self.found(name, version) {
+            Some(found) => Ok(found),
+            None if self.engine.graph.service(name, None).is_none() => {
+                Ok(ServiceRef { table: core::ptr::null(), uses: core::ptr::null(), n_uses: 0 })
+            }
+            None => Err(Error::NoService { name: name.into(), version }),
         }
-        Ok(table)
+    }
+
+    /// Looks for a service, and keeps its provider loaded.
+    fn found(&mut self, name: &str, version: u32) -> Option<ServiceRef> {
+        let graph = &mut self.engine.graph;
+        let (by, service) = graph.service(name, Some(version))?;
+        let (uses, n_uses) = (service.uses.as_ptr(), service.uses.len());
+        let found = ServiceRef { table: service.table, uses, n_uses };
+        if by != self.component {
+            graph.g.add_edge(self.component, by, Edge::Needs);
+        }
+        Some(found)
     }
 
     pub(crate) fn action(&self, spec: &ActionSpec) -> Option<Code<CommandRun>> {
@@ -289,15 +309,27 @@ impl<'e> Creating<'e> {
 }
 
 impl Graph {
-    /// Who offers a service, and its table.
-    pub(crate) fn service(&self, name: &str, version: Option<u32>) -> Option<(Ix, *const c_void)> {
+    /// A service, and the component that offers it.
+    pub(crate) fn service(&self, name: &str, version: Option<u32>) -> Option<(Ix, &Service)> {
         self.components.values().find_map(|ix| {
             let service = self
                 .component(*ix)?
                 .services
                 .iter()
                 .find(|s| &*s.name == name && version.is_none_or(|v| v == s.version))?;
-            Some((*ix, service.table))
+            Some((*ix, service))
         })
     }
+}
+
+/// Copies a list of a component's.
+///
+/// # Safety
+/// `list` is null, or holds `n` uses.
+unsafe fn copied(list: *const Use, n: usize) -> Vec<Use> {
+    if n == 0 || list.is_null() {
+        return Vec::new();
+    }
+    // SAFETY: the caller's promise.
+    unsafe { core::slice::from_raw_parts(list, n) }.to_vec()
 }

@@ -330,7 +330,7 @@ impl Engine {
             TicketState::Failed(why) => {
                 let (numbers, count) = pending.ticket.numbers();
                 let numbers = numbers.get(..count).unwrap_or_default();
-                TicketInfo::Failed(crate::control::filled(why, numbers))
+                TicketInfo::Failed(self.with_wiring(&crate::control::filled(why, numbers)))
             }
         };
         self.tickets.remove(&id);

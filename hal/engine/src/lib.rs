@@ -62,6 +62,7 @@ mod value;
 mod watch;
 mod watch_error;
 mod watchdog;
+mod wired;
 mod wiring;
 
 pub use engine::{Ended, Engine};
@@ -95,6 +96,9 @@ pub struct Options {
     pub simulate: bool,
     /// Whether items carry their old names (an INI of the old kind).
     pub old_names: bool,
+    /// Whether the instance is a machine from an INI file: motion then refuses to load without
+    /// the interlock that stops it in e-stop.
+    pub interlock: bool,
     /// Folders with plugins, searched in order.
     pub path: Vec<PathBuf>,
     /// What is asked of the system for realtime threads.

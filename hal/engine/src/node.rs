@@ -9,7 +9,7 @@ use crate::{
     thread::{Account, Thread},
 };
 use core::{ffi::c_void, ptr::NonNull};
-use hal_abi::{Cell, CommandRun, PortQueue, Run, Slot};
+use hal_abi::{Cell, CommandRun, PortQueue, Run, Slot, Use};
 use hal_protocol::{ComponentState, Direction, Type};
 
 /// A node.
@@ -99,6 +99,8 @@ pub(crate) struct Service {
     pub(crate) name: Box<str>,
     pub(crate) version: u32,
     pub(crate) table: *const c_void,
+    /// The pins, parameters and hidden state that its functions touch.
+    pub(crate) uses: Vec<Use>,
     #[expect(dead_code, reason = "held so that the table lives as long as its component")]
     pub(crate) code: Code<()>,
 }

@@ -107,7 +107,8 @@ impl Engine {
             self.tickets.insert(id, Pending { owner, ticket });
             id
         });
-        Ok(Reply::Answer(Answer { lines: outcome.lines, ticket }))
+        let awaited = outcome.awaited && ticket.is_some();
+        Ok(Reply::Answer(Answer { lines: outcome.lines, ticket, awaited }))
     }
 
     /// `unloadusr`.

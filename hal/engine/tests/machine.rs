@@ -11,6 +11,7 @@ fn engine() -> Engine {
         hold: true,
         simulate: true,
         old_names: false,
+        interlock: false,
         path: Vec::new(),
         realtime: RealtimeOptions::default(),
     };

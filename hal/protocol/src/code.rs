@@ -66,6 +66,7 @@ codes! {
     AliasShadows = "H209" Warning "a second name that hides another thing";
     Unused = "H210" Note "a component that nothing uses";
     Foreign = "H211" Note "a component whose flow is not known";
+    LoadedAlready = "H212" Note "a component that the start has loaded already";
 
     TypeMismatch = "H301" Error "a pin and a signal of different types";
     TwoWriters = "H302" Error "a signal with two writers";
@@ -79,6 +80,8 @@ codes! {
     Unfed = "H310" Note "an output that no signal feeds";
     NoPins = "H311" Note "a signal without pins";
     NoChargePump = "H312" Note "outputs without a charge pump";
+    EstopNotReturned = "H313" Warning "an e-stop that its chain does not follow";
+    EstopNotJoined = "H314" Warning "motion that no e-stop stops";
 
     NotWritable = "H401" Error "something that cannot be set";
     BadValue = "H402" Error "a value of the wrong kind";

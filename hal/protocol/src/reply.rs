@@ -94,4 +94,8 @@ pub struct Answer {
     pub lines: Vec<String>,
     /// Set when the command goes on in machine time.
     pub ticket: Option<u64>,
+    /// Whether the caller is to wait for the ticket even if nobody asked it to: the command may
+    /// yet fail in a way that nobody may miss.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    pub awaited: bool,
 }

@@ -2,8 +2,11 @@
 
 use super::{allow::Allowed, joints, refused, unused};
 use crate::{Error, trial::Trial};
-use hal_protocol::{At, Code, Failure, Finding, Link, Reply, Request};
-use std::{collections::BTreeMap, path::PathBuf};
+use hal_protocol::{At, Code, Failure, Finding, Kind, Link, Reply, Request};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::PathBuf,
+};
 
 /// Files by name, as far as they can be read: for lines with a caret, and allowances.
 pub type Texts = BTreeMap<String, Vec<String>>;
@@ -59,6 +62,7 @@ fn collect(trial: &mut Trial, findings: &mut Vec<Finding>) {
     findings.extend(attempt.found.iter().cloned());
     findings.extend(attempt.unknown.notes());
     let starts = trial.starts_itself();
+    let wired_unknown = estop_is_unknown(trial.engine(), &attempt.unknown.signals);
     let engine = match asked(trial.engine()) {
         Ok(list) => list,
         Err(failure) => vec![refused::finding(At::new("", 0), &failure.into())],
@@ -67,6 +71,7 @@ fn collect(trial: &mut Trial, findings: &mut Vec<Finding>) {
         Code::NoReader | Code::NoWriter | Code::NoPins | Code::SetThenWritten => {
             !attempt.unknown.signals.contains(&f.subject)
         }
+        Code::EstopNotReturned | Code::EstopNotJoined => !wired_unknown,
         // Whoever starts the machine starts the threads.
         Code::NeverStarted => !starts,
         _ => true,
@@ -74,6 +79,18 @@ fn collect(trial: &mut Trial, findings: &mut Vec<Finding>) {
     findings.extend(engine.into_iter().filter(known));
     findings.extend(joints::findings(trial));
     findings.extend(unused::findings(trial));
+}
+
+/// Whether the e-stop is wired to pins that are not known: nobody can say where it leads.
+fn estop_is_unknown(link: &mut dyn Link, unknown: &BTreeSet<String>) -> bool {
+    let ends = ["iocontrol.0.user-enable-out", "iocontrol.0.emc-enable-in", "motion.enable"];
+    let patterns = ends.map(str::to_owned).to_vec();
+    match link.call(Request::List { kind: Kind::Pins, patterns, ty: None }) {
+        Ok(Reply::Items(pins)) => {
+            pins.iter().filter_map(|pin| pin.signal.as_ref()).any(|name| unknown.contains(name))
+        }
+        _ => false,
+    }
 }
 
 /// Sorts, and takes out what comments allow.

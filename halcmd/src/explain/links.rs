@@ -129,4 +129,37 @@ pub(super) const ROWS: &[Row] = &[
                 addf viagpio.write servo\nnet lamp or2.0.out => viagpio.pin-05-out\n\
                 net pump charge-pump.out => viagpio.pin-06-out\nstart\n",
     },
+    Row {
+        code: Code::EstopNotReturned,
+        means: "iocontrol.0.user-enable-out goes FALSE with iocontrol.estop, and no signal or \
+                component carries that back to iocontrol.0.emc-enable-in.",
+        matters: "The chain of e-stop contacts stays closed in an e-stop that is commanded: what \
+                  hangs at it goes on, and iocontrol.estop fails.",
+        remedy: "Let it open the chain: directly, or by an and2 with the button before the latch.",
+        wrong: "loadrt threads name1=servo period1=1000000\nloadrt iocontrol\nloadrt or2\n\
+                addf or2.0 servo\nnet closed or2.0.out => iocontrol.0.emc-enable-in\n\
+                net allowed iocontrol.0.user-enable-out # <--\nstart\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt iocontrol\nloadrt or2\n\
+                loadrt and2\naddf or2.0 servo\naddf and2.0 servo\n\
+                net button or2.0.out => and2.0.in0\n\
+                net allowed iocontrol.0.user-enable-out => and2.0.in1\n\
+                net closed and2.0.out => iocontrol.0.emc-enable-in\nstart\n",
+    },
+    Row {
+        code: Code::EstopNotJoined,
+        means: "A script has no INI file, so it stops motion in e-stop by its own signals; and \
+                motion.enable follows neither user-enable-out nor the e-stop chain, or nothing at \
+                all.",
+        matters: "Motion goes on in e-stop.",
+        remedy: "Link motion.enable to the signal of emc-enable-in; or load iocontrol with \
+                 interlock=1 before motmod, which then stops whatever is wired.",
+        wrong: "loadrt iocontrol\nloadrt trivkins\nloadrt motmod num_joints=1 # <--\n\
+                addf motion-command-handler servo-thread\naddf motion-controller servo-thread\n\
+                net x joint.0.motor-pos-cmd => joint.0.motor-pos-fb\n\
+                net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\nstart\n",
+        right: "loadrt iocontrol interlock=1\nloadrt trivkins\nloadrt motmod num_joints=1\n\
+                addf motion-command-handler servo-thread\naddf motion-controller servo-thread\n\
+                net x joint.0.motor-pos-cmd => joint.0.motor-pos-fb\n\
+                net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\nstart\n",
+    },
 ];

@@ -67,7 +67,10 @@ pub(super) const ROWS: &[Row] = &[
         matters: "halrun stops at this line.",
         remedy: "Load the other one first.",
         wrong: "loadrt motmod servo_period_nsec=1000000 num_joints=1 # <--\n",
-        right: "loadrt trivkins\nloadrt motmod servo_period_nsec=1000000 num_joints=1\n",
+        right: "loadrt iocontrol interlock=1\nloadrt trivkins\n\
+                loadrt motmod servo_period_nsec=1000000 num_joints=1\n\
+                addf motion-command-handler servo-thread\naddf motion-controller servo-thread\n\
+                net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\nstart\n",
     },
     Row {
         code: Code::BadCall,
@@ -76,7 +79,10 @@ pub(super) const ROWS: &[Row] = &[
         remedy: "'halcmd show' of a machine that runs, and 'halcmd commands', list the arguments.",
         wrong: "loadrt trivkins\nloadrt motmod servo_period_nsec=1000000 num_joints=1\n\
                 motion.jog jont=0 velocity=5 # <--\n",
-        right: "loadrt trivkins\nloadrt motmod servo_period_nsec=1000000 num_joints=1\n\
+        right: "loadrt iocontrol interlock=1\nloadrt trivkins\n\
+                loadrt motmod servo_period_nsec=1000000 num_joints=1\n\
+                addf motion-command-handler servo-thread\naddf motion-controller servo-thread\n\
+                net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\n\
                 motion.jog joint=0 velocity=5\n",
     },
     Row {

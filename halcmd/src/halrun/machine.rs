@@ -38,6 +38,7 @@ pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path) -> Outcom
     }
     let mut machine = Machine { session, ini, folders, outcome: Outcome::Good };
     machine.load();
+    machine.session.begin_machine();
     for entry in ini.all("HAL", "HALFILE") {
         machine.file(entry, true);
     }
@@ -55,6 +56,7 @@ pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path) -> Outcom
 /// What [`start`] does before the HAL files.
 pub(crate) fn before_files(session: &mut Session<'_>, ini: &Ini, path: &Path) {
     Machine { session, ini, folders: Folders::of(path), outcome: Outcome::Good }.load();
+    session.begin_machine();
 }
 
 /// What [`start`] does after them.
@@ -88,7 +90,8 @@ impl Machine<'_, '_> {
     /// Loads what an INI start always has.
     fn load(&mut self) {
         let module = "iocontrol".to_owned();
-        self.ask("EMCIO", Request::Load { module, args: Vec::new() });
+        let args = vec!["interlock=1".to_owned()];
+        self.ask("EMCIO", Request::Load { module, args });
     }
 
     /// Asks for what the INI file asks for in a section.

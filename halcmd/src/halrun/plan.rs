@@ -233,6 +233,7 @@ pub(crate) fn plan(
             hold: has(Id::Hold),
             simulate: has(Id::Simulate) || clock == ClockKind::Virtual,
             old_names: false,
+            interlock: false,
             path: plugin_path(&|name| match name {
                 LINUXCNC_MODULES if has(Id::Linuxcnc) => Some("1".to_owned()),
                 "HAL_RTMOD_DIR" => value(Id::Modules),

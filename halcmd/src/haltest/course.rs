@@ -13,7 +13,7 @@ use super::{
 use crate::{
     Bytes, Captured, Error, Outcome, Session, Style,
     halrun::{
-        Files, machine,
+        Files, instance_options, machine,
         plan::{self, Plan, Script},
         prepare,
     },
@@ -78,9 +78,7 @@ pub(super) fn run(test: &Test, script: &str) -> Course {
     if let Err(complaint) = settings::change(test, files.ini.as_mut()) {
         return Course { complaints: vec![complaint], ..Course::default() };
     }
-    let mut options = plan.options.clone();
-    options.old_names = files.ini.as_ref().is_some_and(crate::ini::Ini::is_old);
-    let engine = match Engine::new(options) {
+    let engine = match Engine::new(instance_options(&plan, &files)) {
         Ok(engine) => engine,
         Err(failure) => return failed(failure.to_string()),
     };

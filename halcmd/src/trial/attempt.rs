@@ -234,12 +234,6 @@ impl Session<'_> {
         }
         Ok(())
     }
-
-    /// Where the line stands that is carried out.
-    fn standing(&self) -> At {
-        let (file, line) = self.place();
-        At::new(file, line)
-    }
 }
 
 /// The name that a request is about.

@@ -2,8 +2,8 @@
 
 use super::table::{Code, Laid, Table};
 use crate::abi::{
-    self, ActionSpec, ArgValue, CommandSpec, FunctSpec, ItemSpec, Record, Ring, ServiceSpec, Slot,
-    Status, Str, StreamRef, StreamSpec, TaskSpec, ThreadSpec, Ticket, Use,
+    self, ActionSpec, ArgValue, CommandSpec, FunctSpec, ItemSpec, Record, Ring, ServiceRef,
+    ServiceSpec, Slot, Status, Str, StreamRef, StreamSpec, TaskSpec, ThreadSpec, Ticket, Use,
 };
 use core::ffi::c_void;
 use std::{cell::RefCell, sync::atomic::Ordering::Relaxed};
@@ -168,7 +168,7 @@ pub(super) unsafe extern "C" fn stream(
 /// Called by a component through the records that [`Bench`] made.
 pub(super) unsafe extern "C" fn offer(ctx: *mut c_void, spec: *const ServiceSpec) -> Status {
     let s: ServiceSpec = spec!(spec);
-    let code = Code { run: (), state: s.state, free: s.free, uses: Vec::new() };
+    let code = Code { run: (), state: s.state, free: s.free, uses: uses(s.uses, s.n_uses) };
     table(ctx).borrow_mut().services.insert(text(s.name), (s.version, s.table, Some(code)));
     Status::OK
 }
@@ -194,6 +194,39 @@ pub(super) unsafe extern "C" fn find(
             Status::ENOENT
         }
     }
+}
+
+/// # Safety
+/// Called by a component through the records that [`Bench`] made.
+pub(super) unsafe extern "C" fn bind(
+    ctx: *mut c_void,
+    name: Str,
+    version: u32,
+    out: *mut ServiceRef,
+) -> Status {
+    let name = text(name);
+    let mut t = table(ctx).borrow_mut();
+    let mut found = ServiceRef { table: core::ptr::null(), uses: core::ptr::null(), n_uses: 0 };
+    match t.services.get(&name) {
+        Some((v, table, code)) if *v == version => {
+            let uses = code.as_ref().map_or(&[][..], |code| &code.uses);
+            found = ServiceRef { table: *table, uses: uses.as_ptr(), n_uses: uses.len() };
+        }
+        Some((v, ..)) => {
+            t.failed = format!("{name} is of version {v}, not {version}");
+            return Status::ENOENT;
+        }
+        None => {}
+    }
+    // SAFETY: a live place of the caller's.
+    unsafe { out.write(found) };
+    Status::OK
+}
+
+/// # Safety
+/// Called by a component through the records that [`Bench`] made.
+pub(super) unsafe extern "C" fn awaited(ctx: *const c_void) {
+    table(ctx).borrow().awaited.set(true);
 }
 
 /// # Safety

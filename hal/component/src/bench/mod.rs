@@ -85,6 +85,7 @@ impl Bench {
             arg: Some(host::arg_call),
             reply: Some(host::reply),
             ticket: Some(host::ticket),
+            awaited: Some(host::awaited),
         });
         Self { table, calls, flags }
     }
@@ -103,6 +104,14 @@ impl Bench {
     #[must_use]
     pub fn with_hardware(mut self) -> Self {
         self.flags &= !host_flags::SIMULATED;
+        self.calls.flags = self.flags;
+        self
+    }
+
+    /// The same table, as in a machine from an INI file: motion needs an interlock.
+    #[must_use]
+    pub fn with_interlock(mut self) -> Self {
+        self.flags |= host_flags::INTERLOCK;
         self.calls.flags = self.flags;
         self
     }
@@ -163,6 +172,7 @@ impl Bench {
                 stream: Some(host::stream),
                 offer: Some(host::offer),
                 find: Some(host::find),
+                bind: Some(host::bind),
             };
             // SAFETY: `host` lives across the call.
             let status = unsafe { crate::create::<C>(&raw const host) };
@@ -282,6 +292,7 @@ impl Bench {
             (specs.clone(), code.run, code.state)
         };
         *self.table.borrow().call_args.borrow_mut() = Args::new(specs, args)?;
+        self.table.borrow().awaited.set(false);
         self.act(run, state)?;
         Ok(core::mem::take(&mut *self.table.borrow().replies.borrow_mut()))
     }
@@ -302,6 +313,18 @@ impl Bench {
         let (numbers, count) = ticket.numbers();
         let filled = |s: String, x: &f64| s.replacen("{}", &x.to_string(), 1);
         Some(numbers.iter().take(count).fold(why.to_owned(), filled))
+    }
+
+    /// How far each command that took a ticket has come, in order.
+    #[must_use]
+    pub fn tickets(&self) -> Vec<TicketState> {
+        self.table.borrow().tickets.borrow().iter().map(|t| t.state()).collect()
+    }
+
+    /// Whether the last command has its caller wait for the ticket, asked to or not.
+    #[must_use]
+    pub fn is_awaited(&self) -> bool {
+        self.table.borrow().awaited.get()
     }
 
     /// What was said since the last call.

@@ -6,7 +6,7 @@ use crate::abi::{
 };
 use core::ffi::c_void;
 use std::{
-    cell::RefCell,
+    cell::{Cell, RefCell},
     collections::BTreeMap,
     sync::atomic::{AtomicI64, AtomicU8},
 };
@@ -57,6 +57,7 @@ pub(super) struct Table {
     pub(super) replies: RefCell<Vec<String>>,
     #[expect(clippy::vec_box, reason = "a ticket must not move")]
     pub(super) tickets: RefCell<Vec<Box<Ticket>>>,
+    pub(super) awaited: Cell<bool>,
     pub(super) call_args: RefCell<Args>,
 }
 

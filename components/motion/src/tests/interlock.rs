@@ -1,0 +1,164 @@
+//! The e-stop of iocontrol, which no wiring can go round.
+
+use super::{PERIOD, Rig, near};
+use hal_component::{abi::TicketState, bench::Bench};
+use toolchange::Iocontrol;
+use trivkins::Trivkins;
+
+const AMPS: [&str; 3] =
+    ["joint.0.amp-enable-out", "joint.1.amp-enable-out", "joint.2.amp-enable-out"];
+const COMMANDED: &str = "motion stopped by e-stop: it was commanded by iocontrol.estop";
+const OPEN: &str = "motion stopped by e-stop: {iocontrol.0.emc-enable-in} is FALSE";
+
+impl Rig {
+    /// A machine from an INI file, in e-stop; nothing is wired.
+    fn machine() -> Self {
+        let mut bench = Bench::new().with_interlock();
+        bench.load::<Iocontrol>(&[]).unwrap();
+        bench.load::<Trivkins>(&[]).unwrap();
+        Self::with(bench)
+    }
+
+    /// Out of e-stop, on, and homed.
+    fn released() -> Self {
+        let mut rig = Self::machine();
+        rig.release();
+        rig.done("motion.enable");
+        rig.done("motion.home joint=all");
+        rig
+    }
+
+    fn release(&mut self) {
+        self.say("iocontrol.estop-reset");
+        self.task();
+        self.bench.set("iocontrol.0.emc-enable-in", true);
+        self.task();
+        assert_eq!(self.bench.ticket(), Some(TicketState::Done));
+    }
+
+    /// A cycle of iocontrol's task.
+    fn task(&self) {
+        self.bench.run("iocontrol", 100 * PERIOD);
+    }
+}
+
+#[test]
+fn an_estop_stops_everything_in_the_cycle_in_which_it_comes() {
+    type Comes = fn(&Rig);
+    let ways: [(Comes, &str); 2] = [
+        (|rig| assert!(rig.say("iocontrol.estop").is_empty()), COMMANDED),
+        (|rig| rig.bench.set("iocontrol.0.emc-enable-in", false), OPEN),
+    ];
+    for (comes, cause) in ways {
+        for text in [
+            "motion.jog joint=0 velocity=20 position=100",
+            "motion.jog axis=y velocity=20 distance=30",
+            "motion.move x=100 velocity=20",
+            "motion.home joint=all",
+            "motion.spindle-orient angle=90",
+        ] {
+            let mut rig = Rig::released();
+            rig.done("motion.spindle speed=600");
+            if text == "motion.home joint=all" {
+                rig.say("motion.configure joint=0 home-search-vel=5 home-latch-vel=1");
+                rig.cycles(1);
+            }
+            rig.say(text);
+            let waits = rig.bench.tickets().len() - 1;
+            rig.cycles(50);
+            assert_eq!(rig.which(&AMPS), AMPS, "{text}");
+            comes(&rig);
+            rig.strict = false;
+            // The enable input is TRUE all the time: nothing else could have stopped it.
+            assert!(rig.is("motion.enable"));
+            rig.cycle();
+            assert_eq!(rig.which(&AMPS), [""; 0], "{text}");
+            let on = ["motion.motion-enabled", "spindle.0.on", "motion.jog-is-active"];
+            assert_eq!(rig.which(&on), [""; 0], "{text}");
+            assert!(rig.is("spindle.0.brake") && rig.is("motion.in-position"));
+            assert_eq!(rig.bench.tickets()[waits], TicketState::Failed(cause), "{text}");
+            assert_eq!(rig.bench.said(), [cause], "{text}");
+            // The end of the e-stop is no beginning of anything.
+            let places = rig.places();
+            rig.bench.set("iocontrol.0.emc-enable-in", false);
+            rig.cycles(3);
+            rig.release();
+            rig.cycles(100);
+            assert_eq!(rig.which(&on), [""; 0], "{text}");
+            assert_eq!((rig.which(&AMPS), rig.places()), (vec![], places), "{text}");
+            rig.done("motion.enable");
+            rig.cycles(100);
+            assert_eq!((rig.which(&AMPS), rig.places()), (AMPS.to_vec(), places), "{text}");
+        }
+    }
+}
+
+#[test]
+fn enabling_in_estop_is_refused_with_what_ends_it() {
+    let mut rig = Rig::machine();
+    let commanded = "can't enable motion, the machine is in e-stop: iocontrol.estop-reset ends \
+                     it, and {iocontrol.0.emc-enable-in} must then be TRUE";
+    let open = "can't enable motion, the machine is in e-stop: {iocontrol.0.emc-enable-in} is \
+                FALSE. It ends when that is TRUE; iocontrol.estop-reset resets a latch in the \
+                chain";
+    // As it comes up, with and without the chain.
+    for chain in [false, true] {
+        rig.bench.set("iocontrol.0.emc-enable-in", chain);
+        assert_eq!(rig.failed("motion.enable"), commanded);
+    }
+    rig.bench.set("iocontrol.0.emc-enable-in", false);
+    rig.say("iocontrol.estop-reset");
+    rig.task();
+    assert_eq!(rig.failed("motion.enable"), open);
+    rig.bench.set("iocontrol.0.emc-enable-in", true);
+    rig.done("motion.enable");
+    rig.say("iocontrol.estop");
+    assert_eq!(rig.failed("motion.enable"), commanded);
+    assert!(!rig.is("motion.motion-enabled"));
+    let said = rig.bench.said();
+    assert_eq!(said, [commanded, commanded, open, commanded, COMMANDED]);
+}
+
+#[test]
+fn the_controller_declares_what_it_reads_of_iocontrol() {
+    let touches = |bench: &Bench, name: &str| {
+        let all = bench.touches(name);
+        all.into_iter().filter(|t| t.contains("iocontrol")).collect::<Vec<_>>()
+    };
+    let rig = Rig::machine();
+    let reads = touches(&rig.bench, "motion-controller");
+    assert_eq!(reads, ["iocontrol.0.emc-enable-in r"]);
+    assert_eq!(touches(&rig.bench, "motion-command-handler"), [""; 0]);
+}
+
+#[test]
+fn a_machine_without_its_interlock_is_not_loaded() {
+    let mut bench = Bench::new().with_interlock();
+    bench.load::<Trivkins>(&[]).unwrap();
+    assert_eq!(
+        bench.load::<crate::Motmod>(&[]).unwrap_err(),
+        "a machine from an INI file needs the e-stop of iocontrol, which is not loaded: loadrt \
+         iocontrol first"
+    );
+}
+
+#[test]
+fn a_script_asks_for_the_interlock_or_keeps_its_own_wiring() {
+    for (args, in_force) in [(&[][..], false), (&["interlock=0"], false), (&["interlock=1"], true)]
+    {
+        let mut bench = Bench::new();
+        bench.load::<Iocontrol>(args).unwrap();
+        bench.load::<Trivkins>(&[]).unwrap();
+        let mut rig = Rig::with(bench);
+        assert_eq!(rig.wait("motion.enable").is_err(), in_force, "{args:?}");
+        rig.release();
+        rig.done("motion.enable");
+        rig.say("motion.jog joint=0 velocity=20");
+        rig.cycles(50);
+        near(rig.joint(0, "vel-cmd"), 20.0);
+        rig.say("iocontrol.estop");
+        rig.strict = false;
+        rig.cycle();
+        assert_eq!(rig.is("motion.motion-enabled"), !in_force, "{args:?}");
+    }
+}

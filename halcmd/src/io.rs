@@ -1,0 +1,68 @@
+//! Lines that load `iocontrol`: as a program, as LinuxCNC has it, or once more after a start from
+//! an INI file.
+
+use crate::{Command, Error, Session};
+use hal_protocol::{At, Code, Finding, Request};
+
+/// The component, and its other names.
+const NAMES: [&str; 3] = ["iocontrol", "io", "iov2"];
+
+impl Session<'_> {
+    /// From here on the lines are those of a machine from an INI file, which has loaded
+    /// `iocontrol`.
+    pub(crate) const fn begin_machine(&mut self) {
+        self.is_machine = true;
+    }
+
+    /// Turns `loadusr io` into `loadrt iocontrol`, which is what `io` is here. Returns nothing
+    /// when the machine has it already: it stays as it was loaded, with its interlock.
+    pub(crate) fn with_own_io(&mut self, command: Command) -> Result<Option<Command>, Error> {
+        let (module, args) = match &command {
+            Command::Launch(launch) => {
+                let base = launch.program.rsplit('/').next().unwrap_or_default();
+                match NAMES.iter().find(|name| **name == base) {
+                    Some(_) => (NAMES[0], Vec::new()),
+                    None => return Ok(Some(command)),
+                }
+            }
+            Command::Ask(Request::Load { module, args }, _) => {
+                match NAMES.iter().find(|name| **name == module.as_str()) {
+                    Some(name) => (*name, args.clone()),
+                    None => return Ok(Some(command)),
+                }
+            }
+            _ => return Ok(Some(command)),
+        };
+        if self.is_machine && self.component_of(NAMES[0])?.is_some() {
+            self.say_that_it_is_there(module, &args);
+            return Ok(None);
+        }
+        let note = Some(format!("Realtime module '{module}' loaded"));
+        Ok(Some(Command::Ask(Request::Load { module: module.to_owned(), args }, note)))
+    }
+
+    fn say_that_it_is_there(&mut self, module: &str, args: &[String]) {
+        let arguments = if args.is_empty() {
+            String::new()
+        } else {
+            format!("; without effect: {}", args.join(" "))
+        };
+        let text = format!("{module} is loaded already, by the start from the INI file{arguments}");
+        let at = self.standing();
+        if let Some(attempt) = &mut self.attempt {
+            let finding = Finding::new(Code::LoadedAlready, module, text).at(Some(at));
+            let remedy = "take the line out, or leave it for other programs that need it";
+            attempt.found.push(finding.remedy(remedy));
+        } else if args.is_empty() {
+            self.note(&text);
+        } else {
+            self.complain(&format!("Warning: {text}"));
+        }
+    }
+
+    /// The place of the line that is being carried out.
+    pub(crate) fn standing(&self) -> At {
+        let (file, line) = self.place();
+        At::new(file, line)
+    }
+}
