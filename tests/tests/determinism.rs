@@ -23,7 +23,7 @@ net ypos-fb => sampler.0.pin.1 hypot.0.in0
 net wave siggen.0.sine => hypot.0.in1 sampler.0.pin.2
 net far hypot.0.out => sampler.0.pin.3
 net xdir => sampler.0.pin.4
-iocontrol.estop-reset
+iocontrol.estop-reset --wait
 motion.enable --wait
 motion.home joint=all --wait
 motion.move x=13 y=7.7 z=-1.234 velocity=33.3

@@ -98,7 +98,7 @@ fn intervals(times: &[i64]) -> Vec<i64> {
 
 #[test]
 fn the_pulses_are_as_fast_as_the_axes() {
-    let mut script = "iocontrol.estop-reset\nmotion.enable --wait\n".to_owned();
+    let mut script = "iocontrol.estop-reset --wait\nmotion.enable --wait\n".to_owned();
     there_and_back(&mut script, "x50", 0, 50.0, 80.0);
     there_and_back(&mut script, "x90", 0, 90.0, 150.0);
     there_and_back(&mut script, "z10", 2, 10.0, 20.0);

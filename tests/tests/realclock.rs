@@ -92,7 +92,7 @@ fn a_machine_from_another_terminal() {
 
     // However late this computer's threads wake, the axis must not be switched off for it.
     ask(&scratch, &["motion.configure", "joint=0", "ferror=1000", "min-ferror=1000"]);
-    ask(&scratch, &["iocontrol.estop-reset"]);
+    ask(&scratch, &["--wait", "iocontrol.estop-reset"]);
     ask(&scratch, &["--wait", "motion.enable"]);
     ask(&scratch, &["motion.jog", "joint=0", "velocity=20", "distance=3"]);
     until("the axis is where it was sent", || {

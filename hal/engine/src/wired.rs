@@ -25,23 +25,29 @@ impl Engine {
         shown
     }
 
-    /// A pin's name, its signal, and the pins that write that.
+    /// A pin's name, its signal, and the pins at the other end of that: those that write it, or, of
+    /// an output, those that read it.
     fn pin_with_wiring(&self, name: &str) -> String {
         let graph = &self.graph;
-        let Some(pin) = graph.pins.get(name) else { return name.to_owned() };
-        let signal = graph.signal_of(*pin);
+        let pin = graph.pins.get(name).and_then(|ix| Some((*ix, graph.item(*ix)?)));
+        let Some((pin, item)) = pin else { return name.to_owned() };
+        let signal = graph.signal_of(pin);
         let Some((ix, signal)) = signal.and_then(|ix| Some((ix, graph.signal(ix)?))) else {
             return format!("{name} (not linked)");
         };
-        let pins = graph.pins_of(ix);
-        let writers = pins.iter().filter_map(|ix| graph.item(*ix));
-        let writers = writers.filter(|item| item.direction != Direction::In).map(Item::shown);
-        let mut writers: Vec<&str> = writers.map(Name::as_str).filter(|n| *n != name).collect();
-        writers.sort_unstable();
         let signal = signal.name.as_str();
-        if writers.is_empty() {
-            return format!("{name} (signal '{signal}', which no pin writes)");
+        let (end, verb, done) = match item.direction {
+            Direction::Out => (Direction::Out, "reads", "read"),
+            _ => (Direction::In, "writes", "written"),
+        };
+        let pins = graph.pins_of(ix);
+        let others = pins.iter().filter(|other| **other != pin).filter_map(|ix| graph.item(*ix));
+        let others = others.filter(|other| other.direction != end).map(Item::shown);
+        let mut others: Vec<&str> = others.map(Name::as_str).collect();
+        others.sort_unstable();
+        if others.is_empty() {
+            return format!("{name} (signal '{signal}', which no other pin {verb})");
         }
-        format!("{name} (signal '{signal}', written by {})", writers.join(", "))
+        format!("{name} (signal '{signal}', {done} by {})", others.join(", "))
     }
 }
