@@ -68,6 +68,50 @@ fn the_file_with_its_broken_lines_is_refused() {
     assert!(scratch.left().is_empty(), "{:?}", scratch.left());
 }
 
+#[test]
+fn it_does_not_move_in_estop_although_nothing_of_it_is_wired_to_motion() {
+    let scratch = printer(
+        "getp motion.enable
+         motion.enable --wait
+         motion.jog joint=0 velocity=50
+         run 100ms
+         getp stepgen.0.counts
+         iocontrol.estop-reset --wait
+         motion.enable --wait
+         motion.jog joint=0 velocity=50
+         run 500ms
+         getp stepgen.0.frequency
+         iocontrol.estop
+         run 1ms
+         getp joint.0.amp-enable-out
+         getp stepgen.0.counts
+         motion.enable --wait
+         iocontrol.estop-reset --wait
+         run 500ms
+         getp joint.0.amp-enable-out
+         getp stepgen.0.counts
+",
+    );
+    let output = scratch.halrun(&["-k", "--virtual", "--for", "10ms", "impresora3D.ini"]);
+    let (stdout, stderr) = (output.stdout.as_str(), output.stderr.as_str());
+    let lines: Vec<&str> = stdout.lines().collect();
+    let [wired, before, speed, off, there, still_off, still_there] = lines[..] else {
+        panic!("{stdout}{stderr}")
+    };
+    assert_eq!((wired, before), ("TRUE", "0"), "{stderr}");
+    assert_eq!((speed, off, still_off), ("200", "FALSE", "FALSE"), "{stderr}");
+    assert_eq!(there, still_there, "{stderr}");
+    assert_ne!(there, "0");
+    for part in [
+        "custom_postgui.hal:2: motion.enable: can't enable motion, the machine is in e-stop",
+        "motmod: cannot jog: the machine is not enabled",
+        "motmod: motion stopped by e-stop: it was commanded by iocontrol.estop",
+        "custom_postgui.hal:15: motion.enable: can't enable motion, the machine is in e-stop",
+    ] {
+        assert!(stderr.contains(part), "{part}: {stderr}");
+    }
+}
+
 /// Jogs to and fro, each recorded into a file of its own: `NAME-right` and `NAME-left`.
 fn there_and_back(script: &mut String, name: &str, joint: u32, velocity: f64, distance: f64) {
     writeln!(script, "getp stepgen.{joint}.counts").unwrap();

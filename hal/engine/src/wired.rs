@@ -15,9 +15,9 @@ impl Engine {
                 rest = after;
                 continue;
             };
-            match name {
-                "" => shown.push_str("{}"),
-                name => shown.push_str(&self.pin_with_wiring(name)),
+            match self.pin_with_wiring(name) {
+                Some(pin) => shown.push_str(&pin),
+                None => shown.extend(["{", name, "}"]),
             }
             rest = after;
         }
@@ -27,13 +27,13 @@ impl Engine {
 
     /// A pin's name, its signal, and the pins at the other end of that: those that write it, or, of
     /// an output, those that read it.
-    fn pin_with_wiring(&self, name: &str) -> String {
+    fn pin_with_wiring(&self, name: &str) -> Option<String> {
         let graph = &self.graph;
-        let pin = graph.pins.get(name).and_then(|ix| Some((*ix, graph.item(*ix)?)));
-        let Some((pin, item)) = pin else { return name.to_owned() };
+        let pin = *graph.pins.get(name)?;
+        let item = graph.item(pin)?;
         let signal = graph.signal_of(pin);
         let Some((ix, signal)) = signal.and_then(|ix| Some((ix, graph.signal(ix)?))) else {
-            return format!("{name} (not linked)");
+            return Some(format!("{name} (not linked)"));
         };
         let signal = signal.name.as_str();
         let (end, verb, done) = match item.direction {
@@ -45,9 +45,10 @@ impl Engine {
         let others = others.filter(|other| other.direction != end).map(Item::shown);
         let mut others: Vec<&str> = others.map(Name::as_str).collect();
         others.sort_unstable();
-        if others.is_empty() {
-            return format!("{name} (signal '{signal}', which no other pin {verb})");
-        }
-        format!("{name} (signal '{signal}', {done} by {})", others.join(", "))
+        Some(if others.is_empty() {
+            format!("{name} (signal '{signal}', which no other pin {verb})")
+        } else {
+            format!("{name} (signal '{signal}', {done} by {})", others.join(", "))
+        })
     }
 }
