@@ -130,6 +130,8 @@ impl Touch for InterlockRef {
 mod tests {
     use super::{Estop, InterlockRef, abi};
 
+    /// # Safety
+    /// It looks at nothing.
     unsafe extern "C" fn answer<const BITS: u32>(_: *const core::ffi::c_void) -> u32 {
         BITS
     }

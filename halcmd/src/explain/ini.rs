@@ -41,19 +41,6 @@ pub(super) const ROWS: &[Row] = &[
         right: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n"),
     },
     Row {
-        code: Code::LoadedAlready,
-        means: "A HAL file loads iocontrol (or io, or iov2), which a start from an INI file has \
-                loaded before the HAL files.",
-        matters: "The line does nothing, and its arguments count for nothing: the machine keeps \
-                  the iocontrol whose e-stop switches motion off.",
-        remedy: "Take the line out, or leave it for starts without an INI file.",
-        wrong: concat!(
-            "loadrt iocontrol cycle_time=0.05 # <--\n",
-            machine!("", "MAX_VELOCITY = 20\n")
-        ),
-        right: machine!("", "MAX_VELOCITY = 20\n"),
-    },
-    Row {
         code: Code::NoHalfile,
         means: "A HALFILE is neither beside the INI file nor in the libraries of HAL files.",
         matters: "halrun stops before it has wired the machine.",

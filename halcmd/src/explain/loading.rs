@@ -118,4 +118,17 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt charge_pump\n\
                 addf charge-pump servo\nstart\n",
     },
+    Row {
+        code: Code::LoadedAlready,
+        means: "A HAL file loads iocontrol (or io, or iov2), which a start from an INI file has \
+                loaded before the HAL files.",
+        matters: "The line does nothing, and its arguments count for nothing: the machine keeps \
+                  the iocontrol whose e-stop switches motion off.",
+        remedy: "Take the line out, or leave it for starts without an INI file.",
+        wrong: "loadrt iocontrol cycle_time=0.05 # <--\n\
+                net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\n\
+                --- m.ini\n[EMCIO]\nCYCLE_TIME = 0.1\n[HAL]\nHALFILE = m.hal\n",
+        right: "net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\n\
+                --- m.ini\n[EMCIO]\nCYCLE_TIME = 0.1\n[HAL]\nHALFILE = m.hal\n",
+    },
 ];
