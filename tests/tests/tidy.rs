@@ -246,6 +246,7 @@ fn output_goes_through_one_crate() {
         ("components/parport/src/hardware.rs", device),
         ("components/speaker/src/device.rs", device),
         ("components/viagpio/src/hardware.rs", device),
+        ("hal/engine/src/os/processors.rs", device),
         ("hal/engine/src/record.rs", "see the next change"),
         ("halcmd/src/halrun/detach.rs", device),
         ("halcmd/src/haltest/one.rs", scratch),
