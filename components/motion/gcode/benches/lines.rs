@@ -33,7 +33,7 @@ fn program() -> String {
         let (x, y, z) = (t.sin() * 50.0, t.cos() * 50.0, t * 0.01);
         match i % 10 {
             0 => writeln!(text, "N{i} G1 X{x:.4} Y{y:.4} Z{z:.4} F1200").unwrap(),
-            1 => writeln!(text, "G2 X{:.4} Y{y:.4} I1 J0", x + 2.0).unwrap(),
+            1 => writeln!(text, "G2 X{:.4} Y{y:.4} R5", x + 2.0).unwrap(),
             2 => writeln!(text, "#1=[{x:.4}*2]").unwrap(),
             3 => writeln!(text, "G1 X#1 Y[{y:.4}+1]").unwrap(),
             4 => writeln!(text, "G1 X{x:.4} Y{y:.4} (a comment)").unwrap(),

@@ -94,24 +94,19 @@ problems! {
     ValueNotInteger { letter: char }: "{letter} number not an integer", "";
     PolarAndXy: "Cannot specify X or Y words with polar coordinate", "";
     PolarNeedsAngle: "Must specify angle in polar coordinate if at the origin", "";
-    PolarWithCode: "Cannot use polar coordinates with this g code", "";
-    NotInMdi: "Cannot use this command in MDI", "";
 
     // Feed, spindle, tool.
     ZeroFeed { code: &'static str }: "Cannot do {code} with zero feed rate", "program F";
     ZeroFeedArc: "Cannot make arc with zero feed rate", "program F";
     ZeroFeedCycle: "Cannot feed with zero feed rate", "program F";
     InverseFeedMissing { code: &'static str }: "F word missing with inverse time {code} move", "";
-    InverseFeedWithoutMotion: "cannot use F without motion in inverse time mode", "";
     NegativeFeed: "Negative f word used", "";
     NegativeSpeed: "Negative spindle speed used", "";
     ZeroSpindleFeed: "Cannot feed with zero spindle speed in feed per rev mode", "program S";
     SpindleRange { with: &'static str }: "Invalid spindle ($) number in {with} command", "";
     SpindleOff { code: &'static str }: "Spindle not turning in {code}", "start it with M3 or M4";
     SpindleCw { code: &'static str }: "Spindle turning clockwise in {code}", "";
-    SpindleNotCw { code: &'static str }: "Spindle not turning clockwise in {code}", "";
     G96NeedsS: "S word missing with G96", "";
-    FeedPerRevolutionCss: "Cannot use inverse time feed with constant surface speed", "";
     OrientRange: "R value must be within 0..360 with M19", "";
     OrientMode: "P value must be 0,1,or 2 with M19", "";
     OrientTimeout: "Q word with M19 requires a value > 0", "";
@@ -122,13 +117,9 @@ problems! {
     ToolChangeFailed { reason: Box<str> }: "toolchange failed: {reason}", "";
 
     // Offsets and coordinate systems.
-    HNegative: "Negative tool length offset index", "";
     OffsetWordsMissing: "G43.2: No axes specified and H word missing", "";
-    HWithoutTool: "No tool loaded with G43", "";
-    G43AndXyz: "Can't use G43.1 without offset words", "";
     G10NeedsL: "Line with G10 does not have L0, L1, L10, L11, L2, or L20", "";
     G10LRange: "Line with G10 does not have L0, L1, L10, L11, L2, or L20", "";
-    G10NeedsP: "P value not an integer with G10 L2", "";
     G10PRange: "P value out of range (0-9) with G10 L2", "";
     G10NeedsTool: "P value out of range with G10 L1", "";
     G10ToolRange: "P value out of range with G10 L1, L10 or L11", "";
@@ -157,33 +148,24 @@ problems! {
     ArcXyz: "Cannot move XYZ axes with arcs in UVW planes", "";
     DwellTime: "Dwell time missing with g4", "program P seconds";
     DwellNegative: "Negative P word used", "";
-    ProbeAxes: "cannot probe with only a rotary axis", "";
     ProbeComp: "Cannot probe with cutter radius comp on", "program G40 first";
     ProbeInverse: "Cannot probe in inverse time feed mode", "program G94";
     ProbeStart: "Start point too close to probe point", "";
-    ProbeRotary: "Cannot move rotary axes during probing", "";
-    ProbeFailed: "probe did not trip", "";
     ThreadNeedsK: "K word missing with g33/g33.1", "";
-    ThreadXyz: "K word with only rotary axes", "";
     SplinePlane: "Splines must be in the XY plane", "program G17";
     SplineAxes: "Splines may move X and Y only", "";
     SplineComp: "Cannot convert spline with cutter radius compensation", "program G40 first";
     SplineIj: "Must specify both I and J with G5", "";
-    SplineFirstIj: "Must specify both I and J with first G5", "";
     SplinePq: "Must specify both P and Q with G5", "";
-    SplineIncremental: "Must specify P and Q ...", "";
     QuadraticIj: "Must specify both I and J with G5.1", "";
     NurbsXy: "Must specify both X and Y coordinates for Control Point", "";
     NurbsWeight: "Must specify positive weight P for every Control Point", "";
     NurbsFew: "You must specify a number of control points at least equal to the order L", "";
     NurbsOrder: "L word out of range for G5.2", "";
-    NurbsMode: "Program G5.3 before another motion code", "";
     NurbsNotOpen: "Cannot use G5.3 without G5.2 first", "";
 
     // Cycles.
-    CyclePlane: "Plane for canned cycle not supported", "";
     CycleRepeats: "Cannot do zero repeats of cycle", "";
-    CycleIncomplete { letter: char, code: &'static str }: "{letter} word missing with {code}", "";
     CycleR { letter: char, plane: &'static str }: "R less than {letter} in cycle in {plane} plane", "";
     CycleAxis { letter: char }: "Cannot put an {letter} in canned cycle", "";
     CycleQNegative { code: &'static str }: "Negative or zero q value used with {code}", "";
@@ -193,14 +175,9 @@ problems! {
     CycleZMissing { letter: char }: "{letter} value unspecified in cycle", "";
     CycleInverse: "Cannot use inverse time feed with canned cycles", "program G94";
     CycleComp: "Cannot use canned cycles with cutter compensation on", "program G40 first";
-    CycleRotary: "Cannot have rotary motion with canned cycle", "";
-    CycleUvw: "Cannot put a UVW in an XYZ canned cycle", "";
-    CycleXyz: "Cannot put an XYZ in a UVW canned cycle", "";
     CycleDwell { code: &'static str }: "Dwell time p word missing with {code}", "";
     CycleQ { code: &'static str }: "Q word missing with {code}", "";
-    CycleIjk: "I, J and K words are needed with G87", "";
     G76Words { detail: &'static str }: "{detail}", "";
-    G7xWords { detail: &'static str }: "{detail}", "";
 
     // Compensation.
     CompPlane: "Cutter radius compensation allowed only in XY, XZ planes", "program G17 or G18";
@@ -214,9 +191,7 @@ problems! {
     CompEntryShort: "Length of cutter compensation entry move is not greater than the tool radius", "";
     CompGouge: "Straight feed in concave corner cannot be reached by the tool without gouging", "use a tool with a smaller radius";
     CompGougeArc: "Arc move in concave corner cannot be reached by the tool without gouging", "use a tool with a smaller radius";
-    CompConcave: "Concave corner with tool radius compensation", "use a tool with a smaller radius";
     CompArcRadius: "Tool radius not less than arc radius with comp", "use a tool with a smaller radius";
-    CompEntryVertical: "Length of cutter compensation move is not greater than the tool radius", "";
     CompMotion { what: &'static str }: "{what}", "program G40 first";
     CompWith { code: &'static str }: "Cannot use {code} with cutter radius compensation on", "program G40 first";
     CompNoIntersection: "compensated moves do not meet", "use a tool with a smaller radius";
@@ -230,7 +205,6 @@ problems! {
     InputL: "Invalid L word with M66", "use 0 to 4";
     InputQ: "Zero timeout with wait type != immediate return", "";
     InputAnalog: "Can't select analog input with wait type != immediate return", "";
-    OverrideP { code: &'static str }: "P word out of range with {code}", "use 0 or 1";
 
     // Flow.
     NoProgramEnd: "File ended with no percent sign or program end", "end the program with M2, M30 or %";
@@ -247,15 +221,12 @@ problems! {
     OutputTooLarge { limit: usize }: "one line makes more than {limit} canonical calls", "";
     NothingSaved: "Cannot restore context from invalid stack frame - missing M70/M73?", "";
     M98NeedsP: "Found 'm98' code with no P-word", "";
-    M98LRange: "L word out of range with M98", "";
     M99Context: "M99 outside of a program part", "";
     UserAbort { text: Box<str> }: "{text}", "";
     NoFile { name: Box<str> }: "Unable to open file <{name}>", "";
     WrongAnswer: "the answer does not fit the request", "";
     CalledBeforeAnswer: "the interpreter waits for an answer", "";
-    SavedTextChanged { name: Box<str> }: "file <{name}> changed since the state was saved", "";
     Unsupported { thing: &'static str }: "{thing} is not supported yet", "";
-    RefusedRemap { word: Box<str>, option: &'static str }: "REMAP of {word} uses {option}=, which needs Python", "use ngc=";
 }
 
 impl Problem {

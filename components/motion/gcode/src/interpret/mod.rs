@@ -198,6 +198,18 @@ impl Interpreter {
         state.nurbs = None;
     }
 
+    /// Returns the calls that make the frame in force, to follow the calls from here on.
+    pub fn preamble(&self) -> Vec<Call> {
+        let frame = &self.state.frame;
+        vec![
+            Call::UseLengthUnits(frame.unit),
+            Call::SetG5xOffset { system: self.state.modal.system, offset: frame.g5x },
+            Call::SetG92Offset(frame.g92),
+            Call::SetXyRotation(frame.rotation),
+            Call::UseToolLengthOffset(frame.tool),
+        ]
+    }
+
     /// Returns the places of the line in execution: the innermost call last.
     pub fn places(&self) -> Vec<Place> {
         self.state.levels.iter().map(Level::place).collect()

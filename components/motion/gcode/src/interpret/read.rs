@@ -33,8 +33,11 @@ impl Interpreter {
             self.state.ended = true;
             return Ok(Step::Ended);
         };
-        let (file, at) = (level.file.clone(), level.cursor);
-        let text = self.text(&file, env).map_err(|t| self.error(t, &[]))?;
+        let at = level.cursor;
+        let Some(text) = self.sources.text(&level.file, env) else {
+            let name = level.file.clone();
+            return Err(self.error(Problem::NoFile { name }.into(), &[]));
+        };
         let Some((raw, next)) = line_at((*text).as_ref(), at) else {
             return self.end_of_file(out).map_err(|t| self.error(t, &[]));
         };

@@ -82,6 +82,11 @@ impl Run<'_> {
     pub(super) fn arc(&mut self, b: &Block, clockwise: bool) -> Result<(), Problem> {
         self.check_feed(b, "arc")?;
         let plane = self.state.modal.plane;
+        match plane {
+            Plane::Xy | Plane::Xz | Plane::Yz if b.has_any(b"uvw") => return Err(Problem::ArcUvw),
+            Plane::Uv | Plane::Uw | Plane::Vw if b.has_any(b"xyz") => return Err(Problem::ArcXyz),
+            _ => {}
+        }
         let end = self.target(b)?;
         let from = self.programmed();
         let (start, stop) = (in_plane(plane, from), in_plane(plane, end));

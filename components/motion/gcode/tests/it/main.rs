@@ -7,3 +7,4 @@ mod input;
 mod oracle;
 mod state;
 mod support;
+mod world;

@@ -1,0 +1,191 @@
+//! What the world answers: probes, inputs, tools, values of INI and HAL, user codes; and the frame of the calls.
+
+use std::sync::Arc;
+
+use hal_gcode::{
+    Answer, Call, Environment, Error, Interpreter, Issued, Numbered, Request, Settings, Step, Text,
+    axis::{AxisMask, Position},
+    canon::Frame,
+    parameters::number,
+    tool::Tool,
+};
+
+use crate::support::{World, interpreter, run_with};
+
+/// A machine in millimetres with one tool, one user code, an INI value and a HAL value.
+struct Machine;
+
+impl Environment for Machine {
+    fn open(&self, _: &str) -> Option<Text> {
+        None
+    }
+
+    fn tool(&self, number: i32) -> Option<Tool> {
+        let offset = Position { z: 10.0, ..Position::default() };
+        (number == 1).then(|| Tool { number, pocket: 1, offset, diameter: 6.0, ..Tool::default() })
+    }
+
+    fn ini(&self, section: &str, key: &str) -> Option<f64> {
+        (section == "traj" && key == "speed").then_some(42.0)
+    }
+
+    fn hal(&self, name: &str) -> Option<f64> {
+        (name == "motion.a-b").then_some(1.5)
+    }
+
+    fn user_code(&self, code: u16) -> bool {
+        code == 101
+    }
+}
+
+fn at(x: f64, y: f64, z: f64) -> Position {
+    Position { x, y, z, ..Position::default() }
+}
+
+/// Runs a text; `reply` answers its questions.
+fn run(
+    it: &mut Interpreter,
+    text: &str,
+    reply: impl Fn(&Request) -> Answer,
+) -> Result<Vec<String>, Error> {
+    it.load("test.ngc", Arc::new(text.as_bytes().to_vec()));
+    let mut out: Vec<Issued> = Vec::new();
+    let mut step = it.next(&Machine, &mut out)?;
+    loop {
+        step = match step {
+            Step::Line => it.next(&Machine, &mut out)?,
+            Step::Ask(request) => it.answer(&reply(&request), &Machine, &mut out)?,
+            Step::Ended => break,
+        };
+    }
+    Ok(out.iter().map(|i| i.call.to_string()).collect())
+}
+
+fn new(settings: Settings) -> Interpreter {
+    Interpreter::new(settings, Numbered::default())
+}
+
+#[test]
+fn a_probe_gives_its_place_in_program_coordinates() {
+    let mut it = new(Settings::default());
+    let reply = |_: &Request| Answer::Probe {
+        tripped_at: at(100.0, 0.0, 12.5),
+        stopped_at: at(100.0, 0.0, 12.0),
+        tripped: true,
+    };
+    let text = "g10 l2 p1 x100 z10\ng38.2 z-50 f10\n(print,#5061 #5063 #5070 #5422)\ng0 x1\nm2\n";
+    let calls = run(&mut it, text, reply).unwrap();
+    assert!(calls.contains(&"0.000000 2.500000 1.000000 2.000000".to_owned()), "{calls:?}");
+    assert!(calls.iter().any(|c| c.starts_with("STRAIGHT_TRAVERSE(1.0000, 0.0000, 2.0000")));
+}
+
+#[test]
+fn a_line_goes_on_after_its_answer() {
+    let mut it = new(Settings::default());
+    let reply = |request: &Request| match request {
+        Request::Input { index: 3, analog: true, .. } => Answer::Input(0.25),
+        _ => Answer::ToolChange { position: Some(at(0.0, 0.0, 77.0)) },
+    };
+    let calls = run(&mut it, "t1 m6 g43 m66 e3 l0\ng0 x[#5399*4]\nm2\n", reply).unwrap();
+    // After the change, the machine is at Z 77; the tool takes 10 of it.
+    assert!(calls.iter().any(|c| c.starts_with("USE_TOOL_LENGTH_OFFSET(0.0000 0.0000 10.0000")));
+    let moved = "STRAIGHT_TRAVERSE(1.0000, 0.0000, 67.0000, 0.0000, 0.0000, 0.0000)";
+    assert!(calls.contains(&moved.to_owned()), "{calls:?}");
+}
+
+#[test]
+fn a_wrong_or_failed_answer_is_an_error() {
+    let wrong = run(&mut new(Settings::default()), "t1 m6\nm2\n", |_| Answer::Input(1.0));
+    assert!(wrong.unwrap_err().to_string().contains("the answer does not fit"));
+    let failed =
+        run(&mut new(Settings::default()), "t1\nm6\nm2\n", |_| Answer::Failed("no air".into()));
+    let text = failed.unwrap_err().to_string();
+    assert!(text.starts_with("test.ngc:2: toolchange failed: no air"), "{text}");
+    let mut it = new(Settings::default());
+    it.load("a", Arc::new(b"t1 m6\n".to_vec()));
+    let mut out = Vec::new();
+    assert!(matches!(it.next(&Machine, &mut out), Ok(Step::Ask(_))));
+    assert!(it.next(&Machine, &mut out).is_err(), "a question is open");
+}
+
+#[test]
+fn values_of_ini_and_hal_and_user_codes() {
+    let none = |_: &Request| Answer::Input(0.0);
+    let text = "#1=[#<_ini[TRAJ]Speed>+#<_hal[motion.a-b]>]\n(print,#1)\nm101 p2 q3\nm2\n";
+    let calls = run(&mut new(Settings::default()), text, none).unwrap();
+    assert_eq!(calls[0], "43.500000");
+    assert_eq!(calls[1], "USER_CODE(M101, 2.0000, 3.0000)");
+    let unknown = run(&mut new(Settings::default()), "m102\nm2\n", none);
+    assert!(unknown.unwrap_err().to_string().contains("Unknown m code used: M102"));
+}
+
+#[test]
+fn block_delete_and_axes_are_settings() {
+    let none = |_: &Request| Answer::Input(0.0);
+    let text = "/g0 x1\n / g0 x2\ng0 x3\nm2\n";
+    let calls = run(&mut new(Settings::default()), text, none).unwrap();
+    assert!(calls[0].starts_with("STRAIGHT_TRAVERSE(3"));
+    let lathe = Settings { axes: AxisMask(0b101), ..Settings::default() };
+    let error = run(&mut new(lathe), "g0 x1 y2\nm2\n", none).unwrap_err();
+    assert!(error.to_string().contains("Bad character 'y' used"));
+}
+
+#[test]
+fn a_wrapped_axis_turns_by_the_sign_of_its_word() {
+    let none = |_: &Request| Answer::Input(0.0);
+    let wrapped = Settings { wrapped: AxisMask(0b1000), ..Settings::default() };
+    let mut it = new(wrapped.clone());
+    let calls = run(&mut it, "g0 a350\ng0 a10\ng0 a-350\ng0 a-0\nm2\n", none).unwrap();
+    let angle = |c: &String| c.split(", ").nth(3).unwrap().parse::<f64>().unwrap();
+    let angles: Vec<f64> = calls.iter().take(4).map(angle).collect();
+    assert_eq!(angles, [350.0, 370.0, 350.0, 0.0]);
+    let error = run(&mut new(wrapped), "g0 a361\nm2\n", none).unwrap_err();
+    assert!(error.to_string().contains("Invalid absolute position"));
+}
+
+#[test]
+fn the_parameters_of_the_last_session_are_in_force() {
+    let mut numbered = Numbered::default();
+    numbered.put(number::SYSTEM, 2.0);
+    numbered.put(number::G54 + 20, 5.0);
+    numbered.put(number::G92_APPLIES, 1.0);
+    numbered.put(number::G92, 1.0);
+    let it = Interpreter::new(Settings::default(), numbered);
+    assert_eq!(it.state.frame.machine(at(0.0, 0.0, 0.0)).x, 6.0);
+    assert_eq!(it.state.position.x, -6.0);
+    let mut frame = Frame::new(it.state.frame.unit);
+    it.preamble().iter().for_each(|c| frame.apply(c));
+    assert_eq!(frame, it.state.frame);
+}
+
+#[test]
+fn the_frame_of_the_calls_is_that_of_the_interpreter() {
+    let world = World::new();
+    for name in world.files.keys().filter(|n| !n.starts_with("lib-")) {
+        let mut it = interpreter();
+        it.load(&format!("{name}.ngc"), world.open(name).unwrap());
+        let mut frame = Frame::new(it.state.frame.unit);
+        let (calls, error) = run_with(&mut it, &world, |_| {});
+        let last = calls.iter().rposition(|i| moves(&i.call));
+        for (index, issued) in calls.iter().enumerate() {
+            frame.apply(&issued.call);
+            if Some(index) == last {
+                assert!(frame.machine_mm(end(&issued.call)).is_finite(), "{name}");
+            }
+        }
+        if error.is_none() {
+            assert_eq!(frame, it.state.frame, "{name}");
+        }
+    }
+}
+
+fn moves(call: &Call) -> bool {
+    matches!(call, Call::StraightFeed(_) | Call::StraightTraverse(_) | Call::ArcFeed { .. })
+}
+
+fn end(call: &Call) -> Position {
+    match call {
+        Call::StraightFeed(p) | Call::StraightTraverse(p) | Call::ArcFeed { end: p, .. } => *p,
+        _ => Position::default(),
+    }
+}
