@@ -7,7 +7,7 @@ use crate::support::{World, folder, run};
 #[test]
 fn programs_give_their_golden_calls() {
     let world = World::new();
-    let renew = std::env::var_os("RENEW_GOLDEN").is_some();
+    let renew = std::env::var_os("UPDATE_EXPECT").is_some();
     let mut wrong = Vec::new();
     assert!(world.files.len() >= 300, "only {} programs", world.files.len());
     for name in world.files.keys().filter(|n| !n.starts_with("lib-")) {
@@ -29,5 +29,5 @@ fn programs_give_their_golden_calls() {
             wrong.push(format!("{name}: {first:?}"));
         }
     }
-    assert!(wrong.is_empty(), "renew with RENEW_GOLDEN=1 if meant:\n{}", wrong.join("\n"));
+    assert!(wrong.is_empty(), "renew with UPDATE_EXPECT=1 if meant:\n{}", wrong.join("\n"));
 }
