@@ -276,8 +276,9 @@ impl Engine {
         self.end_programs();
         self.shared.quit.store(true, Ordering::Relaxed);
         self.watchdog = None;
-        self.end_realtime();
         let clean = self.runners.end(&[], true, PATIENCE_NS);
+        // Until here a function that comes back is followed by outputs at their safe levels.
+        self.end_realtime();
         if clean {
             for ix in self.graph.components_by_age().into_iter().rev() {
                 self.remove_component(ix);

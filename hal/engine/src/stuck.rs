@@ -230,10 +230,11 @@ impl Watch {
         cause.store(worded(&mut text, us));
         self.shared.fault.set(thread.id, funct, &cause);
         self.shared.fault.abandon();
-        self.shared.stop_outputs();
+        // Before the outputs are driven: a thread that leaves meanwhile is followed by another time.
         let inside = threads.iter().filter(|t| t.gate.is_inside()).map(|t| t.id);
         self.left_inside.clear();
         self.left_inside.extend(inside);
+        self.shared.stop_outputs();
     }
 
     /// A function that comes back may have written outputs meanwhile: they are driven once more.
