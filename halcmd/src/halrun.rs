@@ -14,7 +14,7 @@ use crate::{
     remote::{is_gone, pause},
     terminal::complain,
 };
-use hal_engine::{Engine, Options};
+use hal_engine::{Ends, Engine, Options};
 use hal_protocol::{Client, Link, NOT_RUNNING, Place, Request};
 use plan::{Action, Detach, Plan, Script};
 use serve::{Local, stay};
@@ -157,6 +157,7 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
     if plan.detach == Detach::Child {
         detach::leave_terminal();
     }
+    let ends = Ends::begin("halrun");
     let mut engine = match Engine::new(instance_options(plan, files)) {
         Ok(engine) => engine,
         Err(failure) => {
@@ -173,10 +174,14 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
     };
     if plan.detach == Detach::Child && outcome == Outcome::Good {
         detach::tell();
+        ends.be_quiet();
     }
     let goes_on = outcome == Outcome::Good && !plan.interactive && plan.script != Script::Terminal;
     if goes_on {
         stay(plan, &mut engine);
+    }
+    if let Some(said) = ends.said() {
+        terminal.err(&format!("halrun: {said}\n"));
     }
     if !engine.close_checked() {
         code = 1;
@@ -186,7 +191,8 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
         drop(program.wait());
     }
     // What is typed may fail without the session being a failure.
-    if plan.script == Script::Terminal && outcome == Outcome::Failed { 0 } else { code }
+    let typed = plan.script == Script::Terminal && outcome == Outcome::Failed;
+    ends.finish(if typed { 0 } else { code })
 }
 
 fn script(

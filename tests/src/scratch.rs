@@ -10,7 +10,7 @@ use std::{
     collections::BTreeMap,
     fs::{self, File},
     path::{Path, PathBuf},
-    process::{Child, Command, Stdio},
+    process::{Child, Command, ExitStatus, Stdio},
     sync::atomic::{AtomicU32, Ordering},
 };
 
@@ -191,13 +191,20 @@ impl Running {
         (text("out"), other, realtime)
     }
 
-    /// Waits until it ends. One that never does is killed, and that is among its complaints.
-    pub fn wait(mut self) -> Output {
+    /// Waits until it ends: how it did; none for one that never does.
+    pub fn ended(&mut self) -> Option<ExitStatus> {
         let mut status = None;
-        let ended = try_until(|| {
+        try_until(|| {
             status = self.child.try_wait().unwrap();
             status.is_some()
         });
+        status
+    }
+
+    /// Waits until it ends. One that never does is killed, and that is among its complaints.
+    pub fn wait(mut self) -> Output {
+        let status = self.ended();
+        let ended = status.is_some();
         let (stdout, mut stderr, realtime) = self.all();
         if !ended {
             stderr.push_str("(it did not end and was killed)\n");

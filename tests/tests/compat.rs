@@ -65,7 +65,7 @@ fn a_crash_names_component_and_function() {
     let mut halrun = scratch.command(&[], "halrun");
     halrun.env("HAL_RTMOD_DIR", scratch.path()).args(["--virtual", "-f", "crash.hal"]);
     let output = scratch.run(&mut halrun);
-    let said = "component 'mine' (in C), function 'mine.0': segmentation fault at address 0x0";
+    let said = "component 'mine', function 'mine.0', thread 't': segmentation fault at address 0x0";
     assert!(output.stderr.contains(said), "{}", output.stderr);
     assert_eq!(output.status, None, "it ends by its signal");
 }

@@ -120,7 +120,7 @@ extern "C" fn hal_export_funct(
         return refuse(Some(l), Status::EINVAL.0, &why);
     }
     let name = format!("{}{name}", l.module.prefix);
-    let state = Box::new(State::new(code, arg, &name, l.module.clone()));
+    let state = Box::new(State::new(code, arg, l.module.clone()));
     let reentrant = if reentrant != 0 { funct_flags::REENTRANT } else { 0 };
     let spec = FunctSpec {
         size: size::<FunctSpec>(),

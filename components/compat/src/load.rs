@@ -103,7 +103,7 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     LOADING.set(&raw const loading);
     let code = prepared(&module, &path)
         .and_then(|()| if on_trial { rehearse(&loading, main, exit) } else { Ok(()) })
-        .map(|()| running::within(Arc::as_ptr(&module), c"rtapi_app_main", || main()));
+        .map(|()| running::within(Arc::as_ptr(&module), || main()));
     LOADING.set(core::ptr::null());
     let code = code.map_err(refuse(Status::EINVAL))?;
     if code < 0 {

@@ -14,11 +14,19 @@ extern "C" fn ferrule_say(level: c_int, text: *const c_char) {
     let text = unsafe { CStr::from_ptr(text) }.to_str().unwrap_or("?");
     let level = if level >= ALL { 0 } else { u8::try_from(level).unwrap_or(level::ERR) };
     let Some(module) = running::module() else {
-        crate::trap::write_error(&[text]);
+        write_error(&[text]);
         return;
     };
     for line in text.lines().filter(|l| !l.is_empty()) {
         module.say(level, line);
+    }
+}
+
+/// Writes to standard error, where no instance listens.
+pub(crate) fn write_error(parts: &[&str]) {
+    for part in parts {
+        // SAFETY: a live text.
+        unsafe { libc::write(2, part.as_ptr().cast(), part.len()) };
     }
 }
 

@@ -150,14 +150,6 @@ impl Module {
         self.file.level.map_or(1, |f| unsafe { f(self.calls.ctx, level) })
     }
 
-    /// From a signal handler: outputs go to their safe levels.
-    pub(crate) fn crash(&self) {
-        if let Some(crash) = self.file.crash {
-            // SAFETY: the engine's function with the engine's context.
-            unsafe { crash(self.calls.ctx) };
-        }
-    }
-
     /// A block of memory of the component's own.
     pub(crate) fn take(&self, bytes: usize) -> Option<*mut u8> {
         let at = self.memory.take(bytes)?;
@@ -175,7 +167,7 @@ impl Drop for Module {
         if self.made.load(Relaxed)
             && let Some(exit) = self.exit
         {
-            running::within(&raw const *self, c"rtapi_app_exit", || {
+            running::within(&raw const *self, || {
                 exit();
                 0
             });

@@ -23,7 +23,7 @@ pub(crate) fn refuse(loading: Option<&Loading>, status: c_int, why: &str) -> c_i
     match (loading, crate::running::module()) {
         (Some(l), _) => said(&l.module),
         (None, Some(m)) => said(m),
-        (None, None) => crate::trap::write_error(&["HAL: ERROR: ", why, "\n"]),
+        (None, None) => crate::message::write_error(&["HAL: ERROR: ", why, "\n"]),
     }
     status
 }

@@ -85,10 +85,10 @@ fn perform(loading: &Loading, main: Main, exit: Option<Exit>, to: RawFd) -> ! {
     };
     tell(IN_MAIN);
     let module = &raw const *loading.module;
-    let code = running::within(module, c"rtapi_app_main", || main());
+    let code = running::within(module, || main());
     if let (0.., Some(exit)) = (code, exit) {
         tell(IN_EXIT);
-        running::within(module, c"rtapi_app_exit", || {
+        running::within(module, || {
             exit();
             0
         });

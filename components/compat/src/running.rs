@@ -1,9 +1,9 @@
 //! Realtime. Which code of which component runs in this thread.
 
 use crate::module::Module;
-use core::ffi::{c_char, c_int, c_long, c_void};
+use core::ffi::{c_int, c_long, c_void};
 use hal_component::abi::Status;
-use std::{ffi::CString, sync::Arc};
+use std::sync::Arc;
 
 /// A function of a component in C, as `shim.c` has it.
 #[repr(C)]
@@ -12,7 +12,6 @@ pub(crate) struct Running {
     pub(crate) code: extern "C" fn(*mut c_void, c_long),
     pub(crate) arg: *mut c_void,
     module: *const c_void,
-    funct: *const c_char,
 }
 
 /// The state of an exported function: first what `shim.c` reads.
@@ -20,8 +19,6 @@ pub(crate) struct Running {
 #[derive(Debug)]
 pub(crate) struct State {
     pub(crate) running: Running,
-    /// `running` points at it.
-    name: CString,
     /// Held so that the code and its memory live.
     module: Arc<Module>,
 }
@@ -37,13 +34,10 @@ impl State {
     pub(crate) fn new(
         code: extern "C" fn(*mut c_void, c_long),
         arg: *mut c_void,
-        name: &str,
         module: Arc<Module>,
     ) -> Self {
-        let name = CString::new(name).unwrap_or_default();
-        let running =
-            Running { code, arg, module: Arc::as_ptr(&module).cast(), funct: name.as_ptr() };
-        Self { running, name, module }
+        let running = Running { code, arg, module: Arc::as_ptr(&module).cast() };
+        Self { running, module }
     }
 }
 
@@ -55,26 +49,11 @@ pub(crate) fn module() -> Option<&'static Module> {
     unsafe { running.module.cast::<Module>().as_ref() }
 }
 
-/// The name of the function that runs in this thread.
-pub(crate) fn funct() -> *const c_char {
-    // SAFETY: set for the time that the code runs.
-    unsafe { ferrule_current().as_ref() }.map_or(core::ptr::null(), |r| r.funct)
-}
-
 extern "C" fn nothing(_: *mut c_void, _: c_long) {}
 
-/// Runs an entry point of a module, known by `name` meanwhile.
-pub(crate) fn within(
-    module: *const Module,
-    name: &'static core::ffi::CStr,
-    code: impl FnOnce() -> c_int,
-) -> c_int {
-    let me = Running {
-        code: nothing,
-        arg: core::ptr::null_mut(),
-        module: module.cast(),
-        funct: name.as_ptr(),
-    };
+/// Runs an entry point of a module.
+pub(crate) fn within(module: *const Module, code: impl FnOnce() -> c_int) -> c_int {
+    let me = Running { code: nothing, arg: core::ptr::null_mut(), module: module.cast() };
     let before = ferrule_swap(&raw const me);
     let result = code();
     ferrule_swap(before);

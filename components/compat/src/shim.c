@@ -9,13 +9,9 @@ struct running {
     void (*code)(void *, long);
     void *arg;
     const void *module;
-    const char *funct;
 };
 
 static __thread const struct running *current __attribute__((tls_model("initial-exec")));
-static __thread int prepared __attribute__((tls_model("initial-exec")));
-
-extern void ferrule_prepare_thread(void);
 
 const struct running *ferrule_current(void)
 {
@@ -25,10 +21,6 @@ const struct running *ferrule_current(void)
 const struct running *ferrule_swap(const struct running *next)
 {
     const struct running *before = current;
-    if (!prepared) {
-        prepared = 1;
-        ferrule_prepare_thread();
-    }
     current = next;
     return before;
 }
@@ -37,10 +29,6 @@ const struct running *ferrule_swap(const struct running *next)
 int ferrule_run(void *state, int64_t period)
 {
     const struct running *me = state;
-    if (__builtin_expect(!prepared, 0)) {
-        prepared = 1;
-        ferrule_prepare_thread();
-    }
     current = me;
     me->code(me->arg, (long)period);
     current = NULL;

@@ -1,156 +1,76 @@
-//! Realtime. What the processor refuses: a port access that is to be simulated, or the end of the
-//! process, with the component named and outputs at their safe levels.
+//! Realtime. What the processor refuses: an access to a port, which is carried out here. Everything
+//! else goes to whoever attended to it before: the engine, which names the component and drives
+//! outputs to their safe levels.
 
 use crate::running;
 use core::{
-    ffi::{CStr, c_int, c_void},
+    ffi::{c_int, c_void},
     mem::MaybeUninit,
     ptr,
 };
 use std::sync::{
     Once,
-    atomic::{AtomicPtr, AtomicUsize, Ordering::Relaxed},
+    atomic::{AtomicPtr, Ordering::Relaxed},
 };
 
-/// What ends a process.
-const SIGNALS: [(c_int, &str); 5] = [
-    (libc::SIGSEGV, "segmentation fault"),
-    (libc::SIGBUS, "bus error"),
-    (libc::SIGFPE, "arithmetic fault"),
-    (libc::SIGILL, "illegal instruction"),
-    (libc::SIGABRT, "it gave up (abort)"),
-];
-
-/// What was there before, by position in [`SIGNALS`].
-static BEFORE: [AtomicPtr<libc::sigaction>; 5] = [const { AtomicPtr::new(ptr::null_mut()) }; 5];
+/// Who attended to it before.
+static BEFORE: AtomicPtr<libc::sigaction> = AtomicPtr::new(ptr::null_mut());
 
 /// The code of a fault that is no access to memory, such as an instruction that is not allowed.
 const REFUSED: c_int = 0x80;
 
-/// Stacks on which signals are attended to: a component may have used up its own.
-const STACK: usize = 64 << 10;
-const STACKS: usize = 256;
-static FIRST_STACK: AtomicPtr<c_void> = AtomicPtr::new(ptr::null_mut());
-static STACKS_TAKEN: AtomicUsize = AtomicUsize::new(0);
-
-/// Watches for what ends a process, from now on.
+/// Watches for what the processor refuses, from now on.
 pub(crate) fn watch() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        let (prot, flags) =
-            (libc::PROT_READ | libc::PROT_WRITE, libc::MAP_PRIVATE | libc::MAP_ANONYMOUS);
-        // SAFETY: new memory.
-        let stacks = unsafe {
-            libc::mmap(ptr::null_mut(), STACK * STACKS, prot, flags | libc::MAP_NORESERVE, -1, 0)
-        };
-        if stacks != libc::MAP_FAILED {
-            FIRST_STACK.store(stacks, Relaxed);
-        }
-        for ((signal, _), before) in SIGNALS.iter().zip(&BEFORE) {
-            let mut old = MaybeUninit::<libc::sigaction>::zeroed();
-            // SAFETY: all zero is a valid action.
-            let mut new = unsafe { MaybeUninit::<libc::sigaction>::zeroed().assume_init() };
-            new.sa_sigaction = attend as *const () as usize;
-            new.sa_flags = libc::SA_SIGINFO | libc::SA_ONSTACK;
-            // SAFETY: a valid action and a place for the old one.
-            if unsafe { libc::sigaction(*signal, &raw const new, old.as_mut_ptr()) } == 0 {
-                // SAFETY: filled by the system.
-                let old = unsafe { old.assume_init() };
-                before.store(Box::into_raw(Box::new(old)), Relaxed);
-            }
+        let mut old = MaybeUninit::<libc::sigaction>::zeroed();
+        // SAFETY: all zero is a valid action.
+        let mut new = unsafe { MaybeUninit::<libc::sigaction>::zeroed().assume_init() };
+        new.sa_sigaction = attend as *const () as usize;
+        // What was there before may crash itself, on the stack that it asked for.
+        new.sa_flags = libc::SA_SIGINFO | libc::SA_ONSTACK | libc::SA_NODEFER;
+        // SAFETY: a valid action and a place for the old one.
+        if unsafe { libc::sigaction(libc::SIGSEGV, &raw const new, old.as_mut_ptr()) } == 0 {
+            // SAFETY: filled by the system.
+            let old = unsafe { old.assume_init() };
+            BEFORE.store(Box::into_raw(Box::new(old)), Relaxed);
         }
     });
-}
-
-/// From `shim.c`, once for each thread that runs a component's function: a stack for signals.
-#[unsafe(no_mangle)]
-extern "C" fn ferrule_prepare_thread() {
-    let first = FIRST_STACK.load(Relaxed);
-    let mine = STACKS_TAKEN.fetch_add(1, Relaxed);
-    if first.is_null() || mine >= STACKS {
-        return;
-    }
-    let stack =
-        libc::stack_t { ss_sp: first.wrapping_byte_add(mine * STACK), ss_flags: 0, ss_size: STACK };
-    // SAFETY: memory that is nobody else's.
-    unsafe { libc::sigaltstack(&raw const stack, ptr::null_mut()) };
 }
 
 /// # Safety
 /// Called by the system.
 unsafe extern "C" fn attend(signal: c_int, info: *mut libc::siginfo_t, context: *mut c_void) {
-    if running::module().is_none() {
-        // Not in a component: as if this were not here.
-        let position = SIGNALS.iter().position(|(s, _)| *s == signal).unwrap_or(0);
-        let before = BEFORE.get(position).map_or(ptr::null_mut(), |b| b.load(Relaxed));
-        // SAFETY: the action that was there, or the default.
-        unsafe { libc::sigaction(signal, before, ptr::null_mut()) };
-        return;
-    }
     // SAFETY: the system's record.
     let refused = unsafe { info.as_ref() }.is_some_and(|i| i.si_code == REFUSED);
-    if signal == libc::SIGSEGV && refused && port_access(context) {
+    if refused && running::module().is_some() && port_access(context) {
         return;
     }
-    report(signal, info);
-    // SAFETY: ends the process, with its status.
-    unsafe { libc::signal(signal, libc::SIG_DFL) };
-    // SAFETY: as above.
-    unsafe { libc::raise(signal) };
-}
-
-/// A signal in words.
-pub(crate) fn named(signal: c_int) -> &'static str {
-    SIGNALS.iter().find(|(s, _)| *s == signal).map_or("fault", |(_, name)| name)
-}
-
-/// Names the component, and drives outputs to their safe levels.
-fn report(signal: c_int, info: *const libc::siginfo_t) {
-    let Some(module) = running::module() else { return };
-    // Whatever happens now, the process ends.
-    // SAFETY: requests to the system.
-    unsafe { libc::signal(libc::SIGALRM, libc::SIG_DFL) };
-    // SAFETY: as above.
-    unsafe { libc::alarm(2) };
-    let what = named(signal);
-    // SAFETY: the system's record.
-    let address = unsafe { info.as_ref() }.map_or(0, |i| unsafe { i.si_addr() }.addr());
-    let (mut digits, funct) = ([0; 16], running::funct());
-    let funct = if funct.is_null() {
-        c"?"
-    } else {
-        // SAFETY: the name of the function that runs.
-        unsafe { CStr::from_ptr(funct) }
-    };
-    let (name, funct) = (module.name.to_str().unwrap_or("?"), funct.to_str().unwrap_or("?"));
-    let at = hex(address, &mut digits);
-    let at: &[&str] =
-        if [libc::SIGSEGV, libc::SIGBUS].contains(&signal) { &[" at address 0x", at] } else { &[] };
-    write_error(&["component '", name, "' (in C), function '", funct, "': ", what]);
-    write_error(at);
-    write_error(&["; outputs go to their safe levels, and this process ends\n"]);
-    module.crash();
-}
-
-fn hex(mut n: usize, digits: &mut [u8; 16]) -> &str {
-    let mut used = 0;
-    for place in digits.iter_mut().rev() {
-        let digit = u8::try_from(n & 15).unwrap_or(0);
-        *place = if digit < 10 { b'0' + digit } else { b'a' + digit - 10 };
-        (n, used) = (n >> 4, used + 1);
-        if n == 0 {
-            break;
-        }
+    let before = BEFORE.load(Relaxed);
+    // SAFETY: kept for good by `watch`, or null.
+    if let Some(action) = unsafe { before.as_ref() }
+        && action.sa_flags & libc::SA_SIGINFO != 0
+    {
+        type Attends = unsafe extern "C" fn(c_int, *mut libc::siginfo_t, *mut c_void);
+        // SAFETY: by its flags it is a function of this kind.
+        let attends = unsafe { core::mem::transmute::<usize, Attends>(action.sa_sigaction) };
+        // SAFETY: as the system would call it.
+        unsafe { attends(signal, info, context) };
+        return;
     }
-    let text = digits.get(16 - used..).unwrap_or_default();
-    core::str::from_utf8(text).unwrap_or("?")
+    // SAFETY: the action that was there, or the default: then the instruction is tried again.
+    unsafe { libc::sigaction(signal, before, ptr::null_mut()) };
 }
 
-/// Writes to standard error, from wherever.
-pub(crate) fn write_error(parts: &[&str]) {
-    for part in parts {
-        // SAFETY: a live text.
-        unsafe { libc::write(2, part.as_ptr().cast(), part.len()) };
+/// A signal that ends a process, in words.
+pub(crate) const fn named(signal: c_int) -> &'static str {
+    match signal {
+        libc::SIGSEGV => "segmentation fault",
+        libc::SIGBUS => "bus error",
+        libc::SIGFPE => "arithmetic fault",
+        libc::SIGILL => "illegal instruction",
+        libc::SIGABRT => "it gave up (abort)",
+        _ => "fault",
     }
 }
 
@@ -238,15 +158,6 @@ impl PortAccess {
 
 #[cfg(test)]
 mod tests {
-    use super::hex;
-
-    #[test]
-    fn addresses_in_hexadecimal() {
-        for n in [0, 8, 0xdead_beef, usize::MAX] {
-            assert_eq!(hex(n, &mut [0; 16]), format!("{n:x}"));
-        }
-    }
-
     #[cfg(target_arch = "x86_64")]
     #[test]
     fn port_instructions_are_known() {

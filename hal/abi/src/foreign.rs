@@ -104,9 +104,6 @@ pub struct ForeignFile {
     pub level: Option<unsafe extern "C" fn(*const c_void, level: i32) -> i32>,
     /// The component takes so many bytes more of its own memory, or less.
     pub account: Option<unsafe extern "C" fn(*const c_void, bytes: i64)>,
-    /// From a signal handler, before the process ends: no cycle begins any more, and every stop
-    /// action is run.
-    pub crash: Option<unsafe extern "C" fn(*const c_void)>,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
 unsafe impl Record for ForeignFile {

@@ -72,13 +72,16 @@ impl Engine {
         boundary.offer(change);
         // The fastest thread may have to come round first.
         let round = self.shared.threads.load().first().map_or(0, |t| t.period_ns);
-        let limit = os::monotonic_ns().saturating_add(PATIENCE_NS).saturating_add(round);
+        let limit = os::monotonic_ns().saturating_add(self.settle_ns).saturating_add(round);
+        self.instance.control.be_patient();
         while !boundary.is_taken() {
             if os::monotonic_ns() > limit && boundary.withdraw() {
+                self.instance.control.have_waited();
                 return Err(self.stuck());
             }
             os::sleep_until(os::monotonic_ns() + 20_000);
         }
+        self.instance.control.have_waited();
         Ok(())
     }
 
@@ -88,17 +91,15 @@ impl Engine {
             return Ok(());
         }
         let threads = self.shared.threads.load_full();
-        let limit = os::monotonic_ns() + PATIENCE_NS;
-        for t in threads.iter() {
-            while t.gate.is_inside() {
-                if os::monotonic_ns() > limit {
-                    return Err(self.stuck());
-                }
-                os::sleep_until(os::monotonic_ns() + 20_000);
-            }
+        let limit = os::monotonic_ns() + self.settle_ns;
+        let inside = || threads.iter().any(|t| t.gate.is_inside());
+        self.instance.control.be_patient();
+        while inside() && os::monotonic_ns() <= limit {
+            os::sleep_until(os::monotonic_ns() + 20_000);
         }
-        self.quiet = true;
-        Ok(())
+        self.instance.control.have_waited();
+        self.quiet = !inside();
+        if self.quiet { Ok(()) } else { Err(self.stuck()) }
     }
 
     /// `start`: threads are started when all else is done.

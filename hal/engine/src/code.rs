@@ -146,14 +146,6 @@ pub(crate) unsafe extern "C" fn account(ctx: *const c_void, bytes: i64) {
     keep(ctx).memory.fetch_add(bytes.cast_unsigned(), Ordering::Relaxed);
 }
 
-/// From a signal handler.
-///
-/// # Safety
-/// Called by a loader with the context it was given.
-pub(crate) unsafe extern "C" fn crash(ctx: *const c_void) {
-    keep(ctx).shared.crash();
-}
-
 /// A function, task, command or action with its state.
 #[derive(Debug)]
 pub(crate) struct Code<R> {

@@ -1,6 +1,13 @@
 //! What the control side does while it waits: it hears, turns the clock, serves, frees.
 
-use crate::{Engine, clock, name::Name, os, record::Recording, shared::Message, sync::Ordering};
+use crate::{
+    Engine, clock, ends,
+    name::Name,
+    os,
+    record::Recording,
+    shared::{Message, Spoken},
+    sync::Ordering,
+};
 use hal_abi::level;
 
 /// How many instants of machine time are run between looks at the socket.
@@ -10,6 +17,10 @@ impl Engine {
     /// One turn of the control side: messages, faults, the clock, the socket. Waits at most
     /// `ms` on the wall when there is nothing to do.
     pub(crate) fn pump(&mut self, ms: i32) {
+        if ends::is_claimed() {
+            ends::park();
+        }
+        self.instance.control.beat();
         self.hear();
         let moved = self.advance();
         self.notice_fault();
@@ -113,7 +124,7 @@ impl Engine {
     /// Logs what components have said.
     pub(crate) fn hear(&mut self) {
         while let Some(m) = self.shared.heard() {
-            let text = self.worded(&m);
+            let text = self.with_wiring(&worded(&m, self.speaker(m.component)));
             match m.level {
                 level::ERR => tracing::error!("{text}"),
                 level::WARN => tracing::warn!("{text}"),
@@ -123,8 +134,7 @@ impl Engine {
             self.keep_message(text);
         }
         while let Some(m) = self.shared.heard_text() {
-            let text = String::from_utf8_lossy(m.bytes());
-            let text = format!("{}: {}", self.speaker(m.component), text.trim_end());
+            let text = spoken(&m, self.speaker(m.component));
             match m.level {
                 level::ERR => tracing::error!("{text}"),
                 level::WARN => tracing::warn!("{text}"),
@@ -137,13 +147,6 @@ impl Engine {
         if lost > 0 {
             self.notice(format!("{lost} messages of components were lost: too many at once"));
         }
-    }
-
-    fn worded(&self, m: &Message) -> String {
-        // SAFETY: static in a library that is open: messages are heard before one is closed.
-        let text = unsafe { m.text.get() }.unwrap_or("?");
-        let said = filled(text, m.numbers.get(..m.n).unwrap_or_default());
-        format!("{}: {}", self.speaker(m.component), self.with_wiring(&said))
     }
 
     fn speaker(&self, component: u32) -> &str {
@@ -160,4 +163,17 @@ impl Engine {
 /// A text with each `{}` replaced by the next number.
 pub(crate) fn filled(text: &str, numbers: &[f64]) -> String {
     numbers.iter().fold(text.to_owned(), |s, x| s.replacen("{}", &x.to_string(), 1))
+}
+
+/// A message as it is shown, after its speaker's name.
+pub(crate) fn worded(m: &Message, speaker: &str) -> String {
+    // SAFETY: static in a library that is open: messages are heard before one is closed.
+    let text = unsafe { m.text.get() }.unwrap_or("?");
+    let said = filled(text, m.numbers.get(..m.n).unwrap_or_default());
+    format!("{speaker}: {said}")
+}
+
+/// The same of a text.
+pub(crate) fn spoken(m: &Spoken, speaker: &str) -> String {
+    format!("{speaker}: {}", String::from_utf8_lossy(m.bytes()).trim_end())
 }

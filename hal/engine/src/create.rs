@@ -4,6 +4,7 @@ use crate::{
     Engine, Error,
     args::{Args, Declared},
     code::{Code, Keep},
+    ends::{self, Doing, What},
     graph::{Command, Edge, Funct, Graph, Ix, Node, Service},
     item::NewItem,
     name::Name,
@@ -180,6 +181,9 @@ impl<'e> Creating<'e> {
         };
         let ix = self.engine.graph.g.add_node(Node::Funct(funct));
         self.engine.graph.g.add_edge(self.component, ix, Edge::Owns);
+        if let Some(c) = self.engine.graph.component(self.component) {
+            ends::note_funct(u32::try_from(ix.index()).unwrap_or(u32::MAX), &c.name, &name);
+        }
         self.engine.graph.functs.insert(name, ix);
         // SAFETY: the component's list lives across its call.
         let uses = unsafe { copied(spec.uses, spec.n_uses) };
@@ -208,7 +212,10 @@ impl<'e> Creating<'e> {
             return Err(self.odd("a task has no period"));
         }
         let due = self.engine.shared.now();
-        self.engine.tasks.push(Task::new(name, self.component, spec.period_ns, due, code));
+        let owner = self.engine.graph.component(self.component).map_or("", |c| c.name.as_str());
+        let doing = Doing::new(owner, What::Task(name.clone()));
+        let by = (self.component, doing);
+        self.engine.tasks.push(Task::new(name, by, spec.period_ns, due, code));
         Ok(())
     }
 
@@ -228,7 +235,8 @@ impl<'e> Creating<'e> {
         let doc = self.text(spec.doc)?.into();
         self.engine.graph.commands.insert(name.clone(), self.component);
         if let Some(c) = self.engine.graph.component_mut(self.component) {
-            c.commands.push(Command { name, doc, args, code });
+            let doing = Doing::new(c.name.as_str(), What::Command(name.clone()));
+            c.commands.push(Command { name, doc, args, code, doing });
         }
         Ok(())
     }

@@ -4,6 +4,7 @@ use crate::{
     ClockKind, Error, Options,
     apply::{PATIENCE_NS, Retired},
     arena::Arena,
+    ends::{self, Instance},
     flight::Flight,
     graph::{Graph, Ix},
     loader::Loader,
@@ -17,7 +18,7 @@ use crate::{
     sample::Sample,
     server::Server,
     shared::Shared,
-    sync::{Arc, Ordering},
+    sync::Arc,
     task::Task,
     transaction::Transaction,
     trial::Trial,
@@ -26,7 +27,10 @@ use crate::{
 };
 use hal_abi::{Ticket, TicketState};
 use hal_protocol::{Failure, FaultInfo, Lock, Offer, Patterns, TicketInfo};
-use std::collections::{BTreeMap, VecDeque};
+use std::{
+    collections::{BTreeMap, VecDeque},
+    sync::Mutex,
+};
 
 /// Why [`Engine::serve`] returned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,7 +39,7 @@ pub enum Ended {
     NoThreads,
     /// A client asked for it.
     Shutdown,
-    /// SIGINT, SIGTERM or SIGHUP came.
+    /// A signal came that asks for it.
     Signal,
     /// The time is over.
     Time,
@@ -73,6 +77,10 @@ pub struct Engine {
     pub(crate) counts: Counts,
     pub(crate) loader: Loader,
     pub(crate) shared: Arc<Shared>,
+    /// What is known of it when its process ends.
+    pub(crate) instance: Arc<Instance>,
+    /// How long a wait for threads may last, in wall time.
+    pub(crate) settle_ns: i64,
     pub(crate) runners: Runners,
     /// From the first `start` on.
     pub(crate) watchdog: Option<Watchdog>,
@@ -89,7 +97,7 @@ pub struct Engine {
     pub(crate) finished: BTreeMap<u64, TicketInfo>,
     pub(crate) next_ticket: u64,
     pub(crate) recording: Option<Recording>,
-    pub(crate) flight: Option<Box<Flight>>,
+    pub(crate) flight: Option<Arc<Mutex<Flight>>>,
     pub(crate) probes: Probes,
     /// By the numbers of their probes.
     pub(crate) samples: BTreeMap<u64, Sample>,
@@ -125,10 +133,10 @@ impl Engine {
     /// # Errors
     /// Another one of this name is running, or the system refuses.
     pub fn new(options: Options) -> Result<Self, Failure> {
-        os::catch_signals();
         let server = Server::open(&options.place)?;
         let mut engine = Self::without_socket(options)?;
         engine.server = Some(server);
+        engine.instance.attend();
         Ok(engine)
     }
 
@@ -143,6 +151,7 @@ impl Engine {
         let stuck_ns = options.realtime.stuck_ns.unwrap_or(0);
         shared.set_stuck_limit(i64::try_from(stuck_ns).unwrap_or(i64::MAX));
         let threads = (realtime.scheduling, realtime.cpu);
+        let instance = Instance::new(shared.clone(), &options.place);
         Ok(Self {
             arena: Arena::new(realtime.scheduling == Scheduling::Fifo)?,
             graph: Graph::default(),
@@ -181,6 +190,8 @@ impl Engine {
             trial: None,
             staged: Transaction::default(),
             shared,
+            instance,
+            settle_ns: PATIENCE_NS,
             options,
         })
     }
@@ -205,7 +216,7 @@ impl Engine {
             if self.shutdown {
                 break Ended::Shutdown;
             }
-            if os::signalled() {
+            if ends::is_asked() {
                 break Ended::Signal;
             }
             if limit.is_some_and(|l| self.shared.now() >= l) {
@@ -229,7 +240,8 @@ impl Engine {
     /// Whether a signal or a client has asked the instance to end (a script then stops).
     #[must_use]
     pub fn is_ending(&self) -> bool {
-        self.shutdown || os::signalled()
+        self.instance.control.beat();
+        self.shutdown || ends::is_asked()
     }
 
     /// What components and the engine have said since the last call. The same is logged.
@@ -242,81 +254,6 @@ impl Engine {
     #[must_use]
     pub fn now_ns(&self) -> i64 {
         self.shared.now()
-    }
-
-    /// Stops the threads, runs every stop action, ends programs, unloads everything and gives the
-    /// socket back.
-    pub fn close(mut self) {
-        self.end();
-    }
-
-    /// Closes the instance as [`Self::close`] does. Returns false when a function had failed, or a
-    /// thread did not leave one.
-    #[must_use]
-    pub fn close_checked(mut self) -> bool {
-        self.end()
-    }
-
-    fn end(&mut self) -> bool {
-        if let Err(e) = self.stop_threads() {
-            self.notice(e.to_string());
-        }
-        let failed = self.shared.fault.get().is_some();
-        self.run_stops(&self.graph.components_by_age());
-        if self.recording.is_some()
-            && let Err(e) = self.end_recording()
-        {
-            self.notice(e.to_string());
-        }
-        if self.flight.is_some()
-            && let Err(e) = self.end_flight()
-        {
-            self.notice(e.to_string());
-        }
-        self.end_programs();
-        self.shared.quit.store(true, Ordering::Relaxed);
-        self.watchdog = None;
-        let clean = self.runners.end(&[], true, PATIENCE_NS);
-        // Until here a function that comes back is followed by outputs at their safe levels.
-        self.end_realtime();
-        if clean {
-            for ix in self.graph.components_by_age().into_iter().rev() {
-                self.remove_component(ix);
-            }
-            self.reap();
-        } else {
-            // A thread that never leaves its function still uses all of this.
-            let stuck = self.stuck();
-            self.notice(stuck.to_string());
-            let _left = core::mem::ManuallyDrop::new((
-                core::mem::take(&mut self.retired),
-                core::mem::take(&mut self.graph),
-                core::mem::take(&mut self.rings),
-            ));
-            self.arena.leave();
-        }
-        self.hear();
-        self.server = None;
-        clean && !failed
-    }
-
-    fn end_programs(&mut self) {
-        for p in &self.programs {
-            os::end_process(p.pid, false);
-        }
-        let limit = os::monotonic_ns() + PATIENCE_NS;
-        while self.programs.iter().any(|p| os::alive(p.pid)) && os::monotonic_ns() < limit {
-            if let Some(server) = &mut self.server {
-                server.drop_clients();
-            }
-            os::sleep_until(os::monotonic_ns() + 2_000_000);
-        }
-        for p in &self.programs {
-            if os::alive(p.pid) {
-                os::end_process(p.pid, true);
-            }
-        }
-        self.programs.clear();
     }
 
     /// How far a command has come.
@@ -345,13 +282,5 @@ impl Engine {
     /// Whether a lock forbids something.
     pub(crate) const fn unlocked(&self, lock: Lock, what: &'static str) -> Result<(), Error> {
         if self.lock.0 & lock.0 == 0 { Ok(()) } else { Err(Error::Locked { what }) }
-    }
-}
-
-impl Drop for Engine {
-    fn drop(&mut self) {
-        if !self.shared.quit.load(Ordering::Relaxed) {
-            self.end();
-        }
     }
 }

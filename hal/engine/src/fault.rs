@@ -3,13 +3,15 @@
 use crate::{
     Engine, Error,
     args::Args,
+    ends::{self, Doing, Origin, Remains, What},
     graph::{Ix, Node},
     name::Name,
     os,
     shared::Cause,
-    sync::Ordering,
+    sync::{Arc, Ordering},
 };
 use hal_protocol::FaultInfo;
+use std::collections::BTreeSet;
 
 impl Engine {
     /// Which thread does not leave its cycle.
@@ -93,6 +95,39 @@ impl Engine {
         }
     }
 
+    /// A component's code comes from this file.
+    pub(crate) fn note_origin(&mut self, component: Ix, file: Option<Box<str>>) {
+        if let (Some(c), Some(file)) = (self.graph.component_mut(component), file) {
+            c.origin = Some(Origin { file, component: c.name.clone(), threads: Vec::new() });
+        }
+        self.renew_remains();
+    }
+
+    /// Threads that are there and were not before a component was loaded are its own.
+    pub(crate) fn note_threads(&mut self, component: Ix, before: &BTreeSet<i32>) {
+        let new: Vec<i32> = ends::threads().difference(before).copied().collect();
+        if before.is_empty() || new.is_empty() {
+            return;
+        }
+        let Some(c) = self.graph.component_mut(component) else { return };
+        ends::note_own_threads(&c.name, true);
+        c.origin.iter_mut().for_each(|o| o.threads.clone_from(&new));
+        self.renew_remains();
+    }
+
+    /// What the end of the process runs and names is what is loaded now.
+    pub(crate) fn renew_remains(&self) {
+        let mut remains = Remains::default();
+        for ix in self.graph.components_by_age() {
+            let Some(c) = self.graph.component(ix) else { continue };
+            remains.stops.extend(c.stops.iter().cloned());
+            remains.origins.extend(c.origin.clone());
+            remains.names.push((c.id, c.name.clone()));
+        }
+        self.shared.stops.store(Arc::new(remains.stops.clone()));
+        self.instance.replace(remains);
+    }
+
     /// Runs the stop actions of components.
     pub(crate) fn run_stops(&mut self, components: &[Ix]) {
         let mut failed = Vec::new();
@@ -100,6 +135,7 @@ impl Engine {
         let alone = shared.stops_alone();
         for ix in components.iter().filter(|_| self.trial.is_none()) {
             let Some(c) = self.graph.component(*ix) else { continue };
+            let _within = self.instance.control.run(Doing::new(c.name.as_str(), What::Stop));
             for stop in &c.stops {
                 if let Err(e) = stop.call(Args::default()) {
                     failed.push(format!("{}: stop action: {e}", c.name));

@@ -19,7 +19,10 @@ use condition::Condition;
 use hal_protocol::{FlightInfo, FlightSpec, KeptInfo, KeptState, Type};
 use history::{Group, History};
 use keep::{Kept, Snapshot, create, format_of, numbered};
-use std::collections::{BTreeMap, VecDeque};
+use std::{
+    collections::{BTreeMap, VecDeque},
+    sync::{Mutex, MutexGuard, PoisonError},
+};
 
 /// What changes take when the user does not say.
 const USUAL_BYTES: u64 = 16 << 20;
@@ -94,7 +97,7 @@ impl Engine {
         if self.flight.is_some() {
             self.end_flight()?;
         }
-        self.flight = Some(Box::new(Flight {
+        let flight = Arc::new(Mutex::new(Flight {
             history: History::new(spec.bytes, self.shared.now()),
             spec,
             probe: None,
@@ -112,6 +115,8 @@ impl Engine {
             said: Vec::new(),
             lost: (0, 0),
         }));
+        self.instance.set_flight(Some(flight.clone()));
+        self.flight = Some(flight);
         self.refresh_flight();
         Ok(())
     }
@@ -119,9 +124,9 @@ impl Engine {
     /// `flight off`: an event under way is kept first.
     pub(crate) fn end_flight(&mut self) -> Result<(), Error> {
         self.drain_flight();
-        let Some(mut flight) = self.flight.take() else {
-            return Err(WatchError::FlightOff.into());
-        };
+        let flight = self.flight.take().ok_or(WatchError::FlightOff)?;
+        self.instance.set_flight(None);
+        let mut flight = lock(&flight);
         if let Some((id, _, _)) = &flight.probe {
             self.end_watching(*id);
         }
@@ -131,7 +136,7 @@ impl Engine {
         flight.ends = true;
         flight.finish(now);
         flight.look(true);
-        flight.said.into_iter().for_each(|text| self.notice(text));
+        core::mem::take(&mut flight.said).into_iter().for_each(|text| self.notice(text));
         Ok(())
     }
 
@@ -139,7 +144,7 @@ impl Engine {
     pub(crate) fn flight_info(&mut self) -> Result<FlightInfo, Error> {
         self.drain_flight();
         let to = self.shared.now();
-        let f = self.flight.as_ref().ok_or(WatchError::FlightOff)?;
+        let f = lock(self.flight.as_ref().ok_or(WatchError::FlightOff)?);
         let values = f.probe.as_ref().map_or(0, |p| p.2.len());
         Ok(FlightInfo {
             bytes: f.spec.bytes,
@@ -155,7 +160,8 @@ impl Engine {
     /// `flight save`: what there is now, or the last event.
     pub(crate) fn save_flight(&mut self, path: &str, last: bool) -> Result<(), Error> {
         let now = self.shared.now();
-        if let Some((_, probe, _)) = self.flight.as_ref().and_then(|f| f.probe.as_ref())
+        if let Some(flight) = self.flight.as_deref().map(lock)
+            && let Some((_, probe, _)) = &flight.probe
             && self.shared.is_virtual()
         {
             // What a script has changed while time stood still.
@@ -163,7 +169,7 @@ impl Engine {
         }
         self.drain_flight();
         let at_once = self.shared.is_virtual();
-        let f = self.flight.as_mut().ok_or(WatchError::FlightOff)?;
+        let mut f = lock(self.flight.as_ref().ok_or(WatchError::FlightOff)?);
         let snapshot = if last {
             f.last.clone().ok_or(WatchError::NoEvent)?
         } else {
@@ -186,22 +192,25 @@ impl Engine {
     /// Something has happened that the recorder is there for.
     pub(crate) fn flight_event(&mut self, time: i64, why: &str) {
         self.drain_flight();
-        if let Some(f) = &mut self.flight {
-            f.event(time, why);
+        if let Some(f) = &self.flight {
+            lock(f).event(time, why);
         }
     }
 
     /// What there is to watch may have changed.
     pub(crate) fn flight_is_stale(&mut self) {
-        if let Some(f) = &mut self.flight {
-            f.stale = true;
+        if let Some(f) = &self.flight {
+            lock(f).stale = true;
         }
     }
 
     /// Watches what there is now.
     pub(crate) fn refresh_flight(&mut self) {
-        let Some(mut flight) = self.flight.take_if(|f| f.stale) else { return };
-        flight.stale = false;
+        let Some(flight) = self.flight.clone() else { return };
+        let mut flight = lock(&flight);
+        if !core::mem::take(&mut flight.stale) {
+            return;
+        }
         let (nodes, groups) = self.groups(&flight);
         let sources: Box<[_]> = nodes.iter().filter_map(|ix| self.source(*ix)).collect();
         let last = sources.iter().map(|_| AtomicU64::new(0)).collect();
@@ -236,7 +245,6 @@ impl Engine {
                 self.notice(e.to_string());
             }
         }
-        self.flight = Some(flight);
     }
 
     /// Whether a value lies in its component's own memory, and goes with it.
@@ -284,7 +292,8 @@ impl Engine {
     pub(crate) fn drain_flight(&mut self) {
         // Where no cycle is under way, no look is.
         let whole = self.shared.is_virtual() || !self.shared.boundary.is_running();
-        let Some(flight) = &mut self.flight else { return };
+        let Some(flight) = self.flight.clone() else { return };
+        let mut flight = lock(&flight);
         if let Some((id, probe, columns)) = flight.probe.take() {
             flight.hear(&probe, &columns, whole);
             if probe.lost() != flight.lost.1 {
@@ -303,7 +312,28 @@ impl Engine {
     }
 }
 
+/// The guard keeps it when the process crashes.
+fn lock(flight: &Mutex<Flight>) -> MutexGuard<'_, Flight> {
+    flight.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 impl Flight {
+    /// Before the process crashes: keeps what there is, with the cause as its event; `still` if no
+    /// cycle is under way. What there is to say of it.
+    pub(crate) fn salvage(&mut self, still: bool, now: i64, why: &str) -> Vec<String> {
+        if let Some((id, probe, columns)) = self.probe.take() {
+            if still {
+                probe.look(now);
+            }
+            self.hear(&probe, &columns, true);
+            self.probe = Some((id, probe, columns));
+        }
+        self.event(now, &format!("crash: {why}"));
+        self.at_once = true;
+        self.finish(now);
+        core::mem::take(&mut self.said)
+    }
+
     fn event(&mut self, time: i64, why: &str) {
         let mark = (time, format!("trigger: {why}"));
         if let Some(awaited) = &mut self.awaited {

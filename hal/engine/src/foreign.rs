@@ -5,6 +5,7 @@ use crate::{
     args::Args,
     code::{Keep, Ptr},
     create::Creating,
+    ends::{self, Doing, What},
     graph::{Component, Edge, Foreign, Ix},
     loader::ForeignFound,
     name::Name,
@@ -24,6 +25,8 @@ impl Engine {
         prefix: &str,
     ) -> Result<(), Error> {
         self.unlocked(Lock::LOAD, "loading of programs")?;
+        let instance = self.instance.clone();
+        let _within = instance.control.run(Doing::new(module, What::Load));
         let found = self.loader.find_foreign(module)?;
         self.load_file(module, words, prefix, &found)
     }
@@ -46,10 +49,14 @@ impl Engine {
         }
         let component = self.new_component(name, None, Some(words.join(" ")), true)?;
         self.staged.undo_by(Undo::Made(component));
+        let file = found.file.canonicalize().ok();
+        self.note_origin(component, file.and_then(|f| Some(f.to_str()?.into())));
+        let before = ends::threads();
         let made = self.create_foreign(component, (module, prefix), words, found);
+        self.note_threads(component, &before);
         // What it said comes before what became of it.
         self.hear();
-        self.renew_stops();
+        self.renew_remains();
         made
     }
 
@@ -92,7 +99,6 @@ impl Engine {
             say: Some(crate::code::say),
             level: Some(crate::code::level),
             account: Some(crate::code::account),
-            crash: Some(crate::code::crash),
         };
         // SAFETY: the loader's code, called with records that live across the call.
         let status = unsafe { (found.load)(&raw const host, &raw const file) };
@@ -105,14 +111,6 @@ impl Engine {
         self.staged.begins.extend(threads);
         self.staged.undo_by(Undo::Opened(component));
         Ok(())
-    }
-
-    /// What a crash runs is what is loaded now.
-    pub(crate) fn renew_stops(&self) {
-        let components = self.graph.components_by_age();
-        let components = components.into_iter().filter_map(|ix| self.graph.component(ix));
-        let stops: Vec<_> = components.flat_map(|c| c.stops.iter().cloned()).collect();
-        self.shared.stops.store(Arc::new(stops));
     }
 }
 

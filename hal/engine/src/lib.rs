@@ -18,6 +18,8 @@ mod clock;
 mod code;
 mod control;
 mod create;
+mod ending;
+mod ends;
 mod engine;
 mod error;
 mod fault;
@@ -65,6 +67,7 @@ mod watchdog;
 mod wired;
 mod wiring;
 
+pub use ends::Ends;
 pub use engine::{Ended, Engine};
 pub use error::Error;
 pub use hal_protocol::Offer;

@@ -5,6 +5,7 @@ use crate::{
     args::{Args, Declared, Instances},
     code::Keep,
     create::Creating,
+    ends::{self, Doing, What},
     graph::Ix,
     loader::Found,
     name::Name,
@@ -104,6 +105,8 @@ impl Engine {
     /// `loadrt MODULE ARGS…`.
     pub(crate) fn load(&mut self, module: &str, words: &[String]) -> Result<(), Error> {
         self.unlocked(Lock::LOAD, "loading of programs")?;
+        let instance = self.instance.clone();
+        let _within = instance.control.run(Doing::new(module, What::Load));
         if let Some(found) = self.loader.find_only_foreign(module)? {
             return self.load_file(module, words, "", &found);
         }
@@ -167,6 +170,8 @@ impl Engine {
             instances.names.clone()
         };
         let Some(create) = found.ty.create else { return Ok(()) };
+        let before = ends::threads();
+        self.note_origin(component, ends::maps::file_of(create as *const () as usize));
         let mut creating = Creating::new(self, component, keep, args);
         for (i, prefix) in names.iter().enumerate() {
             let personality = instances.personality.get(i);
@@ -202,14 +207,16 @@ impl Engine {
         if self.staged.dry || self.trial.is_some() {
             return Ok(());
         }
+        // What opening drives is in its stop actions' reach.
+        self.renew_remains();
         for open in &opens {
             if let Err(e) = open.call(Args::default()) {
                 let why = e.to_string().into();
                 return Err(Error::OpenFailed { name: module.into(), why });
             }
         }
+        self.note_threads(component, &before);
         self.staged.undo_by(Undo::Opened(component));
-        self.renew_stops();
         Ok(())
     }
 }

@@ -3,6 +3,7 @@
 use crate::{
     args::Declared,
     code::{Code, Keep, Ptr},
+    ends::{Doing, Origin},
     foreign::Pointer,
     name::Name,
     sync::Arc,
@@ -69,6 +70,8 @@ pub(crate) struct Component {
     pub(crate) args: Option<String>,
     pub(crate) commands: Vec<Command>,
     pub(crate) stops: Vec<Arc<Code<CommandRun>>>,
+    /// The file that its code came from.
+    pub(crate) origin: Option<Origin>,
     pub(crate) services: Vec<Service>,
     /// What it came from, when that is no plugin.
     pub(crate) foreign: Option<Foreign>,
@@ -91,6 +94,8 @@ pub(crate) struct Command {
     pub(crate) doc: Box<str>,
     pub(crate) args: Vec<Declared>,
     pub(crate) code: Code<CommandRun>,
+    /// What runs when it does.
+    pub(crate) doing: Arc<Doing>,
 }
 
 /// A table that a component offers to others.

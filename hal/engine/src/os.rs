@@ -1,10 +1,9 @@
-//! Everything that this crate asks of Linux: memory, scheduling, clocks, signals.
+//! Everything that this crate asks of Linux: memory, scheduling, clocks.
 
 pub(crate) mod memory;
 pub(crate) mod processors;
 pub(crate) mod progress;
 
-use crate::sync::{AtomicBool, Ordering::Relaxed};
 use core::ptr::{NonNull, null_mut};
 
 /// Opening a library: every symbol is resolved at once, so that none is in a cycle.
@@ -114,37 +113,6 @@ pub(crate) fn fifo_refusal(priority: i32) -> Option<String> {
         Some(limit) => format!("RLIMIT_RTPRIO is {limit} and must be {priority} or more"),
         None => "the system refuses it".to_owned(),
     })
-}
-
-static SIGNALLED: AtomicBool = AtomicBool::new(false);
-
-extern "C" fn on_signal(_: i32) {
-    SIGNALLED.store(true, Relaxed);
-}
-
-/// From now on SIGINT, SIGTERM and SIGHUP are only remembered; SIGPIPE is ignored.
-pub(crate) fn catch_signals() {
-    let handler = on_signal as extern "C" fn(i32);
-    for signal in [libc::SIGINT, libc::SIGTERM, libc::SIGHUP] {
-        // SAFETY: all zero is a valid `sigaction`.
-        let mut action: libc::sigaction = unsafe { core::mem::zeroed() };
-        action.sa_sigaction = handler as *const () as usize;
-        // SAFETY: a handler that only stores to an atomic; no SA_RESTART, so that waits end.
-        unsafe { libc::sigaction(signal, &raw const action, null_mut()) };
-    }
-    // SAFETY: ignoring is always valid.
-    unsafe { libc::signal(libc::SIGPIPE, libc::SIG_IGN) };
-}
-
-/// Whether one of them has come.
-pub(crate) fn signalled() -> bool {
-    SIGNALLED.load(Relaxed)
-}
-
-/// Ends this process at once, with status 1.
-pub(crate) fn end_now() -> ! {
-    // SAFETY: nothing of this process is left to look after.
-    unsafe { libc::_exit(1) }
 }
 
 /// Whether a process is there and has not ended. A child of ours that has ended is left to whoever

@@ -167,7 +167,11 @@ impl Engine {
     /// Whether the virtual clock must wait for a program, or for what one reads or writes.
     pub(crate) fn held_back(&mut self) -> bool {
         let now = os::monotonic_ns();
+        let before = self.programs.len();
         self.programs.retain(|p| os::alive(p.pid));
+        if self.programs.len() != before {
+            self.programs_have_changed();
+        }
         let starting = self.programs.iter().any(|p| !p.joined && now - p.since < 1_000_000_000);
         // None is left out: each counts how long it is waited for.
         let for_samples = self.held_by_samples(now);

@@ -4,7 +4,7 @@ mod file;
 mod tape;
 
 use crate::{
-    Engine, Error,
+    Engine, Error, ends,
     graph::Ix,
     os,
     probe::Probe,
@@ -15,8 +15,13 @@ use crate::{
 use file::WholeFile;
 use hal_protocol::{Patterns, Type};
 use hal_trace::vcd::Column;
-use std::{collections::BTreeMap, fs::File};
-use tape::Tape;
+use std::{
+    collections::BTreeMap,
+    fs::File,
+    os::unix::fs::MetadataExt,
+    sync::{Mutex, MutexGuard, PoisonError},
+};
+pub(crate) use tape::Tape;
 
 /// How many changes wait for the file at the most.
 const ROOM: usize = 1 << 16;
@@ -28,10 +33,15 @@ pub(crate) struct Recording {
     patterns: Patterns,
     /// The file, until time first moves; what is watched is settled then.
     file: Option<WholeFile>,
-    tape: Option<Tape>,
+    tape: Option<Arc<Mutex<Tape>>>,
     /// The number of its probe, and the probe.
     probe: Option<(u64, Arc<Probe>)>,
     failed: bool,
+}
+
+/// The guard looks after it as well.
+fn lock(tape: &Mutex<Tape>) -> MutexGuard<'_, Tape> {
+    tape.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Recording {
@@ -54,6 +64,7 @@ impl Engine {
         }
         let file =
             File::create(path).map_err(|e| Error::File { path: path.into(), why: os::said(&e) })?;
+        ends::note_recording(path, file.metadata().map_or(0, |m| m.ino()));
         self.recording = Some(Recording {
             path: path.to_owned(),
             patterns: Patterns::new(patterns),
@@ -79,7 +90,9 @@ impl Engine {
             let sources: Box<[_]> = nodes.iter().filter_map(|ix| self.source(*ix)).collect();
             let last = sources.iter().map(|s| AtomicU64::new(s.bits())).collect();
             let probe = Arc::new(Probe::changes(sources, last, ROOM.max(nodes.len() * 4)));
-            r.tape = Tape::begin(file, &columns, probe.clone(), self.shared.now()).ok();
+            let tape = Tape::begin(file, &columns, probe.clone(), self.shared.now()).ok();
+            r.tape = tape.map(|tape| Arc::new(Mutex::new(tape)));
+            self.instance.set_tape(r.tape.clone());
             r.failed = r.tape.is_none();
             let (at, nodes) = (At::Moments, nodes.into_iter().collect());
             let watching = Watching { probe: probe.clone(), at, nodes, lossless: true };
@@ -135,16 +148,16 @@ impl Engine {
     pub(crate) fn drain_recording(&mut self) {
         // Where no cycle is under way, no look is.
         let still = self.shared.is_virtual() || self.quiet;
-        let tape = self.recording.as_mut().and_then(|r| r.tape.as_mut());
+        let tape = self.recording.as_ref().and_then(|r| r.tape.as_ref());
         if let Some(tape) = tape {
-            tape.drain(still);
+            lock(tape).drain(still);
         }
     }
 
-    /// While virtual time stands still, nobody looks at what a script or a stop action changes.
+    /// While no cycle runs, nobody looks at what a script or a stop action changes.
     fn look_last(&self) {
         let probe = self.recording.as_ref().and_then(|r| r.probe.as_ref());
-        if let Some((_, probe)) = probe.filter(|_| self.shared.is_virtual()) {
+        if let Some((_, probe)) = probe.filter(|_| self.shared.is_virtual() || self.quiet) {
             probe.look(self.shared.now());
         }
     }
@@ -158,7 +171,10 @@ impl Engine {
         if let Some((id, _)) = &r.probe {
             self.end_watching(*id);
         }
-        if let Some(tape) = &mut r.tape {
+        self.instance.set_tape(None);
+        ends::note_recording("", 0);
+        if let Some(tape) = &r.tape {
+            let mut tape = lock(tape);
             tape.end(self.shared.now());
             r.failed |= tape.has_failed();
         }

@@ -67,6 +67,7 @@ impl Engine {
                     .values()
                     .any(|ix| self.graph.component(*ix).is_some_and(|c| c.pid == Some(pid)));
                 self.programs.push(Program { pid, name: program, since, joined });
+                self.programs_have_changed();
             }
             Request::EndProgram { name } => self.end_program(name.as_deref())?,
             Request::Record { path, patterns } => self.record(&path, &patterns)?,
@@ -100,7 +101,10 @@ impl Engine {
             near: None,
         })?;
         let args = Args::parse(&command.args, &[], words)?;
-        let outcome = command.code.call(args)?;
+        let outcome = {
+            let _within = self.instance.control.run(command.doing.clone());
+            command.code.call(args)?
+        };
         let ticket = outcome.ticket.map(|ticket| {
             let id = self.next_ticket;
             self.next_ticket += 1;
@@ -207,6 +211,7 @@ impl Engine {
 
 impl Link for Engine {
     fn call(&mut self, request: Request) -> Result<Reply, Failure> {
+        self.instance.control.beat();
         if let Some(reply) = self.tried(&request) {
             return Ok(reply?);
         }

@@ -1,7 +1,9 @@
 //! The threads of the system on which the real clock runs.
 
 use crate::{
-    Error, clock, os,
+    Error, clock,
+    ends::Stack,
+    os,
     realtime::FASTEST_PRIORITY,
     shared::Shared,
     sync::{Arc, Ordering},
@@ -69,6 +71,7 @@ impl Runners {
         let rank = i32::try_from(rank).unwrap_or(FASTEST_PRIORITY);
         let priority = FASTEST_PRIORITY.saturating_sub(rank).max(1);
         let run = move || {
+            let _stack = Stack::new();
             if let Some(cpu) = cpu {
                 os::processors::stay_on(cpu);
             }

@@ -95,6 +95,7 @@ impl Engine {
             args,
             commands: Vec::new(),
             stops: Vec::new(),
+            origin: None,
             services: Vec::new(),
             foreign: None,
         };

@@ -3,7 +3,7 @@
 use crate::{
     Engine, Error,
     client::{Client, Waits},
-    os,
+    ends, os,
     polls::{clients_target, next_poll_of, settle},
     session::{forget_left, leave, respond},
 };
@@ -125,6 +125,8 @@ pub(crate) fn serve_once(engine: &mut Engine, ms: i32) {
         flags.set(PollFlags::OUT, c.has_output());
         fds.push(PollFd::new(&c.socket, flags));
     }
+    let wake = ends::wake();
+    fds.extend(wake.iter().map(|wake| PollFd::new(wake, PollFlags::IN)));
     let ready = wait(&mut fds, ms).unwrap_or(false);
     let events: Vec<PollFlags> = fds.iter().map(PollFd::revents).collect();
     drop(fds);

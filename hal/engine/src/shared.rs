@@ -165,7 +165,7 @@ pub(crate) struct Shared {
     pub(crate) cause: Cause,
     messages: ArrayQueue<Message>,
     spoken: ArrayQueue<Spoken>,
-    /// What a crash runs: the stop actions of everything that is loaded.
+    /// What is run from beside the control side: the stop actions of everything that is loaded.
     pub(crate) stops: ArcSwap<Vec<Arc<Code<CommandRun>>>>,
     /// Some thread runs stop actions.
     stopping: AtomicBool,
@@ -253,15 +253,6 @@ impl Shared {
     /// Control side: the oldest text.
     pub(crate) fn heard_text(&self) -> Option<Spoken> {
         self.spoken.pop()
-    }
-
-    /// From a signal handler, before the process ends: no cycle begins, outputs go to their safe
-    /// levels.
-    pub(crate) fn crash(&self) {
-        self.boundary.stop();
-        for stop in self.stops.load().iter() {
-            stop.call_mute();
-        }
     }
 
     /// Keeps stop actions to the caller until what is returned is dropped: of two threads that want

@@ -1,6 +1,6 @@
 //! Background work of components: on the control side, never in a realtime thread.
 
-use crate::{Engine, code::Code, fault::said, graph::Ix, name::Name};
+use crate::{Engine, code::Code, ends::Doing, fault::said, graph::Ix, name::Name, sync::Arc};
 use hal_abi::Run;
 
 /// Work that is done every so often.
@@ -11,20 +11,22 @@ pub(crate) struct Task {
     period_ns: i64,
     due: i64,
     code: Code<Run>,
+    /// What runs when it does.
+    doing: Arc<Doing>,
     failed: bool,
 }
 
 impl Task {
-    pub(crate) const fn new(
+    pub(crate) fn new(
         name: Name,
-        owner: Ix,
+        (owner, doing): (Ix, Arc<Doing>),
         period_ns: i64,
         now: i64,
         code: Code<Run>,
     ) -> Self {
         // At multiples of the period, from the next one on.
         let due = (now.div_euclid(period_ns) + 1) * period_ns;
-        Self { name, owner, period_ns, due, code, failed: false }
+        Self { name, owner, period_ns, due, code, doing, failed: false }
     }
 }
 
@@ -42,7 +44,11 @@ impl Engine {
                 continue;
             }
             t.due = (now.div_euclid(t.period_ns) + 1) * t.period_ns;
-            if !t.code.run(t.period_ns).is_ok() {
+            let done = {
+                let _within = self.instance.control.run(t.doing.clone());
+                t.code.run(t.period_ns)
+            };
+            if !done.is_ok() {
                 t.failed = true;
                 failed.push((t.name.clone(), said(&self.shared.cause)));
             }

@@ -2,6 +2,7 @@
 
 use crate::{
     code::{Code, Ptr},
+    ends::{self, Current},
     handover::Gate,
     name::Name,
     os,
@@ -95,6 +96,8 @@ pub(crate) struct List {
 /// How late wake-ups were: up to 1 µs, 2 µs, 4 µs, … and more.
 pub(crate) const BINS: usize = 16;
 
+pub(crate) use crate::ends::NOBODY;
+
 /// A thread.
 #[derive(Debug)]
 pub(crate) struct Thread {
@@ -120,7 +123,7 @@ pub(crate) struct Thread {
     pub(crate) over_took: AtomicI64,
     /// The kernel's number of the thread that runs this one.
     pub(crate) tid: AtomicI32,
-    pub(crate) current: AtomicU32,
+    pub(crate) current: Current,
     pub(crate) init_done: AtomicBool,
     /// Whether functions are timed.
     pub(crate) timed: AtomicBool,
@@ -128,9 +131,6 @@ pub(crate) struct Thread {
     pub(crate) latency: [AtomicU64; BINS],
     pub(crate) end: AtomicBool,
 }
-
-/// No function.
-pub(crate) const NOBODY: u32 = u32::MAX;
 
 impl Thread {
     pub(crate) fn new(
@@ -141,6 +141,7 @@ impl Thread {
         timed: bool,
         due: i64,
     ) -> Self {
+        let current = Current::new(name.as_str());
         Self {
             id,
             name,
@@ -157,7 +158,7 @@ impl Thread {
             over_late: AtomicI64::new(0),
             over_took: AtomicI64::new(0),
             tid: AtomicI32::new(0),
-            current: AtomicU32::new(NOBODY),
+            current,
             init_done: AtomicBool::new(false),
             timed: AtomicBool::new(timed),
             latest: AtomicI64::new(0),
@@ -172,6 +173,7 @@ impl Thread {
         if !shared.boundary.enter(&self.gate) {
             return NOBODY;
         }
+        ends::begin_cycle(self);
         let mut longest = NOBODY;
         let list = self.list.load();
         if shared.fault.get().is_none() {
@@ -194,6 +196,7 @@ impl Thread {
         }
         list.moments.iter().for_each(|p| p.look(time));
         drop(list);
+        ends::end_cycle();
         self.gate.leave();
         longest
     }

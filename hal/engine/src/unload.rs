@@ -2,6 +2,7 @@
 
 use crate::{
     Engine, Error,
+    ends::{self, Doing, What},
     graph::{Component, Ix, Node},
     name::Name,
     transaction::Going,
@@ -177,6 +178,14 @@ impl Engine {
 
     /// Frees a component that no thread, signal or name leads to.
     fn free_component(&mut self, component: Ix) {
+        let name = self.graph.component(component).map_or("?", |c| c.name.as_str());
+        let instance = self.instance.clone();
+        let _within = instance.control.run(Doing::new(name, What::Unload));
+        if let Some(c) = self.graph.component(component)
+            && c.origin.as_ref().is_some_and(|o| !o.threads.is_empty())
+        {
+            ends::note_own_threads(&c.name, false);
+        }
         let owned = self.all_owned(component);
         // What it said is static text in its library, which may close with it.
         self.hear();
@@ -194,7 +203,7 @@ impl Engine {
         }
         self.gone = self.graph.component(component).map(|c| (c.id, c.name.clone()));
         self.remove_node(component);
-        self.renew_stops();
+        self.renew_remains();
     }
 
     fn remove_node(&mut self, ix: Ix) {

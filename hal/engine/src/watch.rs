@@ -114,7 +114,9 @@ impl Engine {
     pub(crate) fn end_watching(&mut self, id: u64) {
         let Some(ended) = self.probes.all.remove(&id) else { return };
         self.probes.sort();
-        if let Err(e) = self.renew_probes(ended.at) {
+        if let Err(e) = self.renew_probes(ended.at)
+            && self.settle_ns > 0
+        {
             self.notice(e.to_string());
         }
     }

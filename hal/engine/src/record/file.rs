@@ -1,5 +1,6 @@
 //! A file that holds whole records only, at any moment.
 
+use crate::ends;
 use std::{
     fs::File,
     io::{Result, Write},
@@ -18,7 +19,8 @@ pub(crate) struct WholeFile {
 
 impl WholeFile {
     /// A file that was just created.
-    pub(crate) const fn new(file: File) -> Self {
+    pub(crate) fn new(file: File) -> Self {
+        ends::record(0, 0);
         Self { file, buffer: Vec::new(), whole: 0, written: 0 }
     }
 
@@ -38,12 +40,16 @@ impl WholeFile {
     /// The system refuses. The file then ends at the last whole record that it took before.
     pub(crate) fn put(&mut self) -> Result<()> {
         let whole = self.buffer.get(..self.whole).unwrap_or_default();
+        let then = self.written + whole.len() as u64;
+        // Should the process be killed while it writes, somebody else puts the file right.
+        ends::record(self.written, then);
         if let Err(e) = self.file.write_all(whole) {
             // A device and a pipe keep what they were given.
             drop(self.file.set_len(self.written));
             return Err(e);
         }
-        self.written += whole.len() as u64;
+        self.written = then;
+        ends::record(then, then);
         self.buffer.drain(..self.whole);
         self.whole = 0;
         Ok(())

@@ -79,6 +79,18 @@ impl Tape {
         }
     }
 
+    /// Before the process crashes: what was seen is kept, and what is there now if no cycle is
+    /// under way.
+    pub(crate) fn salvage(&mut self, still: bool, now: i64) {
+        if still {
+            self.probe.look(now);
+            self.end(now);
+            return;
+        }
+        self.drain(false);
+        self.failed |= self.writer.out().put().is_err();
+    }
+
     /// Ends the recording at `now`: all of it is in the file.
     pub(crate) fn end(&mut self, now: i64) {
         self.drain(true);

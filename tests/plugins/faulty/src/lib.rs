@@ -10,6 +10,7 @@ mod foreign;
 mod last_words;
 mod lazy;
 mod person;
+mod quits;
 mod swap;
 mod talk;
 mod tap;
@@ -27,6 +28,7 @@ hal_component::export!(
     last_words::LastWords,
     lazy::Lazy,
     person::Person,
+    quits::Quits,
     swap::Swap,
     talk::Listener,
     talk::Talker,

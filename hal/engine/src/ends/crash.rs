@@ -1,0 +1,259 @@
+//! What a crash does before the process ends. It runs in signal handlers, whatever the process was
+//! at: it takes no memory from the heap and no lock. Each step is begun once: what crashes in one
+//! goes on with the next.
+
+use super::{
+    GUARD, Instance, guard, instances, signals, sys,
+    text::Text,
+    who::{self, Place},
+};
+use crate::{
+    os::progress::processor_time,
+    sync::{AtomicBool, AtomicI32, AtomicPtr, AtomicU32, AtomicU64, Ordering},
+    thread::Thread,
+};
+use core::{ffi::c_int, ptr};
+
+/// The thread of the system that ends this process, by its number; 0: none.
+static CLAIM: AtomicI32 = AtomicI32::new(0);
+/// The thread of the machine that it was.
+static CRASHED: AtomicPtr<Thread> = AtomicPtr::new(ptr::null_mut());
+/// By which signal the process ends, or else with which status.
+static SIGNAL: AtomicI32 = AtomicI32::new(0);
+static STATUS: AtomicI32 = AtomicI32::new(1);
+/// How many stop actions have been begun.
+static BEGUN: AtomicU32 = AtomicU32::new(0);
+/// Steps that are over: what is said, all stop actions, and what the guard does.
+static TOLD: AtomicBool = AtomicBool::new(false);
+static STOPPED: AtomicBool = AtomicBool::new(false);
+static SAVED: AtomicBool = AtomicBool::new(false);
+/// Goes on while the guard comes on.
+static PROGRESS: AtomicU64 = AtomicU64::new(0);
+
+/// In how many seconds the process ends even if all else fails.
+const LAST_RESORT_S: u32 = 10;
+/// How near the end of a stack an address is that code missed because the stack is used up.
+const NEAR: usize = 64 << 10;
+/// How many looks, a millisecond apart, the guard may take without coming on.
+const PATIENCE: u32 = 2000;
+
+/// Why a process ends.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Cause<'d> {
+    /// A signal that code raised, or somebody sent.
+    Signal { signal: c_int, said: &'static str, shot: Shot },
+    /// Code called a function that ends the process, by its name.
+    Exit { function: &'static str, status: Option<c_int> },
+    /// A signal asked for it, and the control side does not come back from what it does.
+    Asked { signal: c_int, doing: &'d Text },
+}
+
+/// What is known of a signal.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Shot {
+    /// A fault at this address.
+    At(usize),
+    /// An instruction or address that the processor refuses, with no address to tell.
+    Protection,
+    /// A port that may not be read or written.
+    Port { port: u16, out: bool },
+    /// Code of this thread raised it.
+    Raised,
+    /// Another process sent it, or this one to itself.
+    From(c_int),
+}
+
+/// Whether the process is about to end: nobody else is to do anything any more.
+pub(crate) fn is_claimed() -> bool {
+    // Pairs with `claim`: who has taken something out of reach before sees who still looks for it.
+    CLAIM.load(Ordering::SeqCst) != 0
+}
+
+/// Waits for the end of the process.
+pub(crate) fn park() -> ! {
+    loop {
+        sys::nap(1000);
+    }
+}
+
+fn claim() -> bool {
+    let me = sys::thread();
+    // Pairs with `is_claimed`.
+    match CLAIM.compare_exchange(0, me, Ordering::SeqCst, Ordering::SeqCst) {
+        Ok(_) => true,
+        Err(other) if other == me => false,
+        Err(_) => park(),
+    }
+}
+
+/// Ends this process: outputs go to their safe levels, who it was is said, what was seen is kept.
+pub(super) fn crash(cause: &Cause<'_>, place: Place) -> ! {
+    let first = claim();
+    sys::end_in(LAST_RESORT_S);
+    if first {
+        let thread = who::cycle().map_or(ptr::null(), ptr::from_ref);
+        CRASHED.store(thread.cast_mut(), Ordering::Relaxed);
+        match *cause {
+            Cause::Signal { signal, .. } => SIGNAL.store(signal, Ordering::Relaxed),
+            Cause::Exit { function: "abort", .. } => {
+                SIGNAL.store(libc::SIGABRT, Ordering::Relaxed);
+            }
+            // It is no success that the machine has gone.
+            Cause::Exit { status, .. } => {
+                let status = status.filter(|s| s & 0xff != 0).unwrap_or(1);
+                STATUS.store(status, Ordering::Relaxed);
+            }
+            Cause::Asked { signal, .. } if signals::is_unmeant(signal) => {
+                SIGNAL.store(signal, Ordering::Relaxed);
+            }
+            Cause::Asked { .. } => {}
+        }
+        super::want();
+        let mut text = Text::new();
+        describe(&mut text, cause, place);
+        guard::keep(&text);
+    }
+    stop_outputs();
+    tell();
+    STOPPED.store(true, Ordering::Release); // Pairs with `outputs_are_safe`.
+    if GUARD.load(Ordering::Relaxed) == sys::thread() {
+        if first {
+            guard::save();
+        }
+    } else {
+        wait_for_guard();
+    }
+    finish()
+}
+
+/// Says on standard error why the process ends, once.
+pub(super) fn tell() {
+    if TOLD.swap(true, Ordering::Relaxed) {
+        return;
+    }
+    let mut text = guard::why();
+    text.add(format_args!("; outputs are at their safe levels, and this process ends\n"));
+    sys::complain(text.as_str());
+    super::have_told();
+}
+
+/// Says who it was and what happened.
+fn describe(text: &mut Text, cause: &Cause<'_>, place: Place) {
+    if let Cause::Signal { signal, shot: Shot::From(by), .. } = *cause {
+        let name = signals::Named(signal);
+        if by == sys::process() {
+            text.add(format_args!("{name}, which this process sent to itself"));
+        } else {
+            text.add(format_args!("{name}, sent by process {by}"));
+        }
+        return;
+    }
+    if let Cause::Asked { signal, doing } = *cause {
+        let name = signals::Named(signal);
+        text.add(format_args!("{name}, but this does not return: {}", doing.as_str()));
+        return;
+    }
+    // The control side waits before it frees what is looked at here: see `is_claimed`.
+    let remains = instances().find_map(|i| i.remains());
+    who::describe(text, place, remains.map_or(&[], |r| &r.origins));
+    match *cause {
+        Cause::Signal { signal, said, shot } => match shot {
+            Shot::At(at) if [libc::SIGSEGV, libc::SIGBUS].contains(&signal) => {
+                text.add(format_args!(": {said} at address {at:#x}"));
+                if at.abs_diff(place.stack) < NEAR {
+                    text.add(format_args!(" (its stack is used up)"));
+                }
+            }
+            Shot::Protection => text.add(format_args!(
+                ": general protection fault (an instruction that only the system may use, or an \
+                 address that cannot be)"
+            )),
+            Shot::Port { port, out } => {
+                let done = if out { "written" } else { "read" };
+                text.add(format_args!(
+                    ": port {port:#06x} may not be {done}: this process has no right to use it \
+                     (run as root, or with CAP_SYS_RAWIO)"
+                ));
+            }
+            Shot::Raised if signal != libc::SIGABRT => {
+                text.add(format_args!(": it raised {}", signals::Named(signal)));
+            }
+            Shot::At(_) | Shot::Raised | Shot::From(_) => text.add(format_args!(": {said}")),
+        },
+        Cause::Exit { function, status: Some(status) } => {
+            text.add(format_args!(": it called {function}({status})"));
+        }
+        Cause::Exit { .. } => text.add(format_args!(": it gave up (abort)")),
+        Cause::Asked { .. } => {}
+    }
+}
+
+/// Runs every stop action that nobody has begun yet.
+pub(super) fn stop_outputs() {
+    instances().for_each(Instance::stop_cycles);
+    let mut number = 0;
+    for remains in instances().filter_map(Instance::remains) {
+        for stop in &remains.stops {
+            let next = number + 1;
+            let begun = BEGUN.compare_exchange(number, next, Ordering::Relaxed, Ordering::Relaxed);
+            if begun.is_ok() {
+                stop.call_mute();
+            }
+            number = next;
+        }
+    }
+}
+
+/// How many stop actions have been begun.
+pub(super) fn begun() -> u32 {
+    BEGUN.load(Ordering::Relaxed)
+}
+
+/// Whether all of them are over.
+pub(super) fn outputs_are_safe() -> bool {
+    STOPPED.load(Ordering::Acquire) // Pairs with `crash`.
+}
+
+/// Whether a thread is the one that has crashed: it stays inside its cycle.
+pub(super) fn has_crashed(thread: &Thread) -> bool {
+    ptr::eq(CRASHED.load(Ordering::Relaxed), thread)
+}
+
+/// From the guard: it has come on by a step.
+pub(super) fn come_on() {
+    PROGRESS.fetch_add(1, Ordering::Relaxed);
+    sys::end_in(LAST_RESORT_S);
+}
+
+/// From the guard: what was seen is kept.
+pub(super) fn have_saved() {
+    SAVED.store(true, Ordering::Release); // Pairs with `wait_for_guard`.
+}
+
+fn wait_for_guard() {
+    let guard = GUARD.load(Ordering::Relaxed);
+    if guard == 0 {
+        return;
+    }
+    let (mut last, mut looks) = ((0, 0), 0);
+    // Pairs with `have_saved`.
+    while !SAVED.load(Ordering::Acquire) && looks < PATIENCE {
+        let used = processor_time(guard).unwrap_or(0);
+        let progress = (PROGRESS.load(Ordering::Relaxed), used);
+        looks = if progress == last { looks + 1 } else { 0 };
+        if looks == 0 {
+            sys::end_in(LAST_RESORT_S);
+        }
+        last = progress;
+        sys::nap(1);
+    }
+}
+
+/// The end, as its cause wants it.
+pub(super) fn finish() -> ! {
+    super::leave_nothing();
+    match SIGNAL.load(Ordering::Relaxed) {
+        0 => sys::leave(STATUS.load(Ordering::Relaxed)),
+        signal => sys::die(signal),
+    }
+}

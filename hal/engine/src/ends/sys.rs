@@ -1,0 +1,324 @@
+//! What the end of a process asks of Linux. Everything here may be called in a signal handler.
+
+use super::who::Place;
+use core::{
+    ffi::{CStr, c_int, c_void},
+    ptr::{null, null_mut},
+};
+
+/// Opens a file for reading.
+pub(super) fn open_read(path: &CStr) -> Option<c_int> {
+    // SAFETY: a text that ends in zero.
+    let file = unsafe { libc::open(path.as_ptr(), libc::O_RDONLY | libc::O_CLOEXEC) };
+    (file >= 0).then_some(file)
+}
+
+/// Reads; 0 at the end and on an error.
+pub(super) fn read(file: c_int, bytes: &mut [u8]) -> usize {
+    loop {
+        // SAFETY: a live buffer.
+        let n = unsafe { libc::read(file, bytes.as_mut_ptr().cast(), bytes.len()) };
+        if n >= 0 || errno() != libc::EINTR {
+            return usize::try_from(n).unwrap_or(0);
+        }
+    }
+}
+
+/// Closes a file.
+pub(super) fn close(file: c_int) {
+    // SAFETY: a number; it is not used again.
+    unsafe { libc::close(file) };
+}
+
+/// Writes to standard error. Nobody is left to be told that it failed, or to wait for a reader that
+/// does not read.
+pub(crate) fn complain(text: &str) {
+    let mut rest = text.as_bytes();
+    while !rest.is_empty() {
+        let mut look = libc::pollfd { fd: libc::STDERR_FILENO, events: libc::POLLOUT, revents: 0 };
+        // SAFETY: a live record.
+        if unsafe { libc::poll(&raw mut look, 1, 100) } == 0 {
+            return;
+        }
+        // SAFETY: a live text.
+        let n = unsafe { libc::write(libc::STDERR_FILENO, rest.as_ptr().cast(), rest.len()) };
+        match usize::try_from(n) {
+            Ok(n) if n > 0 => rest = rest.get(n..).unwrap_or_default(),
+            _ if errno() == libc::EINTR => {}
+            _ => return,
+        }
+    }
+}
+
+fn errno() -> c_int {
+    // SAFETY: this thread's own variable.
+    let place = unsafe { libc::__errno_location() };
+    // SAFETY: as above.
+    unsafe { place.read() }
+}
+
+/// Does something in a signal handler that the interrupted code is not to see by its error number.
+pub(super) fn unseen(act: impl FnOnce()) {
+    let before = errno();
+    act();
+    // SAFETY: this thread's own variable.
+    let place = unsafe { libc::__errno_location() };
+    // SAFETY: as above.
+    unsafe { place.write(before) };
+}
+
+/// The number of this process.
+pub(super) fn process() -> c_int {
+    // SAFETY: always answers.
+    unsafe { libc::getpid() }
+}
+
+/// The number of this thread.
+pub(super) fn thread() -> c_int {
+    // SAFETY: always answers.
+    unsafe { libc::gettid() }
+}
+
+/// The name of this thread.
+pub(super) fn thread_name(room: &mut [u8; 16]) -> &str {
+    // SAFETY: 16 bytes are what the system wants.
+    unsafe { libc::prctl(libc::PR_GET_NAME, room.as_mut_ptr()) };
+    let end = room.iter().position(|b| *b == 0).unwrap_or(room.len());
+    core::str::from_utf8(room.get(..end).unwrap_or_default()).unwrap_or("?")
+}
+
+/// Sleeps for so many milliseconds, or less.
+pub(super) fn nap(ms: i64) {
+    let time = libc::timespec { tv_sec: ms / 1000, tv_nsec: ms % 1000 * 1_000_000 };
+    // SAFETY: `time` lives across the call.
+    unsafe { libc::nanosleep(&raw const time, null_mut()) };
+}
+
+/// Removes a file.
+pub(super) fn remove(path: &CStr) {
+    // SAFETY: a text that ends in zero.
+    unsafe { libc::unlink(path.as_ptr()) };
+}
+
+/// Copies words of this process's memory; how many could be read.
+pub(super) fn peek(from: usize, words: &mut [usize]) -> usize {
+    let local = libc::iovec { iov_base: words.as_mut_ptr().cast(), iov_len: size_of_val(words) };
+    let base = core::ptr::without_provenance_mut(from);
+    let remote = libc::iovec { iov_base: base, iov_len: size_of_val(words) };
+    // SAFETY: the system checks what it reads; the words are a live place.
+    let n =
+        unsafe { libc::process_vm_readv(process(), &raw const local, 1, &raw const remote, 1, 0) };
+    usize::try_from(n).unwrap_or(0) / size_of::<usize>()
+}
+
+/// Ends this process at once, whatever its threads do.
+pub(super) fn leave(status: c_int) -> ! {
+    loop {
+        // SAFETY: nothing of this process is left to look after.
+        unsafe { libc::syscall(libc::SYS_exit_group, status) };
+    }
+}
+
+/// Ends this process by a signal, as if nobody had caught it.
+pub(super) fn die(signal: c_int) -> ! {
+    set_default(signal);
+    let mut only = empty_set();
+    add(&mut only, signal);
+    // SAFETY: a live set.
+    unsafe { libc::pthread_sigmask(libc::SIG_UNBLOCK, &raw const only, null_mut()) };
+    // SAFETY: ends the process.
+    unsafe { libc::raise(signal) };
+    // One whose default is to be ignored.
+    leave(128 + signal)
+}
+
+/// Gives a signal its own effect back.
+pub(super) fn set_default(signal: c_int) {
+    // SAFETY: the default is always valid.
+    unsafe { libc::signal(signal, libc::SIG_DFL) };
+}
+
+/// The process is ended in so many seconds, should it still be there.
+pub(super) fn end_in(seconds: u32) {
+    set_default(libc::SIGALRM);
+    // SAFETY: a request to the system.
+    unsafe { libc::alarm(seconds) };
+}
+
+/// No signals.
+pub(super) fn empty_set() -> libc::sigset_t {
+    // SAFETY: all zero is a valid set.
+    let mut set = unsafe { core::mem::zeroed() };
+    // SAFETY: a live set.
+    unsafe { libc::sigemptyset(&raw mut set) };
+    set
+}
+
+/// New memory that copies of this process share with it; null where there is none.
+pub(super) fn shared(bytes: usize) -> *mut c_void {
+    let (prot, flags) = (
+        libc::PROT_READ | libc::PROT_WRITE,
+        libc::MAP_SHARED | libc::MAP_ANONYMOUS | libc::MAP_NORESERVE,
+    );
+    // SAFETY: new memory.
+    let at = unsafe { libc::mmap(null_mut(), bytes, prot, flags, -1, 0) };
+    if at == libc::MAP_FAILED { null_mut() } else { at }
+}
+
+/// What attends to a signal.
+pub(super) type Attends = unsafe extern "C" fn(c_int, *mut libc::siginfo_t, *mut c_void);
+
+/// Attends to a signal.
+pub(super) fn attend(signal: c_int, attends: Attends, flags: c_int) {
+    let mut action = no_action();
+    action.sa_sigaction = attends as *const () as usize;
+    action.sa_flags = flags;
+    // SAFETY: a valid action. A signal that cannot be caught keeps its own effect.
+    unsafe { libc::sigaction(signal, &raw const action, null_mut()) };
+}
+
+/// Whether a signal has no effect.
+pub(super) fn is_ignored(signal: c_int) -> bool {
+    let mut now = no_action();
+    // SAFETY: a place for the action.
+    unsafe { libc::sigaction(signal, null(), &raw mut now) };
+    now.sa_sigaction == libc::SIG_IGN
+}
+
+fn no_action() -> libc::sigaction {
+    // SAFETY: all zero is a valid action.
+    unsafe { core::mem::zeroed() }
+}
+
+/// Adds a signal to a set.
+pub(super) fn add(set: &mut libc::sigset_t, signal: c_int) {
+    // SAFETY: a live set.
+    unsafe { libc::sigaddset(set, signal) };
+}
+
+/// This thread gets none of these signals.
+pub(super) fn block(set: &libc::sigset_t) {
+    // SAFETY: a live set.
+    unsafe { libc::pthread_sigmask(libc::SIG_BLOCK, set, null_mut()) };
+}
+
+/// Where a thread was when a signal came, and what its register DX held.
+#[cfg(target_arch = "x86_64")]
+pub(super) fn place(context: *mut c_void) -> (Place, u64) {
+    // SAFETY: the system's record of the thread.
+    let context = unsafe { context.cast::<libc::ucontext_t>().as_ref() };
+    let register = |which: c_int| {
+        let registers = context.map(|c| &c.uc_mcontext.gregs);
+        let value = registers.and_then(|r| r.get(usize::try_from(which).unwrap_or(0)));
+        value.copied().unwrap_or(0).cast_unsigned()
+    };
+    let address = |which| usize::try_from(register(which)).unwrap_or(0);
+    let place = Place { code: address(libc::REG_RIP), stack: address(libc::REG_RSP) };
+    (place, register(libc::REG_RDX))
+}
+
+/// Where a thread was when a signal came.
+#[cfg(target_arch = "aarch64")]
+pub(super) fn place(context: *mut c_void) -> (Place, u64) {
+    // SAFETY: the system's record of the thread.
+    let context = unsafe { context.cast::<libc::ucontext_t>().as_ref() };
+    let at = |value: Option<u64>| usize::try_from(value.unwrap_or(0)).unwrap_or(0);
+    let code = at(context.map(|c| c.uc_mcontext.pc));
+    (Place { code, stack: at(context.map(|c| c.uc_mcontext.sp)) }, 0)
+}
+
+/// Elsewhere it is not known.
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+pub(super) fn place(_: *mut c_void) -> (Place, u64) {
+    (Place { code: 0, stack: 0 }, 0)
+}
+
+/// The port that the instruction at this address reads or writes, if it does either.
+pub(super) fn port_at(code: usize, dx: u64) -> Option<(u16, bool)> {
+    let mut bytes = [0];
+    let read = peek(code, &mut bytes);
+    if read == 0 || !cfg!(target_arch = "x86_64") {
+        return None;
+    }
+    let [first, second, third, ..] = bytes.first()?.to_le_bytes();
+    let (operation, port) = if first == 0x66 { (second, third) } else { (first, second) };
+    let [low, high, ..] = dx.to_le_bytes();
+    match operation {
+        0xE4..=0xE7 => Some((u16::from(port), operation & 2 != 0)),
+        0xEC..=0xEF => Some((u16::from_le_bytes([low, high]), operation & 2 != 0)),
+        _ => None,
+    }
+}
+
+/// Gives up as the C library does: by SIGABRT, whoever attends to that.
+pub(super) fn abort() -> ! {
+    let mut only = empty_set();
+    add(&mut only, libc::SIGABRT);
+    // SAFETY: a live set.
+    unsafe { libc::pthread_sigmask(libc::SIG_UNBLOCK, &raw const only, null_mut()) };
+    // SAFETY: a signal to this thread.
+    unsafe { libc::raise(libc::SIGABRT) };
+    die(libc::SIGABRT)
+}
+
+/// About where this thread's stack ends.
+pub(super) fn stack() -> usize {
+    let here = 0_u8;
+    (&raw const here).addr()
+}
+
+/// A number that becomes readable by [`wake`], and stays so; -1 where there is none.
+pub(super) fn waker() -> c_int {
+    // SAFETY: a request to the system.
+    unsafe { libc::eventfd(0, libc::EFD_CLOEXEC | libc::EFD_NONBLOCK) }
+}
+
+/// Makes a waker readable.
+pub(super) fn wake(waker: c_int) {
+    let one = 1_u64;
+    // SAFETY: a live number.
+    unsafe { libc::write(waker, (&raw const one).cast(), size_of::<u64>()) };
+}
+
+/// Waits until a waker is readable, or so many milliseconds.
+pub(super) fn wait(waker: c_int, ms: c_int) {
+    let mut look = libc::pollfd { fd: waker, events: libc::POLLIN, revents: 0 };
+    // SAFETY: a live record.
+    unsafe { libc::poll(&raw mut look, 1, ms) };
+}
+
+/// A stack of its own for signals of a thread: what it runs may have used up its own.
+#[derive(Debug)]
+pub(crate) struct Stack(*mut c_void);
+
+impl Stack {
+    const BYTES: usize = 64 << 10;
+
+    /// That of this thread, while it lives.
+    pub(crate) fn new() -> Self {
+        let (prot, flags) =
+            (libc::PROT_READ | libc::PROT_WRITE, libc::MAP_PRIVATE | libc::MAP_ANONYMOUS);
+        // SAFETY: new memory.
+        let at = unsafe { libc::mmap(null_mut(), Self::BYTES, prot, flags, -1, 0) };
+        if at == libc::MAP_FAILED {
+            return Self(null_mut());
+        }
+        let stack = libc::stack_t { ss_sp: at, ss_flags: 0, ss_size: Self::BYTES };
+        // SAFETY: memory that is nobody else's.
+        unsafe { libc::sigaltstack(&raw const stack, null_mut()) };
+        Self(at)
+    }
+}
+
+impl Drop for Stack {
+    fn drop(&mut self) {
+        if self.0.is_null() {
+            return;
+        }
+        let none = libc::stack_t { ss_sp: null_mut(), ss_flags: libc::SS_DISABLE, ss_size: 0 };
+        // SAFETY: no signal is being attended to on it.
+        unsafe { libc::sigaltstack(&raw const none, null_mut()) };
+        // SAFETY: mapped by `new`, and nobody's any more.
+        unsafe { libc::munmap(self.0, Self::BYTES) };
+    }
+}

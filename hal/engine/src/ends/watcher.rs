@@ -1,0 +1,219 @@
+//! The watcher: a small process that outlives the instance's. It says how that has ended when it
+//! could not say so itself: by SIGKILL, or by a system call of a component's own.
+
+use super::{
+    apart,
+    board::{self, Board, NOBODY},
+    signals, sys,
+};
+use crate::{os, sync::Ordering};
+use core::ffi::c_int;
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs::File,
+    os::{fd::OwnedFd, unix::fs::MetadataExt},
+    path::{Path, PathBuf},
+};
+
+/// What the instance's process holds: as long as it runs this program, the other end stays open.
+#[derive(Debug)]
+pub(super) struct Watcher {
+    leash: OwnedFd,
+}
+
+/// Said on the leash: what is printed belongs to nobody any more.
+const QUIET: u8 = b'q';
+
+impl Watcher {
+    /// Begins to watch this process; nothing, where the system does not let it, or where this
+    /// process has more threads than this one.
+    pub(super) fn begin(program: &str) -> Option<Self> {
+        if apart::threads().len() != 1 {
+            return None;
+        }
+        let me = sys::process();
+        let pidfd = apart::pidfd(me)?;
+        let (end, leash) = rustix::pipe::pipe_with(rustix::pipe::PipeFlags::CLOEXEC).ok()?;
+        match apart::fork_away() {
+            apart::Fork::Here => Some(Self { leash }),
+            apart::Fork::There => {
+                drop(leash);
+                apart::be_apart(&[&pidfd, &end]);
+                watch(program, me, &pidfd, &end);
+                sys::leave(0)
+            }
+            apart::Fork::Failed => None,
+        }
+    }
+
+    /// Whoever waits for the end of what this process prints is to wait no more.
+    pub(super) fn be_quiet(&self) {
+        // Where it has ended there is nobody to be quiet.
+        rustix::io::write(&self.leash, &[QUIET]).unwrap_or_default();
+    }
+}
+
+/// How a process has ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Status {
+    Exit(c_int),
+    Signal(c_int),
+    /// It goes on as another program.
+    Replaced,
+    Unknown,
+}
+
+impl Status {
+    /// As `wait` has it.
+    pub(super) const fn of(code: c_int) -> Self {
+        match code & 0x7f {
+            0 => Self::Exit((code >> 8) & 0xff),
+            signal => Self::Signal(signal),
+        }
+    }
+}
+
+/// In the watcher: until the process has ended, and then what is left to do.
+fn watch(program: &str, process: c_int, pidfd: &OwnedFd, end: &OwnedFd) {
+    let own = apart::program_of(process);
+    // One that ends runs no program.
+    let is_same = || apart::program_of(process).is_none_or(|now| Some(now) == own);
+    let status = loop {
+        match apart::wait_for(pidfd, end, is_same) {
+            apart::Came::Byte(QUIET) => apart::print_nowhere(),
+            apart::Came::Byte(_) => {}
+            apart::Came::Closed => break Status::Replaced,
+            apart::Came::Ended => break apart::status_of(process, pidfd),
+        }
+    };
+    let Some(board) = board::board() else { return };
+    if board.untold.load(Ordering::Relaxed) == 0 {
+        return;
+    }
+    let known = Known::read(board);
+    known.leave_nothing(board);
+    sys::complain(&format!("{program}: {}\n", known.say(board, status)));
+}
+
+/// What the text on the board says.
+#[derive(Debug, Default)]
+struct Known {
+    instance: String,
+    files: Vec<PathBuf>,
+    recording: Option<(u64, PathBuf)>,
+    threads: BTreeMap<usize, String>,
+    functs: BTreeMap<u32, String>,
+    doings: BTreeMap<u32, String>,
+    /// Components with threads of their own.
+    own: BTreeSet<String>,
+}
+
+impl Known {
+    fn read(board: &Board) -> Self {
+        let mut known = Self::default();
+        let bytes: Vec<u8> = (0..).map_while(|at| board.byte(at)).collect();
+        for line in String::from_utf8_lossy(&bytes).lines() {
+            let mut words = line.splitn(3, ' ');
+            let mut word = || words.next().unwrap_or_default();
+            let (kind, number, rest) = (word(), word(), word());
+            match kind {
+                "i" => rest.clone_into(&mut known.instance),
+                "s" => known.files.push(rest.into()),
+                "r" => known.recording = number.parse().ok().map(|inode| (inode, rest.into())),
+                "t" => drop(number.parse().map(|n| known.threads.insert(n, rest.to_owned()))),
+                "f" => drop(number.parse().map(|n| known.functs.insert(n, rest.to_owned()))),
+                "o" if number == "1" => drop(known.own.insert(rest.to_owned())),
+                "o" => drop(known.own.remove(rest)),
+                "d" => drop(number.parse().map(|n| known.doings.insert(n, rest.to_owned()))),
+                _ => {}
+            }
+        }
+        known
+    }
+
+    /// Ends the recording at its last whole record, the instance's programs, and its socket.
+    fn leave_nothing(&self, board: &Board) {
+        let programs = board.programs.iter().map(|p| p.load(Ordering::Relaxed));
+        programs.filter(|p| *p > 1).for_each(|p| os::end_process(p, false));
+        let (recorded, recording) =
+            (board.recorded.load(Ordering::Relaxed), board.recording.load(Ordering::Relaxed));
+        if let Some((inode, path)) = &self.recording
+            && let Ok(file) = File::options().write(true).open(path)
+            && let Ok(found) = file.metadata()
+            && found.ino() == *inode
+            && found.is_file()
+            && found.len() > recorded
+            && found.len() != recording
+        {
+            // A system that refuses that leaves part of a record.
+            drop(file.set_len(recorded));
+        }
+        self.remove_files();
+    }
+
+    /// Removes socket and lock, unless another instance has taken them.
+    fn remove_files(&self) {
+        let Some(lock) = self.files.last() else { return };
+        let Ok(file) = File::options().read(true).write(true).open(lock) else { return };
+        let flock = rustix::fs::FlockOperation::NonBlockingLockExclusive;
+        if rustix::fs::flock(&file, flock).is_ok() && is_at(&file, lock) {
+            for file in &self.files {
+                // What has gone already is as good.
+                drop(std::fs::remove_file(file));
+            }
+        }
+    }
+
+    /// How it ended, and what was under way.
+    fn say(&self, board: &Board, status: Status) -> String {
+        let how = match status {
+            Status::Signal(signal) => format!("was ended by {}", signals::Named(signal)),
+            Status::Exit(status) => format!(
+                "was ended with status {status} by a system call that bypassed the C library"
+            ),
+            Status::Replaced => "was replaced by another program (exec)".to_owned(),
+            Status::Unknown => "was ended by SIGKILL or by a system call that bypassed the C \
+                                library"
+                .to_owned(),
+        };
+        let mut under_way = Vec::new();
+        for (i, row) in board.rows.iter().enumerate() {
+            let funct = row.funct.load(Ordering::Relaxed);
+            if funct != NOBODY {
+                let known = self.functs.get(&funct).map_or("a function", String::as_str);
+                let thread = self.threads.get(&i).map_or("?", String::as_str);
+                under_way.push(format!("{known}, thread '{thread}'"));
+            }
+        }
+        under_way.extend(self.doings.get(&board.doing.load(Ordering::Relaxed)).cloned());
+        let own = self.own.iter();
+        under_way.extend(own.map(|name| format!("component '{name}' in threads of its own")));
+        let under_way = match under_way.as_slice() {
+            [] => "no code of a component was under way".to_owned(),
+            list => format!("under way: {}", list.join("; ")),
+        };
+        format!(
+            "instance '{}' {how}; {under_way}; its outputs are as they were, since no stop action \
+             could run",
+            self.instance
+        )
+    }
+}
+
+/// Whether an open file is what its path leads to.
+fn is_at(file: &File, path: &Path) -> bool {
+    let (Ok(open), Ok(there)) = (file.metadata(), std::fs::metadata(path)) else { return false };
+    (open.dev(), open.ino()) == (there.dev(), there.ino())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Status;
+
+    #[test]
+    fn a_status_is_that_of_wait() {
+        assert_eq!(Status::of(0x300), Status::Exit(3));
+        assert_eq!(Status::of(9), Status::Signal(9));
+        assert_eq!(Status::of(0x8b), Status::Signal(11));
+    }
+}
