@@ -70,7 +70,7 @@ fn what_is_no_plugin_is_refused_by_file_and_reason() {
         ),
         ("loadrt missing", "missing: no plugin library offers this component (searched <dir>)"),
         ("loadrt bare", "bare: no plugin library offers this component (searched <dir>)"),
-        ("loadrt folder", "folder: no plugin library offers this component (searched <dir>)"),
+        ("loadrt folder", "<dir>/libfolder.so: not a plugin: it is a folder, not a regular file"),
         (
             "loadrt stucc",
             "stucc: no plugin library offers this component (searched <dir>); did you mean stuck?",

@@ -14,6 +14,11 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("*: built for minor version * of the plugin contract, this engine has only *", FAULTS),
     ("*: built with panic=abort: a panic in it would end the machine's process", FAULTS),
     ("*: not a plugin: *", FAULTS),
+    ("*: not a plugin: it is *, not a regular file", PLUGIN_FILES),
+    ("*: not opened as root: * belongs to user *", PLUGIN_FILES),
+    ("*: not opened as root: other users can change * (mode *)", PLUGIN_FILES),
+    ("*: not opened: the instance is ending", PLUGIN_FILES),
+    ("*: opened in a process of its own first, it *", PLUGIN_FILES),
     ("function '*' has failed: threads stay stopped", "tests/tests/faults_running.rs"),
     ("instance '*' is already running", REFUSALS),
     ("* belongs to user *, not to user *", FALSE_ENGINE),
@@ -47,6 +52,7 @@ const ELSEWHERE: &[(&str, &str)] = &[
 ];
 const SAMPLES: &str = "tests/tests/samples.rs";
 const FAULTS: &str = "tests/tests/faults.rs";
+const PLUGIN_FILES: &str = "tests/tests/plugin_files.rs";
 const FALSE_ENGINE: &str = "tests/tests/false_engine.rs";
 const REFUSALS: &str = "tests/tests/refusals.rs";
 
@@ -64,6 +70,7 @@ const SOURCES: &[&str] = &[
     "hal/engine/src/hint.rs",
     "hal/engine/src/watch_error.rs",
     "hal/protocol/src/folder.rs",
+    "hal/engine/src/plugin_error.rs",
 ];
 
 /// What every case prints, by its name.

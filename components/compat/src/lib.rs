@@ -29,13 +29,16 @@ mod trap;
 mod variadic;
 
 use hal_component::abi::{
-    ABI_MAJOR, ABI_MINOR, ForeignLoader, Library, List, Str, panic_strategy, size,
+    ABI_MAJOR, ABI_MINOR, ForeignLoader, Library, List, Str, names, panic_strategy, size,
 };
+
+/// The symbol by which its files are known.
+const SYMBOL: &str = "rtapi_app_main";
 
 const LOADER: ForeignLoader = ForeignLoader {
     size: size::<ForeignLoader>(),
     flags: 0,
-    symbol: Str::new("rtapi_app_main"),
+    symbol: Str::new(SYMBOL),
     kind: Str::new("component in C"),
     load: Some(load::load),
 };
@@ -53,3 +56,8 @@ pub static HAL_LIBRARY: Library = {
         loaders: List::new(LOADERS),
     }
 };
+
+/// What it offers, as the engine reads it from the file.
+#[unsafe(export_name = "hal_names_compat")]
+pub static HAL_NAMES: [u8; names::len(NAMES)] = names::bytes(NAMES);
+const NAMES: &[(u8, &[&str])] = &[(names::LOADER, &[SYMBOL])];

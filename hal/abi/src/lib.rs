@@ -1,6 +1,8 @@
 //! The binary contract between the Ferrule engine and a plugin library.
 //!
-//! A plugin exports one [`Library`] named `hal_library_<file stem>`. The engine reads it, calls
+//! A plugin exports one [`Library`] named `hal_library_<file stem>`, and what that offers once more as
+//! [`names`], `hal_names_<file stem>`: these the engine reads from the file, to find the library that
+//! offers a component. It opens that one, reads the [`Library`], calls
 //! [`ComponentType::create`] with a [`Host`], and from then on runs the functions that the
 //! component registered. Rules that hold for everything here:
 //!
@@ -15,6 +17,7 @@
 mod cell;
 mod foreign;
 mod host;
+pub mod names;
 mod port;
 mod record;
 mod ring;

@@ -11,7 +11,8 @@ pub mod panic_strategy {
     pub const ABORT: u32 = 2;
 }
 
-/// What a plugin library exports as `hal_library_<file stem>`.
+/// What a plugin library exports as `hal_library_<file stem>`; what it offers is also in its
+/// [`names`](crate::names).
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Library {

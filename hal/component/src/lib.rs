@@ -154,6 +154,15 @@ macro_rules! export {
                 loaders: $crate::abi::List::EMPTY,
             }
         };
+
+        /// What it offers, as the engine reads it from the file.
+        #[unsafe(export_name = concat!("hal_names_", env!("CARGO_CRATE_NAME")))]
+        pub static HAL_NAMES: [u8; HAL_NAMES_LEN] = $crate::abi::names::bytes(HAL_NAMES_OF);
+        const HAL_NAMES_LEN: usize = $crate::abi::names::len(HAL_NAMES_OF);
+        const HAL_NAMES_OF: &[(u8, &[&str])] = &[(
+            $crate::abi::names::COMPONENT,
+            &[$(<$component as $crate::Component>::NAME),+],
+        )];
     };
 }
 

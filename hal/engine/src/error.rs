@@ -134,23 +134,7 @@ pub enum Error {
         searched: Box<str>,
         near: Option<Box<str>>,
     },
-    NotAPlugin {
-        file: Box<str>,
-        why: Box<str>,
-    },
-    WrongMajor {
-        file: Box<str>,
-        has: u32,
-        want: u32,
-    },
-    NewerMinor {
-        file: Box<str>,
-        has: u32,
-        want: u32,
-    },
-    Aborts {
-        file: Box<str>,
-    },
+    Plugin(crate::PluginError),
     UnknownParameter {
         word: Box<str>,
         near: Option<Box<str>>,
@@ -328,20 +312,7 @@ impl core::fmt::Display for Error {
             Self::NoModule { name, searched, .. } => {
                 write!(f, "{name}: no plugin library offers this component (searched {searched})")
             }
-            Self::NotAPlugin { file, why } => write!(f, "{file}: not a plugin: {why}"),
-            Self::WrongMajor { file, has, want } => write!(
-                f,
-                "{file}: built for major version {has} of the plugin contract, this engine has {want}"
-            ),
-            Self::NewerMinor { file, has, want } => write!(
-                f,
-                "{file}: built for minor version {has} of the plugin contract, this engine has \
-                 only {want}"
-            ),
-            Self::Aborts { file } => write!(
-                f,
-                "{file}: built with panic=abort: a panic in it would end the machine's process"
-            ),
+            Self::Plugin(e) => e.fmt(f),
             Self::UnknownParameter { word, .. } => write!(f, "Unknown parameter `{word}'"),
             Self::InvalidParameter { word } => write!(f, "Invalid parameter `{word}'"),
             Self::InvalidArgument { value, word, .. } => {

@@ -15,6 +15,7 @@ use crate::{
 use core::{ffi::c_void, ptr::NonNull};
 use hal_abi::{Cell, ForeignFile, ItemSpec, Record, Status, Str, edit, ty};
 use hal_protocol::{ForeignPart, Lock, Type};
+use std::path::PathBuf;
 
 impl Engine {
     /// `loadrt --c --prefix P MODULE ARGS…`.
@@ -27,8 +28,15 @@ impl Engine {
         self.unlocked(Lock::LOAD, "loading of programs")?;
         let instance = self.instance.clone();
         let _within = instance.control.run(Doing::new(module, What::Load));
-        let found = self.loader.find_foreign(module)?;
+        let found = self.loader.find_foreign(module, &self.foreign_files())?;
         self.load_file(module, words, prefix, &found)
+    }
+
+    /// The files that are loaded and are no plugins, the oldest first.
+    pub(crate) fn foreign_files(&self) -> Vec<PathBuf> {
+        let components = self.graph.components_by_age().into_iter();
+        let components = components.filter_map(|ix| self.graph.component(ix)?.foreign.as_ref());
+        components.filter_map(|f| PathBuf::from(&*f.file).canonicalize().ok()).collect()
     }
 
     /// Loads a file that is no plugin: whole or not at all.

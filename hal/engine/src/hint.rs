@@ -100,11 +100,7 @@ impl Error {
             Self::BadPosition { .. } | Self::PositionTooFar { .. } => Code::BadPosition,
             Self::OneThreadOnly { .. } => Code::AddedTwice,
             Self::PeriodTooShort { .. } | Self::BadPeriod { .. } => Code::BadPeriod,
-            Self::NoModule { .. }
-            | Self::NotAPlugin { .. }
-            | Self::WrongMajor { .. }
-            | Self::NewerMinor { .. }
-            | Self::Aborts { .. } => Code::NoComponent,
+            Self::NoModule { .. } | Self::Plugin(_) => Code::NoComponent,
             Self::UnknownParameter { .. }
             | Self::InvalidParameter { .. }
             | Self::InvalidArgument { .. }
@@ -146,6 +142,7 @@ impl Error {
                 Some(format!("{expects}; {name}=: {doc}"))
             }
             Self::Loading(e) => e.hint(),
+            Self::Plugin(e) => e.hint(),
             Self::NotWritable { why, .. } => Some((*why).to_owned()),
             Self::InvalidParameter { .. } => {
                 Some("an argument is NAME=VALUE, such as count=2".to_owned())
@@ -191,6 +188,12 @@ pub(crate) fn locked(what: &str) -> String {
             format!("{what} called while HAL locked")
         }
         _ => format!("{what} called while HAL is locked"),
+    }
+}
+
+impl From<crate::PluginError> for Error {
+    fn from(e: crate::PluginError) -> Self {
+        Self::Plugin(e)
     }
 }
 

@@ -107,7 +107,7 @@ impl Engine {
         self.unlocked(Lock::LOAD, "loading of programs")?;
         let instance = self.instance.clone();
         let _within = instance.control.run(Doing::new(module, What::Load));
-        if let Some(found) = self.loader.find_only_foreign(module)? {
+        if let Some(found) = self.loader.find_only_foreign(module, &self.foreign_files())? {
             return self.load_file(module, words, "", &found);
         }
         let name = Name::parse("component", module)?;

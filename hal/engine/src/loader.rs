@@ -1,12 +1,20 @@
 //! Plugin files: where they are, whether they are plugins, and which offers a component.
 
-use crate::{Error, code::Library, near::nearest, offer, os, sync::Arc};
+use crate::{
+    Error, PluginError,
+    code::Library,
+    near::nearest,
+    offer,
+    opening::{ToOpen, try_first, try_together},
+    os,
+    plugin_file::PluginFile,
+    sync::Arc,
+};
 use hal_abi::{
     ABI_MAJOR, ABI_MINOR, ComponentType, ForeignLoader, Record, component_flags, panic_strategy,
 };
 use hal_protocol::{Offer, Patterns};
 use libloading::os::unix;
-use object::{Object, ObjectSymbol};
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
@@ -71,59 +79,62 @@ impl Loader {
                 return Ok(Found { ty, library: Arc::new(Library::Static), private: false });
             }
         }
-        if let Some(file) = self.known.get(name).cloned() {
-            return open_type(&file, name)?.ok_or_else(|| self.missing(name));
-        }
-        let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
-        if plain {
-            for folder in self.path.clone() {
+        if !self.known.contains_key(name) {
+            let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
+            for folder in self.path.clone().iter().filter(|_| plain) {
                 for file in [format!("lib{name}.so"), format!("{name}.so")] {
-                    let file = folder.join(file);
-                    if !file.is_file() {
-                        continue;
-                    }
-                    match open_type(&file, name) {
-                        Ok(Some(found)) => {
-                            self.known.insert(name.to_owned(), file);
-                            return Ok(found);
-                        }
-                        Ok(None) => {}
-                        Err(_) if self.foreign_symbol(&file).is_some() => {}
-                        Err(e) => return Err(e),
+                    if let Some(found) = self.own_file(&folder.join(file), name)? {
+                        return Ok(found);
                     }
                 }
             }
+            self.look_into_families(Some(name));
         }
-        self.look_into_families(Some(name));
-        match self.known.get(name).cloned() {
-            Some(file) => open_type(&file, name)?.ok_or_else(|| self.missing(name)),
+        match self.known.get(name) {
+            Some(file) => open_type(file, name)?.ok_or_else(|| self.missing(name)),
             None => Err(self.missing(name)),
         }
     }
 
-    /// Notes what the plugins on the path offer: all of them, or those up to the one that offers this
-    /// component. What is not a plugin is passed over here: it is only an error when it is asked for
-    /// by name.
+    /// The component type of this name in the file that is called after it. One that says that it
+    /// offers others is no reason to open it.
+    fn own_file(&mut self, path: &Path, name: &str) -> Result<Option<Found>, Error> {
+        let Some(file) = PluginFile::find(path)? else { return Ok(None) };
+        let offers = match file.describe() {
+            Ok(described) => described.names.is_none_or(|n| n.components.contains(name)),
+            Err(_) if self.foreign_symbol(&file).is_some() => false,
+            Err(e) => return Err(e.into()),
+        };
+        let found = if offers { open_type(path, name)? } else { None };
+        if found.is_some() {
+            self.known.insert(name.to_owned(), path.to_owned());
+        }
+        Ok(found)
+    }
+
+    /// Notes what the plugins on the path say that they offer: all of them, or those up to the one that
+    /// offers this component. None is opened for that. What is not a plugin is passed over here: it is
+    /// only an error when it is asked for by name.
     fn look_into_families(&mut self, until: Option<&str>) {
         for folder in self.path.clone() {
             let Ok(entries) = std::fs::read_dir(&folder) else { continue };
             let mut files: Vec<PathBuf> = entries.filter_map(|e| Some(e.ok()?.path())).collect();
             files.sort();
-            for file in files {
+            for path in files {
                 if until.is_some_and(|name| self.known.contains_key(name)) {
                     return;
                 }
-                let is_library = file.extension().is_some_and(|e| e == "so");
-                if !is_library || !self.seen.insert(file.clone()) {
+                let is_library = path.extension().is_some_and(|e| e == "so");
+                if !is_library || !self.seen.insert(path.clone()) {
                     continue;
                 }
-                if let Ok((library, _open)) = open(&file, Stay::WhileOpen) {
-                    for name in library.types.into_keys() {
-                        self.known.entry(name).or_insert_with(|| file.clone());
-                    }
-                    for symbol in library.loaders.into_keys() {
-                        self.loaders.entry(symbol).or_insert_with(|| file.clone());
-                    }
+                let Ok(Some(file)) = PluginFile::find(&path) else { continue };
+                let Some(names) = file.describe().ok().and_then(|d| d.names) else { continue };
+                for name in names.components {
+                    self.known.entry(name).or_insert_with(|| path.clone());
+                }
+                for symbol in names.loaders {
+                    self.loaders.entry(symbol).or_insert_with(|| path.clone());
                 }
             }
         }
@@ -133,7 +144,9 @@ impl Loader {
     pub(crate) fn catalogue(&mut self, p: &Patterns) -> Vec<Offer> {
         self.look_into_families(None);
         let mut out = BTreeMap::new();
-        for (name, file) in self.known.iter().filter(|(name, _)| p.matches(name)) {
+        let wanted = || self.known.iter().filter(|(name, _)| p.matches(name));
+        try_together(&wanted().map(|(_, file)| file).collect());
+        for (name, file) in wanted() {
             let Ok((found, _library)) = open(file, Stay::WhileOpen) else { continue };
             let stem = file.file_stem().and_then(|s| s.to_str()).unwrap_or_default();
             let library = stem.strip_prefix("lib").unwrap_or(stem);
@@ -152,33 +165,37 @@ impl Loader {
     }
 
     /// The symbol by which a file that is no plugin is known to a loader.
-    fn foreign_symbol(&mut self, file: &Path) -> Option<String> {
+    fn foreign_symbol(&mut self, file: &PluginFile) -> Option<String> {
         self.look_into_families(None);
-        self.loaders.keys().find(|symbol| exports(file, symbol).unwrap_or(false)).cloned()
+        file.exported(self.loaders.keys().map(String::as_str)).map(str::to_owned)
     }
 
     /// The file of this name that a loader knows, and the symbol by which it does.
-    fn foreign_file(&mut self, name: &str) -> Option<(PathBuf, String)> {
+    fn foreign_file(&mut self, name: &str) -> Result<Option<(PluginFile, String)>, PluginError> {
         if name.contains(['/', '\0']) || name.contains("..") {
-            return None;
+            return Ok(None);
         }
         for folder in self.path.clone() {
             for file in [format!("{name}.so"), format!("lib{name}.so")] {
-                let file = folder.join(file);
-                if file.is_file()
-                    && descriptor(&file).is_err()
+                if let Some(file) = PluginFile::find(&folder.join(file))?
+                    && file.describe().is_err()
                     && let Some(symbol) = self.foreign_symbol(&file)
                 {
-                    return Some((file, symbol));
+                    return Ok(Some((file, symbol)));
                 }
             }
         }
-        None
+        Ok(None)
     }
 
-    /// A file of this name that a loader knows.
-    pub(crate) fn find_foreign(&mut self, name: &str) -> Result<ForeignFound, Error> {
-        let (file, symbol) = self.foreign_file(name).ok_or_else(|| Error::InitFailed {
+    /// A file of this name that a loader knows. Files of its kind that are `loaded` may be what it
+    /// takes symbols from.
+    pub(crate) fn find_foreign(
+        &mut self,
+        name: &str,
+        loaded: &[PathBuf],
+    ) -> Result<ForeignFound, Error> {
+        let (file, symbol) = self.foreign_file(name)?.ok_or_else(|| Error::InitFailed {
             name: name.into(),
             why: format!("no component in C of this name (searched {})", self.searched()).into(),
             code: hal_abi::Status::ENOENT.0,
@@ -189,11 +206,19 @@ impl Loader {
         let load = loader.load.ok_or_else(|| self.missing(name))?;
         // SAFETY: a string of an open library's descriptor.
         let kind = unsafe { loader.kind.get() }.unwrap_or_default().to_owned();
-        Ok(ForeignFound { file, kind, load, library })
+        let path = file.openable()?;
+        let before = by.canonicalize().into_iter().chain(loaded.iter().cloned());
+        let all = before.chain([path]).map(|path| ToOpen { path, global: true });
+        try_first(file.path(), file.identity(), &all.collect::<Vec<_>>())?;
+        Ok(ForeignFound { file: file.path().to_owned(), kind, load, library })
     }
 
     /// The same, unless a plugin offers a component of this name.
-    pub(crate) fn find_only_foreign(&mut self, name: &str) -> Result<Option<ForeignFound>, Error> {
+    pub(crate) fn find_only_foreign(
+        &mut self,
+        name: &str,
+        loaded: &[PathBuf],
+    ) -> Result<Option<ForeignFound>, Error> {
         let ours = |library: &&'static hal_abi::Library| {
             // SAFETY: a static descriptor.
             unsafe { contents(*library, "linked in") }.is_ok_and(|l| l.types.contains_key(name))
@@ -201,10 +226,10 @@ impl Loader {
         if self.fixed.iter().any(ours) || self.known.contains_key(name) {
             return Ok(None);
         }
-        if self.foreign_file(name).is_none() || self.known.contains_key(name) {
+        if self.foreign_file(name)?.is_none() || self.known.contains_key(name) {
             return Ok(None);
         }
-        self.find_foreign(name).map(Some)
+        self.find_foreign(name, loaded).map(Some)
     }
 
     fn searched(&self) -> String {
@@ -231,29 +256,6 @@ fn open_type(file: &Path, name: &str) -> Result<Option<Found>, Error> {
     Ok(found.types.remove(name).map(|ty| Found { ty, library, private: true }))
 }
 
-/// The symbol that a plugin file exports, if it does; nothing of the file is run.
-fn descriptor(file: &Path) -> Result<String, Error> {
-    let not =
-        |why: &str| Error::NotAPlugin { file: file.display().to_string().into(), why: why.into() };
-    let stem = file.file_stem().and_then(|s| s.to_str()).unwrap_or_default();
-    let symbol =
-        format!("hal_library_{}", stem.strip_prefix("lib").unwrap_or(stem).replace('-', "_"));
-    match exports(file, &symbol) {
-        Ok(true) => Ok(symbol),
-        Ok(false) => Err(not(&format!("it exports no '{symbol}' (was the file renamed?)"))),
-        Err(why) => Err(not(&why)),
-    }
-}
-
-/// Whether a dynamic library exports a symbol.
-fn exports(file: &Path, symbol: &str) -> Result<bool, String> {
-    // Only the parts that are looked at are read.
-    let parts = std::fs::File::open(file).map_err(|e| e.to_string())?;
-    let parts = object::ReadCache::new(parts);
-    let elf = object::File::parse(&parts).map_err(|_| "it is not a dynamic library")?;
-    Ok(elf.dynamic_symbols().any(|s| s.is_definition() && s.name() == Ok(symbol)))
-}
-
 /// What a library offers.
 #[derive(Debug, Default)]
 struct Contents {
@@ -274,13 +276,17 @@ enum Stay {
     WhileOpen,
 }
 
-fn open(file: &Path, stay: Stay) -> Result<(Contents, Arc<Library>), Error> {
-    let symbol = descriptor(file)?;
-    let shown = file.display().to_string();
-    let not = |why: String| Error::NotAPlugin { file: shown.as_str().into(), why: why.into() };
+fn open(path: &Path, stay: Stay) -> Result<(Contents, Arc<Library>), Error> {
+    let shown = path.display().to_string();
+    let not =
+        |why: String| PluginError::NotAPlugin { file: shown.as_str().into(), why: why.into() };
+    let file = PluginFile::find(path)?.ok_or_else(|| not("it has gone".to_owned()))?;
+    let symbol = file.describe()?.symbol;
+    let whole = file.openable()?;
+    try_first(path, file.identity(), &[ToOpen { path: whole.clone(), global: false }])?;
     let stays = if stay == Stay::Mapped { os::STAY_MAPPED } else { 0 };
     // SAFETY: a plugin's initialisers are ordinary code of its language runtime.
-    let library = unsafe { unix::Library::open(Some(file), os::RESOLVE_ALL | stays) };
+    let library = unsafe { unix::Library::open(Some(whole), os::RESOLVE_ALL | stays) };
     let library = library.map(libloading::Library::from).map_err(|e| not(e.to_string()))?;
     // SAFETY: only its address is used.
     let found = unsafe { library.get::<*const hal_abi::Library>(symbol.as_bytes()) };
@@ -297,22 +303,26 @@ fn open(file: &Path, stay: Stay) -> Result<(Contents, Arc<Library>), Error> {
 ///
 /// # Safety
 /// `library` points at a live descriptor.
-unsafe fn contents(library: *const hal_abi::Library, file: &str) -> Result<Contents, Error> {
-    let not = |why: &str| Error::NotAPlugin { file: file.into(), why: why.into() };
+unsafe fn contents(library: *const hal_abi::Library, file: &str) -> Result<Contents, PluginError> {
+    let not = |why: &str| PluginError::NotAPlugin { file: file.into(), why: why.into() };
     // SAFETY: the caller's promise. Size and versions come first in every major version.
     let head = unsafe { library.cast::<[u32; 3]>().read() };
     if head[1] != ABI_MAJOR {
-        return Err(Error::WrongMajor { file: file.into(), has: head[1], want: ABI_MAJOR });
+        return Err(PluginError::WrongMajor { file: file.into(), has: head[1], want: ABI_MAJOR });
     }
     // SAFETY: the caller's promise.
     let l =
         unsafe { hal_abi::Library::read(library) }.ok_or_else(|| not("its descriptor is cut"))?;
     if l.abi_minor > ABI_MINOR {
-        return Err(Error::NewerMinor { file: file.into(), has: l.abi_minor, want: ABI_MINOR });
+        return Err(PluginError::NewerMinor {
+            file: file.into(),
+            has: l.abi_minor,
+            want: ABI_MINOR,
+        });
     }
     match l.panic {
         panic_strategy::UNWIND => {}
-        panic_strategy::ABORT => return Err(Error::Aborts { file: file.into() }),
+        panic_strategy::ABORT => return Err(PluginError::Aborts { file: file.into() }),
         _ => return Err(not("it does not say how it panics")),
     }
     let mut out = Contents::default();

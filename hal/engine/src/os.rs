@@ -1,6 +1,7 @@
 //! Everything that this crate asks of Linux: memory, scheduling, clocks.
 
 pub(crate) mod memory;
+pub(crate) mod process;
 pub(crate) mod processors;
 pub(crate) mod progress;
 
@@ -113,6 +114,12 @@ pub(crate) fn fifo_refusal(priority: i32) -> Option<String> {
         Some(limit) => format!("RLIMIT_RTPRIO is {limit} and must be {priority} or more"),
         None => "the system refuses it".to_owned(),
     })
+}
+
+/// Ends this process at once, with this status.
+pub(crate) fn end_with(status: i32) -> ! {
+    // SAFETY: nothing of this process is left to look after.
+    unsafe { libc::_exit(status) }
 }
 
 /// Whether a process is there and has not ended. A child of ours that has ended is left to whoever
