@@ -75,10 +75,10 @@ fn sixty_four_instances_at_once_and_none_knows_of_another() {
         r.signal(Signal::KILL);
         assert_eq!(r.wait().status, None);
     }
-    let left = scratch.left();
-    assert_eq!(left.len(), INSTANCES, "a socket and a lock of each that was killed: {left:?}");
+    // The watchers of those remove what they left.
+    until("nothing is left of those that were killed", || scratch.left().is_empty());
 
-    // A new start of every name works, and takes over what a dead owner left.
+    // A new start of every name works.
     let mut running: Vec<Running> = names.iter().map(|n| start(&scratch, n)).collect();
     for (name, r) in names.iter().zip(&mut running) {
         assert!(!bit(&mut client(&scratch, name), "and2.0.out"), "a new machine");

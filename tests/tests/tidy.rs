@@ -247,6 +247,8 @@ fn output_goes_through_one_crate() {
         ("components/speaker/src/device.rs", device),
         ("components/viagpio/src/hardware.rs", device),
         ("hal/engine/src/os/processors.rs", device),
+        ("hal/engine/src/ends/apart.rs", device),
+        ("hal/engine/src/ends/watcher.rs", "a lock, and a recording that a kill has cut"),
         ("hal/engine/src/record.rs", "see the next change"),
         ("halcmd/src/halrun/detach.rs", device),
         ("halcmd/src/haltest/one.rs", scratch),

@@ -51,7 +51,9 @@ static GUARD: AtomicI32 = AtomicI32::new(0);
 static WANTED: AtomicBool = AtomicBool::new(false);
 /// What becomes readable then; -1: nothing.
 static WAKE: AtomicI32 = AtomicI32::new(-1);
-/// The instances of this process: one, but for tests.
+/// The instances of this process, for threads that may wait.
+static KNOWN: Mutex<Vec<Arc<Instance>>> = Mutex::new(Vec::new());
+/// The same for the thread that has claimed the end of the process: one, but for tests.
 static INSTANCES: [AtomicPtr<Instance>; 32] = [const { AtomicPtr::new(null_mut()) }; 32];
 
 /// What is known of an instance when its process ends.
@@ -105,6 +107,7 @@ impl Instance {
 
     /// Attends to it from now on: it has its socket.
     pub(crate) fn attend(self: &Arc<Self>) {
+        all_known().push(self.clone());
         let mine = Arc::into_raw(self.clone()).cast_mut();
         for place in &INSTANCES {
             // Pairs with `instances`.
@@ -130,6 +133,7 @@ impl Instance {
 
     /// Attends to it no more.
     pub(crate) fn leave(self: &Arc<Self>) {
+        all_known().retain(|other| !Arc::ptr_eq(other, self));
         let mine = Arc::as_ptr(self).cast_mut();
         for place in &INSTANCES {
             // Pairs with `instances`.
@@ -197,7 +201,17 @@ impl Drop for Instance {
     }
 }
 
-/// Every instance that is attended to.
+fn all_known() -> MutexGuard<'static, Vec<Arc<Instance>>> {
+    KNOWN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Every instance that is attended to, for a thread that has not claimed the end: each lives as
+/// long as it is held.
+fn known() -> Vec<Arc<Instance>> {
+    all_known().clone()
+}
+
+/// Every instance that is attended to, for the thread that has claimed the end.
 fn instances() -> impl Iterator<Item = &'static Instance> {
     // SAFETY: what has left is freed only while nobody has claimed the end: see `leave`.
     INSTANCES.iter().filter_map(|place| unsafe { place.load(Ordering::SeqCst).as_ref() })

@@ -318,22 +318,6 @@ fn lock(flight: &Mutex<Flight>) -> MutexGuard<'_, Flight> {
 }
 
 impl Flight {
-    /// Before the process crashes: keeps what there is, with the cause as its event; `still` if no
-    /// cycle is under way. What there is to say of it.
-    pub(crate) fn salvage(&mut self, still: bool, now: i64, why: &str) -> Vec<String> {
-        if let Some((id, probe, columns)) = self.probe.take() {
-            if still {
-                probe.look(now);
-            }
-            self.hear(&probe, &columns, true);
-            self.probe = Some((id, probe, columns));
-        }
-        self.event(now, &format!("crash: {why}"));
-        self.at_once = true;
-        self.finish(now);
-        core::mem::take(&mut self.said)
-    }
-
     fn event(&mut self, time: i64, why: &str) {
         let mark = (time, format!("trigger: {why}"));
         if let Some(awaited) = &mut self.awaited {

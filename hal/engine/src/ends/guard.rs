@@ -5,7 +5,7 @@
 use super::{
     GUARD, Instance, WAKE,
     crash::{self, Cause},
-    instances, is_asked, signals, sys,
+    instances, is_asked, known, signals, sys,
     text::Text,
     who::{self, Doing, Place},
 };
@@ -64,7 +64,7 @@ fn run() {
     GUARD.store(sys::thread(), Ordering::Relaxed);
     let waker = WAKE.load(Ordering::Relaxed);
     while !crash::is_claimed() && !is_asked() {
-        instances().for_each(Instance::look_after_tape);
+        known().iter().for_each(|instance| instance.look_after_tape());
         sys::wait(waker, ROUND_MS);
     }
     let mut look = Look::default();
@@ -104,7 +104,7 @@ struct Look {
 impl Look {
     /// Looks at the control side; what it does, once it does not come back from that.
     fn take(&mut self) -> Option<Text> {
-        let Some(instance) = instances().next() else {
+        let Some(instance) = known().into_iter().next() else {
             // None is left, or none is there yet: there is no output to be safe.
             *self = Self::default();
             return None;

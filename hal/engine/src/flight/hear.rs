@@ -4,6 +4,22 @@ use super::{Condition, Flight};
 use crate::probe::Probe;
 
 impl Flight {
+    /// Before the process crashes: keeps what there is, with the cause as its event; `still` if no
+    /// cycle is under way. What there is to say of it.
+    pub(crate) fn salvage(&mut self, still: bool, now: i64, why: &str) -> Vec<String> {
+        if let Some((id, probe, columns)) = self.probe.take() {
+            if still {
+                probe.look(now);
+            }
+            self.hear(&probe, &columns, true);
+            self.probe = Some((id, probe, columns));
+        }
+        self.event(now, &format!("crash: {why}"));
+        self.at_once = true;
+        self.finish(now);
+        core::mem::take(&mut self.said)
+    }
+
     /// Takes what is queued; `whole` if no look is under way, whose other changes are to come.
     pub(super) fn hear(&mut self, probe: &Probe, columns: &[u32], whole: bool) {
         let looks = probe.looks();
