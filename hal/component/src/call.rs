@@ -6,6 +6,10 @@ use crate::{
 };
 
 /// Realtime. Says things from anywhere; never blocks, and the engine logs it later.
+///
+/// Messages with the same text are joined, whatever their numbers: the first is logged at once, and
+/// those that follow as one line in a second of machine time, with their number. Report a lasting
+/// condition once, as it begins.
 #[derive(Clone, Copy, Debug)]
 pub struct Messages(pub(crate) &'static CallHost);
 

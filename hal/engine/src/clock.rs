@@ -13,7 +13,7 @@ const LONGEST_SLEEP_NS: i64 = 10_000_000;
 
 /// Runs the virtual clock up to `until`, at most `instants` moments that do something. Everything
 /// due at one moment runs, faster threads first. Returns early when a probe that must lose nothing
-/// has no room, a function fails, or the control side is to come back.
+/// has no room, when messages should be taken, a function fails, or the control side is to come back.
 pub(crate) fn turn(shared: &Shared, probes: &Probes, until: i64, instants: u32) {
     let threads = shared.threads.load();
     let idle = !shared.boundary.is_running() || shared.fault.get().is_some();
@@ -30,7 +30,7 @@ pub(crate) fn turn(shared: &Shared, probes: &Probes, until: i64, instants: u32) 
         return;
     }
     for _ in 0..instants {
-        if ends::is_wanted() || !probes.have_room() {
+        if ends::is_wanted() || !probes.have_room() || shared.mailbox.is_filling() {
             return;
         }
         let next = threads.iter().map(|t| t.due.load(Ordering::Relaxed)).min().unwrap_or(until);

@@ -2,7 +2,8 @@
 
 use crate::{
     Error,
-    shared::{Message, Shared},
+    mailbox::{Message, Spoken, Voice},
+    shared::Shared,
     sync::{Arc, AtomicU64, Ordering},
 };
 use core::ffi::c_void;
@@ -26,6 +27,7 @@ pub(crate) enum Library {
 pub(crate) struct Keep {
     calls: CallHost,
     component: u32,
+    voice: Arc<Voice>,
     shared: Arc<Shared>,
     /// Memory of its own, as it says.
     memory: AtomicU64,
@@ -55,6 +57,7 @@ impl Keep {
                 awaited: None,
             },
             component,
+            voice: Arc::default(),
             shared,
             memory: AtomicU64::new(0),
             library,
@@ -64,6 +67,11 @@ impl Keep {
     /// Memory of its own, in bytes.
     pub(crate) fn memory(&self) -> u64 {
         self.memory.load(Ordering::Relaxed)
+    }
+
+    /// The counts of its messages.
+    pub(crate) const fn voice(&self) -> &Arc<Voice> {
+        &self.voice
     }
 
     /// What the component may call later.
@@ -89,7 +97,12 @@ unsafe extern "C" fn message(
     n: usize,
 ) {
     let k = keep(ctx);
-    let mut m = Message { level, component: k.component, text, numbers: [0.0; 8], n: 0 };
+    let mailbox = &k.shared.mailbox;
+    if !mailbox.keeps(level) {
+        return;
+    }
+    let (at, component) = (k.shared.now(), k.component);
+    let mut m = Message { at, level, component, text, numbers: [0.0; 8], n: 0 };
     for (i, place) in m.numbers.iter_mut().enumerate().take(n) {
         // SAFETY: below `n`.
         let at = unsafe { numbers.add(i) };
@@ -97,7 +110,7 @@ unsafe extern "C" fn message(
         *place = unsafe { at.read() };
         m.n = i + 1;
     }
-    k.shared.say(m);
+    mailbox.say(&k.voice, m);
 }
 
 /// Realtime.
@@ -123,8 +136,12 @@ unsafe extern "C" fn fail(ctx: *const c_void, text: Str) {
 /// Called by a loader with the context it was given and a live text.
 pub(crate) unsafe extern "C" fn say(ctx: *const c_void, level: u8, text: Str) {
     let k = keep(ctx);
-    // SAFETY: the caller's promise.
-    k.shared.say_text(level, k.component, unsafe { text.get() }.unwrap_or("?"));
+    let mailbox = &k.shared.mailbox;
+    if mailbox.keeps(level) {
+        // SAFETY: the caller's promise.
+        let text = unsafe { text.get() }.unwrap_or("?");
+        mailbox.say_text(&k.voice, Spoken::new(k.shared.now(), level, k.component, text));
+    }
 }
 
 /// Realtime.
@@ -132,7 +149,7 @@ pub(crate) unsafe extern "C" fn say(ctx: *const c_void, level: u8, text: Str) {
 /// # Safety
 /// Called by a loader with the context it was given.
 pub(crate) unsafe extern "C" fn level(ctx: *const c_void, level: i32) -> i32 {
-    let known = &keep(ctx).shared.level;
+    let known = &keep(ctx).shared.mailbox.level;
     let before = known.load(Ordering::Relaxed);
     if let Ok(level) = u8::try_from(level) {
         known.store(level, Ordering::Relaxed);

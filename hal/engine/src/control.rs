@@ -1,14 +1,6 @@
 //! What the control side does while it waits: it hears, turns the clock, serves, frees.
 
-use crate::{
-    Engine, clock, ends,
-    name::Name,
-    os,
-    record::Recording,
-    shared::{Message, Spoken},
-    sync::Ordering,
-};
-use hal_abi::level;
+use crate::{Engine, clock, ends, os, record::Recording};
 
 /// How many instants of machine time are run between looks at the socket.
 const SLICE: u32 = 4096;
@@ -86,6 +78,9 @@ impl Engine {
         if self.held_back() {
             return false;
         }
+        if self.shared.mailbox.is_filling() {
+            self.hear();
+        }
         self.refresh_flight();
         let until = self.next_task().min(crate::polls::next_poll(self));
         let until = until.min(now.saturating_add(1_000_000_000));
@@ -107,73 +102,4 @@ impl Engine {
             self.shared.set_tick_ns(ns as f64 / ticks as f64);
         }
     }
-
-    /// Logs something of the engine's own.
-    pub(crate) fn notice(&mut self, text: String) {
-        tracing::warn!("{text}");
-        self.keep_message(text);
-    }
-
-    fn keep_message(&mut self, text: String) {
-        if self.messages.len() >= 1000 {
-            self.messages.pop_front();
-        }
-        self.messages.push_back(text);
-    }
-
-    /// Logs what components have said.
-    pub(crate) fn hear(&mut self) {
-        while let Some(m) = self.shared.heard() {
-            let text = self.with_wiring(&worded(&m, self.speaker(m.component)));
-            match m.level {
-                level::ERR => tracing::error!("{text}"),
-                level::WARN => tracing::warn!("{text}"),
-                level::INFO => tracing::info!("{text}"),
-                _ => tracing::debug!("{text}"),
-            }
-            self.keep_message(text);
-        }
-        while let Some(m) = self.shared.heard_text() {
-            let text = spoken(&m, self.speaker(m.component));
-            match m.level {
-                level::ERR => tracing::error!("{text}"),
-                level::WARN => tracing::warn!("{text}"),
-                0 | level::INFO => tracing::info!("{text}"),
-                _ => tracing::debug!("{text}"),
-            }
-            self.keep_message(text);
-        }
-        let lost = self.shared.lost_messages.swap(0, Ordering::Relaxed);
-        if lost > 0 {
-            self.notice(format!("{lost} messages of components were lost: too many at once"));
-        }
-    }
-
-    fn speaker(&self, component: u32) -> &str {
-        let components = self.graph.components.values().chain(&self.left);
-        components
-            .filter_map(|ix| self.graph.component(*ix))
-            .find(|c| c.id == component)
-            .map(|c| &c.name)
-            .or_else(|| self.gone.as_ref().filter(|(id, _)| *id == component).map(|(_, n)| n))
-            .map_or("?", Name::as_str)
-    }
-}
-
-/// A text with each `{}` replaced by the next number.
-pub(crate) fn filled(text: &str, numbers: &[f64]) -> String {
-    numbers.iter().fold(text.to_owned(), |s, x| s.replacen("{}", &x.to_string(), 1))
-}
-
-/// A message as it is shown, after its speaker's name.
-pub(crate) fn worded(m: &Message, speaker: &str) -> String {
-    // SAFETY: static in a library that is open: messages are heard before one is closed.
-    let text = unsafe { m.text.get() }.unwrap_or("?");
-    let said = filled(text, m.numbers.get(..m.n).unwrap_or_default());
-    format!("{speaker}: {said}")
-}
-
-/// The same of a text.
-pub(crate) fn spoken(m: &Spoken, speaker: &str) -> String {
-    format!("{speaker}: {}", String::from_utf8_lossy(m.bytes()).trim_end())
 }

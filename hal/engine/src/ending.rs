@@ -71,6 +71,7 @@ impl Engine {
             self.arena.leave();
         }
         self.hear();
+        self.end_joins(None);
         self.instance.leave();
         self.server = None;
         clean && !failed

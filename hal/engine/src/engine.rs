@@ -7,7 +7,9 @@ use crate::{
     ends::{self, Instance},
     flight::Flight,
     graph::{Graph, Ix},
+    join::Joiner,
     loader::Loader,
+    mailbox::Voice,
     name::Name,
     os, polls,
     realtime::Realtime,
@@ -116,6 +118,11 @@ pub struct Engine {
     pub(crate) client_target: i64,
     pub(crate) retired: Vec<Retired>,
     pub(crate) messages: VecDeque<String>,
+    /// Older ones that were not kept.
+    pub(crate) dropped_messages: u64,
+    pub(crate) joiner: Joiner,
+    /// The counts of the messages of each component, by its number.
+    pub(crate) voices: BTreeMap<u32, Arc<Voice>>,
     /// The component that was removed last: it may still say something.
     pub(crate) gone: Option<(u32, Name)>,
     pub(crate) ticks: (u64, i64),
@@ -184,6 +191,9 @@ impl Engine {
             client_target: i64::MIN,
             retired: Vec::new(),
             messages: VecDeque::new(),
+            dropped_messages: 0,
+            joiner: Joiner::default(),
+            voices: BTreeMap::new(),
             gone: None,
             ticks: (os::ticks(), os::monotonic_ns()),
             quiet: true,
@@ -244,12 +254,6 @@ impl Engine {
         self.shutdown || ends::is_asked()
     }
 
-    /// What components and the engine have said since the last call. The same is logged.
-    pub fn take_messages(&mut self) -> Vec<String> {
-        self.hear();
-        self.messages.drain(..).collect()
-    }
-
     /// Machine time in nanoseconds.
     #[must_use]
     pub fn now_ns(&self) -> i64 {
@@ -268,7 +272,7 @@ impl Engine {
             TicketState::Failed(why) => {
                 let (numbers, count) = pending.ticket.numbers();
                 let numbers = numbers.get(..count).unwrap_or_default();
-                TicketInfo::Failed(self.with_wiring(&crate::control::filled(why, numbers)))
+                TicketInfo::Failed(self.with_wiring(&crate::join::filled(why, numbers)))
             }
         };
         self.tickets.remove(&id);

@@ -77,6 +77,7 @@ impl Engine {
     ) -> Result<(), Error> {
         let id = self.graph.component(component).map_or(0, |c| c.id);
         let keep = Keep::new(id, self.shared.clone(), found.library.clone());
+        self.listen_to(id, keep.voice().clone());
         let path = found.file.display().to_string();
         if let Some(c) = self.graph.component_mut(component) {
             c.foreign = Some(Foreign {

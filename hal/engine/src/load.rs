@@ -160,6 +160,7 @@ impl Engine {
     ) -> Result<(), Error> {
         let id = self.graph.component(component).map_or(0, |c| c.id);
         let keep = Keep::new(id, self.shared.clone(), found.library.clone());
+        self.listen_to(id, keep.voice().clone());
         let base = module.replace('_', "-");
         let once = found.is_once();
         let names: Vec<String> = if once {

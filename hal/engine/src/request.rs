@@ -51,7 +51,9 @@ impl Engine {
                 return Ok(Reply::Components(info.into_iter().collect()));
             }
             Request::Timing { thread, on } => self.time_functs(thread.as_deref(), on)?,
-            Request::MessageLevel { level } => self.shared.level.store(level, Ordering::Relaxed),
+            Request::MessageLevel { level } => {
+                self.shared.mailbox.level.store(level, Ordering::Relaxed);
+            }
             Request::Command { name, args } => return self.command(&name, &args),
             Request::Adopt { pid, .. } if pid <= 1 || pid == os::own_pid() => {
                 let why = format!("{pid} is not the number of a program").into();

@@ -5,40 +5,14 @@ use crate::{
     change::Change,
     code::Code,
     handover::Boundary,
+    mailbox::Mailbox,
     os,
     sync::{Arc, AtomicBool, AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering},
     thread::Thread,
 };
 use arc_swap::{ArcSwap, ArcSwapOption};
-use crossbeam::queue::ArrayQueue;
-use hal_abi::{CommandRun, Str};
+use hal_abi::CommandRun;
 use hal_protocol::FaultInfo;
-
-/// Something that a component says.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Message {
-    pub(crate) level: u8,
-    pub(crate) component: u32,
-    pub(crate) text: Str,
-    pub(crate) numbers: [f64; 8],
-    pub(crate) n: usize,
-}
-
-/// A text that a component made as it ran.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Spoken {
-    pub(crate) level: u8,
-    pub(crate) component: u32,
-    len: u16,
-    bytes: [u8; 244],
-}
-
-impl Spoken {
-    /// What was said; a text that was too long is cut.
-    pub(crate) fn bytes(&self) -> &[u8] {
-        self.bytes.get(..usize::from(self.len)).unwrap_or_default()
-    }
-}
 
 /// Which function failed, once.
 #[derive(Debug)]
@@ -163,17 +137,13 @@ pub(crate) struct Shared {
     pub(crate) stuck: ArcSwapOption<FaultInfo>,
     /// What the last panic said, until whoever ran the code takes it.
     pub(crate) cause: Cause,
-    messages: ArrayQueue<Message>,
-    spoken: ArrayQueue<Spoken>,
+    pub(crate) mailbox: Mailbox,
     /// What is run from beside the control side: the stop actions of everything that is loaded.
     pub(crate) stops: ArcSwap<Vec<Arc<Code<CommandRun>>>>,
     /// Some thread runs stop actions.
     stopping: AtomicBool,
     /// After how many nanoseconds in one call a thread is stuck; 0: two of the slowest periods.
     stuck_ns: AtomicI64,
-    pub(crate) lost_messages: AtomicU64,
-    /// Up to which level components' messages are shown.
-    pub(crate) level: AtomicU8,
     /// Nanoseconds per tick, as the bits of a float.
     tick_ns: AtomicU64,
     pub(crate) quit: AtomicBool,
@@ -193,13 +163,10 @@ impl Shared {
             fault: Fault::new(),
             stuck: ArcSwapOption::empty(),
             cause: Cause::new(),
-            messages: ArrayQueue::new(4096),
-            spoken: ArrayQueue::new(512),
+            mailbox: Mailbox::new(),
             stops: ArcSwap::from_pointee(Vec::default()),
             stopping: AtomicBool::new(false),
             stuck_ns: AtomicI64::new(0),
-            lost_messages: AtomicU64::new(0),
-            level: AtomicU8::new(hal_abi::level::ERR),
             tick_ns: AtomicU64::new(1_f64.to_bits()),
             quit: AtomicBool::new(false),
         })
@@ -226,33 +193,6 @@ impl Shared {
     /// Machine time zero on the monotonic clock.
     pub(crate) fn origin(&self) -> i64 {
         self.time.load(Ordering::Relaxed)
-    }
-
-    /// Keeps a message for the control side, or counts it as lost.
-    pub(crate) fn say(&self, m: Message) {
-        if m.level <= self.level.load(Ordering::Relaxed) && self.messages.push(m).is_err() {
-            self.lost_messages.fetch_add(1, Ordering::Relaxed);
-        }
-    }
-
-    /// Keeps a text for the control side, or counts it as lost.
-    pub(crate) fn say_text(&self, level: u8, component: u32, text: &str) {
-        if level > self.level.load(Ordering::Relaxed) {
-            return;
-        }
-        let mut m = Spoken { level, component, len: 0, bytes: [0; 244] };
-        for (place, b) in m.bytes.iter_mut().zip(text.bytes()) {
-            *place = b;
-            m.len += 1;
-        }
-        if self.spoken.push(m).is_err() {
-            self.lost_messages.fetch_add(1, Ordering::Relaxed);
-        }
-    }
-
-    /// Control side: the oldest text.
-    pub(crate) fn heard_text(&self) -> Option<Spoken> {
-        self.spoken.pop()
     }
 
     /// Keeps stop actions to the caller until what is returned is dropped: of two threads that want
@@ -286,11 +226,6 @@ impl Shared {
     /// Control side: sets that time; 0 is two of the slowest periods.
     pub(crate) fn set_stuck_limit(&self, ns: i64) {
         self.stuck_ns.store(ns, Ordering::Relaxed);
-    }
-
-    /// Control side: the oldest message.
-    pub(crate) fn heard(&self) -> Option<Message> {
-        self.messages.pop()
     }
 
     /// Nanoseconds for a number of ticks.

@@ -188,7 +188,9 @@ impl Engine {
         }
         let owned = self.all_owned(component);
         // What it said is static text in its library, which may close with it.
-        self.hear();
+        if let Some(id) = self.graph.component(component).map(|c| c.id) {
+            self.hear_last_of(id);
+        }
         self.tasks.retain(|t| t.owner != component);
         self.rings.retain(|_, r| r.owner != component);
         let gone: Vec<u64> =

@@ -247,12 +247,12 @@ impl Instance {
             let names = self.remains().map_or(&[][..], |r| &r.names);
             names.iter().find(|n| n.0 == id).map_or("?", |n| n.1.as_str())
         };
-        while let Some(message) = self.shared.heard() {
-            let text = crate::control::worded(&message, name_of(message.component));
+        while let Some(message) = self.shared.mailbox.message() {
+            let text = crate::messages::worded(&message, name_of(message.component));
             sys::complain(&(text + "\n"));
         }
-        while let Some(message) = self.shared.heard_text() {
-            let text = crate::control::spoken(&message, name_of(message.component));
+        while let Some(message) = self.shared.mailbox.text() {
+            let text = crate::messages::spoken(&message, name_of(message.component));
             sys::complain(&(text + "\n"));
         }
     }

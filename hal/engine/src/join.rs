@@ -1,0 +1,424 @@
+//! Messages of the same site, joined: the first is a line at once, and those that follow are at
+//! most one line in a second of machine time, with their number.
+//!
+//! A site is a component, a level and a text without its numbers. All of it is a function of the
+//! messages and their times: when the control side looks, and how often, changes nothing. A site
+//! that has been silent for a second is as if it had never been, so that only those that speak are
+//! kept.
+
+use std::collections::BTreeMap;
+
+/// The shortest time between two lines of a site, in nanoseconds of machine time.
+const SECOND_NS: i64 = 1_000_000_000;
+
+/// The number of sites of a component within a second; messages of more are only counted.
+const MAX_SITES: usize = 256;
+
+/// The number of different sets of numbers that a line names.
+const MAX_NAMED: usize = 8;
+
+/// What varies between the messages of a site.
+#[derive(Clone, Debug)]
+pub(crate) enum Said {
+    /// The numbers that replace each `{}` of the text.
+    Numbers(Vec<f64>),
+    /// The whole text, where the component had filled it in.
+    Whole(String),
+    /// A count: those of several messages are added up.
+    Count(u64),
+}
+
+/// A line for the log.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Line {
+    pub(crate) level: u8,
+    pub(crate) text: String,
+}
+
+/// A site that has spoken within the last second.
+#[derive(Debug)]
+struct Site {
+    /// When its last line was.
+    last: i64,
+    /// How many messages have come since.
+    count: u64,
+    /// The latest of them.
+    latest: Said,
+    /// The numbers of those before it, each once; none when they are too many.
+    named: Option<Vec<Vec<f64>>>,
+}
+
+/// The sites of a component.
+#[derive(Debug)]
+struct Speaker {
+    name: String,
+    sites: BTreeMap<(u8, String), Site>,
+}
+
+/// The sites of all components.
+#[derive(Debug)]
+pub(crate) struct Joiner {
+    speakers: BTreeMap<u32, Speaker>,
+    /// No joined line is due before.
+    due: i64,
+}
+
+impl Default for Joiner {
+    fn default() -> Self {
+        Self { speakers: BTreeMap::new(), due: i64::MAX }
+    }
+}
+
+impl Joiner {
+    /// Takes a message. `text` has `{}` for numbers, or something else that is the same for all
+    /// messages of the site.
+    pub(crate) fn say(
+        &mut self,
+        at: i64,
+        (component, name): (u32, &str),
+        (level, text): (u8, &str),
+        said: Said,
+        lines: &mut Vec<Line>,
+    ) {
+        self.pass(at, lines);
+        let speaker = self
+            .speakers
+            .entry(component)
+            .or_insert_with(|| Speaker { name: name.to_owned(), sites: BTreeMap::new() });
+        let mut key = (level, text.to_owned());
+        let mut said = said;
+        if !speaker.sites.contains_key(&key) && speaker.sites.len() >= MAX_SITES {
+            speaker.sites.retain(|_, site| !site.is_over(at));
+            if speaker.sites.len() >= MAX_SITES {
+                key.1 = "{} more messages, each of another kind".to_owned();
+                said = Said::Count(1);
+            }
+        }
+        if let Some(site) = speaker.sites.get_mut(&key).filter(|site| !site.is_over(at)) {
+            self.due = self.due.min(site.add(said));
+            return;
+        }
+        lines.push(Line { level, text: worded(&speaker.name, &key.1, &said) });
+        let site = Site { last: at, count: 0, latest: said, named: Some(Vec::new()) };
+        speaker.sites.insert(key, site);
+    }
+
+    /// Time has come to here: adds the joined lines that are due.
+    pub(crate) fn pass(&mut self, now: i64, lines: &mut Vec<Line>) {
+        while self.due <= now {
+            let due = self.due;
+            self.due = i64::MAX;
+            for speaker in self.speakers.values_mut() {
+                for ((level, text), site) in &mut speaker.sites {
+                    if site.count == 0 {
+                        continue;
+                    }
+                    if site.last + SECOND_NS <= due {
+                        lines.push(site.flush(*level, &speaker.name, text));
+                    } else {
+                        self.due = self.due.min(site.last + SECOND_NS);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Forgets a component, or all: adds what was not told yet.
+    pub(crate) fn end(&mut self, component: Option<u32>, lines: &mut Vec<Line>) {
+        let ends = |id: u32| component.is_none_or(|c| c == id);
+        for (_, speaker) in self.speakers.iter_mut().filter(|(id, _)| ends(**id)) {
+            for ((level, text), site) in &mut speaker.sites {
+                if site.count > 0 {
+                    lines.push(site.flush(*level, &speaker.name, text));
+                }
+            }
+        }
+        self.speakers.retain(|id, _| !ends(*id));
+    }
+}
+
+impl Site {
+    /// Nothing waits to be told, and the next message is a first one.
+    fn is_over(&self, now: i64) -> bool {
+        self.count == 0 && self.last.saturating_add(SECOND_NS) <= now
+    }
+
+    /// Takes one more message: when its line is due.
+    fn add(&mut self, said: Said) -> i64 {
+        match (&self.latest, &said) {
+            (Said::Count(sum), Said::Count(more)) if self.count > 0 => {
+                self.latest = Said::Count(sum.saturating_add(*more));
+            }
+            _ => {
+                let before = core::mem::replace(&mut self.latest, said);
+                if self.count > 0 {
+                    self.name(before);
+                }
+            }
+        }
+        self.count = self.count.saturating_add(1);
+        self.last.saturating_add(SECOND_NS)
+    }
+
+    /// Remembers the numbers of a message that is not the latest any more.
+    fn name(&mut self, said: Said) {
+        let Said::Numbers(numbers) = said else { return };
+        let Some(named) = &mut self.named else { return };
+        if named.iter().any(|n| is_same(n, &numbers)) {
+            return;
+        }
+        if named.len() < MAX_NAMED {
+            named.push(numbers);
+        } else {
+            self.named = None;
+        }
+    }
+
+    /// The line for all messages since the last one.
+    fn flush(&mut self, level: u8, speaker: &str, text: &str) -> Line {
+        let mut line = worded(speaker, text, &self.latest);
+        if !matches!(self.latest, Said::Count(_)) {
+            line += &match self.count {
+                1 => " (once more)".to_owned(),
+                n => format!(" (the last of {n} more)"),
+            };
+        }
+        if let Some(also) = self.also() {
+            line.truncate(line.len().saturating_sub(1));
+            line += &also;
+            line.push(')');
+        }
+        self.last = self.last.saturating_add(SECOND_NS);
+        self.count = 0;
+        self.named = Some(Vec::new());
+        Line { level, text: line }
+    }
+
+    /// The other numbers that came, where they are few.
+    fn also(&self) -> Option<String> {
+        let Said::Numbers(latest) = &self.latest else { return None };
+        let others: Vec<String> = self
+            .named
+            .as_ref()?
+            .iter()
+            .filter(|n| !is_same(n, latest))
+            .map(|n| n.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "))
+            .collect();
+        (!others.is_empty()).then(|| format!("; also with {}", others.join("; ")))
+    }
+}
+
+/// A message as the log has it.
+fn worded(speaker: &str, text: &str, said: &Said) -> String {
+    match said {
+        Said::Numbers(numbers) => format!("{speaker}: {}", filled(text, numbers)),
+        Said::Whole(text) => format!("{speaker}: {text}"),
+        Said::Count(n) => format!("{speaker}: {}", text.replacen("{}", &n.to_string(), 1)),
+    }
+}
+
+fn is_same(a: &[f64], b: &[f64]) -> bool {
+    a.iter().map(|x| x.to_bits()).eq(b.iter().map(|x| x.to_bits()))
+}
+
+/// A text with each `{}` replaced by the next number.
+pub(crate) fn filled(text: &str, numbers: &[f64]) -> String {
+    numbers.iter().fold(text.to_owned(), |s, x| s.replacen("{}", &x.to_string(), 1))
+}
+
+/// A text without its numbers: each run of digits is a `#`.
+pub(crate) fn kind_of(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        if !c.is_ascii_digit() {
+            out.push(c);
+        } else if !out.ends_with('#') {
+            out.push('#');
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MS: i64 = 1_000_000;
+
+    fn say(joiner: &mut Joiner, ms: i64, who: u32, text: &str, numbers: &[f64]) -> Vec<String> {
+        let mut lines = Vec::new();
+        let name = ["one", "two", "three"][who as usize];
+        let said = Said::Numbers(numbers.to_vec());
+        joiner.say(ms * MS, (who, name), (1, text), said, &mut lines);
+        lines.into_iter().map(|l| l.text).collect()
+    }
+
+    fn pass(joiner: &mut Joiner, ms: i64) -> Vec<String> {
+        let mut lines = Vec::new();
+        joiner.pass(ms * MS, &mut lines);
+        lines.into_iter().map(|l| l.text).collect()
+    }
+
+    fn end(joiner: &mut Joiner) -> Vec<String> {
+        let mut lines = Vec::new();
+        joiner.end(None, &mut lines);
+        lines.into_iter().map(|l| l.text).collect()
+    }
+
+    #[test]
+    fn the_first_at_once_and_then_one_in_a_second() {
+        let mut joiner = Joiner::default();
+        assert_eq!(say(&mut joiner, 0, 0, "at {}", &[0.0]), ["one: at 0"]);
+        for ms in 1..1000 {
+            assert!(say(&mut joiner, ms, 0, "at {}", &[ms as f64]).is_empty());
+        }
+        assert_eq!(
+            say(&mut joiner, 1000, 0, "at {}", &[1000.0]),
+            ["one: at 999 (the last of 999 more)"]
+        );
+        assert!(say(&mut joiner, 1001, 0, "at {}", &[1001.0]).is_empty());
+        assert!(pass(&mut joiner, 1999).is_empty());
+        assert_eq!(pass(&mut joiner, 2000), ["one: at 1001 (the last of 2 more; also with 1000)"]);
+        // Within a second of that line it waits, and after it it is a first one again.
+        assert!(say(&mut joiner, 2999, 0, "at {}", &[7.0]).is_empty());
+        assert_eq!(pass(&mut joiner, 50_000), ["one: at 7 (once more)"]);
+        assert_eq!(say(&mut joiner, 50_001, 0, "at {}", &[8.0]), ["one: at 8"]);
+        assert!(end(&mut joiner).is_empty());
+    }
+
+    #[test]
+    fn sites_do_not_disturb_each_other() {
+        let mut joiner = Joiner::default();
+        assert_eq!(say(&mut joiner, 0, 0, "joint {} fault", &[0.0]), ["one: joint 0 fault"]);
+        assert_eq!(say(&mut joiner, 0, 1, "joint {} fault", &[5.0]), ["two: joint 5 fault"]);
+        assert_eq!(say(&mut joiner, 100, 0, "off", &[]), ["one: off"]);
+        for n in [1.0, 2.0, 1.0, 3.0] {
+            assert!(say(&mut joiner, 100, 0, "joint {} fault", &[n]).is_empty());
+            assert!(say(&mut joiner, 200, 0, "off", &[]).is_empty());
+        }
+        assert!(say(&mut joiner, 300, 1, "joint {} fault", &[5.0]).is_empty());
+        // In the order in which they are due, whenever one looks.
+        assert_eq!(
+            pass(&mut joiner, 5000),
+            [
+                "one: joint 3 fault (the last of 4 more; also with 1; 2)",
+                "two: joint 5 fault (once more)",
+                "one: off (the last of 4 more)",
+            ]
+        );
+    }
+
+    #[test]
+    fn what_waits_is_told_as_a_component_goes() {
+        let mut joiner = Joiner::default();
+        for who in [0, 1] {
+            for _ in 0..3 {
+                drop(say(&mut joiner, 5, who, "late", &[]));
+            }
+        }
+        let mut lines = Vec::new();
+        joiner.end(Some(1), &mut lines);
+        assert_eq!(lines, [Line { level: 1, text: "two: late (the last of 2 more)".into() }]);
+        assert_eq!(end(&mut joiner), ["one: late (the last of 2 more)"]);
+        assert!(end(&mut joiner).is_empty());
+    }
+
+    #[test]
+    fn counts_are_added_up() {
+        let mut joiner = Joiner::default();
+        let mut lines = Vec::new();
+        for (ms, n) in [(0, 7), (10, 5), (20, 6), (2000, 1)] {
+            joiner.say(ms * MS, (0, "one"), (2, "{} lost"), Said::Count(n), &mut lines);
+        }
+        let lines: Vec<String> = lines.into_iter().map(|l| l.text).collect();
+        assert_eq!(lines, ["one: 7 lost", "one: 11 lost", "one: 1 lost"]);
+    }
+
+    /// A component that says something else each time is bounded, too.
+    #[test]
+    fn sites_without_end_are_counted() {
+        let mut joiner = Joiner::default();
+        let mut told = 0;
+        let mut count = 0;
+        for n in 0..5000 {
+            let text = format!("text of {}", "x".repeat(n % 1300 + 1));
+            for line in say(&mut joiner, n as i64, 0, &text, &[]) {
+                told += 1;
+                count += counted(&line);
+            }
+        }
+        for line in end(&mut joiner) {
+            told += 1;
+            count += counted(&line);
+        }
+        assert_eq!(count, 5000);
+        assert!(told < 2000, "{told}");
+    }
+
+    /// The number of messages for which a line stands.
+    fn counted(line: &str) -> u64 {
+        if line.ends_with(" more messages, each of another kind") {
+            return line.split(' ').nth(1).unwrap().parse().unwrap();
+        }
+        let Some((_, rest)) = line.split_once(" (") else { return 1 };
+        let number = rest.strip_prefix("the last of ").and_then(|r| r.split(' ').next());
+        number.map_or(1, |n| n.parse().unwrap())
+    }
+
+    #[test]
+    fn texts_without_their_numbers() {
+        for (text, kind) in [
+            ("", ""),
+            ("no number", "no number"),
+            ("joint 12 at -3.50e-7", "joint # at -#.#e-#"),
+            ("7", "#"),
+        ] {
+            assert_eq!(kind_of(text), kind);
+        }
+    }
+
+    /// Whenever the control side looks: the same lines, none lost, and no site too often.
+    #[test]
+    fn looking_changes_nothing() {
+        let mut seed = 12345_u64;
+        let mut random = |below: u64| {
+            seed ^= seed << 13;
+            seed ^= seed >> 7;
+            seed ^= seed << 17;
+            seed % below
+        };
+        for _ in 0..50 {
+            let mut messages = Vec::new();
+            let mut ms = 0;
+            for _ in 0..3000 {
+                ms += [0, 0, 1, 5, 300, 2500][random(6).min(random(6)) as usize];
+                messages.push((
+                    ms,
+                    random(3) as u32,
+                    ["a {}", "b {}"][random(2) as usize],
+                    random(5),
+                ));
+            }
+            let mut runs: Vec<Vec<String>> = Vec::new();
+            for how in 0..3 {
+                let mut joiner = Joiner::default();
+                let (mut lines, mut now) = (Vec::new(), 0);
+                for (ms, who, text, n) in &messages {
+                    // Never, in every millisecond, or now and then.
+                    let until = if how == 0 { now } else { *ms };
+                    while now < until {
+                        now += if how == 1 { 1 } else { 1 + random(700) as i64 };
+                        lines.extend(pass(&mut joiner, now.min(*ms)));
+                    }
+                    now = now.min(*ms);
+                    lines.extend(say(&mut joiner, *ms, *who, text, &[*n as f64]));
+                }
+                lines.extend(end(&mut joiner));
+                assert_eq!(lines.iter().map(|l| counted(l)).sum::<u64>(), 3000);
+                runs.push(lines);
+            }
+            assert_eq!(runs[0], runs[1]);
+            assert_eq!(runs[0], runs[2]);
+        }
+    }
+}
