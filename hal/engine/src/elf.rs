@@ -76,6 +76,7 @@ pub(crate) struct Elf<'p> {
     symbols: &'p [Sym64<Endianness>],
     /// The names of the symbols.
     strings: &'p [u8],
+    fits: bool,
 }
 
 impl<'p> Elf<'p> {
@@ -87,9 +88,6 @@ impl<'p> Elf<'p> {
         if header.e_type(endian) != elf::ET_DYN {
             return Err(none);
         }
-        if header.e_machine(endian) != MACHINE {
-            return Err("it is built for another kind of machine");
-        }
         let broken = "it is a broken dynamic library";
         let segments = header.program_headers(endian, parts).map_err(|_| broken)?;
         let sections = header.section_headers(endian, parts).map_err(|_| none)?;
@@ -97,7 +95,14 @@ impl<'p> Elf<'p> {
         let symbols = table.data_as_array(endian, parts).map_err(|_| broken)?;
         let strings = usize::try_from(table.sh_link(endian)).ok().and_then(|i| sections.get(i));
         let strings = strings.ok_or(broken)?.data(endian, parts).map_err(|_| broken)?;
-        Ok(Self { parts, endian, segments, symbols, strings })
+        let fits = header.e_machine(endian) == MACHINE;
+        Ok(Self { parts, endian, segments, symbols, strings, fits })
+    }
+
+    /// Returns whether it is built for the kind of machine that this program runs on. The loader of a foreign file
+    /// says itself what is wrong with another one.
+    pub(crate) const fn fits(&self) -> bool {
+        self.fits
     }
 
     /// Whether it defines a symbol.

@@ -106,6 +106,9 @@ impl PluginFile {
         let symbol = format!("hal_library_{stem}");
         let parts = Parts::new(&self.file);
         let elf = Elf::read(&parts).map_err(|why| not(&self.path, why))?;
+        if !elf.fits() {
+            return Err(not(&self.path, "it is built for another kind of machine"));
+        }
         if !elf.exports(&symbol) {
             let why = format!("it exports no '{symbol}' (was the file renamed?)");
             return Err(not(&self.path, &why));
