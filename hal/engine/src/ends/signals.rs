@@ -86,7 +86,9 @@ pub(super) fn watch() {
     let realtime = libc::SIGRTMIN()..=libc::SIGRTMAX();
     let all = SIGNALS.iter().map(|s| (s.0, s.2)).chain(realtime.map(|s| (s, Unmeant)));
     for (signal, effect) in all {
-        let meant = [libc::SIGINT, libc::SIGTERM].contains(&signal);
+        // A script's shell has SIGINT and SIGQUIT ignored for what it starts in the background: people
+        // send them all the same.
+        let meant = [libc::SIGINT, libc::SIGTERM, libc::SIGQUIT].contains(&signal);
         match effect {
             // Not ignored: programs that are started from here would be without it.
             Ignored => sys::attend(signal, on_nothing, libc::SA_SIGINFO | libc::SA_RESTART),
