@@ -1,7 +1,12 @@
 //! How an instance ends: what becomes of its outputs, recordings, socket and status.
 //!
 //! `tests/ends/table.md` holds all of it, as this test finds it; `UPDATE_EXPECT=1` writes the file.
-#![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "tests; what is measured is shown"
+)]
 
 use hal_protocol::Value;
 use hal_tests::{

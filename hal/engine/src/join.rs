@@ -342,7 +342,7 @@ mod tests {
         let mut count = 0;
         for n in 0..5000 {
             let text = format!("text of {}", "x".repeat(n % 1300 + 1));
-            for line in say(&mut joiner, n as i64, 0, &text, &[]) {
+            for line in say(&mut joiner, i64::try_from(n).unwrap(), 0, &text, &[]) {
                 told += 1;
                 count += counted(&line);
             }
@@ -391,11 +391,11 @@ mod tests {
             let mut messages = Vec::new();
             let mut ms = 0;
             for _ in 0..3000 {
-                ms += [0, 0, 1, 5, 300, 2500][random(6).min(random(6)) as usize];
+                ms += [0, 0, 1, 5, 300, 2500][usize::try_from(random(6).min(random(6))).unwrap()];
                 messages.push((
                     ms,
-                    random(3) as u32,
-                    ["a {}", "b {}"][random(2) as usize],
+                    u32::try_from(random(3)).unwrap(),
+                    ["a {}", "b {}"][usize::try_from(random(2)).unwrap()],
                     random(5),
                 ));
             }
@@ -407,7 +407,7 @@ mod tests {
                     // Never, in every millisecond, or now and then.
                     let until = if how == 0 { now } else { *ms };
                     while now < until {
-                        now += if how == 1 { 1 } else { 1 + random(700) as i64 };
+                        now += if how == 1 { 1 } else { 1 + random(700).cast_signed() };
                         lines.extend(pass(&mut joiner, now.min(*ms)));
                     }
                     now = now.min(*ms);
