@@ -22,9 +22,14 @@ use std::{
         net::UnixListener,
     },
     path::Path,
+    sync::{Mutex, PoisonError},
 };
 
 const OTHER: u32 = 60_002;
+
+/// Held by a test that locks the memory of this process (an engine on the real clock does), or that needs it unlocked:
+/// another user may not map memory that would be locked.
+static LOCKED: Mutex<()> = Mutex::new(());
 
 /// An engine that looks for plugins in these folders.
 fn engine(clock: ClockKind, path: &[&Path]) -> Engine {
@@ -152,6 +157,7 @@ fn a_library_that_ends_the_process_breaks_only_its_own_load() {
         compile(folder, &format!("inc{n}"), &source, &["-Wno-unused", "-D_GNU_SOURCE"]).unwrap();
         let _: &str = how;
     }
+    let _alone = LOCKED.lock().unwrap_or_else(PoisonError::into_inner);
     for clock in [ClockKind::Virtual, ClockKind::Real] {
         let mut e = engine(clock, &[folder]);
         script(&mut e, "loadrt threads name1=t period1=1000000\nloadrt and2\naddf and2.0 t\nstart");
@@ -348,7 +354,10 @@ fn root_opens_only_what_others_cannot_have_put_there() {
         );
         assert_eq!(load(folder), want);
         // Another user takes it as it is: what that user opens is that user's own affair.
+        let alone = LOCKED.lock().unwrap_or_else(PoisonError::into_inner);
+        rustix::mm::munlockall().unwrap();
         assert_eq!(as_user(OTHER, || load(folder)), "ok");
+        drop(alone);
         chown(path, Some(0), None).unwrap();
     }
     // A link: what it leads to counts, and the folder where that is.
