@@ -1,26 +1,26 @@
-//! What the torch height controls have in common: an offset of Z that is taken back as Z rises.
+//! Offset of Z shared by the torch height controls, reduced as Z rises with the torch off.
 
-/// The offset, and where Z was. Single precision, as in LinuxCNC.
+/// Offset of Z and its last commanded position, in single precision as in LinuxCNC.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Height {
-    /// What is added to Z, in machine units.
+    /// Offset added to Z, in machine units.
     pub(crate) offset: f32,
     last_z: f32,
 }
 
 impl Height {
-    /// A cycle with the torch on: `by` is added, and the way of Z begins anew.
+    /// Adds `by` to the offset in a cycle with the torch on. The caller also resets the last Z with `forget`.
     #[expect(clippy::cast_possible_truncation, reason = "single precision is meant")]
     pub(crate) fn correct(&mut self, by: f64) {
         self.offset = (f64::from(self.offset) + by) as f32;
     }
 
-    /// Z counts from zero when the torch goes off.
+    /// Resets the last Z to zero, so that the next `take_back` measures the rise from there.
     pub(crate) fn forget(&mut self) {
         self.last_z = 0.0;
     }
 
-    /// A cycle with the torch off: the offset shrinks by as much as Z rises. Whether it did.
+    /// Reduces the offset by the rise of Z in a cycle with the torch off. Returns whether it did.
     #[expect(clippy::cast_possible_truncation, reason = "single precision is meant")]
     pub(crate) fn take_back(&mut self, z: f64) -> bool {
         let rise = (z - f64::from(self.last_z)) as f32;
@@ -38,7 +38,7 @@ impl Height {
     }
 }
 
-/// In single precision, as LinuxCNC keeps it.
+/// Rounds to single precision, as LinuxCNC keeps the value.
 #[expect(clippy::cast_possible_truncation, reason = "single precision is meant")]
 pub(crate) fn single(number: f64) -> f64 {
     f64::from(number as f32)

@@ -1,16 +1,16 @@
 //! `laserpower`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// Power of a laser in proportion to speed, constant along a path or changing along each move.
+/// Laser power in proportion to speed, constant along a path or changing along each move.
 ///
-/// `power` is `command-power` times `vel-scale`, the part of the requested speed that the machine has:
-/// corners, where it is slow, burn no deeper. It is kept within `min-power` and `max-power`, which goes
-/// first, and is 0 while not enabled. In vector mode `command-power` is `vector-power`. In raster mode it
-/// goes from what it was to `raster-power` in proportion to the distance, from where `raster-power`
-/// changed to the end of the move. A power that is no number is `min-power`.
+/// `power` is `command-power` times `vel-scale`, the ratio of actual to requested speed, so that the laser burns no
+/// deeper in corners, where the machine is slow. While enabled, `power` is limited to `min-power` and `max-power`; if
+/// `min-power` is the higher one, `max-power` wins. While not enabled, `power` is 0. In vector mode, `command-power` is
+/// `vector-power`. In raster mode, it changes linearly with distance, from its value when `raster-power` changed to
+/// `raster-power` at the end of the move. If the computed power is NaN, `min-power` is used.
 ///
-/// Only LinuxCNC 2.10 has this component. Its pins are known here, but not what it computes: this
-/// arithmetic is our own, and may differ.
+/// Only LinuxCNC 2.10 has this component. Its pins are known here, but not its arithmetic: this computation is our own
+/// and may differ.
 ///
 /// # Example
 ///
@@ -37,35 +37,35 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Laserpower {
-    /// Whether the laser may have power.
+    /// TRUE allows power; while FALSE, `power` is 0.
     enabled: In<bool>,
-    /// Whether the power changes along a move; else it is constant.
+    /// TRUE: the power changes along each move (raster mode); FALSE: it is constant (vector mode).
     raster_mode: In<bool>,
-    /// Power at the end of the move, in raster mode, in the laser's unit, such as percent.
+    /// Power at the end of the move in raster mode, in the laser's unit, such as percent.
     raster_power: In<f64>,
     /// Power in vector mode, in the laser's unit.
     vector_power: In<f64>,
-    /// Lowest power while enabled, in the laser's unit.
+    /// Minimum power while enabled, in the laser's unit.
     min_power: In<f64>,
-    /// Highest power, in the laser's unit; below 0 it is 0.
+    /// Maximum power, in the laser's unit; a value below 0 counts as 0.
     max_power: In<f64>,
-    /// How fast the machine is, in units per second; from `motion.current-vel`.
+    /// Actual speed, in units per second; from `motion.current-vel`.
     cur_velocity: In<f64>,
-    /// How fast it shall be, in units per second; from `motion.requested-vel`. At 0 there is no power.
+    /// Requested speed, in units per second; from `motion.requested-vel`. At 0, `vel-scale` is 0.
     req_velocity: In<f64>,
-    /// How far the end of the move is, in units; from `motion.distance-to-go`.
+    /// Distance to the end of the move, in units; from `motion.distance-to-go`.
     distance_to_go: In<f64>,
-    /// The part of the requested speed that the machine has, 0 to 1.
+    /// Ratio of actual to requested speed, 0 to 1.
     vel_scale: Out<f64>,
-    /// Power at the requested speed, in the laser's unit.
+    /// Power at the requested speed, before `vel-scale` and the limits, in the laser's unit.
     command_power: Out<f64>,
-    /// Power for the laser, in its unit.
+    /// Power for the laser, in the laser's unit.
     power: Out<f64>,
-    /// `command-power` where `raster-power` changed, in the laser's unit.
+    /// Value of `command-power` when `raster-power` last changed, in the laser's unit.
     start_power: Out<f64>,
-    /// `distance-to-go` where `raster-power` changed, in units.
+    /// Value of `distance-to-go` when `raster-power` last changed, in units.
     start_distance: Out<f64>,
-    /// The end of the present change, in raster mode.
+    /// Power at the end of the present change, in raster mode.
     #[state]
     goal: Option<f64>,
 }
@@ -106,7 +106,7 @@ impl Laserpower {
     }
 }
 
-/// What part of the whole something is, 0 to 1; of nothing none.
+/// Returns the ratio of `something` to `whole`, limited to 0 to 1; 0 if `whole` is not above 0.
 fn part(something: f64, whole: f64) -> f64 {
     let part = above_0(something) / above_0(whole);
     if whole > 0.0 && part >= 1.0 {
@@ -118,7 +118,7 @@ fn part(something: f64, whole: f64) -> f64 {
     }
 }
 
-/// A number, or 0 where it is not above.
+/// Returns the number, or 0 if it is not above 0 (or is NaN).
 fn above_0(number: f64) -> f64 {
     if number > 0.0 { number } else { 0.0 }
 }

@@ -1,4 +1,4 @@
-//! Torches and lasers: height, power, rows of pixels.
+//! Torches and lasers: torch height control, plasma cutting, laser power and raster engraving.
 #![forbid(unsafe_code)]
 
 mod height;

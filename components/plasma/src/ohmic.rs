@@ -1,16 +1,16 @@
 //! `ohmic`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// Whether a torch touches the metal, from the voltage that a THCAD card measures.
+/// Ohmic sensing of contact between torch and metal, from the voltage that a THCAD card measures.
 ///
-/// The card's frequency f makes the voltage at the card,
-/// (f - f0) / ((fmax - f0) / `thcad-fullscale`), where f0 and fmax are its calibrations divided by
-/// `thcad-divide`; times `volt-divider` it is that of the torch. While probing, more than 1 V
-/// counts as contact, or more than 0 V where `ohmic-threshold` is 0: nothing else of it counts, as measured
-/// on LinuxCNC 2.9. While not probing, a contact that is there stays until the voltage falls below
-/// `ohmic-low`.
+/// The card turns a voltage into a frequency f. The voltage at the card is (f - f0) / ((fmax - f0) /
+/// `thcad-fullscale`), where f0 and fmax are the card's calibration frequencies divided by `thcad-divide`. The voltage
+/// at the torch is that voltage times `volt-divider`. While probing, a voltage above 1 V sets `ohmic-on`, or a voltage
+/// above 0 V if `ohmic-threshold` is 0; the value of `ohmic-threshold` has no other effect, as measured on LinuxCNC
+/// 2.9. While probing, `ohmic-on` follows the voltage. While not probing, `ohmic-on` only turns off, when the voltage
+/// falls below `ohmic-low`.
 ///
-/// The defaults of `ohmic-low` and `ohmic-threshold` are those of LinuxCNC 2.10; 2.9 has 5 and 18.
+/// The defaults of `ohmic-low` and `ohmic-threshold` are those of LinuxCNC 2.10; in 2.9 they are 5 and 18.
 ///
 /// # Example
 ///
@@ -29,38 +29,38 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Ohmic {
-    /// The card's frequency at 0 V, undivided, in hertz.
+    /// Frequency of the card at 0 V, before division, in hertz.
     #[hal(name = "thcad-0-volt-freq")]
     zero_freq: In<f64>,
-    /// The card's frequency at full scale, undivided, in hertz.
+    /// Frequency of the card at full scale, before division, in hertz.
     #[hal(name = "thcad-max-volt-freq")]
     max_freq: In<f64>,
-    /// By how much the card divides its frequency: 1, 32, 64 or 128.
+    /// Frequency divider of the card: 1, 32, 64 or 128.
     #[hal(default = 32.0)]
     thcad_divide: In<f64>,
-    /// The card's full scale: 5, 10 or 300 volts.
+    /// Full-scale voltage of the card: 5, 10 or 300 volts.
     #[hal(default = 5.0)]
     thcad_fullscale: In<f64>,
-    /// The frequency that is measured, in hertz.
+    /// Measured frequency, in hertz.
     velocity_in: In<f64>,
-    /// How many volts at the torch make one at the card.
+    /// Volts at the torch for one volt at the card.
     #[hal(default = 4.9)]
     volt_divider: In<f64>,
-    /// From which voltage a contact counts while probing: 0 V if it is 0, else 1 V.
+    /// Selects the contact threshold while probing: 0 V if this is 0, else 1 V.
     #[hal(default = 22.0)]
     ohmic_threshold: In<f64>,
-    /// Below this voltage, in volts, a contact ends while not probing.
+    /// Voltage at the torch, in volts, below which contact ends while not probing.
     #[hal(default = 21.0)]
     ohmic_low: In<f64>,
-    /// True from the card's full scale on: there is an arc. (LinuxCNC 2.9 has it, 2.10 has not.)
+    /// True if the voltage at the card is at or above full scale: there is an arc. (In LinuxCNC 2.9, but not in 2.10.)
     arc_on: Out<bool>,
-    /// The voltage at the card, in volts. (LinuxCNC 2.9 has it, 2.10 has not.)
+    /// Voltage at the card, in volts. (In LinuxCNC 2.9, but not in 2.10.)
     thcad_volts: Out<f64>,
-    /// The voltage at the torch, in volts.
+    /// Voltage at the torch, in volts.
     ohmic_volts: Out<f64>,
     /// True while the torch touches the metal.
     ohmic_on: Out<bool>,
-    /// True while probing.
+    /// Set TRUE while probing for contact.
     is_probing: In<bool>,
 }
 
@@ -68,7 +68,7 @@ impl Update for Ohmic {
     fn update(&mut self, _: Period) {
         let divide = self.thcad_divide.get();
         let zero = self.zero_freq.get() / divide;
-        // A range of nothing is above 0.
+        // Adding 0.0 turns a range of -0.0 into +0.0, so that the scale gets the right sign.
         let range = self.max_freq.get() - self.zero_freq.get() + 0.0;
         let scale = 1.0 / (range / self.thcad_fullscale.get() / divide);
         let volts = (self.velocity_in.get() - zero) * scale;

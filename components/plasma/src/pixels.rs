@@ -1,11 +1,11 @@
-//! Realtime. The line of pixels that `raster` reads from its port.
+//! Realtime. Parser of the pixel line that `raster` reads from its port.
 
 use hal_component::Port;
 
-/// Bytes that a field of the head may have.
+/// Maximum number of bytes in a field of the header.
 const LONGEST: usize = 32;
 
-/// What is wrong with a line; the numbers are those of `fault-code`.
+/// Faults of a line; the numbers are the values of `fault-code`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Fault {
     Offset = 1,
@@ -18,36 +18,36 @@ pub(crate) enum Fault {
     Nowhere = 8,
 }
 
-/// The head of a line.
+/// Header of a line.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Program {
-    /// Where the first pixel begins, in units.
+    /// Position of the start of the first pixel, in units.
     pub(crate) offset: f64,
-    /// Bits of a pixel.
+    /// Bits per pixel.
     pub(crate) bpp: i32,
     /// Pixels per unit.
     pub(crate) ppu: f64,
-    /// How many pixels there are.
+    /// Number of pixels.
     pub(crate) count: i32,
 }
 
-/// What was read of a line.
+/// Parser state of one line.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Reader {
     program: Program,
-    /// Fields that are read whole.
+    /// Number of header fields that are complete.
     fields: u8,
     text: [u8; LONGEST],
     len: usize,
 }
 
 impl Reader {
-    /// Some of the head is read.
+    /// Returns whether some of the header has been read.
     pub(crate) const fn begun(&self) -> bool {
         self.fields > 0 || self.len > 0
     }
 
-    /// Reads on in the head; the program, when it is whole.
+    /// Continues to read the header. Returns the header once it is complete, and `None` while bytes are missing.
     pub(crate) fn head(&mut self, port: Port) -> Result<Option<Program>, Fault> {
         while self.fields < 4 {
             let mut byte = [0];
@@ -69,7 +69,7 @@ impl Reader {
         Ok(Some(self.program))
     }
 
-    /// What is wrong if this field is.
+    /// Returns the fault to report if the present field is invalid.
     const fn wrong(&self) -> Fault {
         match self.fields {
             0 => Fault::Offset,
@@ -93,7 +93,7 @@ impl Reader {
         read.ok_or(self.wrong())
     }
 
-    /// The next pixel, in percent; -1 is off.
+    /// Reads the next pixel. Returns its power in percent, or -1 for off.
     pub(crate) fn pixel(&self, port: Port) -> Result<f64, Fault> {
         let mut value = 0_u32;
         for _ in 0..self.program.bpp / 4 {

@@ -2,31 +2,31 @@
 use crate::pixels::{Fault, Program, Reader};
 use hal_component::{Component, In, Out, Period, Port, Update};
 
-/// The power of a laser along a line, from a row of pixels.
+/// Laser power along a line of pixels.
 ///
-/// A program writes a line to the port before the move, then sets `run` while the head moves
-/// along it. The line is text, `OFFSET;BPP;PPU;COUNT;PIXELS`:
+/// A program writes a line to the port before the move, then sets `run` while the head moves along it. The line is
+/// text, `OFFSET;BPP;PPU;COUNT;PIXELS`:
 ///
-/// | field | what it is |
+/// | field | meaning |
 /// |---|---|
-/// | `OFFSET` | where the first pixel begins, in units from where `run` rose, a decimal number |
-/// | `BPP` | bits of a pixel: 4, 8, 12 or 16 |
-/// | `PPU` | pixels per unit, not 0; below 0 the line runs towards lower positions |
-/// | `COUNT` | how many pixels there are, 1 to 2147483647 |
-/// | `PIXELS` | the pixels without a word between them, each of `BPP` / 4 hexadecimal digits |
+/// | `OFFSET` | start of the first pixel, in units from the position where `run` rose, a decimal number |
+/// | `BPP` | bits per pixel: 4, 8, 12 or 16 |
+/// | `PPU` | pixels per unit, not 0; if negative, the line runs toward lower positions |
+/// | `COUNT` | number of pixels, 1 to 2147483647 |
+/// | `PIXELS` | the pixels without separators, each of `BPP` / 4 hexadecimal digits |
 ///
-/// Pixel 0 is off, and -1 at `output`; the others go evenly from 1, which is 0 %, to the highest, which
-/// is 100 %. Within a pixel the output goes in a straight line from the pixel before to this one; from or
-/// to one that is off it does not, but is this one's. The pixels may come while the line is run, if they
-/// come in time.
+/// Pixel value 0 is off, and `output` is then -1. The other values are spaced evenly from 1, which is 0 %, to the
+/// highest, which is 100 %. Within a pixel, the output changes linearly from the previous pixel's power to this
+/// pixel's. If either of the two is off, the output is this pixel's value for the whole pixel. A program may write
+/// pixels while the line runs, as long as each arrives before the head reaches it.
 ///
-/// `state`: 0 waits for a line, 1 reads its head, 2 has read it, 3 runs, 4 fault. `fault-code`: 0 none, 1 wrong
-/// offset, 2 wrong bits per pixel, 3 wrong pixels per unit, 4 wrong count, 5 a pixel is not
-/// hexadecimal, 6 a pixel is missing, 7 `run` without a line, 8 the position is not a number. A fault
-/// switches off and stays until `reset` rises, which throws away all that the port holds.
+/// `state`: 0 waits for a line, 1 reads its header, 2 has read the header, 3 runs, 4 fault. `fault-code`: 0 none, 1
+/// invalid offset, 2 invalid bits per pixel, 3 invalid pixels per unit, 4 invalid count, 5 a pixel is not hexadecimal,
+/// 6 a pixel is missing, 7 `run` without a line, 8 the position is not finite. A fault turns `output` off (-1) and
+/// lasts until `reset` rises, which discards everything in the port.
 ///
-/// LinuxCNC 2.9 has no such component, and that of 2.10 was not at hand: names, types and first values of the
-/// pins are its own, but the text of a line and the numbers of states and faults are ours.
+/// LinuxCNC 2.9 has no such component, and that of 2.10 was not at hand: the names, types and initial values of the
+/// pins are LinuxCNC's, but the text format of a line and the numbers of states and faults are ours.
 ///
 /// # Example
 ///
@@ -46,53 +46,53 @@ use hal_component::{Component, In, Out, Period, Port, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Raster {
-    /// Where a program writes its lines.
+    /// Port to which a program writes its lines.
     program: In<Port>,
-    /// Ends what runs and forgets the fault and all that the port holds, as it rises.
+    /// On a rising edge, stops the line, clears the fault and discards everything in the port.
     reset: In<bool>,
-    /// Runs the line while TRUE. When it falls, the rest of the line is thrown away.
+    /// Runs the line while TRUE. On the falling edge, the rest of the line is discarded.
     run: In<bool>,
-    /// The position of the head along the line, in units.
+    /// Position of the head along the line, in units.
     position: In<f64>,
-    /// A line runs.
+    /// True while a line runs.
     enabled: Out<bool>,
-    /// Power: 0 to 100 %, -1 is off.
+    /// Power: 0 to 100 %; -1 is off.
     #[hal(default = -1.0)]
     output: Out<f64>,
-    /// Something is wrong with the line.
+    /// True while there is a fault.
     fault: Out<bool>,
-    /// What is wrong, as a number.
+    /// Number of the fault.
     fault_code: Out<i32>,
-    /// What it does, as a number.
+    /// Number of the state.
     state: Out<i32>,
-    /// Where the first pixel begins, in units from the start.
+    /// Start of the first pixel, in units from the position where `run` rose.
     program_offset: Out<f64>,
-    /// Bits of a pixel.
+    /// Bits per pixel.
     bpp: Out<i32>,
     /// Pixels per unit.
     ppu: Out<f64>,
-    /// How many pixels the line has.
+    /// Number of pixels in the line.
     count: Out<i32>,
-    /// Units from where `run` rose.
+    /// Position of the head, in units from the position where `run` rose.
     program_position: Out<f64>,
-    /// Number of pixels from where the first one begins, with a fraction.
+    /// Position of the head in pixels from the start of the first pixel, with a fraction.
     bitmap_position: Out<f64>,
-    /// The pixel where the head is, from 0; -1 before the first.
+    /// Index of the pixel at the head, from 0; -1 before the first.
     #[hal(default = -1)]
     current_pixel_index: Out<i32>,
-    /// Its power in percent; -1 is off.
+    /// Power of the pixel at the head, in percent; -1 is off.
     #[hal(default = -1.0)]
     current_pixel_value: Out<f64>,
-    /// That of the pixel before, in percent; -1 is off.
+    /// Power of the pixel before it, in percent; -1 is off.
     #[hal(default = -1.0)]
     previous_pixel_value: Out<f64>,
-    /// How far into the pixel the head is, 0 to 1.
+    /// Position of the head within the pixel, 0 to 1.
     fraction: Out<f64>,
     #[state]
     was_reset: bool,
     #[state]
     reader: Reader,
-    /// Where `run` rose, while a line runs.
+    /// Position where `run` rose, while a line runs.
     #[state]
     start: Option<f64>,
 }
@@ -142,7 +142,7 @@ impl Raster {
         }
     }
 
-    /// The power where the head is.
+    /// Updates the pins for the present position, and reads the pixels up to there.
     fn line(&mut self) -> Result<(), Fault> {
         let now = self.position.get();
         let start = *self.start.get_or_insert(now);
@@ -169,7 +169,7 @@ impl Raster {
             self.current_pixel_value.set(pixel);
             self.current_pixel_index.set(self.current_pixel_index.get().wrapping_add(1));
         }
-        // Pixels that are behind do not come again.
+        // Pixels that were passed are not read again.
         let within = (place - f64::from(self.current_pixel_index.get())).max(0.0);
         self.fraction.set(within);
         let (from, to) = (self.previous_pixel_value.get(), self.current_pixel_value.get());
@@ -185,7 +185,7 @@ impl Raster {
         self.output.set(-1.0);
     }
 
-    /// Ends, as if no line had been.
+    /// Returns to waiting for a line.
     fn forget(&mut self) {
         self.stop();
         self.state.set(0);
@@ -220,7 +220,7 @@ mod tests {
         assert!(b.get::<Port>("raster.0.program").write(text.as_bytes()));
     }
 
-    /// Runs it at a position: its power.
+    /// Runs the component at a position. Returns its power.
     fn at(b: &Bench, position: f64) -> f64 {
         b.set("raster.0.position", position);
         b.run("raster.0", 1_000_000);
@@ -239,32 +239,32 @@ mod tests {
         assert_eq!(b.get::<f64>("raster.0.program-offset"), 0.5);
         assert_eq!((b.get::<i32>("raster.0.bpp"), b.get::<i32>("raster.0.count")), (4, 4));
         b.set("raster.0.run", true);
-        // Where it starts does not matter; what lies before the first pixel is off.
+        // The start position does not matter; before the first pixel the output is off.
         assert_eq!(at(&b, 100.0), -1.0);
         assert!(b.get::<bool>("raster.0.enabled"));
         assert_eq!(at(&b, 100.4), -1.0);
         assert_eq!(b.get::<i32>("raster.0.current-pixel-index"), -1);
-        // From off there is no way up: the first pixel as it is, 0 %.
+        // No ramp from off: the first pixel's own value, 0 %.
         assert_eq!(at(&b, 100.5), 0.0);
         assert_eq!(at(&b, 100.75), 0.0);
-        // From 0 to 100 % within the second.
+        // A ramp from 0 to 100 % within the second pixel.
         assert_eq!(at(&b, 101.125), 25.0);
         assert_eq!(b.get::<f64>("raster.0.bitmap-position"), 1.25);
         assert_eq!(b.get::<f64>("raster.0.fraction"), 0.25);
         assert_eq!(b.get::<f64>("raster.0.program-position"), 1.125);
-        // Back a little: what is behind does not come again.
+        // A short way back: passed pixels are not read again.
         assert_eq!(at(&b, 100.9), 0.0);
-        // The third is off, and so the fourth begins at once.
+        // The third pixel is off, so the fourth has no ramp.
         assert_eq!(at(&b, 101.75), -1.0);
         assert_eq!(at(&b, 102.25), 50.0);
         assert_eq!(b.get::<i32>("raster.0.current-pixel-index"), 3);
-        // Beyond the last.
+        // Past the last pixel.
         assert_eq!(at(&b, 102.5), -1.0);
         b.set("raster.0.run", false);
         b.run("raster.0", 1_000_000);
         assert_eq!((b.get::<i32>("raster.0.state"), code(&b)), (0, 0));
         assert!(!b.get::<bool>("raster.0.enabled"));
-        // The next line, towards lower positions, in bytes.
+        // The next line: toward lower positions, 8 bits per pixel.
         give(&b, "0;8;-1;1;80");
         b.run("raster.0", 1_000_000);
         b.set("raster.0.run", true);
@@ -272,7 +272,7 @@ mod tests {
         assert_eq!(at(&b, 6.5), f64::from(0x7F) * 100.0 / 254.0);
     }
 
-    /// The head comes piece by piece, and the pixels while it runs.
+    /// The header arrives in pieces, and the pixels while the line runs.
     #[test]
     fn in_pieces() {
         let b = with("-1;");
@@ -320,7 +320,7 @@ mod tests {
             assert_eq!(at(&b, position), -1.0);
             assert_eq!(code(&b), fault, "{line}");
             assert!(!b.get::<bool>("raster.0.enabled"));
-            // Only reset leads out, and only as it rises.
+            // Only a rising edge of reset clears the fault.
             b.set("raster.0.run", false);
             at(&b, 0.0);
             assert_eq!(code(&b), fault);
@@ -334,7 +334,7 @@ mod tests {
         }
     }
 
-    /// Nothing at the port.
+    /// No port connected.
     #[test]
     fn no_queue() {
         let mut b = Bench::new();

@@ -4,7 +4,7 @@ use hal_component::{
     Builder, Component, Error, In, Out, ParamRw, Period, Touch, Update, abi::component_flags, pins,
 };
 
-/// Torch height control by the voltage of the arc.
+/// Torch height control by arc voltage.
 pub(crate) struct Thc;
 
 impl Component for Thc {
@@ -44,45 +44,45 @@ impl Component for Thc {
 }
 
 pins! {
-    /// Its pins.
+    /// Pins and parameters.
     struct Pins {
-        /// The frequency of the voltage card, from an encoder's `velocity`, in hertz.
+        /// Frequency of the voltage card, from an encoder's `velocity`, in hertz.
         encoder_vel: In<f64> = "encoder-vel", 0.0;
-        /// The speed of the machine, in units per second.
+        /// Actual speed, in units per second.
         current_vel: In<f64> = "current-vel", 0.0;
-        /// The speed that the program wants, in the same unit.
+        /// Speed that the program requests, in units per second.
         requested_vel: In<f64> = "requested-vel", 0.0;
-        /// The voltage to keep, in volts.
+        /// Target arc voltage, in volts.
         volts_requested: In<f64> = "volts-requested", 0.0;
-        /// Without effect; here for scripts that set it.
+        /// Without effect; kept for scripts that set it.
         vel_tol: In<f64> = "vel-tol", 0.0;
-        /// Whether the torch is switched on.
+        /// TRUE while the torch is on.
         torch_on: In<bool> = "torch-on", false;
-        /// Whether there is an arc.
+        /// TRUE while there is an arc.
         arc_ok: In<bool> = "arc-ok", false;
-        /// Whether to control the height at all.
+        /// Enables height control.
         enable: In<bool> = "enable", false;
-        /// Z as it is commanded, in units.
+        /// Commanded Z position, in units.
         z_pos_in: In<f64> = "z-pos-in", 0.0;
         /// Z with the offset, in units, for the motor.
         z_pos_out: Out<f64> = "z-pos-out", 0.0;
-        /// Z without the offset, in units, as the feedback of the axis.
+        /// Z without the offset, in units, for the feedback of the axis.
         z_fb_out: Out<f64> = "z-fb-out", 0.0;
-        /// The voltage of the arc, in volts; not below 0.
+        /// Arc voltage, in volts; never below 0.
         volts: Out<f64> = "volts", 0.0;
-        /// Whether the machine is as fast as it should be.
+        /// True if the speed is above 0 and within `velocity-tol` of the requested speed.
         vel_status: Out<bool> = "vel-status", false;
-        /// The offset of Z before this run, in units.
+        /// Offset of Z before this cycle, in units.
         offset_value: Out<f64> = "offset-value", 0.0;
-        /// Volts per unit of frequency.
+        /// Volts per hertz.
         vel_scale: ParamRw<f64> = "vel-scale", 0.0;
-        /// The frequency at 0 V, in hertz.
+        /// Frequency at 0 V, in hertz.
         scale_offset: ParamRw<f64> = "scale-offset", 0.0;
-        /// How far below the wanted speed still counts, in percent.
+        /// Largest shortfall from the requested speed that still counts as at speed, in percent.
         velocity_tol: ParamRw<f64> = "velocity-tol", 0.0;
-        /// How far the voltage may be off before it is corrected, in volts.
+        /// Largest deviation from the target voltage that is not corrected, in volts.
         voltage_tol: ParamRw<f64> = "voltage-tol", 0.0;
-        /// How far Z is corrected in one run, in machine units.
+        /// Correction of Z in one cycle, in machine units.
         correction_vel: ParamRw<f64> = "correction-vel", 0.0;
     }
 }
@@ -115,7 +115,7 @@ impl Update for Run {
             if p.arc_ok.get() && fast {
                 let (volts, wanted) = (p.volts.get(), p.volts_requested.get());
                 let tolerance = p.voltage_tol.get();
-                // Near the wanted voltage both are done.
+                // Within the tolerance, both corrections apply and cancel out.
                 if volts + tolerance > wanted {
                     self.height.correct(-p.correction_vel.get());
                 }

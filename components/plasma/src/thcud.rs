@@ -4,7 +4,7 @@ use hal_component::{
     Builder, Component, Error, In, Out, ParamRw, Period, Touch, Update, abi::component_flags, pins,
 };
 
-/// Torch height control by two switches.
+/// Torch height control by up and down inputs.
 pub(crate) struct Thcud;
 
 impl Component for Thcud {
@@ -39,37 +39,37 @@ impl Component for Thcud {
 }
 
 pins! {
-    /// Its pins.
+    /// Pins and parameters.
     struct Pins {
-        /// Whether Z shall rise.
+        /// TRUE raises Z.
         torch_up: In<bool> = "torch-up", false;
-        /// Whether Z shall sink.
+        /// TRUE lowers Z.
         torch_down: In<bool> = "torch-down", false;
-        /// The speed of the machine, in units per second.
+        /// Actual speed, in units per second.
         current_vel: In<f64> = "current-vel", 0.0;
-        /// The speed that the program wants, in the same unit.
+        /// Speed that the program requests, in units per second.
         requested_vel: In<f64> = "requested-vel", 0.0;
-        /// Whether the torch is switched on.
+        /// TRUE while the torch is on.
         torch_on: In<bool> = "torch-on", false;
-        /// Whether there is an arc.
+        /// TRUE while there is an arc.
         arc_ok: In<bool> = "arc-ok", false;
-        /// Whether to control the height at all.
+        /// Enables height control.
         enable: In<bool> = "enable", false;
-        /// Z as it is commanded, in units.
+        /// Commanded Z position, in units.
         z_pos_in: In<f64> = "z-pos-in", 0.0;
         /// Z with the offset, in units, for the motor.
         z_pos_out: Out<f64> = "z-pos-out", 0.0;
-        /// Z without the offset, in units, as the feedback of the axis.
+        /// Z without the offset, in units, for the feedback of the axis.
         z_fb_out: Out<f64> = "z-fb-out", 0.0;
-        /// Always 0, as in LinuxCNC; the offset is `z-pos-out` less `z-fb-out`.
+        /// Always 0, as in LinuxCNC; the offset is `z-pos-out` minus `z-fb-out`.
         cur_offset: Out<f64> = "cur-offset", 0.0;
-        /// Whether the machine is as fast as it should be.
+        /// True if the speed is above 0 and within `velocity-tol` of the requested speed.
         vel_status: Out<bool> = "vel-status", false;
-        /// Whether some of the offset was taken back in the last run with the torch off.
+        /// True if the offset was reduced in the last cycle with the torch off.
         removing_offset: Out<bool> = "removing-offset", false;
-        /// How far Z is corrected in one run, in machine units. (A parameter in LinuxCNC 2.9.)
+        /// Correction of Z in one cycle, in machine units. (A parameter in LinuxCNC 2.9.)
         correction_vel: In<f64> = "correction-vel", 0.0;
-        /// How far below the wanted speed still counts, in percent.
+        /// Largest shortfall from the requested speed that still counts as at speed, in percent.
         velocity_tol: ParamRw<f64> = "velocity-tol", 0.0;
     }
 }

@@ -1,4 +1,4 @@
-//! Realtime. States 6 to 13: the torch on, and the cut.
+//! Realtime. States 6 to 13: torch on, pierce and cut.
 
 use super::{
     machine::Machine,
@@ -8,7 +8,7 @@ use super::{
 use hal_component::Period;
 
 impl Machine {
-    /// A cut without a program.
+    /// Returns whether the cut runs without a program.
     pub(super) fn is_manual(&self) -> bool {
         self.at.is_idle.get()
     }
@@ -61,7 +61,7 @@ impl Machine {
         }
     }
 
-    /// Marks a spot: its time counts from when the voltage is first high enough, with an arc or without.
+    /// Runs a spot. Its time counts from when the voltage first reaches the threshold, with or without an arc.
     fn spotting(&mut self, period: Period) {
         if let Some(time) = self.spot {
             let time = later(time, period);
@@ -76,7 +76,7 @@ impl Machine {
         }
     }
 
-    /// The arc is away, though it is needed.
+    /// Returns whether the arc is lost although the cut needs it.
     pub(super) fn lost(&self) -> bool {
         let ignores = self.ignores_arc() || self.cut.mesh_enable.get();
         let needs = self.cut.torch_enable.get() && !ignores && !self.is_manual();
@@ -107,7 +107,7 @@ impl Machine {
     pub(super) fn cut_height(&mut self) {
         self.aim(self.cut.cut_height.get());
         if self.toward(self.setup()) {
-            // Of a cut that the machine's off ended, the target is kept, as LinuxCNC does.
+            // After a cut that ended because the machine was turned off, the old target stays, as in LinuxCNC.
             if self.control.waits() {
                 self.control.begin();
             }
@@ -142,7 +142,7 @@ impl Machine {
         }
     }
 
-    /// Tells the feed rate that the program wants, and reduces it.
+    /// Publishes the feed rate that the program requests, and applies the program's feed reduction.
     fn ask_feed(&self) {
         let reduced = self.at.feed_reduction.get();
         let feed = if (10.0..100.0).contains(&reduced) { reduced / 100.0 } else { 1.0 };

@@ -1,4 +1,4 @@
-//! Realtime. What ends a cut, and states 14 to 17: the way up, and the end.
+//! Realtime. Events that end a cut, and states 14 to 17: retract and end.
 
 use super::{
     machine::Machine,
@@ -6,7 +6,7 @@ use super::{
 };
 
 impl Machine {
-    /// Ends a cut for this reason, by this state.
+    /// Ends a cut with this stop reason and enters this state.
     pub(super) fn end(&mut self, stop: Stop, state: State) {
         self.stops(stop);
         self.dark();
@@ -14,14 +14,14 @@ impl Machine {
         self.go(state);
     }
 
-    /// A fault: the program pauses, and the torch goes up.
+    /// Handles a fault: pauses the program and raises the torch to its maximum height.
     pub(super) fn fault(&mut self) {
         self.drive.program_pause.set(!self.at.is_paused.get());
         self.end(Stop::Fault, State::MaxHeight);
         self.max_height();
     }
 
-    /// What ends a cut from outside: whether it did.
+    /// Handles events from outside that end a cut. Returns whether one did.
     pub(super) fn interrupted(&mut self) -> bool {
         let ends = matches!(self.state, State::MaxHeight | State::EndCut);
         if ends && self.stop == Stop::None && self.at.is_idle.get() && !self.wanted() {

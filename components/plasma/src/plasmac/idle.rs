@@ -1,4 +1,4 @@
-//! Realtime. State 0: what begins.
+//! Realtime. State 0: idle, where cuts and jobs begin.
 
 use super::{
     machine::Machine,
@@ -86,7 +86,7 @@ impl Machine {
         }
     }
 
-    /// So near to the last cut that its surface is taken.
+    /// Returns whether the torch is so close to the last cut that its surface height can be reused.
     fn near_last(&self) -> bool {
         let distance = self.probe.skip_ihs_distance.get();
         let Some((x, y)) = self.last.filter(|_| distance > 0.0 && self.known) else {
@@ -95,7 +95,7 @@ impl Machine {
         libm::hypot(self.at.x.get() - x, self.at.y.get() - y) < distance
     }
 
-    /// What begins while a program is paused.
+    /// Starts a job that is allowed while a program is paused.
     fn while_paused(&mut self) {
         if self.jobs.paused_motion_speed.get() != 0.0 {
             self.go(State::PausedMotion);

@@ -1,10 +1,10 @@
-//! Realtime. States 18 and 20 to 22: torch pulse, tests, scribe.
+//! Realtime. States 18 and 20 to 22: torch pulse, tests and scribing.
 
 use super::{machine::Machine, state::State};
 use hal_component::Period;
 
 impl Machine {
-    /// Begins what is to be done beside cuts: whether there is something.
+    /// Starts a job other than a cut. Returns whether one was requested.
     pub(super) fn begin_job(&mut self) -> bool {
         let drive = &self.drive;
         drive.ohmic_enable.set(self.probe.offset_set_probe.get());

@@ -1,4 +1,4 @@
-//! Realtime. A plasma cutter: what it knows, and one cycle of it.
+//! Realtime. State of a plasma cutter, and one cycle of it.
 
 use super::{
     ins,
@@ -14,7 +14,7 @@ use super::{
 };
 use hal_component::{Builder, Error, Messages, Period, Touch, Update};
 
-/// A plasma cutter.
+/// State of a plasma cutter.
 #[derive(Touch)]
 pub(super) struct Machine {
     pub(super) arc: ins::Arc,
@@ -35,81 +35,81 @@ pub(super) struct Machine {
     pub(super) state: State,
     #[state]
     pub(super) stop: Stop,
-    /// Seconds in this state, or since something happened in it.
+    /// Seconds in this state, or since an event in it.
     #[state]
     pub(super) timer: f32,
-    /// The first cycle of a state.
+    /// True in the first cycle of a state.
     #[state]
     pub(super) entered: bool,
-    /// Z without its offset, as it was when there was none.
+    /// Z without its offset, as of the last cycle without an offset.
     #[state]
     pub(super) base: f64,
-    /// The offset of Z at the surface, in counts; a surface was found.
+    /// Z offset at the surface, in counts; valid while `known`.
     #[state]
     pub(super) surface: i32,
     #[state]
     pub(super) known: bool,
-    /// As high as Z may go, in counts.
+    /// Upper limit of the Z offset, in counts.
     #[state]
     pub(super) highest: f64,
-    /// By how many counts the voltage moved Z above the cut height.
+    /// Counts by which height control has moved Z away from the cut height; positive is up.
     #[state]
     pub(super) drift: i32,
-    /// Where this state moves Z, in counts.
+    /// Target Z offset of this state, in counts.
     #[state]
     pub(super) goal: i32,
     /// Seconds until the torch may be lit again.
     #[state]
     pub(super) restart: f32,
-    /// Seconds of a spot since the voltage was high enough.
+    /// Seconds since the voltage of a spot reached its threshold; `None` before.
     #[state]
     pub(super) spot: Option<f32>,
-    /// Starts of the torch in this cut.
+    /// Number of torch starts in this cut.
     #[state]
     pub(super) starts: i32,
-    /// Contact came on the way to the start height.
+    /// True if contact came during the move to the start height.
     #[state]
     pub(super) early: bool,
-    /// Contacts that were tried in this cut.
+    /// Number of ohmic probe attempts in this cut.
     #[state]
     pub(super) attempts: i32,
-    /// The contact is that of the tip.
+    /// True if the tip made the contact, false if the float switch did.
     #[state]
     pub(super) by_tip: bool,
-    /// A program ran since the machine was idle.
+    /// True if a program has run since the last idle state.
     #[state]
     pub(super) ran: bool,
-    /// A program ran in the cycle before this one.
+    /// True if a program ran in the previous cycle.
     #[state]
     pub(super) runs: bool,
-    /// A sensor ended the cut.
+    /// True if a sensor ended the cut.
     #[state]
     pub(super) tripped: bool,
-    /// A sensor that ended the cut is off again.
+    /// True if the sensor that ended the cut is off again.
     #[state]
     pub(super) eases: bool,
-    /// It is a probe test.
+    /// True during a probe test.
     #[state]
     pub(super) tests: bool,
-    /// The torch is being moved to where a cut goes on.
+    /// True while the torch moves to the position where a cut resumes.
     #[state]
     pub(super) recovers: bool,
-    /// Where the laser is then, as offsets of X and Y.
+    /// Laser position during recovery, as X and Y offsets in counts.
     #[state]
     pub(super) laser: (i32, i32),
-    /// X and Y as the last cut ended.
+    /// X and Y at the end of the last cut, in machine units.
     #[state]
     pub(super) last: Option<(f64, f64)>,
-    /// The contact of the tip, as it was read in the last cycle.
+    /// Contact of the tip in the previous cycle.
     #[state]
     pub(super) tip: bool,
-    /// For how many cycles the relay of the contact is on, and off.
+    /// Number of cycles for which the contact relay has been on, and off.
     #[state]
     pub(super) sensed: (i32, i32),
-    /// Volts of this cycle.
+    /// Arc voltage of this cycle, in volts.
     #[state]
     pub(super) now: f64,
-    /// Seconds that the arc may be away from now on.
+    /// Seconds for which the arc may still be missing.
     #[state]
     pub(super) left: f32,
 }
@@ -170,26 +170,26 @@ impl Machine {
         self.told.state.set(state as i32);
     }
 
-    /// Notes why it stops.
+    /// Records the stop reason and publishes it.
     pub(super) fn stops(&mut self, stop: Stop) {
         self.stop = stop;
         self.told.stop_type.set(stop as i32);
     }
 
-    /// The torch is off, and the arc with it.
+    /// Turns the torch off and clears arc OK.
     pub(super) fn dark(&mut self) {
         self.drive.torch_on.set(false);
         self.told.arc_ok.set(false);
         self.volts.dark();
     }
 
-    /// Whether a time is over, this cycle counted.
+    /// Returns whether the time has passed, counting this cycle.
     pub(super) fn waited(&mut self, seconds: f64, period: Period) -> bool {
         self.pass(period);
         f64::from(self.timer) >= seconds
     }
 
-    /// Whether a time is over, counted from the next cycle on.
+    /// Returns whether the time has passed, counting from the next cycle.
     pub(super) fn lasted(&mut self, seconds: f64, period: Period) -> bool {
         let over = f64::from(self.timer) >= seconds;
         self.pass(period);
@@ -200,40 +200,41 @@ impl Machine {
         self.timer = later(self.timer, period);
     }
 
-    /// Factor of counts, within its limits.
+    /// Returns the `resolution` pin, limited to 1 to 1000.
     pub(super) fn resolution(&self) -> i32 {
         at_most(self.cut.resolution.get(), 1000)
     }
 
-    /// Counts per cycle for a speed in machine units per minute, with the 24 bits of LinuxCNC's factor.
+    /// Returns the counts per cycle for a speed in machine units per minute. The factor is rounded to single precision,
+    /// as in LinuxCNC.
     pub(super) fn pace(&self, rate: f64) -> f64 {
         let factor = f64::from(self.resolution()) / self.at.units_per_mm.get() / 60.0;
         rate * f64::from(short(factor))
     }
 
-    /// The same in whole counts.
+    /// Returns the counts per cycle for a speed in machine units per minute, truncated to an integer.
     #[expect(clippy::cast_possible_truncation, reason = "what does not fit is at its end")]
     pub(super) fn speed(&self, rate: f64) -> i32 {
         self.pace(rate) as i32
     }
 
-    /// Speed of Z between heights.
+    /// Returns the setup speed of Z, in counts per cycle.
     pub(super) fn setup(&self) -> i32 {
         self.speed(self.cut.setup_feed_rate.get())
     }
 
-    /// Counts of a distance in machine units.
+    /// Converts a distance in machine units to counts.
     #[expect(clippy::cast_possible_truncation, reason = "what does not fit is at its end")]
     pub(super) fn counts(&self, distance: f64) -> i32 {
         (distance / self.drive.offset_scale.get()) as i32
     }
 
-    /// Machine units of counts.
+    /// Converts counts to machine units.
     pub(super) fn units(&self, counts: i32) -> f64 {
         f64::from(counts) * self.drive.offset_scale.get()
     }
 
-    /// Moves Z one step nearer to the goal: whether it was there.
+    /// Moves Z one step toward the target. Returns whether Z was already there.
     pub(super) fn toward(&self, speed: i32) -> bool {
         let now = self.drive.z_counts.get();
         let left = self.goal.saturating_sub(now);
@@ -242,17 +243,17 @@ impl Machine {
         left == 0
     }
 
-    /// Moves Z by so many counts.
+    /// Moves Z by this number of counts.
     pub(super) fn shift(&self, by: i32) {
         self.drive.z_counts.set(self.drive.z_counts.get().saturating_add(by));
     }
 
-    /// A cut or a spot is wanted.
+    /// Returns whether a cut or a spot is requested.
     pub(super) fn wanted(&self) -> bool {
         self.jobs.cutting_start.get() || self.jobs.spotting_start.get()
     }
 
-    /// A cut goes on without an arc.
+    /// Returns whether a cut continues without an arc.
     pub(super) fn ignores_arc(&self) -> bool {
         self.arc.ignore_ok_0.get()
             || self.arc.ignore_ok_1.get()
@@ -282,7 +283,7 @@ impl Machine {
         }
     }
 
-    /// Whether there is an arc.
+    /// Updates arc OK from the voltage or the arc OK input, with the allowed loss time.
     fn look(&mut self, period: Period) {
         if self.cut.torch_off.get() {
             self.drive.torch_on.set(false);
@@ -300,7 +301,7 @@ impl Machine {
         }
     }
 
-    /// The relay of the tip's contact, debounced.
+    /// Debounces the relay of the ohmic contact.
     fn sense(&mut self) {
         let (on, off) = self.sensed;
         if self.probe.ohmic_sense_in.get() {
@@ -348,7 +349,7 @@ impl Machine {
         }
     }
 
-    /// The machine is off: no torch, no offsets.
+    /// Turns the torch off and clears all offsets, for a machine that is off.
     fn off(&mut self) {
         self.drive.program_pause.set(false);
         self.drive.z_counts.set(0);

@@ -21,7 +21,7 @@ mod wants;
 use hal_component::{Builder, Component, Error, abi::component_flags};
 use machine::Machine;
 
-/// A plasma cutter.
+/// Controller of a plasma cutter.
 pub(crate) struct Plasmac;
 
 impl Component for Plasmac {

@@ -1,27 +1,28 @@
-//! Realtime. An offset probe: X and Y to where it probes instead of the torch, and back.
+//! Realtime. Offset probe: moves X and Y so that the probe replaces the torch, and moves them back.
 
 use super::{machine::Machine, numbers::later, state::Stop};
 use hal_component::{Period, Touch};
 
-/// A last step back of no more counts takes no cycle of its own.
+/// Number of counts up to which the last step back takes no cycle of its own.
 const NEAR: u32 = 1000;
 
-/// What is known of an offset probe.
+/// State of an offset probe.
 #[derive(Default, Touch)]
 pub(super) struct Offset {
-    /// Where it probes, in counts of X and Y.
+    /// X and Y offsets of the probing position, in counts.
     #[state]
     goal: (i32, i32),
-    /// Where X and Y are as the cut begins.
+    /// X and Y offsets at the start of the cut, in counts.
     #[state]
     home: (i32, i32),
-    /// Seconds since it began to move.
+    /// Seconds since the move began.
     #[state]
     moved: f32,
 }
 
 impl Machine {
-    /// Aims it for a cut that begins: whether X and Y may go there, else it is a fault.
+    /// Sets the probing position for a cut that begins. Returns false, and reports a fault, if the position is beyond a
+    /// limit of X or Y.
     pub(super) fn aim_probe(&mut self) -> bool {
         self.offset = Offset::default();
         let (x, y) = (self.probe.offset_x.get(), self.probe.offset_y.get());
@@ -52,12 +53,12 @@ impl Machine {
         true
     }
 
-    /// It is used in this cut.
+    /// Returns whether this cut uses the offset probe.
     fn is_offset(&self) -> bool {
         self.probe.ohmic_probe_enable.get() && self.offset.goal != self.offset.home
     }
 
-    /// X and Y a step to where it probes: whether they were there.
+    /// Moves X and Y one step toward the probing position. Returns whether they were already there.
     pub(super) fn probe_out(&mut self, period: Period) -> bool {
         if !self.is_offset() {
             return true;
@@ -67,25 +68,26 @@ impl Machine {
         self.across(self.offset.home, self.offset.goal, f64::from(self.setup()))
     }
 
-    /// X and Y are where it probes.
+    /// Returns whether X and Y are at the probing position.
     pub(super) fn is_there(&self) -> bool {
         let drive = &self.drive;
         !self.is_offset() || (drive.x_counts.get(), drive.y_counts.get()) == self.offset.goal
     }
 
-    /// It is being swung out.
+    /// Returns whether the probe is still extending or retracting.
     pub(super) fn swings(&self) -> bool {
         f64::from(self.offset.moved) < self.probe.offset_delay.get() && self.is_offset()
     }
 
-    /// Whether it is swung out.
+    /// Returns whether the probe is extended, and counts this cycle.
     pub(super) fn is_out(&mut self, period: Period) -> bool {
         let swings = self.swings();
         self.offset.moved = later(self.offset.moved, period);
         !swings
     }
 
-    /// X and Y a step back to the torch's place: whether they were there, and whether it is swung in.
+    /// Moves X and Y one step back to the torch position. Returns whether they are there, and whether the probe is
+    /// retracted.
     pub(super) fn probe_back(&mut self, period: Period) -> (bool, bool) {
         if !self.is_offset() {
             return (true, true);

@@ -1,4 +1,4 @@
-//! Realtime. States 19, 23 and 24: what is done while a program is paused.
+//! Realtime. States 19, 23 and 24: paused motion and consumable change.
 
 use super::{
     machine::Machine,
@@ -63,13 +63,15 @@ impl Machine {
         }
     }
 
-    /// Moves X and Y one step along the line to the goal: whether they were there.
+    /// Moves X and Y one step along the line from the present offsets to the goal. Returns whether they were already
+    /// there.
     pub(super) fn along(&self, goal: (i32, i32), speed: f64) -> bool {
         let now = (self.drive.x_counts.get(), self.drive.y_counts.get());
         self.across(now, goal, speed)
     }
 
-    /// The same along the line from one place to another: each axis stops at its goal.
+    /// Moves X and Y one step along the line between two positions. Each axis stops at its goal. Returns whether both
+    /// were already there.
     pub(super) fn across(&self, from: (i32, i32), goal: (i32, i32), speed: f64) -> bool {
         let line = (away(from.0, goal.0), away(from.1, goal.1));
         let far = libm::hypot(line.0, line.1);
@@ -91,7 +93,7 @@ impl Machine {
     }
 }
 
-/// How far it is from one to the other.
+/// Returns the signed distance from one count to another.
 fn away(from: i32, goal: i32) -> f64 {
     f64::from(goal) - f64::from(from)
 }

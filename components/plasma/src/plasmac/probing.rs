@@ -1,4 +1,4 @@
-//! Realtime. States 1 to 5: to the surface, and to the height of piercing.
+//! Realtime. States 1 to 5: probe the surface, then move to the pierce height.
 
 use super::{
     machine::Machine,
@@ -8,17 +8,17 @@ use super::{
 use hal_component::Period;
 
 impl Machine {
-    /// The tip touches the surface.
+    /// Returns whether the tip touches the surface.
     pub(super) fn tip_touches(&self) -> bool {
         self.probe.ohmic_probe.get() && self.probe.ohmic_probe_enable.get()
     }
 
-    /// The switch or the tip touches the surface.
+    /// Returns whether the float switch or the tip reports contact.
     pub(super) fn touches(&self) -> bool {
         self.probe.float_switch.get() || self.tip_touches()
     }
 
-    /// Whether what touches has been asked for the tip often enough.
+    /// Returns whether the contact counts: the tip reports it, or the ohmic attempts are used up.
     fn counts_as_contact(&mut self) -> bool {
         let tip = self.probe.ohmic_probe_enable.get();
         if tip && !self.tip_touches() && self.attempts < self.probe.ohmic_max_attempts.get() {
@@ -51,7 +51,7 @@ impl Machine {
             self.goal = self.counts(low + self.probe.start_height.get());
             self.entered = false;
         }
-        // After a contact that did not count it stays there a cycle longer.
+        // After an attempt that did not count, the state lasts one cycle longer.
         let stays = if self.attempts > 0 { f64::MIN_POSITIVE } else { 0.0 };
         if self.toward(self.setup()) && self.is_there() && self.lasted(stays, period) {
             self.go(State::ProbeDown);
@@ -114,13 +114,13 @@ impl Machine {
         }
     }
 
-    /// How far Z may go above this, in machine units.
+    /// Returns the room above a Z position for the torch, in machine units.
     fn room(&self, z: f64) -> f64 {
         let free = f64::from(self.cut.max_offset.get()) * self.at.units_per_mm.get();
         self.at.z_max.get() - free - z
     }
 
-    /// As much of it as a cut needs: 1 mm above the height of piercing.
+    /// Returns the room that a cut needs: 1 mm above the pierce height, in machine units.
     fn least_room(&self) -> f64 {
         self.cut.pierce_height.get() + self.at.units_per_mm.get()
     }
@@ -136,7 +136,7 @@ impl Machine {
         }
     }
 
-    /// The surface is where contact ended, or a bit above.
+    /// Sets the surface height from the Z where contact ended, plus the travel of the switch or the offset of the tip.
     fn find(&mut self) {
         let travel = if self.by_tip {
             self.probe.ohmic_probe_offset.get()
@@ -153,14 +153,14 @@ impl Machine {
         self.known = true;
     }
 
-    /// A height above the surface, in counts.
+    /// Converts a height above the surface to an offset in counts.
     #[expect(clippy::cast_possible_truncation, reason = "what does not fit is at its end")]
     pub(super) fn above(&self, height: f64) -> i32 {
         (f64::from(self.surface.saturating_add(self.drift))
             + height / self.drive.offset_scale.get()) as i32
     }
 
-    /// Aims at a height above the surface.
+    /// Sets the target to a height above the surface, in the first cycle of a state.
     pub(super) fn aim(&mut self, height: f64) {
         if self.entered {
             self.goal = self.above(height);

@@ -1,4 +1,4 @@
-//! Realtime. States 25 and 26: to where a cut goes on, and back to the path.
+//! Realtime. States 25 and 26: move to the position where the cut resumes, then back to the path.
 
 use super::{
     machine::Machine,
@@ -46,13 +46,13 @@ impl Machine {
         self.drive.y_counts.set(step(self.drive.y_counts.get(), goal.1));
     }
 
-    /// These offsets, and the distance of the laser.
+    /// Returns these offsets plus the laser offset, in counts.
     fn by_laser(&self, (x, y): (i32, i32)) -> (i32, i32) {
         let jobs = &self.jobs;
         (x.saturating_add(jobs.laser_x_offset.get()), y.saturating_add(jobs.laser_y_offset.get()))
     }
 
-    /// Takes the laser's distance off again before the cut goes on: whether there is something to do.
+    /// Removes the laser offset before the cut resumes. Returns whether the laser was in use.
     pub(super) fn laser_leaves(&mut self) -> bool {
         let state = self.told.laser_recovery_state.get();
         if state == 3 {

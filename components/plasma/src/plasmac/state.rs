@@ -1,6 +1,6 @@
-//! Realtime. What it does, and why a cut ends.
+//! Realtime. States of the plasma cutter, and reasons for the end of a cut.
 
-/// What it does; the numbers are those of `state-out`.
+/// States of the plasma cutter; the numbers are the values of `state-out`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum State {
     Idle = 0,
@@ -32,7 +32,7 @@ pub(super) enum State {
     RecoveryBack = 26,
 }
 
-/// Why a cut ends; the numbers are those of `stop-type-out`.
+/// Reasons for the end of a cut; the numbers are the values of `stop-type-out`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stop {
     None = 0,

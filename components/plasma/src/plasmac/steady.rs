@@ -1,4 +1,4 @@
-//! Realtime. Whether the voltage has been steady for a while.
+//! Realtime. Detector of a steady voltage.
 
 use super::{
     numbers::{at_most, short},
@@ -6,18 +6,18 @@ use super::{
 };
 use hal_component::Touch;
 
-/// As many voltages are kept, and no more are asked for.
+/// Capacity of the ring of voltages, and the maximum of `thc-sample-counts`.
 const MOST: usize = 1000;
 
-/// The voltages since the torch was lit.
+/// Voltages since the torch was lit.
 #[derive(Touch)]
 pub(super) struct Steady {
     #[state]
     volts: Box<[f32]>,
-    /// Where the next one goes.
+    /// Index of the next entry.
     #[state]
     next: usize,
-    /// How many there are.
+    /// Number of valid entries.
     #[state]
     count: usize,
 }
@@ -29,7 +29,7 @@ impl Default for Steady {
 }
 
 impl Steady {
-    /// Keeps a voltage; without a torch, none.
+    /// Stores a voltage. While the torch is off, discards all of them.
     pub(super) fn keep(&mut self, lit: bool, volts: f64) {
         if !lit {
             self.count = 0;
@@ -42,7 +42,8 @@ impl Steady {
         self.count = (self.count + 1).min(MOST);
     }
 
-    /// The mean of the last voltages, if there are as many as are wanted and they are near each other.
+    /// Returns the mean of the last `thc-sample-counts` voltages if there are as many and they differ by no more than
+    /// the threshold.
     pub(super) fn mean(&self, wants: &wants::Thc) -> Option<f64> {
         let wanted = usize::try_from(at_most(wants.sample_counts.get(), 1000)).unwrap_or(MOST);
         if self.count < wanted {

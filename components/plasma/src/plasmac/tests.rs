@@ -12,7 +12,7 @@ struct Table {
     arc: bool,
     volts: f64,
     velocity: f64,
-    /// From which Z downwards the float switch is on, and the tip touches.
+    /// Z at and below which the float switch is on; `tip` is the same for the contact of the tip.
     switch: f64,
     tip: f64,
 }
@@ -102,7 +102,7 @@ impl Table {
         }
     }
 
-    /// Runs until it is in this state: how many cycles that took.
+    /// Runs until the component is in this state. Returns the number of cycles.
     fn until(&self, state: i32) -> u32 {
         for i in 0..5000 {
             if self.state() == state {
@@ -113,7 +113,7 @@ impl Table {
         panic!("state {state} is not reached, but {}", self.state());
     }
 
-    /// The states that it goes through in so many cycles.
+    /// Returns the states of this number of cycles.
     fn states(&self, cycles: u32) -> Vec<i32> {
         let mut all = vec![self.state()];
         for _ in 0..cycles {
@@ -276,10 +276,10 @@ fn a_spot_lasts_its_time_from_when_the_voltage_is_high_enough() {
     assert_eq!(table.count("stop-type-out"), 2);
     assert!(!table.is("torch-on"));
     assert_eq!(table.count("pierce-count"), 1);
-    // It is wanted still: another one.
+    // The spot is still requested: another one follows.
     table.until(0);
     table.until(7);
-    // Its time is longer than a start may take: no spot.
+    // The spot takes longer than a start may take: no spot.
     table.bench.set("plasmac.spotting-time", 40.0);
     assert_eq!(table.until(6), 20);
 }

@@ -8,10 +8,10 @@ use super::{
 };
 use hal_component::{Period, Touch};
 
-/// What there is of a cut's height control.
+/// Height control state of one cut.
 #[derive(Default, Touch)]
 pub(super) struct Thc {
-    /// Seconds since the speed was reached.
+    /// Seconds since the feed rate was reached.
     #[state]
     since: f32,
     #[state]
@@ -20,10 +20,10 @@ pub(super) struct Thc {
     samples: i32,
     #[state]
     target: f64,
-    /// The target is there.
+    /// True if the target voltage is known.
     #[state]
     aims: bool,
-    /// It was controlled in the last cycle.
+    /// True if height control worked in the last cycle.
     #[state]
     pub(super) active: bool,
     #[state]
@@ -36,26 +36,26 @@ pub(super) struct Thc {
     level: i32,
     #[state]
     void: bool,
-    /// The override that Z was moved for.
+    /// Height override that Z has been moved for, in volts.
     #[state]
     overridden: f64,
-    /// What is left of that move, in counts.
+    /// Remaining counts of that move.
     #[state]
     left: i32,
 }
 
 impl Thc {
-    /// A cut begins.
+    /// Resets the state at the start of a cut.
     pub(super) fn begin(&mut self) {
         *self = Self { error: self.error, ..Self::default() };
     }
 
-    /// There is no target yet.
+    /// Returns whether there is no target yet.
     pub(super) const fn waits(&self) -> bool {
         !self.aims
     }
 
-    /// Waits for the target: whether it is there.
+    /// Determines the target voltage. Returns whether it is known.
     fn aim(
         &mut self,
         wants: (&wants::Thc, &wants::Cut),
@@ -95,7 +95,7 @@ impl Thc {
         true
     }
 
-    /// Whether a void is below.
+    /// Returns whether the torch is over a void.
     fn is_void(&mut self, wants: &wants::Thc, volts: f64, period: Period) -> bool {
         let slope = (volts - self.volts.unwrap_or(volts)) / period.secs();
         let steep = f64::from(wants.voidlock_slope.get());
@@ -111,7 +111,8 @@ impl Thc {
         self.void && wants.voidlock_enable.get()
     }
 
-    /// A move for a changed override: up at once, down by the speed of Z; the loop waits meanwhile.
+    /// Returns the counts of a move for a changed height override: up in one cycle, down at the setup speed. The
+    /// control loop pauses meanwhile.
     #[expect(clippy::cast_possible_truncation, reason = "what does not fit is at its end")]
     fn overrides(&mut self, wants: &wants::Thc, scale: f64, setup: i32) -> Option<i32> {
         let wanted = wants.height_override.get();
@@ -130,7 +131,7 @@ impl Thc {
         Some(by)
     }
 
-    /// Looks for the target, and by how many counts the torch is to be moved.
+    /// Determines the target if needed. Returns the counts by which to move the torch.
     pub(super) fn step(
         &mut self,
         wants: (&wants::Thc, &wants::Cut),
@@ -178,7 +179,7 @@ impl Thc {
         let by = wants.0.p_gain.get() * error
             + wants.0.i_gain.get() * error * period.secs()
             + wants.0.d_gain.get() * change;
-        // Each stays until the voltage is near enough.
+        // Each LED stays on until the voltage is within the threshold.
         told.led_up.set(by != 0.0 && (told.led_up.get() || by > 0.0));
         told.led_down.set(by != 0.0 && (told.led_down.get() || by < 0.0));
         let resolution = f64::from(at_most(wants.1.resolution.get(), 1000));

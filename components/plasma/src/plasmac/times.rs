@@ -1,12 +1,12 @@
-//! Realtime. The times and ways of a job.
+//! Realtime. Times and distances of a job.
 
 use super::{machine::Machine, state::State};
 use hal_component::{Out, Period, Touch};
 
-/// Whether a job's times have begun.
+/// Flag for the start of a job's times.
 #[derive(Debug, Default, Touch)]
 pub(super) struct Times {
-    /// A program ran since the last end of a job.
+    /// True if a program has run since the last job ended.
     #[state]
     pub(super) begun: bool,
 }
@@ -16,7 +16,7 @@ fn add(pin: &Out<f64>, by: f64) {
 }
 
 impl Machine {
-    /// Counts the times of this cycle.
+    /// Adds this cycle to the times of the job.
     pub(super) fn count(&mut self, period: Period) {
         let (told, secs) = (&self.told, period.secs());
         if self.at.is_running.get() {
@@ -51,7 +51,7 @@ impl Machine {
         self.count_acts(period);
     }
 
-    /// The times of what it does.
+    /// Adds this cycle to the times of the present activity.
     fn count_acts(&self, period: Period) {
         let (told, secs) = (&self.told, period.secs());
         if self.drive.torch_on.get() {

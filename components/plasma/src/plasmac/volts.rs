@@ -1,9 +1,9 @@
-//! Realtime. The voltage of the arc, and whether there is one.
+//! Realtime. Arc voltage, and detection of the arc.
 
 use super::{ins::Arc, numbers::short};
 use hal_component::{Period, Touch};
 
-/// The voltage as it is measured, and how long it is steady.
+/// Filtered arc voltage, and the number of cycles for which it has been steady.
 #[derive(Default, Touch)]
 pub(super) struct Volts {
     #[state]
@@ -17,7 +17,7 @@ pub(super) struct Volts {
 }
 
 impl Volts {
-    /// The voltage of this run.
+    /// Returns the arc voltage of this cycle, in volts.
     pub(super) fn read(&mut self, arc: &Arc, period: Period) -> f64 {
         let input = arc.voltage_in.get();
         let hertz = arc.lowpass_frequency.get().abs();
@@ -35,7 +35,7 @@ impl Volts {
         if volts.abs() < arc.zero_window.get() { 0.0 } else { volts }
     }
 
-    /// Whether there is an arc while the torch is on.
+    /// Returns whether there is an arc while the torch is on.
     pub(super) fn arc(&mut self, arc: &Arc, mode: i32, volts: f64) -> bool {
         if mode != 0 {
             return arc.ok_in.get();
@@ -51,7 +51,7 @@ impl Volts {
         self.ok
     }
 
-    /// The torch is off.
+    /// Resets the detection when the torch is off.
     pub(super) fn dark(&mut self) {
         self.steady = 0;
         self.ok = false;

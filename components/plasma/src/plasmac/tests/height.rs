@@ -15,7 +15,7 @@ fn the_height_follows_the_voltage() {
     table.run(10);
     assert!(!table.is("led-down"));
     assert_eq!(table.count("z-offset-counts") - before, -3000);
-    // No faster than its speed: 1000 in a minute are 1666 counts in a cycle.
+    // Limited by the speed: 1000 units per minute are 1666 counts per cycle.
     table.volts = 60.0;
     table.run(1);
     assert_eq!(table.count("z-offset-counts") - before, -3000 + 1666);
@@ -50,7 +50,7 @@ fn a_target_is_the_mean_of_a_voltage_that_is_steady() {
     table.put("cutting-start", true);
     table.until(11);
     table.run(5);
-    // Too slow: no target, however steady it is.
+    // Too slow: no target, although the voltage is steady.
     assert_eq!(table.float("target-volts"), 0.0);
     table.velocity = 50.0;
     for volts in [90.0, 91.0, 92.0] {

@@ -1,8 +1,8 @@
-//! What the operator is told.
+//! Messages for the operator.
 
 use super::{Table, cutting};
 
-/// A cut that begins, with these settings.
+/// Returns a machine that begins a cut with these settings.
 fn begun(settings: &[(&str, f64)]) -> Table {
     let table = Table::new(settings);
     table.run(2);
@@ -10,7 +10,7 @@ fn begun(settings: &[(&str, f64)]) -> Table {
     table
 }
 
-/// What was said in so many cycles; what lasts is said once.
+/// Returns the messages of this number of cycles; a lasting condition is reported once.
 fn said(table: &Table, cycles: u32) -> Vec<String> {
     table.run(cycles);
     table.bench.said()

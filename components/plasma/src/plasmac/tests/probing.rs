@@ -1,4 +1,4 @@
-//! Where the surface may be, and where it is looked for.
+//! Limits of the surface height, and of the probing position.
 
 use super::Table;
 
@@ -14,7 +14,7 @@ fn nothing_is_lower_than_the_lowest_z() {
 
 #[test]
 fn a_surface_that_leaves_no_room_is_a_fault() {
-    // The surface is at 0.5, and Z may go to the limit less 5 mm.
+    // The surface is at 0.5, and Z may rise to the limit less 5 mm.
     let rooms = |limit: f64, safe: f64| {
         let table = Table::new(&[("axis-z-max-limit", limit), ("safe-height", safe)]);
         table.bench.set("plasmac.max-offset", 5);
@@ -71,12 +71,12 @@ fn an_offset_probe_that_cannot_go_out_is_a_fault() {
         table.run(1);
         table
     };
-    // Beyond a limit it does not begin.
+    // Beyond a limit, the cut does not begin.
     let table = begin(-29.0);
     assert_eq!((table.state(), table.count("stop-type-out")), (0, 3));
     assert!(table.is("program-pause") && table.is("feed-hold"));
     assert_eq!(table.states(20), [0]);
-    // Contact on the way out: Z up, and X back, and no cut.
+    // Contact while extending: Z retracts, X moves back, and no cut follows.
     let mut table = begin(-30.0);
     table.run(3);
     table.tip = 100.0;

@@ -1,8 +1,8 @@
-//! Probing by the tip, probe tests, and what is done while a program is paused.
+//! Ohmic probing, probe tests, and jobs while a program is paused.
 
 use super::{Table, cutting};
 
-/// A machine that probes by its tip.
+/// Returns a machine that probes by its tip.
 fn ohmic(attempts: i32) -> Table {
     let table = Table::new(&[("ohmic-probe-offset", 0.3)]);
     table.bench.set("plasmac.ohmic-max-attempts", attempts);
@@ -11,7 +11,7 @@ fn ohmic(attempts: i32) -> Table {
     table
 }
 
-/// A cut whose program pauses; then X and Y are to be moved by these offsets.
+/// Starts a cut and pauses its program; X and Y offsets are then requested.
 fn paused(x: i32, y: i32) -> Table {
     let table = cutting(&[]);
     table.bench.set("plasmac.x-offset", x);
@@ -48,7 +48,7 @@ fn the_tip_finds_the_surface() {
     table.switch = -0.5;
     table.put("cutting-start", true);
     assert_eq!(table.states(65), [0, 1, 2, 3]);
-    // Z stops in the cycle of the contact; the pin that tells it is a cycle late.
+    // Z stops in the cycle of the contact; the pin that reports it is one cycle late.
     assert_eq!(table.count("z-offset-counts"), -2_019_948);
     assert!(table.is("ohmic-enable") && !table.is("sensor-active"));
     table.run(1);
@@ -71,7 +71,7 @@ fn a_switch_that_is_first_counts_after_the_attempts() {
     assert_eq!((table.state(), table.is("ohmic-enable")), (4, false));
     table.until(5);
     assert_eq!(table.count("z-offset-counts"), -1_949_949);
-    // Each probing asks anew, and takes 65 cycles.
+    // Each probing restarts the attempts, and takes 65 cycles.
     table.until(11);
     table.put("cutting-start", false);
     table.until(0);
@@ -139,7 +139,7 @@ fn a_probe_test_begins_with_nothing_that_touches() {
     table.switch = 100.0;
     table.run(2);
     table.put("probe-test", true);
-    // By a switch it is a fault, until the test is over.
+    // With the float switch it is a fault, until the test ends.
     table.run(1);
     assert!(table.is("program-pause") && table.count("stop-type-out") == 3);
     assert_eq!(table.states(20), [15]);
@@ -162,7 +162,7 @@ fn a_sensor_stops_the_way_to_the_consumables() {
     table.put("breakaway", false);
     table.run(1);
     assert_eq!(table.xy(), (7152, -3576));
-    // It is wanted no more: a cycle in state 0, and back.
+    // The request is withdrawn: one cycle in state 0, then back.
     table.put("consumable-change", false);
     table.run(1);
     assert_eq!((table.state(), table.xy()), (0, (7152, -3576)));
