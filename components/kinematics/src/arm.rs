@@ -1,8 +1,7 @@
-//! Realtime. Arms of six joints whose last three axes meet in the wrist, solved in closed form.
+//! Realtime. Closed-form solution for six-joint arms whose last three axes intersect in the wrist.
 //!
-//! Pieper, The Kinematics of Manipulators under Computer Control (1968); the names of lengths are
-//! those of Denavit and Hartenberg's parameters as Craig has them (Introduction to Robotics,
-//! sections 3.4 and 4.6).
+//! Pieper, The Kinematics of Manipulators under Computer Control (1968). The names of the lengths are those of the
+//! Denavit-Hartenberg parameters as in Craig (Introduction to Robotics, sections 3.4 and 4.6).
 
 use crate::{
     circles::{bend, shoulder},
@@ -14,28 +13,28 @@ use core::f64::consts::{FRAC_PI_2, PI};
 use hal_component::{Pose, Solution, Solved, Touch, Unsolved, Ways};
 use libm::{atan2, fabs, hypot, sqrt};
 
-/// The lengths of the arm.
+/// Lengths of the arm, in units.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arm {
-    /// From the axis of the body to that of the shoulder, across.
+    /// Distance between the axes of the body and the shoulder.
     pub(crate) a1: f64,
-    /// Upper arm.
+    /// Length of the upper arm.
     pub(crate) a2: f64,
-    /// From the elbow to the axis of the forearm, across.
+    /// Distance from the elbow to the axis of the forearm.
     pub(crate) a3: f64,
     /// Height of the shoulder.
     pub(crate) d1: f64,
-    /// How far the arm stands beside the axis of the body.
+    /// Lateral offset of the arm from the axis of the body.
     pub(crate) d3: f64,
-    /// Forearm.
+    /// Length of the forearm.
     pub(crate) d4: f64,
-    /// From the wrist to the tool's tip.
+    /// Distance from the wrist to the tool tip.
     pub(crate) d6: f64,
 }
 
-/// Pins from which an arm has its lengths.
+/// Pins that hold the lengths of an arm.
 pub(crate) trait Lengths: Touch + Send + Sync + 'static {
-    /// The lengths as the pins have them now; none when they make no sense.
+    /// Reads the lengths from the pins. Returns `None` if they are invalid.
     fn arm(&self) -> Option<Arm>;
 }
 
@@ -63,7 +62,7 @@ impl<L: Lengths> Model for L {
     }
 }
 
-/// An answer by which a singular place is known.
+/// Joint angles of one solution, and whether the arm is singular there.
 #[derive(Clone, Copy, Debug)]
 struct Way {
     joints: [f64; 6],
@@ -71,7 +70,7 @@ struct Way {
 }
 
 impl Arm {
-    /// The chain of its links.
+    /// Returns the chain of the arm's links.
     pub(crate) fn chain(&self) -> Chain {
         let link = |a, alpha, d| Link { a, alpha, d };
         Chain([
@@ -92,7 +91,7 @@ impl Arm {
         Ok((pose, Solved::Regular))
     }
 
-    /// The way nearest to the guess.
+    /// Returns the solution nearest to the guess.
     pub(crate) fn inverse(&self, pose: &Pose, guess: &Joints) -> Found<Joints> {
         let mut best: Option<(f64, Way)> = None;
         let why = self.each(pose, guess, |way| {
@@ -123,13 +122,13 @@ impl Arm {
         Ok(all)
     }
 
-    /// Up to eight ways: shoulder, elbow and wrist each in two.
+    /// Calls `take` with each of up to eight solutions: two each for shoulder, elbow and wrist.
     fn each(&self, pose: &Pose, guess: &Joints, mut take: impl FnMut(Way)) -> Result<(), Unsolved> {
         let turned = from_abc([pose[3], pose[4], pose[5]]);
         let wrist =
             Vector::new(pose[0], pose[1], pose[2]) - turned * Vector::new(0.0, 0.0, self.d6);
         let size = self.size();
-        // Across the axis of the body the wrist stands d3 aside.
+        // Seen along the axis of the body, the wrist has a lateral offset of d3.
         let out = (wrist.x * wrist.x + wrist.y * wrist.y) - self.d3 * self.d3;
         if out < -1e-12 * size * size {
             return Err(Unsolved::Unreachable);
@@ -175,14 +174,14 @@ impl Arm {
         if found { Ok(()) } else { Err(Unsolved::Unreachable) }
     }
 
-    /// How far it reaches.
+    /// Returns an upper bound of the reach, in units.
     fn size(&self) -> f64 {
         [self.a1, self.a2, self.a3, self.d3, self.d4].iter().map(|l| fabs(*l)).sum()
     }
 }
 
-/// The three angles of the wrist, both ways, and whether it is straight; then they are one way,
-/// with joint 3 where it was (Euler's angles Z Y Z; Craig, section 2.8).
+/// Returns both solutions for the three wrist angles, and whether the wrist is straight. A straight wrist has one
+/// solution, which keeps joint 3 at the guess (Euler angles Z-Y-Z; Craig, section 2.8).
 fn wrists(hand: &Matrix, guess: &Joints) -> [Option<([f64; 3], bool)>; 2] {
     let sine = hypot(hand[(0, 2)], hand[(1, 2)]);
     let straight = is_straight(sine);
@@ -199,10 +198,10 @@ fn wrists(hand: &Matrix, guess: &Joints) -> [Option<([f64; 3], bool)>; 2] {
     [Some(way(fourth, fifth)), Some(way(fourth + PI, -fifth))]
 }
 
-/// Sine of a bend of the wrist that is none.
+/// Sine of the wrist's bend below which the wrist counts as straight.
 const STRAIGHT: f64 = 1e-10;
 
-/// The angles of the first six joints, in radians.
+/// Converts the first six joints to radians.
 pub(crate) fn angles(joints: &Joints) -> [f64; 6] {
     [joints[0], joints[1], joints[2], joints[3], joints[4], joints[5]].map(f64::to_radians)
 }

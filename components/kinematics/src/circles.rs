@@ -1,5 +1,4 @@
-//! Realtime. Where circles and spheres meet: two links in a plane, and a point at three
-//! distances.
+//! Realtime. Intersections of circles and spheres: a two-link arm in a plane, and trilateration.
 
 use crate::rotation::{Vector, is_straight};
 use hal_component::{Solved, Unsolved};
@@ -8,15 +7,15 @@ use libm::{acos, atan2, fabs, sqrt};
 /// Sine of 60 degrees.
 pub(crate) const SIN_60: f64 = 0.866_025_403_784_438_6;
 
-/// The two links of an arm that reaches a point in its plane.
+/// Elbow angle of a two-link arm that reaches a point in its plane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bend {
-    /// The angle at the elbow in radians, 0 to half a turn; the other way is its negative.
+    /// Elbow angle in radians, 0 to π; the second solution is its negative.
     pub(crate) elbow: f64,
     pub(crate) solved: Solved,
 }
 
-/// How far the elbow of two links must be bent to reach so far (the law of cosines; Craig,
+/// Returns the elbow angle at which two links reach a distance, given as its square (law of cosines; Craig,
 /// Introduction to Robotics, section 4.4).
 pub(crate) fn bend(reach_squared: f64, first: f64, second: f64) -> Result<Bend, Unsolved> {
     let cosine = (reach_squared - first * first - second * second) / (2.0 * first * second);
@@ -29,23 +28,23 @@ pub(crate) fn bend(reach_squared: f64, first: f64, second: f64) -> Result<Bend, 
     Ok(Bend { elbow, solved })
 }
 
-/// The direction of the first link in radians, for a point in the plane and a bend.
+/// Returns the direction of the first link in radians, for a point in the plane and an elbow angle.
 pub(crate) fn shoulder(x: f64, y: f64, first: f64, second: f64, elbow: f64) -> f64 {
     let (s, c) = (libm::sin(elbow), libm::cos(elbow));
     atan2(y, x) - atan2(second * s, first + second * c)
 }
 
-/// A sine or cosine that rounding has carried beyond 1.
+/// Limits a sine or cosine to 1 in magnitude, in case rounding has carried it beyond.
 pub(crate) fn within_one(x: f64) -> f64 {
     if fabs(x) <= 1.0 { x } else { libm::copysign(1.0, x) }
 }
 
-/// By how much rounding may carry a sum of squares beyond what can be reached.
+/// Relative rounding error allowed before a point counts as out of reach.
 const ROUNDING: f64 = 1e-12;
 
-/// The two points at three distances from three points, mirrored at the plane of these; the
-/// first one is on the side from which they turn counter-clockwise (Manolakis, "Efficient
-/// solution and performance analysis of 3-D position estimation by trilateration", 1996).
+/// Returns the two points at given distances from three centres; they are mirror images at the plane of the centres.
+/// The first one is on the side from which the centres run counter-clockwise (Manolakis, "Efficient solution and
+/// performance analysis of 3-D position estimation by trilateration", 1996).
 pub(crate) fn meet(
     centres: &[Vector; 3],
     radii: [f64; 3],
@@ -55,7 +54,7 @@ pub(crate) fn meet(
     let d = b.norm();
     let normal = b.cross(&c);
     let area = normal.norm();
-    // Three points in a line, or at one place, leave a circle of answers.
+    // Collinear or coincident centres leave a circle of solutions.
     if !(d > 0.0 && area > SLIM * (b.norm_squared() + c.norm_squared())) {
         return Err(Unsolved::Undetermined);
     }
@@ -78,5 +77,5 @@ pub(crate) fn meet(
     Ok(([foot + ez * z, foot - ez * z], solved))
 }
 
-/// A triangle that slim is none.
+/// Relative area below which a triangle counts as degenerate.
 const SLIM: f64 = 1e-9;

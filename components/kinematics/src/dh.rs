@@ -1,29 +1,29 @@
-//! Realtime. Arms of six turning joints, by the parameters of Denavit and Hartenberg.
+//! Realtime. Arms of six revolute joints, described by Denavit-Hartenberg parameters.
 //!
-//! Denavit and Hartenberg, A kinematic notation for lower-pair mechanisms (1955), in the form of
-//! Craig, Introduction to Robotics, section 3.4: frame i stands on the axis of joint i.
+//! Denavit and Hartenberg, A kinematic notation for lower-pair mechanisms (1955), in the form of Craig, Introduction to
+//! Robotics, section 3.4: frame i is attached to the axis of joint i.
 
 use crate::rotation::{Matrix, Vector, about_x, about_z};
 use libm::fabs;
 use nalgebra::{Matrix6, Vector6};
 
-/// How one axis stands to the one before it.
+/// Position of one joint axis relative to the previous one.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Link {
-    /// Between the axes, in units.
+    /// Distance between the axes, in units.
     pub(crate) a: f64,
-    /// From one axis to the other, in radians.
+    /// Twist angle between the axes, in radians.
     pub(crate) alpha: f64,
-    /// Along the axis, in units.
+    /// Offset along the axis, in units.
     pub(crate) d: f64,
 }
 
-/// Six links.
+/// Six-link chain.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Chain(pub(crate) [Link; 6]);
 
 impl Chain {
-    /// Where the last frame is, and how it is turned; angles in radians.
+    /// Returns position and orientation of the last frame. Angles are in radians.
     pub(crate) fn end(&self, angles: &[f64; 6]) -> (Vector, Matrix) {
         let mut frame = (Vector::zeros(), Matrix::identity());
         for (link, angle) in self.0.iter().zip(angles) {
@@ -32,7 +32,7 @@ impl Chain {
         frame
     }
 
-    /// How the end moves when each joint turns (the geometric Jacobian; Craig, section 5.8).
+    /// Returns the geometric Jacobian, which maps joint rates to the motion of the end (Craig, section 5.8).
     pub(crate) fn jacobian(&self, angles: &[f64; 6]) -> Matrix6<f64> {
         let (end, _) = self.end(angles);
         let mut frame = (Vector::zeros(), Matrix::identity());
@@ -46,7 +46,7 @@ impl Chain {
         out
     }
 
-    /// No point of the arm is farther from the base.
+    /// Returns an upper bound of the distance between the base and any point of the arm, in units.
     pub(crate) fn reach(&self) -> f64 {
         self.0.iter().map(|l| fabs(l.a) + fabs(l.d)).sum()
     }

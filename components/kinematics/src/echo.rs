@@ -1,30 +1,30 @@
-//! The pins that examples of kinematics have beside their own.
+//! Demonstration pins of the kinematics that serve as templates.
 
 use crate::instances::prefixes;
 use hal_component::{Builder, Error, In, Out, ParamRo, ParamRw, Period, Touch, Update, pins};
 
 pins! {
-    /// What shows how pins and parameters are made.
+    /// Pins and parameters that show how each kind is made.
     pub(crate) struct Echo {
         /// Any number.
         input: In<u32> = "in", 0;
-        /// The number, as it was when joints were last computed.
+        /// Value of `in` when joints were last computed.
         output: Out<u32> = "out", 0;
-        /// A parameter that is not used.
+        /// Parameter without effect.
         own: ParamRo<f64> = "param-ro", 0.0;
-        /// A parameter that is not used.
+        /// Parameter without effect.
         user: ParamRw<f64> = "param-rw", 0.0;
     }
 }
 
 impl Echo {
-    /// What comes in goes out.
+    /// Copies `in` to `out`.
     pub(crate) fn repeat(&self) {
         self.output.set(self.input.get());
     }
 }
 
-/// A function with a pin.
+/// Function with a pin.
 #[derive(Debug, Touch)]
 struct Demo {
     pin: Out<i32>,
@@ -36,7 +36,7 @@ impl Update for Demo {
     }
 }
 
-/// For each instance a pin and a function that shows how they are made.
+/// Makes a demonstration pin and function for each instance.
 pub(crate) fn demonstrate(b: &mut Builder<'_>, name: &str) -> Result<(), Error> {
     for prefix in prefixes(b, name)? {
         let pin = b.item(&format!("{prefix}.fpin"), "Shows how a pin is made.", 0)?;

@@ -1,9 +1,9 @@
-//! What all kinematics are asked at the edges of what makes sense.
+//! Edge-case tests that all kinematics share.
 
 use crate::testing::{Rig, Space};
 use hal_component::{Component, Pose, Solved, Unsolved, bench::Random};
 
-/// What no machine is asked: nothing but numbers comes out, and a refusal changes nothing.
+/// Asserts that odd inputs produce finite numbers or an error, and that an error changes nothing.
 pub(crate) fn edges<C: Component>(args: &[&str], space: &Space<'_>) {
     const ODD: [f64; 9] =
         [0.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300, 1e-300, -1.0, 1e9];
@@ -53,7 +53,7 @@ pub(crate) fn edges<C: Component>(args: &[&str], space: &Space<'_>) {
     // Too few joints.
     let mut pose = [0.5; 9];
     assert_eq!(rig.k.forward(&vec![0.0; n - 1], &mut pose), Err(Unsolved::NoNumber));
-    // Poses all over the place, most of which cannot be reached.
+    // Random poses of any size, most of which are out of reach.
     for _ in 0..500 {
         let (joints, mut pose) = any(&mut random);
         for p in &mut pose {
@@ -61,7 +61,7 @@ pub(crate) fn edges<C: Component>(args: &[&str], space: &Space<'_>) {
         }
         ask(&joints, &pose);
     }
-    // Every length of the machine, one by one.
+    // Odd values for each length of the machine, one at a time.
     for line in rig.bench.names() {
         let mut words = line.split_whitespace();
         let (name, ty, dir) = (words.next().unwrap(), words.next().unwrap(), words.next().unwrap());
@@ -88,7 +88,7 @@ pub(crate) fn edges<C: Component>(args: &[&str], space: &Space<'_>) {
     }
 }
 
-/// Inputs that the kinematics themselves write, or do not read.
+/// Returns whether the kinematics write this pin, or do not read it.
 fn is_output(name: &str) -> bool {
     let last = name.rsplit('.').next().unwrap_or_default();
     ["x", "y", "z", "a", "b", "c", "param-rw"].contains(&last)

@@ -55,15 +55,15 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
 }
 
 pins! {
-    /// What the machine is like.
+    /// Geometry of the machine.
     struct Pins {
-        /// From the pivot of the head to the tool's tip when W is 0, in units; 0 and less are
-        /// possible. A change moves the joints, or the pose, at once.
+        /// Distance from the pivot of the head to the tool tip when W is 0, in units; may be 0 or negative. A change
+        /// takes effect at once on the joints or on the pose.
         pivot: In<f64> = "pivot-length", 250.0;
     }
 }
 
-/// What the head adds to the place of X, Y and Z.
+/// Returns the offset that the head adds to X, Y and Z.
 fn head(pivot: f64, letters: &Pose) -> Vector {
     let (b, c) = (letters[4].to_radians(), letters[5].to_radians());
     let length = pivot + letters[8];

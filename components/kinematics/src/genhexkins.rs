@@ -52,7 +52,7 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
     Switched::offer_six(b, Pins::make)
 }
 
-/// One strut: its ends, and the axes of the joints there.
+/// Ends of one strut, and the axes of the joints there.
 #[derive(Clone, Copy, Default)]
 struct Strut {
     base: Vector,
@@ -61,15 +61,15 @@ struct Strut {
     platform_axis: Vector,
 }
 
-/// The machine as its pins have it.
+/// Geometry of the machine, read from the pins.
 pub(crate) struct Hexapod {
     struts: [Strut; 6],
-    /// How far a strut gets longer in a turn of its screw.
+    /// Extension of a strut per turn of its screw, in units.
     lead: f64,
     bounds: Bounds,
 }
 
-/// Where the platform is, and how it is turned.
+/// Position and orientation of the platform.
 type Place = (Vector, Matrix);
 
 impl Hexapod {
@@ -97,8 +97,8 @@ impl Hexapod {
         is_finite(&[lead]).then_some(Self { struts, lead, bounds })
     }
 
-    /// The length of a strut, its direction, its end's arm about the platform, and how far its
-    /// screw has turned it longer. None when it has no length.
+    /// Returns the length of a strut, its direction, the vector from the platform's origin to its end, and the
+    /// extension by its screw. Returns `None` if its length is 0.
     fn strut(&self, s: &Strut, (at, turned): &Place) -> Option<(f64, Vector, Vector, f64)> {
         let arm = turned * s.platform;
         let way = at + arm - s.base;
@@ -111,8 +111,8 @@ impl Hexapod {
         Some((length, along, arm, self.screwed(s, &along, turned)))
     }
 
-    /// By how much the joints at the ends have turned the two parts of a strut against each
-    /// other: the angle between their axes, seen along the strut, times the lead.
+    /// Returns the extension of a strut by the relative rotation of its two parts: the angle between the axes of the
+    /// end joints, seen along the strut, times the lead.
     fn screwed(&self, s: &Strut, along: &Vector, turned: &Matrix) -> f64 {
         if self.lead == 0.0 {
             return 0.0;
@@ -123,7 +123,7 @@ impl Hexapod {
         self.lead * angle / TURN
     }
 
-    /// How far the lengths are off, and how they follow the platform.
+    /// Returns the errors of the strut lengths, and the Jacobian for the pose of the platform.
     fn look(&self, joints: &Joints, place: &Place) -> Option<Look<6>> {
         let mut off = Vector6::zeros();
         let mut jacobian = Matrix6::zeros();
@@ -140,7 +140,7 @@ impl Hexapod {
         Some((off, jacobian))
     }
 
-    /// How the screws follow the platform, by differences.
+    /// Adds the effect of the screws to the Jacobian, by finite differences.
     fn add_screws(&self, jacobian: &mut Matrix6<f64>, place: &Place) -> Option<()> {
         let size = self.size();
         for (n, mut column) in jacobian.column_iter_mut().enumerate() {
@@ -161,7 +161,7 @@ impl Hexapod {
         find(from, self.bounds, |place| self.look(joints, place), moved)
     }
 
-    /// Above the middle of the base, as high as the struts are long.
+    /// Returns a start for the search: above the middle of the base, at the height that the strut lengths give.
     fn middle(&self, joints: &Joints) -> Place {
         let (mut height, mut middle) = (0.0, Vector::zeros());
         for (s, joint) in self.struts.iter().zip(joints) {
@@ -173,7 +173,7 @@ impl Hexapod {
         (Vector::new(middle.x / 6.0, middle.y / 6.0, height / 6.0), Matrix::identity())
     }
 
-    /// The size of the platform, by which lengths and angles are compared.
+    /// Returns the size of the platform in units, by which lengths and angles are compared.
     fn size(&self) -> f64 {
         let sizes = self.struts.iter().map(|s| s.platform.norm());
         let size = sizes.fold(0.0, |m: f64, x| if x > m { x } else { m });
@@ -181,7 +181,7 @@ impl Hexapod {
     }
 }
 
-/// A step of the platform: along, and about an axis as long as the angle.
+/// Moves the platform by a step: a translation, and a rotation vector in radians.
 fn moved((at, turned): &Place, step: &Vector6<f64>) -> Place {
     let [x, y, z, a, b, c] = (*step).into();
     let axis = Vector::new(a, b, c);
@@ -190,7 +190,7 @@ fn moved((at, turned): &Place, step: &Vector6<f64>) -> Place {
     (at + Vector::new(x, y, z), turn * turned)
 }
 
-/// How far aside slopes are taken, as a part of the size.
+/// Step of the finite differences, as a fraction of the platform's size and in radians.
 const BESIDE: f64 = 1e-6;
 const TURN: f64 = 2.0 * core::f64::consts::PI;
 
@@ -276,7 +276,7 @@ mod tests {
             ("genhexkins.spindle-offset", 3.0),
             ("genhexkins.screw-lead", 2.0),
         ];
-        // Farther out a screw is half a turn from where it began, and its correction jumps.
+        // Farther out, a screw passes half a turn from its start, and its correction jumps.
         let poses = &[(-5., 5.), (-5., 5.), (25., 40.), (-8., 8.), (-8., 8.), (-8., 8.)];
         parallel::<Genhexkins>(&[], &Space { set, poses, ..SPACE });
     }

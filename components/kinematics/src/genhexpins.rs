@@ -1,37 +1,33 @@
-//! The pins of `genhexkins`.
+//! Pins of `genhexkins`.
 
 use hal_component::{Builder, Decl, Error, In, InSet, Out, Pose, Touch, pins};
 
 pins! {
-    /// What the machine has once.
+    /// Pins for the whole machine.
     pub(crate) struct General {
-        /// Added to Z of both ends of every strut, in units: moves the origin to where the spindle
-        /// is.
+        /// Offset added to Z of both ends of every strut, in units: moves the origin to the spindle.
         spindle_offset: In<f64> = "spindle-offset", 0.0;
-        /// How far a strut gets longer when its screw turns once, in units; below 0: a left-handed
-        /// thread, 0: struts do not turn.
+        /// Extension of a strut per turn of its screw, in units; below 0: left-handed thread, 0: struts do not turn.
         screw_lead: In<f64> = "screw-lead", 0.0;
-        /// From the platform to the tool's tip along Z, in units: the pose is the tip's. Change it
+        /// Tool length along Z, from the platform to the tool tip, in units; the pose is that of the tip. Change it
         /// only while the platform is level.
         tool: In<f64> = "tool-offset", 0.0;
-        /// A search ends when the lengths of all struts together are off by less, in units; above
-        /// 0.
+        /// Error, summed over the lengths of all struts, at which a search succeeds, in units; above 0.
         criterion: In<f64> = "convergence-criterion", 1e-9;
-        /// The most steps of a search from lengths to a pose; 1000 at most count.
+        /// Maximum number of steps of a search from lengths to a pose; values above 1000 count as 1000.
         limit_iterations: In<u32> = "limit-iterations", 120;
-        /// A search is given up when the lengths of all struts together are off by more, in units;
-        /// above 0.
+        /// Error, summed over the lengths of all struts, above which a search fails, in units; above 0.
         max_error: In<f64> = "max-error", 500.0;
-        /// How many steps the last search took that found its pose.
+        /// Number of steps of the last successful search.
         last_iterations: Out<u32> = "last-iterations", 0;
-        /// The most steps that a search has taken.
+        /// Largest number of steps of any search.
         max_iterations: Out<u32> = "max-iterations", 0;
-        /// TRUE when the last search from lengths to a pose failed.
+        /// TRUE if the last search from lengths to a pose failed.
         failed: Out<bool> = "fwd-kins-fail", false;
     }
 }
 
-/// What one strut has.
+/// Pins of one strut.
 #[derive(Debug, Touch)]
 pub(crate) struct StrutPins {
     pub(crate) base: [In<f64>; 3],
@@ -41,16 +37,16 @@ pub(crate) struct StrutPins {
     pub(crate) correction: Out<f64>,
 }
 
-/// All of them.
+/// All pins.
 #[derive(Debug, Touch)]
 pub(crate) struct Pins {
     pub(crate) general: General,
     pub(crate) struts: Vec<StrutPins>,
-    /// The pose that was found last, twice: for what draws the machine.
+    /// Last pose found, published twice: for programs that draw the machine.
     shown: Vec<InSet<f64>>,
 }
 
-/// At first: the end of a strut on the base, on the platform, and the axes of its joints there.
+/// Defaults: ends of each strut on base and platform, and the axes of the joints there.
 #[expect(clippy::approx_constant, reason = "as LinuxCNC has them, to six places")]
 const FIRST: [[[f64; 3]; 4]; 6] = {
     const S: f64 = 0.707107;
@@ -111,14 +107,14 @@ impl Pins {
         Ok(Self { general, struts, shown })
     }
 
-    /// Shows the pose that was found.
+    /// Publishes the pose that was found.
     pub(crate) fn show(&self, pose: &Pose) {
         for (pin, value) in self.shown.iter().zip(pose.iter().take(6).cycle()) {
             pin.set_own(*value);
         }
     }
 
-    /// Shows how many steps it took.
+    /// Publishes the number of steps of a search.
     pub(crate) fn note_steps(&self, took: u32) {
         let g = &self.general;
         g.last_iterations.set(took);

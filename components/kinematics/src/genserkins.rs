@@ -66,7 +66,7 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
     b.offer_kinematics(kinematics)
 }
 
-/// The parameters of one joint.
+/// Denavit-Hartenberg parameters of one joint.
 #[derive(Debug, Touch)]
 struct JointPins {
     a: In<f64>,
@@ -84,7 +84,7 @@ struct Arm {
     limits: [(f64, f64); 6],
 }
 
-/// A and D in units and ALPHA in radians of each joint at first: those of the Puma 560.
+/// Default A and D in units and ALPHA in radians of each joint: those of the Puma 560.
 const PUMA: [[f64; 3]; 6] = [
     [0.0, 0.0, 0.0],
     [0.0, -core::f64::consts::FRAC_PI_2, 0.0],
@@ -154,14 +154,14 @@ fn limits(b: &Builder<'_>) -> Result<[(f64, f64); 6], Error> {
     Ok(out)
 }
 
-/// The chain, and what of each joint's angle comes from the one before.
+/// Link chain, and the fraction of the previous joint's angle that each joint's angle contains.
 struct Geometry {
     chain: Chain,
     unrotate: [f64; 6],
 }
 
 impl Geometry {
-    /// The angles about the axes, in radians.
+    /// Returns the angles about the axes, in radians.
     fn about_axes(&self, joints: &Joints) -> [f64; 6] {
         let mut out = [0.0; 6];
         let mut before = 0.0;
@@ -172,7 +172,7 @@ impl Geometry {
         out
     }
 
-    /// The joints near the guess, in degrees.
+    /// Returns the joints near the guess, in degrees.
     fn joints(&self, angles: &[f64; 6], guess: &Joints) -> Joints {
         let mut out = *guess;
         let (mut before, mut before_guess) = (0.0, 0.0);
@@ -188,7 +188,7 @@ impl Geometry {
 }
 
 impl Arm {
-    /// Whole turns that take a joint within its limits, nearest to where it is.
+    /// Adds full turns that bring each joint within its limits, nearest to the guess.
     fn turned_within(&self, mut joints: Joints, guess: &Joints) -> Option<Joints> {
         for (((low, high), j), last) in self.limits.iter().zip(&mut joints).zip(guess) {
             let over = libm::floor((*high - *j) / 360.0) * 360.0;
@@ -282,7 +282,7 @@ impl Model for Arm {
     }
 }
 
-/// Whether the joints would have to move without bounds: by the pivots of the Jacobian.
+/// Returns whether the joint rates would be unbounded, judged by the pivots of the Jacobian.
 fn is_singular(chain: &Chain, angles: &[f64; 6]) -> bool {
     let size = chain.reach();
     let mut j = chain.jacobian(angles);
@@ -316,7 +316,7 @@ mod tests {
     #[test]
     fn both_ways() {
         serial::<Genserkins>(&[], &SPACE);
-        // An arm whose last axes do not meet.
+        // Arm whose last axes do not intersect.
         let set = &[
             ("genserkins.D-0", 100.0),
             ("genserkins.A-1", 60.0),

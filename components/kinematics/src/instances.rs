@@ -1,16 +1,16 @@
-//! Components that have pins per instance beside their kinematics.
+//! Kinematics components with pins per instance.
 
 use hal_component::{Arg, Builder, Error, abi::ArgSpec};
 
-/// `count=`.
+/// Argument `count=`.
 pub(crate) const COUNT: ArgSpec =
     Arg::int("count", "How many times its own pins are there, 1 to 16.").or("1");
 
-/// `names=`.
+/// Argument `names=`.
 pub(crate) const NAMES: ArgSpec =
     Arg::texts("names", "Names for its own pins instead of numbers; not with count=.");
 
-/// The prefixes of the pins: `base.0` and so on, or the names given.
+/// Returns the prefixes of the pins: `base.0` and so on, or the given names.
 pub(crate) fn prefixes(b: &Builder<'_>, base: &str) -> Result<Vec<String>, Error> {
     let names = b.arg_texts("names");
     let count = b.arg_int("count").unwrap_or(1);

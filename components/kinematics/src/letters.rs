@@ -1,23 +1,23 @@
-//! Which joint follows which axis letter: the argument `coordinates=`.
+//! Assignment of joints to axis letters: the argument `coordinates=`.
 
 use crate::model::{Joints, MAX_JOINTS};
 use hal_component::{Error, Pose};
 
-/// The axis letters, in the order of a pose.
+/// Axis letters, in the order of a pose.
 const LETTERS: &str = "XYZABCUVW";
 
-/// What a component asks of its letters.
+/// Requirements of a component on its letters.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rule {
-    /// Those that must be there.
+    /// Letters that must occur.
     pub(crate) required: &'static str,
-    /// Whether a letter may occur more than once.
+    /// True if a letter may occur more than once.
     pub(crate) twice: bool,
-    /// The most joints.
+    /// Maximum number of joints.
     pub(crate) most: usize,
 }
 
-/// The letter of each joint.
+/// Letter of each joint.
 #[derive(Clone, Debug)]
 pub(crate) struct Letters {
     of: Vec<usize>,
@@ -25,7 +25,7 @@ pub(crate) struct Letters {
 }
 
 impl Letters {
-    /// From text such as `XYZBCW`, in either case; spaces do not count.
+    /// Parses text such as `XYZBCW`, in either case; spaces are ignored.
     pub(crate) fn parse(text: &str, rule: Rule) -> Result<Self, Error> {
         let mut of = Vec::new();
         let mut first = [None; 9];
@@ -66,7 +66,7 @@ impl Letters {
         self.first.get(letter).copied().flatten()
     }
 
-    /// The pose that the joints have by themselves; letters that no joint follows stay. Realtime.
+    /// Copies joints to the pose letters that they drive; other letters keep the guess. Realtime.
     pub(crate) fn forward(&self, joints: &Joints, guess: &Pose) -> Pose {
         let mut pose = *guess;
         for (place, joint) in pose.iter_mut().zip(self.first) {
@@ -77,7 +77,7 @@ impl Letters {
         pose
     }
 
-    /// The other way; joints without a letter stay. Realtime.
+    /// Copies pose letters to the joints that follow them; other joints keep the guess. Realtime.
     pub(crate) fn inverse(&self, pose: &Pose, guess: &Joints) -> Joints {
         let mut joints = *guess;
         for (joint, letter) in joints.iter_mut().zip(&self.of) {
@@ -93,7 +93,7 @@ fn error(text: &str, why: &str) -> Error {
     Error::new(format!("coordinates '{text}': {why}"))
 }
 
-/// As many joints as there can be, each letter as often as wanted.
+/// Rule without required letters: up to the maximum of joints, and each letter any number of times.
 pub(crate) const ANY: Rule = Rule { required: "", twice: true, most: MAX_JOINTS };
 
 #[cfg(test)]

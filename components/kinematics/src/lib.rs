@@ -1,4 +1,4 @@
-//! Kinematics of machines whose joints are no axes: arms, parallel machines, five axes.
+//! Kinematics of machines whose joints are not axes: arms, parallel machines and five-axis machines.
 #![forbid(unsafe_code)]
 
 mod arm;

@@ -41,18 +41,17 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
 }
 
 pins! {
-    /// The lengths of the machine.
+    /// Lengths of the machine.
     struct Pins {
-        /// Radius of the circle on which the rods' upper ends stand when the tool is in the middle,
-        /// less that of their lower ends at the tool, in units; above 0. A change moves the joints,
-        /// or the pose, at once.
+        /// Radius of the circle of the rods' upper ends with the tool in the middle, minus the radius of the circle of
+        /// their lower ends at the tool, in units; above 0. A change takes effect at once on the joints or on the pose.
         r: In<f64> = "R", 130.25;
         /// Length of the rods, in units; above 0.
         l: In<f64> = "L", 269.0;
     }
 }
 
-/// Where the rails stand, and the length of the rods.
+/// Positions of the rails, and the length of the rods.
 struct Delta {
     rails: [Vector; 3],
     rod: f64,
@@ -161,7 +160,7 @@ mod tests {
         let mut joints = [0.0; 9];
         let flat = at(0.0, 130.25 - 269.0);
         assert_eq!(rig.k.inverse(&flat, &mut joints), Ok(Solved::Singular));
-        // Heights so far apart that no rods meet, or only with a carriage below the tool.
+        // Heights so far apart that the rods do not meet, or only with a carriage below the tool.
         let far = [100., 1000., 10., 0., 0., 0., 0., 0., 0.];
         assert_eq!(rig.no_pose(&far), Unsolved::Unreachable);
         let steep = [0., 330., 330., 0., 0., 0., 0., 0., 0.];

@@ -39,30 +39,30 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
 }
 
 pins! {
-    /// How joints follow axes.
+    /// Coefficients of the joints.
     struct Pins {
-        /// How far joint 0 goes for one unit of X.
+        /// Travel of joint 0 per unit of X.
         xx: In<f64> = "C_xx", 1.0;
-        /// How far joint 0 goes for one unit of Y.
+        /// Travel of joint 0 per unit of Y.
         xy: In<f64> = "C_xy", 0.0;
-        /// How far joint 0 goes for one unit of Z.
+        /// Travel of joint 0 per unit of Z.
         xz: In<f64> = "C_xz", 0.0;
-        /// How far joint 1 goes for one unit of X.
+        /// Travel of joint 1 per unit of X.
         yx: In<f64> = "C_yx", 0.0;
-        /// How far joint 1 goes for one unit of Y.
+        /// Travel of joint 1 per unit of Y.
         yy: In<f64> = "C_yy", 1.0;
-        /// How far joint 1 goes for one unit of Z.
+        /// Travel of joint 1 per unit of Z.
         yz: In<f64> = "C_yz", 0.0;
-        /// How far joint 2 goes for one unit of X.
+        /// Travel of joint 2 per unit of X.
         zx: In<f64> = "C_zx", 0.0;
-        /// How far joint 2 goes for one unit of Y.
+        /// Travel of joint 2 per unit of Y.
         zy: In<f64> = "C_zy", 0.0;
-        /// How far joint 2 goes for one unit of Z.
+        /// Travel of joint 2 per unit of Z.
         zz: In<f64> = "C_zz", 1.0;
     }
 }
 
-/// Both ways.
+/// Matrix and its inverse.
 struct Geometry {
     to_joints: Matrix,
     to_axes: Matrix,
@@ -86,7 +86,7 @@ impl Model for Pins {
         }
         let [x, y, z] = rows.map(|r| Vector::from(r).transpose());
         let to_joints = Matrix::from_rows(&[x, y, z]);
-        // What fills no room has no inverse.
+        // A matrix whose columns span no volume has no inverse.
         let room = x.norm() * y.norm() * z.norm();
         let fills = fabs(to_joints.determinant()) > 1e-9 * room;
         if !fills {

@@ -38,20 +38,20 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
 }
 
 pins! {
-    /// What the machine is like.
+    /// Geometry of the machine.
     struct Pins {
-        /// From the pivot of the head to the tool's tip, in units; 0 and less are possible. A
-        /// change moves the joints, or the pose, at once.
+        /// Distance from the pivot of the head to the tool tip, in units; may be 0 or negative. A change takes effect
+        /// at once on the joints or on the pose.
         pivot: Io<f64> = "pivot-length", 0.666;
-        /// TRUE: B and C count the other way round.
+        /// TRUE: B and C count in the opposite direction.
         conventional: In<bool> = "conventional-directions", false;
     }
 }
 
-/// Pivot length, and the sign of the angles.
+/// Pivot length in units, and the sign of the angles.
 type Geometry = (f64, f64);
 
-/// What the head adds to the place of X, Y and Z.
+/// Returns the offset that the head adds to X, Y and Z.
 fn head((pivot, sign): &Geometry, [b, u, v, w]: [f64; 4]) -> Vector {
     let b = (sign * b).to_radians();
     let (s, c) = (sin(b), cos(b));

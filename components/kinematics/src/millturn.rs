@@ -50,7 +50,7 @@ struct Turned {
 }
 
 impl Turned {
-    /// The same way in both directions.
+    /// Swaps the axes for a lathe; the same in both directions.
     fn turn(&self, from: &[f64; 3]) -> [f64; 3] {
         let [x, y, z] = *from;
         if self.lathe { [z, -y, x] } else { [x, y, z] }

@@ -1,41 +1,41 @@
-//! Realtime. What all kinematics here have in common: a model, and the service that asks it.
+//! Realtime. Interface shared by all kinematics of this crate: a model, and the service that queries it.
 
 use hal_component::{
     Kinematics, KinematicsKind, Pose, Solution, Solved, Touch, Unsolved, Uses, Ways,
 };
 
-/// The most joints there can be.
+/// Maximum number of joints.
 pub(crate) const MAX_JOINTS: usize = 16;
 
-/// Joint positions; those beyond a machine's joints mean nothing.
+/// Joint positions; entries beyond the machine's joints are unused.
 pub(crate) type Joints = [f64; MAX_JOINTS];
 
-/// An answer, and whether it is at a singular place.
+/// Solution, and whether it is singular; or the reason why there is none.
 pub(crate) type Found<T> = Result<(T, Solved), Unsolved>;
 
-/// How the joints of one kind of machine and poses follow each other.
+/// Relation between joints and pose of one kind of machine.
 pub(crate) trait Model: Touch + Send + Sync + 'static {
-    /// Its lengths and points, read once for each question.
+    /// Lengths and points of the machine, read once per query.
     type Geometry;
 
-    /// How many joints it has.
+    /// Returns the number of joints.
     fn joints(&self) -> usize;
 
-    /// The first joint that follows a letter, where joints follow letters.
+    /// Returns the first joint that follows a letter, if joints follow letters.
     fn joint_of(&self, _: usize) -> Option<usize> {
         None
     }
 
-    /// The lengths as the pins have them now; none when they make no sense.
+    /// Reads the lengths from the pins. Returns `None` if they are invalid.
     fn geometry(&self) -> Option<Self::Geometry>;
 
-    /// From joints to a pose; letters that nothing moves stay as in the guess.
+    /// Returns the pose of these joints; letters that no joint moves keep the guess.
     fn forward(&self, g: &Self::Geometry, joints: &Joints, guess: &Pose) -> Found<Pose>;
 
-    /// From a pose to joints, near the guess where there is a choice.
+    /// Returns the joints for a pose; of several solutions, one near the guess.
     fn inverse(&self, g: &Self::Geometry, pose: &Pose, guess: &Joints) -> Found<Joints>;
 
-    /// All joints that make a pose.
+    /// Collects all joint positions that produce a pose.
     fn solutions(&self, g: &Self::Geometry, pose: &Pose, ways: &mut Ways<'_>) -> Solution {
         let (joints, solved) = self.inverse(g, pose, &[0.0; MAX_JOINTS])?;
         ways.push(&joints);
@@ -43,7 +43,7 @@ pub(crate) trait Model: Touch + Send + Sync + 'static {
     }
 }
 
-/// Asks a model. What goes in and out is finite, and a refusal leaves everything as it was.
+/// Queries a model for a pose. Inputs and outputs must be finite; an error leaves `pose` unchanged.
 pub(crate) fn forward<M: Model>(m: &M, joints: &[f64], pose: &mut Pose) -> Solution {
     let joints = gather(joints, m.joints())?;
     if !is_finite(pose) {
@@ -58,7 +58,7 @@ pub(crate) fn forward<M: Model>(m: &M, joints: &[f64], pose: &mut Pose) -> Solut
     Ok(solved)
 }
 
-/// As [`forward`].
+/// Queries a model for joints, as [`forward`] does for a pose.
 pub(crate) fn inverse<M: Model>(m: &M, pose: &Pose, joints: &mut [f64]) -> Solution {
     if !is_finite(pose) {
         return Err(Unsolved::NoNumber);
@@ -75,7 +75,7 @@ pub(crate) fn inverse<M: Model>(m: &M, pose: &Pose, joints: &mut [f64]) -> Solut
     Ok(solved)
 }
 
-/// As [`forward`].
+/// Queries a model for all solutions, with the checks of [`forward`].
 pub(crate) fn solutions<M: Model>(m: &M, pose: &Pose, ways: &mut Ways<'_>) -> Solution {
     if !is_finite(pose) {
         return Err(Unsolved::NoNumber);
@@ -98,22 +98,22 @@ fn gather(joints: &[f64], n: usize) -> Result<Joints, Unsolved> {
     Ok(out)
 }
 
-/// Every number is one, and not beyond what squares and products of a few can hold.
+/// Returns whether every number is finite and small enough that squares and products of a few do not overflow.
 pub(crate) fn is_finite(numbers: &[f64]) -> bool {
     numbers.iter().all(|x| x.is_finite() && libm::fabs(*x) < MOST)
 }
 
-/// All lengths are finite and above 0.
+/// Returns whether all lengths are finite and above 0.
 pub(crate) fn are_lengths(lengths: &[f64]) -> bool {
     is_finite(lengths) && lengths.iter().all(|l| *l > LEAST)
 }
 
-/// No machine is larger.
+/// Largest magnitude of a number.
 const MOST: f64 = 1e30;
-/// No part of a machine is smaller.
+/// Smallest length.
 const LEAST: f64 = 1e-30;
 
-/// The service of kinematics of one type.
+/// Kinematics service of one model.
 #[derive(Debug)]
 pub(crate) struct Service<M>(pub(crate) M);
 
@@ -149,8 +149,7 @@ impl<M: Model> Kinematics for Service<M> {
     }
 }
 
-/// Copies `n` numbers from one place of a list to one of another: what stands beside a machine
-/// passes as it is.
+/// Copies `n` numbers from index `at` of one slice to index `place` of another, for axes that pass through unchanged.
 pub(crate) fn pass(from: &[f64], at: usize, to: &mut [f64], place: usize, n: usize) {
     for (to, from) in to.iter_mut().skip(place).zip(from.iter().skip(at)).take(n) {
         *to = *from;

@@ -1,6 +1,6 @@
-//! How a component of kinematics is declared, under each of its names.
+//! Macros that declare a kinematics component under each of its names.
 
-/// Makes a type for each name: `names! { DOC, ARGS, create; /// About. Type = "name"; }`.
+/// Declares a type for each name: `names! { DOC, ARGS, create; /// About. Type = "name"; }`.
 macro_rules! names {
     ($doc:expr, $args:expr, $create:path; $($(#[$about:meta])* $ty:ident = $name:literal;)*) => {$(
         $(#[$about])*
@@ -21,8 +21,8 @@ macro_rules! names {
 }
 pub(crate) use names;
 
-/// The worked example of a component: loads it with `motmod` and so many joints whose motors
-/// follow at once, sets its pins, homes it, and then does what is left.
+/// Builds the example of a component: loads it with `motmod` and this number of joints whose feedback follows at once,
+/// sets its pins, homes the machine, and then runs the rest.
 macro_rules! example {
     ($load:literal, $joints:tt, $set:expr, $rest:expr) => {
         concat!(

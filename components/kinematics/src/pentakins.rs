@@ -46,27 +46,25 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
 }
 
 pins! {
-    /// What the machine has once.
+    /// Pins for the whole machine.
     struct General {
-        /// From the effector's tip to the tool's, along its axis, in units: the pose is the tool's.
-        /// Change it only while the effector is upright.
+        /// Tool length along the effector's axis, from its tip to the tool tip, in units; the pose is that of the tool
+        /// tip. Change it only while the effector is upright.
         tool: In<f64> = "tool-offset", 0.0;
-        /// A search ends when the lengths of all struts together are off by less, in units; above
-        /// 0.
+        /// Error, summed over the lengths of all struts, at which a search succeeds, in units; above 0.
         criterion: Io<f64> = "convergence-criterion", 1e-9;
-        /// The most steps of a search from lengths to a pose; 1000 at most count.
+        /// Maximum number of steps of a search from lengths to a pose; values above 1000 count as 1000.
         limit_iterations: Io<u32> = "limit-iterations", 120;
-        /// A search is given up when the lengths of all struts together are off by more, in units;
-        /// above 0.
+        /// Error, summed over the lengths of all struts, above which a search fails, in units; above 0.
         max_error: Io<f64> = "max-error", 100.0;
-        /// How many steps the last search took that found its pose.
+        /// Number of steps of the last successful search.
         last_iterations: Out<u32> = "last-iterations", 0;
-        /// The most steps that a search has taken.
+        /// Largest number of steps of any search.
         max_iterations: Out<u32> = "max-iterations", 0;
     }
 }
 
-/// The parameters of one strut.
+/// Parameters of one strut.
 #[derive(Debug, Touch)]
 struct StrutPins {
     base: [ParamRw<f64>; 3],
@@ -79,7 +77,7 @@ struct Pins {
     struts: Vec<StrutPins>,
 }
 
-/// At first: the end of a strut on the base, and radius and height of its ring.
+/// Defaults: end of each strut on the base, and radius and height of its ring.
 const FIRST: [([f64; 3], [f64; 2]); 5] = [
     ([-418.03, 324.56, 895.56], [80.32, -185.5]),
     ([417.96, 324.56, 895.56], [80.32, -159.5]),
@@ -117,7 +115,7 @@ impl Pins {
     }
 }
 
-/// The end of a strut on the base, and its ring.
+/// End of one strut on the base, and its ring.
 #[derive(Clone, Copy, Default)]
 struct Strut {
     base: Vector,
@@ -130,10 +128,10 @@ struct Pentapod {
     bounds: Bounds,
 }
 
-/// The tip, and A and B in radians.
+/// Position of the tip, and A and B in radians.
 type Place = (Vector, f64, f64);
 
-/// How long a strut is, and how that follows the base's end as the effector sees it.
+/// Returns the length of a strut, and its gradient with respect to the base's end in the effector's frame.
 fn reach(s: &Strut, seen: &Vector) -> Option<(f64, Vector)> {
     let out = hypot(seen.x, seen.y);
     let (across, up) = (out - s.radius, seen.z - s.height);
@@ -168,7 +166,7 @@ impl Pentapod {
         Some((off, jacobian))
     }
 
-    /// Between the ends on the base, as low as the struts are long.
+    /// Returns a start for the search: between the ends on the base, as low as the struts are long.
     fn middle(&self, joints: &Joints) -> Place {
         let mut middle = Vector::zeros();
         for s in &self.struts {

@@ -42,18 +42,17 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
 }
 
 pins! {
-    /// The lengths of the arm.
+    /// Lengths of the arm.
     struct Pins {
-        /// Length of the upper arm, from the axis of joint 1 to that of joint 2, in units; above
-        /// 0.
+        /// Length of the upper arm, from the axis of joint 1 to that of joint 2, in units; above 0.
         a2: In<f64> = "A2", 300.0;
-        /// From the axis of joint 2 across to that of joint 3, the forearm's own, in units.
+        /// Distance from the axis of joint 2 to that of joint 3, which is the forearm's, in units.
         a3: In<f64> = "A3", 50.0;
-        /// How far the upper arm stands beside the axis of joint 0, in units.
+        /// Lateral offset of the upper arm from the axis of joint 0, in units.
         d3: In<f64> = "D3", 70.0;
         /// Length of the forearm, up to the middle of the wrist, in units; above 0.
         d4: In<f64> = "D4", 400.0;
-        /// From the middle of the wrist to the tool's tip, in units.
+        /// Distance from the middle of the wrist to the tool tip, in units.
         d6: In<f64> = "D6", 70.0;
     }
 }
@@ -114,12 +113,12 @@ mod tests {
     #[test]
     fn singular_places() {
         let rig = Rig::new::<Pumakins>(&[]);
-        // A straight wrist: joint 3 stays, joint 5 turns instead.
+        // Straight wrist: joint 3 stays, joint 5 turns instead.
         let pose = rig.pose(&[10., -50., 30., 25., 0., 30.]);
         let mut joints = [10., -50., 30., 11., 0.5, 30.];
         assert_eq!(rig.k.inverse(&pose, &mut joints), Ok(Solved::Singular));
         close(&joints, &[10., -50., 30., 11., 0., 44.], 1e-8);
-        // Out of reach, and too near to the axis of the body.
+        // Out of reach, and too close to the axis of the body.
         let far = |x: f64| [x, 0., 0., 180., 0., 0., 0., 0., 0.];
         assert_eq!(rig.no_joints(far(1e4)), Unsolved::Unreachable);
         assert_eq!(rig.no_joints(far(10.0)), Unsolved::Unreachable);

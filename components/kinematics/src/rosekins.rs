@@ -38,13 +38,13 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
 }
 
 pins! {
-    /// What the spindle was told last.
+    /// Last commanded position of the spindle.
     struct Pins {
-        /// How many whole turns the spindle has gone, to the nearest.
+        /// Number of turns of the spindle, rounded to an integer.
         revolutions: Out<f64> = "revolutions", 0.0;
-        /// The angle of the spindle within a turn, in degrees, -180 to 180.
+        /// Angle of the spindle within a turn, in degrees, -180 to 180.
         theta: Out<f64> = "theta_degrees", 0.0;
-        /// The angle of the spindle with all its turns, in degrees.
+        /// Angle of the spindle including full turns, in degrees.
         bigtheta: Out<f64> = "bigtheta_degrees", 0.0;
     }
 }

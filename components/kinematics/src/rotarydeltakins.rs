@@ -41,9 +41,9 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
 }
 
 pins! {
-    /// The lengths of the machine.
+    /// Lengths of the machine.
     struct Pins {
-        /// Radius of the circle on which the motors stand, in units; above 0.
+        /// Radius of the circle of the motors, in units; above 0.
         platform: In<f64> = "platformradius", 10.0;
         /// Length of the thighs, from motor to knee, in units; above 0.
         thigh: In<f64> = "thighlength", 10.0;
@@ -54,25 +54,25 @@ pins! {
     }
 }
 
-/// The lengths; the radius is that of the motors less that of the foot.
+/// Lengths in units; `radius` is that of the motors minus that of the foot.
 struct Delta {
     radius: f64,
     thigh: f64,
     shin: f64,
 }
 
-/// The directions of the three legs.
+/// Directions of the three legs.
 const OUT: [(f64, f64); 3] = [(0.0, -1.0), (SIN_60, 0.5), (-SIN_60, 0.5)];
 
-/// The angle of a thigh in radians for a foot at a point, with the knee outside or inside, and
-/// whether it is in line with its shin.
+/// Returns the angle of a thigh in radians for a foot at a point, with the knee outside or inside, and whether the
+/// thigh is in line with its shin.
 fn thigh(
     g: &Delta,
     point: &Vector,
     out: (f64, f64),
     inside: bool,
 ) -> Result<(f64, bool), Unsolved> {
-    // Seen along the axis of the motor: outward, sideways and down from it.
+    // Coordinates seen along the motor's axis: outward, sideways and down.
     let ahead = point.x * out.0 + point.y * out.1 - g.radius;
     let aside = point.y * out.0 - point.x * out.1;
     let down = -point.z;
@@ -115,7 +115,7 @@ impl Model for Pins {
         let knees = [knee(joints[0], a), knee(joints[1], b), knee(joints[2], c)];
         let ([above, below], solved) = meet(&knees, [g.shin; 3])?;
         let point = if below.z < above.z { below } else { above };
-        // The same angles must bring the foot there with the knees outside.
+        // The same angles must put the foot there with the knees outside.
         for (joint, out) in joints.iter().zip(OUT) {
             let (angle, in_line) = thigh(g, &point, out, false)?;
             let is = libm::remainder(joint - angle.to_degrees(), 360.0);
@@ -184,7 +184,7 @@ mod tests {
     #[test]
     fn its_legs() {
         let rig = Rig::new::<Rotarydeltakins>(&[]);
-        // Thighs hanging down, shins to the foot below.
+        // Thighs straight down, with the shins running to the foot below.
         let joints = [90., 90., 90., 4., 5., 6., 7., 8., 9.];
         let z = -10.0 - (14.0_f64 * 14.0 - 16.0).sqrt();
         close(&rig.pose(&joints), &[0., 0., z, 4., 5., 6., 7., 8., 9.], 1e-9);

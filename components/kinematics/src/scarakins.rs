@@ -44,27 +44,24 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
 }
 
 pins! {
-    /// The lengths of the arm.
+    /// Lengths of the arm.
     struct Pins {
-        /// From the ground up to the middle of the inner arm, in units.
+        /// Height of the middle of the inner arm above the ground, in units.
         d1: In<f64> = "D1", 490.0;
-        /// Length of the inner arm, from the axis of joint 0 to that of joint 1, in units; above
-        /// 0.
+        /// Length of the inner arm, from the axis of joint 0 to that of joint 1, in units; above 0.
         d2: In<f64> = "D2", 340.0;
-        /// From the middle of the inner arm up to that of the outer arm, in units; below 0: down.
+        /// Height of the outer arm's middle above that of the inner arm, in units; below 0: lower.
         d3: In<f64> = "D3", 50.0;
-        /// Length of the outer arm, from the axis of joint 1 to that of joints 2 and 3, in units;
-        /// above 0.
+        /// Length of the outer arm, from the axis of joint 1 to that of joints 2 and 3, in units; above 0.
         d4: In<f64> = "D4", 250.0;
-        /// From the end of the arm down to the tool's tip when joint 2 is 0, in units.
+        /// Distance from the end of the arm down to the tool tip with joint 2 at 0, in units.
         d5: In<f64> = "D5", 50.0;
-        /// From the axis of the hand to the tool's tip, in units; 0: on the axis, below 0: on the
-        /// other side.
+        /// Distance from the axis of the hand to the tool tip, in units; 0: on the axis, below 0: on the other side.
         d6: In<f64> = "D6", 50.0;
     }
 }
 
-/// Inner link, outer link, hand, and the height of the tip.
+/// Lengths of inner link, outer link and hand, and the height of the tip, in units.
 struct Arm {
     inner: f64,
     outer: f64,
@@ -73,7 +70,7 @@ struct Arm {
 }
 
 impl Arm {
-    /// With the elbow bent by an angle that is above or below 0.
+    /// Returns the joints for an elbow angle, whose sign selects the side.
     fn reach(&self, pose: &Pose, guess: &Joints, elbow: f64) -> Joints {
         let [x, y] = self.wrist(pose);
         let first = if hypot(x, y) > ROUNDING * (self.inner + self.outer) {
@@ -91,7 +88,7 @@ impl Arm {
         joints
     }
 
-    /// Where the axis of the hand is.
+    /// Returns X and Y of the hand's axis.
     fn wrist(&self, pose: &Pose) -> [f64; 2] {
         let c = pose[5].to_radians();
         [pose[0] - self.hand * cos(c), pose[1] - self.hand * sin(c)]
@@ -103,7 +100,7 @@ impl Arm {
     }
 }
 
-/// A distance that counts as none, as a part of the arm.
+/// Distance that counts as 0, as a fraction of the arm's length.
 const ROUNDING: f64 = 1e-14;
 
 impl Model for Pins {
@@ -140,7 +137,7 @@ impl Model for Pins {
 
     fn inverse(&self, g: &Arm, pose: &Pose, guess: &Joints) -> Found<Joints> {
         let bend = g.bend(pose)?;
-        // On the side where the elbow is now.
+        // Solution on the side where the elbow is now.
         let side = sin(guess[1].to_radians());
         let elbow = if side < 0.0 { -bend.elbow } else { bend.elbow };
         Ok((g.reach(pose, guess, elbow), bend.solved))
@@ -208,7 +205,7 @@ mod tests {
         assert_eq!(rig.no_joints(at(640.001)), Unsolved::Unreachable);
         assert_eq!(rig.no_joints(at(50.0 + 89.999)), Unsolved::Unreachable);
         assert_eq!(rig.k.inverse(&at(500.0), &mut joints), Ok(Solved::Regular));
-        // Links of one length fold back upon their axis: joint 0 may be anywhere, and stays.
+        // Links of equal length fold back onto the axis: joint 0 is undetermined, and stays.
         rig.set(&[("scarakins.D4", 340.0), ("scarakins.D6", 0.0)]);
         let mut joints = [33.0, 10.0, 0., 0., 0., 0.];
         assert_eq!(rig.k.inverse(&at(0.0), &mut joints), Ok(Solved::Singular));

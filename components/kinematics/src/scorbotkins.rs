@@ -38,11 +38,11 @@ names! {
     ScorbotPlain = "scorbot_kins";
 }
 
-/// From the axis of the body to the shoulder.
+/// Horizontal distance from the axis of the body to the shoulder.
 const FORWARD: f64 = 16.0;
-/// The height of the shoulder.
+/// Height of the shoulder.
 const UP: f64 = 140.0;
-/// The length of each link.
+/// Length of each link.
 const LINK: f64 = 221.0;
 
 fn create(b: &mut Builder<'_>) -> Result<(), Error> {
@@ -52,7 +52,7 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
 #[derive(Debug, Touch)]
 struct Arm {}
 
-/// The joints for an elbow above, or below when its angle is above 0.
+/// Returns the joints for an elbow angle: elbow up, or elbow down if the angle is above 0.
 fn reach(pose: &Pose, guess: &Joints, elbow: f64) -> Joints {
     let out = hypot(pose[0], pose[1]);
     let mut joints = *guess;
@@ -140,7 +140,7 @@ mod tests {
         close(&ways[1][..3], &[0., 0., 90.], 1e-9);
         let far = [1000., 0., 0., 0., 0., 0., 0., 0., 0.];
         assert_eq!(rig.no_joints(far), Unsolved::Unreachable);
-        // Above the body any direction will do: it stays.
+        // Above the body's axis, any direction is a solution: joint 0 stays.
         let mut joints = [25., 0., 0., 0., 0.];
         let above = [0., 0., 400., 0., 0., 0., 0., 0., 0.];
         assert_eq!(rig.k.inverse(&above, &mut joints), Ok(Solved::Singular));

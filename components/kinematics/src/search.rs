@@ -1,7 +1,7 @@
-//! Realtime. The joints of an arm by search: Newton's method, damped where it is singular.
+//! Realtime. Inverse kinematics of an arm by search: Newton's method, damped near singular positions.
 //!
-//! Wampler, Manipulator inverse kinematic solutions based on vector formulations and damped
-//! least-squares methods (1986). The number of steps is bounded.
+//! Wampler, Manipulator inverse kinematic solutions based on vector formulations and damped least-squares methods
+//! (1986). The number of steps is bounded.
 
 use crate::{
     dh::Chain,
@@ -11,7 +11,7 @@ use hal_component::Unsolved;
 use libm::fabs;
 use nalgebra::{Matrix6, Vector6};
 
-/// The joints of a pose, in radians, and how many steps it took.
+/// Returns the joints for a pose, in radians, and the number of steps.
 pub(crate) fn search(
     chain: &Chain,
     place: &Vector,
@@ -53,16 +53,16 @@ pub(crate) fn search(
     if best < ENOUGH { Ok((at, took)) } else { Err(Unsolved::NotFound) }
 }
 
-/// What counts as there: lengths as parts of the reach, and angles in radians.
+/// Error at which a search succeeds: lengths as fractions of the reach, angles in radians.
 const ENOUGH: f64 = 1e-10;
-/// Nothing is left to be gained below.
+/// Error below which no further improvement is possible.
 const LEAST: f64 = 1e-15;
-/// How often a step that leads away is halved.
+/// Maximum number of times that a step which increases the error is halved.
 const HALVES: u32 = 12;
-/// The largest step of a joint, in radians.
+/// Largest step of a joint, in radians.
 const LARGEST: f64 = 0.5;
 
-/// What is missing: the way, and the turn.
+/// Returns the remaining error: translation and rotation vector.
 fn gap(chain: &Chain, place: &Vector, turned: &Matrix, angles: &[f64; 6]) -> Vector6<f64> {
     let (end, hand) = chain.end(angles);
     let way = place - end;
@@ -75,7 +75,7 @@ fn error(gap: &Vector6<f64>, size: f64) -> f64 {
     Vector::new(x, y, z).norm() / size + Vector::new(a, b, c).norm()
 }
 
-/// Newton's step, or a damped one where the equations have no answer.
+/// Returns Newton's step, or a damped one where the equations have no solution.
 fn step(jacobian: &Matrix6<f64>, gap: &Vector6<f64>, size: f64, far: f64) -> Option<Vector6<f64>> {
     let scale = Vector6::new(1.0 / size, 1.0 / size, 1.0 / size, 1.0, 1.0, 1.0);
     let j = Matrix6::from_diagonal(&scale) * jacobian;
@@ -99,7 +99,7 @@ fn step(jacobian: &Matrix6<f64>, gap: &Vector6<f64>, size: f64, far: f64) -> Opt
     Some(step)
 }
 
-/// Every way that a search from many places finds, at most [`MOST`]; each is given once.
+/// Calls `take` once with every solution that searches from many starts find, at most [`MOST`].
 pub(crate) fn every_way(
     chain: &Chain,
     place: &Vector,
@@ -137,19 +137,19 @@ pub(crate) fn every_way(
     count
 }
 
-/// No arm of six joints has more ways to a pose (Primrose, 1986; Raghavan and Roth, 1993).
+/// Maximum number of solutions of a six-joint arm for one pose (Primrose, 1986; Raghavan and Roth, 1993).
 pub(crate) const MOST: usize = 16;
-/// From how many places a search begins at most.
+/// Maximum number of starts.
 const STARTS: u32 = 1500;
-/// How many searches may find nothing new one after the other.
+/// Maximum number of searches in a row that find nothing new.
 const PATIENCE: u32 = 250;
-/// How long a search may take that begins anywhere.
+/// Maximum number of steps of a search from such a start.
 const STEPS: u32 = 60;
-/// Ways that near are one.
+/// Largest difference of solutions that count as the same.
 const SAME: f64 = 1e-5;
 const TURN: f64 = 2.0 * core::f64::consts::PI;
 
-/// Places that fill all angles evenly (Halton, 1960).
+/// Returns the n-th start of a sequence that fills all angles evenly (Halton, 1960).
 fn start(n: u32) -> [f64; 6] {
     [2, 3, 5, 7, 11, 13].map(|base| (halton(n, base) - 0.5) * TURN)
 }

@@ -1,4 +1,4 @@
-//! Realtime. Machines on struts: the pose that makes given lengths, by Newton's method.
+//! Realtime. Parallel machines with struts: finds the pose for given lengths by Newton's method.
 //!
 //! Merlet, Parallel Robots, section 4.4. The number of steps is bounded.
 
@@ -6,30 +6,30 @@ use hal_component::Unsolved;
 use libm::fabs;
 use nalgebra::{Const, DimMin, SMatrix, SVector};
 
-/// What bounds a search.
+/// Bounds of a search.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bounds {
-    /// The search ends when the lengths are off by less in sum, in units.
+    /// Sum of the length errors at which the search succeeds, in units.
     pub(crate) enough: f64,
-    /// It is given up when they are off by more.
+    /// Sum of the length errors above which the search fails, in units.
     pub(crate) most: f64,
-    /// The most steps.
+    /// Maximum number of steps.
     pub(crate) steps: u32,
 }
 
 impl Bounds {
-    /// As the pins say, which must be sizes.
+    /// Returns the bounds of the pins, or `None` if a length is not above 0.
     pub(crate) fn new(enough: f64, most: f64, steps: u32) -> Option<Self> {
         let fits = enough > 0.0 && most > 0.0 && crate::model::is_finite(&[enough, most]);
         fits.then_some(Self { enough, most, steps: steps.min(1000) })
     }
 }
 
-/// One place of a machine: how far its lengths are off, and how they follow its pose.
+/// Length errors at one pose, and their Jacobian.
 pub(crate) type Look<const N: usize> = (SVector<f64, N>, SMatrix<f64, N, N>);
 
-/// Steps from a place to one where the lengths fit; `moved` goes a step from a place. The place,
-/// and how many steps it took.
+/// Searches from a pose for one with the right lengths; `moved` applies a step to a pose. Returns the pose and the
+/// number of steps.
 pub(crate) fn find<const N: usize, P: Clone>(
     from: P,
     bounds: Bounds,
@@ -67,21 +67,21 @@ where
             }
             part *= 0.5;
         }
-        // No step gains any more: as near as numbers go.
+        // No step reduces the error further: the limit of floating point is reached.
         let Some((less, next, next_off, next_jacobian)) = better else { break };
         (far, at, off, jacobian) = (less, next, next_off, next_jacobian);
     }
     if far <= bounds.enough { Ok((at, took)) } else { Err(Unsolved::NotFound) }
 }
 
-/// How often a step that leads away is halved.
+/// Maximum number of times that a step which increases the error is halved.
 const HALVES: u32 = 20;
 
 fn sum<const N: usize>(off: &SVector<f64, N>) -> f64 {
     off.iter().map(|x| fabs(*x)).sum()
 }
 
-/// Whether lengths hardly follow the pose in some direction: by the pivots.
+/// Returns whether the lengths hardly change with the pose in some direction, judged by the pivots.
 pub(crate) fn is_singular<const N: usize>(jacobian: &SMatrix<f64, N, N>) -> bool
 where
     Const<N>: DimMin<Const<N>, Output = Const<N>>,

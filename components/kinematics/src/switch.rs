@@ -1,4 +1,4 @@
-//! Realtime. Kinematics that can be switched: their own type, and joints that are axes.
+//! Realtime. Switchable kinematics: the machine's own type, and types whose joints are axes.
 
 use crate::{
     letters::{ANY, Letters, Rule},
@@ -10,24 +10,24 @@ use hal_component::{
 };
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-/// What the argument `coordinates=` is, where joints are axes in the other types only.
+/// Argument `coordinates=`, which only the types with joints as axes use.
 pub(crate) const COORDINATES: ArgSpec = Arg::text(
     "coordinates",
     "The letter of each joint in the types where joints are axes, out of X Y Z A B C U V W in \
      either case.",
 );
 
-/// `sparm=`, for kinematics whose first type is always their own.
+/// Argument `sparm=` of kinematics whose type 0 is always their own.
 pub(crate) const SPARM: ArgSpec = Arg::text("sparm", "Accepted for scripts that give it.").or("");
 
-/// `sparm=`, for kinematics whose first type may be the identity.
+/// Argument `sparm=` of kinematics whose type 0 may be the identity.
 pub(crate) const IDENTITY_FIRST: ArgSpec = Arg::text(
     "sparm",
     "With 'identityfirst' type 0 is the one where joints are axes, and type 1 the kinematics' own.",
 )
 .or("");
 
-/// The pins that tell the type in force.
+/// Pins that show the active type.
 #[derive(Debug, Touch)]
 pub(crate) struct Types {
     shown: Vec<Out<bool>>,
@@ -36,7 +36,7 @@ pub(crate) struct Types {
 }
 
 impl Types {
-    /// `kinstype.is-0` and so on.
+    /// Makes the pins `kinstype.is-0` and so on.
     pub(crate) fn make(b: &mut Builder<'_>, n: usize) -> Result<Self, Error> {
         let mut shown = Vec::new();
         for i in 0..n {
@@ -48,17 +48,17 @@ impl Types {
         Ok(Self { shown, is: AtomicU32::new(0) })
     }
 
-    /// How many there are.
+    /// Returns the number of types.
     pub(crate) fn count(&self) -> u32 {
         u32::try_from(self.shown.len()).unwrap_or(1)
     }
 
-    /// The one in force.
+    /// Returns the active type.
     pub(crate) fn now(&self) -> u32 {
         self.is.load(Relaxed)
     }
 
-    /// Another one from now on; false when there is none.
+    /// Activates a type. Returns false if it does not exist.
     pub(crate) fn switch(&self, to: u32) -> bool {
         if to >= self.count() {
             return false;
@@ -71,7 +71,7 @@ impl Types {
     }
 }
 
-/// What is counted in type 2, whose kinematics are free for the user.
+/// Counters of type 2, which is reserved for the user's kinematics.
 #[derive(Debug, Touch)]
 struct Counts {
     forward: Io<i32>,
@@ -88,7 +88,7 @@ impl Counts {
     }
 }
 
-/// Kinematics of several types; without a model of its own a type has joints that are axes.
+/// Kinematics of several types; in a type without a model, joints are axes.
 #[derive(Debug)]
 pub(crate) struct Switched<M> {
     models: Vec<Option<M>>,
@@ -98,7 +98,7 @@ pub(crate) struct Switched<M> {
 }
 
 impl<M: Model> Switched<M> {
-    /// One type of its own, two where joints are axes, and the pins that all of these have.
+    /// Makes the machine's own type, two types with joints as axes, and their common pins.
     pub(crate) fn usual(b: &mut Builder<'_>, own: M, letters: Letters) -> Result<Self, Error> {
         let first = b.arg_text("sparm").is_some_and(|s| s.contains("identityfirst"));
         let models = if first { vec![None, Some(own), None] } else { vec![Some(own), None, None] };
@@ -107,7 +107,7 @@ impl<M: Model> Switched<M> {
         Ok(made)
     }
 
-    /// Offers six joints, each of which is then an axis of its own.
+    /// Offers kinematics of six joints, each of which is an axis in the other types.
     pub(crate) fn offer_six(
         b: &mut Builder<'_>,
         own: impl FnOnce(&mut Builder<'_>) -> Result<M, Error>,
@@ -119,7 +119,7 @@ impl<M: Model> Switched<M> {
         b.offer_kinematics(kinematics)
     }
 
-    /// As many types as there are models.
+    /// Makes one type per model.
     pub(crate) fn make(
         b: &mut Builder<'_>,
         models: Vec<Option<M>>,
@@ -129,7 +129,7 @@ impl<M: Model> Switched<M> {
         Ok(Self { models, axes: Axes(letters), types, counts: None })
     }
 
-    /// The model in force; none where joints are axes.
+    /// Returns the active model, or `None` where joints are axes.
     fn own(&self) -> Option<&M> {
         self.models.iter().zip(0..).find(|(_, n)| *n == self.types.now())?.0.as_ref()
     }
@@ -196,7 +196,7 @@ impl<M: Model> Kinematics for Switched<M> {
     }
 }
 
-/// Joints that are axes.
+/// Kinematics whose joints are axes.
 #[derive(Debug)]
 pub(crate) struct Axes(pub(crate) Letters);
 

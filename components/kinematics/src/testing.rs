@@ -1,4 +1,4 @@
-//! What all tests of kinematics ask: do both ways agree, and what happens at the edges.
+//! Tests that all kinematics share: do forward and inverse agree, and what happens at the edges.
 
 use crate::rotation::{from_abc, to_vector};
 use hal_component::{
@@ -13,7 +13,7 @@ thread_local! {
     static FOUND: Cell<Option<KinematicsRef>> = const { Cell::new(None) };
 }
 
-/// Finds the kinematics on the bench, as `motmod` does.
+/// Component that finds the kinematics on the bench, as `motmod` does.
 struct Finder;
 
 impl Component for Finder {
@@ -46,7 +46,7 @@ impl Rig {
         }
     }
 
-    /// The pose of joints, from a guess of zeros.
+    /// Returns the pose of these joints, from a guess of zeros.
     pub(crate) fn pose(&self, joints: &[f64]) -> Pose {
         let mut all = [0.0; 16];
         all[..joints.len()].copy_from_slice(joints);
@@ -55,14 +55,14 @@ impl Rig {
         pose
     }
 
-    /// The joints of a pose, from a guess of zeros.
+    /// Returns the joints for a pose, from a guess of zeros.
     pub(crate) fn joints(&self, pose: Pose) -> [f64; 16] {
         let mut joints = [0.0; 16];
         self.k.inverse(&pose, &mut joints).unwrap_or_else(|e| panic!("{pose:?}: {e:?}"));
         joints
     }
 
-    /// Why a pose has no joints; they stay as they were.
+    /// Returns the reason why a pose has no joints; asserts that the joints stay unchanged.
     pub(crate) fn no_joints(&self, pose: Pose) -> Unsolved {
         let mut joints = [0.25; 16];
         let why = self.k.inverse(&pose, &mut joints).expect_err(&format!("{pose:?}"));
@@ -70,7 +70,7 @@ impl Rig {
         why
     }
 
-    /// Why joints have no pose; it stays as it was.
+    /// Returns the reason why joints have no pose; asserts that the pose stays unchanged.
     pub(crate) fn no_pose(&self, joints: &[f64]) -> Unsolved {
         let mut all = [0.0; 16];
         all[..joints.len()].copy_from_slice(joints);
@@ -80,7 +80,7 @@ impl Rig {
         why
     }
 
-    /// Every way to reach a pose.
+    /// Returns every solution for a pose.
     pub(crate) fn ways(&self, pose: &Pose) -> Vec<Vec<f64>> {
         let n = self.k.joints();
         let mut into = vec![0.0; n * 32];
@@ -89,7 +89,7 @@ impl Rig {
     }
 }
 
-/// Asserts that numbers are near each other.
+/// Asserts that numbers are close to each other.
 #[track_caller]
 pub(crate) fn close(a: &[f64], b: &[f64], within: f64) {
     assert_eq!(a.len(), b.len());
@@ -98,11 +98,11 @@ pub(crate) fn close(a: &[f64], b: &[f64], within: f64) {
     }
 }
 
-/// How far one joint goes.
+/// Range of one joint.
 #[derive(Clone, Copy)]
 pub(crate) struct Joint {
     pub(crate) range: (f64, f64),
-    /// What counts as one: 1 radian, or the size of the machine.
+    /// Selects the unit: 1 radian for a rotary joint, else the size of the machine.
     is_rotary: bool,
 }
 
@@ -121,27 +121,27 @@ impl Joint {
     }
 }
 
-/// Where a machine is looked at.
+/// Range in which a machine is tested.
 #[derive(Clone, Copy)]
 pub(crate) struct Space<'a> {
-    /// The size of its workspace, in units.
+    /// Size of its workspace, in units.
     pub(crate) size: f64,
     pub(crate) joints: &'a [Joint],
-    /// The letters of the pose that its joints determine.
+    /// Letters of the pose that its joints determine.
     pub(crate) letters: &'a [usize],
-    /// Whether A B C are roll, pitch and yaw, and not each an axis.
+    /// True if A B C are roll, pitch and yaw, false if each is an axis.
     pub(crate) abc: bool,
     /// Values of pins.
     pub(crate) set: &'a [(&'a str, f64)],
-    /// How far a guess is beside what is looked for, as a part of a unit.
+    /// Distance of a guess from the solution, as a fraction of a unit.
     pub(crate) aside: f64,
-    /// Poses at random, between these, instead of joints at random.
+    /// Ranges of random poses, which are used instead of random joints.
     pub(crate) poses: &'a [(f64, f64)],
-    /// The fewest regular places of [`ROUNDS`] that must have been seen.
+    /// Minimum number of regular positions among [`ROUNDS`].
     pub(crate) least: usize,
-    /// The type of kinematics.
+    /// Type of kinematics.
     pub(crate) switch: u32,
-    /// Whether joints have poses that the machine cannot reach in that way.
+    /// True if some joints have poses that the inverse cannot reach.
     pub(crate) has_gaps: bool,
 }
 
@@ -159,7 +159,7 @@ impl Space<'_> {
         has_gaps: false,
     };
 
-    /// How far apart two poses are: lengths as parts of the size, angles in radians.
+    /// Returns the differences of two poses: lengths as fractions of the size, angles in radians.
     pub(crate) fn apart(&self, a: &Pose, b: &Pose) -> Vec<f64> {
         let mut out = Vec::new();
         for l in self.letters {
@@ -178,18 +178,18 @@ impl Space<'_> {
     }
 }
 
-/// How many places are looked at.
+/// Number of positions tested.
 pub(crate) const ROUNDS: usize = 4000;
 
-/// The condition number from which on a place counts as singular.
+/// Condition number above which a position counts as singular.
 const WORST: f64 = 1e6;
 
 fn most(list: &[f64]) -> f64 {
     list.iter().fold(0.0, |m: f64, x| m.max(x.abs()))
 }
 
-/// Joints at random: their pose must lead back to it, and to the same joints, wherever the
-/// machine is not singular.
+/// Tests random joints: the inverse of their pose must return to the pose, and to the same joints wherever the machine
+/// is not singular.
 pub(crate) fn serial<C: Component>(args: &[&str], space: &Space<'_>) {
     let rig = Rig::new::<C>(args);
     rig.set(space.set);
@@ -233,7 +233,7 @@ pub(crate) fn serial<C: Component>(args: &[&str], space: &Space<'_>) {
     crate::edges::edges::<C>(args, space);
 }
 
-/// The condition number of the way from joints to poses, by differences.
+/// Returns the condition number of the Jacobian from joints to pose, by finite differences.
 fn condition(rig: &Rig, space: &Space<'_>, joints: &[f64], pose: &Pose) -> Option<f64> {
     const STEP: f64 = 1e-6;
     let mut columns = Vec::new();
@@ -249,7 +249,7 @@ fn condition(rig: &Rig, space: &Space<'_>, joints: &[f64], pose: &Pose) -> Optio
     Some(ratio(&columns))
 }
 
-/// The largest singular value by the smallest one.
+/// Returns the ratio of the largest to the smallest singular value.
 fn ratio(columns: &[Vec<f64>]) -> f64 {
     let rows = columns[0].len();
     let matrix = DMatrix::from_fn(rows, columns.len(), |r, c| columns[c][r]);
@@ -259,7 +259,7 @@ fn ratio(columns: &[Vec<f64>]) -> f64 {
     list[0] / list[columns.len() - 1]
 }
 
-/// Poses at random: their joints must lead back to it wherever the machine is not singular.
+/// Tests random poses: the pose of their joints must be the same wherever the machine is not singular.
 pub(crate) fn parallel<C: Component>(args: &[&str], space: &Space<'_>) {
     const STEP: f64 = 1e-6;
     let rig = Rig::new::<C>(args);
@@ -277,7 +277,7 @@ pub(crate) fn parallel<C: Component>(args: &[&str], space: &Space<'_>) {
             assert!(space.has_gaps, "{round}: {pose:?}");
             continue;
         }
-        // How joints follow the pose, by differences: the same condition number.
+        // Jacobian of the joints with respect to the pose, by finite differences: the same condition number.
         let mut columns = Vec::new();
         for l in space.letters {
             let unit = if (3..6).contains(l) { 1f64.to_degrees() } else { space.size };

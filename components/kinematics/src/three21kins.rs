@@ -42,24 +42,23 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
 }
 
 pins! {
-    /// The lengths of the arm.
+    /// Lengths of the arm.
     struct Pins {
-        /// From the axis of joint 0 across to that of joint 1, in units.
+        /// Distance from the axis of joint 0 to that of joint 1, in units.
         a1: In<f64> = "A1", 64.2;
-        /// Length of the upper arm, from the axis of joint 1 to that of joint 2, in units; above
-        /// 0.
+        /// Length of the upper arm, from the axis of joint 1 to that of joint 2, in units; above 0.
         a2: In<f64> = "A2", 305.0;
-        /// From the axis of joint 2 across to that of joint 3, the forearm's own, in units.
+        /// Distance from the axis of joint 2 to that of joint 3, which is the forearm's, in units.
         a3: In<f64> = "A3", 0.0;
         /// Height of the axis of joint 1, in units.
         d1: In<f64> = "D1", 169.77;
-        /// How far the upper arm stands beside the axis of joint 0, in units.
+        /// Lateral offset of the upper arm from the axis of joint 0, in units.
         d2: In<f64> = "D2", 0.0;
-        /// How far the forearm stands beside the upper arm, in units.
+        /// Lateral offset of the forearm from the upper arm, in units.
         d3: In<f64> = "D3", -6.25;
         /// Length of the forearm, up to the middle of the wrist, in units.
         d4: In<f64> = "D4", 223.63;
-        /// From the middle of the wrist to the tool's tip, in units.
+        /// Distance from the middle of the wrist to the tool tip, in units.
         d6: In<f64> = "D6", 36.5;
     }
 }

@@ -1,4 +1,4 @@
-//! Realtime. Machines with an axis for each letter whose rotary axes move the tool's tip aside.
+//! Realtime. Machines with one joint per axis letter whose rotary axes displace the tool tip.
 
 use crate::{
     letters::Letters,
@@ -7,22 +7,22 @@ use crate::{
 };
 use hal_component::{Pose, Solved, Touch, Uses};
 
-/// Where the tip is on the work piece, when every axis is where it is.
+/// Position of the tool tip on the workpiece for given axis positions.
 pub(crate) trait Tip: Touch + Send + Sync + 'static {
-    /// Its lengths.
+    /// Lengths of the machine.
     type Geometry;
 
-    /// The lengths as the pins have them now; none when they make no sense.
+    /// Reads the lengths from the pins. Returns `None` if they are invalid.
     fn geometry(&self) -> Option<Self::Geometry>;
 
-    /// From the places of the linear axes to the tip; the other letters say how it is turned.
+    /// Converts positions of the linear axes to the tip position; the other letters hold the rotation.
     fn to_work(&self, g: &Self::Geometry, place: Vector, letters: &Pose) -> Vector;
 
-    /// The other way.
+    /// Converts the tip position to positions of the linear axes.
     fn to_machine(&self, g: &Self::Geometry, tip: Vector, letters: &Pose) -> Vector;
 }
 
-/// A machine of that kind with its joints.
+/// Machine with a tip and the letters of its joints.
 #[derive(Debug)]
 pub(crate) struct Lettered<T> {
     pub(crate) tip: T,

@@ -39,7 +39,7 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
 }
 
 pins! {
-    /// Where the motors are.
+    /// Positions of the motors; the first one is at the origin.
     struct Pins {
         /// X of the second motor, in units; not 0.
         bx: Io<f64> = "Bx", 1.0;

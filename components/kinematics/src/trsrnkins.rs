@@ -90,26 +90,26 @@ fn create(b: &mut Builder<'_>, name: &str, letters: &str, table: Table) -> Resul
 }
 
 pins! {
-    /// What the machine is like.
+    /// Geometry of the machine.
     struct Pins {
-        /// The length of the tool, in units: usually from motion.tooloffset.z.
+        /// Tool length, in units: usually from motion.tooloffset.z.
         tool: In<f64> = "tool-offset-z", 0.0;
-        /// From that point down to the tool's tip when the tool has no length, in units.
+        /// Distance from the pivot down to the tool tip when the tool length is 0, in units.
         down: In<f64> = "z-pivot", 0.0;
-        /// Z of the table's axis, in units of the machine.
+        /// Z of the table's axis, in machine units.
         table_z: In<f64> = "z-rot-axis", 0.0;
-        /// How far the axis of the nod leans from the upright, in degrees.
+        /// Angle between the nutation axis and the vertical, in degrees.
         nut: In<f64> = "nut-angle", 45.0;
-        /// In type 2: how the plane is turned about the tool, in degrees.
+        /// In type 2: rotation of the plane about the tool, in degrees.
         pre_rot: In<f64> = "pre-rot", 0.0;
-        /// In type 2: the angle C of the head, in degrees.
+        /// In type 2: angle C of the head, in degrees.
         primary: In<f64> = "primary-angle", 0.0;
-        /// In type 2: the angle of the head's nod, in degrees.
+        /// In type 2: nutation angle of the head, in degrees.
         secondary: In<f64> = "secondary-angle", 0.0;
     }
 }
 
-/// The rotary axis of the table.
+/// Rotary axis of the table.
 #[derive(Clone, Copy, Debug)]
 enum Table {
     A,
@@ -119,7 +119,7 @@ enum Table {
 #[derive(Debug, Touch)]
 struct Head {
     pins: Pins,
-    /// Of the pivot, and of the table's axis.
+    /// Positions, across the table's axis, of the pivot and of that axis.
     across: [In<f64>; 2],
     #[state]
     table: Table,
@@ -127,8 +127,8 @@ struct Head {
     along_tool: bool,
 }
 
-/// The tip as the head holds it, the axis of its nod, a point of the table's axis, and how type 2
-/// sees the machine.
+/// Tip in the head's frame, direction of the nutation axis, a point of the table's axis, and the rotation of the
+/// machine's frame in type 2.
 struct Geometry {
     tip: Vector,
     axis: Vector,
@@ -137,7 +137,7 @@ struct Geometry {
 }
 
 impl Head {
-    /// What the head adds to the place of X, Y and Z.
+    /// Returns the offset that the head adds to X, Y and Z.
     fn head(&self, g: &Geometry, letters: &Pose) -> Vector {
         let nod = match self.table {
             Table::A => letters[4],
@@ -146,7 +146,7 @@ impl Head {
         turned(g, letters[5], nod) * g.tip - g.tip
     }
 
-    /// How the table is turned.
+    /// Returns the rotation of the table.
     fn table(&self, letters: &Pose) -> Matrix {
         match self.table {
             Table::A => about_x(letters[3].to_radians()),
@@ -171,7 +171,7 @@ impl Tip for Head {
         if !is_finite(&[tool, across, down, at, z, nut, pre, primary, secondary]) {
             return None;
         }
-        // Across is Y where the table is A, and X where it is B.
+        // Across means Y where the table is A, and X where it is B.
         let flat = |across: f64, z: f64| match self.table {
             Table::A => Vector::new(0.0, across, z),
             Table::B => Vector::new(across, 0.0, z),
@@ -253,7 +253,7 @@ mod tests {
         assert_eq!(rig.pose(&[1., 2., 3., 0., 0., 0.])[..3], [1., 2., 3.]);
         assert!(rig.k.switch(2));
         rig.set(&[("xyzacb_trsrn.secondary-angle", 180.0)]);
-        // Along the tool now: its direction is Z.
+        // Now along the tool: the direction is Z.
         let still = rig.pose(&[0., 0., 0., 0., 0., 180.]);
         let gone = rig.pose(&[0., 10., 0., 0., 0., 180.]);
         close(&[gone[2] - still[2]], &[10.0], 1e-9);

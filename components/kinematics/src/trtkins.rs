@@ -94,30 +94,28 @@ fn create(
 }
 
 pins! {
-    /// Where the axes of the tables are.
+    /// Positions of the table axes.
     struct Pins {
-        /// X of the axis of the rotary table, in units of the machine.
+        /// X of the rotary table's axis, in machine units.
         x_rot: In<f64> = "x-rot-point", 0.0;
-        /// Y of the axis of the rotary table, in units of the machine.
+        /// Y of the rotary table's axis, in machine units.
         y_rot: In<f64> = "y-rot-point", 0.0;
-        /// Z of the point about which the tables turn, in units of the machine.
+        /// Z of the point about which the tables turn, in machine units.
         z_rot: In<f64> = "z-rot-point", 0.0;
-        /// From there to the axis about which the table tilts, along X; it counts where the table
-        /// tilts by B.
+        /// X offset from that point to the tilt axis, in units; used where the table tilts by B.
         x: In<f64> = "x-offset", 0.0;
-        /// From there to the axis about which the table tilts, along Y; it counts where the table
-        /// tilts by A.
+        /// Y offset from that point to the tilt axis, in units; used where the table tilts by A.
         y: In<f64> = "y-offset", 0.0;
-        /// From there to the axis about which the table tilts, along Z, in units.
+        /// Z offset from that point to the tilt axis, in units.
         z: In<f64> = "z-offset", 0.0;
-        /// The length of the tool, in units: usually from motion.tooloffset.z.
+        /// Tool length, in units: usually from motion.tooloffset.z.
         tool: In<f64> = "tool-offset", 0.0;
-        /// TRUE: the rotary axes count the other way round.
+        /// TRUE: the rotary axes count in the opposite direction.
         conventional: In<bool> = "conventional-directions", false;
     }
 }
 
-/// The axis about which the table tilts.
+/// Tilt axis of the table.
 #[derive(Clone, Copy, Debug)]
 enum Tilt {
     A,
@@ -131,8 +129,7 @@ struct Tables {
     tilt: Tilt,
 }
 
-/// The point about which the tables turn, the offset of the tilting axis, the tool, and the sign
-/// of the angles.
+/// Point about which the tables turn, offset of the tilt axis, tool, and the sign of the angles.
 struct Geometry {
     point: Vector,
     offset: Vector,
@@ -141,7 +138,7 @@ struct Geometry {
 }
 
 impl Tables {
-    /// How the tilting and the rotary table are turned.
+    /// Returns the rotations of the tilting table and of the rotary table.
     fn turned(&self, g: &Geometry, letters: &Pose) -> (Matrix, Matrix) {
         let angle = |letter: f64| (g.sign * letter).to_radians();
         let tilted = match self.tilt {
@@ -216,7 +213,7 @@ mod tests {
         close(&rig.pose(&[0., 5., 0., 0., 90.])[..3], &[5., 0., 0.], 1e-12);
         rig.bench.set("xyzac-trt-kins.conventional-directions", true);
         close(&rig.pose(&[0., 5., 0., 0., 90.])[..3], &[-5., 0., 0.], 1e-12);
-        // The tool's length does not turn: at zero there is no jump.
+        // The tool length does not turn: there is no jump at zero.
         let rig = Rig::new::<XyzbcTrt>(&[]);
         rig.bench.set("xyzbc-trt-kins.tool-offset", 40.0);
         assert_eq!(rig.pose(&[1., 2., 3., 0., 0.])[..3], [1., 2., 3.]);

@@ -36,34 +36,34 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
     b.offer_kinematics(Service(Straight { echo }))
 }
 
-/// What the kinematics hold: pins with lengths, if they have any.
+/// State of the kinematics: pins with lengths, if there are any.
 #[derive(Debug, Touch)]
 struct Straight {
     echo: Echo,
 }
 
 impl Model for Straight {
-    /// The lengths, read once for each question. These have none.
+    /// Lengths, read once per query. This machine has none.
     type Geometry = ();
 
     fn joints(&self) -> usize {
         3
     }
 
-    /// None when the lengths make no sense: then there is no answer.
+    /// Returns `None` if the lengths are invalid: then every query fails.
     fn geometry(&self) -> Option<()> {
         Some(())
     }
 
-    /// From joints to a pose. Letters that nothing moves stay as in the guess. What has no pose
-    /// is an error: `Err(Unsolved::Unreachable)`.
+    /// Returns the pose of these joints. Letters that no joint moves keep the guess. Return an error such as
+    /// `Err(Unsolved::Unreachable)` where there is no pose.
     fn forward(&self, (): &(), joints: &Joints, guess: &Pose) -> Found<Pose> {
         let mut pose = *guess;
         pass(joints, 0, &mut pose, 0, 3);
         Ok((pose, Solved::Regular))
     }
 
-    /// From a pose to joints; the guess is where they are.
+    /// Returns the joints for a pose; the guess is their present position.
     fn inverse(&self, (): &(), pose: &Pose, guess: &Joints) -> Found<Joints> {
         self.echo.repeat();
         let mut joints = *guess;

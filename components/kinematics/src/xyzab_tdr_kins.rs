@@ -47,24 +47,24 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
 }
 
 pins! {
-    /// Where the axes of the tables are.
+    /// Positions of the table axes.
     struct Pins {
-        /// The length of the tool, in units: usually from motion.tooloffset.z.
+        /// Tool length, in units: usually from motion.tooloffset.z.
         tool: In<f64> = "tool-offset-z", 0.0;
-        /// From the point about which A turns to the axis of B, along X, in units.
+        /// X offset from the point about which A turns to the axis of B, in units.
         x: In<f64> = "x-offset", 0.0;
-        /// From the point about which A turns to the axis of B, along Z, in units.
+        /// Z offset from the point about which A turns to the axis of B, in units.
         z: In<f64> = "z-offset", 0.0;
-        /// X of the point about which the tables turn, in units of the machine.
+        /// X of the point about which the tables turn, in machine units.
         x_rot: In<f64> = "x-rot-point", 0.0;
-        /// Y of the point about which the tables turn, in units of the machine.
+        /// Y of the point about which the tables turn, in machine units.
         y_rot: In<f64> = "y-rot-point", 0.0;
-        /// Z of the point about which the tables turn, in units of the machine.
+        /// Z of the point about which the tables turn, in machine units.
         z_rot: In<f64> = "z-rot-point", 0.0;
     }
 }
 
-/// The point about which the tables turn, the offset of the axis of B, and the tool.
+/// Point about which the tables turn, offset of the axis of B, and the tool.
 struct Geometry {
     point: Vector,
     offset: Vector,

@@ -1,4 +1,4 @@
-//! Machines whose joints are no axes move their tools along straight lines.
+//! Machines whose joints are not axes move their tools along straight lines.
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "tests")]
 
 use hal_component::{
@@ -13,7 +13,7 @@ thread_local! {
     static FOUND: Cell<Option<KinematicsRef>> = const { Cell::new(None) };
 }
 
-/// Finds the kinematics on the bench.
+/// Component that finds the kinematics on the bench.
 struct Finder;
 
 impl Component for Finder {
@@ -35,7 +35,7 @@ struct Machine {
 }
 
 impl Machine {
-    /// On and homed, with each joint where it is told.
+    /// Returns a machine that is on and homed, with the joints at these positions.
     fn new<K: Component>(homes: &[f64]) -> Self {
         let mut bench = Bench::new();
         bench.load::<K>(&[]).unwrap();
@@ -73,7 +73,7 @@ impl Machine {
         }
     }
 
-    /// Carries it out, looking at every cycle.
+    /// Runs a command, and calls `look` in every cycle.
     fn watched(&mut self, text: &str, mut look: impl FnMut([f64; 9])) {
         self.say(text);
         let mut guess = self.pose([0.0; 9]);
@@ -93,7 +93,7 @@ impl Machine {
         self.watched(text, |_| ());
     }
 
-    /// Where the joints that are commanded take the tool.
+    /// Returns the pose of the commanded joints.
     fn pose(&self, guess: [f64; 9]) -> [f64; 9] {
         let mut joints = [0.0; 16];
         for (n, place) in joints.iter_mut().enumerate().take(self.joints) {
@@ -107,8 +107,8 @@ impl Machine {
 
 const LETTERS: [&str; 9] = ["x", "y", "z", "a", "b", "c", "u", "v", "w"];
 
-/// Moves by these ways one after the other; the tool's tip stays on its line, and what turns
-/// turns as far as the tip has gone.
+/// Moves by these displacements in turn. Asserts that the tool tip stays on its line, and that rotary letters turn in
+/// proportion to the distance of the tip.
 fn along<K: Component>(homes: &[f64], ways: &[&[(usize, f64)]]) {
     let mut machine = Machine::new::<K>(homes);
     for way in ways {

@@ -1,4 +1,4 @@
-//! Axes move only where the kinematics lead from the joints to a pose and back to the same joints.
+//! Axes move only where forward and inverse kinematics lead back to the same joints.
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "tests")]
 
 use hal_component::{
@@ -13,7 +13,7 @@ thread_local! {
     static FOUND: Cell<Option<KinematicsRef>> = const { Cell::new(None) };
 }
 
-/// Finds the kinematics on the bench.
+/// Component that finds the kinematics on the bench.
 struct Finder;
 
 impl Component for Finder {
@@ -37,7 +37,7 @@ struct Machine {
 }
 
 impl Machine {
-    /// On and homed with the joints there.
+    /// Returns a machine that is on and homed, with the joints at these positions.
     fn new<K: Component>(set: &[(&str, f64)], homes: &[f64]) -> Self {
         let mut bench = Bench::new();
         bench.load::<K>(&[]).unwrap();
@@ -65,7 +65,7 @@ impl Machine {
         said.unwrap_or_else(|e| panic!("{text}: {e}"));
     }
 
-    /// Carries it out; what it failed with.
+    /// Runs a command. Returns its error.
     fn wait(&mut self, text: &str) -> Result<(), String> {
         self.say(text);
         for _ in 0..100_000 {
@@ -101,7 +101,7 @@ impl Machine {
     }
 }
 
-/// Every way to move an axis.
+/// Every command that moves an axis.
 const WAYS: [&str; 6] = [
     "motion.mode mode=teleop",
     "motion.mode mode=coord",
@@ -142,7 +142,7 @@ fn a_delta_without_a_pose_does_not_move() {
             assert!(machine.bench.get::<bool>("motion.motion-enabled"));
             assert!(!machine.bench.get::<bool>("motion.teleop-mode"));
             assert!(!machine.bench.get::<bool>("motion.coord-mode"));
-            // Joints can still be moved, to where there is a pose.
+            // Joints can still be jogged to a position with a pose.
             for (n, home) in homes.iter().enumerate() {
                 let to = if *home == 0.0 { 400.0 } else { 450.0 };
                 machine.wait(&format!("motion.jog joint={n} velocity=100 position={to}")).unwrap();
@@ -153,7 +153,7 @@ fn a_delta_without_a_pose_does_not_move() {
     }
 }
 
-/// Joints at random, or those of a pose at random.
+/// Returns random joints, or those of a random pose.
 fn homes<K: Component>(random: &mut Random) -> Vec<f64> {
     let count = random.pick(&[3, 5, 6]);
     let reach = random.pick(&[1.0, 40.0, 300.0]);
@@ -171,8 +171,7 @@ fn homes<K: Component>(random: &mut Random) -> Vec<f64> {
     joints[..count].to_vec()
 }
 
-/// Enters a mode in which axes move: it is refused, or entered without a movement. Then jogs
-/// several axes at once.
+/// Enters a mode in which axes move: it is refused, or entered without motion. Then jogs several axes at once.
 fn try_modes<K: Component>(random: &mut Random) -> String {
     let [mut refused, mut entered, mut stopped] = [0; 3];
     for _ in 0..40 {
@@ -208,7 +207,7 @@ fn try_modes<K: Component>(random: &mut Random) -> String {
     format!("{} refused {refused} entered {entered} stopped {stopped}\n", K::NAME)
 }
 
-/// No machine has to be stopped.
+/// Expected counts: no machine is stopped.
 const SEEN: &str = "\
 corexykins refused 0 entered 40 stopped 0
 5axiskins refused 0 entered 40 stopped 0

@@ -69,7 +69,7 @@ fn kind(text: &str) -> Result<KinematicsKind, Error> {
     }
 }
 
-/// The service: it computes both ways, whatever it calls itself.
+/// Kinematics service, which computes both directions whatever `kinstype` says.
 #[derive(Touch)]
 struct Service {
     #[state]
@@ -109,7 +109,7 @@ mod tests {
     use super::*;
     use hal_component::{In, Period, Update, bench::Bench};
 
-    /// Runs the kinematics of the bench on pins, as `motmod` would.
+    /// Component that runs the kinematics of the bench on pins, as `motmod` would.
     struct User;
 
     #[derive(Touch)]
@@ -129,7 +129,7 @@ mod tests {
             let mut joints = [0.0; 16];
             self.k.inverse(&pose, &mut joints).unwrap();
             let mut back = [-1.0; 9];
-            // What each joint really reached: a duplicate lags behind.
+            // Actual joint positions: a duplicate lags behind.
             for (i, j) in joints.iter_mut().enumerate() {
                 *j += i as f64 * 0.125;
             }
@@ -174,7 +174,7 @@ mod tests {
         let all = run(&[]);
         assert_eq!(all.0, [10.0, 20.125, 30.25, 40.375, 50.5]);
         assert_eq!(all.1, [10.0, 20.125, 30.25, 40.375, 50.5, 60.625, 70.75, 80.875, 91.0]);
-        // Joints 1 and 2 follow Y, which is read from joint 1; letters without a joint stay.
+        // Joints 1 and 2 follow Y, which is read from joint 1; letters without a joint keep their values.
         let gantry = run(&["coordinates=xyyz", "kinstype=Both"]);
         assert_eq!(gantry.0, [10.0, 20.125, 20.25, 30.375, 0.5]);
         assert_eq!(gantry.1, [10.0, 20.125, 30.375, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0]);

@@ -1,13 +1,13 @@
-//! Realtime. Which joint follows which axis letter.
+//! Realtime. Assignment of joints to axis letters.
 
 use hal_component::Pose;
 
-/// The axis letters, in the order of a pose.
+/// Axis letters, in the order of a pose.
 const LETTERS: &str = "XYZABCUVW";
-/// The most joints there can be.
+/// Maximum number of joints.
 const MAX_JOINTS: usize = 16;
 
-/// The letter of each joint.
+/// Letter of each joint.
 #[derive(Clone, Debug)]
 pub(crate) struct Map {
     letters: Vec<usize>,
@@ -15,7 +15,7 @@ pub(crate) struct Map {
 }
 
 impl Map {
-    /// From text such as `XYYZ`.
+    /// Parses text such as `XYYZ`.
     pub(crate) fn parse(text: &str) -> Result<Self, String> {
         let mut letters = Vec::new();
         let mut first = [None; 9];
@@ -46,7 +46,7 @@ impl Map {
         self.first.get(letter).copied().flatten()
     }
 
-    /// Letters that no joint follows stay as they are.
+    /// Copies joints to the pose; letters that no joint drives keep their values.
     pub(crate) fn forward(&self, joints: &[f64], pose: &mut Pose) {
         for (place, joint) in pose.iter_mut().zip(self.first) {
             if let Some(value) = joint.and_then(|j| joints.get(j)) {
@@ -55,7 +55,7 @@ impl Map {
         }
     }
 
-    /// Joints beyond the map stay as they are.
+    /// Copies the pose to the joints; joints beyond the map keep their values.
     pub(crate) fn inverse(&self, pose: &Pose, joints: &mut [f64]) {
         for (joint, letter) in joints.iter_mut().zip(&self.letters) {
             if let Some(value) = pose.get(*letter) {
