@@ -1,16 +1,11 @@
-//! The program haltest: tests of machines, kept as text beside their scripts.
+//! The program haltest: tests of machines, written as text beside their scripts.
 //!
-//! A test is a TOML file: which machine, what is done to it and when, what must come of it. It runs in
-//! virtual time, in a process and an instance of its own, and comes to the same on every run. The
-//! form is in `halcmd/README.md`.
+//! A test is a TOML file. It names a machine, the steps that are applied to it and their times, and
+//! the results that are expected. It runs in virtual time, in a process and an instance of its own,
+//! and every run gives the same result. `halcmd/README.md` describes the format.
 //!
-//! From Rust, [`run`] gives the [`Outcome`] of one file, whose waveforms are texts that a test can keep:
-//!
-//! ```no_run
-//! let outcome = halcmd::haltest::run("configs/printer/tests/reversal.toml");
-//! assert!(outcome.passed(), "{outcome}");
-//! println!("{}", outcome.drawing("turn").unwrap_or_default());
-//! ```
+//! In Rust, [`run`] returns the [`Outcome`] of one file, with its waveforms as text for a test to
+//! compare:
 
 mod bench;
 mod compare;
@@ -51,7 +46,7 @@ use std::{
 
 const NAME: &str = "haltest";
 
-/// How long a test may take on the wall, if not said otherwise.
+/// Default limit on the wall-clock time of a test.
 const PATIENCE_NS: u64 = 60_000_000_000;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,7 +90,7 @@ const OPTIONS: &[Opt<Id>] = &[
     Opt { help: "print this", long: Some("help"), ..Opt::flag(Id::Help, 'h') },
 ];
 
-/// Not for people: what a test is run with in its own process.
+/// Undocumented options, with which haltest starts the process of a single test.
 const HIDDEN: &[Opt<Id>] =
     &[with("one", Id::One, Some("FILE"), ""), with("to", Id::To, Some("FOLDER"), "")];
 
@@ -108,7 +103,7 @@ const fn with(
     Opt { id, short: None, long: Some(name), value, variable: None, help }
 }
 
-/// What is asked for.
+/// Parsed command line.
 struct Wanted {
     jobs: usize,
     filter: Option<String>,
@@ -121,12 +116,12 @@ struct Wanted {
     paths: Vec<String>,
 }
 
-/// Why nothing could be tested, or told.
+/// Reason why no test could run or no result could be reported.
 #[derive(Debug)]
 enum Failure {
-    /// The command line is not what it should be.
+    /// The command line is invalid.
     Asked(String),
-    /// What came of the tests could not be written.
+    /// The results could not be written.
     Unwritten(String),
 }
 
@@ -137,13 +132,13 @@ impl From<hal_output::Unwritten> for Failure {
 }
 
 impl Failure {
-    /// A file that could not be written.
+    /// Error for a file that could not be written.
     fn file(path: &Path, error: &std::io::Error) -> Self {
         Self::Unwritten(format!("{}: {}", path.display(), hal_output::reason(error)))
     }
 }
 
-/// Runs the program with these words.
+/// Runs the program with these command line arguments.
 #[must_use]
 pub fn main(words: &[String]) -> ExitCode {
     match run_program(words) {
@@ -175,7 +170,7 @@ fn run_program(words: &[String]) -> Result<u8, Failure> {
     list::main(&wanted, &mut terminal)
 }
 
-/// Options may also follow the files.
+/// Parses the options, which may also follow the files.
 fn read(table: &[Opt<Id>], words: &[String]) -> Result<crate::options::Given<Id>, String> {
     let text = |e: Error| e.whole();
     let (mut given, mut rest) = options(NAME, table, words).map_err(text)?;

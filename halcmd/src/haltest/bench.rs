@@ -1,34 +1,34 @@
-//! The engine of a test: whatever moves its clock goes from one cycle to the next, so that forced
-//! values, ramps and dropped pulses take effect in the cycle that they are meant for.
+//! The engine of a test. Every request that moves its clock moves it cycle by cycle, so that forced
+//! values, ramps and dropped pulses take effect in the intended cycle.
 
 use super::inject::{ENOENT, Faults, Ramping};
 use crate::session::INTERRUPTED;
 use hal_engine::Engine;
 use hal_protocol::{Failure, Kind, Link, Reply, Request, TicketInfo, Value};
 
-/// The code of a failure that says that the time is over.
+/// Failure code for an exceeded time limit.
 const ETIME: i32 = -62;
-/// How far the clock goes at once where no thread exists.
+/// Step of the clock in nanoseconds while there is no thread.
 const WITHOUT_THREADS_NS: u64 = 1_000_000;
 
-/// After how many cycles it is looked whether the threads have stopped.
+/// Number of cycles between two checks for stopped threads.
 const LOOKS: u32 = 256;
 
-/// The engine.
+/// The engine with the ramps and faults of a test.
 pub(super) struct Bench {
     engine: Engine,
-    /// What was said, and when.
+    /// Messages with their times.
     pub(super) said: Vec<(i64, String)>,
     pub(super) ramps: Vec<Ramping>,
     pub(super) faults: Faults,
-    /// When the test is given up.
+    /// Machine time at which the test is aborted.
     end: i64,
     limit_ns: u64,
     period: Option<u64>,
 }
 
 impl Bench {
-    /// A machine that may run so long.
+    /// Wraps an engine that may run for `limit_ns`.
     pub(super) fn new(engine: Engine, limit_ns: u64) -> Self {
         let end = engine.now_ns().saturating_add(i64::try_from(limit_ns).unwrap_or(i64::MAX));
         Self {
@@ -42,26 +42,26 @@ impl Bench {
         }
     }
 
-    /// Machine time in nanoseconds.
+    /// Returns the machine time in nanoseconds.
     pub(super) fn now(&self) -> i64 {
         self.engine.now_ns()
     }
 
-    /// Ends the machine: what it said last is kept.
+    /// Closes the engine and returns all messages, including the last ones.
     pub(super) fn close(mut self) -> Vec<(i64, String)> {
         self.hear();
         self.engine.close();
         self.said
     }
 
-    /// Carries out a request of the engine's own, without more.
+    /// Executes a request in the engine, without faults and ramps.
     pub(super) fn ask(&mut self, request: Request) -> Result<Reply, Failure> {
         let reply = self.engine.call(request);
         self.hear();
         reply
     }
 
-    /// The value of a pin, parameter or signal.
+    /// Returns the value of a pin, parameter or signal.
     pub(super) fn get(&mut self, name: &str) -> Result<Value, Failure> {
         let of_item = match self.engine.call(Request::Get { name: name.to_owned() }) {
             Ok(Reply::Value(value)) => return Ok(value),
@@ -70,13 +70,13 @@ impl Bench {
         };
         match self.engine.call(Request::GetSignal { name: name.to_owned() }) {
             Ok(Reply::Value(value)) => Ok(value),
-            // Whichever of both knows a near name.
+            // Of the two failures, prefer the one that knows a near name.
             Err(of_signal) if of_item.hint.is_none() && of_signal.hint.is_some() => Err(of_signal),
             Ok(_) | Err(_) => Err(of_item),
         }
     }
 
-    /// Time passes to the next cycle of the fastest thread, and no further than `until`.
+    /// Advances time to the next cycle of the fastest thread, but not past `until`.
     pub(super) fn cycle(&mut self, until: i64) -> Result<(), Failure> {
         let now = self.now();
         if now >= self.end {
@@ -97,7 +97,7 @@ impl Bench {
         if self.now() > before { Faults::look(self) } else { Ok(()) }
     }
 
-    /// The period of the fastest thread.
+    /// Returns the period of the fastest thread in nanoseconds.
     fn period(&mut self) -> Result<u64, Failure> {
         if let Some(period) = self.period {
             return Ok(period);
@@ -137,7 +137,7 @@ impl Bench {
         }
     }
 
-    /// Whether the threads have stopped because a component failed.
+    /// Returns whether the threads have stopped because a component failed.
     pub(super) fn has_stopped(&mut self) -> Result<bool, Failure> {
         let reply = self.engine.call(Request::Status)?;
         Ok(matches!(reply, Reply::Status(status) if status.fault.is_some()))

@@ -1,4 +1,4 @@
-//! Values, beside what is expected of them.
+//! Comparison of values with expected values.
 
 use super::{
     expectation::Bounds,
@@ -7,13 +7,13 @@ use super::{
 };
 use hal_protocol::Value;
 
-/// How far, in parts of itself, a number may be from what is expected in any case: binary fractions
-/// are never exactly what was written.
+/// Relative tolerance that always applies, because a binary fraction is rarely exactly the decimal
+/// number in the text.
 const NEARLY: f64 = 1e-9;
-/// How many digits of a number are shown.
+/// Number of significant digits shown.
 const DIGITS: i32 = 10;
 
-/// Compares what a pin has with what is expected.
+/// Compares a found value with the expected one.
 pub(super) fn value(
     spot: &Spot,
     name: &str,
@@ -30,7 +30,7 @@ pub(super) fn value(
         .with(format!("found:    {}", shown(found))))
 }
 
-/// Whether a value is as expected.
+/// Returns whether a value is the expected one.
 pub(super) fn is(
     spot: &Spot,
     name: &str,
@@ -44,7 +44,7 @@ pub(super) fn is(
     };
     let near = |wanted: f64| {
         let found = number(found);
-        // What is not a number is only like itself.
+        // NaN matches only NaN.
         let tolerance = tolerance.max(NEARLY * wanted.abs().max(1.0));
         (found - wanted).abs() <= tolerance || found == wanted || found.is_nan() && wanted.is_nan()
     };
@@ -61,7 +61,7 @@ pub(super) fn is(
     })
 }
 
-/// Whether a value is within bounds.
+/// Returns whether a value is within bounds.
 pub(super) fn within(
     spot: &Spot,
     name: &str,
@@ -77,7 +77,7 @@ pub(super) fn within(
     }
 }
 
-/// What is expected, in words.
+/// Describes bounds in words.
 pub(super) fn bounds(bounds: &Bounds, like: Value) -> String {
     match bounds {
         Bounds::Is(wanted, tolerance) => told(wanted, *tolerance, like),
@@ -87,7 +87,7 @@ pub(super) fn bounds(bounds: &Bounds, like: Value) -> String {
     }
 }
 
-/// A value as a machinist reads it.
+/// Writes a value for a report.
 pub(super) fn shown(value: Value) -> String {
     match value {
         Value::Float(f) if f.is_finite() => short(f),
@@ -95,10 +95,10 @@ pub(super) fn shown(value: Value) -> String {
     }
 }
 
-/// A number without the digits that binary fractions leave behind.
+/// Writes a number without the digits that binary fractions leave behind.
 fn short(x: f64) -> String {
     let scientific = format!("{x:.width$e}", width = DIGITS.unsigned_abs() as usize - 1);
-    // What was printed is a number.
+    // The text was printed from a number, so it parses.
     scientific.parse::<f64>().map_or(scientific, |x| x.to_string())
 }
 

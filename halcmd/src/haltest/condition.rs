@@ -1,10 +1,10 @@
-//! Conditions: texts in the language of the scope's triggers.
+//! Conditions, in the language of the scope's triggers.
 
 use super::{outcome::Complaint, test::Named};
 use hal_protocol::{Type, Value};
 use hal_trace::trigger::{self, ConditionError, When};
 
-/// A condition, and where it stands.
+/// A condition with its location in the test's file.
 #[derive(Clone, Debug)]
 pub(super) struct Condition {
     pub(super) named: Named,
@@ -12,7 +12,7 @@ pub(super) struct Condition {
 }
 
 impl Condition {
-    /// Reads it.
+    /// Parses a condition.
     pub(super) fn parse(named: Named) -> Result<Self, Complaint> {
         match trigger::Condition::parse(&named.name) {
             Ok(read) => Ok(Self { named, read }),
@@ -20,13 +20,13 @@ impl Condition {
         }
     }
 
-    /// The names in it.
+    /// Returns the names that the condition uses.
     pub(super) fn names(&self) -> Vec<Named> {
         let named = |name: &&str| Named { spot: self.named.spot.clone(), name: (*name).to_owned() };
         self.read.names().iter().map(named).collect()
     }
 
-    /// Looks from here on; the types are those of its names.
+    /// Starts evaluating the condition. `types` are the types of its names, in order.
     pub(super) fn begin(&self, types: &[Type]) -> Result<Looking, Complaint> {
         let names = self.read.names().into_iter().map(str::to_owned);
         let channels: Vec<_> = names.zip(types.iter().copied()).collect();
@@ -35,7 +35,7 @@ impl Condition {
     }
 }
 
-/// A condition that is looked at, sample by sample.
+/// A condition that is evaluated sample by sample.
 #[derive(Debug)]
 pub(super) struct Looking {
     when: When,
@@ -43,7 +43,8 @@ pub(super) struct Looking {
 }
 
 impl Looking {
-    /// Whether it holds at this sample; the values are those of its names.
+    /// Returns whether the condition holds at this sample. `values` are the values of its names, in
+    /// order.
     pub(super) fn look(&mut self, values: &[Option<Value>]) -> bool {
         let now: Option<Vec<u64>> = values.iter().map(|v| v.map(|v| v.bits())).collect();
         let holds = now.as_ref().is_some_and(|now| self.when.holds(self.before.as_deref(), now));
@@ -52,7 +53,7 @@ impl Looking {
     }
 }
 
-/// What is wrong, with a mark under the word.
+/// Returns the error with a mark under the wrong word.
 fn wrong(named: &Named, error: &ConditionError) -> Complaint {
     let (at, length) = error.place();
     let letters = |bytes: usize| named.name.get(..bytes).map_or(0, |t| t.chars().count());

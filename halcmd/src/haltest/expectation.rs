@@ -1,4 +1,4 @@
-//! What must be so of the whole course, or of a part of it.
+//! Requirements on the whole run or on a part of it.
 
 use super::{
     condition::Condition,
@@ -12,11 +12,11 @@ use super::{
 use crate::nanoseconds;
 use toml::{Spanned, Value};
 
-/// The keys of which an expectation has one.
+/// The keys of which an expectation has exactly one.
 const KEYS: &str = "value, always, never, happens, order, between, pulses, motor, message or \
                     no-message";
 
-/// An expectation.
+/// A requirement with its part of the run.
 #[derive(Debug)]
 pub(super) struct Expectation {
     pub(super) spot: Spot,
@@ -26,60 +26,60 @@ pub(super) struct Expectation {
     pub(super) what: What,
 }
 
-/// What is expected.
+/// Kind of a requirement.
 #[derive(Debug)]
 pub(super) enum What {
-    /// A value at a moment, or all the time.
+    /// A value at one moment, or during the whole part of the run.
     Value { of: Named, at: Option<Moment>, bounds: Bounds },
-    /// That something is so, while something else is.
+    /// A condition that always holds, or always holds while another one does.
     Always { holds: Condition, when: Option<Condition> },
-    /// That something is not so, while something else is.
+    /// A condition that never holds, or never holds while another one does.
     Never { holds: Condition, when: Option<Condition> },
-    /// That something happens, so many times.
+    /// An event that happens between `least` and `most` times.
     Happens { event: Condition, least: u64, most: u64 },
-    /// Events one after the other.
+    /// Events that happen one after the other.
     Order(Vec<Condition>),
-    /// The time from one event to another.
+    /// The time from one event to the next.
     Between { first: Condition, then: Condition, time: Times },
     /// The pulses of a bit.
     Pulses(Pulses),
-    /// Where a stepper motor that hangs at these lines has come to, in steps.
+    /// The position, in steps, of a stepper motor on these lines.
     Motor { step: Named, direction: Named, bounds: Bounds },
-    /// That something is said.
+    /// A message that is logged.
     Message(Named),
-    /// That something is not said.
+    /// A message that is not logged.
     NoMessage(Named),
 }
 
-/// What a number must be.
+/// Permitted values of a number.
 #[derive(Clone, Debug)]
 pub(super) enum Bounds {
-    /// This, or so near to it.
+    /// A value, with a tolerance.
     Is(Value, f64),
-    /// Within these.
+    /// A range: minimum and maximum.
     Within(f64, f64),
 }
 
-/// What a time must be, in nanoseconds.
+/// Permitted durations in nanoseconds.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Times {
     pub(super) least: u64,
     pub(super) most: u64,
 }
 
-/// What the pulses of a bit must be.
+/// Requirements on the pulses of a bit.
 #[derive(Debug)]
 pub(super) struct Pulses {
     pub(super) of: Named,
     pub(super) count: Option<u64>,
-    /// Hertz, and how far from it.
+    /// Frequency and tolerance, in hertz.
     pub(super) frequency: Option<(f64, f64)>,
     pub(super) high: Option<(Spot, Times)>,
     pub(super) low: Option<(Spot, Times)>,
 }
 
 impl Expectation {
-    /// Every condition in it.
+    /// Returns every condition of the expectation.
     pub(super) fn conditions(&self) -> impl Iterator<Item = &Condition> {
         let list: Vec<&Condition> = match &self.what {
             What::Always { holds, when } | What::Never { holds, when } => {
@@ -97,7 +97,7 @@ impl Expectation {
         list.into_iter()
     }
 
-    /// Every channel that it looks at by name.
+    /// Returns every channel that the expectation evaluates by name.
     pub(super) fn channels(&self) -> impl Iterator<Item = &Named> {
         let list = match &self.what {
             What::Value { of, .. } => vec![of],
@@ -108,7 +108,7 @@ impl Expectation {
         list.into_iter()
     }
 
-    /// Every moment in it.
+    /// Returns every moment of the expectation.
     pub(super) fn moments(&self) -> impl Iterator<Item = &Moment> {
         let at = match &self.what {
             What::Value { at, .. } => at.as_ref(),
@@ -118,7 +118,7 @@ impl Expectation {
     }
 }
 
-/// Checks an expectation.
+/// Checks the form of an expectation.
 pub(super) fn checked(
     source: &Source<'_>,
     expect: Spanned<file::Expect>,
@@ -146,7 +146,8 @@ pub(super) fn checked(
     Ok(Expectation { spot, about, from, to, what })
 }
 
-/// Looks for each kind. What a kind uses it takes away, so that what is left belongs to none.
+/// Looks for each kind of expectation. Each kind takes the keys that it uses; keys that remain
+/// belong to none.
 struct Kinds<'a> {
     source: &'a Source<'a>,
     spot: &'a Spot,
@@ -223,7 +224,7 @@ impl Kinds<'_> {
         text.map(|t| self.condition(&t)).transpose()
     }
 
-    /// `is`, with a tolerance, or `least` and `most`.
+    /// Takes `is` with a tolerance, or `least` and `most`.
     fn bounds(&mut self, key: &str) -> Result<Bounds, Complaint> {
         let tolerance = self.expect.tolerance.take().map(Spanned::into_inner);
         if let Some(is) = self.expect.is.take() {
@@ -250,7 +251,7 @@ impl Kinds<'_> {
         Ok(Bounds::Within(number(least, f64::NEG_INFINITY)?, number(most, f64::INFINITY)?))
     }
 
-    /// `least` or `most` of a count.
+    /// Takes `least` or `most` of a count.
     fn number(&mut self, key: &str) -> Result<Option<u64>, Complaint> {
         let expect = &mut *self.expect;
         let value = if key == "least" { expect.least.take() } else { expect.most.take() };
@@ -262,7 +263,7 @@ impl Kinds<'_> {
         })
     }
 
-    /// `least` and `most` of a time.
+    /// Takes `least` and `most` of a duration.
     fn times(&mut self) -> Result<Times, Complaint> {
         let (least, most) = (self.expect.least.take(), self.expect.most.take());
         if least.is_none() && most.is_none() {
@@ -302,7 +303,7 @@ impl Kinds<'_> {
     }
 }
 
-/// Refuses keys that belong to another kind of expectation.
+/// Rejects keys that belong to another kind of expectation.
 fn left_over(source: &Source<'_>, expect: &file::Expect, key: &str) -> Result<(), Complaint> {
     let span = |s: &Option<Text>| s.as_ref().map(Spanned::span);
     let value = |s: &Option<Spanned<Value>>| s.as_ref().map(Spanned::span);

@@ -1,15 +1,15 @@
-//! The form of a machine's test: what its TOML text may say. Nothing of it is checked yet.
+//! The form of a test's TOML text. Nothing in it has been checked yet.
 
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use toml::{Spanned, Value};
 
-/// A text, and where it stands.
+/// A string and its position in the file.
 pub(super) type Text = Spanned<String>;
-/// Names of pins, signals and parameters, with a value each.
+/// Names of pins, signals and parameters, each with a value.
 pub(super) type Values = BTreeMap<Text, Spanned<Value>>;
 
-/// A test, or what several tests begin with.
+/// A test, or the common part of several tests.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
 pub(super) struct File {
@@ -30,13 +30,13 @@ pub(super) struct File {
     pub(super) snapshot: Vec<Spanned<Snapshot>>,
 }
 
-/// Something that is done, or looked at, at a moment.
+/// An action or a check at one time.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
 pub(super) struct Step {
     pub(super) at: Option<Text>,
     pub(super) mark: Option<Text>,
-    // What is done: one of these.
+    // The action: exactly one of these keys.
     pub(super) r#do: Option<Text>,
     pub(super) run: Option<Text>,
     pub(super) wait: Option<Text>,
@@ -48,14 +48,14 @@ pub(super) struct Step {
     pub(super) drop: Option<BTreeMap<Text, Spanned<u32>>>,
     pub(super) release: Option<Vec<Text>>,
     pub(super) expect: Option<Values>,
-    // What goes with some of them.
+    // Keys that belong to some of the actions.
     pub(super) fails: Option<Text>,
     pub(super) prints: Option<Text>,
     pub(super) within: Option<Text>,
     pub(super) tolerance: Option<Spanned<f64>>,
 }
 
-/// A value that moves evenly.
+/// A value that changes linearly.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(super) struct Ramp {
@@ -64,14 +64,14 @@ pub(super) struct Ramp {
     pub(super) over: Text,
 }
 
-/// Something that must be so of the whole course, or of a part of it.
+/// A requirement on the whole run or on a part of it.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
 pub(super) struct Expect {
     pub(super) about: Option<String>,
     pub(super) from: Option<Text>,
     pub(super) to: Option<Text>,
-    // What is looked at: one of these.
+    // The kind of requirement: exactly one of these keys.
     pub(super) value: Option<Text>,
     pub(super) always: Option<Text>,
     pub(super) never: Option<Text>,
@@ -82,7 +82,7 @@ pub(super) struct Expect {
     pub(super) motor: Option<Motor>,
     pub(super) message: Option<Text>,
     pub(super) no_message: Option<Text>,
-    // What goes with some of them.
+    // Keys that belong to some of the kinds.
     pub(super) at: Option<Text>,
     pub(super) is: Option<Spanned<Value>>,
     pub(super) least: Option<Spanned<Value>>,
@@ -96,7 +96,7 @@ pub(super) struct Expect {
     pub(super) low: Option<Spanned<Width>>,
 }
 
-/// Bounds of a time.
+/// Bounds of a duration.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
 pub(super) struct Width {
@@ -104,7 +104,7 @@ pub(super) struct Width {
     pub(super) most: Option<Text>,
 }
 
-/// The lines that drive a stepper motor.
+/// The step and direction lines of a stepper motor.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(super) struct Motor {
@@ -112,7 +112,7 @@ pub(super) struct Motor {
     pub(super) direction: Text,
 }
 
-/// A waveform that is kept beside the test.
+/// A waveform that is kept in a file beside the test.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(super) struct Snapshot {

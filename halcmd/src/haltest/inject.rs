@@ -1,4 +1,4 @@
-//! What a test does to a machine from outside: values that move, and faults.
+//! Changes that a test makes to a machine from outside: ramps and faults.
 
 use super::{
     bench::Bench,
@@ -8,10 +8,10 @@ use super::{
 };
 use hal_protocol::{Direction, Failure, ItemInfo, Kind, Link, Reply, Request, SignalInfo, Value};
 
-/// The code of a failure that says that something is not there.
+/// Failure code for a name that does not exist.
 pub(super) const ENOENT: i32 = -2;
 
-/// A value under way.
+/// A value that follows a ramp.
 #[derive(Debug)]
 pub(super) struct Ramping {
     name: String,
@@ -22,7 +22,7 @@ pub(super) struct Ramping {
 }
 
 impl Ramping {
-    /// Begins a ramp, in place of one that goes on.
+    /// Begins a ramp. It replaces a ramp of the same name.
     pub(super) fn begin(bench: &mut Bench, ramp: &Ramp) -> Result<(), Complaint> {
         let now = value(bench, &ramp.what)?;
         let begun = bench.now();
@@ -34,7 +34,7 @@ impl Ramping {
         set(bench, &ramp.what, &written(now, from))
     }
 
-    /// Sets every value under way to what it is at this moment.
+    /// Sets every ramped value for the present time.
     pub(super) fn take_effect(bench: &mut Bench) -> Result<(), Failure> {
         let now = bench.now();
         for ramp in core::mem::take(&mut bench.ramps) {
@@ -54,48 +54,48 @@ impl Ramping {
     }
 }
 
-/// Pins that a test has taken off their signals.
+/// Pins that a test has disconnected from their signals.
 #[derive(Debug, Default)]
 pub(super) struct Faults {
     held: Vec<Held>,
     drops: Vec<Drop>,
 }
 
-/// A pin that does not see its signal.
+/// A pin that is disconnected from its signal.
 #[derive(Debug)]
 struct Held {
-    /// What the test called it.
+    /// Name that the test used.
     name: String,
     pin: String,
     signal: String,
 }
 
-/// Pulses that do not get through.
+/// Pulses that do not reach their readers.
 #[derive(Debug)]
 struct Drop {
     name: String,
     signal: String,
     left: u32,
-    /// Whether the readers are off their signal.
+    /// True while the readers are disconnected from their signal.
     is_cut: bool,
     was_high: bool,
 }
 
-/// What a name means, and who reads it.
+/// The signal that a name refers to, and the pins that read it.
 struct Target {
     /// The signal, if there is one.
     signal: Option<String>,
-    /// The pins that read the signal and are meant.
+    /// The pins that read the signal and that the name selects.
     readers: Vec<String>,
 }
 
 impl Faults {
-    /// Whether each cycle must be looked at.
+    /// Returns whether every cycle must be examined.
     pub(super) const fn is_looking(&self) -> bool {
         !self.drops.is_empty()
     }
 
-    /// Whoever reads this sees another value from now on.
+    /// Makes the readers of a name see another value from now on.
     pub(super) fn force(bench: &mut Bench, entry: &Entry) -> Result<(), Complaint> {
         let named = Named { spot: entry.spot.clone(), name: entry.name.clone() };
         let held = cut(bench, &named)?;
@@ -104,7 +104,7 @@ impl Faults {
             .try_for_each(|pin| set(bench, &Named { name: pin.clone(), ..named.clone() }, &text))
     }
 
-    /// Whoever reads this goes on seeing what it is now.
+    /// Makes the readers of a name keep seeing its present value.
     pub(super) fn stick(bench: &mut Bench, named: &Named) -> Result<(), Complaint> {
         let now = exact(value(bench, named)?);
         let held = cut(bench, named)?;
@@ -112,7 +112,7 @@ impl Faults {
             .try_for_each(|pin| set(bench, &Named { name: pin.clone(), ..named.clone() }, &now))
     }
 
-    /// A pin is taken off its signal.
+    /// Disconnects a pin from its signal.
     pub(super) fn unlink(bench: &mut Bench, named: &Named) -> Result<(), Complaint> {
         let target = target(bench, named)?;
         let Some(signal) = target.signal else {
@@ -122,7 +122,7 @@ impl Faults {
         take_off(bench, named, &named.name, &signal)
     }
 
-    /// The next pulses of this do not reach whoever reads it.
+    /// Keeps the next pulses of a signal from its readers.
     pub(super) fn drop(bench: &mut Bench, named: &Named, pulses: u32) -> Result<(), Complaint> {
         let Value::Bit(_) = value(bench, named)? else {
             let text = format!("'{}' is no bit: it has no pulses", named.name);
@@ -139,7 +139,7 @@ impl Faults {
         Self::look(bench).map_err(|f| refused(named, &f))
     }
 
-    /// What was forced, stuck or unlinked by this name is as before.
+    /// Restores what was forced, stuck, unlinked or dropped under this name.
     pub(super) fn release(bench: &mut Bench, named: &Named) -> Result<(), Complaint> {
         let drops = bench.faults.drops.len();
         bench.faults.drops.retain(|d| d.name != named.name);
@@ -153,7 +153,7 @@ impl Faults {
         held.into_iter().try_for_each(|h| relink(bench, h).map_err(|f| refused(named, &f)))
     }
 
-    /// After a cycle: pulses that are to be dropped are counted.
+    /// Counts dropped pulses, after a cycle.
     pub(super) fn look(bench: &mut Bench) -> Result<(), Failure> {
         if bench.faults.drops.is_empty() {
             return Ok(());
@@ -175,7 +175,7 @@ impl Faults {
                 held.into_iter().try_for_each(|h| relink(bench, h))?;
                 continue;
             }
-            // A pulse under way is let through.
+            // A pulse that has begun passes.
             if !drop.is_cut && !high {
                 let pins = match signal(bench, &drop.signal)? {
                     Some(info) => meant(&info, &drop.name),
@@ -199,7 +199,7 @@ impl Faults {
 pub(super) fn set(bench: &mut Bench, named: &Named, text: &str) -> Result<(), Complaint> {
     store(bench, &named.name, text).map_err(|failure| {
         let complaint = refused(named, &failure);
-        // A pin that is linked cannot be set.
+        // A linked pin cannot be set.
         if failure.hint.as_ref().is_some_and(|h| h.contains("linked")) {
             complaint.with("to have its readers see another value, use 'force'")
         } else {
@@ -208,12 +208,12 @@ pub(super) fn set(bench: &mut Bench, named: &Named, text: &str) -> Result<(), Co
     })
 }
 
-/// The value of a pin, a parameter or a signal.
+/// Returns the value of a pin, a parameter or a signal.
 pub(super) fn value(bench: &mut Bench, named: &Named) -> Result<Value, Complaint> {
     bench.get(&named.name).map_err(|failure| refused(named, &failure))
 }
 
-/// A value as a number: a bit is 0 or 1.
+/// Converts a value to a number: a bit is 0 or 1.
 pub(super) const fn number(value: Value) -> f64 {
     match value {
         Value::Bit(b) => b as u8 as f64,
@@ -225,7 +225,7 @@ pub(super) const fn number(value: Value) -> f64 {
     }
 }
 
-/// A value as it is written in a script, without loss.
+/// Writes a value for a script, without loss of precision.
 fn exact(value: Value) -> String {
     match value {
         Value::Float(f) if f.is_finite() => format!("{f:e}"),
@@ -233,7 +233,7 @@ fn exact(value: Value) -> String {
     }
 }
 
-/// A complaint of the engine's.
+/// Converts a failure of the engine to a complaint.
 pub(super) fn refused(named: &Named, failure: &Failure) -> Complaint {
     let text = if failure.code == ENOENT {
         format!("there is no pin, parameter or signal '{}'", named.name)
@@ -247,7 +247,7 @@ pub(super) fn refused(named: &Named, failure: &Failure) -> Complaint {
     }
 }
 
-/// A number as a pin of this type takes it.
+/// Writes a number for a pin of this type.
 fn written(like: Value, number: f64) -> String {
     match like {
         Value::Float(_) => format!("{number:e}"),
@@ -267,9 +267,10 @@ fn store(bench: &mut Bench, name: &str, text: &str) -> Result<(), Failure> {
     bench.call(request).map(|_| ())
 }
 
-/// Takes the readers of a name off their signal: the pins whose values count from now on.
+/// Disconnects the readers of a name from their signal. Returns the pins whose own values apply
+/// from now on.
 fn cut(bench: &mut Bench, named: &Named) -> Result<Vec<String>, Complaint> {
-    // Forced again, or the value of something that is forced.
+    // The name is forced again, or a value is set for a name that is already cut.
     let again: Vec<String> =
         bench.faults.held.iter().filter(|h| h.name == named.name).map(|h| h.pin.clone()).collect();
     if !again.is_empty() {
@@ -295,7 +296,8 @@ fn take_off(bench: &mut Bench, named: &Named, pin: &str, signal: &str) -> Result
     Ok(())
 }
 
-/// Puts a pin back on its signal. A signal that has no other pin would take the pin's value.
+/// Links a pin to its signal again. A signal without other pins would take the pin's value, so the
+/// signal's value is restored.
 fn relink(bench: &mut Bench, held: Held) -> Result<(), Failure> {
     let Held { pin, signal, .. } = held;
     let Reply::Value(before) = bench.ask(Request::GetSignal { name: signal.clone() })? else {
@@ -309,7 +311,7 @@ fn relink(bench: &mut Bench, held: Held) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What a name means.
+/// Resolves a name.
 fn target(bench: &mut Bench, named: &Named) -> Result<Target, Complaint> {
     let wrong = |f: Failure| refused(named, &f);
     let name = &named.name;
@@ -327,19 +329,20 @@ fn target(bench: &mut Bench, named: &Named) -> Result<Target, Complaint> {
     }
     match signal(bench, name).map_err(wrong)? {
         Some(info) => Ok(Target { readers: meant(&info, name), signal: Some(info.name) }),
-        // The engine knows what is near.
+        // The engine knows the nearest name.
         None => value(bench, named).map(|_| Target { signal: None, readers: Vec::new() }),
     }
 }
 
-/// The pins of a signal that are meant by a name: the one that reads and has it, or all that read.
+/// Returns the reading pins of a signal that a name selects: the one with this name, or all of
+/// them.
 fn meant(info: &SignalInfo, name: &str) -> Vec<String> {
     let readers = info.pins.iter().filter(|(d, _)| *d != Direction::Out);
     let all: Vec<String> = readers.map(|(_, pin)| pin.clone()).collect();
     if all.iter().any(|pin| pin == name) { vec![name.to_owned()] } else { all }
 }
 
-/// The pin of this name.
+/// Returns the pin or parameter with this name.
 fn item(bench: &mut Bench, name: &str) -> Result<Option<ItemInfo>, Failure> {
     for kind in [Kind::Pins, Kind::Params] {
         let list = Request::List { kind, patterns: vec![name.to_owned()], ty: None };
@@ -353,7 +356,7 @@ fn item(bench: &mut Bench, name: &str) -> Result<Option<ItemInfo>, Failure> {
     Ok(None)
 }
 
-/// The signal of this name.
+/// Returns the signal with this name.
 fn signal(bench: &mut Bench, name: &str) -> Result<Option<SignalInfo>, Failure> {
     let patterns = vec![name.to_owned()];
     let list = Request::List { kind: Kind::Signals, patterns, ty: None };

@@ -1,4 +1,4 @@
-//! Expectations, beside the recording of what happened.
+//! Comparison of the expectations with the recording.
 
 use super::{
     compare,
@@ -15,7 +15,7 @@ use hal_protocol::Value;
 use hal_trace::{Channel, Trace, draw, vcd};
 use std::path::Path;
 
-/// Adds what is not as expected, and the waveforms.
+/// Adds failed expectations and the waveforms to the outcome.
 pub(super) fn judge(test: &Test, course: &Course, shown: &str, outcome: &mut Outcome) {
     let trace = match trace(course) {
         Ok(trace) => trace,
@@ -62,14 +62,14 @@ fn trace(course: &Course) -> Result<Trace, String> {
     }
 }
 
-/// What happened, and when what was.
+/// The recording, and the times of the moments.
 pub(super) struct Record<'r> {
     pub(super) trace: &'r Trace,
     course: &'r Course,
 }
 
 impl Record<'_> {
-    /// A time, as it is told: after the start.
+    /// Writes a time relative to the start.
     pub(super) fn told(&self, time: i64) -> String {
         let start = self.course.reached.get(START).copied().unwrap_or(0);
         let text = duration(time.saturating_sub(start).unsigned_abs());
@@ -208,14 +208,15 @@ impl Record<'_> {
             .with(format!("found:    {}", compare::shown(found))))
     }
 
-    /// The times of samples in a part of the course, and its beginning.
+    /// Returns the beginning of a part of the run and the times of the samples in it.
     pub(super) fn times(&self, from: i64, to: i64) -> Vec<i64> {
         let times = self.trace.times();
         let inside = times.from(from.saturating_add(1))..times.from(to);
         [from].into_iter().chain(inside.filter_map(|n| times.get(n))).collect()
     }
 
-    /// Whether a condition holds, sample by sample. One sample before is looked at as well.
+    /// Evaluates a condition sample by sample. The sample before `from` is evaluated too, so that
+    /// edges at `from` are found.
     fn truths(
         &self,
         condition: &Condition,
@@ -235,7 +236,7 @@ impl Record<'_> {
         Ok(self.times(from, to).into_iter().map(look).collect())
     }
 
-    /// When a condition comes to hold.
+    /// Returns the times at which a condition becomes true.
     pub(super) fn events(
         &self,
         event: &Condition,
@@ -316,7 +317,7 @@ impl Record<'_> {
         Ok(())
     }
 
-    /// The first of some times.
+    /// Writes the first eight times.
     fn list(&self, times: &[i64]) -> String {
         let told: Vec<String> = times.iter().take(8).map(|t| self.told(*t)).collect();
         let more = if times.len() > 8 { ", …" } else { "" };
@@ -324,7 +325,7 @@ impl Record<'_> {
     }
 }
 
-/// How often.
+/// Writes a number of times in words.
 fn often(n: u64) -> String {
     match n {
         0 => "never".to_owned(),

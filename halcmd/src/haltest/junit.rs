@@ -1,12 +1,12 @@
-//! What came of all tests as `JUnit` XML, for those who gather such.
+//! Results of all tests as `JUnit` XML, for continuous integration servers.
 //!
-//! Times are machine time: the same tests make the same file.
+//! Times are machine time, so the same tests always produce the same file.
 
 use super::outcome::Outcome;
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use std::{path::Path, time::Duration};
 
-/// The file.
+/// Returns the text of the file.
 pub(super) fn write(outcomes: &[Outcome]) -> Result<String, quick_junit::SerializeError> {
     let mut report = Report::new("haltest");
     let mut suites: Vec<TestSuite> = Vec::new();

@@ -1,4 +1,4 @@
-//! All tests that are asked for, several at once.
+//! All requested tests, several at a time.
 
 use super::{Failure, NAME, Wanted, junit, outcome::Outcome, picture, process, report};
 use crate::{Terminal, ini::plain};
@@ -11,7 +11,7 @@ use std::{
     },
 };
 
-/// Runs what is wanted; the status of the program.
+/// Runs the requested tests. Returns the exit status of the program.
 pub(super) fn main(wanted: &Wanted, terminal: &mut dyn Terminal) -> Result<u8, Failure> {
     if wanted.paths.is_empty() {
         return Err(asked("which tests? Name a folder or a file"));
@@ -55,7 +55,7 @@ fn asked(text: &str) -> Failure {
     Failure::Asked(format!("{NAME}: {text}"))
 }
 
-/// Runs them, and tells of each as soon as all before it are done.
+/// Runs the tests. Reports each test as soon as all tests before it are done.
 fn run(
     wanted: &Wanted,
     files: &[PathBuf],
@@ -98,7 +98,7 @@ fn run(
     .map(|()| outcomes)
 }
 
-/// Tells of a test; its waveforms are kept if that is asked for.
+/// Reports a test, and accepts its waveforms if `--accept` was given.
 fn told(
     wanted: &Wanted,
     mut outcome: Outcome,
@@ -122,7 +122,7 @@ fn told(
     Ok(outcome)
 }
 
-/// What the recording of a test is called.
+/// Returns the file name for the recording of a test.
 fn recording(file: &Path) -> String {
     let words: Vec<String> = file
         .with_extension("")
@@ -135,7 +135,7 @@ fn recording(file: &Path) -> String {
     words.join("-") + ".vcd"
 }
 
-/// The tests in a folder and below it, in order of their names, or the one of this name.
+/// Collects the tests in a folder and below it, sorted by name, or the one file with this name.
 fn found(path: &Path, files: &mut Vec<PathBuf>) -> std::io::Result<()> {
     if !path.is_dir() {
         fs::metadata(path)?;

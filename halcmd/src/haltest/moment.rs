@@ -1,4 +1,4 @@
-//! Moments of a test: `start`, `end`, a mark, and so much before or after one of them.
+//! Moments of a test: `start`, `end` or a mark, with a time before or after it.
 
 use super::{
     outcome::{Complaint, Spot},
@@ -7,12 +7,12 @@ use super::{
 use crate::{hint::nearest, nanoseconds};
 use std::collections::BTreeMap;
 
-/// When the script is done, and the steps begin.
+/// The moment at which the script is done and the steps begin.
 pub(super) const START: &str = "start";
-/// When the last step is done.
+/// The moment at which the last step is done.
 pub(super) const END: &str = "end";
 
-/// A moment.
+/// A moment of the test.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Moment {
     spot: Spot,
@@ -29,7 +29,7 @@ impl Moment {
         Self { spot: spot.clone(), base: END.to_owned(), offset: 0 }
     }
 
-    /// Reads `20ms`, `turn`, `turn + 20ms`, `end - 1s`.
+    /// Parses `20ms`, `turn`, `turn + 20ms`, `end - 1s`.
     pub(super) fn parse(text: &str, spot: &Spot) -> Result<Self, Complaint> {
         let wrong = |what: &str| {
             Complaint::new(spot, format!("'{what}' is no time"))
@@ -39,7 +39,7 @@ impl Moment {
         let signed = |sign: &'static str| {
             text.split_once(sign).map(|(base, time)| (base.trim(), time.trim(), sign))
         };
-        // A mark's own name may have a '-' in it: a sign stands between spaces.
+        // The name of a mark may contain '-', so a sign has spaces around it.
         let (base, time, sign) = match signed(" + ").or_else(|| signed(" - ")) {
             Some(parts) => parts,
             None if text.trim().starts_with(|c: char| c.is_ascii_digit()) => {
@@ -53,7 +53,7 @@ impl Moment {
         Ok(Self { spot: spot.clone(), base: base.to_owned(), offset })
     }
 
-    /// What is wrong with it, if there is no such mark.
+    /// Returns an error if the test has no such mark.
     pub(super) fn unknown(&self, marks: &[&str]) -> Option<Complaint> {
         let known = [START, END];
         if known.contains(&&*self.base) || marks.contains(&&*self.base) {
@@ -67,7 +67,7 @@ impl Moment {
         })
     }
 
-    /// Its time on the machine, if its mark was reached.
+    /// Returns the machine time of the moment, if its mark was reached.
     pub(super) fn on(&self, reached: &BTreeMap<String, i64>) -> Option<i64> {
         reached.get(&self.base).map(|t| t.saturating_add(self.offset))
     }

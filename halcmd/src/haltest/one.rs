@@ -1,4 +1,4 @@
-//! One test, in the process that is its own.
+//! A single test, in its own process.
 
 use super::{
     Failure,
@@ -12,12 +12,12 @@ use super::{
 use rustix::process::{Signal, set_parent_process_death_signal};
 use std::path::Path;
 
-/// Runs the test that a file has, and leaves what came of it in a folder.
+/// Runs the test in a file and leaves the outcome in a folder.
 ///
 /// # Errors
 /// The outcome cannot be written.
 pub(super) fn main(shown: &str, folder: &Path) -> Result<(), Failure> {
-    // Whoever asked has gone: nobody wants to know any more.
+    // If the parent process ends, nobody needs the outcome, so the kernel kills this process.
     let _ = set_parent_process_death_signal(Some(Signal::KILL));
     let outcome = outcome(shown, folder);
     let text = serde_json::to_vec(&outcome).map_err(|e| Failure::Unwritten(e.to_string()))?;
@@ -64,7 +64,7 @@ fn judge(test: &Test, course: &Course, shown: &str, folder: &Path, outcome: &mut
         let text = format!("the recording cannot be kept: {}", crate::ini::plain(&error));
         outcome.complaints.push(Complaint::new(&spot, text));
     }
-    // A course that was broken off is not what the expectations are about.
+    // Expectations do not apply to a run that was aborted.
     if course.complaints.is_empty() {
         judge::judge(test, course, shown, outcome);
     }

@@ -1,4 +1,4 @@
-//! What came of a test.
+//! The result of a test.
 
 use serde::{Deserialize, Serialize};
 use std::{fmt, path::PathBuf};
@@ -6,9 +6,9 @@ use std::{fmt, path::PathBuf};
 /// A line of a test's file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Spot {
-    /// The file, as it was named.
+    /// The file, as it was named on the command line or in another test.
     pub file: String,
-    /// Its line, from 1.
+    /// Line number, from 1.
     pub line: u32,
 }
 
@@ -18,14 +18,14 @@ impl fmt::Display for Spot {
     }
 }
 
-/// Something that is not as the test wants it, or that is wrong with the test itself.
+/// An expectation that failed, or an error in the test itself.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Complaint {
-    /// Where the test says what it wants.
+    /// Line of the test that states the expectation.
     pub spot: Spot,
-    /// What is wrong, in a sentence.
+    /// The problem, in a sentence.
     pub text: String,
-    /// What was expected, what was found, what would be right: a line each.
+    /// Expected value, found value and remedy: one line each.
     pub details: Vec<String>,
 }
 
@@ -34,13 +34,13 @@ impl Complaint {
         Self { spot: spot.clone(), text: text.into(), details: Vec::new() }
     }
 
-    /// With a further line.
+    /// Adds a line.
     pub(super) fn with(mut self, detail: impl Into<String>) -> Self {
         self.details.push(detail.into());
         self
     }
 
-    /// With what was probably meant, if that is known.
+    /// Adds the probably intended name, if there is one.
     pub(super) fn near(self, near: Option<impl fmt::Display>) -> Self {
         match near {
             Some(near) => self.with(format!("did you mean '{near}'?")),
@@ -56,53 +56,53 @@ impl fmt::Display for Complaint {
     }
 }
 
-/// A waveform that the test keeps.
+/// A waveform that the test keeps in a file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Picture {
-    /// Where the test asks for it.
+    /// Line of the test that declares it.
     pub spot: Spot,
-    /// Its name in the test.
+    /// Name of the waveform in the test.
     pub name: String,
-    /// The file that it is kept in.
+    /// File that keeps the waveform.
     pub path: PathBuf,
-    /// What it looks like now.
+    /// The waveform of this run, as text.
     pub drawing: String,
-    /// Whether it is what the file has.
+    /// True if the file has the same waveform.
     pub same: bool,
 }
 
-/// What came of a test.
+/// Result of a test.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// Its file, as it was named.
+    /// The test's file, as it was named.
     pub file: String,
-    /// What it shows, in its own words.
+    /// The test's own description.
     pub about: String,
-    /// What is not as it should be; of the waveforms, too.
+    /// Failed expectations and errors, including those of waveforms.
     pub complaints: Vec<Complaint>,
-    /// The waveforms.
+    /// Waveforms of this run.
     pub pictures: Vec<Picture>,
-    /// How long the machine ran, in nanoseconds of its own time.
+    /// Machine time of the run in nanoseconds.
     pub machine_ns: u64,
-    /// What components, the engine and the script said, in order.
+    /// Messages of components, the engine and the script, in order.
     pub said: Vec<String>,
 }
 
 impl Outcome {
-    /// Whether all was as it should be.
+    /// Returns whether the test passed.
     #[must_use]
     pub const fn passed(&self) -> bool {
         self.complaints.is_empty()
     }
 
-    /// Whether only waveforms are not as they should be: they can be accepted.
+    /// Returns whether all complaints are about waveforms, so that they can be accepted.
     #[must_use]
     pub fn is_acceptable(&self) -> bool {
         let wave = |c: &Complaint| self.pictures.iter().any(|p| p.spot == c.spot && !p.same);
         self.complaints.iter().all(wave)
     }
 
-    /// The waveform of this name, as text.
+    /// Returns the waveform with this name, as text.
     #[must_use]
     pub fn drawing(&self, name: &str) -> Option<&str> {
         self.pictures.iter().find(|p| p.name == name).map(|p| p.drawing.as_str())
@@ -110,7 +110,7 @@ impl Outcome {
 }
 
 impl fmt::Display for Outcome {
-    /// As `haltest` prints it.
+    /// Writes the outcome as `haltest` prints it.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let word = if self.passed() { "ok  " } else { "FAIL" };
         let time = crate::units::duration(self.machine_ns);

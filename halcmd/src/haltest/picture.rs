@@ -11,10 +11,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// How many differences of one waveform are told.
+/// Maximum number of differences reported for one waveform.
 const TOLD: usize = 12;
 
-/// The file in which a test keeps a waveform: `TEST.NAME.wave`.
+/// Returns the file in which a test keeps a waveform: `TEST.NAME.wave`.
 pub(super) fn path(test: &Path, name: &str) -> PathBuf {
     test.with_extension(format!("{name}.wave"))
 }
@@ -58,7 +58,7 @@ fn difference(picture: &mut Picture) -> Option<Complaint> {
     Some(drawn(complaint.with("found:"), &picture.drawing))
 }
 
-/// Keeps the waveforms of a test in which all else is as it should be: the files that were written.
+/// Writes the waveforms of a test that has no other failure. Returns the files that were written.
 pub(super) fn accept(outcome: &mut Outcome) -> Result<Vec<PathBuf>, Failure> {
     if !outcome.is_acceptable() {
         return Ok(Vec::new());

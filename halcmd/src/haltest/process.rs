@@ -1,4 +1,4 @@
-//! Each test in a process of its own: what goes wrong in one does not touch another.
+//! Each test in a process of its own, so that a failure in one does not affect another.
 
 use super::{
     outcome::{Complaint, Outcome, Spot},
@@ -15,21 +15,22 @@ use std::{
     sync::atomic::{AtomicU32, Ordering},
 };
 
-/// What a test's process leaves its outcome in.
+/// File in which a test's process leaves its outcome.
 pub(super) const OUTCOME: &str = "outcome.json";
-/// What the recording is called there.
+/// Name of the recording in the same folder.
 pub(super) const RECORDING: &str = "recording.vcd";
-/// How often it is looked whether a test is done.
+/// Interval in milliseconds between two checks for the end of a test.
 const LOOK_MS: u32 = 2;
 
-/// How a test is run.
+/// Options of a test run.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// The program haltest; else the one beside this program, or on the path.
+    /// Path of the program haltest. Without it, haltest is looked for beside this program, then on
+    /// the path.
     pub program: Option<PathBuf>,
-    /// How long it may take on the wall, in nanoseconds.
+    /// Wall-clock limit in nanoseconds.
     pub patience_ns: u64,
-    /// Where its recording is kept.
+    /// File that receives the recording.
     pub recording: Option<PathBuf>,
 }
 
@@ -41,13 +42,13 @@ impl Default for Options {
 
 /// Runs one test in a process of its own.
 ///
-/// What cannot be run is an outcome, too: its complaints say why. Waveforms are compared with the
-/// files beside the test and not written.
+/// A test that cannot run has an outcome too: its complaints state the reason. Waveforms are
+/// compared with the files beside the test; nothing is written to those files.
 pub fn run(path: impl AsRef<Path>) -> Outcome {
     run_with(path, &Options::default())
 }
 
-/// The same, with these options.
+/// Like [`run`], with options.
 pub fn run_with(path: impl AsRef<Path>, options: &Options) -> Outcome {
     let shown = path.as_ref().display().to_string();
     let mut outcome = begun(&shown, options).unwrap_or_else(|error| {
@@ -67,7 +68,7 @@ fn begun(shown: &str, options: &Options) -> io::Result<Outcome> {
     let folder = stage.path();
     let said = folder.join("said");
     let mut command = Command::new(options.program.clone().map_or_else(program, Ok)?);
-    // What the caller's environment asks of halrun is no part of the test.
+    // The test does not depend on the caller's HAL variables.
     let own = std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("HAL_"));
     for (name, _) in own.filter(|(name, _)| name != "HAL_RTMOD_DIR") {
         command.env_remove(name);
@@ -111,7 +112,7 @@ fn begun(shown: &str, options: &Options) -> io::Result<Outcome> {
     Ok(Outcome { complaints: vec![complaint], ..Outcome::default() })
 }
 
-/// Keeps a recording under another name. A test that was refused has none.
+/// Copies a recording to another file. A test that was refused has no recording.
 fn keep(recording: &Path, to: &Path) -> io::Result<()> {
     let mut from = match File::open(recording) {
         Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(()),
@@ -122,7 +123,7 @@ fn keep(recording: &Path, to: &Path) -> io::Result<()> {
     file.finish()
 }
 
-/// Waits for a process; nothing when it takes too long, and then it is ended with all that it began.
+/// Waits for a process. If it exceeds the limit, kills its process group and returns `None`.
 fn wait(mut child: Child, patience_ns: u64) -> io::Result<Option<ExitStatus>> {
     let looks = patience_ns / (u64::from(LOOK_MS) * 1_000_000);
     for _ in 0..=looks {
@@ -138,8 +139,8 @@ fn wait(mut child: Child, patience_ns: u64) -> io::Result<Option<ExitStatus>> {
     Ok(None)
 }
 
-/// The program haltest: this one, the one beside it, the one a folder further up (where tests of
-/// Rust are, in `deps`), or that on the path.
+/// Returns the path of haltest: this program, the one beside it, the one a folder further up (Rust
+/// tests are in `deps`), or else the name alone, which is looked up on the path.
 fn program() -> io::Result<PathBuf> {
     let own = std::env::current_exe()?;
     if own.file_name().is_some_and(|name| name == super::NAME) {

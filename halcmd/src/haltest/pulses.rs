@@ -1,4 +1,4 @@
-//! Pulses: how many, how long, how often, and where they bring a motor.
+//! Pulses: count, width, frequency, and the steps that a motor makes from them.
 
 use super::{
     condition::Condition,
@@ -10,7 +10,7 @@ use super::{
 use crate::units::duration;
 use hal_protocol::Value;
 
-/// The edges of a bit: when it became what.
+/// Returns the edges of a bit: time, and the level after the edge.
 fn edges(
     record: &Record<'_>,
     of: &Named,
@@ -30,7 +30,7 @@ fn edges(
     Ok(bits.filter(|(_, bit)| core::mem::replace(&mut level, *bit) != *bit).collect())
 }
 
-/// Judges the pulses of a bit.
+/// Checks the pulses of a bit.
 pub(super) fn judge(
     record: &Record<'_>,
     spot: &Spot,
@@ -80,7 +80,7 @@ pub(super) fn judge(
     Ok(())
 }
 
-/// Judges the times from each event to the next of another kind.
+/// Checks the times from each `first` event to the next `then` event.
 pub(super) fn between(
     record: &Record<'_>,
     spot: &Spot,
@@ -136,7 +136,8 @@ fn time(
     )))
 }
 
-/// Where a motor comes to that makes a step at each rising edge: back while its direction is high.
+/// Returns the position in steps of a motor that makes one step at each rising edge of `step`, in
+/// the negative direction while `direction` is high.
 pub(super) fn steps(
     record: &Record<'_>,
     step: &Named,

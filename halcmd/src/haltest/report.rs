@@ -1,8 +1,8 @@
-//! What came of all tests, in a line.
+//! The summary line for all tests.
 
 use super::outcome::Outcome;
 
-/// The last line.
+/// Returns the last line of the output.
 pub(super) fn summary(outcomes: &[Outcome]) -> String {
     let failed = outcomes.iter().filter(|o| !o.passed()).count();
     let tests = if outcomes.len() == 1 { "test" } else { "tests" };

@@ -3,7 +3,7 @@
 use super::{outcome::Complaint, step::text_of, test::Test};
 use crate::ini::Ini;
 
-/// Changes what the test asks for.
+/// Applies the changes of the test to the INI file.
 pub(super) fn change(test: &Test, ini: Option<&mut Ini>) -> Result<(), Complaint> {
     let Some(first) = test.settings.first() else { return Ok(()) };
     let Some(ini) = ini else {

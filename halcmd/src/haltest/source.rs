@@ -1,4 +1,4 @@
-//! A test's text: where each part of it stands, and what is wrong with it.
+//! The text of a test: line numbers of its parts, and errors in it.
 
 use super::{
     file::{Text, Values},
@@ -9,10 +9,10 @@ use super::{
 use crate::{hint::nearest, nanoseconds};
 use core::ops::Range;
 
-/// How a time is written.
+/// Form of a time.
 pub(super) const TIMES: &str = "a time is a number and ns, us, ms or s, such as 20ms";
 
-/// What serde calls the kinds of values, and what a machinist does.
+/// Names that serde gives to kinds of values, and their names in our messages.
 const KINDS: &[(&str, &str)] = &[
     ("a string", "a text in quotes"),
     ("string", "the text"),
@@ -40,12 +40,12 @@ impl<'t> Source<'t> {
         Self { shown, text }
     }
 
-    /// What the file is called.
+    /// Returns the name of the file as it was given.
     pub(super) const fn shown(&self) -> &'t str {
         self.shown
     }
 
-    /// Where a part of the text is.
+    /// Returns the file and line of a part of the text.
     pub(super) fn spot(&self, span: &Range<usize>) -> Spot {
         let before = self.text.bytes().take(span.start);
         let lines = before.filter(|b| *b == b'\n').count();
@@ -60,7 +60,7 @@ impl<'t> Source<'t> {
         texts.iter().map(|t| self.named(t)).collect()
     }
 
-    /// Lines of the language; the place is that of the first one.
+    /// Returns lines of the HAL language; the location is that of the first line.
     pub(super) fn lines(&self, text: &Text) -> Named {
         let mut named = self.named(text);
         let rest = self.text.get(text.span().start..).unwrap_or_default();
@@ -69,7 +69,7 @@ impl<'t> Source<'t> {
         named
     }
 
-    /// Names and values, in the order in which they stand.
+    /// Returns names and values in the order in which the file has them.
     pub(super) fn entries(&self, values: Values) -> Vec<Entry> {
         let mut all: Vec<_> = values.into_iter().collect();
         all.sort_by_key(|(name, _)| name.span().start);
@@ -81,7 +81,7 @@ impl<'t> Source<'t> {
         all.into_iter().map(entry).collect()
     }
 
-    /// A span of time.
+    /// Parses a duration.
     pub(super) fn time(&self, text: &Text) -> Result<u64, Complaint> {
         nanoseconds(text.get_ref()).map_err(|_| {
             let what = format!("'{}' is no time", text.get_ref());
@@ -89,12 +89,12 @@ impl<'t> Source<'t> {
         })
     }
 
-    /// A moment, or the one that is meant where none is given.
+    /// Parses a moment. Returns `or` if there is none.
     pub(super) fn moment(&self, text: Option<&Text>, or: Moment) -> Result<Moment, Complaint> {
         text.map_or(Ok(or), |t| Moment::parse(t.get_ref(), &self.spot(&t.span())))
     }
 
-    /// What is wrong with a text that is no test.
+    /// Returns the error for a text that is not a test.
     pub(super) fn misread(&self, error: &toml::de::Error) -> Complaint {
         let spot = self.spot(&error.span().unwrap_or(0..0));
         let message = error.message().trim_end();

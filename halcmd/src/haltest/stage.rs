@@ -1,5 +1,5 @@
-//! The folder that a test runs in: the machine's own files, with some of them replaced, so that
-//! nothing that the machine writes ends up among them.
+//! The folder in which a test runs. It has links to the machine's own files, with some of them
+//! replaced, so that files which the machine writes stay out of the machine's folder.
 
 use super::{
     outcome::{Complaint, Spot},
@@ -13,24 +13,24 @@ use std::{
     path::{Component, Path, PathBuf},
 };
 
-/// Where instances have their sockets.
+/// Folder for the sockets of instances.
 pub(super) const RUNTIME: &str = ".run";
-/// How many names of folders are tried.
+/// Number of folder names that are tried.
 const MAX_ATTEMPTS: u32 = 1000;
 
-/// A folder for one run; it is removed in the end.
+/// A folder for one run. Drop removes it.
 #[derive(Debug)]
 pub(super) struct Stage {
     path: PathBuf,
 }
 
 impl Stage {
-    /// An empty one, for the `number`-th run of this process.
+    /// Creates an empty folder for the `number`-th run of this process.
     pub(super) fn new(number: u32) -> io::Result<Self> {
         let process = std::process::id();
         for attempt in 0..MAX_ATTEMPTS {
             let path = std::env::temp_dir().join(format!("haltest-{process}-{number}-{attempt}"));
-            // One that is there already may be another user's.
+            // A folder that exists already may belong to another user.
             match DirBuilder::new().mode(0o700).create(&path) {
                 Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {}
                 made => {
@@ -51,12 +51,12 @@ impl Stage {
 
 impl Drop for Stage {
     fn drop(&mut self) {
-        // What cannot be removed stays in the folder for temporary files.
+        // Files that cannot be removed stay in the folder for temporary files.
         drop(fs::remove_dir_all(&self.path));
     }
 }
 
-/// Sets the machine up in `stage`: its folder, and the name of its script in it.
+/// Sets the machine up in `stage`. Returns the machine's folder there and the name of its script.
 pub(super) fn set(test: &Test, stage: &Path) -> Result<(PathBuf, String), Complaint> {
     let Some(machine) = &test.machine else {
         return Err(Complaint::new(&Spot::default(), "there is no machine"));
@@ -66,7 +66,8 @@ pub(super) fn set(test: &Test, stage: &Path) -> Result<(PathBuf, String), Compla
     let wrong = |error: io::Error| {
         Complaint::new(spot, format!("the folder of the test cannot be made: {}", plain(&error)))
     };
-    // What is beside the machine's folder is beside its copy, too: files may name `../other`.
+    // The neighbours of the machine's folder also become neighbours of the copy, because files may
+    // name `../other`.
     let around = stage.join("machines");
     fs::create_dir_all(&around).map_err(wrong)?;
     let copy = match (folder.parent(), folder.file_name()) {
@@ -90,7 +91,7 @@ pub(super) fn set(test: &Test, stage: &Path) -> Result<(PathBuf, String), Compla
     Ok((copy, name))
 }
 
-/// The machine's folder and the name of its script.
+/// Returns the machine's folder and the name of its script.
 fn found(machine: &Machine) -> Result<(PathBuf, String), Complaint> {
     let Machine { spot, shown, path } = machine;
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
@@ -112,7 +113,7 @@ fn found(machine: &Machine) -> Result<(PathBuf, String), Complaint> {
     Ok((folder, name))
 }
 
-/// Links everything of a folder into another one, but for what is left out.
+/// Links every entry of one folder into another, except those that `without` excludes.
 fn links(from: &Path, to: &Path, without: &dyn Fn(&std::ffi::OsStr) -> bool) -> io::Result<()> {
     for entry in fs::read_dir(from)? {
         let entry = entry?;

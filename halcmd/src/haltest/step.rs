@@ -1,4 +1,4 @@
-//! The steps of a test: one thing each.
+//! The steps of a test. Each has one action.
 
 use super::{
     condition::Condition,
@@ -10,37 +10,37 @@ use super::{
 };
 use toml::{Spanned, Value};
 
-/// How long a condition is waited for, if the step does not say so.
+/// Default time limit of a `wait`.
 const PATIENCE_NS: u64 = 10_000_000_000;
 
-/// The keys of which a step has one.
+/// The keys of which a step has exactly one.
 const KEYS: &str = "do, run, wait, set, ramp, force, stuck, unlink, drop, release or expect";
 
-/// A step.
+/// A step of a test.
 #[derive(Debug)]
 pub(super) struct Step {
     pub(super) spot: Spot,
-    /// When it is due, after the start.
+    /// Time after the start at which the step is due.
     pub(super) at: Option<u64>,
-    /// What the moment is called at which it is done.
+    /// Name of the moment at which the step executes.
     pub(super) mark: Option<String>,
     pub(super) action: Action,
 }
 
-/// What a step does.
+/// Action of a step.
 #[derive(Debug)]
 pub(super) enum Action {
-    /// Nothing: it only marks a moment.
+    /// None: the step only marks a moment.
     Mark,
-    /// Lines of the language.
+    /// Executes lines of the HAL language.
     Do {
         lines: Named,
         fails: Option<String>,
         prints: Option<String>,
     },
-    /// Time passes.
+    /// Lets time pass.
     Run(u64),
-    /// Time passes until something is so.
+    /// Lets time pass until a condition holds.
     Wait {
         until: Condition,
         within: u64,
@@ -55,7 +55,7 @@ pub(super) enum Action {
     Expect(Vec<Entry>, f64),
 }
 
-/// A value that moves evenly.
+/// A value that changes linearly.
 #[derive(Clone, Debug)]
 pub(super) struct Ramp {
     pub(super) what: Named,
@@ -64,7 +64,7 @@ pub(super) struct Ramp {
     pub(super) over: u64,
 }
 
-/// Checks a step.
+/// Checks the form of a step.
 pub(super) fn checked(source: &Source<'_>, step: Spanned<file::Step>) -> Result<Step, Complaint> {
     let spot = source.spot(&step.span());
     let step = step.into_inner();
@@ -131,7 +131,7 @@ pub(super) fn checked(source: &Source<'_>, step: Spanned<file::Step>) -> Result<
     Ok(Step { spot, at, mark, action })
 }
 
-/// Refuses keys that say something about what the step does not do.
+/// Rejects keys that belong to another action than the step's own.
 fn companions(source: &Source<'_>, step: &file::Step) -> Result<(), Complaint> {
     let alone = [
         (step.fails.as_ref().map(Spanned::span), step.r#do.is_some(), "fails", "do"),
@@ -174,12 +174,12 @@ fn mark(source: &Source<'_>, text: &Text) -> Result<String, Complaint> {
     Err(Complaint::new(&spot, format!("'{name}' cannot be a mark")).with(rule))
 }
 
-/// Whether a pin can have it.
+/// Returns whether a pin can have this value.
 pub(super) const fn is_value(value: &Value) -> bool {
     matches!(value, Value::Boolean(_) | Value::Integer(_) | Value::Float(_) | Value::String(_))
 }
 
-/// A value as it is written in a script.
+/// Writes a value for a script.
 pub(super) fn text_of(value: &Value) -> String {
     match value {
         Value::Boolean(b) => u8::from(*b).to_string(),
@@ -190,7 +190,7 @@ pub(super) fn text_of(value: &Value) -> String {
     }
 }
 
-/// That something is nothing that a pin can have.
+/// Returns the error for something that is not a value of a pin.
 pub(super) fn no_value(spot: &Spot, name: &str) -> Complaint {
     Complaint::new(spot, format!("this is no value for '{name}'"))
         .with("a value is true, false or a number")

@@ -1,4 +1,4 @@
-//! A test that was read and checked: what is done, and what is expected.
+//! A test that has been read and checked: its steps and its expectations.
 
 use super::{
     condition::Condition,
@@ -12,12 +12,12 @@ use super::{
 use std::path::{Path, PathBuf};
 use toml::{Spanned, Value};
 
-/// How long a machine may run at the most, if the test does not say so.
+/// Default limit of machine time.
 const LIMIT_NS: u64 = 600_000_000_000;
-/// How deeply files may begin with each other.
+/// Maximum nesting of files through `begin`.
 const MAX_DEPTH: u32 = 8;
 
-/// A name, and where it stands.
+/// A name and its location in the file.
 #[derive(Clone, Debug)]
 pub(super) struct Named {
     pub(super) spot: Spot,
@@ -36,12 +36,12 @@ pub(super) struct Entry {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Machine {
     pub(super) spot: Spot,
-    /// As it was named.
+    /// Path as the test gave it.
     pub(super) shown: String,
     pub(super) path: PathBuf,
 }
 
-/// A waveform to be kept.
+/// A waveform that is kept in a file.
 #[derive(Debug)]
 pub(super) struct Snapshot {
     pub(super) spot: Spot,
@@ -60,7 +60,7 @@ pub(super) struct Test {
     pub(super) environment: Vec<(String, String)>,
     pub(super) settings: Vec<Entry>,
     pub(super) replace: Vec<(Named, String)>,
-    /// Lines of the language, to be carried out once the machine is made.
+    /// Lines of the HAL language, executed after the machine's script.
     pub(super) lines: Vec<Named>,
     pub(super) limit_ns: Option<u64>,
     pub(super) refused: Option<Named>,
@@ -71,7 +71,7 @@ pub(super) struct Test {
 }
 
 impl Test {
-    /// Reads a test.
+    /// Reads and checks a test.
     pub(super) fn read(path: &Path, shown: &str) -> Result<Self, Vec<Complaint>> {
         let mut test = Self::default();
         let mut reader = Reader { test: &mut test, wrong: Vec::new() };
@@ -83,17 +83,17 @@ impl Test {
         if wrong.is_empty() { Ok(test) } else { Err(wrong) }
     }
 
-    /// How long the machine may run.
+    /// Returns the limit of machine time.
     pub(super) fn limit_ns(&self) -> u64 {
         self.limit_ns.unwrap_or(LIMIT_NS)
     }
 
-    /// Every condition in it.
+    /// Returns every condition of the test.
     pub(super) fn conditions(&self) -> impl Iterator<Item = &Condition> {
         self.expectations.iter().flat_map(Expectation::conditions)
     }
 
-    /// Every channel that is looked at afterwards.
+    /// Returns every channel that is evaluated after the run.
     pub(super) fn channels(&self) -> impl Iterator<Item = &Named> {
         let pictured = self.snapshots.iter().flat_map(|s| &s.channels);
         pictured.chain(self.expectations.iter().flat_map(Expectation::channels))
@@ -168,7 +168,7 @@ impl Reader<'_> {
         self.take(file, path, &source);
     }
 
-    /// Adds what a file says to what the one said that it begins with.
+    /// Adds the content of a file to the content of the file named by its `begin`.
     fn take(&mut self, file: File, path: &Path, source: &Source<'_>) {
         if let Some(about) = file.about {
             self.test.about = about.trim().to_owned();
@@ -248,7 +248,8 @@ fn checked(source: &Source<'_>, snapshot: Spanned<file::Snapshot>) -> Result<Sna
     })
 }
 
-/// A file named in another one: beside it, unless it begins at the root.
+/// Resolves a file named in another file: relative to that file's folder, unless the name is
+/// absolute.
 pub(super) fn beside(path: &Path, name: &str) -> PathBuf {
     path.parent().map_or_else(|| PathBuf::from(name), |folder| folder.join(name))
 }

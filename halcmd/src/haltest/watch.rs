@@ -1,4 +1,4 @@
-//! What is looked at while a test runs: what is recorded, and conditions that are waited for.
+//! Names that a test records, and conditions that it waits for while the machine runs.
 
 use super::{
     bench::Bench,
@@ -11,13 +11,13 @@ use crate::units::duration;
 use hal_protocol::Value;
 use std::collections::BTreeSet;
 
-/// The names of what must be recorded.
+/// Returns the names that must be recorded.
 pub(super) fn recorded(test: &Test) -> Vec<String> {
     let names: BTreeSet<String> = all(test).into_iter().map(|n| n.name).collect();
     names.into_iter().collect()
 }
 
-/// What is wrong with names and conditions that are looked at, once the machine is made.
+/// Returns the errors in names and conditions, once the machine has been set up.
 pub(super) fn unknown(test: &Test, bench: &mut Bench) -> Vec<Complaint> {
     let mut wrong: Vec<Complaint> = Vec::new();
     for named in all(test) {
@@ -37,13 +37,13 @@ fn all(test: &Test) -> Vec<Named> {
     of_conditions.chain(test.channels().cloned()).collect()
 }
 
-/// Looks at the machine from now on.
+/// Starts evaluating a condition with the machine's types.
 fn begin(bench: &mut Bench, condition: &Condition) -> Result<Looking, Complaint> {
     let types = look(bench, &condition.names())?.into_iter().flatten().map(|v| v.ty());
     condition.begin(&types.collect::<Vec<_>>())
 }
 
-/// Time passes until something is so: to the end of the cycle in which it is.
+/// Lets time pass until a condition holds, to the end of that cycle.
 pub(super) fn wait(bench: &mut Bench, until: &Condition, within: u64) -> Result<(), Complaint> {
     let names = until.names();
     let spot = &until.named.spot;
