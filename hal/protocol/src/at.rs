@@ -1,24 +1,24 @@
-//! Where in a script something was asked for.
+//! Position in a script at which a request was made.
 
 use serde::{Deserialize, Serialize};
 
 /// A line of a file.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct At {
-    /// The file, as messages call it.
+    /// File name, as messages print it.
     pub file: String,
-    /// Its line, from 1; zero: the file as a whole.
+    /// Line number, from 1. Zero means the file as a whole.
     pub line: u32,
 }
 
 impl At {
-    /// A line of a file.
+    /// Returns the position of a line in a file.
     #[must_use]
     pub fn new(file: &str, line: u32) -> Self {
         Self { file: file.to_owned(), line }
     }
 
-    /// Makes this the place, without a new text while the file is the same.
+    /// Sets `place` to this line. Allocates a new file name only when the file has changed.
     pub fn keep(place: &mut Option<Self>, file: &str, line: u32) {
         match place {
             Some(at) if at.file == file => at.line = line,

@@ -1,4 +1,4 @@
-//! The client's end of the socket.
+//! The client's end of the engine's socket.
 
 use crate::{
     At, Failure, Folder, FolderError, LATEST, LONGEST, Link, Place, Reply, Request, SampleSpec,
@@ -21,16 +21,17 @@ pub struct Client {
 }
 
 const EIO: i32 = -5;
-/// The code of the failure to connect where no instance runs (ECONNREFUSED).
+/// Error code (ECONNREFUSED) of a connection attempt when no such instance runs.
 pub const NOT_RUNNING: i32 = -111;
 const EMSGSIZE: i32 = -90;
 
 impl Client {
-    /// Connects and introduces this process as component `name`; empty: not listed.
+    /// Connects and registers this process as component `name`. With an empty name the client is
+    /// not listed.
     ///
     /// # Errors
-    /// Nobody listens ([`NOT_RUNNING`]), another user could have made the folder or the socket or
-    /// listens there, or the engine speaks another protocol.
+    /// Nothing listens ([`NOT_RUNNING`]); another user could have made the folder or the socket, or
+    /// listens at the socket; or the engine speaks another protocol.
     pub fn connect(place: &Place, name: &str) -> Result<Self, Failure> {
         let socket = match Folder::open(place) {
             Ok(folder) => folder.connect(place)?,
@@ -55,16 +56,18 @@ impl Client {
         }
     }
 
-    /// The number of this client's component.
+    /// Returns the number of this client's component.
     #[must_use]
     pub const fn id(&self) -> u32 {
         self.id
     }
 
-    /// Attaches to a shared ring, for `count` records if that is known.
+    /// Attaches to a shared ring. `count` is the number of records that the client will read or
+    /// write, if it is known.
     ///
     /// # Errors
-    /// There is none of this name, it is taken, or what came is not that ring.
+    /// No ring has this name, another program is attached to it, or the engine did not send a valid
+    /// ring.
     pub fn attach(&mut self, name: &str, count: Option<u64>) -> Result<Stream, Failure> {
         let reply = self.call(Request::Attach { name: name.to_owned(), count })?;
         match (reply, self.received.take()) {
@@ -75,10 +78,10 @@ impl Client {
         }
     }
 
-    /// Begins to sample.
+    /// Starts a sample.
     ///
     /// # Errors
-    /// A name, the thread or the depth is not possible, or what came is not that ring.
+    /// A name, the thread or the depth is invalid, or the engine did not send a valid ring.
     pub fn sample(&mut self, spec: SampleSpec) -> Result<Samples, Failure> {
         let reply = self.call(Request::Sample(spec))?;
         match (reply, self.received.take()) {
@@ -89,15 +92,17 @@ impl Client {
         }
     }
 
-    /// How a sample of this client's is: how many were taken and lost, and why it has ended.
+    /// Returns the state of one of this client's samples: samples taken, samples lost, and the
+    /// reason if it has ended.
     ///
     /// # Errors
-    /// This client has no such sample, or the engine has gone.
+    /// This client has no such sample, or the connection to the engine is lost.
     pub fn sample_state(&mut self, id: u64) -> Result<SampleState, Failure> {
         self.state(Request::SampleState { id })
     }
 
-    /// Ends a sample of this client's; what waits in its ring can still be taken.
+    /// Ends one of this client's samples. Records that are still in its ring can be read
+    /// afterwards.
     ///
     /// # Errors
     /// As [`Self::sample_state`].

@@ -1,11 +1,11 @@
-//! The codes of findings: one row each.
+//! Codes of findings, one table row each.
 
 use crate::Level;
 use serde::{Deserialize, Serialize};
 
 macro_rules! codes {
     ($($name:ident = $id:literal $level:ident $title:literal;)*) => {
-        /// What a finding says, in one word. The numbers are for users and never change.
+        /// Kind of a finding. The numbers are shown to users and never change.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
         pub enum Code {
             $(
@@ -16,22 +16,22 @@ macro_rules! codes {
         }
 
         impl Code {
-            /// Every code, in order of their numbers.
+            /// All codes, in ascending order of their numbers.
             pub const ALL: &[Self] = &[$(Self::$name,)*];
 
-            /// As users write it, such as `H306`.
+            /// Returns the code as users write it, such as `H306`.
             #[must_use]
             pub const fn id(self) -> &'static str {
                 match self { $(Self::$name => $id,)* }
             }
 
-            /// How bad it is.
+            /// Returns the level of findings with this code.
             #[must_use]
             pub const fn level(self) -> Level {
                 match self { $(Self::$name => Level::$level,)* }
             }
 
-            /// What it says, as a noun phrase.
+            /// Returns a noun phrase that describes the finding.
             #[must_use]
             pub const fn title(self) -> &'static str {
                 match self { $(Self::$name => $title,)* }
@@ -121,7 +121,7 @@ codes! {
 }
 
 impl Code {
-    /// The code of this number, in any case of letters.
+    /// Returns the code with this number. Ignores letter case.
     #[must_use]
     pub fn parse(word: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|c| c.id().eq_ignore_ascii_case(word))

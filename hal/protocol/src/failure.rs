@@ -1,29 +1,29 @@
-//! Why a request was refused.
+//! Reason why a request failed.
 
 use crate::Code;
 use serde::{Deserialize, Serialize};
 
-/// Why a request was refused.
+/// Reason why a request failed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failure {
     /// A negative errno.
     pub code: i32,
-    /// What is wrong, as LinuxCNC words it where it does.
+    /// Error message. It uses LinuxCNC's wording where LinuxCNC has the same message.
     pub text: String,
-    /// What would be right: a near name, the expected type, the legal range.
+    /// Suggested correction: a similar name, the expected type, the permitted range.
     pub hint: Option<String>,
-    /// The word of the request that is wrong, if it is one word.
+    /// Wrong word of the request, if a single word is wrong.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub word: Option<String>,
-    /// What led to it, one sentence each, printed before `text`.
+    /// Events that led to the failure, one sentence each, printed before `text`.
     pub before: Vec<String>,
-    /// What `explain` says more about.
+    /// Finding about which `explain` says more.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub finding: Option<Code>,
 }
 
 impl Failure {
-    /// A failure without a hint.
+    /// Returns a failure without a hint.
     #[must_use]
     pub fn new(code: i32, text: impl Into<String>) -> Self {
         let text = text.into();

@@ -1,13 +1,13 @@
-//! What `check` finds.
+//! Findings of `check`.
 
 use crate::{At, Code};
 use serde::{Deserialize, Serialize};
 
-/// How bad a finding is.
+/// Severity of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Level {
-    /// Worth knowing: loops, thread crossings, loose ends.
+    /// Worth knowing: loops, thread crossings, unconnected ends.
     Note,
     /// Very likely wrong.
     Warning,
@@ -16,7 +16,7 @@ pub enum Level {
 }
 
 impl Level {
-    /// As users see it.
+    /// Returns the name that users see.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -27,37 +27,37 @@ impl Level {
     }
 }
 
-/// Something about a machine that its user ought to know.
+/// A fact about a machine that its user should know.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Finding {
-    /// Which kind.
+    /// Kind of the finding.
     pub code: Code,
-    /// How bad it is.
+    /// Severity.
     pub level: Level,
-    /// What it is about: the name of a pin, signal, function, thread or component, or a word.
+    /// Subject: the name of a pin, signal, function, thread or component, or a word of a script.
     pub subject: String,
-    /// Where it stands, if a script made it.
+    /// Script line that made the subject, if a script made it.
     pub at: Option<At>,
-    /// What is so, as a sentence.
+    /// The finding, as a sentence.
     pub text: String,
-    /// What to do; empty: the sentence says it.
+    /// Suggested correction. Empty if `text` already says it.
     pub remedy: String,
-    /// What else has to do with it.
+    /// Other script lines that are involved.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub related: Vec<Related>,
 }
 
-/// Another place that a finding has to do with.
+/// Another script line that a finding involves.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Related {
-    /// Where it stands.
+    /// Position of the line.
     pub at: At,
-    /// What is there.
+    /// Role of the line in the finding.
     pub text: String,
 }
 
 impl Finding {
-    /// A finding at its code's level, with no place yet.
+    /// Returns a finding at the level of its code, without a position.
     #[must_use]
     pub fn new(code: Code, subject: &str, text: String) -> Self {
         Self {
@@ -71,21 +71,21 @@ impl Finding {
         }
     }
 
-    /// The same at a place.
+    /// Sets the position.
     #[must_use]
     pub fn at(mut self, at: Option<At>) -> Self {
         self.at = at;
         self
     }
 
-    /// The same with what to do.
+    /// Sets the suggested correction.
     #[must_use]
     pub fn remedy(mut self, remedy: impl Into<String>) -> Self {
         self.remedy = remedy.into();
         self
     }
 
-    /// The same with another place.
+    /// Adds a related script line, if `at` names one.
     #[must_use]
     pub fn related(mut self, at: Option<At>, text: impl Into<String>) -> Self {
         self.related.extend(at.map(|at| Related { at, text: text.into() }));

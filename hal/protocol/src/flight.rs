@@ -1,70 +1,71 @@
-//! The flight recorder: what it is to keep, and what it has kept.
+//! Settings and state of the flight recorder.
 
 use serde::{Deserialize, Serialize};
 
-/// What the flight recorder is to keep.
+/// Settings of the flight recorder.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FlightSpec {
-    /// How much memory changes may take, in bytes; 0: 16 MiB.
+    /// Memory for recorded changes, in bytes. 0 means 16 MiB.
     pub bytes: u64,
-    /// How long before an event is kept, in nanoseconds; absent: as much as there is.
+    /// Time before an event that is kept, in nanoseconds. If absent, everything recorded is kept.
     pub before_ns: Option<u64>,
-    /// How long after an event is kept, in nanoseconds.
+    /// Time after an event that is kept, in nanoseconds.
     pub after_ns: u64,
-    /// Where an event is written to, with its number before the ending, which says how (`.vcd`,
-    /// `.fst`, `.csv`, `.json`); absent: it is kept in memory until the next.
+    /// File that events are written to. The event number is inserted before the extension, and the
+    /// extension selects the format (`.vcd`, `.fst`, `.csv`, `.json`). If absent, an event stays in
+    /// memory until the next one.
     pub file: Option<String>,
-    /// What is an event beside faults and e-stops: `PIN`, `!PIN`, `PIN > 5`.
+    /// Conditions that count as events in addition to faults and e-stops: `PIN`, `!PIN`, `PIN > 5`.
     pub when: Vec<String>,
 }
 
-/// What has become of an event.
+/// Progress of keeping an event.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum KeptState {
-    /// What comes after it is still being kept.
+    /// The time after the event is still being recorded.
     Awaited,
-    /// It is in memory.
+    /// The event is in memory.
     InMemory,
-    /// It is being written.
+    /// The event is being written to its file.
     Writing,
-    /// It is in its file.
+    /// The event is in its file.
     Written,
-    /// It could not be written, for this reason, and is in memory.
+    /// Writing failed for this reason; the event is still in memory.
     Failed(String),
 }
 
-/// An event, or what a user wanted to have.
+/// A kept event, or a recording that a user asked for.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct KeptInfo {
-    /// Its number, from 1.
+    /// Number, from 1.
     pub number: u32,
-    /// Machine time in nanoseconds.
+    /// Machine time of the event, in nanoseconds.
     pub time: i64,
-    /// Why.
+    /// Cause of the event.
     pub why: String,
-    /// Its file.
+    /// File of the event.
     pub file: Option<String>,
-    /// What has become of it.
+    /// Progress of keeping it.
     pub state: KeptState,
 }
 
-/// How the flight recorder is.
+/// State of the flight recorder.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FlightInfo {
-    /// How much memory changes may take, in bytes.
+    /// Memory available for recorded changes, in bytes.
     pub bytes: u64,
-    /// How much they take.
+    /// Memory in use, in bytes.
     pub used: u64,
-    /// How many values are watched.
+    /// Number of watched values.
     pub values: u32,
-    /// Machine time from which on everything is kept.
+    /// Machine time from which the recording is complete, in nanoseconds.
     pub from: i64,
-    /// Machine time now.
+    /// Current machine time, in nanoseconds.
     pub to: i64,
-    /// Changes lost because they came faster than they were kept.
+    /// Number of changes lost because they arrived faster than the recorder could store them.
     pub lost: u64,
-    /// The latest events, oldest first.
+    /// Latest events, oldest first.
     pub kept: Vec<KeptInfo>,
 }

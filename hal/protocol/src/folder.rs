@@ -1,5 +1,5 @@
-//! The folder with the files of a user's instances: checked, held open, and used through what was
-//! opened, so that nobody can exchange it in between.
+//! The folder with the files of a user's instances. It is checked, held open, and accessed only
+//! through the open descriptor, so that nobody can replace it between the check and the use.
 
 use crate::{Failure, Place};
 use rustix::{
@@ -19,12 +19,12 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// The user who may do everything.
+/// User id of root.
 const ROOT: u32 = 0;
-/// The bits of a mode that let the group or others write.
+/// Mode bits that let the group or others write.
 const OTHERS_WRITE: u32 = 0o022;
 
-/// Why the files of an instance are not used.
+/// Reason why the files of an instance are not used.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the sentence of each variant is its documentation")]
 pub enum FolderError {
@@ -68,7 +68,7 @@ impl core::fmt::Display for FolderError {
 impl std::error::Error for FolderError {}
 
 impl FolderError {
-    /// Returns what would be right.
+    /// Returns the suggested correction.
     fn hint(&self) -> Option<String> {
         let own = "name a folder of this user's own in HAL_RUNTIME_DIR";
         match self {
@@ -100,7 +100,7 @@ impl From<FolderError> for Failure {
     }
 }
 
-/// The folder, open.
+/// An open, checked folder of instances.
 #[derive(Debug)]
 pub struct Folder {
     fd: OwnedFd,
@@ -109,21 +109,21 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Opens the folder of an instance of this user's; for root, also of another user's if it is
-    /// named ([`Place::is_named`]).
+    /// Opens the folder of one of this user's instances. Root may also open another user's folder
+    /// if it was named explicitly ([`Place::is_named`]).
     ///
     /// # Errors
-    /// There is none, or another user could have made it or can change it.
+    /// The folder does not exist, or another user could have made it or can change it.
     pub fn open(place: &Place) -> Result<Self, FolderError> {
         let me = rustix::process::geteuid().as_raw();
         let any_user = me == ROOT && place.is_named();
         Self::checked(place.folder(), |owner| if any_user { owner } else { me })
     }
 
-    /// Opens the folder of this user's instances, or makes it.
+    /// Opens the folder of this user's instances and creates it if needed.
     ///
     /// # Errors
-    /// As [`Self::open`]; or it cannot be made.
+    /// As [`Self::open`], or the folder cannot be created.
     pub fn make(place: &Place) -> Result<Self, FolderError> {
         let path = place.folder();
         let made = DirBuilder::new().recursive(true).mode(0o700).create(path);
@@ -159,10 +159,10 @@ impl Folder {
         Ok(Self { fd, path: path.to_owned(), owner: stat.st_uid })
     }
 
-    /// Connects to the engine of an instance; nothing when none listens.
+    /// Connects to the engine of an instance. Returns `None` if nothing listens.
     ///
     /// # Errors
-    /// What is there is not a socket of the folder's owner's, or another user listens at it.
+    /// The file is not a socket owned by the folder's owner, or another user listens at it.
     pub fn connect(&self, place: &Place) -> Result<Option<UnixStream>, FolderError> {
         let name = place.socket_name();
         match self.stat(&name)? {
@@ -186,10 +186,10 @@ impl Folder {
         Ok(Some(socket))
     }
 
-    /// Takes the lock that says that the instance is alive.
+    /// Acquires the lock file of the instance. A running engine holds this lock.
     ///
     /// # Errors
-    /// It is alive, or the lock cannot be made.
+    /// The instance is already running, or the lock file cannot be created.
     pub fn lock(&self, place: &Place) -> Result<File, FolderError> {
         let name = place.lock_name();
         let flags = OFlags::CREATE | OFlags::RDWR | OFlags::NOFOLLOW | OFlags::NONBLOCK;
@@ -206,14 +206,15 @@ impl Folder {
             if rustix::fs::flock(&fd, FlockOperation::NonBlockingLockExclusive).is_err() {
                 return Err(FolderError::Taken { instance: place.name().into() });
             }
-            // An owner that ended meanwhile has removed the file: then this lock means nothing.
+            // The previous owner may have ended in the meantime and removed the file. A lock on a
+            // removed file protects nothing, so try again.
             if self.stat(&name)?.is_some_and(|now| now.st_ino == stat.st_ino) {
                 return Ok(fd.into());
             }
         }
     }
 
-    /// Whether nobody holds the instance's lock.
+    /// Returns whether no process holds the instance's lock.
     #[must_use]
     pub fn is_free(&self, place: &Place) -> bool {
         let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
@@ -223,11 +224,11 @@ impl Folder {
         }
     }
 
-    /// Listens at the instance's socket, which only its user can reach. Whoever calls this holds the
-    /// lock; what an owner that has died has left is removed.
+    /// Listens at the instance's socket, which only its user can reach. The caller must hold the
+    /// lock. Removes a socket that a dead engine left behind.
     ///
     /// # Errors
-    /// The system refuses.
+    /// A system call failed.
     pub fn listen(&self, place: &Place) -> Result<UnixListener, FolderError> {
         let name = place.socket_name();
         let system = |e: Errno| self.system(&name, &e.into());
@@ -239,7 +240,7 @@ impl Folder {
         let socket = rustix::net::socket_with(AddressFamily::UNIX, SocketType::STREAM, flags, None);
         let socket = socket.map_err(system)?;
         let mode = Mode::RUSR | Mode::WUSR;
-        // The file has this mode as it is made: there is no moment at which others reach it.
+        // The socket file is created with this mode, so other users cannot reach it at any moment.
         rustix::fs::fchmod(&socket, mode).map_err(system)?;
         let address = SocketAddrUnix::new(self.through(&name)).map_err(system)?;
         rustix::net::bind(&socket, &address).map_err(system)?;
@@ -248,14 +249,14 @@ impl Folder {
         Ok(socket.into())
     }
 
-    /// Removes the files of an instance that ends. A file that has gone already is as good.
+    /// Removes the files of an instance that ends. Files that no longer exist are ignored.
     pub fn remove(&self, place: &Place) {
         for name in [place.socket_name(), place.lock_name()] {
             rustix::fs::unlinkat(&self.fd, &*name, AtFlags::empty()).unwrap_or_default();
         }
     }
 
-    /// A path that leads through the open folder, wherever that is now.
+    /// Returns a path that leads through the open folder, even if the folder has been moved.
     fn through(&self, name: &str) -> PathBuf {
         Path::new("/proc/self/fd").join(self.fd.as_raw_fd().to_string()).join(name)
     }
@@ -268,7 +269,7 @@ impl Folder {
         }
     }
 
-    /// Checks that a file in the folder is of this type and of the folder's owner.
+    /// Checks that a file in the folder has this type and belongs to the folder's owner.
     fn own(&self, name: &str, stat: &Stat, ty: FileType) -> Result<(), FolderError> {
         let path = || self.path.join(name).into();
         match FileType::from_raw_mode(stat.st_mode) {
@@ -291,15 +292,15 @@ impl Folder {
     }
 }
 
-/// The user of the process at the other end of a connection, as the kernel noted when that process
-/// connected or began to listen.
+/// Returns the user id of the process at the other end of a connection, as the kernel recorded it
+/// when that process connected or began to listen.
 ///
 /// # Errors
-/// The system refuses.
+/// The system call failed.
 pub fn peer(socket: impl AsFd) -> std::io::Result<u32> {
     let mut peer = libc::ucred { pid: 0, uid: u32::MAX, gid: u32::MAX };
     let mut size = libc::socklen_t::try_from(size_of::<libc::ucred>()).unwrap_or(0);
-    // SAFETY: the kernel writes at most `size` bytes, and both live across the call.
+    // SAFETY: the kernel writes at most `size` bytes; `peer` and `size` live across the call.
     let status = unsafe {
         libc::getsockopt(
             socket.as_fd().as_raw_fd(),
@@ -312,7 +313,7 @@ pub fn peer(socket: impl AsFd) -> std::io::Result<u32> {
     if status == 0 { Ok(peer.uid) } else { Err(std::io::Error::last_os_error()) }
 }
 
-/// The system's reason, in words without a number.
+/// Returns the system's error text without the error number.
 fn reason(error: &std::io::Error) -> Box<str> {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or(&text).into()

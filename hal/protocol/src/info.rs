@@ -1,118 +1,119 @@
-//! What `show`, `list`, `save` and `status` are made of.
+//! Records that `show`, `list`, `save` and `status` print.
 
 use crate::{Direction, Lock, Type, Value};
 use serde::{Deserialize, Serialize};
 
-/// How far a component's set-up has come.
+/// Progress of a component's set-up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ComponentState {
-    /// It may still make pins.
+    /// The component may still create pins.
     Initializing,
-    /// It is complete.
+    /// Set-up is complete.
     Ready,
 }
 
 /// A component.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ComponentInfo {
-    /// Its number.
+    /// Number of the component (its id, not a count).
     pub id: u32,
-    /// Its name.
+    /// Name of the component.
     pub name: String,
-    /// Whether it is a plugin (otherwise a program).
+    /// True for a plugin, false for a program.
     pub realtime: bool,
-    /// The program's process.
+    /// Process id of the program.
     pub pid: Option<i32>,
-    /// How far it is.
+    /// Progress of set-up.
     pub state: ComponentState,
-    /// The arguments of its `loadrt`; absent for what `loadrt` did not make (threads).
+    /// Arguments of its `loadrt`. Absent for components that `loadrt` did not create (threads).
     pub args: Option<String>,
-    /// What it came from, when that is no plugin: what it reads and writes is then unknown.
+    /// Origin of a component that is not a plugin. The pins that such a component reads and writes
+    /// are unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub foreign: Option<ForeignInfo>,
 }
 
-/// A file that is no plugin, such as a component in C.
+/// A component from a file that is not a plugin, such as a component in C.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ForeignInfo {
-    /// What it is, such as `component in C`.
+    /// Kind of the file, such as `component in C`.
     pub kind: String,
-    /// Its name, as in `loadrt --c NAME`.
+    /// Module name, as in `loadrt --c NAME`.
     pub module: String,
-    /// What its names begin with, as in `--prefix P`.
+    /// Prefix of all its names, as in `--prefix P`.
     pub prefix: String,
-    /// The file.
+    /// Path of the file.
     pub file: String,
-    /// Memory of its own, in bytes.
+    /// Memory that the component allocated for itself, in bytes.
     pub memory: u64,
 }
 
-/// A component that is no plugin, for the state of the instance.
+/// A component that is not a plugin, as `status` lists it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ForeignPart {
-    /// Its name.
+    /// Name of the component.
     pub component: String,
-    /// What it is, such as `component in C`.
+    /// Kind of the file, such as `component in C`.
     pub kind: String,
-    /// Memory of its own, in bytes.
+    /// Memory that the component allocated for itself, in bytes.
     pub memory: u64,
 }
 
 /// A pin or parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ItemInfo {
-    /// The number of its component.
+    /// Id of the owning component.
     pub owner: u32,
-    /// The name of its component.
+    /// Name of the owning component.
     pub owner_name: String,
-    /// Its direction; its type is that of the value.
+    /// Direction. The type is that of `value`.
     pub direction: Direction,
-    /// Its value, or its signal's.
+    /// Value of the item, or of its signal if it is linked.
     pub value: Value,
-    /// Its name, or its alias.
+    /// Alias if the item has one, otherwise its own name.
     pub name: String,
-    /// Its own name when it has an alias.
+    /// Its own name, if the item has an alias.
     pub original: Option<String>,
-    /// The signal it is linked to.
+    /// Signal that the item is linked to.
     pub signal: Option<String>,
-    /// What it means.
+    /// Description.
     pub doc: String,
 }
 
 /// A signal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SignalInfo {
-    /// Its value; its type is that of the value.
+    /// Value. The type of the signal is the type of the value.
     pub value: Value,
-    /// Its name.
+    /// Name of the signal.
     pub name: String,
-    /// Its pins by name.
+    /// Linked pins, by name.
     pub pins: Vec<(Direction, String)>,
 }
 
 /// A function.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FunctInfo {
-    /// The number of its component.
+    /// Id of the owning component.
     pub owner: u32,
-    /// The name of its component.
+    /// Name of the owning component.
     pub owner_name: String,
-    /// Where its code is.
+    /// Address of the function's code.
     pub code: u64,
-    /// Where its state is.
+    /// Address of the function's state.
     pub arg: u64,
-    /// In how many threads it is.
+    /// Number of threads that run the function.
     pub users: u32,
-    /// Its name.
+    /// Name of the function.
     pub name: String,
-    /// Whether what it reads and writes is unknown: a component in C.
+    /// True if the pins that it reads and writes are unknown (a component in C).
     #[serde(default, skip_serializing_if = "is_false")]
     pub foreign: bool,
-    /// What it does.
+    /// Description.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub doc: String,
-    /// Whether it belongs in a fast thread.
+    /// True if the function belongs in a fast thread.
     #[serde(default, skip_serializing_if = "is_false")]
     pub fast: bool,
 }
@@ -125,189 +126,193 @@ const fn is_false(value: &bool) -> bool {
 /// A thread.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ThreadInfo {
-    /// Its period in nanoseconds.
+    /// Period in nanoseconds.
     pub period: i64,
-    /// Its name.
+    /// Name of the thread.
     pub name: String,
-    /// Its functions in order.
+    /// Functions in the order in which they run.
     pub functs: Vec<String>,
-    /// How long its last cycle took, in nanoseconds.
+    /// Duration of the last cycle, in nanoseconds.
     pub time: i32,
-    /// How long its longest cycle took, in nanoseconds.
+    /// Duration of the longest cycle, in nanoseconds.
     pub tmax: i32,
-    /// Cycles run.
+    /// Number of cycles run.
     pub cycles: u64,
-    /// Cycles that began late because the one before took too long.
+    /// Number of cycles that began late because the previous cycle took too long.
     pub overruns: u64,
-    /// Cycles that never began: their time passed in others, or while the process was stopped.
+    /// Number of cycles that never began, because earlier cycles took their time or the process was
+    /// stopped.
     #[serde(default)]
     pub missed: u64,
-    /// The function that took longest in the last overrun; absent when that cycle began late.
+    /// Function that took longest in the last overrun. Absent if that cycle began late.
     pub overrun_by: Option<String>,
-    /// Latest wake-up in nanoseconds, on the real clock.
+    /// Largest delay of a wake-up, in nanoseconds, on the real clock.
     pub latency_max: i64,
-    /// How many wake-ups were late by less than 1 µs, 2 µs, 4 µs, … (the last: more).
+    /// Histogram of wake-up delays: number of wake-ups late by less than 1 µs, 2 µs, 4 µs, and so
+    /// on. The last entry counts the longer ones.
     pub latency: Vec<u64>,
 }
 
-/// A second name.
+/// An alias of a pin or parameter.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AliasInfo {
-    /// The name it is listed under.
+    /// Name that the item is listed under.
     pub alias: String,
-    /// Its own.
+    /// Own name of the item.
     pub original: String,
 }
 
-/// An argument of a command.
+/// An argument of a command or of `loadrt`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ArgInfo {
-    /// As in `NAME=VALUE`.
+    /// Name, as in `NAME=VALUE`.
     pub name: String,
-    /// `int`, `float`, `text`, `ints`, `texts` or `bit`.
+    /// Type: `int`, `float`, `text`, `ints`, `texts` or `bit`.
     pub ty: String,
-    /// What it means.
+    /// Description.
     pub doc: String,
-    /// Whether it must be given.
+    /// True if the argument is required.
     pub required: bool,
-    /// Its value when it is not given.
+    /// Value that is used if the argument is omitted.
     pub default: Option<String>,
 }
 
 /// A command that a component offers.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CommandInfo {
-    /// Its name.
+    /// Name of the command.
     pub name: String,
-    /// What it does.
+    /// Description.
     pub doc: String,
-    /// Its arguments.
+    /// Arguments of the command.
     pub args: Vec<ArgInfo>,
 }
 
 /// A component type that a plugin offers.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Offer {
-    /// Its name, as in `loadrt NAME`.
+    /// Name of the component type, as in `loadrt NAME`.
     pub component: String,
-    /// The library that offers it.
+    /// Library that contains it.
     pub library: String,
-    /// What it is; the first line is a summary.
+    /// Description. The first line is a summary.
     pub doc: String,
-    /// What `loadrt` may give it.
+    /// Arguments that `loadrt` accepts for it.
     pub args: Vec<ArgInfo>,
 }
 
-/// How far a command has come.
+/// Progress of a command.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TicketInfo {
-    /// Under way.
+    /// The command is still executing.
     Pending,
-    /// Carried out.
+    /// The command has completed.
     Done,
-    /// Given up, with the reason.
+    /// The command was aborted, for this reason.
     Failed(String),
 }
 
 /// A shared ring.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StreamInfo {
-    /// Its name.
+    /// Name of the ring.
     pub name: String,
-    /// Whether a component writes it (otherwise a program does).
+    /// True if a component writes the ring and a program reads it; false for the opposite
+    /// direction.
     pub out: bool,
-    /// How many slots; one less is usable.
+    /// Number of slots, of which one always stays empty.
     pub depth: u32,
-    /// The type of each value of a record.
+    /// Type of each value of a record.
     pub types: Vec<Type>,
-    /// Whether a program is attached.
+    /// True if a program is attached.
     pub attached: bool,
 }
 
-/// How many of a thing there are.
+/// Number of objects of one kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Usage {
-    /// In use.
+    /// Number in use.
     pub active: u32,
-    /// Given back and kept for the next.
+    /// Number freed and kept for reuse.
     pub recycled: u32,
 }
 
-/// Why the threads have stopped.
+/// Fault that stopped the threads.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FaultInfo {
-    /// The component.
+    /// Component at fault.
     pub component: String,
-    /// The function.
+    /// Function at fault.
     pub funct: String,
-    /// The thread.
+    /// Thread that ran it.
     pub thread: String,
-    /// What it said.
+    /// Cause, as a text.
     pub cause: String,
 }
 
-/// What an instance has of real time.
+/// Realtime properties of an instance.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RealtimeInfo {
-    /// Memory that is locked, and that is present, in bytes.
+    /// Locked memory and resident memory, in bytes.
     pub memory: (u64, u64),
-    /// How long processors may take to wake, in microseconds, while that is held.
+    /// Longest permitted wake-up latency of the processors, in microseconds, while the engine holds
+    /// that limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub idle_us: Option<u32>,
-    /// Why it is not held although it was asked for.
+    /// Reason why the limit is not held although it was requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub idle_refusal: Option<String>,
-    /// The time in one call of a function after which its thread is stuck, in nanoseconds.
+    /// Duration of one call of a function, in nanoseconds, after which its thread counts as stuck.
     pub stuck_ns: u64,
 }
 
-/// The state of the instance.
+/// State of the instance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StatusInfo {
-    /// Its name.
+    /// Name of the instance.
     pub instance: String,
-    /// Its process.
+    /// Process id.
     pub pid: i32,
-    /// The lock level.
+    /// Lock level.
     pub lock: Lock,
-    /// Memory in use and reserved for use, in bytes.
+    /// Memory in use and memory reserved, in bytes.
     pub memory: (u64, u64),
-    /// Components.
+    /// Number of components.
     pub components: Usage,
-    /// Pins.
+    /// Number of pins.
     pub pins: Usage,
-    /// Parameters.
+    /// Number of parameters.
     pub params: Usage,
-    /// Aliases.
+    /// Number of aliases.
     pub aliases: Usage,
-    /// Signals.
+    /// Number of signals.
     pub signals: Usage,
-    /// Functions.
+    /// Number of functions.
     pub functs: Usage,
-    /// Threads.
+    /// Number of threads.
     pub threads: Usage,
-    /// `real` or `virtual`.
+    /// Clock: `real` or `virtual`.
     pub clock: String,
     /// Machine time in nanoseconds.
     pub time: u64,
-    /// How threads are scheduled, in a sentence.
+    /// Scheduling of the threads, described in a sentence.
     pub scheduling: String,
-    /// What there is of real time; absent on the virtual clock.
+    /// Realtime properties. Absent on the virtual clock.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub realtime: Option<RealtimeInfo>,
-    /// Whether hardware is simulated.
+    /// True if hardware is simulated.
     pub simulated: bool,
-    /// Whether threads run their functions.
+    /// True if threads run their functions.
     pub running: bool,
-    /// Why they have stopped.
+    /// Fault that stopped the threads.
     pub fault: Option<FaultInfo>,
-    /// Who does not come back from a function.
+    /// Function that has not returned.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stuck: Option<FaultInfo>,
-    /// What is loaded that is no plugin.
+    /// Loaded components that are not plugins.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub foreign: Vec<ForeignPart>,
-    /// What is being recorded: the file, and records lost for want of room.
+    /// Recording in progress: the file, and the number of records lost because the queue was full.
     pub recording: Option<(String, u64)>,
 }

@@ -1,8 +1,8 @@
-//! Directions, kinds of lists, lock levels.
+//! Directions of pins, kinds of lists, and lock levels.
 
 use serde::{Deserialize, Serialize};
 
-/// A pin's or parameter's direction.
+/// Direction of a pin or parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Direction {
@@ -10,7 +10,7 @@ pub enum Direction {
     In,
     /// A pin that its component writes.
     Out,
-    /// A pin that both sides write.
+    /// A pin that its component and others write.
     Io,
     /// A parameter that its component reports.
     Ro,
@@ -19,7 +19,7 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// As `show` prints it.
+    /// Returns the name that `show` prints.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -31,14 +31,14 @@ impl Direction {
         }
     }
 
-    /// Whether it is a pin's.
+    /// Returns whether this is the direction of a pin.
     #[must_use]
     pub const fn is_pin(self) -> bool {
         matches!(self, Self::In | Self::Out | Self::Io)
     }
 }
 
-/// What [`crate::Request::List`] lists.
+/// Subject of [`crate::Request::List`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
@@ -66,7 +66,7 @@ pub enum Kind {
     Offers,
 }
 
-/// Bits of the lock level.
+/// Bits of the lock level. A set bit locks that kind of change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Lock(pub u8);
 

@@ -1,8 +1,8 @@
 //! Requests and replies between the Ferrule engine and its clients, and the client.
 //!
-//! On the socket each message is one line of JSON, answered in order. Floats that are not finite
-//! and 64-bit integers are strings. The same types serve inside one process: whoever can answer
-//! requests is a [`Link`].
+//! On the socket each message is one line of JSON. The engine answers requests in order. Floats
+//! that are not finite and 64-bit integers are sent as strings. The same types are used inside one
+//! process: everything that can answer requests is a [`Link`].
 #![expect(unsafe_code, reason = "maps rings that the engine hands over, asks who is at a socket")]
 
 mod at;
@@ -54,26 +54,27 @@ pub use wire::{WireReply, WireRequest};
 
 /// Something that answers requests: the engine in this process, or a connection to one.
 pub trait Link {
-    /// Carries out one request.
+    /// Executes one request.
     ///
     /// # Errors
-    /// Why it was refused, in the user's words.
+    /// The reason why the request failed, in the user's words.
     fn call(&mut self, request: Request) -> Result<Reply, Failure>;
 
-    /// What is asked from here on stands at this place of a script: the engine keeps it with what
-    /// it makes, so that findings can name it.
+    /// Sets the script position for the requests that follow. The engine stores it with everything
+    /// that these requests create, so that findings can name it.
     fn at(&mut self, file: &str, line: u32) {
-        // Whoever has no use for it forgets it.
+        // A link that does not record positions ignores it.
         let _: (&str, u32) = (file, line);
     }
 
-    /// Whether the engine is in this process: the programs that a script starts are then the
-    /// engine's children.
+    /// Returns whether the engine is in this process. Programs that a script starts are then
+    /// children of the engine's process.
     fn is_local(&self) -> bool {
         false
     }
 
-    /// Whether the engine has been asked to end: a script then stops, whatever its lines are.
+    /// Returns whether the engine has been asked to end. A script then stops, whatever lines it
+    /// still has.
     fn is_ending(&self) -> bool {
         false
     }

@@ -1,79 +1,81 @@
-//! What a client may ask.
+//! Requests of clients.
 
 use crate::{Direction, FlightSpec, Kind, Lock, SampleSpec, Type, Value};
 use serde::{Deserialize, Serialize};
 
-/// The version of this protocol; both sides must agree.
+/// Version of this protocol. Both sides must use the same version.
 pub const LATEST: u32 = 1;
 
-/// The longest request on a socket, in bytes.
+/// Maximum length of a request on a socket, in bytes.
 pub const LONGEST: usize = 4 << 20;
 
-/// A line of a file that is applied, and what it asks.
+/// A line of an applied file, with its request.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Edit {
-    /// The file, by its place in [`Request::Apply`]'s list.
+    /// Index of the file in the list of [`Request::Apply`].
     pub file: u32,
-    /// The line in it.
+    /// Line number in the file.
     pub line: u32,
-    /// What it asks.
+    /// Request of the line.
     pub request: Request,
 }
 
-/// What a client may ask.
+/// A request of a client.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Request {
-    /// Who calls; the first request on a socket. A client is listed as component NAME.
-    /// Answer: [`crate::Reply::Hello`].
+    /// Introduces the client; the first request on a socket. The client is listed as component
+    /// `name`. Answer: [`crate::Reply::Hello`].
     Hello {
-        /// [`LATEST`].
+        /// Protocol version of the client, [`LATEST`].
         protocol: u32,
-        /// The name that `show comp` gives it, such as `halcmd1234`; empty: not listed.
+        /// Component name that `show comp` prints, such as `halcmd1234`. If empty, the client is
+        /// not listed.
         name: String,
-        /// Its process.
+        /// Process id of the client.
         pid: i32,
     },
     /// `loadrt MODULE ARGS…`.
     Load {
-        /// The component type.
+        /// Component type.
         module: String,
-        /// `NAME=VALUE` each.
+        /// Arguments, each `NAME=VALUE`.
         args: Vec<String>,
     },
-    /// `loadrt --c [--prefix P] MODULE ARGS…`: a component in C, whatever plugin has its name.
+    /// `loadrt --c [--prefix P] MODULE ARGS…`: a component in C, even if a plugin has the same
+    /// name.
     LoadForeign {
-        /// The file, without its ending.
+        /// File name without extension.
         module: String,
-        /// `NAME=VALUE` each.
+        /// Arguments, each `NAME=VALUE`.
         args: Vec<String>,
-        /// What every name that it makes begins with.
+        /// Prefix of every name that the component creates.
         prefix: String,
     },
     /// `unloadrt NAME`.
     Unload {
-        /// The component.
+        /// Name of the component.
         name: String,
     },
-    /// `unloadrt all`: newest first.
+    /// `unloadrt all`: unloads all components, newest first.
     UnloadAll,
     /// `newsig`.
     NewSignal {
-        /// Its name.
+        /// Name of the signal.
         name: String,
-        /// Its type.
+        /// Type of the signal.
         ty: Type,
     },
     /// `delsig NAME`; `delsig all` when the name is absent.
     DeleteSignal {
-        /// Its name, or all.
+        /// Name of the signal, or `None` for all signals.
         name: Option<String>,
     },
-    /// `net SIGNAL PINS…`, whole or not at all.
+    /// `net SIGNAL PINS…`. Links all pins or none.
     Net {
-        /// The signal, made if needed.
+        /// Name of the signal. It is created if needed.
         signal: String,
-        /// The pins, arrows removed.
+        /// Names of the pins, without arrows.
         pins: Vec<String>,
     },
     /// `linkps PIN SIGNAL` and `linksp`.
@@ -88,11 +90,11 @@ pub enum Request {
         /// The pin.
         pin: String,
     },
-    /// `setp`: a pin or parameter; the text is parsed by its type.
+    /// `setp`: sets a pin or parameter. The text is parsed according to its type.
     Set {
         /// The pin or parameter.
         name: String,
-        /// As the user wrote it.
+        /// Value, as the user wrote it.
         value: String,
     },
     /// `getp`, `ptype`. Answer: [`crate::Reply::Value`].
@@ -104,7 +106,7 @@ pub enum Request {
     SetSignal {
         /// The signal.
         name: String,
-        /// As the user wrote it.
+        /// Value, as the user wrote it.
         value: String,
     },
     /// `gets`, `stype`. Answer: [`crate::Reply::Value`].
@@ -118,16 +120,16 @@ pub enum Request {
         funct: String,
         /// The thread.
         thread: String,
-        /// N: the N-th from the start, -N: from the end; -1 is last.
+        /// Position: N counts from the start, -N from the end; -1 is last.
         position: i64,
-        /// Run once in the thread's first cycle instead (`initf`).
+        /// Run once in the thread's first cycle instead of in every cycle (`initf`).
         init: bool,
     },
     /// `delf`.
     RemoveFunct {
         /// The function.
         funct: String,
-        /// The thread; absent: all threads.
+        /// The thread. If absent, all threads.
         thread: Option<String>,
     },
     /// `start`.
@@ -136,187 +138,193 @@ pub enum Request {
     Stop,
     /// `alias`.
     Alias {
-        /// Whether it is a parameter.
+        /// True for a parameter, false for a pin.
         param: bool,
-        /// The item.
+        /// Name of the pin or parameter.
         name: String,
-        /// Its new name.
+        /// Alias to give to it.
         alias: String,
     },
     /// `unalias`.
     Unalias {
-        /// Whether it is a parameter.
+        /// True for a parameter, false for a pin.
         param: bool,
-        /// The item or its alias.
+        /// Name or alias of the pin or parameter.
         name: String,
     },
     /// `lock`, `unlock`: sets the level.
     SetLock {
-        /// The new level.
+        /// New level.
         level: Lock,
     },
-    /// `unlock`: takes bits away from the level.
+    /// `unlock`: clears bits of the level.
     ClearLock {
-        /// Those bits.
+        /// Bits to clear.
         bits: Lock,
     },
-    /// `apply`: every edit at one boundary between cycles, or none. Answer: [`crate::Reply::Applied`] or
-    /// [`crate::Reply::Refused`].
+    /// `apply`: carries out all edits at one boundary between cycles, or none of them. Answer:
+    /// [`crate::Reply::Applied`] or [`crate::Reply::Refused`].
     Apply {
-        /// The names of the files that the edits come from.
+        /// Names of the files that contain the edits.
         files: Vec<String>,
-        /// In order; each sees what those before it did.
+        /// Edits in order. Each edit sees the effect of those before it.
         edits: Vec<Edit>,
-        /// Only say whether it could be.
+        /// Only check whether the edits could be applied.
         dry: bool,
     },
-    /// `show` and `list`. Answer: the list of the kind.
+    /// `show` and `list`. Answer: the list for that kind.
     List {
-        /// Of what.
+        /// Kind of things to list.
         kind: Kind,
-        /// An item is listed if any matches; none: all.
+        /// Patterns. An item is listed if any pattern matches, or if there are none.
         patterns: Vec<String>,
-        /// Only items of this type.
+        /// List only items of this type.
         ty: Option<Type>,
     },
     /// `status`. Answer: [`crate::Reply::Status`].
     Status,
     /// `order`. Answer: [`crate::Reply::Order`].
     Order,
-    /// One component. Answer: [`crate::Reply::Components`] with none or one.
+    /// Returns one component. Answer: [`crate::Reply::Components`] with zero or one entry.
     Component {
-        /// Its name.
+        /// Name of the component.
         name: String,
     },
-    /// `timing on|off [THREAD]`: whether functions are timed (`.time`, `.tmax`).
+    /// `timing on|off [THREAD]`: switches the timing of functions (`.time`, `.tmax`).
     Timing {
-        /// The thread; absent: all.
+        /// The thread. If absent, all threads.
         thread: Option<String>,
-        /// Whether they are.
+        /// True to switch timing on.
         on: bool,
     },
-    /// `debug LEVEL`: what components' messages are shown.
+    /// `debug LEVEL`: sets which messages of components are shown.
     MessageLevel {
-        /// 0 none, 1 errors, 2 warnings, 3 information, 4 and 5 everything.
+        /// Level: 0 none, 1 errors, 2 warnings, 3 information, 4 and 5 everything.
         level: u8,
     },
-    /// `run T`: moves the virtual clock; answered when it has moved.
+    /// `run T`: advances the virtual clock. The answer is sent when the clock has advanced.
     Run {
-        /// How far, in nanoseconds.
+        /// Time to advance, in nanoseconds.
         ns: u64,
     },
     /// `COMPONENT.VERB name=value …`. Answer: [`crate::Reply::Answer`].
     Command {
-        /// Such as `motion.jog`.
+        /// Name, such as `motion.jog`.
         name: String,
-        /// `NAME=VALUE` each.
+        /// Arguments, each `NAME=VALUE`.
         args: Vec<String>,
     },
-    /// How far a command has come. Answer: [`crate::Reply::Ticket`].
+    /// Returns the progress of a command. Answer: [`crate::Reply::Ticket`].
     Ticket {
-        /// From [`crate::Answer::ticket`].
+        /// Ticket number, from [`crate::Answer::ticket`].
         id: u64,
-        /// Answer only when it is no longer under way; the virtual clock moves meanwhile.
+        /// Answer only when the command has ended. The virtual clock runs meanwhile.
         wait: bool,
     },
-    /// Waits; answered after that time on the wall.
+    /// Waits. The answer is sent after this wall-clock time.
     Idle {
-        /// Milliseconds on the wall.
+        /// Wall-clock time in milliseconds.
         ms: u32,
-        /// Whether the virtual clock moves meanwhile.
+        /// True if the virtual clock runs meanwhile.
         flow: bool,
     },
-    /// As [`Self::Idle`] with a moving clock, while a script waits for the end of a program: if that
-    /// one is at a shared ring, the clock moves no further than the program needs.
+    /// As [`Self::Idle`] with a running clock, while a script waits for a program to end. If the
+    /// program is attached to a shared ring, the clock advances no further than the program needs.
     Await {
-        /// Milliseconds on the wall.
+        /// Wall-clock time in milliseconds.
         ms: u32,
-        /// The program's process.
+        /// Process id of the program.
         pid: i32,
     },
-    /// A program that this client started: it ends with the engine, and the virtual clock waits
-    /// until it has joined or ended, or has been running for a second.
+    /// Reports a program that this client started. The program ends with the engine. The virtual
+    /// clock waits until the program has joined, has ended, or has run for a second.
     Adopt {
-        /// Its process.
+        /// Process id of the program.
         pid: i32,
-        /// Its name.
+        /// Name of the program.
         program: String,
     },
-    /// `unloadusr NAME`: SIGTERM to its process; absent: to all.
+    /// `unloadusr NAME`: sends SIGTERM to the program's process, or to all programs if the name is
+    /// absent.
     EndProgram {
-        /// The component, or all.
+        /// Name of the component, or `None` for all.
         name: Option<String>,
     },
-    /// Starts recording to a VCD file; changes only.
+    /// Starts recording changes to a VCD file.
     Record {
-        /// The file; it is created or replaced.
+        /// Path of the file. It is created or replaced.
         path: String,
-        /// Which pins, signals and parameters; none: all but times.
+        /// Patterns of the pins, signals and parameters to record. If empty, everything except
+        /// function times is recorded.
         patterns: Vec<String>,
     },
     /// Ends the recording and closes the file.
     EndRecord,
-    /// Makes this client a component with pins of its own.
+    /// Makes this client a component with its own pins.
     Join {
-        /// The component's name.
+        /// Name of the component.
         name: String,
-        /// The period of its polls in nanoseconds of machine time, 1000 to 1000000000000; zero: it
+        /// Poll period in nanoseconds of machine time, 1000 to 1000000000000. Zero if the client
         /// does not poll.
         poll_ns: u64,
     },
-    /// Makes a pin of this client's component.
+    /// Creates a pin of this client's component.
     NewPin {
-        /// Absolute name.
+        /// Full name of the pin.
         name: String,
-        /// Its type.
+        /// Type of the pin.
         ty: Type,
-        /// Its direction.
+        /// Direction of the pin.
         direction: Direction,
     },
-    /// This client's component is complete.
+    /// Declares this client's component complete.
     Ready,
-    /// Writes the pins of this client, which has joined with a period, then waits for its next poll
-    /// and reads all of them, in order of creation. Answer: [`crate::Reply::Values`].
+    /// Writes pins of this client, which has joined with a period; then waits for its next poll and
+    /// reads all of its pins, in order of creation. Answer: [`crate::Reply::Values`].
     Poll {
-        /// Pin (by order of creation) and value.
+        /// Values to write, each with the index of its pin (in order of creation).
         writes: Vec<(u32, Value)>,
     },
-    /// Attaches to a shared ring; its file descriptor comes with the answer [`crate::Reply::Stream`].
+    /// Attaches to a shared ring. Its file descriptor comes with the answer
+    /// [`crate::Reply::Stream`].
     Attach {
-        /// Such as `sampler.0`.
+        /// Name of the ring, such as `sampler.0`.
         name: String,
-        /// How many records the program is going to take, if it knows.
+        /// Number of records that the program will take, if it is known.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         count: Option<u64>,
     },
-    /// `flight on`: keeps the latest changes of every pin and signal, and has them written when
-    /// something happens.
+    /// `flight on`: keeps the latest changes of every pin and signal and writes them to a file when
+    /// an event happens.
     Flight(FlightSpec),
     /// `flight off`.
     EndFlight,
-    /// `flight save`: begins to write what there is; [`Self::FlightState`] says what came of it.
+    /// `flight save`: starts to write the recorded changes. [`Self::FlightState`] reports the
+    /// result.
     SaveFlight {
-        /// The file; its ending says how.
+        /// Path of the file. The extension selects the format.
         path: String,
-        /// The last event, rather than what there is now.
+        /// Write the last event instead of the current recording.
         last: bool,
     },
     /// `flight`. Answer: [`crate::Reply::Flight`].
     FlightState,
-    /// Samples pins, signals and parameters until [`Self::EndSample`] or this client goes; the file
-    /// descriptor of the ring comes with the answer [`crate::Reply::Sample`].
+    /// Samples pins, signals and parameters until [`Self::EndSample`] or until this client
+    /// disconnects. The file descriptor of the ring comes with the answer [`crate::Reply::Sample`].
     Sample(SampleSpec),
-    /// How a sample of this client's is. Answer: [`crate::Reply::SampleState`].
+    /// Returns the state of one of this client's samples. Answer: [`crate::Reply::SampleState`].
     SampleState {
-        /// From [`crate::SampleInfo::id`].
+        /// Id from [`crate::SampleInfo::id`].
         id: u64,
     },
-    /// Ends a sample of this client's. Answer: [`crate::Reply::SampleState`], as it was at the end.
+    /// Ends one of this client's samples. Answer: [`crate::Reply::SampleState`] with the final
+    /// state.
     EndSample {
-        /// From [`crate::SampleInfo::id`].
+        /// Id from [`crate::SampleInfo::id`].
         id: u64,
     },
-    /// `check`: what is wrong or odd with the machine as it is. Answer: [`crate::Reply::Findings`].
+    /// `check`: looks for problems of the machine in its current state. Answer:
+    /// [`crate::Reply::Findings`].
     Check,
     /// Ends the engine.
     Shutdown,

@@ -1,130 +1,133 @@
-//! What `order` is made of: orders of functions, and how long values wait.
+//! Records that `order` prints: orders of functions, and delays of values between them.
 
 use crate::At;
 use serde::{Deserialize, Serialize};
 
-/// The order of functions in threads, as it is and as the data flow would have it.
+/// Order of the functions in the threads: the current order and the one that the data flow
+/// suggests.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct OrderInfo {
-    /// Every thread, fastest first.
+    /// All threads, fastest first.
     pub threads: Vec<ThreadOrder>,
-    /// From what comes in to what goes out.
+    /// Paths from inputs of the machine to outputs.
     pub paths: Vec<PathInfo>,
-    /// Whether there are more paths than these.
+    /// True if there are more paths than those listed.
     pub more_paths: bool,
-    /// The feedback loops.
+    /// Feedback loops.
     pub loops: Vec<LoopInfo>,
-    /// Whether there are more loops than these.
+    /// True if there are more loops than those listed.
     pub more_loops: bool,
-    /// What goes from one thread to another.
+    /// Values that pass from one thread to another.
     pub crossings: Vec<HopInfo>,
 }
 
-/// The order of functions in a thread.
+/// Order of the functions in a thread.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ThreadOrder {
-    /// Its name.
+    /// Name of the thread.
     pub name: String,
-    /// Its period in nanoseconds.
+    /// Period in nanoseconds.
     pub period: u64,
-    /// Its functions in their order.
+    /// Functions in their current order.
     pub functs: Vec<AddedInfo>,
-    /// The names of the same functions in the order that costs least: their own, unless another
-    /// costs less.
+    /// Names of the same functions in the order with the least delay. Equal to the current order
+    /// unless another one has less delay.
     pub better: Vec<String>,
-    /// What is read a cycle late.
+    /// Values that are read one cycle late.
     pub late: Vec<LateInfo>,
-    /// What makes the better order of theirs: all of these functions are taken out, and then put
-    /// in one after the other.
+    /// Changes that lead to the better order: remove all of these functions first, then add them
+    /// one after the other.
     pub moves: Vec<MoveInfo>,
 }
 
 /// A function in a thread.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AddedInfo {
-    /// Its name.
+    /// Name of the function.
     pub name: String,
-    /// The line that added it, if a script did.
+    /// Script line that added it, if a script did.
     pub at: Option<At>,
-    /// What it reads and writes is not known: nothing is said about what passes through it.
+    /// True if the pins that it reads and writes are unknown. Values that pass through it are then
+    /// not analysed.
     pub unknown: bool,
 }
 
-/// A value that is read a cycle late.
+/// A value that is read one cycle late.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LateInfo {
-    /// From whom to whom.
+    /// Writer and reader of the value.
     pub hop: HopInfo,
-    /// It is late in the better order as well: it closes a feedback loop.
+    /// True if the value is late in the better order too, because it closes a feedback loop.
     pub remains: bool,
 }
 
-/// Where a function would have to be.
+/// New position of a function.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MoveInfo {
-    /// The function.
+    /// Name of the function.
     pub funct: String,
-    /// Its position, as `addf` counts.
+    /// Position, counted as in `addf`.
     pub position: u64,
 }
 
-/// How long a value waits, in nanoseconds of machine time.
+/// Delay of a value, in nanoseconds of machine time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct DelayInfo {
-    /// At best.
+    /// Smallest delay.
     pub least: u64,
-    /// At worst.
+    /// Largest delay.
     pub most: u64,
 }
 
-/// What goes from one function to another.
+/// Flow of values from one function to another.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct HopInfo {
-    /// The function that writes.
+    /// Function that writes.
     pub from: String,
-    /// The function that reads.
+    /// Function that reads.
     pub to: String,
-    /// The thread of the function that reads.
+    /// Thread of the function that reads.
     pub thread: String,
-    /// Whether the function that writes is in another thread.
+    /// True if the function that writes runs in another thread.
     pub crosses: bool,
-    /// The signals, and pins that both functions have; none: state within a component.
+    /// Signals, and pins that both functions use. Empty if the value is internal state of a
+    /// component.
     pub by: Vec<String>,
-    /// How long it waits.
+    /// Delay in the current order.
     pub delay: DelayInfo,
-    /// How long it would wait in the better order.
+    /// Delay in the better order.
     pub better: DelayInfo,
 }
 
-/// The way of a value through functions.
+/// Path of a value through functions.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WayInfo {
-    /// From function to function.
+    /// Steps from function to function.
     pub hops: Vec<HopInfo>,
-    /// How long it takes.
+    /// Total delay in the current order.
     pub delay: DelayInfo,
-    /// How long it would take in the better order.
+    /// Total delay in the better order.
     pub better: DelayInfo,
 }
 
-/// How long it takes from what comes in to what goes out.
+/// Delay from an input of the machine to an output.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PathInfo {
-    /// The function that has values from outside.
+    /// Function that receives values from outside.
     pub from: String,
-    /// The function whose values go outside.
+    /// Function whose values leave the machine.
     pub to: String,
-    /// The way on which a value is there first.
+    /// Path on which a value arrives first.
     pub quickest: WayInfo,
-    /// The way on which it is there last, where that is another.
+    /// Path on which a value arrives last, if that is a different one.
     pub slowest: Option<WayInfo>,
 }
 
 /// A feedback loop.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LoopInfo {
-    /// Around it; the last hop leads to the first function.
+    /// Steps around the loop. The last step leads back to the first function.
     pub way: WayInfo,
-    /// Its values go to and fro through bidirectional pins: a handshake.
+    /// True if values pass in both directions through bidirectional pins (a handshake).
     pub handshake: bool,
 }

@@ -1,50 +1,51 @@
-//! Patterns of names, as `show` and `list` know them.
+//! Name patterns, as `show` and `list` use them.
 
-/// Several patterns: a name matches if any is its beginning or, as a shell glob, the whole of it.
+/// A list of patterns. A name matches a pattern that is a prefix of it or, as a shell glob, matches
+/// all of it.
 #[derive(Clone, Debug, Default)]
 pub struct Patterns(Vec<String>);
 
 impl Patterns {
-    /// From the words of a command; none matches everything.
+    /// Returns the patterns in the words of a command. An empty list matches everything.
     #[must_use]
     pub fn new(words: &[String]) -> Self {
         Self(words.to_vec())
     }
 
-    /// Whether there is none.
+    /// Returns whether the list is empty.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Whether `name` matches.
+    /// Returns whether `name` matches a pattern, or the list is empty.
     #[must_use]
     pub fn matches(&self, name: &str) -> bool {
         self.0.is_empty() || self.names(name)
     }
 
-    /// Whether a pattern that spells `part` out matches `name`: so are simulated registers
-    /// (`.sim`) asked for.
+    /// Returns whether a pattern that contains `part` literally matches `name`. Simulated registers
+    /// (`.sim`) are listed only if a pattern spells them out.
     #[must_use]
     pub fn spell(&self, part: &str, name: &str) -> bool {
         let spelling: Vec<String> = self.0.iter().filter(|p| p.contains(part)).cloned().collect();
         Self(spelling).names(name)
     }
 
-    /// Whether one of them is `name` itself.
+    /// Returns whether one of the patterns is exactly `name`.
     #[must_use]
     pub fn is_one(&self, name: &str) -> bool {
         self.0.iter().any(|p| p == name)
     }
 
-    /// Whether a pattern matches `name`: false when there is none.
+    /// Returns whether a pattern matches `name`. Returns false if the list is empty.
     #[must_use]
     pub fn names(&self, name: &str) -> bool {
         self.0.iter().any(|p| name.starts_with(p.as_str()) || glob(p.as_bytes(), name.as_bytes()))
     }
 }
 
-/// A shell glob over the whole name: `*`, `?`, `[a-z]`, `[!a-z]`, `\` before a literal.
+/// Matches a shell glob against the whole name: `*`, `?`, `[a-z]`, `[!a-z]`, `\` before a literal.
 fn glob(pattern: &[u8], name: &[u8]) -> bool {
     let (mut p, mut n) = (0, 0);
     let mut star: Option<(usize, usize)> = None;
@@ -79,7 +80,7 @@ fn glob(pattern: &[u8], name: &[u8]) -> bool {
     }
 }
 
-/// Whether `c` is in the set after `[`, and how long the set is with its `]`.
+/// Returns whether `c` is in the set after `[`, and the length of the set including its `]`.
 fn set(text: &[u8], c: u8) -> Option<(bool, usize)> {
     let negated = matches!(text.first(), Some(b'!' | b'^'));
     let mut i = usize::from(negated);

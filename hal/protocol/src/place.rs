@@ -1,4 +1,4 @@
-//! Where an instance's socket is.
+//! Name of an instance and location of its files.
 
 use std::{
     env,
@@ -7,7 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// The name of the folder in whatever folder the system has for such things.
+/// Name of the subfolder in the system's folder for runtime files.
 const FOLDER: &str = "ferrule";
 
 /// An instance of the engine: a name, and the folder of its files.
@@ -19,19 +19,19 @@ pub struct Place {
 }
 
 impl Place {
-    /// Returns the instance `name`, or that of `HAL_INSTANCE`, or `default`.
+    /// Returns the instance `name`; without a name, the one in `HAL_INSTANCE`, or `default`.
     ///
-    /// Its files are in `ferrule` in the first of these folders:
+    /// The files are in the subfolder `ferrule` of the first of these folders:
     /// - `HAL_RUNTIME_DIR`;
-    /// - `XDG_RUNTIME_DIR`, then `/run/user/UID`, if it belongs to this user and only that one can
-    ///   write there: one that `sudo` has handed on is another user's;
+    /// - `XDG_RUNTIME_DIR`, then `/run/user/UID`, if it belongs to this user and nobody else can
+    ///   write there (a folder that `sudo` passed on belongs to another user and is skipped);
     /// - for root, `/run`.
     ///
-    /// Where there is none, they are in `ferrule-UID` in the folder for temporary files. That name
-    /// another user can take first; [`crate::Folder`] refuses it then.
+    /// If there is none, they are in `ferrule-UID` in the folder for temporary files. Another user
+    /// can create a folder of that name first; [`crate::Folder`] then refuses to use it.
     ///
     /// # Errors
-    /// The name is not usable.
+    /// The name is not a valid instance name.
     pub fn find(name: Option<&str>) -> Result<Self, String> {
         let name = name.map(str::to_owned).or_else(|| env::var("HAL_INSTANCE").ok());
         let name = name.filter(|n| !n.is_empty()).unwrap_or_else(|| "default".to_owned());
@@ -40,10 +40,10 @@ impl Place {
         Ok(Self { named, ..Self::at(folder, &name)? })
     }
 
-    /// Returns the instance of this name whose files are in `folder`, whatever the environment says.
+    /// Returns the instance of this name whose files are in `folder`. Ignores the environment.
     ///
     /// # Errors
-    /// The name is not usable.
+    /// The name is not a valid instance name.
     pub fn at(folder: impl Into<PathBuf>, name: &str) -> Result<Self, String> {
         if !valid_instance(name) {
             return Err(format!(
@@ -53,32 +53,32 @@ impl Place {
         Ok(Self { name: name.to_owned(), folder: folder.into(), named: true })
     }
 
-    /// The instance's name.
+    /// Returns the name of the instance.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The folder, mode 0700, of all of this user's instances.
+    /// Returns the folder of all of this user's instances. The engine creates it with mode 0700.
     #[must_use]
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Whether somebody named the folder, instead of the system. Root may then use an instance of
-    /// the user to whom it belongs.
+    /// Returns whether the folder was named explicitly instead of chosen by the rules of
+    /// [`Self::find`]. Root may then use an instance of the user who owns the folder.
     #[must_use]
     pub const fn is_named(&self) -> bool {
         self.named
     }
 
-    /// The socket.
+    /// Returns the path of the socket.
     #[must_use]
     pub fn socket(&self) -> PathBuf {
         self.folder.join(self.socket_name())
     }
 
-    /// The file whose lock says that the instance is alive.
+    /// Returns the path of the lock file. A running engine holds a lock on it.
     #[must_use]
     pub fn lock(&self) -> PathBuf {
         self.folder.join(self.lock_name())
@@ -93,7 +93,7 @@ impl Place {
     }
 }
 
-/// Returns the folder of a user's instances, and whether the environment names it outright.
+/// Returns the folder of a user's instances, and whether the environment names it explicitly.
 fn folder(user: u32, variable: &dyn Fn(&str) -> Option<OsString>, root: &Path) -> (PathBuf, bool) {
     let named = |name: &str| variable(name).filter(|v| !v.is_empty()).map(PathBuf::from);
     if let Some(folder) = named("HAL_RUNTIME_DIR") {
@@ -112,12 +112,12 @@ fn folder(user: u32, variable: &dyn Fn(&str) -> Option<OsString>, root: &Path) -
     }
 }
 
-/// Whether only this user can put anything into a folder.
+/// Returns whether this user owns the folder and nobody else can write to it.
 fn belongs_to(user: u32, folder: &Path) -> bool {
     std::fs::metadata(folder).is_ok_and(|m| m.is_dir() && m.uid() == user && m.mode() & 0o022 == 0)
 }
 
-/// Whether a name can be an instance's.
+/// Returns whether `name` is a valid instance name.
 #[must_use]
 pub fn valid_instance(name: &str) -> bool {
     !name.is_empty()
@@ -152,18 +152,19 @@ mod tests {
         check(me, &[], &own, false);
         check(me, &[session], "session/ferrule", false);
         check(me, &[session, ("HAL_RUNTIME_DIR", "ROOT/mine")], "mine/ferrule", true);
-        // A folder that is named is used whether it is there or not; an empty name is none.
+        // A folder that is named is used whether it exists or not. An empty variable is ignored.
         check(me, &[("HAL_RUNTIME_DIR", "ROOT/new")], "new/ferrule", true);
         check(me, &[session, ("HAL_RUNTIME_DIR", "")], "session/ferrule", false);
-        // One that is not there, is no folder's path, or that others can write, is passed over.
+        // A folder that does not exist, is not an absolute path, or can be written by others is
+        // skipped.
         for passed in ["ROOT/none", "session", "", "ROOT/open"] {
             check(me, &[("XDG_RUNTIME_DIR", passed)], &own, false);
         }
-        // So is another user's, as `sudo -E` hands it on.
+        // A folder of another user, as `sudo -E` passes it on, is skipped too.
         let (other, fallback) = (me + 1, format!("tmp/ferrule-{}", me + 1));
         check(other, &[session], &fallback, false);
         check(other, &[session, ("TMPDIR", "ROOT/mine")], &format!("mine/ferrule-{other}"), false);
-        // Root has a folder that is there without a session.
+        // Root has a folder that exists without a login session.
         fs::remove_dir(root.join(&user)).unwrap();
         let without = if me == 0 { "run/ferrule" } else { &format!("tmp/ferrule-{me}") };
         check(me, &[], without, false);

@@ -1,4 +1,4 @@
-//! What the engine answers.
+//! Answers of the engine.
 
 use crate::{
     AliasInfo, CommandInfo, ComponentInfo, Failure, Finding, FlightInfo, FunctInfo, ItemInfo,
@@ -7,46 +7,46 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 
-/// What the engine answers.
+/// An answer of the engine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Reply {
     /// Done.
     Done,
-    /// Done, with sentences that a user who asked for them sees (`-v`), or warnings.
+    /// Done, with warnings or with notes for users who asked for them (`-v`).
     Noted(Vec<String>),
     /// The engine's side of [`crate::Request::Hello`].
     Hello {
-        /// Its [`crate::LATEST`].
+        /// Protocol version of the engine, [`crate::LATEST`].
         protocol: u32,
-        /// The instance.
+        /// Name of the instance.
         instance: String,
-        /// Its release.
+        /// Release of the engine.
         version: String,
         /// The id of this client's component.
         id: u32,
     },
-    /// All edits are carried out, or could be.
+    /// All edits were applied, or could be applied (dry run).
     Applied {
-        /// How many stores that took at the boundary.
+        /// Number of stores at the cycle boundary.
         stores: u32,
-        /// How many threads were given new lists of functions.
+        /// Number of threads that received new function lists.
         lists: u32,
     },
-    /// One edit is refused: none is carried out.
+    /// An edit was refused, so none was applied.
     Refused {
-        /// Which one, from zero.
+        /// Index of the refused edit, from zero.
         edit: u32,
-        /// Why.
+        /// Reason.
         failure: Failure,
     },
     /// A value with its type.
     Value(Value),
-    /// Values in order.
+    /// Pin values in order of creation.
     Values {
         /// Machine time in nanoseconds.
         time: u64,
-        /// Of this client's pins.
+        /// Values of this client's pins.
         values: Vec<Value>,
     },
     /// Components.
@@ -69,33 +69,33 @@ pub enum Reply {
     Offers(Vec<Offer>),
     /// The state of the instance.
     Status(Box<StatusInfo>),
-    /// The order of functions, and how long values wait.
+    /// Order of functions, and delays of values.
     Order(Box<OrderInfo>),
-    /// What a component's command answered.
+    /// Answer of a component's command.
     Answer(Answer),
-    /// How far a command has come.
+    /// Progress of a command.
     Ticket(TicketInfo),
     /// A ring to attach to.
     Stream(StreamInfo),
-    /// How the flight recorder is.
+    /// State of the flight recorder.
     Flight(FlightInfo),
     /// A sample that has begun.
     Sample(SampleInfo),
-    /// How a sample is.
+    /// State of a sample.
     SampleState(SampleState),
-    /// What is wrong or odd.
+    /// Problems and oddities of the machine.
     Findings(Vec<Finding>),
 }
 
-/// What a component's command answered.
+/// Answer of a component's command.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Answer {
-    /// Lines for the user.
+    /// Lines of text for the user.
     pub lines: Vec<String>,
-    /// Set when the command goes on in machine time.
+    /// Ticket number, if the command continues in machine time.
     pub ticket: Option<u64>,
-    /// Whether the caller is to wait for the ticket even if nobody asked it to: the command may
-    /// yet fail in a way that nobody may miss.
+    /// True if the caller must wait for the ticket even if the user did not ask for that, because
+    /// the command can still fail in a way that the user has to see.
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
     pub awaited: bool,
 }

@@ -1,65 +1,66 @@
-//! Samples: what is asked for, and what comes of it.
+//! Samples: their specification, description and state.
 
 use crate::Type;
 use serde::{Deserialize, Serialize};
 
-/// The most channels of a sample.
+/// Maximum number of channels of a sample.
 pub const MOST_CHANNELS: usize = 1024;
 
-/// What is to be sampled, when, and how.
+/// Specification of a sample: values, thread and ring size.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct SampleSpec {
-    /// The thread after whose cycles values are taken; absent: the fastest.
+    /// Thread after whose cycles values are taken. If absent, the fastest thread.
     pub thread: Option<String>,
-    /// After each n-th cycle; 0 and 1: after each.
+    /// Take values after every n-th cycle. 0 and 1 mean every cycle.
     pub every: u32,
-    /// How many samples the ring is to hold; 0: enough for a second, as far as memory allows.
+    /// Number of samples that the ring must hold. 0 means enough for one second, as far as memory
+    /// allows.
     pub depth: u32,
-    /// Pins, parameters and signals, in this order of search; `sig:NAME` is a signal for certain.
-    /// Where a name has `*`, `?` or `[`, all that match are meant, by name.
+    /// Names of pins, parameters and signals, searched in this order. `sig:NAME` always names a
+    /// signal. A name with `*`, `?` or `[` selects all that match it, ordered by name.
     pub names: Vec<String>,
-    /// On the virtual clock, time waits while the ring is full, as long as the client is
-    /// connected, but no longer than 10 s on the wall without a sample taken. On the real one, and without this, samples for which there is no room are lost,
-    /// and counted.
+    /// On the virtual clock, stop time while the ring is full, as long as the client is connected,
+    /// but for at most 10 s of wall-clock time without a sample taken. On the real clock, and
+    /// without this option, samples that find the ring full are lost and counted.
     pub wait: bool,
 }
 
 /// A channel of a sample.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ChannelInfo {
-    /// The name of the pin, parameter or signal.
+    /// Name of the pin, parameter or signal.
     pub name: String,
-    /// Its type.
+    /// Type of the value.
     pub ty: Type,
 }
 
-/// A sample that has begun.
+/// Description of a running sample.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SampleInfo {
-    /// Its number.
+    /// Id of the sample.
     pub id: u64,
-    /// The thread.
+    /// Thread after whose cycles values are taken.
     pub thread: String,
-    /// The thread's period in nanoseconds.
+    /// Period of the thread in nanoseconds.
     pub period: i64,
-    /// After each n-th cycle.
+    /// Values are taken after every n-th cycle.
     pub every: u32,
-    /// How many samples the ring holds.
+    /// Number of samples that the ring holds.
     pub depth: u32,
-    /// Whether time waits while the ring is full.
+    /// True if virtual time stops while the ring is full.
     pub wait: bool,
-    /// What each record has after its time.
+    /// Values of each record, after its time.
     pub channels: Vec<ChannelInfo>,
 }
 
-/// How a sample is.
+/// State of a sample.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SampleState {
-    /// How many samples were taken, those included that were lost.
+    /// Number of samples, including those that were lost.
     pub samples: u64,
-    /// How many of them were lost for want of room.
+    /// Number of samples lost because the ring was full.
     pub lost: u64,
-    /// Why it has ended, if it has.
+    /// Reason why the sample ended, if it has ended.
     pub ended: Option<String>,
 }

@@ -4,14 +4,14 @@ use crate::{ChannelInfo, SampleInfo, Value, stream::Mapping};
 use hal_abi::{Consumer, Got};
 use std::os::fd::OwnedFd;
 
-/// Which sample was taken, and when.
+/// Number and time of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stamp {
-    /// Its number, from 0; those that were lost are counted too.
+    /// Sample number, from 0. Lost samples are counted too.
     pub number: u64,
-    /// Machine time of its cycle, in nanoseconds.
+    /// Machine time of the cycle, in nanoseconds.
     pub time: i64,
-    /// How many samples were lost between the one before and this one.
+    /// Number of samples lost between the previous one and this one.
     pub lost: u64,
 }
 
@@ -22,38 +22,39 @@ pub struct Samples {
     consumer: Consumer,
     next: u64,
     lost: u64,
-    // Last: the consumer points into it.
+    // Last field, because the consumer points into it and must be dropped first.
     #[expect(dead_code, reason = "held so that the ring stays mapped")]
     mapping: Mapping,
 }
 
 impl Samples {
-    /// Maps the ring that came with this description.
+    /// Maps the ring that the engine sent with this description.
     ///
     /// # Errors
-    /// What came is not that ring.
+    /// The file descriptor is not such a ring.
     pub fn map(fd: &OwnedFd, info: SampleInfo) -> Result<Self, String> {
         let width = u32::try_from(info.channels.len() + 1).map_err(|e| e.to_string())?;
         let depth = info.depth.checked_add(1).ok_or("the ring is too long")?;
         let mapping = Mapping::new(fd, depth, width)?;
-        // SAFETY: the mapping lives as long as this; the engine admits one program.
+        // SAFETY: the mapping lives as long as `Self`; the engine admits only one program to the
+        // ring.
         let consumer = unsafe { Consumer::new(mapping.ring(), depth, width) };
         Ok(Self { info, consumer, next: 0, lost: 0, mapping })
     }
 
-    /// What is sampled, and when.
+    /// Returns the description of the sample.
     #[must_use]
     pub const fn info(&self) -> &SampleInfo {
         &self.info
     }
 
-    /// What each record has, in order.
+    /// Returns the values of a record, in order.
     #[must_use]
     pub fn channels(&self) -> &[ChannelInfo] {
         &self.info.channels
     }
 
-    /// Takes the oldest sample, its values into `out`; `None` when there is none.
+    /// Takes the oldest sample and puts its values into `out`. Returns `None` if there is none.
     pub fn take(&mut self, out: &mut Vec<Value>) -> Option<Stamp> {
         out.clear();
         let (consumer, channels) = (&mut self.consumer, &self.info.channels);
@@ -67,7 +68,7 @@ impl Samples {
         self.stamp(got, time)
     }
 
-    /// As [`Self::take`], with the values' bits.
+    /// As [`Self::take`], with the raw bits of the values.
     pub fn take_bits(&mut self, out: &mut Vec<u64>) -> Option<Stamp> {
         out.clear();
         self.consumer.follow();
@@ -81,7 +82,7 @@ impl Samples {
 
     const fn stamp(&mut self, got: Got, time: i64) -> Option<Stamp> {
         let Got::Sample(n) = got else { return None };
-        // The ring counts from 1.
+        // The ring counts from 1, samples from 0.
         let number = n.wrapping_sub(1);
         let lost = number.wrapping_sub(self.next);
         self.next = n;
@@ -89,27 +90,28 @@ impl Samples {
         Some(Stamp { number, time, lost })
     }
 
-    /// How many samples wait.
+    /// Returns the number of samples waiting in the ring.
     #[must_use]
     pub fn waiting(&self) -> u32 {
         self.consumer.waiting()
     }
 
-    /// How many samples were lost before the last one that was taken.
+    /// Returns the number of samples lost before the last one that was taken.
     #[must_use]
     pub const fn lost(&self) -> u64 {
         self.lost
     }
 
-    /// Whether nothing waits and nothing more will come. The engine says why:
-    /// [`crate::Request::SampleState`]. An engine that has gone says nothing.
+    /// Returns whether the ring is empty and closed. [`crate::Request::SampleState`] returns the
+    /// reason, as long as the engine still runs.
     #[must_use]
     pub fn is_over(&self) -> bool {
-        // In this order: what was written before the end is seen.
+        // This order matters: a record written before the ring was closed is then seen.
         self.consumer.lost_and_closed().1 && self.consumer.waiting() == 0
     }
 
-    /// How many samples were lost after the last one that was taken; right when [`Self::is_over`].
+    /// Returns the number of samples lost after the last one that was taken. Valid only when
+    /// [`Self::is_over`].
     #[must_use]
     pub fn lost_at_end(&self) -> u64 {
         self.consumer.lost_and_closed().0.saturating_sub(self.lost)

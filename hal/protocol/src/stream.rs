@@ -1,4 +1,4 @@
-//! A ring of the engine's, mapped into this process.
+//! A shared ring of the engine, mapped into this process.
 
 use crate::{StreamInfo, Type, Value};
 use core::{ffi::c_void, ptr};
@@ -14,23 +14,23 @@ use std::os::fd::{AsFd, OwnedFd};
 pub struct Stream {
     info: StreamInfo,
     end: End,
-    // Last: the end points into it.
+    // Last field, because `end` points into it and must be dropped first.
     #[expect(dead_code, reason = "held so that the ring stays mapped")]
     mapping: Mapping,
 }
 
-/// A ring in this process's memory.
+/// A ring mapped into this process's memory.
 #[derive(Debug)]
 pub(crate) struct Mapping {
     address: *mut c_void,
     bytes: usize,
 }
 
-// SAFETY: shared memory; what is in it is atomic.
+// SAFETY: the mapping is shared memory that is accessed only through atomics.
 unsafe impl Send for Mapping {}
 
 impl Mapping {
-    /// Maps a ring of this shape.
+    /// Maps a ring of this depth (slots) and width (values per record).
     pub(crate) fn new(fd: &OwnedFd, depth: u32, width: u32) -> Result<Self, String> {
         let bytes = Ring::bytes(depth, width);
         let size = rustix::fs::fstat(fd.as_fd()).map_err(|e| e.to_string())?.st_size;
@@ -42,17 +42,17 @@ impl Mapping {
             return Err("the ring could be cut while it is read".into());
         }
         let (prot, flags) = (ProtFlags::READ | ProtFlags::WRITE, MapFlags::SHARED);
-        // SAFETY: a fresh shared mapping; the file is sealed against shrinking, as
-        // was just looked up.
+        // SAFETY: this is a new shared mapping. The file is sealed against shrinking, as checked
+        // above.
         let address = unsafe { mmap(ptr::null_mut(), bytes, prot, flags, fd.as_fd(), 0) }
             .map_err(|e| e.to_string())?;
         let mapping = Self { address, bytes };
-        // SAFETY: mapped, and at least a head long; the magic is its first word.
+        // SAFETY: the mapping is at least as long as the header, and the magic is its first word.
         let magic = unsafe { mapping.ring().cast::<u64>().read() };
         if magic == RING_MAGIC { Ok(mapping) } else { Err("this is not a ring".into()) }
     }
 
-    /// The head of the ring.
+    /// Returns the header of the ring.
     pub(crate) const fn ring(&self) -> *const Ring {
         self.address.cast::<Ring>().cast_const()
     }
@@ -60,7 +60,7 @@ impl Mapping {
 
 impl Drop for Mapping {
     fn drop(&mut self) {
-        // SAFETY: mapped in `new`, and nothing outlives this.
+        // SAFETY: mapped in `new`, and no pointer into it outlives `self`.
         let _ = unsafe { munmap(self.address, self.bytes) };
     }
 }
@@ -76,7 +76,8 @@ impl Stream {
         let width = u32::try_from(info.types.len()).map_err(|e| e.to_string())?;
         let mapping = Mapping::new(fd, info.depth, width)?;
         let end = if info.out {
-            // SAFETY: the mapping lives as long as this; the engine admits one program.
+            // SAFETY: the mapping lives as long as `Self`; the engine admits only one program to
+            // the ring.
             End::Reads(unsafe { Consumer::new(mapping.ring(), info.depth, width) })
         } else {
             // SAFETY: as above.
@@ -85,13 +86,13 @@ impl Stream {
         Ok(Self { info, end, mapping })
     }
 
-    /// The types of a record's values.
+    /// Returns the types of a record's values.
     #[must_use]
     pub fn types(&self) -> &[Type] {
         &self.info.types
     }
 
-    /// Takes the oldest record into `out` and gives its number; `None` when there is none.
+    /// Takes the oldest record into `out` and returns its number. Returns `None` if there is none.
     pub fn take(&mut self, out: &mut Vec<Value>) -> Option<u64> {
         let End::Reads(consumer) = &mut self.end else { return None };
         out.clear();
@@ -108,14 +109,14 @@ impl Stream {
         }
     }
 
-    /// Appends a record; false when there is no room (nothing is then counted or written).
+    /// Appends a record. Returns false if the ring is full; nothing is then written or counted.
     pub fn put(&mut self, record: &[Value]) -> bool {
         let End::Writes(producer) = &mut self.end else { return false };
         producer.follow();
         producer.room() > 0 && producer.put(|i| record.get(i).map_or(0, Value::bits))
     }
 
-    /// How many records wait in the ring.
+    /// Returns the number of records in the ring.
     #[must_use]
     pub fn waiting(&self) -> u32 {
         match &self.end {
@@ -142,7 +143,7 @@ mod tests {
         assert_eq!(map(SealFlags::GROW, 4096), "the ring could be cut while it is read");
         assert_eq!(map(SealFlags::SHRINK, 8), "the ring is smaller than it says");
         assert_eq!(map(SealFlags::SHRINK, 4096), "this is not a ring");
-        // What is no such memory has no seals.
+        // A regular file has no seals.
         let file = std::env::temp_dir().join(format!("hal-ring-{}", std::process::id()));
         std::fs::write(&file, [0; 4096]).unwrap();
         let fd = OwnedFd::from(std::fs::File::open(&file).unwrap());

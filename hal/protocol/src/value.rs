@@ -1,4 +1,4 @@
-//! Values: how they are written, read, and carried.
+//! Values: text form, bits in a cell, and form on the wire.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Type {
-    /// A truth value.
+    /// A boolean.
     Bit,
     /// A 64-bit floating-point number.
     Float,
@@ -22,7 +22,7 @@ pub enum Type {
     U64,
 }
 
-/// Every accepted spelling; the first of a type is the one that is printed.
+/// All accepted spellings. The first one of each type is the one that is printed.
 const NAMES: &[(&str, Type)] = &[
     ("bit", Type::Bit),
     ("float", Type::Float),
@@ -42,13 +42,13 @@ const NAMES: &[(&str, Type)] = &[
 ];
 
 impl Type {
-    /// The type of this name, old or new, in any case.
+    /// Returns the type of this name, old or new spelling. Ignores letter case.
     #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
         NAMES.iter().find(|(n, _)| n.eq_ignore_ascii_case(name)).map(|(_, t)| *t)
     }
 
-    /// Its name.
+    /// Returns the name of the type.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -62,7 +62,7 @@ impl Type {
         }
     }
 
-    /// Its code in the plugin contract.
+    /// Returns the code of the type in the plugin ABI.
     #[must_use]
     pub const fn code(self) -> u8 {
         match self {
@@ -76,7 +76,7 @@ impl Type {
         }
     }
 
-    /// The type with this code.
+    /// Returns the type with this code.
     #[must_use]
     pub const fn from_code(code: u8) -> Option<Self> {
         Some(match code {
@@ -91,7 +91,7 @@ impl Type {
         })
     }
 
-    /// What a value of this type looks like, for a hint.
+    /// Returns a hint that describes the values of this type.
     #[must_use]
     pub const fn expects(self) -> &'static str {
         match self {
@@ -109,7 +109,7 @@ impl Type {
 /// A value with its type.
 #[derive(Clone, Copy, Debug)]
 pub enum Value {
-    /// A truth value.
+    /// A boolean.
     Bit(bool),
     /// A 64-bit floating-point number.
     Float(f64),
@@ -121,28 +121,28 @@ pub enum Value {
     S64(i64),
     /// An unsigned 64-bit integer.
     U64(u64),
-    /// A byte queue: its size in bytes, zero when there is none.
+    /// Size of a byte queue in bytes. Zero if there is no queue.
     Port(u64),
 }
 
 impl PartialEq for Value {
-    /// Bit for bit: a NaN equals itself.
+    /// Compares bit for bit, so that a NaN equals itself.
     fn eq(&self, other: &Self) -> bool {
         self.ty() == other.ty() && self.bits() == other.bits()
     }
 }
 
-/// Why a text is not a value.
+/// Reason why a text is not a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ValueError {
-    /// Not of that form.
+    /// Invalid syntax.
     Invalid,
-    /// Of that form, but too large or too small.
+    /// Valid syntax, but the value is out of range.
     Range,
 }
 
 impl Value {
-    /// Its type.
+    /// Returns the type of the value.
     #[must_use]
     pub const fn ty(&self) -> Type {
         match self {
@@ -156,7 +156,8 @@ impl Value {
         }
     }
 
-    /// As a cell holds it. A port's size is not what its cell holds.
+    /// Returns the bits that a cell holds for this value. The cell of a port does not hold its
+    /// size.
     #[must_use]
     pub const fn bits(&self) -> u64 {
         match *self {
@@ -169,7 +170,7 @@ impl Value {
         }
     }
 
-    /// From what a cell holds.
+    /// Returns the value that a cell's bits represent.
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "32-bit values live in the low half")]
     pub const fn from_bits(ty: Type, bits: u64) -> Self {
@@ -184,11 +185,11 @@ impl Value {
         }
     }
 
-    /// Reads what a user wrote: truth values in words or 0 and 1, integers in C's notation (0x…,
-    /// 0…) with a sign, floats as C's `strtod` (also nan, inf and 0x…).
+    /// Parses a value as users write it: booleans as words or 0 and 1; integers in C notation (0x…,
+    /// 0…) with an optional sign; floats as C's `strtod` reads them (including nan, inf and 0x…).
     ///
     /// # Errors
-    /// The text is not of that form, or out of the type's range.
+    /// The syntax is invalid, or the value is outside the range of the type.
     pub fn parse(ty: Type, text: &str) -> Result<Self, ValueError> {
         match ty {
             Type::Bit => {
@@ -218,7 +219,7 @@ fn narrow<T: TryFrom<i128>>(n: i128) -> Result<T, ValueError> {
     T::try_from(n).map_err(|_| ValueError::Range)
 }
 
-/// An integer in C's notation, base 0, as `strtol` reads it; trailing blanks are allowed.
+/// Parses an integer in C notation (base 0), as `strtol` does. Ignores surrounding white space.
 fn integer(text: &str) -> Result<i128, ValueError> {
     let text = text.trim();
     let (negative, digits) = match text.as_bytes().first() {
@@ -239,7 +240,7 @@ fn integer(text: &str) -> Result<i128, ValueError> {
     Ok(if negative { -n } else { n })
 }
 
-/// A float as `strtod` reads it in the C locale.
+/// Parses a float as `strtod` does in the C locale.
 fn float(text: &str) -> Result<f64, ValueError> {
     let text = text.trim();
     let (sign, body) = match text.strip_prefix('-') {
@@ -266,7 +267,7 @@ fn float(text: &str) -> Result<f64, ValueError> {
     if f.is_finite() { Ok(sign * f) } else { Err(ValueError::Range) }
 }
 
-/// `10`, `1.8`, `1p4` after 0x.
+/// Parses the part after 0x: `10`, `1.8`, `1p4`.
 fn hex_float(text: &str) -> Result<f64, ValueError> {
     let (mantissa, exponent) = match text.split_once(['p', 'P']) {
         Some((m, e)) => (m, e.parse::<i32>().map_err(|_| ValueError::Invalid)?),
@@ -286,7 +287,7 @@ fn hex_float(text: &str) -> Result<f64, ValueError> {
 }
 
 impl core::fmt::Display for Value {
-    /// As `getp` prints it: `TRUE`, `%.7g`, decimal.
+    /// Formats the value as `getp` prints it: `TRUE`, `%.7g`, decimal.
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match *self {
             Self::Bit(b) => f.write_str(if b { "TRUE" } else { "FALSE" }),
@@ -299,7 +300,7 @@ impl core::fmt::Display for Value {
     }
 }
 
-/// C's `%.7g`.
+/// Formats a float as C's `%.7g`.
 fn general(x: f64) -> String {
     const DIGITS: i32 = 7;
     if x.is_nan() {
@@ -329,7 +330,7 @@ fn general(x: f64) -> String {
     trim(&format!("{x:.places$}"))
 }
 
-/// On the wire: `{"float": 1.5}`, with a string where JSON's numbers do not reach.
+/// Form on the wire: `{"float": 1.5}`, with a string where a JSON number cannot hold the value.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Wire {

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub struct WireRequest {
     /// The request.
     pub request: Request,
-    /// Where in a script it stands.
+    /// Script position of the request.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at: Option<At>,
 }
@@ -17,8 +17,8 @@ pub struct WireRequest {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum WireReply {
-    /// Carried out.
+    /// The request succeeded.
     Ok(Reply),
-    /// Refused.
+    /// The request failed.
     Error(Failure),
 }
