@@ -1,28 +1,28 @@
-//! One channel: a name, a type, and how its value changed.
+//! A channel: a name, a type, and the changes of its value.
 
 use hal_protocol::{Type, Value};
 
-/// A value from a sample on.
+/// New value of a channel, valid from a sample on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Change {
-    /// The number of the sample.
+    /// Number of the sample.
     pub sample: usize,
-    /// What it became; nothing where it is not known.
+    /// New value, or `None` if it is unknown.
     pub value: Option<Value>,
 }
 
-/// What was seen of one pin, signal or parameter.
+/// Recorded changes of one pin, signal or parameter.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Channel {
     names: Vec<String>,
     ty: Type,
     samples: Vec<u32>,
     bits: Vec<u64>,
-    /// Which of the changes are to a value that is not known.
+    /// Indices of the changes to an unknown value.
     unknown: Vec<u32>,
 }
 
-/// What a cell holds, in the one form in which a trace keeps it.
+/// Returns the canonical form of a cell's bits that a trace stores (all NaNs are the same).
 pub(crate) fn plain(ty: Type, bits: u64) -> u64 {
     match Value::from_bits(ty, bits) {
         Value::Float(f) if f.is_nan() => f64::NAN.to_bits(),
@@ -36,44 +36,44 @@ impl Channel {
         Self { names, ty, samples: Vec::new(), bits: Vec::new(), unknown: Vec::new() }
     }
 
-    /// Its name.
+    /// Returns the first name.
     #[must_use]
     pub fn name(&self) -> &str {
         self.names.first().map_or("", String::as_str)
     }
 
-    /// Its name, and other names of the same: a signal and the pins that it joins.
+    /// Returns all names of the channel, for example those of a signal and of its pins.
     #[must_use]
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Its type.
+    /// Returns the type.
     #[must_use]
     pub const fn ty(&self) -> Type {
         self.ty
     }
 
-    /// Its value at a sample.
+    /// Returns the value at a sample.
     #[must_use]
     pub fn value(&self, sample: usize) -> Option<Value> {
         let after = self.samples.partition_point(|s| *s as usize <= sample);
         self.change(after.checked_sub(1)?)?.value
     }
 
-    /// How often it changed, what it was at first included.
+    /// Returns the number of changes, including the initial value.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.samples.len()
     }
 
-    /// Whether nothing is known of it.
+    /// Returns whether the channel has no changes, so that no value is known.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.samples.is_empty()
     }
 
-    /// One of its changes.
+    /// Returns the change with this index.
     #[must_use]
     pub fn change(&self, number: usize) -> Option<Change> {
         let sample = *self.samples.get(number)? as usize;
@@ -82,23 +82,23 @@ impl Channel {
         Some(Change { sample, value: known.then(|| Value::from_bits(self.ty, bits)) })
     }
 
-    /// All changes in order; the first is what it was.
+    /// Returns all changes in order. The first one is the initial value.
     pub fn changes(&self) -> impl DoubleEndedIterator<Item = Change> + '_ {
         (0..self.len()).filter_map(|n| self.change(n))
     }
 
-    /// How many changes were at samples before this one.
+    /// Returns the number of changes at samples before this one.
     #[must_use]
     pub fn changes_before(&self, sample: usize) -> usize {
         self.samples.partition_point(|s| (*s as usize) < sample)
     }
 
-    /// Another name for it.
+    /// Adds another name.
     pub(crate) fn also(&mut self, name: &str) {
         self.names.push(name.to_owned());
     }
 
-    /// What it is from this sample on, which is none before its last change.
+    /// Sets the value from this sample on. `sample` must not be before the last change.
     pub(crate) fn set(&mut self, sample: u32, bits: Option<u64>) {
         let plain = bits.map(|b| plain(self.ty, b));
         if self.samples.last() == Some(&sample) {

@@ -1,24 +1,25 @@
-//! A channel in so many columns of equal time: what a picture of that width can show.
+//! A channel reduced to columns of equal duration, for a picture of that width.
 
 use crate::{Trace, measure::number};
 
-/// What a channel was within a column.
+/// Values of a channel within one column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Column {
-    /// At its beginning, or when it was first known there.
+    /// First known value in the column.
     pub first: f64,
-    /// At its end.
+    /// Last value in the column.
     pub last: f64,
-    /// The least.
+    /// Smallest value.
     pub min: f64,
-    /// The greatest.
+    /// Largest value.
     pub max: f64,
-    /// How often it changed within the column.
+    /// Number of changes within the column.
     pub changes: usize,
 }
 
-/// The columns from one time to another. A column is nothing where no value is known: before the
-/// first sample, after the last, and where a value is no finite number. A bit is 0 or 1.
+/// Divides the time from `from` to `to` into `count` columns. A column is `None` if no value is
+/// known in it: before the first sample, after the last one, and where the value is not finite. A
+/// bit counts as 0 or 1.
 #[must_use]
 pub fn columns(
     trace: &Trace,
@@ -34,7 +35,7 @@ pub fn columns(
     if width <= 0 || n == 0 {
         return list;
     }
-    // The column of a time that lies within.
+    // Returns the index of the column that contains a time.
     let place = |at: i64| {
         usize::try_from((i128::from(at) - i128::from(from)) * n / width).unwrap_or(0).min(count - 1)
     };
@@ -64,7 +65,7 @@ pub fn columns(
     let after = c.changes_before(times.from(begin.saturating_add(1)));
     for change in (after..c.len()).filter_map(|n| c.change(n)) {
         let Some(time) = times.get(change.sample).filter(|t| *t <= end) else { break };
-        // A column that begins with the change does not see what was before it.
+        // A column that begins at the change does not include the previous value.
         hold(at, time.saturating_sub(1).max(at), value, is_change);
         (at, value, is_change) = (time, change.value.and_then(number), true);
     }
@@ -96,11 +97,11 @@ mod tests {
         };
         assert_eq!(floats[1], column(10.0, 19.0, 10));
         assert_eq!(floats[9], column(90.0, 99.0, 10));
-        // Nothing is known before the first sample and after the last.
+        // No value is known before the first sample or after the last one.
         let around = columns(&t, 0, -1000, 2000, 3);
         assert_eq!((around[0], around[2]), (None, None));
         assert_eq!(around[1].map(|c| c.changes), Some(8));
-        // Narrower than a sample: each column has the one value.
+        // Columns shorter than the sample period: each has the same value.
         assert_eq!(columns(&t, 1, 500, 510, 3), vec![column(50.0, 50.0, 0); 3]);
         assert_eq!(columns(&t, 1, 505, 515, 2), [column(50.0, 50.0, 0), column(51.0, 51.0, 1)]);
         assert_eq!(columns(&t, 7, 0, 10, 2), [None, None]);

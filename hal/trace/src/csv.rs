@@ -1,4 +1,4 @@
-//! CSV, which spreadsheets and scripts read.
+//! CSV, for spreadsheets and scripts.
 //!
 //! ```text
 //! time [ns],stepgen.0.step (bit),joint.0.pos = xpos (float),lost,marker
@@ -7,15 +7,17 @@
 //! 1000,1,0.5,3,
 //! ```
 //!
-//! A row is a sample: its time, then a value for each channel; a cell is empty where the value is not known.
-//! The head says the unit of time, and name and type of each channel. `lost` says how many samples are
-//! missing before this one, and a row with a `marker` is that and no sample; the two columns are there only
-//! if they say something. All is held, bit for bit. What CSV cannot do is to show that it was cut off between
-//! two rows; and a spreadsheet shows integers beyond 2^53 rounded.
+//! Each row is a sample: its time, then a value for each channel. A cell is empty where the value
+//! is unknown. The header row gives the unit of time, and the name and type of each channel. `lost`
+//! is the number of samples missing before this one. A row with a `marker` is a marker and not a
+//! sample. These two columns are present only if they contain something. All values are stored
+//! exactly, bit for bit. Two limits remain: a file that was cut off between two rows looks
+//! complete, and spreadsheets round integers beyond 2^53.
 //!
-//! Of other programs a table is read whose first column is a time (`time`, `t`, `Time [us]`; seconds, if no
-//! unit is said), separated by commas, semicolons or tabs. Comments before the head begin with `;` or
-//! `#`. The type of a column is then the first that fits all its values: bit, s64, u64, float.
+//! Tables of other programs are read if their first column is a time (`time`, `t`, `Time [us]`; in
+//! seconds if no unit is given). Commas, semicolons or tabs separate the columns. Comments before
+//! the header begin with `;` or `#`. The type of a column is then the first one that fits all its
+//! values: bit, s64, u64, float.
 
 mod read;
 
@@ -29,7 +31,7 @@ pub use read::read;
 /// Writes a trace.
 ///
 /// # Errors
-/// What writing says.
+/// An error of the output.
 pub fn write<W: Write>(out: W, trace: &Trace) -> Result<()> {
     let mut out = WriterBuilder::new().quote_style(QuoteStyle::Necessary).from_writer(out);
     let has_lost = !trace.gaps().is_empty();
@@ -40,7 +42,7 @@ pub fn write<W: Write>(out: W, trace: &Trace) -> Result<()> {
     row.extend(has_lost.then(|| "lost".to_owned()));
     row.extend(has_marker.then(|| "marker".to_owned()));
     out.write_record(&row)?;
-    // The row as it was last, which is as it is where nothing changes.
+    // Cells of the previous row. A cell keeps its text until the channel changes.
     for cell in &mut row {
         cell.clear();
     }
@@ -91,7 +93,7 @@ pub fn write<W: Write>(out: W, trace: &Trace) -> Result<()> {
     out.flush()
 }
 
-/// A value with all its digits.
+/// Formats a value with all its digits.
 fn text(value: Value) -> String {
     match value {
         Value::Bit(b) => u8::from(b).to_string(),

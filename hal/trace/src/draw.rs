@@ -1,4 +1,4 @@
-//! Waveforms as text, and what differs between two of them.
+//! Waveforms as text, and the differences between two of them.
 
 mod differences;
 
@@ -8,7 +8,7 @@ use crate::Trace;
 use hal_protocol::Value;
 use std::fmt::Write;
 
-/// A channel that a trace does not have.
+/// Error: the trace does not have this channel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NoChannel(pub Box<str>);
 
@@ -20,7 +20,7 @@ impl core::fmt::Display for NoChannel {
 
 impl core::error::Error for NoChannel {}
 
-/// Draws a line for each channel from one time to another, which is itself out.
+/// Draws a line for each channel, from `from` up to but not including `to`.
 ///
 /// ```text
 /// stepgen.0.step  _/‾100‾\_200_/‾2600‾\_2700_
@@ -28,14 +28,14 @@ impl core::error::Error for NoChannel {}
 /// stepgen.0.pos   0.5 |25 1.25 |70.5 -3
 /// ```
 ///
-/// A bit is drawn as its level, `_` or `‾`, and its edges, each with its time behind it; anything else
-/// as its values, with the time of each change between them; `?` is what is not known. Times are
-/// microseconds after `from`. Nothing is to scale: an edge that moves changes its own number and
-/// nothing else, so that comparing two drawings line by line shows it, and [`differences`] says
-/// by how much.
+/// A bit is drawn as its level, `_` or `‾`, and its edges, each with its time. Other types are
+/// drawn as their values, with the time of each change between them. `?` is an unknown value. Times
+/// are microseconds after `from`. The drawing is not to scale: if an edge moves, only its own
+/// number changes. A line-by-line comparison of two drawings therefore shows the edge, and
+/// [`differences`] says by how much it moved.
 ///
 /// # Errors
-/// A name that is not in the trace.
+/// A name is not in the trace.
 pub fn edges(trace: &Trace, names: &[&str], from: i64, to: i64) -> Result<String, NoChannel> {
     let width = names.iter().map(|n| n.chars().count()).max().unwrap_or(0);
     let mut text = String::new();
@@ -47,7 +47,7 @@ pub fn edges(trace: &Trace, names: &[&str], from: i64, to: i64) -> Result<String
             Some(Value::Bit(b)) => if b { "‾" } else { "_" }.to_owned(),
             Some(value) => value.to_string(),
         };
-        // Nothing that is written to a text fails.
+        // Writing to a `String` cannot fail.
         let _: std::fmt::Result = write!(text, "{name:width$}  {}", shown(trace.at(number, from)));
         let times = trace.times();
         let before = |time: i64| channel.changes_before(times.from(time));

@@ -1,4 +1,4 @@
-//! Files by their endings.
+//! Trace files, selected by their extension.
 
 use crate::{Flaw, Place, Reading, Trace, csv, fst, json, vcd};
 use hal_output::{Whole, reason};
@@ -7,7 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// The kind of a file.
+/// Format of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// `.vcd`
@@ -21,10 +21,10 @@ pub enum Format {
 }
 
 impl Format {
-    /// All of them.
+    /// All formats.
     pub const ALL: [Self; 4] = [Self::Vcd, Self::Fst, Self::Csv, Self::Json];
 
-    /// The ending of its files.
+    /// Returns the file name extension.
     #[must_use]
     pub const fn ending(self) -> &'static str {
         match self {
@@ -35,14 +35,14 @@ impl Format {
         }
     }
 
-    /// The kind that a path's ending says.
+    /// Returns the format that the extension of a path selects.
     #[must_use]
     pub fn of(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?;
         Self::ALL.into_iter().find(|f| f.ending().eq_ignore_ascii_case(ending))
     }
 
-    /// Reads the bytes of a file.
+    /// Parses the bytes of a file.
     #[must_use]
     pub fn read(self, bytes: &[u8]) -> Reading {
         match self {
@@ -53,10 +53,10 @@ impl Format {
         }
     }
 
-    /// Writes the bytes of a file.
+    /// Writes a trace in this format.
     ///
     /// # Errors
-    /// What writing says, and what the format cannot hold.
+    /// An error of the output, or the format cannot hold the trace.
     pub fn write<W: Write>(self, out: W, trace: &Trace) -> std::io::Result<()> {
         match self {
             Self::Vcd => vcd::write(out, trace).map(drop),
@@ -67,16 +67,16 @@ impl Format {
     }
 }
 
-/// What is wrong with a file.
+/// Error of reading or writing a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FileError {
-    /// An ending that says nothing.
+    /// The extension is unknown.
     Ending(PathBuf),
-    /// What the system says.
+    /// The system returned an error.
     System(PathBuf, Box<str>),
-    /// A pipe whose reader has closed its end.
+    /// The reader of a pipe has closed its end.
     ReaderGone(PathBuf),
-    /// A flaw, and where.
+    /// The file has a flaw at this place.
     Flaw(PathBuf, Place, Flaw),
 }
 
@@ -104,7 +104,7 @@ impl core::fmt::Display for FileError {
 impl core::error::Error for FileError {}
 
 impl FileError {
-    /// What the system says of a file.
+    /// Returns the error for an I/O error on a file.
     #[must_use]
     pub fn of(path: &Path, error: &std::io::Error) -> Self {
         match error.kind() {
@@ -114,10 +114,10 @@ impl FileError {
     }
 }
 
-/// Reads a file, as far as it can be read: what is wrong is the second, if anything is.
+/// Reads a file as far as possible. The second value is the error that stopped the reading, if any.
 ///
 /// # Errors
-/// There is no such file, or its ending says nothing.
+/// The file cannot be read, or its extension is unknown.
 pub fn load(path: &Path) -> Result<(Reading, Option<FileError>), FileError> {
     let format = Format::of(path).ok_or_else(|| FileError::Ending(path.to_owned()))?;
     let bytes = std::fs::read(path).map_err(|e| FileError::of(path, &e))?;
@@ -126,11 +126,11 @@ pub fn load(path: &Path) -> Result<(Reading, Option<FileError>), FileError> {
     Ok((reading, flaw))
 }
 
-/// Writes a file as a whole: what stood under its name stays until all of it is written. A device
-/// gets CSV.
+/// Writes a file as a whole. A file of the same name stays unchanged until everything is written. A
+/// device file without an extension receives CSV.
 ///
 /// # Errors
-/// The ending says nothing, the system refuses, or the format cannot hold the trace.
+/// The extension is unknown, the system returned an error, or the format cannot hold the trace.
 pub fn save(path: &Path, trace: &Trace) -> Result<(), FileError> {
     let device = path.starts_with("/dev").then_some(Format::Csv);
     let format = Format::of(path).or(device);

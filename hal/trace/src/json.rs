@@ -12,9 +12,10 @@
 //! [1000, true, "nan"]]}
 //! ```
 //!
-//! A sample is its time and a value for each channel; `null` where the value is not known. Floats that are no
-//! numbers and 64-bit integers are strings. All is held, bit for bit, and a file that is cut off
-//! is recognised. A sample has a line, so that lines are what differs where samples differ.
+//! A sample is its time and a value for each channel, or `null` where the value is unknown. Floats
+//! that are not finite and 64-bit integers are strings. All values are stored exactly, bit for bit,
+//! and a file that was cut off is recognised. Each sample has its own line, so that a line-by-line
+//! comparison shows the samples that differ.
 
 mod read;
 
@@ -24,13 +25,13 @@ use std::io::{Result, Write};
 
 pub use read::read;
 
-/// The word by which a file is known.
+/// Format name that identifies a file.
 const FORMAT: &str = "ferrule trace";
 
 /// Writes a trace.
 ///
 /// # Errors
-/// What writing says.
+/// An error of the output.
 pub fn write<W: Write>(mut out: W, trace: &Trace) -> Result<W> {
     let quoted = |text: &str| serde_json::Value::from(text).to_string();
     let tick = quoted(&trace.base().name());

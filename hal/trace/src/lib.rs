@@ -1,16 +1,16 @@
-//! Traces: samples of pins over time, their files, and how they are drawn in text.
+//! Traces: samples of pins over time, trace files, and drawings as text.
 //!
-//! A [`Trace`] is what a recording, a capture or a file comes to:
+//! A [`Trace`] holds the contents of a recording, a capture or a file:
 //!
-//! - **Samples** have times, in ticks of the trace's [`TimeBase`] (nanoseconds unless a file says
-//!   otherwise), which only increase. Every sample counts, also one at which nothing changed.
-//! - **Channels** ([`Channel`]) have a name, perhaps further names of the same thing, and a HAL type.
-//!   A channel keeps its changes: the number of a sample and the value from there on. Between two
-//!   samples a value holds. Before its first change it is not known (`None`), as is what a
-//!   logic simulator calls `x`.
-//! - **Gaps** ([`Gap`]) say before which sample how many were lost.
-//! - **Markers** ([`Marker`]) are texts at times: why a trigger fired, what went wrong. The marker of a
-//!   trigger begins with `trigger`.
+//! - **Samples** have times that strictly increase, in ticks of the trace's [`TimeBase`]
+//!   (nanoseconds unless a file says otherwise). A sample counts even if no value changed.
+//! - **Channels** ([`Channel`]) have a name, possibly further names for the same thing, and a HAL
+//!   type. A channel stores its changes: the number of a sample and the value from there on.
+//!   Between two samples a value holds. Before the first change the value is unknown (`None`), as
+//!   is a value that a logic simulator calls `x`.
+//! - **Gaps** ([`Gap`]) give the number of samples lost before a sample.
+//! - **Markers** ([`Marker`]) are texts at times: why a trigger fired, what went wrong. The text of
+//!   a trigger's marker begins with `trigger`.
 //!
 //! ```
 //! use hal_protocol::{Type, Value};
@@ -32,21 +32,21 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A NaN is one NaN here: its sign and payload differ between processors and mean nothing.
-//! Everything else is kept bit for bit, -0 too.
+//! All NaNs are treated as the same NaN, because sign and payload differ between processors and
+//! carry no meaning. All other values are kept bit for bit, including -0.
 //!
-//! | where | what |
+//! | item | contents |
 //! |---|---|
 //! | [`Trace`], [`Channel`], [`Times`] | the samples; `trace.rs`, `channel.rs`, `times.rs` |
-//! | [`load`], [`save`], [`Format`] | files by their endings; `file.rs` |
-//! | [`vcd`], [`fst`], [`csv`], [`json`] | what each format holds; all read and write whole traces, and `vcd` also writes while samples come |
-//! | [`trigger`] | when a capture begins: conditions, the machine that is fed samples, captures |
-//! | [`draw`] | waveforms as text, and which edges differ between two |
-//! | [`columns`] | a channel in so many columns of a picture |
-//! | [`measure`] | frequency, duty cycle, extremes between two times |
+//! | [`load`], [`save`], [`Format`] | files, selected by extension; `file.rs` |
+//! | [`vcd`], [`fst`], [`csv`], [`json`] | the file formats; `vcd` can also write while samples arrive |
+//! | [`trigger`] | start of a capture: conditions, the trigger state machine, captures |
+//! | [`draw`] | waveforms as text, and the edges that differ between two of them |
+//! | [`columns`] | a channel reduced to the columns of a picture |
+//! | [`measure`] | frequency, duty cycle and extremes between two times |
 //!
-//! What comes from files is not believed: a reader never panics, says where a file is wrong, and hands out
-//! what it had read until then ([`Reading`]).
+//! Data from files is not trusted: a reader never panics, reports where a file is wrong, and
+//! returns everything that it read before that point ([`Reading`]).
 
 mod channel;
 pub mod columns;

@@ -1,51 +1,51 @@
-//! What can be measured of a channel between two times: edges, frequency, duty cycle, extremes.
+//! Measurements of a channel between two times: edges, frequency, duty cycle, extremes.
 
 use crate::Trace;
 use hal_protocol::{Type, Value};
 
-/// The shortest, the mean and the longest of several times, in seconds.
+/// Shortest, mean and longest of several times, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// The shortest.
+    /// Shortest time.
     pub min: f64,
-    /// The mean.
+    /// Mean time.
     pub mean: f64,
-    /// The longest.
+    /// Longest time.
     pub max: f64,
 }
 
-/// What was measured.
+/// Results of a measurement.
 ///
-/// A bit has edges. Of a number, an edge is where it crosses the middle between its least and its
-/// greatest value. Times are those of samples: a sampled signal is known no better than its
-/// period of sampling.
+/// For a numeric channel, an edge is a crossing of the midpoint between its smallest and largest
+/// value. Times are those of samples, so their resolution is the sample period.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measures {
-    /// How often it changed.
+    /// Number of changes.
     pub changes: usize,
-    /// How often it rose.
+    /// Number of rising edges.
     pub rises: usize,
-    /// How often it fell.
+    /// Number of falling edges.
     pub falls: usize,
-    /// From one rise to the next.
+    /// Times between successive rising edges.
     pub period: Option<Spread>,
-    /// How long it was high, of whole pulses.
+    /// Durations of complete pulses (high).
     pub high: Option<Spread>,
-    /// How long it was low, of whole pauses.
+    /// Durations of complete pauses (low).
     pub low: Option<Spread>,
-    /// Rises per second: the inverse of the mean period.
+    /// Rising edges per second: the inverse of the mean period.
     pub frequency: Option<f64>,
-    /// The share of time that it was high, from 0 to 1, from the first rise to the last.
+    /// Fraction of time that the channel was high, from 0 to 1, between the first and the last
+    /// rising edge.
     pub duty: Option<f64>,
-    /// The least value that is finite; of a bit, 0 or 1.
+    /// Smallest finite value. A bit counts as 0 or 1.
     pub min: Option<f64>,
-    /// The greatest value that is finite.
+    /// Largest finite value.
     pub max: Option<f64>,
-    /// The mean over time of what is finite.
+    /// Time-weighted mean of the finite values.
     pub mean: Option<f64>,
 }
 
-/// A stretch in which the value held.
+/// An interval in which the value held.
 #[derive(Clone, Copy)]
 struct Stretch {
     from: i64,
@@ -53,7 +53,7 @@ struct Stretch {
     value: Option<f64>,
 }
 
-/// What a value is as a number; nothing where there is none.
+/// Returns a value as a number. Returns `None` for a port and for a float that is not finite.
 #[must_use]
 pub fn number(value: Value) -> Option<f64> {
     match value {
@@ -67,8 +67,8 @@ pub fn number(value: Value) -> Option<f64> {
     }
 }
 
-/// Measures a channel from one time to another. A change at `from` itself is what held there; nothing
-/// after the last sample is known.
+/// Measures a channel between two times. A change exactly at `from` counts as the initial value. No
+/// value is known after the last sample.
 #[must_use]
 pub fn measure(trace: &Trace, channel: usize, from: i64, to: i64) -> Measures {
     let stretches = stretches(trace, channel, from, to);
@@ -109,7 +109,7 @@ pub fn measure(trace: &Trace, channel: usize, from: i64, to: i64) -> Measures {
     m
 }
 
-/// The stretches of a channel between two times.
+/// Returns the intervals of constant value of a channel between two times.
 fn stretches(trace: &Trace, number_of: usize, from: i64, to: i64) -> Vec<Stretch> {
     let mut list = Vec::new();
     let (times, Some(channel)) = (trace.times(), trace.channels().get(number_of)) else {
@@ -132,8 +132,8 @@ fn stretches(trace: &Trace, number_of: usize, from: i64, to: i64) -> Vec<Stretch
     list
 }
 
-/// When it crosses the middle, and whether it rises there. Being at the middle is high, unless it has
-/// no other value.
+/// Returns the time of each crossing of the midpoint, and whether the edge rises. A value at the
+/// midpoint counts as high.
 fn edges(stretches: &[Stretch], middle: f64) -> Vec<(i64, bool)> {
     let mut edges = Vec::new();
     let mut was = None;
@@ -165,7 +165,7 @@ fn spread(times: &mut dyn Iterator<Item = f64>) -> Option<Spread> {
 mod tests {
     use super::*;
 
-    /// 200 Hz, high for a fifth of the time, sampled every 100 µs.
+    /// A 200 Hz square wave, high for a fifth of the time, sampled every 100 µs.
     fn square() -> Trace {
         let mut t = Trace::default();
         t.add("step", Type::Bit);

@@ -1,49 +1,49 @@
-//! What a reader hands out: a trace, what it left out, and where it had to stop.
+//! Result of reading a file: the trace, the parts left out, and the flaw that stopped the reading.
 
 use crate::{Refusal, Trace};
 
-/// Where in a file.
+/// Position in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// Nowhere in particular.
+    /// The file as a whole.
     File,
-    /// In a line, from 1.
+    /// A line, counted from 1.
     Line(u64),
-    /// At a byte, from 0.
+    /// A byte offset, from 0.
     Byte(u64),
 }
 
-/// Why a file is not read, or not further.
+/// Reason why a file is not read, or not read to its end.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Flaw {
-    /// It has no bytes.
+    /// The file is empty.
     Empty,
-    /// It is not of the kind that its reader reads.
+    /// The file does not have the format of the reader.
     Foreign {
-        /// The kind.
+        /// Name of the expected format.
         wanted: &'static str,
     },
-    /// It ends before it should.
+    /// The file ends too early.
     Truncated,
-    /// It has fewer samples than it says.
+    /// The file has fewer samples than it declares.
     Short {
-        /// How many it has.
+        /// Number of samples found.
         got: u64,
-        /// How many it says.
+        /// Number of samples declared.
         said: u64,
     },
-    /// Something that cannot be read.
+    /// Invalid syntax, described by this text.
     Unreadable(Box<str>),
-    /// A value of a thing that was not declared.
+    /// A value for a variable that was not declared.
     Undeclared(Box<str>),
-    /// A value that its channel cannot have.
+    /// A value that is invalid for its channel.
     Value {
-        /// The channel.
+        /// Name of the channel.
         channel: Box<str>,
-        /// The value.
+        /// Text of the value.
         value: Box<str>,
     },
-    /// Times that do not increase, or too many samples.
+    /// Times do not increase, or there are too many samples.
     Refused(Refusal),
 }
 
@@ -66,22 +66,22 @@ impl core::fmt::Display for Flaw {
 
 impl core::error::Error for Flaw {}
 
-/// What came of a file.
+/// Result of reading a file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Reading {
-    /// What was read; if there is a flaw, until there.
+    /// The samples that were read. If there is a flaw, those before it.
     pub trace: Trace,
-    /// What the file has and a trace does not take, a sentence each.
+    /// Contents of the file that the trace cannot hold, one sentence each.
     pub notes: Vec<String>,
-    /// Where reading had to stop.
+    /// Place and kind of the flaw that stopped the reading.
     pub flaw: Option<(Place, Flaw)>,
 }
 
 impl Reading {
-    /// The trace, if all of the file was read.
+    /// Returns the trace if the whole file was read.
     ///
     /// # Errors
-    /// Where reading had to stop, and why.
+    /// The place and kind of the flaw.
     pub fn whole(self) -> Result<Trace, (Place, Flaw)> {
         match self.flaw {
             None => Ok(self.trace),

@@ -1,26 +1,26 @@
-//! The times of samples, kept as runs of equal steps.
+//! Times of samples, stored as runs of equal steps.
 
-/// How long a tick is: a power of ten of seconds.
+/// Length of a tick, as a power of ten of seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct TimeBase(i8);
 
 impl TimeBase {
-    /// Nanoseconds, which the engine counts in.
+    /// Nanoseconds, the engine's unit of time.
     pub const NANOSECONDS: Self = Self(-9);
 
-    /// Ticks of 10 to this power of seconds, from -18 to 2.
+    /// Returns the base with ticks of 10^`exponent` seconds, from -18 to 2.
     #[must_use]
     pub const fn power(exponent: i8) -> Option<Self> {
         if -18 <= exponent && exponent <= 2 { Some(Self(exponent)) } else { None }
     }
 
-    /// The power of ten.
+    /// Returns the power of ten.
     #[must_use]
     pub const fn exponent(self) -> i8 {
         self.0
     }
 
-    /// `ns`, `100 us`: the unit, with a number before it unless that is 1.
+    /// Returns the unit, such as `ns` or `100 us`. The number is omitted if it is 1.
     #[must_use]
     pub fn name(self) -> String {
         let found = UNITS.iter().rev().find(|(e, _)| *e <= self.0);
@@ -31,7 +31,7 @@ impl TimeBase {
         }
     }
 
-    /// The base of this name.
+    /// Returns the base with this name.
     #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
         let (number, unit) = name.split_once(' ').unwrap_or(("1", name));
@@ -40,21 +40,21 @@ impl TimeBase {
         Self::power(e.checked_add(i8::try_from(zeros.len()).ok()?)?)
     }
 
-    /// So many ticks in seconds.
+    /// Converts ticks to seconds.
     #[must_use]
     pub fn seconds(self, ticks: i64) -> f64 {
         let power = 10_f64.powi(i32::from(self.0).abs());
         if self.0 < 0 { ticks as f64 / power } else { ticks as f64 * power }
     }
 
-    /// So many ticks in microseconds.
+    /// Converts ticks to microseconds.
     #[must_use]
     pub fn microseconds(self, ticks: i64) -> f64 {
         let power = 10_f64.powi(i32::from(self.0 + 6).abs());
         if self.0 < -6 { ticks as f64 / power } else { ticks as f64 * power }
     }
 
-    /// So many nanoseconds in ticks: rounded toward the past, and at the most what an `i64` holds.
+    /// Converts nanoseconds to ticks. Rounds down and saturates at the limits of `i64`.
     #[must_use]
     pub fn ticks(self, nanoseconds: i64) -> i64 {
         let by = 10_i128.pow(u32::from((self.0 + 9).unsigned_abs()));
@@ -63,7 +63,7 @@ impl TimeBase {
         i64::try_from(exact).unwrap_or(if exact < 0 { i64::MIN } else { i64::MAX })
     }
 
-    /// So many ticks in nanoseconds: rounded toward the past, and at the most what an `i64` holds.
+    /// Converts ticks to nanoseconds. Rounds down and saturates at the limits of `i64`.
     #[must_use]
     pub fn nanoseconds(self, ticks: i64) -> i64 {
         let by = 10_i128.pow(u32::from((self.0 + 9).unsigned_abs()));
@@ -73,7 +73,7 @@ impl TimeBase {
     }
 }
 
-/// The units of time, and their powers of ten of seconds.
+/// Units of time, and their powers of ten of seconds.
 const UNITS: &[(i8, &str)] =
     &[(-18, "as"), (-15, "fs"), (-12, "ps"), (-9, "ns"), (-6, "us"), (-3, "ms"), (0, "s")];
 
@@ -83,17 +83,17 @@ impl Default for TimeBase {
     }
 }
 
-/// Samples at equal distances.
+/// Samples at equal intervals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Run {
-    /// The number of its first sample.
+    /// Number of the first sample of the run.
     first: usize,
     at: i64,
-    /// Zero while the run is one sample.
+    /// Interval in ticks. Zero while the run has one sample.
     step: i64,
 }
 
-/// When samples were taken: increasing, in little room where they are regular.
+/// Strictly increasing times of samples. Regular times take little memory.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Times {
     runs: Vec<Run>,
@@ -101,19 +101,19 @@ pub struct Times {
 }
 
 impl Times {
-    /// How many samples there are.
+    /// Returns the number of samples.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.len
     }
 
-    /// Whether there is none.
+    /// Returns whether there are no samples.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// When a sample was taken.
+    /// Returns the time of a sample.
     #[must_use]
     pub fn get(&self, sample: usize) -> Option<i64> {
         if sample >= self.len {
@@ -124,20 +124,20 @@ impl Times {
         run.after(sample - run.first)
     }
 
-    /// When the first was taken.
+    /// Returns the time of the first sample.
     #[must_use]
     pub fn first(&self) -> Option<i64> {
         self.runs.first().map(|r| r.at)
     }
 
-    /// When the last was taken.
+    /// Returns the time of the last sample.
     #[must_use]
     pub fn last(&self) -> Option<i64> {
         let run = self.runs.last()?;
         run.after(self.len - 1 - run.first)
     }
 
-    /// The last sample that was not taken after this time.
+    /// Returns the last sample at or before this time.
     #[must_use]
     pub fn until(&self, time: i64) -> Option<usize> {
         let after = self.runs.partition_point(|r| r.at <= time);
@@ -150,7 +150,7 @@ impl Times {
         Some(run.first + steps.min(end - 1 - run.first))
     }
 
-    /// The first sample that was not taken before this time; as many as there are, if none.
+    /// Returns the first sample at or after this time, or the number of samples if there is none.
     #[must_use]
     pub fn from(&self, time: i64) -> usize {
         match self.until(time) {
@@ -160,7 +160,7 @@ impl Times {
         }
     }
 
-    /// All of them.
+    /// Returns an iterator over all times.
     pub fn iter(&self) -> impl Iterator<Item = i64> + '_ {
         let ends = self.runs.iter().skip(1).map(|r| r.first).chain([self.len]);
         self.runs
@@ -169,7 +169,7 @@ impl Times {
             .flat_map(|(run, end)| (0..end.saturating_sub(run.first)).filter_map(|n| run.after(n)))
     }
 
-    /// One more; whoever calls has seen that it is later than the last.
+    /// Appends a time. The caller guarantees that it is later than the last one.
     pub(crate) fn push(&mut self, time: i64) {
         let number = self.len;
         self.len += 1;
@@ -189,7 +189,7 @@ impl Times {
 }
 
 impl Run {
-    /// The time of its sample with this number, from zero.
+    /// Returns the time of the sample with this index in the run, from zero.
     fn after(self, n: usize) -> Option<i64> {
         self.step.checked_mul(i64::try_from(n).ok()?)?.checked_add(self.at)
     }

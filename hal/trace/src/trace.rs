@@ -1,39 +1,40 @@
-//! The samples of a number of channels.
+//! Samples of a number of channels.
 
 use crate::{Channel, TimeBase, Times};
 use hal_protocol::{Type, Value};
 
-/// Samples that were lost.
+/// Lost samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Gap {
-    /// The number of the sample before which they are missing; as many as there are, at the end.
+    /// Number of the sample before which they are missing. Equal to the number of samples if they
+    /// are missing at the end.
     pub sample: usize,
-    /// How many.
+    /// Number of lost samples.
     pub lost: u64,
 }
 
 /// A text at a time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Marker {
-    /// When, in ticks.
+    /// Time in ticks.
     pub at: i64,
-    /// What there is to say.
+    /// The text.
     pub text: String,
 }
 
-/// Why a trace does not take something.
+/// Reason why a trace refuses a sample or value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refusal {
-    /// A sample that is not later than the last.
+    /// The sample is not later than the last one.
     Backwards {
-        /// Its time.
+        /// Time of the sample.
         at: i64,
-        /// The time of the last.
+        /// Time of the last sample.
         last: i64,
     },
     /// More than four billion samples.
     Full,
-    /// A channel that there is not, or a value before the first sample.
+    /// The channel does not exist, or there is no sample yet.
     Nowhere,
 }
 
@@ -49,7 +50,7 @@ impl core::fmt::Display for Refusal {
 
 impl core::error::Error for Refusal {}
 
-/// Samples of a number of channels: see the crate's page.
+/// Samples of a number of channels; see the crate documentation.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Trace {
     base: TimeBase,
@@ -60,85 +61,85 @@ pub struct Trace {
 }
 
 impl Trace {
-    /// A trace without channels and samples.
+    /// Returns a trace without channels and samples.
     #[must_use]
     pub fn new(base: TimeBase) -> Self {
         Self { base, ..Self::default() }
     }
 
-    /// How long a tick is.
+    /// Returns the length of a tick.
     #[must_use]
     pub const fn base(&self) -> TimeBase {
         self.base
     }
 
-    /// The base is found out after the samples, or before.
+    /// Sets the length of a tick, before or after samples are added.
     pub(crate) const fn set_base(&mut self, base: TimeBase) {
         self.base = base;
     }
 
-    /// Adds a channel, and says its number. Of samples that are already there it knows nothing.
+    /// Adds a channel and returns its number. Its values at existing samples are unknown.
     pub fn add(&mut self, name: &str, ty: Type) -> usize {
         self.channels.push(Channel::new(name, ty));
         self.channels.len() - 1
     }
 
-    /// Gives a channel a further name.
+    /// Adds another name to a channel.
     pub fn also(&mut self, channel: usize, name: &str) {
         if let Some(c) = self.channels.get_mut(channel) {
             c.also(name);
         }
     }
 
-    /// The channels by number.
+    /// Returns the channels in order of their numbers.
     #[must_use]
     pub fn channels(&self) -> &[Channel] {
         &self.channels
     }
 
-    /// The number of the channel with this name.
+    /// Returns the number of the channel with this name.
     #[must_use]
     pub fn find(&self, name: &str) -> Option<usize> {
         self.channels.iter().position(|c| c.names().iter().any(|n| n == name))
     }
 
-    /// When samples were taken.
+    /// Returns the times of the samples.
     #[must_use]
     pub const fn times(&self) -> &Times {
         &self.times
     }
 
-    /// How many samples there are.
+    /// Returns the number of samples.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.times.len()
     }
 
-    /// Whether there is no sample.
+    /// Returns whether there are no samples.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.times.is_empty()
     }
 
-    /// Where samples are missing, in order.
+    /// Returns the gaps, in order of their samples.
     #[must_use]
     pub fn gaps(&self) -> &[Gap] {
         &self.gaps
     }
 
-    /// How many samples are missing in all.
+    /// Returns the total number of lost samples.
     #[must_use]
     pub fn lost(&self) -> u64 {
         self.gaps.iter().fold(0, |n, g| n.saturating_add(g.lost))
     }
 
-    /// The markers in order of time.
+    /// Returns the markers in order of time.
     #[must_use]
     pub fn markers(&self) -> &[Marker] {
         &self.markers
     }
 
-    /// The value of a channel at a sample.
+    /// Returns the value of a channel at a sample.
     #[must_use]
     pub fn value(&self, channel: usize, sample: usize) -> Option<Value> {
         if sample >= self.len() {
@@ -147,16 +148,17 @@ impl Trace {
         self.channels.get(channel)?.value(sample)
     }
 
-    /// The value of a channel at a time: that of the last sample until then.
+    /// Returns the value of a channel at a time, which is its value at the last sample at or before
+    /// that time.
     #[must_use]
     pub fn at(&self, channel: usize, time: i64) -> Option<Value> {
         self.value(channel, self.times.until(time)?)
     }
 
-    /// One more sample, at which every channel still is what it was.
+    /// Adds a sample at which every channel keeps its value.
     ///
     /// # Errors
-    /// It is not later than the last, or there are too many.
+    /// The sample is not later than the last one, or there are too many samples.
     pub fn sample(&mut self, time: i64) -> Result<(), Refusal> {
         if let Some(last) = self.times.last().filter(|last| time <= *last) {
             return Err(Refusal::Backwards { at: time, last });
@@ -168,18 +170,18 @@ impl Trace {
         Ok(())
     }
 
-    /// What a channel is from the last sample on.
+    /// Sets the value of a channel from the last sample on.
     ///
     /// # Errors
-    /// There is no such channel, or no sample yet.
+    /// The channel does not exist, or there is no sample yet.
     pub fn set(&mut self, channel: usize, value: Value) -> Result<(), Refusal> {
         self.set_bits(channel, Some(value.bits()))
     }
 
-    /// The same with what a cell of the channel's type holds; nothing, where it is not known.
+    /// Sets the value from the bits of a cell of the channel's type. `None` means unknown.
     ///
     /// # Errors
-    /// There is no such channel, or no sample yet.
+    /// The channel does not exist, or there is no sample yet.
     pub fn set_bits(&mut self, channel: usize, bits: Option<u64>) -> Result<(), Refusal> {
         let last = self.times.len().checked_sub(1).and_then(|n| u32::try_from(n).ok());
         match (last, self.channels.get_mut(channel)) {
@@ -191,10 +193,10 @@ impl Trace {
         }
     }
 
-    /// One more sample with the value of every channel, as cells hold them.
+    /// Adds a sample with the value of every channel, as bits of cells.
     ///
     /// # Errors
-    /// The sample is not later than the last, or there are too many.
+    /// The sample is not later than the last one, or there are too many samples.
     pub fn push(&mut self, time: i64, record: &[u64]) -> Result<(), Refusal> {
         self.sample(time)?;
         for (channel, bits) in record.iter().enumerate() {
@@ -203,7 +205,7 @@ impl Trace {
         Ok(())
     }
 
-    /// So many samples are missing before the next.
+    /// Records that `lost` samples are missing before the next one.
     pub fn lose(&mut self, lost: u64) {
         let sample = self.len();
         match self.gaps.last_mut() {
@@ -213,13 +215,13 @@ impl Trace {
         }
     }
 
-    /// So many samples are missing before the one with this number.
+    /// Records that `lost` samples are missing before the sample with this number.
     pub(crate) fn lost_before(&mut self, sample: usize, lost: u64) {
         let place = self.gaps.partition_point(|g| g.sample <= sample);
         self.gaps.insert(place, Gap { sample, lost });
     }
 
-    /// A text at a time. One without letters marks nothing.
+    /// Adds a marker. An empty text is ignored.
     pub fn mark(&mut self, at: i64, text: &str) {
         if text.is_empty() {
             return;
@@ -228,15 +230,15 @@ impl Trace {
         self.markers.insert(place, Marker { at, text: text.to_owned() });
     }
 
-    /// What there is from one time to another, which is itself out. If no sample was taken at `from`, the
-    /// part begins with what held then.
+    /// Returns the part from `from` up to but not including `to`. If no sample was taken at `from`,
+    /// the part begins with a sample that has the values held at that time.
     #[must_use]
     pub fn between(&self, from: i64, to: i64) -> Self {
         let mut part = Self::new(self.base);
         let held = self.times.until(from).filter(|_| from < to);
         let first = self.times.from(from);
         let end = self.times.from(to).max(first);
-        // The number that a sample of the whole has in the part.
+        // Maps a sample number of the whole trace to the part.
         let is_early = held.is_some_and(|h| h < first);
         let moved = |sample: usize| sample - first + usize::from(is_early);
         if is_early {

@@ -1,4 +1,4 @@
-//! Triggers: when a capture begins, as a text and as a machine that is fed samples.
+//! Triggers: conditions for the start of a capture, as text and as a state machine over samples.
 //!
 //! ```text
 //! stepgen.0.step rises            a bit becomes true; falls, toggles
@@ -11,14 +11,16 @@
 //! 'a name' rises                  a name with blanks, or one that is a word of this language
 //! ```
 //!
-//! A [`Condition`] is such a text, read; [`Condition::bind`] checks it against channels and makes a [`When`], which
-//! looks at two samples and says yes or no. A [`Trigger`] adds what an oscilloscope has: the share before
-//! the trigger, hold-off, force, and the modes. A [`Capture`] also keeps the samples and hands out traces.
-//! Nothing here allocates for a sample, but a capture for those that it keeps.
+//! A [`Condition`] is the parsed text. [`Condition::bind`] checks it against channels and returns a
+//! [`When`], which evaluates the condition for two successive samples. A [`Trigger`] adds the
+//! features of an oscilloscope: the share of samples before the trigger, hold-off, force, and the
+//! modes. A [`Capture`] also stores the samples and returns traces. The trigger allocates no memory
+//! per sample; a capture allocates memory for the samples that it stores.
 //!
-//! Exactly: the machine is fed every sample. What rises, falls, changes or crosses does so at the first
-//! sample that shows it; if samples were lost before that one, the gap in the trace says how many. A comparison with
-//! NaN is false, but for `!=`. The first sample has none before it, so nothing rises there.
+//! The trigger must receive every sample. An edge, change or crossing happens at the first sample
+//! that shows it. If samples were lost before that one, the gap in the trace gives their number. A
+//! comparison with NaN is false, except `!=`. The first sample has no predecessor, so there is no
+//! edge at it.
 //!
 //! ```
 //! use hal_protocol::Type;

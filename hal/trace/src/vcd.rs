@@ -1,10 +1,11 @@
-//! VCD, which every waveform viewer opens.
+//! VCD, which every waveform viewer reads.
 //!
-//! Dots in names become scopes. A bit is a `wire` of 1, `u32` and `u64` are wires of 32 and 64, `s32`
-//! and `s64` are `integer`s, a float is a `real`. A line `#TIME` stands for every sample. What VCD has
-//! no words for stands in comments: how many samples the file has and that it ends, markers,
-//! lost samples, and that a float is not known; our reader knows them, others pass over them. The one thing that is not held is the
-//! order of several names of one channel: they come back sorted. Blanks in names become `_`.
+//! Dots in names become scopes. A bit is a `wire` of width 1, `u32` and `u64` are wires of width 32
+//! and 64, `s32` and `s64` are `integer`s, a float is a `real`. Every sample has a line `#TIME`.
+//! Data that VCD cannot express is stored in comments: the number of samples, an end mark, markers,
+//! lost samples, and unknown floats. Our reader understands these comments and other programs skip
+//! them. Only the order of several names of one channel is lost: they are read back sorted. White
+//! space in names becomes `_`.
 
 mod kinds;
 mod read;

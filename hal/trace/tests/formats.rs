@@ -1,10 +1,10 @@
-//! What is saved comes back: every format, random traces, every bit.
+//! Round trips of random traces through every format, compared bit for bit.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use hal_protocol::{Type, Value};
 use hal_trace::{Format, TimeBase, Trace};
 
-/// Chance that is the same on every run.
+/// Pseudo-random numbers, the same on every run.
 struct Chance(u64);
 
 impl Chance {
@@ -84,7 +84,7 @@ fn random(chance: &mut Chance) -> Trace {
         let name = names.remove(usize::try_from(chance.below(names.len() as u64)).unwrap());
         let n = trace.add(name, chance.of(&TYPES));
         if chance.below(4) == 0 {
-            // In the order in which VCD and FST have them.
+            // In the order in which VCD and FST return the names.
             trace.also(n, "ÿ.alias");
         }
     }
@@ -210,7 +210,7 @@ fn a_long_trace_is_written_in_blocks_and_read_to_where_it_is_cut_off() {
     assert_eq!(got.trace, trace.between(0, end));
 }
 
-/// What was a file once and is damaged: nothing panics, and nothing takes more memory than it should.
+/// Damaged files cause no panic and no excessive allocation.
 #[test]
 fn damaged_files_are_refused_or_read() {
     let mut chance = Chance(11);

@@ -1,4 +1,4 @@
-//! Trigger truth: known signals, and the sample that triggers, exact to the cycle.
+//! Triggers on known signals, checked to the exact sample.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_protocol::{Type, Value};
@@ -25,7 +25,7 @@ fn when(text: &str) -> When {
     Condition::parse(text).unwrap().bind(&channels()).unwrap()
 }
 
-/// Sample n of the known signals, at n times 25 microseconds.
+/// Returns sample n of the known signals, at n times 25 µs.
 fn record(n: u64) -> [u64; 8] {
     let wave = n % 1000;
     let triangle = if wave < 500 { wave } else { 1000 - wave } as f64 - 250.0;
@@ -42,7 +42,7 @@ fn record(n: u64) -> [u64; 8] {
     ]
 }
 
-/// The same conditions, said in Rust, on the sample's number.
+/// Expected result of a condition at a sample, computed in Rust from the sample's number.
 type Truth = fn(u64) -> bool;
 
 fn f(n: u64) -> f64 {
@@ -109,7 +109,8 @@ fn none_is_missed_in_a_million_cycles_and_none_is_made_up() {
     assert!(fired.iter().zip(TRUTHS).all(|(n, t)| *n > 0 || t.0.contains("1e99")), "{fired:?}");
 }
 
-/// Feeds samples; the number of each trigger, its cause, and the number of each capture's last sample.
+/// Feeds samples. Returns the number and cause of each trigger, and the number of each capture's
+/// last sample.
 fn run(trigger: &mut Trigger, samples: std::ops::Range<u64>) -> Vec<(u64, Cause, u64)> {
     let mut out: Vec<(u64, Cause, u64)> = Vec::new();
     for n in samples {
@@ -124,7 +125,8 @@ fn run(trigger: &mut Trigger, samples: std::ops::Range<u64>) -> Vec<(u64, Cause,
 
 #[test]
 fn every_trigger_of_a_million_cycles_makes_a_capture_when_there_is_room() {
-    // b rises each 10 cycles; 4 samples before, 10 in all: each capture ends before the next trigger.
+    // b rises every 10 cycles; 4 samples before the trigger, 10 in all: each capture ends before
+    // the next trigger.
     let setup = Setup { length: 10, before: 4, mode: Mode::Normal, ..Setup::default() };
     let mut trigger = Trigger::new(Some(when("b rises")), setup, 8);
     let got = run(&mut trigger, 0..1_000_001);
@@ -146,7 +148,7 @@ fn the_share_before_the_trigger_is_exact_and_waited_for() {
                 got.extend(capture.feed(time, &record(n), 0).map(|t| (n, t)));
             }
             let [(end, trace)] = &got[..] else { panic!("{share} {length}: {}", got.len()) };
-            // The first rise that has enough before it.
+            // The first rising edge with enough samples before it.
             let fired = (0..).find(|n| n % 10 == 5 && *n >= setup.before).unwrap();
             assert_eq!(*end, fired + length - setup.before - 1, "{share} {length}");
             assert_eq!(trace.len() as u64, length);
@@ -189,7 +191,8 @@ fn auto_fires_when_nothing_does_and_not_when_something_does() {
     let setup = |ns| Setup { length: 3, mode: Mode::Auto(ns), ..Setup::default() };
     let mut never = Trigger::new(Some(when("f > 1e9")), setup(1_000_000), 8);
     let got = run(&mut never, 0..120);
-    // 40 cycles after it was armed, which is with the first sample and at the end of each capture.
+    // 40 cycles after arming. The trigger is armed at the first sample and at the end of each
+    // capture.
     assert_eq!(got, [(40, Cause::Auto, 42), (82, Cause::Auto, 84)]);
     let mut often = Trigger::new(Some(when("b rises")), setup(1_000_000), 8);
     assert!(run(&mut often, 0..1000).iter().all(|t| t.1 == Cause::Condition));
@@ -214,7 +217,8 @@ fn it_is_armed_again_while_samples_run() {
     assert!(trigger.is_idle());
     trigger.arm();
     assert_eq!(run(&mut trigger, 100..108), [(105, Cause::Condition, u64::MAX)]);
-    // In the middle of a capture: it is given up, and the next trigger counts, with all before it.
+    // Arming in the middle of a capture aborts it. The next trigger counts, with all samples before
+    // it.
     trigger.arm();
     assert_eq!(run(&mut trigger, 108..130), [(115, Cause::Condition, 121)]);
     trigger.arm_for(Some(when("c rises")));
@@ -225,7 +229,7 @@ fn it_is_armed_again_while_samples_run() {
     trigger.arm_for(None);
     assert_eq!(run(&mut trigger, 170..200), [(170, Cause::Condition, 176)]);
 
-    // What rises in the very sample after arming is seen.
+    // An edge at the first sample after arming counts.
     assert_eq!(run(&mut trigger, 200..205), []);
     trigger.arm_for(Some(when("b rises")));
     assert_eq!(run(&mut trigger, 205..206), [(205, Cause::Condition, u64::MAX)]);

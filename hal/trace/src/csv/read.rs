@@ -1,4 +1,4 @@
-//! Reading CSV, ours and that of other programs.
+//! Reader for CSV files of Ferrule and of other programs.
 
 use crate::{Flaw, Place, Reading, TimeBase, Trace};
 use ::csv::{ByteRecord, ErrorKind, ReaderBuilder};
@@ -17,7 +17,7 @@ pub fn read(bytes: &[u8]) -> Reading {
     reading
 }
 
-/// What a column is.
+/// Role of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Column {
     Channel(Type),
@@ -25,18 +25,19 @@ enum Column {
     Marker,
 }
 
-/// The rows of a file after what stands before its head.
+/// Rows of a file, after the comments before its header.
 #[derive(Debug)]
 struct Table<'a> {
     bytes: &'a [u8],
-    /// How many lines were passed over.
+    /// Number of lines skipped before the header.
     skipped: u64,
-    /// The names of channels that stand in such a line, where sigrok has them.
+    /// Channel names from a comment, as sigrok writes them.
     named: Vec<&'a str>,
     delimiter: u8,
     is_ours: bool,
     columns: Vec<Column>,
-    /// Ticks of nanoseconds are what times of other programs are counted in: this many to their unit.
+    /// Nanoseconds per unit of time in a table of another program. Its times are converted to
+    /// nanoseconds.
     unit: f64,
 }
 
@@ -76,7 +77,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// Calls `each` for every row with its line; the first row is the head.
+    /// Calls `each` for every row. The first row is the header.
     fn rows(&self, mut each: impl FnMut(&ByteRecord) -> Result<(), Flaw>) -> Result<(), Stop> {
         let mut reader = ReaderBuilder::new()
             .delimiter(self.delimiter)
@@ -141,7 +142,7 @@ impl<'a> Table<'a> {
         if self.is_ours && !self.bytes.ends_with(b"\n") {
             let lines = self.bytes.split(|b| *b == b'\n').count() as u64;
             if let Some(last) = trace.times().last() {
-                // Nobody knows whether its last value is whole.
+                // The last value may be incomplete.
                 *trace = trace.between(i64::MIN, last);
             }
             return Err((Place::Line(lines + self.skipped), Flaw::Truncated));
@@ -149,7 +150,7 @@ impl<'a> Table<'a> {
         Ok(())
     }
 
-    /// The channels of a head that says their types.
+    /// Adds the channels of a header that gives their types.
     fn ours(&mut self, trace: &mut Trace, names: &[&str]) {
         for name in names {
             self.columns.push(match kind(name) {
@@ -165,7 +166,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// The channels of a head that does not: their values say.
+    /// Adds the channels of a header without types. The values determine the types.
     fn others(&mut self, trace: &mut Trace, names: &[&str]) -> Result<(), Stop> {
         let types = [Type::Bit, Type::S64, Type::U64, Type::Float];
         let mut found = vec![0_usize; names.len()];
@@ -182,7 +183,7 @@ impl<'a> Table<'a> {
             }
             Ok(())
         })?;
-        // sigrok heads columns with what they measure.
+        // sigrok uses the quantity as the column title, not the name.
         let names = if self.named.len() == names.len() { &self.named } else { names };
         for (name, n) in names.iter().zip(found) {
             let ty = types.get(n).copied().unwrap_or(Type::Float);
@@ -192,7 +193,8 @@ impl<'a> Table<'a> {
         Ok(())
     }
 
-    /// The text of a cell, with a point in its number also where people write a comma.
+    /// Returns the text of a cell. Converts a decimal comma to a point if the comma is not the
+    /// separator.
     fn cell(&self, cell: &[u8]) -> Option<String> {
         let text = core::str::from_utf8(cell).ok()?.trim();
         if !self.is_ours && self.delimiter != b',' {
@@ -209,7 +211,7 @@ impl<'a> Table<'a> {
         }
         let cells = self.columns.iter().zip(row.iter().skip(1));
         let texts = cells.map(|(column, cell)| {
-            // The text of a marker is not touched.
+            // The text of a marker is kept unchanged.
             let text = if *column == Column::Marker {
                 core::str::from_utf8(cell).ok().map(str::to_owned)
             } else {
@@ -259,7 +261,7 @@ impl<'a> Table<'a> {
         Ok(())
     }
 
-    /// A time in ticks.
+    /// Parses a time and returns it in ticks.
     fn time(&self, text: &str) -> Result<i64, Flaw> {
         let wrong = || Flaw::Value { channel: "time".into(), value: text.into() };
         if self.is_ours {
@@ -271,13 +273,14 @@ impl<'a> Table<'a> {
     }
 }
 
-/// `joint.0.pos (float)`: name and type.
+/// Splits `joint.0.pos (float)` into name and type.
 fn kind(head: &str) -> Option<(&str, Type)> {
     let (name, ty) = head.strip_suffix(')')?.rsplit_once(" (")?;
     Some((name, Type::parse(ty)?))
 }
 
-/// How many nanoseconds the unit of a column of times has: `time`, `t`, `Time [us]`, `Time (s)`.
+/// Returns the number of nanoseconds per unit in the title of a time column: `time`, `t`, `Time
+/// [us]`, `Time (s)`.
 fn unit(head: &str) -> Option<f64> {
     let head = head.trim_matches('"').to_ascii_lowercase();
     let words = [
@@ -290,7 +293,7 @@ fn unit(head: &str) -> Option<f64> {
     ];
     let short = |unit: &str| words.iter().find(|(w, _)| *w == unit).map(|(_, u)| *u);
     if let Some(unit) = short(&head) {
-        // sigrok heads the times with their unit alone.
+        // sigrok uses the unit alone as the title of the time column.
         return TimeBase::parse(unit).map(|b| 10_f64.powi(i32::from(b.exponent()) + 9));
     }
     let (name, unit) = match head.split_once(['[', '(']) {
@@ -304,13 +307,13 @@ fn unit(head: &str) -> Option<f64> {
     Some(10_f64.powi(i32::from(TimeBase::parse(unit)?.exponent()) + 9))
 }
 
-/// A value of a type.
+/// Parses a value of a type.
 fn value(ty: Type, text: &str) -> Option<Value> {
     match ty {
-        // Rust reads every float that it writes back to the same bits.
+        // Rust parses every float that it formats back to the same bits.
         Type::Float => text.parse().ok().map(Value::Float),
         Type::Bit | Type::S32 | Type::U32 | Type::S64 | Type::U64 => {
-            // No octal numbers: `010` is ten here.
+            // Octal notation is not supported: `010` is ten.
             let is_octal = text.trim_start_matches(['-', '+']).starts_with("0") && text.len() > 1;
             let text = if is_octal { text.trim_start_matches('0') } else { text };
             Value::parse(ty, text).ok()

@@ -1,14 +1,14 @@
-//! What differs between two drawings.
+//! Differences between two drawings.
 
-/// How many pairs of edges are tried to find those that belong together.
+/// Maximum number of edge pairs that are compared to match old and new edges.
 const PAIRS: usize = 4_000_000;
 
-/// A line of a drawing, read back.
+/// A parsed line of a drawing.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Line {
     name: String,
     first: String,
-    /// When it became what; microseconds.
+    /// Time of each change in microseconds, and the change in words.
     changes: Vec<(f64, String)>,
 }
 
@@ -45,8 +45,8 @@ impl Line {
     }
 }
 
-/// What differs between what was expected and what was found, a sentence each: which edge moved,
-/// and by how much. None, if both draw the same.
+/// Returns the differences between the expected and the found drawing, one sentence each: which
+/// edge moved, and by how much. Returns an empty list if both drawings are equal.
 #[must_use]
 pub fn differences(expected: &str, found: &str) -> Vec<String> {
     let lines = |text: &str| -> Vec<Result<Line, String>> {
@@ -71,7 +71,7 @@ pub fn differences(expected: &str, found: &str) -> Vec<String> {
     said
 }
 
-/// Two edges that belong together, or one that has no other.
+/// Two matching edges, or one edge without a match.
 #[derive(Clone, Copy)]
 enum Pair<'l> {
     Both(&'l (f64, String), &'l (f64, String)),
@@ -95,7 +95,7 @@ fn moved(old: &Line, new: &Line, said: &mut Vec<String>) {
         match pair {
             Pair::Both(a, b) if a.0 == b.0 => {}
             Pair::Both(a, b) => {
-                // Those that follow and move as far are one sentence.
+                // Following edges that moved by the same amount are reported in the same sentence.
                 let by = rounded(b.0 - a.0);
                 let mut more = 0;
                 while let Some(Pair::Both(c, d)) = pairs.peek()
@@ -125,14 +125,14 @@ fn moved(old: &Line, new: &Line, said: &mut Vec<String>) {
     }
 }
 
-/// Without what binary fractions leave behind.
+/// Rounds to nanoseconds, to remove binary rounding errors.
 fn rounded(us: f64) -> f64 {
     (us * 1e3).round() / 1e3
 }
 
-/// Which edges belong together: as few come and go as possible, and as few as possible move.
+/// Matches old and new edges. Minimizes removed and added edges first, then moved ones.
 fn pairs<'l>(old: &'l [(f64, String)], new: &'l [(f64, String)]) -> Vec<Pair<'l>> {
-    // What is the same at both ends needs no search.
+    // Equal edges at both ends need no search.
     let same = |(a, b): &(&(f64, String), &(f64, String))| a == b;
     let head = old.iter().zip(new).take_while(same).count();
     let (old_rest, new_rest) = (old.get(head..).unwrap_or(&[]), new.get(head..).unwrap_or(&[]));
@@ -143,7 +143,7 @@ fn pairs<'l>(old: &'l [(f64, String)], new: &'l [(f64, String)]) -> Vec<Pair<'l>
         let gone = a.iter().map(Pair::Gone);
         return gone.chain(b.iter().map(Pair::New)).collect();
     }
-    // The least cost of pairing what is left of both, from each place on.
+    // Least cost of matching the remaining edges of both lists, from each pair of indices on.
     let width = b.len() + 1;
     let mut costs = vec![0_u32; (a.len() + 1) * width];
     let at = |i: usize, j: usize| i * width + j;

@@ -1,4 +1,4 @@
-//! One block of changes of an FST file.
+//! One block of value changes of an FST file.
 
 use super::{
     UNKNOWN,
@@ -8,21 +8,21 @@ use super::{
 use crate::Flaw;
 use std::ops::Range;
 
-/// A change: the number of its time in the block, whose, and to what.
+/// A change: index of its time in the block, index of its variable, new value.
 pub(super) type Event = (usize, usize, Option<u64>);
 
-/// What a block holds.
+/// Contents of a block.
 #[derive(Debug, Default)]
 pub(super) struct Block {
     pub(super) start: u64,
     pub(super) times: Vec<u64>,
-    /// What values were at the block's start.
+    /// Values at the start of the block.
     pub(super) frame: Vec<Event>,
-    /// In order of time.
+    /// Changes in order of time.
     pub(super) events: Vec<Event>,
 }
 
-/// What is known before blocks are read.
+/// Properties of the file that are known before the blocks are read.
 #[derive(Debug)]
 pub(super) struct Sizes {
     pub(super) sizes: Vec<Size>,
@@ -30,7 +30,7 @@ pub(super) struct Sizes {
 }
 
 impl Sizes {
-    /// A value that stands in a letter for each bit, or as a float.
+    /// Parses a value that is stored as one character per bit, or as a float.
     fn letters(&self, size: Size, letters: &[u8]) -> Option<u64> {
         match size {
             Size::Text => None,
@@ -58,7 +58,7 @@ impl Sizes {
         }
     }
 
-    /// Reads a block; `is_second` of the two forms of its table.
+    /// Reads a block. `is_second` selects the second of the two forms of its table.
     pub(super) fn block(&self, bytes: &[u8], is_second: bool) -> Result<Block, Flaw> {
         let mut input = Bytes::new(bytes);
         let mut block = Block { start: input.number()?, ..Block::default() };
@@ -106,7 +106,7 @@ impl Sizes {
         Ok(block)
     }
 
-    /// The changes of one variable.
+    /// Reads the changes of one variable.
     fn chain(
         &self,
         n: usize,
@@ -156,7 +156,7 @@ impl Sizes {
 
 type Places = Vec<Option<Range<usize>>>;
 
-/// Puts places together: where each chain begins, and whose chain is another's.
+/// Builder of the table of chains: where each chain begins, and which variables share one.
 struct Table {
     places: Places,
     end: usize,
@@ -170,7 +170,7 @@ impl Table {
         self.places.push(None);
     }
 
-    /// Where the last one begins is known; now, where it ends.
+    /// Completes the range of the last chain, which ends here.
     fn finish(&mut self, end: usize) {
         if let Some((n, start)) = self.last
             && let Some(place) = self.places.get_mut(n)

@@ -1,8 +1,8 @@
-//! Bytes that are not believed: numbers, texts, packed pieces.
+//! Reader for untrusted bytes: numbers, strings, compressed pieces.
 
 use crate::Flaw;
 
-/// What is left of a piece of a file.
+/// Unread rest of a piece of a file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bytes<'a> {
     rest: &'a [u8],
@@ -21,7 +21,7 @@ impl<'a> Bytes<'a> {
         self.rest.is_empty()
     }
 
-    /// The next so many bytes.
+    /// Takes the next `n` bytes.
     pub(super) fn take(&mut self, n: u64) -> Result<&'a [u8], Flaw> {
         let n = usize::try_from(n).map_err(|_| Flaw::Truncated)?;
         let (head, rest) = self.rest.split_at_checked(n).ok_or(Flaw::Truncated)?;
@@ -29,7 +29,7 @@ impl<'a> Bytes<'a> {
         Ok(head)
     }
 
-    /// The last so many bytes.
+    /// Takes the last `n` bytes.
     pub(super) fn take_end(&mut self, n: u64) -> Result<&'a [u8], Flaw> {
         let n = usize::try_from(n).map_err(|_| Flaw::Truncated)?;
         let at = self.rest.len().checked_sub(n).ok_or(Flaw::Truncated)?;
@@ -50,7 +50,7 @@ impl<'a> Bytes<'a> {
         self.array().map(u64::from_be_bytes)
     }
 
-    /// A number in groups of seven bits, the lowest first.
+    /// Takes an unsigned number in groups of seven bits, lowest group first (LEB128).
     pub(super) fn groups(&mut self) -> Result<u64, Flaw> {
         let mut n = 0_u64;
         for shift in (0..64).step_by(7) {
@@ -63,7 +63,7 @@ impl<'a> Bytes<'a> {
         Err(Flaw::Unreadable("a number that is too long".into()))
     }
 
-    /// The same with a sign.
+    /// Takes a signed number in groups of seven bits, lowest group first (LEB128).
     pub(super) fn signed_groups(&mut self) -> Result<i64, Flaw> {
         let mut n = 0_u64;
         for shift in (0..64).step_by(7) {
@@ -79,7 +79,7 @@ impl<'a> Bytes<'a> {
         Err(Flaw::Unreadable("a number that is too long".into()))
     }
 
-    /// A text up to a zero.
+    /// Takes a zero-terminated string.
     pub(super) fn text(&mut self) -> Result<String, Flaw> {
         let end = self.rest.iter().position(|b| *b == 0).ok_or(Flaw::Truncated)?;
         let text = self.take(end as u64)?;
@@ -89,7 +89,7 @@ impl<'a> Bytes<'a> {
 }
 
 fn length(said: u64, packed: usize, ratio: u64) -> Result<usize, Flaw> {
-    // No compression does better: nobody gets much memory for few bytes.
+    // No compression exceeds this ratio, so a short input cannot cause a large allocation.
     let most = (packed as u64).saturating_mul(ratio).saturating_add(64);
     usize::try_from(said)
         .ok()
@@ -101,7 +101,7 @@ fn packed(kind: &'static str) -> Flaw {
     Flaw::Unreadable(format!("a piece that is not packed as {kind}").into())
 }
 
-/// Unpacks what zlib packed; nothing is packed where the lengths are equal and that is `plain`.
+/// Decompresses zlib data. With `plain`, data whose two lengths are equal is not compressed.
 pub(super) fn zlib(bytes: &[u8], said: u64, plain: bool) -> Result<Vec<u8>, Flaw> {
     if plain && said == bytes.len() as u64 {
         return Ok(bytes.to_owned());
@@ -111,7 +111,7 @@ pub(super) fn zlib(bytes: &[u8], said: u64, plain: bool) -> Result<Vec<u8>, Flaw
     out.ok().filter(|o| o.len() == limit).ok_or_else(|| packed("zlib"))
 }
 
-/// Unpacks a gzip file.
+/// Decompresses a gzip file.
 pub(super) fn gzip(bytes: &[u8], said: u64) -> Result<Vec<u8>, Flaw> {
     let limit = length(said, bytes.len(), 1032)?;
     let (head, body) = bytes.split_at_checked(10).ok_or(Flaw::Truncated)?;
@@ -122,7 +122,7 @@ pub(super) fn gzip(bytes: &[u8], said: u64) -> Result<Vec<u8>, Flaw> {
     out.ok().filter(|o| o.len() == limit).ok_or_else(|| packed("gzip"))
 }
 
-/// Unpacks what LZ4 packed.
+/// Decompresses LZ4 data.
 pub(super) fn lz4(bytes: &[u8], said: u64) -> Result<Vec<u8>, Flaw> {
     let limit = length(said, bytes.len(), 256)?;
     let mut out = vec![0; limit];
@@ -130,7 +130,7 @@ pub(super) fn lz4(bytes: &[u8], said: u64) -> Result<Vec<u8>, Flaw> {
     if n == limit { Ok(out) } else { Err(packed("LZ4")) }
 }
 
-/// Unpacks what `FastLZ` packed.
+/// Decompresses `FastLZ` data.
 pub(super) fn fastlz(bytes: &[u8], said: u64) -> Result<Vec<u8>, Flaw> {
     let limit = length(said, bytes.len(), 1 << 12)?;
     super::fastlz::unpack(bytes, limit).ok_or_else(|| packed("FastLZ"))

@@ -1,9 +1,10 @@
-//! `FastLZ`, as some programs pack changes.
+//! `FastLZ` decompression, which some programs use for value changes.
 
-/// How far the short form of a distance reaches.
+/// Largest distance in the short form.
 const NEAR: usize = 8191;
 
-/// What comes of these bytes, which is of this length; nothing, if it is not.
+/// Decompresses `bytes` to exactly `length` bytes. Returns `None` if they are invalid or have
+/// another length.
 pub(super) fn unpack(bytes: &[u8], length: usize) -> Option<Vec<u8>> {
     let mut input = bytes.iter().copied();
     let mut out = Vec::with_capacity(length);

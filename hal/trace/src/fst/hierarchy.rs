@@ -1,25 +1,25 @@
-//! The names of an FST file.
+//! Names of an FST file.
 
 use super::{Notes, SCOPE, bytes::Bytes};
 use crate::Flaw;
 use hal_protocol::Type;
 
-/// A variable: what it stands for, and under which handle.
+/// A variable: its name, handle and kind.
 #[derive(Debug)]
 pub(super) struct Var {
     pub(super) name: String,
-    /// Counted from 1.
+    /// Handle, counted from 1.
     pub(super) handle: u64,
     kind: u8,
 }
 
 impl Var {
-    /// The type of a variable of so many bits; of 64 and a float, if it is real.
+    /// Returns the HAL type of a variable of this size.
     pub(super) fn ty(&self, size: Size) -> Option<Type> {
         match (size, self.kind) {
             (Size::Real, _) => Some(Type::Float),
             (Size::Text, _) | (Size::Bits(0 | 65..), _) | (_, 0 | 18 | 21) => None,
-            // Integers, with a sign: `integer`, `int`, `shortint`, `longint`, `byte`.
+            // Signed integers: `integer`, `int`, `shortint`, `longint`, `byte`.
             (Size::Bits(1..=32), 1 | 24..=27) => Some(Type::S32),
             (Size::Bits(_), 1 | 24..=27) => Some(Type::S64),
             (Size::Bits(1), _) => Some(Type::Bit),
@@ -29,7 +29,7 @@ impl Var {
     }
 }
 
-/// How much room a value has.
+/// Size of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Size {
     Real,
@@ -37,7 +37,7 @@ pub(super) enum Size {
     Text,
 }
 
-/// All variables, and what we have noted ourselves.
+/// Returns all variables, and the notes if Ferrule wrote the file.
 pub(super) fn hierarchy(bytes: &[u8]) -> Result<(Vec<Var>, Option<Notes>), Flaw> {
     let mut input = Bytes::new(bytes);
     let (mut vars, mut scopes, mut notes) = (Vec::new(), Vec::<String>::new(), String::new());
@@ -54,7 +54,7 @@ pub(super) fn hierarchy(bytes: &[u8]) -> Result<(Vec<Var>, Option<Notes>), Flaw>
             }
             255 => drop(scopes.pop()),
             252 => {
-                // An attribute: nothing of it concerns us.
+                // Attributes are ignored.
                 input.take(2)?;
                 input.text()?;
                 input.groups()?;
@@ -84,7 +84,7 @@ pub(super) fn hierarchy(bytes: &[u8]) -> Result<(Vec<Var>, Option<Notes>), Flaw>
     Ok((vars, serde_json::from_str(&notes).ok()))
 }
 
-/// `bus [7:0]` is `bus`, `bus [3]` is `bus[3]`.
+/// Converts an FST reference to a name: `bus [7:0]` becomes `bus`, `bus [3]` becomes `bus[3]`.
 fn reference(name: &str) -> String {
     match name.rsplit_once(" [") {
         Some((name, index)) if index.contains(':') => name.to_owned(),

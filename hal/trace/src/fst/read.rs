@@ -1,4 +1,4 @@
-//! Reading FST, ours and that of other programs.
+//! Reader for FST files of Ferrule and of other programs.
 
 use super::{
     Notes,
@@ -9,10 +9,10 @@ use super::{
 use crate::{Flaw, Place, Reading, TimeBase, Trace};
 use hal_protocol::{Type, Value};
 
-/// The length of the first block, which every file begins with.
+/// Length of the header block, with which every file begins.
 const HEAD: u64 = 329;
 
-/// Reads a file. Texts, and what is wider than 64 bits, are left out with a note.
+/// Reads a file. Strings and values wider than 64 bits are left out with a note.
 #[must_use]
 pub fn read(bytes: &[u8]) -> Reading {
     let mut reading = Reading::default();
@@ -34,7 +34,7 @@ pub fn read(bytes: &[u8]) -> Reading {
 
 type Stop = (Place, Flaw);
 
-/// A block that has been found: its kind, where it begins, what it holds.
+/// A block of the file: kind, position, contents.
 #[derive(Debug)]
 struct Piece {
     kind: u8,
@@ -63,14 +63,14 @@ impl File {
                 self.is_fst = true;
             }
             if kind == 255 && length == 0 {
-                // A block that its program did not finish.
+                // The program that wrote the file did not finish this block.
                 return Err(stop(Flaw::Truncated));
             }
             let length = length.checked_sub(8).ok_or(Flaw::Truncated).map_err(stop)?;
             let held = input.take(length).map_err(stop)?;
             match kind {
                 0 => self.head(held).map_err(stop)?,
-                // The whole file packed as one.
+                // The whole file is compressed as one block.
                 254 if at == 0 => {
                     let mut held = Bytes::new(held);
                     let length = held.number().map_err(stop)?;
@@ -100,7 +100,7 @@ impl File {
         Ok(())
     }
 
-    /// Makes a trace of what has been found.
+    /// Builds a trace from the blocks.
     fn settle(mut self, reading: &mut Reading) -> Result<(), Stop> {
         let pieces = std::mem::take(&mut self.pieces);
         let mut sizes = None;
@@ -182,7 +182,7 @@ fn names_of(kind: u8, bytes: &[u8]) -> Result<Vec<u8>, Flaw> {
     }
 }
 
-/// Makes a channel for each variable; which one each handle has.
+/// Adds a channel for each variable. Returns the channel of each handle.
 fn channels(
     reading: &mut Reading,
     sizes: &Sizes,
@@ -195,7 +195,7 @@ fn channels(
     let index = |handle: u64| handle.checked_sub(1).and_then(|n| usize::try_from(n).ok());
     let mut order: Vec<&Var> = vars.iter().collect();
     if let Some(notes) = notes {
-        // Ours say in which order their channels were.
+        // Files of Ferrule contain the original order of the channels.
         let place = |v: &&Var| {
             let place = notes.handles.iter().position(|h| u64::from(*h) == v.handle);
             place.unwrap_or(usize::MAX)
@@ -224,18 +224,18 @@ fn channels(
     channels
 }
 
-/// Fills blocks into a trace.
+/// Adds the samples of blocks to a trace.
 struct Filler {
     channels: Vec<Option<(usize, Type, u32)>>,
     is_first: bool,
-    /// Of ours: whether the frame is a sample, and how many there are.
+    /// For a file of Ferrule: whether the frame is a sample, and the number of samples.
     ours: Option<(bool, u64)>,
 }
 
 impl Filler {
     fn fill(&mut self, trace: &mut Trace, block: &Block) -> Result<(), Flaw> {
         let is_first = std::mem::take(&mut self.is_first);
-        // The frame is a sample of its own, if nothing else is at its time.
+        // The frame is a sample of its own if no change has the same time.
         let before = block.times.first().is_none_or(|t| *t > block.start);
         let is_sample = self.ours.map_or(before, |(at_zero, _)| at_zero);
         if is_first && is_sample {
@@ -250,7 +250,7 @@ impl Filler {
             if self.ours.is_some_and(|(_, samples)| trace.len() as u64 >= samples) {
                 break;
             }
-            // Some programs repeat the last time of a block in the next.
+            // Some programs repeat the last time of a block in the next block.
             if trace.times().last() != Some(at) {
                 trace.sample(at).map_err(Flaw::Refused)?;
             }

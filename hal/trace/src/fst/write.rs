@@ -1,4 +1,4 @@
-//! Writing FST.
+//! Writer for FST files.
 
 use super::{Notes, SCOPE, UNKNOWN};
 use crate::{Trace, vcd::path};
@@ -9,15 +9,15 @@ use fst_writer::{
 use hal_protocol::{Type, Value};
 use std::io::{Cursor, Error, ErrorKind, Result, Write};
 
-/// A block is written when it has come to so many bytes.
+/// Size in bytes at which a block is written.
 const BLOCK: usize = 1 << 22;
-/// The longest name, and the longest piece of a text.
+/// Maximum length in bytes of a name and of a piece of notes.
 const LONGEST: usize = 512;
 
 /// Writes a trace.
 ///
 /// # Errors
-/// What writing says; also a time before zero, or a name of more than 512 bytes.
+/// An error of the output, a time before zero, or a name of more than 512 bytes.
 pub fn write<W: Write>(mut out: W, trace: &Trace) -> Result<()> {
     if trace.times().first().is_some_and(|t| t < 0) {
         return Err(refused("FST has no times before zero; CSV and JSON have"));
@@ -88,19 +88,19 @@ fn packed(trace: &Trace) -> core::result::Result<Result<Vec<u8>>, FstWriteError>
     body.set_deduplicate(false);
     values(&mut body, trace, &ids)?;
     if trace.len() == 1 && trace.times().first() == Some(0) {
-        // The writer forgets what was at zero unless something comes after it.
+        // The writer drops the values at time zero unless another time follows.
         body.time_change(1)?;
     }
     body.finish().map(|out| Ok(out.into_inner()))
 }
 
-/// Writes what FST has no words for, in pieces.
+/// Writes the data that FST cannot express, in pieces.
 fn notes(
     head: &mut FstHeaderWriter<Cursor<Vec<u8>>>,
     trace: &Trace,
     vars: &[(Vec<String>, usize)],
 ) -> core::result::Result<(), FstWriteError> {
-    // Handles are counted from 1, where a channel first comes.
+    // Handles are counted from 1, in the order in which channels first appear.
     let mut handles = vec![0; trace.channels().len()];
     let mut last = 0;
     for (_, n) in vars {
@@ -145,7 +145,7 @@ fn values(
             let change = channel.change(*n).filter(|c| c.sample == sample);
             let value = match change {
                 Some(c) => c.value,
-                // A float is NaN at first, which is not what is not known.
+                // FST floats start as NaN, so an unknown float must be written explicitly.
                 None if sample == 0 => None,
                 None => continue,
             };

@@ -1,4 +1,4 @@
-//! Reading JSON: samples go into the trace one by one, so that those before a flaw are kept.
+//! Reader for JSON traces. Samples are added one by one, so that those before a flaw are kept.
 
 use super::FORMAT;
 use crate::{Flaw, Place, Reading, TimeBase, Trace};
@@ -27,7 +27,7 @@ pub fn read(bytes: &[u8]) -> Reading {
             return (line, Flaw::Truncated);
         }
         let text = e.to_string();
-        // The line is said by whoever names the file.
+        // The caller reports the line together with the file name.
         let text = text.split(" at line ").next().unwrap_or(&text);
         (line, Flaw::Unreadable(text.into()))
     });
@@ -121,7 +121,7 @@ impl<'de> Visitor<'de> for &mut File {
     }
 }
 
-/// All samples.
+/// Deserializer of all samples.
 struct Samples<'a>(&'a mut Trace);
 
 impl<'de> DeserializeSeed<'de> for Samples<'_> {
@@ -151,7 +151,7 @@ impl<'de> Visitor<'de> for Samples<'_> {
     }
 }
 
-/// One sample: its time is handed out, its values are left in the record.
+/// Deserializer of one sample. Returns the time and puts the values into the record.
 struct Sample<'a>(&'a Trace, &'a mut Vec<Option<u64>>);
 
 impl<'de> DeserializeSeed<'de> for Sample<'_> {
@@ -204,7 +204,7 @@ impl<'de> Visitor<'de> for Sample<'_> {
     }
 }
 
-/// A value in the notation of JSON.
+/// Parses a value in JSON notation.
 fn number(ty: Type, text: &str) -> Option<Value> {
     match ty {
         Type::Float => text.parse().ok().map(Value::Float),

@@ -1,28 +1,30 @@
-//! A capture: a trigger, and the samples around it.
+//! A capture: a trigger and the samples around it.
 
 use super::{Cause, Setup, Trigger, When};
 use crate::Trace;
 use hal_protocol::Type;
 
-/// The most samples before a trigger for which room is made at once.
+/// Maximum number of samples before a trigger for which memory is allocated in advance.
 const AT_ONCE: usize = 1 << 16;
 
-/// What is fed samples, and hands out a trace for each trigger.
+/// Receives samples and returns a trace for each trigger.
 #[derive(Debug)]
 pub struct Capture {
     trigger: Trigger,
-    /// A trace with the channels and nothing in them.
+    /// A trace with the channels but without samples.
     blank: Trace,
     width: usize,
-    /// The samples before the trigger: lost before it, time, values. Each has room for one, and the oldest is at `oldest`.
+    /// Ring buffer of the samples before the trigger: number lost before the sample, time, values.
+    /// Once it is full, the oldest sample is at index `oldest`.
     history: Vec<u64>,
     oldest: usize,
-    /// The capture that has fired and is not complete.
+    /// Capture that has fired and is not complete yet.
     current: Option<Trace>,
 }
 
 impl Capture {
-    /// A capture of channels with these names and types; without a condition it begins at once.
+    /// Returns a capture of channels with these names and types. Without a condition it starts at
+    /// once.
     #[must_use]
     pub fn new(channels: &[(String, Type)], when: Option<When>, setup: Setup) -> Self {
         let mut blank = Trace::default();
@@ -36,25 +38,26 @@ impl Capture {
         Self { trigger, blank, width, history, oldest: 0, current: None }
     }
 
-    /// The trigger: to force, arm and disarm it.
+    /// Returns the trigger, for forcing, arming and disarming.
     pub const fn trigger(&mut self) -> &mut Trigger {
         &mut self.trigger
     }
 
-    /// Gives up what is under way, and waits again.
+    /// Aborts the current capture and arms the trigger again.
     pub fn arm(&mut self) {
         self.current = None;
         self.trigger.arm();
     }
 
-    /// Gives up what is under way, and waits for another condition.
+    /// Aborts the current capture and arms the trigger for another condition.
     pub fn arm_for(&mut self, when: Option<When>) {
         self.current = None;
         self.trigger.arm_for(when);
     }
 
-    /// The next sample: when, the value of each channel, and how many samples were lost before it. The
-    /// trace, if that completes one; its markers say where it triggered, and why.
+    /// Adds a sample: its time, the value of each channel, and the number of samples lost before
+    /// it. Returns a trace if this sample completes one. Its markers give the time and cause of the
+    /// trigger.
     pub fn feed(&mut self, time: i64, record: &[u64], lost: u64) -> Option<Trace> {
         let step = self.trigger.feed(time, record);
         if let Some(cause) = step.fired {
@@ -63,7 +66,8 @@ impl Capture {
         let mut done = None;
         if let Some(trace) = self.current.as_mut().filter(|_| step.kept) {
             trace.lose(lost);
-            // A clock that stands still or a trace that is full: what there is stays.
+            // If time does not advance or the trace is full, the capture ends with the samples that
+            // it has.
             if trace.push(time, record).is_err() || step.complete {
                 done = self.current.take();
             }
@@ -72,12 +76,12 @@ impl Capture {
         done
     }
 
-    /// What there is of a capture that has fired and is not complete.
+    /// Takes the capture that has fired and is not complete yet.
     pub const fn rest(&mut self) -> Option<Trace> {
         self.current.take()
     }
 
-    /// What there is before a trigger that has not come, as a trace.
+    /// Returns the samples before a trigger that has not fired yet, as a trace.
     #[must_use]
     pub fn so_far(&self) -> Trace {
         let mut trace = self.blank.clone();
@@ -106,7 +110,7 @@ impl Capture {
                 if !trace.is_empty() {
                     trace.lose(*lost);
                 }
-                // As above.
+                // As above: a sample that the trace refuses is dropped.
                 let _: Result<(), crate::Refusal> = trace.push(time.cast_signed(), record);
             }
         }

@@ -1,4 +1,4 @@
-//! The text of a trigger, and what is wrong with it.
+//! Parser for the text of a trigger, and its errors.
 
 use super::{
     When,
@@ -6,10 +6,10 @@ use super::{
 };
 use hal_protocol::{Type, Value, ValueError};
 
-/// How deep parentheses may go.
+/// Maximum nesting depth of parentheses.
 const DEEPEST: usize = 50;
 
-/// Why a text is no trigger: with a mark under the word that is wrong.
+/// Error in the text of a trigger. Its message marks the wrong word.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ConditionError {
     text: Box<str>,
@@ -23,13 +23,13 @@ impl ConditionError {
         Self { text: text.into(), at, length, why: why.into() }
     }
 
-    /// What is wrong, without the text.
+    /// Returns the reason, without the text.
     #[must_use]
     pub fn why(&self) -> &str {
         &self.why
     }
 
-    /// Which bytes of the text are meant: from where, and how many.
+    /// Returns the wrong part of the text: its first byte and its length in bytes.
     #[must_use]
     pub const fn place(&self) -> (usize, usize) {
         (self.at, self.length)
@@ -49,7 +49,7 @@ impl core::fmt::Display for ConditionError {
 
 impl core::error::Error for ConditionError {}
 
-/// How two values compare.
+/// Comparison operator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Compare {
     Less,
@@ -60,7 +60,7 @@ pub(super) enum Compare {
     Unequal,
 }
 
-/// What is said of one name; values are still texts, with their places.
+/// Test of one name. Values are still texts, with their positions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Said {
     True,
@@ -76,7 +76,7 @@ pub(super) enum Said {
     Outside(Spot, Spot),
 }
 
-/// A piece of the text.
+/// A part of the text and its position.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Spot {
     pub(super) text: String,
@@ -98,7 +98,7 @@ pub(super) enum Tree {
     Leaf(Spot, Said),
 }
 
-/// A trigger as it is written, read but not yet checked against channels.
+/// A parsed trigger condition that has not been checked against channels yet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Condition {
     pub(super) text: String,
@@ -106,17 +106,17 @@ pub struct Condition {
 }
 
 impl Condition {
-    /// Reads a text.
+    /// Parses a text.
     ///
     /// # Errors
-    /// What is wrong, and where.
+    /// The position and reason of the syntax error.
     pub fn parse(text: &str) -> Result<Self, ConditionError> {
         let found = words(text)?;
         if let [all] = &found[..]
             && all.kind == Kind::Quoted
             && all.text.contains(char::is_whitespace)
         {
-            // Quotes around the whole, which a script leaves on its words.
+            // A script leaves the quotes around the whole text.
             return Self::parse(all.text);
         }
         let mut parser = Parser { text, words: found, next: 0, depth: 0 };
@@ -127,13 +127,13 @@ impl Condition {
         }
     }
 
-    /// The text.
+    /// Returns the text.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// All names in it, each once.
+    /// Returns all names in the condition, each once.
     #[must_use]
     pub fn names(&self) -> Vec<&str> {
         fn collect<'a>(tree: &'a Tree, names: &mut Vec<&'a str>) {
@@ -152,10 +152,10 @@ impl Condition {
         names
     }
 
-    /// Checks it against the channels of a record: their names and types in order.
+    /// Checks the condition against the channels of a record: their names and types in order.
     ///
     /// # Errors
-    /// A name that is not there, or a type that cannot be triggered so.
+    /// A name does not exist, or its type does not allow the test.
     pub fn bind(&self, channels: &[(String, Type)]) -> Result<When, ConditionError> {
         When::bind(self, channels)
     }
@@ -164,7 +164,7 @@ impl Condition {
         ConditionError::new(&self.text, spot.at, spot.length, why)
     }
 
-    /// A value of a type.
+    /// Parses a value of a type.
     pub(super) fn value(&self, ty: Type, spot: &Spot) -> Result<Value, ConditionError> {
         Value::parse(ty, &spot.text).map_err(|e| {
             let expects = ty.expects();
@@ -191,7 +191,7 @@ impl<'a> Parser<'a> {
         self.words.get(self.next).copied()
     }
 
-    /// Whether the next word is one of these; it is then taken.
+    /// Consumes the next word if it is one of these. Returns whether it is.
     fn takes(&mut self, options: &[&str]) -> bool {
         let found =
             self.peek().is_some_and(|w| w.kind != Kind::Quoted && options.contains(&w.text));
@@ -301,7 +301,7 @@ impl<'a> Parser<'a> {
         Ok(word.into())
     }
 
-    /// `-1..1`
+    /// Parses a range such as `-1..1`.
     fn range(&mut self) -> Result<(Spot, Spot), ConditionError> {
         let word = self.peek();
         let spot = self.number()?;

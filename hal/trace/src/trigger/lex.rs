@@ -1,4 +1,4 @@
-//! The words of a trigger.
+//! Words of a trigger text.
 
 use super::ConditionError;
 use nom::{
@@ -10,18 +10,18 @@ use nom::{
     sequence::delimited,
 };
 
-/// What a word is.
+/// Kind of a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// A name, a number, or a word of the language.
+    /// A name, a number, or a keyword.
     Word,
-    /// A name in quotes, which is no word of the language.
+    /// A name in quotes, which is never a keyword.
     Quoted,
-    /// A comparison, or a parenthesis.
+    /// An operator or a parenthesis.
     Sign,
 }
 
-/// A word, and where it stands.
+/// A word and its position.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Word<'a> {
     pub(super) kind: Kind,
@@ -30,7 +30,7 @@ pub(super) struct Word<'a> {
     pub(super) length: usize,
 }
 
-/// All words of a text.
+/// Splits a text into words.
 pub(super) fn words(text: &str) -> Result<Vec<Word<'_>>, ConditionError> {
     let mut rest = text;
     let mut words = Vec::new();

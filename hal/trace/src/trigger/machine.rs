@@ -1,38 +1,40 @@
-//! The trigger as a machine: it is fed samples and says when a capture fires and is complete.
+//! The trigger state machine: it receives samples and reports when a capture fires and is complete.
 
 use super::When;
 
-/// What happens when no trigger comes, and after one.
+/// Behaviour without a trigger and after one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Mode {
-    /// One capture, and no more until it is armed again.
+    /// One capture. The trigger must be armed again for the next.
     #[default]
     Single,
-    /// One after the other, each at its trigger.
+    /// Successive captures, each at its trigger.
     Normal,
-    /// One after the other; if none triggers for so long (nanoseconds), one without.
+    /// Successive captures. If no trigger comes for this time (nanoseconds), a capture starts
+    /// without one.
     Auto(i64),
 }
 
-/// For how long after a trigger there is no other.
+/// Minimum distance between triggers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HoldOff {
-    /// So many samples.
+    /// Number of samples.
     Samples(u64),
-    /// So many nanoseconds.
+    /// Time in nanoseconds.
     Time(i64),
 }
 
-/// How a capture is.
+/// Settings of a capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Setup {
-    /// How many samples it has.
+    /// Number of samples in a capture.
     pub length: u64,
-    /// How many of them come before the one that triggers, which is therefore the one with this number.
+    /// Number of samples before the one that triggers. It is therefore also the index of the
+    /// triggering sample.
     pub before: u64,
-    /// What happens when no trigger comes, and after one.
+    /// Behaviour without a trigger and after one.
     pub mode: Mode,
-    /// For how long after a trigger there is no other. The samples of a capture trigger nothing anyway.
+    /// Minimum distance between triggers. The samples of a capture trigger nothing in any case.
     pub hold_off: HoldOff,
 }
 
@@ -43,7 +45,8 @@ impl Default for Setup {
 }
 
 impl Setup {
-    /// A share of the length, from 0 to 1, comes before the trigger; at least the trigger itself does not.
+    /// Places a share of the length (0 to 1) before the trigger. At most all samples except the
+    /// triggering one come before it.
     #[must_use]
     #[expect(
         clippy::cast_possible_truncation,
@@ -57,55 +60,55 @@ impl Setup {
     }
 }
 
-/// Why a capture fired.
+/// Reason why a capture fired.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
-    /// Its condition holds; or it has none.
+    /// The condition holds, or there is no condition.
     Condition,
-    /// Somebody asked for it.
+    /// The user forced it.
     Force,
-    /// No trigger came for long.
+    /// No trigger came for the time of [`Mode::Auto`].
     Auto,
 }
 
-/// What a sample did.
+/// Effect of a sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Step {
-    /// It triggered.
+    /// The sample fired the trigger, for this reason.
     pub fired: Option<Cause>,
-    /// It belongs to a capture that has fired.
+    /// The sample belongs to a capture that has fired.
     pub kept: bool,
-    /// It is the last of a capture.
+    /// The sample is the last one of a capture.
     pub complete: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
-    /// Nothing is waited for.
+    /// Not armed.
     Idle,
-    /// A trigger is waited for; since when, if that is known.
+    /// Waiting for a trigger since this time, if it is known.
     Armed(Option<i64>),
-    /// It came, and so many samples are still to come.
+    /// The trigger has fired; this number of samples is still to come.
     After(u64),
 }
 
-/// A trigger. It is armed from the beginning.
+/// A trigger. It is initially armed.
 #[derive(Clone, Debug)]
 pub struct Trigger {
     when: Option<When>,
     setup: Setup,
     state: State,
-    /// How many samples have been seen.
+    /// Number of samples received.
     seen: u64,
-    /// The last trigger: how many samples had been seen, and when it was.
+    /// Last trigger: number of samples received before it, and its time.
     last: Option<(u64, i64)>,
     is_forced: bool,
-    /// The record before; room for one is there from the start.
+    /// Previous record. Memory for one record is allocated at the start.
     before: Vec<u64>,
 }
 
 impl Trigger {
-    /// A trigger over records of so many values. Without a condition it fires at once.
+    /// Returns a trigger for records of `width` values. Without a condition it fires at once.
     #[must_use]
     pub fn new(when: Option<When>, setup: Setup, width: usize) -> Self {
         let setup = Setup { length: setup.length.max(1), ..setup };
@@ -121,55 +124,57 @@ impl Trigger {
         }
     }
 
-    /// How it is set up.
+    /// Returns the settings.
     #[must_use]
     pub const fn setup(&self) -> &Setup {
         &self.setup
     }
 
-    /// The condition.
+    /// Returns the condition.
     #[must_use]
     pub const fn when(&self) -> Option<&When> {
         self.when.as_ref()
     }
 
-    /// Waits for a trigger; a capture that is under way is given up. Samples that came before still count as those
+    /// Arms the trigger and aborts the current capture. Earlier samples still count as samples
     /// before the trigger.
     pub const fn arm(&mut self) {
         self.state = State::Armed(None);
         self.is_forced = false;
     }
 
-    /// Waits for another condition; what was seen before stays.
+    /// Arms the trigger for another condition. Earlier samples still count.
     pub fn arm_for(&mut self, when: Option<When>) {
         self.when = when;
         self.arm();
     }
 
-    /// Waits for nothing.
+    /// Disarms the trigger.
     pub const fn disarm(&mut self) {
         self.state = State::Idle;
         self.is_forced = false;
     }
 
-    /// The next sample triggers, or the first that has enough before it; hold-off does not matter.
+    /// Fires at the next sample, or at the first one that has enough samples before it. Ignores
+    /// hold-off.
     pub const fn force(&mut self) {
         self.is_forced = true;
     }
 
-    /// Whether a trigger is waited for.
+    /// Returns whether the trigger is waiting for its condition.
     #[must_use]
     pub const fn is_armed(&self) -> bool {
         matches!(self.state, State::Armed(_))
     }
 
-    /// Whether nothing is waited for.
+    /// Returns whether the trigger is disarmed.
     #[must_use]
     pub const fn is_idle(&self) -> bool {
         matches!(self.state, State::Idle)
     }
 
-    /// The next sample: its time in nanoseconds, and the value of each channel as cells hold them.
+    /// Processes the next sample: its time in nanoseconds, and the value of each channel as bits of
+    /// cells.
     pub fn feed(&mut self, time: i64, record: &[u64]) -> Step {
         let step = self.step(time, record);
         self.seen = self.seen.saturating_add(1);
@@ -199,7 +204,7 @@ impl Trigger {
         Step { fired: Some(cause), kept: true, complete }
     }
 
-    /// Counts one sample of those that are left: whether it is the last.
+    /// Counts one of the remaining samples. Returns whether it is the last one.
     const fn count(&mut self, left: u64, time: i64) -> bool {
         if left > 1 {
             self.state = State::After(left - 1);

@@ -1,16 +1,16 @@
-//! A condition over two samples.
+//! Conditions over two successive samples.
 
 use super::condition::{Compare, Condition, ConditionError, Said, Spot, Tree};
 use crate::Trace;
 use core::cmp::Ordering;
 use hal_protocol::{Type, Value};
 
-/// A condition that is checked: it looks at a record and the one before.
+/// A checked condition that evaluates a record and the previous one.
 #[derive(Clone, Debug)]
 pub struct When {
     text: String,
     node: Node,
-    /// How many values a record must have.
+    /// Number of values that a record must have.
     width: usize,
 }
 
@@ -45,21 +45,23 @@ impl When {
         Ok(Self { text: condition.text.clone(), node, width: channels.len() })
     }
 
-    /// As it was written.
+    /// Returns the text of the condition.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// Whether it holds at a record, which has as many values as there are channels.
+    /// Returns whether the condition holds at a record. The record must have a value for each
+    /// channel.
     #[must_use]
     pub fn holds(&self, before: Option<&[u64]>, now: &[u64]) -> bool {
         let before = before.filter(|b| b.len() >= self.width);
         now.len() >= self.width && self.node.holds(before, now)
     }
 
-    /// The first sample of a trace, from this one on, at which it holds. The condition is bound to the trace's own
-    /// channels; a sample with a value that is not known is passed over.
+    /// Returns the first sample of a trace, from `from` on, at which the condition holds. The
+    /// condition must be bound to the trace's own channels. Samples with an unknown value are
+    /// skipped.
     #[must_use]
     pub fn first(&self, trace: &Trace, from: usize) -> Option<usize> {
         let record = |sample: usize| {
@@ -158,7 +160,7 @@ fn test(condition: &Condition, name: &Spot, ty: Type, said: &Said) -> Result<Tes
     })
 }
 
-/// How two values of one type compare; nothing, where one is NaN.
+/// Compares two values of one type. Returns `None` if one is NaN.
 fn compare(a: &Value, b: &Value) -> Option<Ordering> {
     match (a, b) {
         (Value::Float(a), Value::Float(b)) => a.partial_cmp(b),
@@ -186,7 +188,8 @@ impl Node {
 impl Test {
     fn holds(&self, before: Option<Value>, now: Value) -> bool {
         let is_true = |v: Value| v.bits() != 0;
-        // From below to not below, and from above to not above: only what compares at all.
+        // A crossing needs a value strictly on one side before, and at or past the limit now. NaN
+        // never crosses.
         let rises = |b: Value, v: &Value| {
             compare(&b, v).is_some_and(Ordering::is_lt)
                 && compare(&now, v).is_some_and(Ordering::is_ge)
@@ -228,7 +231,7 @@ fn within(low: &Value, now: &Value, high: &Value) -> bool {
         && compare(now, high).is_some_and(Ordering::is_le)
 }
 
-/// Whether a value is another; every NaN is the same one.
+/// Returns whether two values differ. All NaNs are equal.
 fn differs(a: Value, b: Value) -> bool {
     match (a, b) {
         (Value::Float(a), Value::Float(b)) => {

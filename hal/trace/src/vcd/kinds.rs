@@ -1,16 +1,16 @@
 //! Kinds of variables and scopes that other programs write and the parser does not know.
 
-/// What comes next among the words of a head.
+/// Expected next word in the header.
 enum Next {
     Command,
     Var,
     Scope,
-    /// Words that mean nothing, until `$end`.
+    /// Free text up to `$end`.
     Text,
 }
 
-/// The head with each kind that is not known as the one that comes nearest, and what follows it.
-/// Lines stay where they are.
+/// Returns the header with each unknown kind replaced by the nearest known one, and the bytes after
+/// the header. Line numbers do not change.
 pub(super) fn known(bytes: &[u8]) -> (Vec<u8>, &[u8]) {
     let (mut head, mut rest, mut next) = (Vec::new(), bytes, Next::Command);
     loop {
@@ -41,12 +41,12 @@ pub(super) fn known(bytes: &[u8]) -> (Vec<u8>, &[u8]) {
     }
 }
 
-/// What comes before the first such byte, and the rest.
+/// Splits before the first byte for which `is_end` is true.
 fn cut(bytes: &[u8], is_end: impl Fn(&u8) -> bool) -> (&[u8], &[u8]) {
     bytes.split_at(bytes.iter().position(is_end).unwrap_or(bytes.len()))
 }
 
-/// `event` stands for what has no number.
+/// Maps a variable kind to a known one. `event` stands for kinds without a numeric value.
 fn kind(word: &[u8]) -> &[u8] {
     match word {
         b"event" | b"integer" | b"parameter" | b"real" | b"reg" | b"supply0" | b"supply1"
@@ -70,7 +70,7 @@ fn scope(word: &[u8]) -> &[u8] {
 mod tests {
     use crate::vcd::read;
 
-    /// Each channel with its type, and the value it has first.
+    /// Returns each channel with its type and its first value, and the notes.
     fn channels(text: &str) -> (Vec<String>, Vec<String>) {
         let got = read(text.as_bytes());
         assert_eq!(got.flaw, None, "{text}");

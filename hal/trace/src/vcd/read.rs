@@ -1,4 +1,4 @@
-//! Reading VCD, ours and that of other programs.
+//! Reader for VCD files of Ferrule and of other programs.
 
 use super::kinds::known;
 use crate::{Flaw, Place, Reading, TimeBase, Trace};
@@ -6,8 +6,8 @@ use hal_protocol::{Type, Value};
 use std::collections::BTreeMap;
 use vcd::{Command, IdCode, ParseError, ParseErrorKind, Parser, TimescaleUnit, VarType};
 
-/// Reads a file. What is not digital and not a number (strings, events), and what is wider than 64
-/// bits, is left out with a note.
+/// Reads a file. Non-numeric variables (strings, events) and values wider than 64 bits are left out
+/// with a note.
 #[must_use]
 pub fn read(bytes: &[u8]) -> Reading {
     let mut reader = Reader::default();
@@ -16,7 +16,8 @@ pub fn read(bytes: &[u8]) -> Reading {
         return Reading { flaw, ..Reading::default() };
     }
     let (skipped, bytes) = after_preamble(bytes);
-    // Other programs need not end their last line; ours always do, so that one is cut off.
+    // Other programs may omit the newline at the end of the file. Ferrule always writes it, so
+    // without it the file was cut off.
     let ours = bytes.starts_with(b"$version Ferrule $end");
     let end: &[u8] = if ours || bytes.ends_with(b"\n") { b"" } else { b"\n" };
     let lines = skipped + bytes.trim_ascii_end().split(|b| *b == b'\n').count() as u64;
@@ -34,18 +35,18 @@ pub fn read(bytes: &[u8]) -> Reading {
     if let (Some((_, Flaw::Truncated | Flaw::Short { .. })), Some(last)) =
         (&flaw, trace.times().last())
     {
-        // Nobody knows whether the last sample is whole.
+        // The last sample may be incomplete.
         trace = trace.between(i64::MIN, last);
     }
     Reading { trace, notes: reader.notes, flaw }
 }
 
-/// What a code stands for.
+/// Meaning of a code.
 #[derive(Clone, Copy, Debug)]
 enum Var {
-    /// A channel, and how many bits it has.
+    /// A channel, and its width in bits.
     Channel(usize, u32),
-    /// Something that is left out.
+    /// A variable that is left out.
     Nothing,
 }
 
@@ -53,13 +54,13 @@ enum Var {
 struct Reader {
     trace: Trace,
     notes: Vec<String>,
-    /// Whether something was read that only VCD has.
+    /// True once something was read that occurs only in VCD.
     is_vcd: bool,
-    /// Names, widths and types until the definitions end.
+    /// Declarations, until the header ends.
     head: Vec<Declared>,
     scopes: Vec<String>,
     vars: BTreeMap<IdCode, Var>,
-    /// How many samples a file of ours says it has; its end is then marked.
+    /// Number of samples that a file of Ferrule declares. Such a file also has an end mark.
     samples: Option<u64>,
     is_open: bool,
     has_ended: bool,
@@ -82,7 +83,8 @@ impl Reader {
                     let kind = e.get_ref().and_then(|e| e.downcast_ref::<ParseError>());
                     let kind = kind.map(|e| e.kind().clone());
                     match kind {
-                        // `$timezero`, `$attrbegin` and what else others write.
+                        // Skip `$timezero`, `$attrbegin` and other commands that the parser does
+                        // not know.
                         Some(ParseErrorKind::UnknownCommand) if self.is_vcd => skip(parser)?,
                         Some(kind) => return Err(Flaw::Unreadable(kind.to_string().into())),
                         None => return Err(Flaw::Truncated),
@@ -116,7 +118,8 @@ impl Reader {
             Command::Upscope => drop(self.scopes.pop()),
             Command::VarDef(kind, width, code, name, index) => {
                 self.is_vcd = true;
-                // `[7:0]` of a whole vector says nothing; `[3]` of one of its bits does.
+                // The index `[7:0]` of a whole vector carries no information; `[3]` of a single bit
+                // does.
                 let index = index.map(|i| i.to_string()).filter(|_| width == 1);
                 let name = format!("{name}{}", index.unwrap_or_default());
                 let path: Vec<&str> =
@@ -162,7 +165,7 @@ impl Reader {
         if self.is_open { Ok(()) } else { Err(Flaw::Unreadable("a value in the head".into())) }
     }
 
-    /// The head is read: what it declares becomes channels, in the order in which it numbers them.
+    /// Ends the header. Its declarations become channels, in the order of their codes.
     fn open(&mut self) {
         self.is_open = true;
         let mut head = std::mem::take(&mut self.head);
@@ -189,7 +192,8 @@ impl Reader {
         var.ok_or_else(|| Flaw::Undeclared(code.to_string().into()))
     }
 
-    /// A value for a code, made of its type and width; or, what is wrong with it.
+    /// Sets the value of a code. `bits` computes it from the type and width, or returns the text of
+    /// an invalid value.
     fn change(
         &mut self,
         code: IdCode,
@@ -200,13 +204,13 @@ impl Reader {
         let bits = bits(channel.ty(), width)
             .map_err(|value| Flaw::Value { channel: channel.name().into(), value: value.into() })?;
         if self.trace.is_empty() {
-            // Values without a time before them hold from zero on.
+            // Values before the first time are valid from zero on.
             self.trace.sample(0).map_err(Flaw::Refused)?;
         }
         self.trace.set_bits(n, bits).map_err(Flaw::Refused)
     }
 
-    /// What stands in our own comments; those of others mean nothing.
+    /// Processes a comment of a Ferrule file. Comments of other programs are ignored.
     fn comment(&mut self, text: &str) -> Result<(), Flaw> {
         let (word, rest) = text.split_once(' ').unwrap_or((text, ""));
         match word {
@@ -227,7 +231,7 @@ impl Reader {
             }
             "unknown" => {
                 if let Ok(code) = rest.parse() {
-                    // One that only looks like ours is a comment of others.
+                    // Ignore comments that only look like ours.
                     drop(self.change(code, |_, _| Ok(None)));
                 }
             }
@@ -237,7 +241,8 @@ impl Reader {
     }
 }
 
-/// Some programs say something before the head: how many lines that is, and what comes after it.
+/// Returns the number of lines that some programs write before the header, and the rest of the
+/// file.
 fn after_preamble(bytes: &[u8]) -> (u64, &[u8]) {
     let mut rest = bytes;
     for skipped in 0..4 {
@@ -250,7 +255,7 @@ fn after_preamble(bytes: &[u8]) -> (u64, &[u8]) {
     (0, bytes)
 }
 
-/// Passes over a command that is not known, to its end.
+/// Skips an unknown command up to its `$end`.
 fn skip<R: std::io::BufRead>(parser: &mut Parser<R>) -> Result<(), Flaw> {
     let mut last = [0; 4];
     for byte in std::io::Read::bytes(parser.reader()) {
@@ -264,7 +269,7 @@ fn skip<R: std::io::BufRead>(parser: &mut Parser<R>) -> Result<(), Flaw> {
     Err(Flaw::Truncated)
 }
 
-/// The place of a code among all, as they are counted up.
+/// Returns the position of a code in the order in which codes are assigned.
 fn number(code: IdCode) -> u64 {
     let digits = code.to_string();
     digits
@@ -303,7 +308,7 @@ fn kind_of(kind: VarType, width: u32) -> Option<Type> {
     }
 }
 
-/// The bits of a vector of so many; nothing, if one of them is not known.
+/// Returns the bits of a vector, or `None` if one of them is unknown.
 fn bits_of(ty: Type, width: u32, vector: &vcd::Vector) -> Result<Option<u64>, String> {
     let wrong = || vector.to_string();
     if vector.len() > 64 || ty == Type::Float {
@@ -321,7 +326,7 @@ fn bits_of(ty: Type, width: u32, vector: &vcd::Vector) -> Result<Option<u64>, St
     if width < 64 && bits >> width != 0 {
         return Err(wrong());
     }
-    // An integer that is shorter than a HAL type has its sign where it ends.
+    // Sign-extend an integer that is shorter than its HAL type.
     let is_signed = matches!(ty, Type::S32 | Type::S64);
     let is_negative = is_signed && width < 64 && bits >> (width.saturating_sub(1)) == 1;
     let bits = if is_negative { bits | u64::MAX << width } else { bits };

@@ -1,15 +1,15 @@
-//! Writing VCD: a head, then changes in order of time.
+//! Writer for VCD: a header, then changes in order of time.
 
 use crate::{TimeBase, Trace};
 use hal_protocol::{Type, Value};
 use std::io::{Error, ErrorKind, Result, Write};
 
-/// What is written of one value: its type, and all names that it has.
+/// Type and names of one written value.
 #[derive(Clone, Debug)]
 pub struct Column {
-    /// Its type.
+    /// Type of the value.
     pub ty: Type,
-    /// Its names.
+    /// Names of the value.
     pub names: Vec<String>,
 }
 
@@ -22,10 +22,11 @@ pub struct Writer<W> {
 }
 
 impl<W: Write> Writer<W> {
-    /// Writes the head. `samples` is said where it is known: a reader then sees that a file was cut off.
+    /// Writes the header. If the number of samples is known, a reader can detect that the file was
+    /// cut off.
     ///
     /// # Errors
-    /// What writing says.
+    /// An error of the output.
     pub fn new(
         mut out: W,
         base: TimeBase,
@@ -41,10 +42,10 @@ impl<W: Write> Writer<W> {
         Ok(Self { out, columns, at: None })
     }
 
-    /// A sample, and every value that is known then.
+    /// Writes a sample with all known values.
     ///
     /// # Errors
-    /// What writing says.
+    /// An error of the output.
     pub fn all(&mut self, time: i64, record: &[Option<u64>]) -> Result<()> {
         self.time(time)?;
         writeln!(self.out, "$dumpvars")?;
@@ -56,10 +57,10 @@ impl<W: Write> Writer<W> {
         writeln!(self.out, "$end")
     }
 
-    /// A sample. That of the last call is not repeated.
+    /// Writes the time of a sample, unless it is the same as in the last call.
     ///
     /// # Errors
-    /// What writing says.
+    /// An error of the output.
     pub fn time(&mut self, time: i64) -> Result<()> {
         if self.at != Some(time) {
             writeln!(self.out, "#{time}")?;
@@ -68,10 +69,10 @@ impl<W: Write> Writer<W> {
         Ok(())
     }
 
-    /// What a column became at the last sample.
+    /// Writes the new value of a column at the last sample.
     ///
     /// # Errors
-    /// What writing says.
+    /// An error of the output.
     pub fn change(&mut self, column: usize, bits: Option<u64>) -> Result<()> {
         let Some((ty, code)) = self.columns.get(column) else { return Ok(()) };
         let out = &mut self.out;
@@ -94,39 +95,39 @@ impl<W: Write> Writer<W> {
         }
     }
 
-    /// So many samples are missing before the next.
+    /// Writes that `lost` samples are missing before the next one.
     ///
     /// # Errors
-    /// What writing says.
+    /// An error of the output.
     pub fn lose(&mut self, lost: u64) -> Result<()> {
         writeln!(self.out, "$comment lost {lost} $end")
     }
 
-    /// A text at a time.
+    /// Writes a marker.
     ///
     /// # Errors
-    /// What writing says.
+    /// An error of the output.
     pub fn mark(&mut self, at: i64, text: &str) -> Result<()> {
-        // No `$end` may be in it.
+        // The text must not contain `$end`.
         let text = serde_json::Value::from(text).to_string().replace('$', "\\u0024");
         writeln!(self.out, "$comment marker {at} {text} $end")
     }
 
-    /// When the last sample was.
+    /// Returns the time of the last sample.
     #[must_use]
     pub const fn at(&self) -> Option<i64> {
         self.at
     }
 
-    /// Where it writes to: a sink that is to know where records end is told between two calls.
+    /// Returns the output, so that the caller can note the ends of records between two calls.
     pub const fn out(&mut self) -> &mut W {
         &mut self.out
     }
 
-    /// The end: what was written is on its way.
+    /// Flushes and returns the output.
     ///
     /// # Errors
-    /// What writing says.
+    /// An error of the output.
     pub fn finish(mut self) -> Result<W> {
         self.out.flush()?;
         Ok(self.out)
@@ -136,7 +137,7 @@ impl<W: Write> Writer<W> {
 /// Writes a whole trace.
 ///
 /// # Errors
-/// What writing says; also that a time is before zero, which VCD cannot say.
+/// An error of the output, or a time before zero, which VCD cannot express.
 pub fn write<W: Write>(out: W, trace: &Trace) -> Result<W> {
     if trace.times().first().is_some_and(|t| t < 0) {
         let why = "VCD has no times before zero; CSV and JSON have";
@@ -148,7 +149,7 @@ pub fn write<W: Write>(out: W, trace: &Trace) -> Result<W> {
     let mut out = Writer::new(out, trace.base(), &columns, Some(trace.len()))?;
     let mut gaps = trace.gaps().iter().peekable();
     let mut markers = trace.markers().iter().peekable();
-    // The number of each channel's next change.
+    // Index and sample of each channel's next change.
     let mut next: Vec<(usize, Option<usize>)> = Vec::with_capacity(channels.len());
     next.extend(channels.iter().map(|c| (0, c.change(0).map(|c| c.sample))));
     for (sample, time) in trace.times().iter().enumerate() {
@@ -183,7 +184,7 @@ pub fn write<W: Write>(out: W, trace: &Trace) -> Result<W> {
     out.finish()
 }
 
-/// `1 ns`, `100 us`.
+/// Returns the unit of time for the header: `1 ns`, `100 us`.
 fn unit(base: TimeBase) -> Result<String> {
     let name = base.name();
     if base.exponent() < -15 {
@@ -193,7 +194,7 @@ fn unit(base: TimeBase) -> Result<String> {
     Ok(if name.contains(' ') { name } else { format!("1 {name}") })
 }
 
-/// A short printable name for column `i`, as VCD wants.
+/// Returns the short printable code of column `i`.
 fn code(mut i: usize) -> String {
     let mut out = String::new();
     loop {
@@ -205,7 +206,7 @@ fn code(mut i: usize) -> String {
     }
 }
 
-/// The head: names with dots become scopes.
+/// Writes the header. Dots in names become scopes.
 fn head(out: &mut impl Write, columns: &[Column]) -> Result<()> {
     let mut vars: Vec<(Vec<String>, Type, String)> = Vec::new();
     for (i, column) in columns.iter().enumerate() {
@@ -242,7 +243,7 @@ fn head(out: &mut impl Write, columns: &[Column]) -> Result<()> {
     writeln!(out, "$enddefinitions $end")
 }
 
-/// The scopes and the last part of a name; one part, if a scope would have no name.
+/// Splits a name into scopes and a last part. Returns one part if a scope would have an empty name.
 pub(crate) fn path(name: &str) -> Vec<String> {
     let clean = |c: char| if c.is_whitespace() || c.is_control() { '_' } else { c };
     let name: String = if name.is_empty() { "_".into() } else { name.chars().map(clean).collect() };
