@@ -1,4 +1,4 @@
-//! `graph`: a machine as a picture, for Graphviz, for Mermaid, or by itself.
+//! `graph`: a picture of a machine as SVG, or as text for Graphviz or Mermaid.
 
 mod dot;
 mod drawing;
@@ -13,20 +13,20 @@ mod wires;
 
 pub use drawing::{Boxed, Drawing, Pin, Section, Signal, Thread, Wanted};
 
-/// How the picture is written.
+/// Format of the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Format {
-    /// For Graphviz.
+    /// Input of Graphviz.
     Dot,
-    /// For Mermaid, as in the pages of code hosts.
+    /// Text for Mermaid, which the pages of code hosts show as a picture.
     Mermaid,
-    /// A picture.
+    /// An SVG picture.
     #[default]
     Svg,
 }
 
 impl Format {
-    /// What a file of this name holds.
+    /// Returns the format for a file name, by its extension.
     #[must_use]
     pub fn of(file: &str) -> Option<Self> {
         match file.rsplit_once('.')?.1 {
@@ -38,7 +38,7 @@ impl Format {
     }
 }
 
-/// The picture as text.
+/// Returns the picture as text.
 #[must_use]
 pub fn text(drawing: &Drawing, format: Format) -> String {
     match format {

@@ -1,4 +1,4 @@
-//! The program halscope: what machines do over time, captured, kept in files, drawn and looked at.
+//! The program halscope: captures values over time, and stores, draws and displays them.
 
 mod capture;
 mod convert;
@@ -13,7 +13,7 @@ use crate::{Stdio, Terminal, hint::nearest, terminal::complain, units::nanosecon
 use hal_trace::{FileError, Trace};
 use std::{path::Path, process::ExitCode};
 
-/// A command: its name, what follows it, what it does, and how.
+/// A command: name, arguments, description and function.
 struct Row {
     name: &'static str,
     words: &'static str,
@@ -48,7 +48,7 @@ const ROWS: &[Row] = &[
     },
 ];
 
-/// Runs the program with these words.
+/// Runs the program with these command line arguments.
 #[must_use]
 pub fn main(words: &[String]) -> ExitCode {
     match run(words) {
@@ -85,7 +85,7 @@ fn usage() -> String {
     text
 }
 
-/// Reads a file, all of it or as far as it can be read: then what is wrong is said.
+/// Reads a file as far as possible, and prints a message about a flaw in it.
 fn load(path: &Path) -> Result<Trace, String> {
     let (reading, flaw) = hal_trace::load(path).map_err(|e| e.to_string())?;
     let notes = reading.notes.iter().map(|note| format!("{}: {note}\n", path.display()));
@@ -100,8 +100,8 @@ fn load(path: &Path) -> Result<Trace, String> {
     Ok(reading.trace)
 }
 
-/// Returns what is said of a file that could not be written. A pipe whose reader has gone ends the
-/// program as standard output does.
+/// Returns the message for a file that could not be written. A pipe whose reader is gone ends the
+/// program, as it does for standard output.
 fn unwritten(error: &FileError) -> String {
     if matches!(error, FileError::ReaderGone(_)) {
         hal_output::lose_reader();
@@ -109,7 +109,7 @@ fn unwritten(error: &FileError) -> String {
     error.to_string()
 }
 
-/// A time that is given as an option, in ticks of the trace: `1.5ms`, `-20us`.
+/// Converts a time given as an option, such as `1.5ms` or `-20us`, to ticks of the trace.
 fn time(trace: &Trace, text: &str) -> Result<i64, String> {
     let (is_negative, span) = text.strip_prefix('-').map_or((false, text), |t| (true, t));
     let ns = nanoseconds(span).ok().and_then(|ns| i64::try_from(ns).ok());

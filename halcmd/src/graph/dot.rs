@@ -1,4 +1,4 @@
-//! The picture for Graphviz: boxes are tables with a port for each pin.
+//! The picture for Graphviz. Boxes are tables with a port for each pin.
 
 use super::{
     drawing::{Boxed, Drawing, Pin},
@@ -8,10 +8,10 @@ use crate::units::duration;
 use hal_protocol::Type;
 use std::collections::BTreeMap;
 
-/// The ends of a signal: those that write, those that read.
+/// The ends of a signal: the writing pins, then the reading pins.
 type Ends = (Vec<String>, Vec<String>);
 
-/// The graph.
+/// Returns the graph in the DOT language.
 pub(super) fn dot(drawing: &Drawing) -> String {
     let mut out = format!(
         "digraph machine {{\n  rankdir=LR;\n  labelloc=t;\n  label={};\n  \
@@ -52,7 +52,7 @@ pub(super) fn dot(drawing: &Drawing) -> String {
 
 fn boxed(out: &mut String, number: usize, b: &Boxed, ends: &mut BTreeMap<usize, Ends>) {
     let threads = b.threads();
-    // Two colours at most: that is what Graphviz shows.
+    // Graphviz shows two colours at most.
     let colours: Vec<&str> = threads.iter().take(2).map(|t| colour(*t)).collect();
     let colours = if colours.is_empty() { NO_THREAD.to_owned() } else { colours.join(":") };
     let mut rows = format!(

@@ -1,4 +1,4 @@
-//! What is drawn of a machine: boxes with pins, signals between them, and threads.
+//! The content of a drawing: boxes with pins, signals between them, and threads.
 
 use crate::Error;
 use hal_protocol::{
@@ -7,114 +7,114 @@ use hal_protocol::{
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What is to be in the picture.
+/// Selection of the things to draw.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Wanted {
-    /// Only signals of which the name, a pin or a component matches; none: all.
+    /// Draws only signals of which the name, a pin or a component matches. An empty list draws all.
     pub patterns: Vec<String>,
-    /// Pins without signal as well, and components without any that has one.
+    /// True to include pins without a signal, and components that have only such pins.
     pub all: bool,
-    /// Parameters as well.
+    /// True to include parameters.
     pub params: bool,
 }
 
-/// A machine, to be drawn.
+/// A machine to be drawn.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Drawing {
-    /// Above the picture.
+    /// Title above the picture.
     pub title: String,
     /// The threads, fastest first.
     pub threads: Vec<Thread>,
-    /// Components; one that exists several times has a box for each.
+    /// Components. A component with several instances has a box for each.
     pub boxes: Vec<Boxed>,
-    /// What joins pins.
+    /// Connections between pins.
     pub signals: Vec<Signal>,
 }
 
 /// A thread.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Thread {
-    /// Its name.
+    /// Name of the thread.
     pub name: String,
-    /// In nanoseconds.
+    /// Period in nanoseconds.
     pub period: u64,
 }
 
-/// A box.
+/// The box of a component or of one of its instances.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Boxed {
-    /// The component, or one of several of its kind.
+    /// Name of the component or the instance.
     pub name: String,
-    /// It is a program, not a plugin.
+    /// True for a userspace program, false for a plugin.
     pub program: bool,
-    /// Its functions that a thread runs, with the numbers of their threads.
+    /// Functions that a thread runs, with the numbers of their threads.
     pub functs: Vec<(String, usize)>,
-    /// Its pins, by what their names have in common.
+    /// Pins, grouped by the common beginning of their names.
     pub sections: Vec<Section>,
-    /// Names and values of its parameters.
+    /// Names and values of the parameters.
     pub params: Vec<(String, String)>,
 }
 
-/// Pins whose names begin alike.
+/// Pins whose names have a common beginning.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Section {
-    /// What the names begin with; empty where the box says it already.
+    /// Common beginning of the names; empty if it is the name of the box.
     pub name: String,
-    /// Inputs.
+    /// Input pins.
     pub left: Vec<Pin>,
-    /// Outputs.
+    /// Output pins.
     pub right: Vec<Pin>,
 }
 
-/// A pin.
+/// A pin in a box.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Pin {
-    /// What is written beside it.
+    /// Text beside the pin.
     pub label: String,
-    /// Its whole name.
+    /// Full name.
     pub name: String,
-    /// Its direction.
+    /// Direction of the pin.
     pub direction: Direction,
-    /// Its type.
+    /// Type of the pin.
     pub ty: Type,
-    /// The number of its signal.
+    /// Number of its signal.
     pub signal: Option<usize>,
 }
 
-/// A signal.
+/// A signal in the drawing.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Signal {
-    /// Its name.
+    /// Name of the signal.
     pub name: String,
-    /// Its type.
+    /// Type of the signal.
     pub ty: Type,
 }
 
 impl Boxed {
-    /// What stands at its top.
+    /// Returns the title of the box.
     #[must_use]
     pub fn title(&self) -> String {
         let program = if self.program { " (program)" } else { "" };
         format!("{}{program}", self.name)
     }
 
-    /// The threads that run its functions, each once.
+    /// Returns the numbers of the threads that run its functions, without duplicates.
     #[must_use]
     pub fn threads(&self) -> BTreeSet<usize> {
         self.functs.iter().map(|(_, thread)| *thread).collect()
     }
 
-    /// Its pins, inputs and outputs.
+    /// Returns all pins, inputs and outputs.
     pub fn pins(&self) -> impl Iterator<Item = &Pin> {
         self.sections.iter().flat_map(|s| s.left.iter().chain(&s.right))
     }
 }
 
 impl Drawing {
-    /// Asks for what is needed and sorts it into boxes.
+    /// Requests the graph and sorts it into boxes.
     ///
     /// # Errors
-    /// The engine refuses.
+    /// The engine refuses a request.
     pub fn of(
         title: &str,
         wanted: &Wanted,
@@ -153,7 +153,7 @@ impl Drawing {
     }
 }
 
-/// The names of the signals that are drawn.
+/// Returns the names of the signals that are drawn.
 fn shown(pins: &[ItemInfo], wanted: &Wanted) -> BTreeSet<String> {
     let p = Patterns::new(&wanted.patterns);
     let matches = |pin: &&ItemInfo| {
@@ -191,7 +191,8 @@ impl Sorting {
             .filter(|f| f.owner_name == component.name)
             .map(|f| f.name.as_str())
             .collect();
-        // Where functions are named as what they belong to, each has its box.
+        // If functions have the names of the instances they belong to, each instance has its own
+        // box.
         let place = |name: &str| -> String {
             let begins = |f: &&&str| name.strip_prefix(**f).is_some_and(|r| r.starts_with('.'));
             let funct = names.iter().filter(begins).max_by_key(|f| f.len());
@@ -220,7 +221,7 @@ impl Sorting {
             }
         }
         for (funct, thread) in names.iter().filter_map(|f| Some((*f, *runs.get(*f)?))) {
-            // One that has no box of its own is the component's.
+            // A function without a box of its own belongs to the component's box.
             let own = boxes.contains_key(&Natural::of(funct));
             let name = if own { funct } else { component.name.as_str() };
             if let Some(boxed) = boxes.get_mut(&Natural::of(name)) {
@@ -263,17 +264,17 @@ impl Boxed {
     }
 }
 
-/// What is left of a name without its beginning.
+/// Returns the rest of a name after a prefix and a dot, or the whole name.
 fn rest<'a>(name: &'a str, prefix: &str) -> &'a str {
     name.strip_prefix(prefix).and_then(|r| r.strip_prefix('.')).unwrap_or(name)
 }
 
-/// Times of functions and threads, which every component has.
+/// Returns whether this is one of the timing pins or parameters that every function and thread has.
 fn is_time(name: &str) -> bool {
     [".time", ".tmax", ".tmax-increased", ".threadbeat"].iter().any(|t| name.ends_with(t))
 }
 
-/// A name as people sort it: numbers by their size.
+/// A name with a sort order in which 2 comes before 10.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Natural(Vec<(u128, String)>, String);
 

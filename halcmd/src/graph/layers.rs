@@ -1,9 +1,10 @@
-//! Which column each box stands in: values go from left to right, but for feedback.
+//! Assignment of boxes to columns: values flow from left to right, except feedback.
 
 use super::row::Row;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The columns of `n` boxes between which values go so: from, to, how many.
+/// Returns the column of each of `n` boxes. `links` gives the number of values from one box to
+/// another.
 pub(super) fn columns(n: usize, links: &BTreeMap<(usize, usize), i64>) -> Row<usize> {
     let order = order(n, links);
     let mut place = Row::of(n, 0);
@@ -16,7 +17,7 @@ pub(super) fn columns(n: usize, links: &BTreeMap<(usize, usize), i64>) -> Row<us
             column.set(*b, column.at(*b).max(column.at(*i) + 1));
         }
     }
-    // Who takes nothing stands before those it gives to.
+    // A box without inputs moves next to the boxes that it feeds.
     let taking: BTreeSet<usize> = forward.iter().map(|(_, b)| *b).collect();
     for i in order.iter().rev().filter(|i| !taking.contains(i)) {
         let next = forward.range((*i, 0)..=(*i, usize::MAX)).map(|(_, b)| column.at(*b)).min();
@@ -27,8 +28,8 @@ pub(super) fn columns(n: usize, links: &BTreeMap<(usize, usize), i64>) -> Row<us
     column
 }
 
-/// An order in which few values go backwards: whoever only gives comes first, whoever only takes
-/// comes last, and of the others the one that gives most for what it takes.
+/// Returns an order in which few values flow backwards: pure sources first, pure sinks last, and of
+/// the others the one with the largest difference between outgoing and incoming values next.
 fn order(n: usize, links: &BTreeMap<(usize, usize), i64>) -> Vec<usize> {
     let (mut gives, mut takes) = (Row::of(n, 0_i64), Row::of(n, 0_i64));
     let mut near: BTreeMap<usize, Vec<(usize, i64, bool)>> = BTreeMap::new();

@@ -1,5 +1,5 @@
-//! Where everything in the picture is: each group of boxes that wires join by itself, and the
-//! groups below and beside each other.
+//! Positions of everything in the picture. Each group of boxes that wires connect is laid out by
+//! itself; the groups are then put below and beside each other.
 
 use super::{
     drawing::Drawing,
@@ -11,10 +11,10 @@ use super::{
 };
 use std::collections::BTreeMap;
 
-/// Between two groups.
+/// Space between two groups.
 const APART: i64 = 3 * GRID;
 
-/// A box, drawn.
+/// A box at its position.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Placed {
     pub(super) sized: Sized,
@@ -35,7 +35,8 @@ impl Layout {
     /// Lays out a drawing.
     pub(super) fn of(drawing: &Drawing) -> Self {
         let mut groups: Vec<Self> = groups(drawing).iter().map(|g| group(drawing, g)).collect();
-        // Large groups first; then as many beside each other as the widest allows.
+        // Large groups come first; then as many stand side by side as the widest group leaves room
+        // for.
         groups.sort_by_key(|g| core::cmp::Reverse(g.boxes.len() * 1_000_000));
         let widest = groups.iter().map(|g| g.width).max().unwrap_or(0).max(50 * GRID);
         let mut all = Self::default();
@@ -53,7 +54,7 @@ impl Layout {
         all
     }
 
-    /// Takes a group in at this place.
+    /// Adds a group at this position.
     fn take(&mut self, group: Self, x: i64, y: i64) {
         self.width = self.width.max(x + group.width);
         self.height = self.height.max(y + group.height);
@@ -70,7 +71,7 @@ impl Layout {
     }
 }
 
-/// The numbers of boxes that wires join, directly or not.
+/// Returns the groups of boxes that wires connect, directly or indirectly.
 fn groups(drawing: &Drawing) -> Vec<Vec<usize>> {
     let n = drawing.boxes.len();
     let mut of: Row<usize> = (0..n).collect();
@@ -127,7 +128,7 @@ fn group(drawing: &Drawing, members: &[usize]) -> Layout {
     }
 }
 
-/// How many values go from box to box.
+/// Counts the values that flow from one box to another.
 fn links(boxes: &[Sized]) -> BTreeMap<(usize, usize), i64> {
     let mut ends: BTreeMap<usize, (Vec<usize>, Vec<usize>)> = BTreeMap::new();
     for (i, b) in boxes.iter().enumerate() {
@@ -148,7 +149,7 @@ fn links(boxes: &[Sized]) -> BTreeMap<(usize, usize), i64> {
     links
 }
 
-/// The pins of a box on each side in the order of what they are linked to.
+/// Sorts the pins on each side of a box by the positions of the pins they are linked to.
 fn sorted(plan: &Plan, node: usize, sized: Sized) -> Sized {
     let mut wish: BTreeMap<(usize, bool), i64> = BTreeMap::new();
     let column = plan.nodes.get(node).map_or(0, |n| n.column);
@@ -164,7 +165,7 @@ fn sorted(plan: &Plan, node: usize, sized: Sized) -> Sized {
     let mut boxed = sized.boxed;
     for section in &mut boxed.sections {
         for (pins, left) in [(&mut section.left, true), (&mut section.right, false)] {
-            // Those that want nothing stay below those that do.
+            // Pins without a preferred position stay below those with one.
             pins.sort_by_key(|pin| {
                 pin.signal.and_then(|s| wish.get(&(s, left))).copied().unwrap_or(i64::MAX)
             });

@@ -1,4 +1,4 @@
-//! The picture for Mermaid: boxes list their pins, wires say which pins they join.
+//! The picture for Mermaid. Boxes list their pins; wires name the pins they connect.
 
 use super::{
     drawing::{Boxed, Drawing},
@@ -8,10 +8,10 @@ use crate::units::duration;
 use hal_protocol::Type;
 use std::collections::BTreeMap;
 
-/// Ends of wires: the node, and the pin.
+/// Ends of wires: node and pin.
 type Ends = Vec<(String, String)>;
 
-/// The graph.
+/// Returns the graph in the language of Mermaid.
 pub(super) fn mermaid(drawing: &Drawing) -> String {
     let mut out = format!("---\ntitle: {}\n---\nflowchart LR\n", title(&drawing.title));
     let mut ends: BTreeMap<usize, (Ends, Ends)> = BTreeMap::new();
@@ -55,7 +55,8 @@ pub(super) fn mermaid(drawing: &Drawing) -> String {
     }
     for (i, b) in drawing.boxes.iter().enumerate() {
         let threads: Vec<usize> = b.threads().into_iter().collect();
-        // The border has the colour of the fastest thread, the functions' names have their own.
+        // The border has the colour of the fastest thread; the names of functions have their own
+        // threads' colours.
         let border = threads.first().map_or(NO_THREAD, |t| colour(*t));
         let dashes = if b.program { ",stroke-dasharray:4 3" } else { "" };
         out.push_str(&format!(
@@ -74,14 +75,14 @@ fn contents(b: &Boxed) -> String {
     for (name, value) in &b.params {
         text.push_str(&format!("<br/>{} = {}", escape(name), escape(value)));
     }
-    // Pins that a wire reaches are named there.
+    // A wire names the pins at its ends, so the box lists only the others.
     for pin in b.pins().filter(|p| p.signal.is_none()) {
         text.push_str(&format!("<br/>{}", escape(&pin.label)));
     }
     text
 }
 
-/// A pin within its box.
+/// Returns the name of a pin within its box.
 fn short(boxed: &str, section: &str, label: &str) -> String {
     match section.strip_prefix(boxed).and_then(|rest| rest.strip_prefix('.')) {
         Some(rest) => format!("{rest}.{label}"),
@@ -90,7 +91,7 @@ fn short(boxed: &str, section: &str, label: &str) -> String {
     }
 }
 
-/// A colour without the sign that Mermaid takes for a letter's number.
+/// Writes a colour without '#', which begins a character code in Mermaid.
 fn rgb(colour: &str) -> String {
     let part = |at: usize| colour.get(at..at + 2).and_then(|t| u8::from_str_radix(t, 16).ok());
     format!("rgb({},{},{})", part(1).unwrap_or(0), part(3).unwrap_or(0), part(5).unwrap_or(0))
@@ -104,7 +105,7 @@ const fn line(ty: Type) -> &'static str {
     }
 }
 
-/// Everything but letters, digits and a few more as a number.
+/// Writes every character but letters, digits and a few others as a number.
 fn escape(text: &str) -> String {
     let mut out = String::new();
     for c in text.chars() {
@@ -119,7 +120,7 @@ fn escape(text: &str) -> String {
     out
 }
 
-/// A text in YAML.
+/// Quotes a text for YAML.
 fn title(text: &str) -> String {
     let text: String = text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))

@@ -1,4 +1,4 @@
-//! Boxes and passing wires in columns, each at its height: few crossings, straight wires.
+//! Heights of boxes and passing wires in their columns, with few crossings and straight wires.
 
 use super::{
     row::Row,
@@ -6,52 +6,53 @@ use super::{
 };
 use std::collections::BTreeMap;
 
-/// How often everything is moved towards what it is linked to.
+/// Number of times that everything moves towards its linked ports.
 const ROUNDS: usize = 24;
-/// With more links than this crossings are not counted.
+/// Number of links above which crossings are not counted.
 const COUNTED: usize = 3000;
 
-/// What stands in a column: a box, or a wire that passes by.
+/// An element of a column: a box, or a wire that passes by.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Node {
-    /// The number of the box; none: a wire.
+    /// Number of the box; none for a wire.
     pub(super) boxed: Option<usize>,
     pub(super) column: usize,
     pub(super) height: i64,
     pub(super) y: i64,
 }
 
-/// Where a signal touches a node.
+/// The place at which a signal touches a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Port {
     pub(super) node: usize,
     pub(super) signal: usize,
-    /// It reaches the channel left of the node, and the one right of it: a passing wire both.
+    /// True if the port reaches the channel to the left or to the right of the node. A passing wire
+    /// reaches both.
     pub(super) left: bool,
     pub(super) right: bool,
-    /// Below the top of the node.
+    /// Distance below the top of the node.
     pub(super) offset: i64,
 }
 
-/// The ports of a signal at a channel: of the column before it, and of the one after it.
+/// The ports of a signal at a channel: in the column before it, and in the one after it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ends {
     pub(super) before: Vec<Port>,
     pub(super) after: Vec<Port>,
 }
 
-/// Columns, and what is in them from top to bottom.
+/// Columns with their nodes, from top to bottom.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Plan {
     pub(super) nodes: Vec<Node>,
     pub(super) columns: Vec<Vec<usize>>,
     pub(super) ports: Vec<Port>,
-    /// By channel and signal; channel N is left of column N.
+    /// Ports by channel and signal. Channel N is to the left of column N.
     pub(super) ends: BTreeMap<(usize, usize), Ends>,
 }
 
 impl Plan {
-    /// Places boxes, whose columns are known.
+    /// Places boxes whose columns are known.
     pub(super) fn new(boxes: &[Sized], column: &Row<usize>) -> Self {
         let mut plan = Self::default();
         let mut reach: BTreeMap<usize, (usize, usize)> = BTreeMap::new();
@@ -86,7 +87,7 @@ impl Plan {
         plan
     }
 
-    /// Takes over where pins stand now, and settles again.
+    /// Takes new pin positions over and settles again.
     pub(super) fn renew(&mut self, boxes: &[Sized]) {
         let passing = self.ports.iter().copied().filter(|p| p.left && p.right);
         let own = boxes.iter().enumerate().flat_map(|(node, b)| ports_of(node, b));
@@ -96,7 +97,7 @@ impl Plan {
         self.settle();
     }
 
-    /// How far down a port is.
+    /// Returns the vertical position of a port.
     pub(super) fn y(&self, port: &Port) -> i64 {
         self.nodes.get(port.node).map_or(0, |n| n.y) + port.offset
     }
@@ -126,8 +127,9 @@ impl Plan {
         }
     }
 
-    /// What each port of a column's nodes is linked to across the channel on one side, or else beside
-    /// itself: its own distance from the node's top, and how far down the other is.
+    /// Returns the links of each node in a column across the channel on one side; a port without a
+    /// partner there links to the ports beside it. A link is the port's own offset and the mean
+    /// height of its partners.
     fn links(&self, column: usize, left: bool) -> BTreeMap<usize, Vec<(i64, i64)>> {
         let mut links: BTreeMap<usize, Vec<(i64, i64)>> = BTreeMap::new();
         let mean = |n: usize, sum: i64| Some(sum / i64::try_from(n).ok().filter(|n| *n > 0)?);
@@ -147,7 +149,7 @@ impl Plan {
         links
     }
 
-    /// One below the other, in their order.
+    /// Stacks the nodes of each column in their order.
     fn stack(&mut self) {
         for column in &self.columns {
             let mut y = 0;
@@ -162,7 +164,7 @@ impl Plan {
         }
     }
 
-    /// Finds an order in each column with few crossings.
+    /// Finds an order for each column with few crossings.
     fn order(&mut self) {
         let mut best = (self.crossings(), self.columns.clone());
         for round in 0..ROUNDS {
@@ -197,7 +199,7 @@ impl Plan {
         self.stack();
     }
 
-    /// About how often wires cross.
+    /// Returns an approximate number of wire crossings.
     fn crossings(&self) -> usize {
         let mut channels: BTreeMap<usize, Vec<(i64, i64)>> = BTreeMap::new();
         for ((channel, _), ends) in &self.ends {
@@ -219,7 +221,7 @@ impl Plan {
         channels.values().map(count).sum()
     }
 
-    /// Moves everything up or down, in its order, to where wires are straightest.
+    /// Moves nodes up or down, in their order, to make wires straight.
     fn settle(&mut self) {
         for round in 0..2 * ROUNDS {
             let sides: &[bool] = match round {
@@ -239,7 +241,7 @@ impl Plan {
 
     fn settle_column(&mut self, c: usize, links: &[BTreeMap<usize, Vec<(i64, i64)>>]) {
         let Some(column) = self.columns.get(c) else { return };
-        // Each block of nodes that touch has one height: the mean of what they want.
+        // Each block of adjoining nodes takes the mean of the heights that its nodes prefer.
         let mut blocks: Vec<(f64, f64, Vec<usize>)> = Vec::new();
         let (mut above, mut before) = (0, None);
         let mut tops: BTreeMap<usize, i64> = BTreeMap::new();
@@ -277,7 +279,7 @@ impl Plan {
         }
     }
 
-    /// Puts everything onto the grid, the highest at zero.
+    /// Aligns everything to the grid, with the highest node at zero.
     fn snap(&mut self) {
         let least = self.nodes.iter().map(|n| n.y).min().unwrap_or(0);
         for column in &self.columns {
@@ -293,9 +295,9 @@ impl Plan {
     }
 }
 
-// Wires that pass by in the columns beside each other, at one height.
+// Passing wires of neighbouring columns at the same height.
 impl Plan {
-    /// Of two passing wires that would lie on each other between two columns, lets one step aside.
+    /// Moves one of two passing wires that would lie on each other between two columns.
     fn part(&mut self) {
         let mut at: BTreeMap<(usize, i64), usize> = BTreeMap::new();
         for port in self.ports.iter_mut().filter(|p| p.left && p.right) {
@@ -320,7 +322,7 @@ fn ports_of(node: usize, b: &Sized) -> Vec<Port> {
     ports.collect()
 }
 
-/// The room between two that stand one below the other.
+/// Returns the space between two nodes that stand one below the other.
 const fn gap(above: Node, below: Node) -> i64 {
     match (above.boxed, below.boxed) {
         (Some(_), Some(_)) => 2 * GRID,

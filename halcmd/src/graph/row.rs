@@ -1,21 +1,21 @@
-//! Lists by number that have an answer for every number.
+//! Lists in which every index has a value.
 
-/// A value for each number.
+/// A value for each index.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Row<T>(Vec<T>);
 
 impl<T: Copy + Default> Row<T> {
-    /// `n` times the same.
+    /// Makes a list of `n` equal values.
     pub(super) fn of(n: usize, value: T) -> Self {
         Self(vec![value; n])
     }
 
-    /// The value of a number; of one that is not here, the default.
+    /// Returns the value at an index, or the default outside the list.
     pub(super) fn at(&self, i: usize) -> T {
         self.0.get(i).copied().unwrap_or_default()
     }
 
-    /// Sets the value of a number.
+    /// Sets the value at an index. Does nothing outside the list.
     pub(super) fn set(&mut self, i: usize, value: T) {
         if let Some(place) = self.0.get_mut(i) {
             *place = value;

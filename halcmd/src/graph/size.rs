@@ -1,27 +1,27 @@
-//! How large a box is, and where in it everything stands.
+//! Size of a box, and the positions of its contents.
 
 use super::drawing::{Boxed, Pin};
 
-/// Rows and gaps are multiples of this, so that wires of neighbours never lie on each other.
+/// Grid of rows and gaps. It keeps the wires of neighbours from lying on each other.
 pub(super) const GRID: i64 = 20;
-/// The height at which wires leave outputs, reach inputs, and pass by: never the same.
+/// Offsets within a row at which wires leave outputs, reach inputs and pass by. All are different.
 pub(super) const OUT: i64 = 7;
 pub(super) const IN: i64 = 13;
-/// A passing wire has the first that no neighbour has.
+/// Offsets for passing wires. A wire takes the first one that no neighbour has.
 pub(super) const BY: [i64; 3] = [10, 17, 3];
 
-/// Widths of a character: of titles, of pins, and of small text.
+/// Widths of a character in tenths of a pixel: in titles, pin names and small text.
 const TITLE: i64 = 84;
 const TEXT: i64 = 67;
 pub(super) const SMALL: i64 = 61;
 
-/// A box with the places of what stands in it.
+/// A box with the positions of its contents.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Sized {
     pub(super) boxed: Boxed,
     pub(super) width: i64,
     pub(super) height: i64,
-    /// The tops of functions, of headings, of pins (left and right), and of parameters.
+    /// Tops of functions, headings, pins (left and right) and parameters.
     pub(super) functs: Vec<i64>,
     pub(super) headings: Vec<i64>,
     pub(super) left: Vec<Vec<i64>>,
@@ -70,7 +70,7 @@ impl Sized {
         s
     }
 
-    /// Its pins with their tops, and whether they are on the left.
+    /// Returns its pins with their tops, and whether they are on the left.
     pub(super) fn pins(&self) -> impl Iterator<Item = (&Pin, i64, bool)> {
         let sections = self.boxed.sections.iter().zip(self.left.iter().zip(&self.right));
         sections.flat_map(|(section, (left, right))| {
@@ -80,9 +80,9 @@ impl Sized {
     }
 }
 
-/// How wide a text is, at so many tenths for a character.
+/// Returns the width of a text whose characters are `tenths` tenths of a pixel wide.
 pub(super) fn text_width(text: &str, tenths: i64) -> i64 {
-    // Beyond the scripts of Europe a character may take the room of two.
+    // Beyond the scripts of Europe, a character may be two columns wide.
     let width = |c: char| if u32::from(c) < 0x1100 { 1 } else { 2 };
     let characters: i64 = text.chars().map(width).sum();
     (characters * tenths + 9) / 10

@@ -1,4 +1,4 @@
-//! The picture as SVG: it needs no other program, and its wires tell their names to the mouse.
+//! The picture as SVG. It needs no other program, and a wire shows its name under the mouse.
 
 use super::{
     drawing::{Boxed, Drawing, Signal},
@@ -9,17 +9,17 @@ use super::{
 use crate::units::duration;
 use hal_protocol::{Direction, Type};
 
-/// The colours of threads, fastest first, and of what no thread runs.
+/// Colours of the threads, fastest first, and of components without a thread.
 pub(super) const THREADS: [&str; 6] =
     ["#c2571a", "#2f6db3", "#3b8f3e", "#8a4fa3", "#a8862b", "#b03a5b"];
 pub(super) const NO_THREAD: &str = "#6b7280";
-/// Colours that only tell wires apart.
+/// Colours that only distinguish wires from each other.
 const WIRES: [&str; 8] =
     ["#1d4e89", "#9c3d12", "#1b6e3c", "#7a2e8e", "#00707c", "#8c1c47", "#5b4a00", "#37474f"];
 const MARGIN: i64 = 24;
 const TOP: i64 = 56;
 
-/// The picture.
+/// Returns the picture.
 pub(super) fn svg(drawing: &Drawing) -> String {
     let layout = Layout::of(drawing);
     let legend = legend(drawing);
@@ -33,7 +33,7 @@ pub(super) fn svg(drawing: &Drawing) -> String {
          <g transform=\"translate({MARGIN} {TOP})\">\n",
         escape(&drawing.title)
     );
-    // Wires first: boxes and names stand above them.
+    // Wires come first, so that boxes and names cover them.
     for wire in &layout.wires {
         paint_wire(&mut out, drawing, wire);
     }
@@ -61,12 +61,12 @@ font-size: 11px; fill: #1f2933; }
 .label { font-size: 10px; paint-order: stroke; stroke: #ffffff; stroke-width: 3px; }
 ";
 
-/// The thread's colour.
+/// Returns the colour of a thread.
 pub(super) fn colour(thread: usize) -> &'static str {
     THREADS.iter().cycle().nth(thread % THREADS.len()).copied().unwrap_or(NO_THREAD)
 }
 
-/// How a wire of a type is drawn.
+/// Returns the line style for a type.
 const fn stroke(ty: Type) -> &'static str {
     match ty {
         Type::Bit => "stroke-width=\"1.2\"",
@@ -204,7 +204,7 @@ fn paint_box(out: &mut String, drawing: &Drawing, placed: &Placed) {
     out.push_str("</g>\n");
 }
 
-/// What colours and lines mean; and how wide that is.
+/// Returns the width of the legend and the legend, which explains colours and lines.
 fn legend(drawing: &Drawing) -> (i64, String) {
     let mut out = String::new();
     let mut x = 0;
@@ -235,7 +235,7 @@ fn legend(drawing: &Drawing) -> (i64, String) {
     (at, out)
 }
 
-/// A text in XML.
+/// Escapes a text for XML.
 pub(super) fn escape(text: &str) -> String {
     let mut out = String::new();
     for c in text.chars() {
@@ -244,7 +244,7 @@ pub(super) fn escape(text: &str) -> String {
             '<' => out.push_str("&lt;"),
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
-            // What XML cannot say at all.
+            // XML cannot represent control characters.
             c if c.is_control() => out.push('\u{fffd}'),
             c => out.push(c),
         }

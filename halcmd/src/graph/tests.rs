@@ -1,5 +1,4 @@
-//! Pictures of machines that chance has made: nothing lies on anything else, and every wire is
-//! where it should be.
+//! Pictures of randomly generated machines: nothing overlaps, and every wire connects its pins.
 
 use super::{
     Boxed, Drawing, Format, Pin, Section, Signal, Thread,
@@ -12,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 const TYPES: [Type; 5] = [Type::Bit, Type::Float, Type::S32, Type::U64, Type::Port];
 
-/// Random numbers, the same in every run.
+/// Random numbers that are the same in every run.
 struct Chance(u64);
 
 impl Chance {
@@ -71,10 +70,10 @@ fn machine(seed: u64) -> Drawing {
     drawing
 }
 
-/// The rectangles of boxes, and what wires are made of.
+/// The rectangles of boxes, and the lines of wires.
 struct Picture {
     layout: Layout,
-    /// For each signal, the places where its pins are.
+    /// Positions of the pins of each signal.
     pins: BTreeMap<usize, Vec<(i64, i64)>>,
 }
 
@@ -134,7 +133,7 @@ fn every_pin_has_its_wire_and_wires_hold_together() {
             let pins = &p.pins[&wire.signal];
             assert!(wire.label.is_some(), "{seed}: no name");
             assert_eq!(wire.loose.is_some(), pins.len() == 1, "{seed}");
-            // From the first pin, over lines that meet, to all others.
+            // Starting at the first pin, connected lines reach all the others.
             let mut reached: BTreeSet<usize> = BTreeSet::new();
             let mut next: Vec<usize> =
                 (0..wire.lines.len()).filter(|i| is_on(wire.lines[*i], pins[0])).collect();

@@ -1,4 +1,4 @@
-//! The way of each wire: out of a pin, along a track between two columns, into the next.
+//! The route of each wire: out of a pin, along a track between two columns, and into the next pin.
 
 use super::{
     plan::{Ends, Plan, Port},
@@ -7,38 +7,38 @@ use super::{
 };
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Between two tracks, and between the first and what is beside it.
+/// Distance between two tracks, and between the first track and its neighbour.
 const TRACK: i64 = 10;
 const MARGIN: i64 = 16;
-/// The length of the end of a wire that goes nowhere.
+/// Length of the end of an unconnected wire.
 const LOOSE: i64 = 14;
-/// What the arrow at an input takes.
+/// Length of the arrow at an input.
 const ARROW: i64 = 12;
 
-/// A signal, drawn.
+/// A drawn signal.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Wire {
     pub(super) signal: usize,
-    /// Straight lines: x and y of one end, x and y of the other.
+    /// Straight lines: x and y of one end, then x and y of the other.
     pub(super) lines: Vec<[i64; 4]>,
-    /// Where more than two of them meet.
+    /// Points at which more than two lines meet.
     pub(super) dots: Vec<(i64, i64)>,
-    /// Where its name stands, and whether it ends there.
+    /// Position of the name, and whether the name ends there.
     pub(super) label: Option<(i64, i64, bool)>,
-    /// Where it ends without a pin.
+    /// Position of an end without a pin.
     pub(super) loose: Option<(i64, i64)>,
 }
 
 /// Columns from left to right, and the wires between them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Routed {
-    /// The left sides of columns and their widths.
+    /// Left sides and widths of the columns.
     pub(super) columns: Vec<(i64, i64)>,
     pub(super) width: i64,
     pub(super) wires: Vec<Wire>,
 }
 
-/// A wire's way up and down in a channel.
+/// The vertical part of a wire in a channel.
 #[derive(Clone, Debug)]
 struct Trunk {
     signal: usize,
@@ -48,7 +48,8 @@ struct Trunk {
     most: i64,
 }
 
-/// Draws the wires of a plan; columns are as wide as their widest box. `names` are the signals'.
+/// Draws the wires of a plan. Columns are as wide as their widest box. `names` returns the name of
+/// a signal.
 pub(super) fn route(plan: &Plan, widths: &[i64], names: &dyn Fn(usize) -> String) -> Routed {
     let mut routed = Routed::default();
     let mut wires: BTreeMap<usize, Wire> = BTreeMap::new();
@@ -61,7 +62,7 @@ pub(super) fn route(plan: &Plan, widths: &[i64], names: &dyn Fn(usize) -> String
             .range((channel, 0)..=(channel, usize::MAX))
             .map(|((_, s), e)| (*s, e))
             .collect();
-        // A name stands where the wire comes out of a box, or else where it goes into one.
+        // The name is beside the output of a box, or else beside an input.
         let is_pin = |port: &&Port| !(port.left && port.right);
         let mut zones = (0, 0);
         let mut labels: BTreeMap<usize, (i64, bool)> = BTreeMap::new();
@@ -118,7 +119,7 @@ pub(super) fn route(plan: &Plan, widths: &[i64], names: &dyn Fn(usize) -> String
     routed
 }
 
-/// Whether a signal comes out of a box anywhere.
+/// Returns whether any box has the signal as an output.
 fn has_output(plan: &Plan, signal: usize) -> bool {
     plan.ports.iter().any(|p| p.signal == signal && p.right && !p.left)
 }
@@ -131,14 +132,14 @@ fn trunk(plan: &Plan, signal: usize, ends: &Ends) -> Option<Trunk> {
     (least < most).then_some(Trunk { signal, before, after, least, most })
 }
 
-/// Horizontal lines that cross vertical ones when `a` is left of `b`.
+/// Counts the horizontal lines that cross vertical ones when `a` is to the left of `b`.
 fn crossings(a: &Trunk, b: &Trunk) -> usize {
     let inside = |y: &&i64, t: &Trunk| t.least <= **y && **y <= t.most;
     a.after.iter().filter(|y| inside(y, b)).count()
         + b.before.iter().filter(|y| inside(y, a)).count()
 }
 
-/// An order of trunks from left to right with few crossings.
+/// Orders trunks from left to right with few crossings.
 fn ordered(mut trunks: Vec<Trunk>) -> Vec<Trunk> {
     trunks.sort_by_key(|t| (t.least + t.most, t.signal));
     for _ in 0..trunks.len().min(200) {
@@ -157,7 +158,7 @@ fn ordered(mut trunks: Vec<Trunk>) -> Vec<Trunk> {
     trunks
 }
 
-/// A track for each: those that are never beside each other share one.
+/// Assigns a track to each trunk. Trunks that never overlap in height share one.
 fn tracks(trunks: &[Trunk]) -> BTreeMap<usize, i64> {
     let mut tracks = BTreeMap::new();
     let mut taken: Row<i64> = Row::of(trunks.len(), 0);
@@ -174,10 +175,10 @@ fn tracks(trunks: &[Trunk]) -> BTreeMap<usize, i64> {
     tracks
 }
 
-/// The lines of a wire in a channel between these sides.
+/// Draws the lines of a wire in a channel between these sides.
 fn draw(wire: &mut Wire, plan: &Plan, ends: &Ends, (left, right): (i64, i64), track: Option<i64>) {
     let Some(x) = track else {
-        // All at one height.
+        // All ends are at the same height.
         if let (Some(port), false) = (ends.before.first(), ends.after.is_empty()) {
             let y = plan.y(port);
             wire.lines.push([left, y, right, y]);
@@ -204,7 +205,7 @@ fn draw(wire: &mut Wire, plan: &Plan, ends: &Ends, (left, right): (i64, i64), tr
     }
 }
 
-/// A wire with one end only goes as far as its name.
+/// Draws a wire with a single end; it is as long as its name.
 fn loosen(wire: &mut Wire, name: &str, (left, right): (i64, i64), y: i64, into: bool) {
     let length = text_width(name, SMALL) + LOOSE;
     let (from, to) = if into { (right - length - ARROW, right) } else { (left, left + length) };

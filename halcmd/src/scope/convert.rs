@@ -1,4 +1,4 @@
-//! `halscope convert`: turns a trace into a file of another kind.
+//! `halscope convert`: converts a trace to another file format.
 
 use super::{plan::usage_of, unwritten};
 use crate::{Stdio, Terminal, examine::mixed, options::Opt};
@@ -25,7 +25,7 @@ The endings say what the files are: .vcd, .fst, .csv or .json. VCD and FST are a
 simulators and logic analysers, CSV from whatever writes a table with times in its first column.
 ";
 
-/// Runs the command with these words.
+/// Runs the command with these arguments.
 pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     let (given, files) = mixed("halscope convert", OPTIONS, words).map_err(|e| e.to_string())?;
     let has = |id| given.iter().any(|(i, _)| *i == id);

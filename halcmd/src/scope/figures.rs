@@ -1,11 +1,11 @@
-//! Numbers as people read them.
+//! Numbers in readable form.
 
-/// Units by powers of ten.
+/// Prefixes of units, by powers of ten.
 const PREFIXES: [(f64, &str); 7] =
     [(1e-9, "G"), (1e-6, "M"), (1e-3, "k"), (1.0, ""), (1e3, "m"), (1e6, "µ"), (1e9, "n")];
 
-/// The factor and the unit in which a size is at least one: 0.002 s is 1000 and ms. Seconds have no
-/// larger ones.
+/// Returns the factor and the unit in which a value of this size is at least one: 0.002 s gives
+/// 1000 and ms. Seconds have no larger units.
 pub(super) fn unit_of(size: f64, unit: &str) -> (f64, String) {
     let fits = |(factor, prefix): &&(f64, &str)| {
         size * factor >= 0.999_999_999 && !(unit == "s" && *factor < 1.0 && !prefix.is_empty())
@@ -14,7 +14,7 @@ pub(super) fn unit_of(size: f64, unit: &str) -> (f64, String) {
     (factor, format!("{prefix}{unit}"))
 }
 
-/// At most six figures, without zeros at the end.
+/// Writes at most six significant digits, without trailing zeros.
 pub(super) fn figures(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 {

@@ -1,21 +1,22 @@
-//! Which channels of a trace are meant.
+//! Selection of channels of a trace.
 
 use crate::hint::nearest;
 use hal_protocol::Patterns;
 use hal_trace::Trace;
 
-/// A channel, and the name by which it is called here.
+/// A channel, and the name under which it was selected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Chosen {
     pub(super) channel: usize,
     pub(super) name: String,
 }
 
-/// The channels that the words name, in the order of the words: a name is that channel, anything
-/// else is a pattern. No words are all channels.
+/// Returns the channels that the arguments select, in the order of the arguments. An argument that
+/// is the name of a channel selects it; any other is a pattern. Without arguments, all channels are
+/// selected.
 ///
 /// # Errors
-/// A word that names nothing, with the nearest name.
+/// An argument selects nothing. The message has the nearest name.
 pub(super) fn chosen(trace: &Trace, words: &[String], file: &str) -> Result<Vec<Chosen>, String> {
     if words.is_empty() {
         return Ok(matching(trace, &[]));
@@ -39,7 +40,7 @@ pub(super) fn chosen(trace: &Trace, words: &[String], file: &str) -> Result<Vec<
     Ok(chosen)
 }
 
-/// The channels of which a name matches, by that name.
+/// Returns the channels with a name that matches, under that name.
 fn matching(trace: &Trace, words: &[String]) -> Vec<Chosen> {
     let patterns = Patterns::new(words);
     let names = trace.channels().iter().map(|c| c.names().iter().find(|n| patterns.matches(n)));

@@ -1,4 +1,4 @@
-//! What `halscope capture` is asked for: its options, understood.
+//! The parsed options of `halscope capture`.
 
 use crate::{
     examine::mixed,
@@ -93,7 +93,7 @@ The exit status: 0 all captures are whole; 1 an error; 2 no trigger came; 3 one 
 capture did not become whole, because the machine or the user ended it: what there is was written.
 ";
 
-/// A number of samples, or a time, or a share.
+/// A number of samples, a duration, or a fraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Amount {
     Samples(u64),
@@ -111,7 +111,7 @@ impl Amount {
         samples.or_else(|| nanoseconds(text).ok().map(Self::Time))
     }
 
-    /// In samples, of which there is one each so many nanoseconds; of a share of so many.
+    /// Converts to samples, one every `each` nanoseconds. A fraction is a fraction of `of`.
     fn samples(self, each: i64, of: u64) -> u64 {
         match self {
             Self::Samples(n) => n,
@@ -121,14 +121,14 @@ impl Amount {
     }
 }
 
-/// After how long without a trigger a view shows what there is, in nanoseconds of machine time.
+/// Machine time without a trigger after which a view captures anyway, in nanoseconds.
 const VIEW_AUTO_NS: i64 = 500_000_000;
 
 fn is_pattern(name: &str) -> bool {
     name.contains(['*', '?', '['])
 }
 
-/// What is asked for.
+/// The parsed command line.
 #[derive(Clone, Debug)]
 pub(super) struct Plan {
     pub(super) names: Vec<String>,
@@ -149,7 +149,7 @@ pub(super) struct Plan {
     pub(super) instance: Option<String>,
 }
 
-/// A plan, or the usage text that was asked for.
+/// A plan, or the usage text if the user asked for it.
 pub(super) enum Asked {
     Plan(Box<Plan>),
     Help(String),
@@ -160,7 +160,7 @@ impl Plan {
         Self::of("capture [options] NAME...", words)
     }
 
-    /// The same for a view: captures follow each other until somebody has seen enough.
+    /// Parses the command line of a view, whose captures repeat until the user leaves it.
     pub(super) fn for_view(words: &[String]) -> Result<Asked, String> {
         let asked = Self::of("view FILE [CHANNEL...], or view [options] NAME...", words)?;
         let Asked::Plan(mut plan) = asked else { return Ok(asked) };
@@ -206,7 +206,7 @@ impl Plan {
         }
         let of_trigger = plan.condition.iter().flat_map(|c| c.names()).map(str::to_owned);
         let of_trigger: Vec<String> = of_trigger.collect();
-        // A name that a pattern covers comes once, since the pattern comes after it.
+        // A name that a pattern also matches is listed once, because patterns come after names.
         let more = of_trigger.into_iter().filter(|n| !plan.names.contains(n));
         let more: Vec<String> = more.collect();
         let (patterns, mut names): (Vec<_>, Vec<_>) =
@@ -274,12 +274,12 @@ impl Plan {
         Ok(())
     }
 
-    /// The names that are no patterns; they come first.
+    /// Returns the names that are not patterns; they come first.
     pub(super) fn whole_names(&self) -> impl Iterator<Item = &str> {
         self.names.iter().map(String::as_str).take_while(|n| !is_pattern(n))
     }
 
-    /// The capture's lengths, where a sample is taken each so many nanoseconds.
+    /// Returns the lengths of the capture for a sample every `each` nanoseconds.
     pub(super) fn setup(&self, each: i64) -> Result<Setup, String> {
         let length = self.length.samples(each, 0);
         let before = self.before.samples(each, length);
@@ -305,7 +305,7 @@ impl Plan {
     }
 }
 
-/// The usage text of a command.
+/// Returns the usage text of a command.
 pub(super) fn usage_of<T>(line: &str, table: &[Opt<T>], more: &str) -> String {
     format!("Usage: halscope {line}\n\n{}{more}", usage(table))
 }

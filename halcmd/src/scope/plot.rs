@@ -55,10 +55,10 @@ const fn long(id: Id, name: &'static str, value: &'static str, help: &'static st
     Opt { id, short: None, long: Some(name), value: Some(value), variable: None, help }
 }
 
-/// The most pixels of a side.
+/// Maximum size of a side in pixels.
 const LARGEST: u32 = 16_384;
 
-/// `halscope plot [options] FILE [CHANNEL...]`.
+/// Runs `halscope plot [options] FILE [CHANNEL...]`.
 pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     let (given, rest) = options("halscope", OPTIONS, words).map_err(|e| e.to_string())?;
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.as_deref();
@@ -98,7 +98,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The kind of a picture.
+/// Format of a picture.
 #[derive(Clone, Copy)]
 enum Kind {
     Svg,

@@ -1,4 +1,4 @@
-//! `halscope view`: traces in the terminal, of a file or of a machine that runs, with cursors and
+//! `halscope view`: traces of a file or of a running machine in the terminal, with cursors and
 //! measurements.
 
 mod cursor;
@@ -23,12 +23,12 @@ use hal_trace::{Format, Trace, trigger::Condition};
 use state::{Asked, State, Typed};
 use std::{path::Path, process::ExitCode};
 
-/// How often the keyboard is looked at, in milliseconds.
+/// Interval between two checks of the keyboard, in milliseconds.
 const LOOK_MS: u32 = 20;
 
-/// `halscope view FILE [CHANNEL...]` and `halscope view [options] NAME...`.
+/// Runs `halscope view FILE [CHANNEL...]` or `halscope view [options] NAME...`.
 pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
-    // While a view has the terminal, the view is left first.
+    // While the view has the terminal, a signal first closes the view.
     leave_on_signals(1);
     match words.split_first() {
         Some((file, patterns)) if Format::of(Path::new(file)).is_some() => {
@@ -59,7 +59,7 @@ fn show_file(state: &mut State) -> Result<(), String> {
     }
 }
 
-/// The next key.
+/// Waits for the next key.
 fn wait(screen: &Screen) -> Key {
     loop {
         match screen.key() {
@@ -69,7 +69,7 @@ fn wait(screen: &Screen) -> Key {
     }
 }
 
-/// What a machine is doing for a view.
+/// State of the captures from a machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Doing {
     Runs,
@@ -90,7 +90,8 @@ fn show_machine(plan: &Plan) -> Result<(), String> {
     let mut doing = Doing::Runs;
     let (mut screen, look) = (Screen::new().map_err(|e| e.to_string())?, Look::new());
     loop {
-        // Samples are taken also while nothing is captured: a virtual clock waits for that.
+        // Samples are read even while nothing is captured, because a virtual clock waits for its
+        // reader.
         if !matches!(doing, Doing::Over(_)) {
             match live.poll()? {
                 Polled::Nothing => {}
@@ -164,7 +165,7 @@ fn command(letter: char, state: &mut State, live: &mut Live, doing: &mut Doing) 
     }
 }
 
-/// Another trigger; an empty one fires at once.
+/// Sets another trigger. An empty text fires at once.
 fn trigger(live: &mut Live, text: &str) -> Result<(), String> {
     let when = if text.trim().is_empty() {
         None

@@ -1,4 +1,4 @@
-//! A picture of a trace: a lane for each channel above one axis of time.
+//! A picture of a trace: a lane for each channel above one time axis.
 
 use super::lane::Lane;
 use crate::scope::{
@@ -18,7 +18,8 @@ use plotters::{
     },
 };
 
-/// Colours that eyes of all kinds tell apart (Okabe and Ito, 2008), without their yellow.
+/// Colours that people with any colour vision can distinguish (Okabe and Ito, 2008), without
+/// yellow.
 const COLOURS: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -33,14 +34,14 @@ const MARK: RGBColor = RGBColor(160, 30, 60);
 const FONT: &str = "DejaVu Sans";
 const TOP: u32 = 46;
 const BOTTOM: u32 = 54;
-/// Room for names, and for the numbers of a scale.
+/// Space for names, and for the numbers of a scale.
 const NAMES: u32 = 210;
 const SCALE: u32 = 62;
 const RIGHT: u32 = 24;
 const BIT: u32 = 52;
 const NUMBER: u32 = 130;
 
-/// What is drawn.
+/// Content and size of a picture.
 #[derive(Debug)]
 pub(super) struct Plot<'t> {
     trace: &'t Trace,
@@ -49,19 +50,19 @@ pub(super) struct Plot<'t> {
     to: i64,
     title: String,
     is_pixels: bool,
-    /// Where the axis has its 0.
+    /// Time of the axis's 0.
     pub(super) zero: i64,
     pub(super) measures: bool,
     pub(super) width: u32,
-    /// In pixels; 0 is what the channels need.
+    /// Height in pixels; 0 for the height that the channels need.
     pub(super) height: u32,
 }
 
 type Area<'a, D> = DrawingArea<D, Shift>;
 
 impl<'t> Plot<'t> {
-    /// These channels from one time to another. The axis begins at a trigger within it, or where
-    /// machine time does.
+    /// Selects channels and a time window. The axis begins at a trigger within the window, or else
+    /// at the beginning of machine time.
     pub(super) fn new(
         trace: &'t Trace,
         chosen: Vec<Chosen>,
@@ -87,7 +88,7 @@ impl<'t> Plot<'t> {
         }
     }
 
-    /// As SVG.
+    /// Returns the picture as SVG.
     pub(super) fn svg(&mut self) -> Result<String, String> {
         self.is_pixels = false;
         let mut text = String::new();
@@ -95,7 +96,7 @@ impl<'t> Plot<'t> {
         Ok(text)
     }
 
-    /// As PNG.
+    /// Returns the picture as PNG.
     pub(super) fn png(&mut self) -> Result<Vec<u8>, String> {
         self.is_pixels = true;
         let (width, height) = self.size();
@@ -147,7 +148,7 @@ impl<'t> Plot<'t> {
         let room = height.saturating_sub(TOP + BOTTOM);
         let mut done = 0;
         for (i, lane) in lanes.iter().enumerate() {
-            // As high as its share, to the pixel.
+            // Each lane's share of the height, exact to the pixel.
             let top = TOP + share(room, done, total);
             done += weight(lane);
             let bottom = TOP + share(room, done, total);
@@ -200,8 +201,8 @@ impl<'t> Plot<'t> {
             let points: Vec<(f64, f64)> =
                 piece.iter().map(|(at, v)| (seconds(*at) * factor, *v)).collect();
             let style = ShapeStyle { color: colour.to_rgba(), filled: false, stroke_width: 2 };
-            // Wide lines of pixels lose edges that are closer than a pixel: there, each stretch
-            // is a line of its own.
+            // Thick pixel lines lose edges that are closer than a pixel, so each segment is drawn
+            // as a line of its own.
             let count = if self.is_pixels { 2 } else { points.len() };
             let lines = points.windows(count).map(|p| PathElement::new(p.to_vec(), style));
             chart.draw_series(lines)?;
@@ -215,7 +216,7 @@ impl<'t> Plot<'t> {
         self.beside(area, lane, colour, height)
     }
 
-    /// The name, further names, and what was measured.
+    /// Draws the name, further names, and the measurements.
     fn beside<D: DrawingBackend>(
         &self,
         area: &Area<'_, D>,
@@ -237,7 +238,7 @@ impl<'t> Plot<'t> {
         Ok(())
     }
 
-    /// What the axis says of itself.
+    /// Returns the description of the axis.
     fn axis(&self, unit: &str) -> String {
         let zero = self.trace.base().seconds(self.zero);
         let (factor, of) = unit_of(zero.abs(), "s");
@@ -247,7 +248,7 @@ impl<'t> Plot<'t> {
         }
     }
 
-    /// Each stretch before which samples are missing.
+    /// Draws each interval before which samples are missing.
     fn gaps<E>(&self, paint: &mut dyn FnMut(i64, i64) -> Result<(), E>) -> Result<(), E> {
         let times = self.trace.times();
         for gap in self.trace.gaps() {
@@ -260,7 +261,7 @@ impl<'t> Plot<'t> {
         Ok(())
     }
 
-    /// Markers: a line through all lanes, with its text above.
+    /// Draws markers: a line through all lanes, with the text above.
     fn markers<D: DrawingBackend>(
         &self,
         root: &Area<'_, D>,
@@ -276,7 +277,7 @@ impl<'t> Plot<'t> {
             let x = x.round() as i32;
             let line = vec![(x, pixels(TOP) - 6), (x, pixels(TOP + room))];
             root.draw(&PathElement::new(line, MARK.mix(0.8).stroke_width(1)))?;
-            // Text that would leave the picture stands on the other side.
+            // A text that would leave the picture stands on the other side of the line.
             let is_late = share > 0.6;
             let side = if is_late { HPos::Right } else { HPos::Left };
             let style = text(12, MARK).pos(Pos::new(side, VPos::Bottom));
@@ -300,7 +301,7 @@ fn text(size: i32, colour: RGBColor) -> TextStyle<'static> {
     style
 }
 
-/// What was measured, in a line.
+/// Describes the measurements in a line.
 fn summary(lane: &Lane) -> Option<String> {
     let m = &lane.measures;
     match (m.frequency.zip(m.duty), m.min.zip(m.max)) {
@@ -324,7 +325,7 @@ mod tests {
     use hal_protocol::Type;
     use hal_trace::Trace;
 
-    /// A bit that rises at a quarter of the time, and a number.
+    /// A trace with a bit that rises after a quarter of the time, and a number.
     fn trace() -> Trace {
         let mut t = Trace::default();
         t.add("a.bit", Type::Bit);
@@ -381,7 +382,7 @@ mod tests {
         assert_eq!(plot(&trace(), &[]), svg, "the same on every run");
     }
 
-    /// Width, height, and three bytes for each pixel.
+    /// Returns width, height, and three bytes for each pixel.
     fn pixels(plot: &mut Plot<'_>) -> (usize, usize, Vec<u8>) {
         let bytes = plot.png().unwrap();
         let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();

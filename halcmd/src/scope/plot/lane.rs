@@ -1,4 +1,4 @@
-//! One channel of a picture: its line, its scale, and what is written beside it.
+//! A single channel of a picture: its line, its scale, and its labels.
 
 use crate::scope::names::Chosen;
 use hal_protocol::Type;
@@ -8,24 +8,24 @@ use hal_trace::{
     measure::{Measures, measure, number},
 };
 
-/// A line: points in ticks and values; several pieces where nothing is known between.
+/// A line: points in ticks and values, in several pieces where the value is unknown in between.
 pub(super) type Pieces = Vec<Vec<(i64, f64)>>;
 
 /// A channel as it is drawn.
 #[derive(Clone, Debug)]
 pub(super) struct Lane {
     pub(super) name: String,
-    /// Another name of the same, if it has one.
+    /// Another name of the same channel, if there is one.
     pub(super) other: Option<String>,
     pub(super) is_bit: bool,
-    /// The least and the greatest value of its scale.
+    /// Minimum and maximum of the scale.
     pub(super) scale: (f64, f64),
     pub(super) pieces: Pieces,
     pub(super) measures: Measures,
 }
 
 impl Lane {
-    /// A channel from one time to another, for a picture of so many columns.
+    /// Makes the lane of a channel between two times, for a picture `width` columns wide.
     pub(super) fn new(trace: &Trace, chosen: &Chosen, from: i64, to: i64, width: usize) -> Self {
         let channel = chosen.channel;
         let c = trace.channels().get(channel);
@@ -39,7 +39,7 @@ impl Lane {
     }
 }
 
-/// A little more than what the values need.
+/// Returns a scale slightly larger than the range of the values.
 fn scale(min: Option<f64>, max: Option<f64>) -> (f64, f64) {
     let (min, max) = min.zip(max).unwrap_or((0.0, 1.0));
     let room = (max / 2.0 - min / 2.0) * 0.16;
@@ -51,8 +51,8 @@ fn scale(min: Option<f64>, max: Option<f64>) -> (f64, f64) {
     }
 }
 
-/// The line through every change; or, where there are more of them than columns, through what each
-/// column had.
+/// Returns the line through every change or, if there are more changes than columns, through the
+/// first, minimum, maximum and last value of each column.
 fn pieces(trace: &Trace, channel: usize, from: i64, to: i64, width: usize) -> Pieces {
     let (times, Some(c)) = (trace.times(), trace.channels().get(channel)) else {
         return Vec::new();
@@ -88,7 +88,7 @@ fn by_columns(trace: &Trace, channel: usize, from: i64, to: i64, width: usize) -
     let span = i128::from(to) - i128::from(from);
     for (i, column) in columns(trace, channel, from, to, width).into_iter().enumerate() {
         let (i, n) = (i128::try_from(i).unwrap_or(0), i128::try_from(width).unwrap_or(1));
-        // The middle of the column, in ticks.
+        // Middle of the column, in ticks.
         let at = i128::from(from) + span * (2 * i + 1) / (2 * n);
         let at = i64::try_from(at).unwrap_or(from);
         match (column, pieces.last_mut()) {

@@ -1,4 +1,4 @@
-//! Cursors: where they stand, and what moves them.
+//! Positions of the cursors, and their movements.
 
 use super::state::State;
 use hal_trace::{
@@ -7,7 +7,7 @@ use hal_trace::{
 };
 
 impl State {
-    /// The cursor becomes the active one; if it is not in view, it comes to the middle.
+    /// Activates a cursor. If it is not in view, puts it in the middle.
     pub(super) fn cursor(&mut self, which: usize) {
         let (from, to, middle) = (self.from, self.to, self.from.saturating_add(self.width() / 2));
         self.active = which;
@@ -17,7 +17,7 @@ impl State {
         }
     }
 
-    /// Moves the active cursor by so many columns.
+    /// Moves the active cursor by this number of columns.
     pub(super) fn step(&mut self, columns: i64) {
         let column = self.width() / i64::try_from(self.columns.max(1)).unwrap_or(1);
         let by = column.max(1).saturating_mul(columns);
@@ -41,7 +41,7 @@ impl State {
         }
     }
 
-    /// Moves the active cursor to the next change of the selected channel, or the one before.
+    /// Moves the active cursor to the next or previous change of the selected channel.
     pub(super) fn edge(&mut self, is_next: bool) {
         let channel = self.lane().and_then(|l| self.trace.channels().get(l.chosen.channel));
         let Some(channel) = channel else { return };
@@ -49,7 +49,7 @@ impl State {
         let from = self.cursors.get(self.active).copied().flatten().unwrap_or(outside);
         let times = self.trace.times();
         let number = if is_next {
-            // What it was at first is no change.
+            // The initial value is not a change.
             Some(channel.changes_before(times.from(from.saturating_add(1))).max(1))
         } else {
             channel.changes_before(times.from(from)).checked_sub(1).filter(|n| *n > 0)
@@ -64,7 +64,7 @@ impl State {
         }
     }
 
-    /// Moves the active cursor to the next marker, after the last to the first.
+    /// Moves the active cursor to the next marker; after the last one, to the first.
     pub(super) fn marker(&mut self) {
         let from = self.cursors.get(self.active).copied().flatten().unwrap_or(i64::MIN);
         let markers = self.trace.markers();
@@ -78,7 +78,7 @@ impl State {
         }
     }
 
-    /// Moves the active cursor to where a condition next holds.
+    /// Moves the active cursor to the next time at which a condition holds.
     pub(super) fn go(&mut self, text: &str) {
         let from = self.cursors.get(self.active).copied().flatten();
         let from = from.map_or(0, |at| self.trace.times().from(at.saturating_add(1)));
@@ -93,7 +93,7 @@ impl State {
     }
 }
 
-/// A condition over a trace's own channels, each by the name that the condition has for it.
+/// Binds a condition to a trace's channels, each under the name that the condition uses.
 fn condition(trace: &Trace, text: &str) -> Result<When, String> {
     let said = |e: hal_trace::trigger::ConditionError| e.why().to_owned();
     let condition = Condition::parse(text).map_err(said)?;

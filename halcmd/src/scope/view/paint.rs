@@ -1,4 +1,4 @@
-//! A view on the screen.
+//! The view on the screen.
 
 use super::{
     state::{Lane, State, Typed},
@@ -19,7 +19,7 @@ use ratatui::{
     text::{Line, Span},
 };
 
-/// Columns for names and values.
+/// Number of columns for names and values.
 const NAMES: u16 = 26;
 const HELP: &str = "\
  ← →         to and fro by a tenth          + -   zoom about the cursor, or the middle
@@ -37,7 +37,7 @@ const HELP: &str = "\
  !           trigger now
 ";
 
-/// Paints it.
+/// Paints the view.
 pub(super) fn paint(state: &mut State, status: &str, look: &Look, frame: &mut Frame<'_>) {
     let parts = [
         Constraint::Length(1),
@@ -82,7 +82,7 @@ fn title<'a>(state: &State, status: &str, look: &Look) -> Line<'a> {
     ])
 }
 
-/// The times at round places.
+/// Paints the time scale, with labels at round values.
 fn rule<'a>(state: &State, look: &Look) -> Line<'a> {
     let mut text: Vec<char> = vec![' '; usize::from(NAMES) + state.columns];
     let base = state.trace.base();
@@ -110,7 +110,7 @@ fn rule<'a>(state: &State, look: &Look) -> Line<'a> {
     Line::styled(text.into_iter().collect::<String>(), look.dim)
 }
 
-/// The next greater of 1, 2, 5 times a power of ten.
+/// Returns the next larger number that is 1, 2 or 5 times a power of ten.
 fn round_step(least: f64) -> f64 {
     let power = 10_f64.powf(least.log10().floor());
     let steps = [1.0, 2.0, 5.0, 10.0].map(|n| n * power);
@@ -119,7 +119,7 @@ fn round_step(least: f64) -> f64 {
 
 fn paint_lanes(state: &mut State, look: &Look, frame: &mut Frame<'_>, area: Rect) {
     let rows = usize::from(area.height);
-    // The selected lane is in view: lines between lanes are blank.
+    // Keeps the selected lane in view. Lanes are separated by blank lines.
     let taken = |from: usize, to: usize| -> usize {
         let lanes = state.lanes.iter().take(to + 1).skip(from);
         lanes.map(|l| l.height + 1).sum::<usize>().saturating_sub(1)
@@ -184,7 +184,7 @@ fn bounds(columns: &[Option<hal_trace::columns::Column>]) -> (f64, f64) {
     (low, high)
 }
 
-/// What stands beside a line of a lane: its name, its value at the active cursor, its range.
+/// Returns the text beside a line of a lane: name, value at the active cursor, or range.
 fn beside(state: &State, lane: &Lane, line: usize) -> String {
     let last = lane.height - 1;
     match line {
@@ -204,7 +204,7 @@ fn beside(state: &State, lane: &Lane, line: usize) -> String {
     }
 }
 
-/// A name that is too long keeps its end, which tells names apart.
+/// Shortens a long name. The end remains, because it distinguishes names.
 fn shortened(name: &str) -> String {
     let width = usize::from(NAMES) - 1;
     let count = name.chars().count();
@@ -215,7 +215,7 @@ fn shortened(name: &str) -> String {
     format!("…{end}")
 }
 
-/// Columns of cursors, markers and gaps, behind what is drawn.
+/// Paints the columns of cursors, markers and gaps behind the lanes.
 fn paint_cursors(state: &State, look: &Look, frame: &mut Frame<'_>, area: Rect) {
     let column = |at: i64| {
         let within = (state.from..state.to).contains(&at);
@@ -252,7 +252,7 @@ fn paint_cursors(state: &State, look: &Look, frame: &mut Frame<'_>, area: Rect) 
     }
 }
 
-/// The cursors, and what was measured of the selected channel.
+/// Paints the cursors, and the measurements of the selected channel.
 fn readings<'a>(state: &State, look: &Look) -> Vec<Line<'a>> {
     let mut cursors = String::new();
     for (cursor, name) in state.cursors.iter().zip(["A", "B"]) {

@@ -1,4 +1,4 @@
-//! What a view shows, and what keys do to it.
+//! State of a view, and the effect of keys on it.
 
 use crate::{
     hint::nearest,
@@ -17,73 +17,73 @@ use std::path::Path;
 pub(super) struct Lane {
     pub(super) chosen: Chosen,
     pub(super) is_bit: bool,
-    /// In lines of the terminal.
+    /// Height in lines of the terminal.
     pub(super) height: usize,
 }
 
-/// What is being typed.
+/// Text that the user is typing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Typing {
     pub(super) what: Typed,
     pub(super) text: String,
 }
 
-/// What a typed text is.
+/// Purpose of a typed text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Typed {
-    /// A part of a channel's name.
+    /// Part of a channel's name.
     Name,
-    /// When to go to.
+    /// Condition to go to.
     When,
-    /// When a machine is to trigger.
+    /// Trigger condition of a machine.
     Trigger,
-    /// A file to write to.
+    /// File to write.
     File,
 }
 
-/// The state of a view.
+/// State of a view.
 #[derive(Debug)]
 pub(super) struct State {
     pub(super) trace: Trace,
     pub(super) title: String,
     pub(super) lanes: Vec<Lane>,
     hidden: Vec<Lane>,
-    /// The window, in ticks; `to` is out.
+    /// The window in ticks. `to` is exclusive.
     pub(super) from: i64,
     pub(super) to: i64,
     pub(super) selected: usize,
-    /// The first lane that is drawn.
+    /// First lane that is drawn.
     pub(super) top: usize,
-    /// Cursors A and B, and which of them keys move.
+    /// Cursors A and B, and the number of the one that keys move.
     pub(super) cursors: [Option<i64>; 2],
     pub(super) active: usize,
     pub(super) typing: Option<Typing>,
-    /// What there is to say until the next key.
+    /// Message that is shown until the next key.
     pub(super) said: String,
     pub(super) helps: bool,
-    /// Where times are counted from: a trigger, or where machine time begins.
+    /// Origin of displayed times: a trigger, or the beginning of machine time.
     pub(super) zero: i64,
-    /// Columns of the drawing, as it was last painted.
+    /// Number of columns of the drawing when it was last painted.
     pub(super) columns: usize,
 }
 
-/// What a key means to whoever shows the view.
+/// Request that a key makes to the owner of the view.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Asked {
     Nothing,
     Leave,
-    /// A letter that this view has no use for.
+    /// A letter that the view itself does not use.
     Other(char),
-    /// A trigger was typed.
+    /// The user typed a trigger.
     Trigger(String),
 }
 
-/// The height of a lane of numbers, and its bounds.
+/// Default height of a lane of numbers, and its limits.
 const HEIGHT: usize = 4;
 const HEIGHTS: core::ops::RangeInclusive<usize> = 2..=12;
 
 impl State {
-    /// All of a trace.
+    /// Makes a view of a whole trace.
     pub(super) fn new(trace: Trace, title: String, chosen: Vec<Chosen>) -> Self {
         let lane = |chosen: Chosen| {
             let ty = trace.channels().get(chosen.channel).map(hal_trace::Channel::ty);
@@ -118,8 +118,8 @@ impl State {
         self.zero = trigger.map_or(0, |m| m.at);
     }
 
-    /// Another trace of the same channels: the window and the cursors stand to it as they stood to
-    /// the one before.
+    /// Replaces the trace by another one of the same channels. The window and the cursors keep
+    /// their positions relative to the beginning.
     pub(super) fn replace(&mut self, trace: Trace) {
         let (was_empty, was) = (self.trace.is_empty(), self.ends().0);
         self.trace = trace;
@@ -135,13 +135,13 @@ impl State {
         }
     }
 
-    /// The first and the last time.
+    /// Returns the first and the last time.
     pub(super) fn ends(&self) -> (i64, i64) {
         let times = self.trace.times();
         times.first().zip(times.last()).unwrap_or((0, 1))
     }
 
-    /// All of it.
+    /// Makes the window show the whole trace.
     pub(super) fn fit(&mut self) {
         let (first, last) = self.ends();
         (self.from, self.to) = (first, last.saturating_add(1).max(first.saturating_add(1)));
@@ -151,24 +151,24 @@ impl State {
         self.to.saturating_sub(self.from).max(1)
     }
 
-    /// The lane that is selected.
+    /// Returns the selected lane.
     pub(super) fn lane(&self) -> Option<&Lane> {
         self.lanes.get(self.selected)
     }
 
-    /// A time as it is written: `1.5 ms`, after the trigger if there is one.
+    /// Writes a time, such as `1.5 ms`, relative to the trigger if there is one.
     pub(super) fn time(&self, ticks: i64) -> String {
         self.span(ticks.saturating_sub(self.zero))
     }
 
-    /// A span of time as it is written.
+    /// Writes a duration.
     pub(super) fn span(&self, ticks: i64) -> String {
         let seconds = self.trace.base().seconds(ticks);
         let (factor, unit) = unit_of(seconds.abs(), "s");
         format!("{} {unit}", figures(seconds * factor))
     }
 
-    /// What a key does.
+    /// Handles a key.
     pub(super) fn press(&mut self, key: Key) -> Asked {
         self.said.clear();
         if let Some(typing) = self.typing.take() {
@@ -219,7 +219,7 @@ impl State {
         Asked::Nothing
     }
 
-    /// Lets the user type.
+    /// Starts text input.
     pub(super) fn ask(&mut self, what: Typed) {
         self.typing = Some(Typing { what, text: String::new() });
     }
@@ -251,7 +251,7 @@ impl State {
         };
     }
 
-    /// Selects the next channel whose name has this in it, also among those that are hidden.
+    /// Selects the next channel whose name contains this text, including hidden channels.
     fn find(&mut self, part: &str) {
         let (before, after) = self.lanes.split_at((self.selected + 1).min(self.lanes.len()));
         let places = (before.len()..).zip(after).chain((0..).zip(before));
@@ -287,13 +287,13 @@ impl State {
     fn zoom(&mut self, is_in: bool) {
         let width = self.width();
         let next = if is_in { (width / 2).max(1) } else { width.saturating_mul(2) };
-        // No further out than twice the trace.
+        // The window is at most twice as long as the trace.
         let (first, last) = self.ends();
         let next = next.min(last.saturating_sub(first).saturating_add(1).saturating_mul(2));
         let seen = |at: &i64| self.from <= *at && *at < self.to;
         let still = self.cursors.get(self.active).copied().flatten().filter(seen);
         let still = still.unwrap_or_else(|| self.from.saturating_add(width / 2));
-        // What stands still keeps its share of the window.
+        // The fixed point keeps its relative position in the window.
         let part =
             i128::from(still.saturating_sub(self.from)) * i128::from(next) / i128::from(width);
         self.from = still.saturating_sub(i64::try_from(part).unwrap_or(0));

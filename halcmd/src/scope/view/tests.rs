@@ -1,4 +1,4 @@
-//! What keys do, and how it looks.
+//! Effects of keys, and the resulting screens.
 
 use super::{
     paint,
@@ -12,7 +12,7 @@ use hal_protocol::Type;
 use hal_trace::Trace;
 use ratatui::{Terminal, backend::TestBackend};
 
-/// 200 Hz for 100 ms, sampled every 100 µs, and a ramp of a unit each millisecond.
+/// A signal of 200 Hz for 100 ms, sampled every 100 µs, and a ramp of one unit per millisecond.
 fn trace() -> Trace {
     let mut t = Trace::default();
     t.add("stepgen.0.step", Type::Bit);
@@ -40,7 +40,7 @@ fn keys(state: &mut State, letters: &str) {
     }
 }
 
-/// The screen as text.
+/// Returns the screen as text.
 fn screen(state: &mut State, width: u16, height: u16) -> Vec<String> {
     let mut terminal = Terminal::new(TestBackend::new(width, height)).unwrap();
     terminal.draw(|frame| paint::paint(state, "", &Look::new(), frame)).unwrap();
@@ -52,7 +52,7 @@ fn screen(state: &mut State, width: u16, height: u16) -> Vec<String> {
 #[test]
 fn a_jog_is_found_zoomed_and_measured() {
     let mut state = view(&[]);
-    // Its first edge becomes A; the window around it; the second rise becomes B.
+    // The first edge becomes A, the window surrounds it, and the second rise becomes B.
     keys(&mut state, "/xstep\nn++++");
     keys(&mut state, "bn");
     let lines = screen(&mut state, 90, 14);
@@ -63,7 +63,7 @@ fn a_jog_is_found_zoomed_and_measured() {
     assert!(measured.starts_with("stepgen.0.step from A to B: "), "{measured}");
     assert!(measured.contains("1 rises, 1 falls"), "{measured}");
     assert_eq!(lines[12], "at A TRUE   at B TRUE");
-    // All of it: 200 Hz, a fiftieth of the time high.
+    // The whole trace: 200 Hz, high for a fiftieth of the time.
     keys(&mut state, "cf");
     let lines = screen(&mut state, 90, 14);
     assert!(
@@ -88,7 +88,7 @@ fn a_screen_is_as_it_should_be() {
     assert_eq!(lines[5].split_whitespace().next(), Some("stepgen.0.position-fb"));
     assert_eq!(lines[8].split("  ").nth(1), Some("0 to 11"));
     assert!(lines[13].ends_with("q leave"));
-    // Nothing that is too small to paint on matters.
+    // Screens that are too small to paint on cause no error.
     for (width, height) in [(1, 1), (26, 3), (27, 6), (40, 8), (300, 60)] {
         screen(&mut state, width, height);
     }

@@ -1,8 +1,8 @@
-//! A channel as lines of characters, a character for each column.
+//! A channel as lines of characters, with a character for each column.
 
 use hal_trace::columns::Column;
 
-/// A bit in two lines.
+/// Draws a bit in two lines.
 pub(super) fn bit(columns: &[Option<Column>]) -> [String; 2] {
     let (mut above, mut below) = (String::new(), String::new());
     let mut was: Option<bool> = None;
@@ -33,18 +33,18 @@ pub(super) fn bit(columns: &[Option<Column>]) -> [String; 2] {
     [above, below]
 }
 
-/// Dots of a braille character: two columns of four, from above.
+/// Bits of a braille character's dots: two columns of four, from the top.
 const DOTS: [[u8; 4]; 2] = [[0x01, 0x02, 0x04, 0x40], [0x08, 0x10, 0x20, 0x80]];
 
-/// A number in so many lines, from twice as many columns as there are characters; the least and the
-/// greatest value are the lowest and the highest dots.
+/// Draws a number in `height` lines, with two columns of data in each character. The limits of the
+/// scale are the lowest and the highest dots.
 pub(super) fn number(columns: &[Option<Column>], scale: (f64, f64), height: usize) -> Vec<String> {
     let characters = columns.len().div_ceil(2);
     let mut cells = vec![vec![0_u8; characters]; height];
     let levels = height * 4;
     let level = |value: f64| {
         let share = (value - scale.0) / (scale.1 - scale.0);
-        // All that is shown lies within the scale; a scale without width has no shares.
+        // All shown values lie within the scale. A scale of zero width has no fractions.
         let share = if share.is_finite() { share } else { 0.5 };
         #[expect(
             clippy::cast_possible_truncation,
@@ -57,7 +57,7 @@ pub(super) fn number(columns: &[Option<Column>], scale: (f64, f64), height: usiz
     let mut was: Option<f64> = None;
     for (i, column) in columns.iter().enumerate() {
         if let Some(c) = column {
-            // From where the last column ended.
+            // Starts where the last column ended.
             let low = was.map_or(c.min, |w| w.min(c.min));
             let high = was.map_or(c.max, |w| w.max(c.max));
             for dot in level(high)..=level(low) {
@@ -100,7 +100,7 @@ mod tests {
         let [above, below] = bit(&columns(&t, 0, 0, 14, 14));
         assert_eq!(above, "  ┌─┐ ┌┐┌──┐┌─");
         assert_eq!(below, "──┘ └─┘└┘  └┘ ");
-        // Two samples in each: what is shorter than a column is a spike.
+        // Two samples in each column: a pulse shorter than a column becomes a spike.
         let [above, below] = bit(&columns(&t, 0, 0, 14, 7));
         assert_eq!((above.as_str(), below.as_str()), (" ┌┐╷┌┐┌", "─┘└┴┘└┘"));
         let [above, _] = bit(&columns(&t, 0, 0, 14, 2));
