@@ -1,4 +1,4 @@
-//! Takes the headers for C components into the program.
+//! Embeds the headers for C components in the program.
 
 use std::{
     env,

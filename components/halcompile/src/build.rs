@@ -1,4 +1,4 @@
-//! Has the system's compiler make a loadable file, or a program.
+//! Compilation of C files with the system's compiler, to a module or a program.
 
 use crate::{
     error::{Error, at},
@@ -14,41 +14,41 @@ use std::{
     process::{Command, Stdio},
 };
 
-/// What is to be made of a C file.
+/// Kind of result of a compilation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
-    /// A realtime component, for `loadrt`.
+    /// Realtime component, for `loadrt`.
     Module,
-    /// A program with pins, for `loadusr`.
+    /// Program with pins, for `loadusr`.
     Program,
 }
 
-/// A C file, and how it is to be compiled.
+/// C file and the way to compile it.
 #[derive(Clone, Debug)]
 pub struct Job<'a> {
-    /// The C file.
+    /// C file to compile.
     pub c_file: &'a Path,
-    /// The user's own file, for messages and for the headers beside it.
+    /// User's own source file, for messages and for headers beside it.
     pub source: &'a Path,
-    /// What comes of it.
+    /// File to write.
     pub out: &'a Path,
-    /// What that is.
+    /// Kind of the file to write.
     pub target: Target,
-    /// Further words for the compiler.
+    /// Additional arguments for the compiler.
     pub compile_args: Vec<String>,
-    /// Further words for the linker.
+    /// Additional arguments for the linker.
     pub link_args: Vec<String>,
 }
 
-/// Flags of every compilation. Numbers come out the same on every machine, so nothing is fused.
+/// Compiler flags of every compilation. Fused operations are off, so that results are the same on every machine.
 pub(crate) const FLAGS: &[&str] =
     &["-std=gnu11", "-D_GNU_SOURCE", "-fPIC", "-Os", "-g", "-fno-fast-math", "-ffp-contract=off"];
 
-/// Compiles and links. The file is whole when it appears under its name; what stood there before
-/// stays when something is wrong.
+/// Compiles and links. The output appears under its name only once complete; if there is an error, an existing file
+/// stays.
 ///
 /// # Errors
-/// There is no compiler, or it refused: it has said why.
+/// There is no compiler, or it reported errors itself.
 pub fn build(job: &Job<'_>) -> Result<(), Error> {
     let scratch = Scratch::beside(job.out)?;
     let object = scratch.path.join("module.o");
@@ -88,7 +88,7 @@ pub fn build(job: &Job<'_>) -> Result<(), Error> {
     hal_output::install(job.out, &bytes, mode).map_err(at(job.out))
 }
 
-/// The compiler of the system, or that of `CC`.
+/// Returns the system's compiler, or that of `CC`.
 fn compiler() -> Command {
     let words = env::var("CC").unwrap_or_default();
     let mut words = words.split_whitespace();
@@ -107,8 +107,8 @@ fn run(mut command: Command, file: &Path) -> Result<(), Error> {
     }
 }
 
-/// The linker's list: what loaders look for and what `EXPORT_SYMBOL` names; all else stays inside, so
-/// that no two modules meet.
+/// Returns the linker's version script: it exports what loaders look for and what `EXPORT_SYMBOL` names, and hides all
+/// other symbols, so that those of different modules do not collide.
 fn symbols(object: &Path) -> Result<String, Error> {
     let bytes = fs::read(object).map_err(at(object))?;
     let wrong = |e: object::Error| Error::Object {
@@ -126,7 +126,7 @@ fn symbols(object: &Path) -> Result<String, Error> {
     Ok(format!("{script} local: *; }};\n"))
 }
 
-/// Words of a line as a shell splits them: quotes keep blanks.
+/// Splits a line into words as a shell does: quotes keep blanks.
 #[must_use]
 pub fn words(line: &str) -> Vec<String> {
     let mut out = Vec::new();
@@ -147,7 +147,7 @@ pub fn words(line: &str) -> Vec<String> {
     out
 }
 
-/// A folder beside a file to be, which goes again.
+/// Temporary folder beside an output file, removed when dropped.
 struct Scratch {
     path: PathBuf,
 }
@@ -163,7 +163,7 @@ impl Scratch {
 
 impl Drop for Scratch {
     fn drop(&mut self) {
-        // What cannot be removed is small, and hidden.
+        // A folder that cannot be removed is small and hidden.
         drop(fs::remove_dir_all(&self.path));
     }
 }

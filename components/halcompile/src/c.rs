@@ -1,7 +1,7 @@
-//! C text from a component.
+//! Generation of C text from a component.
 //!
-//! The names that a user's C text relies on (`FUNCTION`, `fperiod`, `__comp_inst`, `NAME(i)` …) are
-//! the language's; all else is this crate's own.
+//! The names that a user's C text relies on (`FUNCTION`, `fperiod`, `__comp_inst`, `NAME(i)` …) belong to the language;
+//! all other names are this crate's own.
 
 mod entry;
 mod export;
@@ -12,18 +12,18 @@ mod writer;
 use crate::{Component, TextKind};
 use writer::Writer;
 
-/// What the text depends on beside the component.
+/// Inputs of the C text other than the component.
 #[derive(Clone, Debug)]
 pub struct Wanted<'a> {
-    /// The .comp file, as the compiler is to name it in its messages.
+    /// Path of the .comp file, as the compiler's messages show it.
     pub source: &'a str,
-    /// The C file, likewise.
+    /// Path of the C file, as the compiler's messages show it.
     pub out: &'a str,
-    /// How many personalities `personality=` holds.
+    /// Number of personalities that `personality=` can hold.
     pub personalities: u32,
 }
 
-/// The whole C file.
+/// Returns the whole C file.
 #[must_use]
 pub fn text(component: &Component, wanted: &Wanted<'_>) -> String {
     let mut w = Writer::new(wanted.source, wanted.out);
@@ -64,7 +64,7 @@ pub fn text(component: &Component, wanted: &Wanted<'_>) -> String {
     w.finish()
 }
 
-/// What the file says of itself, for tools that read it without running it.
+/// Writes module information, for tools that read the file without running it.
 fn said(component: &Component, w: &mut Writer<'_>) {
     let mut info = |text: String| w.line(&format!("MODULE_INFO(linuxcnc, {});", quoted(&text)));
     let doc = |d: &Option<String>| d.clone().unwrap_or_default();
@@ -93,7 +93,7 @@ fn said(component: &Component, w: &mut Writer<'_>) {
     }
 }
 
-/// The user's own text, in its own lines.
+/// Writes the user's own text, with its original line numbers.
 fn body(component: &Component, w: &mut Writer<'_>) {
     w.line("");
     let bare = component.functions.first().filter(|_| component.is_bare());
@@ -102,7 +102,7 @@ fn body(component: &Component, w: &mut Writer<'_>) {
         w.line(&format!("{} {{", export::signature(component, &name)));
     }
     let text = component.body.text.trim_end_matches('\n');
-    // The brace is still in the user's lines: so is what the compiler says of it.
+    // The closing brace gets a line of the user's file, so that compiler messages about it name that file.
     let close = if bare.is_some() { "\n}" } else { "" };
     w.user(&format!("{text}{close}"), component.body.line);
     if let Some(kind) = component.options.word("data") {
@@ -113,13 +113,13 @@ fn body(component: &Component, w: &mut Writer<'_>) {
     }
 }
 
-/// A C string.
+/// Returns the text as a C string literal.
 fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {
         match c {
             '"' | '\\' => out.extend(['\\', c]),
-            // No ??( can come of it.
+            // Escaped, so that no trigraph such as ??( can result.
             '?' => out.push_str("\\?"),
             '\n' => out.push_str("\\n"),
             '\t' => out.push_str("\\t"),
@@ -134,7 +134,7 @@ fn quoted(text: &str) -> String {
     out
 }
 
-/// A value in C.
+/// Returns the value as C text.
 fn value(value: &crate::Value) -> String {
     use crate::Value;
     match value {

@@ -1,4 +1,4 @@
-//! From a tree to a component: what the grammar cannot say is looked at here, once.
+//! Checks that the grammar cannot express; they turn a tree into a component.
 
 use crate::{
     Problem,
@@ -9,7 +9,7 @@ use crate::{
 };
 use std::collections::BTreeMap;
 
-/// Names that the generated C text has itself.
+/// Names that the generated C text uses itself.
 const RESERVED: &[&str] = &[
     "comp_id",
     "fperiod",
@@ -20,46 +20,46 @@ const RESERVED: &[&str] = &[
     "post_export",
 ];
 
-/// A component, with nothing left to check.
+/// Fully checked component.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Component {
-    /// Its name.
+    /// Name of the component.
     pub name: String,
-    /// The text behind it.
+    /// Text after the name.
     pub doc: Option<String>,
     /// Pins and parameters, in order.
     pub items: Vec<Item>,
-    /// Functions.
+    /// Functions of the component.
     pub functions: Vec<Function>,
-    /// Variables.
+    /// Variables of each instance.
     pub variables: Vec<Variable>,
     /// Module parameters.
     pub mod_params: Vec<ModParam>,
     /// Headers, with their brackets or quotes.
     pub includes: Vec<At<String>>,
-    /// Its texts, in order.
+    /// Texts of the declarations, in order.
     pub texts: Vec<(TextKind, String)>,
-    /// Its options.
+    /// Options of the component.
     pub options: Options,
-    /// Its C text.
+    /// C text after `;;`.
     pub body: Body,
-    /// Where lines end.
+    /// Offsets of the line ends, in bytes.
     line_ends: Vec<usize>,
 }
 
 impl Component {
-    /// All texts of a kind.
+    /// Returns all texts of a kind.
     pub fn texts(&self, kind: TextKind) -> impl Iterator<Item = &str> {
         self.texts.iter().filter(move |(k, _)| *k == kind).map(|(_, t)| t.as_str())
     }
 
-    /// The line of a place, from 1.
+    /// Returns the line of a span, from 1.
     #[must_use]
     pub fn line(&self, span: Span) -> usize {
         self.line_ends.partition_point(|end| *end < span.start) + 1
     }
 
-    /// Whether its instances have personalities.
+    /// Returns whether the instances have personalities.
     #[must_use]
     pub fn has_personality(&self) -> bool {
         self.options.place("default_personality").is_some()
@@ -68,7 +68,7 @@ impl Component {
             })
     }
 
-    /// Whether the C text is the body of its one function.
+    /// Returns whether the C text is the body of the component's only function.
     #[must_use]
     pub fn is_bare(&self) -> bool {
         let options = &self.options;
@@ -88,10 +88,10 @@ impl Component {
     }
 }
 
-/// Looks at everything; with the component comes what is only doubtful.
+/// Checks a tree completely. Returns the component and the warnings.
 ///
 /// # Errors
-/// Everything that is wrong.
+/// All faults of the tree.
 pub(crate) fn check(tree: Tree, source: &str) -> Result<(Component, Vec<Fault>), Vec<Fault>> {
     let mut look =
         Look { source, taken: BTreeMap::new(), hal: BTreeMap::new(), faults: Vec::new() };
@@ -146,9 +146,9 @@ pub(crate) fn check(tree: Tree, source: &str) -> Result<(Component, Vec<Fault>),
 
 struct Look<'a> {
     source: &'a str,
-    /// Names of C, and where they were declared.
+    /// Names in C, and the places of their declarations.
     taken: BTreeMap<String, Span>,
-    /// Names of HAL that every instance has.
+    /// HAL names that every instance has.
     hal: BTreeMap<String, Span>,
     faults: Vec<Fault>,
 }
@@ -236,7 +236,7 @@ impl Look<'_> {
         self.wrong(default.span, problem);
     }
 
-    /// What only shows when everything has been read.
+    /// Checks that need the whole component.
     fn whole(&mut self, out: &Component) {
         let end = out_of_declarations(self.source);
         if out.texts(TextKind::License).next().is_none() {
@@ -276,7 +276,7 @@ impl Look<'_> {
     }
 }
 
-/// The line `;;`.
+/// Returns the span of the line `;;`.
 fn out_of_declarations(source: &str) -> Span {
     let mut at = 0;
     for line in source.split_inclusive('\n') {

@@ -1,4 +1,4 @@
-//! The manual page of a component.
+//! Manual page of a component.
 
 mod adoc;
 mod markup;
@@ -11,21 +11,21 @@ use crate::{
 };
 use markup::{Block, Run, Style, blocks, runs};
 
-/// A page: its sections, in order.
+/// Page with its sections, in order.
 struct Page {
     name: String,
-    /// The chapter of the manual: 9 are components, 1 programs.
+    /// Section of the manual: 9 for components, 1 for programs.
     chapter: u32,
     sections: Vec<(&'static str, Vec<Block>)>,
 }
 
-/// The page for `man`.
+/// Returns the page as roff, for `man`.
 #[must_use]
 pub fn roff(component: &Component) -> String {
     roff::write(&page(component))
 }
 
-/// The page in `AsciiDoc`.
+/// Returns the page in `AsciiDoc`.
 #[must_use]
 pub fn adoc(component: &Component) -> String {
     adoc::write(&page(component))
@@ -79,7 +79,7 @@ fn page(component: &Component) -> Page {
     }
 }
 
-/// How it is loaded.
+/// Returns the synopsis: the command that loads the component.
 fn synopsis(component: &Component) -> Vec<Run> {
     let on = |name| component.options.on(name);
     let load = if on("userspace") { "loadusr -W " } else { "loadrt " };
@@ -105,7 +105,7 @@ fn synopsis(component: &Component) -> Vec<Run> {
     out
 }
 
-/// A full name; the instance's number is N, and an index stands as so many M.
+/// Returns a full name, with N for the instance number and one M per digit of an index.
 fn named(component: &Component, written: &str, is_array: bool) -> Vec<Run> {
     let options = &component.options;
     let mut out = vec![Run::bold(&prefix(&component.name))];
@@ -125,7 +125,7 @@ fn named(component: &Component, written: &str, is_array: bool) -> Vec<Run> {
     out
 }
 
-/// A pin or parameter: name, type, direction, and what depends on what.
+/// Returns the entry of a pin or parameter: name, type, direction, and conditions on the personality.
 fn item(component: &Component, item: &Item) -> Vec<Run> {
     let mut out = named(component, &item.name.value, item.array.is_some());
     out.push(Run::plain(&format!(" {} {}", item.kind.word, item.direction.word())));
@@ -153,7 +153,7 @@ fn item(component: &Component, item: &Item) -> Vec<Run> {
     out
 }
 
-/// Without the outermost parentheses.
+/// Removes the outermost parentheses.
 fn bare(expression: &str) -> &str {
     expression.strip_prefix('(').and_then(|e| e.strip_suffix(')')).unwrap_or(expression)
 }

@@ -1,10 +1,10 @@
-//! Why a file could not be made, in the user's words.
+//! Errors of the files that are read and written, in the user's words.
 
 use crate::Report;
 use core::fmt;
 use std::{io, path::Path};
 
-/// What went wrong around the files themselves.
+/// Error around the files themselves.
 #[derive(Debug)]
 #[expect(missing_docs, reason = "the sentence of each variant is its documentation")]
 pub enum Error {
@@ -22,7 +22,7 @@ pub enum Error {
     OutForSeveral,
 }
 
-/// What reading or writing this file failed with.
+/// Returns a function that adds this path to an I/O error.
 pub(crate) fn at(path: &Path) -> impl FnOnce(io::Error) -> Error {
     let path = path.display().to_string().into();
     move |cause| Error::Io { path, cause }

@@ -1,4 +1,4 @@
-//! Expressions over an instance's personality: sizes of arrays, and which instances have an item.
+//! Expressions over an instance's personality: sizes of arrays, and conditions of items.
 
 use crate::{
     Problem,
@@ -7,45 +7,45 @@ use crate::{
 use core::fmt;
 use nom::{Parser, branch::alt, combinator::opt};
 
-/// How deep parentheses may be nested.
+/// Maximum nesting depth of parentheses.
 const DEEP: usize = 40;
 
-/// An expression; its value is a whole number, and every one but 0 is true.
+/// Integer expression; every value but 0 is true.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Expr {
-    /// A number.
+    /// Integer literal.
     Number(i128),
-    /// The instance's personality.
+    /// Personality of the instance.
     Personality,
-    /// Two values and what is between them.
+    /// Two operands and their operator.
     Pair(Box<Expr>, Sign, Box<Expr>),
     /// `a ? b : c`.
     Choice(Box<Expr>, Box<Expr>, Box<Expr>),
 }
 
-/// A sign between two values.
+/// Binary operator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sign {
-    /// As written; C and Rust agree on all of them.
+    /// Operator as written; C and Rust agree on all of them.
     pub text: &'static str,
-    /// How closely it binds.
+    /// Precedence; a higher value binds tighter.
     binds: u8,
-    /// What its value is.
+    /// Kind of the operator's operands and result.
     pub gives: Gives,
 }
 
-/// What comes of a sign.
+/// Kinds of operands and result of an operator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gives {
-    /// A number, from numbers.
+    /// Number, from numbers.
     Number,
-    /// Yes or no, from numbers.
+    /// Truth value, from numbers.
     Truth,
-    /// Yes or no, from such.
+    /// Truth value, from truth values.
     Both,
 }
 
-/// Every sign, longer ones before those that they begin with.
+/// All operators, longer ones before their own prefixes.
 const SIGNS: &[Sign] = &[
     Sign { text: "&&", binds: 2, gives: Gives::Both },
     Sign { text: "||", binds: 1, gives: Gives::Both },
@@ -65,7 +65,7 @@ const SIGNS: &[Sign] = &[
 ];
 
 impl Expr {
-    /// Whether a personality is asked for at all.
+    /// Returns whether the expression uses the personality.
     #[must_use]
     pub fn asks(&self) -> bool {
         match self {
@@ -76,7 +76,7 @@ impl Expr {
         }
     }
 
-    /// Its value for a personality; none where C has none.
+    /// Returns the value for a personality, or `None` where C defines none.
     #[must_use]
     pub fn value(&self, personality: i64) -> Option<i64> {
         let truth = |t: bool| Some(i64::from(t));
@@ -113,7 +113,7 @@ impl Expr {
     }
 }
 
-/// As C text: every part in parentheses.
+/// Formats the expression as C text, with every part in parentheses.
 impl fmt::Display for Expr {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -126,7 +126,7 @@ impl fmt::Display for Expr {
     }
 }
 
-/// An expression.
+/// Parses an expression.
 pub(crate) fn expr(input: &str) -> Parsed<'_, Expr> {
     choice(input, 0)
 }
@@ -143,7 +143,7 @@ fn choice(input: &str, depth: usize) -> Parsed<'_, Expr> {
     Ok((rest, Expr::Choice(Box::new(first), Box::new(yes), Box::new(no))))
 }
 
-/// Everything that binds at least so closely; equal signs from left to right.
+/// Parses operators of at least this precedence; those of equal precedence associate to the left.
 fn pair(input: &str, least: u8, depth: usize) -> Parsed<'_, Expr> {
     let (mut rest, mut left) = single(input, depth)?;
     let mut long = 0;
@@ -173,7 +173,7 @@ fn single(input: &str, depth: usize) -> Parsed<'_, Expr> {
     alt((number, personality, open)).parse(input)
 }
 
-/// There is no way back: what is missing is what is wrong.
+/// Turns an error into a failure: no alternative is tried, so the missing part is what is reported.
 fn must<T>(parsed: Parsed<'_, T>) -> Parsed<'_, T> {
     parsed.map_err(|e| match e {
         nom::Err::Error(miss) => nom::Err::Failure(miss),

@@ -1,4 +1,4 @@
-//! The declarations: from text to a tree.
+//! Parser of the declarations, from text to a tree.
 
 mod declaration;
 
@@ -10,13 +10,13 @@ use crate::{
 };
 use nom::{Parser, combinator::opt};
 
-/// How many faults of one file are told.
+/// Maximum number of faults reported for one file.
 const MOST_FAULTS: usize = 20;
 
-/// Reads a file; after a fault it goes on behind the next `;`.
+/// Parses a file; after a fault, it continues after the next `;`.
 ///
 /// # Errors
-/// Everything that does not follow the grammar.
+/// All violations of the grammar.
 pub(crate) fn parse(source: &str) -> Result<Tree, Vec<Fault>> {
     let Some((head, body)) = split(source) else {
         let end = source.trim_end().len();
@@ -28,7 +28,7 @@ pub(crate) fn parse(source: &str) -> Result<Tree, Vec<Fault>> {
     Ok(Tree { name, doc, declarations, body })
 }
 
-/// The declarations, and the C text behind the line `;;`.
+/// Splits a file into the declarations and the C text after the line `;;`.
 fn split(source: &str) -> Option<(&str, Body)> {
     let mut at = 0;
     for (i, line) in source.split_inclusive('\n').enumerate() {
@@ -78,7 +78,8 @@ fn declared(head: &str) -> Result<Head, Vec<Fault>> {
     }
 }
 
-/// What follows the next `;` after a fault, texts and comments aside; nothing if they are the fault.
+/// Returns the text after the next `;` that follows a fault, outside of strings and comments. Returns nothing if one of
+/// those is the fault.
 fn recovered<'a>(from: &'a str, error: &nom::Err<Miss>) -> &'a str {
     let at = match error {
         nom::Err::Error(miss) | nom::Err::Failure(miss) => from.len().saturating_sub(miss.left),
@@ -93,7 +94,7 @@ fn recovered<'a>(from: &'a str, error: &nom::Err<Miss>) -> &'a str {
                 let behind = here.get(1..).unwrap_or_default();
                 return blank(behind).map_or("", |(rest, ())| rest);
             }
-            // A line that begins with the word of a declaration ends what was wrong before it.
+            // A line that begins with the keyword of a declaration ends the faulty one before it.
             Some(b'\n') => {
                 let line = here.get(1..).unwrap_or_default();
                 if next + at > 0 && WORDS.iter().any(|(w, _)| keyword(w, "")(line).is_ok()) {
@@ -111,7 +112,7 @@ fn recovered<'a>(from: &'a str, error: &nom::Err<Miss>) -> &'a str {
     }
 }
 
-/// The words that declarations begin with, as messages name them.
+/// Keywords of declarations, with their form in messages.
 const WORDS: &[(&str, &str)] = &[
     ("pin", "'pin'"),
     ("param", "'param'"),
@@ -128,7 +129,7 @@ const WORDS: &[(&str, &str)] = &[
     ("modparam", "'modparam'"),
 ];
 
-/// Once the first word of a declaration has been read, what is missing is what is wrong.
+/// Turns an error into a failure once the keyword of a declaration has been read, so that the missing part is reported.
 fn must<'a, T>(
     mut parser: impl FnMut(&'a str) -> Parsed<'a, T>,
 ) -> impl FnMut(&'a str) -> Parsed<'a, T> {
@@ -140,7 +141,7 @@ fn must<'a, T>(
     }
 }
 
-/// The `;` of a declaration. What else could have stood there belongs to the message.
+/// Parses the `;` of a declaration. The message also names the other tokens that were possible there.
 fn end<'a>(others: &[(&'static str, bool)], input: &'a str) -> Parsed<'a, ()> {
     if let (rest, Some(_)) = opt(sign(";", "';'")).parse(input)? {
         return Ok((rest, ()));
@@ -155,7 +156,7 @@ fn doc(input: &str) -> Parsed<'_, Option<String>> {
     opt(then_blank(text)).parse(input)
 }
 
-/// Where parsers find what byte of the file they are at.
+/// Text of the file, which converts the parsers' rests to byte offsets.
 #[derive(Clone, Copy)]
 struct File<'a> {
     head: &'a str,
@@ -180,7 +181,7 @@ impl<'a> File<'a> {
             },
             |problem| *problem,
         );
-        // What is missing at the end of a line is missing there, not where the next begins.
+        // A token missing at the end of a line is reported there, not at the start of the next line.
         let before = self.head.get(..start).unwrap_or_default();
         let on_line = before.trim_end().len();
         if start == self.head.len()
@@ -191,7 +192,7 @@ impl<'a> File<'a> {
         Fault { span: Span { start, end: start + long }, problem }
     }
 
-    /// What a parser gives, with its place; blanks behind it are skipped.
+    /// Returns a parser that also yields the span of the result, and skips blanks after it.
     fn at<T>(
         self,
         mut parser: impl FnMut(&'a str) -> Parsed<'a, T>,

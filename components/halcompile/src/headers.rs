@@ -1,4 +1,4 @@
-//! The headers for components in C: carried in the program, laid out where compilers find them.
+//! Headers for components in C, embedded in the program and written where compilers find them.
 
 use crate::error::{Error, at};
 use std::{
@@ -9,13 +9,13 @@ use std::{
 
 include!(concat!(env!("OUT_DIR"), "/headers.rs"));
 
-/// What makefiles include to build modules as `halcompile` does.
+/// Makefile fragment that builds modules as `halcompile` does.
 const MODINC: &str = include_str!("modinc.mk");
 
-/// The folder with the headers: that of `HAL_INCLUDE_DIR`, or one that is made in the user's cache.
+/// Returns the folder with the headers: `HAL_INCLUDE_DIR`, or a folder that is written to the user's cache.
 ///
 /// # Errors
-/// It cannot be written.
+/// The folder cannot be written.
 pub fn include_folder() -> Result<PathBuf, Error> {
     match env::var_os("HAL_INCLUDE_DIR").filter(|v| !v.is_empty()) {
         Some(folder) => Ok(folder.into()),
@@ -23,15 +23,15 @@ pub fn include_folder() -> Result<PathBuf, Error> {
     }
 }
 
-/// The file that makefiles include.
+/// Returns the path of the file that makefiles include.
 ///
 /// # Errors
-/// It cannot be written.
+/// The file cannot be written.
 pub fn modinc() -> Result<PathBuf, Error> {
     Ok(laid_out()?.join("Makefile.modinc"))
 }
 
-/// A folder for this very set of headers: what is in it never changes.
+/// Returns the folder for exactly this set of headers; its content never changes.
 fn laid_out() -> Result<PathBuf, Error> {
     let mut hash = DefaultHasher::new();
     (HEADERS, MODINC).hash(&mut hash);
@@ -45,7 +45,7 @@ fn laid_out() -> Result<PathBuf, Error> {
     }
     let makefile = MODINC.replace("@INCLUDE@", &folder.display().to_string());
     write(&unfinished.join("Makefile.modinc"), &makefile)?;
-    // Another may have been faster; both are the same.
+    // Another process may have written it first; both are the same.
     if fs::rename(&unfinished, &folder).is_err() {
         drop(fs::remove_dir_all(&unfinished));
     }

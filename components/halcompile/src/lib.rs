@@ -1,9 +1,9 @@
 //! `halcompile`: components in the `.comp` language and in C, made into what Ferrule loads.
 //!
-//! A `.comp` file declares pins, parameters and functions, and holds C text behind a line `;;`.
-//! [`read`] makes a [`Component`] of it, or says everything that is wrong, each with its place.
-//! From a component come C text ([`c`]), a manual page ([`document`]), or the declaration in Rust
-//! ([`rust`]); [`build`] has the system's compiler make a library of the C text.
+//! A `.comp` file declares pins, parameters and functions, and holds C text after a line `;;`. [`read`] turns it into a
+//! [`Component`], or reports all faults with their places. A component is turned into C text ([`c`]), a manual page
+//! ([`document`]), or a declaration in Rust ([`rust`]); [`build`] makes a library of the C text with the system's
+//! compiler.
 #![forbid(unsafe_code)]
 
 pub mod build;
@@ -33,10 +33,10 @@ pub use place::{Fault, Report, Span};
 pub use problem::Problem;
 pub use tree::*;
 
-/// Reads a file: the component, and what is doubtful about it.
+/// Parses and checks a file. Returns the component and the warnings.
 ///
 /// # Errors
-/// Everything that is wrong, to be shown as it is.
+/// All faults of the file, ready to be shown.
 pub fn read(file: &str, bytes: &[u8]) -> Result<(Component, Report), Report> {
     let text = match core::str::from_utf8(bytes) {
         Ok(text) => text,

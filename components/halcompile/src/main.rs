@@ -4,7 +4,7 @@ use clap::Parser;
 use halcompile::command::{Args, run};
 use std::{io::Write, process::ExitCode};
 
-/// The status of a command line that is not what it should be.
+/// Exit status for an invalid command line.
 const USAGE: u8 = 2;
 
 fn main() -> ExitCode {
@@ -34,7 +34,7 @@ fn ended() -> Result<ExitCode, (String, u8)> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes to standard error; where that cannot be written to, there is nowhere to say so.
+/// Writes to standard error, and ignores a failure, which could not be reported anywhere.
 fn complain(text: &str) {
     std::io::stderr().write_all(text.as_bytes()).unwrap_or_default();
 }

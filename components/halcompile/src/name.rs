@@ -1,6 +1,6 @@
-//! The two names of a declaration: what HAL shows, and what C code writes.
+//! Names of a declaration, as HAL shows it and as C code writes it.
 
-/// The name in C: blocks of `#` go with what stands before them, and what is no letter becomes one `_`.
+/// Returns the name in C: a block of `#` is removed with the separator before it, and any other character becomes `_`.
 #[must_use]
 pub(crate) fn c_name(written: &str) -> String {
     let mut out = String::new();
@@ -19,7 +19,7 @@ pub(crate) fn c_name(written: &str) -> String {
     out
 }
 
-/// The part of the name that follows the instance's, as a format of `printf`: the index is `%0Nd`.
+/// Returns the part of the name after the instance's as a `printf` format, with `%0Nd` for the index.
 #[must_use]
 pub(crate) fn hal_format(written: &str) -> String {
     let (before, width, after) = pieces(written);
@@ -31,25 +31,25 @@ pub(crate) fn hal_format(written: &str) -> String {
     trimmed(&format!("{before}{number}{after}"))
 }
 
-/// As people read it, and as `#[hal(name = …)]` takes it: the index stays `#`.
+/// Returns the name as people read it and as `#[hal(name = …)]` takes it: the index stays `#`.
 #[must_use]
 pub(crate) fn hal_name(written: &str) -> String {
     trimmed(&written.replace('_', "-"))
 }
 
-/// How many blocks of `#` are in a name.
+/// Returns the number of blocks of `#` in a name.
 #[must_use]
 pub(crate) fn hashes(written: &str) -> usize {
     written.split(|c| c != '#').filter(|block| !block.is_empty()).count()
 }
 
-/// What stands before instances' numbers: without `hal_`, and with `-` for `_`.
+/// Returns the part before the instance number: without `hal_`, and with `-` for `_`.
 #[must_use]
 pub(crate) fn prefix(component: &str) -> String {
     component.strip_prefix("hal_").unwrap_or(component).replace('_', "-")
 }
 
-/// Whether a name is a word of the C language, or one that the generated text uses itself.
+/// Returns whether a name is a keyword of C, or is used by the generated text itself.
 #[must_use]
 pub(crate) fn is_c_keyword(name: &str) -> bool {
     const WORDS: &[&str] = &[

@@ -1,4 +1,4 @@
-//! The options of a .comp file, and what a file chose of them.
+//! Options of a .comp file, and the values that a file chooses.
 
 use crate::{
     Problem,
@@ -7,27 +7,27 @@ use crate::{
 };
 use std::collections::BTreeMap;
 
-/// What an option takes.
+/// Kind of value of an option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Takes {
-    /// Yes or no; this if it is not given.
+    /// Yes or no, with this default.
     Switch(bool),
-    /// A whole number between these.
+    /// Integer in this range.
     Whole(i128, i128),
-    /// The name of a C type.
+    /// Name of a C type.
     Type,
-    /// A text.
+    /// Any text.
     Text,
 }
 
-/// An option: its name, what it takes, what it does.
+/// Name, value kind and description of an option.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// Its name.
+    /// Name of the option.
     pub name: &'static str,
-    /// What it takes.
+    /// Kind of its value.
     pub takes: Takes,
-    /// What it does.
+    /// Description of its effect.
     pub help: &'static str,
 }
 
@@ -35,7 +35,7 @@ const fn row(name: &'static str, takes: Takes, help: &'static str) -> Row {
     Row { name, takes, help }
 }
 
-/// Every option.
+/// All options.
 pub const OPTIONS: &[Row] = &[
     row("singleton", Takes::Switch(false), "one instance, named as the component"),
     row(
@@ -81,14 +81,14 @@ pub const OPTIONS: &[Row] = &[
     ),
 ];
 
-/// What a file chose.
+/// Values of the options that a file chose.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
     chosen: BTreeMap<&'static str, At<Value>>,
 }
 
 impl Options {
-    /// Whether a switch is on.
+    /// Returns whether a switch is on.
     #[must_use]
     pub fn on(&self, name: &str) -> bool {
         let given = self.chosen.get(name).map(|v| v.value == Value::Truth(true));
@@ -96,7 +96,7 @@ impl Options {
         given.unwrap_or(default)
     }
 
-    /// A number that was given.
+    /// Returns the integer that was given.
     #[must_use]
     pub fn whole(&self, name: &str) -> Option<i128> {
         match self.chosen.get(name).map(|v| &v.value) {
@@ -105,7 +105,7 @@ impl Options {
         }
     }
 
-    /// A type or a text that was given.
+    /// Returns the type or text that was given.
     #[must_use]
     pub fn word(&self, name: &str) -> Option<&str> {
         match self.chosen.get(name).map(|v| &v.value) {
@@ -114,13 +114,13 @@ impl Options {
         }
     }
 
-    /// Where an option was given.
+    /// Returns the value of an option with its span.
     #[must_use]
     pub fn place(&self, name: &str) -> Option<&At<Value>> {
         self.chosen.get(name)
     }
 
-    /// Takes a line; what is wrong with it, or doubtful.
+    /// Applies an option line. Returns a warning, or the fault as an error.
     pub(crate) fn take(&mut self, line: &OptionLine, source: &str) -> Result<Option<Fault>, Fault> {
         let name = line.name.value.as_str();
         let Some(row) = OPTIONS.iter().find(|r| r.name == name) else {

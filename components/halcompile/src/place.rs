@@ -1,27 +1,27 @@
-//! Places in a file, and what is wrong there as a person reads it.
+//! Places in a file, and reports of faults as people read them.
 
 use crate::Problem;
 use core::fmt;
 
-/// A stretch of a file, in bytes.
+/// Range of a file, in bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Span {
-    /// Its first byte.
+    /// First byte.
     pub start: usize,
-    /// The byte after its last.
+    /// Byte after the last one.
     pub end: usize,
 }
 
-/// Something wrong, somewhere.
+/// Fault with its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
-    /// Where.
+    /// Place of the fault.
     pub span: Span,
-    /// What.
+    /// Kind of the fault.
     pub problem: Problem,
 }
 
-/// Everything that is wrong with a file, or only doubtful.
+/// All faults or warnings of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
     file: String,
@@ -30,13 +30,13 @@ pub struct Report {
 }
 
 impl Report {
-    /// Of a file with this text.
+    /// Makes a report for a file with this text.
     #[must_use]
     pub fn new(file: &str, text: &str, faults: Vec<Fault>) -> Self {
         Self { file: file.to_owned(), text: text.to_owned(), faults }
     }
 
-    /// What was found.
+    /// Returns the faults.
     #[must_use]
     pub fn faults(&self) -> &[Fault] {
         &self.faults
@@ -62,7 +62,7 @@ impl fmt::Display for Report {
 
 impl core::error::Error for Report {}
 
-/// Line and column of a byte, both from 1, and the line.
+/// Returns line and column of a byte, both from 1, and the text of the line.
 pub(crate) fn place(text: &str, at: usize) -> (usize, usize, &str) {
     let at = (0..=at.min(text.len())).rev().find(|i| text.is_char_boundary(*i)).unwrap_or(0);
     let (before, after) = text.split_at_checked(at).unwrap_or((text, ""));

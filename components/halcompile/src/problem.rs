@@ -1,8 +1,8 @@
-//! Everything that can be wrong with a .comp file, in the user's words.
+//! Faults of a .comp file, in the user's words.
 
 use core::fmt;
 
-/// What is wrong. What LinuxCNC has a sentence for is worded so.
+/// Kind of a fault. Where LinuxCNC has a message for it, the wording is the same.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(missing_docs, reason = "the sentence of each variant is its documentation")]
 pub enum Problem {

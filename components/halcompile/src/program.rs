@@ -1,4 +1,4 @@
-//! Programs in C with pins: what they are linked with.
+//! Libraries that a C program with pins is linked with.
 
 use crate::{
     build::FLAGS,
@@ -11,15 +11,15 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// The library of programs, which stands beside this one.
+/// Client library, which lies beside this program.
 const LIBRARY: &str = "libferrule_client.so";
-/// What only C can say of it.
+/// Part of the client library that only C can express.
 const SOURCE: &str = include_str!("../../compat/client/client.c");
 
-/// Words for the linker; the C part of the library is put into this folder.
+/// Returns the arguments for the linker, after writing the C part of the library to this folder.
 ///
 /// # Errors
-/// The library is not there.
+/// The library is missing.
 pub(crate) fn link_words(scratch: &Path, include: &Path) -> Result<Vec<OsString>, Error> {
     let exe = env::current_exe().ok();
     let here = exe.as_deref().and_then(Path::parent).map(PathBuf::from).unwrap_or_default();

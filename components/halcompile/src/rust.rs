@@ -1,5 +1,5 @@
-//! The declaration in Rust: pins, parameters, state and functions for the contract of
-//! `hal-component`. The C text stays as comments where it is to be translated.
+//! Declaration of a component in Rust: pins, parameters, state and functions, for the interface of `hal-component`. The
+//! C text is kept as comments, to be translated.
 
 mod body;
 mod by_hand;
@@ -15,7 +15,7 @@ use body::{Parts, comment, names};
 use std::collections::BTreeSet;
 use word::{camel, field};
 
-/// The Rust file.
+/// Returns the Rust file.
 #[must_use]
 pub fn text(component: &Component) -> String {
     let plan = Plan::new(component);
@@ -23,7 +23,7 @@ pub fn text(component: &Component) -> String {
     let name = &component.name;
     out.push_str(&format!("//! `{name}`, from its .comp file: the declaration is whole, the C text is to be translated.\n"));
     out.push_str("#![forbid(");
-    // The word alone would be looked for in this file.
+    // Split, because a search for the word alone would find it in this file.
     out.push_str(&["un", "safe_code)]\n\n"].concat());
     let beside = plan.parts.rest.clone();
     if !beside.is_empty() {
@@ -44,26 +44,26 @@ pub fn text(component: &Component) -> String {
     out
 }
 
-/// A function to be, or a program's loop.
+/// Function of the component, or the loop of a program.
 struct Function {
-    /// Its type.
+    /// Name of its type.
     kind: String,
-    /// Behind the instance's name.
+    /// Part of its HAL name after the instance's.
     hal: String,
     doc: String,
     c_text: String,
 }
 
-/// Names in Rust for everything.
+/// Rust names for everything.
 struct Plan<'a> {
     component: &'a Component,
     parts: Parts,
-    /// The component's type.
+    /// Name of the component's type.
     kind: String,
-    /// The field of each item.
+    /// Field of each item.
     fields: Vec<String>,
     functions: Vec<Function>,
-    /// Whether names are written in full.
+    /// True if items are declared by their full names.
     once: bool,
     is_program: bool,
 }
@@ -160,7 +160,7 @@ fn summary(component: &Component) -> String {
     if first.is_empty() { format!("The component `{}`.", component.name) } else { first }
 }
 
-/// Summary, and what else the file says of it.
+/// Returns the summary, and the description of the file.
 fn about(component: &Component) -> String {
     let doc = component.doc.clone().unwrap_or_else(|| summary(component));
     let mut parts = vec![doc.trim().to_owned()];

@@ -1,4 +1,4 @@
-//! The words of the language: names, numbers, texts, and the blanks and comments between them.
+//! Tokens of the language: names, numbers and strings, and the blanks and comments between them.
 
 use crate::Problem;
 use nom::{
@@ -11,26 +11,26 @@ use nom::{
     multi::many0,
 };
 
-/// Why a parser did not match: what it wanted, and how much of the text was left there.
+/// Reason why a parser did not match: what it expected, and the position.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Miss {
-    /// Bytes from there to the end.
+    /// Number of bytes from the position to the end.
     pub(crate) left: usize,
-    /// How many of them it is about.
+    /// Number of bytes that the message marks.
     pub(crate) long: usize,
-    /// What would have been right.
+    /// Tokens that would have been valid.
     pub(crate) wanted: Vec<&'static str>,
-    /// What is wrong, where there is more to say.
+    /// More specific problem, if there is one.
     pub(crate) problem: Option<Box<Problem>>,
 }
 
 impl Miss {
-    /// Something else was wanted here.
+    /// Reports that something else was expected here.
     pub(crate) fn wanted(input: &str, wanted: &'static str) -> Self {
         Self { left: input.len(), long: found(input).len(), wanted: vec![wanted], problem: None }
     }
 
-    /// The text from `start`, `long` bytes of it, is wrong.
+    /// Reports a problem with the text from `start`, `long` bytes of it.
     pub(crate) fn problem(start: &str, long: usize, problem: Problem) -> Self {
         Self { left: start.len(), long, wanted: Vec::new(), problem: Some(Box::new(problem)) }
     }
@@ -55,7 +55,7 @@ impl ParseError<&str> for Miss {
     }
 }
 
-/// What a parser of this language gives.
+/// Result of a parser of this language.
 pub(crate) type Parsed<'a, T> = IResult<&'a str, T, Miss>;
 
 pub(crate) fn fail<T>(miss: Miss) -> Parsed<'static, T> {
@@ -66,14 +66,14 @@ pub(crate) fn stop<T>(miss: Miss) -> Parsed<'static, T> {
     Err(nom::Err::Failure(miss))
 }
 
-/// What stands at a place, for a message: a word, or a character.
+/// Returns the word or character at the input, for a message.
 pub(crate) fn found(input: &str) -> &str {
     let word = input.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(input.len());
     let first = input.chars().next().map_or(0, char::len_utf8);
     input.get(..word.max(first)).unwrap_or_default()
 }
 
-/// Blanks and comments.
+/// Parses blanks and comments.
 pub(crate) fn blank(input: &str) -> Parsed<'_, ()> {
     let comment = alt((
         recognize((tag("//"), take_till(|c| c == '\n'))),
@@ -86,7 +86,7 @@ pub(crate) fn blank(input: &str) -> Parsed<'_, ()> {
     Ok((rest, ()))
 }
 
-/// A parser, and the blanks behind it.
+/// Returns a parser that also skips the blanks after its result.
 pub(crate) fn then_blank<'a, T>(
     mut parser: impl FnMut(&'a str) -> Parsed<'a, T>,
 ) -> impl FnMut(&'a str) -> Parsed<'a, T> {
@@ -97,7 +97,7 @@ pub(crate) fn then_blank<'a, T>(
     }
 }
 
-/// A sign, such as `;` or `<<`; the text for messages is it in quotes.
+/// Returns a parser for a sign such as `;` or `<<`; messages show `wanted`, the sign in quotes.
 pub(crate) fn sign<'a>(
     text: &'static str,
     wanted: &'static str,
@@ -108,13 +108,13 @@ pub(crate) fn sign<'a>(
     })
 }
 
-/// A name as C has it.
+/// Parses a C name.
 pub(crate) fn c_word(input: &str) -> Parsed<'_, &str> {
     recognize((satisfy(starts_name), take_while(|c: char| c.is_ascii_alphanumeric() || c == '_')))
         .parse(input)
 }
 
-/// A name as HAL has it.
+/// Parses a HAL name.
 pub(crate) fn hal_word(input: &str) -> Parsed<'_, &str> {
     recognize((
         satisfy(|c| starts_name(c) || c == '#'),
@@ -127,7 +127,7 @@ const fn starts_name(c: char) -> bool {
     c.is_ascii_alphabetic() || c == '_'
 }
 
-/// A word that must be this one.
+/// Returns a parser for one given word.
 pub(crate) fn keyword<'a>(
     text: &'static str,
     wanted: &'static str,
@@ -138,7 +138,7 @@ pub(crate) fn keyword<'a>(
     })
 }
 
-/// Whole numbers, in any of their four bases, with a sign or without.
+/// Parses integers in any of their four bases, with or without sign.
 pub(crate) fn whole(input: &str) -> Parsed<'_, i128> {
     let (rest, minus) = signed(input);
     let (base, digits) = match rest.as_bytes() {
@@ -153,7 +153,7 @@ pub(crate) fn whole(input: &str) -> Parsed<'_, i128> {
         return fail(Miss::wanted(input, "a number"));
     }
     match i128::from_str_radix(number, base) {
-        // Room for every 64-bit number of either sign, and some for arithmetic in messages.
+        // The range of all 64-bit numbers of either sign, with reserve for arithmetic in messages.
         Ok(n) if n <= i128::from(u64::MAX) => Ok((rest, if minus { -n } else { n })),
         _ => stop(Miss::problem(
             input,
@@ -165,7 +165,7 @@ pub(crate) fn whole(input: &str) -> Parsed<'_, i128> {
     }
 }
 
-/// Numbers with a point or an exponent, or with the `f` that C writes behind them.
+/// Parses numbers with a decimal point, an exponent, or C's suffix `f`.
 pub(crate) fn real(input: &str) -> Parsed<'_, f64> {
     let (rest, minus) = signed(input);
     let mut long = digits(rest);
@@ -210,7 +210,7 @@ fn digits(input: &str) -> usize {
     input.find(|c: char| !c.is_ascii_digit()).unwrap_or(input.len())
 }
 
-/// A text: `"…"` with escapes, `"""…"""` of several lines, `r"""…"""` without escapes.
+/// Parses a string: `"…"` with escapes, `"""…"""` of several lines, `r"""…"""` without escapes.
 pub(crate) fn text(input: &str) -> Parsed<'_, String> {
     let (rest, raw) = match input.strip_prefix('r') {
         Some(rest) if rest.starts_with('"') => (rest, true),
@@ -234,7 +234,7 @@ pub(crate) fn text(input: &str) -> Parsed<'_, String> {
     }
 }
 
-/// How long a text is before its closing quotes; a backslash takes what follows with it.
+/// Returns the length of a string before its closing quotes; a backslash escapes the next character.
 fn closed(text: &str, quotes: &str, raw: bool) -> Option<usize> {
     let mut skip = false;
     text.char_indices().find_map(|(i, c)| {
@@ -253,7 +253,7 @@ fn ended(text: &str, long: usize, quotes: usize, raw: bool) -> Parsed<'_, String
     if raw { Ok((rest, inside.to_owned())) } else { Ok((rest, unescaped(inside, text)?)) }
 }
 
-/// The text that C would see.
+/// Returns the string as C would see it.
 fn unescaped(mut inside: &str, whole: &str) -> Result<String, nom::Err<Miss>> {
     let mut out = String::new();
     let total = inside.len();
@@ -273,7 +273,7 @@ fn unescaped(mut inside: &str, whole: &str) -> Result<String, nom::Err<Miss>> {
     Ok(out)
 }
 
-/// How long an escape is, and what it stands for.
+/// Returns the length of an escape, and the character it represents.
 fn escape(text: &str) -> Option<(usize, Option<char>)> {
     let mut chars = text.chars().skip(1);
     let first = chars.next()?;
@@ -298,7 +298,7 @@ fn escape(text: &str) -> Option<(usize, Option<char>)> {
         'u' => number(2, 4, 16),
         'U' => number(2, 8, 16),
         '0'..='7' => number(1, 3, 8),
-        // Marks of manual pages and of reST: \fB, \- and \| are theirs, and stay.
+        // Markup of manual pages and of reST, such as \fB, \- and \|, is kept.
         _ if first.is_ascii() => Some((1, Some('\\'))),
         _ => None,
     }

@@ -1,39 +1,39 @@
-//! What a .comp file says, declaration by declaration, each with its place.
+//! Syntax tree of a .comp file: its declarations, each with its place.
 
 use crate::{expr::Expr, place::Span};
 
-/// Something with its place.
+/// Value with its place in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct At<T> {
-    /// What it is.
+    /// Parsed value.
     pub value: T,
-    /// Where it stands.
+    /// Place of the value.
     pub span: Span,
 }
 
-/// A file as it is written.
+/// Syntax tree of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tree {
-    /// The name after `component`.
+    /// Name after `component`.
     pub name: At<String>,
-    /// Its text.
+    /// Text after the name.
     pub doc: Option<String>,
-    /// Everything after it, in order.
+    /// Declarations after it, in order.
     pub declarations: Vec<Declaration>,
-    /// The C text after `;;`.
+    /// C text after `;;`.
     pub body: Body,
 }
 
-/// The C text of a file.
+/// C text of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Body {
-    /// As it is written.
+    /// Text as written.
     pub text: String,
-    /// The line of the file on which it begins, from 1.
+    /// Line of the file on which the text begins, from 1.
     pub line: usize,
 }
 
-/// One declaration.
+/// Declaration of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Declaration {
     /// `pin` or `param`.
@@ -46,65 +46,65 @@ pub enum Declaration {
     ModParam(ModParam),
     /// `option`.
     Option(OptionLine),
-    /// `include`: what stands behind it, with its brackets or quotes.
+    /// `include`: the header with its brackets or quotes.
     Include(At<String>),
-    /// `description`, `license` and their kind.
+    /// `description`, `license` and other texts.
     Text(TextKind, At<String>),
 }
 
-/// A pin or a parameter.
+/// Pin or parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Item {
-    /// Direction, which also tells a pin from a parameter.
+    /// Direction, which also distinguishes pins from parameters.
     pub direction: Direction,
-    /// Type.
+    /// Type of the item.
     pub kind: Kind,
-    /// The name as written.
+    /// Name as written.
     pub name: At<String>,
-    /// How many of them.
+    /// Array size, if the item is an array.
     pub array: Option<Array>,
-    /// What it starts with.
+    /// Initial value.
     pub default: Option<At<Value>>,
-    /// Which instances have it.
+    /// Condition on the personality for instances to have the item.
     pub condition: Option<Expr>,
-    /// Its text.
+    /// Description of the item.
     pub doc: Option<String>,
 }
 
 impl Item {
-    /// Whether it is a pin.
+    /// Returns whether the item is a pin.
     #[must_use]
     pub const fn is_pin(&self) -> bool {
         matches!(self.direction, Direction::In | Direction::Out | Direction::Io)
     }
 }
 
-/// The size of an array.
+/// Size of an array.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Array {
-    /// The most there can be.
+    /// Maximum number of elements.
     pub max: At<u32>,
-    /// How many an instance has, where that depends on its personality.
+    /// Number of elements of an instance, if it depends on the personality.
     pub size: Option<Expr>,
 }
 
-/// Who writes an item.
+/// Direction of an item.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
-    /// A pin that the component reads.
+    /// Pin that the component reads.
     In,
-    /// A pin that it writes.
+    /// Pin that the component writes.
     Out,
-    /// A pin that it does both with.
+    /// Pin that the component reads and writes.
     Io,
-    /// A parameter that it reports.
+    /// Parameter that the component reports.
     R,
-    /// A parameter that the user sets.
+    /// Parameter that the user sets.
     Rw,
 }
 
 impl Direction {
-    /// Its constant in C.
+    /// Returns the constant in C.
     #[must_use]
     pub const fn c(self) -> &'static str {
         match self {
@@ -116,7 +116,7 @@ impl Direction {
         }
     }
 
-    /// As a user reads it.
+    /// Returns the word that users read.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
@@ -129,18 +129,18 @@ impl Direction {
     }
 }
 
-/// The type of an item: which storage C code sees, and which HAL type it is.
+/// Type of an item: the storage that C code sees, and the HAL type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kind {
-    /// As written.
+    /// Keyword as written.
     pub word: &'static str,
-    /// Its HAL type.
+    /// HAL type of the item.
     pub hal: Hal,
-    /// Whether C code reaches it by `hal_get_…` and `hal_set_…` alone.
+    /// True if C code accesses it only by `hal_get_…` and `hal_set_…`.
     pub handle: bool,
 }
 
-/// The types of HAL.
+/// HAL types.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "their names are HAL's")]
 pub enum Hal {
@@ -154,7 +154,7 @@ pub enum Hal {
 }
 
 impl Hal {
-    /// Its name, as `show` prints it and as it stands in the names of C functions.
+    /// Returns the name, as `show` prints it and as it occurs in the names of C functions.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
@@ -168,7 +168,7 @@ impl Hal {
         }
     }
 
-    /// The whole numbers it can hold.
+    /// Returns the range of integers the type can hold.
     #[must_use]
     pub const fn range(self) -> Option<(i128, i128)> {
         match self {
@@ -182,7 +182,7 @@ impl Hal {
     }
 }
 
-/// Every type a pin or parameter can be declared with.
+/// All types that a pin or parameter can be declared with.
 pub const KINDS: &[Kind] = &[
     Kind { word: "bit", hal: Hal::Bit, handle: false },
     Kind { word: "float", hal: Hal::Float, handle: false },
@@ -201,70 +201,70 @@ pub const KINDS: &[Kind] = &[
     Kind { word: "ui32", hal: Hal::U32, handle: true },
 ];
 
-/// A value in a declaration.
+/// Value in a declaration.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     /// `yes`, `no`, `true`, `false`, `TRUE`, `FALSE`.
     Truth(bool),
-    /// A name that means something in C.
+    /// Name with a meaning in C.
     Name(String),
-    /// A whole number.
+    /// Integer.
     Whole(i128),
-    /// Any other number.
+    /// Other number.
     Real(f64),
-    /// A text, which only options take.
+    /// Text, which only options take.
     Text(String),
 }
 
-/// A function.
+/// Function of the component.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Function {
-    /// The name as written.
+    /// Name as written.
     pub name: At<String>,
-    /// Whether it says that it uses floating point.
+    /// Declared use of floating point, if any.
     pub fp: Option<bool>,
-    /// Its text.
+    /// Description of the function.
     pub doc: Option<String>,
 }
 
-/// A variable of each instance.
+/// Variable of each instance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variable {
-    /// Its C type, without stars.
+    /// C type, without stars.
     pub c_type: String,
-    /// How many stars stand before its name.
+    /// Number of stars before the name.
     pub stars: usize,
-    /// Its name.
+    /// Name of the variable.
     pub name: At<String>,
-    /// How many of them.
+    /// Array size, if the variable is an array.
     pub array: Option<At<String>>,
-    /// What it starts with.
+    /// Initial value.
     pub default: Option<Value>,
 }
 
-/// A parameter of the module.
+/// Parameter of the module.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModParam {
-    /// `int`; without it the C text declares the variable itself, or nobody does.
+    /// True if declared `int`; otherwise the C text declares the variable itself, or nothing does.
     pub is_int: bool,
-    /// Its name.
+    /// Name of the parameter.
     pub name: At<String>,
-    /// What it is when not given.
+    /// Default value.
     pub default: Option<Value>,
-    /// Its text.
+    /// Description of the parameter.
     pub doc: Option<String>,
 }
 
-/// A line `option NAME VALUE;`.
+/// Line `option NAME VALUE;`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OptionLine {
-    /// Which one.
+    /// Name of the option.
     pub name: At<String>,
-    /// What it is to be; nothing means yes.
+    /// Value of the option; `None` means yes.
     pub value: Option<At<Value>>,
 }
 
-/// The texts that a file can hold.
+/// Kinds of text in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "they are what their declarations say")]
 pub enum TextKind {
@@ -276,7 +276,7 @@ pub enum TextKind {
     Author,
 }
 
-/// The declarations that are texts.
+/// Keywords of the text declarations.
 pub const TEXTS: &[(&str, TextKind)] = &[
     ("see_also", TextKind::SeeAlso),
     ("notes", TextKind::Notes),

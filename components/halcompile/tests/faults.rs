@@ -1,9 +1,8 @@
-//! What is said of files that are wrong: message, line, column, mark. `UPDATE_EXPECT=1` rewrites
-//! `faults.txt`.
+//! Tests of the faults reported for wrong files: message, line, column, mark. `UPDATE_EXPECT=1` rewrites `faults.txt`.
 
 use std::{fs, path::Path};
 
-/// What reading this text as `x.comp` says.
+/// Returns the report for this text, read as `x.comp`.
 fn said(text: &str) -> String {
     match halcompile::read("x.comp", text.as_bytes()) {
         Ok((_, doubts)) => format!("accepted\n{doubts}"),
@@ -41,14 +40,14 @@ fn a_byte_that_is_no_text_is_named() {
     );
 }
 
-/// Every good file, cut, with bytes changed, taken out and put in: never a panic, and what is
-/// accepted gives C text, a page and Rust.
+/// Truncates every good file, and changes, removes and inserts bytes: nothing panics, and every accepted file yields C
+/// text, a page and Rust.
 #[test]
 fn damaged_files_never_panic() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/comp");
     let mut state = 0x9e37_79b9_u64;
     let mut random = move |below: usize| {
-        // A generator of Lehmer's kind: any spread will do.
+        // A Lehmer generator: any spread is sufficient.
         state =
             state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         usize::try_from(state >> 33).unwrap() % below.max(1)

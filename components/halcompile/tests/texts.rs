@@ -1,5 +1,5 @@
-//! What is made of components, as text: the manual page, `AsciiDoc`, the declaration in Rust, C.
-//! `UPDATE_EXPECT=1` rewrites the folder `expected`.
+//! Tests of the texts made from components: manual page, `AsciiDoc`, declaration in Rust, and C. `UPDATE_EXPECT=1`
+//! rewrites the folder `expected`.
 
 use std::{fs, path::Path};
 

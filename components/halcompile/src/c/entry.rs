@@ -1,19 +1,19 @@
-//! How a component begins and ends: its parameters, `rtapi_app_main`, and a program's `main`.
+//! Entry and exit of a component: its parameters, `rtapi_app_main`, and a program's `main`.
 
 use super::{quoted, value, writer::Writer};
 use crate::{Component, name::prefix};
 
-/// The most instances of a program that can be named.
+/// Maximum number of named instances of a program.
 const PROGRAM_NAMES: u32 = 16;
 
-/// How instances are asked for.
+/// Source of the number of instances.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Asked {
-    /// One alone.
+    /// Always a single instance.
     One,
-    /// The C text says how many.
+    /// The C text decides.
     Function,
-    /// `count=` or `names=`.
+    /// The arguments `count=` or `names=`.
     Arguments,
 }
 
@@ -28,7 +28,7 @@ fn asked(component: &Component) -> Asked {
     }
 }
 
-/// The variables that `loadrt` sets.
+/// Writes the variables that `loadrt` sets.
 pub(crate) fn declare(component: &Component, personalities: u32, w: &mut Writer<'_>) {
     let options = &component.options;
     let name = &component.name;
@@ -69,7 +69,7 @@ pub(crate) fn declare(component: &Component, personalities: u32, w: &mut Writer<
     }
 }
 
-/// `rtapi_app_main` and `rtapi_app_exit`.
+/// Writes `rtapi_app_main` and `rtapi_app_exit`.
 pub(crate) fn write(component: &Component, personalities: u32, w: &mut Writer<'_>) {
     let options = &component.options;
     let name = &component.name;
@@ -161,7 +161,7 @@ fn main(component: &Component, asked: Asked, w: &mut Writer<'_>) {
     w.line("}");
 }
 
-/// The instance of an index, with its personality.
+/// Writes the function that makes the instance of an index, with its personality.
 fn nth(component: &Component, personalities: u32, w: &mut Writer<'_>) {
     w.line("static int __comp_make(char *prefix, int index)");
     w.line("{");
@@ -176,7 +176,7 @@ fn nth(component: &Component, personalities: u32, w: &mut Writer<'_>) {
     w.line("");
 }
 
-/// Instances by number.
+/// Writes the loop that makes numbered instances.
 fn numbered(component: &Component, count: &str, w: &mut Writer<'_>) {
     w.line("    for (int i = 0; i < COUNT; i++) {".replace("COUNT", count).as_str());
     w.line("        char name[HAL_NAME_LEN + 1];");
@@ -190,7 +190,7 @@ fn numbered(component: &Component, count: &str, w: &mut Writer<'_>) {
     w.line("    return 0;");
 }
 
-/// Instances by the names in one text.
+/// Writes the loop that makes instances named in one comma-separated text.
 fn module_names(w: &mut Writer<'_>) {
     w.line("        const char *rest = names;");
     w.line("        for (int i = 0; rest; i++) {");
@@ -216,7 +216,7 @@ fn module_names(w: &mut Writer<'_>) {
     w.line("        return 0;");
 }
 
-/// Instances by a list of names.
+/// Writes the loop that makes instances named in a list.
 fn program_names(w: &mut Writer<'_>) {
     w.line(&format!("        for (int i = 0; i < {PROGRAM_NAMES} && names[i]; i++) {{"));
     w.line("            int rc = __comp_make(names[i], i);");
@@ -225,7 +225,7 @@ fn program_names(w: &mut Writer<'_>) {
     w.line("        return 0;");
 }
 
-/// The program: `count=` and `names=` are taken out of its words, wherever they stand.
+/// Writes the `main` of a program, which removes `count=` and `names=` from its arguments wherever they occur.
 pub(crate) fn program(component: &Component, w: &mut Writer<'_>) {
     let options = &component.options;
     w.line("");

@@ -1,4 +1,4 @@
-//! How an instance is made: `export`.
+//! The C function `export`, which makes an instance.
 
 use super::{value, writer::Writer};
 use crate::{
@@ -7,13 +7,13 @@ use crate::{
     tree::Hal,
 };
 
-/// The head of a function.
+/// Returns the head of a function's C definition.
 pub(crate) fn signature(component: &Component, name: &str) -> String {
     let period = if component.options.on("period") { ", long period" } else { "" };
     format!("static void {name}(struct __comp_state *__comp_inst{period})")
 }
 
-/// The whole of `export`.
+/// Writes the whole of `export`.
 pub(crate) fn write(component: &Component, w: &mut Writer<'_>) {
     let options = &component.options;
     let has_personality = component.has_personality();
@@ -70,7 +70,7 @@ pub(crate) fn write(component: &Component, w: &mut Writer<'_>) {
     w.line("}");
 }
 
-/// A pin or parameter, or all of an array.
+/// Writes the code that makes a pin or parameter, or all elements of an array.
 fn item(item: &Item, w: &mut Writer<'_>) {
     let (c, written) = (c_name(&item.name.value), &item.name.value);
     let index = if item.array.is_some() { "[at]" } else { "" };
@@ -103,7 +103,7 @@ fn item(item: &Item, w: &mut Writer<'_>) {
         w.line("    }");
     }
     if item.condition.is_some() {
-        // What is not there can still be read and written, where the interface offers that.
+        // If the item does not exist, C code can still read and write it where the interface offers that.
         if item.kind.handle && !item.is_pin() && item.array.is_none() {
             w.line("    } else {");
             w.line(&format!("    rc = hal_param_new_fake(comp_id, (hal_refs_u *)&{place});"));
@@ -113,7 +113,7 @@ fn item(item: &Item, w: &mut Writer<'_>) {
     }
 }
 
-/// The call that makes it.
+/// Returns the call that makes the item.
 fn made(item: &Item, place: &str) -> String {
     let name = &item.name.value;
     let args = if hashes(name) > 0 { "prefix, (int)at" } else { "prefix" };

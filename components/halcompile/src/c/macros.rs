@@ -1,10 +1,10 @@
-//! The names that a user's C text uses.
+//! Macros for the names that a user's C text uses.
 
 use super::{export::signature, writer::Writer};
 use crate::{Component, Direction, Item, name::c_name};
 use std::collections::BTreeSet;
 
-/// All of them.
+/// Writes all macros.
 pub(crate) fn write(component: &Component, w: &mut Writer<'_>) {
     let mut define = |name: &str, args: &str, text: &str| {
         w.line(&format!("#undef {name}"));
@@ -39,7 +39,7 @@ pub(crate) fn write(component: &Component, w: &mut Writer<'_>) {
         .collect();
     for item in &component.items {
         for (name, args, text) in of_item(item) {
-            // A pin `x` leaves the name `x_ptr` to a pin that is called so.
+            // If a pin is called `x_ptr`, it gets that name, and the pin `x` has no pointer macro.
             let derived = name != c_name(&item.name.value);
             if !derived || !taken.contains(&name) {
                 define(&name, args, &text);
@@ -52,7 +52,7 @@ pub(crate) fn write(component: &Component, w: &mut Writer<'_>) {
     }
 }
 
-/// The macros of an item: name, arguments, text.
+/// Returns the macros of an item: name, arguments, text.
 fn of_item(item: &Item) -> Vec<(String, &'static str, String)> {
     let c = c_name(&item.name.value);
     let (args, index) = if item.array.is_some() { ("(i)", "[i]") } else { ("", "") };
@@ -67,7 +67,7 @@ fn of_item(item: &Item) -> Vec<(String, &'static str, String)> {
         ];
     }
     let (read, at) = match item.direction {
-        // A value, not a place: an input cannot be assigned to.
+        // An rvalue: C code cannot assign to an input.
         Direction::In => (format!("(0 + *{place})"), format!("({place})")),
         Direction::Out | Direction::Io => (format!("(*{place})"), format!("({place})")),
         Direction::R | Direction::Rw => (format!("({place})"), format!("(&{place})")),

@@ -1,4 +1,4 @@
-//! What each instance has: `struct __comp_state`.
+//! State of each instance: `struct __comp_state`.
 
 use super::{export::signature, writer::Writer};
 use crate::{
@@ -7,7 +7,7 @@ use crate::{
     tree::{Hal, Kind},
 };
 
-/// The C type of what an instance holds for an item: a pointer, a handle, or the value itself.
+/// Returns the C type that an instance holds for an item: a pointer, a handle, or the value itself.
 fn held(item: &Item) -> String {
     let Kind { hal, handle, .. } = item.kind;
     match (handle, item.is_pin()) {
@@ -26,9 +26,9 @@ const fn handle_type(hal: Hal) -> &'static str {
     }
 }
 
-/// The struct, the list of instances, and what is to come.
+/// Writes the struct, the list of instances, and the forward declarations.
 pub(crate) fn write(component: &Component, w: &mut Writer<'_>) {
-    // Who writes without macros may know members by either name.
+    // C text without the macros may use either name of a member.
     let plain = component.options.on("no_convenience_defines");
     let member = |kind: &str, c: &str, array: &str| {
         let alone = format!("{kind}{c}_p{array};");

@@ -1,4 +1,4 @@
-//! A page in `AsciiDoc`.
+//! Writer of pages in `AsciiDoc`.
 
 use super::{
     Page,
@@ -44,7 +44,7 @@ fn of(block: &Block, out: &mut String) {
 fn line(runs: &[Run]) -> String {
     let mut out = String::new();
     for run in runs {
-        // What has meaning in the language is passed through as it is.
+        // Text with characters that are markup in AsciiDoc is passed through literally.
         let text = if run.text.contains(['*', '_', '`', '#', '+', '{', '<', '[', '\\']) {
             format!("pass:c[{}]", run.text.replace(']', "\\]"))
         } else {

@@ -1,28 +1,28 @@
-//! The marks in doc texts: those of `AsciiDoc` and reST, and the fonts of manual pages.
+//! Markup in doc texts: that of `AsciiDoc` and reST, and the fonts of manual pages.
 
-/// A piece of a page.
+/// Block of a page.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Block {
-    /// Text that is filled.
+    /// Paragraph, whose lines are filled.
     Paragraph(Vec<Run>),
-    /// An item of a list.
+    /// List item.
     Item(Vec<Run>),
-    /// Text as it stands.
+    /// Literal text.
     Literal(String),
-    /// A heading within a section.
+    /// Heading within a section.
     Heading(String),
-    /// A name and what is said of it.
+    /// Name and its description.
     Term(Vec<Run>, Vec<Block>),
 }
 
-/// Words in one font.
+/// Text in one font.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Run {
     pub(crate) style: Style,
     pub(crate) text: String,
 }
 
-/// A font.
+/// Font of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Style {
     Plain,
@@ -31,7 +31,7 @@ pub(crate) enum Style {
     Code,
 }
 
-/// A text's paragraphs, lists and indented parts.
+/// Splits a text into paragraphs, lists and indented blocks.
 pub(crate) fn blocks(text: &str) -> Vec<Block> {
     let mut out = Vec::new();
     let mut filled = String::new();
@@ -68,7 +68,7 @@ fn line_of(line: &str, filled: &mut String, out: &mut Vec<Block>) {
         out.push(Block::Heading(heading.trim().trim_end_matches('=').trim().to_owned()));
         return;
     }
-    // A request of manual pages: all but a few only part paragraphs.
+    // A roff request: all but a few only separate paragraphs.
     if line.starts_with('.') && line.get(1..3).is_some_and(|r| r.chars().all(char::is_alphabetic)) {
         fill(filled, out);
         let (request, words) = line.split_once(' ').unwrap_or((line, ""));
@@ -83,7 +83,7 @@ fn line_of(line: &str, filled: &mut String, out: &mut Vec<Block>) {
     }
     if let Some(item) = line.strip_prefix("* ").or_else(|| line.strip_prefix("- ")) {
         fill(filled, out);
-        // An item goes on in the lines that follow it.
+        // The lines that follow continue the item.
         filled.push('\u{1}');
         filled.push_str(item.trim());
         filled.push('\n');
@@ -113,7 +113,7 @@ fn keep(literal: &mut String, out: &mut Vec<Block>) {
     }
 }
 
-/// A text's fonts.
+/// Splits a text by font.
 pub(crate) fn runs(text: &str) -> Vec<Run> {
     let mut out: Vec<Run> = Vec::new();
     let mut style = Style::Plain;
@@ -152,7 +152,7 @@ pub(crate) fn runs(text: &str) -> Vec<Run> {
     out
 }
 
-/// `\fB` and its kind, and what manual pages escape.
+/// Parses `\fB` and other font escapes, and escaped characters of manual pages.
 fn escape(text: &str) -> Option<(usize, Result<Style, &'static str>)> {
     const FONTS: &[(&str, Style)] = &[
         ("\\fB", Style::Bold),
@@ -176,7 +176,7 @@ fn escape(text: &str) -> Option<(usize, Result<Style, &'static str>)> {
     })
 }
 
-/// A mark that may begin words in another font.
+/// Returns the mark that may begin text in another font.
 fn mark(text: &str) -> Option<(&'static str, Style)> {
     const MARKS: &[(&str, Style)] = &[
         ("**", Style::Bold),
@@ -188,7 +188,7 @@ fn mark(text: &str) -> Option<(&'static str, Style)> {
     MARKS.iter().find(|(m, _)| text.starts_with(m)).copied()
 }
 
-/// What stands between a mark and its like: neither blank at its ends, nor longer than a paragraph.
+/// Returns the text up to the closing mark; it neither begins nor ends with a blank, nor spans a paragraph end.
 fn inside<'a>(text: &'a str, mark: &str) -> Option<&'a str> {
     let rest = text.get(mark.len()..)?;
     let long = rest.find(mark)?;

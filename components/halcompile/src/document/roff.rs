@@ -1,4 +1,4 @@
-//! A page as `man` reads it.
+//! Writer of pages in roff, for `man`.
 
 use super::{
     Page,
@@ -18,7 +18,7 @@ pub(super) fn write(page: &Page) -> String {
     out
 }
 
-/// Blocks; the first paragraph of a section or of a term needs no parting from what is before it.
+/// Writes blocks; the first paragraph of a section or term needs no separator before it.
 fn all(blocks: &[Block], out: &mut String, mut first: bool) {
     for block in blocks {
         match block {
@@ -77,7 +77,7 @@ fn line(runs: &[Run], out: &mut String) {
     out.push('\n');
 }
 
-/// No line is taken for a request.
+/// Escapes a line that `man` would take for a request.
 fn guarded(line: &str) -> String {
     if line.starts_with(['.', '\'']) { format!("\\&{line}") } else { line.to_owned() }
 }
@@ -93,7 +93,7 @@ fn plain(text: &str) -> String {
             '`' => out.push_str("\\(ga"),
             '^' => out.push_str("\\(ha"),
             '~' => out.push_str("\\(ti"),
-            // A tab would jump, other controls would break the page.
+            // A tab would jump, and other control characters would break the page.
             c if c.is_control() => out.push(' '),
             c => out.push(c),
         }

@@ -1,4 +1,4 @@
-//! Each declaration, behind its first word.
+//! Parsers of each declaration, after its keyword.
 
 use super::{File, doc, end, must};
 use crate::{
@@ -80,7 +80,7 @@ impl<'a> File<'a> {
         Ok((rest, Declaration::Function(Function { name, fp, doc })))
     }
 
-    /// The words of a type, stars, and the name, which is the last word of all.
+    /// Parses a C type, its stars, and the name, which is the last word.
     pub(super) fn variable(self, input: &'a str) -> Parsed<'a, Declaration> {
         let (mut rest, first) = must(self.name(c_word, "a C type"))(input)?;
         let mut words = vec![first.value];
@@ -134,7 +134,7 @@ impl<'a> File<'a> {
 
     pub(super) fn option(self, input: &'a str) -> Parsed<'a, Declaration> {
         let (rest, name) = must(self.name(c_word, "the option's name"))(input)?;
-        // A C type of several words, as `struct line`, is one name.
+        // A C type of several words, such as `struct line`, counts as one name.
         let words = |i: &'a str| {
             let (mut rest, first) = c_word(i)?;
             let mut name = first.to_owned();
@@ -198,7 +198,7 @@ impl<'a> File<'a> {
     }
 }
 
-/// A row of a table, by its word.
+/// Returns a parser that finds a row of a table by its word.
 fn one_of<'a, T>(
     rows: &'static [T],
     word: fn(&T) -> &'static str,

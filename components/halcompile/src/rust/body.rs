@@ -1,16 +1,16 @@
-//! The C text, cut into the parts of its functions.
+//! C text, split into the parts of its functions.
 
 use crate::{Component, name::c_name};
 
-/// The C text of a component.
+/// Parts of a component's C text.
 pub(crate) struct Parts {
-    /// What belongs to each function, in the order of the declarations.
+    /// Text of each function, in the order of the declarations.
     pub(crate) functions: Vec<String>,
-    /// All else.
+    /// Everything else.
     pub(crate) rest: String,
 }
 
-/// Cuts the text at each `FUNCTION(name)`, up to the brace that closes it.
+/// Splits the text at each `FUNCTION(name)`, up to the closing brace.
 pub(crate) fn parts(component: &Component) -> Parts {
     let names: Vec<String> = component.functions.iter().map(|f| c_name(&f.name.value)).collect();
     let mut functions = vec![String::new(); names.len()];
@@ -40,7 +40,7 @@ pub(crate) fn parts(component: &Component) -> Parts {
     Parts { functions, rest: rest.trim().to_owned() }
 }
 
-/// Where the next function begins, its name, and where its body begins.
+/// Returns the start of the next function, its name, and the start of its body.
 fn next(text: &str) -> Option<(usize, &str, usize)> {
     let mut from = 0;
     loop {
@@ -59,7 +59,7 @@ fn next(text: &str) -> Option<(usize, &str, usize)> {
     }
 }
 
-/// How long a text is up to the brace that closes its first one; texts and comments count for nothing.
+/// Returns the length of a text up to the brace that closes its first one; strings and comments are skipped.
 fn closing(text: &str) -> usize {
     let mut depth = 0_u32;
     let mut chars = text.char_indices().peekable();
@@ -95,14 +95,14 @@ fn closing(text: &str) -> usize {
     text.len()
 }
 
-/// What stands between the braces.
+/// Returns the text between the braces.
 fn inside(text: &str) -> &str {
     let text = text.trim();
     let text = text.strip_prefix('{').unwrap_or(text);
     text.strip_suffix('}').unwrap_or(text).trim_matches('\n')
 }
 
-/// Whether a text has this word.
+/// Returns whether a text contains this word.
 pub(crate) fn names(text: &str, word: &str) -> bool {
     let is_part = |c: char| c == '_' || c.is_alphanumeric();
     text.match_indices(word).any(|(i, _)| {
@@ -112,7 +112,7 @@ pub(crate) fn names(text: &str, word: &str) -> bool {
     })
 }
 
-/// A C text as lines of comment.
+/// Returns a C text as comment lines.
 pub(crate) fn comment(text: &str, indent: &str) -> String {
     let lines = text.lines().map(|line| {
         let line = format!("{indent}//     {}", line.replace('\t', "    ").trim_end());

@@ -1,5 +1,4 @@
-//! A component that is declared by hand: several functions, items that only some instances have,
-//! arguments.
+//! Component that is declared by hand: with several functions, items that only some instances have, or arguments.
 
 use super::{
     Plan, about,
@@ -12,7 +11,7 @@ use crate::{
     name::{hal_format, hal_name, prefix},
 };
 
-/// The personality is in a variable of this name.
+/// Name of the variable that holds the personality.
 const PERSONALITY: Spelled<'static> = Spelled("personality");
 
 impl Plan<'_> {
@@ -50,7 +49,7 @@ impl Plan<'_> {
         }
         for (i, f) in self.functions.iter().enumerate() {
             let mut inits: Vec<String> = self.chosen(i).map(|(_, field)| field.clone()).collect();
-            // A list is given away once; a handle as often as one likes.
+            // A list can be moved only once; a handle can be copied.
             let later = |field: &String| {
                 (i + 1..self.functions.len()).any(|n| self.chosen(n).any(|(_, f)| f == field))
             };
@@ -74,7 +73,7 @@ impl Plan<'_> {
         out
     }
 
-    /// What the contract does otherwise.
+    /// Returns notes on differences between the C file and the interface.
     fn notes(&self) -> String {
         let options = &self.component.options;
         let mut out = String::new();
@@ -131,7 +130,7 @@ impl Plan<'_> {
         out
     }
 
-    /// A name within the instance, or in full.
+    /// Returns the name within the instance, or the full name.
     fn full(&self, hal: &str) -> String {
         match (self.once, hal.is_empty()) {
             (false, _) => hal.to_owned(),
@@ -140,7 +139,7 @@ impl Plan<'_> {
         }
     }
 
-    /// The lines that declare an item.
+    /// Returns the lines that declare an item.
     fn declared(&self, item: &Item, field: &str) -> String {
         let hal = hal_name(&item.name.value);
         let kind = value_type(item.kind.hal);

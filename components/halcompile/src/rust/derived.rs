@@ -1,4 +1,4 @@
-//! A component whose whole declaration is a struct: one function, the same items for all instances.
+//! Component that a struct declares completely: one function, and the same items for all instances.
 
 use super::{
     Plan, about,
@@ -8,11 +8,11 @@ use super::{
 };
 use crate::{Item, name::hal_name};
 
-/// The personality, where a count is asked for.
+/// Expression for the personality where a count is needed.
 const PERSONALITY: Spelled<'static> = Spelled("b.personality()");
 
 impl Plan<'_> {
-    /// The struct and its code; none where a struct cannot say it.
+    /// Returns the struct and its code, or `None` where a struct cannot express the component.
     pub(super) fn derived(&self) -> Option<String> {
         let c = self.component;
         let options = ["count_function", "extra_setup", "extra_cleanup"].map(|o| c.options.on(o));
@@ -87,7 +87,7 @@ impl Plan<'_> {
     }
 }
 
-/// What keeps arrays within what the C file allows.
+/// Generated Rust function that refuses arrays larger than the C file allows.
 const AT_MOST: &str = "
 /// The size of a list; more than there can be is refused.
 fn at_most(most: i64, wanted: i64) -> Result<i64, Error> {
@@ -98,7 +98,7 @@ fn at_most(most: i64, wanted: i64) -> Result<i64, Error> {
 }
 ";
 
-/// A field of the struct.
+/// Returns the field of the struct for an item.
 fn of_item(item: &Item, field: &str) -> String {
     let kind = value_type(item.kind.hal);
     let hal = hal_name(&item.name.value);
@@ -130,7 +130,7 @@ fn of_item(item: &Item, field: &str) -> String {
     out
 }
 
-/// Lines of documentation.
+/// Returns the text as lines of documentation.
 fn docs(text: &str, indent: &str) -> String {
     let line = |l: &str| format!("{}\n", format!("{indent}/// {}", l.trim()).trim_end());
     text.trim().lines().map(line).collect()

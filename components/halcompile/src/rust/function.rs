@@ -1,4 +1,4 @@
-//! The functions: what each holds, and the C text that is to be translated.
+//! Functions in Rust: their fields, and the C text to be translated.
 
 use super::{
     Function, Plan,
@@ -8,7 +8,7 @@ use super::{
 use crate::{Item, name::c_name};
 
 impl Plan<'_> {
-    /// The items of a function: those that its C text names; what no function names, all have.
+    /// Returns the items of a function: those that its C text names, and those that no function names.
     pub(super) fn chosen(&self, index: usize) -> impl Iterator<Item = (&Item, &String)> {
         self.component.items.iter().zip(&self.fields).filter(move |(item, _)| {
             let c = c_name(&item.name.value);
@@ -21,7 +21,7 @@ impl Plan<'_> {
         })
     }
 
-    /// The variables, which the first function keeps: name, type, first value.
+    /// Returns the variables, which the first function keeps: name, type, initial value.
     pub(super) fn state(&self, index: usize) -> impl Iterator<Item = (String, String, String)> {
         let first = index == 0;
         let all = self.component.variables.iter().filter(move |_| first);

@@ -1,4 +1,4 @@
-//! Names, types and values of C as Rust has them.
+//! Conversion of names, types and values from C to Rust.
 
 use crate::{
     Variable,
@@ -6,7 +6,7 @@ use crate::{
     tree::{Direction, Hal, Value},
 };
 
-/// A field's name.
+/// Returns the name of a field.
 pub(crate) fn field(c_name: &str) -> String {
     const WORDS: &[&str] = &[
         "as",
@@ -74,7 +74,7 @@ pub(crate) fn field(c_name: &str) -> String {
     }
 }
 
-/// A type's name.
+/// Returns the name of a type.
 pub(crate) fn camel(c_name: &str) -> String {
     let mut out = String::new();
     for word in c_name.split('_').filter(|w| !w.is_empty()) {
@@ -83,7 +83,7 @@ pub(crate) fn camel(c_name: &str) -> String {
         out.extend(chars);
     }
     let out = if out.starts_with(|c: char| c.is_ascii_digit()) { format!("N{out}") } else { out };
-    // Names that the contract has itself.
+    // Names that the interface uses itself.
     let taken = [
         "In",
         "Out",
@@ -110,7 +110,7 @@ pub(crate) fn camel(c_name: &str) -> String {
     if taken.contains(&out.as_str()) { format!("{out}Function") } else { out }
 }
 
-/// A type's name as the derive macro takes it for the component's.
+/// Returns a type's name as the derive macro converts it to the component's name.
 pub(crate) fn snake(camel: &str) -> String {
     let mut out = String::new();
     for c in camel.chars() {
@@ -122,7 +122,7 @@ pub(crate) fn snake(camel: &str) -> String {
     out
 }
 
-/// The type of a pin's value.
+/// Returns the Rust type of a pin's value.
 pub(crate) const fn value_type(hal: Hal) -> &'static str {
     match hal {
         Hal::Bit => "bool",
@@ -135,7 +135,7 @@ pub(crate) const fn value_type(hal: Hal) -> &'static str {
     }
 }
 
-/// The handle of a direction.
+/// Returns the handle type of a direction.
 pub(crate) const fn handle(direction: Direction) -> &'static str {
     match direction {
         Direction::In => "In",
@@ -146,7 +146,7 @@ pub(crate) const fn handle(direction: Direction) -> &'static str {
     }
 }
 
-/// A value of this type; none where only C knows it.
+/// Returns a value of this type as Rust text, or `None` where only C knows it.
 pub(crate) fn value(value: Option<&Value>, kind: &str) -> Option<String> {
     let zero = match kind {
         "bool" => "false",
@@ -185,7 +185,7 @@ fn fits(n: i128, kind: &str) -> bool {
     }
 }
 
-/// The type of a variable, and how it begins; none for pointers and for types of the C text.
+/// Returns a variable's type and initial value, or `None` for pointers and for types of the C text.
 pub(crate) fn variable(v: &Variable) -> Option<(String, String)> {
     let kind = match v.c_type.trim_start_matches("volatile ").trim_start_matches("const ") {
         "bool" | "_Bool" | "hal_bit_t" | "rtapi_bool" => "bool",
@@ -216,12 +216,12 @@ pub(crate) fn variable(v: &Variable) -> Option<(String, String)> {
     }
 }
 
-/// Expressions in Rust, where this text is the personality.
+/// Writer of expressions in Rust, with this text for the personality.
 #[derive(Clone, Copy)]
 pub(crate) struct Spelled<'a>(pub(crate) &'a str);
 
 impl Spelled<'_> {
-    /// As a number.
+    /// Returns the expression as a number.
     pub(crate) fn number(self, e: &Expr) -> String {
         match e {
             Expr::Number(n) => i64::try_from(*n).unwrap_or(i64::MAX).to_string(),
@@ -250,7 +250,7 @@ impl Spelled<'_> {
         }
     }
 
-    /// As yes or no.
+    /// Returns the expression as a truth value.
     pub(crate) fn truth(self, e: &Expr) -> String {
         match e {
             Expr::Pair(a, sign, b) if sign.gives == Gives::Both => {
@@ -269,7 +269,7 @@ impl Spelled<'_> {
         }
     }
 
-    /// As part of something larger.
+    /// Returns the expression as an operand, in parentheses where needed.
     fn part(self, e: &Expr) -> String {
         let text = self.number(e);
         let whole = match e {
