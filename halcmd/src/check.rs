@@ -1,4 +1,4 @@
-//! `halcmd check`: everything that is wrong or odd with a machine, before it moves.
+//! `halcmd check`: reports errors and oddities of a machine before it moves.
 
 mod allow;
 mod collect;
@@ -49,7 +49,7 @@ const fn long(
     Opt { id, short: None, long: Some(name), value, variable: None, help }
 }
 
-/// What was given before the word `check`.
+/// Options that the user gave before the word `check`.
 #[derive(Clone, Debug, Default)]
 pub struct Before {
     /// `-i`.
@@ -58,11 +58,11 @@ pub struct Before {
     pub json: bool,
 }
 
-/// Runs `halcmd check WORDS…`; without files, on the instance that runs. The status is that of the
-/// worst finding: 0 none or notes, 1 warnings, 2 errors.
+/// Runs `halcmd check WORDS…`. Without files it checks the running instance. Returns the status of
+/// the worst finding: 0 none or notes, 1 warnings, 2 errors.
 ///
 /// # Errors
-/// An option is wrong, or there is no instance.
+/// An option is invalid, or there is no instance.
 pub fn main(
     words: &[String],
     before: Before,
@@ -108,7 +108,7 @@ pub fn main(
     Ok(status(&checked.findings))
 }
 
-/// The status of the worst finding.
+/// Returns the status of the worst finding.
 #[must_use]
 pub fn status(findings: &[Finding]) -> u8 {
     match findings.iter().map(|f| f.level).max() {

@@ -1,4 +1,4 @@
-//! Completion: what the next word of a line may be. The prompt and every shell use it.
+//! Completion of the word being typed, for the prompt and for every shell.
 
 mod files;
 mod live;
@@ -16,12 +16,12 @@ use live::Live;
 pub(crate) use shell::SHELLS;
 pub use shell::{COMPLETE_FILES, for_shell, script};
 
-/// A word that may stand here.
+/// A possible word.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Candidate {
     /// The word.
     pub word: String,
-    /// What it is, in a line.
+    /// Description, in a line.
     pub about: String,
 }
 
@@ -30,25 +30,25 @@ impl Candidate {
         Self { word: word.into(), about: about.into() }
     }
 
-    /// Whether more of the same word follows it, so that no blank may.
+    /// Returns whether the word continues, so that no space may follow it.
     #[must_use]
     pub fn is_open(&self) -> bool {
         self.word.ends_with(['=', '/'])
     }
 }
 
-/// What may stand at the end of a line.
+/// Possible completions of a line.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Completion {
-    /// Where the word that is being typed begins, in bytes.
+    /// Byte offset of the word that is being typed.
     pub at: usize,
-    /// What it may become, by name.
+    /// Possible words, by name.
     pub candidates: Vec<Candidate>,
-    /// Whether it may also be the name of a file.
+    /// True if the name of a file is possible too.
     pub files: bool,
 }
 
-/// What the last word of `line` may become; `link` says what there is.
+/// Completes the last word of `line` with what the instance behind `link` has.
 pub fn complete(line: &str, link: &mut dyn Link) -> Completion {
     let Some((before, at)) = split(line) else { return Completion::default() };
     let word = line.get(at..).unwrap_or_default();
@@ -60,7 +60,7 @@ pub fn complete(line: &str, link: &mut dyn Link) -> Completion {
     Completion { at, ..found }
 }
 
-/// What `word` may become after these words.
+/// Completes `word` after the words in `before`.
 pub fn words(before: &[String], word: &str, link: &mut dyn Link) -> Completion {
     let mut offered = Offered { word, candidates: Vec::new(), files: false };
     let mut live = Live::new(link, word);
@@ -76,7 +76,7 @@ pub fn words(before: &[String], word: &str, link: &mut dyn Link) -> Completion {
     Completion { at: 0, candidates: offered.candidates, files: offered.files }
 }
 
-/// What has been found so far for the word that is being typed.
+/// Candidates found so far for the word being typed.
 struct Offered<'a> {
     word: &'a str,
     candidates: Vec<Candidate>,
@@ -84,7 +84,7 @@ struct Offered<'a> {
 }
 
 impl Offered<'_> {
-    /// Keeps those that begin as the word does. Options are for those who ask for them.
+    /// Adds the candidates that begin with the word. Options are added only after a '-'.
     fn add(&mut self, candidates: impl IntoIterator<Item = Candidate>) {
         let fits = |c: &Candidate| {
             c.word.starts_with(self.word)
@@ -94,7 +94,7 @@ impl Offered<'_> {
     }
 }
 
-/// The words of a line before the one that is being typed, and where that one begins; none within
+/// Returns the words before the one being typed, and the offset of that one. Returns `None` within
 /// a comment.
 fn split(line: &str) -> Option<(Vec<String>, usize)> {
     let (mut words, mut at, mut quote) = (Vec::new(), None, None);
@@ -116,7 +116,7 @@ fn split(line: &str) -> Option<(Vec<String>, usize)> {
     Some((words, at.unwrap_or(line.len())))
 }
 
-/// The first word: a command, a component's command, or what is to be set.
+/// Completes the first word: a command, a component's command, or an item to set.
 fn first(offered: &mut Offered<'_>, live: &mut Live<'_>) {
     offered.add(rows().map(|row| Candidate::new(row.name, row.summary)));
     if !offered.word.is_empty() {
@@ -127,7 +127,7 @@ fn first(offered: &mut Offered<'_>, live: &mut Live<'_>) {
     }
 }
 
-/// After a word that is no command of the table.
+/// Completes after a first word that is not a command of the table.
 fn unlisted(name: &str, rest: &[String], offered: &mut Offered<'_>, live: &mut Live<'_>) {
     match rest {
         [] if live.is_settable(name) => offered.add([Candidate::new("=", "set it")]),
@@ -206,13 +206,13 @@ fn argument(
     }
 }
 
-/// Every type once.
+/// Returns every type.
 fn types() -> Vec<Candidate> {
     let all = [Type::Bit, Type::Float, Type::S32, Type::U32, Type::S64, Type::U64, Type::Port];
     all.iter().map(|ty| Candidate::new(ty.name(), "")).collect()
 }
 
-/// A program of `loadusr`; what follows it are its own words.
+/// Completes a program of `loadusr`. The words after it are the program's own.
 fn program(rest: &[String], offered: &mut Offered<'_>) {
     let named = |pair: &[String]| matches!(pair, [option, _] if option.ends_with('n'));
     let value = rest.last().is_some_and(|w| w.starts_with('-') && w.ends_with('n'));
@@ -243,7 +243,7 @@ mod tests {
     use super::{complete, split};
     use hal_protocol::{Failure, Link, Reply, Request};
 
-    /// No instance runs.
+    /// A link without an instance.
     struct Nobody;
 
     impl Link for Nobody {

@@ -1,4 +1,4 @@
-//! `halcmd explain`: what a finding of `check` means, why it matters, what shows it, what to do.
+//! `halcmd explain`: meaning, consequences, example and remedy of each finding of `check`.
 
 mod functs;
 mod ini;
@@ -11,33 +11,33 @@ mod values;
 use crate::{Error, Terminal, hint::nearest};
 use hal_protocol::Code;
 
-/// What there is to say about a code. Its two examples are run by the tests.
+/// Explanation of a code. Tests run its two examples.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// The code.
+    /// Code of the finding.
     pub code: Code,
-    /// What it means, in whole sentences.
+    /// Meaning, in whole sentences.
     pub means: &'static str,
-    /// Why it matters.
+    /// Consequences.
     pub matters: &'static str,
-    /// What to do.
+    /// Remedy.
     pub remedy: &'static str,
-    /// A script that has it, on the line that ends in `# <--`; files begin with `--- NAME`, the
-    /// first is `m.hal`.
+    /// A script with the finding on the line that ends in `# <--`. Files begin with `--- NAME`; the
+    /// first file is `m.hal`.
     pub wrong: &'static str,
-    /// The same script put right: no error and no warning.
+    /// The corrected script, without errors and warnings.
     pub right: &'static str,
 }
 
 const GROUPS: &[&[Row]] =
     &[script::ROWS, loading::ROWS, links::ROWS, values::ROWS, functs::ROWS, steps::ROWS, ini::ROWS];
 
-/// Every row, in order of codes.
+/// Returns every row, in order of codes.
 pub fn rows() -> impl Iterator<Item = &'static Row> {
     GROUPS.iter().copied().flatten()
 }
 
-/// What there is to say about a code.
+/// Returns the explanation of a code.
 #[must_use]
 pub fn row(code: Code) -> Option<&'static Row> {
     rows().find(|row| row.code == code)
@@ -62,7 +62,7 @@ pub fn main(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> 
     Ok(0)
 }
 
-/// The codes in lines.
+/// Returns a list of all codes, one per line.
 #[must_use]
 pub fn list() -> String {
     let line = |code: &Code| format!("{code}  {:<7}  {}\n", code.level().name(), code.title());
@@ -70,7 +70,7 @@ pub fn list() -> String {
     lines + "\n'halcmd explain CODE' tells more\n"
 }
 
-/// The codes as the README shows them.
+/// Returns the table of codes for the README.
 #[must_use]
 pub fn markdown() -> String {
     let line = |c: &Code| format!("| `{c}` | {} | {} |\n", c.level().name(), c.title());

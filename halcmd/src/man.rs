@@ -1,4 +1,4 @@
-//! `halcmd man`: the page of a component, from what its plugin says about itself.
+//! `halcmd man`: the manual page of a component, made from the plugin's documentation.
 
 mod gather;
 mod grid;
@@ -19,67 +19,69 @@ use hal_protocol::{
 use prose::Doc;
 use std::path::PathBuf;
 
-/// What there is to say about a component.
+/// Content of the manual page of a component.
 #[derive(Clone, Debug)]
 pub struct Page {
-    /// What the plugin says; only the name of what is no plugin.
+    /// Information from the plugin; for a page without a plugin, only the name.
     pub offer: Offer,
-    /// Its other names.
+    /// Other names of the component.
     pub also: Vec<String>,
-    /// The `loadrt` lines that made what follows; several, if no single one makes all.
+    /// The `loadrt` lines that made the pins below. There are several if no single one makes all
+    /// pins.
     pub loads: Vec<Vec<String>>,
-    /// Its pins and parameters, where like ones are one entry.
+    /// Pins and parameters. Similar ones are one entry.
     pub items: Vec<Entry>,
-    /// Its functions, where like ones are one entry.
+    /// Functions. Similar ones are one entry.
     pub functs: Vec<Function>,
-    /// Its commands.
+    /// Commands of the component.
     pub commands: Vec<CommandInfo>,
-    /// Why nothing of it could be made.
+    /// Reason why nothing of it could be loaded.
     pub refused: Option<String>,
 }
 
-/// Pins or parameters that differ by a number in their names alone.
+/// Pins or parameters whose names differ only by a number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// The name of the first.
+    /// Name of the first.
     pub first: String,
-    /// The name of the last, if there are several.
+    /// Name of the last, if there are several.
     pub last: Option<String>,
-    /// The type of all.
+    /// Common type.
     pub ty: Type,
-    /// The direction of all.
+    /// Common direction.
     pub direction: Direction,
-    /// What they begin with: one value, or that of each.
+    /// Initial value, or the list of the initial values.
     pub default: String,
-    /// With which arguments they are there, in words; empty: with all that were tried.
+    /// Description of the arguments with which they exist; empty if they exist with all tried
+    /// arguments.
     pub with: String,
-    /// What they mean.
+    /// Documentation.
     pub doc: String,
 }
 
-/// Functions that differ by a number in their names alone.
+/// Functions whose names differ only by a number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Function {
-    /// The name of the first.
+    /// Name of the first.
     pub first: String,
-    /// The name of the last, if there are several.
+    /// Name of the last, if there are several.
     pub last: Option<String>,
-    /// Whether they belong in a fast thread.
+    /// True if they belong in a fast thread.
     pub fast: bool,
-    /// What they do.
+    /// Documentation.
     pub doc: String,
 }
 
-/// The script in the documentation of a component that shows it at work.
+/// Returns the example script in a component's documentation.
 #[must_use]
 pub fn example(doc: &str) -> Option<String> {
     Doc::of(doc).example
 }
 
-/// Every page of what the plugins in these folders offer, by name.
+/// Returns every page of the components in these plugin folders, by name.
 ///
 /// # Errors
-/// There is no engine to be had.
+/// No engine can be created.
 pub fn pages(path: &[PathBuf]) -> Result<Vec<Page>, Error> {
     let offers = engine(path)?.catalogue();
     let page = |offer: &Offer| Page::made(offer.clone(), also(offer, &offers), &[], path);
@@ -87,7 +89,8 @@ pub fn pages(path: &[PathBuf]) -> Result<Vec<Page>, Error> {
 }
 
 impl Page {
-    /// The page of one component, loaded with these arguments, or else as its example loads it.
+    /// Returns the page of a component, loaded with these arguments, or without arguments as in its
+    /// example.
     ///
     /// # Errors
     /// There is no such component.
@@ -158,7 +161,7 @@ impl Page {
     }
 }
 
-/// The functions of a component.
+/// Returns the functions of a component.
 fn of(engine: &mut Engine, name: &str) -> Vec<FunctInfo> {
     match engine.call(all(Kind::Functs)) {
         Ok(Reply::Functs(list)) => list.into_iter().filter(|f| f.owner_name == name).collect(),
@@ -166,7 +169,7 @@ fn of(engine: &mut Engine, name: &str) -> Vec<FunctInfo> {
     }
 }
 
-/// Takes down the pins and parameters that load number `i` made.
+/// Records the pins and parameters that load number `i` made.
 fn look(
     engine: &mut Engine,
     name: &str,
@@ -191,7 +194,7 @@ fn is_same(a: &ItemInfo, b: &ItemInfo) -> bool {
     a.name == b.name && kind(a) == kind(b) && a.doc == b.doc
 }
 
-/// The other names under which the same is offered.
+/// Returns the other names under which the same component is offered.
 fn also(offer: &Offer, offers: &[Offer]) -> Vec<String> {
     let same = |o: &&Offer| (&o.library, &o.doc) == (&offer.library, &offer.doc);
     let names = offers.iter().filter(same).map(|o| &o.component);
@@ -221,8 +224,9 @@ fn engine(path: &[PathBuf]) -> Result<Engine, Error> {
     })?)
 }
 
-/// The lines of the example that load something, up to the one that loads the component; and the
-/// same with each line that the documentation has for its pins.
+/// Returns the sequences of `loadrt` lines to try: the lines of the example up to the one that
+/// loads the component, and the same lines with each `loadrt` line of the documentation's section
+/// on pins.
 fn loads(offer: &Offer, args: &[String]) -> Vec<Vec<String>> {
     let name = &offer.component;
     let doc = Doc::of(&offer.doc);
@@ -245,19 +249,19 @@ fn loads(offer: &Offer, args: &[String]) -> Vec<Vec<String>> {
     own.into_iter().map(|line| [before.clone(), vec![line]].concat()).collect()
 }
 
-/// The arguments of the last line.
+/// Returns the arguments of the last line.
 fn arguments(lines: &[String]) -> Vec<String> {
     let words = lines.last().map(|l| l.split_whitespace().skip(2));
     words.into_iter().flatten().map(str::to_owned).collect()
 }
 
-/// Whether it is the time that one of its functions takes.
+/// Returns whether the name is a timing pin or parameter of one of the functions.
 fn is_time(name: &str, functs: &[FunctInfo]) -> bool {
     let owner = [".time", ".tmax", ".tmax-increased"].iter().find_map(|e| name.strip_suffix(e));
     owner.is_some_and(|owner| functs.iter().any(|f| f.name == owner))
 }
 
-/// Runs `halcmd man NAME [ARGUMENTS]`: on a terminal through a pager.
+/// Runs `halcmd man NAME [ARGUMENTS]`. On a terminal it uses a pager.
 ///
 /// # Errors
 /// There is no such component.

@@ -1,11 +1,11 @@
-//! Comments that allow a finding: `# check: allow H403 why`, on its line or above it.
+//! Comments that allow a finding: `# check: allow H403 why`, on the same line or above it.
 
 use super::collect::Texts;
 use hal_protocol::{At, Code, Finding, Level};
 
 const MARK: &str = "check: allow ";
 
-/// What comments allow.
+/// Findings that comments allow.
 #[derive(Clone, Debug, Default)]
 pub struct Allowed {
     list: Vec<Allowance>,
@@ -13,9 +13,9 @@ pub struct Allowed {
 
 #[derive(Clone, Debug)]
 struct Allowance {
-    /// Where the comment stands.
+    /// Position of the comment.
     at: At,
-    /// The line it is about.
+    /// Line of the finding that it allows.
     line: u32,
     word: String,
     code: Option<Code>,
@@ -23,7 +23,7 @@ struct Allowance {
 }
 
 impl Allowed {
-    /// Reads the comments of files.
+    /// Parses the comments of the files.
     #[must_use]
     pub fn of(texts: &Texts) -> Self {
         let mut list = Vec::new();
@@ -48,7 +48,7 @@ impl Allowed {
         Self { list }
     }
 
-    /// Whether a comment allows it. Errors are not allowed.
+    /// Returns whether a comment allows the finding. Errors cannot be allowed.
     pub fn takes(&mut self, finding: &Finding) -> bool {
         let Some(at) = finding.at.as_ref().filter(|_| finding.level != Level::Error) else {
             return false;
@@ -63,7 +63,7 @@ impl Allowed {
         taken
     }
 
-    /// A note for each that allowed nothing.
+    /// Returns a note for each comment that allowed nothing.
     pub fn idle(&self) -> impl Iterator<Item = Finding> {
         self.list.iter().filter(|a| !a.used).map(|a| {
             let text = match a.code {
@@ -80,7 +80,7 @@ impl Allowed {
     }
 }
 
-/// The next line that is neither empty nor a comment.
+/// Returns the next line that is neither empty nor a comment.
 fn next_line(lines: &[String], line: u32) -> u32 {
     let rest = (line + 1..).zip(lines.iter().skip(line as usize));
     let mut code = rest.filter(|(_, text)| {

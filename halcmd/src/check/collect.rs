@@ -1,4 +1,4 @@
-//! Findings from everywhere, sorted.
+//! Collected and sorted findings.
 
 use super::{allow::Allowed, joints, refused, unused};
 use crate::{Error, trial::Trial};
@@ -8,19 +8,21 @@ use std::{
     path::PathBuf,
 };
 
-/// Files by name, as far as they can be read: for lines with a caret, and allowances.
+/// Lines of the files that can be read, by name. They are needed for lines with a caret, and for
+/// allowances.
 pub type Texts = BTreeMap<String, Vec<String>>;
 
-/// What a check came to.
+/// Result of a check.
 #[derive(Clone, Debug, Default)]
 pub struct Checked {
-    /// In order of files and lines; those without a place last.
+    /// Findings in order of files and lines. Findings without a place are last.
     pub findings: Vec<Finding>,
-    /// The lines of the files that they stand in.
+    /// The lines of the files with findings.
     pub texts: Texts,
 }
 
-/// Checks scripts in order, with the values of an INI file if one is given, or a machine's INI.
+/// Checks scripts in order, with the values of an INI file if one is given, or checks a machine's
+/// INI file.
 #[must_use]
 pub fn check(files: &[String], ini: Option<&str>, plugins: Vec<PathBuf>) -> Checked {
     let mut findings = Vec::new();
@@ -35,15 +37,15 @@ pub fn check(files: &[String], ini: Option<&str>, plugins: Vec<PathBuf>) -> Chec
     finished(findings, files)
 }
 
-/// Checks the instance that runs.
+/// Checks the running instance.
 ///
 /// # Errors
-/// There is none.
+/// No instance is running.
 pub fn live(link: &mut dyn Link) -> Result<Checked, Error> {
     Ok(finished(asked(link)?, &[]))
 }
 
-/// What the engine finds.
+/// Returns the findings of the engine.
 fn asked(link: &mut dyn Link) -> Result<Vec<Finding>, Failure> {
     match link.call(Request::Check)? {
         Reply::Findings(list) => Ok(list),
@@ -72,7 +74,7 @@ fn collect(trial: &mut Trial, findings: &mut Vec<Finding>) {
             !attempt.unknown.signals.contains(&f.subject)
         }
         Code::EstopNotReturned | Code::EstopNotJoined => !wired_unknown,
-        // Whoever starts the machine starts the threads.
+        // The program that starts such a machine also starts its threads.
         Code::NeverStarted => !starts,
         _ => true,
     };
@@ -81,7 +83,7 @@ fn collect(trial: &mut Trial, findings: &mut Vec<Finding>) {
     findings.extend(unused::findings(trial));
 }
 
-/// Whether the e-stop is wired to pins that are not known: nobody can say where it leads.
+/// Returns whether the e-stop is wired to unknown pins, in which case its further path is unknown.
 fn estop_is_unknown(link: &mut dyn Link, unknown: &BTreeSet<String>) -> bool {
     let ends = ["iocontrol.0.user-enable-out", "iocontrol.0.emc-enable-in", "motion.enable"];
     let patterns = ends.map(str::to_owned).to_vec();
@@ -93,7 +95,7 @@ fn estop_is_unknown(link: &mut dyn Link, unknown: &BTreeSet<String>) -> bool {
     }
 }
 
-/// Sorts, and takes out what comments allow.
+/// Sorts the findings and removes those that comments allow.
 fn finished(mut findings: Vec<Finding>, files: &[String]) -> Checked {
     let mut texts = Texts::new();
     let named = findings.iter().flat_map(|f| f.at.iter().chain(f.related.iter().map(|r| &r.at)));

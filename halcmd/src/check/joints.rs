@@ -1,9 +1,9 @@
-//! Joints of an INI file against the step generators that move them.
+//! Comparison of the joints in an INI file with the step generators that move them.
 
 use crate::{ini::Entry, trial::Trial};
 use hal_protocol::{At, Code, Direction, Finding, Kind, Link, Reply, Request, SignalInfo, Value};
 
-/// The function that makes the pulses.
+/// The function that makes step pulses.
 const MAKER: &str = "stepgen.make-pulses";
 
 pub(super) fn findings(trial: &mut Trial) -> Vec<Finding> {
@@ -28,7 +28,7 @@ pub(super) fn findings(trial: &mut Trial) -> Vec<Finding> {
     found
 }
 
-/// The step generator that a joint's command goes to, such as `stepgen.0`.
+/// Returns the step generator that receives a joint's position command, such as `stepgen.0`.
 fn channel(signals: &[SignalInfo], command: &str) -> Option<String> {
     let signal = signals.iter().find(|s| s.pins.iter().any(|(_, pin)| pin == command))?;
     signal.pins.iter().find_map(|(direction, pin)| {
@@ -42,7 +42,7 @@ struct Machine<'a> {
 }
 
 impl Machine<'_> {
-    /// The period in which pulses are made, in nanoseconds.
+    /// Returns the period of the thread that makes the pulses, in nanoseconds.
     fn period(&mut self) -> Option<f64> {
         let list = Request::List { kind: Kind::Threads, patterns: Vec::new(), ty: None };
         let Ok(Reply::Threads(threads)) = self.link.call(list) else { return None };

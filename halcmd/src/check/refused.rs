@@ -1,4 +1,4 @@
-//! Refused lines as findings.
+//! Findings for refused lines.
 
 use crate::{
     Error,
@@ -7,14 +7,14 @@ use crate::{
 };
 use hal_protocol::{At, Code, Finding};
 
-/// A refused line.
+/// Converts the error of a refused line to a finding.
 pub(super) fn finding(mut at: At, error: &Error) -> Finding {
     let (mut text, remedy) = (error.to_string(), error.hint().unwrap_or_default());
     if let (Error::NotYet { .. }, Some((place, rest))) = (error, placed(&text)) {
         (at, text) = (place, rest.to_owned());
     }
     let code = match code(error) {
-        // What an INI file has is what motion is told.
+        // Entries of an INI file become arguments of motion's commands.
         Code::Refused | Code::BadArgument if at.file.ends_with(".ini") => Code::MotionRefuses,
         code => code,
     };
@@ -26,8 +26,8 @@ pub(super) fn finding(mut at: At, error: &Error) -> Finding {
     Finding::new(code, &subject, text).at(Some(at)).remedy(remedy)
 }
 
-/// What motion refuses, where the entry is that it names; what is told it begins where the
-/// section does.
+/// Moves a finding about a refused command of motion to the INI entry that the message names. The
+/// finding had the line at which the section begins.
 pub(super) fn at_entry(mut finding: Finding, ini: &Ini) -> Finding {
     let is_here =
         |e: &&Entry| finding.at.as_ref().is_some_and(|at| at.file == e.file && at.line == e.line);
@@ -46,14 +46,14 @@ pub(super) fn at_entry(mut finding: Finding, ini: &Ini) -> Finding {
     finding
 }
 
-/// The place and the text of `file:line: text`.
+/// Splits `file:line: text` into place and text.
 pub(crate) fn placed(line: &str) -> Option<(At, &str)> {
     let (place, text) = line.split_once(": ")?;
     let (file, number) = place.rsplit_once(':')?;
     Some((At::new(file, number.parse().ok()?), text))
 }
 
-/// Something odd that a line did.
+/// Converts a warning about a line to a finding.
 pub(super) fn remark(remark: &Remark) -> Finding {
     let text = remark.text.strip_prefix("Warning: ").unwrap_or(&remark.text);
     let code = if text.contains("POSTGUI_HALFILE") {
@@ -73,7 +73,7 @@ pub(super) fn remark(remark: &Remark) -> Finding {
     Finding::new(code, quoted(text), text.to_owned()).at(Some(remark.at.clone())).remedy(remedy)
 }
 
-/// Where an error says that it is.
+/// Returns the place that an error contains.
 pub(super) fn place(error: &Error) -> Option<At> {
     match error {
         Error::Ini(hal_ini::Error::Syntax { path, line, .. }) => Some(At::new(path, *line)),
@@ -123,7 +123,7 @@ fn code(error: &Error) -> Code {
     }
 }
 
-/// The first word in quotes.
+/// Returns the first word in quotes.
 fn quoted(text: &str) -> &str {
     let mut parts = text.split(['\'', '`']);
     parts.nth(1).unwrap_or_default()

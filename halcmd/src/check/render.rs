@@ -1,20 +1,20 @@
-//! Findings as text: `file:line: level[code]: what`, what to do, and the line for a person.
+//! Findings as text: `file:line: level[code]: text`, remedy, and the source line for a person.
 
 use super::collect::Texts;
 use hal_protocol::{At, Finding, Level};
 use std::fmt::Write;
 
-/// How findings are shown.
+/// Format of findings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Shown {
-    /// A person looks: the line with carets.
+    /// True to show source lines with carets, for a person.
     pub(super) lines: bool,
-    /// In colour.
+    /// True to use colour.
     pub(super) colour: bool,
 }
 
 impl Shown {
-    /// As standard output is.
+    /// Returns the format for standard output.
     pub(super) fn for_terminal() -> Self {
         let person = rustix::termios::isatty(std::io::stdout());
         let plain = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
@@ -22,11 +22,11 @@ impl Shown {
     }
 }
 
-/// Everything, and the summary.
+/// Returns all findings and the summary.
 pub(super) fn write(findings: &[Finding], texts: &Texts, shown: Shown) -> String {
     let mut out = String::new();
     for f in findings {
-        // Writing to a text does not fail.
+        // Writing to a string does not fail.
         one(&mut out, f, texts, shown).unwrap_or_default();
     }
     out + &summary(findings)
@@ -57,7 +57,7 @@ fn one(out: &mut String, f: &Finding, texts: &Texts, shown: Shown) -> core::fmt:
     Ok(())
 }
 
-/// The line, with carets under its subject.
+/// Writes the source line with carets under the subject.
 fn line(
     out: &mut String,
     at: &At,
@@ -86,7 +86,7 @@ fn line(
     )
 }
 
-/// How many of each.
+/// Counts the findings of each level.
 fn summary(findings: &[Finding]) -> String {
     let count = |level| findings.iter().filter(|f| f.level == level).count();
     let levels = [Level::Error, Level::Warning, Level::Note];

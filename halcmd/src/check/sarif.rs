@@ -4,7 +4,7 @@ use crate::{Error, explain};
 use hal_protocol::{At, Code, Finding};
 use serde_json::{Value, json};
 
-/// The log of one run.
+/// Returns the log of one run.
 pub(super) fn write(findings: &[Finding]) -> Result<String, Error> {
     let log = json!({
         "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
@@ -78,7 +78,7 @@ fn put(object: &mut Value, key: &str, value: Value) {
     }
 }
 
-/// A path as part of a URI.
+/// Writes a path as part of a URI.
 fn uri(path: &str) -> String {
     let mut out = if path.starts_with('/') { "file://".to_owned() } else { String::new() };
     for b in path.bytes() {

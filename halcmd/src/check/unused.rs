@@ -1,9 +1,9 @@
-//! Entries of joints and axes that nothing reads: often misspelt.
+//! Findings for entries of joints and axes that nothing reads, often because they are misspelt.
 
 use crate::{hint::nearest, trial::Trial};
 use hal_protocol::{At, Code, Finding, Kind, Link, Reply, Request};
 
-/// What LinuxCNC's programs read from the section of a joint or axis.
+/// Entries that LinuxCNC's programs read from the section of a joint or axis.
 const KNOWN: &[&str] = &[
     "TYPE",
     "UNITS",

@@ -1,9 +1,9 @@
-//! Names of files, for the prompt; shells know them themselves.
+//! Completion of file names for the prompt. Shells complete file names themselves.
 
 use super::Candidate;
 use std::path::{Path, PathBuf};
 
-/// Files and folders whose names begin as `word` does. Hidden ones are for those who ask.
+/// Returns files and folders whose names begin with `word`. Hidden ones need a '.' in `word`.
 pub(super) fn files(word: &str) -> Vec<Candidate> {
     let cut = word.rfind('/').map_or(0, |at| at + 1);
     let (folder, begun) = word.split_at(cut);
@@ -16,7 +16,7 @@ pub(super) fn files(word: &str) -> Vec<Candidate> {
     let names = entries.filter_map(|e| Some((e.file_name().into_string().ok()?, e.path())));
     let fits = |name: &str| {
         let shown = begun.starts_with('.') || !name.starts_with('.');
-        // A word of the language has no blanks.
+        // A word of the HAL language contains no spaces.
         shown && name.starts_with(begun) && !name.contains([' ', '\t', '#', '"', '\''])
     };
     names

@@ -1,4 +1,4 @@
-//! Words that only the instance knows: its pins, signals, functions, and what it could load.
+//! Words that only the instance knows: pins, signals, functions, and components to load.
 
 use super::Candidate;
 use hal_protocol::{
@@ -7,13 +7,13 @@ use hal_protocol::{
 };
 use std::collections::BTreeSet;
 
-/// An instance, asked for what begins as a word does. Without one there is nothing to offer.
+/// Lists items of an instance that begin with a word. Without an instance the lists are empty.
 pub(super) struct Live<'a> {
     link: &'a mut dyn Link,
     word: &'a str,
 }
 
-/// What the pins of a signal are, as far as it matters to another pin.
+/// Properties of a signal's pins that decide which further pin may join.
 #[derive(Default)]
 struct Ends {
     ty: Option<Type>,
@@ -35,7 +35,7 @@ impl Ends {
         self.read |= direction != Direction::Out;
     }
 
-    /// Whether a pin of this type and direction may join, as the engine decides it.
+    /// Returns whether a pin of this type and direction may join, by the engine's rules.
     fn take(&self, ty: Type, direction: Direction) -> bool {
         let port = ty == Type::Port;
         self.ty.is_none_or(|own| own == ty)
@@ -57,7 +57,7 @@ impl<'a> Live<'a> {
         self.link.call(request).unwrap_or(Reply::Done)
     }
 
-    /// Those that begin as the word does.
+    /// Lists items that begin with the word.
     fn begun(&mut self, kind: Kind) -> Reply {
         let word = self.word.to_owned();
         self.list(kind, &word)
@@ -97,7 +97,7 @@ impl<'a> Live<'a> {
         self.signals(|signal| !Ends::of(signal).out)
     }
 
-    /// Pins that may join a signal together with `others`, which are named on the same line.
+    /// Returns the pins that may join a signal together with `others`, which are on the same line.
     pub(super) fn pins_for(&mut self, signal: &str, others: &[String]) -> Vec<Candidate> {
         let found = match self.list(Kind::Signals, signal) {
             Reply::Signals(list) => list.into_iter().find(|s| s.name == signal),
@@ -131,7 +131,8 @@ impl<'a> Live<'a> {
         }
     }
 
-    /// Values for an item or signal: both of a bit, and the present one of all others.
+    /// Returns values for an item or signal: both values of a bit, or the present value of another
+    /// type.
     pub(super) fn values(&mut self, name: &str, signal: bool) -> Vec<Candidate> {
         let name = name.to_owned();
         let request = if signal { Request::GetSignal { name } } else { Request::Get { name } };
@@ -156,7 +157,8 @@ impl<'a> Live<'a> {
         list.iter().filter(|t| fits(t)).map(|t| Candidate::new(t.name.clone(), about(t))).collect()
     }
 
-    /// Components of plugins, or of programs. Those that nobody unloads by name are left out.
+    /// Returns components of plugins or of programs, without those that users do not unload by
+    /// name.
     pub(super) fn components(&mut self, realtime: bool) -> Vec<Candidate> {
         let Reply::Components(list) = self.begun(Kind::Components) else { return Vec::new() };
         let own = |name: &str| name.starts_with("__") || name.starts_with("halcmd");
@@ -170,7 +172,7 @@ impl<'a> Live<'a> {
         list.into_iter().map(|a| Candidate::new(a.alias, a.original)).collect()
     }
 
-    /// Things of a kind of `show` or `list`; of all kinds after `all`.
+    /// Returns items of a kind of `show` or `list`; after `all`, items of all kinds.
     pub(super) fn of_kind(&mut self, kind: &str) -> Vec<Candidate> {
         let kinds = crate::table::KINDS;
         match kind {
@@ -198,7 +200,7 @@ impl<'a> Live<'a> {
         free.map(|o| Candidate::new(o.component, first_line(&o.doc))).collect()
     }
 
-    /// Arguments of a component type that are not on the line yet.
+    /// Returns the arguments of a component type that are not on the line yet.
     pub(super) fn module_args(&mut self, module: &str, given: &[String]) -> Vec<Candidate> {
         let Reply::Offers(list) = self.list(Kind::Offers, module) else { return Vec::new() };
         let Some(offer) = list.into_iter().find(|o| o.component == module) else {
@@ -216,7 +218,7 @@ impl<'a> Live<'a> {
         list.into_iter().map(|c| Candidate::new(c.name, first_line(&c.doc))).collect()
     }
 
-    /// Arguments of a component's command that are not on the line yet.
+    /// Returns the arguments of a component's command that are not on the line yet.
     pub(super) fn command_args(&mut self, name: &str, given: &[String]) -> Vec<Candidate> {
         let Reply::Commands(list) = self.list(Kind::Commands, name) else { return Vec::new() };
         let Some(command) = list.into_iter().find(|c| c.name == name) else { return Vec::new() };
@@ -228,7 +230,7 @@ impl<'a> Live<'a> {
     }
 }
 
-/// `NAME=` for each argument that is not given; the values of the one that is being typed.
+/// Returns `NAME=` for each missing argument, or the values of the argument being typed.
 fn args<'a>(
     declared: impl Iterator<Item = &'a ArgInfo>,
     word: &str,
@@ -265,12 +267,12 @@ fn items(reply: Reply, fits: impl Fn(&ItemInfo) -> bool) -> Vec<Candidate> {
     list.iter().filter(|i| fits(i)).map(|i| Candidate::new(i.name.clone(), about(i))).collect()
 }
 
-/// Whether it is listed under this name, or has it beside an alias.
+/// Returns whether the item is listed under this name, or has it as the name behind an alias.
 fn is(item: &ItemInfo, name: &str) -> bool {
     item.name == name || item.original.as_deref() == Some(name)
 }
 
-/// Whether `setp` sets it.
+/// Returns whether `setp` can set the item.
 fn settable(item: &ItemInfo) -> bool {
     let direction = matches!(item.direction, Direction::In | Direction::Io | Direction::Rw);
     direction && item.signal.is_none() && item.value.ty() != Type::Port
@@ -280,7 +282,7 @@ fn first_line(doc: &str) -> String {
     doc.lines().next().unwrap_or_default().to_owned()
 }
 
-/// Programs beside this one and in PATH.
+/// Returns the programs beside this one and in PATH.
 pub(super) fn programs() -> Vec<Candidate> {
     let path = std::env::var_os("PATH").unwrap_or_default();
     let beside = std::env::current_exe().ok().and_then(|own| Some(own.parent()?.to_owned()));

@@ -1,27 +1,27 @@
-//! Completion for shells: the line comes in `COMP_LINE`, the words go to standard output.
+//! Completion for shells. The line comes in `COMP_LINE`; the words go to standard output.
 
 use super::{Candidate, Completion};
 use crate::{halcmd, halrun, options::Opt, remote::Remote, rows::rows};
 use hal_protocol::Place;
 
-/// The status of `halcmd -C` that says that a file may stand there as well.
+/// Status of `halcmd -C` that says that a file name is possible as well.
 pub const COMPLETE_FILES: u8 = 3;
 
 const BASH: &str = include_str!("shell/halcmd.bash");
 const ZSH: &str = include_str!("shell/_halcmd");
 const FISH: &str = include_str!("shell/halcmd.fish");
 
-/// The shells that there are files for.
+/// The supported shells and their files.
 pub(crate) const SHELLS: &[(&str, &str)] = &[("bash", BASH), ("zsh", ZSH), ("fish", FISH)];
 
-/// What makes a shell complete halcmd and halrun.
+/// Returns the script with which a shell completes halcmd and halrun.
 #[must_use]
 pub fn script(shell: &str) -> Option<&'static str> {
     SHELLS.iter().find(|(name, _)| *name == shell).map(|(_, text)| *text)
 }
 
-/// What may stand at the end of a shell's line. `current` is what the shell takes for the word
-/// that is being typed (some shells begin a new one after `=`): what comes is to replace that.
+/// Completes the end of a shell's line. `current` is the word being typed as the shell sees it
+/// (some shells begin a new word after `=`); the candidates replace that word.
 pub fn for_shell(line: &str, current: Option<&str>) -> Completion {
     let (words, word) = split(line);
     let Some((program, rest)) = words.split_first() else { return Completion::default() };
@@ -35,7 +35,7 @@ pub fn for_shell(line: &str, current: Option<&str>) -> Completion {
     found
 }
 
-/// The options come first, then a command or a file.
+/// Completes a program's words: options first, then a command or a file.
 fn program_words(name: &str, options: &[Opt<()>], rest: &[String], word: &str) -> Completion {
     let (mut instance, mut file, mut help) = (None, name == "halrun", false);
     let mut words = rest.iter();
@@ -43,7 +43,7 @@ fn program_words(name: &str, options: &[Opt<()>], rest: &[String], word: &str) -
         let left = words.as_slice();
         let Some(next) = words.next() else { break };
         let Some(option) = option(options, next) else {
-            // In halrun options may also follow the file.
+            // In halrun, options may also follow the file.
             if name == "halrun" {
                 continue;
             }
@@ -91,7 +91,7 @@ fn command(
     }
 }
 
-/// The option that a word is, if it is one: the last letter of several decides.
+/// Returns the option of a word. Of several letters in a word, the last one counts.
 fn option<'a>(options: &'a [Opt<()>], word: &str) -> Option<&'a Opt<()>> {
     match (word.strip_prefix("--"), word.strip_prefix('-')) {
         (Some(long), _) => {
@@ -115,7 +115,7 @@ fn option_words(options: &[Opt<()>]) -> Vec<Candidate> {
     options.iter().map(|o| Candidate::new(word(o), o.help)).collect()
 }
 
-/// What the value of an option may be.
+/// Completes the value of an option.
 fn value_of(option: &Opt<()>, word: &str) -> Completion {
     match option.value {
         Some("FILE") => Completion { files: true, ..Completion::default() },
@@ -126,7 +126,7 @@ fn value_of(option: &Opt<()>, word: &str) -> Completion {
     }
 }
 
-/// The instances that have a socket.
+/// Returns the instances that have a socket.
 fn instances() -> Vec<Candidate> {
     let Ok(place) = Place::find(None) else { return Vec::new() };
     let entries = std::fs::read_dir(place.folder()).into_iter().flatten().flatten();
@@ -142,7 +142,7 @@ fn begun(candidates: Vec<Candidate>, word: &str) -> Vec<Candidate> {
     candidates.into_iter().filter(|c| c.word.starts_with(word)).collect()
 }
 
-/// The words of a shell's line before the last, and the last, which is empty after a blank.
+/// Splits a shell's line into the words before the last and the last, which is empty after a space.
 fn split(line: &str) -> (Vec<String>, String) {
     let (mut words, mut word, mut quote, mut escaped) = (Vec::new(), String::new(), None, false);
     let mut begun = false;

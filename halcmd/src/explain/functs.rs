@@ -1,4 +1,4 @@
-//! Functions and threads.
+//! Explanations of findings about functions and threads.
 
 use super::Row;
 use hal_protocol::Code;

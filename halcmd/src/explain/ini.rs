@@ -1,9 +1,9 @@
-//! INI files.
+//! Explanations of findings about INI files.
 
 use super::Row;
 use hal_protocol::Code;
 
-/// A machine with one joint: what follows `[HAL]`, and what follows `[JOINT_0]`.
+/// A machine with one joint. The arguments are the entries of `[HAL]` and of `[JOINT_0]`.
 macro_rules! machine {
     ($hal:literal, $joint:literal) => {
         concat!(

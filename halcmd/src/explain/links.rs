@@ -1,4 +1,4 @@
-//! Signals and pins.
+//! Explanations of findings about signals and pins.
 
 use super::Row;
 use hal_protocol::Code;

@@ -1,4 +1,4 @@
-//! Components and names.
+//! Explanations of findings about components and names.
 
 use super::Row;
 use hal_protocol::Code;

@@ -1,4 +1,4 @@
-//! Lines of scripts, and the programs they start.
+//! Explanations of findings about lines of scripts, and about the programs that they start.
 
 use super::Row;
 use hal_protocol::Code;

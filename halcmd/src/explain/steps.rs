@@ -1,9 +1,9 @@
-//! Step pulses.
+//! Explanations of findings about step pulses.
 
 use super::Row;
 use hal_protocol::Code;
 
-/// A script with a step generator and a driver in one thread each; `$more` follows.
+/// A script with a step generator and a driver, each in a thread of its own. `$more` is appended.
 macro_rules! steps {
     ($load:literal, $base:literal, $more:literal) => {
         concat!(

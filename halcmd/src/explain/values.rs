@@ -1,4 +1,4 @@
-//! Values that lines set.
+//! Explanations of findings about values that lines set.
 
 use super::Row;
 use hal_protocol::Code;

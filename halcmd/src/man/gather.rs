@@ -1,21 +1,22 @@
-//! Like pins together, so that sixteen inputs are one entry.
+//! Grouping of similar pins, so that sixteen inputs are one entry.
 
 use super::{Entry, Function};
 use core::cmp::Ordering;
 use hal_protocol::{FunctInfo, ItemInfo};
 
-/// Up to how many different first values are listed.
+/// Maximum number of different initial values that are listed.
 const DEFAULTS: usize = 8;
 
-/// A pin or parameter, and which loads make it.
+/// A pin or parameter with the loads that make it.
 #[derive(Clone, Debug)]
 pub(super) struct Found {
     pub(super) item: ItemInfo,
-    /// The numbers of these loads.
+    /// Numbers of the loads.
     pub(super) loads: Vec<usize>,
 }
 
-/// Entries that are being made: what they are like, and the numbers in the last one's name.
+/// An entry under construction: its common properties, and the numbers in the names of the first
+/// and last pin.
 struct Group {
     shape: Vec<String>,
     first: Vec<u64>,
@@ -26,7 +27,8 @@ struct Group {
     entry: Entry,
 }
 
-/// Like ones together, where the first of them stood; `args` are the arguments of each load.
+/// Groups similar items at the position of the first of them. `args` are the arguments of each
+/// load.
 pub(super) fn gathered(mut found: Vec<Found>, args: &[Vec<String>]) -> Vec<Entry> {
     found.sort_by(|a, b| by_name(&a.item.name, &b.item.name));
     let mut groups: Vec<Group> = Vec::new();
@@ -74,7 +76,7 @@ pub(super) fn gathered(mut found: Vec<Found>, args: &[Vec<String>]) -> Vec<Entry
     groups.into_iter().map(Group::entry).collect()
 }
 
-/// With which arguments something is there, in words: nothing, if all loads make it.
+/// Describes the arguments with which an item exists. Returns an empty text if all loads make it.
 fn with(loads: &[usize], args: &[Vec<String>]) -> String {
     let is_common = |word: &String| args.iter().all(|words| words.contains(word));
     let own: Vec<Vec<&String>> =
@@ -85,7 +87,7 @@ fn with(loads: &[usize], args: &[Vec<String>]) -> String {
         let list: Vec<&str> = list.iter().map(|w| w.as_str()).collect();
         if list.is_empty() { "nothing more".to_owned() } else { format!("`{}`", list.join(" ")) }
     };
-    // Whether `a` is `b` and more.
+    // Returns whether load `a` has all arguments of load `b`.
     let is_more = |a: usize, b: usize| a != b && words(b).iter().all(|w| words(a).contains(w));
     match lacks.as_slice() {
         [] => return String::new(),
@@ -102,7 +104,7 @@ fn with(loads: &[usize], args: &[Vec<String>]) -> String {
     format!("with {}", list.join(" or "))
 }
 
-/// Functions that differ by a number alone together.
+/// Groups functions whose names differ only by a number.
 pub(super) fn functions(mut list: Vec<FunctInfo>) -> Vec<Function> {
     list.sort_by(|a, b| by_name(&a.name, &b.name));
     let mut out: Vec<Function> = Vec::new();
@@ -122,8 +124,8 @@ pub(super) fn functions(mut list: Vec<FunctInfo>) -> Vec<Function> {
     out
 }
 
-/// Whether numbers come after the last ones: one is one more, and those behind it stay, or begin
-/// again.
+/// Returns whether `numbers` follows `last`: one number is greater by 1, and the numbers after it
+/// are unchanged or start again.
 fn is_next(first: &[u64], last: &[u64], numbers: &[u64]) -> bool {
     let Some(k) = last.iter().zip(numbers).position(|(a, b)| a != b) else { return false };
     let behind = numbers.get(k + 1..);
@@ -145,7 +147,7 @@ impl Group {
     }
 }
 
-/// A name without its numbers, and the numbers.
+/// Splits a name into its text parts and its numbers.
 fn parts(name: &str) -> (Vec<String>, Vec<u64>) {
     let mut shape = vec![String::new()];
     let mut numbers: Vec<u64> = Vec::new();
@@ -167,7 +169,7 @@ fn parts(name: &str) -> (Vec<String>, Vec<u64>) {
     (shape, numbers)
 }
 
-/// A text with N for the number that differs between two names.
+/// Replaces the number that differs between two names by N in a text.
 fn general(doc: &str, mine: &[u64], other: &[u64]) -> String {
     let mut differ = mine.iter().zip(other).filter(|(a, b)| a != b);
     let (Some((number, _)), None) = (differ.next(), differ.next()) else { return doc.to_owned() };
@@ -191,7 +193,7 @@ fn general(doc: &str, mine: &[u64], other: &[u64]) -> String {
     out
 }
 
-/// The order of names in which 2 is before 10.
+/// Compares names so that 2 comes before 10.
 fn by_name(a: &str, b: &str) -> Ordering {
     let ((shape, numbers), (others, other_numbers)) = (parts(a), parts(b));
     for i in 0..shape.len().min(others.len()) {

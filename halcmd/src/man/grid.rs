@@ -1,13 +1,13 @@
-//! A table of Markdown in columns for a terminal.
+//! A Markdown table in columns for a terminal.
 
 use crate::help::{WIDTH, wrapped};
 
-/// What stands between two columns.
+/// Number of spaces between two columns.
 const GAP: usize = 2;
-/// The least width of a column that is wrapped.
+/// Minimum width of a wrapped column.
 const LEAST: usize = 16;
 
-/// The lines of a table in columns, moved to the right; the widest column is wrapped if it must be.
+/// Formats a table in columns, indented by `by`. If the table is too wide, wraps the widest column.
 pub(super) fn grid(lines: &[&str], by: usize) -> String {
     let rows: Vec<Vec<String>> = lines.iter().map(|line| cells(line)).collect();
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
@@ -51,13 +51,13 @@ fn line(out: &mut String, by: usize, cells: &[String], widths: &[usize]) {
     out.push('\n');
 }
 
-/// A cell in lines of this width.
+/// Wraps a cell to lines of this width.
 fn narrow(cell: &str, width: usize) -> Vec<String> {
     let by = WIDTH.saturating_sub(width);
     wrapped(cell, by).lines().map(|l| l.trim().to_owned()).collect()
 }
 
-/// The cells of a line; `\|` is no end of one.
+/// Splits a line into cells. `\|` does not end a cell.
 fn cells(line: &str) -> Vec<String> {
     let inner = line.trim().trim_start_matches('|').trim_end_matches('|');
     let parts = inner.replace("\\|", "\0");

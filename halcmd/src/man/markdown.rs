@@ -1,4 +1,4 @@
-//! A page as a file beside the code.
+//! A manual page as a Markdown file beside the code.
 
 use super::{
     Entry, Page,
@@ -8,7 +8,7 @@ use super::{
 use std::fmt::Write;
 
 impl Page {
-    /// The page in Markdown.
+    /// Returns the page in Markdown.
     #[must_use]
     pub fn markdown(&self) -> String {
         let doc = Doc::of(&self.offer.doc);
@@ -60,7 +60,7 @@ impl Page {
         out
     }
 
-    /// What made the pins that follow, if that is not plain.
+    /// Writes the lines that made the pins below, unless it is the plain `loadrt NAME`.
     fn made_by(&self, out: &mut String) {
         let name = &self.offer.component;
         if let Some(why) = &self.refused {

@@ -1,4 +1,4 @@
-//! Text through the pager that a person has.
+//! Output through the user's pager.
 
 use std::{
     env,
@@ -6,7 +6,7 @@ use std::{
     process::{Command, Stdio},
 };
 
-/// Shows it; false where there is no pager.
+/// Shows the text. Returns false if there is no pager.
 pub(super) fn show(text: &str) -> bool {
     let asked = ["MANPAGER", "PAGER"].iter().find_map(|name| env::var(name).ok());
     let asked = asked.filter(|pager| !pager.trim().is_empty());
@@ -16,12 +16,12 @@ pub(super) fn show(text: &str) -> bool {
     let mut command = Command::new(program);
     command.args(words).stdin(Stdio::piped());
     if env::var_os("LESS").is_none() {
-        // A page that fits is printed; what was shown stays on the screen.
+        // A page that fits is printed without paging, and the text stays on the screen.
         command.env("LESS", "FRX");
     }
     let Ok(mut child) = command.spawn() else { return false };
     if let Some(mut to) = child.stdin.take() {
-        // A pager that is left early is no error.
+        // Leaving the pager early is not an error.
         to.write_all(text.as_bytes()).unwrap_or_default();
     }
     child.wait().is_ok()

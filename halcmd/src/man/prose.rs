@@ -1,22 +1,23 @@
 //! The parts of a component's documentation.
 
-/// What a component says about itself, taken apart.
+/// The documentation of a component, split into its parts.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Doc {
-    /// What it is, in a line.
+    /// Summary, in a line.
     pub(super) summary: String,
-    /// What else there is to know: paragraphs, each in one line but for lists and tables.
+    /// Paragraphs, each in one line, except for lists and tables.
     pub(super) paragraphs: Vec<String>,
-    /// The lines that load it with other arguments than the example, for the pins that these make.
+    /// `loadrt` lines with other arguments than the example, for the pins that these arguments
+    /// make.
     pub(super) pins: Vec<String>,
-    /// What is said of the example.
+    /// Text before the example.
     pub(super) before: Vec<String>,
-    /// The script that shows it at work.
+    /// Example script.
     pub(super) example: Option<String>,
 }
 
 impl Doc {
-    /// Takes it apart.
+    /// Splits a documentation text.
     pub(super) fn of(doc: &str) -> Self {
         let (summary, rest) = doc.split_once('\n').unwrap_or((doc, ""));
         let (about, example) = rest.split_once("# Example\n").unwrap_or((rest, ""));
@@ -32,14 +33,14 @@ impl Doc {
     }
 }
 
-/// What stands before a script, and its lines.
+/// Splits the text before a script from the lines of the script.
 fn script(text: &str) -> (&str, Vec<String>) {
     let (before, code) = text.split_once("```hal\n").unwrap_or((text, ""));
     let lines = code.split_once("```").map(|(script, _)| script.lines());
     (before, lines.into_iter().flatten().map(|l| l.trim().to_owned()).collect())
 }
 
-/// Paragraphs; lines of lists and tables stay lines.
+/// Splits a text into paragraphs. Lines of lists and tables stay separate lines.
 fn paragraphs(text: &str) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     let mut open = false;

@@ -1,14 +1,14 @@
-//! A page as a terminal shows it.
+//! A manual page as terminal text.
 
 use super::{Entry, Function, Page, grid::grid, prose::Doc};
 use crate::help::wrapped;
 use hal_protocol::{ArgInfo, Direction};
 
-/// How far text stands in.
+/// Indentation of text.
 const IN: usize = 4;
 
 impl Page {
-    /// The page in lines of a terminal.
+    /// Returns the page as lines of a terminal.
     #[must_use]
     pub fn text(&self) -> String {
         let doc = Doc::of(&self.offer.doc);
@@ -52,7 +52,7 @@ impl Page {
         out
     }
 
-    /// What made the pins that are listed, if that is not plain.
+    /// Returns the lines that made the pins below, unless it is the plain `loadrt NAME`.
     fn loaded(&self) -> String {
         if let Some(why) = &self.refused {
             return wrapped(&format!("Nothing of it could be made: {why}."), IN);
@@ -73,7 +73,7 @@ fn section(out: &mut String, title: &str, body: &str) {
     }
 }
 
-/// How it is loaded.
+/// Returns the `loadrt` line with all arguments.
 pub(super) fn synopsis(name: &str, args: &[ArgInfo]) -> String {
     let word = |arg: &ArgInfo| {
         let value = match arg.ty.as_str() {
@@ -112,19 +112,19 @@ fn entries<'e>(list: impl Iterator<Item = &'e Entry>) -> String {
     .collect()
 }
 
-/// What it begins with: told of what users set, and of what does not begin with nothing.
+/// Returns the initial value for items that users set, and for others if it is not 0 or FALSE.
 fn default(e: &Entry) -> Option<&str> {
     let is_set = matches!(e.direction, Direction::In | Direction::Io | Direction::Rw);
     let is_nothing = matches!(e.default.as_str(), "0" | "FALSE");
     (is_set || !is_nothing).then_some(e.default.as_str())
 }
 
-/// In which threads functions belong.
+/// Returns the threads to which a function belongs.
 pub(super) const fn thread(funct: &Function) -> &'static str {
     if funct.fast { "fast" } else { "any" }
 }
 
-/// The direction, as manuals have it.
+/// Returns the direction, as manuals write it.
 pub(super) const fn word(entry: &Entry) -> &'static str {
     match entry.direction {
         Direction::In => "in",
@@ -161,7 +161,7 @@ fn prose(paragraphs: &[String]) -> String {
     out
 }
 
-/// Without the marks of Markdown.
+/// Removes the marks of Markdown.
 fn plain(text: &str) -> String {
     text.replace('`', "")
 }
