@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{axis::Position, tool::Tool};
+use crate::{axis::Position, remap::Hook, state::State, tool::Tool};
 
 /// The text of a file; a mapped file stays outside of the heap.
 pub type Text = Arc<dyn AsRef<[u8]> + Send + Sync>;
@@ -24,6 +24,12 @@ pub trait Environment {
 
     /// Returns the value of a HAL pin, signal or parameter.
     fn hal(&self, _name: &str) -> Option<f64> {
+        None
+    }
+
+    /// Runs a function that a remap names, `None` if there is none of this name. A prolog may set parameters of the
+    /// innermost level, which is that of the subroutine.
+    fn hook(&self, _hook: Hook, _name: &str, _state: &mut State) -> Option<Result<(), Box<str>>> {
         None
     }
 

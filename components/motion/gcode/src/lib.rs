@@ -11,6 +11,7 @@
 //! | [`canon`] | canonical calls and the frame from program to machine |
 //! | [`tool`] | tools and tool tables |
 //! | [`environment`] | the world's facts and answers |
+//! | [`remap`] | codes that run a subroutine, as an INI file asks |
 //! | [`error`] | the problems with their places |
 //!
 //! The caller loads a text and calls [`Interpreter::next`] until it ends. A step that needs an answer from the machine
@@ -29,6 +30,7 @@ pub mod interpret;
 pub mod motion;
 pub mod parameters;
 pub mod program;
+pub mod remap;
 pub mod state;
 pub mod text;
 pub mod tool;

@@ -81,6 +81,13 @@ problems! {
     UnknownM { code: i32 }: "Unknown m code used: M{code}", "user codes M100 to M199 need a program of that name";
     NegativeM: "Negative m code used", "";
     MTooLarge { code: i32 }: "M-code greater than 199: M{code}", "";
+    RemapMissing { code: Box<str>, letters: Box<str> }: "user-defined {code}: missing: {letters}", "the INI file's argspec asks for them";
+    RemapSpeed { code: Box<str> }: "spindle speed must be greater than 0 for {code}", "program S";
+    RemapFeed { code: Box<str> }: "feed rate must be greater than 0 for {code}", "program F";
+    RemapRecursion { code: Box<str> }: "recursive call of remapped {code}", "a code that only a remap defines cannot use itself";
+    RemapFile { code: Box<str>, name: Box<str> }: "{code}: no subroutine o<{name}>", "put {name}.ngc on the INI file's SUBROUTINE_PATH";
+    HookMissing { code: Box<str>, option: &'static str, name: Box<str> }: "{code}: {option}={name} is a function in Python, which this interpreter has not", "use ngc= alone";
+    HookFailed { name: Box<str>, reason: Box<str> }: "{name}: {reason}", "";
     SameGGroup: "Two g codes used from same modal group", "use one of them, or two lines";
     SameMGroup: "Two m codes used from same modal group", "use one of them, or two lines";
     TooManyM: "Too many m codes on line", "use at most 4";

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     error::Problem,
     interpret::codes::{self, GGroup, MGroup},
+    remap::{Code as Remapped, Remap},
     text::expression::Left,
 };
 
@@ -46,11 +47,17 @@ fn slot(letter: u8) -> usize {
 }
 
 impl Block {
-    /// Adds a word.
-    pub fn add(&mut self, letter: u8, at: Left, value: f64) -> Result<(), Problem> {
+    /// Adds a word. Codes that the language has not come from `remaps`.
+    pub fn add(
+        &mut self,
+        letter: u8,
+        at: Left,
+        value: f64,
+        remaps: &[Remap],
+    ) -> Result<(), Problem> {
         match letter {
-            b'g' => self.add_g(at, value),
-            b'm' => self.add_m(at, value),
+            b'g' => self.add_g(at, value, remaps),
+            b'm' => self.add_m(at, value, remaps),
             _ => {
                 if let Some(place) = self.places.get_mut(slot(letter)) {
                     *place = at;
@@ -66,9 +73,13 @@ impl Block {
         }
     }
 
-    fn add_g(&mut self, at: Left, value: f64) -> Result<(), Problem> {
+    fn add_g(&mut self, at: Left, value: f64, remaps: &[Remap]) -> Result<(), Problem> {
         let code = codes::g_code(value)?;
-        let group = codes::g_group(code).ok_or(Problem::UnknownG)?;
+        let group = match codes::g_group(code) {
+            Some(group) => group,
+            None if remaps.iter().any(|r| r.code == Remapped::G(code)) => GGroup::Motion,
+            None => return Err(Problem::UnknownG),
+        };
         match self.g.get_mut(group as usize) {
             Some(empty @ None) => {
                 *empty = Some(Code { code, at });
@@ -78,8 +89,15 @@ impl Block {
         }
     }
 
-    fn add_m(&mut self, at: Left, value: f64) -> Result<(), Problem> {
-        let (code, group) = codes::m_code(value)?;
+    fn add_m(&mut self, at: Left, value: f64, remaps: &[Remap]) -> Result<(), Problem> {
+        let remapped = remaps.iter().find(|r| r.code.is_m(value));
+        let (code, group) = match (codes::m_code(value), remapped) {
+            // A code of the language keeps its group; a user's code has that of its remap.
+            (Ok((code, group)), None) => (code, group),
+            (Ok((code, group)), _) if code < 100 => (code, group),
+            (_, Some(remap)) => (remap.code.number(), remap.m_group()),
+            (Err(problem), None) => return Err(problem),
+        };
         match self.m.get_mut(group as usize) {
             Some(empty @ None) => {
                 *empty = Some(Code { code, at });

@@ -5,7 +5,11 @@ use super::{
     block::Block,
     codes::{GGroup, MGroup},
 };
-use crate::{error::Problem, text::evaluate::integer};
+use crate::{
+    error::Problem,
+    remap::{Code, Remap},
+    text::evaluate::integer,
+};
 
 impl Run<'_> {
     /// Finds the motion of a block and checks its words.
@@ -46,6 +50,16 @@ impl Run<'_> {
         Ok(())
     }
 
+    /// Tells whether a code of the line is remapped.
+    fn has_remap(&self, b: &Block) -> bool {
+        let on_line = |remap: &Remap| match remap.code {
+            Code::G(code) => b.motion == Some(code),
+            Code::M(code) => MGroup::ALL.iter().any(|g| b.m(*g) == Some(code)),
+            Code::Word(letter) => b.has(letter),
+        };
+        self.state.settings.remaps.iter().any(on_line)
+    }
+
     fn check_words(&self, b: &Block) -> Result<(), Problem> {
         let motion = b.motion;
         let once = b.g(GGroup::Once);
@@ -56,8 +70,10 @@ impl Run<'_> {
         let comp = b.g(GGroup::Compensation).is_some_and(|c| c != 400);
         let arc = matches!(motion, Some(20 | 30));
         let g10 = once == Some(100);
+        // A remapped code takes what it wants of the words.
+        let remapped = self.has_remap(b);
         let refuse = |letter: u8, with: &'static str, allowed: bool| {
-            if b.has(letter) && !allowed {
+            if b.has(letter) && !allowed && !remapped {
                 let letter = char::from(letter.to_ascii_uppercase());
                 return Err(Problem::UnusedWord { letter, with });
             }
@@ -150,7 +166,8 @@ fn find_motion(b: &Block, modal: u16) -> Result<Option<u16>, Problem> {
         if once_uses_axes {
             return Err(Problem::TwoAxisCodes);
         }
-        let free = matches!(motion, 0 | 10 | 20 | 30 | 52 | 53 | 700..=722);
+        let remapped = super::codes::g_group(motion).is_none();
+        let free = remapped || matches!(motion, 0 | 10 | 20 | 30 | 52 | 53 | 700..=722);
         if !axes && !free {
             return Err(Problem::AxesMissing);
         }

@@ -64,6 +64,18 @@ pub enum MGroup {
 }
 
 impl MGroup {
+    /// All groups.
+    pub const ALL: [Self; Self::COUNT] = [
+        Self::Stop,
+        Self::Io,
+        Self::Tool,
+        Self::Spindle,
+        Self::Coolant,
+        Self::Override,
+        Self::User,
+        Self::Save,
+        Self::Call,
+    ];
     /// The number of groups.
     pub const COUNT: usize = 9;
 }

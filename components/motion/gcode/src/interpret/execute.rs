@@ -21,12 +21,21 @@ pub struct Run<'a> {
     pub(crate) focus: Option<Left>,
 }
 
-/// A request and the step that made it.
-pub(crate) type Asked = Option<(Request, u8)>;
+/// The reason why a block is not finished.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Pause {
+    /// A question.
+    Ask(Request),
+    /// A remapped code, by its place in the settings.
+    Remap(usize),
+}
+
+/// A pause and the step that made it.
+pub(crate) type Asked = Option<(Pause, u8)>;
 
 /// The part of a block that a step runs, for the place of its errors.
-#[derive(Clone, Copy)]
-enum Part {
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Part {
     Word(u8),
     G(GGroup),
     M(MGroup),
@@ -65,7 +74,17 @@ const STEPS: [(Part, StepFn); 27] = [
     (Part::M(MGroup::Stop), |r, b| r.stop(b)),
 ];
 
-impl Run<'_> {
+impl<'a> Run<'a> {
+    /// Returns the run of a block of the line in execution.
+    pub(crate) fn new(
+        state: &'a mut State,
+        env: &'a dyn Environment,
+        out: &'a mut Vec<Issued>,
+    ) -> Self {
+        let line = state.line;
+        Run { state, env, out, line, number: None, focus: None }
+    }
+
     /// Runs the steps of a block from `first` on, until one asks.
     pub(crate) fn execute(&mut self, block: &mut Block, first: u8) -> Result<Asked, Problem> {
         for (index, (part, step)) in (0u8..).zip(STEPS).skip(usize::from(first)) {
@@ -74,9 +93,12 @@ impl Run<'_> {
                 Part::G(group) => block.g_place(group),
                 Part::M(group) => block.m_place(group),
             };
+            if let Some(remap) = self.remap_of(part, block)? {
+                return Ok(Some((Pause::Remap(remap), index)));
+            }
             if let Some(request) = step(self, block)? {
                 self.flush_compensation();
-                return Ok(Some((request, index)));
+                return Ok(Some((Pause::Ask(request), index)));
             }
         }
         self.focus = None;

@@ -9,6 +9,7 @@ mod io;
 mod offsets;
 mod position;
 mod read;
+pub mod remap;
 mod remark;
 mod stop;
 mod tools;
@@ -87,6 +88,8 @@ pub struct Interpreter {
     block: block::Block,
     /// Calls of an O-word, which hands them out at its end.
     pub(crate) late: Vec<Issued>,
+    /// The block to go on with after an O-word that ended a remapped code.
+    pub(crate) remapped: Option<Box<remap::Remapped>>,
 }
 
 impl Interpreter {
@@ -130,7 +133,7 @@ impl Interpreter {
             sources.put("", Arc::new(text.as_bytes().to_vec()));
         }
         let (cleaned, line, block) = (Vec::new(), Line::default(), block::Block::default());
-        Self { state, sources, cleaned, line, block, late: Vec::new() }
+        Self { state, sources, cleaned, line, block, late: Vec::new(), remapped: None }
     }
 
     /// Begins a program. Modal state, offsets and global parameters stay.

@@ -1,6 +1,6 @@
 //! Reading of a line: limits, end of the program, words to values.
 
-use super::{Interpreter, Issued, Run, Step, Trouble, TroubleAt, block::Block};
+use super::{Interpreter, Issued, Run, Step, Trouble, TroubleAt, block::Block, execute::Asked};
 use crate::{
     canon::Call,
     environment::{Answer, Environment},
@@ -92,7 +92,10 @@ impl Interpreter {
             let result = self.flow(word, at, env);
             out.append(&mut self.late);
             result?;
-            return Ok(Step::Line);
+            return match self.remapped.take() {
+                Some(remapped) => self.after_remap(&remapped, env, out),
+                None => Ok(Step::Line),
+            };
         }
         let mut block = core::mem::take(&mut self.block);
         let result = self.run_words(line, &mut block, env, out);
@@ -113,8 +116,7 @@ impl Interpreter {
         if let Some(remark) = &line.remark {
             block.remark = Some((remark.kind as u8, remark.text.clone()));
         }
-        let mut run = Run { state: &mut self.state, env, out, line: 0, number: None, focus: None };
-        run.line = run.state.line;
+        let mut run = Run::new(&mut self.state, env, out);
         run.number = block.number;
         let asked = run.prepare(block).and_then(|()| run.execute(block, 0));
         let focus = run.focus;
@@ -131,8 +133,7 @@ impl Interpreter {
         out: &mut Vec<Issued>,
     ) -> Result<Step, Trouble> {
         let Pending { request, block, step } = pending;
-        let mut run = Run { state: &mut self.state, env, out, line: 0, number: None, focus: None };
-        run.line = run.state.line;
+        let mut run = Run::new(&mut self.state, env, out);
         run.number = block.number;
         run.take_answer(&request, answer)?;
         let mut block = block;
@@ -140,18 +141,16 @@ impl Interpreter {
         self.after(&mut block, asked, env, out)
     }
 
-    /// Finishes a block: keeps it if it asks, or follows M70 to M73, M98 and M99.
-    fn after(
+    /// Finishes a block: keeps it if it pauses, or follows M70 to M73, M98 and M99.
+    pub(super) fn after(
         &mut self,
         block: &mut Block,
-        asked: Option<(crate::environment::Request, u8)>,
+        asked: Asked,
         env: &dyn Environment,
         out: &mut Vec<Issued>,
     ) -> Result<Step, Trouble> {
-        if let Some((request, step)) = asked {
-            let block = block.clone();
-            self.state.pending = Some(Pending { request: request.clone(), block, step });
-            return Ok(Step::Ask(request));
+        if let Some((pause, step)) = asked {
+            return self.pause(block, pause, step, env, out);
         }
         match block.m(MGroup::Call) {
             Some(98) => {
@@ -160,10 +159,7 @@ impl Interpreter {
                 self.call_part(part, repeats, env)?;
             }
             Some(99) if !self.end_part(env)? => {
-                let line = self.state.line;
-                let mut run =
-                    Run { state: &mut self.state, env, out, line, number: None, focus: None };
-                run.end(false)?;
+                Run::new(&mut self.state, env, out).end(false)?;
             }
             _ => {}
         }
@@ -183,7 +179,7 @@ impl Interpreter {
         for word in &line.words {
             let value = evaluate(&word.value, word.at, &reader).map_err(lost)?;
             block
-                .add(word.letter, word.at, value)
+                .add(word.letter, word.at, value, &self.state.settings.remaps)
                 .map_err(|problem| Trouble { at: TroubleAt::Left(word.at), problem })?;
         }
         if line.assignments.is_empty() {
@@ -259,15 +255,7 @@ impl Interpreter {
         match self.state.levels.last().map(|l| &l.kind) {
             Some(LevelKind::Mdi) => {
                 self.state.ended = true;
-                let mut run = Run {
-                    state: &mut self.state,
-                    env: &NoFiles,
-                    out,
-                    line: 0,
-                    number: None,
-                    focus: None,
-                };
-                run.flush_compensation();
+                Run::new(&mut self.state, &NoFiles, out).flush_compensation();
                 Ok(Step::Ended)
             }
             Some(LevelKind::Sub) => {

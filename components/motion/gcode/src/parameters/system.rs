@@ -84,7 +84,9 @@ fn system(state: &State, name: &str) -> Option<f64> {
     }
     Some(match name {
         "_vmajor" => 2.9,
-        "_vminor" | "_task" | "_remap_level" => 0.0,
+        "_vminor" => 0.0,
+        "_task" => truth(state.settings.task),
+        "_remap_level" => state.levels.iter().filter(|l| l.remapped.is_some()).count() as f64,
         "_line" => f64::from(state.line),
         "_motion_mode" => f64::from(modal.motion),
         "_plane" => match modal.plane {

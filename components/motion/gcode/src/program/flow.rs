@@ -6,6 +6,7 @@ use crate::{
     error::Problem,
     interpret::{Interpreter, Trouble, TroubleAt},
     parameters::system::Reader,
+    remap::Hook,
     text::{
         evaluate::{evaluate, integer},
         expression::Expr,
@@ -297,7 +298,12 @@ impl Interpreter {
 
     /// Ends the innermost level and returns to its caller.
     pub(crate) fn pop_level(&mut self, env: &dyn Environment) -> Result<(), Trouble> {
+        let ended = self.state.levels.last().and_then(|l| l.remapped.as_ref()).map(|r| r.index);
+        if let Some(remap) = ended.and_then(|i| self.state.settings.remaps.get(i).cloned()) {
+            self.hook(&remap, Hook::Epilog, env)?;
+        }
         let Some(level) = self.state.levels.pop() else { return Ok(()) };
+        self.remapped = level.remapped;
         if level.kind == LevelKind::Sub {
             self.state.numbered.set_locals(&level.saved);
         }
@@ -309,7 +315,7 @@ impl Interpreter {
         Ok(())
     }
 
-    fn check_levels(&self) -> Result<(), Trouble> {
+    pub(crate) fn check_levels(&self) -> Result<(), Trouble> {
         let limit = self.state.settings.limits.levels;
         let used = self.state.levels.len();
         if used >= usize::try_from(limit).unwrap_or(usize::MAX) {
@@ -338,7 +344,7 @@ impl Interpreter {
     }
 
     /// Finds a definition in the files of the calls in progress, the innermost first, or in a file of its own.
-    fn locate(
+    pub(crate) fn locate(
         &mut self,
         wanted: Found<'_>,
         label: &str,

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     environment::{Environment, Text},
     error::Place,
+    interpret::remap::Remapped,
     parameters::Names,
 };
 pub use scan::{Found, Index};
@@ -85,6 +86,8 @@ pub struct Level {
     pub restores: bool,
     /// The pass of the innermost loop, counted over the level.
     pub pass: u64,
+    /// The block whose remapped code runs in this level.
+    pub remapped: Option<Box<Remapped>>,
 }
 
 impl Level {
@@ -101,6 +104,7 @@ impl Level {
             modal: None,
             restores: false,
             pass: 0,
+            remapped: None,
         }
     }
 

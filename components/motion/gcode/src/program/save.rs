@@ -22,10 +22,7 @@ impl Interpreter {
     /// Restores a saved state at the end of a subroutine.
     pub(crate) fn restore(&mut self, saved: &Saved, env: &dyn Environment) -> Result<(), Trouble> {
         let mut out = core::mem::take(&mut self.late);
-        let line = self.state.line;
-        let mut run =
-            Run { state: &mut self.state, env, out: &mut out, line, number: None, focus: None };
-        let result = run.restore(&saved.modal);
+        let result = Run::new(&mut self.state, env, &mut out).restore(&saved.modal);
         self.late = out;
         result.map_err(Trouble::from)
     }
@@ -59,7 +56,7 @@ impl Run<'_> {
     fn restore(&mut self, old: &Modal) -> Result<(), Problem> {
         let mut b = Block::default();
         let now = self.state.modal.clone();
-        let mut word = |letter: u8, value: f64| b.add(letter, 0, value);
+        let mut word = |letter: u8, value: f64| b.add(letter, 0, value, &[]);
         if old.plane != now.plane {
             word(b'g', plane(old.plane))?;
         }
@@ -79,12 +76,12 @@ impl Run<'_> {
         self.execute(&mut b, 0)?;
         let mut b = Block::default();
         if old.feed != now.feed && old.feed_mode != FeedMode::InverseTime {
-            b.add(b'f', 0, old.feed)?;
+            b.add(b'f', 0, old.feed, &[])?;
         }
         self.execute(&mut b, 0)?;
         self.restore_spindles(old, &now)?;
         let mut b = Block::default();
-        let mut word = |letter: u8, value: f64| b.add(letter, 0, value);
+        let mut word = |letter: u8, value: f64| b.add(letter, 0, value, &[]);
         if old.absolute != now.absolute {
             word(b'g', if old.absolute { 90.0 } else { 91.0 })?;
         }
@@ -129,7 +126,7 @@ impl Run<'_> {
         codes.extend(old.flood.then_some(8.0));
         for code in codes {
             let mut b = Block::default();
-            b.add(b'm', 0, code)?;
+            b.add(b'm', 0, code, &[])?;
             self.execute(&mut b, 0)?;
         }
         Ok(())
@@ -139,10 +136,10 @@ impl Run<'_> {
         for (n, (was, is)) in (0u8..).zip(old.spindles.iter().zip(&now.spindles)) {
             if was.speed != is.speed || was.css != is.css {
                 let mut b = Block::default();
-                b.add(b's', 0, was.speed)?;
-                b.add(b'$', 0, f64::from(n))?;
+                b.add(b's', 0, was.speed, &[])?;
+                b.add(b'$', 0, f64::from(n), &[])?;
                 if was.css != is.css {
-                    b.add(b'g', 0, if was.css { 96.0 } else { 97.0 })?;
+                    b.add(b'g', 0, if was.css { 96.0 } else { 97.0 }, &[])?;
                 }
                 self.execute(&mut b, 0)?;
             }

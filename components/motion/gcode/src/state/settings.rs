@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{axis::AxisMask, canon::Unit};
+use crate::{axis::AxisMask, canon::Unit, remap::Remap};
 
 /// Bounds on what a program may use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -53,6 +53,10 @@ pub struct Settings {
     pub arc_tolerance: f64,
     /// The bounds on programs.
     pub limits: Limits,
+    /// The machine moves: `#<_task>` is 1. In a preview or check it is 0.
+    pub task: bool,
+    /// The remapped codes.
+    pub remaps: Vec<Remap>,
 }
 
 impl Default for Settings {
@@ -66,6 +70,8 @@ impl Default for Settings {
             block_delete: true,
             arc_tolerance: 0.0127,
             limits: Limits::default(),
+            task: false,
+            remaps: Vec::new(),
         }
     }
 }

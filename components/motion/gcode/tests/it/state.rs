@@ -2,11 +2,11 @@
 
 use hal_gcode::{Environment, Interpreter, State, Step};
 
-use crate::support::{World, answer, interpreter, run};
+use crate::support::{World, answer, interpreter, interpreter_of, run};
 
 /// Runs a program; at step `at`, goes on with an interpreter made of the saved state.
 fn broken_run(name: &str, world: &World, at: u32) -> (Vec<String>, u32) {
-    let mut running = interpreter();
+    let mut running = interpreter_of(name);
     running.load(&format!("{name}.ngc"), world.open(name).unwrap());
     let mut out = Vec::new();
     let mut step = 0;

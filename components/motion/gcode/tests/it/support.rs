@@ -6,6 +6,7 @@ use hal_gcode::{
     Answer, Call, Environment, Interpreter, Issued, Numbered, Request, Settings, Step, Text,
     axis::AxisMask,
     canon::Unit,
+    remap::Remap,
     tool::{Tool, ToolTable},
 };
 
@@ -61,6 +62,42 @@ pub(crate) fn settings() -> Settings {
     }
 }
 
+/// The INI file of the programs whose names begin with `remap-`.
+pub(crate) const REMAPS: &str = "[RS274NGC]
+SUBROUTINE_PATH=.
+REMAP=M400 modalgroup=10 argspec=Pq ngc=lib-remap-named
+REMAP=M401 modalgroup=10 argspec=@PQr ngc=lib-remap-positional
+REMAP=M402 modalgroup=5 ngc=lib-remap-plain
+REMAP=M403 modalgroup=7 argspec=^> ngc=lib-remap-plain
+REMAP=M404 modalgroup=10 ngc=lib-remap-nested
+REMAP=M405 modalgroup=10 ngc=lib-remap-missing
+REMAP=M406 modalgroup=10 ngc=lib-remap-itself
+REMAP=M407 modalgroup=8 argspec=N ngc=lib-remap-line
+REMAP=M408 modalgroup=9 ngc=lib-remap-error
+REMAP=M409 modalgroup=6 argspec=ijk ngc=lib-remap-ijk
+REMAP=G88.6 modalgroup=1 argspec=XYzp ngc=lib-remap-move
+REMAP=G88.7 modalgroup=1 argspec=a ngc=lib-remap-plain
+REMAP=M6 modalgroup=6 ngc=lib-remap-change
+REMAP=M0 modalgroup=10 ngc=lib-remap-stop
+REMAP=F argspec=F ngc=lib-remap-feed
+REMAP=S argspec=S ngc=lib-remap-speed
+REMAP=T argspec=T ngc=lib-remap-tool
+";
+
+/// Returns the settings for a program.
+pub(crate) fn settings_of(name: &str) -> Settings {
+    let mut out = settings();
+    if name.starts_with("remap-") {
+        let entries = REMAPS.lines().filter_map(|l| l.strip_prefix("REMAP="));
+        out.remaps = entries.map(|e| Remap::parse(e).unwrap()).collect();
+    }
+    out
+}
+
+pub(crate) fn interpreter_of(name: &str) -> Interpreter {
+    Interpreter::new(settings_of(name), Numbered::default())
+}
+
 pub(crate) fn interpreter() -> Interpreter {
     Interpreter::new(settings(), Numbered::default())
 }
@@ -103,7 +140,7 @@ pub(crate) fn run_with(
 }
 
 pub(crate) fn run(name: &str, world: &World) -> (Vec<Issued>, Option<hal_gcode::Error>) {
-    let mut interpreter = interpreter();
+    let mut interpreter = interpreter_of(name);
     interpreter.load(&format!("{name}.ngc"), world.open(name).unwrap());
     run_with(&mut interpreter, world, |_| {})
 }

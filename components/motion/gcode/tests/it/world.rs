@@ -7,10 +7,12 @@ use hal_gcode::{
     axis::{AxisMask, Position},
     canon::Frame,
     parameters::number,
+    remap::{Hook, Remap},
+    state::State,
     tool::Tool,
 };
 
-use crate::support::{World, interpreter, run_with};
+use crate::support::{World, interpreter_of, run_with};
 
 /// A machine in millimetres with one tool, one user code, an INI value and a HAL value.
 struct Machine;
@@ -130,6 +132,56 @@ fn block_delete_and_axes_are_settings() {
     assert!(error.to_string().contains("Bad character 'y' used"));
 }
 
+/// A machine with functions for the remaps `prolog=first`, `epilog=last` and `py=alone`.
+struct Hooks;
+
+impl Environment for Hooks {
+    fn open(&self, name: &str) -> Option<Text> {
+        let text: &[u8] = b"o<body> sub\n(print,#<given>)\no<body> endsub [7]\n";
+        (name == "body").then(|| Arc::new(text.to_vec()) as Text)
+    }
+
+    fn tool(&self, _: i32) -> Option<Tool> {
+        None
+    }
+
+    fn hook(&self, hook: Hook, name: &str, state: &mut State) -> Option<Result<(), Box<str>>> {
+        match (hook, name) {
+            (Hook::Prolog, "first") => {
+                state.levels.last_mut()?.locals.insert("given".into(), 42.0);
+            }
+            (Hook::Epilog, "last") => {
+                state.globals.insert("_result".into(), state.returned? + 1.0);
+            }
+            (Hook::Body, "alone") => return Some(Err("no air".into())),
+            _ => return None,
+        }
+        Some(Ok(()))
+    }
+}
+
+#[test]
+fn functions_of_a_remap_run_around_its_subroutine_or_are_refused_by_name() {
+    let entries =
+        ["M400 prolog=first ngc=body epilog=last", "M401 py=alone", "M402 prolog=none ngc=body"];
+    let remaps: Vec<Remap> = entries.iter().map(|e| Remap::parse(e).unwrap()).collect();
+    let run = |text: &str| {
+        let mut it = new(Settings { remaps: remaps.clone(), ..Settings::default() });
+        it.load("test.ngc", Arc::new(text.as_bytes().to_vec()));
+        let mut out = Vec::new();
+        while it.next(&Hooks, &mut out)? != Step::Ended {}
+        Ok::<_, Error>(out.iter().map(|i| i.call.to_string()).collect::<Vec<_>>())
+    };
+    let calls = run("m400 g0 x1\n(print,#<_result>)\nm2\n").unwrap();
+    assert_eq!(calls[0], "42.000000");
+    assert!(calls[1].starts_with("STRAIGHT_TRAVERSE(1.0000"));
+    assert_eq!(calls[2], "8.000000");
+    let failed = run("m401\nm2\n").unwrap_err().to_string();
+    assert_eq!(failed, "test.ngc:1: alone: no air");
+    let refused = run("m402\nm2\n").unwrap_err().to_string();
+    assert!(refused.contains("M402: prolog=none is a function in Python"), "{refused}");
+}
+
 #[test]
 fn a_wrapped_axis_turns_by_the_sign_of_its_word() {
     let none = |_: &Request| Answer::Input(0.0);
@@ -162,7 +214,7 @@ fn the_parameters_of_the_last_session_are_in_force() {
 fn the_frame_of_the_calls_is_that_of_the_interpreter() {
     let world = World::new();
     for name in world.files.keys().filter(|n| !n.starts_with("lib-")) {
-        let mut it = interpreter();
+        let mut it = interpreter_of(name);
         it.load(&format!("{name}.ngc"), world.open(name).unwrap());
         let mut frame = Frame::new(it.state.frame.unit);
         let (calls, error) = run_with(&mut it, &world, |_| {});

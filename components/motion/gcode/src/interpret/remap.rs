@@ -1,0 +1,186 @@
+//! Remapped codes of a block: the call of their subroutine and the rest of the block after it.
+
+use serde::{Deserialize, Serialize};
+
+use super::{
+    Interpreter, Issued, Run, Step, Trouble,
+    block::Block,
+    codes::GGroup,
+    execute::{Part, Pause},
+};
+use crate::{
+    environment::Environment,
+    error::Problem,
+    parameters::set_name,
+    program::{Found, Level, LevelKind},
+    remap::{Code, Hook, Remap},
+};
+
+/// A block whose remapped code is in execution.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Remapped {
+    /// The remap, with its place in the settings.
+    pub index: usize,
+    /// The block.
+    pub block: Block,
+    /// The step of its execution that the code replaces.
+    pub step: u8,
+}
+
+impl Run<'_> {
+    /// Returns the remap that replaces a part of a block.
+    pub(crate) fn remap_of(&self, part: Part, block: &Block) -> Result<Option<usize>, Problem> {
+        if self.state.settings.remaps.is_empty() {
+            return Ok(None);
+        }
+        let code = match part {
+            Part::Word(letter @ (b't' | b's' | b'f')) => {
+                block.has(letter).then_some(Code::Word(letter))
+            }
+            Part::G(GGroup::Motion) => block.motion.map(Code::G),
+            Part::M(group) => block.m(group).map(Code::M),
+            Part::Word(_) | Part::G(_) => None,
+        };
+        let Some(code) = code else { return Ok(None) };
+        let remaps = &self.state.settings.remaps;
+        let Some(index) = remaps.iter().position(|r| r.code == code) else { return Ok(None) };
+        let within = |l: &Level| l.remapped.as_ref().is_some_and(|r| r.index == index);
+        if !self.state.levels.iter().any(within) {
+            return Ok(Some(index));
+        }
+        // Inside of its own subroutine, a code means what it did before.
+        if code.is_of_the_language() {
+            return Ok(None);
+        }
+        Err(Problem::RemapRecursion { code: code.to_string().into() })
+    }
+
+    /// Checks what a remap asks of a block and of the state.
+    fn check_remap(&self, remap: &Remap, block: &Block) -> Result<(), Problem> {
+        let code: Box<str> = remap.code.to_string().into();
+        let missing: String = remap
+            .arguments
+            .iter()
+            .filter(|a| a.required && !block.has(a.letter))
+            .map(|a| char::from(a.letter.to_ascii_uppercase()))
+            .collect();
+        if !missing.is_empty() {
+            return Err(Problem::RemapMissing { code, letters: missing.into() });
+        }
+        let still = self.state.modal.spindles.first().is_none_or(|s| s.speed <= 0.0);
+        if remap.needs_speed && still {
+            return Err(Problem::RemapSpeed { code });
+        }
+        if remap.needs_feed && self.state.modal.feed <= 0.0 {
+            return Err(Problem::RemapFeed { code });
+        }
+        Ok(())
+    }
+}
+
+impl Interpreter {
+    /// Calls the subroutine of a remapped code.
+    pub(super) fn begin_remap(
+        &mut self,
+        index: usize,
+        block: Block,
+        step: u8,
+        env: &dyn Environment,
+        out: &mut Vec<Issued>,
+    ) -> Result<Step, Trouble> {
+        let Some(remap) = self.state.settings.remaps.get(index).cloned() else {
+            return Ok(Step::Line);
+        };
+        let run = Run::new(&mut self.state, env, out);
+        run.check_remap(&remap, &block)?;
+        let remapped = Box::new(Remapped { index, block, step });
+        if remap.hook(Hook::Body).is_some() {
+            self.hook(&remap, Hook::Body, env)?;
+            return self.after_remap(&remapped, env, out);
+        }
+        self.check_levels()?;
+        let (file, start) = self.locate(Found::Sub(&remap.ngc), &remap.ngc, env).map_err(|_| {
+            let (code, name) = (remap.code.to_string().into(), remap.ngc.clone());
+            Trouble::from(Problem::RemapFile { code, name })
+        })?;
+        let mut level = Level::new(file, start, LevelKind::Sub);
+        level.label.clone_from(&remap.ngc);
+        level.saved = self.state.numbered.locals();
+        let values: Vec<(u8, Option<f64>)> =
+            remap.arguments.iter().map(|a| (a.letter, remapped.block.get(a.letter))).collect();
+        let mut numbered = Vec::new();
+        if remap.positional {
+            numbered.extend(values.iter().map(|(_, v)| v.unwrap_or(0.0)));
+        } else {
+            for (letter, value) in values {
+                if let Some(value) = value {
+                    set_name(&mut level.locals, &char::from(letter).to_string(), value)?;
+                }
+            }
+        }
+        if remap.line_number {
+            set_name(&mut level.locals, "n", f64::from(self.state.line))?;
+        }
+        self.state.numbered.set_locals(&numbered);
+        level.remapped = Some(remapped);
+        self.state.returned = None;
+        self.state.levels.push(level);
+        self.hook(&remap, Hook::Prolog, env)?;
+        Ok(Step::Line)
+    }
+
+    /// Runs the rest of the block whose remapped code has ended.
+    pub(super) fn after_remap(
+        &mut self,
+        remapped: &Remapped,
+        env: &dyn Environment,
+        out: &mut Vec<Issued>,
+    ) -> Result<Step, Trouble> {
+        if let Some(level) = self.state.levels.last() {
+            self.state.line = level.cursor.line;
+        }
+        let mut block = remapped.block.clone();
+        let mut run = Run::new(&mut self.state, env, out);
+        run.number = block.number;
+        let asked = run.execute(&mut block, remapped.step + 1)?;
+        self.after(&mut block, asked, env, out)
+    }
+
+    /// Runs a function of a remap, if it has one of this kind.
+    pub(crate) fn hook(
+        &mut self,
+        remap: &Remap,
+        hook: Hook,
+        env: &dyn Environment,
+    ) -> Result<(), Trouble> {
+        let Some(name) = remap.hook(hook) else { return Ok(()) };
+        match env.hook(hook, name, &mut self.state) {
+            Some(Ok(())) => Ok(()),
+            Some(Err(reason)) => Err(Problem::HookFailed { name: name.into(), reason }.into()),
+            None => {
+                let code = remap.code.to_string().into();
+                Err(Problem::HookMissing { code, option: hook.option(), name: name.into() }.into())
+            }
+        }
+    }
+
+    /// Keeps a block that waits, or begins the remapped code that it came to.
+    pub(super) fn pause(
+        &mut self,
+        block: &Block,
+        pause: Pause,
+        step: u8,
+        env: &dyn Environment,
+        out: &mut Vec<Issued>,
+    ) -> Result<Step, Trouble> {
+        match pause {
+            Pause::Remap(index) => self.begin_remap(index, block.clone(), step, env, out),
+            Pause::Ask(request) => {
+                let block = block.clone();
+                let pending = crate::state::Pending { request: request.clone(), block, step };
+                self.state.pending = Some(pending);
+                Ok(Step::Ask(request))
+            }
+        }
+    }
+}
