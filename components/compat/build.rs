@@ -1,4 +1,4 @@
-//! Compiles the part that only C can say.
+//! Compiles the C part of the interface, which Rust cannot express.
 
 fn main() {
     println!("cargo:rerun-if-changed=src/shim.c");

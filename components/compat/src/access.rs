@@ -1,5 +1,5 @@
-//! Ports of the processor: simulated ones reach registers whose bits are pins, real ones the
-//! hardware, as far as the system lets this process.
+//! Port I/O: simulated ports access registers whose bits are pins; real ports access the hardware, as far as the system
+//! permits this process.
 
 use crate::{elf::Elf, load::loading, module::Module, running, system};
 use core::ffi::{c_char, c_int, c_uchar, c_uint, c_ulong, c_ushort, c_void};
@@ -9,7 +9,7 @@ fn module() -> Option<&'static Module> {
     running::module()
 }
 
-/// Realtime. Reads a port of `width` bytes of the module that runs.
+/// Realtime. Reads a port of `width` bytes for the running module.
 pub(crate) fn read(port: u16, width: u16) -> u32 {
     match module() {
         Some(m) if m.is_simulated() => m.registers.read(port, width),
@@ -17,7 +17,7 @@ pub(crate) fn read(port: u16, width: u16) -> u32 {
     }
 }
 
-/// Realtime. Writes a port of `width` bytes of the module that runs.
+/// Realtime. Writes a port of `width` bytes for the running module.
 pub(crate) fn write(port: u16, width: u16, value: u32) {
     match module() {
         Some(m) if m.is_simulated() => m.registers.write(port, width, value),
@@ -57,8 +57,8 @@ extern "C" fn rtapi_outl(value: c_uint, port: c_ushort) {
     write(port, 4, value);
 }
 
-/// Claims ports: `ioperm`. Simulated ones get pins; for real ones the system is asked, for this
-/// thread now and for the others when they first need it.
+/// Claims ports: `ioperm`. Simulated ports get pins. For real ports the system's permission is requested, for this
+/// thread now and for other threads on their first access.
 #[unsafe(no_mangle)]
 extern "C" fn rtapi_ioperm(from: c_ulong, count: c_ulong, on: c_int) -> c_int {
     let (Ok(base), Ok(count)) = (u16::try_from(from), u16::try_from(count)) else {
@@ -75,7 +75,7 @@ extern "C" fn rtapi_ioperm(from: c_ulong, count: c_ulong, on: c_int) -> c_int {
     }
 }
 
-/// Claims every port: `iopl`. Simulated, only those get pins that are claimed one by one.
+/// Claims all ports: `iopl`. In simulation, only ports that are claimed individually get pins.
 #[unsafe(no_mangle)]
 extern "C" fn rtapi_iopl(level: c_int) -> c_int {
     match module() {
@@ -84,8 +84,8 @@ extern "C" fn rtapi_iopl(level: c_int) -> c_int {
     }
 }
 
-/// Where a prebuilt module asks the system for ports, it asks here: simulated hardware must not
-/// become real.
+/// Redirects a prebuilt module's own calls of `ioperm` and `iopl` to this library, so that simulated hardware never
+/// becomes real.
 pub(crate) fn take_over(module: &Arc<Module>, elf: &Elf) {
     let ours = [("ioperm", rtapi_ioperm as *const c_void), ("iopl", rtapi_iopl as *const c_void)];
     for (name, with) in ours {
@@ -93,7 +93,7 @@ pub(crate) fn take_over(module: &Arc<Module>, elf: &Elf) {
     }
 }
 
-/// As others have it.
+/// Record with the layout that C components use.
 #[repr(C)]
 #[derive(Debug)]
 struct Parport {
@@ -121,14 +121,14 @@ extern "C" fn rtapi_parport_get(
         hardware::permit(base, 8, true);
         hardware::permit(base_hi, 3, true);
     }
-    // SAFETY: a live place of the component's.
+    // SAFETY: a live record of the component's.
     unsafe { port.write(Parport { base, base_hi, fd }) };
     0
 }
 
 #[unsafe(no_mangle)]
 extern "C" fn rtapi_parport_release(port: *mut Parport) {
-    // SAFETY: a live place of the component's, or null.
+    // SAFETY: a live record of the component's, or null.
     let Some(port) = (unsafe { port.as_mut() }) else { return };
     if port.fd >= 0 {
         // SAFETY: opened by `claim_parport`, closed once.
@@ -137,17 +137,16 @@ extern "C" fn rtapi_parport_release(port: *mut Parport) {
     }
 }
 
-/// Real ports.
+/// Access to real ports.
 pub(crate) mod hardware {
     use core::ffi::c_int;
     use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-    /// What this process may reach: base and count of each claim.
+    /// Ports that this process may access: base and count of each claim.
     static CLAIMS: [AtomicU64; 32] = [const { AtomicU64::new(0) }; 32];
 
-    /// Realtime. Asks the system for every claim, for this thread, and for `width` bytes at `port`
-    /// if nobody has claimed them, as LinuxCNC lets its components use every port; whether `port`
-    /// may be used.
+    /// Realtime. Requests the permission for every claim, for this thread. If no claim covers `port`, requests it for
+    /// `width` bytes there, because LinuxCNC lets its components use every port. Returns whether `port` may be used.
     pub(crate) fn permit_here(port: u16, width: u16) -> bool {
         let mut found = false;
         for claim in &CLAIMS {
@@ -171,7 +170,7 @@ pub(crate) mod hardware {
         refused(libc::ENOSYS)
     }
 
-    /// Claims real ports.
+    /// Requests or drops the permission for real ports. Returns the error code.
     pub(crate) fn permit(base: u16, count: u16, on: bool) -> c_int {
         let (base, count) = (u64::from(base), u64::from(count));
         let code = ask(base, count, on);
@@ -185,9 +184,9 @@ pub(crate) mod hardware {
         code
     }
 
-    /// -1, and why.
+    /// Sets `errno` and returns -1.
     pub(crate) fn refused(errno: c_int) -> c_int {
-        // SAFETY: this thread's own variable.
+        // SAFETY: the thread's own variable.
         let place = unsafe { libc::__errno_location() };
         // SAFETY: as above.
         unsafe { place.write(errno) };
@@ -232,17 +231,17 @@ pub(crate) mod hardware {
         }
     }
 
-    /// Realtime. Where there are no such ports, nothing answers.
+    /// Realtime. Returns all ones, as on a machine without port I/O nothing answers.
     #[cfg(not(target_arch = "x86_64"))]
     pub(crate) fn read(_port: u16, _width: u16) -> u32 {
         u32::MAX
     }
 
-    /// Realtime. Where there are no such ports, nothing comes of it.
+    /// Realtime. Ignores the write, as the machine has no port I/O.
     #[cfg(not(target_arch = "x86_64"))]
     pub(crate) fn write(_port: u16, _width: u16, _value: u32) {}
 
-    /// Reserves the kernel's parallel port at this address; -1 where it knows none.
+    /// Reserves the kernel's parallel port at this address. Returns -1 if the kernel has none there.
     pub(crate) fn claim_parport(base: u16) -> c_int {
         /// `_IO('p', 0x8b)`: claims the port.
         const PPCLAIM: libc::c_ulong = 0x708b;
@@ -254,10 +253,10 @@ pub(crate) mod hardware {
                 continue;
             }
             let path = std::ffi::CString::new(format!("/dev/parport{i}")).unwrap_or_default();
-            // SAFETY: a text.
+            // SAFETY: a C string.
             let fd = unsafe { libc::open(path.as_ptr(), libc::O_RDWR | libc::O_CLOEXEC) };
             if fd >= 0 {
-                // SAFETY: an open device; without the claim it is still there.
+                // SAFETY: an open device; if the claim fails, it stays open.
                 unsafe { libc::ioctl(fd, PPCLAIM) };
             }
             return fd;

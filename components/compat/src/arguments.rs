@@ -1,20 +1,20 @@
-//! Module parameters: words of `loadrt`, put into the variables that the file's symbols name.
+//! Module parameters: arguments of `loadrt`, stored in the variables that the file's symbols name.
 
 use crate::{module::Module, system};
 use core::ffi::{CStr, c_char, c_int, c_long, c_void};
 use std::ffi::CString;
 
-/// A parameter as the file declares it.
+/// Parameter declared by the file.
 #[derive(Debug)]
 struct Parameter {
-    /// `i`, `l` or `s`.
+    /// Type letter: `i`, `l` or `s`.
     letter: u8,
     address: *mut c_void,
-    /// How many items, for a list.
+    /// Number of elements, for an array.
     items: Option<usize>,
 }
 
-/// A value that fits.
+/// Value converted to the parameter's type.
 #[derive(Debug)]
 enum Value {
     Int(c_int),
@@ -22,11 +22,11 @@ enum Value {
     Text(CString),
 }
 
-/// Puts every word where it belongs, after all have been checked.
+/// Stores every argument in its variable, after all have been checked.
 ///
 /// # Errors
-/// A word is not of the form `NAME=VALUE`, names no parameter of the file, has too many items or
-/// one that is no number.
+/// An argument is not of the form `NAME=VALUE`, names no parameter of the file, has too many elements, or an element is
+/// not a number.
 pub(crate) fn set(module: &Module, names: &[String], words: &[String]) -> Result<(), String> {
     let mut values = Vec::new();
     for word in words {
@@ -53,22 +53,22 @@ impl Parameter {
             let name = CString::new(format!("rtapi_info_{what}_{name}")).unwrap_or_default();
             system::symbol(module.handle, &name)
         };
-        // SAFETY: the interface says what the symbol is: an address of a text, if it is there.
+        // SAFETY: by the interface, the symbol is the address of a C string, if it exists.
         let letter = unsafe { symbol("type").cast::<*const c_char>().as_ref() }?;
         // SAFETY: as above.
         let address = unsafe { symbol("address").cast::<*mut c_void>().as_ref() }?;
-        // SAFETY: as above: a number, if it is there.
+        // SAFETY: by the interface, the symbol is a number, if it exists.
         let items = unsafe { symbol("size").cast::<c_int>().as_ref() };
         if letter.is_null() || address.is_null() {
             return None;
         }
-        // SAFETY: a text of the file's.
+        // SAFETY: a C string of the file's.
         let letter = unsafe { CStr::from_ptr(*letter) }.to_bytes().first().copied()?;
         let items = items.map(|n| usize::try_from(*n).unwrap_or(0));
         Some(Self { letter, address: *address, items })
     }
 
-    /// The values of a word with their places.
+    /// Converts an argument to values with their addresses.
     fn read(
         &self,
         name: &str,
@@ -114,7 +114,7 @@ impl Parameter {
     }
 }
 
-/// An integer in C's notation; nothing at all is zero.
+/// Parses an integer in C notation; an empty text is zero.
 fn number(text: &str) -> Option<i64> {
     let t = text.trim_start();
     let (minus, digits) = match t.strip_prefix('-') {
@@ -141,12 +141,12 @@ fn number(text: &str) -> Option<i64> {
 
 fn put(module: &Module, place: *mut c_void, value: Value) {
     match value {
-        // SAFETY: the variable that the file declares with this type; nothing of it runs yet.
+        // SAFETY: the variable that the file declares with this type; none of its code runs yet.
         Value::Int(n) => unsafe { place.cast::<c_int>().write(n) },
         // SAFETY: as above.
         Value::Long(n) => unsafe { place.cast::<c_long>().write(n) },
         Value::Text(text) => {
-            // A copy that the component may change, and that lives as long as it.
+            // A copy that the component may change, and that lives as long as the component.
             let bytes = text.as_bytes_with_nul();
             if let Some(at) = module.memory.take(bytes.len()) {
                 // SAFETY: a block of this size.

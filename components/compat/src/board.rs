@@ -1,23 +1,23 @@
-//! What simulated hardware holds before a component's first line runs: `NAME.sim` beside `NAME.so`.
+//! Initial contents of simulated hardware, before a component's first line runs: the file `NAME.sim` beside `NAME.so`.
 //!
-//! A line is `port 0x0448 0x00`, `port 0x044c-0x0452 0xff` or `config 0x88 0x0401`: a port or
-//! several and the byte they hold, or a double word of PCI configuration. `#` begins a comment. The
-//! ports that it names have pins, also for components that claim none.
+//! A line is `port 0x0448 0x00`, `port 0x044c-0x0452 0xff` or `config 0x88 0x0401`: one or several ports and the byte
+//! they hold, or a double word of PCI configuration. `#` begins a comment. Ports named in the file have pins even if
+//! the component claims none.
 
 use crate::registers::Registers;
 use std::{io::ErrorKind, path::Path};
 
-/// A line of the file.
+/// Line of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Line {
     Port { first: u16, last: u16, value: u8 },
     Config { register: u8, value: u32 },
 }
 
-/// Puts everything in its place that the file beside `module` says, if there is one.
+/// Applies the file beside `module`, if there is one.
 ///
 /// # Errors
-/// It cannot be read, or a line of it: the file, the line, and what would be right.
+/// The file cannot be read, or a line is invalid: the error names the file, the line, and the valid form.
 pub(crate) fn prepare(module: &Path, registers: &Registers) -> Result<(), String> {
     let file = module.with_extension("sim");
     let text = match std::fs::read_to_string(&file) {
@@ -37,7 +37,7 @@ pub(crate) fn prepare(module: &Path, registers: &Registers) -> Result<(), String
     Ok(())
 }
 
-/// All lines, or the number of the first that is wrong, and why.
+/// Parses all lines. An error holds the number of the first invalid line, and the reason.
 fn lines(text: &str) -> Result<Vec<Line>, (usize, String)> {
     let mut all = Vec::new();
     for (n, line) in (1..).zip(text.lines()) {

@@ -1,22 +1,22 @@
-//! What a file says of itself before anything of it is run.
+//! Contents of a library file that are read before any of its code runs.
 
 use object::{Architecture, Object, ObjectSymbol, ObjectSymbolTable, RelocationTarget};
 use std::{ffi::CString, path::Path};
 
-/// A symbol that the file takes from elsewhere.
+/// Symbol that the file imports.
 #[derive(Clone, Debug)]
 pub(crate) struct Undefined {
     pub(crate) name: CString,
-    /// Where its address is kept, from the beginning of the file in memory.
+    /// Places that hold its address, as offsets from the file's base in memory.
     pub(crate) places: Vec<u64>,
 }
 
-/// What matters of a file.
+/// Relevant contents of a file.
 #[derive(Debug, Default)]
 pub(crate) struct Elf {
-    /// Its module parameters.
+    /// Names of its module parameters.
     pub(crate) parameters: Vec<String>,
-    /// What it takes from elsewhere.
+    /// Symbols that the file imports.
     pub(crate) undefined: Vec<Undefined>,
 }
 
@@ -32,7 +32,7 @@ impl Elf {
     /// Reads a file.
     ///
     /// # Errors
-    /// It cannot be read, is no dynamic library, or is one of another kind of machine.
+    /// The file cannot be read, is not a dynamic library, or is for another processor architecture.
     pub(crate) fn read(path: &Path) -> Result<Self, String> {
         let shown = path.display();
         let bytes = std::fs::read(path).map_err(|e| format!("{shown}: {e}"))?;
@@ -73,7 +73,7 @@ impl Elf {
         Ok(out)
     }
 
-    /// Where the address of a symbol from elsewhere is kept.
+    /// Returns the places that hold the address of an imported symbol.
     pub(crate) fn places(&self, name: &str) -> &[u64] {
         let found = self.undefined.iter().find(|u| u.name.to_bytes() == name.as_bytes());
         found.map_or(&[], |u| &u.places)

@@ -1,4 +1,4 @@
-//! The component itself, its functions, threads, signals and links.
+//! Functions of the interface for components, functs, threads, signals and links.
 
 use crate::{
     load::loading,
@@ -29,7 +29,7 @@ extern "C" fn hal_init(name: *const c_char) -> c_int {
 
 #[unsafe(no_mangle)]
 extern "C" fn hal_exit(_component: c_int) -> c_int {
-    // What the component made goes with it.
+    // The engine removes the pins and functs together with the component.
     0
 }
 
@@ -72,31 +72,31 @@ extern "C" fn hal_comp_name(component: c_int) -> *const c_char {
 
 #[unsafe(no_mangle)]
 extern "C" fn hal_strerror(error: c_int) -> *const c_char {
-    // SAFETY: a text of the C library's.
+    // SAFETY: a C string of the C library's.
     unsafe { libc::strerror(error.saturating_abs()) }
 }
 
 #[unsafe(no_mangle)]
 extern "C" fn hal_set_constructor(_component: c_int, _make: *const c_void) -> c_int {
-    // There is no command that would use it.
+    // No command of this system would use it.
     0
 }
 
-/// Frees the state of a function.
+/// Frees the state of a funct.
 ///
 /// # Safety
-/// Called once by the engine with a state of [`hal_export_funct`].
+/// The engine calls this once, with a state made by [`hal_export_funct`].
 unsafe extern "C" fn free_state(state: *mut c_void) {
     // SAFETY: made by `Box::into_raw` as a `State`; freed once.
     drop(unsafe { Box::from_raw(state.cast::<State>()) });
 }
 
-/// Lets go of a module.
+/// Releases a reference to a module.
 ///
 /// # Safety
-/// Called once by the engine with what `Arc::into_raw` gave.
+/// The engine calls this once, with a pointer from `Arc::into_raw`.
 pub(crate) unsafe extern "C" fn free_module(module: *mut c_void) {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     drop(unsafe { Arc::from_raw(module.cast::<Module>().cast_const()) });
 }
 
@@ -156,7 +156,7 @@ extern "C" fn hal_create_thread(name: *const c_char, period: c_ulong, _uses_fp: 
 
 #[unsafe(no_mangle)]
 extern "C" fn hal_thread_delete(_name: *const c_char) -> c_int {
-    // A thread goes with the component that made it.
+    // A thread is removed with the component that made it.
     0
 }
 
@@ -181,7 +181,7 @@ extern "C" fn hal_init_funct_to_thread(
 #[unsafe(no_mangle)]
 extern "C" fn hal_del_funct_from_thread(funct: *const c_char, thread: *const c_char) -> c_int {
     if loading().is_none() {
-        // On the way out: the engine takes functions out of threads.
+        // During unload: the engine itself removes functs from threads.
         return 0;
     }
     change(edit::REMOVE, funct, thread, 0)
@@ -195,7 +195,7 @@ extern "C" fn hal_start_threads() -> c_int {
 #[unsafe(no_mangle)]
 extern "C" fn hal_stop_threads() -> c_int {
     if loading().is_none() {
-        // On the way out: the engine has stopped what must stop.
+        // During unload: the engine has already stopped the threads where needed.
         return 0;
     }
     change(edit::STOP, core::ptr::null(), core::ptr::null(), 0)
@@ -228,6 +228,6 @@ extern "C" fn hal_set_lock(level: c_uchar) -> c_int {
 
 #[unsafe(no_mangle)]
 extern "C" fn hal_get_lock() -> c_uchar {
-    // A load gets here only where loading is not locked, and nothing else asks.
+    // A load starts only while loading is not locked, and nothing else calls this.
     0
 }

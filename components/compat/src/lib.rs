@@ -1,9 +1,8 @@
-//! Components in C: the interface they are written to, and their loader.
+//! C components: the interface that they are written for, and their loader.
 //!
-//! The library registers as the loader of files that export `rtapi_app_main`, opens them with
-//! their symbols global and bound at once, and offers them the functions of `include/hal.h` and
-//! `include/rtapi.h`. Behind these is the engine's ordinary contract, so that a C pin is an
-//! ordinary pin.
+//! The library registers as the loader of files that export `rtapi_app_main`, opens them with global symbols and
+//! immediate binding, and provides the functions of `include/hal.h` and `include/rtapi.h`. These are implemented with
+//! the engine's ordinary plugin interface, so that a C pin is an ordinary pin.
 
 #![expect(unsafe_code, reason = "the boundary to components in C")]
 
@@ -32,7 +31,7 @@ use hal_component::abi::{
     ABI_MAJOR, ABI_MINOR, ForeignLoader, Library, List, Str, names, panic_strategy, size,
 };
 
-/// The symbol by which its files are known.
+/// Symbol by which the loader recognises its files.
 const SYMBOL: &str = "rtapi_app_main";
 
 const LOADER: ForeignLoader = ForeignLoader {
@@ -43,7 +42,7 @@ const LOADER: ForeignLoader = ForeignLoader {
     load: Some(load::load),
 };
 
-/// The descriptor that the engine looks up: no component types, one loader.
+/// Descriptor that the engine looks up: no component types, one loader.
 #[unsafe(export_name = "hal_library_compat")]
 pub static HAL_LIBRARY: Library = {
     const LOADERS: &[&ForeignLoader] = &[&LOADER];
@@ -57,7 +56,7 @@ pub static HAL_LIBRARY: Library = {
     }
 };
 
-/// What it offers, as the engine reads it from the file.
+/// Offered names, which the engine reads from the file without opening the library.
 #[unsafe(export_name = "hal_names_compat")]
 pub static HAL_NAMES: [u8; names::len(NAMES)] = names::bytes(NAMES);
 const NAMES: &[(u8, &[&str])] = &[(names::LOADER, &[SYMBOL])];

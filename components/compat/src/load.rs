@@ -1,4 +1,4 @@
-//! Loads one file: whole or not at all.
+//! Load of one file, which either succeeds completely or changes nothing.
 
 use crate::{
     arguments, board,
@@ -21,7 +21,7 @@ use std::{
     sync::{Arc, atomic::Ordering::Relaxed},
 };
 
-/// A load in progress.
+/// Load in progress.
 #[derive(Debug)]
 pub(crate) struct Loading {
     pub(crate) host: Host,
@@ -33,16 +33,16 @@ thread_local! {
     static LOADING: Cell<*const Loading> = const { Cell::new(core::ptr::null()) };
 }
 
-/// The load in progress on this thread: only then can anything be made.
+/// Returns the load in progress on this thread; only during a load can items be made.
 pub(crate) fn loading<'l>() -> Option<&'l Loading> {
-    // SAFETY: set only while it lives, on this thread.
+    // SAFETY: set only while the load lives, on this thread.
     unsafe { LOADING.get().as_ref() }
 }
 
-/// Loads a file; the engine's entry.
+/// Loads a file; the entry point for the engine.
 ///
 /// # Safety
-/// Called by an engine with its records.
+/// The engine calls this with its own records.
 pub(crate) unsafe extern "C" fn load(host: *const Host, file: *const ForeignFile) -> Status {
     // SAFETY: the engine's record lives across the call.
     let Some(host) = (unsafe { Host::read(host) }) else { return Status::EINVAL };
@@ -64,7 +64,7 @@ pub(crate) unsafe extern "C" fn load(host: *const Host, file: *const ForeignFile
 type Refusal = (Status, String);
 
 fn text(s: Str) -> String {
-    // SAFETY: the engine's text, live while it loads.
+    // SAFETY: a string of the engine's, alive during the load.
     unsafe { s.get() }.unwrap_or_default().to_owned()
 }
 
@@ -93,7 +93,7 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     };
     find_providers(&host, &file, &elf)?;
     crate::access::take_over(&module, &elf);
-    // SAFETY: the engine's words, live while it loads.
+    // SAFETY: the engine's words, alive during the load.
     let words = unsafe { core::slice::from_raw_parts(file.words, file.n_words) };
     let words: Vec<String> = words.iter().map(|w| text(*w)).collect();
     arguments::set(&module, &elf.parameters, &words).map_err(refuse(Status::EINVAL))?;
@@ -114,7 +114,7 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     stay(&host, module)
 }
 
-/// What the system's loader said, with what would be right.
+/// Adds a remedy to the dynamic linker's message.
 fn lacking(why: String) -> String {
     if why.contains("undefined symbol") {
         why + "; if another component in C defines it, such as kinematics for motmod, load that first"
@@ -123,7 +123,7 @@ fn lacking(why: String) -> String {
     }
 }
 
-/// Simulated hardware is as it is switched on.
+/// Sets the registers of simulated hardware to their power-on contents.
 fn prepared(module: &Module, path: &std::path::Path) -> Result<(), String> {
     if module.is_simulated() { board::prepare(path, &module.registers) } else { Ok(()) }
 }
@@ -131,14 +131,14 @@ fn prepared(module: &Module, path: &std::path::Path) -> Result<(), String> {
 fn entries(handle: *mut c_void) -> (Option<Main>, Option<Exit>) {
     let main = system::symbol(handle, c"rtapi_app_main");
     let exit = system::symbol(handle, c"rtapi_app_exit");
-    // SAFETY: the interface says what these symbols are; null is `None`.
+    // SAFETY: the interface defines the types of these symbols; null is `None`.
     let main = unsafe { core::mem::transmute::<*mut c_void, Option<Main>>(main) };
     // SAFETY: as above.
     let exit = unsafe { core::mem::transmute::<*mut c_void, Option<Exit>>(exit) };
     (main, exit)
 }
 
-/// Keeps modules loaded whose symbols this one uses.
+/// Keeps modules loaded while this one uses their symbols.
 fn find_providers(host: &Host, file: &ForeignFile, elf: &Elf) -> Result<(), Refusal> {
     let found = module::providers(file.instance.addr(), &elf.undefined).map_err(|symbol| {
         let why = format!(
@@ -156,10 +156,10 @@ fn find_providers(host: &Host, file: &ForeignFile, elf: &Elf) -> Result<(), Refu
     Ok(())
 }
 
-/// Binds the life of a module to its component: an action that does nothing.
+/// Ties the life of a module to its component: registers a stop action that does nothing but hold a reference.
 fn stay(host: &Host, module: Arc<Module>) -> Result<(), Refusal> {
     /// # Safety
-    /// Called by the engine with the state it was given.
+    /// The engine calls this with the state that was registered.
     unsafe extern "C" fn nothing(_: *mut c_void, _: *const CallHost) -> Status {
         Status::OK
     }
@@ -176,9 +176,9 @@ fn stay(host: &Host, module: Arc<Module>) -> Result<(), Refusal> {
     if status.is_ok() { Ok(()) } else { Err((status, "the engine refused it".to_owned())) }
 }
 
-/// What the system calls an error.
+/// Returns the system's text for an error number.
 pub(crate) fn explained(code: c_int) -> String {
-    // SAFETY: a text of the C library's, copied at once on the only thread that loads.
+    // SAFETY: a C string of the C library's, copied at once on the only thread that loads.
     let text = unsafe { libc::strerror(code.saturating_neg()) };
     // SAFETY: as above.
     unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()

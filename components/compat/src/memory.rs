@@ -1,11 +1,11 @@
-//! Memory that components ask for: zeroed, theirs until they are unloaded.
+//! Memory that components allocate: zeroed, and owned by the component until it is unloaded.
 
 use std::{
     alloc::{Layout, alloc_zeroed, dealloc},
     sync::{Mutex, PoisonError},
 };
 
-/// The blocks of one module.
+/// Memory blocks of one module.
 #[derive(Debug, Default)]
 pub(crate) struct Memory(Mutex<Vec<Block>>);
 
@@ -15,11 +15,11 @@ struct Block {
     layout: Layout,
 }
 
-// SAFETY: the addresses are given to the component; here they are only compared and freed.
+// SAFETY: the addresses belong to the component; here they are only compared and freed.
 unsafe impl Send for Block {}
 
 impl Memory {
-    /// A new block, aligned for everything.
+    /// Allocates a zeroed block, aligned for every type.
     pub(crate) fn take(&self, bytes: usize) -> Option<*mut u8> {
         let layout = Layout::from_size_align(bytes.max(8).next_multiple_of(16), 64).ok()?;
         // SAFETY: the size is not zero.
@@ -27,14 +27,14 @@ impl Memory {
         if at.is_null() {
             return None;
         }
-        // Pages are touched now and not in a realtime function.
+        // Touches the pages now, and not in a realtime function.
         // SAFETY: within the block.
         unsafe { at.write_bytes(0, layout.size()) };
         self.blocks().push(Block { at, layout });
         Some(at)
     }
 
-    /// Whether all of `bytes` at `place` are in a block.
+    /// Returns whether all of `bytes` at `place` lie in one block.
     pub(crate) fn holds(&self, place: usize, bytes: usize) -> bool {
         self.blocks().iter().any(|b| {
             let begin = b.at.addr();
@@ -46,7 +46,7 @@ impl Memory {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Gives everything back; nobody uses it any more.
+    /// Frees all blocks; the component no longer runs.
     pub(crate) fn free(&self) {
         for b in self.blocks().drain(..) {
             // SAFETY: allocated in `take` with this layout, freed once.

@@ -1,16 +1,16 @@
-//! Realtime. What components say, and the clock they read.
+//! Realtime. Messages of components, and the clock that they read.
 
 use crate::{running, system};
 use core::ffi::{CStr, c_char, c_int, c_long, c_longlong, c_void};
 use hal_component::abi::level;
 
-/// The level of a message that is always shown.
+/// Level of a message that is always shown.
 const ALL: c_int = 5;
 
-/// From `shim.c`: a text made of a format.
+/// Logs a message; `shim.c` calls this with the formatted text.
 #[unsafe(no_mangle)]
 extern "C" fn ferrule_say(level: c_int, text: *const c_char) {
-    // SAFETY: a text of the shim's.
+    // SAFETY: a C string of the shim's.
     let text = unsafe { CStr::from_ptr(text) }.to_str().unwrap_or("?");
     let level = if level >= ALL { 0 } else { u8::try_from(level).unwrap_or(level::ERR) };
     let Some(module) = running::module() else {
@@ -22,7 +22,7 @@ extern "C" fn ferrule_say(level: c_int, text: *const c_char) {
     }
 }
 
-/// Writes to standard error, where no instance listens.
+/// Writes to standard error, for code that runs outside an instance.
 pub(crate) fn write_error(parts: &[&str]) {
     for part in parts {
         // SAFETY: a live text.
@@ -49,21 +49,21 @@ unsafe extern "C" {
     safe fn ferrule_default_handler();
 }
 
-/// Takes back what speaks for everyone, when its file is about to be closed.
+/// Restores the default message handler before the file that holds the present one is closed.
 pub(crate) fn forget_handler(handle: *mut c_void) {
     if system::belongs(handle, ferrule_handler()) {
         ferrule_default_handler();
     }
 }
 
-/// Realtime. Machine time; for code of a component's own threads, that of the system.
+/// Realtime. Returns machine time in nanoseconds; in threads that a component made itself, the system's monotonic time.
 fn now() -> i64 {
     running::module().map_or_else(monotonic, crate::module::Module::now)
 }
 
 fn monotonic() -> i64 {
     let mut t = libc::timespec { tv_sec: 0, tv_nsec: 0 };
-    // SAFETY: a place for the answer.
+    // SAFETY: memory for the result.
     unsafe { libc::clock_gettime(libc::CLOCK_MONOTONIC, &raw mut t) };
     t.tv_sec.saturating_mul(1_000_000_000).saturating_add(t.tv_nsec)
 }
@@ -78,7 +78,7 @@ extern "C" fn rtapi_get_clocks() -> c_longlong {
     now()
 }
 
-/// The longest wait in place, in nanoseconds.
+/// Longest busy wait, in nanoseconds.
 const LONGEST_DELAY_NS: c_long = 10_000;
 
 #[unsafe(no_mangle)]

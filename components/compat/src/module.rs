@@ -1,4 +1,4 @@
-//! A component in C that is loaded: its file, what it may call, its memory.
+//! Loaded C component: its file, the engine's functions, and its memory.
 
 use crate::{elf::Undefined, memory::Memory, registers::Registers, running, system};
 use core::ffi::{c_int, c_void};
@@ -12,41 +12,41 @@ use std::{
     },
 };
 
-/// `rtapi_app_main`.
+/// Type of `rtapi_app_main`.
 pub(crate) type Main = extern "C" fn() -> c_int;
-/// `rtapi_app_exit`.
+/// Type of `rtapi_app_exit`.
 pub(crate) type Exit = extern "C" fn();
 
-/// One loaded module.
+/// Loaded module.
 #[derive(Debug)]
 pub(crate) struct Module {
-    /// The component's name.
+    /// Name of the component.
     pub(crate) name: CString,
-    /// Its number.
+    /// Number of the component.
     pub(crate) component: u32,
-    /// What its names begin with.
+    /// Prefix of its names.
     pub(crate) prefix: String,
     calls: &'static CallHost,
     file: ForeignFile,
-    /// What the engine says of hardware and time.
+    /// Host flags for hardware and time.
     flags: u32,
-    /// The file, open.
+    /// Handle of the open file.
     pub(crate) handle: *mut c_void,
     exit: Option<Exit>,
     pub(crate) memory: Memory,
     pub(crate) registers: Registers,
-    /// Whether `rtapi_app_main` has succeeded.
+    /// True if `rtapi_app_main` has succeeded.
     pub(crate) made: AtomicBool,
-    /// Whether it is complete: no pins any more.
+    /// True once the component is complete: no more pins can be made.
     pub(crate) ready: AtomicBool,
 }
 
-// SAFETY: what it points at is immutable, or the engine's and open to every thread.
+// SAFETY: it points to immutable data, or to the engine's, which any thread may access.
 unsafe impl Send for Module {}
 // SAFETY: as for `Send`.
 unsafe impl Sync for Module {}
 
-/// A module that is loaded somewhere in this process.
+/// Module that is loaded in this process, in any instance.
 #[derive(Debug)]
 struct Entry {
     path: PathBuf,
@@ -61,15 +61,15 @@ fn loaded() -> std::sync::MutexGuard<'static, Vec<Entry>> {
     LOADED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Whether a file is loaded: its statics are there once in a process.
+/// Returns whether a file is loaded: its static variables exist once per process.
 pub(crate) fn is_loaded(path: &std::path::Path) -> bool {
     loaded().iter().any(|e| e.path == path)
 }
 
-/// Who else in this process defines what a module lacks: the numbers of the components.
+/// Returns the numbers of the components in this process that define symbols which a module lacks.
 ///
 /// # Errors
-/// One belongs to another instance: the symbol.
+/// A symbol is defined by a component of another instance; the error is that symbol.
 pub(crate) fn providers(instance: usize, lacks: &[Undefined]) -> Result<Vec<u32>, String> {
     let mut found = Vec::new();
     for e in loaded().iter() {
@@ -115,28 +115,28 @@ impl Module {
         }
     }
 
-    /// Its number, as C has it.
+    /// Returns the number of the component as a C int.
     pub(crate) fn id(&self) -> c_int {
         c_int::try_from(self.component).unwrap_or(c_int::MAX)
     }
 
-    /// Whether hardware is simulated.
+    /// Returns whether hardware is simulated.
     pub(crate) const fn is_simulated(&self) -> bool {
         self.flags & host_flags::SIMULATED != 0
     }
 
-    /// Whether machine time stands still within a function.
+    /// Returns whether machine time stands still during a function.
     pub(crate) const fn is_virtual(&self) -> bool {
         self.flags & host_flags::VIRTUAL != 0
     }
 
-    /// Realtime. Machine time in nanoseconds.
+    /// Realtime. Returns machine time in nanoseconds.
     pub(crate) fn now(&self) -> i64 {
         // SAFETY: the engine's function with the engine's context.
         self.calls.now.map_or(0, |now| unsafe { now(self.calls.ctx) })
     }
 
-    /// Realtime. Says something; level 0 is always shown.
+    /// Realtime. Logs a message; level 0 is always shown.
     pub(crate) fn say(&self, level: u8, text: &str) {
         if let Some(say) = self.file.say {
             // SAFETY: the engine's function; `text` lives across the call.
@@ -144,13 +144,13 @@ impl Module {
         }
     }
 
-    /// Realtime. Sets up to which level messages are shown, unless negative; what it was.
+    /// Realtime. Sets the highest level of messages that are shown, unless negative. Returns the previous level.
     pub(crate) fn level(&self, level: i32) -> i32 {
         // SAFETY: the engine's function with the engine's context.
         self.file.level.map_or(1, |f| unsafe { f(self.calls.ctx, level) })
     }
 
-    /// A block of memory of the component's own.
+    /// Allocates a block of the component's memory.
     pub(crate) fn take(&self, bytes: usize) -> Option<*mut u8> {
         let at = self.memory.take(bytes)?;
         if let Some(account) = self.file.account {
@@ -178,7 +178,7 @@ impl Drop for Module {
             let text = format!("{name}: its file stays mapped; loaded again it is as it is now");
             self.say(hal_component::abi::level::WARN, &text);
         }
-        // Only now may another load begin: the statics are gone.
+        // Only now may another load begin: the static variables no longer exist.
         let handle = self.handle.addr();
         loaded().retain(|e| e.handle != handle);
     }

@@ -1,4 +1,4 @@
-//! `hal_pin_…` and `hal_param_…`: C pins are ordinary pins.
+//! Functions `hal_pin_…` and `hal_param_…`: C pins are ordinary pins.
 
 use crate::{
     load::{Loading, loading},
@@ -8,16 +8,16 @@ use core::ffi::{CStr, c_char, c_double, c_int, c_long, c_ulong, c_void};
 use hal_component::abi::{ItemSpec, Status, Str, dir, edit, level, size, ty};
 use std::sync::atomic::Ordering::Relaxed;
 
-/// A text of the component's.
+/// Reads a C string of the component.
 pub(crate) fn text<'t>(p: *const c_char) -> Option<&'t str> {
     if p.is_null() {
         return None;
     }
-    // SAFETY: the component passes a text, alive across its call.
+    // SAFETY: the component passes a C string, alive across its call.
     unsafe { CStr::from_ptr(p) }.to_str().ok()
 }
 
-/// What may not be done: said, with its number.
+/// Logs the reason of a refusal, and returns its error number.
 pub(crate) fn refuse(loading: Option<&Loading>, status: c_int, why: &str) -> c_int {
     let said = |m: &Module| m.say(level::ERR, &format!("HAL: ERROR: {why}"));
     match (loading, crate::running::module()) {
@@ -70,14 +70,14 @@ fn item(new: &New, initial: u64, storage: *mut c_void, place: *mut *mut c_void) 
         .0
 }
 
-/// A pin whose address the component keeps at `place`.
+/// Makes a pin whose address is stored at `place`.
 fn pin(new: &New, bits: u64, place: *mut *mut c_void) -> c_int {
     let l = loading();
     if ![dir::IN, dir::OUT, dir::IO].map(c_int::from).contains(&new.dir) {
         return refuse(l, Status::EINVAL.0, "a pin is neither HAL_IN, HAL_OUT nor HAL_IO");
     }
     let mine = l.is_none_or(|l| l.module.memory.holds(place.addr(), size_of::<*mut c_void>()));
-    // A kinematics module makes pins while another is loaded: what is aligned is believed.
+    // A kinematics module makes pins while another module is loaded, so any aligned pointer is accepted for those.
     let own = l.is_some_and(|l| l.module.id() == new.component);
     if place.is_null() || !place.is_aligned() || (own && !mine) {
         let why = format!(
@@ -89,7 +89,7 @@ fn pin(new: &New, bits: u64, place: *mut *mut c_void) -> c_int {
     item(new, bits, core::ptr::null_mut(), place)
 }
 
-/// A parameter whose value is at `place`.
+/// Makes a parameter whose value is at `place`.
 fn param(new: &New, place: *mut c_void) -> c_int {
     let l = loading();
     if ![dir::RO, dir::RW].map(c_int::from).contains(&new.dir) {
@@ -176,7 +176,7 @@ fn code(ty: c_int) -> u8 {
     u8::try_from(ty).unwrap_or(0)
 }
 
-/// The new interface: a pin with a first value.
+/// Makes a pin with an initial value, for the newer interface.
 #[unsafe(no_mangle)]
 extern "C" fn ferrule_new_pin(
     component: c_int,
@@ -189,7 +189,7 @@ extern "C" fn ferrule_new_pin(
     pin(&New { name, ty: code(ty), dir, component }, bits, place)
 }
 
-/// The new interface: a parameter whose storage is made here, 64 bits wide.
+/// Makes a parameter for the newer interface; its 64-bit storage is allocated here.
 #[unsafe(no_mangle)]
 extern "C" fn ferrule_new_param(
     component: c_int,
@@ -227,7 +227,7 @@ extern "C" fn hal_param_new_fake(_component: c_int, place: *mut *mut c_void) -> 
     fake(place, 0)
 }
 
-/// Changes the graph, where a component may; the names of its own things begin with its prefix.
+/// Edits the graph, where a component may do so; names of its own items begin with its prefix.
 pub(crate) fn change(what: u32, a: *const c_char, b: *const c_char, number: i64) -> c_int {
     let Some(l) = loading() else {
         return refuse(None, Status::EINVAL.0, "the graph is changed while a component is loaded");

@@ -1,9 +1,9 @@
-//! Realtime. `hal_port_…`: byte queues behind pins of type port.
+//! Realtime. Functions `hal_port_…`: byte queues behind pins of type port.
 
 use core::ffi::{c_char, c_uint};
 use hal_component::abi::PortQueue;
 
-/// The queue, if the port has one.
+/// Returns the queue of a port, if it has one.
 fn queue<'q>(port: i64) -> Option<&'q PortQueue> {
     let at = usize::try_from(port.cast_unsigned()).unwrap_or(0);
     let at = core::ptr::with_exposed_provenance::<PortQueue>(at);
@@ -15,7 +15,7 @@ fn bytes<'b>(at: *mut c_char, count: c_uint) -> &'b mut [u8] {
     if at.is_null() || count == 0 {
         return &mut [];
     }
-    // SAFETY: the component passes so many bytes of its own.
+    // SAFETY: the component passes this number of its own bytes.
     unsafe { core::slice::from_raw_parts_mut(at.cast(), count as usize) }
 }
 

@@ -1,11 +1,10 @@
-//! Realtime. Ports of the processor in memory, with pins that show and drive their bits.
+//! Realtime. Simulated I/O ports in memory, with pins that show and drive their bits.
 //!
-//! A component that claims ports while it is loaded gets for each byte `COMPONENT.sim.PORT` (as
-//! last written) and `COMPONENT.sim.PORT-in`, and for each bit the same with `-BIT`; PORT is the
-//! address in hexadecimal. A byte reads as it was written, with every bit set that a pin says.
-//! Ports 0xCF8 and 0xCFC reach the configuration of PCI devices: `COMPONENT.sim.config-RR` is
-//! the double word at RR, of whichever device. `COMPONENT.sim.reads` and `.writes` count accesses,
-//! and what all of this holds at first is the file beside the component's (see `board.rs`).
+//! A component that claims ports while it is loaded gets, for each byte, the pins `COMPONENT.sim.PORT` (the value last
+//! written) and `COMPONENT.sim.PORT-in`, and for each bit the same with `-BIT`; PORT is the address in hexadecimal. A
+//! read of a byte returns the value written, with every bit set that an input pin sets. Ports 0xCF8 and 0xCFC access
+//! the PCI configuration: `COMPONENT.sim.config-RR` is the double word at RR, of any device. `COMPONENT.sim.reads` and
+//! `.writes` count accesses. The initial contents come from the file beside the component's (see `board.rs`).
 
 use crate::load::{Loading, loading};
 use core::ptr;
@@ -15,28 +14,28 @@ use std::sync::atomic::{
     Ordering::{Acquire, Relaxed, Release},
 };
 
-/// The most blocks of ports that a component claims, and the most double words of configuration.
+/// Maximum number of port blocks that a component claims, and of double words of configuration.
 const MOST: usize = 64;
-/// The address of PCI configuration, and its value.
+/// Ports of the PCI configuration's address and value.
 const CONFIG_ADDRESS: u16 = 0xCF8;
 const CONFIG_VALUE: u16 = 0xCFC;
 
-/// What one component has claimed.
+/// Claimed ports of one component.
 #[derive(Debug)]
 pub(crate) struct Registers {
     blocks: [AtomicPtr<Block>; MOST],
     config: [AtomicPtr<Word>; MOST],
-    /// The address of the next access to configuration.
+    /// Address of the next access to the configuration.
     chosen: AtomicU32,
     reads: Count,
     writes: Count,
 }
 
-/// A pin that counts.
+/// Pin that counts.
 #[derive(Debug, Default)]
 struct Count(AtomicPtr<Slot>);
 
-/// A block of ports.
+/// Block of ports.
 #[derive(Debug)]
 struct Block {
     base: u16,
@@ -50,14 +49,14 @@ struct Byte {
     driven: Pins,
 }
 
-/// A whole byte and its bits.
+/// Pins of a byte and its bits.
 #[derive(Debug)]
 struct Pins {
     whole: *const Slot,
     bits: [*const Slot; 8],
 }
 
-/// A double word of PCI configuration.
+/// Double word of PCI configuration.
 #[derive(Debug)]
 struct Word {
     register: u8,
@@ -77,7 +76,7 @@ impl Default for Registers {
 }
 
 impl Count {
-    /// Has its pin from now on.
+    /// Makes its pin, unless it exists.
     fn show(&self, l: &Loading, name: &str, about: &str) {
         if self.0.load(Relaxed).is_null() {
             let slot = item(l, &format!("sim.{name}"), about, ty::U32, dir::OUT);
@@ -85,7 +84,7 @@ impl Count {
         }
     }
 
-    /// Realtime. One more.
+    /// Realtime. Adds one.
     fn more(&self) {
         let slot = self.0.load(Acquire).cast_const(); // Pairs with `show`.
         store(slot, load(slot).wrapping_add(1) & u64::from(u32::MAX));
@@ -111,13 +110,13 @@ impl Drop for Registers {
     }
 }
 
-/// What is kept, in order.
+/// Returns the kept items, in order.
 fn each<T>(places: &[AtomicPtr<T>]) -> impl Iterator<Item = &T> {
     // Pairs with `keep`. SAFETY: made by `Box::into_raw`, freed with the component.
     places.iter().map_while(|p| unsafe { p.load(Acquire).as_ref() })
 }
 
-/// Keeps a thing in the first free place.
+/// Stores an item in the first free slot.
 fn keep<T>(places: &[AtomicPtr<T>], thing: T) {
     let new = Box::into_raw(Box::new(thing));
     for place in places {
@@ -131,7 +130,7 @@ fn keep<T>(places: &[AtomicPtr<T>], thing: T) {
 }
 
 impl Registers {
-    /// Claims ports; only while the component is loaded do they get pins.
+    /// Claims ports. They get pins only while the component is being loaded.
     pub(crate) fn claim(&self, base: u16, count: u16) {
         let Some(l) = loading() else { return };
         self.count(l);
@@ -148,7 +147,7 @@ impl Registers {
         self.keep_block(end, &mut bytes);
     }
 
-    /// Claims ports that hold `value` at first.
+    /// Claims ports with an initial value of each byte.
     pub(crate) fn claim_as(&self, base: u16, count: u16, value: u8) {
         self.claim(base, count);
         for port in base..base.saturating_add(count) {
@@ -158,7 +157,7 @@ impl Registers {
         }
     }
 
-    /// The configuration's double word at `register` holds `value` at first.
+    /// Sets the initial value of the configuration's double word at `register`.
     pub(crate) fn configure(&self, register: u8, value: u32) {
         if let Some(word) = self.word_at(register & !3) {
             word.set(value);
@@ -170,7 +169,7 @@ impl Registers {
         self.writes.show(l, "writes", "Writes of ports so far");
     }
 
-    /// Keeps the ports before `end`.
+    /// Stores the ports before `end` as a block.
     fn keep_block(&self, end: u16, bytes: &mut Vec<Byte>) {
         let count = u16::try_from(bytes.len()).unwrap_or(0);
         if count > 0 {
@@ -183,7 +182,7 @@ impl Registers {
         each(&self.blocks).find_map(|b| b.bytes.get(usize::from(port.checked_sub(b.base)?)))
     }
 
-    /// Realtime. What a port of `width` bytes reads as; all ones where there is nothing.
+    /// Realtime. Reads a port of `width` bytes; returns all ones where no port is claimed.
     pub(crate) fn read(&self, port: u16, width: u16) -> u32 {
         self.reads.more();
         if port == CONFIG_ADDRESS && width == 4 {
@@ -199,7 +198,7 @@ impl Registers {
         })
     }
 
-    /// Realtime. Writes a port of `width` bytes; nothing comes of it where there is nothing.
+    /// Realtime. Writes a port of `width` bytes; ignored where no port is claimed.
     pub(crate) fn write(&self, port: u16, width: u16, value: u32) {
         self.writes.more();
         if port == CONFIG_ADDRESS && width == 4 {
@@ -221,7 +220,7 @@ impl Registers {
         }
     }
 
-    /// The double word of configuration that is chosen; made while the component is loaded.
+    /// Returns the selected double word of configuration; makes it while the component is being loaded.
     fn word(&self) -> Option<&Word> {
         let [low, ..] = self.chosen.load(Relaxed).to_le_bytes();
         self.word_at(low & !3)
@@ -241,7 +240,7 @@ impl Registers {
     }
 }
 
-/// The bits of so many bytes.
+/// Returns a mask of this number of bytes.
 const fn ones(width: u16) -> u32 {
     if width >= 4 { u32::MAX } else { (1 << (width * 8)) - 1 }
 }
@@ -315,7 +314,7 @@ fn store(slot: *const Slot, bits: u64) {
     }
 }
 
-/// A pin of simulated hardware; null where the engine refused it.
+/// Makes a pin of simulated hardware; null if the engine refused it.
 fn item(l: &Loading, name: &str, about: &str, ty: u8, dir: u8) -> *const Slot {
     let name = format!("{}.{name}", l.module.name.to_string_lossy());
     let spec = ItemSpec {

@@ -1,5 +1,5 @@
-//! A first run of a component's set-up in a copy of this process, for `check`, `order` and `graph`:
-//! what crashes or never returns there ends the copy, and is a finding.
+//! Trial run of a component's setup in a copy of this process, for `check`, `order` and `graph`: if it crashes or never
+//! returns, only the copy ends, and the failure becomes a finding.
 
 use crate::{
     load::Loading,
@@ -13,21 +13,21 @@ use std::{
     os::fd::{AsRawFd, FromRawFd, RawFd},
 };
 
-/// How long set-up and its undoing may take, in milliseconds.
+/// Time limit of setup and exit, in milliseconds.
 const PATIENCE_MS: c_int = 5000;
 
-/// How far the copy has come; what it writes as it gets there.
+/// Progress of the copy, which it reports as a byte at each step.
 const IN_MAIN: u8 = b'm';
 const IN_EXIT: u8 = b'e';
 const DONE: u8 = b'd';
 
-/// Runs `rtapi_app_main` and, when that succeeds, `rtapi_app_exit`, and forgets both.
+/// Runs `rtapi_app_main` and, if that succeeds, `rtapi_app_exit` in a copy of this process, and discards the copy.
 ///
 /// # Errors
-/// It would have ended this process, or never returned: the entry point, and why.
+/// The setup would have ended this process, or never returned: the error names the entry point and the reason.
 pub(crate) fn rehearse(loading: &Loading, main: Main, exit: Option<Exit>) -> Result<(), String> {
     let mut ends: [RawFd; 2] = [-1; 2];
-    // SAFETY: a place for two numbers.
+    // SAFETY: memory for two numbers.
     if unsafe { libc::pipe2(ends.as_mut_ptr(), libc::O_CLOEXEC) } != 0 {
         return Ok(());
     }
@@ -36,7 +36,7 @@ pub(crate) fn rehearse(loading: &Loading, main: Main, exit: Option<Exit>) -> Res
     let from = unsafe { File::from_raw_fd(from) };
     // SAFETY: as above.
     let to = unsafe { File::from_raw_fd(to) };
-    // SAFETY: the copy runs this thread alone, and what it does is what this one would do next.
+    // SAFETY: the copy runs this thread only, and does what this thread would do next.
     let copy = unsafe { libc::fork() };
     if copy < 0 {
         return Ok(());
@@ -51,7 +51,7 @@ pub(crate) fn rehearse(loading: &Loading, main: Main, exit: Option<Exit>) -> Res
         unsafe { libc::kill(copy, libc::SIGKILL) };
     }
     let mut status = 0;
-    // SAFETY: a place for the status of the copy, which is nobody else's.
+    // SAFETY: memory for the status of the copy, for which nothing else waits.
     unsafe { libc::waitpid(copy, &raw mut status, 0) };
     let entry = if far == IN_EXIT { "rtapi_app_exit" } else { "rtapi_app_main" };
     if far == DONE {
@@ -68,15 +68,15 @@ pub(crate) fn rehearse(loading: &Loading, main: Main, exit: Option<Exit>) -> Res
     Err(format!("{entry} ends the process, with status {code}"))
 }
 
-/// In the copy: everything, unheard.
+/// Runs setup and exit in the copy, with its output discarded.
 fn perform(loading: &Loading, main: Main, exit: Option<Exit>, to: RawFd) -> ! {
     let limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
-    // SAFETY: no file for the remains of a process that may crash.
+    // SAFETY: disables core dumps of a process that may crash.
     unsafe { libc::setrlimit(libc::RLIMIT_CORE, &raw const limit) };
     // SAFETY: opens a file.
     let nowhere = unsafe { libc::open(c"/dev/null".as_ptr(), libc::O_RDWR) };
     for fd in 0..=2 {
-        // SAFETY: what the copy says would be said twice.
+        // SAFETY: redirects standard streams of the copy, whose messages would otherwise appear twice.
         unsafe { libc::dup2(nowhere, fd) };
     }
     let tell = |far: u8| {
@@ -94,11 +94,11 @@ fn perform(loading: &Loading, main: Main, exit: Option<Exit>, to: RawFd) -> ! {
         });
     }
     tell(DONE);
-    // SAFETY: ends the copy, without what this process does at its end.
+    // SAFETY: ends the copy without running this process's exit handlers.
     unsafe { libc::_exit(0) }
 }
 
-/// How far the copy came, and whether it was heard of in time.
+/// Follows the copy's progress. Returns the last step, and whether it was reported within the time limit.
 fn follow(mut from: File) -> (u8, bool) {
     let mut far = IN_MAIN;
     loop {

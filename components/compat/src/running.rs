@@ -1,11 +1,11 @@
-//! Realtime. Which code of which component runs in this thread.
+//! Realtime. Record of the component code that runs in this thread.
 
 use crate::module::Module;
 use core::ffi::{c_int, c_long, c_void};
 use hal_component::abi::Status;
 use std::sync::Arc;
 
-/// A function of a component in C, as `shim.c` has it.
+/// Function of a component in C, with the layout of `shim.c`.
 #[repr(C)]
 #[derive(Debug)]
 pub(crate) struct Running {
@@ -14,12 +14,12 @@ pub(crate) struct Running {
     module: *const c_void,
 }
 
-/// The state of an exported function: first what `shim.c` reads.
+/// State of an exported funct; its first field is the record that `shim.c` reads.
 #[repr(C)]
 #[derive(Debug)]
 pub(crate) struct State {
     pub(crate) running: Running,
-    /// Held so that the code and its memory live.
+    /// Reference that keeps the code and its memory alive.
     module: Arc<Module>,
 }
 
@@ -41,9 +41,9 @@ impl State {
     }
 }
 
-/// The module whose code runs in this thread.
+/// Returns the module whose code runs in this thread.
 pub(crate) fn module() -> Option<&'static Module> {
-    // SAFETY: set for the time that the code runs, which its module outlives.
+    // SAFETY: set while the code runs, and its module outlives that time.
     let running = unsafe { ferrule_current().as_ref() }?;
     // SAFETY: as above.
     unsafe { running.module.cast::<Module>().as_ref() }

@@ -1,9 +1,9 @@
-//! `rtapi_shmem_…`: memory that components of one process share by a key.
+//! Functions `rtapi_shmem_…`: memory that components of one process share by a key.
 
 use core::ffi::{c_int, c_ulong, c_void};
 use std::sync::{Mutex, PoisonError};
 
-/// One piece.
+/// Shared memory block.
 #[derive(Debug)]
 struct Piece {
     key: c_int,
@@ -50,7 +50,7 @@ extern "C" fn rtapi_shmem_getptr(id: c_int, place: *mut *mut c_void) -> c_int {
     let mut all = PIECES.lock().unwrap_or_else(PoisonError::into_inner);
     let piece = index(id).and_then(|i| all.get_mut(i)).and_then(Option::as_mut);
     let Some(piece) = piece.filter(|_| !place.is_null()) else { return -libc::EINVAL };
-    // SAFETY: the component's place.
+    // SAFETY: the component's memory.
     unsafe { place.write(piece.words.as_mut_ptr().cast()) };
     0
 }

@@ -1,4 +1,4 @@
-//! Realtime. `hal_stream_…`: rings of records that a component shares with programs.
+//! Realtime. Functions `hal_stream_…`: rings of records that a component shares with programs.
 
 use crate::{load::loading, pin::text};
 use core::{
@@ -14,7 +14,7 @@ use std::sync::{
     atomic::{AtomicU32, Ordering::Relaxed},
 };
 
-/// As components have it.
+/// Record with the layout that C components use.
 #[repr(C)]
 #[derive(Debug)]
 struct Handle {
@@ -23,7 +23,7 @@ struct Handle {
     stream: *const Stream,
 }
 
-/// A ring with both its sides; each is used by one thread.
+/// Ring with producer and consumer, each used by one thread.
 #[derive(Debug)]
 struct Stream {
     made: StreamRef,
@@ -34,7 +34,7 @@ struct Stream {
     underruns: AtomicU32,
 }
 
-/// The rings that other components may attach to: instance, key, ring and types.
+/// Rings that other components may attach to: instance, key, ring and types.
 static KNOWN: Mutex<Vec<Known>> = Mutex::new(Vec::new());
 
 #[derive(Debug)]
@@ -45,10 +45,10 @@ struct Known {
     types: [u8; 24],
 }
 
-// SAFETY: rings are shared by their nature, and live as long as their component.
+// SAFETY: rings are made for sharing, and live as long as their component.
 unsafe impl Send for Known {}
 
-/// The keys of `sampler` and `streamer`, plus the number of the channel.
+/// Base keys of `sampler` and `streamer`; the channel number is added.
 const SAMPLER: c_int = 0x4853_4130;
 const STREAMER: c_int = 0x4853_5430;
 
@@ -63,7 +63,7 @@ fn named(key: c_int) -> (String, u32) {
     (format!("stream.{key:08x}"), stream_direction::OUT)
 }
 
-/// Types from their letters.
+/// Parses the type letters.
 fn parse(letters: &str) -> Option<([u8; 24], u32)> {
     let mut types = [0; 24];
     let mut width = 0;
@@ -84,9 +84,9 @@ fn parse(letters: &str) -> Option<([u8; 24], u32)> {
 
 impl Stream {
     fn give(handle: &mut Handle, made: StreamRef, types: [u8; 24]) {
-        // SAFETY: the engine's ring, live until its component is unloaded; one writes.
+        // SAFETY: the engine's ring, alive until its component is unloaded; there is one producer.
         let producer = unsafe { Producer::new(made.ring, made.depth, made.width) };
-        // SAFETY: as above; one reads.
+        // SAFETY: as above; there is one consumer.
         let consumer = unsafe { Consumer::new(made.ring, made.depth, made.width) };
         let stream = Self {
             made,
@@ -100,7 +100,7 @@ impl Stream {
     }
 
     fn ring(&self) -> &Ring {
-        // SAFETY: the engine's ring, live until its component is unloaded.
+        // SAFETY: the engine's ring, alive until its component is unloaded.
         unsafe { &*self.made.ring }
     }
 
@@ -213,12 +213,12 @@ extern "C" fn hal_stream_write(p: *mut Handle, values: *const u64) -> c_int {
         let bits = unsafe { values.wrapping_add(i).read() };
         narrow(bits, s.types.get(i).copied().unwrap_or(0))
     };
-    // SAFETY: one thread writes.
+    // SAFETY: only one thread writes.
     let producer = unsafe { &mut *s.producer.get() };
     if producer.put(value) { 0 } else { -libc::ENOSPC }
 }
 
-/// What of eight bytes counts, as cells hold it.
+/// Returns the bits that count for the type, in the form of cells.
 const fn narrow(bits: u64, ty: u8) -> u64 {
     match ty {
         ty::BIT => (bits & 0xFF != 0) as u64,
@@ -230,7 +230,7 @@ const fn narrow(bits: u64, ty: u8) -> u64 {
 #[unsafe(no_mangle)]
 extern "C" fn hal_stream_read(p: *mut Handle, values: *mut u64, sample: *mut c_uint) -> c_int {
     let Some(s) = stream(p).filter(|_| !values.is_null()) else { return Status::EINVAL.0 };
-    // SAFETY: one thread reads.
+    // SAFETY: only one thread reads.
     let consumer = unsafe { &mut *s.consumer.get() };
     let got = consumer.take(|i, bits| {
         // SAFETY: the component passes room for a value of each type.
@@ -241,7 +241,7 @@ extern "C" fn hal_stream_read(p: *mut Handle, values: *mut u64, sample: *mut c_u
             let [a, b, c, d, ..] = number.to_le_bytes();
             s.sample.store(u32::from_le_bytes([a, b, c, d]), Relaxed);
             if !sample.is_null() {
-                // SAFETY: the component's place.
+                // SAFETY: the component's memory.
                 unsafe { sample.write(s.sample.load(Relaxed)) };
             }
             0
@@ -299,15 +299,15 @@ extern "C" fn hal_stream_element_type(p: *mut Handle, index: c_int) -> c_int {
     stream(p).and_then(|s| s.types.get(index)).map_or(0, |t| c_int::from(*t))
 }
 
-/// A place that some components look at; they find nothing in it.
+/// Placeholder for memory that some components inspect; it holds zeroes.
 #[repr(transparent)]
 #[derive(Debug)]
 pub(crate) struct Nowhere(*const c_void);
-// SAFETY: points at immutable bytes.
+// SAFETY: points to immutable bytes.
 unsafe impl Sync for Nowhere {}
 
 static NOTHING: [u64; 8192] = [0; 8192];
 
-/// The beginning of others' shared memory: here, zeroes.
+/// Base of LinuxCNC's shared memory: here, zeroes.
 #[unsafe(no_mangle)]
 pub(crate) static hal_shmem_base: Nowhere = Nowhere((&raw const NOTHING).cast());

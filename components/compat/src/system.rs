@@ -1,4 +1,4 @@
-//! What is asked of the system's loader.
+//! Calls of the system's dynamic linker.
 
 use core::ffi::{CStr, c_int, c_void};
 use std::ffi::CString;
@@ -10,14 +10,14 @@ fn said() -> String {
     if text.is_null() {
         return "no reason given".to_owned();
     }
-    // SAFETY: a text of the loader's, copied at once.
+    // SAFETY: a C string of the linker's, copied at once.
     unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
 }
 
-/// Opens a file with its symbols global and bound at once.
+/// Opens a file with global symbols and immediate binding.
 ///
 /// # Errors
-/// What the loader says: it names a symbol that is missing.
+/// The linker's message, which names a missing symbol.
 pub(crate) fn open(path: &Path) -> Result<*mut c_void, String> {
     let path = CString::new(path.as_os_str().as_encoded_bytes()).map_err(|e| e.to_string())?;
     // SAFETY: a module's initialisers are ordinary C.
@@ -25,23 +25,23 @@ pub(crate) fn open(path: &Path) -> Result<*mut c_void, String> {
     if handle.is_null() { Err(said()) } else { Ok(handle) }
 }
 
-/// Closes a file; whether it is gone.
+/// Closes a file. Returns whether it is unmapped.
 pub(crate) fn close(handle: *mut c_void) -> bool {
     let name = name_of(handle);
     // SAFETY: opened by `open`, closed once.
     unsafe { libc::dlclose(handle) };
     let Some(name) = name else { return true };
-    // SAFETY: only asks.
+    // SAFETY: only queries whether the file is loaded.
     let still = unsafe { libc::dlopen(name.as_ptr(), libc::RTLD_NOW | libc::RTLD_NOLOAD) };
     if still.is_null() {
         return true;
     }
-    // SAFETY: gives back what was just asked.
+    // SAFETY: releases the reference of that query.
     unsafe { libc::dlclose(still) };
     false
 }
 
-/// The beginning of what the loader keeps of a file.
+/// First fields of the linker's record of a file.
 #[repr(C)]
 struct LinkMap {
     base: u64,
@@ -51,33 +51,33 @@ struct LinkMap {
 fn map_of(handle: *mut c_void) -> Option<&'static LinkMap> {
     let mut map: *const LinkMap = core::ptr::null();
     let place: *mut *const LinkMap = &raw mut map;
-    // SAFETY: an open handle and a place for an address.
+    // SAFETY: an open handle, and memory for an address.
     let code = unsafe { libc::dlinfo(handle, libc::RTLD_DI_LINKMAP, place.cast()) };
     if code != 0 {
         return None;
     }
-    // SAFETY: the loader's, alive as long as the file is open.
+    // SAFETY: the linker's record, alive while the file is open.
     unsafe { map.as_ref() }
 }
 
 fn name_of(handle: *mut c_void) -> Option<CString> {
     let map = map_of(handle)?;
-    // SAFETY: the loader's text, copied at once.
+    // SAFETY: a C string of the linker's, copied at once.
     Some(unsafe { CStr::from_ptr(map.name) }.to_owned())
 }
 
-/// Where a file begins in memory.
+/// Returns the base address of a file in memory.
 pub(crate) fn base(handle: *mut c_void) -> u64 {
     map_of(handle).map_or(0, |m| m.base)
 }
 
-/// The address of a symbol of a file, or null.
+/// Returns the address of a symbol of a file, or null.
 pub(crate) fn symbol(handle: *mut c_void, name: &CStr) -> *mut c_void {
-    // SAFETY: an open handle and a text.
+    // SAFETY: an open handle and a C string.
     unsafe { libc::dlsym(handle, name.as_ptr()) }
 }
 
-/// Whether a file itself defines a symbol.
+/// Returns whether a file itself defines a symbol.
 pub(crate) fn defines(handle: *mut c_void, name: &CStr) -> bool {
     let address = symbol(handle, name);
     if address.is_null() {
@@ -86,35 +86,35 @@ pub(crate) fn defines(handle: *mut c_void, name: &CStr) -> bool {
     belongs(handle, address)
 }
 
-/// Whether an address is in a file.
+/// Returns whether an address lies in a file.
 pub(crate) fn belongs(handle: *mut c_void, address: *const c_void) -> bool {
     let mut found = core::mem::MaybeUninit::<libc::Dl_info>::zeroed();
-    // SAFETY: a place for the answer.
+    // SAFETY: memory for the result.
     let known: c_int = unsafe { libc::dladdr(address, found.as_mut_ptr()) };
-    // SAFETY: zeroed is valid; filled when known.
+    // SAFETY: zeroed is valid; filled if known.
     let found = unsafe { found.assume_init() };
     known != 0 && found.dli_fbase.addr() as u64 == base(handle) && base(handle) != 0
 }
 
-/// Makes the symbols of this library global: modules find them there.
+/// Makes the symbols of this library global, so that modules find them.
 pub(crate) fn offer_symbols() -> Result<(), String> {
     let mut found = core::mem::MaybeUninit::<libc::Dl_info>::zeroed();
     let here = (&raw const crate::HAL_LIBRARY).cast();
-    // SAFETY: an address of this library and a place for the answer.
+    // SAFETY: an address of this library, and memory for the result.
     if unsafe { libc::dladdr(here, found.as_mut_ptr()) } == 0 {
         return Err(said());
     }
     // SAFETY: filled by the loader.
     let found = unsafe { found.assume_init() };
     let flags = libc::RTLD_NOW | libc::RTLD_GLOBAL | libc::RTLD_NOLOAD;
-    // SAFETY: the loader's text of this file.
+    // SAFETY: the linker's C string for this file.
     let again = unsafe { libc::dlopen(found.dli_fname, flags) };
     if again.is_null() { Err(said()) } else { Ok(()) }
 }
 
-/// Replaces the addresses that a file keeps of a function.
+/// Replaces the addresses of a function that a file holds.
 pub(crate) fn replace(handle: *mut c_void, places: &[u64], with: *const c_void) {
-    // SAFETY: asks for a constant.
+    // SAFETY: queries a constant.
     let page = unsafe { libc::sysconf(libc::_SC_PAGESIZE) };
     let page = usize::try_from(page).unwrap_or(4096);
     for place in places {
@@ -126,7 +126,7 @@ pub(crate) fn replace(handle: *mut c_void, places: &[u64], with: *const c_void) 
         if open != 0 {
             continue;
         }
-        // SAFETY: the place of one address, as the file's own table says; nothing of it runs yet.
+        // SAFETY: the place of one address, by the file's own relocation table; none of its code runs yet.
         unsafe { (at as *mut *const c_void).write(with) };
     }
 }

@@ -1,5 +1,5 @@
-//! What else the interface has: tasks, which are the engine's; files, programs and devices, which
-//! simulated hardware has none of.
+//! Other functions of the interface: tasks, which the engine provides; and files, programs and devices, which simulated
+//! hardware does not have.
 
 use crate::running;
 use core::ffi::{CStr, c_char, c_int, c_long, c_longlong, c_uint, c_ulong, c_void};
@@ -58,7 +58,7 @@ answers! {
     rtapi_iounmap(_address: *mut c_void) -> () = ();
 }
 
-/// Nothing better is known of the system.
+/// Value for an unknown kind of realtime system.
 const REALTIME_UNKNOWN: c_int = 1;
 
 #[unsafe(no_mangle)]
@@ -67,7 +67,7 @@ extern "C" fn rtapi_open_as_root(path: *const c_char, mode: c_int) -> c_int {
         not_here("simulated hardware has no device files");
         return -1;
     }
-    // SAFETY: the component passes a text.
+    // SAFETY: the component passes a C string.
     unsafe { libc::open(path, mode) }
 }
 
@@ -98,11 +98,11 @@ extern "C" fn rtapi_spawnp_as_root(
 
 #[unsafe(no_mangle)]
 extern "C" fn simple_strtol(text: *const c_char, end: *mut *mut c_char, base: c_int) -> c_long {
-    // SAFETY: the component passes a text and a place.
+    // SAFETY: the component passes a C string and memory for a pointer.
     unsafe { libc::strtol(text, end, base) }
 }
 
-/// Splits a text at blanks into a list that ends with null; one piece of memory holds all.
+/// Splits a text at blanks into a null-terminated list; a single block of memory holds list and words.
 #[unsafe(no_mangle)]
 extern "C" fn rtapi_argv_split(
     _flags: c_uint,
@@ -112,7 +112,7 @@ extern "C" fn rtapi_argv_split(
     if text.is_null() {
         return core::ptr::null_mut();
     }
-    // SAFETY: the component passes a text.
+    // SAFETY: the component passes a C string.
     let text = unsafe { CStr::from_ptr(text) }.to_bytes();
     let words: Vec<&[u8]> = text.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty()).collect();
     let head = (words.len() + 1) * size_of::<*mut c_char>();
@@ -124,14 +124,14 @@ extern "C" fn rtapi_argv_split(
     }
     let mut at = list.wrapping_byte_add(head).cast::<u8>();
     for (i, word) in words.iter().enumerate() {
-        // SAFETY: in the memory just taken.
+        // SAFETY: within the memory just allocated.
         unsafe { at.copy_from_nonoverlapping(word.as_ptr(), word.len()) };
         // SAFETY: as above.
         unsafe { list.wrapping_add(i).write(at.cast()) };
         at = at.wrapping_add(word.len() + 1);
     }
     if !count.is_null() {
-        // SAFETY: the component's place.
+        // SAFETY: the component's memory.
         unsafe { count.write(c_int::try_from(words.len()).unwrap_or(c_int::MAX)) };
     }
     list
@@ -143,7 +143,7 @@ extern "C" fn rtapi_argv_free(list: *mut *mut c_char) {
     unsafe { libc::free(list.cast()) };
 }
 
-/// As others have it.
+/// Record with the layout that C components use.
 #[repr(C)]
 #[derive(Debug)]
 struct Firmware {
@@ -168,7 +168,7 @@ extern "C" fn rtapi_request_firmware(
     let bytes: &'static mut [u8] = Box::leak(bytes.into_boxed_slice());
     let firmware =
         Firmware { size: bytes.len(), bytes: bytes.as_ptr(), private: core::ptr::null_mut() };
-    // SAFETY: the component's place.
+    // SAFETY: the component's memory.
     unsafe { place.write(Box::into_raw(Box::new(firmware))) };
     0
 }
@@ -178,7 +178,7 @@ extern "C" fn rtapi_release_firmware(firmware: *mut Firmware) {
     if firmware.is_null() {
         return;
     }
-    // SAFETY: made by `rtapi_request_firmware`, given back once.
+    // SAFETY: made by `rtapi_request_firmware`, released once.
     let firmware = unsafe { Box::from_raw(firmware) };
     let bytes = core::ptr::slice_from_raw_parts_mut(firmware.bytes.cast_mut(), firmware.size);
     // SAFETY: leaked there.

@@ -1,6 +1,5 @@
-//! Realtime. What the processor refuses: an access to a port, which is carried out here. Everything
-//! else goes to whoever attended to it before: the engine, which names the component and drives
-//! outputs to their safe levels.
+//! Realtime. Emulation of port accesses that the processor refuses. All other faults go to the previous handler: the
+//! engine's, which names the component and drives outputs to their safe levels.
 
 use crate::running;
 use core::{
@@ -13,13 +12,13 @@ use std::sync::{
     atomic::{AtomicPtr, Ordering::Relaxed},
 };
 
-/// Who attended to it before.
+/// Previous handler.
 static BEFORE: AtomicPtr<libc::sigaction> = AtomicPtr::new(ptr::null_mut());
 
-/// The code of a fault that is no access to memory, such as an instruction that is not allowed.
+/// Code of a fault that is not a memory access, such as a privileged instruction.
 const REFUSED: c_int = 0x80;
 
-/// Watches for what the processor refuses, from now on.
+/// Installs the fault handler, once.
 pub(crate) fn watch() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
@@ -27,7 +26,7 @@ pub(crate) fn watch() {
         // SAFETY: all zero is a valid action.
         let mut new = unsafe { MaybeUninit::<libc::sigaction>::zeroed().assume_init() };
         new.sa_sigaction = attend as *const () as usize;
-        // What was there before may crash itself, on the stack that it asked for.
+        // The previous handler may itself fault, and needs the stack that it asked for.
         new.sa_flags = libc::SA_SIGINFO | libc::SA_ONSTACK | libc::SA_NODEFER;
         // SAFETY: a valid action and a place for the old one.
         if unsafe { libc::sigaction(libc::SIGSEGV, &raw const new, old.as_mut_ptr()) } == 0 {
@@ -39,7 +38,7 @@ pub(crate) fn watch() {
 }
 
 /// # Safety
-/// Called by the system.
+/// The system calls this.
 unsafe extern "C" fn attend(signal: c_int, info: *mut libc::siginfo_t, context: *mut c_void) {
     // SAFETY: the system's record.
     let refused = unsafe { info.as_ref() }.is_some_and(|i| i.si_code == REFUSED);
@@ -47,22 +46,22 @@ unsafe extern "C" fn attend(signal: c_int, info: *mut libc::siginfo_t, context: 
         return;
     }
     let before = BEFORE.load(Relaxed);
-    // SAFETY: kept for good by `watch`, or null.
+    // SAFETY: kept forever by `watch`, or null.
     if let Some(action) = unsafe { before.as_ref() }
         && action.sa_flags & libc::SA_SIGINFO != 0
     {
         type Attends = unsafe extern "C" fn(c_int, *mut libc::siginfo_t, *mut c_void);
-        // SAFETY: by its flags it is a function of this kind.
+        // SAFETY: its flags say that it is a function of this type.
         let attends = unsafe { core::mem::transmute::<usize, Attends>(action.sa_sigaction) };
-        // SAFETY: as the system would call it.
+        // SAFETY: called as the system would call it.
         unsafe { attends(signal, info, context) };
         return;
     }
-    // SAFETY: the action that was there, or the default: then the instruction is tried again.
+    // SAFETY: the previous action, or the default one: the instruction is then executed again.
     unsafe { libc::sigaction(signal, before, ptr::null_mut()) };
 }
 
-/// A signal that ends a process, in words.
+/// Returns the name of a signal that ends a process.
 pub(crate) const fn named(signal: c_int) -> &'static str {
     match signal {
         libc::SIGSEGV => "segmentation fault",
@@ -74,7 +73,7 @@ pub(crate) const fn named(signal: c_int) -> &'static str {
     }
 }
 
-/// A port access of prebuilt code: carried out here, and stepped over.
+/// Emulates a port access of prebuilt code, and skips the instruction.
 #[cfg(target_arch = "x86_64")]
 fn port_access(context: *mut c_void) -> bool {
     use crate::access;
@@ -119,13 +118,13 @@ fn port_access(context: *mut c_void) -> bool {
     true
 }
 
-/// Other processors have no such ports.
+/// Other processors have no port I/O.
 #[cfg(not(target_arch = "x86_64"))]
 fn port_access(_context: *mut c_void) -> bool {
     false
 }
 
-/// An `in` or `out` instruction.
+/// Decoded `in` or `out` instruction.
 #[cfg(target_arch = "x86_64")]
 #[derive(Debug, PartialEq, Eq)]
 struct PortAccess {

@@ -1,5 +1,5 @@
-//! Functions with any number of arguments: `shim.c` has their code, and only Rust's names leave the
-//! library. Each jumps to its namesake with everything as it was passed.
+//! Functions with variable argument lists: their code is in `shim.c`, but only Rust symbols are exported from the
+//! library. Each jumps to its namesake with all arguments in place.
 
 macro_rules! exported {
     ($($name:ident = $code:ident;)*) => {$(

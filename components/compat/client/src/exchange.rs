@@ -1,4 +1,4 @@
-//! A component of a C program: joining, and the thread that exchanges its values.
+//! Component of a C program: joining an instance, and the thread that exchanges values.
 
 use crate::item::Item;
 use hal_protocol::{Client, Direction, Failure, Link, Place, Reply, Request, Value};
@@ -13,13 +13,13 @@ use std::{
 };
 
 const EINVAL: c_int = -22;
-/// How often values are exchanged, in milliseconds of machine time.
+/// Default interval of the exchange, in milliseconds of machine time.
 const POLL_MS: u64 = 10;
 
-/// One of the program's components.
+/// Component of the program.
 #[derive(Debug)]
 pub(crate) struct Component {
-    /// Until it is ready; then the thread has it.
+    /// Connection, until `ready` hands it to the thread.
     client: Option<Client>,
     names: Vec<String>,
     pub(crate) items: Vec<Item>,
@@ -53,7 +53,7 @@ impl Component {
         Ok(())
     }
 
-    /// Tells where inputs begin, and starts to exchange.
+    /// Sends the initial values of inputs, and starts the exchange.
     pub(crate) fn ready(&mut self) -> c_int {
         let Some(mut client) = self.client.take() else { return EINVAL };
         for (item, name) in self.items.iter().zip(&self.names) {
@@ -61,7 +61,7 @@ impl Component {
             if matches!(item.direction, Direction::In) && bits != 0 {
                 let value = match Value::from_bits(item.ty, bits) {
                     Value::Bit(truth) => u8::from(truth).to_string(),
-                    // In full, where the usual form has six figures.
+                    // All digits, because the usual format has only six.
                     Value::Float(x) => format!("{x:?}"),
                     other => other.to_string(),
                 };
@@ -78,16 +78,16 @@ impl Component {
         0
     }
 
-    /// The thread ends, and with it the connection.
+    /// Ends the thread, and with it the connection.
     pub(crate) fn leave(&mut self) -> c_int {
         self.client = None;
-        // Pairs with nothing: the thread looks when it comes by.
+        // Pairs with nothing: the thread reads the flag at its next exchange.
         self.left.store(true, Ordering::Relaxed);
         0
     }
 }
 
-/// To and fro, until the program leaves or the instance ends: then the program is asked to end too.
+/// Exchanges values until the program leaves or the instance ends; in the second case it asks the program to end too.
 fn exchange(mut client: Client, mut items: Vec<Item>, left: &AtomicBool) {
     while !left.load(Ordering::Relaxed) {
         let written = items
@@ -102,14 +102,14 @@ fn exchange(mut client: Client, mut items: Vec<Item>, left: &AtomicBool) {
     }
     if !left.load(Ordering::Relaxed) {
         let me = rustix::process::getpid();
-        // A program that does not want to end then has said so itself.
+        // A program that ignores the signal does so on purpose.
         rustix::process::kill_process(me, rustix::process::Signal::TERM).ok();
     }
 }
 
-/// Says what was refused, and gives its error number.
+/// Reports a refusal on standard error, and returns its error number.
 pub(crate) fn complain(what: &str, failure: &Failure) -> c_int {
-    // There is nobody to tell that standard error is closed.
+    // A failed write to standard error cannot be reported.
     drop(writeln!(std::io::stderr(), "{what}: {failure}"));
     if failure.code < 0 { failure.code } else { EINVAL }
 }

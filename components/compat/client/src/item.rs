@@ -1,4 +1,4 @@
-//! A value of a C program, where it lies, and as the instance has it.
+//! Value of a C program: its memory, and its state in the instance.
 
 use core::ffi::c_void;
 use hal_protocol::{Direction, Type, Value};
@@ -7,18 +7,18 @@ use std::{
     sync::atomic::{AtomicU8, AtomicU32, AtomicU64, Ordering},
 };
 
-/// A pin, or a parameter, which is a pin to the instance.
+/// Pin, or parameter, which is a pin for the instance.
 #[derive(Debug)]
 pub(crate) struct Item {
     pub(crate) ty: Type,
     pub(crate) direction: Direction,
     pub(crate) cell: Cell,
-    /// What program and instance last agreed on.
+    /// Last value that program and instance agreed on.
     pub(crate) agreed: u64,
 }
 
 impl Item {
-    /// Of a type and direction of C; its value is nowhere yet.
+    /// Makes an item from C's codes of type and direction. Its value has no memory yet.
     pub(crate) fn new(ty: c_int, dir: c_int) -> Option<Self> {
         let ty = match ty {
             1 => Type::Bit,
@@ -38,7 +38,7 @@ impl Item {
         Some(Self { ty, direction, cell: Cell::new(0), agreed: 0 })
     }
 
-    /// What the program has written since.
+    /// Returns the new value if the program has written one since the last exchange.
     pub(crate) fn written(&mut self) -> Option<Value> {
         let bits = self.cell.load(self.ty);
         if matches!(self.direction, Direction::In) || bits == self.agreed {
@@ -48,13 +48,13 @@ impl Item {
         Some(Value::from_bits(self.ty, bits))
     }
 
-    /// What the instance has now.
+    /// Takes over the instance's value.
     pub(crate) fn read(&mut self, value: &Value) {
         let bits = value.bits();
         let mine = self.cell.load(self.ty);
         match self.direction {
             Direction::In if mine != bits => self.cell.store(bits),
-            // What the program has written meanwhile goes out first.
+            // If the program has written the value meanwhile, that value is sent first.
             Direction::Io if mine == self.agreed => {
                 self.cell.store(bits);
                 self.agreed = bits;
@@ -64,7 +64,7 @@ impl Item {
     }
 }
 
-/// Where a value lies, and how wide it is there.
+/// Memory of a value, by its width.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Cell {
     Narrow(&'static AtomicU8),
@@ -73,23 +73,23 @@ pub(crate) enum Cell {
 }
 
 impl Cell {
-    /// Memory of its own, which stays as long as the process.
+    /// Allocates memory that lives as long as the process.
     pub(crate) fn new(initial: u64) -> Self {
         Self::Whole(Box::leak(Box::new(AtomicU64::new(initial))))
     }
 
-    /// A parameter's memory.
+    /// Uses the memory of a parameter.
     ///
     /// # Safety
-    /// It is the program's, aligned and as wide as its type, and is never given back.
+    /// The memory is the program's, aligned and as wide as its type, and is never freed.
     pub(crate) unsafe fn at(at: *mut c_void, ty: Type) -> Self {
         match ty {
-            // SAFETY: the caller's.
+            // SAFETY: guaranteed by the caller.
             Type::Bit => Self::Narrow(unsafe { AtomicU8::from_ptr(at.cast()) }),
-            // SAFETY: the caller's.
+            // SAFETY: guaranteed by the caller.
             Type::S32 | Type::U32 => Self::Half(unsafe { AtomicU32::from_ptr(at.cast()) }),
             Type::Float | Type::S64 | Type::U64 | Type::Port => {
-                // SAFETY: the caller's.
+                // SAFETY: guaranteed by the caller.
                 Self::Whole(unsafe { AtomicU64::from_ptr(at.cast()) })
             }
         }
@@ -103,7 +103,7 @@ impl Cell {
         }
     }
 
-    /// As the instance has it. A lone value: C orders nothing by it.
+    /// Reads the value in the instance's form. Relaxed, because C code orders nothing by a single value.
     pub(crate) fn load(self, ty: Type) -> u64 {
         let bits = match self {
             Self::Narrow(cell) => u64::from(cell.load(Ordering::Relaxed)),

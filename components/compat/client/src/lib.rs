@@ -1,12 +1,12 @@
-//! Programs in C with pins: the library that `halcompile` links them with.
+//! Library that `halcompile` links with C programs that have pins.
 //!
-//! In LinuxCNC a program and the machine share memory. Here the program's values lie in its own
-//! memory, and a thread of this library exchanges them with the instance at an interval of machine
-//! time: 10 ms, or what `HAL_POLL_MS` says. What the program writes goes out at the next exchange,
-//! what the machine writes comes in then; a value that changes to and fro in between is not seen.
-//! Parameters are pins of the direction that fits. Streams and ports are not offered.
+//! In LinuxCNC, a program and the machine share memory. Here, the program's values lie in its own memory, and a thread
+//! of this library exchanges them with the instance at an interval of machine time: 10 ms, or the value of
+//! `HAL_POLL_MS`. At each exchange, values written by the program are sent, and values written by the machine are
+//! received; a value that changes and changes back between two exchanges is not noticed. Parameters are pins with the
+//! corresponding direction. Streams and ports are not offered.
 //!
-//! What has a variable number of arguments in C is in `client.c`, compiled with each program.
+//! Functions with variable argument lists are in `client.c`, which is compiled with each program.
 #![expect(unsafe_code, reason = "the interface is C's")]
 
 mod exchange;
@@ -21,7 +21,7 @@ use std::{
 
 const EINVAL: c_int = -22;
 
-/// The components of this process; their numbers are their places, from 1.
+/// Components of this process; the number of a component is its index plus 1.
 static COMPONENTS: Mutex<Vec<Component>> = Mutex::new(Vec::new());
 
 fn components() -> MutexGuard<'static, Vec<Component>> {
@@ -32,25 +32,25 @@ fn of(list: &mut [Component], id: c_int) -> Option<&mut Component> {
     list.get_mut(usize::try_from(id).ok()?.checked_sub(1)?)
 }
 
-/// A text of C; none for no address, or what is no text.
+/// Reads a C string. Returns `None` for a null pointer or text that is not UTF-8.
 ///
 /// # Safety
-/// It ends, and lives as long as the answer is used.
+/// The string is terminated, and outlives the use of the result.
 unsafe fn text<'a>(at: *const c_char) -> Option<&'a str> {
     if at.is_null() {
         return None;
     }
-    // SAFETY: the caller's.
+    // SAFETY: guaranteed by the caller.
     unsafe { CStr::from_ptr(at) }.to_str().ok()
 }
 
-/// Joins the instance as a component: its number, or a negative error number.
+/// Joins the instance as a component. Returns its number, or a negative error number.
 ///
 /// # Safety
-/// The name is a text of C.
+/// The name is a C string.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hal_init(name: *const c_char) -> c_int {
-    // SAFETY: the caller's.
+    // SAFETY: guaranteed by the caller.
     let Some(name) = (unsafe { text(name) }) else { return EINVAL };
     match Component::join(name) {
         Ok(component) => {
@@ -62,7 +62,7 @@ pub unsafe extern "C" fn hal_init(name: *const c_char) -> c_int {
     }
 }
 
-/// The component is whole: values are exchanged from now on.
+/// Marks the component as complete: from now on, values are exchanged.
 #[unsafe(no_mangle)]
 pub extern "C" fn hal_ready(id: c_int) -> c_int {
     of(&mut components(), id).map_or(EINVAL, Component::ready)
@@ -74,7 +74,7 @@ pub extern "C" fn hal_exit(id: c_int) -> c_int {
     of(&mut components(), id).map_or(EINVAL, Component::leave)
 }
 
-/// Zeroed memory that is never given back.
+/// Allocates zeroed memory that is never freed.
 #[unsafe(no_mangle)]
 pub extern "C" fn hal_malloc(size: c_long) -> *mut c_void {
     let words = usize::try_from(size).unwrap_or(0).div_ceil(16);
@@ -82,12 +82,12 @@ pub extern "C" fn hal_malloc(size: c_long) -> *mut c_void {
     room.leak().as_mut_ptr().cast()
 }
 
-/// Makes a pin or parameter. A pin's value is made here, and `*place` set to it; a parameter's is at
-/// `at`. `initial` is where the value begins, for those whose interface says so.
+/// Makes a pin or parameter. Memory for a pin's value is allocated here, and `*place` set to its address; a parameter's
+/// value is at `at`. `initial` is the initial value, for interfaces that pass one.
 ///
 /// # Safety
-/// The name is a text of C; `place` and `at` are none, or memory of the program that is never given
-/// back, `at` as wide as its type.
+/// The name is a C string; `place` and `at` are null, or memory of the program that is never freed, `at` as wide as its
+/// type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ferrule_client_item(
     id: c_int,
@@ -99,21 +99,21 @@ pub unsafe extern "C" fn ferrule_client_item(
     name: *const c_char,
 ) -> c_int {
     let mut list = components();
-    // SAFETY: the caller's.
+    // SAFETY: guaranteed by the caller.
     let name = unsafe { text(name) };
     let (Some(component), Some(name)) = (of(&mut list, id), name) else { return EINVAL };
     let Some(mut item) = Item::new(ty, dir) else { return EINVAL };
     if at.is_null() {
         item.cell = Cell::new(initial);
     } else {
-        // SAFETY: the caller's.
+        // SAFETY: guaranteed by the caller.
         item.cell = unsafe { Cell::at(at, item.ty) };
     }
     if let Err(failure) = component.add(name, &item) {
         return exchange::complain(name, &failure);
     }
     if !place.is_null() {
-        // SAFETY: the caller's.
+        // SAFETY: guaranteed by the caller.
         unsafe { place.write(item.cell.address()) };
     }
     component.items.push(item);
