@@ -1,17 +1,17 @@
-//! Realtime. Where values live: cells, and the slots that pins read and write through.
+//! Realtime. Storage of values: cells, and the slots through which pins read and write.
 
 use core::sync::atomic::{
     AtomicI32, AtomicU64,
     Ordering::{Acquire, Release},
 };
 
-/// One HAL value: 64 bits read and written whole.
+/// A HAL value of 64 bits that is always read and written as a whole.
 #[repr(transparent)]
 #[derive(Debug, Default)]
 pub struct Cell(AtomicU64);
 
 impl Cell {
-    /// A cell holding `bits`.
+    /// Returns a cell that holds `bits`.
     pub const fn new(bits: u64) -> Self {
         Self(AtomicU64::new(bits))
     }
@@ -19,20 +19,20 @@ impl Cell {
     /// Reads the value.
     #[inline]
     pub fn load(&self) -> u64 {
-        self.0.load(Acquire) // Pairs with `store` by whoever writes the pin.
+        self.0.load(Acquire) // Pairs with `store` in the writer of the pin.
     }
 
     /// Writes the value.
     #[inline]
     pub fn store(&self, bits: u64) {
-        self.0.store(bits, Release); // Pairs with `load` by whoever reads the pin.
+        self.0.store(bits, Release); // Pairs with `load` in every reader of the pin.
     }
 }
 
-/// Where a pin reads and writes: its own cell, or the cell of the signal it is linked to.
+/// Access of a pin to its value: its own cell, or the cell of the signal that it is linked to.
 ///
-/// `target` is a byte distance from the slot itself, so the same slot is valid wherever the
-/// arena is mapped.
+/// `target` is a byte distance from the slot itself, so a slot is valid at every address to which
+/// the arena is mapped.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Slot {
@@ -44,10 +44,10 @@ pub struct Slot {
 const _: () = assert!(core::mem::offset_of!(Slot, own) == 8 && size_of::<Slot>() == 16);
 
 impl Slot {
-    /// Byte distance to the slot's own cell.
+    /// Byte distance from the slot to its own cell.
     pub const OWN: i32 = 8;
 
-    /// An unlinked slot whose own cell holds `bits`.
+    /// Returns an unlinked slot whose own cell holds `bits`.
     pub const fn unlinked(bits: u64) -> Self {
         Self { target: AtomicI32::new(Self::OWN), reserved: 0, own: Cell::new(bits) }
     }
@@ -58,19 +58,19 @@ impl Slot {
         self.target.store(distance, Release); // Pairs with `cell`.
     }
 
-    /// The slot's own cell, linked or not.
+    /// Returns the slot's own cell, even if the slot is linked.
     pub const fn own(&self) -> &Cell {
         &self.own
     }
 
-    /// The cell this slot is aimed at.
+    /// Returns the cell that the slot points at.
     ///
     /// # Safety
-    /// `slot` points into a live arena, with provenance over the whole arena, and `target` was
-    /// set by that arena.
+    /// `slot` must point into a live arena, with provenance over the whole arena, and `target` must
+    /// have been set by that arena.
     #[inline]
     pub unsafe fn cell<'a>(slot: *const Self) -> &'a Cell {
-        // SAFETY: `slot` is live per the caller.
+        // SAFETY: the caller guarantees that `slot` is live.
         let distance = unsafe { &(*slot).target }.load(Acquire); // Pairs with `aim`.
         // SAFETY: the arena keeps every target inside itself.
         let cell = unsafe { slot.byte_offset(distance as isize) }.cast::<Cell>();

@@ -1,24 +1,25 @@
-//! Files of another kind: how a library registers as their loader, and what that may call.
+//! Files that are not plugins: how a library registers as their loader, and the functions that it
+//! may call.
 
 use crate::{Host, ItemSpec, Record, Status, Str};
 use core::ffi::c_void;
 
-/// Loads one file. Everything it makes goes through the host; never unwinds.
+/// Loads one file. Everything that the file creates goes through the host. Must not unwind.
 pub type Load = unsafe extern "C" fn(host: *const Host, file: *const ForeignFile) -> Status;
 
 /// A loader of files that are not plugins.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ForeignLoader {
-    /// `size_of::<ForeignLoader>()` as compiled.
+    /// `size_of::<ForeignLoader>()` at compile time.
     pub size: u32,
     /// Must be zero.
     pub flags: u32,
-    /// Files that export this symbol are of its kind.
+    /// Symbol that identifies the files of this loader: they export it.
     pub symbol: Str,
-    /// What its files are, for messages, such as `component in C`.
+    /// Kind of the files, for messages, such as `component in C`.
     pub kind: Str,
-    /// The code.
+    /// Function that loads a file.
     pub load: Option<Load>,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
@@ -28,9 +29,9 @@ unsafe impl Record for ForeignLoader {
 // SAFETY: immutable static data.
 unsafe impl Sync for ForeignLoader {}
 
-/// What [`ForeignFile::edit`] does; `a`, `b` and `number` are said beside each.
+/// Operations of [`ForeignFile::edit`], with the meaning of `a`, `b` and `number` for each.
 pub mod edit {
-    /// Makes signal `a` of type code `number`.
+    /// Creates signal `a` with type code `number`.
     pub const NEW_SIGNAL: u32 = 1;
     /// Deletes signal `a`.
     pub const DELETE_SIGNAL: u32 = 2;
@@ -40,17 +41,17 @@ pub mod edit {
     pub const UNLINK: u32 = 4;
     /// Adds function `a` to thread `b` at position `number`.
     pub const ADD: u32 = 5;
-    /// As [`ADD`], for the thread's first cycle.
+    /// Adds function `a` to run once in the first cycle of thread `b`, at position `number`.
     pub const ADD_INIT: u32 = 6;
-    /// Takes function `a` out of thread `b`.
+    /// Removes function `a` from thread `b`.
     pub const REMOVE: u32 = 7;
     /// Starts the threads.
     pub const START: u32 = 8;
-    /// Stops them.
+    /// Stops the threads.
     pub const STOP: u32 = 9;
-    /// Gives pin `a` the alias `b`; empty: none.
+    /// Gives pin `a` the alias `b`. An empty `b` removes the alias.
     pub const ALIAS_PIN: u32 = 10;
-    /// Gives parameter `a` the alias `b`; empty: none.
+    /// Gives parameter `a` the alias `b`. An empty `b` removes the alias.
     pub const ALIAS_PARAM: u32 = 11;
     /// Sets parameter `a` to the text `b`.
     pub const SET: u32 = 12;
@@ -58,31 +59,32 @@ pub mod edit {
     pub const LOCK: u32 = 13;
 }
 
-/// A file to load, and what its loader may call beside [`Host`]'s functions.
+/// A file to load, and the functions that its loader may call in addition to those of [`Host`].
 ///
-/// `item`, `rename`, `need` and `edit` take [`Host::ctx`] and work while the file is loaded. The
-/// others take the `ctx` of [`CallHost`](crate::CallHost) and work until the component is gone.
+/// `item`, `rename`, `need` and `edit` take [`Host::ctx`] and may be called while the file is
+/// loaded. The other functions take the `ctx` of [`CallHost`](crate::CallHost) and may be called
+/// until the component is unloaded.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ForeignFile {
-    /// `size_of::<ForeignFile>()` as the engine was compiled.
+    /// `size_of::<ForeignFile>()` of the engine.
     pub size: u32,
-    /// The number of the component that is being made.
+    /// Id of the component that is being created.
     pub component: u32,
-    /// Which instance it is: the same for all its files.
+    /// Instance of the engine: the same pointer for all of its files.
     pub instance: *const c_void,
-    /// The file.
+    /// Path of the file.
     pub path: Str,
-    /// Its name, as in `loadrt NAME`.
+    /// Name of the file, as in `loadrt NAME`.
     pub name: Str,
-    /// What every name that the file makes begins with; usually empty.
+    /// Prefix of every name that the file creates; usually empty.
     pub prefix: Str,
-    /// The words after the name.
+    /// Arguments after the name.
     pub words: *const Str,
-    /// How many.
+    /// Number of arguments.
     pub n_words: usize,
-    /// Creates a pin or parameter of component `owner`. For a pin, the address of its cell is
-    /// kept at `place`, from now on and with every link.
+    /// Creates a pin or parameter of component `owner`. For a pin, the engine stores the address of
+    /// its cell at `place` and updates it with every link.
     pub item: Option<
         unsafe extern "C" fn(
             *mut c_void,
@@ -91,18 +93,20 @@ pub struct ForeignFile {
             place: *mut *mut c_void,
         ) -> Status,
     >,
-    /// The component calls itself so.
+    /// Sets the name of the component.
     pub rename: Option<unsafe extern "C" fn(*mut c_void, name: Str) -> Status>,
-    /// This component uses component `number`, which cannot be unloaded before it.
+    /// Declares that this component uses component `number`, which then cannot be unloaded first.
     pub need: Option<unsafe extern "C" fn(*mut c_void, number: u32) -> Status>,
     /// Changes the graph; see [`edit`].
     pub edit:
         Option<unsafe extern "C" fn(*mut c_void, what: u32, a: Str, b: Str, number: i64) -> Status>,
-    /// Realtime. Says `text`, which is copied; level 0 is always shown.
+    /// Realtime. Logs `text`, which is copied. Level 0 is always shown.
     pub say: Option<unsafe extern "C" fn(*const c_void, level: u8, text: Str)>,
-    /// Sets the level up to which messages are shown, unless negative; the one before comes back.
+    /// Sets the highest message level that is shown, unless `level` is negative. Returns the
+    /// previous one.
     pub level: Option<unsafe extern "C" fn(*const c_void, level: i32) -> i32>,
-    /// The component takes so many bytes more of its own memory, or less.
+    /// Reports that the component allocated `bytes` more of its own memory, or freed it if
+    /// negative.
     pub account: Option<unsafe extern "C" fn(*const c_void, bytes: i64)>,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.

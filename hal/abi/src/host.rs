@@ -1,4 +1,4 @@
-//! What the engine offers: to `create`, and to everything that runs later.
+//! Functions that the engine offers to `create` and to code that runs later.
 
 use crate::{
     ActionSpec, CommandSpec, FunctSpec, ItemSpec, Record, Ring, ServiceSpec, Slot, Status, Str,
@@ -12,35 +12,35 @@ pub mod host_flags {
     pub const SIMULATED: u32 = 1;
     /// The clock is virtual: machine time stands still within a function.
     pub const VIRTUAL: u32 = 2;
-    /// The library was loaded from a file, so its language runtime is its own: it may change how
-    /// a panic is reported.
+    /// The library was loaded from a file and has its own language runtime, so it may replace the
+    /// panic hook.
     pub const PRIVATE: u32 = 4;
-    /// The instance is on trial (`check`): nothing it makes will ever run.
+    /// The instance is a dry run (`check`): nothing that it creates will ever run.
     pub const TRIAL: u32 = 8;
     /// Since minor 4: the instance is a machine from an INI file, so motion needs the service
     /// `interlock`.
     pub const INTERLOCK: u32 = 16;
 }
 
-/// The value of an argument; which field counts follows from its type.
+/// Value of an argument. Its type determines which field is used.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ArgValue {
-    /// `size_of::<ArgValue>()` as compiled by the side that fills it.
+    /// `size_of::<ArgValue>()` of the side that fills it.
     pub size: u32,
-    /// Not zero: the user gave it, or it has a default.
+    /// Not zero if the user passed the argument or it has a default.
     pub given: u32,
-    /// The integer, or 0 and 1 for a truth value.
+    /// Integer value; 0 or 1 for a boolean.
     pub int: i64,
-    /// The floating-point number.
+    /// Floating-point value.
     pub float: f64,
-    /// The string, valid for the call that asked.
+    /// String value, valid for the duration of the call that requested it.
     pub text: Str,
-    /// The integers of a list, valid for the call that asked.
+    /// Integers of a list, valid for the duration of the call that requested them.
     pub ints: *const i64,
-    /// The strings of a list, valid for the call that asked.
+    /// Strings of a list, valid for the duration of the call that requested them.
     pub texts: *const Str,
-    /// How many items the list has.
+    /// Number of items in the list.
     pub len: usize,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
@@ -49,7 +49,7 @@ unsafe impl Record for ArgValue {
 }
 
 impl ArgValue {
-    /// Nothing given.
+    /// The value of an argument that was not passed and has no default.
     pub const NONE: Self = Self {
         size: 0,
         given: 0,
@@ -62,91 +62,96 @@ impl ArgValue {
     };
 }
 
-/// A ring that the host made.
+/// A ring that the host created.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct StreamRef {
-    /// Its head, live until the component is unloaded.
+    /// Header of the ring, live until the component is unloaded.
     pub ring: *const Ring,
-    /// Its depth.
+    /// Number of slots.
     pub depth: u32,
-    /// Its width.
+    /// Number of values in a record.
     pub width: u32,
 }
 
-/// A service that was found.
+/// A service that was looked up.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ServiceRef {
-    /// Its table, live until the component that found it is unloaded; null when it is not there.
+    /// Function table of the service, live until the component that looked it up is unloaded. Null
+    /// if the service does not exist.
     pub table: *const c_void,
-    /// The pins, parameters and hidden state that its functions touch; valid until `create`
-    /// returns.
+    /// Pins, parameters and hidden state that the functions of the service access. Valid until
+    /// `create` returns.
     pub uses: *const Use,
-    /// The number of uses.
+    /// Number of entries in `uses`.
     pub n_uses: usize,
 }
 
-/// What a component may call after `create`, from a function, a task, a command or an action.
+/// Functions that a component may call after `create`: from a function, a task, a command or an
+/// action.
 ///
-/// The record handed to `create` lives until the component is unloaded; the one handed to a
-/// command or an action lives for that call, and only there do `arg`, `reply` and `ticket` work.
+/// The record passed to `create` lives until the component is unloaded. The record passed to a
+/// command or action lives for that call, and `arg`, `reply` and `ticket` work only there.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct CallHost {
-    /// `size_of::<CallHost>()` as the engine was compiled.
+    /// `size_of::<CallHost>()` of the engine.
     pub size: u32,
-    /// The bits of [`host_flags`].
+    /// Bits of [`host_flags`].
     pub flags: u32,
-    /// Passed back in every call.
+    /// Context that is passed to every call.
     pub ctx: *const c_void,
-    /// Realtime. Says `text` with numbers in the place of each `{}`; the text is static.
+    /// Realtime. Logs `text`, with a number in the place of each `{}`. The text must be static.
     pub message: Option<
         unsafe extern "C" fn(*const c_void, level: u8, text: Str, numbers: *const f64, n: usize),
     >,
-    /// Realtime. Machine time in nanoseconds.
+    /// Realtime. Returns machine time in nanoseconds.
     pub now: Option<unsafe extern "C" fn(*const c_void) -> i64>,
-    /// Why the call that now fails does so; copied.
+    /// Sets the reason why the current call fails. The text is copied.
     pub fail: Option<unsafe extern "C" fn(*const c_void, text: Str)>,
-    /// The value of an argument of this call; lists and strings live until the call returns.
+    /// Returns the value of an argument of this call. Lists and strings live until the call
+    /// returns.
     pub arg: Option<unsafe extern "C" fn(*const c_void, name: Str, out: *mut ArgValue) -> Status>,
-    /// Adds a line to the answer; copied.
+    /// Adds a line to the answer. The text is copied.
     pub reply: Option<unsafe extern "C" fn(*const c_void, text: Str)>,
-    /// A place to report the end of this command later.
+    /// Returns a ticket through which a function later reports the end of this command.
     pub ticket: Option<unsafe extern "C" fn(*const c_void) -> *const Ticket>,
-    /// Since minor 4: the caller waits for the ticket of this command, whether it asked to or not.
+    /// Since minor 4: makes the caller wait for the ticket of this command, even if it did not ask
+    /// to.
     pub awaited: Option<unsafe extern "C" fn(*const c_void)>,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
 unsafe impl Record for CallHost {
     const MIN: usize = offset_of!(Self, awaited);
 }
-// SAFETY: the engine takes these calls from any thread; components never look behind `ctx`.
+// SAFETY: the engine accepts these calls from any thread; components never dereference `ctx`.
 unsafe impl Sync for CallHost {}
 
-/// What a component may call while it is created.
+/// Functions that a component may call while it is created.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Host {
-    /// `size_of::<Host>()` as the engine was compiled.
+    /// `size_of::<Host>()` of the engine.
     pub size: u32,
-    /// The engine's [`ABI_MINOR`](crate::ABI_MINOR).
+    /// [`ABI_MINOR`](crate::ABI_MINOR) of the engine.
     pub abi_minor: u32,
     /// Bits of [`host_flags`].
     pub flags: u32,
-    /// The number of this instance, from zero.
+    /// Number of this instance, from zero.
     pub index: u32,
-    /// The personality of this instance.
+    /// Personality of this instance.
     pub personality: i64,
-    /// The name of this instance, such as `and2.0`; for a type created once, its name.
+    /// Name of this instance, such as `and2.0`. For a type that is created once, the name of the
+    /// type.
     pub prefix: Str,
-    /// Passed back in every call.
+    /// Context that is passed to every call.
     pub ctx: *mut c_void,
-    /// What it may call later.
+    /// Functions that the component may call later.
     pub calls: *const CallHost,
-    /// Why creation now fails, in the user's words; copied.
+    /// Sets the reason why creation fails, in the user's words. The text is copied.
     pub fail: Option<unsafe extern "C" fn(*mut c_void, text: Str)>,
-    /// The value of a `loadrt` argument; lists and strings live until `create` returns.
+    /// Returns the value of a `loadrt` argument. Lists and strings live until `create` returns.
     pub arg: Option<unsafe extern "C" fn(*mut c_void, name: Str, out: *mut ArgValue) -> Status>,
     /// Creates a pin or parameter.
     pub item:
@@ -155,26 +160,29 @@ pub struct Host {
     pub funct: Option<unsafe extern "C" fn(*mut c_void, *const FunctSpec) -> Status>,
     /// Creates a thread.
     pub thread: Option<unsafe extern "C" fn(*mut c_void, *const ThreadSpec) -> Status>,
-    /// Declares background work.
+    /// Declares a background task.
     pub task: Option<unsafe extern "C" fn(*mut c_void, *const TaskSpec) -> Status>,
     /// Declares a command.
     pub command: Option<unsafe extern "C" fn(*mut c_void, *const CommandSpec) -> Status>,
-    /// Declares what touches the outside world first; run after all of the load was created,
-    /// never by `check`.
+    /// Declares the action that first accesses the outside world. It runs after everything in the
+    /// load has been created, and never in `check`.
     pub open: Option<unsafe extern "C" fn(*mut c_void, *const ActionSpec) -> Status>,
-    /// Declares what drives the outputs to their safe levels; idempotent, takes no lock.
+    /// Declares the action that drives the outputs to their safe levels. It must be idempotent and
+    /// take no lock.
     pub stop: Option<unsafe extern "C" fn(*mut c_void, *const ActionSpec) -> Status>,
-    /// Makes a ring.
+    /// Creates a ring.
     pub stream:
         Option<unsafe extern "C" fn(*mut c_void, *const StreamSpec, *mut StreamRef) -> Status>,
     /// Offers a service.
     pub offer: Option<unsafe extern "C" fn(*mut c_void, *const ServiceSpec) -> Status>,
-    /// Finds a service and keeps its provider loaded. The caller's functions take over its uses.
+    /// Looks up a service and keeps its provider loaded. The functions of the caller inherit the
+    /// service's uses.
     pub find: Option<
         unsafe extern "C" fn(*mut c_void, name: Str, version: u32, *mut *const c_void) -> Status,
     >,
-    /// Since minor 4: finds a service as `find` does, with what its functions touch. A service
-    /// that is not there is no error and has no table; one of another version is an error.
+    /// Since minor 4: looks up a service as `find` does, and returns what its functions access. A
+    /// missing service is not an error; its table is null. A service of another version is an
+    /// error.
     pub bind: Option<
         unsafe extern "C" fn(*mut c_void, name: Str, version: u32, *mut ServiceRef) -> Status,
     >,

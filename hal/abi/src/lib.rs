@@ -1,16 +1,16 @@
-//! The binary contract between the Ferrule engine and a plugin library.
+//! Binary interface (ABI) between the Ferrule engine and a plugin library.
 //!
-//! A plugin exports one [`Library`] named `hal_library_<file stem>`, and what that offers once more as
-//! [`names`], `hal_names_<file stem>`: these the engine reads from the file, to find the library that
-//! offers a component. It opens that one, reads the [`Library`], calls
-//! [`ComponentType::create`] with a [`Host`], and from then on runs the functions that the
-//! component registered. Rules that hold for everything here:
+//! A plugin exports a [`Library`] named `hal_library_<file stem>`. It also exports the names in it
+//! as [`names`], `hal_names_<file stem>`. The engine reads these names from the file to find the
+//! library that offers a component. It opens that library, reads the [`Library`], calls
+//! [`ComponentType::create`] with a [`Host`], and then runs the functions that the component
+//! registered. These rules hold for everything here:
 //!
 //! - every record is `#[repr(C)]` and begins with its own size; a field beyond that size reads as
-//!   zero, so a minor version may append fields. Majors must be equal;
+//!   zero, so a minor version may append fields. Major versions must be equal;
 //! - lists are arrays of pointers to records, so that records may grow;
-//! - a function pointer never unwinds; a panic ends as [`Status::EFAULT`];
-//! - a value is one 64-bit [`Cell`], never accessed at another width.
+//! - a function pointer never unwinds; a panic is returned as [`Status::EFAULT`];
+//! - a value is one 64-bit [`Cell`] and is never accessed at another width.
 #![no_std]
 #![expect(unsafe_code, reason = "one of the crates that keep the binary contract")]
 
@@ -39,14 +39,16 @@ pub use spec::{
 };
 pub use ticket::{TICKET_NUMBERS, Ticket, TicketState};
 
-/// Changes when an existing field or rule changes. Engine and library must agree exactly.
+/// Major version, which changes when an existing field or rule changes. Engine and library must
+/// have the same one.
 pub const ABI_MAJOR: u32 = 1;
-/// Grows when something is appended. The engine must be at least as new as the library.
+/// Minor version, which increases when something is appended. The engine must be at least as new as
+/// the library.
 pub const ABI_MINOR: u32 = 4;
-/// The longest name of a pin, parameter, signal, function, thread or component, in bytes.
+/// Maximum length of the name of a pin, parameter, signal, function, thread or component, in bytes.
 pub const NAME_LEN: usize = 55;
 
-/// The size of a record, as its first field says it.
+/// Returns the size of a record, as its first field states it.
 #[must_use]
 #[expect(clippy::cast_possible_truncation, reason = "no record is near 4 GiB")]
 pub const fn size<T>() -> u32 {
@@ -55,7 +57,7 @@ pub const fn size<T>() -> u32 {
 
 /// HAL type codes (the values LinuxCNC uses).
 pub mod ty {
-    /// A truth value; true when the low byte is not zero.
+    /// A boolean; true if the low byte is not zero.
     pub const BIT: u8 = 1;
     /// A 64-bit floating-point number.
     pub const FLOAT: u8 = 2;
@@ -77,7 +79,7 @@ pub mod dir {
     pub const IN: u8 = 16;
     /// A pin that the component writes.
     pub const OUT: u8 = 32;
-    /// A pin that both sides write.
+    /// A pin that its component and others write.
     pub const IO: u8 = 48;
     /// A parameter that the component reports.
     pub const RO: u8 = 64;

@@ -1,23 +1,23 @@
-//! What a library offers, in a form that is read from its file: plain bytes, which no relocation
-//! touches, so that nothing of the library has to run.
+//! Names that a library offers, in a form that can be read from its file: plain bytes without
+//! relocations, so that no code of the library has to run.
 //!
-//! The bytes are texts, each ended by a zero: [`VERSION`], then one text for each name, with a letter
-//! in front that says what it names.
+//! The bytes are zero-terminated strings: [`VERSION`], then one string for each name. The first
+//! letter of each gives the kind of the name.
 #![expect(
     clippy::indexing_slicing,
     reason = "the compiler evaluates it, and refuses what is out of range"
 )]
 
-/// The first text, which names the format.
+/// First string, which identifies the format.
 pub const VERSION: &str = "hal-names 1";
-/// In front of the name of a component type.
+/// Prefix of the name of a component type.
 pub const COMPONENT: u8 = b'c';
-/// In front of the symbol by which a [`ForeignLoader`](crate::ForeignLoader) knows its files.
+/// Prefix of the symbol by which a [`ForeignLoader`](crate::ForeignLoader) recognizes its files.
 pub const LOADER: u8 = b'l';
-/// The most bytes that an engine reads.
+/// Maximum number of bytes that an engine reads.
 pub const MAX_LEN: usize = 1 << 20;
 
-/// The number of bytes for these names.
+/// Returns the number of bytes for these names.
 #[must_use]
 pub const fn len(kinds: &[(u8, &[&str])]) -> usize {
     let mut total = VERSION.len() + 1;
@@ -34,7 +34,7 @@ pub const fn len(kinds: &[(u8, &[&str])]) -> usize {
     total
 }
 
-/// The bytes for these names; `N` is what [`len`] says.
+/// Returns the bytes for these names. `N` must be the result of [`len`].
 #[must_use]
 pub const fn bytes<const N: usize>(kinds: &[(u8, &[&str])]) -> [u8; N] {
     let mut out = [0; N];
@@ -53,7 +53,7 @@ pub const fn bytes<const N: usize>(kinds: &[(u8, &[&str])]) -> [u8; N] {
     out
 }
 
-/// Puts a text and the zero that ends it at `at`; returns where the next one begins.
+/// Writes a string and its terminating zero at `at`. Returns the position after it.
 const fn append<const N: usize>(out: &mut [u8; N], at: usize, text: &[u8]) -> usize {
     let mut i = 0;
     while i < text.len() {
@@ -63,7 +63,7 @@ const fn append<const N: usize>(out: &mut [u8; N], at: usize, text: &[u8]) -> us
     at + i + 1
 }
 
-/// Returns every name in such bytes with its letter; nothing if they are of another format.
+/// Returns every name with its prefix letter. Returns `None` if the bytes have another format.
 pub fn parse(bytes: &[u8]) -> Option<impl Iterator<Item = (u8, &str)>> {
     let mut texts = bytes.strip_suffix(&[0])?.split(|b| *b == 0);
     if texts.next()? != VERSION.as_bytes() {

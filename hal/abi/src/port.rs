@@ -1,4 +1,4 @@
-//! Realtime. The byte queue behind signals of type `port`: one writer, one reader.
+//! Realtime. The byte queue of a signal of type `port`, with one writer and one reader.
 
 use core::{
     mem::offset_of,
@@ -8,7 +8,7 @@ use core::{
     },
 };
 
-/// A byte queue. A queue of size `n` holds `n - 1` bytes, as users' components expect.
+/// A byte queue. A queue of size `n` holds `n - 1` bytes, as existing components expect.
 #[repr(C)]
 #[derive(Debug)]
 pub struct PortQueue {
@@ -21,45 +21,45 @@ pub struct PortQueue {
 const _: () = assert!(offset_of!(PortQueue, data) == 8);
 const _: () = assert!(offset_of!(PortQueue, written) == 16 && offset_of!(PortQueue, read) == 24);
 
-// SAFETY: one writer and one reader; all shared fields are atomic.
+// SAFETY: there is one writer and one reader; all shared fields are atomic.
 unsafe impl Sync for PortQueue {}
 // SAFETY: as for `Sync`.
 unsafe impl Send for PortQueue {}
 
 impl PortQueue {
-    /// A queue over `size` bytes at `data`.
+    /// Returns a queue over `size` bytes at `data`.
     ///
     /// # Safety
-    /// The bytes stay live and unshared for as long as the queue is used.
+    /// The bytes must stay live and must not be used otherwise while the queue is used.
     pub const unsafe fn new(data: *const AtomicU8, size: u64) -> Self {
         Self { size, data, written: AtomicU64::new(0), read: AtomicU64::new(0) }
     }
 
-    /// The size it was made with, in bytes.
+    /// Returns the size with which the queue was created, in bytes.
     pub const fn size(&self) -> u64 {
         self.size
     }
 
-    /// How many bytes wait to be read.
+    /// Returns the number of bytes that can be read.
     pub fn readable(&self) -> u64 {
         // Pairs with the store in `write`.
         self.written.load(Acquire).wrapping_sub(self.read.load(Acquire))
     }
 
-    /// How many bytes fit.
+    /// Returns the number of bytes that can be written.
     pub fn writable(&self) -> u64 {
         self.size.saturating_sub(1).saturating_sub(self.readable())
     }
 
     fn byte(&self, index: u64) -> &AtomicU8 {
         let at = usize::try_from(index % self.size).unwrap_or(0);
-        // SAFETY: below `size`.
+        // SAFETY: the index is below `size`.
         let place = unsafe { self.data.add(at) };
-        // SAFETY: live per `new`.
+        // SAFETY: the caller of `new` guarantees that the bytes are live.
         unsafe { &*place }
     }
 
-    /// Appends all of `bytes`, or nothing when they do not fit.
+    /// Appends all of `bytes`, or nothing if they do not fit. Returns whether they fit.
     pub fn write(&self, bytes: &[u8]) -> bool {
         if (bytes.len() as u64) > self.writable() {
             return false;
@@ -73,7 +73,8 @@ impl PortQueue {
         true
     }
 
-    /// Fills `out` without taking the bytes, or does nothing when there are too few.
+    /// Fills `out` without consuming the bytes, or does nothing if there are too few. Returns
+    /// whether there were enough.
     pub fn peek(&self, out: &mut [u8]) -> bool {
         if (out.len() as u64) > self.readable() {
             return false;
@@ -85,7 +86,8 @@ impl PortQueue {
         true
     }
 
-    /// Fills `out` and takes the bytes, or does nothing when there are too few.
+    /// Fills `out` and consumes the bytes, or does nothing if there are too few. Returns whether
+    /// there were enough.
     pub fn read(&self, out: &mut [u8]) -> bool {
         if !self.peek(out) {
             return false;
@@ -95,7 +97,7 @@ impl PortQueue {
         true
     }
 
-    /// Throws away what waits; the reader's call.
+    /// Discards all unread bytes. Only the reader may call this.
     pub fn clear(&self) {
         self.read.store(self.written.load(Acquire), Release); // Pairs with `readable`.
     }

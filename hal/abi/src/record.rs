@@ -1,8 +1,8 @@
-//! Strings, lists, status codes, and how a record that may grow is read.
+//! Strings, lists, status codes, and the reading of records of other versions.
 
 use core::{marker::PhantomData, mem::offset_of, ptr};
 
-/// A borrowed string: static in a descriptor, else valid for the call it is passed to.
+/// A borrowed string: static in a descriptor, otherwise valid for the call to which it is passed.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Str {
@@ -26,20 +26,20 @@ impl Str {
         Self { ptr: s.as_ptr(), len: s.len() }
     }
 
-    /// Borrows `s` for one call.
+    /// Borrows `s` for the duration of one call.
     pub const fn borrow(s: &str) -> Self {
         Self { ptr: s.as_ptr(), len: s.len() }
     }
 
-    /// The text, or `None` when the bytes are not UTF-8.
+    /// Returns the text, or `None` if the bytes are not UTF-8.
     ///
     /// # Safety
-    /// The bytes are live for `'a`.
+    /// The bytes must be live for `'a`.
     pub unsafe fn get<'a>(self) -> Option<&'a str> {
         if self.ptr.is_null() || self.len == 0 {
             return Some("");
         }
-        // SAFETY: live per the caller, not null.
+        // SAFETY: the caller guarantees that the bytes are live; the pointer is not null.
         let bytes = unsafe { core::slice::from_raw_parts(self.ptr, self.len) };
         core::str::from_utf8(bytes).ok()
     }
@@ -77,20 +77,20 @@ impl<T> List<T> {
         Self { ptr: list.as_ptr().cast(), len: list.len(), kind: PhantomData }
     }
 
-    /// How many records.
+    /// Returns the number of records.
     pub const fn len(&self) -> usize {
         if self.ptr.is_null() { 0 } else { self.len }
     }
 
-    /// Whether there is none.
+    /// Returns whether the list is empty.
     pub const fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The pointer to record `i`, or null.
+    /// Returns the pointer to record `i`, or null.
     ///
     /// # Safety
-    /// The array is live.
+    /// The array must be live.
     pub unsafe fn at(&self, i: usize) -> *const T {
         if i >= self.len() {
             return ptr::null();
@@ -103,30 +103,33 @@ impl<T> List<T> {
 }
 
 impl<T: Record> List<T> {
-    /// Copies record `i` as this side knows it, or `None` when it is null or too small.
+    /// Copies record `i` in this side's version of its layout. Returns `None` if it is null or too
+    /// small.
     ///
     /// # Safety
-    /// The array and its records are live.
+    /// The array and its records must be live.
     pub unsafe fn get(&self, i: usize) -> Option<T> {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         let p = unsafe { self.at(i) };
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe { T::read(p) }
     }
 }
 
-/// A record that begins with its size and may have grown or may be older than this side.
+/// A record that begins with its size, and that may be from a newer or older version than this
+/// side.
 ///
 /// # Safety
-/// The type is `#[repr(C)]`, its first field is `size: u32`, and all-zero bytes are a valid value.
+/// The type must be `#[repr(C)]`, its first field must be `size: u32`, and all-zero bytes must be a
+/// valid value.
 pub unsafe trait Record: Copy {
-    /// The size it had in the first release of this major version.
+    /// Size of the record in the first release of this major version.
     const MIN: usize;
 
-    /// Copies the record; fields that the writer did not know read as zero.
+    /// Copies the record. Fields that the writer did not have read as zero.
     ///
     /// # Safety
-    /// `p` is null or points at a live record whose first four bytes are its true size.
+    /// `p` must be null or point to a live record whose first four bytes are its true size.
     unsafe fn read(p: *const Self) -> Option<Self> {
         if p.is_null() || !p.is_aligned() {
             return None;
@@ -140,7 +143,7 @@ pub unsafe trait Record: Copy {
         let n = if size < size_of::<Self>() { size } else { size_of::<Self>() };
         // SAFETY: both sides hold at least `n` bytes and do not overlap.
         unsafe { ptr::copy_nonoverlapping(p.cast::<u8>(), out.as_mut_ptr().cast::<u8>(), n) };
-        // SAFETY: zeroed, then a prefix overwritten with a valid prefix.
+        // SAFETY: the value was zeroed, and then a prefix was overwritten with a valid prefix.
         Some(unsafe { out.assume_init() })
     }
 }
@@ -155,7 +158,7 @@ impl Status {
     pub const OK: Self = Self(0);
     /// Not found.
     pub const ENOENT: Self = Self(-2);
-    /// Try again: nothing there, or no room.
+    /// Try again: no data, or no space.
     pub const EAGAIN: Self = Self(-11);
     /// Out of memory.
     pub const ENOMEM: Self = Self(-12);
@@ -163,12 +166,12 @@ impl Status {
     pub const EFAULT: Self = Self(-14);
     /// In use.
     pub const EBUSY: Self = Self(-16);
-    /// Exists already.
+    /// Already exists.
     pub const EEXIST: Self = Self(-17);
     /// Invalid argument.
     pub const EINVAL: Self = Self(-22);
 
-    /// Whether it is success.
+    /// Returns whether this is a success.
     pub const fn is_ok(self) -> bool {
         self.0 >= 0
     }

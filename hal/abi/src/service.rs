@@ -1,27 +1,28 @@
-//! Tables of functions that one plugin offers to others.
+//! Function tables that one plugin offers to others.
 
 use crate::{Free, Record, Status, Str, Use};
 use core::{ffi::c_void, mem::offset_of};
 
-/// A table of functions for other plugins. Ownership as in [`FunctSpec`](crate::FunctSpec).
+/// A function table for other plugins. The state is owned as in [`FunctSpec`](crate::FunctSpec).
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ServiceSpec {
-    /// `size_of::<ServiceSpec>()` as compiled.
+    /// `size_of::<ServiceSpec>()` at compile time.
     pub size: u32,
-    /// The version of the table; versions must be equal.
+    /// Version of the table. Provider and user must have the same version.
     pub version: u32,
-    /// What it offers, such as `kinematics`; one provider a name.
+    /// Name of the service, such as `kinematics`. Each name has at most one provider.
     pub name: Str,
-    /// The table: `#[repr(C)]`, its layout fixed by name and version.
+    /// The table, `#[repr(C)]`. Name and version determine its layout.
     pub table: *const c_void,
-    /// Its state.
+    /// State of the service.
     pub state: *mut c_void,
-    /// How to free the state.
+    /// Function that frees the state.
     pub free: Option<Free>,
-    /// What its functions touch: whoever calls them takes these edges over.
+    /// Pins, parameters and hidden state that its functions access. Functions that call the service
+    /// inherit these edges.
     pub uses: *const Use,
-    /// How many.
+    /// Number of entries in `uses`.
     pub n_uses: usize,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
@@ -29,36 +30,37 @@ unsafe impl Record for ServiceSpec {
     const MIN: usize = size_of::<Self>();
 }
 
-/// The table of the service `kinematics`, version 1. A pose is x y z a b c u v w.
+/// Function table of the service `kinematics`, version 1. A pose is x y z a b c u v w.
 ///
-/// Its functions answer with [`Status::OK`], with [`Kinematics::SINGULAR`], which is an answer as
-/// well, or with why there is none; without an answer they leave what they were to fill as it was.
+/// Its functions return [`Status::OK`], [`Kinematics::SINGULAR`] (also a valid solution), or the
+/// reason why there is no solution. Without a solution they leave their output unchanged.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Kinematics {
-    /// `size_of::<Kinematics>()` as compiled.
+    /// `size_of::<Kinematics>()` at compile time.
     pub size: u32,
-    /// How many joints it moves.
+    /// Number of joints.
     pub joints: u32,
-    /// 1 identity, 2 forward only, 3 inverse only, 4 both.
+    /// Kind: 1 identity, 2 forward only, 3 inverse only, 4 both.
     pub kind: u32,
-    /// Which joint follows each letter of a pose: index + 1 of the first, or zero.
+    /// Joint of each letter of a pose: index + 1 of the first such joint, or zero.
     pub joint_of: [u8; 12],
-    /// Passed to the functions.
+    /// Context that is passed to the functions.
     pub ctx: *const c_void,
-    /// From joint positions to a pose. `pose` holds the last pose as a first guess.
+    /// Computes a pose from joint positions. On entry, `pose` holds the last pose as a first guess.
     pub forward: Option<
         unsafe extern "C" fn(*const c_void, joints: *const f64, n: usize, pose: *mut f64) -> Status,
     >,
-    /// From a pose to joint positions. `joints` holds the last positions as a first guess.
+    /// Computes joint positions from a pose. On entry, `joints` holds the last positions as a first
+    /// guess.
     pub inverse: Option<
         unsafe extern "C" fn(*const c_void, pose: *const f64, joints: *mut f64, n: usize) -> Status,
     >,
-    /// Since minor 2: how many types of kinematics there are to switch between; 0 and 1: one.
+    /// Since minor 2: number of kinematics types that can be selected. 0 and 1 mean a single type.
     pub types: u32,
-    /// Since minor 2: every way to reach a pose, `n` joint positions each, at most `room` of them
-    /// into `into`. How many ways there are, or why there is none. Takes its time: not for
-    /// realtime.
+    /// Since minor 2: writes all solutions for a pose to `into`, `n` joint positions each, at most
+    /// `room` of them. Returns the number of solutions, or the reason why there is none. Slow; not
+    /// for realtime.
     pub solutions: Option<
         unsafe extern "C" fn(
             *const c_void,
@@ -68,24 +70,24 @@ pub struct Kinematics {
             room: usize,
         ) -> Status,
     >,
-    /// Since minor 2: switches to a type, from 0; `EINVAL` when there is none. Poses and joints
-    /// follow each other in the new way from then on.
+    /// Since minor 2: selects a kinematics type, from 0. Returns `EINVAL` if it does not exist. The
+    /// relation between poses and joints changes from then on.
     pub switch: Option<unsafe extern "C" fn(*const c_void, to: u32) -> Status>,
 }
 
 impl Kinematics {
-    /// An answer at a singular place: others are as good, or joints would have to move without
-    /// bounds to go on.
+    /// The solution is at a singularity: others are equally valid, or joints would need unbounded
+    /// speed to continue.
     pub const SINGULAR: Status = Status(1);
-    /// The pose cannot be reached, or no pose has these joints.
+    /// The pose cannot be reached, or no pose has these joint positions.
     pub const UNREACHABLE: Status = Status(-33);
-    /// Beyond what a joint of the arm can do.
+    /// The solution is beyond the limits of a joint of the arm.
     pub const BEYOND_LIMITS: Status = Status(-34);
-    /// No answer is determined there.
+    /// The solution is not determined at this pose.
     pub const UNDETERMINED: Status = Status(-35);
-    /// A search for the answer did not come to an end.
+    /// An iterative search did not converge.
     pub const NOT_FOUND: Status = Status(-62);
-    /// Lengths or points of the machine make no sense.
+    /// The dimensions of the machine are invalid.
     pub const GEOMETRY: Status = Status(-71);
 }
 
@@ -94,29 +96,30 @@ unsafe impl Record for Kinematics {
     const MIN: usize = offset_of!(Self, types);
 }
 
-/// The table of the service `interlock`, version 1: the e-stop as a realtime thread reads it.
+/// Function table of the service `interlock`, version 1: the e-stop state for realtime threads.
 ///
-/// Motion is allowed only while [`Interlock::state`] answers exactly [`Interlock::RELEASED`]. A
-/// missing function, and every other answer, means e-stop.
+/// Motion is allowed only while [`Interlock::state`] returns exactly [`Interlock::RELEASED`]. A
+/// missing function and every other value mean e-stop.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Interlock {
-    /// `size_of::<Interlock>()` as compiled.
+    /// `size_of::<Interlock>()` at compile time.
     pub size: u32,
-    /// Zero; for later versions.
+    /// Zero; reserved for later versions.
     pub flags: u32,
-    /// Passed to the function.
+    /// Context that is passed to the function.
     pub ctx: *const c_void,
-    /// Realtime, reentrant. The bits [`Interlock::NOT_COMMANDED`] and [`Interlock::ENABLED`].
+    /// Realtime, reentrant. Returns the bits [`Interlock::NOT_COMMANDED`] and
+    /// [`Interlock::ENABLED`].
     pub state: Option<unsafe extern "C" fn(*const c_void) -> u32>,
 }
 
 impl Interlock {
-    /// No e-stop is commanded.
+    /// Set while no e-stop is commanded.
     pub const NOT_COMMANDED: u32 = 1;
-    /// The chain of e-stop contacts is closed: `emc-enable-in` is TRUE.
+    /// Set while the e-stop chain is closed: `emc-enable-in` is TRUE.
     pub const ENABLED: u32 = 2;
-    /// The only answer that is no e-stop.
+    /// The only value that does not mean e-stop.
     pub const RELEASED: u32 = Self::NOT_COMMANDED | Self::ENABLED;
 }
 

@@ -1,32 +1,32 @@
-//! What a library declares: its descriptor, and the records that `create` hands to the host.
+//! Declarations of a library: its descriptor, and the records that `create` passes to the host.
 
 use crate::{ForeignLoader, Host, List, Record, Slot, Status, Str};
 use core::ffi::c_void;
 
-/// How a library was built to panic.
+/// Panic strategy with which a library was built.
 pub mod panic_strategy {
-    /// Panics unwind and are caught at the boundary.
+    /// Panics unwind and are caught at the ABI boundary.
     pub const UNWIND: u32 = 1;
-    /// Panics end the process: such a library is refused.
+    /// Panics abort the process. The engine refuses such a library.
     pub const ABORT: u32 = 2;
 }
 
-/// What a plugin library exports as `hal_library_<file stem>`; what it offers is also in its
-/// [`names`](crate::names).
+/// Descriptor that a plugin library exports as `hal_library_<file stem>`. The names in it are also
+/// exported as [`names`](crate::names).
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Library {
-    /// `size_of::<Library>()` as compiled.
+    /// `size_of::<Library>()` at compile time.
     pub size: u32,
-    /// [`ABI_MAJOR`](crate::ABI_MAJOR) as compiled.
+    /// [`ABI_MAJOR`](crate::ABI_MAJOR) at compile time.
     pub abi_major: u32,
-    /// [`ABI_MINOR`](crate::ABI_MINOR) as compiled.
+    /// [`ABI_MINOR`](crate::ABI_MINOR) at compile time.
     pub abi_minor: u32,
-    /// One of [`panic_strategy`].
+    /// Panic strategy, a constant in [`panic_strategy`].
     pub panic: u32,
-    /// The component types.
+    /// Component types in the library.
     pub components: List<ComponentType>,
-    /// The kinds of other files that it loads.
+    /// Loaders for files that are not plugins.
     pub loaders: List<ForeignLoader>,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
@@ -36,35 +36,35 @@ unsafe impl Record for Library {
 
 /// Bits of [`ComponentType::flags`].
 pub mod component_flags {
-    /// Created once per load, with absolute names; otherwise once per instance
-    /// (`count=`, `names=`).
+    /// Created once per load, with absolute names. Without this flag, a type is created once per
+    /// instance (`count=`, `names=`).
     pub const ONCE: u32 = 1;
     /// Takes `personality=`.
     pub const PERSONALITY: u32 = 2;
-    /// Safe with its functions in threads on different processors.
+    /// Safe to use with its functions in threads on different processors.
     pub const PARALLEL: u32 = 4;
 }
 
-/// Creates one instance through the host. Never unwinds.
+/// Creates one instance through the host. Must not unwind.
 pub type Create = unsafe extern "C" fn(host: *const Host) -> Status;
 
-/// One component type.
+/// A component type.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ComponentType {
-    /// `size_of::<ComponentType>()` as compiled.
+    /// `size_of::<ComponentType>()` at compile time.
     pub size: u32,
     /// Bits of [`component_flags`].
     pub flags: u32,
     /// Type name, as in `loadrt NAME`.
     pub name: Str,
-    /// What it is, in Markdown; the first line is a summary.
+    /// Description in Markdown. The first line is a summary.
     pub doc: Str,
-    /// The `loadrt` arguments beside `count=`, `names=` and `personality=`.
+    /// Arguments of `loadrt` in addition to `count=`, `names=` and `personality=`.
     pub args: List<ArgSpec>,
-    /// The pins and parameters of an instance, where they are fixed.
+    /// Pins and parameters of an instance, if they are fixed.
     pub items: List<ItemSpec>,
-    /// Creates an instance.
+    /// Function that creates an instance.
     pub create: Option<Create>,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
@@ -76,17 +76,17 @@ unsafe impl Sync for ComponentType {}
 
 /// Types of arguments of `loadrt` and of commands.
 pub mod arg {
-    /// One integer, in C's notation.
+    /// An integer in C notation.
     pub const INT: u32 = 1;
-    /// One floating-point number.
+    /// A floating-point number.
     pub const FLOAT: u32 = 2;
-    /// One string.
+    /// A string.
     pub const TEXT: u32 = 3;
     /// Integers separated by commas.
     pub const INTS: u32 = 4;
     /// Strings separated by commas.
     pub const TEXTS: u32 = 5;
-    /// A truth value.
+    /// A boolean.
     pub const BIT: u32 = 6;
 }
 
@@ -94,19 +94,19 @@ pub mod arg {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ArgSpec {
-    /// `size_of::<ArgSpec>()` as compiled.
+    /// `size_of::<ArgSpec>()` at compile time.
     pub size: u32,
-    /// One of [`arg`].
+    /// Type of the argument, a constant in [`arg`].
     pub kind: u32,
-    /// The most items of a list; zero: no bound.
+    /// Maximum number of items in a list. Zero means no limit.
     pub most: u32,
-    /// Not zero: it must be given.
+    /// Not zero if the argument is required.
     pub required: u32,
-    /// As in `NAME=VALUE`.
+    /// Name, as in `NAME=VALUE`.
     pub name: Str,
-    /// What it means, with unit and range.
+    /// Description, with unit and range.
     pub doc: Str,
-    /// The value when it is not given, as a user would write it; empty: nothing.
+    /// Default value as a user would write it. Empty means no default.
     pub default: Str,
 }
 // SAFETY: an `ArgSpec` is immutable static data.
@@ -117,7 +117,7 @@ unsafe impl Record for ArgSpec {
 }
 
 impl ArgSpec {
-    /// An argument of the given kind (one of [`arg`]).
+    /// Returns an argument of the given kind (one of the constants in [`arg`]).
     pub const fn new(kind: u32, name: &'static str, doc: &'static str) -> Self {
         Self {
             size: crate::size::<Self>(),
@@ -130,19 +130,19 @@ impl ArgSpec {
         }
     }
 
-    /// The same, with a value for when it is not given, written as a user would.
+    /// Sets the default value, written as a user would.
     pub const fn or(mut self, default: &'static str) -> Self {
         self.default = Str::new(default);
         self
     }
 
-    /// The same, but it must be given.
+    /// Makes the argument required.
     pub const fn required(mut self) -> Self {
         self.required = 1;
         self
     }
 
-    /// The same, with at most `n` items.
+    /// Limits a list to `n` items.
     pub const fn at_most(mut self, n: u32) -> Self {
         self.most = n;
         self
@@ -151,33 +151,33 @@ impl ArgSpec {
 
 /// Bits of [`ItemSpec::flags`].
 pub mod item_flags {
-    /// A bit of simulated hardware: `show` and `save` give it only when a pattern names it.
+    /// A bit of simulated hardware. `show` and `save` list it only if a pattern names it.
     pub const HIDDEN: u32 = 1;
-    /// A limit switch or e-stop input: left unlinked, a machine is not protected.
+    /// A limit switch or e-stop input. A machine that leaves it unlinked is not protected.
     pub const SAFETY: u32 = 2;
 }
 
-/// One pin or parameter to create.
+/// A pin or parameter to create.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ItemSpec {
-    /// `size_of::<ItemSpec>()` as compiled.
+    /// `size_of::<ItemSpec>()` at compile time.
     pub size: u32,
     /// Bits of [`item_flags`].
     pub flags: u32,
-    /// The name: absolute when passed to the host; in a descriptor, what follows the instance.
+    /// Name: absolute when passed to the host; in a descriptor, the part after the instance name.
     pub name: Str,
-    /// One line of documentation, with unit and range.
+    /// Description in one line, with unit and range.
     pub doc: Str,
-    /// The name before joints and axes were told apart, absolute; empty: none.
+    /// Absolute name from before LinuxCNC distinguished joints and axes. Empty if there is none.
     pub old_name: Str,
-    /// Initial value.
+    /// Initial value, as bits of a cell.
     pub initial: u64,
-    /// A parameter's own storage, at exactly the width of its type; null: a cell of the arena.
+    /// External storage of a parameter, exactly as wide as its type. Null for a cell of the arena.
     pub storage: *mut c_void,
-    /// One of [`ty`](crate::ty).
+    /// Type code, a constant in [`ty`](crate::ty).
     pub ty: u8,
-    /// One of [`dir`](crate::dir).
+    /// Direction code, a constant in [`dir`](crate::dir).
     pub dir: u8,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
@@ -189,60 +189,61 @@ unsafe impl Sync for ItemSpec {}
 
 /// Bits of [`Use::access`].
 pub mod access {
-    /// The function reads it.
+    /// The function reads the item.
     pub const READ: u32 = 1;
-    /// The function writes it.
+    /// The function writes the item.
     pub const WRITE: u32 = 2;
 }
 
-/// A pin, parameter or piece of hidden state that a function touches. Its layout is frozen.
+/// A pin, parameter or piece of hidden state that a function accesses. The layout of this record is
+/// frozen.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Use {
-    /// The item, or null for hidden state.
+    /// Slot of the item, or null for hidden state.
     pub slot: *const Slot,
-    /// Which hidden state, unique within the component.
+    /// Identifier of the hidden state, unique within the component.
     pub token: u64,
     /// Bits of [`access`].
     pub access: u32,
 }
 
-/// Runs a function once. Never unwinds.
+/// Runs a function once. Must not unwind.
 pub type Run = unsafe extern "C" fn(state: *mut c_void, period_ns: i64) -> Status;
 /// Frees a state.
 pub type Free = unsafe extern "C" fn(state: *mut c_void);
 
 /// Bits of [`FunctSpec::flags`].
 pub mod funct_flags {
-    /// May be in several threads, and several times in one.
+    /// May be added to several threads, and several times to one thread.
     pub const REENTRANT: u32 = 1;
-    /// What it reads and writes is not known.
+    /// The pins that the function reads and writes are unknown.
     pub const UNKNOWN: u32 = 2;
-    /// Belongs in a fast thread.
+    /// The function belongs in a fast thread.
     pub const FAST: u32 = 4;
 }
 
-/// A function to export. The host owns the state from the call on, even when it fails.
+/// A function to export. The host owns the state from the call on, even if the call fails.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct FunctSpec {
-    /// `size_of::<FunctSpec>()` as compiled.
+    /// `size_of::<FunctSpec>()` at compile time.
     pub size: u32,
     /// Bits of [`funct_flags`].
     pub flags: u32,
     /// Absolute name.
     pub name: Str,
-    /// One line of documentation.
+    /// Description in one line.
     pub doc: Str,
-    /// The code.
+    /// Code of the function.
     pub run: Option<Run>,
-    /// Its state.
+    /// State of the function.
     pub state: *mut c_void,
-    /// How to free the state.
+    /// Function that frees the state.
     pub free: Option<Free>,
-    /// What it touches.
+    /// Pins, parameters and hidden state that the function accesses.
     pub uses: *const Use,
-    /// How many.
+    /// Number of entries in `uses`.
     pub n_uses: usize,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
@@ -250,29 +251,29 @@ unsafe impl Record for FunctSpec {
     const MIN: usize = size_of::<Self>();
 }
 
-/// Work that is never done in a realtime thread. Ownership of the state as in [`FunctSpec`].
+/// Work that never runs in a realtime thread. The state is owned as in [`FunctSpec`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct TaskSpec {
-    /// `size_of::<TaskSpec>()` as compiled.
+    /// `size_of::<TaskSpec>()` at compile time.
     pub size: u32,
     /// Must be zero.
     pub flags: u32,
     /// Absolute name.
     pub name: Str,
-    /// One line of documentation.
+    /// Description in one line.
     pub doc: Str,
-    /// How often, in nanoseconds of machine time.
+    /// Period in nanoseconds of machine time.
     pub period_ns: i64,
-    /// The code; its second argument is the period.
+    /// Code of the task. Its second argument is the period.
     pub run: Option<Run>,
-    /// Its state.
+    /// State of the task.
     pub state: *mut c_void,
-    /// How to free the state.
+    /// Function that frees the state.
     pub free: Option<Free>,
-    /// What it touches.
+    /// Pins, parameters and hidden state that the task accesses.
     pub uses: *const Use,
-    /// How many.
+    /// Number of entries in `uses`.
     pub n_uses: usize,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
@@ -284,13 +285,13 @@ unsafe impl Record for TaskSpec {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ThreadSpec {
-    /// `size_of::<ThreadSpec>()` as compiled.
+    /// `size_of::<ThreadSpec>()` at compile time.
     pub size: u32,
     /// Must be zero.
     pub flags: u32,
     /// Absolute name.
     pub name: Str,
-    /// Its period in nanoseconds.
+    /// Period in nanoseconds.
     pub period_ns: i64,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
@@ -306,21 +307,21 @@ pub mod stream_direction {
     pub const IN: u32 = 2;
 }
 
-/// A ring shared with programs.
+/// A ring that is shared with programs.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct StreamSpec {
-    /// `size_of::<StreamSpec>()` as compiled.
+    /// `size_of::<StreamSpec>()` at compile time.
     pub size: u32,
-    /// One of [`stream_direction`].
+    /// Direction, a constant in [`stream_direction`].
     pub direction: u32,
     /// Absolute name, such as `sampler.0`.
     pub name: Str,
-    /// How many slots; one less is usable.
+    /// Number of slots, of which one always stays empty.
     pub depth: u32,
-    /// How many values a record has, at most [`MAX_WIDTH`](crate::MAX_WIDTH).
+    /// Number of values in a record, at most [`MAX_WIDTH`](crate::MAX_WIDTH).
     pub width: u32,
-    /// The type code of each value.
+    /// Type code of each value.
     pub types: [u8; 24],
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
@@ -328,29 +329,29 @@ unsafe impl Record for StreamSpec {
     const MIN: usize = size_of::<Self>();
 }
 
-/// A command's or an action's code. Runs on the control side; never unwinds.
+/// Code of a command or action. Runs on the control thread. Must not unwind.
 pub type CommandRun =
     unsafe extern "C" fn(state: *mut c_void, call: *const crate::CallHost) -> Status;
 
-/// A command for users, `COMPONENT.VERB name=value …`. Ownership as in [`FunctSpec`].
+/// A command for users, `COMPONENT.VERB name=value …`. The state is owned as in [`FunctSpec`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct CommandSpec {
-    /// `size_of::<CommandSpec>()` as compiled.
+    /// `size_of::<CommandSpec>()` at compile time.
     pub size: u32,
     /// Must be zero.
     pub flags: u32,
     /// Absolute name, such as `motion.jog`.
     pub name: Str,
-    /// What it does; the first line is a summary.
+    /// Description. The first line is a summary.
     pub doc: Str,
-    /// Its arguments.
+    /// Arguments of the command.
     pub args: List<ArgSpec>,
-    /// The code.
+    /// Code of the command.
     pub run: Option<CommandRun>,
-    /// Its state.
+    /// State of the command.
     pub state: *mut c_void,
-    /// How to free the state.
+    /// Function that frees the state.
     pub free: Option<Free>,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
@@ -358,19 +359,20 @@ unsafe impl Record for CommandSpec {
     const MIN: usize = size_of::<Self>();
 }
 
-/// What the engine asks a component to do at a turn of its life. Ownership as in [`FunctSpec`].
+/// Code that the engine runs when it opens or stops a component. The state is owned as in
+/// [`FunctSpec`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ActionSpec {
-    /// `size_of::<ActionSpec>()` as compiled.
+    /// `size_of::<ActionSpec>()` at compile time.
     pub size: u32,
     /// Must be zero.
     pub flags: u32,
-    /// The code; null: nothing to do.
+    /// Code of the action. Null if there is nothing to do.
     pub run: Option<CommandRun>,
-    /// Its state.
+    /// State of the action.
     pub state: *mut c_void,
-    /// How to free the state.
+    /// Function that frees the state.
     pub free: Option<Free>,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.

@@ -1,4 +1,4 @@
-//! Realtime. The answer to a command that takes machine time.
+//! Realtime. Result of a command that takes machine time.
 
 use core::{
     mem::offset_of,
@@ -8,38 +8,38 @@ use core::{
     },
 };
 
-/// How far a command has come.
+/// Progress of a command.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum TicketState {
-    /// Under way.
+    /// The command is still executing.
     Pending,
-    /// Carried out.
+    /// The command has completed.
     Done,
-    /// Given up, with the reason.
+    /// The command was aborted, for this reason.
     Failed(&'static str),
 }
 
-/// A place where a function reports the end of a command. Owned by the engine.
+/// Record in which a function reports the end of a command. The engine owns it.
 #[repr(C)]
 #[derive(Debug, Default)]
 pub struct Ticket {
     state: AtomicU32,
-    /// Since minor 3: how many of `numbers` belong to the text.
+    /// Since minor 3: number of valid entries in `numbers`.
     count: AtomicU32,
     len: AtomicUsize,
     text: AtomicPtr<u8>,
-    /// Since minor 3: the bits of the floats that replace each `{}` of the text.
+    /// Since minor 3: bits of the floats that replace each `{}` of the text.
     numbers: [AtomicU64; TICKET_NUMBERS],
 }
 
-/// The number of floats that a failure can carry.
+/// Maximum number of floats in a failure.
 pub const TICKET_NUMBERS: usize = 4;
 
 const WORD: usize = size_of::<usize>();
 const _: () = assert!(offset_of!(Ticket, len) == WORD && offset_of!(Ticket, text) == 2 * WORD);
 
 impl Ticket {
-    /// A command under way.
+    /// Returns the ticket of a command that is still executing.
     pub const fn new() -> Self {
         Self {
             state: AtomicU32::new(0),
@@ -50,12 +50,12 @@ impl Ticket {
         }
     }
 
-    /// Reports success; the last access by the function that carries the command out.
+    /// Reports success. This must be the last access by the function that executes the command.
     pub fn done(&self) {
         self.state.store(1, Release); // Pairs with `state`.
     }
 
-    /// Reports failure; the last access by the function that carries the command out.
+    /// Reports failure. This must be the last access by the function that executes the command.
     pub fn fail(&self, why: &'static str) {
         self.text.store(why.as_ptr().cast_mut(), Relaxed);
         self.len.store(why.len(), Relaxed);
@@ -63,7 +63,7 @@ impl Ticket {
     }
 
     /// Reports failure with a text in which each `{}` stands for the next of `numbers`, at most
-    /// [`TICKET_NUMBERS`]; the last access by the function that carries the command out.
+    /// [`TICKET_NUMBERS`]. This must be the last access by the function that executes the command.
     pub fn fail_with(&self, why: &'static str, numbers: &[f64]) {
         let mut count = 0;
         for (place, number) in self.numbers.iter().zip(numbers) {
@@ -74,8 +74,8 @@ impl Ticket {
         self.fail(why);
     }
 
-    /// The numbers of a failure, and how many of them count. Zeros and none before the command
-    /// has failed.
+    /// Returns the numbers of a failure, and how many of them are valid. Returns zeros and a count
+    /// of zero before the command has failed.
     pub fn numbers(&self) -> ([f64; TICKET_NUMBERS], usize) {
         // Pairs with `fail`.
         if self.state.load(Acquire) < 2 {
@@ -86,8 +86,8 @@ impl Ticket {
         (self.numbers.each_ref().map(number), count.min(TICKET_NUMBERS))
     }
 
-    /// How far the command has come. The text lives in the plugin's library: copy it before that
-    /// can be unloaded.
+    /// Returns the progress of the command. The text lives in the plugin's library: copy it before
+    /// the library can be unloaded.
     pub fn state(&self) -> TicketState {
         // Pairs with `done` and `fail`.
         match self.state.load(Acquire) {
@@ -98,7 +98,7 @@ impl Ticket {
                 if text.is_null() {
                     return TicketState::Failed("failed");
                 }
-                // SAFETY: `fail` stored a static string before the state.
+                // SAFETY: `fail` stored a static string before it set the state.
                 let bytes = unsafe { core::slice::from_raw_parts(text, len) };
                 TicketState::Failed(core::str::from_utf8(bytes).unwrap_or("failed"))
             }

@@ -1,5 +1,5 @@
-//! The layout of every record of the contract: whoever changes a line of it breaks libraries that
-//! are already built. A minor version appends fields at the end; anything else is a new major.
+//! Layout of every record of the ABI. A change of a line breaks libraries that are already built. A
+//! minor version may append fields at the end; any other change needs a new major version.
 
 use core::mem::offset_of;
 use std::fmt::Write;

@@ -1,4 +1,4 @@
-//! Byte queues: what fits, whole or not at all, around and around.
+//! Byte queues: capacity, all-or-nothing transfers, wrap-around.
 #![expect(unsafe_code, clippy::cast_possible_truncation, reason = "queues over memory")]
 
 use core::sync::atomic::AtomicU8;
@@ -11,7 +11,7 @@ struct Made {
 
 fn queue(size: usize) -> Made {
     let data: Box<[AtomicU8]> = (0..size).map(|_| AtomicU8::new(0)).collect();
-    // SAFETY: both live in what is returned; a box does not move what is in it.
+    // SAFETY: both live in the returned value, and moving a box does not move its contents.
     let queue = unsafe { PortQueue::new(data.as_ptr(), size as u64) };
     Made { queue, _data: data }
 }

@@ -1,10 +1,10 @@
-//! Records that are older or newer than this side, and lists and texts that are not what they should.
+//! Records of older and newer versions, and invalid lists and strings.
 #![expect(unsafe_code, reason = "records as a library of another version would hand them over")]
 
 use core::ptr::{null, null_mut};
 use hal_abi::{ArgSpec, ArgValue, FunctSpec, List, Record, Status, Str, Ticket, TicketState, size};
 
-/// A record as a later minor version has it: with something behind.
+/// A record of a later minor version, with a field appended.
 #[repr(C)]
 struct Later<T> {
     known: T,
@@ -26,19 +26,19 @@ fn a_record_that_is_no_record_is_refused() {
     let good = ArgSpec::new(1, "name", "doc");
     for size in [0, 1, 4, 8, size::<ArgSpec>() - 1] {
         let cut = ArgSpec { size, ..good };
-        // SAFETY: live, and longer than it says.
+        // SAFETY: the record is live and longer than its stated size.
         assert!(unsafe { ArgSpec::read(&raw const cut) }.is_none(), "{size} bytes");
     }
     // SAFETY: null is allowed.
     assert!(unsafe { ArgSpec::read(null()) }.is_none());
     let odd = (&raw const good).cast::<u8>().wrapping_add(1).cast::<ArgSpec>();
-    // SAFETY: refused before it is read.
+    // SAFETY: a misaligned pointer is refused before it is read.
     assert!(unsafe { ArgSpec::read(odd) }.is_none(), "not aligned");
 }
 
 #[test]
 fn an_absent_tail_reads_as_zero() {
-    /// The contract's own records have grown by nothing yet: this one has.
+    /// A record that has grown. The ABI's own records without appended fields cannot show this.
     #[repr(C)]
     #[derive(Clone, Copy)]
     struct Grown {
@@ -112,7 +112,7 @@ fn a_ticket_says_how_far_a_command_is() {
     ticket.fail_with("joint {} is at {}", &[2.0, -1.5]);
     assert_eq!(ticket.state(), TicketState::Failed("joint {} is at {}"));
     assert_eq!(ticket.numbers(), ([2.0, -1.5, 0.0, 0.0], 2));
-    // Numbers beyond those that it has room for are dropped.
+    // More numbers than the ticket can hold are dropped.
     let ticket = Ticket::new();
     ticket.fail_with("", &[1.0, 2.0, 3.0, 4.0, 5.0]);
     assert_eq!(ticket.numbers(), ([1.0, 2.0, 3.0, 4.0], 4));

@@ -1,23 +1,23 @@
-//! Shared rings: what fits, what is lost, what the other side may write into it.
+//! Shared rings: capacity, lost records, and corruption by the other side.
 #![expect(unsafe_code, clippy::cast_possible_truncation, reason = "both sides of a ring")]
 
 use core::cell::UnsafeCell;
 use hal_abi::{Consumer, Got, Producer, RING_MAGIC, Ring};
 
-/// The memory of a ring, as any program that it was handed to sees it.
+/// Memory of a ring, as a program that maps it sees it.
 struct Memory {
     words: Box<[UnsafeCell<u64>]>,
     depth: u32,
     width: u32,
 }
 
-/// Where the two indices are, in words.
+/// Offsets of the two indices, in words.
 const WRITTEN: usize = 8;
 const TAKEN: usize = 16;
 
 impl Memory {
     fn new(depth: u32, width: u32) -> Self {
-        // Room to align the head.
+        // Extra words for the alignment of the header.
         let n = Ring::bytes(depth, width) / 8 + 8;
         let memory = Self { words: (0..n).map(|_| UnsafeCell::new(0)).collect(), depth, width };
         // SAFETY: aligned, in bounds, not shared yet.
@@ -32,7 +32,7 @@ impl Memory {
     }
 
     fn producer(&self) -> Producer {
-        // SAFETY: the memory lives as long as the test, which takes one writer at a time.
+        // SAFETY: the memory lives as long as the test, which uses one writer at a time.
         unsafe { Producer::new(self.ring(), self.depth, self.width) }
     }
 
@@ -42,12 +42,12 @@ impl Memory {
     }
 
     fn word(&self, i: usize) -> *mut u64 {
-        // SAFETY: in bounds: tests name words of the ring.
+        // SAFETY: tests access only words of the ring, so the offset is in bounds.
         unsafe { self.ring().cast_mut().cast::<u64>().add(i) }
     }
 
     fn scribble(&self, i: usize, word: u64) {
-        // SAFETY: one thread; both sides hold pointers only.
+        // SAFETY: the test has one thread, and both sides hold only pointers.
         unsafe { self.word(i).write(word) };
     }
 
@@ -65,7 +65,8 @@ fn put(p: &mut Producer, n: u64) -> bool {
     p.put(|i| n * 10 + i as u64)
 }
 
-/// The number and first value of the next record, whose values are as `put` makes them.
+/// Takes the next record and returns its number and first value. Checks that its values are those
+/// of `put`.
 fn take(c: &mut Consumer) -> Result<(u64, u64), Got> {
     let mut values = Vec::new();
     match c.take(|i, bits| values.push((i as u64, bits))) {
@@ -95,7 +96,7 @@ fn a_ring_holds_one_record_less_than_it_has_slots() {
         let (mut p, mut c) = (m.producer(), m.consumer());
         let most = u64::from(depth) - 1;
         let (mut written, mut sample, mut lost) = (0, 0, 0);
-        // Around and around, from empty to full and back.
+        // Several times around, from empty to full and back.
         for _ in 0..50 {
             assert_eq!((u64::from(p.room()), p.waiting(), c.waiting()), (most, 0, 0));
             let mut kept = Vec::new();
@@ -135,10 +136,10 @@ fn a_side_that_is_new_goes_on_where_the_last_one_was() {
     assert_eq!(take(&mut c), Ok((3, 3)));
 }
 
-/// Indices that cannot be, seen from one of 7 with room for 4.
+/// Invalid indices, as seen by a side whose own index is 7, in a ring for 4 records.
 const NONSENSE: [u64; 8] = [0, 1, 2, 12, 1 << 32, 1 << 63, u64::MAX - 3, u64::MAX];
 
-/// A ring of depth 5 after seven records, the last two of which wait.
+/// Fills a ring of depth 5 with seven records, of which the last two have not been taken.
 fn seven(m: &Memory) -> (Producer, Consumer) {
     let (mut p, mut c) = (m.producer(), m.consumer());
     for n in 1..=7 {
@@ -160,7 +161,7 @@ fn a_writer_believes_no_index_that_cannot_be() {
         assert_eq!((p.room(), p.waiting()), (0, 4), "{index}");
         assert!(!put(&mut p, 8), "{index}: refused");
         assert_eq!((m.lost(), m.read(WRITTEN)), (1, 7), "{index}: counted, and stated again");
-        // A reader that never believed it either is not disturbed.
+        // A reader that did not trust the index either is not affected.
         assert_eq!(take(&mut c), Ok((6, 6)));
         assert_eq!(take(&mut c), Ok((7, 7)));
         assert!(put(&mut p, 9));
