@@ -1,46 +1,47 @@
-//! How a component declares the arguments of `loadrt` and of its commands.
+//! Declaration of the arguments of `loadrt` and of commands.
 
 use crate::{
     Builder, Error,
     abi::{ArgSpec, arg},
 };
 
-/// Declares arguments: `const ARGS: … = &[&Arg::ints("step_type", "…").required().at_most(16)];`
+/// Declares arguments, as in `const ARGS: … = &[&Arg::ints("step_type",
+/// "…").required().at_most(16)];`
 #[derive(Debug)]
 pub enum Arg {}
 
 impl Arg {
-    /// One integer in C's notation (`10`, `0x378`, `017`).
+    /// Declares an integer in C notation (`10`, `0x378`, `017`).
     #[must_use]
     pub const fn int(name: &'static str, doc: &'static str) -> ArgSpec {
         ArgSpec::new(arg::INT, name, doc)
     }
 
-    /// One floating-point number.
+    /// Declares a floating-point number.
     #[must_use]
     pub const fn float(name: &'static str, doc: &'static str) -> ArgSpec {
         ArgSpec::new(arg::FLOAT, name, doc)
     }
 
-    /// One string.
+    /// Declares a string.
     #[must_use]
     pub const fn text(name: &'static str, doc: &'static str) -> ArgSpec {
         ArgSpec::new(arg::TEXT, name, doc)
     }
 
-    /// Integers separated by commas.
+    /// Declares a list of integers, separated by commas.
     #[must_use]
     pub const fn ints(name: &'static str, doc: &'static str) -> ArgSpec {
         ArgSpec::new(arg::INTS, name, doc)
     }
 
-    /// Strings separated by commas.
+    /// Declares a list of strings, separated by commas.
     #[must_use]
     pub const fn texts(name: &'static str, doc: &'static str) -> ArgSpec {
         ArgSpec::new(arg::TEXTS, name, doc)
     }
 
-    /// A truth value (`1`, `0`, `TRUE`, `FALSE`, `ON`, `OFF`, `YES`, `NO`).
+    /// Declares a boolean (`1`, `0`, `TRUE`, `FALSE`, `ON`, `OFF`, `YES`, `NO`).
     #[must_use]
     pub const fn bit(name: &'static str, doc: &'static str) -> ArgSpec {
         ArgSpec::new(arg::BIT, name, doc)
@@ -48,10 +49,11 @@ impl Arg {
 }
 
 impl Builder<'_> {
-    /// How many of `pins` a personality asks for, which is their number: `usual` if it is 0.
+    /// Returns the number of `pins` that the personality requests, or `usual` if the personality is
+    /// 0.
     ///
     /// # Errors
-    /// It is not 0 to `most`.
+    /// The personality is not in the range 0 to `most`.
     pub fn size(&self, pins: &str, usual: i64, most: i64) -> Result<i64, Error> {
         match self.personality() {
             0 => Ok(usual),

@@ -1,4 +1,4 @@
-//! How one instance declares itself to the engine.
+//! Declaration of a component instance to the engine.
 
 use crate::{
     Call, Clock, Decl, Error, In, Item, Messages, Touch, Update, Uses, Value,
@@ -13,12 +13,12 @@ use crate::{
 use core::{ffi::c_void, ptr::NonNull};
 use std::borrow::Cow;
 
-/// Declares one instance.
+/// Builder through which an instance declares its pins, functions, tasks and commands.
 #[derive(Debug)]
 pub struct Builder<'h> {
     pub(crate) host: &'h Host,
     once: bool,
-    /// Uses of services found so far: every function declared afterwards takes them over.
+    /// Uses of services found so far. Every function declared afterwards inherits them.
     pub(crate) borrowed: Vec<abi::Use>,
 }
 
@@ -27,38 +27,39 @@ impl<'h> Builder<'h> {
         Self { host, once: flags & component_flags::ONCE != 0, borrowed: Vec::new() }
     }
 
-    /// The name of this instance, such as `and2.0`.
+    /// Returns the name of this instance, such as `and2.0`.
     #[must_use]
     pub fn prefix(&self) -> &str {
-        // SAFETY: live while `create` runs.
+        // SAFETY: the engine keeps the name while `create` runs.
         unsafe { self.host.prefix.get() }.unwrap_or_default()
     }
 
-    /// The number of this instance, from zero.
+    /// Returns the number of this instance, from zero.
     #[must_use]
     pub const fn index(&self) -> u32 {
         self.host.index
     }
 
-    /// The personality of this instance, zero when none was given.
+    /// Returns the personality of this instance, or zero if none was given.
     #[must_use]
     pub const fn personality(&self) -> i64 {
         self.host.personality
     }
 
-    /// Whether hardware is simulated: a driver then works on a register file whose bits are pins.
+    /// Returns whether hardware is simulated. A driver then works on a register file whose bits are
+    /// pins.
     #[must_use]
     pub const fn is_simulated(&self) -> bool {
         self.host.flags & host_flags::SIMULATED != 0
     }
 
-    /// What speaks for the component while it runs.
+    /// Returns the message log that the component uses while it runs.
     #[must_use]
     pub fn messages(&self) -> Messages {
         Messages(self.calls())
     }
 
-    /// The machine's clock.
+    /// Returns the machine's clock.
     #[must_use]
     pub fn clock(&self) -> Clock {
         Clock(self.calls())
@@ -71,30 +72,30 @@ impl<'h> Builder<'h> {
 
     fn value(&self, name: &str) -> Option<ArgValue> {
         let arg = self.host.arg?;
-        // SAFETY: the engine's function; the pointers live across the call.
+        // SAFETY: this is the engine's function; the pointers live for the duration of the call.
         read_arg(|out| unsafe { arg(self.host.ctx, Str::borrow(name), out) })
     }
 
-    /// An integer or truth value that was given or has a default.
+    /// Returns an integer or boolean argument that was given or has a default.
     #[must_use]
     pub fn arg_int(&self, name: &str) -> Option<i64> {
         self.value(name).map(|v| v.int)
     }
 
-    /// A floating-point number that was given or has a default.
+    /// Returns a floating-point argument that was given or has a default.
     #[must_use]
     pub fn arg_float(&self, name: &str) -> Option<f64> {
         self.value(name).map(|v| v.float)
     }
 
-    /// A string that was given or has a default.
+    /// Returns a string argument that was given or has a default.
     #[must_use]
     pub fn arg_text(&self, name: &str) -> Option<String> {
         // SAFETY: the engine keeps the string until `create` returns.
         self.value(name).and_then(|v| unsafe { v.text.get() }.map(str::to_owned))
     }
 
-    /// A list of integers; empty when it was not given and has no default.
+    /// Returns a list of integers. It is empty if the argument was not given and has no default.
     #[must_use]
     pub fn arg_ints(&self, name: &str) -> Vec<i64> {
         let Some(v) = self.value(name).filter(|v| !v.ints.is_null()) else { return Vec::new() };
@@ -102,13 +103,13 @@ impl<'h> Builder<'h> {
         unsafe { core::slice::from_raw_parts(v.ints, v.len) }.to_vec()
     }
 
-    /// A list of strings; empty when it was not given and has no default.
+    /// Returns a list of strings. It is empty if the argument was not given and has no default.
     #[must_use]
     pub fn arg_texts(&self, name: &str) -> Vec<String> {
         self.texts(name).iter().map(owned).collect()
     }
 
-    /// One of a list of strings, from zero, if there are so many.
+    /// Returns the string at index `at` (from zero) of a list, if the list is long enough.
     #[must_use]
     pub fn arg_text_at(&self, name: &str, at: usize) -> Option<String> {
         self.texts(name).get(at).map(owned)
@@ -128,10 +129,10 @@ impl<'h> Builder<'h> {
         }
     }
 
-    /// Adds a pin or parameter; direction and type come from the handle's type.
+    /// Creates a pin or parameter. The type of the handle gives its direction and type.
     ///
     /// # Errors
-    /// The name is taken or too long, or memory is out.
+    /// The name is taken or too long, or the engine is out of memory.
     pub fn item<T: Value, D: Dir>(
         &mut self,
         name: &str,
@@ -141,7 +142,7 @@ impl<'h> Builder<'h> {
         self.declare(Decl::new(name, doc), initial)
     }
 
-    /// Adds a pin or parameter that is declared at length.
+    /// Creates a pin or parameter from a full declaration.
     ///
     /// # Errors
     /// As [`Self::item`].
@@ -164,7 +165,8 @@ impl<'h> Builder<'h> {
         };
         let mut slot = core::ptr::null();
         let item = self.host.item.ok_or(Error::engine(Status::EINVAL))?;
-        // SAFETY: the engine's function; `spec` and `slot` live across the call.
+        // SAFETY: this is the engine's function; `spec` and `slot` live for the duration of the
+        // call.
         check(unsafe { item(self.host.ctx, &raw const spec, &raw mut slot) })?;
         NonNull::new(slot.cast_mut()).map(Item::from_slot).ok_or(Error::engine(Status::EINVAL))
     }
@@ -175,7 +177,7 @@ impl<'h> Builder<'h> {
         uses.0
     }
 
-    /// Exports a function; an empty name is the instance's own name.
+    /// Exports a function. With an empty name, the function has the instance's own name.
     ///
     /// # Errors
     /// The name is taken or too long.
@@ -212,12 +214,12 @@ impl<'h> Builder<'h> {
             n_uses: uses.len(),
         };
         let funct = self.host.funct.ok_or(Error::engine(Status::EINVAL))?;
-        // SAFETY: the engine's function; ownership of the state passes with the call.
+        // SAFETY: this is the engine's function; ownership of the state passes with the call.
         check(unsafe { funct(self.host.ctx, &raw const spec) })
     }
 
-    /// Declares background work, done every `period_ns` of machine time, never in a realtime
-    /// thread.
+    /// Declares a background task, which runs every `period_ns` of machine time, never in a
+    /// realtime thread.
     ///
     /// # Errors
     /// The name is taken or too long.
@@ -243,7 +245,7 @@ impl<'h> Builder<'h> {
             n_uses: uses.len(),
         };
         let task = self.host.task.ok_or(Error::engine(Status::EINVAL))?;
-        // SAFETY: the engine's function; ownership of the state passes with the call.
+        // SAFETY: this is the engine's function; ownership of the state passes with the call.
         check(unsafe { task(self.host.ctx, &raw const spec) })
     }
 
@@ -259,12 +261,12 @@ impl<'h> Builder<'h> {
             period_ns,
         };
         let thread = self.host.thread.ok_or(Error::engine(Status::EINVAL))?;
-        // SAFETY: the engine's function; `spec` lives across the call.
+        // SAFETY: this is the engine's function; `spec` lives for the duration of the call.
         check(unsafe { thread(self.host.ctx, &raw const spec) })
     }
 
-    /// Declares a command for users, `NAME name=value …`; the name is absolute, such as
-    /// `motion.jog`. It runs on the control side.
+    /// Declares a command for users, `NAME name=value …`. The name is absolute, such as
+    /// `motion.jog`. The command runs on the control thread.
     ///
     /// # Errors
     /// The name is taken or too long.
@@ -289,15 +291,15 @@ impl<'h> Builder<'h> {
             free: Some(shim::free::<F>),
         };
         let command = self.host.command.ok_or(Error::engine(Status::EINVAL))?;
-        // SAFETY: the engine's function; ownership of the state passes with the call.
+        // SAFETY: this is the engine's function; ownership of the state passes with the call.
         check(unsafe { command(self.host.ctx, &raw const spec) })
     }
 
-    /// Declares what touches the outside world first. It runs after everything was created, and
-    /// never for `check`; when it fails, the load fails.
+    /// Declares the action that first accesses the outside world. It runs after everything has been
+    /// created, and never in `check`. If it fails, the load fails.
     ///
     /// # Errors
-    /// What the engine refused.
+    /// The reason why the engine refused the action.
     pub fn on_open<F>(&mut self, f: F) -> Result<(), Error>
     where
         F: FnMut(&Call<'_>) -> Result<(), Error> + Send + 'static,
@@ -305,11 +307,11 @@ impl<'h> Builder<'h> {
         self.action(self.host.open, f)
     }
 
-    /// Declares what drives the outputs to their safe levels: lock-free and idempotent, and it
-    /// makes the driver write everything again after a restart.
+    /// Declares the action that drives the outputs to their safe levels. It must be lock-free and
+    /// idempotent, and it must make the driver write all outputs again after a restart.
     ///
     /// # Errors
-    /// What the engine refused.
+    /// The reason why the engine refused the action.
     pub fn on_stop<F>(&mut self, mut f: F) -> Result<(), Error>
     where
         F: FnMut() + Send + 'static,
@@ -332,7 +334,7 @@ impl<'h> Builder<'h> {
             free: Some(shim::free::<F>),
         };
         let to = to.ok_or(Error::engine(Status::EINVAL))?;
-        // SAFETY: the engine's function; ownership of the state passes with the call.
+        // SAFETY: this is the engine's function; ownership of the state passes with the call.
         check(unsafe { to(self.host.ctx, &raw const spec) })
     }
 }

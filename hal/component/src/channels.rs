@@ -1,26 +1,26 @@
-//! How many channels a component has that is created once, and what they are called.
+//! Number and names of the channels of a component that is created once.
 
 use crate::{Builder, Error};
 
-/// What a component says of the number of its channels: `num_chan=`, or `names=`, or neither.
+/// Rules for the channels of a component, selected by `num_chan=`, `names=`, or neither.
 #[derive(Clone, Copy, Debug)]
 pub struct Channels {
-    /// What numbered channels are called.
+    /// Name of numbered channels, without the number.
     pub prefix: &'static str,
-    /// How many there are if nobody says, or says 0.
+    /// Number of channels if the arguments give none or 0.
     pub usual: usize,
-    /// The most.
+    /// Maximum number of channels.
     pub most: usize,
-    /// What comes before the number in a refusal.
+    /// Text before the number in an error message.
     pub wrong: &'static str,
 }
 
 impl Channels {
-    /// The names of the channels that the arguments ask for; an empty one ends the list, as in
-    /// LinuxCNC.
+    /// Returns the names of the channels that the arguments request. An empty name ends the list,
+    /// as in LinuxCNC.
     ///
     /// # Errors
-    /// There are too many, or both arguments are given.
+    /// There are too many channels, or both arguments are given.
     pub fn names(&self, b: &Builder<'_>) -> Result<Vec<String>, Error> {
         let count = b.arg_int("num_chan").unwrap_or(0);
         let named: Vec<String> =

@@ -1,4 +1,4 @@
-//! How an item is declared, and what can go wrong.
+//! Declarations of pins and parameters, and errors.
 
 use crate::{
     Field,
@@ -6,7 +6,7 @@ use crate::{
 };
 use std::borrow::Cow;
 
-/// Why an instance could not be made, or a command not carried out.
+/// Reason why an instance could not be created, or a command not executed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Error {
     pub(crate) status: Status,
@@ -14,12 +14,12 @@ pub struct Error {
 }
 
 impl Error {
-    /// An error in the user's words: lower case, no full stop.
+    /// Returns an error with a text in the user's words: lower case, no full stop.
     pub fn new(text: impl Into<Cow<'static, str>>) -> Self {
         Self { status: Status::EINVAL, text: Some(text.into()) }
     }
 
-    /// The sentence, if it has one of its own; otherwise the engine said why.
+    /// Returns the text of the error. Returns `None` if the engine reported the reason itself.
     #[must_use]
     pub fn text(&self) -> Option<&str> {
         self.text.as_deref()
@@ -30,7 +30,7 @@ impl Error {
     }
 }
 
-/// How an item is declared.
+/// Declaration of a pin or parameter.
 #[derive(Clone, Copy, Debug)]
 pub struct Decl<'a> {
     pub(crate) name: &'a str,
@@ -40,28 +40,28 @@ pub struct Decl<'a> {
 }
 
 impl<'a> Decl<'a> {
-    /// A name within the instance (absolute for a type created once) and its documentation:
-    /// one line with unit and range.
+    /// Returns a declaration with a name within the instance (absolute for a type that is created
+    /// once) and a documentation line with unit and range.
     #[must_use]
     pub const fn new(name: &'a str, doc: &'a str) -> Self {
         Self { name, doc, old: "", flags: 0 }
     }
 
-    /// The absolute name it had before joints and axes were told apart.
+    /// Adds the absolute name from before LinuxCNC distinguished joints and axes.
     #[must_use]
     pub const fn old(mut self, name: &'a str) -> Self {
         self.old = name;
         self
     }
 
-    /// A bit of simulated hardware: listed only when a pattern names it.
+    /// Marks a bit of simulated hardware, which is listed only if a pattern names it.
     #[must_use]
     pub const fn hidden(mut self) -> Self {
         self.flags |= item_flags::HIDDEN;
         self
     }
 
-    /// A limit switch or e-stop input.
+    /// Marks a limit switch or e-stop input.
     #[must_use]
     pub const fn safety(mut self) -> Self {
         self.flags |= item_flags::SAFETY;
@@ -70,9 +70,9 @@ impl<'a> Decl<'a> {
 }
 
 impl Decl<'static> {
-    /// The declaration as a library shows it without running code: a line of
-    /// [`Component::ITEMS`](crate::Component::ITEMS). `initial` is the first value as stored,
-    /// such as `1.5_f64.to_bits()`.
+    /// Returns the declaration as a library publishes it without running code: an entry of
+    /// [`Component::ITEMS`](crate::Component::ITEMS). `initial` is the initial value as bits of a
+    /// cell, such as `1.5_f64.to_bits()`.
     #[must_use]
     pub const fn spec<F: Field>(self, initial: u64) -> ItemSpec {
         ItemSpec {

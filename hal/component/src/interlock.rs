@@ -1,4 +1,4 @@
-//! The service `interlock`: the e-stop as realtime threads read it.
+//! The service `interlock`: the e-stop state for realtime threads.
 
 use crate::{
     Touch, Uses,
@@ -13,17 +13,17 @@ pub(crate) const VERSION: u32 = 1;
 /// State of the e-stop. Motion is allowed only while it is released.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Estop {
-    /// TRUE while an e-stop is commanded.
+    /// True while an e-stop is commanded.
     pub commanded: bool,
-    /// TRUE while the chain of e-stop contacts is open: `emc-enable-in` is FALSE.
+    /// True while the e-stop chain is open: `emc-enable-in` is FALSE.
     pub open: bool,
 }
 
 impl Estop {
-    /// The state of an interlock that gives no answer.
+    /// State of an interlock that returns no valid answer.
     const UNKNOWN: Self = Self { commanded: true, open: true };
 
-    /// Whether the machine is out of e-stop.
+    /// Returns whether the machine is out of e-stop.
     #[must_use]
     pub const fn is_released(self) -> bool {
         !self.commanded && !self.open
@@ -35,7 +35,7 @@ impl Estop {
         commanded | open
     }
 
-    /// Bits that no version knows are no answer.
+    /// Decodes an answer. An answer with unknown bits is invalid.
     const fn of(bits: u32) -> Self {
         if bits & !abi::Interlock::RELEASED != 0 {
             return Self::UNKNOWN;
@@ -47,9 +47,9 @@ impl Estop {
     }
 }
 
-/// An interlock that a component offers: reentrant, no allocation, no locks.
+/// An interlock that a component offers. It must be reentrant, allocate nothing and take no locks.
 pub trait Interlock: Touch + Send + Sync + 'static {
-    /// Realtime. Returns the state of the e-stop in this moment.
+    /// Realtime. Returns the current state of the e-stop.
     fn state(&self) -> Estop;
 }
 
@@ -66,7 +66,7 @@ pub(crate) fn offer<I: Interlock>(interlock: I, uses: &[Use]) -> ServiceSpec {
         state: Some(state::<I>),
     };
     let given = shim::give(Offered { interlock, table }).cast::<Offered<I>>();
-    // SAFETY: just made and not shared yet.
+    // SAFETY: the value was just created and is not shared yet.
     let offered = unsafe { &mut *given };
     offered.table.ctx = (&raw const offered.interlock).cast();
     ServiceSpec {
@@ -82,40 +82,42 @@ pub(crate) fn offer<I: Interlock>(interlock: I, uses: &[Use]) -> ServiceSpec {
 }
 
 /// # Safety
-/// `ctx` is a live `I`.
+/// `ctx` must point to a live `I`.
 unsafe extern "C" fn state<I: Interlock>(ctx: *const c_void) -> u32 {
-    // SAFETY: the table's own context.
+    // SAFETY: this is the table's own context.
     let interlock = unsafe { &*ctx.cast::<I>() };
     interlock.state().bits()
 }
 
-/// An interlock that another plugin offers. A function that holds it declares what it touches.
+/// An interlock that another plugin offers. A function that holds it declares the pins that the
+/// interlock accesses.
 #[derive(Clone, Debug)]
 pub struct InterlockRef {
     table: abi::Interlock,
     uses: Vec<Use>,
 }
 
-// SAFETY: the function is reentrant, the provider stays loaded while its user is, and the uses are
-// only compared.
+// SAFETY: the function is reentrant, the provider stays loaded as long as its user, and the uses
+// are only compared.
 unsafe impl Send for InterlockRef {}
 // SAFETY: as for `Send`.
 unsafe impl Sync for InterlockRef {}
 
 /// # Safety
-/// `table` is null or the live table of a service of this name and version.
+/// `table` must be null or the live table of a service of this name and version.
 pub(crate) unsafe fn found(table: *const c_void, uses: Vec<Use>) -> Option<InterlockRef> {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     let table = unsafe { abi::Interlock::read(table.cast()) }?;
     Some(InterlockRef { table, uses })
 }
 
 impl InterlockRef {
-    /// Realtime. Returns the state of the e-stop; without an answer, e-stop.
+    /// Realtime. Returns the state of the e-stop. Without a valid answer, both conditions count as
+    /// e-stop.
     #[must_use]
     pub fn state(&self) -> Estop {
         let Some(state) = self.table.state else { return Estop::UNKNOWN };
-        // SAFETY: the provider's function with its own context.
+        // SAFETY: this is the provider's function with its own context.
         Estop::of(unsafe { state(self.table.ctx) })
     }
 }
@@ -131,7 +133,7 @@ mod tests {
     use super::{Estop, InterlockRef, abi};
 
     /// # Safety
-    /// It looks at nothing.
+    /// The function does not access its argument.
     unsafe extern "C" fn answer<const BITS: u32>(_: *const core::ffi::c_void) -> u32 {
         BITS
     }

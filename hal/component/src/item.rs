@@ -1,4 +1,4 @@
-//! Realtime. Pins and parameters as a component sees them.
+//! Realtime. Handles of pins and parameters in a component.
 
 use crate::{Builder, Decl, Error, Touch, Uses, abi};
 use abi::Slot;
@@ -10,11 +10,11 @@ use core::{marker::PhantomData, ptr::NonNull};
     label = "use `bool`, `f64`, `i32`, `u32`, `i64`, `u64` or `Port`"
 )]
 pub trait Value: Copy + 'static {
-    /// The HAL type code.
+    /// HAL type code.
     const TYPE: u8;
-    /// As stored.
+    /// Converts the value to the bits of a cell.
     fn to_bits(self) -> u64;
-    /// From storage.
+    /// Converts the bits of a cell to a value.
     fn from_bits(bits: u64) -> Self;
 }
 
@@ -43,11 +43,11 @@ const fn low(bits: u64) -> u32 {
     bits as u32
 }
 
-/// A direction.
+/// Direction of a pin or parameter.
 pub trait Dir: 'static {
-    /// The code in the contract.
+    /// Direction code in the ABI.
     const CODE: u8;
-    /// What a function that holds such an item does with it: bits of [`abi::access`].
+    /// Access of a function that holds such an item: bits of [`abi::access`].
     const ACCESS: u32;
 }
 
@@ -58,7 +58,7 @@ pub trait Dir: 'static {
 )]
 pub trait Write: Dir {}
 
-/// Shared body of every pin and parameter handle; a clone is the same pin.
+/// Handle of a pin or parameter. A copy refers to the same pin.
 #[derive(Debug)]
 pub struct Item<T, D> {
     slot: NonNull<Slot>,
@@ -106,15 +106,16 @@ dirs! {
 }
 
 impl<T: Value, D: Dir> Item<T, D> {
-    /// Reads the current value.
+    /// Returns the current value.
     #[inline]
     #[must_use]
     pub fn get(&self) -> T {
-        // SAFETY: the builder got this slot from the engine, whose arena outlives the instance.
+        // SAFETY: the builder received this slot from the engine, whose arena outlives the
+        // instance.
         T::from_bits(unsafe { Slot::cell(self.slot.as_ptr()) }.load())
     }
 
-    /// Writes a new value.
+    /// Sets the value.
     #[inline]
     pub fn set(&self, value: T)
     where
@@ -134,10 +135,12 @@ impl<T: Value, D: Dir> Item<T, D> {
 }
 
 impl<T: Value> InSet<T> {
-    /// Writes what the pin holds while nothing is linked to it; a signal keeps its value.
+    /// Sets the pin's own value, which it has while it is not linked. The value of a linked signal
+    /// does not change.
     #[inline]
     pub fn set_own(&self, value: T) {
-        // SAFETY: the builder got this slot from the engine, whose arena outlives the instance.
+        // SAFETY: the builder received this slot from the engine, whose arena outlives the
+        // instance.
         unsafe { self.slot.as_ref() }.own().store(value.to_bits());
     }
 }
@@ -148,19 +151,19 @@ impl<T: Value, D: Dir> Touch for Item<T, D> {
     }
 }
 
-/// A field that `#[derive(Component)]` can make: a pin, a parameter, or a list of them.
+/// A field that `#[derive(Component)]` can create: a pin, a parameter, or a list of them.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a pin or parameter",
     label = "use `In`, `Out`, `Io`, `ParamRo` or `ParamRw`, or mark the field `#[state]`"
 )]
 pub trait Field: Sized {
-    /// The value it carries.
+    /// Value of the pin or parameter.
     type Value: Value;
-    /// The type code.
+    /// Type code.
     const TYPE: u8;
-    /// The direction code.
+    /// Direction code.
     const DIR: u8;
-    /// Creates it.
+    /// Creates the pin or parameter.
     ///
     /// # Errors
     /// As [`Builder::item`].
@@ -176,13 +179,13 @@ impl<T: Value, D: Dir> Field for Item<T, D> {
     }
 }
 
-/// State that `#[derive(Component)]` can begin with: whatever has a [`Default`].
+/// State that `#[derive(Component)]` can initialize: every type with a [`Default`].
 #[diagnostic::on_unimplemented(
     message = "`{Self}` does not say how it begins",
     label = "write `#[hal(default = …)]` above the field, or `#[derive(Default)]` above `{Self}`"
 )]
 pub trait Begins {
-    /// What it is at first.
+    /// Returns the initial state.
     fn begin() -> Self;
 }
 

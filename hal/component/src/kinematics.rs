@@ -1,4 +1,4 @@
-//! The service `kinematics`: how joints and poses follow each other.
+//! The service `kinematics`: conversion between joint positions and poses.
 
 use crate::{
     Solution, Touch, Unsolved, Uses, Ways,
@@ -11,43 +11,43 @@ use core::ffi::c_void;
 pub(crate) const NAME: &str = "kinematics";
 pub(crate) const VERSION: u32 = 1;
 
-/// x y z a b c u v w, in the machine's units and degrees.
+/// Pose x y z a b c u v w, in the machine's units and degrees.
 pub type Pose = [f64; 9];
 
-/// What kinematics can do.
+/// Directions in which kinematics can convert.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum KinematicsKind {
     /// Joints are axes.
     Identity,
-    /// Only from joints to a pose.
+    /// Only from joint positions to a pose.
     ForwardOnly,
-    /// Only from a pose to joints.
+    /// Only from a pose to joint positions.
     InverseOnly,
-    /// Both ways.
+    /// Both directions.
     Both,
 }
 
-/// Kinematics that a component offers: reentrant, no allocation, no locks.
+/// Kinematics that a component offers. They must be reentrant, allocate nothing and take no locks.
 pub trait Kinematics: Touch + Send + Sync + 'static {
-    /// How many joints it moves.
+    /// Returns the number of joints.
     fn joints(&self) -> usize;
-    /// What it can do.
+    /// Returns the directions in which the kinematics can convert.
     fn kind(&self) -> KinematicsKind;
-    /// The first joint that follows each letter (x y z a b c u v w).
+    /// Returns the first joint of each letter (x y z a b c u v w).
     fn joint_of(&self, letter: usize) -> Option<usize>;
-    /// From joint positions to a pose, which holds the last one as a first guess, and stays as
-    /// it is when there is no answer.
+    /// Computes a pose from joint positions. On entry, `pose` holds the last pose as a first guess.
+    /// It stays unchanged if there is no solution.
     ///
     /// # Errors
-    /// No pose has these joints, or none is found.
+    /// No pose has these joint positions, or none is found.
     fn forward(&self, joints: &[f64], pose: &mut Pose) -> Solution;
-    /// From a pose to joint positions, which hold the last ones as a first guess, and stay as
-    /// they are when there is no answer.
+    /// Computes joint positions from a pose. On entry, `joints` holds the last positions as a first
+    /// guess. They stay unchanged if there is no solution.
     ///
     /// # Errors
     /// The pose cannot be reached.
     fn inverse(&self, pose: &Pose, joints: &mut [f64]) -> Solution;
-    /// Every way to reach a pose. It may take its time: it is not for realtime.
+    /// Finds all solutions for a pose. This may be slow; it is not for realtime.
     ///
     /// # Errors
     /// The pose cannot be reached.
@@ -57,11 +57,11 @@ pub trait Kinematics: Touch + Send + Sync + 'static {
         ways.push(&joints);
         Ok(solved)
     }
-    /// How many types of kinematics there are to switch between.
+    /// Returns the number of kinematics types that can be selected.
     fn types(&self) -> u32 {
         1
     }
-    /// Switches to a type, from 0; false when there is none. Realtime.
+    /// Realtime. Selects a kinematics type, from 0. Returns false if it does not exist.
     fn switch(&self, to: u32) -> bool {
         to == 0
     }
@@ -96,7 +96,7 @@ pub(crate) fn offer<K: Kinematics>(k: K, uses: &[Use]) -> ServiceSpec {
         switch: Some(switch::<K>),
     };
     let state = shim::give(Offered { k, table }).cast::<Offered<K>>();
-    // SAFETY: just made and not shared yet.
+    // SAFETY: the value was just created and is not shared yet.
     let offered = unsafe { &mut *state };
     offered.table.ctx = (&raw const offered.k).cast();
     ServiceSpec {
@@ -112,18 +112,18 @@ pub(crate) fn offer<K: Kinematics>(k: K, uses: &[Use]) -> ServiceSpec {
 }
 
 /// # Safety
-/// `ctx` is a live `K`; the arrays hold `n` and nine numbers.
+/// `ctx` must point to a live `K`. The arrays must hold `n` and nine numbers.
 unsafe extern "C" fn forward<K: Kinematics>(
     ctx: *const c_void,
     joints: *const f64,
     n: usize,
     pose: *mut f64,
 ) -> Status {
-    // SAFETY: the table's own context.
+    // SAFETY: this is the table's own context.
     let k = unsafe { &*ctx.cast::<K>() };
-    // SAFETY: the caller's array.
+    // SAFETY: the caller guarantees an array of `n` numbers.
     let joints = unsafe { core::slice::from_raw_parts(joints, n) };
-    // SAFETY: the caller's array of nine.
+    // SAFETY: the caller guarantees an array of nine numbers.
     let pose = unsafe { &mut *pose.cast::<Pose>() };
     if n < k.joints() {
         return Status::EINVAL;
@@ -132,18 +132,18 @@ unsafe extern "C" fn forward<K: Kinematics>(
 }
 
 /// # Safety
-/// `ctx` is a live `K`; the arrays hold nine and `n` numbers.
+/// `ctx` must point to a live `K`. The arrays must hold nine and `n` numbers.
 unsafe extern "C" fn inverse<K: Kinematics>(
     ctx: *const c_void,
     pose: *const f64,
     joints: *mut f64,
     n: usize,
 ) -> Status {
-    // SAFETY: the table's own context.
+    // SAFETY: this is the table's own context.
     let k = unsafe { &*ctx.cast::<K>() };
-    // SAFETY: the caller's array of nine.
+    // SAFETY: the caller guarantees an array of nine numbers.
     let pose = unsafe { &*pose.cast::<Pose>() };
-    // SAFETY: the caller's array.
+    // SAFETY: the caller guarantees an array of `n` numbers.
     let joints = unsafe { core::slice::from_raw_parts_mut(joints, n) };
     if n < k.joints() {
         return Status::EINVAL;
@@ -152,7 +152,7 @@ unsafe extern "C" fn inverse<K: Kinematics>(
 }
 
 /// # Safety
-/// `ctx` is a live `K`; the arrays hold nine and `n * room` numbers.
+/// `ctx` must point to a live `K`. The arrays must hold nine and `n * room` numbers.
 unsafe extern "C" fn solutions<K: Kinematics>(
     ctx: *const c_void,
     pose: *const f64,
@@ -160,14 +160,14 @@ unsafe extern "C" fn solutions<K: Kinematics>(
     n: usize,
     room: usize,
 ) -> Status {
-    // SAFETY: the table's own context.
+    // SAFETY: this is the table's own context.
     let k = unsafe { &*ctx.cast::<K>() };
-    // SAFETY: the caller's array of nine.
+    // SAFETY: the caller guarantees an array of nine numbers.
     let pose = unsafe { &*pose.cast::<Pose>() };
     let Some(len) = n.checked_mul(room).filter(|_| n >= k.joints()) else {
         return Status::EINVAL;
     };
-    // SAFETY: the caller's array.
+    // SAFETY: the caller guarantees an array of `n * room` numbers.
     let into = unsafe { core::slice::from_raw_parts_mut(into, len) };
     let mut ways = Ways::new(into, n);
     match k.solutions(pose, &mut ways) {
@@ -177,9 +177,9 @@ unsafe extern "C" fn solutions<K: Kinematics>(
 }
 
 /// # Safety
-/// `ctx` is a live `K`.
+/// `ctx` must point to a live `K`.
 unsafe extern "C" fn switch<K: Kinematics>(ctx: *const c_void, to: u32) -> Status {
-    // SAFETY: the table's own context.
+    // SAFETY: this is the table's own context.
     let k = unsafe { &*ctx.cast::<K>() };
     if k.switch(to) { Status::OK } else { Status::EINVAL }
 }
@@ -188,26 +188,26 @@ unsafe extern "C" fn switch<K: Kinematics>(ctx: *const c_void, to: u32) -> Statu
 #[derive(Clone, Copy, Debug)]
 pub struct KinematicsRef(abi::Kinematics);
 
-// SAFETY: the functions are reentrant and the provider stays loaded while its user is.
+// SAFETY: the functions are reentrant, and the provider stays loaded as long as its user.
 unsafe impl Send for KinematicsRef {}
 // SAFETY: as for `Send`.
 unsafe impl Sync for KinematicsRef {}
 
 /// # Safety
-/// `table` is null or the live table of a service of this name and version.
+/// `table` must be null or the live table of a service of this name and version.
 pub(crate) unsafe fn found(table: *const c_void) -> Option<KinematicsRef> {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe { abi::Kinematics::read(table.cast()) }.map(KinematicsRef)
 }
 
 impl KinematicsRef {
-    /// How many joints it moves.
+    /// Returns the number of joints.
     #[must_use]
     pub const fn joints(&self) -> usize {
         self.0.joints as usize
     }
 
-    /// What it can do.
+    /// Returns the directions in which the kinematics can convert.
     #[must_use]
     pub const fn kind(&self) -> KinematicsKind {
         match self.0.kind {
@@ -218,34 +218,36 @@ impl KinematicsRef {
         }
     }
 
-    /// The first joint that follows a letter (x y z a b c u v w), if one does.
+    /// Returns the first joint of a letter (x y z a b c u v w), if there is one.
     #[must_use]
     pub fn joint_of(&self, letter: usize) -> Option<usize> {
         self.0.joint_of.get(letter).and_then(|j| usize::from(*j).checked_sub(1))
     }
 
-    /// From joint positions to a pose, which stays as it is without an answer. Realtime.
+    /// Realtime. Computes a pose from joint positions. Leaves `pose` unchanged if there is no
+    /// solution.
     ///
     /// # Errors
-    /// No pose has these joints, or none is found.
+    /// No pose has these joint positions, or none is found.
     pub fn forward(&self, joints: &[f64], pose: &mut Pose) -> Solution {
         let forward = self.0.forward.ok_or(Unsolved::Unreachable)?;
-        // SAFETY: the provider's function; both arrays live across the call.
+        // SAFETY: this is the provider's function; both arrays live for the duration of the call.
         solution(unsafe { forward(self.0.ctx, joints.as_ptr(), joints.len(), pose.as_mut_ptr()) })
     }
 
-    /// From a pose to joint positions, which stay as they are without an answer. Realtime.
+    /// Realtime. Computes joint positions from a pose. Leaves `joints` unchanged if there is no
+    /// solution.
     ///
     /// # Errors
     /// The pose cannot be reached.
     pub fn inverse(&self, pose: &Pose, joints: &mut [f64]) -> Solution {
         let inverse = self.0.inverse.ok_or(Unsolved::Unreachable)?;
-        // SAFETY: the provider's function; both arrays live across the call.
+        // SAFETY: this is the provider's function; both arrays live for the duration of the call.
         solution(unsafe { inverse(self.0.ctx, pose.as_ptr(), joints.as_mut_ptr(), joints.len()) })
     }
 
-    /// How many ways there are to reach a pose; as many as have room are in `into`, each of
-    /// [`joints`](Self::joints) numbers. It may take its time: it is not for realtime.
+    /// Finds all solutions for a pose and returns their number. Stores as many as fit in `into`,
+    /// each with [`joints`](Self::joints) numbers. This may be slow; it is not for realtime.
     ///
     /// # Errors
     /// The pose cannot be reached.
@@ -253,20 +255,20 @@ impl KinematicsRef {
         let solutions = self.0.solutions.ok_or(Unsolved::Unreachable)?;
         let n = self.joints();
         let room = into.len().checked_div(n).unwrap_or(0);
-        // SAFETY: the provider's function; both arrays live across the call.
+        // SAFETY: this is the provider's function; both arrays live for the duration of the call.
         let found = unsafe { solutions(self.0.ctx, pose.as_ptr(), into.as_mut_ptr(), n, room) };
         usize::try_from(found.0).map_err(|_| Unsolved::from_status(found))
     }
 
-    /// How many types of kinematics there are to switch between: 1 when none.
+    /// Returns the number of kinematics types that can be selected, at least 1.
     #[must_use]
     pub const fn types(&self) -> u32 {
         if self.0.types == 0 { 1 } else { self.0.types }
     }
 
-    /// Switches to a type, from 0; false when there is none. Realtime.
+    /// Realtime. Selects a kinematics type, from 0. Returns false if it does not exist.
     pub fn switch(&self, to: u32) -> bool {
-        // SAFETY: the provider's function.
+        // SAFETY: this is the provider's function with its own context.
         self.0.switch.is_some_and(|f| unsafe { f(self.0.ctx, to) }.is_ok())
     }
 }

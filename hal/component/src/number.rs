@@ -1,8 +1,7 @@
-//! Realtime. Floats as integers.
+//! Realtime. Conversion of floats to integers.
 
-/// A float as a 32-bit integer, as the processors of LinuxCNC's machines take it in C: without its
-/// fraction. What is then out of range is the lowest number, [`i32::MIN`], and so is what is no
-/// number.
+/// Converts a float to a 32-bit integer as C code does on the processors of LinuxCNC's machines:
+/// the fraction is dropped. Values out of range and NaN become [`i32::MIN`].
 ///
 /// ```
 /// use hal_component::to_s32;

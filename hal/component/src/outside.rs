@@ -1,4 +1,5 @@
-//! What a component shares: rings with programs, state and queues between functions, services.
+//! Builder functions for shared things: rings with programs, state and queues between functions,
+//! services.
 
 use crate::{
     Builder, Error, Gives, Interlock, InterlockRef, Kinematics, KinematicsRef, Receiver, Sender,
@@ -36,40 +37,42 @@ impl Builder<'_> {
         };
         let mut out = Ring { ring: core::ptr::null(), depth: 0, width: 0 };
         let stream = self.host.stream.ok_or(Error::engine(Status::EINVAL))?;
-        // SAFETY: the engine's function; `spec` and `out` live across the call.
+        // SAFETY: this is the engine's function; `spec` and `out` live for the duration of the
+        // call.
         check(unsafe { stream(self.host.ctx, &raw const spec, &raw mut out) })?;
         if out.ring.is_null() { Err(Error::engine(Status::ENOMEM)) } else { Ok(out) }
     }
 
-    /// Makes a ring that the component writes and a program reads. `types` are the type codes of
+    /// Creates a ring that the component writes and a program reads. `types` are the type codes of
     /// the values of a record, at most [`abi::MAX_WIDTH`].
     ///
     /// # Errors
-    /// The name is taken, the shape is impossible, or memory is out.
+    /// The name is taken, the shape is invalid, or the engine is out of memory.
     pub fn stream_out(&mut self, name: &str, depth: u32, types: &[u8]) -> Result<StreamOut, Error> {
         let r = self.ring(name, abi::stream_direction::OUT, depth, types)?;
-        // SAFETY: the engine made the ring of this shape for this component alone.
+        // SAFETY: the engine created the ring in this shape for this component alone.
         Ok(StreamOut(unsafe { abi::Producer::new(r.ring, r.depth, r.width) }))
     }
 
-    /// Makes a ring that a program writes and the component reads.
+    /// Creates a ring that a program writes and the component reads.
     ///
     /// # Errors
     /// As [`Self::stream_out`].
     pub fn stream_in(&mut self, name: &str, depth: u32, types: &[u8]) -> Result<StreamIn, Error> {
         let r = self.ring(name, abi::stream_direction::IN, depth, types)?;
-        // SAFETY: the engine made the ring of this shape for this component alone.
+        // SAFETY: the engine created the ring in this shape for this component alone.
         Ok(StreamIn(unsafe { abi::Consumer::new(r.ring, r.depth, r.width) }))
     }
 
-    /// State (atomics) that one function hands to others: the ends say who gives and who takes.
+    /// Creates state (atomics) that one function passes to others. The two ends declare which
+    /// functions write and which read it.
     #[must_use]
     pub fn shared<T: Send + Sync>(&mut self, state: T) -> (Gives<T>, Takes<T>) {
         let state = Arc::new(state);
         (Gives(state.clone()), Takes(state))
     }
 
-    /// A bounded queue of `room` values, from a command or task to a function or back.
+    /// Creates a bounded queue of `room` values, from a command or task to a function or back.
     #[must_use]
     pub fn queue<T: Copy + Send>(&mut self, room: usize) -> (Sender<T>, Receiver<T>) {
         let queue = Arc::new(ArrayQueue::new(if room == 0 { 1 } else { room }));
@@ -79,16 +82,16 @@ impl Builder<'_> {
     /// Offers kinematics to other plugins.
     ///
     /// # Errors
-    /// Kinematics are loaded already.
+    /// Other kinematics are already loaded.
     pub fn offer_kinematics<K: Kinematics>(&mut self, k: K) -> Result<(), Error> {
         let uses = self.uses(&k);
         self.offer(&kinematics::offer(k, &uses))
     }
 
-    /// Offers the e-stop to realtime functions of other plugins.
+    /// Offers the e-stop state to realtime functions of other plugins.
     ///
     /// # Errors
-    /// An interlock is loaded already.
+    /// Another interlock is already loaded.
     pub fn offer_interlock<I: Interlock>(&mut self, interlock: I) -> Result<(), Error> {
         let uses = self.uses(&interlock);
         self.offer(&interlock::offer(interlock, &uses))
@@ -96,18 +99,19 @@ impl Builder<'_> {
 
     fn offer(&self, spec: &ServiceSpec) -> Result<(), Error> {
         let offer = self.host.offer.ok_or(Error::engine(Status::EINVAL))?;
-        // SAFETY: the engine's function; ownership of the state passes with the call.
+        // SAFETY: this is the engine's function; ownership of the state passes with the call.
         check(unsafe { offer(self.host.ctx, std::ptr::from_ref(spec)) })
     }
 
-    /// The kinematics that are loaded; functions declared afterwards take over what they touch.
+    /// Returns the loaded kinematics. Functions declared afterwards inherit the pins that they
+    /// access.
     ///
     /// # Errors
-    /// None are loaded.
+    /// No kinematics are loaded.
     pub fn kinematics(&mut self) -> Result<KinematicsRef, Error> {
         let find = self.host.find.ok_or(Error::engine(Status::EINVAL))?;
         let mut table: *const c_void = core::ptr::null();
-        // SAFETY: the engine's function; `table` lives across the call.
+        // SAFETY: this is the engine's function; `table` lives for the duration of the call.
         check(unsafe {
             find(self.host.ctx, Str::new(kinematics::NAME), kinematics::VERSION, &raw mut table)
         })?;
@@ -115,15 +119,15 @@ impl Builder<'_> {
         unsafe { kinematics::found(table) }.ok_or(Error::engine(Status::EINVAL))
     }
 
-    /// The interlock that is loaded, if there is one. A function that holds it takes over what it
-    /// touches.
+    /// Returns the loaded interlock, if there is one. A function that holds it inherits the pins
+    /// that it accesses.
     ///
     /// # Errors
-    /// The interlock is of another version.
+    /// The loaded interlock has another version.
     pub fn interlock(&mut self) -> Result<Option<InterlockRef>, Error> {
         let bind = self.host.bind.ok_or(Error::engine(Status::EINVAL))?;
         let mut found = ServiceRef { table: core::ptr::null(), uses: core::ptr::null(), n_uses: 0 };
-        // SAFETY: the engine's function; `found` lives across the call.
+        // SAFETY: this is the engine's function; `found` lives for the duration of the call.
         check(unsafe {
             bind(self.host.ctx, Str::new(interlock::NAME), interlock::VERSION, &raw mut found)
         })?;
@@ -133,16 +137,16 @@ impl Builder<'_> {
         let uses = if found.n_uses == 0 || found.uses.is_null() {
             Vec::new()
         } else {
-            // SAFETY: the engine's list, valid until `create` returns.
+            // SAFETY: this is the engine's list, valid until `create` returns.
             unsafe { core::slice::from_raw_parts(found.uses, found.n_uses) }.to_vec()
         };
         // SAFETY: the engine found a table of this name and version.
         let found = unsafe { interlock::found(found.table, uses) };
-        // A table that cannot be read is no reason to go without one.
+        // An unreadable table is an error, so that a machine never runs without its interlock.
         found.ok_or(Error::engine(Status::EINVAL)).map(Some)
     }
 
-    /// Whether the instance is a machine from an INI file: motion then needs an interlock.
+    /// Returns whether the instance is a machine from an INI file. Motion then needs an interlock.
     #[must_use]
     pub const fn needs_interlock(&self) -> bool {
         self.host.flags & host_flags::INTERLOCK != 0

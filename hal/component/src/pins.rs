@@ -1,9 +1,10 @@
-//! Structs of pins for components that declare by hand.
+//! Structs of pins for components that declare their pins by hand.
 
-/// A struct of pins and parameters that says how it is made: for components whose instances are
-/// not those of `count=` and `names=`.
+/// Defines a struct of pins and parameters that can create itself. Use it for components whose
+/// instances are not those of `count=` and `names=`.
 ///
-/// A field's doc comment is what users read; then come its type, its name and its first value.
+/// The doc comment of a field is shown to users. It is followed by the field's type, pin name and
+/// initial value.
 ///
 /// ```
 /// use hal_component::{In, Out, pins};
@@ -33,7 +34,7 @@ macro_rules! pins {
             $($(#[doc = $doc])+ pub(crate) $field: $ty,)+
         }
         impl $name {
-            /// Declares them all; `prefix` and a dot come before each name.
+            /// Creates all pins. Puts `prefix` and a dot before each name.
             ///
             /// # Errors
             /// A name is taken or too long.
@@ -56,14 +57,14 @@ macro_rules! pins {
     };
 }
 
-/// The full name of a pin; without a prefix, its own.
+/// Returns the full name of a pin. An empty prefix adds nothing.
 #[doc(hidden)]
 #[must_use]
 pub fn pin_name(prefix: &str, pin: &str) -> String {
     if prefix.is_empty() { pin.to_owned() } else { format!("{prefix}.{pin}") }
 }
 
-/// The text of a doc comment from its lines.
+/// Joins the lines of a doc comment.
 #[doc(hidden)]
 #[must_use]
 pub fn pin_doc(lines: &[&str]) -> String {

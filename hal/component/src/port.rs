@@ -1,15 +1,15 @@
-//! Realtime. The value of a pin of type `port`.
+//! Realtime. Value of a pin of type `port`.
 
 use crate::{Value, abi};
 use core::ptr::NonNull;
 
-/// The byte queue that a pin of type `port` is linked to, if there is one.
+/// Byte queue that a pin of type `port` is linked to, if there is one.
 ///
-/// One pin of a signal writes and one reads; the queue lives as long as its signal.
+/// One pin of a signal writes and one reads. The queue lives as long as its signal.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Port(Option<NonNull<abi::PortQueue>>);
 
-// SAFETY: a `PortQueue` is shared through atomics.
+// SAFETY: a `PortQueue` is accessed only through atomics.
 unsafe impl Send for Port {}
 
 impl Value for Port {
@@ -29,37 +29,38 @@ impl Port {
         self.0.map(|p| unsafe { p.as_ref() })
     }
 
-    /// Appends all of `bytes`, or nothing when they do not fit or no queue is there.
+    /// Appends all of `bytes`, or nothing if they do not fit or there is no queue. Returns whether
+    /// they were appended.
     #[must_use]
     pub fn write(&self, bytes: &[u8]) -> bool {
         self.queue().is_some_and(|q| q.write(bytes))
     }
 
-    /// Fills `out`, or does nothing when there are too few bytes.
+    /// Fills `out`, or does nothing if there are too few bytes. Returns whether it was filled.
     #[must_use]
     pub fn read(&self, out: &mut [u8]) -> bool {
         self.queue().is_some_and(|q| q.read(out))
     }
 
-    /// Fills `out` and leaves the bytes in the queue.
+    /// Fills `out` and leaves the bytes in the queue. Returns whether it was filled.
     #[must_use]
     pub fn peek(&self, out: &mut [u8]) -> bool {
         self.queue().is_some_and(|q| q.peek(out))
     }
 
-    /// How many bytes wait to be read.
+    /// Returns the number of bytes that can be read.
     #[must_use]
     pub fn readable(&self) -> u64 {
         self.queue().map_or(0, abi::PortQueue::readable)
     }
 
-    /// How many bytes fit.
+    /// Returns the number of bytes that can be written.
     #[must_use]
     pub fn writable(&self) -> u64 {
         self.queue().map_or(0, abi::PortQueue::writable)
     }
 
-    /// Throws away what waits; the reader's call.
+    /// Discards all unread bytes. Only the reader may call this.
     pub fn clear(&self) {
         if let Some(q) = self.queue() {
             q.clear();

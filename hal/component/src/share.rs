@@ -1,10 +1,11 @@
-//! What functions of one component share, and how they say what they touch.
+//! State shared between the functions of a component, and the declaration of what each function
+//! accesses.
 
 use crate::abi::{Slot, Use, access};
 use crossbeam::queue::ArrayQueue;
 use std::{ops::Deref, sync::Arc};
 
-/// What a function touches: pins, parameters and hidden state.
+/// Pins, parameters and hidden state that a function accesses.
 #[derive(Debug, Default)]
 pub struct Uses(pub(crate) Vec<Use>);
 
@@ -19,13 +20,13 @@ impl Uses {
     }
 }
 
-/// Something that a function holds: it says which pins, parameters and hidden state it touches.
+/// Part of a function that declares which pins, parameters and hidden state it accesses.
 #[diagnostic::on_unimplemented(
     message = "the engine cannot see which pins `{Self}` touches",
     label = "write `#[derive(Touch)]` above it, or mark the field `#[state]`"
 )]
 pub trait Touch {
-    /// Adds what this touches.
+    /// Adds the items that this value accesses.
     fn touch(&self, uses: &mut Uses);
 }
 
@@ -86,16 +87,16 @@ macro_rules! handover {
     )*};
 }
 handover! {
-    /// The writing end of hidden state (atomics) that one function hands to another.
+    /// Writing end of hidden state (atomics) that one function passes to another.
     Gives, access::WRITE;
-    /// The reading end of hidden state (atomics) that one function hands to another.
+    /// Reading end of hidden state (atomics) that one function passes to another.
     Takes, access::READ;
 }
 
-/// The sending end of a bounded queue between a command or task and a function.
+/// Sending end of a bounded queue between a command or task and a function.
 #[derive(Debug)]
 pub struct Sender<T>(pub(crate) Arc<ArrayQueue<T>>);
-/// The receiving end of a bounded queue between a command or task and a function.
+/// Receiving end of a bounded queue between a command or task and a function.
 #[derive(Debug)]
 pub struct Receiver<T>(pub(crate) Arc<ArrayQueue<T>>);
 
@@ -106,10 +107,10 @@ impl<T> Clone for Sender<T> {
 }
 
 impl<T: Copy> Sender<T> {
-    /// Appends `value`; gives it back when the queue is full. Lock-free.
+    /// Appends `value`. Lock-free.
     ///
     /// # Errors
-    /// The value, when there is no room.
+    /// The queue is full; the error contains the value.
     pub fn send(&self, value: T) -> Result<(), T> {
         self.0.push(value)
     }

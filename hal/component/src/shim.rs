@@ -1,4 +1,4 @@
-//! The C side of functions, commands and `create`: one place for panics and for ownership.
+//! C side of functions, commands and `create`: the single place for panics and ownership.
 
 use crate::{
     Builder, Call, Component, Error, Period, Update,
@@ -11,12 +11,12 @@ use std::{
     thread::ThreadId,
 };
 
-/// What the last panic of each thread said, with its place, until it is asked for: two may panic at
-/// the same time in one library.
+/// Text and location of the last panic of each thread, until it is taken. Two threads of a library
+/// may panic at the same time.
 static LAST: Mutex<Vec<(ThreadId, String)>> = Mutex::new(Vec::new());
 static HOOK: Once = Once::new();
 
-/// Runs component code; a panic becomes its text.
+/// Runs component code. Returns the text if it panics.
 fn guarded<R>(code: impl FnOnce() -> R) -> Result<R, String> {
     catch_unwind(AssertUnwindSafe(code)).map_err(|payload| {
         let said = swap_last(None);
@@ -24,7 +24,8 @@ fn guarded<R>(code: impl FnOnce() -> R) -> Result<R, String> {
             .downcast_ref::<&str>()
             .map(|s| (*s).to_owned())
             .or_else(|| payload.downcast_ref::<String>().cloned());
-        // A payload may itself panic when it is dropped; what that one panics with is kept for good.
+        // The payload may panic itself when it is dropped. The payload of that second panic is
+        // leaked.
         if let Err(again) = catch_unwind(AssertUnwindSafe(|| drop(payload))) {
             let _: &mut _ = Box::leak(again);
         }
@@ -32,8 +33,8 @@ fn guarded<R>(code: impl FnOnce() -> R) -> Result<R, String> {
     })
 }
 
-/// A panic of a library with a runtime of its own says nothing on the terminal: the engine
-/// reports it.
+/// Installs a panic hook that prints nothing, in a library with its own runtime. The engine reports
+/// the panic.
 fn quiet() {
     HOOK.call_once(|| {
         std::panic::set_hook(Box::new(|info| {
@@ -50,7 +51,7 @@ fn quiet() {
     });
 }
 
-/// What the last panic of this thread said, and what to keep in its place.
+/// Returns the text of this thread's last panic and stores `said` in its place.
 fn swap_last(said: Option<String>) -> Option<String> {
     let me = std::thread::current().id();
     let mut all = LAST.lock().unwrap_or_else(PoisonError::into_inner);
@@ -62,12 +63,12 @@ fn swap_last(said: Option<String>) -> Option<String> {
 
 fn say(calls: &CallHost, text: &str) {
     if let Some(fail) = calls.fail {
-        // SAFETY: the engine's function; `text` lives across the call.
+        // SAFETY: this is the engine's function; `text` lives for the duration of the call.
         unsafe { fail(calls.ctx, Str::borrow(text)) };
     }
 }
 
-/// A function's state and the engine's record, for the report of a panic.
+/// State of a function, and the engine's record for reporting a panic.
 pub(crate) struct Running<F> {
     f: F,
     calls: &'static CallHost,
@@ -79,15 +80,15 @@ impl<F> Running<F> {
     }
 }
 
-/// Moves a state to the engine's side.
+/// Moves a state to the heap and passes its ownership to the engine.
 pub(crate) fn give<S>(state: S) -> *mut c_void {
     Box::into_raw(Box::new(state)).cast()
 }
 
 /// # Safety
-/// `state` came from [`give`] as an `S` and is not used again.
+/// `state` must have come from [`give`] as an `S` and must not be used again.
 pub(crate) unsafe extern "C" fn free<S>(state: *mut c_void) {
-    // SAFETY: came from `give` and is freed once, by the engine.
+    // SAFETY: the state came from `give`, and the engine frees it once.
     let state = unsafe { Box::from_raw(state.cast::<S>()) };
     drop(guarded(|| drop(state)));
 }
@@ -95,7 +96,7 @@ pub(crate) unsafe extern "C" fn free<S>(state: *mut c_void) {
 /// Realtime.
 ///
 /// # Safety
-/// `state` is a live `Running<F>` that nothing else touches during the call.
+/// `state` must be a live `Running<F>` that nothing else accesses during the call.
 pub(crate) unsafe extern "C" fn run<F: Update>(state: *mut c_void, period_ns: i64) -> Status {
     // SAFETY: the engine runs a function in one thread at a time and only before `free`.
     let running = unsafe { &mut *state.cast::<Running<F>>() };
@@ -109,14 +110,15 @@ pub(crate) unsafe extern "C" fn run<F: Update>(state: *mut c_void, period_ns: i6
 }
 
 /// # Safety
-/// `state` is a live `F` that nothing else touches during the call; `call` is the engine's.
+/// `state` must be a live `F` that nothing else accesses during the call. `call` must be the
+/// engine's record.
 pub(crate) unsafe extern "C" fn call<F>(state: *mut c_void, call: *const CallHost) -> Status
 where
     F: FnMut(&Call<'_>) -> Result<(), Error>,
 {
     // SAFETY: the engine runs commands one at a time and only before `free`.
     let f = unsafe { &mut *state.cast::<F>() };
-    // SAFETY: the engine's record lives for the call.
+    // SAFETY: the engine's record lives for the duration of the call.
     let calls = unsafe { &*call };
     match guarded(|| f(&Call(calls))) {
         Ok(Ok(())) => Status::OK,
@@ -134,10 +136,10 @@ where
 }
 
 /// # Safety
-/// `host` is the engine's record, live for the call.
+/// `host` must be the engine's record and live for the duration of the call.
 #[doc(hidden)]
 pub unsafe extern "C" fn create<C: Component>(host: *const Host) -> Status {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     let host = unsafe { &*host };
     if host.flags & host_flags::PRIVATE != 0 {
         quiet();
@@ -148,7 +150,7 @@ pub unsafe extern "C" fn create<C: Component>(host: *const Host) -> Status {
         Err(text) => (Status::EFAULT, Some(format!("panicked: {text}"))),
     };
     if let (Some(text), Some(fail)) = (text, host.fail) {
-        // SAFETY: the engine's function; `text` lives across the call.
+        // SAFETY: this is the engine's function; `text` lives for the duration of the call.
         unsafe { fail(host.ctx, Str::borrow(&text)) };
     }
     status

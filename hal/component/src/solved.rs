@@ -1,39 +1,39 @@
-//! Realtime. What kinematics answer.
+//! Realtime. Results of kinematics.
 
 use crate::abi::{Kinematics as Table, Status};
 
-/// A pose, or joint positions, were found.
+/// Kind of a solution.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Solved {
-    /// As everywhere.
+    /// A regular solution.
     Regular,
-    /// At a singular place: other joint positions are as good, or joints would have to move
-    /// without bounds to go on. The answer is the one nearest to the guess.
+    /// A solution at a singularity: other joint positions are equally valid, or joints would need
+    /// unbounded speed to continue. The solution is the one nearest to the guess.
     Singular,
 }
 
-/// Why there is no answer.
+/// Reason why there is no solution.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Unsolved {
-    /// What was asked is no finite number, or too few joints came.
+    /// The input is not finite, or there are too few joints.
     NoNumber,
-    /// Lengths or points of the machine make no sense.
+    /// The dimensions of the machine are invalid.
     Geometry,
-    /// The pose cannot be reached, or no pose has these joints.
+    /// The pose cannot be reached, or no pose has these joint positions.
     Unreachable,
-    /// Beyond what a joint of the arm can do.
+    /// The solution is beyond the limits of a joint of the arm.
     Limits,
-    /// At a singular place where no answer is determined.
+    /// The pose is at a singularity where the solution is not determined.
     Undetermined,
-    /// A search did not come to an end.
+    /// An iterative search did not converge.
     NotFound,
 }
 
-/// What kinematics answer; nothing has changed when there is no answer.
+/// Result of kinematics. Outputs are unchanged if there is no solution.
 pub type Solution = Result<Solved, Unsolved>;
 
 impl Unsolved {
-    /// In the user's words.
+    /// Returns the reason in the user's words.
     #[must_use]
     pub const fn text(self) -> &'static str {
         match self {
@@ -87,7 +87,7 @@ pub(crate) fn solution(status: Status) -> Solution {
     }
 }
 
-/// The ways to reach a pose, one after the other, into an array of the caller's.
+/// List of solutions for a pose, stored one after the other in the caller's array.
 #[derive(Debug)]
 pub struct Ways<'a> {
     into: &'a mut [f64],
@@ -96,13 +96,13 @@ pub struct Ways<'a> {
 }
 
 impl<'a> Ways<'a> {
-    /// Room for as many ways of so many joints as fit.
+    /// Returns an empty list. `into` holds as many solutions of `joints` numbers as fit.
     #[must_use]
     pub const fn new(into: &'a mut [f64], joints: usize) -> Self {
         Self { into, joints: if joints == 0 { 1 } else { joints }, count: 0 }
     }
 
-    /// One more; what has no room is only counted.
+    /// Adds a solution. A solution that does not fit is only counted.
     pub fn push(&mut self, joints: &[f64]) {
         if let Some(place) = self.into.chunks_exact_mut(self.joints).nth(self.count) {
             for (to, from) in place.iter_mut().zip(joints) {
@@ -112,13 +112,13 @@ impl<'a> Ways<'a> {
         self.count += 1;
     }
 
-    /// How many came.
+    /// Returns the number of solutions, including those that did not fit.
     #[must_use]
     pub const fn count(&self) -> usize {
         self.count
     }
 
-    /// Those that had room.
+    /// Returns the solutions that fit.
     pub fn iter(&self) -> impl Iterator<Item = &[f64]> {
         self.into.chunks_exact(self.joints).take(self.count)
     }

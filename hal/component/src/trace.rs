@@ -1,6 +1,6 @@
 //! Tables of inputs and outputs, replayed on a [`Bench`].
 //!
-//! A table is text, so that the same figures can be tested here and measured elsewhere:
+//! A table is text, so that the same numbers can be tested here and measured elsewhere:
 //!
 //! ```text
 //! # What the block shows.
@@ -15,17 +15,17 @@
 //! expect limit2.0.out 0.2
 //! ```
 //!
-//! `load` begins a block with a bench of its own. A row sets its inputs, runs the functions of
-//! `run` once in their order, and compares its outputs; `.` leaves an input as it is and an
-//! output unread. `set` and `expect` act where they stand; `link PIN` gives a pin a signal, which
-//! `set` then sets. Numbers must be equal, or differ by no more than `within`; bits are 0 and 1;
-//! `nan` equals itself.
+//! `load` starts a block with its own bench. A row sets its inputs, runs the functions of `run`
+//! once in their order, and compares its outputs. `.` leaves an input unchanged and an output
+//! unchecked. `set` and `expect` act at their position in the table. `link PIN` links a pin to a
+//! signal, which `set` then sets. Numbers must be equal, or differ by no more than `within`. Bits
+//! are 0 and 1. `nan` equals itself.
 
 use crate::{Component, bench::Bench};
 
-/// Replays every block of `table` with component type `C`: how many rows were compared.
+/// Replays every block of `table` with component type `C`. Returns the number of compared rows.
 ///
-/// Panics at the first difference, naming its line, as a test should.
+/// Panics at the first difference and names its line, as a test should.
 #[track_caller]
 #[expect(clippy::panic, reason = "a table for tests")]
 pub fn replay<C: Component>(table: &str) -> usize {
@@ -63,7 +63,7 @@ impl Default for Block {
 }
 
 impl Block {
-    /// Carries out a line: true when it was a row.
+    /// Executes a line. Returns true if it was a row.
     fn line<C: Component>(&mut self, line: &str) -> Result<bool, String> {
         let words: Vec<&str> = line.split_whitespace().collect();
         match words.as_slice() {
@@ -134,7 +134,7 @@ impl Block {
 
     fn expect_float(&self, name: &str, value: f64) -> Result<(), String> {
         let is = self.bench.get::<f64>(name);
-        // The first comparison is for infinities, whose difference is no number.
+        // The first comparison is for infinities, whose difference is NaN.
         let near = is == value || (is - value).abs() <= self.within;
         if near || (is.is_nan() && value.is_nan()) {
             return Ok(());

@@ -1,4 +1,4 @@
-//! Mistakes by an author are compile errors that say what to write.
+//! Mistakes of component authors are compile errors that suggest the correction.
 
 #[test]
 fn mistakes_are_explained() {

@@ -1,4 +1,4 @@
-//! The C side of the table.
+//! C side of the bench: the functions in the `Host` and `CallHost` records.
 
 use super::table::{Code, Laid, Table};
 use crate::abi::{
@@ -9,12 +9,12 @@ use core::ffi::c_void;
 use std::{cell::RefCell, sync::atomic::Ordering::Relaxed};
 
 fn table<'t>(ctx: *const c_void) -> &'t RefCell<Table> {
-    // SAFETY: `ctx` is the table of the bench that made the record.
+    // SAFETY: `ctx` is the table of the bench that created the record.
     unsafe { &*ctx.cast::<RefCell<Table>>() }
 }
 
 fn text(s: Str) -> String {
-    // SAFETY: the component's string lives across its call.
+    // SAFETY: the component's string lives for the duration of its call.
     unsafe { s.get() }.unwrap_or_default().to_owned()
 }
 
@@ -22,13 +22,13 @@ fn uses(list: *const Use, n: usize) -> Vec<Use> {
     if n == 0 {
         return Vec::new();
     }
-    // SAFETY: the component's list lives across its call.
+    // SAFETY: the component's list lives for the duration of its call.
     unsafe { core::slice::from_raw_parts(list, n) }.to_vec()
 }
 
 macro_rules! spec {
     ($p:expr) => {{
-        // SAFETY: the component's record lives across its call.
+        // SAFETY: the component's record lives for the duration of its call.
         let spec = unsafe { Record::read($p) };
         let Some(spec) = spec else { return Status::EINVAL };
         spec
@@ -50,7 +50,7 @@ pub(super) unsafe extern "C" fn arg_value(
 ) -> Status {
     let value = table(ctx).borrow_mut().args.get(&text(name));
     let none = ArgValue { size: abi::size::<ArgValue>(), ..ArgValue::NONE };
-    // SAFETY: a live place of the caller's.
+    // SAFETY: the caller passes a pointer to a live value.
     unsafe { out.write(value.unwrap_or(none)) };
     Status::OK
 }
@@ -70,7 +70,7 @@ pub(super) unsafe extern "C" fn item(
         return Status::EEXIST;
     }
     let slots = Box::new([Slot::unlinked(spec.initial), Slot::unlinked(0)]);
-    // SAFETY: a live place of the caller's.
+    // SAFETY: the caller passes a pointer to a live value.
     unsafe { out.write(slots.as_ptr()) };
     if !old.is_empty() {
         t.old_names.insert(old, name.clone());
@@ -112,7 +112,7 @@ pub(super) unsafe extern "C" fn task(ctx: *mut c_void, spec: *const TaskSpec) ->
 pub(super) unsafe extern "C" fn command(ctx: *mut c_void, spec: *const CommandSpec) -> Status {
     let s: CommandSpec = spec!(spec);
     let Some(run) = s.run else { return Status::EINVAL };
-    // SAFETY: the component's static list.
+    // SAFETY: the component's list is static.
     let args = (0..s.args.len()).filter_map(|i| unsafe { s.args.get(i) }).collect();
     let code = Code { run, state: s.state, free: s.free, uses: Vec::new() };
     table(ctx).borrow_mut().commands.insert(text(s.name), (args, code));
@@ -150,15 +150,15 @@ pub(super) unsafe extern "C" fn stream(
     if s.depth < 2 || s.width == 0 || s.width as usize > abi::MAX_WIDTH {
         return Status::EINVAL;
     }
-    // Room to align the head.
+    // Extra words for the alignment of the header.
     let mut memory = vec![0_u64; Ring::bytes(s.depth, s.width) / 8 + 8];
     let at = memory.as_ptr().align_offset(64);
     // SAFETY: `align_offset` stays within the eight spare words.
     let ring = unsafe { memory.as_mut_ptr().add(at) }.cast::<Ring>();
-    // SAFETY: in bounds, aligned, not yet used.
+    // SAFETY: the pointer is in bounds and aligned, and the memory is not used yet.
     unsafe { ring.write(Ring::new(s.depth, s.width, s.types)) };
     let made = StreamRef { ring, depth: s.depth, width: s.width };
-    // SAFETY: a live place of the caller's.
+    // SAFETY: the caller passes a pointer to a live value.
     unsafe { out.write(made) };
     table(ctx).borrow_mut().rings.insert(text(s.name), (memory, made));
     Status::OK
@@ -185,7 +185,7 @@ pub(super) unsafe extern "C" fn find(
     let mut t = table(ctx).borrow_mut();
     match t.services.get(&name) {
         Some((v, table, _)) if *v == version => {
-            // SAFETY: a live place of the caller's.
+            // SAFETY: the caller passes a pointer to a live value.
             unsafe { out.write(*table) };
             Status::OK
         }
@@ -218,7 +218,7 @@ pub(super) unsafe extern "C" fn bind(
         }
         None => {}
     }
-    // SAFETY: a live place of the caller's.
+    // SAFETY: the caller passes a pointer to a live value.
     unsafe { out.write(found) };
     Status::OK
 }
@@ -241,7 +241,7 @@ pub(super) unsafe extern "C" fn message(
     let numbers: &[f64] = if n == 0 {
         &[]
     } else {
-        // SAFETY: the component's numbers live across its call.
+        // SAFETY: the component's numbers live for the duration of its call.
         unsafe { core::slice::from_raw_parts(numbers, n) }
     };
     let said = numbers.iter().fold(text(say), |s, x| s.replacen("{}", &x.to_string(), 1));
@@ -270,7 +270,7 @@ pub(super) unsafe extern "C" fn arg_call(
 ) -> Status {
     let value = table(ctx).borrow().call_args.borrow_mut().get(&text(name));
     let none = ArgValue { size: abi::size::<ArgValue>(), ..ArgValue::NONE };
-    // SAFETY: a live place of the caller's.
+    // SAFETY: the caller passes a pointer to a live value.
     unsafe { out.write(value.unwrap_or(none)) };
     Status::OK
 }

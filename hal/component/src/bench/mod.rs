@@ -1,4 +1,4 @@
-//! A table for one or a few components, without an engine: set pins, run functions, read pins.
+//! Test bench for one or a few components without an engine: set pins, run functions, read pins.
 //!
 //! ```
 //! # use hal_component::{Component, In, Out, Period, Update, bench::Bench};
@@ -45,11 +45,11 @@ use std::{
     sync::atomic::{AtomicU8, Ordering::Relaxed},
 };
 
-/// From a slot to its signal's cell: beyond the slot, the own cell of the one after it.
+/// Distance from a slot to the cell of its signal: the own cell of the next slot.
 const SIGNAL: i32 = 16 + Slot::OWN;
 const _: () = assert!(size_of::<Slot>() == 16);
 
-/// The table. Every method panics on a name that is not there, as a test should.
+/// The test bench. Every method panics on an unknown name, as a test should.
 pub struct Bench {
     table: Box<RefCell<Table>>,
     calls: Box<CallHost>,
@@ -70,7 +70,7 @@ impl core::fmt::Debug for Bench {
 
 #[expect(clippy::unwrap_used, clippy::panic, reason = "a table for tests")]
 impl Bench {
-    /// An empty table: hardware simulated, the clock virtual and at zero.
+    /// Returns an empty bench with simulated hardware and a virtual clock at zero.
     #[must_use]
     pub fn new() -> Self {
         let table: Box<RefCell<Table>> = Box::default();
@@ -90,7 +90,8 @@ impl Bench {
         Self { table, calls, flags }
     }
 
-    /// An empty table whose clock is real: each reading of it takes `tick_ns`.
+    /// Returns an empty bench with a real clock. Each reading of the clock advances it by
+    /// `tick_ns`.
     #[must_use]
     pub fn real_time(tick_ns: i64) -> Self {
         let mut bench = Self::new();
@@ -100,7 +101,7 @@ impl Bench {
         bench
     }
 
-    /// The same table, with hardware that is not simulated.
+    /// Declares that the hardware is not simulated.
     #[must_use]
     pub fn with_hardware(mut self) -> Self {
         self.flags &= !host_flags::SIMULATED;
@@ -108,7 +109,7 @@ impl Bench {
         self
     }
 
-    /// The same table, as in a machine from an INI file: motion needs an interlock.
+    /// Declares a machine from an INI file, in which motion needs an interlock.
     #[must_use]
     pub fn with_interlock(mut self) -> Self {
         self.flags |= host_flags::INTERLOCK;
@@ -119,16 +120,16 @@ impl Bench {
     /// Creates instances as `loadrt` would, and opens them.
     ///
     /// # Errors
-    /// What the component or its declaration refused.
+    /// The reason why the component or its declaration was refused.
     pub fn load<C: Component>(&mut self, args: &[&str]) -> Result<(), String> {
         self.create::<C>(args)?;
         self.open()
     }
 
-    /// Creates instances as `loadrt` would, and does not open them.
+    /// Creates instances as `loadrt` would, without opening them.
     ///
     /// # Errors
-    /// What the component or its declaration refused.
+    /// The reason why the component or its declaration was refused.
     pub fn create<C: Component>(&mut self, args: &[&str]) -> Result<(), String> {
         let once = C::FLAGS & component_flags::ONCE != 0;
         let (mut names, mut personality, mut rest) = (Vec::new(), Vec::new(), Vec::new());
@@ -174,7 +175,7 @@ impl Bench {
                 find: Some(host::find),
                 bind: Some(host::bind),
             };
-            // SAFETY: `host` lives across the call.
+            // SAFETY: `host` lives for the duration of the call.
             let status = unsafe { crate::create::<C>(&raw const host) };
             if !status.is_ok() {
                 let text = core::mem::take(&mut self.table.borrow_mut().failed);
@@ -184,17 +185,18 @@ impl Bench {
         Ok(())
     }
 
-    /// Opens what was created.
+    /// Opens the created instances.
     ///
     /// # Errors
-    /// What the component met.
+    /// The error that the component returned.
     pub fn open(&mut self) -> Result<(), String> {
         let opens: Vec<_> = self.table.borrow().opens.iter().map(|c| (c.run, c.state)).collect();
         opens.into_iter().try_for_each(|(run, state)| self.act(run, state))
     }
 
     fn act(&self, run: CommandRun, state: *mut c_void) -> Result<(), String> {
-        // SAFETY: the component's code with its state; the record lives across the call.
+        // SAFETY: this is the component's code with its own state; the record lives for the
+        // duration of the call.
         let status = unsafe { run(state, &raw const *self.calls) };
         if status.is_ok() {
             Ok(())
@@ -219,20 +221,22 @@ impl Bench {
         laid.slots.as_ptr()
     }
 
-    /// Sets a pin or parameter.
+    /// Sets the value of a pin or parameter.
     pub fn set<T: Value>(&self, name: &str, value: T) {
-        // SAFETY: a slot on the table, aimed at its own cell or its signal's.
+        // SAFETY: the slot belongs to the bench and points at its own cell or at that of its
+        // signal.
         unsafe { Slot::cell(self.slot::<T>(name)) }.store(value.to_bits());
     }
 
-    /// Reads a pin or parameter.
+    /// Returns the value of a pin or parameter.
     #[must_use]
     pub fn get<T: Value>(&self, name: &str) -> T {
-        // SAFETY: a slot on the table, aimed at its own cell or its signal's.
+        // SAFETY: the slot belongs to the bench and points at its own cell or at that of its
+        // signal.
         T::from_bits(unsafe { Slot::cell(self.slot::<T>(name)) }.load())
     }
 
-    /// Links a pin to a signal of its own, which takes over its value.
+    /// Links a pin to a new signal, which takes over the value of the pin.
     pub fn link(&self, name: &str) {
         let table = self.table.borrow();
         let laid = table.items.get(name).unwrap_or_else(|| panic!("no pin {name}"));
@@ -241,18 +245,19 @@ impl Bench {
         slot.aim(SIGNAL);
     }
 
-    /// Gives a pin of type port a queue of `size` bytes.
+    /// Gives a pin of type `port` a queue of `size` bytes.
     pub fn port(&self, name: &str, size: usize) {
         let data: Box<[AtomicU8]> = (0..size).map(|_| AtomicU8::new(0)).collect();
-        // SAFETY: both live as long as the table.
+        // SAFETY: both live as long as the bench.
         let queue = Box::new(unsafe { PortQueue::new(data.as_ptr(), size as u64) });
         let bits = (&raw const *queue).expose_provenance() as u64;
-        // SAFETY: a slot on the table, aimed at its own cell or its signal's.
+        // SAFETY: the slot belongs to the bench and points at its own cell or at that of its
+        // signal.
         unsafe { Slot::cell(self.slot::<crate::Port>(name)) }.store(bits);
         self.table.borrow_mut().ports.push((queue, data));
     }
 
-    /// Runs a function or task once; the clock does not move.
+    /// Runs a function or task once. The clock does not advance.
     pub fn run(&self, name: &str, period_ns: i64) {
         self.try_run(name, period_ns).unwrap();
     }
@@ -260,7 +265,7 @@ impl Bench {
     /// Runs a function or task once.
     ///
     /// # Errors
-    /// The text of its panic.
+    /// The text of the panic.
     pub fn try_run(&self, name: &str, period_ns: i64) -> Result<(), String> {
         let (run, state) = {
             let table = self.table.borrow();
@@ -268,22 +273,22 @@ impl Bench {
             let code = code.unwrap_or_else(|| panic!("no function {name}"));
             (code.run, code.state)
         };
-        // SAFETY: the component's code with its state, one call at a time.
+        // SAFETY: this is the component's code with its own state; calls do not overlap.
         if unsafe { run(state, period_ns) }.is_ok() {
             return Ok(());
         }
         Err(core::mem::take(&mut *self.table.borrow().fault.borrow_mut()))
     }
 
-    /// Moves the clock.
+    /// Advances the clock by `ns`.
     pub fn pass(&self, ns: i64) {
         self.table.borrow().now.fetch_add(ns, Relaxed);
     }
 
-    /// Carries out a command: the lines of its answer.
+    /// Runs a command and returns the lines of its answer.
     ///
     /// # Errors
-    /// Why it was refused.
+    /// The reason why the command failed.
     pub fn command(&self, name: &str, args: &[&str]) -> Result<Vec<String>, String> {
         let (specs, run, state) = {
             let table = self.table.borrow();
@@ -297,13 +302,13 @@ impl Bench {
         Ok(core::mem::take(&mut *self.table.borrow().replies.borrow_mut()))
     }
 
-    /// How far the last command that took a ticket has come.
+    /// Returns the progress of the last command that took a ticket.
     #[must_use]
     pub fn ticket(&self) -> Option<TicketState> {
         self.table.borrow().tickets.borrow().last().map(|t| t.state())
     }
 
-    /// Why the last command that took a ticket failed, with its numbers.
+    /// Returns the reason why the last command that took a ticket failed, including its numbers.
     #[must_use]
     pub fn failure(&self) -> Option<String> {
         let table = self.table.borrow();
@@ -315,25 +320,26 @@ impl Bench {
         Some(numbers.iter().take(count).fold(why.to_owned(), filled))
     }
 
-    /// How far each command that took a ticket has come, in order.
+    /// Returns the progress of each command that took a ticket, in order.
     #[must_use]
     pub fn tickets(&self) -> Vec<TicketState> {
         self.table.borrow().tickets.borrow().iter().map(|t| t.state()).collect()
     }
 
-    /// Whether the last command has its caller wait for the ticket, asked to or not.
+    /// Returns whether the last command makes its caller wait for the ticket even if it did not ask
+    /// to.
     #[must_use]
     pub fn is_awaited(&self) -> bool {
         self.table.borrow().awaited.get()
     }
 
-    /// What was said since the last call.
+    /// Returns the messages logged since the last call.
     #[must_use]
     pub fn said(&self) -> Vec<String> {
         core::mem::take(&mut *self.table.borrow().said.borrow_mut())
     }
 
-    /// Every pin and parameter: `NAME type dir`.
+    /// Returns every pin and parameter as `NAME type dir`.
     #[must_use]
     pub fn names(&self) -> Vec<String> {
         let ty = ["", "bit", "float", "s32", "u32", "port", "s64", "u64"];
@@ -351,19 +357,20 @@ impl Bench {
         table.items.iter().map(line).collect()
     }
 
-    /// Every function, sorted.
+    /// Returns the names of all functions, sorted.
     #[must_use]
     pub fn functs(&self) -> Vec<String> {
         self.table.borrow().functs.keys().cloned().collect()
     }
 
-    /// Every thread with its period, in order of creation.
+    /// Returns all threads with their periods, in order of creation.
     #[must_use]
     pub fn threads(&self) -> Vec<(String, i64)> {
         self.table.borrow().threads.clone()
     }
 
-    /// What a function touches: names of items, with `r`, `w` or `rw`; hidden state as `#`.
+    /// Returns the items that a function accesses, each with `r`, `w` or `rw`. Hidden state is
+    /// named `#`.
     #[must_use]
     pub fn touches(&self, funct: &str) -> Vec<String> {
         let table = self.table.borrow();
@@ -376,19 +383,19 @@ impl Bench {
         code.uses.iter().map(line).collect()
     }
 
-    /// The program's end of a ring that a component writes.
+    /// Returns the program's end of a ring that a component writes.
     #[must_use]
     pub fn reader(&self, name: &str) -> abi::Consumer {
         let r = self.table.borrow().rings.get(name).unwrap_or_else(|| panic!("no ring {name}")).1;
-        // SAFETY: the ring lives as long as the table, and a test takes one reader.
+        // SAFETY: the ring lives as long as the bench, and a test uses one reader.
         unsafe { abi::Consumer::new(r.ring, r.depth, r.width) }
     }
 
-    /// The program's end of a ring that a component reads.
+    /// Returns the program's end of a ring that a component reads.
     #[must_use]
     pub fn writer(&self, name: &str) -> abi::Producer {
         let r = self.table.borrow().rings.get(name).unwrap_or_else(|| panic!("no ring {name}")).1;
-        // SAFETY: the ring lives as long as the table, and a test takes one writer.
+        // SAFETY: the ring lives as long as the bench, and a test uses one writer.
         unsafe { abi::Producer::new(r.ring, r.depth, r.width) }
     }
 }

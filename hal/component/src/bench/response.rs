@@ -1,12 +1,14 @@
-//! What a filter makes of a sine.
+//! Measurement of a filter's response to a sine wave.
 
 use core::f64::consts::TAU;
 
-/// Gain and phase, in radians, with which `step` answers a sine of `cycles` cycles in `samples` runs.
+/// Returns the gain and the phase, in radians, of `step` for a sine wave of `cycles` cycles in
+/// `samples` runs.
 ///
-/// `step` is fed the sine for at least `settle` runs, and then once more for the measurement: the
-/// correlation of what comes out with the sine over whole cycles, which is exact for a linear filter
-/// that has settled, but for a rounding with each sample. A negative phase is late.
+/// `step` first receives the sine wave for at least `settle` runs, and then once more for the
+/// measurement. The result is the correlation of the output with the sine over whole cycles. For a
+/// linear filter that has settled it is exact, except for rounding errors of each sample. A
+/// negative phase means that the output lags.
 ///
 /// ```
 /// use hal_component::bench::response;
@@ -26,7 +28,7 @@ pub fn response(
     let (mut re, mut im) = (0.0, 0.0);
     let settling = settle.div_ceil(samples) * samples;
     for n in 0..settling + samples {
-        // Whole numbers, so that the angle is as exact late as it is early.
+        // Integer arithmetic, so that the angle is as exact at the end as at the beginning.
         let part = u64::from(n) * u64::from(cycles) % u64::from(samples);
         let (sin, cos) = (TAU * part as f64 / f64::from(samples)).sin_cos();
         let out = step(cos);

@@ -1,4 +1,4 @@
-//! What lies on the table, and arguments as they were given.
+//! State of the bench, and the arguments of components and commands.
 
 use crate::abi::{
     self, ArgSpec, ArgValue, CommandRun, Free, PortQueue, Run, Slot, Str, StreamRef, Ticket, Use,
@@ -11,9 +11,10 @@ use std::{
     sync::atomic::{AtomicI64, AtomicU8},
 };
 
-/// A pin or parameter on the table.
+/// A pin or parameter on the bench.
 pub(super) struct Laid {
-    /// The item's own, and one whose cell is the signal that it may be linked to.
+    /// Slot of the item, and a second slot whose own cell serves as the signal that the item may be
+    /// linked to.
     pub(super) slots: Box<[Slot; 2]>,
     pub(super) ty: u8,
     pub(super) dir: u8,
@@ -61,7 +62,8 @@ pub(super) struct Table {
     pub(super) call_args: RefCell<Args>,
 }
 
-/// Arguments as given, checked against their declaration, and what points into them.
+/// Arguments as given, checked against their declaration, and the lists that argument values point
+/// to.
 #[derive(Default)]
 pub(super) struct Args {
     pub(super) specs: Vec<ArgSpec>,
@@ -76,14 +78,14 @@ impl Args {
         for word in words {
             let (name, value) =
                 word.split_once('=').ok_or_else(|| format!("Invalid parameter `{word}'"))?;
-            // SAFETY: a declaration's strings are static.
+            // SAFETY: the strings of a declaration are static.
             if !specs.iter().any(|s| unsafe { s.name.get() } == Some(name)) {
                 return Err(format!("Unknown parameter `{word}'"));
             }
             given.insert(name.to_owned(), value.to_owned());
         }
         for s in &specs {
-            // SAFETY: a declaration's strings are static.
+            // SAFETY: the strings of a declaration are static.
             let name = unsafe { s.name.get() }.unwrap_or_default();
             if s.required != 0 && !given.contains_key(name) {
                 return Err(format!("parameter `{name}' is missing"));
@@ -93,7 +95,7 @@ impl Args {
     }
 
     pub(super) fn get(&mut self, name: &str) -> Option<ArgValue> {
-        // SAFETY: a declaration's strings are static.
+        // SAFETY: the strings of a declaration are static.
         let spec = self.specs.iter().find(|s| unsafe { s.name.get() } == Some(name))?;
         // SAFETY: as above.
         let default = unsafe { spec.default.get() }.filter(|d| !d.is_empty());

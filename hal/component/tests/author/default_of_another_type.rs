@@ -1,6 +1,6 @@
 use hal_component::{Component, Out, ParamRw, Period, Update};
 
-/// Begins with an integer where a float is wanted.
+/// Has an integer default for a float.
 #[derive(Component)]
 struct Wrong {
     /// Gain.

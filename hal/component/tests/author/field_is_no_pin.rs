@@ -5,7 +5,7 @@ use hal_component::{Component, Out, Period, Update};
 struct Wrong {
     /// Output.
     out: Out<bool>,
-    /// How often it ran.
+    /// Number of runs.
     runs: u64,
 }
 

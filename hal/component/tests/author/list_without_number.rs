@@ -1,6 +1,6 @@
 use hal_component::{Component, In, Period, Update};
 
-/// Has a list of pins of one name.
+/// Has a list of pins that share one name.
 #[derive(Component)]
 struct Wrong {
     /// Inputs.

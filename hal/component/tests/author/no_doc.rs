@@ -1,6 +1,6 @@
 use hal_component::{Component, Out, Period, Update};
 
-/// Has a pin that nobody can understand.
+/// Has a pin without documentation.
 #[derive(Component)]
 struct Wrong {
     out: Out<bool>,

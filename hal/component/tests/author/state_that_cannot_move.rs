@@ -1,7 +1,7 @@
 use hal_component::{Component, Out, Period, Update};
 use std::rc::Rc;
 
-/// Holds what may not move to a realtime thread.
+/// Holds state that must not move to a realtime thread.
 #[derive(Component)]
 struct Wrong {
     /// Output.

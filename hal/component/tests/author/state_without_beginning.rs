@@ -5,7 +5,7 @@ enum Phase {
     Second,
 }
 
-/// Does not say how its state begins.
+/// Has state without an initial value.
 #[derive(Component)]
 struct Wrong {
     /// Output.

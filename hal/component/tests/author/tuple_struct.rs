@@ -1,6 +1,6 @@
 use hal_component::{Component, Out};
 
-/// Has fields without names, so that its pins would have none.
+/// Has fields without names, so its pins would have none.
 #[derive(Component)]
 struct Wrong(Out<bool>);
 

@@ -1,6 +1,6 @@
 use hal_component::{Component, Out, Period, Update};
 
-/// Asks for what there is not.
+/// Uses an attribute that does not exist.
 #[derive(Component)]
 struct Wrong {
     /// Output.

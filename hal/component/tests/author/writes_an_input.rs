@@ -1,6 +1,6 @@
 use hal_component::{Component, In, Out, Period, Update};
 
-/// Writes what it may only read.
+/// Writes an input.
 #[derive(Component)]
 struct Wrong {
     /// Input.
