@@ -6,7 +6,7 @@ use hal_component::{
     to_s32,
 };
 
-/// What `iscale-factor` may become while the component runs.
+/// Permitted values of `iscale-factor` while the component runs.
 const FACTORS: core::ops::RangeInclusive<i32> = 10..=100_000;
 
 /// Jogs two axes at once, at an angle, with one hand wheel.
@@ -137,15 +137,15 @@ struct Jog {
     state: State,
 }
 
-/// What the point is about.
+/// Activity of the point that moves along the line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Phase {
-    /// Slows down, or stands.
+    /// Slows down or is at rest.
     #[default]
     Off,
-    /// Waits for the wheel to leave these counts, which are those of the outputs.
+    /// Waits for the wheel to leave these counts, in fine counts as the outputs use them.
     Waits(i32),
-    /// Follows the wheel: where the point is at count 0 of it.
+    /// Follows the wheel; the value is the position at wheel count 0, in fine counts.
     Follows(i32),
 }
 
@@ -153,9 +153,9 @@ enum Phase {
 struct State {
     phase: Phase,
     point: Planner,
-    /// The factor in use, once there is one.
+    /// Factor in use, once there is one.
     factor: Option<i32>,
-    /// Whether a wrong factor was told.
+    /// True if an invalid factor has been reported.
     told: bool,
     begun: bool,
     was_enabled: bool,
@@ -169,7 +169,7 @@ impl Update for Jog {
         let s = &mut self.state;
         let begins = enabled && !s.was_enabled;
         s.was_enabled = enabled;
-        // A factor that is new counts from the next run on.
+        // A new factor applies from the next cycle on.
         let counts = self.counts_in.get().wrapping_mul(before);
         let unit = self.current_scale_out.get();
         if begins {
@@ -205,7 +205,7 @@ impl Update for Jog {
 }
 
 impl Jog {
-    /// Takes angle, scale and factor, which stay while enabled.
+    /// Updates angle, scale and factor, which are fixed while enabled.
     fn settle(&mut self, enabled: bool, before: i32) {
         self.enable_out.set(enabled);
         let s = &mut self.state;
@@ -243,8 +243,7 @@ mod tests {
         format!("load anglejog\nwithin 1e-12\n{settings}\n{PINS}{rows}")
     }
 
-    /// What is set is in units of a thousandth, so that figures are short: one count is one unit,
-    /// of 1000 fine ones.
+    /// Settings are in thousandths so that the numbers are short: one wheel count is one unit, of 1000 fine counts.
     #[test]
     fn follows_the_wheel() {
         let settings = "set anglejog.0.scale-in 1

@@ -2,7 +2,7 @@
 use crate::trips::{Jog, Trips, runs};
 use hal_component::{Builder, Component, Error, In, Touch, abi::component_flags};
 
-/// Moves an axis back and forth, or jogs it, to see how fast it can be.
+/// Moves an axis back and forth, or jogs it, to find out how fast it can move.
 pub(crate) struct Axistest;
 
 impl Component for Axistest {
@@ -44,7 +44,7 @@ impl Component for Axistest {
     }
 }
 
-/// A jog is always the same way ahead.
+/// Jog with a constant lead of the command.
 #[derive(Touch)]
 struct Ahead {
     maxvel: In<f64>,

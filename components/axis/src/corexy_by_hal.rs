@@ -1,9 +1,9 @@
 //! `corexy_by_hal`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// The two motors of a `CoreXY` machine, between joints 0 and 1 and their drives.
+/// Transform between joints 0 and 1 and the two motors of a `CoreXY` machine.
 ///
-/// With `trivkins coordinates=xyz`, joint 0 is X and joint 1 is Y, and home switches work along them.
+/// With `trivkins coordinates=xyz`, joint 0 is X and joint 1 is Y, and the axes home to switches along X and Y.
 ///
 /// # Example
 ///
@@ -20,21 +20,21 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct CorexyByHal {
-    /// Where the first motor is, in units.
+    /// Position of the first motor, in units.
     alpha_fb: In<f64>,
-    /// Where the second motor is, in units.
+    /// Position of the second motor, in units.
     beta_fb: In<f64>,
-    /// Where X shall be, in units, from `joint.0.motor-pos-cmd`.
+    /// Commanded X position, in units, from `joint.0.motor-pos-cmd`.
     j0_motor_pos_cmd: In<f64>,
-    /// Where Y shall be, in units, from `joint.1.motor-pos-cmd`.
+    /// Commanded Y position, in units, from `joint.1.motor-pos-cmd`.
     j1_motor_pos_cmd: In<f64>,
-    /// Where X is, in units: the sum of the motors, for `joint.0.motor-pos-fb`.
+    /// X position, in units: the sum of the motors, for `joint.0.motor-pos-fb`.
     j0_motor_pos_fb: Out<f64>,
-    /// Where Y is, in units: the difference of the motors, for `joint.1.motor-pos-fb`.
+    /// Y position, in units: the difference of the motors, for `joint.1.motor-pos-fb`.
     j1_motor_pos_fb: Out<f64>,
-    /// Where the first motor shall be, in units: half the sum.
+    /// Commanded position of the first motor, in units: half the sum of X and Y.
     alpha_cmd: Out<f64>,
-    /// Where the second motor shall be, in units: half the difference.
+    /// Commanded position of the second motor, in units: half the difference of X and Y.
     beta_cmd: Out<f64>,
 }
 

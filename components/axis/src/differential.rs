@@ -3,7 +3,7 @@ use hal_component::{Component, In, Out, Period, Update};
 
 /// Two motors that roll and pitch together, as in a differential.
 ///
-/// One motor turns by the sum, the other by the difference; what they tell is turned back.
+/// One motor is commanded to the sum of roll and pitch, the other to the difference; the feedback is converted back.
 ///
 /// # Example
 ///
@@ -20,21 +20,21 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Differential {
-    /// Where to roll to, in degrees.
+    /// Commanded roll, in degrees.
     roll_cmd: In<f64>,
-    /// Where to pitch to, in degrees.
+    /// Commanded pitch, in degrees.
     pitch_cmd: In<f64>,
-    /// Where the roll is, in degrees: half the sum of the motors.
+    /// Roll, in degrees: half the sum of the motors.
     roll_fb: Out<f64>,
-    /// Where the pitch is, in degrees: half the difference of the motors.
+    /// Pitch, in degrees: half the difference of the motors.
     pitch_fb: Out<f64>,
-    /// Where the first motor shall be, in units: `roll-cmd` + `pitch-cmd`.
+    /// Commanded position of the first motor, in degrees: `roll-cmd` + `pitch-cmd`.
     motor0_cmd: Out<f64>,
-    /// Where the second motor shall be, in units: `roll-cmd` - `pitch-cmd`.
+    /// Commanded position of the second motor, in degrees: `roll-cmd` - `pitch-cmd`.
     motor1_cmd: Out<f64>,
-    /// Where the first motor is, in units.
+    /// Position of the first motor, in degrees.
     motor0_fb: In<f64>,
-    /// Where the second motor is, in units.
+    /// Position of the second motor, in degrees.
     motor1_fb: In<f64>,
 }
 

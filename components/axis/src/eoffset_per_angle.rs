@@ -5,10 +5,10 @@ use hal_component::{
     to_s32,
 };
 
-/// `k` where it is 0.
+/// Value used for `k` if it is 0.
 const COUNTS: i32 = 10_000;
 
-/// An offset of an axis that follows an angle, for polygons and the like.
+/// Offset of an axis that follows an angle, for polygons and the like.
 pub(crate) struct EoffsetPerAngle;
 
 impl Component for EoffsetPerAngle {
@@ -127,7 +127,7 @@ enum Phase {
     Off,
     Waits,
     Follows,
-    /// Whether it was enabled in vain, and must be anew.
+    /// Holds true after a failure: `enable-in` must then turn false and true again.
     GoesBack(bool),
     IsBack(bool),
 }
@@ -172,7 +172,7 @@ impl Update for Offset {
 }
 
 impl Offset {
-    /// Does what the phase asks for, while the machine is on.
+    /// Executes the phase while the machine is on. Returns the next phase.
     fn next(&self, k: i32) -> Phase {
         let enabled = self.enable_in.get();
         match self.phase {
@@ -200,7 +200,7 @@ impl Offset {
         }
     }
 
-    /// The offset in units; none where there is no such polygon.
+    /// Returns the offset in units, or `None` if there is no such polygon.
     fn offset(&self) -> Option<f64> {
         let (r, a, n) = (self.radius_ref.get(), self.rfraction.get(), self.fmult.get());
         let angle = self.angle.get() - self.start_angle.get();
@@ -214,7 +214,7 @@ impl Offset {
         })
     }
 
-    /// How far an angle is from the middle of its side of a polygon, in radians.
+    /// Returns the distance of an angle from the middle of its polygon side, in radians.
     fn within_side(&self, angle: f64, n: f64) -> Option<f64> {
         if n <= 2.0 {
             let text = "eoffset_per_angle: fmult is {}, and a polygon has more than 2 sides; the \
@@ -232,7 +232,7 @@ mod tests {
     use super::EoffsetPerAngle;
     use hal_component::{bench::Bench, trace::replay};
 
-    /// In state 2, with the machine on.
+    /// Returns a bench in state 2, with the machine on.
     fn following(settings: &[(&str, f64)]) -> Bench {
         let mut bench = Bench::new();
         bench.load::<EoffsetPerAngle>(&["names=e"]).unwrap();
@@ -298,7 +298,7 @@ mod tests {
         assert_eq!(replay::<EoffsetPerAngle>(rows), 11);
     }
 
-    /// The corners of a polygon are on a circle, and its sides are straight, at every angle.
+    /// The corners of a polygon lie on a circle, and its sides are straight, at every angle.
     #[test]
     fn polygons_are_polygons() {
         for (fnum, sides) in [(0, 3.0), (0, 6.0), (1, 4.0), (1, 5.0), (9, 6.0)] {
@@ -306,7 +306,7 @@ mod tests {
             b.set("e.k", 1_000_000_u32);
             b.set("e.fnum", fnum);
             let half = core::f64::consts::PI / sides;
-            // How far a side is from the axis.
+            // Distance of a side from the axis.
             let side = if fnum == 1 { 2.2 * libm::cos(half) } else { 2.2 };
             for i in -720..720 {
                 let angle = f64::from(i) + 0.25;

@@ -1,6 +1,6 @@
-//! Realtime. A number that follows another, with limits of speed and acceleration.
+//! Realtime. Position that follows another, within limits of speed and acceleration.
 
-/// Where it is, how fast, and what it followed last.
+/// Position and speed of the follower, and the last target.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Follower {
     at: f64,
@@ -14,11 +14,11 @@ impl Follower {
         self.speed = 0.0;
     }
 
-    /// Goes on for a period: where it is then.
+    /// Advances by one period. Returns the new position.
     ///
-    /// It goes at full acceleration, one way or the other, as long as what is followed and its speed
-    /// are out of reach. It stands where the most speed or acceleration is no more than 0, or not a
-    /// number; what is followed and is no finite number is where it was last.
+    /// The follower moves at full acceleration, in one direction or the other, until it can meet the target's position
+    /// and speed within one period. It stops if the maximum speed or acceleration is not above 0, or is NaN. If the
+    /// target is not finite, the last target counts.
     pub(crate) fn go(&mut self, wanted: f64, most: f64, accel: f64, dt: f64) -> f64 {
         let wanted = if wanted.is_finite() { wanted } else { self.last };
         if !(most > 0.0 && accel > 0.0) {
@@ -50,7 +50,7 @@ impl Follower {
         self.at
     }
 
-    /// Whether it must become faster upwards to meet what is followed.
+    /// Returns whether the follower must accelerate upward to meet the target.
     fn rises(&self, speed: f64, accel: f64, dt: f64) -> bool {
         let accel = if speed > self.speed { accel } else { -accel };
         let time = (speed - self.speed) / accel;
@@ -58,7 +58,7 @@ impl Follower {
         let error = self.at + mean * time - (self.last + speed * time);
         let other = -2.0 * accel * dt * time;
         if self.speed == speed && error != 0.0 {
-            // At the same speed either way is as good for that: go where it is.
+            // At equal speed, both directions take equally long: move toward the target.
             return error < 0.0;
         }
         let turned = error + other * 2.0;

@@ -7,10 +7,10 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 #[cfg(test)]
 mod closed;
 
-/// The most joints.
+/// Maximum number of joints.
 const MOST: i64 = 7;
 
-/// One axis that several motors drive.
+/// Axis that several motors drive.
 pub(crate) struct Gantry;
 
 impl Component for Gantry {
@@ -108,9 +108,9 @@ struct Read {
     position_fb: Out<f64>,
     home: Out<bool>,
     limit: Out<bool>,
-    /// Whether the axis is not at its switches.
+    /// Flag for the other function: true while the axis is not at its home switches.
     homes: Gives<AtomicBool>,
-    /// The joint whose position is that of the axis.
+    /// Joint whose position is that of the axis.
     #[state]
     told: usize,
 }

@@ -1,4 +1,4 @@
-//! Axes: joints coupled, jogged, offset and tried out.
+//! Axes: joint transforms, jogging, offsets and test moves.
 #![forbid(unsafe_code)]
 
 mod anglejog;

@@ -10,15 +10,15 @@ use hal_component::{
 };
 use std::sync::atomic::{AtomicI32, AtomicU8, AtomicU64, Ordering::Relaxed};
 
-/// How many joints there are when nobody says.
+/// Default number of joints.
 const USUAL: usize = 3;
 
-/// What `write-outputs` is to do.
+/// Values of the order to `write-outputs`.
 const FOLLOW: u8 = 2;
 const FREEZE: u8 = 1;
 const CLEAR: u8 = 0;
 
-/// Offsets of joints, given and taken back while a program is paused.
+/// Offsets of joints, applied and removed while a program is paused.
 pub(crate) struct Moveoff;
 
 impl Component for Moveoff {
@@ -140,7 +140,7 @@ impl Component for Moveoff {
     }
 }
 
-/// What one function tells the other.
+/// Data that one function passes to the other.
 #[derive(Debug, Default)]
 struct Order {
     what: AtomicU8,
@@ -272,7 +272,7 @@ impl Read {
         }
     }
 
-    /// Takes the waypoint after the last that is left as a target.
+    /// Makes the waypoint after the last remaining one the target.
     fn take(&mut self) {
         let p = &mut self.path;
         if let Some(waypoint) = p.waypoints.get(p.count) {
@@ -291,7 +291,7 @@ impl Read {
         }
     }
 
-    /// Notes a waypoint where it is time and far enough.
+    /// Records a waypoint if enough time has passed and the offsets have moved far enough.
     fn note(&mut self) {
         let now = self.clock.now_ns();
         let p = &mut self.path;
@@ -352,7 +352,7 @@ impl Update for Write {
             if what == FOLLOW {
                 let wanted = f64::from_bits(target.load(Relaxed));
                 let (min, max) = (joint.min.get(), joint.max.get());
-                // Where both bounds are crossed, the highest goes first.
+                // If the limits contradict each other, the maximum wins.
                 let target = if wanted > max {
                     max
                 } else if wanted < min {
@@ -367,13 +367,13 @@ impl Update for Write {
                 joint.follower.stop();
             }
             let offset = joint.offset.get();
-            // In this order, as LinuxCNC's: it is rounded so.
+            // The order of operations is LinuxCNC's, because it affects rounding.
             joint.fb_minus.set((joint.fb.get() - offset) + (offset - before));
             joint.pos_plus.set(joint.pos.get() + offset);
             applied |= offset.abs() > epsilon;
         }
         self.offset_applied.set(applied);
-        // Until there is an offset, there is no way back.
+        // Without an offset, there is no path back.
         let count = if applied { self.order.count.load(Relaxed) } else { 0 };
         if !applied {
             self.waypoint_limit.set(false);
@@ -419,7 +419,7 @@ mod tests {
         assert!(replay::<Moveoff>(include_str!("../traces/moveoff.txt")) > 250);
     }
 
-    /// What LinuxCNC 2.9 does otherwise: it stays at a waypoint, as long as the pin is false.
+    /// LinuxCNC 2.9 differs here: it stays at a waypoint while the pin is false.
     #[test]
     fn without_waypoints_at_one_of_them_it_goes_straight_back() {
         let mut bench = on(&[("offset-in-0", 1.0), ("waypoint-sample-secs", 0.0)]);
@@ -446,14 +446,14 @@ mod tests {
                 bench.pass(SERVO);
                 run(&mut bench, 1);
             }
-            // The first run begins, and notes nothing.
+            // The first cycle begins and records nothing.
             assert_eq!(bench.get::<i32>("m.waypoint-ct"), most, "{secs}");
         }
     }
 
     #[test]
     fn offsets_come_and_go_within_their_limits() {
-        // Half of 0.2 at 100 units per second squared, and as much to stop; back alike.
+        // Half of 0.2 at 100 units per second squared, then the same time to stop; the same on the way back.
         let rows = "load moveoff names=m personality=1
             period 10000000
             within 1e-12
@@ -501,7 +501,7 @@ mod tests {
         assert_eq!(bounds(f64::NAN, f64::NAN), 1.0);
     }
 
-    /// First joint 0, then joint 1; where the first is when the second is half way back.
+    /// Moves joint 0, then joint 1. Returns the position of the first joint when the second is half way back.
     fn corner(backtrack: bool) -> f64 {
         let mut bench = on(&[("offset-in-0", 1.0), ("waypoint-sample-secs", 0.0)]);
         bench.set("m.backtrack-enable", backtrack);
@@ -588,7 +588,7 @@ mod tests {
                 run(&mut bench, 5);
                 assert!(offset(&bench, 0).is_finite(), "{pin} {odd}");
                 bench.set(&name, usual);
-                // What is far away is left at 10 units per second and no faster: begin anew.
+                // At 10 units per second, a distant offset takes too long to remove: start again.
                 bench.set("m.power-on", false);
                 run(&mut bench, 1);
                 bench.set("m.power-on", true);

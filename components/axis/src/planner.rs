@@ -1,6 +1,6 @@
-//! Realtime. A move to a target, with limits of speed and acceleration.
+//! Realtime. Move to a target within limits of speed and acceleration.
 
-/// Where something is, and how fast.
+/// Position and speed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Planner {
     pub(crate) at: f64,
@@ -8,10 +8,11 @@ pub(crate) struct Planner {
 }
 
 impl Planner {
-    /// Goes on for a period, to a target, or to rest without one: whether it moves or is on its way.
+    /// Advances by one period toward a target, or decelerates to rest without one. Returns whether it moves or has not
+    /// reached the target.
     ///
-    /// The speed is one from which it can still stop at the target; nearer than a thousandth of
-    /// what the acceleration does in a period, it is there.
+    /// The speed is limited so that the axis can still stop at the target. It stops within a deadband of 0.001·a·dt² of
+    /// the target.
     pub(crate) fn go(&mut self, target: Option<f64>, most: f64, accel: f64, dt: f64) -> bool {
         let step = accel * dt;
         let tiny = step * dt * 0.001;

@@ -4,10 +4,9 @@ use hal_component::{Component, In, Out, Period, Update};
 
 /// Moves a position to a target, with limits of speed and acceleration.
 ///
-/// In each run the speed is chosen from which the axis can still stop at the target,
-/// √(2·a·d + (a·t)²) - a·t with the distance d, the acceleration a and the period t; it is kept within
-/// `maxvel` and changes by no more than a·t. Nearer than a thousandth of a·t², the axis is there. While
-/// not enabled it slows down and stops.
+/// In each cycle, the speed is chosen so that the axis can still stop at the target: √(2·a·d + (a·t)²) - a·t, with the
+/// distance d, the acceleration a and the period t. It is limited to `maxvel`, and changes by no more than a·t. Within
+/// 0.001·a·t² of the target, the axis counts as there. While not enabled, it slows down and stops.
 ///
 /// # Example
 ///
@@ -29,19 +28,19 @@ use hal_component::{Component, In, Out, Period, Update};
 #[derive(Component)]
 #[hal(function = "update")]
 pub(crate) struct SimpleTp {
-    /// Where to go, in units.
+    /// Target position, in units.
     target_pos: In<f64>,
-    /// Highest speed, in units per second.
+    /// Maximum speed, in units per second.
     maxvel: In<f64>,
-    /// Highest acceleration, in units per second squared.
+    /// Maximum acceleration, in units per second squared.
     maxaccel: In<f64>,
-    /// Whether to go there; while false the axis slows down.
+    /// TRUE moves to the target; FALSE slows the axis down to a stop.
     enable: In<bool>,
-    /// Where the axis is now, in units.
+    /// Present position, in units.
     current_pos: Out<f64>,
-    /// How fast it is now, in units per second.
+    /// Present speed, in units per second.
     current_vel: Out<f64>,
-    /// True while it moves, or is on its way.
+    /// True while the axis moves or has not reached the target.
     active: Out<bool>,
 }
 

@@ -51,7 +51,7 @@ impl Component for Steptest {
     }
 }
 
-/// A jog is two periods ahead.
+/// Jog whose command is two periods ahead.
 #[derive(Touch)]
 struct BySpeed {
     maxvel: In<f64>,

@@ -1,7 +1,7 @@
-//! Realtime. Back and forth moves and jogs that try an axis out: what `axistest` and `steptest` have in common.
+//! Realtime. Back-and-forth moves and jogs to test an axis, shared by `axistest` and `steptest`.
 use hal_component::{Builder, Error, In, Out, ParamRo, ParamRw, Period, Touch, Update, pins};
 
-/// What both say of a run.
+/// Common description of a run.
 macro_rules! runs {
     () => {
         "While `run` is true the axis goes to `run-low`, then to `run-high`, and so on; it waits at \
@@ -12,52 +12,52 @@ macro_rules! runs {
 pub(crate) use runs;
 
 pins! {
-    /// The pins that both have.
+    /// Common pins of both.
     pub(crate) struct Pins {
-        /// True jogs forward, while nothing runs.
+        /// TRUE jogs forward, while no run is active.
         jog_plus: In<bool> = "jog-plus", false;
-        /// True jogs backward, while nothing runs; it goes before jog-plus.
+        /// TRUE jogs backward, while no run is active; overrides `jog-plus`.
         jog_minus: In<bool> = "jog-minus", false;
-        /// True moves back and forth around the present position.
+        /// TRUE moves back and forth around the present position.
         run: In<bool> = "run", false;
         /// Distance from the starting position to each end of a run, in units.
         amplitude: In<f64> = "amplitude", 0.0;
-        /// Sides of the starting position that a run visits: 1 above, 2 below, any other both. It
-        /// counts when a run starts.
+        /// Sides of the starting position that a run visits: 1 above, 2 below, any other value both. Read when a run
+        /// starts.
         dir: In<i32> = "dir", 0;
         /// Wait at each end of a run, in seconds.
         pause: In<i32> = "pause", 0;
         /// Position of the axis, in units.
         position_fb: In<f64> = "position-fb", 0.0;
-        /// Where the axis shall go, in units.
+        /// Commanded position of the axis, in units.
         position_cmd: Out<f64> = "position-cmd", 0.0;
         /// True from the start of a run until the axis is back at its start.
         running: Out<bool> = "running", false;
-        /// Always 0: the target of a run is position-cmd.
+        /// Always 0: the target of a run is `position-cmd`.
         run_target: Out<f64> = "run-target", 0.0;
-        /// Where the last run started, in units.
+        /// Starting position of the last run, in units.
         run_start: Out<f64> = "run-start", 0.0;
         /// Lower end of the last run, in units.
         run_low: Out<f64> = "run-low", 0.0;
         /// Upper end of the last run, in units.
         run_high: Out<f64> = "run-high", 0.0;
-        /// How near the axis must be to an end to be there, in units.
+        /// Distance from an end below which the axis counts as there, in units.
         epsilon: ParamRw<f64> = "epsilon", 0.001;
-        /// How long the axis has been at this end of a run, in seconds.
+        /// Time that the axis has been at this end of a run, in seconds.
         elapsed: ParamRo<f64> = "elapsed", 0.0;
     }
 }
 
-/// Where a jog puts the command.
+/// Command of a jog.
 pub(crate) trait Jog: Touch + Send + 'static {
-    /// How far ahead of the axis the command of a jog is, for a period of `dt` seconds.
+    /// Returns the lead of the jog's command over the axis, in units, for a period of `dt` seconds.
     fn ahead(&self, dt: f64) -> f64;
 
-    /// The command without a jog, for an axis that is at `at` and was sent to `target`.
+    /// Returns the command without a jog, for an axis at `at` that was sent to `target`.
     fn still(&self, at: f64, target: f64, dt: f64) -> f64;
 }
 
-/// The function of both.
+/// Function of both components.
 #[derive(Touch)]
 pub(crate) struct Trips<J: Jog> {
     pins: Pins,
@@ -68,7 +68,7 @@ pub(crate) struct Trips<J: Jog> {
     /// True once the axis has been at this end.
     #[state]
     arrived: bool,
-    /// The lower end, the start and the upper end of the run.
+    /// Lower end, start and upper end of the run, in units.
     #[state]
     ends: [f64; 3],
     #[state]
@@ -109,7 +109,7 @@ impl<J: Jog> Update for Trips<J> {
 }
 
 impl<J: Jog> Trips<J> {
-    /// The command while nothing runs.
+    /// Returns the command while no run is active.
     fn idle(&self, at: f64, dt: f64) -> f64 {
         match (self.pins.jog_minus.get(), self.pins.jog_plus.get()) {
             (true, _) => at - self.jog.ahead(dt),
@@ -136,7 +136,7 @@ impl<J: Jog> Trips<J> {
         let there = self.is_at(at, self.target);
         let [low, _, high] = self.ends;
         if !self.arrived {
-            // On the way back to the start, run begins nothing.
+            // `run` has no effect while the axis returns to the start.
             if there && (self.target == low || self.target == high) {
                 self.arrived = true;
                 self.waited = 0.0;
@@ -161,7 +161,7 @@ impl<J: Jog> Trips<J> {
         }
         let [_, start, _] = self.ends;
         self.target = start;
-        // There is no way back to what is no place.
+        // A start that is not finite cannot be reached.
         if self.is_at(at, start) || !start.is_finite() {
             self.active = false;
         }

@@ -1,25 +1,25 @@
-//! Realtime. The waypoints of `moveoff`.
+//! Realtime. Waypoints of `moveoff`.
 
-/// The most joints.
+/// Maximum number of joints.
 pub(crate) const MOST: usize = 9;
 
-/// How many waypoints there is room for, and how many in a test.
+/// Number of waypoints that can be stored, normally and in tests.
 pub(crate) const ROOM: usize = 1000;
 pub(crate) const TEST_ROOM: usize = 50;
 
-/// The least of `epsilon`.
+/// Minimum of `epsilon`.
 pub(crate) const EPSILON: f64 = 0.0001;
 
-/// Where all joints' offsets are.
+/// Offsets of all joints.
 pub(crate) type Place = [f64; MOST];
 
-/// The way that the offsets went, and where they go.
+/// Recorded path of the offsets, and their target.
 #[derive(Debug)]
 pub(crate) struct Path {
     pub(crate) phase: Phase,
     pub(crate) waypoints: Box<[Place; ROOM]>,
     pub(crate) count: usize,
-    /// When the last was noted, in nanoseconds, and where.
+    /// Time of the last waypoint in nanoseconds, and its offsets.
     pub(crate) noted: (i64, Place),
     pub(crate) target: Place,
     pub(crate) epsilon: f64,
@@ -46,7 +46,7 @@ impl Default for Path {
     }
 }
 
-/// What is done with the offsets.
+/// Activity of the offsets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Phase {
     Waits,

@@ -1,4 +1,4 @@
-//! The same script as LinuxCNC ran: every sample must be equal.
+//! Replay of scripts that LinuxCNC ran: every sample must be equal.
 
 use axis::Steptest;
 use hal_component::bench::Bench;

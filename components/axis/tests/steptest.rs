@@ -1,4 +1,4 @@
-//! What `steptest` promises beyond what the recorded runs show.
+//! Tests of `steptest` beyond the recorded runs.
 
 #![expect(clippy::unwrap_used, reason = "tests")]
 
@@ -15,7 +15,7 @@ fn bench() -> Bench {
     bench
 }
 
-/// The commanded position with the axis at `at`.
+/// Returns the commanded position with the axis at `at`.
 fn at(bench: &Bench, at: f64) -> f64 {
     bench.set("steptest.0.position-fb", at);
     bench.run("steptest.0", NS);

@@ -1,13 +1,13 @@
 //! `joyhandle`.
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
-/// Curve of a joystick: slow near its middle, and a dead zone.
+/// Joystick curve with a dead zone and low sensitivity near the middle.
 ///
-/// From `deadband` to 1 the curve is a·x^`power` + b·x, with a = 1 / (1 - `deadband`^(`power` - 1)) and
-/// b = 1 - a, so that it begins with 0 and ends with 1; with a power of 1 it is a line. `inverse`
-/// turns the curve around the middle of its range, so that it is fast there. The result is times `scale`,
-/// plus `offset`; negative inputs give the same with the other sign. Within the dead zone it is 0,
-/// beyond 1 it is that of 1.
+/// From `deadband` to 1, the curve is a·x^`power` + b·x, with a = 1 / (1 - `deadband`^(`power` - 1)) and b = 1 - a, so
+/// that it runs from 0 to 1; with a power of 1 it is a straight line. `inverse` mirrors the curve, so that the
+/// sensitivity is highest at the edge of the dead zone. The result is multiplied by `scale`, and `offset` is added;
+/// negative inputs give the same result with the opposite sign. Within the dead zone the output is 0, and inputs beyond
+/// 1 count as 1.
 ///
 /// # Example
 ///
@@ -24,27 +24,26 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Joyhandle {
-    /// Where the handle is, from -1 to 1.
+    /// Position of the handle, from -1 to 1.
     in_: In<f64>,
-    /// The curve at that point, in the unit of `scale`.
+    /// Output of the curve, in the unit of `scale`.
     out: Out<f64>,
-    /// How far the curve bends, a number without a unit, 1 to about 5; below 1 it is set to 1.
+    /// Exponent of the curve, without unit, 1 to about 5; a value below 1 is set to 1.
     #[hal(default = 2.0)]
     power: ParamRw<f64>,
-    /// Half the width of the dead zone, as a fraction of what the handle goes to either side; set
-    /// to at least 0 and at most 0.99.
+    /// Half the width of the dead zone, as a fraction of the handle's range to either side; limited to 0 to 0.99.
     deadband: ParamRw<f64>,
-    /// Height of the curve at 1, without `offset`, in the unit that the output is to have.
+    /// Output at full deflection without `offset`, in the unit of the output.
     #[hal(default = 1.0)]
     scale: ParamRw<f64>,
-    /// Height of the curve at the edge of the dead zone, in the unit of `scale`.
+    /// Output at the edge of the dead zone, in the unit of `scale`.
     offset: ParamRw<f64>,
-    /// Whether the curve is turned around.
+    /// TRUE mirrors the curve.
     inverse: ParamRw<bool>,
 }
 
 impl Joyhandle {
-    /// The curve from `dead` to 1.
+    /// Returns the value of the curve from `dead` to 1.
     fn curve(x: f64, power: f64, dead: f64) -> f64 {
         if power == 1.0 {
             return (x - dead) / (1.0 - dead);

@@ -1,7 +1,7 @@
 //! `knob2float`.
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
-/// A number that a knob with an encoder turns up and down.
+/// Value that a knob with an encoder turns up and down.
 ///
 /// # Example
 ///
@@ -19,18 +19,18 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Knob2float {
-    /// The encoder's count; where it wraps, the number goes to one of its limits.
+    /// Count of the encoder; where it wraps around, the value jumps to one of its limits.
     counts: In<i32>,
-    /// Whether the knob counts; while false the number stays.
+    /// TRUE lets the knob change the value; FALSE holds it.
     enable: In<bool>,
-    /// By how much one count changes the number, in its unit.
+    /// Change of the value per count, in its unit.
     scale: In<f64>,
-    /// The number, in any unit.
+    /// Value, in any unit.
     out: Out<f64>,
-    /// The highest number, in the same unit.
+    /// Maximum of the value, in the same unit.
     #[hal(default = 1.0)]
     max_out: ParamRw<f64>,
-    /// The lowest number, in the same unit; above `max-out` it is set to that.
+    /// Minimum of the value, in the same unit; if it is above `max-out`, it is set to `max-out`.
     min_out: ParamRw<f64>,
     #[state]
     last: i32,

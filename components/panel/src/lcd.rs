@@ -9,17 +9,17 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 
-/// The most displays.
+/// Maximum number of displays.
 const MOST: u32 = 16;
-/// Turns of displays before the first character.
+/// Number of turns over the displays before the first character.
 const WAIT: u32 = 100;
-/// What the display gets first: four empty lines, and its cursor goes.
+/// First characters for a display: four empty lines, and cursor off.
 const BEGIN: [u8; 13] = *b"\r\n\x18\r\n\x18\r\n\x18\r\n\x18\x11";
-/// What clears the display.
+/// Sequence that clears the display.
 const CLEAR: [u8; 3] = *b"\x11\x1E\x1A";
-/// What begins the next line.
+/// Sequence that begins the next line.
 const NEW_LINE: [u8; 3] = *b"\x18\n\r";
-/// What moves the cursor to the first character.
+/// Sequence that moves the cursor to the first character.
 const HOME: [u8; 4] = *b"\x1B=  ";
 
 /// Displays that show texts with values in them.
@@ -84,16 +84,16 @@ impl Component for Lcd {
     }
 }
 
-/// All of them.
+/// All displays.
 #[derive(Touch)]
 struct Displays {
     all: Vec<Display>,
-    /// Turns of all displays so far, up to the first character.
+    /// Turns over the displays so far, counted up to the first character.
     #[state]
     turns: u32,
 }
 
-/// One display.
+/// Display.
 #[derive(Touch)]
 struct Display {
     out: Out<u32>,
@@ -101,27 +101,27 @@ struct Display {
     contrast: In<f64>,
     separator: ParamRw<u32>,
     pages: Vec<Page>,
-    /// What is to be sent before anything else.
+    /// Characters to be sent before anything else.
     #[state]
     line: Line,
-    /// The page that is shown.
+    /// Page that is shown.
     #[state]
     shown: Option<usize>,
-    /// The contrast that was sent.
+    /// Contrast that was sent.
     #[state]
     contrast_sent: f64,
-    /// The next part of the page; the one after the last is its end.
+    /// Next part of the page; the index after the last part stands for the page's end.
     #[state]
     part: usize,
 }
 
-/// The parts of a page.
+/// Parts of a page.
 #[derive(Touch)]
 struct Page {
     parts: Vec<Shown>,
 }
 
-/// A part of a page, with its pin.
+/// Part of a page, with its pin.
 enum Shown {
     Byte(u8),
     Text(&'static [u8]),
@@ -185,7 +185,7 @@ impl Display {
         })
     }
 
-    /// The next character; none while there is nothing to send.
+    /// Returns the next character, or `None` while there is nothing to send.
     fn next(&mut self) -> Option<u8> {
         if let Some(byte) = self.line.next() {
             return Some(byte);
@@ -232,7 +232,7 @@ impl Shown {
         })
     }
 
-    /// What is sent of it now.
+    /// Returns the characters to send for this part now.
     fn line(&self, separator: u32) -> Line {
         match self {
             Self::Byte(byte) => Line::of(&[*byte]),
@@ -263,13 +263,13 @@ impl Update for Displays {
     }
 }
 
-/// The lowest byte.
+/// Returns the lowest byte.
 const fn low(code: u32) -> u8 {
     let [low, ..] = code.to_le_bytes();
     low
 }
 
-/// The code of a contrast.
+/// Returns the display's code of a contrast.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is 0 to 159")]
 fn level(contrast: f64) -> u8 {
     let inside = if contrast > 1.0 { 1.0 } else { contrast.max(0.0) };
@@ -291,7 +291,7 @@ mod tests {
         bench
     }
 
-    /// What is sent in some runs, with signs for what is no text.
+    /// Returns the characters sent in this number of cycles, with symbols for control sequences.
     fn sent(bench: &Bench, display: usize, runs: usize) -> String {
         let send = |_| {
             bench.run("lcd", 1_000_000);
@@ -326,7 +326,7 @@ mod tests {
         let bench = bench("ab%3i|cd||");
         sent(&bench, 0, 116);
         assert_eq!(sent(&bench, 0, 3), "ab ");
-        // What is begun is ended first; then the page, then the contrast.
+        // A part that has begun is completed first; then the page, then the contrast.
         bench.set("lcd.00.page_num", 1_u32);
         bench.set("lcd.00.contrast", 0.5);
         assert_eq!(sent(&bench, 0, 15), format!(" 0{CLEAR}$Cocd0{HOME}"));
@@ -337,7 +337,7 @@ mod tests {
         bench.set("lcd.00.page_num", 2_u32);
         bench.set("lcd.00.contrast", -1.0);
         assert_eq!(sent(&bench, 0, 11), format!("{CLEAR}$C 0{HOME}"));
-        // What is no number is sent once, as the least.
+        // NaN is sent once, as the minimum.
         bench.set("lcd.00.contrast", f64::NAN);
         assert_eq!(sent(&bench, 0, 8), format!("$C 0{HOME}"));
     }
@@ -365,7 +365,7 @@ mod tests {
         }
     }
 
-    /// A turn of a page ends after the most that its field, its end and what begins the next can take.
+    /// A page sequence ends within the longest output of its field, its end and the start of the next page.
     #[test]
     fn no_value_makes_a_page_longer() {
         let odd =
@@ -392,7 +392,7 @@ mod tests {
         }
     }
 
-    /// As LinuxCNC's: 0 ends a field but where it comes first.
+    /// As in LinuxCNC, 0 ends a field, except as its first character.
     #[test]
     fn a_separator_of_0() {
         for (text, shown) in [("a%2.1fb", "a00b0"), ("a%4.1fb", "a 0b0")] {

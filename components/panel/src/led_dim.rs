@@ -1,10 +1,10 @@
 //! `led_dim`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// Power of a lamp that shall look as bright as wanted.
+/// Power of a lamp for a wanted perceived brightness.
 ///
-/// The eye is not linear; this is the lightness of CIE 1931: for a lightness L up to 8 it is
-/// L / 903.3, above ((L + 16) / 116)³. LinuxCNC 2.9 does not have it.
+/// The eye does not respond linearly. The power follows the lightness of CIE 1931: L / 903.3 for a lightness L up to 8,
+/// and ((L + 16) / 116)³ above. LinuxCNC 2.9 does not have this component.
 ///
 /// # Example
 ///
@@ -21,10 +21,9 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct LedDim {
-    /// How bright it shall look, from 0 to 100; what is beyond is taken as the nearer of them, and
-    /// what is no number as 0.
+    /// Perceived brightness, from 0 to 100; values beyond are limited to that range, and NaN counts as 0.
     in_: In<f64>,
-    /// The power, from 0 to 1.
+    /// Power, from 0 to 1.
     out: Out<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! Operators' panels: knobs, buttons, keyboards, messages.
+//! Operator panels: knobs, buttons, keyboards, displays and messages.
 #![forbid(unsafe_code)]
 
 mod joyhandle;

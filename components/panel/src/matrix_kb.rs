@@ -4,16 +4,16 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 
-/// The most columns.
+/// Maximum number of columns.
 const COLUMNS: u32 = 32;
-/// The most rows.
+/// Maximum number of rows.
 const ROWS: u32 = 256;
-/// How many keys may be held if nobody says.
+/// Default number of keys that may be held.
 const ROLLOVER: u32 = 2;
-/// The code while nothing changes.
+/// Code while nothing changes.
 const IDLE: u32 = 0x40;
 
-/// Keyboards whose keys stand in rows and columns.
+/// Keyboards with keys in rows and columns.
 pub(crate) struct MatrixKb;
 
 impl Component for MatrixKb {
@@ -118,7 +118,7 @@ fn keyboard(b: &mut Builder<'_>, name: &str, size: &Size) -> Result<(), Error> {
     b.function(name, "Reads one row, and selects the next.", scan)
 }
 
-/// How large a keyboard is.
+/// Size of a keyboard.
 #[derive(Debug, PartialEq, Eq)]
 struct Size {
     rows: u32,
@@ -127,7 +127,7 @@ struct Size {
 }
 
 impl Size {
-    /// Reads a text such as `4x8s`.
+    /// Parses a text such as `4x8s`.
     fn read(text: &str) -> Result<Self, Error> {
         let lower = text.to_ascii_lowercase();
         let (digits, scans) = lower.strip_suffix('s').map_or((&*lower, false), |d| (d, true));
@@ -149,14 +149,14 @@ impl Size {
     }
 }
 
-/// What the codes of a keyboard mean.
+/// Layout of a keyboard's codes.
 #[derive(Clone, Copy, Debug)]
 struct Codes {
     rows: u32,
     columns: u32,
-    /// Bits of a number below those of the row.
+    /// Number of bits of the column, below the row.
     shift: u32,
-    /// What a code has beside the number as its key is pressed: two bits.
+    /// Two bits that a code has set while its key is pressed.
     press: u32,
 }
 
@@ -171,7 +171,7 @@ impl Codes {
         Self { rows, columns, shift, press }
     }
 
-    /// What a code has beside the number as its key is released: the upper of the two bits.
+    /// Returns the upper of the two bits, which a code has set when its key is released.
     const fn release(self) -> u32 {
         self.press / 3 * 2
     }
@@ -180,7 +180,7 @@ impl Codes {
         (row << self.shift) + column
     }
 
-    /// The place in a list of all keys of the key that a code names.
+    /// Returns the index of the key that a code names, in the list of all keys.
     fn place(self, code: u32) -> Option<usize> {
         let number = code & !self.press;
         let (row, column) = (number >> self.shift, number & ((1 << self.shift) - 1));
@@ -189,14 +189,14 @@ impl Codes {
     }
 }
 
-/// The keys of a keyboard.
+/// Keys of a keyboard.
 #[derive(Touch)]
 struct Keys {
-    /// Row by row.
+    /// Pins, row by row.
     pins: Vec<Out<bool>>,
     #[state]
     codes: Codes,
-    /// How many are held, as far as rollover goes.
+    /// Number of held keys, limited by the rollover.
     #[state]
     held: u32,
 }
@@ -220,7 +220,7 @@ impl Keys {
     }
 }
 
-/// A keyboard whose device tells codes.
+/// Keyboard whose device delivers codes.
 #[derive(Touch)]
 struct Told {
     keycode: In<u32>,
@@ -238,19 +238,19 @@ impl Update for Told {
     }
 }
 
-/// A row that is scanned.
+/// Row that is scanned.
 #[derive(Touch)]
 struct Row {
     pin: Out<bool>,
-    /// Its columns when it was read last, a bit each.
+    /// Columns at the last scan, one bit each.
     #[state]
     seen: u32,
-    /// And the time before that.
+    /// Columns at the scan before.
     #[state]
     before: u32,
 }
 
-/// A keyboard that is scanned.
+/// Keyboard that is scanned.
 #[derive(Touch)]
 struct Scan {
     columns: Vec<In<bool>>,
@@ -259,7 +259,7 @@ struct Scan {
     keycode: Out<u32>,
     rows: Vec<Row>,
     keys: Keys,
-    /// The row that is selected.
+    /// Selected row.
     #[state]
     selected: u32,
 }
@@ -292,7 +292,7 @@ impl Update for Scan {
 }
 
 impl Scan {
-    /// Tells those keys of a row that have changed.
+    /// Reports the keys of a row that have changed.
     fn tell(&mut self, row: u32, now: u32, changed: u32) {
         let codes = self.keys.codes;
         for column in (0..codes.columns).filter(|c| changed >> c & 1 != 0) {
@@ -381,7 +381,7 @@ mod tests {
         }
     }
 
-    /// Keys that stand where rows and columns cross.
+    /// Simulated keys at the crossings of rows and columns.
     struct Keyboard {
         bench: Bench,
         rows: u32,
@@ -409,7 +409,7 @@ mod tests {
             self.bench.run("kb", 1_000_000);
         }
 
-        /// Three scans with these keys held: the codes that are told, and the keys that are on.
+        /// Holds these keys for three scans. Returns the codes, and the keys that are on.
         fn hold(&mut self, keys: &[(u32, u32)]) -> (Vec<u32>, Vec<(u32, u32)>) {
             self.held = keys.to_vec();
             let mut codes = Vec::new();
@@ -440,9 +440,9 @@ mod tests {
     #[test]
     fn rollover() {
         let mut kb = Keyboard::new(4, 4, true);
-        // Of three in a row, only the last is seen in the code.
+        // Of three keys in a row, only the last appears in the code.
         assert_eq!(kb.hold(&[(0, 0), (0, 1), (0, 2)]), (vec![194], vec![(0, 0), (0, 1)]));
-        // The one that was not heard counts as it is released.
+        // Releasing the key that was ignored counts as well.
         assert_eq!(kb.hold(&[(0, 0), (0, 1)]), (vec![130], vec![(0, 0), (0, 1)]));
         let three = vec![(0, 0), (0, 1), (0, 3)];
         assert_eq!(kb.hold(&three), (vec![195], three));
@@ -486,7 +486,7 @@ mod tests {
         assert_eq!(said, wanted);
     }
 
-    /// Numbers as the table has them, in decimal as it is replayed.
+    /// Converts the numbers of a table to decimal, as the replay reads them.
     fn decimal(rows: &str) -> String {
         let number = |w: &str| {
             let hex = w.strip_prefix("0x").map(|h| u32::from_str_radix(h, 16).unwrap());

@@ -8,7 +8,7 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-/// A message that a bit gives.
+/// Message that a bit triggers.
 pub(crate) struct Message;
 
 impl Component for Message {
@@ -58,7 +58,7 @@ impl Component for Message {
     }
 }
 
-/// What a cycle says must live for ever: each text does once, however often it is loaded.
+/// Returns a text with static lifetime, which realtime messages need; equal texts are stored only once.
 fn lasting(text: String) -> &'static str {
     static TEXTS: Mutex<BTreeSet<&str>> = Mutex::new(BTreeSet::new());
     let mut texts = TEXTS.lock().unwrap_or_else(PoisonError::into_inner);
@@ -78,7 +78,7 @@ struct Run {
     messages: Messages,
     #[state]
     text: &'static str,
-    /// Whether it held in the run before.
+    /// True if the bit triggered the message in the previous cycle.
     #[state]
     held: bool,
     #[state]

@@ -1,7 +1,7 @@
 //! `toggle2nist` and `momentary2nist`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// A steady bit of one that bounces.
+/// Debounced bit.
 #[derive(Clone, Copy, Debug, Default)]
 struct Steady {
     is: bool,
@@ -9,7 +9,8 @@ struct Steady {
 }
 
 impl Steady {
-    /// Another value counts when it was seen in `runs` runs in a row. Whether it has just changed.
+    /// Updates the bit, which changes after `runs` cycles in a row with another value. Returns whether it has just
+    /// changed.
     fn follow(&mut self, bit: bool, runs: u32) -> bool {
         if bit == self.is {
             self.for_runs = 0;
@@ -25,7 +26,7 @@ impl Steady {
     }
 }
 
-/// A request to switch on or off, until it is obeyed or has lasted too long.
+/// Request to switch on or off, which lasts until the device obeys or the pulse is too long.
 #[derive(Clone, Copy, Debug, Default)]
 struct Request {
     on: bool,
@@ -48,11 +49,10 @@ impl Request {
     }
 }
 
-/// A toggle switch for a device with inputs for on and off.
+/// Toggle switch for a device with separate on and off inputs.
 ///
-/// Whenever the switch is moved, the device is asked to become what it is not. LinuxCNC 2.9 has
-/// neither `debounce` nor `max-pulse-length`: as there it is with a `debounce` of 0 or 1 and with pulses
-/// that are long enough.
+/// Whenever the switch is moved, the device is requested to change its state. LinuxCNC 2.9 has neither `debounce` nor
+/// `max-pulse-length`: a `debounce` of 0 or 1 and a long `max-pulse-length` give its behaviour.
 ///
 /// # Example
 ///
@@ -74,19 +74,19 @@ impl Request {
 #[derive(Component)]
 #[hal(name = "toggle2nist")]
 pub(crate) struct Toggle2nist {
-    /// The switch.
+    /// Toggle switch.
     in_: In<bool>,
-    /// Whether the device is on.
+    /// TRUE while the device is on.
     is_on: In<bool>,
-    /// In how many runs in a row the switch must be seen moved; 0 as 1.
+    /// Number of cycles in a row with the switch moved before it counts; 0 counts as 1.
     #[hal(default = 2)]
     debounce: In<u32>,
-    /// For how many runs `on` and `off` stay true at most.
+    /// Maximum number of cycles for which `on` and `off` stay true.
     #[hal(default = 100)]
     max_pulse_length: In<u32>,
-    /// Asks the device to switch on, until it is on.
+    /// Requests the device to switch on, until it is on.
     on: Out<bool>,
-    /// Asks the device to switch off, until it is off.
+    /// Requests the device to switch off, until it is off.
     off: Out<bool>,
     #[state]
     steady: Steady,
@@ -106,10 +106,10 @@ impl Update for Toggle2nist {
     }
 }
 
-/// A push button for a device with inputs for on and off.
+/// Push button for a device with separate on and off inputs.
 ///
-/// Whenever the button is pressed, the device is asked to become what it is not. LinuxCNC 2.9 does not
-/// have it.
+/// Whenever the button is pressed, the device is requested to change its state. LinuxCNC 2.9 does not have this
+/// component.
 ///
 /// # Example
 ///
@@ -132,19 +132,19 @@ impl Update for Toggle2nist {
 #[derive(Component)]
 #[hal(name = "momentary2nist")]
 pub(crate) struct Momentary2nist {
-    /// The button.
+    /// Push button.
     in_: In<bool>,
-    /// Whether the device is on.
+    /// TRUE while the device is on.
     is_on: In<bool>,
-    /// In how many runs in a row the button must be seen changed; 0 as 1.
+    /// Number of cycles in a row with the button changed before it counts; 0 counts as 1.
     #[hal(default = 2)]
     debounce: In<u32>,
-    /// For how many runs `on` and `off` stay true at most.
+    /// Maximum number of cycles for which `on` and `off` stay true.
     #[hal(default = 100)]
     max_pulse_length: In<u32>,
-    /// Asks the device to switch on, until it is on.
+    /// Requests the device to switch on, until it is on.
     on: Out<bool>,
-    /// Asks the device to switch off, until it is off.
+    /// Requests the device to switch off, until it is off.
     off: Out<bool>,
     #[state]
     steady: Steady,

@@ -1,11 +1,10 @@
 //! `xhc_hb04_util`.
 use hal_component::{Component, In, Out, Period, Update, to_s32};
 
-/// Logic of a hand-held panel such as the XHC-HB04: its start button and its displays.
+/// Logic of a hand-held pendant such as the XHC-HB04: its start button and its displays.
 ///
-/// The button starts an idle program, else pauses a running one, else resumes a paused one; what was
-/// chosen stays until the button is released. Besides there are four low-pass filters for
-/// integers and a division.
+/// The button starts a program if none runs, pauses a running one, or resumes a paused one; the chosen output stays
+/// true until the button is released. There are also four low-pass filters for integers, and a division.
 ///
 /// # Example
 ///
@@ -23,38 +22,38 @@ use hal_component::{Component, In, Out, Period, Update, to_s32};
 #[derive(Component)]
 #[hal(name = "xhc_hb04_util")]
 pub(crate) struct XhcHb04Util {
-    /// The button for start and pause.
+    /// Button for start and pause.
     start_or_pause: In<bool>,
-    /// Whether a program is paused, from `halui.program.is-paused`.
+    /// TRUE while a program is paused, from `halui.program.is-paused`.
     is_paused: In<bool>,
-    /// Whether no program runs, from `halui.program.is-idle`.
+    /// TRUE while no program runs, from `halui.program.is-idle`.
     is_idle: In<bool>,
-    /// Whether a program runs, from `halui.program.is-running`.
+    /// TRUE while a program runs, from `halui.program.is-running`.
     is_running: In<bool>,
-    /// Asks to pause, for `halui.program.pause`.
+    /// Requests a pause, for `halui.program.pause`.
     pause: Out<bool>,
-    /// Asks to go on, for `halui.program.resume`.
+    /// Requests to resume, for `halui.program.resume`.
     resume: Out<bool>,
-    /// Asks to start, for `halui.program.run`.
+    /// Requests a start, for `halui.program.run`.
     run: Out<bool>,
     /// Input of a filter.
     #[hal(name = "in#", count = 4_u32)]
     in_: Vec<In<i32>>,
-    /// Output of a filter: its number times its scale, rounded, halves down; out of range: the lowest.
+    /// Output of a filter: its value times `scale`, rounded to the nearest, halves down; -2147483648 if out of range.
     #[hal(name = "out#", count = 4_u32)]
     out: Vec<Out<i32>>,
-    /// Scale of a filter: the unit of its output per that of its input.
+    /// Scale of a filter: output units per input unit.
     #[hal(name = "scale#", count = 4_u32, default = 1.0)]
     scale: Vec<In<f64>>,
-    /// How much of the difference a filter follows in a run, 0 to 1, without its sign; beyond
-    /// that it follows all.
+    /// Fraction of the difference that a filter follows in each cycle, 0 to 1; the sign is ignored, and a value beyond
+    /// 1 counts as 1.
     #[hal(name = "coef#", count = 4_u32, default = 1.0)]
     coef: Vec<In<f64>>,
-    /// The number to divide, in any unit.
+    /// Dividend, in any unit.
     divide_by_k_in: In<f64>,
-    /// `divide-by-k-in` / `k`, in the unit of one per that of the other; 1e99 when `k` is 0.
+    /// `divide-by-k-in` / `k`, in the quotient of their units; 1e99 if `k` is 0.
     divide_by_k_out: Out<f64>,
-    /// What to divide by, in any unit.
+    /// Divisor, in any unit.
     #[hal(default = 1.0)]
     k: In<f64>,
     #[state]
@@ -85,7 +84,7 @@ impl Update for XhcHb04Util {
     }
 }
 
-/// The nearest integer, the lower of two; out of range the lowest.
+/// Returns the nearest integer, with halves rounded down; out of range, the lowest integer.
 fn whole(number: f64) -> i32 {
     to_s32(libm::ceil(number - 0.5))
 }

@@ -1,6 +1,7 @@
-//! `gantry` against the geometry of a beam: joints that follow their command at once, with a switch each that is pressed from a
-//! place on. A joint that reaches its switch waits there for the last of the first two, and from then on all are as far from
-//! their switches as they came to them. Steps are whole numbers of 1/64, which single precision keeps exactly.
+//! Test of `gantry` against the geometry of a beam: joints follow their command at once, and each has a switch that is
+//! pressed from some position on. A joint that reaches its switch waits there for the later of the first two joints;
+//! from then on, all joints keep the distances from their switches. Steps are multiples of 1/64, which single precision
+//! holds exactly.
 
 use super::Gantry;
 use hal_component::bench::{Bench, Random};
@@ -9,9 +10,9 @@ const STEP: f64 = 1.0 / 64.0;
 
 struct Beam {
     bench: Bench,
-    /// Where each joint's switch begins.
+    /// Position of each joint's switch.
     switches: Vec<f64>,
-    /// 1 searches upward, -1 downward.
+    /// Direction of the search: 1 upward, -1 downward.
     way: f64,
     command: f64,
 }
@@ -32,7 +33,7 @@ impl Beam {
         self.bench.get(&format!("gantry.0.joint.{joint:02}.offset"))
     }
 
-    /// A period in which the command moves by so many steps.
+    /// Runs one period in which the command moves by this number of steps.
     fn go(&mut self, steps: f64) {
         for (i, switch) in self.switches.iter().enumerate() {
             let at = self.place(i);
@@ -51,7 +52,8 @@ impl Beam {
     }
 }
 
-/// At n steps a period, a joint is pressed after as many periods as its switch is away; a period later it waits.
+/// At n steps per period, a joint reaches its switch after as many periods as the switch is away, and waits from the
+/// next period on.
 #[test]
 fn a_beam_is_squared_at_its_switches() {
     let mut random = Random::new(1);
@@ -69,13 +71,13 @@ fn a_beam_is_squared_at_its_switches() {
             let (any, all) = (now > periods[0].min(periods[1]), now > last);
             assert_eq!((beam.is("limit"), beam.is("home")), (any, all), "{away:?} in {period}");
             for (i, pressed) in periods.iter().enumerate() {
-                // It waits from its switch on until the last one is there.
+                // The joint waits from its own switch until the last one is reached.
                 let waited = now.min(last) - now.min(*pressed);
                 assert_eq!(beam.offset(i), waited * n * STEP * way, "{away:?} {i} in {period}");
                 assert_eq!(beam.place(i), beam.command - beam.offset(i));
             }
         }
-        // Back off: all come with the command, and the axis is where the joint that came last is, without its offset.
+        // Backing off: all joints follow the command, and the axis is at the last joint's position without its offset.
         let offsets = [beam.offset(0), beam.offset(1)];
         let late = usize::from(periods[1] > periods[0]);
         while beam.command != 0.0 {
@@ -85,9 +87,9 @@ fn a_beam_is_squared_at_its_switches() {
         assert!(!beam.is("home") && !beam.is("limit"));
         assert_eq!(offsets[late], 0.0);
         let fb: f64 = beam.bench.get("gantry.0.position-fb");
-        // What is fed back is a period old.
+        // The feedback is one period old.
         assert_eq!(fb, beam.command + way * STEP, "{away:?}");
-        // Joints that lag differ: it is the last one that tells.
+        // With different lags, the last joint's position counts.
         for (i, lag) in [3.0, 5.0].iter().enumerate() {
             beam.bench.set(&format!("gantry.0.joint.{i:02}.pos-fb"), beam.place(i) - lag);
         }
@@ -97,7 +99,7 @@ fn a_beam_is_squared_at_its_switches() {
     }
 }
 
-/// Away from the switches, at rest, or without a search nobody waits.
+/// No joint waits when away from the switches, at rest, or without a search.
 #[test]
 fn only_a_search_waits() {
     for (search, steps) in [(-3.0, 1.0), (3.0, -1.0), (0.0, 1.0), (0.0, -1.0), (-3.0, 0.0)] {

@@ -1,25 +1,25 @@
-//! Realtime. Numbers as characters in fields, and the line of characters that wait to be sent.
+//! Realtime. Conversion of numbers to fields of characters, and the queue of characters to send.
 
-/// The longest field.
+/// Maximum width of a field.
 pub(super) const LONGEST: usize = 20;
 
-/// 2 to the 64th.
+/// 2 to the power of 64.
 const TOO_LARGE: f64 = (1_u128 << 64) as f64;
 
-/// How a value is shown.
+/// Format of a value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Field {
-    /// How many characters; 0 for as many as it takes.
+    /// Width in characters; 0 for as many as needed.
     pub(super) width: usize,
-    /// Whether it is filled up with zeros.
+    /// True if the field is padded with zeros.
     pub(super) zeros: bool,
-    /// Whether what is positive has a sign as well.
+    /// True if positive values have a sign as well.
     pub(super) plus: bool,
-    /// How many characters there are after the separator, with a float.
+    /// Number of decimals of a float.
     pub(super) decimals: usize,
 }
 
-/// Characters that wait to be sent.
+/// Characters waiting to be sent.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Line {
     bytes: [u8; LONGEST],
@@ -28,7 +28,7 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// These characters, up to the first that is 0; one that begins them is sent.
+    /// Makes a line of these characters, up to the first 0; a 0 at the start is sent.
     pub(super) fn of(text: &[u8]) -> Self {
         let mut line = Self::default();
         for (to, from) in line.bytes.iter_mut().zip(text) {
@@ -41,12 +41,12 @@ impl Line {
         line
     }
 
-    /// One character several times.
+    /// Makes a line of one character, repeated.
     pub(super) fn repeated(byte: u8, times: usize) -> Self {
         Self { bytes: [byte; LONGEST], len: times.min(LONGEST), sent: 0 }
     }
 
-    /// The next one.
+    /// Takes the next character.
     pub(super) fn next(&mut self) -> Option<u8> {
         let byte = *self.bytes.get(..self.len)?.get(self.sent)?;
         self.sent += 1;
@@ -55,11 +55,11 @@ impl Line {
 }
 
 impl Field {
-    /// A float, rounded away from zero in the middle.
+    /// Formats a float; halves are rounded away from zero.
     pub(super) fn float(self, value: f64, separator: u8) -> Line {
         let power = (0..self.decimals).fold(1.0, |power, _| power * 10.0);
         let scaled = value.abs() * power + 0.5;
-        // What is too large for 64 bits, and what is no number, as x86 converts it.
+        // Values above 64 bits, and NaN, convert as on x86.
         let digits = if scaled.is_nan() {
             1 << 63
         } else if scaled < TOO_LARGE {
@@ -71,18 +71,18 @@ impl Field {
         self.number(value < 0.0, digits, 10, separator, true)
     }
 
-    /// An integer with a sign.
+    /// Formats a signed integer.
     pub(super) fn signed(self, value: i32) -> Line {
         self.number(value < 0, u64::from(value.unsigned_abs()), 10, None, false)
     }
 
-    /// One without, in base 8, 10 or 16.
+    /// Formats an unsigned integer, in base 8, 10 or 16.
     pub(super) fn unsigned(self, value: u32, base: u64) -> Line {
         Self { plus: false, ..self }.number(false, u64::from(value), base, None, false)
     }
 
-    /// From the right: decimals, separator, digits, then zeros, the sign, and blanks. What does not
-    /// fit is asterisks, after the sign, and of a float after the leftmost digit that does.
+    /// Writes from the right: decimals, separator, digits, then zeros, the sign, and blanks. A value that does not fit
+    /// is shown as asterisks after the sign; for a float, the asterisks follow the leftmost digit that fits.
     fn number(
         self,
         negative: bool,
@@ -94,7 +94,7 @@ impl Field {
         let sign = if negative { Some(b'-') } else { Some(b'+').filter(|_| self.plus) };
         let room = if self.width == 0 { LONGEST } else { self.width.min(LONGEST) };
         let mut field = [b' '; LONGEST];
-        // The leftmost character that is written, and the leftmost that a digit may have.
+        // Leftmost character written so far, and the leftmost position of a digit.
         let (mut at, first) = (room, usize::from(sign.is_some()).min(room));
         let mut put = |byte: u8| {
             let fits = at > first;
@@ -157,7 +157,7 @@ mod tests {
         Field { width, decimals, zeros: flags.contains('0'), plus: flags.contains('+') }
     }
 
-    /// Widths, decimals and flags, and what LinuxCNC's component makes of values.
+    /// Widths, decimals and flags, with the output of LinuxCNC's component.
     #[test]
     fn floats() {
         for (width, decimals, flags, shown) in [

@@ -1,39 +1,39 @@
-//! The language of `fmt_strings=`: text, escapes and formats of values, by pages.
+//! Parser of `fmt_strings=`: text, escapes and formats of values, by pages.
 
 use super::field::{Field, LONGEST};
 
-/// A part of a page.
+/// Part of a page.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Part {
-    /// A character that stands for itself.
+    /// Literal character.
     Byte(u8),
-    /// The rest of the line is cleared, and the next begins.
+    /// Line break: clears the rest of the line and begins the next.
     NewLine,
     /// Four blanks.
     Tab,
-    /// A value.
+    /// Formatted value.
     Value(Kind, Field),
 }
 
-/// What a value is, and how it is written.
+/// Type of a value, and its notation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// A float with decimals.
+    /// Float with decimals.
     Float,
-    /// An integer with a sign.
+    /// Signed integer.
     Signed,
-    /// One without, in this base.
+    /// Unsigned integer, in this base.
     Unsigned(u64),
-    /// A character by its code, repeated over the field.
+    /// Character given by its code, repeated over the field.
     Character,
-    /// One character for true, another for false.
+    /// Character for true, and character for false.
     Bit(u8, u8),
 }
 
-/// Decimals if nobody says.
+/// Default number of decimals.
 const DECIMALS: usize = 4;
 
-/// The pages of one display.
+/// Parses the pages of one display.
 pub(super) fn read(text: &str) -> Result<Vec<Vec<Part>>, String> {
     if text.is_empty() {
         return Err("there is nothing to show".to_owned());
@@ -55,7 +55,7 @@ fn page(text: &str) -> Result<Vec<Part>, String> {
     Ok(parts)
 }
 
-/// What follows a backslash.
+/// Parses the part after a backslash.
 fn escape(rest: &[u8]) -> Result<(Part, &[u8]), String> {
     match rest {
         [b'n' | b'N', after @ ..] => Ok((Part::NewLine, after)),
@@ -64,7 +64,7 @@ fn escape(rest: &[u8]) -> Result<(Part, &[u8]), String> {
     }
 }
 
-/// What follows the backslash of a single character.
+/// Parses the part after the backslash of a single character.
 fn code(rest: &[u8]) -> Result<(u8, &[u8]), String> {
     let digit = |d: &u8| char::from(*d).to_digit(16).and_then(|d| u8::try_from(d).ok());
     match rest {
@@ -79,7 +79,7 @@ fn code(rest: &[u8]) -> Result<(u8, &[u8]), String> {
     }
 }
 
-/// What follows a percent sign.
+/// Parses the part after a percent sign.
 fn value(mut rest: &[u8]) -> Result<(Part, &[u8]), String> {
     if let [b'%', after @ ..] = rest {
         return Ok((Part::Byte(b'%'), after));
@@ -133,7 +133,7 @@ fn value(mut rest: &[u8]) -> Result<(Part, &[u8]), String> {
     Ok((Part::Value(kind, field), after))
 }
 
-/// One of the characters that a bit is shown by.
+/// Parses one of the two characters that show a bit.
 fn character(rest: &[u8]) -> Result<(u8, &[u8]), String> {
     match rest {
         [b'\\', after @ ..] => code(after),
@@ -142,7 +142,7 @@ fn character(rest: &[u8]) -> Result<(u8, &[u8]), String> {
     }
 }
 
-/// A number that stands there; what is larger than any is the largest.
+/// Parses a decimal number, which saturates at the maximum.
 fn number(rest: &mut &[u8]) -> Option<usize> {
     let mut number = None;
     while let [digit @ b'0'..=b'9', after @ ..] = *rest {
