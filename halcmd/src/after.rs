@@ -1,20 +1,20 @@
-//! What a command says once more when it has failed, as users know it.
+//! Messages that follow the error of a failed command, as in LinuxCNC.
 
 use crate::{Command, Error};
 use hal_protocol::Request;
 
-/// The last words of a command that fails.
+/// Messages at the end of a failed command.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Last {
-    /// None.
+    /// No message.
     Nothing,
-    /// `newsig failed`.
+    /// `newsig failed` and the like.
     Plain(&'static str),
     /// `insmod for MODULE failed, returned -1`.
     Load(String),
-    /// `rmmod failed, returned -1`, and which module.
+    /// `rmmod failed, returned -1`, and a line with the name of the module.
     Unload(String),
-    /// `net`: by what failed.
+    /// `net`: depends on the error.
     Net(String),
 }
 
@@ -54,7 +54,8 @@ impl Last {
             Self::Unload(name) => {
                 vec!["rmmod failed, returned -1".to_owned(), format!("unloadrt failed on '{name}'")]
             }
-            // What is checked first begins with a capital or a quote, and says all.
+            // Errors of the first checks begin with a capital or a quote, and need no further
+            // message.
             Self::Net(_) if !failure.text.starts_with(|c: char| c.is_ascii_lowercase()) => {
                 Vec::new()
             }
@@ -68,7 +69,8 @@ impl Last {
         }
     }
 
-    /// Whether the sentence before is the library's, which `-Q` keeps quiet.
+    /// Returns whether `-Q` suppresses the preceding error message, as LinuxCNC does for errors of
+    /// its library.
     pub(crate) const fn is_enough(&self) -> bool {
         matches!(self, Self::Plain(_))
     }

@@ -1,4 +1,4 @@
-//! `apply`: the lines of a file, given to a running engine all or nothing.
+//! `apply`: applies the lines of a file to a running engine in one transaction, all or nothing.
 
 use crate::{
     Bytes, Command, Error, Fault, Outcome, Session,
@@ -14,23 +14,23 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// What standard input is called.
+/// Name of standard input in messages.
 const STDIN: &str = "<stdin>";
 
-/// The lines of a file that is read to be applied.
+/// Lines of a file that are collected for `apply`.
 #[derive(Debug, Default)]
 pub(crate) struct Plan {
     files: Vec<String>,
     edits: Vec<Edit>,
-    /// What each edit was made of.
+    /// Source text of each edit.
     texts: Vec<Text>,
-    /// The line that is read.
+    /// The line that is being read.
     line: Option<Line>,
-    /// What is printed when all is done, and where it stands.
+    /// Text that `print` commands write after a successful apply, with file and line.
     said: Vec<(String, u32, String)>,
 }
 
-/// A line in its words, and what is said when it fails.
+/// A line as words, and the messages that follow its failure.
 #[derive(Debug)]
 struct Text {
     line: Option<Line>,
@@ -39,14 +39,14 @@ struct Text {
 }
 
 impl Plan {
-    /// What is understood next stands in this line.
+    /// Sets the line from which the next edits come.
     pub(crate) fn stand_on(&mut self, line: &Line) {
         self.line = Some(line.clone());
     }
 }
 
 impl Session<'_> {
-    /// Reads a file whole, then asks for all of it at once.
+    /// Reads a file completely, then sends all its lines in one request.
     pub(crate) fn apply(&mut self, apply: &Apply) -> Result<(), Error> {
         let (name, text) = self.text_of(apply)?;
         let ini = apply.ini.as_ref().map(|path| Ini::read(Path::new(path))).transpose()?;
@@ -68,7 +68,7 @@ impl Session<'_> {
         done
     }
 
-    /// Where a file of this name is.
+    /// Returns the path for the name of a file.
     pub(crate) fn found_at(&self, path: &str) -> PathBuf {
         self.folder.as_ref().map_or_else(|| path.into(), |f| f.join(path))
     }
@@ -141,7 +141,7 @@ impl Session<'_> {
         self.terminal.err(&format!("{name}: {text}\n"));
     }
 
-    /// Takes a line into the plan, or says why it cannot be part of one.
+    /// Adds a line to the plan, or returns the reason why it cannot be part of a plan.
     pub(crate) fn plan(&mut self, statement: &Statement, command: Command) -> Result<(), Error> {
         let last = Last::of(&command);
         let request = match command {
@@ -180,7 +180,7 @@ fn counted(n: usize, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
-/// Whether it changes what the engine can take back.
+/// Returns whether the request is a change that the engine can undo.
 const fn is_edit(request: &Request) -> bool {
     matches!(
         request,
@@ -205,7 +205,7 @@ const fn is_edit(request: &Request) -> bool {
     )
 }
 
-/// Why a command cannot be part of a change that is made whole.
+/// Returns the reason why a command cannot be part of an all-or-nothing change.
 const fn why_not(command: &Command) -> &'static str {
     match command {
         Command::Launch(_) => "a program that was started cannot be taken back",

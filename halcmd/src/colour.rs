@@ -1,15 +1,15 @@
-//! Whether a person looks, and in colours.
+//! Detection of a person at the terminal, and of colours.
 
 use std::{env, os::fd::AsFd};
 
-/// Whether a person types and looks at a terminal that can move its cursor.
+/// Returns whether a person types and reads at a terminal that can move its cursor.
 pub(crate) fn is_person() -> bool {
     let both =
         rustix::termios::isatty(std::io::stdin()) && rustix::termios::isatty(std::io::stdout());
     both && is_able()
 }
 
-/// Whether what is written there may be coloured.
+/// Returns whether output to this file descriptor may be coloured.
 pub(crate) fn wanted(fd: impl AsFd) -> bool {
     let refused = env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
     !refused && rustix::termios::isatty(fd) && is_able()
@@ -19,12 +19,12 @@ fn is_able() -> bool {
     env::var("TERM").is_ok_and(|term| !matches!(term.as_str(), "" | "dumb"))
 }
 
-/// The sentence of an error.
+/// Colours the message of an error.
 pub(crate) fn error(text: &str, coloured: bool) -> String {
     if coloured { format!("\x1b[31m{text}\x1b[0m") } else { text.to_owned() }
 }
 
-/// A line of a script and the line that marks a part of it.
+/// Colours the marks under a line of a script.
 pub(crate) fn mark(excerpt: &str, coloured: bool) -> String {
     let lines = excerpt.split_inclusive('\n');
     let is_mark = |line: &str| {

@@ -1,4 +1,4 @@
-//! Commands, parsed.
+//! Parsed commands.
 
 use crate::{
     flight::Flight,
@@ -7,16 +7,16 @@ use crate::{
 };
 use hal_protocol::{Kind, Lock, Request, Type};
 
-/// A line that was understood.
+/// A parsed line.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
-    /// One request, and what `-v` says when it is done, in lines.
+    /// A request, and the lines that `-v` prints after it.
     Ask(Request, Option<String>),
-    /// One request whose value is printed.
+    /// A request whose value is printed.
     Value(Request),
-    /// One request whose value's type is printed.
+    /// A request, of which the type of the value is printed.
     TypeOf(Request),
-    /// `unload NAME`: whichever kind of component that is.
+    /// `unload NAME`, for any kind of component.
     Unload(String),
     /// `unload all`.
     UnloadAll,
@@ -24,25 +24,25 @@ pub enum Command {
     Launch(Launch),
     /// `waitusr`.
     AwaitEnd(String),
-    /// `show`; absent: every section.
+    /// `show`; `None` shows every section.
     Show(Option<ShowKind>, Option<Type>, Vec<String>),
     /// `list`.
     List(Kind, Vec<String>),
-    /// `save`: what, and the file.
+    /// `save`: parts and file.
     Save(SaveKind, Option<String>),
     /// `status`.
     Status(StatusKind),
-    /// `order`: of what, and whether as lines of a script.
+    /// `order`: machine, and whether to print lines of a script.
     Order(Subject, bool),
-    /// `graph`: of what, what of it, how, and the file.
+    /// `graph`: machine, selection, format and file.
     Graph(Subject, Wanted, Format, Option<String>),
-    /// `flight`, when it is no single request.
+    /// `flight`, when it takes more than a single request.
     Flight(Flight),
-    /// `check`, with its words.
+    /// `check`, with its arguments.
     Check(Vec<String>),
-    /// `explain`, with its words.
+    /// `explain`, with its arguments.
     Explain(Vec<String>),
-    /// `man`, with its words.
+    /// `man`, with its arguments.
     Man(Vec<String>),
     /// `print`.
     Print(Option<String>),
@@ -56,64 +56,65 @@ pub enum Command {
     Completion(&'static str),
     /// `watch`.
     Watch(Watch),
-    /// `meter`: what; absent: it is chosen.
+    /// `meter`: the item. With `None` the user chooses it.
     Meter(Option<String>),
     /// `help`.
     Help(Option<String>),
-    /// `lock`: the new level, or the bits to clear; absent: a word that means nothing.
+    /// `lock`: the new level, or the bits to clear; `None` for a word without a meaning.
     Lock(Option<LockChange>),
     /// `setexact_for_test_suite_only`.
     SetExact,
     /// A component's command.
     Component {
-        /// Such as `motion.jog`.
+        /// Name, such as `motion.jog`.
         name: String,
-        /// `NAME=VALUE` each.
+        /// Arguments, each `NAME=VALUE`.
         args: Vec<String>,
-        /// Whether to wait until it is carried out.
+        /// True to wait until the command is done.
         wait: bool,
     },
 }
 
-/// A machine to be looked at.
+/// The machine that `order` or `graph` examines.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Subject {
-    /// The files it is made of; none: the running one.
+    /// Files of the machine; empty for the running instance.
     pub files: Vec<String>,
-    /// The INI file of whose values the files speak.
+    /// INI file with the values that the files use.
     pub ini: Option<String>,
 }
 
-/// What `apply` was told.
+/// Arguments of `apply`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Apply {
-    /// The file; absent: standard input.
+    /// File; `None` for standard input.
     pub file: Option<String>,
-    /// Where values of `[SECTION]NAME` come from, if not from where they came before.
+    /// INI file for values of `[SECTION]NAME`; `None` for the session's own.
     pub ini: Option<String>,
-    /// Only check.
+    /// True to check without applying.
     pub dry: bool,
 }
 
-/// What `loadusr` was told.
+/// Arguments of `loadusr`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Launch {
-    /// Wait until the program ends.
+    /// True to wait until the program ends.
     pub until_end: bool,
-    /// Wait until its component is ready.
+    /// True to wait until the program's component is ready.
     pub until_ready: bool,
-    /// That component's name, if given.
+    /// Name of that component, if given.
     pub component: Option<String>,
-    /// Its status does not matter.
+    /// True to ignore the program's exit status.
     pub ignore_status: bool,
-    /// The program.
+    /// Name or path of the program.
     pub program: String,
-    /// Its arguments.
+    /// Arguments of the program.
     pub args: Vec<String>,
 }
 
 impl Launch {
-    /// The component it is expected to make: named, or after the program.
+    /// Returns the name of the component that the program should make: the given name, or that of
+    /// the program.
     #[must_use]
     pub fn expected(&self) -> String {
         self.component.clone().unwrap_or_else(|| {
@@ -126,13 +127,13 @@ impl Launch {
 /// A section of `show`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ShowKind {
-    /// Things of one kind.
+    /// Items of one kind.
     Of(Kind),
     /// Both kinds of aliases.
     Aliases,
 }
 
-/// What `save` writes.
+/// Parts that `save` writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SaveKind {
     /// `loadrt` lines.
@@ -155,9 +156,9 @@ pub enum SaveKind {
     Threads,
     /// Input pins without signal.
     LonePins,
-    /// What rebuilds the state.
+    /// All parts that are needed to rebuild the state.
     All,
-    /// The same with [`Self::LonePins`].
+    /// Like [`Self::All`], with [`Self::LonePins`].
     AllWithPins,
 }
 
@@ -174,11 +175,11 @@ pub enum StatusKind {
     Instance,
 }
 
-/// What `lock` and `unlock` do.
+/// Change of the lock level by `lock` or `unlock`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LockChange {
     /// Sets the level.
     To(Lock),
-    /// Takes bits away from the level.
+    /// Clears bits of the level.
     Without(Lock),
 }

@@ -1,17 +1,17 @@
-//! Why a line was refused, in the user's words.
+//! Errors of lines, files and options, in the user's words.
 
 use hal_output::Unwritten;
 use hal_protocol::Failure;
 
-/// Why a line, a file or an option was refused. What LinuxCNC has a sentence for is worded so.
+/// Error of a line, a file or an option. The messages are LinuxCNC's where it has one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the sentence of each variant is its documentation")]
 pub enum Error {
     /// The engine refused the request.
     Engine(Failure),
-    /// What is wrong has been said already, with its own place.
+    /// The error has been reported already, with its own place.
     Told,
-    /// What a command prints could not be written.
+    /// The output of a command could not be written.
     Output(Unwritten),
     UnterminatedQuote,
     TooManyTokens,
@@ -295,7 +295,7 @@ impl core::fmt::Display for Error {
 impl std::error::Error for Error {}
 
 impl Error {
-    /// What led to it, one sentence each, said first.
+    /// Returns the messages that precede the error, one sentence each.
     #[must_use]
     pub fn before(&self) -> Vec<String> {
         match self {

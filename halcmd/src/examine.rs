@@ -1,4 +1,4 @@
-//! Looking at a machine as a whole: the running one, or one on trial.
+//! `order` and `graph`: examination of the running machine, or of one on trial.
 
 use crate::{
     Command, Error, Session,
@@ -11,7 +11,7 @@ use crate::{
 };
 use hal_protocol::{Link, Reply, Request};
 
-/// Asks the machine that is looked at.
+/// Sends a request to the machine that is examined.
 type Ask<'a> = dyn FnMut(Request) -> Result<Reply, Error> + 'a;
 
 const ORDER: &[Opt<char>] = &[Opt::short_with('i', 'i', "FILE"), long('s', "script", None)];
@@ -30,7 +30,7 @@ const GRAPH: &[Opt<char>] = &[
     long('p', "params", None),
 ];
 
-/// The words of `graph`.
+/// Parses the arguments of `graph`.
 pub(crate) fn graph(words: &[String]) -> Result<Command, Error> {
     let (given, others) = mixed("graph", GRAPH, words)?;
     let has = |wanted| given.iter().any(|(id, _)| *id == wanted);
@@ -42,14 +42,14 @@ pub(crate) fn graph(words: &[String]) -> Result<Command, Error> {
         _ => None,
     });
     let format = said.or_else(|| Format::of(file.as_deref()?)).unwrap_or_default();
-    // What is no file of a machine is a pattern.
+    // A word that is not a file of a machine is a pattern.
     let is_file = |w: &String| w.ends_with(".hal") || w.ends_with(".ini") || w.contains('/');
     let (files, patterns) = others.into_iter().partition(is_file);
     let wanted = Wanted { patterns, all: has('a'), params: has('p') };
     Ok(Command::Graph(subject(&given, files), wanted, format, file))
 }
 
-/// The words of `order`.
+/// Parses the arguments of `order`.
 pub(crate) fn order(words: &[String]) -> Result<Command, Error> {
     let (given, files) = mixed("order", ORDER, words)?;
     let script = given.iter().any(|(id, _)| *id == 's');
@@ -59,13 +59,13 @@ pub(crate) fn order(words: &[String]) -> Result<Command, Error> {
 fn subject(given: &[(char, Option<String>)], files: Vec<String>) -> Subject {
     let ini = given.iter().rev().find(|(id, _)| *id == 'i').and_then(|(_, ini)| ini.clone());
     match ini {
-        // An INI file by itself is a machine.
+        // An INI file without other files is a machine.
         Some(ini) if files.is_empty() => Subject { files: vec![ini], ini: None },
         ini => Subject { files, ini },
     }
 }
 
-/// Options before, between and after other words.
+/// Parses options before, between and after other words.
 pub(crate) fn mixed<T: Copy>(
     command: &'static str,
     table: &[Opt<T>],
@@ -84,7 +84,7 @@ pub(crate) fn mixed<T: Copy>(
 }
 
 impl Session<'_> {
-    /// `order`.
+    /// Executes `order`.
     pub(crate) fn order(&mut self, subject: &Subject, script: bool) -> Result<(), Error> {
         let (reply, refused) = self.examine(subject, &mut |ask| ask(Request::Order))?;
         self.print(&reply, |reply| match reply {
@@ -95,7 +95,7 @@ impl Session<'_> {
         if refused { Err(Error::Told) } else { Ok(()) }
     }
 
-    /// `graph`.
+    /// Executes `graph`.
     pub(crate) fn graph(
         &mut self,
         subject: &Subject,
@@ -123,8 +123,8 @@ impl Session<'_> {
         if refused { Err(Error::Told) } else { Ok(()) }
     }
 
-    /// Asks the running machine, or one made of files. Lines of the files that are refused are
-    /// said; whether there were any comes back as well.
+    /// Examines the running machine, or a machine made from files. Reports refused lines of the
+    /// files, and returns whether there were any.
     fn examine<T>(
         &mut self,
         subject: &Subject,

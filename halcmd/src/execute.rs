@@ -1,4 +1,4 @@
-//! What each command does.
+//! Execution of commands.
 
 use crate::{
     Command, Error, Session, check,
@@ -15,13 +15,13 @@ use std::{
     path::Path,
 };
 
-/// The code of a failure that says that something is not there.
+/// Failure code for a name that does not exist.
 const ENOENT: i32 = -2;
 
-/// Why a command is still under way when waiting for it ends.
+/// Reason why a command was not completed when the wait for it ends.
 const STOPPED: &str = "the threads have stopped before it was carried out";
 
-/// The sections of `show`, in order.
+/// Sections of `show`, in order.
 const SECTIONS: &[(Kind, &str)] = &[
     (Kind::Components, "Loaded HAL Components:"),
     (Kind::Pins, "Component Pins:"),
@@ -97,7 +97,7 @@ impl Session<'_> {
             Command::Source(path) => self.source(&path)?,
             Command::Apply(apply) => self.apply(&apply)?,
             Command::Help(about) => {
-                // As the reference: what has no help is said, and is no failure.
+                // As in LinuxCNC, missing help is a message and not an error.
                 let about = about.as_deref();
                 let text = help::help(about).unwrap_or_else(|e| format!("{}\n", e.whole()));
                 self.text(&text, || help::object(about))?;
@@ -112,7 +112,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// Says what `-v` says: the engine's sentences if it has any, or ours.
+    /// Prints the `-v` message of a command: the engine's lines if there are any, or else `note`.
     fn done(&mut self, reply: &Reply, note: Option<&str>) {
         if let Reply::Noted(lines) = reply {
             for line in lines {
@@ -125,7 +125,7 @@ impl Session<'_> {
         }
     }
 
-    /// Prints a reply in words, or as it came.
+    /// Prints a reply in words, or with `--json` as it is.
     pub(crate) fn print(
         &mut self,
         reply: &Reply,
@@ -139,13 +139,13 @@ impl Session<'_> {
         Ok(self.terminal.out(&text)?)
     }
 
-    /// Prints a text of our own, or the object that stands for it.
+    /// Prints a text, or with `--json` an object.
     fn text(&mut self, text: &str, object: impl FnOnce() -> Value) -> Result<(), Error> {
         let text = if self.style.json { format!("{}\n", object()) } else { text.to_owned() };
         Ok(self.terminal.out(&text)?)
     }
 
-    /// The same for listings, which `-Q` keeps quiet.
+    /// Prints a listing like [`Self::print`], unless `-Q` suppresses it.
     fn listing(
         &mut self,
         reply: &Reply,
@@ -169,7 +169,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// That there is no component of this name, and which is near.
+    /// Returns the error for an unknown component, with the nearest name.
     fn not_loaded(&mut self, name: &str) -> Result<Error, Error> {
         let all = Request::List { kind: Kind::Components, patterns: Vec::new(), ty: None };
         let Reply::Components(list) = self.ask(all)? else { return Err(Error::Unexpected) };
@@ -242,7 +242,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// The state of the instance.
+    /// Returns the state of the instance.
     pub(crate) fn state(&mut self) -> Result<StatusInfo, Error> {
         match self.ask(Request::Status)? {
             Reply::Status(status) => Ok(*status),
@@ -259,7 +259,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// Says that no component offers this command, or else what the command said.
+    /// Returns the error that no component offers this command, or else the command's own failure.
     fn unknown(&mut self, name: &str, failure: Failure) -> Error {
         let all = Request::List { kind: Kind::Commands, patterns: Vec::new(), ty: None };
         match self.ask(all) {
@@ -291,7 +291,7 @@ impl Session<'_> {
             Reply::Ticket(TicketInfo::Failed(why)) => {
                 Err(Error::GivenUp { command: name.into(), why: why.into() })
             }
-            // Nothing carries it out any more.
+            // The threads have stopped, so nothing will complete the command.
             Reply::Ticket(TicketInfo::Pending) if !self.link.is_ending() => {
                 Err(Error::GivenUp { command: name.into(), why: STOPPED.into() })
             }
@@ -301,7 +301,7 @@ impl Session<'_> {
     }
 }
 
-/// Writes what a command was told to put into a file; what stood there stays until all of it is written.
+/// Writes a text to a file. The old content stays until the new one is complete.
 pub(crate) fn written(file: &str, text: &str) -> Result<(), Error> {
     let why = |e: &io::Error| crate::ini::plain(e);
     let mut out = Whole::create(Path::new(file))

@@ -1,21 +1,21 @@
-//! What is wrong with a line, and where.
+//! Faults: the error of a line and its position.
 
 use crate::{Error, lex::is_arrow};
 use hal_protocol::Failure;
 
-/// Bytes of a line, from and to.
+/// Byte range in a line.
 pub type Span = core::ops::Range<usize>;
 
-/// Why a line was refused.
+/// Error of a refused line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// What is wrong.
+    /// The error.
     pub error: Box<Error>,
-    /// Where: bytes of the line as it was joined; absent when no part of it is to blame.
+    /// Bytes of the joined line to which the error refers; `None` if it refers to no part of it.
     pub at: Option<Span>,
-    /// What is said after it.
+    /// Messages that follow.
     pub after: Vec<String>,
-    /// Whether that is enough for those who want to hear little (`-Q`).
+    /// True if `-Q` omits the error and prints only those messages.
     pub(crate) quiet: bool,
 }
 
@@ -31,7 +31,8 @@ impl From<Error> for Fault {
     }
 }
 
-/// Which words of a command an error is about; those after the last one when one is missing.
+/// Returns the range of words to which an error refers. For a missing word it is after the last
+/// word.
 pub(crate) fn blamed(error: &Error, words: &[String]) -> Span {
     let count = words.len();
     let one = |n: usize| n..n + 1;
@@ -70,7 +71,7 @@ pub(crate) fn blamed(error: &Error, words: &[String]) -> Span {
     }
 }
 
-/// The word that the engine refused, if it names one; else the value that was to be set.
+/// Returns the word that the engine refused, or else the value that was to be set.
 fn refused(failure: &Failure, words: &[String]) -> Span {
     let named = failure.word.as_deref().and_then(|word| find(words, word));
     match (named, words) {
@@ -85,7 +86,7 @@ fn refused(failure: &Failure, words: &[String]) -> Span {
     }
 }
 
-/// The word of this text, or that gives an argument of this name.
+/// Finds the word with this text, or the one that sets an argument of this name.
 fn find(words: &[String], text: &str) -> Option<usize> {
     let position =
         |fits: &dyn Fn(&str) -> bool| words.iter().skip(1).position(|w| fits(w)).map(|n| n + 1);
@@ -95,7 +96,8 @@ fn find(words: &[String], text: &str) -> Option<usize> {
         .or_else(|| words.first().filter(|w| *w == text).map(|_| 0))
 }
 
-/// The first word that is too many; arrows do not count where they mean nothing.
+/// Returns the index of the first surplus word. Arrows are not counted in commands that ignore
+/// them.
 fn surplus(words: &[String], wanted: usize) -> usize {
     let joins = words.first().is_some_and(|w| matches!(w.as_str(), "linkps" | "linksp"));
     let counted = |(_, w): &(usize, &String)| !(joins && is_arrow(w));

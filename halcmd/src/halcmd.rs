@@ -15,7 +15,7 @@ use crate::{
 use hal_protocol::Place;
 use std::{path::Path, process::ExitCode};
 
-/// The options of halcmd; the first nine are those of every script.
+/// Options of halcmd. The first nine apply to every script.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the table of options says what each does")]
 pub enum Id {
@@ -36,7 +36,7 @@ pub enum Id {
     Complete,
 }
 
-/// The options that halcmd and halrun have in common.
+/// Options that halcmd and halrun have in common.
 pub const COMMON: [Opt<Id>; 9] = [
     short(Id::Echo, 'e', "print each line before it is carried out"),
     short(Id::KeepGoing, 'k', "keep going after a line that fails"),
@@ -78,7 +78,7 @@ const fn long(name: &'static str, id: Id, help: &'static str) -> Opt<Id> {
     Opt { id, short: None, long: Some(name), value: None, variable: None, help }
 }
 
-/// Adds what an option says about how a session talks.
+/// Applies an option to the style of a session.
 pub fn apply(style: &mut Style, id: Id) {
     match id {
         Id::Echo => style.echo = true,
@@ -92,7 +92,7 @@ pub fn apply(style: &mut Style, id: Id) {
     }
 }
 
-/// Runs the program with these words.
+/// Runs the program with these command line arguments.
 #[must_use]
 pub fn main(words: &[String]) -> ExitCode {
     let mut terminal = Stdio;
@@ -179,13 +179,14 @@ fn run(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
     Ok(u8::from(outcome != Outcome::Good))
 }
 
-/// Its options, for completion.
+/// Returns the options for completion.
 pub(crate) fn completable() -> Vec<Opt<()>> {
     plain(OPTIONS)
 }
 
-/// `-C`: bash gives the program, the word that is being typed and the one before; the line and
-/// how far it counts are in the environment. With `HAL_COMPLETE=about`, what each word is follows.
+/// Executes `-C`. bash passes the program, the word being typed and the one before; the line and
+/// the cursor position are in the environment. With `HAL_COMPLETE=about`, each word is followed by
+/// its description.
 fn complete_line(rest: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
     let line = std::env::var("COMP_LINE").unwrap_or_default();
     let point = std::env::var("COMP_POINT").ok().and_then(|p| p.parse::<usize>().ok());
@@ -199,7 +200,7 @@ fn complete_line(rest: &[String], terminal: &mut dyn Terminal) -> Result<u8, Err
     Ok(if found.files { complete::COMPLETE_FILES } else { 0 })
 }
 
-/// The instance that is asked for.
+/// Returns the requested instance.
 fn place(name: Option<String>) -> Result<Place, Error> {
     Place::find(name.as_deref()).map_err(|why| Error::OptionValue {
         program: "halcmd",

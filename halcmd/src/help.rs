@@ -1,4 +1,4 @@
-//! What `help` prints, from the table of commands.
+//! The output of `help`, from the table of commands.
 
 use crate::{
     Error,
@@ -8,20 +8,20 @@ use crate::{
 
 use serde_json::{Value, json};
 
-/// How wide a terminal is at least.
+/// Assumed width of a terminal in columns.
 pub(crate) const WIDTH: usize = 78;
 
-/// What `help` prints; about one command if it is named.
+/// Returns the output of `help`, for all commands or for the named one.
 ///
 /// # Errors
-/// There is none of this name.
+/// There is no command of this name.
 pub fn help(about: Option<&str>) -> Result<String, Error> {
     let Some(name) = about else { return Ok(overview()) };
     let row = find(name).ok_or_else(|| Error::NoHelp { word: name.into(), near: near(name) })?;
     Ok(if name == "help" { format!("{}\n", row.help) } else { explained(row) })
 }
 
-/// The same for programs.
+/// Returns the same for programs, as an object.
 pub(crate) fn object(about: Option<&str>) -> Value {
     let brief = |title: &str, row: &Row| {
         json!({
@@ -45,12 +45,12 @@ pub(crate) fn object(about: Option<&str>) -> Value {
     json!({ "help": row })
 }
 
-/// The commands in groups, a line for each.
+/// Lists the commands in groups, one line each.
 fn overview() -> String {
     let mut text = String::from(
         "Use 'help <command>' for more details about each command\nAvailable commands:\n",
     );
-    // One name is for test suites and would push everything else aside.
+    // A long name for test suites is ignored here, because it would make the column too wide.
     let width = rows().map(|row| row.name.len()).filter(|n| *n <= 20).max().unwrap_or(0);
     for (title, rows) in GROUPS {
         text.push_str(&format!("\n{title}\n"));
@@ -64,7 +64,7 @@ fn overview() -> String {
     text
 }
 
-/// Everything that its row says about a command.
+/// Returns everything that the table says about a command.
 fn explained(row: &Row) -> String {
     let mut text = format!("{}\n{}\n", line(row), sentence(row.summary));
     if !row.help.is_empty() {
@@ -86,12 +86,13 @@ fn explained(row: &Row) -> String {
     text
 }
 
-/// A command as one types it.
+/// Returns the command with its arguments.
 pub(crate) fn line(row: &Row) -> String {
     format!("{} {}", row.name, row.usage).trim_end().to_owned()
 }
 
-/// With a capital letter and a full stop; what begins with a quotation is left as it is.
+/// Makes a sentence: a capital letter at the beginning, and a full stop at the end if there is
+/// none.
 pub(crate) fn sentence(text: &str) -> String {
     let mut rest = text.chars();
     let first = rest.next().map(|c| c.to_ascii_uppercase());
@@ -99,7 +100,7 @@ pub(crate) fn sentence(text: &str) -> String {
     format!("{}{}{stop}", first.unwrap_or_default(), rest.as_str())
 }
 
-/// A text in lines that fit a terminal, each moved to the right.
+/// Wraps a text to the width of a terminal, indented by `by`.
 pub(crate) fn wrapped(text: &str, by: usize) -> String {
     let mut out = " ".repeat(by);
     let mut at = by;
@@ -164,7 +165,7 @@ mod tests {
         assert_eq!(error, "No help for unknown command 'bogus'");
     }
 
-    /// What is an example can be understood, and the table says what its words may be.
+    /// Every example parses, and the table describes the arguments of every command.
     #[test]
     fn examples_are_right() {
         for row in rows() {

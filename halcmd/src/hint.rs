@@ -1,9 +1,9 @@
-//! What would be right instead.
+//! Remedies for errors.
 
 use crate::Error;
 
 impl Error {
-    /// What would be right, if that is known.
+    /// Returns the remedy, if there is one.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {
@@ -37,14 +37,14 @@ impl Error {
         }
     }
 
-    /// All of it in one line, for a program that ends with it.
+    /// Returns error and remedy in one line, for a program that ends with it.
     #[must_use]
     pub fn whole(&self) -> String {
         self.hint().map_or_else(|| self.to_string(), |hint| format!("{self}; {hint}"))
     }
 }
 
-/// The name among `names` that `word` was probably meant to be.
+/// Returns the name among `names` that `word` was probably meant to be.
 pub(crate) fn nearest<'a>(word: &str, names: impl Iterator<Item = &'a str>) -> Option<Box<str>> {
     let lower = word.to_lowercase();
     let near = |name: &str| strsim::damerau_levenshtein(&lower, &name.to_lowercase());

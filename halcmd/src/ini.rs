@@ -1,8 +1,8 @@
-//! INI files, as `hal-ini` reads them.
+//! INI files, read by `hal-ini`.
 
 pub use hal_ini::{Entry, Ini};
 
-/// The system's reason, without its number.
+/// Returns the system's reason, without the error number.
 pub(crate) fn plain(error: &std::io::Error) -> Box<str> {
     hal_output::reason(error).into()
 }

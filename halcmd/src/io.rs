@@ -1,21 +1,21 @@
-//! Lines that load `iocontrol`: as a program, as LinuxCNC has it, or once more after a start from
+//! Lines that load `iocontrol`, either as the program `io` of LinuxCNC, or again after a start from
 //! an INI file.
 
 use crate::{Command, Error, Session};
 use hal_protocol::{At, Code, Finding, Request};
 
-/// The component, and its other names.
+/// The name of the component, and its other names.
 const NAMES: [&str; 3] = ["iocontrol", "io", "iov2"];
 
 impl Session<'_> {
-    /// From here on the lines are those of a machine from an INI file, which has loaded
-    /// `iocontrol`.
+    /// Marks the following lines as those of a machine started from an INI file, which has
+    /// `iocontrol` loaded.
     pub(crate) const fn begin_machine(&mut self) {
         self.is_machine = true;
     }
 
-    /// Turns `loadusr io` into `loadrt iocontrol`, which is what `io` is here. Returns nothing
-    /// when the machine has it already: it stays as it was loaded, with its interlock.
+    /// Turns `loadusr io` into `loadrt iocontrol`, the component that replaces the program. Returns
+    /// `None` if the machine has loaded it already; it keeps its arguments and its interlock.
     pub(crate) fn with_own_io(&mut self, command: Command) -> Result<Option<Command>, Error> {
         let (module, args) = match &command {
             Command::Launch(launch) => {
@@ -60,7 +60,7 @@ impl Session<'_> {
         }
     }
 
-    /// The place of the line that is being carried out.
+    /// Returns the place of the line that is being executed.
     pub(crate) fn standing(&self) -> At {
         let (file, line) = self.place();
         At::new(file, line)

@@ -1,4 +1,4 @@
-//! Lines of a script become words.
+//! Splitting of script lines into words.
 
 use crate::{
     Error, Lines, Physical,
@@ -15,31 +15,31 @@ use nom::{
     sequence::delimited,
 };
 
-/// The most words on a line.
+/// Maximum number of words on a line.
 pub const MAX_WORDS: usize = 32;
 
-/// A line after joining: where it ends in the file, and what it says.
+/// A line after joining: text and line number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Line {
-    /// The number of its last physical line.
+    /// Number of its last physical line.
     pub number: u32,
-    /// Its text.
+    /// Text of the line.
     pub text: Result<String, Error>,
-    /// Where in the text its second physical line begins, and each further one.
+    /// Offsets in the text at which the second and each further physical line begins.
     pub breaks: Vec<usize>,
-    /// Set on the first line that ends as DOS writes it.
+    /// True on the first line that ends with CR LF.
     pub dos: bool,
 }
 
 impl Line {
-    /// One that stands alone.
+    /// Makes a line that consists of one physical line.
     #[must_use]
     pub fn single(number: u32, text: &str) -> Self {
         Self { number, text: Ok(text.to_owned()), breaks: Vec::new(), dos: false }
     }
 }
 
-/// Joins physical lines: `\` before the end of line continues it.
+/// Joins physical lines: a `\` before the end of line continues the line.
 #[derive(Debug)]
 pub struct Reader<L> {
     lines: L,
@@ -49,17 +49,18 @@ pub struct Reader<L> {
 }
 
 impl<L: Lines> Reader<L> {
-    /// Of a file or the terminal.
+    /// Reads a file or the terminal.
     pub const fn new(lines: L) -> Self {
         Self { lines, joins: true, number: 0, dos: false }
     }
 
-    /// Of a file that another one sources: nothing is joined.
+    /// Reads a file that another one sources. No lines are joined.
     pub const fn plain(lines: L) -> Self {
         Self { lines, joins: false, number: 0, dos: false }
     }
 
-    /// The next line; none at the end (what was still to be continued is dropped).
+    /// Returns the next line, or `None` at the end. An unfinished continued line at the end is
+    /// dropped.
     pub fn next(&mut self, link: &mut dyn Link) -> Option<Line> {
         let mut text = String::new();
         let mut breaks = Vec::new();
@@ -89,14 +90,14 @@ impl<L: Lines> Reader<L> {
     }
 }
 
-/// All lines of a text, for those who have it in one piece.
+/// Returns all lines of a text.
 #[must_use]
 pub fn lines(text: &[u8]) -> Vec<Line> {
     let mut reader = Reader::new(Bytes::new(text.to_vec()));
     core::iter::from_fn(|| reader.next(&mut Nobody)).collect()
 }
 
-/// Removes what follows a `#` outside quotes.
+/// Removes a comment, which begins with a `#` outside quotes.
 ///
 /// # Errors
 /// A quote is not closed.
@@ -104,13 +105,13 @@ pub fn without_comment(line: &str) -> Result<&str, Error> {
     uncomment(line).map_err(|fault| *fault.error)
 }
 
-/// The same, and where the quote is that is not closed.
+/// Like [`without_comment`], with the position of an unclosed quote.
 pub(crate) fn uncomment(line: &str) -> Result<&str, Fault> {
     let (rest, kept) = uncommented(line).unwrap_or((line, ""));
     if rest.is_empty() || rest.starts_with('#') { Ok(kept) } else { Err(unclosed(line, rest)) }
 }
 
-/// Splits at blanks; a quoted run keeps its blanks and its quotes.
+/// Splits at whitespace. A quoted run keeps its whitespace and its quotes.
 ///
 /// # Errors
 /// A quote is not closed, or there are more than [`MAX_WORDS`].
@@ -119,7 +120,7 @@ pub fn words(line: &str) -> Result<Vec<String>, Error> {
     Ok(spans.into_iter().filter_map(|span| line.get(span)).map(str::to_owned).collect())
 }
 
-/// Where the words of a line are.
+/// Returns the positions of the words in a line.
 pub(crate) fn spans(line: &str) -> Result<Vec<Span>, Fault> {
     let mut found = Vec::new();
     let mut rest = line.trim_start_matches(blank);
@@ -138,12 +139,12 @@ pub(crate) fn spans(line: &str) -> Result<Vec<Span>, Fault> {
     Ok(found)
 }
 
-/// A quote at the beginning of the rest of a line that nothing closes.
+/// Returns the fault for an unclosed quote at the beginning of `rest`.
 fn unclosed(line: &str, rest: &str) -> Fault {
     Fault::at(Error::UnterminatedQuote, line.len() - rest.len()..line.len())
 }
 
-/// Whether a word is an arrow, which only people read.
+/// Returns whether a word is an arrow, which has no effect.
 #[must_use]
 pub fn is_arrow(word: &str) -> bool {
     matches!(word, "<=" | "=>" | "<=>")
@@ -169,7 +170,7 @@ fn uncommented(text: &str) -> IResult<&str, &str> {
     recognize(many0(alt((quoted, is_not("#\"'"))))).parse(text)
 }
 
-/// A link for reading where nobody needs to be served meanwhile.
+/// A link for texts that are read without waiting, so that no client has to be served.
 struct Nobody;
 
 impl Link for Nobody {

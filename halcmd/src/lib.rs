@@ -1,9 +1,9 @@
-//! The `.hal` language: lexer, INI files, one table of commands, and the interpreter; and what the
-//! programs halrun, halcmd, halscope, halsampler, halstreamer and `hal_manualtoolchange` are made of.
+//! The `.hal` language (lexer, INI files, one table of commands, interpreter), and the programs
+//! halrun, halcmd, halscope, halsampler, halstreamer, haltest and `hal_manualtoolchange`.
 //!
-//! A line of a script becomes words ([`lex`], [`vars`]), words become a [`Command`] through the
-//! one table in [`table`], and a [`Session`] carries the command out over any
-//! [`Link`](hal_protocol::Link): the engine in this process or one that runs elsewhere.
+//! The lexer splits a line of a script into words ([`lex`], [`vars`]). The table in [`table`] turns
+//! words into a [`Command`]. A [`Session`] executes the command over any
+//! [`Link`](hal_protocol::Link): an engine in this process or in another one.
 
 mod after;
 mod apply;

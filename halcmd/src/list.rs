@@ -1,8 +1,8 @@
-//! What `list` prints.
+//! The output of `list`.
 
 use hal_protocol::Reply;
 
-/// The names in a reply, each followed by a blank, then the end of the line.
+/// Writes the names in a reply, each followed by a space, then the end of the line.
 #[must_use]
 pub fn names(reply: &Reply) -> String {
     let names: Vec<&str> = match reply {

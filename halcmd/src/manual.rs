@@ -1,4 +1,4 @@
-//! The manual page of halcmd, from the table of commands and that of options.
+//! The manual page of halcmd, from the tables of commands and options.
 
 use crate::{
     halcmd,
@@ -8,7 +8,7 @@ use crate::{
     table::Row,
 };
 
-/// The page, for `man`.
+/// Returns the page in the format of `man`.
 #[must_use]
 pub fn page() -> String {
     let mut text = String::from(concat!(
@@ -71,7 +71,7 @@ fn command_text(row: &Row) -> String {
     text
 }
 
-/// A text that means nothing to the formatter.
+/// Escapes a text so that the formatter prints it unchanged.
 fn plain(text: &str) -> String {
     let escaped = text.replace('\\', "\\e").replace('-', "\\-");
     let special = escaped.starts_with(['.', '\'']);

@@ -1,4 +1,4 @@
-//! `meter`: one value, big; or the choice of one.
+//! `meter`: a large display of one value, or the selection of one.
 
 use crate::{
     Error, Session, screen,
@@ -6,7 +6,7 @@ use crate::{
 };
 
 impl Session<'_> {
-    /// `meter`. Without a screen it is `watch`.
+    /// Executes `meter`. Without a screen it does the same as `watch`.
     pub(crate) fn meter(&mut self, name: Option<String>) -> Result<(), Error> {
         if let Some(name) = &name
             && look(self.link, core::slice::from_ref(name))?.seen.is_empty()

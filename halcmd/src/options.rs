@@ -1,39 +1,39 @@
-//! Options of programs, as POSIX has them: the first word that is no option ends them.
+//! Command line options by the rules of POSIX: the first word that is not an option ends them.
 
 use crate::Error;
 
 /// An option.
 #[derive(Clone, Copy, Debug)]
 pub struct Opt<T: 'static> {
-    /// What it is to the program.
+    /// Identifier for the program.
     pub id: T,
-    /// `-x`.
+    /// Letter of `-x`.
     pub short: Option<char>,
-    /// `--name`.
+    /// Name of `--name`.
     pub long: Option<&'static str>,
-    /// What its argument is called, if it has one.
+    /// Name of its argument, if it takes one.
     pub value: Option<&'static str>,
-    /// The environment variable that says the same.
+    /// Environment variable with the same effect.
     pub variable: Option<&'static str>,
-    /// What it does.
+    /// Description.
     pub help: &'static str,
 }
 
 impl<T: Copy> Opt<T> {
-    /// `-x` without more.
+    /// Makes an option `-x` without an argument.
     #[must_use]
     pub const fn flag(id: T, short: char) -> Self {
         Self { id, short: Some(short), long: None, value: None, variable: None, help: "" }
     }
 
-    /// `-x VALUE`.
+    /// Makes an option `-x VALUE`.
     #[must_use]
     pub const fn short_with(id: T, short: char, value: &'static str) -> Self {
         Self { id, short: Some(short), long: None, value: Some(value), variable: None, help: "" }
     }
 }
 
-/// The same table for those who only look at it.
+/// Copies a table without the identifiers.
 #[must_use]
 pub fn plain<T: Copy>(table: &[Opt<T>]) -> Vec<Opt<()>> {
     let plain = |o: &Opt<T>| Opt {
@@ -78,8 +78,8 @@ pub fn options<T: Copy>(
     }
 }
 
-/// What the environment says for options that have a variable and were not given. A flag is set by
-/// any value but the empty one and 0.
+/// Adds the values of environment variables for options that were not given. Any value except the
+/// empty one and 0 sets a flag.
 pub fn from_environment<T: Copy + PartialEq>(
     table: &[Opt<T>],
     environment: &dyn Fn(&str) -> Option<String>,
@@ -99,7 +99,7 @@ pub fn from_environment<T: Copy + PartialEq>(
     }
 }
 
-/// The options in lines, for a usage text.
+/// Lists the options for a usage text.
 #[must_use]
 pub fn usage<T>(table: &[Opt<T>]) -> String {
     let mut text = String::new();

@@ -1,15 +1,15 @@
-//! `order`: the order of functions that the data flow implies, what the user's costs, and how long
-//! values wait, in words and as lines of a script.
+//! The output of `order`, as text and as lines of a script: the order of functions that the data
+//! flow implies, the delay of the user's order, and the paths of values.
 
 use crate::units::duration;
 use hal_protocol::{DelayInfo, HopInfo, LateInfo, OrderInfo, PathInfo, ThreadOrder, WayInfo};
 
-/// How many paths, loops and crossings are told in words; `--json` has more.
+/// Maximum number of paths, loops and crossings in the text; `--json` has more.
 const TOLD: usize = 24;
-/// How many signals of a hop are named.
+/// Maximum number of signals named for a hop.
 const NAMED: usize = 4;
 
-/// Everything, for a person.
+/// Returns the complete text.
 #[must_use]
 pub fn text(info: &OrderInfo) -> String {
     if info.threads.iter().all(|t| t.functs.is_empty()) {
@@ -30,7 +30,7 @@ pub fn text(info: &OrderInfo) -> String {
     out
 }
 
-/// The lines that make the better order of the user's.
+/// Returns the lines that change the user's order to the better one.
 #[must_use]
 pub fn script(info: &OrderInfo) -> String {
     let mut out = String::new();
@@ -78,7 +78,7 @@ fn thread(out: &mut String, t: &ThreadOrder) {
     out.push('\n');
 }
 
-/// What is late in a thread, and whether that can be helped.
+/// Writes the values of a thread that are read late, and whether another order helps.
 fn late(out: &mut String, t: &ThreadOrder) {
     let (remain, spared): (Vec<&LateInfo>, Vec<&LateInfo>) = t.late.iter().partition(|l| l.remains);
     if t.functs.len() > 1 && t.late.is_empty() {
@@ -130,7 +130,7 @@ fn path(out: &mut String, p: &PathInfo) {
     }
 }
 
-/// What a way takes in the better order, if that is something else.
+/// Returns the delay of a path in the better order, if it differs.
 fn instead(w: &WayInfo) -> String {
     if w.better == w.delay {
         String::new()
@@ -139,7 +139,7 @@ fn instead(w: &WayInfo) -> String {
     }
 }
 
-/// A function in each line, and between them what goes from one to the next.
+/// Writes the functions of a path, one per line, with the values that flow between them.
 fn way(out: &mut String, w: &WayInfo) {
     let names: Vec<String> = w.hops.iter().map(carried).collect();
     let width = names.iter().map(|n| n.chars().count()).max().unwrap_or(0);
@@ -202,7 +202,7 @@ fn rest(out: &mut String, n: usize, more: bool) {
     }
 }
 
-/// When the reader gets it.
+/// Returns the time at which the reader receives the value.
 fn arrival(hop: &HopInfo) -> String {
     let DelayInfo { least, most } = hop.delay;
     match (hop.crosses, most) {
@@ -214,7 +214,7 @@ fn arrival(hop: &HopInfo) -> String {
     }
 }
 
-/// The names of what carries a value.
+/// Returns the names of the pins and signals that carry a value.
 fn carried(hop: &HopInfo) -> String {
     let named = hop.by.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
     match hop.by.len() {
@@ -224,7 +224,7 @@ fn carried(hop: &HopInfo) -> String {
     }
 }
 
-/// How many values a late hop carries.
+/// Returns the number of values that a late hop carries.
 fn values(late: &LateInfo) -> usize {
     late.hop.by.len().max(1)
 }

@@ -1,4 +1,4 @@
-//! Words become commands. The table has counted the arguments already.
+//! Parsers of the commands' arguments. The table has checked the number of arguments.
 
 use crate::{
     Command, Error,
@@ -14,7 +14,7 @@ pub(crate) fn first(words: &[String]) -> String {
     words.first().cloned().unwrap_or_default()
 }
 
-/// A file's name with a leading `~` replaced.
+/// Replaces a leading `~` in the name of a file.
 pub(crate) fn path(word: &str) -> String {
     match (word.strip_prefix('~'), std::env::var("HOME")) {
         (Some(rest), Ok(home)) if rest.is_empty() || rest.starts_with('/') => home + rest,
@@ -136,7 +136,7 @@ pub(crate) fn sets(words: &[String]) -> Result<Command, Error> {
 
 pub(crate) fn addf(words: &[String], init: bool) -> Result<Command, Error> {
     let [funct, thread, ..] = words else { return Err(Error::Unexpected) };
-    // As C's atoi: what is not a number is 0, which the engine refuses by name.
+    // As in C's atoi, a text that is not a number is 0, which the engine refuses by name.
     let position = words.get(2).map_or(-1, |w| leading_number(w));
     let note = if init {
         format!("Init function '{funct}' registered on thread '{thread}'")
@@ -274,7 +274,7 @@ pub(crate) fn timing(words: &[String]) -> Result<Command, Error> {
     Ok(Command::Ask(Request::Timing { thread: words.get(1).cloned(), on }, None))
 }
 
-/// `COMPONENT.VERB NAME=VALUE…`: what is not in the table but has a dot.
+/// Parses `COMPONENT.VERB NAME=VALUE…`: a first word with a dot that is not in the table.
 pub(crate) fn component(name: &str, words: &[String]) -> Result<Command, Error> {
     if !name.contains('.') {
         return Err(Error::UnknownCommand { word: name.into(), near: table::near(name) });
@@ -301,8 +301,8 @@ pub(crate) fn unknown_kind<T>(command: &'static str, word: &str, kinds: &[(&str,
     Error::Kind { command, word: word.into(), kinds: kinds.join(", ").into() }
 }
 
-/// Returns the number that a word begins with, 0 if it begins with none; what is beyond 64 bits is
-/// the outermost number.
+/// Returns the number at the beginning of a word, or 0. A number beyond 64 bits becomes the largest
+/// or smallest one.
 fn leading_number(word: &str) -> i64 {
     let end = word
         .char_indices()

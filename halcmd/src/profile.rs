@@ -1,35 +1,35 @@
-//! A profile: what the options of halrun say, in a TOML file, for those that one would always give.
+//! Profiles: TOML files with options of halrun that a user would otherwise give every time.
 //!
-//! An option wins over its environment variable, and that over the profile.
+//! An option takes precedence over its environment variable, and that over the profile.
 
 use crate::{Error, hint::nearest, ini::plain};
 use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
 
-/// The variable that names the profile.
+/// Environment variable that names the profile.
 pub const VARIABLE: &str = "HAL_PROFILE";
 
-/// What a key's value is.
+/// Form of a key's value.
 #[derive(Clone, Copy, Debug)]
 enum Form {
-    /// true or false.
+    /// `true` or `false`.
     Flag,
-    /// A text.
+    /// Text.
     Text,
-    /// One of these.
+    /// A word from a list.
     Word(&'static [&'static str]),
-    /// A file; a relative one is in the profile's folder.
+    /// File name, relative to the profile's folder.
     File,
-    /// Folders, as `File`.
+    /// List of folders, relative to the profile's folder.
     Folders,
 }
 
-/// A line that a profile may have.
+/// A key of a profile.
 #[derive(Debug)]
 struct Key {
     name: &'static str,
     form: Form,
-    /// The variable that says the same.
+    /// Environment variable with the same effect.
     variable: &'static str,
     help: &'static str,
 }
@@ -103,7 +103,7 @@ const KEYS: &[Key] = &[
     },
 ];
 
-/// What a file says.
+/// Content of a profile.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Profile {
     /// Variables and their values.
@@ -111,19 +111,19 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// The profile that the environment names; an empty one if it names none.
+    /// Reads the profile that the environment names. Returns an empty profile if it names none.
     ///
     /// # Errors
-    /// It cannot be read, or has something wrong in it.
+    /// The profile cannot be read or is invalid.
     pub fn of_environment() -> Result<Self, Error> {
         let file = std::env::var(VARIABLE).unwrap_or_default();
         if file.is_empty() { Ok(Self::default()) } else { Self::read(Path::new(&file)) }
     }
 
-    /// Reads a file.
+    /// Reads a profile.
     ///
     /// # Errors
-    /// It cannot be read, or has something wrong in it: file, line, and what would be right.
+    /// The file cannot be read or is invalid. The error has file, line and remedy.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let refuse = |line: u32, why: String| Error::Profile {
             place: if line == 0 { shown(path) } else { format!("{}:{line}", shown(path)) }.into(),
@@ -151,7 +151,7 @@ impl Profile {
         Ok(Self { values })
     }
 
-    /// What the environment says of a variable, or else the profile.
+    /// Returns the value of a variable from the environment, or else from the profile.
     pub fn value(
         &self,
         environment: &dyn Fn(&str) -> Option<String>,
@@ -162,14 +162,14 @@ impl Profile {
         environment(variable).filter(|v| !v.is_empty()).or_else(said)
     }
 
-    /// The same, of this process's environment.
+    /// Returns the value of a variable from this process's environment, or else from the profile.
     pub fn system(&self, variable: &str) -> Option<String> {
         self.value(&|name| std::env::var(name).ok(), variable)
     }
 }
 
 impl Key {
-    /// A value as the variable would have it.
+    /// Converts a value to the form of the environment variable.
     fn value(&self, value: &DeValue<'_>, folder: &Path) -> Result<String, String> {
         let whole = |name: &str| folder.join(name).display().to_string();
         let wrong = |what: &str| Err(format!("'{}' is {what}", self.name));
@@ -209,7 +209,7 @@ fn shown(path: &Path) -> String {
     PathBuf::from(path).display().to_string()
 }
 
-/// The keys as the README shows them.
+/// Returns the table of keys for the README.
 #[must_use]
 pub fn markdown() -> String {
     let line = |k: &Key| format!("| `{}` | {} | `{}` |\n", k.name, k.help, k.variable);

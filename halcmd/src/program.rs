@@ -9,12 +9,12 @@ use std::{
     process::{Child, Command, ExitStatus, Stdio},
 };
 
-/// How long a component may take before it is said that it is waited for, in polls.
+/// Number of polls after which a message says that the session is waiting for a component.
 const PATIENCE: u32 = 200;
 const POLL_MS: u32 = 10;
 
 impl Session<'_> {
-    /// `loadusr`.
+    /// Executes `loadusr`.
     pub(crate) fn launch(&mut self, launch: &Launch) -> Result<(), Error> {
         let program = launch.program.as_str();
         if self.state()?.lock.0 & Lock::LOAD.0 != 0 {
@@ -33,7 +33,7 @@ impl Session<'_> {
         };
         let pid = i32::try_from(child.id()).unwrap_or(0);
         if let Err(error) = self.ask(Request::Adopt { pid, program: program.to_owned() }) {
-            // Nobody would end it.
+            // The instance does not know the program and would not end it.
             if child.kill().is_ok() {
                 drop(child.wait());
             }
@@ -52,7 +52,7 @@ impl Session<'_> {
         result
     }
 
-    /// `waitusr`.
+    /// Executes `waitusr`.
     pub(crate) fn await_end(&mut self, name: &str) -> Result<(), Error> {
         let mut waited = false;
         loop {
@@ -80,7 +80,7 @@ impl Session<'_> {
         }
     }
 
-    /// Forgets programs that have ended.
+    /// Removes programs that have ended from the list.
     pub(crate) fn reap(&mut self) {
         self.programs.retain_mut(|child| matches!(child.try_wait(), Ok(None)));
     }
@@ -103,7 +103,8 @@ impl Session<'_> {
         command.spawn()
     }
 
-    /// A program that cannot be run counts as one that fails at once.
+    /// Returns the result for a program that cannot be started: the same as for one that fails at
+    /// once.
     fn not_started(launch: &Launch, component: String) -> Result<(), Error> {
         let program: Box<str> = launch.program.as_str().into();
         if launch.until_ready {
@@ -190,7 +191,8 @@ impl Session<'_> {
     }
 }
 
-/// Whether a child has ended, and how (unknown if somebody else has asked first).
+/// Returns the exit status of a child that has ended (`None` if another part of the process has
+/// collected it).
 fn ended(child: &mut Child) -> Option<Option<ExitStatus>> {
     match child.try_wait() {
         Ok(None) => None,
@@ -199,12 +201,13 @@ fn ended(child: &mut Child) -> Option<Option<ExitStatus>> {
     }
 }
 
-/// Whether output goes to a file, and not to a terminal or a pipe that somebody waits for.
+/// Returns whether output goes to a regular file, not to a terminal or to a pipe with a waiting
+/// reader.
 pub(crate) fn is_file(fd: impl AsFd) -> bool {
     rustix::fs::fstat(fd).is_ok_and(|s| FileType::from_raw_mode(s.st_mode) == FileType::RegularFile)
 }
 
-/// Whether a program can be found: by its path, beside the one that runs, or in PATH.
+/// Returns whether a program exists: by its path, beside the running one, or in PATH.
 pub(crate) fn exists(program: &str) -> bool {
     if program.contains('/') {
         return Path::new(program).is_file();
@@ -213,7 +216,7 @@ pub(crate) fn exists(program: &str) -> bool {
     beside(program).is_some() || std::env::split_paths(&path).any(|f| f.join(program).is_file())
 }
 
-/// A program of this name beside the one that runs.
+/// Returns the program of this name beside the running one.
 fn beside(program: &str) -> Option<PathBuf> {
     if program.contains('/') {
         return None;

@@ -1,5 +1,5 @@
-//! The interactive prompt. A person edits lines on a thread of its own, and the session's thread
-//! goes on serving the engine: neither ever waits for the other but through a channel.
+//! The interactive prompt. The editor has a thread of its own, while the session's thread keeps
+//! serving the engine. The two exchange data only through channels.
 
 mod aside;
 mod editor;
@@ -20,30 +20,30 @@ use std::{
 
 pub(crate) use aside::{Aside, Kept};
 
-/// How long the session's thread serves the engine before it looks at the keyboard again.
+/// Time for which the session's thread serves the engine before it checks for input again.
 const SERVE_MS: u32 = 10;
 
-/// What the editor is told.
+/// An order to the editor.
 enum Order {
-    /// Read a line; the last word of `before` may be continued in it.
+    /// Read a line. With `continuing` it continues the line before.
     Read { continuing: bool },
 }
 
-/// What the editor says.
+/// A message from the editor.
 enum Event {
-    /// The terminal is the editor's from here on.
+    /// The editor has taken over the terminal.
     Begun,
-    /// A line was typed, or several were pasted.
+    /// The user typed a line, or pasted several.
     Line(String),
-    /// What may stand at the end of this line?
+    /// Request for completions at the end of this line.
     Complete(String),
-    /// The line is given up. `empty`: there was none.
+    /// The user cancelled the line. `empty` is true if nothing had been typed.
     Interrupted { empty: bool },
-    /// Nothing more will come.
+    /// End of input.
     End,
 }
 
-/// Carries out what is typed or comes by standard input. `flow`: the virtual clock moves
+/// Executes lines from the keyboard or from standard input. With `flow` the virtual clock moves
 /// meanwhile.
 pub(crate) fn typed(session: &mut Session<'_>, flow: bool) -> Outcome {
     let script = session.style_mut().script;
@@ -58,12 +58,12 @@ pub(crate) fn typed(session: &mut Session<'_>, flow: bool) -> Outcome {
 /// Lines that a person types.
 struct Prompt {
     flow: bool,
-    /// What was typed and not taken yet.
+    /// Typed text that has not been read yet.
     typed: Bytes,
     orders: Sender<Order>,
     events: Receiver<Event>,
     answers: Sender<Completion>,
-    /// Whether the editor has the terminal since the last order.
+    /// True if the editor has had the terminal since the last order.
     begun: bool,
     terminal: Restored,
 }
@@ -79,7 +79,7 @@ impl Prompt {
         Some(Self { flow, typed: Bytes::default(), orders, events, answers, begun: true, terminal })
     }
 
-    /// A line with those that continue it; none when there is nothing more.
+    /// Returns a line with its continuations, or `None` at the end of input.
     fn read(&mut self, link: &mut dyn Link) -> Option<Vec<u8>> {
         let mut text = String::new();
         loop {
@@ -112,7 +112,7 @@ impl Prompt {
         self.terminal.edited = None;
     }
 
-    /// Answers what the editor asks until it has a line. The engine is served meanwhile.
+    /// Answers the editor's requests until it has a line, and serves the engine meanwhile.
     fn until_line(&mut self, before: &str, link: &mut dyn Link) -> Option<Typed> {
         loop {
             match self.event(link)? {
@@ -168,13 +168,13 @@ impl Prompt {
 impl Drop for Prompt {
     fn drop(&mut self) {
         if !self.begun && self.terminal.edited.is_some() {
-            // It would take the terminal after that was put right.
+            // Otherwise the editor would take over the terminal after it has been restored.
             drop(self.events.recv_timeout(Duration::from_secs(1)));
         }
     }
 }
 
-/// How an attempt to read a line ended.
+/// Result of an attempt to read a line.
 enum Typed {
     Line(String),
     GivenUp,
@@ -191,8 +191,7 @@ impl Lines for Prompt {
     }
 }
 
-/// The terminal as it was found; put right again even if the editor is left in the middle of a
-/// line.
+/// The state of the terminal before editing. Drop restores it, even in the middle of a line.
 struct Restored {
     before: Termios,
     /// Set while the editor has the terminal.
@@ -209,7 +208,8 @@ impl Drop for Restored {
     fn drop(&mut self) {
         aside::hold(false);
         if let Some(held) = self.edited.take() {
-            // Pasting as usual, and a line of its own for whoever writes next. The terminal may have gone.
+            // Ends bracketed paste mode and starts a new line for further output. The terminal may
+            // be gone.
             hal_output::print("\x1b[?2004l\r\n").unwrap_or_default();
             tcsetattr(std::io::stdin(), OptionalActions::Now, &self.before).unwrap_or_default();
             drop(held);

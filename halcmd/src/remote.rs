@@ -1,11 +1,11 @@
-//! An engine that runs elsewhere.
+//! A connection to an engine in another process.
 
 use crate::options::Opt;
 use hal_protocol::{At, Client, Failure, Folder, FolderError, Link, Place, Reply, Request};
 use rustix::{thread::NanosleepRelativeResult, time::Timespec};
 
-/// How often it is looked whether an instance whose socket is closed has ended, and how many
-/// milliseconds lie between.
+/// Number of checks for the end of an instance whose socket is closed, and the milliseconds between
+/// them.
 const LOOKS_FOR_END: u32 = 100;
 const LOOK_MS: u32 = 2;
 
@@ -19,16 +19,16 @@ pub struct Remote {
 }
 
 impl Remote {
-    /// To the instance at `place`, as component `name`.
+    /// Makes a connection to the instance at `place`, as component `name`.
     #[must_use]
     pub fn new(place: Place, name: &str) -> Self {
         Self { place, name: name.to_owned(), client: None, at: None }
     }
 
-    /// The connection.
+    /// Returns the connection.
     ///
     /// # Errors
-    /// Nobody listens.
+    /// No instance listens at the place.
     pub fn client(&mut self) -> Result<&mut Client, Failure> {
         let client = match self.client.take() {
             Some(client) => client,
@@ -56,7 +56,7 @@ impl Link for Remote {
     }
 }
 
-/// `--instance`, which every program has.
+/// Returns the option `--instance`, which every program has.
 pub const fn instance_option<T: Copy>(id: T) -> Opt<T> {
     Opt {
         id,
@@ -68,8 +68,8 @@ pub const fn instance_option<T: Copy>(id: T) -> Opt<T> {
     }
 }
 
-/// Sleeps, or returns early when a signal comes. For programs that wait for what others do to
-/// shared memory, where no machine time is at hand.
+/// Sleeps, or returns early on a signal. For programs that wait for changes in shared memory, where
+/// no machine time is available.
 pub fn pause(ms: u32) {
     let nanoseconds = i64::from(ms % 1000) * 1_000_000;
     let time = Timespec { tv_sec: i64::from(ms / 1000), tv_nsec: nanoseconds };
@@ -80,7 +80,7 @@ pub fn pause(ms: u32) {
     }
 }
 
-/// Whether the instance's process is gone: nobody holds its lock.
+/// Returns whether the instance's process is gone, that is, whether no process holds its lock.
 #[must_use]
 pub fn is_gone(place: &Place) -> bool {
     match Folder::open(place) {
@@ -89,8 +89,8 @@ pub fn is_gone(place: &Place) -> bool {
     }
 }
 
-/// Returns what is said of an instance that does not answer any more. Its socket may be closed a
-/// little before its lock.
+/// Returns the message for an instance that no longer answers. Its socket may close shortly before
+/// its lock is released.
 pub(crate) fn lost_words(place: &Place) -> &'static str {
     for _ in 0..LOOKS_FOR_END {
         if is_gone(place) {

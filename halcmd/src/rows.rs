@@ -1,4 +1,4 @@
-//! The rows of the table of commands, by what they are for.
+//! Rows of the table of commands, grouped by purpose.
 
 use crate::{Error, table::Row};
 
@@ -12,10 +12,10 @@ mod people;
 mod time;
 mod wire;
 
-/// As many words as one likes.
+/// Any number of words.
 const ANY: usize = usize::MAX;
 
-/// A row about which there is nothing more to say: what a row leaves out is as here.
+/// Defaults for the fields that a row omits.
 const PLAIN: Row = Row {
     name: "",
     usage: "",
@@ -29,7 +29,7 @@ const PLAIN: Row = Row {
     parse: |_| Err(Error::Unexpected),
 };
 
-/// The groups of commands with their titles, as help lists them.
+/// Groups of commands with their titles, in the order of `help`.
 pub(crate) const GROUPS: &[(&str, &[Row])] = &[
     ("Components and programs", load::ROWS),
     ("Signals, pins and parameters", wire::ROWS),
@@ -42,7 +42,7 @@ pub(crate) const GROUPS: &[(&str, &[Row])] = &[
     ("The input", input::ROWS),
 ];
 
-/// Every command, as help lists them.
+/// Returns every command, in the order of `help`.
 pub(crate) fn rows() -> impl Iterator<Item = &'static Row> {
     GROUPS.iter().flat_map(|(_, rows)| rows.iter())
 }

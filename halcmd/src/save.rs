@@ -1,4 +1,4 @@
-//! What `save` writes: the commands that rebuild a state.
+//! The output of `save`: commands that rebuild a state.
 
 use crate::{
     command::SaveKind,
@@ -8,10 +8,10 @@ use hal_protocol::{
     AliasInfo, ComponentInfo, Direction, ItemInfo, Kind, Reply, Request, SignalInfo, ThreadInfo,
 };
 
-/// Writes what a kind of `save` writes; `ask` answers lists.
+/// Returns the output of a kind of `save`. `ask` answers requests for lists.
 ///
 /// # Errors
-/// What `ask` could not answer.
+/// The error of `ask`.
 pub(crate) fn write<E>(
     kind: SaveKind,
     ask: &mut dyn FnMut(Request) -> Result<Reply, E>,
@@ -70,7 +70,7 @@ const fn list(kind: Kind) -> Request {
     Request::List { kind, patterns: Vec::new(), ty: None }
 }
 
-/// Oldest first.
+/// Oldest component first.
 fn components(text: &mut String, reply: &Reply) {
     let list: &[ComponentInfo] = if let Reply::Components(list) = reply { list } else { &[] };
     text.push_str("# components\n");
@@ -116,7 +116,8 @@ fn signals(text: &mut String, reply: &Reply, part: SaveKind) {
     }
 }
 
-/// The output pin, then `=>` and the inputs; or bidirectional pins joined by `<=>`, then those.
+/// Writes the output pin, `=>` and the inputs; or bidirectional pins joined by `<=>`, then the
+/// inputs.
 fn net_pins(signal: &SignalInfo, arrows: bool) -> String {
     let of = |wanted: Direction| {
         signal.pins.iter().filter(move |(d, _)| *d == wanted).map(|(_, pin)| pin.as_str())

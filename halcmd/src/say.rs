@@ -1,4 +1,4 @@
-//! What a session says on standard error: to people in words, to programs (`--json`) as objects.
+//! Messages of a session on standard error: text for people, objects for programs (`--json`).
 
 use crate::{
     Error, Fault, Session, colour,
@@ -10,20 +10,20 @@ use hal_protocol::At;
 use serde_json::{Value, json};
 
 impl Session<'_> {
-    /// Says that something outside a script went wrong.
+    /// Reports an error outside a script.
     pub fn report(&mut self, error: &Error) {
         self.accuse(&error.clone().into(), None);
     }
 
-    /// Says what is odd about a file, each with its place already.
+    /// Prints the warnings about a file. Each has its place already.
     pub fn warn(&mut self, warnings: &[String]) {
         for warning in warnings {
             self.remark(warning);
         }
     }
 
-    /// Says what is wrong: what led to it, what it is, what became of it, and what would be right.
-    /// A person is also shown the line and where in it that is.
+    /// Reports an error: preceding messages, error, following messages, remedy. A person also sees
+    /// the line with a mark under the wrong part.
     pub(crate) fn accuse(&mut self, fault: &Fault, line: Option<&Line>) {
         let error = &fault.error;
         if **error == Error::Told {
@@ -71,7 +71,7 @@ impl Session<'_> {
         }
     }
 
-    /// Says that a line of another file was refused.
+    /// Reports a refused line of another file.
     pub(crate) fn refuse(&mut self, at: &At, error: &Error) {
         if self.style.json {
             let fault = error.clone().into();
@@ -82,7 +82,7 @@ impl Session<'_> {
         }
     }
 
-    /// Says something about the line that is carried out.
+    /// Prints a message about the line that is being executed.
     pub(crate) fn complain(&mut self, text: &str) {
         let (file, line) = self.place();
         let at = At::new(file, line);
@@ -96,14 +96,14 @@ impl Session<'_> {
         }
     }
 
-    /// Says what `-v` says.
+    /// Prints a message if `-v` was given.
     pub(crate) fn note(&mut self, text: &str) {
         if self.style.verbose {
             self.complain(text);
         }
     }
 
-    /// Says something that has no place, or its own.
+    /// Prints a message without a place, or with its own.
     pub(crate) fn remark(&mut self, text: &str) {
         if self.style.json {
             self.object(&json!({ "message": { "text": text } }));
@@ -112,7 +112,7 @@ impl Session<'_> {
         }
     }
 
-    /// What `echo` asked for.
+    /// Prints a line for `echo`.
     pub(crate) fn echo_line(&mut self, line: u32, text: &str) {
         if self.style.json {
             self.object(&json!({ "echo": { "line": line, "text": text } }));
@@ -126,13 +126,13 @@ impl Session<'_> {
     }
 }
 
-/// An error that has no session to say it, for programs.
+/// Returns an error as an object, for programs without a session.
 pub(crate) fn lone_object(error: &Error) -> String {
     let text = json!({ "error": object(&error.clone().into(), &At::new("", 0), None) });
     format!("{text}\n")
 }
 
-/// An error for programs: where, what, what would be right, what led to it and what came of it.
+/// Returns an error as an object: place, text, remedy, preceding and following messages.
 fn object(fault: &Fault, at: &At, line: Option<&Line>) -> Value {
     let error = &fault.error;
     let source = line.and_then(|line| line.text.as_ref().ok());

@@ -1,4 +1,4 @@
-//! Views that take the whole terminal, and give it back as they found it.
+//! Views that use the whole terminal and restore it at the end.
 
 mod digits;
 mod meter;
@@ -16,11 +16,11 @@ use std::time::Duration;
 pub(crate) use meter::meter;
 pub(crate) use values::watch;
 
-/// The terminal while a view has it.
+/// The terminal while a view uses it.
 pub(crate) struct Screen {
     terminal: DefaultTerminal,
     held: Held,
-    /// Messages wait until the terminal is a terminal again.
+    /// Messages wait until the terminal is restored.
     _kept: prompt::Kept,
 }
 
@@ -35,12 +35,12 @@ impl Screen {
         self.terminal.draw(view).map(|_| ()).map_err(|_| Error::NoScreen)
     }
 
-    /// The key that was pressed, if one was; Ctrl-C and a signal are [`Key::Quit`].
+    /// Returns the pressed key, if any. Ctrl-C and a signal are [`Key::Quit`].
     pub(crate) fn key(&self) -> Option<Key> {
         if self.held.has_come() {
             return Some(Key::Quit);
         }
-        // A terminal that has gone is like one whose owner has had enough.
+        // If the terminal is gone, the view ends.
         match event::poll(Duration::ZERO).and_then(|any| any.then(event::read).transpose()) {
             Ok(Some(Event::Key(key))) if key.kind != KeyEventKind::Release => Some(key.into()),
             Ok(_) => None,
@@ -51,12 +51,12 @@ impl Screen {
 
 impl Drop for Screen {
     fn drop(&mut self) {
-        // A terminal that has gone needs none, and nobody there would read about it.
+        // If the terminal is gone, there is nothing to restore and no reader for an error.
         ratatui::try_restore().unwrap_or_default();
     }
 }
 
-/// A key that means something to a view.
+/// A key that has a meaning in a view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Key {
     Quit,
@@ -100,7 +100,7 @@ impl From<KeyEvent> for Key {
     }
 }
 
-/// How things look: colours only where they are wanted.
+/// Text styles, with colours only where they are wanted.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Look {
     pub(crate) title: Style,

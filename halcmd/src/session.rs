@@ -1,4 +1,4 @@
-//! The interpreter: lines are carried out over a link, one after the other.
+//! The interpreter: executes lines over a link, one after the other.
 
 use crate::{
     Error, Fault, Lines, Terminal,
@@ -18,42 +18,43 @@ use std::{
     process::Child,
 };
 
-/// The code of a [`Failure`](hal_protocol::Failure) that only says that the instance is ending:
-/// the script ends with it, and nothing is said.
+/// Code of a [`Failure`](hal_protocol::Failure) that only says that the instance is ending. The
+/// script ends with it, without a message.
 pub(crate) const INTERRUPTED: i32 = -4;
-/// What a session calls what is typed: there nobody needs to be told how many lines failed.
+/// Name of the terminal as a file. For it, the number of failed lines is not reported.
 const STDIN: &str = "<stdin>";
-/// How deeply files may source each other.
+/// Maximum nesting of sourced files.
 const MAX_DEPTH: u32 = 64;
 
-/// How a session talks and when it gives up.
+/// Options of a session for output and error handling.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "each is an option of the command line")]
 pub struct Style {
-    /// `-k`: goes on after a line that fails.
+    /// `-k`: continues after a line that fails.
     pub keep_going: bool,
-    /// `-s`: listings are for programs.
+    /// `-s`: prints listings for programs.
     pub script: bool,
-    /// `--json`: replies are printed as they came.
+    /// `--json`: prints replies as they are.
     pub json: bool,
-    /// `-v`: says what each command did.
+    /// `-v`: prints the effect of each command.
     pub verbose: bool,
-    /// `-Q`: listings and what led to an error are not printed.
+    /// `-Q`: omits listings and the messages that precede an error.
     pub silent: bool,
-    /// `-e`: prints each line first.
+    /// `-e`: prints each line before executing it.
     pub echo: bool,
-    /// `--wait`: each command of a component is waited for.
+    /// `--wait`: waits for each command of a component.
     pub wait: bool,
-    /// Standard input is read by the session: programs it starts get none.
+    /// True if the session reads standard input; programs that it starts do not get it.
     pub reads_input: bool,
-    /// The session is in the background: programs that go on after it hold no terminal.
+    /// True if the session runs in the background; programs that outlive it do not keep the
+    /// terminal.
     pub background: bool,
 }
 
-/// How a file ended.
+/// Result of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// Every line was carried out.
+    /// Every line succeeded.
     Good,
     /// A line failed.
     Failed,
@@ -61,7 +62,7 @@ pub enum Outcome {
     Ended,
 }
 
-/// An interpreter.
+/// An interpreter of the HAL language.
 pub struct Session<'a> {
     pub(crate) link: &'a mut dyn Link,
     pub(crate) terminal: &'a mut dyn Terminal,
@@ -74,14 +75,14 @@ pub struct Session<'a> {
     depth: u32,
     ended: bool,
     before_start: Vec<Request>,
-    /// Where relative names of files begin, if not in this process's folder.
+    /// Folder for relative file names, if it is not this process's folder.
     pub(crate) folder: Option<PathBuf>,
-    /// The INI file of the file that is being applied, and its lines so far.
+    /// INI file of the file that is being applied; `plan` has its lines so far.
     pub(crate) own_ini: Option<Ini>,
     pub(crate) plan: Option<Plan>,
-    /// Set when nothing outside is to be touched.
+    /// Set when nothing outside may be affected.
     pub(crate) attempt: Option<Attempt>,
-    /// Set when the lines are those of a machine from an INI file.
+    /// Set when the lines are those of a machine started from an INI file.
     pub(crate) is_machine: bool,
 }
 
@@ -97,7 +98,7 @@ enum Step {
 }
 
 impl<'a> Session<'a> {
-    /// An interpreter over `link`, whose instance is named so.
+    /// Makes an interpreter over `link`. `instance` is the name of the instance.
     pub fn new(
         link: &'a mut dyn Link,
         terminal: &'a mut dyn Terminal,
@@ -124,47 +125,48 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Takes values of `[SECTION]NAME` from this file.
+    /// Sets the file for values of `[SECTION]NAME`.
     pub const fn set_ini(&mut self, ini: &'a Ini) {
         self.ini = Some(ini);
     }
 
-    /// Takes values of `$NAME` from here instead of this process's environment.
+    /// Sets the source for values of `$NAME`, in place of this process's environment.
     pub const fn set_environment(&mut self, environment: &'a dyn Fn(&str) -> Option<String>) {
         self.environment = environment;
     }
 
-    /// Sends this request before the threads are first started or the clock is first moved.
+    /// Adds a request that is sent before the threads are first started or the clock is first
+    /// moved.
     pub fn before_start(&mut self, request: Request) {
         self.before_start.push(request);
     }
 
-    /// Relative names of files are names in this folder.
+    /// Sets the folder for relative file names.
     pub fn set_folder(&mut self, folder: &Path) {
         self.folder = Some(folder.to_owned());
     }
 
-    /// Changes how it talks.
+    /// Returns the options for changing them.
     pub const fn style_mut(&mut self) -> &mut Style {
         &mut self.style
     }
 
-    /// Sends what [`Self::before_start`] was given, if it was not sent yet.
+    /// Sends the requests of [`Self::before_start`] that have not been sent yet.
     pub fn settle(&mut self) -> Outcome {
         let result = self.send_pending();
         self.outcome_of(result)
     }
 
-    /// The programs it has started and that have not ended yet.
+    /// Returns the programs that the session started and that have not ended yet.
     #[must_use]
     pub fn into_programs(self) -> Vec<Child> {
         self.programs
     }
 
-    /// Sends a request of the program's own.
+    /// Sends a request of the calling program.
     ///
     /// # Errors
-    /// The engine refused it.
+    /// The engine refused the request.
     pub fn ask(&mut self, request: Request) -> Result<Reply, Error> {
         if matches!(request, Request::Start | Request::Run { .. }) {
             self.send_pending()?;
@@ -172,12 +174,12 @@ impl<'a> Session<'a> {
         self.call(request)
     }
 
-    /// Carries out the lines of a file or of the terminal; `name` is what messages call it.
+    /// Executes the lines of a file or of the terminal. `name` is its name in messages.
     pub fn file(&mut self, name: &str, lines: impl Lines) -> Outcome {
         self.read(name, Reader::new(lines), false)
     }
 
-    /// Carries out one line that stands at this place.
+    /// Executes a single line as if it were at this place.
     pub fn line_at(&mut self, name: &str, number: u32, text: &str) -> Outcome {
         let before = self.place.clone();
         self.stand_at(name, number);
@@ -188,14 +190,14 @@ impl<'a> Session<'a> {
         outcome
     }
 
-    /// Carries out one command whose words are known; nothing is replaced in them.
+    /// Executes a command given as words, without replacing variables.
     pub fn command(&mut self, words: &[String]) -> Outcome {
         let (statement, line) = Statement::of_words(words);
         let result = self.carry_out(&statement, true).map(|_| ());
         self.settled(result, &line)
     }
 
-    /// What is done from here on stands at this place.
+    /// Sets the place for the following commands.
     pub(crate) fn stand_at(&mut self, file: &str, line: u32) {
         if self.place.0 != file {
             file.clone_into(&mut self.place.0);
@@ -294,7 +296,7 @@ impl<'a> Session<'a> {
                 Err(error) => Err(error),
             }
         };
-        // What comes after it would be for nobody.
+        // No reader is left for further output.
         self.ended |= done == Err(Error::Output(Unwritten::ReaderGone));
         done.map(|()| Step::On).map_err(|error| {
             let after = last.lines(&error);
@@ -303,7 +305,7 @@ impl<'a> Session<'a> {
         })
     }
 
-    /// What became of a line.
+    /// Reports the result of a line.
     fn settled(&mut self, result: Result<(), Fault>, line: &Line) -> Outcome {
         match result {
             Ok(()) => Outcome::Good,
@@ -348,7 +350,7 @@ mod tests {
     use crate::{Captured, show::samples, status};
     use hal_protocol::{Answer, Failure, Kind, Lock, TicketInfo, Value};
 
-    /// Answers as an engine would, and keeps what it was asked.
+    /// A link that answers like an engine and records its requests.
     #[derive(Default)]
     struct Scripted {
         asked: Vec<String>,
@@ -416,11 +418,11 @@ mod tests {
         (outcome, terminal, link)
     }
 
-    /// What is printed; `!` before it when the file failed.
+    /// Checks the output, with `!` before it if the file failed.
     fn check(text: &str, style: Style, want: &str) {
         let (outcome, terminal, _) = run(text, style);
         let mark = if outcome == Outcome::Good { "" } else { "!" };
-        // How often a program was looked at before it ended is not what is tested.
+        // The number of polls before a program ends is not part of the test.
         let patient = |line: &&str| !line.contains("Waiting for") && !line.starts_with('.');
         let all: String = terminal.all.split_inclusive('\n').filter(patient).collect();
         assert_eq!(format!("{mark}{all}"), want, "{text}");

@@ -1,17 +1,17 @@
-//! What `show` prints, column for column.
+//! The output of `show`, with exact columns.
 
 use hal_protocol::{
     AliasInfo, CommandInfo, ComponentInfo, ComponentState, Direction, FunctInfo, ItemInfo, Reply,
     SignalInfo, StreamInfo, ThreadInfo, Value,
 };
 
-/// The width of a value.
+/// Width of a value in columns.
 pub const VALUE: usize = 20;
-/// The width of a name.
+/// Width of a name in columns.
 pub const NAME: usize = 55;
 
-/// A section with its header and the blank line that ends it; in script mode without the header
-/// and the padding. `title` says which of two sections of the same form it is.
+/// Writes a section with its header and a blank line at the end; in script mode without header and
+/// padding. `title` distinguishes sections of the same form.
 #[must_use]
 pub fn section(reply: &Reply, title: &str, script: bool) -> String {
     let mut text = String::new();
@@ -34,7 +34,7 @@ pub fn section(reply: &Reply, title: &str, script: bool) -> String {
     text
 }
 
-/// A value as `show` and `save` have it: unsigned integers in hexadecimal.
+/// Writes a value as `show` and `save` do: unsigned integers in hexadecimal.
 #[must_use]
 pub fn value(value: &Value) -> String {
     match value {
@@ -44,7 +44,7 @@ pub fn value(value: &Value) -> String {
     }
 }
 
-/// The arrow of a link seen from the signal.
+/// Returns the arrow of a link, seen from the signal.
 #[must_use]
 pub const fn from_signal(direction: Direction) -> &'static str {
     match direction {
@@ -54,7 +54,7 @@ pub const fn from_signal(direction: Direction) -> &'static str {
     }
 }
 
-/// The arrow of a link seen from the pin.
+/// Returns the arrow of a link, seen from the pin.
 #[must_use]
 pub const fn from_pin(direction: Direction) -> &'static str {
     match direction {
@@ -77,7 +77,7 @@ fn components(text: &mut String, list: &[ComponentInfo], script: bool) {
         };
         text.push_str(&format!("{:>6}  {ty:<4}  {:<NAME$} {pid:>5} {state}\n", c.id, c.name));
     }
-    // For people only: below the rows, whose columns programs know.
+    // Only for people, below the rows, because programs parse the columns.
     for (c, f) in list.iter().filter(|_| !script).filter_map(|c| Some((c, c.foreign.as_ref()?))) {
         text.push_str(&format!(
             "# {} is a {}, whose flow is not known: {}, {} bytes of memory\n",
@@ -211,7 +211,7 @@ fn commands(text: &mut String, list: &[CommandInfo], script: bool) {
     }
 }
 
-/// Appends a doc comment, each of its lines moved to the right.
+/// Appends a doc comment with each line indented.
 fn indented(text: &mut String, by: usize, doc: &str) {
     for line in doc.lines() {
         text.push_str(format!("{:by$}{line}", "").trim_end());
@@ -219,7 +219,7 @@ fn indented(text: &mut String, by: usize, doc: &str) {
     }
 }
 
-/// The names of commands with the first line of what each does.
+/// Lists the names of commands with the first line of their documentation.
 #[must_use]
 pub fn summaries(list: &[CommandInfo]) -> String {
     let width = list.iter().map(|c| c.name.len()).max().unwrap_or(0);

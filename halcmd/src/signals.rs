@@ -1,4 +1,4 @@
-//! Signals that end a program: at once, or as soon as the terminal is as it was found.
+//! Signals that end a program, either at once or after the terminal has been restored.
 
 use signal_hook::{
     consts::{SIGHUP, SIGINT, SIGTERM},
@@ -9,20 +9,20 @@ use std::sync::{
     atomic::{AtomicBool, Ordering},
 };
 
-/// What the signals of this process do, if it asked for that.
+/// Signal handling of this process, if [`leave_on_signals`] was called.
 static LEAVING: OnceLock<Leaving> = OnceLock::new();
 
 struct Leaving {
-    /// Whether one ends the process at once.
+    /// True if a signal ends the process at once.
     at_once: Arc<AtomicBool>,
-    /// Whether one has come.
+    /// True if a signal has arrived.
     come: Arc<AtomicBool>,
-    /// With which status it ends.
+    /// Exit status.
     status: i32,
 }
 
-/// Leaves with this status as soon as the user or the system asks this process to end. The engine
-/// notices that the socket is closed.
+/// Makes this process exit with this status as soon as the user or the system requests it. The
+/// engine notices that the socket is closed.
 pub fn leave_on_signals(status: i32) {
     let leaving = LEAVING.get_or_init(|| Leaving {
         at_once: Arc::new(AtomicBool::new(true)),
@@ -36,7 +36,7 @@ pub fn leave_on_signals(status: i32) {
     }
 }
 
-/// A flag that is set when the user or the system asks this process to end.
+/// Returns a flag that is set when the user or the system asks this process to end.
 #[must_use]
 pub fn ending_flag() -> Arc<AtomicBool> {
     let ending = Arc::new(AtomicBool::new(false));
@@ -46,8 +46,8 @@ pub fn ending_flag() -> Arc<AtomicBool> {
     ending
 }
 
-/// While it lives, signals do not end this process at once; if one has come meanwhile, it does
-/// afterwards. For those who change the terminal.
+/// While it exists, signals do not end this process at once; a signal that arrives meanwhile ends
+/// it afterwards. For code that changes the terminal.
 #[derive(Debug)]
 pub(crate) struct Held(());
 
@@ -57,9 +57,9 @@ impl Held {
         Self(())
     }
 
-    /// Whether one has come.
+    /// Returns whether a signal has arrived.
     pub(crate) fn has_come(&self) -> bool {
-        // Pairs with the store that signals make.
+        // Pairs with the store in the signal handler.
         LEAVING.get().is_some_and(|leaving| leaving.come.load(Ordering::SeqCst))
     }
 }
@@ -73,18 +73,19 @@ impl Drop for Held {
     }
 }
 
-/// Ctrl-C, where the terminal gives it as a key: asks this process to end, as it does elsewhere.
+/// Handles Ctrl-C where the terminal delivers it as a key: asks this process to end.
 pub(crate) fn interrupt() {
     match LEAVING.get() {
         Some(leaving) => low_level::exit(leaving.status),
-        // On this thread, so that it has come before this returns. SIGINT can always be raised.
+        // Raised on this thread, so that it has arrived when this returns. SIGINT can always be
+        // raised.
         None => low_level::raise(SIGINT).unwrap_or_default(),
     }
 }
 
 fn set_at_once(yes: bool) {
     if let Some(leaving) = LEAVING.get() {
-        // Pairs with the look that signals take.
+        // Pairs with the load in the signal handler.
         leaving.at_once.store(yes, Ordering::SeqCst);
     }
 }

@@ -1,4 +1,4 @@
-//! Where physical lines come from: a text, or standard input.
+//! Sources of physical lines: a text or standard input.
 
 use hal_output::Unwritten;
 use hal_protocol::{Link, Request};
@@ -9,22 +9,22 @@ use rustix::{
 };
 use std::collections::VecDeque;
 
-/// The longest piece of a line that is read at once, in bytes.
+/// Maximum number of bytes of a line that are read at once.
 pub const MAX_PHYSICAL: usize = 1023;
 
-/// A line, or a piece of one that is longer than [`MAX_PHYSICAL`].
+/// A line, or a piece of a line that is longer than [`MAX_PHYSICAL`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Physical {
-    /// Without its end.
+    /// Bytes without the end of line.
     pub bytes: Vec<u8>,
-    /// Whether it ended; otherwise it was cut, or it is the last of its file.
+    /// True if it had an end of line; otherwise it was cut, or is the last of its file.
     pub ended: bool,
 }
 
-/// Something that gives physical lines.
+/// A source of physical lines.
 pub trait Lines {
-    /// The next one; `continuing` if it continues the one before. `link` is told to serve others
-    /// while nobody types.
+    /// Returns the next line. `continuing` means that it continues the one before. While the user
+    /// is not typing, the engine behind `link` serves its other clients.
     fn next(&mut self, continuing: bool, link: &mut dyn Link) -> Option<Physical>;
 }
 
@@ -36,7 +36,7 @@ pub struct Bytes {
 }
 
 impl Bytes {
-    /// Of a file that was read.
+    /// Makes a source from the content of a file.
     #[must_use]
     pub const fn new(text: Vec<u8>) -> Self {
         Self { text, at: 0 }
@@ -52,7 +52,7 @@ impl Lines for Bytes {
     }
 }
 
-/// The lines of standard input. While it has none, the engine serves its other clients.
+/// The lines of standard input. While there is none, the engine serves its other clients.
 #[derive(Debug)]
 pub struct Stdin {
     prompt: Option<Prompt>,
@@ -68,7 +68,7 @@ struct Prompt {
 }
 
 impl Stdin {
-    /// Prompts if a person is there; `script` asks for the prompt that programs understand. With
+    /// Prompts if a person is at the terminal. `script` selects the prompt for programs. With
     /// `flow` the virtual clock moves while nothing is typed.
     #[must_use]
     pub fn new(script: bool, flow: bool) -> Self {
@@ -81,20 +81,20 @@ impl Stdin {
         Self { prompt, flow, buffer: VecDeque::new(), ended: false }
     }
 
-    /// Waits for more, serving others; false at the end.
+    /// Waits for more input while the engine serves its clients. Returns false at the end.
     fn fill(&mut self, link: &mut dyn Link) -> bool {
         loop {
             let ready = {
                 let stdin = std::io::stdin();
                 let mut fds = [PollFd::new(&stdin, PollFlags::IN)];
-                // An engine in this process has others to serve meanwhile.
+                // An engine in this process has to serve its clients meanwhile.
                 let wait = if link.is_local() { 0 } else { 3600 };
                 let wait = Timespec { tv_sec: wait, tv_nsec: 0 };
                 poll(&mut fds, Some(&wait))
             };
             match ready {
                 Ok(0) if link.is_local() => {
-                    // Whether it ends shows when the next line is carried out.
+                    // If the instance is ending, the next line notices it.
                     if link.call(Request::Idle { ms: 10, flow: self.flow }).is_err() {
                         return false;
                     }
@@ -119,7 +119,7 @@ impl Lines for Stdin {
     fn next(&mut self, continuing: bool, link: &mut dyn Link) -> Option<Physical> {
         if let Some(prompt) = self.prompt {
             let text = if continuing { prompt.next } else { prompt.first };
-            // A command that prints says when that cannot be written.
+            // Commands that print report when output cannot be written.
             if hal_output::print(text) == Err(Unwritten::ReaderGone) {
                 return None;
             }
@@ -140,7 +140,7 @@ impl Lines for Stdin {
     }
 }
 
-/// The first line of a text that is not empty, and how many bytes it took.
+/// Returns the first line of a non-empty text, and the number of bytes it takes.
 fn first_line(text: &[u8]) -> (Physical, usize) {
     let end = text.iter().take(MAX_PHYSICAL).position(|b| *b == b'\n');
     let length = end.unwrap_or_else(|| text.len().min(MAX_PHYSICAL));

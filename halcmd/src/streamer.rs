@@ -1,4 +1,4 @@
-//! The program halstreamer: gives records to a streamer component.
+//! The program halstreamer: sends records to a streamer component.
 
 use crate::{
     Stdio, Terminal,
@@ -31,7 +31,7 @@ const OPTIONS: &[Opt<Id>] = &[
     instance_option(Id::Instance),
 ];
 
-/// Runs the program with these words.
+/// Runs the program with these command line arguments.
 #[must_use]
 pub fn main(words: &[String]) -> ExitCode {
     ended(run(words))
@@ -92,8 +92,8 @@ fn run(words: &[String]) -> Result<(), String> {
     Ok(())
 }
 
-/// Reads a line; nothing for one that starts with `#`. Each field must be followed by a blank or
-/// the end of the line; further ones are ignored.
+/// Parses a line. Returns `None` for one that begins with `#`. Whitespace or the end of the line
+/// must follow each field; surplus fields are ignored.
 fn record(line: &str, types: &[Type]) -> Result<Option<Vec<Value>>, (usize, &'static str)> {
     if line.starts_with('#') {
         return Ok(None);
@@ -111,7 +111,7 @@ fn record(line: &str, types: &[Type]) -> Result<Option<Vec<Value>>, (usize, &'st
     Ok(Some(record))
 }
 
-/// Integers are decimal; a float is as C reads it.
+/// Parses a field. Integers are decimal; a float has the form of C.
 fn value(field: &str, ty: Type) -> Result<Value, &'static str> {
     const BAD: &str = "bad character";
     const RANGE: &str = "value out of range";

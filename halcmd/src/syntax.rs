@@ -1,4 +1,4 @@
-//! The syntax tree of a line: its words, and where each of them stands.
+//! The syntax tree of a line: words and their positions.
 
 use crate::{
     Command, Error,
@@ -8,17 +8,17 @@ use crate::{
     vars::{Values, replaced},
 };
 
-/// A line in words: comment gone, variables replaced.
+/// A line as words, without the comment and with variables replaced.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Statement {
     words: Vec<String>,
     spans: Vec<Span>,
-    /// Where a further word would stand.
+    /// Position of a further word.
     end: usize,
 }
 
 impl Statement {
-    /// Reads a line.
+    /// Parses a line.
     ///
     /// # Errors
     /// A quote is not closed, a variable is wrong, or there are too many words.
@@ -34,7 +34,7 @@ impl Statement {
         Ok(Self { words, spans, end })
     }
 
-    /// Words that are known already, and the line that they make.
+    /// Makes a statement from words, and the line that they form.
     #[must_use]
     pub fn of_words(words: &[String]) -> (Self, Line) {
         let mut text = String::new();
@@ -50,26 +50,26 @@ impl Statement {
         (Self { words: words.to_vec(), spans, end }, Line::single(0, &text))
     }
 
-    /// Its words, quotes kept.
+    /// Returns the words, with their quotes.
     #[must_use]
     pub fn words(&self) -> &[String] {
         &self.words
     }
 
-    /// Where a word stands: bytes of the line as it was joined. A word that comes from a variable
-    /// stands where the variable does; one beyond the last would stand one blank after it.
+    /// Returns the position of a word, in bytes of the joined line. A word from a variable is at
+    /// the position of the variable; a word after the last would follow it after one space.
     #[must_use]
     pub fn span(&self, word: usize) -> Span {
         self.spans.get(word).cloned().unwrap_or(self.end + 1..self.end + 2)
     }
 
-    /// Whether its first word is one of these two, in any case.
+    /// Returns whether the first word is `quit` or `exit`, in any case.
     pub(crate) fn ends_input(&self) -> bool {
         let first = self.words.first();
         first.is_some_and(|w| ["quit", "exit"].iter().any(|q| w.eq_ignore_ascii_case(q)))
     }
 
-    /// What it asks for.
+    /// Parses the words as a command.
     ///
     /// # Errors
     /// There is no such command, or its arguments are wrong.
@@ -77,7 +77,7 @@ impl Statement {
         table::understand(&self.words).map_err(|error| self.blame(error))
     }
 
-    /// The words that an error is about, marked.
+    /// Makes a fault for an error, with the position of the words to which it refers.
     pub(crate) fn blame(&self, error: Error) -> Fault {
         let words = blamed(&error, &self.words);
         let (first, last) = (self.span(words.start), self.span(words.end.max(1) - 1));
@@ -90,11 +90,10 @@ impl Statement {
     }
 }
 
-/// A line of a file and the part of it that is wrong, for a person: the physical line with marks
-/// under that part.
+/// Returns an excerpt of a file for a person: the physical line with marks under the wrong part.
 #[must_use]
 pub fn excerpt(line: &Line, at: &Span) -> Option<String> {
-    /// How much of a long line is shown, and how much of it before what is wrong.
+    /// Width of the excerpt of a long line, and of the part before the error.
     const WIDTH: usize = 100;
     const BEFORE: usize = 40;
     let text = line.text.as_ref().ok()?;
@@ -122,12 +121,12 @@ pub fn excerpt(line: &Line, at: &Span) -> Option<String> {
     ))
 }
 
-/// What a terminal is not to obey is shown as a dot.
+/// Replaces control characters, which could affect the terminal, by a dot.
 fn visible(c: char) -> char {
     if c.is_control() && c != '\t' { '·' } else { c }
 }
 
-/// All lines of a text as trees, for those who have it in one piece.
+/// Parses all lines of a text.
 pub fn statements<'a>(
     text: &[u8],
     values: Values<'a>,
@@ -148,7 +147,7 @@ mod tests {
 
     const INI: &str = "[A]\nX = 5\nTWO = and2.0.in0 and2.0.in1\nLONGER = 123456\n";
 
-    /// Every word of a text and the part of the file it stands for.
+    /// Checks every word of a text and the part of the file from which it comes.
     fn check(text: &str, want: &[(&str, &str)]) {
         let ini = Ini::parse("m.ini", INI.as_bytes()).unwrap();
         let values = Values { environment: &|_| Some("v w".to_owned()), ini: Some(&ini) };
@@ -186,7 +185,7 @@ mod tests {
         check("\n", &[]);
     }
 
-    /// What a person is shown of the first line that is wrong in itself.
+    /// Returns the excerpt of the first line with a syntax error.
     fn shown(text: &str) -> String {
         let ini = Ini::parse("m.ini", INI.as_bytes()).unwrap();
         let values = Values { environment: &|_| None, ini: Some(&ini) };

@@ -1,4 +1,4 @@
-//! The one table of commands: parser, argument counts, help and the README's table read it.
+//! The table of commands, which the parser, argument counts, help and the README's table read.
 
 use crate::{
     Command, Error,
@@ -15,29 +15,29 @@ use hal_protocol::Kind;
 /// A command.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// Its name.
+    /// Name of the command.
     pub name: &'static str,
-    /// Its arguments, as help shows them.
+    /// Arguments, as help shows them.
     pub usage: &'static str,
-    /// How few and how many arguments it takes.
+    /// Minimum and maximum number of arguments.
     pub args: (usize, usize),
-    /// What it does, in a line.
+    /// Description, in a line.
     pub summary: &'static str,
-    /// What else there is to know.
+    /// Further description.
     pub help: &'static str,
-    /// What each of its arguments may be, for completion.
+    /// Possible values of each argument, for completion.
     pub words: &'static [Word],
-    /// Lines as one types them.
+    /// Example lines.
     pub examples: &'static [&'static str],
-    /// Other commands that one may want.
+    /// Related commands.
     pub related: &'static [&'static str],
-    /// What people meet: a part of the message, and what it asks for.
+    /// Common errors: a part of the message, and the remedy.
     pub errors: &'static [(&'static str, &'static str)],
-    /// Makes a command of the right number of words.
+    /// Parser for words of the right number.
     pub parse: fn(&[String]) -> Result<Command, Error>,
 }
 
-/// The kinds that `show` and `list` know.
+/// Kinds of `show` and `list`.
 pub const KINDS: &[(&str, Kind)] = &[
     ("comp", Kind::Components),
     ("pin", Kind::Pins),
@@ -50,7 +50,7 @@ pub const KINDS: &[(&str, Kind)] = &[
     ("thread", Kind::Threads),
 ];
 
-/// The kinds that `save` knows.
+/// Kinds of `save`.
 pub const SAVES: &[(&str, SaveKind)] = &[
     ("all", SaveKind::All),
     ("allu", SaveKind::AllWithPins),
@@ -72,7 +72,7 @@ pub const SAVES: &[(&str, SaveKind)] = &[
     ("unconnectedinpins", SaveKind::LonePins),
 ];
 
-/// The parts that `status` knows.
+/// Parts of `status`.
 pub const STATUSES: &[(&str, StatusKind)] = &[
     ("all", StatusKind::All),
     ("lock", StatusKind::Lock),
@@ -80,13 +80,13 @@ pub const STATUSES: &[(&str, StatusKind)] = &[
     ("instance", StatusKind::Instance),
 ];
 
-/// The command of this name.
+/// Returns the command of this name.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static Row> {
     rows().find(|row| row.name == name)
 }
 
-/// Understands the words of a line.
+/// Parses the words of a line.
 ///
 /// # Errors
 /// There is no such command, or its arguments are wrong.
@@ -122,13 +122,13 @@ impl Row {
     }
 }
 
-/// The name of a command near `word`.
+/// Returns the name of a command near `word`.
 #[must_use]
 pub fn near(word: &str) -> Option<Box<str>> {
     nearest(word, rows().map(|row| row.name))
 }
 
-/// The table as the README shows it.
+/// Returns the table for the README.
 #[must_use]
 pub fn markdown() -> String {
     let mut text = String::from("| command | what it does |\n|---|---|\n");
@@ -261,7 +261,7 @@ mod tests {
         }
     }
 
-    /// Pseudo-random lines of what the language is made of: whatever they mean, they are read.
+    /// Pseudo-random lines of the language's elements. All of them parse or give an error.
     #[test]
     fn no_line_is_beyond_understanding() {
         const PIECES: &[&str] = &[

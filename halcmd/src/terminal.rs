@@ -1,9 +1,9 @@
-//! Where text for people goes.
+//! Output of text for people.
 
 use hal_output::{Unwritten, print, reader_is_gone};
 use std::{io::Write, process::ExitCode};
 
-/// Standard output and standard error, or what stands for them.
+/// Standard output and standard error, or a replacement.
 pub trait Terminal {
     /// Writes to standard output, as it is.
     ///
@@ -12,22 +12,23 @@ pub trait Terminal {
     fn out(&mut self, text: &str) -> Result<(), Unwritten>;
     /// Writes to standard error, as it is.
     fn err(&mut self, text: &str);
-    /// Whether a person reads standard error: then errors show the line and point into it.
+    /// Returns whether a person reads standard error. Errors then show the line with a mark.
     fn is_person(&self) -> bool {
         false
     }
-    /// Whether that person sees colours.
+    /// Returns whether that person sees colours.
     fn is_coloured(&self) -> bool {
         false
     }
 
-    /// Whether a person looks at a screen and has a keyboard.
+    /// Returns whether a person has a screen and a keyboard.
     fn is_screen(&self) -> bool {
         false
     }
 }
 
-/// This process's own. Standard error that cannot be written to is no error: there is nowhere to say so.
+/// This process's own output. Errors of standard error are ignored, because there is no place to
+/// report them.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stdio;
 
@@ -53,7 +54,7 @@ impl Terminal for Stdio {
     }
 }
 
-/// How a small program ends: well, or with a complaint.
+/// Returns the exit status of a small program, and prints its error.
 pub(crate) fn ended(result: Result<(), String>) -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -64,23 +65,23 @@ pub(crate) fn ended(result: Result<(), String>) -> ExitCode {
     }
 }
 
-/// Says why a program ends. That nobody reads its output any more is no news to the user.
+/// Prints the error of a program, unless the error is only that the reader of its output is gone.
 pub(crate) fn complain(text: &str) {
     if !reader_is_gone() {
         Stdio.err(text);
     }
 }
 
-/// Keeps both, in the order of writing, and each by itself.
+/// Keeps both outputs, in the order of writing, and each separately.
 #[derive(Clone, Debug, Default)]
 pub struct Captured {
-    /// Both.
+    /// Both outputs.
     pub all: String,
     /// Standard output.
     pub out: String,
     /// Standard error.
     pub err: String,
-    /// Whether it stands for a terminal.
+    /// True if it stands for a terminal.
     pub person: bool,
 }
 

@@ -11,10 +11,10 @@ use hal_protocol::{Direction, Failure, Link, Place, Reply, Request, Type, Value}
 use std::{process::ExitCode, sync::mpsc};
 
 pub(crate) const NAME: &str = "hal_manualtoolchange";
-/// How often it looks at its pins, in nanoseconds of machine time.
+/// Interval between two polls of its pins, in nanoseconds of machine time.
 const POLL_NS: u64 = 100_000_000;
 
-/// Its pins, in the order in which values come.
+/// Pins, in the order of their values.
 const PINS: [(&str, Type, Direction); 4] = [
     ("hal_manualtoolchange.number", Type::S32, Direction::In),
     ("hal_manualtoolchange.change", Type::Bit, Direction::In),
@@ -34,7 +34,7 @@ const OPTIONS: &[Opt<Id>] = &[
     instance_option(Id::Instance),
 ];
 
-/// Runs the program with these words.
+/// Runs the program with these command line arguments.
 #[must_use]
 pub fn main(words: &[String]) -> ExitCode {
     ended(run(words).map_err(|text| format!("{NAME}: {text}")))
@@ -58,7 +58,7 @@ fn run(words: &[String]) -> Result<(), String> {
     let mut writes = Vec::new();
     loop {
         let reply = remote.call(Request::Poll { writes: core::mem::take(&mut writes) });
-        // The engine has gone, and this program with it.
+        // The engine is gone, so this program ends too.
         let Ok(Reply::Values { values, .. }) = reply else { return Ok(()) };
         let pressed = presses.try_iter().count() > 0;
         let (answer, text) = dialog.poll(&values, pressed);
@@ -71,7 +71,7 @@ fn run(words: &[String]) -> Result<(), String> {
     }
 }
 
-/// Makes its component with all its pins.
+/// Creates the component with all its pins.
 pub(crate) fn join(remote: &mut dyn Link) -> Result<(), Failure> {
     remote.call(Request::Join { name: NAME.to_owned(), poll_ns: POLL_NS })?;
     for (name, ty, direction) in PINS {
@@ -81,7 +81,7 @@ pub(crate) fn join(remote: &mut dyn Link) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A message for each line that a person enters.
+/// Returns a channel that receives a message for each line that the user enters.
 fn lines_of_input() -> mpsc::Receiver<()> {
     let (sender, receiver) = mpsc::channel();
     std::thread::spawn(move || {
@@ -94,7 +94,7 @@ fn lines_of_input() -> mpsc::Receiver<()> {
     receiver
 }
 
-/// What the person has been asked, and what the machine has been told.
+/// State of the dialog with the person and with the machine.
 #[derive(Debug)]
 struct Dialog {
     person: bool,
@@ -107,7 +107,7 @@ impl Dialog {
         Self { person, asked: None, changed: false }
     }
 
-    /// Looks at the pins: what `changed` becomes, and what to say.
+    /// Evaluates the pins. Returns the new value of `changed` and the message to print.
     fn poll(&mut self, values: &[Value], pressed: bool) -> (Option<bool>, Option<String>) {
         let bit = |i: usize| matches!(values.get(i), Some(Value::Bit(true)));
         let number = if let Some(Value::S32(n)) = values.first() { *n } else { 0 };
@@ -120,7 +120,7 @@ impl Dialog {
         if self.changed {
             return (None, None);
         }
-        // What was entered before the question is no answer to it.
+        // A line entered before the question does not answer it.
         if button || (pressed && self.asked == Some(number)) {
             self.asked = Some(number);
             self.changed = true;
@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn the_person_is_asked_once_and_the_machine_told_once() {
         let mut dialog = Dialog::new(true);
-        // number, change, button, Enter: what changed becomes, what is said
+        // number, change, button, Enter: new value of `changed`, message
         for (number, change, button, pressed, answer, text) in [
             (0, false, false, true, None, None),
             (5, true, false, true, None, Some("Insert tool 5 and press Enter.")),

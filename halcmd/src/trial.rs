@@ -1,5 +1,5 @@
-//! A machine on trial: its scripts are carried out to the last line on an engine that touches
-//! nothing, for `check`, `order` and `graph`.
+//! A machine on trial. For `check`, `order` and `graph`, its scripts run to the last line on an
+//! engine that affects nothing outside.
 
 mod attempt;
 mod unknown;
@@ -20,36 +20,36 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// A line that was refused.
+/// A refused line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refusal {
-    /// Where it stands.
+    /// Place of the line.
     pub at: At,
-    /// Why.
+    /// Error of the line.
     pub error: Error,
 }
 
-/// Something odd that a line did without being refused.
+/// A warning about a line that was not refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Remark {
-    /// Where it stands.
+    /// Place of the line.
     pub at: At,
-    /// What is odd.
+    /// Text of the warning.
     pub text: String,
 }
 
-/// What came of lines that were carried out without touching anything outside.
+/// Result of lines that ran without affecting anything outside.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Attempt {
-    /// The lines that were refused, in order.
+    /// The refused lines, in order.
     pub refusals: Vec<Refusal>,
-    /// What was odd.
+    /// Warnings.
     pub remarks: Vec<Remark>,
-    /// What else is wrong.
+    /// Further findings.
     pub found: Vec<Finding>,
-    /// The INI entries that lines read: section and name.
+    /// INI entries that lines read: section and name.
     pub entries: BTreeSet<(String, String)>,
-    /// What is not known of programs and of components that are missing.
+    /// Names that missing components or programs that were not started may provide.
     pub unknown: Unknown,
 }
 
@@ -63,9 +63,9 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// Carries out `files`: scripts in order, with the values of an INI file if one is given, or
-    /// one INI file as halrun would start it. Scripts with the INI file of a machine (it has a
-    /// section EMCIO) are taken for its HAL files. Plugins are looked for where halrun looks.
+    /// Runs `files`: scripts in order, with the values of an INI file if one is given, or one INI
+    /// file as halrun would start it. Scripts given with the INI file of a machine (it has a
+    /// section EMCIO) count as its HAL files. Plugins are looked for in halrun's folders.
     ///
     /// # Errors
     /// A file cannot be read, or an INI file or a profile has an error in it.
@@ -74,7 +74,7 @@ impl Trial {
         Self::with_plugins(files, ini, plugin_path(&|name| profile.system(name)))
     }
 
-    /// The same, with plugins from these folders.
+    /// Like [`Self::of`], with plugins from these folders.
     ///
     /// # Errors
     /// A file cannot be read, or an INI file has an error in it.
@@ -98,7 +98,7 @@ impl Trial {
             })?;
             scripts.push((file, text));
         }
-        // Scripts that load it themselves are no HAL files of a machine.
+        // Scripts that load `iocontrol` themselves are not HAL files of a machine.
         let loads = scripts.iter().any(|(_, text)| loads_iocontrol(text));
         let whole = match (given, &ini) {
             (Some(path), Some(ini)) if machine.is_none() && ini.has_section("EMCIO") && !loads => {
@@ -160,31 +160,32 @@ impl Trial {
         Ok(Self { engine, attempt, ini, starts_itself })
     }
 
-    /// The engine, with everything made that could be made.
+    /// Returns the engine with everything that the lines could make.
     pub const fn engine(&mut self) -> &mut Engine {
         &mut self.engine
     }
 
-    /// What came of the lines.
+    /// Returns the result of the lines.
     #[must_use]
     pub const fn attempt(&self) -> &Attempt {
         &self.attempt
     }
 
-    /// Whether the threads are started by whoever starts the machine, and not by a line.
+    /// Returns whether the program that starts the machine also starts its threads, so that no line
+    /// has to.
     #[must_use]
     pub const fn starts_itself(&self) -> bool {
         self.starts_itself
     }
 
-    /// The INI file, if there is one.
+    /// Returns the INI file, if there is one.
     #[must_use]
     pub const fn ini(&self) -> Option<&Ini> {
         self.ini.as_ref()
     }
 }
 
-/// Whether a script loads what an INI start always has.
+/// Returns whether a script loads `iocontrol`, which a start from an INI file has always loaded.
 fn loads_iocontrol(text: &[u8]) -> bool {
     String::from_utf8_lossy(text).lines().any(|line| {
         let mut words = line.split_whitespace();

@@ -1,4 +1,4 @@
-//! Spans of time as users write them.
+//! Durations as users write them.
 
 use nom::{
     Finish, IResult, Parser,
@@ -8,14 +8,14 @@ use nom::{
     sequence::preceded,
 };
 
-/// The text is not a number with a unit, or longer than 292 years.
+/// Error for a text that is not a number with a unit, or that exceeds 292 years.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UnitError;
 
 const UNITS: &[(&str, u64)] =
     &[("ns", 1), ("us", 1_000), ("µs", 1_000), ("ms", 1_000_000), ("s", 1_000_000_000)];
 
-/// Reads `20ms`, `1.5s`, `100 us`; a fraction of a nanosecond is refused.
+/// Parses `20ms`, `1.5s`, `100 us` to nanoseconds. Refuses fractions of a nanosecond.
 ///
 /// # Errors
 /// See [`UnitError`].
@@ -43,7 +43,7 @@ fn decimal(text: &str) -> IResult<&str, (&str, Option<&str>)> {
     (digit1, opt(preceded(tag("."), digit0))).parse(text)
 }
 
-/// A span of time as users read it: in the largest unit of which it is at least one.
+/// Writes a duration in the largest unit in which it is at least one.
 #[must_use]
 pub(crate) fn duration(ns: u64) -> String {
     let units = [("s", 9_u32), ("ms", 6), ("µs", 3)];

@@ -11,12 +11,12 @@ use nom::{
 };
 use std::borrow::Cow;
 
-/// The longest line after replacement, in bytes.
+/// Maximum length of a line after replacement, in bytes.
 pub const MAX_LINE: usize = 2044;
-/// The longest name of a variable.
+/// Maximum length of a variable's name, in bytes.
 pub const MAX_NAME: usize = 127;
 
-/// Where values come from.
+/// Sources of the values.
 #[derive(Clone, Copy)]
 pub struct Values<'a> {
     /// The environment.
@@ -34,13 +34,13 @@ impl core::fmt::Debug for Values<'_> {
 /// A line after replacement.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Replaced {
-    /// What it says now.
+    /// Text after replacement.
     pub(crate) text: String,
-    /// Where values stand in it, and which variables those were in the line.
+    /// Positions of the values in the text, and of their variables in the line.
     values: Vec<(Span, Span)>,
 }
 
-/// Replaces variables, also inside quotes. What is inserted is not looked at again.
+/// Replaces variables, also inside quotes. Inserted values are not scanned again.
 ///
 /// # Errors
 /// A name is empty, too long, not closed or not found, or the line becomes too long.
@@ -48,7 +48,7 @@ pub fn replace(line: &str, values: Values<'_>) -> Result<String, Error> {
     replaced(line, values).map(|r| r.text).map_err(|fault| *fault.error)
 }
 
-/// The same, and where the variables were, or the one that is wrong.
+/// Like [`replace`], with the positions of the variables, or of the wrong one.
 pub(crate) fn replaced(line: &str, values: Values<'_>) -> Result<Replaced, Fault> {
     let mut out = Replaced::default();
     let mut rest = line;
@@ -83,7 +83,8 @@ pub(crate) fn replaced(line: &str, values: Values<'_>) -> Result<Replaced, Fault
 }
 
 impl Replaced {
-    /// Where in the line a part of the text comes from; a value comes from its whole variable.
+    /// Returns the part of the line from which a part of the text comes. A value comes from its
+    /// whole variable.
     pub(crate) fn origin(&self, part: &Span) -> Span {
         let start = self.position(part.start, |variable| variable.start);
         let end = self.position(part.end.max(part.start + 1) - 1, |variable| variable.end - 1);
@@ -100,7 +101,7 @@ impl Replaced {
     }
 }
 
-/// What was found and what follows it; or what is wrong, and what follows that.
+/// The rest of the text and the value, or the error and the rest of the text.
 type Found<'a> = Result<(&'a str, Cow<'a, str>), (Error, &'a str)>;
 
 fn environment<'a>(text: &'a str, values: Values<'a>) -> Found<'a> {
@@ -122,7 +123,7 @@ fn ini_value<'a>(text: &'a str, ini: Option<&'a Ini>) -> Found<'a> {
     }
 }
 
-/// What would be right instead of an INI variable that is not there.
+/// Returns the remedy for a missing INI variable.
 fn missing(ini: Option<&Ini>, section: &str, name: &str) -> Box<str> {
     let Some(ini) = ini else { return "no INI file was given: -i names one".into() };
     if let Some(broken) = ini.broken() {
@@ -135,7 +136,7 @@ fn missing(ini: Option<&Ini>, section: &str, name: &str) -> Box<str> {
     }
 }
 
-/// The INI entries that a line names, as section and name; what cannot be read is left out.
+/// Returns the INI entries that a line names, as section and name. Malformed ones are omitted.
 pub(crate) fn mentioned(line: &str) -> Vec<(String, String)> {
     let found = line.match_indices('[').filter_map(|(at, _)| {
         let (after, section) = section(tail(line.get(at..)?)).ok()?;
@@ -145,7 +146,7 @@ pub(crate) fn mentioned(line: &str) -> Vec<(String, String)> {
     found.collect()
 }
 
-/// `(NAME)`, or the longest run of name characters.
+/// Parses `(NAME)`, or the longest run of name characters.
 fn name(text: &str) -> Result<(&str, &str), (Error, &str)> {
     let (after, name) = match text.strip_prefix('(') {
         Some(inner) => {
@@ -175,7 +176,7 @@ fn plain(text: &str) -> IResult<&str, &str> {
     is_not("$[").parse(text)
 }
 
-/// What follows the first character, which takes one byte.
+/// Returns the text after the first character, which takes one byte.
 fn tail(text: &str) -> &str {
     text.get(1..).unwrap_or("")
 }

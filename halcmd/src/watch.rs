@@ -8,23 +8,23 @@ use hal_protocol::{Direction, Failure, Kind, Link, Patterns, Reply, Request, Val
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// The code of a failure that says that something is not there.
+/// Failure code for a name that does not exist.
 const ENOENT: i32 = -2;
-/// The longest that a look at the keyboard, or for the end of the instance, waits.
+/// Maximum wait between two checks of the keyboard or of the end of the instance, in milliseconds.
 const STEP_MS: u32 = 50;
 
-/// What to watch, and how often.
+/// Selection of values, and the interval.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Watch {
-    /// Names, or patterns as `show` has them.
+    /// Names, or patterns as in `show`.
     pub patterns: Vec<String>,
-    /// How long between two looks, in milliseconds on the wall.
+    /// Wall-clock interval between two readings, in milliseconds.
     pub every_ms: u32,
-    /// How many looks; absent: until somebody ends it.
+    /// Number of readings; `None` to continue until the user stops.
     pub count: Option<u64>,
 }
 
-/// What a value belongs to.
+/// Kind of item to which a value belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Of {
@@ -46,7 +46,7 @@ impl Of {
     }
 }
 
-/// Something with a value.
+/// An item with its value.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Seen {
     pub(crate) name: String,
@@ -60,10 +60,10 @@ pub(crate) struct Seen {
     pub(crate) doc: String,
 }
 
-/// What was seen at a machine time, by name.
+/// Values at one machine time, sorted by name.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Look {
-    /// In nanoseconds.
+    /// Machine time in nanoseconds.
     pub(crate) time: u64,
     pub(crate) seen: Vec<Seen>,
 }
@@ -73,7 +73,7 @@ const OPTIONS: &[Opt<char>] = &[
     Opt { short: None, long: Some("count"), ..Opt::short_with('c', 'c', "N") },
 ];
 
-/// Understands the words of `watch`.
+/// Parses the arguments of `watch`.
 pub(crate) fn parse(words: &[String]) -> Result<Watch, Error> {
     let mut watch = Watch { patterns: Vec::new(), every_ms: 200, count: None };
     let (given, patterns) = mixed("watch", OPTIONS, words)?;
@@ -101,7 +101,7 @@ pub(crate) fn parse(words: &[String]) -> Result<Watch, Error> {
     Ok(watch)
 }
 
-/// Looks once: everything that a pattern names exactly, or else matches.
+/// Reads every item that a pattern names exactly, or else matches.
 pub(crate) fn look(link: &mut dyn Link, patterns: &[String]) -> Result<Look, Error> {
     let time = match link.call(Request::Status)? {
         Reply::Status(status) => status.time,
@@ -130,7 +130,7 @@ pub(crate) fn look(link: &mut dyn Link, patterns: &[String]) -> Result<Look, Err
             _ => return Err(Error::Unexpected),
         }
     }
-    // A whole name means that one, not all that begin with it.
+    // A complete name selects that item, not all items that begin with it.
     let whole = |p: &String| seen.iter().any(|s| s.name == *p);
     let (exact, others): (Vec<String>, Vec<String>) = patterns.iter().cloned().partition(whole);
     let others_match = Patterns::new(&others);
@@ -139,8 +139,8 @@ pub(crate) fn look(link: &mut dyn Link, patterns: &[String]) -> Result<Look, Err
     Ok(Look { time, seen })
 }
 
-/// Waits; a machine in this process goes on meanwhile, the clock of another is left alone.
-/// False: the instance is ending.
+/// Waits. The clock of a machine in this process moves meanwhile; that of another is not affected.
+/// Returns false if the instance is ending.
 pub(crate) fn wait(link: &mut dyn Link, ms: u32) -> Result<bool, Error> {
     let flow = link.is_local();
     if link.is_ending() {
@@ -150,13 +150,13 @@ pub(crate) fn wait(link: &mut dyn Link, ms: u32) -> Result<bool, Error> {
     Ok(!link.is_ending())
 }
 
-/// Machine time in seconds.
+/// Writes machine time in seconds.
 pub(crate) fn seconds(ns: u64) -> String {
     format!("{}.{:09}", ns / 1_000_000_000, ns % 1_000_000_000)
 }
 
 impl Session<'_> {
-    /// `watch`.
+    /// Executes `watch`.
     pub(crate) fn watch(&mut self, watch: &Watch) -> Result<(), Error> {
         let first = look(self.link, &watch.patterns)?;
         if first.seen.is_empty() {
@@ -171,7 +171,7 @@ impl Session<'_> {
         self.watch_lines(watch, first)
     }
 
-    /// A line for each change.
+    /// Prints a line for each change.
     fn watch_lines(&mut self, watch: &Watch, first: Look) -> Result<(), Error> {
         let mut before = BTreeMap::new();
         let mut look_now = first;
@@ -210,7 +210,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// Says that no pattern matches, and what might have been meant.
+    /// Returns the error that no pattern matches, with the nearest name.
     pub(crate) fn nothing(&mut self, patterns: &[String]) -> Error {
         let word = patterns.first().map(String::as_str).unwrap_or_default();
         let text = format!("pin, signal or parameter '{}' not found", patterns.join(" "));
@@ -222,12 +222,12 @@ impl Session<'_> {
     }
 }
 
-/// Machine time for a person.
+/// Writes machine time for a person.
 pub(crate) fn about_seconds(ns: u64) -> String {
     format!("{}.{:03} s", ns / 1_000_000_000, ns % 1_000_000_000 / 1_000_000)
 }
 
-/// Time, name and value.
+/// Writes time, name and value.
 fn line(time: u64, seen: &Seen) -> String {
     format!("{} {} {}\n", seconds(time), seen.name, seen.value)
 }
@@ -238,7 +238,8 @@ mod tests {
     use crate::{Captured, Outcome, Session, Style, show::samples::item, status};
     use hal_protocol::{Direction, Failure, Kind, Link, Lock, Reply, Request, SignalInfo, Value};
 
-    /// Counts its looks: a pin that counts along, one that stays, and a signal of the same name.
+    /// Counts its readings: it has a pin that counts along, one that is constant, and a signal of
+    /// the same name.
     #[derive(Default)]
     struct Counting {
         looks: i32,

@@ -1,21 +1,21 @@
-//! What a word of a command may be: completion reads it from the table of commands.
+//! Possible values of a command's argument, which completion reads from the table of commands.
 
-/// What one argument of a command may be.
+/// Possible values of an argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Word {
-    /// One of these.
+    /// A word from this list.
     One(&'static [&'static str]),
-    /// What any of these may be.
+    /// Any value of these kinds.
     Any(&'static [Word]),
-    /// From here on, each is one of these.
+    /// This and every further argument is a value of these kinds.
     Many(&'static [Word]),
-    /// Something that nobody can guess: a new name, a number, a text.
+    /// A value that cannot be completed: a new name, a number or a text.
     Free,
     /// A component type that `loadrt` finds.
     Module,
-    /// An argument of the component type that was named before.
+    /// An argument of the component type named before.
     ModuleArg,
-    /// A component that is loaded.
+    /// A loaded component.
     Component,
     /// A component of a plugin.
     RealtimeComponent,
@@ -25,11 +25,11 @@ pub enum Word {
     Program,
     /// A pin.
     Pin,
-    /// A pin without signal.
+    /// A pin without a signal.
     LonePin,
     /// A pin with a signal.
     LinkedPin,
-    /// A pin that may join the signal that was named first.
+    /// A pin that may join the signal named first.
     PinForSignal,
     /// A pin or parameter.
     Item,
@@ -37,15 +37,15 @@ pub enum Word {
     SettableItem,
     /// A pin or, after `param`, a parameter.
     ItemOfKind,
-    /// The same, with a second name.
+    /// A pin or, after `param`, a parameter that has an alias.
     AliasOfKind,
     /// A signal.
     Signal,
     /// A signal that no pin writes.
     SettableSignal,
-    /// A signal that the pin that was named first may join.
+    /// A signal that the pin named first may join.
     SignalForPin,
-    /// A value for the pin, parameter or signal that was named before.
+    /// A value for the pin, parameter or signal named before.
     Value,
     /// A function that can be added to a thread.
     FreeFunct,
@@ -53,11 +53,11 @@ pub enum Word {
     UsedFunct,
     /// A thread.
     Thread,
-    /// A thread that has the function that was named first.
+    /// A thread that has the function named first.
     ThreadOfFunct,
-    /// A type of signals.
+    /// A signal type.
     Type,
-    /// What the kind of thing that was named first is called.
+    /// The name of an item of the kind named first.
     NameOfKind,
     /// A pin, signal or parameter.
     Variable,

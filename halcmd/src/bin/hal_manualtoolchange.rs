@@ -1,4 +1,4 @@
-//! Asks a person to change the tool.
+//! The program `hal_manualtoolchange`: asks a person to change the tool.
 
 use std::process::ExitCode;
 

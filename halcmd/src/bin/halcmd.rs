@@ -1,4 +1,4 @@
-//! Gives commands to a running instance.
+//! The program halcmd: gives commands to a running instance.
 
 use std::process::ExitCode;
 

@@ -1,4 +1,4 @@
-//! Makes an instance and carries out a script.
+//! The program halrun: makes an instance and executes a script.
 
 use std::process::ExitCode;
 

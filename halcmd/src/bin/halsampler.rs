@@ -1,4 +1,4 @@
-//! Prints the records that a sampler component takes.
+//! The program halsampler: prints the records of a sampler component.
 
 use std::process::ExitCode;
 

@@ -1,4 +1,4 @@
-//! Samples any pin, draws what was sampled, and shows it in the terminal.
+//! The program halscope: samples any pin, draws the samples, and shows them in the terminal.
 
 use std::process::ExitCode;
 

@@ -1,4 +1,4 @@
-//! Gives records to a streamer component.
+//! The program halstreamer: sends records to a streamer component.
 
 use std::process::ExitCode;
 

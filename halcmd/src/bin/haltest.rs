@@ -1,4 +1,4 @@
-//! Runs the tests of machines.
+//! The program haltest: runs the tests of machines.
 
 use std::process::ExitCode;
 

@@ -1,4 +1,4 @@
-//! What has to be said while a person types: above the line, not into it.
+//! Output above the line that a person is typing.
 
 use rustyline::ExternalPrinter;
 use std::{
@@ -11,19 +11,19 @@ use std::{
     thread,
 };
 
-/// Whether a person types right now.
+/// True while a person is typing.
 static HELD: AtomicBool = AtomicBool::new(false);
-/// Where texts go meanwhile. Whoever prints them may have to wait for the editor, so that is a
-/// thread of its own.
+/// Channel for texts during editing. A thread of its own prints them, because printing may have to
+/// wait for the editor.
 static PRINT: Mutex<Option<Sender<String>>> = Mutex::new(None);
 
-/// From here on, texts are held back for the editor, or no longer.
+/// Redirects texts to the editor, or stops redirecting them.
 pub(super) fn hold(yes: bool) {
-    // Lone: a text that comes in between goes one way or the other.
+    // Unpaired: a text that comes at the same moment may go either way.
     HELD.store(yes, Ordering::Relaxed);
 }
 
-/// Prints texts with this printer of the editor's.
+/// Prints redirected texts with this printer of the editor.
 pub(super) fn print_with(mut printer: impl ExternalPrinter + Send + 'static) {
     let (sender, texts) = mpsc::channel::<String>();
     let run = move || {
@@ -36,11 +36,11 @@ pub(super) fn print_with(mut printer: impl ExternalPrinter + Send + 'static) {
     }
 }
 
-/// While it lives, texts are kept; then they are printed. For those who have the whole screen.
+/// Collects texts while it exists, and prints them at its end. For views that use the whole screen.
 #[derive(Debug)]
 pub(crate) struct Kept(());
 
-/// What is kept; none: nobody has the screen.
+/// Collected texts; `None` while no view has the screen.
 static KEPT: Mutex<Option<Vec<u8>>> = Mutex::new(None);
 
 impl Kept {
@@ -67,7 +67,7 @@ impl Write for Aside {
             kept.extend_from_slice(bytes);
             return Ok(bytes.len());
         }
-        // Lone, as above.
+        // Unpaired, as above.
         if HELD.load(Ordering::Relaxed)
             && rustix::termios::isatty(io::stderr())
             && let Some(print) = &*PRINT.lock().unwrap_or_else(PoisonError::into_inner)

@@ -1,4 +1,5 @@
-//! The line editor: it knows keys, history and colours, and asks for everything else.
+//! The line editor: keys, history and colours. It requests everything else from the session's
+//! thread.
 
 use super::{Event, Order, aside, history};
 use crate::{colour, complete::Completion, help, table};
@@ -25,10 +26,11 @@ use std::{
 
 const FIRST: &str = "halcmd: ";
 const NEXT: &str = "halcmd+: ";
-/// How many lines are remembered.
+/// Number of lines in the history.
 const REMEMBERED: usize = 2000;
 
-/// Reads lines as ordered until nobody wants any more. `local`: the machine is in this process.
+/// Reads lines as ordered until the channel closes. `local` means that the machine is in this
+/// process.
 pub(super) fn run(
     orders: &Receiver<Order>,
     say: &Sender<Event>,
@@ -45,7 +47,7 @@ pub(super) fn run(
     let noticed = Box::new(Interruption { empty: Arc::clone(&empty) });
     editor.bind_sequence(KeyEvent::ctrl('C'), EventHandler::Conditional(noticed));
     if local {
-        // What stops this process would stop the machine in the middle of a cycle.
+        // Stopping this process would stop the machine in the middle of a cycle.
         editor.bind_sequence(KeyEvent::ctrl('Z'), Cmd::Noop);
     }
     if let Ok(printer) = editor.create_external_printer() {
@@ -53,7 +55,7 @@ pub(super) fn run(
     }
     let history = history::file();
     if let Some(file) = &history {
-        // There is none the first time.
+        // The first time, there is no file.
         drop(editor.load_history(file));
     }
     while let Ok(Order::Read { continuing }) = orders.recv() {
@@ -97,7 +99,7 @@ fn editor(
     Ok(editor)
 }
 
-/// Notes whether Ctrl-C came on an empty line.
+/// Records whether Ctrl-C was pressed on an empty line.
 struct Interruption {
     empty: Arc<AtomicBool>,
 }
@@ -116,12 +118,12 @@ impl ConditionalEventHandler for Interruption {
     }
 }
 
-/// What the editor asks while a line is typed.
+/// The editor's access to completion and help while a line is typed.
 struct Assistant {
     say: Sender<Event>,
     answers: Receiver<Completion>,
     coloured: bool,
-    /// Whether it was said that the editor has begun.
+    /// True once [`Event::Begun`] has been sent.
     begun: Cell<bool>,
 }
 
@@ -152,9 +154,9 @@ impl Completer for Assistant {
 impl Hinter for Assistant {
     type Hint = Usage;
 
-    /// After a command: what it wants.
+    /// Returns the arguments of the command that was just typed.
     fn hint(&self, line: &str, at: usize, _: &Context<'_>) -> Option<Usage> {
-        // Asked whenever the line is drawn, so also before the first key.
+        // The editor calls this whenever it draws the line, so also before the first key.
         if !self.begun.replace(true) {
             self.say.send(Event::Begun).ok()?;
         }
@@ -164,7 +166,7 @@ impl Hinter for Assistant {
     }
 }
 
-/// The arguments of a command: to be read, not to be taken into the line.
+/// The arguments of a command, shown as a hint that cannot be accepted into the line.
 struct Usage(String);
 
 impl rustyline::hint::Hint for Usage {

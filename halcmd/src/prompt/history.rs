@@ -1,4 +1,4 @@
-//! What was typed at prompts before, in a file of the user's.
+//! The history of typed lines, in a file of the user.
 
 use rustyline::{Editor, Helper, history::FileHistory};
 use std::{
@@ -7,7 +7,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// `ferrule/history` in the user's state folder, which is made if need be; none without a home.
+/// Returns `ferrule/history` in the user's state folder, which it creates if necessary. Returns
+/// `None` without a home folder.
 pub(super) fn file() -> Option<PathBuf> {
     let absolute = |name: &str| env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
     let state =
@@ -18,8 +19,8 @@ pub(super) fn file() -> Option<PathBuf> {
     Some(folder.join("history"))
 }
 
-/// Adds the last line, whatever other prompts have added meanwhile. A history that cannot be kept
-/// is no reason to stop.
+/// Appends the last line, keeping lines that other prompts have appended. Errors are ignored,
+/// because a missing history should not stop the prompt.
 pub(super) fn keep<H: Helper>(editor: &mut Editor<H, FileHistory>, file: &Path) {
     let kept = if file.exists() { editor.append_history(file) } else { editor.save_history(file) };
     drop(kept);

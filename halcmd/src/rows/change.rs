@@ -1,4 +1,4 @@
-//! Changing a running machine as a whole.
+//! The command that changes a running machine in one transaction.
 
 use crate::{parse, table::Row, word::Word as W};
 

@@ -1,4 +1,4 @@
-//! What is wrong with a machine.
+//! Commands that check a machine and explain findings.
 
 use crate::{
     Command,

@@ -1,4 +1,4 @@
-//! Looking at a machine as a whole.
+//! Commands that examine a machine as a whole.
 
 use crate::{
     examine,

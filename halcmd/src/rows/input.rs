@@ -1,4 +1,4 @@
-//! The input itself.
+//! Commands about the input itself.
 
 use crate::{Command, Error, parse, rows::PLAIN, table::Row, word::Word as W};
 use hal_protocol::Request;

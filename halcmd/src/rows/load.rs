@@ -1,4 +1,4 @@
-//! Loading and unloading.
+//! Commands for loading and unloading.
 
 use crate::{
     Command,

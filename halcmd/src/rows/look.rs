@@ -1,4 +1,4 @@
-//! Looking at what is there.
+//! Commands that display the state.
 
 use crate::{Command, command::ShowKind, flight, parse, rows::ANY, table::Row, word::Word as W};
 use hal_protocol::Kind;

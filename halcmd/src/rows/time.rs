@@ -1,4 +1,4 @@
-//! Threads, and time.
+//! Commands for threads and time.
 
 use crate::{Command, parse, rows::ANY, table::Row, word::Word as W};
 use hal_protocol::Request;

@@ -1,4 +1,4 @@
-//! Signals, links and values.
+//! Commands for signals, links and values.
 
 use crate::{Command, parse, rows::ANY, table::Row, word::Word as W};
 use hal_protocol::Request;

@@ -1,9 +1,9 @@
-//! Big characters, five lines high.
+//! Large characters, five lines high.
 
-/// How many lines a big character has.
+/// Height of a large character in lines.
 pub(super) const HEIGHT: usize = 5;
 
-/// The characters that values are made of.
+/// The characters of which values consist.
 const GLYPHS: &[(char, [&str; HEIGHT])] = &[
     ('0', ["█████", "█   █", "█   █", "█   █", "█████"]),
     ('1', ["  █  ", " ██  ", "  █  ", "  █  ", " ███ "]),
@@ -34,7 +34,8 @@ const GLYPHS: &[(char, [&str; HEIGHT])] = &[
     ('S', ["█████", "█    ", "█████", "    █", "█████"]),
 ];
 
-/// A text in big characters; none if one of it is not known or it is wider than `width`.
+/// Writes a text in large characters. Returns `None` for an unknown character or a text wider than
+/// `width`.
 pub(super) fn big(text: &str, width: usize) -> Option<[String; HEIGHT]> {
     let mut lines: [String; HEIGHT] = core::array::from_fn(|_| String::new());
     for c in text.chars() {

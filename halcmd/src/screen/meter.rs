@@ -1,4 +1,4 @@
-//! One value in big characters.
+//! A value in large characters.
 
 use super::{
     Key, Look as Looks, Screen,
@@ -16,16 +16,16 @@ use ratatui::{
     text::{Line, Span},
 };
 
-/// How often a value is looked at.
+/// Interval between two readings of the value, in milliseconds.
 const STEP_MS: u32 = 50;
 
-/// What is shown.
+/// The current view.
 enum View {
     Meter(Meter),
     Pick(Pick),
 }
 
-/// One thing, and the least and most it has been.
+/// A value with the minimum and maximum seen so far.
 struct Meter {
     name: String,
     of: Of,
@@ -34,14 +34,14 @@ struct Meter {
     looks: Looks,
 }
 
-/// Shows a value until somebody ends it; without a name, one is chosen first.
+/// Shows a value until the user leaves. Without a name, the user chooses one first.
 pub(crate) fn meter(link: &mut dyn Link, name: Option<String>) -> Result<(), Error> {
     let looks = Looks::new();
     let mut view = match name {
         None => View::Pick(pick(link, looks)?),
         Some(name) => {
             let found = look(link, core::slice::from_ref(&name))?;
-            // More than one begins with it: which?
+            // If several names begin with it, the user chooses.
             match found.seen.as_slice() {
                 [only] => View::Meter(Meter::new(only.name.clone(), only.of, looks)),
                 [first, ..] if first.name == name => View::Meter(Meter::new(name, first.of, looks)),
@@ -100,7 +100,7 @@ fn pick(link: &mut dyn Link, looks: Looks) -> Result<Pick, Error> {
     Ok(Pick::new(look(link, &[String::new()])?.seen, looks))
 }
 
-/// The one after or before, by name.
+/// Returns the next or previous item by name.
 fn neighbour(link: &mut dyn Link, meter: &Meter, back: bool) -> Result<(String, Of), Error> {
     let all = look(link, &[String::new()])?.seen;
     let here = (meter.name.as_str(), meter.of);
@@ -187,7 +187,7 @@ impl Meter {
     }
 }
 
-/// A value that has a least and a most.
+/// Returns the number of a value that has a minimum and a maximum.
 fn number(value: &Value) -> Option<f64> {
     match value {
         Value::Float(v) if !v.is_nan() => Some(*v),

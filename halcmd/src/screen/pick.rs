@@ -1,4 +1,4 @@
-//! The choice of a pin, signal or parameter by a part of its name.
+//! Selection of a pin, signal or parameter by a part of its name.
 
 use super::{Key, Look};
 use crate::watch::{Of, Seen};
@@ -8,7 +8,7 @@ use ratatui::{
     text::{Line, Span},
 };
 
-/// What can be chosen from, and how far the choice is.
+/// Items to choose from, and the state of the selection.
 pub(super) struct Pick {
     all: Vec<Seen>,
     wanted: String,
@@ -18,13 +18,13 @@ pub(super) struct Pick {
     look: Look,
 }
 
-/// What became of a key.
+/// Result of a key.
 pub(super) enum Picked {
-    /// Nothing yet.
+    /// No selection yet.
     Not,
-    /// This one.
+    /// The user chose this item.
     This(String, Of),
-    /// None of them.
+    /// The user left without choosing.
     None,
 }
 
@@ -33,7 +33,7 @@ impl Pick {
         Self { all, wanted: String::new(), of: None, at: 0, rows: 1, look }
     }
 
-    /// Those that have every word of the search in their names.
+    /// Returns the items whose names contain every word of the search.
     fn found(&self) -> Vec<&Seen> {
         let words: Vec<&str> = self.wanted.split(' ').collect();
         let fits = |s: &&Seen| {

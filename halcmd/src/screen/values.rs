@@ -1,4 +1,4 @@
-//! Values in a list, those that change marked.
+//! A list of values in which changes are marked.
 
 use super::{Key, Look as Looks, Screen};
 use crate::{
@@ -13,16 +13,16 @@ use ratatui::{
 };
 use std::collections::BTreeMap;
 
-/// How long a value that has changed stays marked.
+/// Time for which a changed value stays marked, in milliseconds.
 const MARKED_MS: u32 = 1000;
-/// How often the keyboard is looked at.
+/// Interval between two checks of the keyboard, in milliseconds.
 const STEP_MS: u32 = 50;
 
 struct Values<'a> {
     watch: &'a Watch,
     instance: &'a str,
     now: Look,
-    /// How long ago a value changed, in milliseconds, while that is shown.
+    /// Milliseconds since the last change of each marked value.
     changed: BTreeMap<(String, Of), u32>,
     top: usize,
     rows: usize,
@@ -30,7 +30,7 @@ struct Values<'a> {
     looks: Looks,
 }
 
-/// Shows values until somebody ends it; what was seen last.
+/// Shows values until the user leaves. Returns the last values.
 pub(crate) fn watch(
     link: &mut dyn Link,
     watch: &Watch,
@@ -93,7 +93,7 @@ impl Values<'_> {
         self.now = next;
     }
 
-    /// False: enough.
+    /// Handles a key. Returns false to leave the view.
     fn press(&mut self, key: Key) -> bool {
         let page = self.rows.max(1);
         match key {

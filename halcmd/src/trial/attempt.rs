@@ -1,4 +1,4 @@
-//! What each command does on trial: the same, but for what reaches outside.
+//! Execution of commands on trial: the same as otherwise, except for effects outside.
 
 use super::{Attempt, Unknown};
 use crate::{
@@ -10,7 +10,7 @@ use crate::{
 };
 use hal_protocol::{At, Code, Failure, Finding, Kind, Reply, Request};
 
-/// Entries of INI files that start user interfaces, and what these call their components besides.
+/// INI entries that start user interfaces, and further names of their components.
 const INTERFACES: [(&str, &str, &[&str]); 5] = [
     ("DISPLAY", "DISPLAY", &["axisui", "gladevcp", "pyvcp", "qtvcp"]),
     ("DISPLAY", "PYVCP", &["pyvcp"]),
@@ -19,21 +19,22 @@ const INTERFACES: [(&str, &str, &[&str]); 5] = [
     ("HAL", "HALUI", &["halui"]),
 ];
 
-/// The code of a failure that says that something is not there.
+/// Failure code for a name that does not exist.
 const ENOENT: i32 = -2;
 
 impl Session<'_> {
-    /// From here on nothing outside is touched, and what is refused is kept instead of said.
+    /// Begins a trial: commands affect nothing outside, and refused lines are recorded instead of
+    /// reported.
     pub(crate) fn begin_trial(&mut self) {
         self.attempt = Some(Attempt::default());
     }
 
-    /// What came of it.
+    /// Ends the trial and returns its result.
     pub(crate) fn end_trial(mut self) -> Attempt {
         self.attempt.take().unwrap_or_default()
     }
 
-    /// Whether nothing outside is to be touched.
+    /// Returns whether the session is on trial.
     pub(crate) const fn is_trial(&self) -> bool {
         self.attempt.is_some()
     }
@@ -112,7 +113,7 @@ impl Session<'_> {
         }
     }
 
-    /// Joins the pins that are known; the signal keeps in mind that it has others.
+    /// Links the known pins. A signal with unknown pins is recorded.
     fn try_net(&mut self, signal: String, pins: Vec<String>) -> Result<(), Error> {
         let (unknown, known): (Vec<_>, Vec<_>) =
             pins.into_iter().partition(|pin| self.is_unknown_pin(pin));
@@ -125,14 +126,14 @@ impl Session<'_> {
         self.ask(Request::Net { signal, pins: known }).map(|_| ())
     }
 
-    /// Whether a pin may exist on the machine and does not on trial.
+    /// Returns whether a pin may exist on the machine but does not exist on trial.
     fn is_unknown_pin(&mut self, name: &str) -> bool {
         let asked = self.ask(Request::Get { name: name.to_owned() });
         let missing = matches!(asked, Err(Error::Engine(failure)) if failure.code == ENOENT);
         missing && self.unknown_names().covers(name)
     }
 
-    /// A signal that only unknown pins have is not there on trial.
+    /// Ignores the error for a missing signal if only unknown pins use that signal.
     fn unless_unknown_signal(
         &mut self,
         name: &str,
@@ -148,7 +149,7 @@ impl Session<'_> {
         }
     }
 
-    /// `loadusr`: the pins of our own programs are known, those of others are not.
+    /// Handles `loadusr`. The pins of our own programs are known; those of other programs are not.
     fn expect_program(&mut self, launch: &Launch) -> Result<(), Error> {
         let at = self.standing();
         let base = launch.program.rsplit('/').next().unwrap_or_default().to_owned();
@@ -172,23 +173,23 @@ impl Session<'_> {
         for name in [stem, stem.strip_prefix("hal_").unwrap_or(stem)] {
             unknown.expect(name, &at, program);
         }
-        // A program is often told what to call its component.
+        // A program often gets the name for its component as an argument.
         for word in &launch.args {
             unknown.expect(word.rsplit('=').next().unwrap_or_default(), &at, program);
         }
         Ok(())
     }
 
-    /// The pins of user interfaces that an INI file starts.
+    /// Expects the pins of the user interfaces that an INI file starts.
     pub(super) fn expect_interface(&mut self, ini: &Ini) {
         for (section, name, more) in INTERFACES {
             for entry in ini.all(section, name) {
                 let at = At::new(&entry.file, entry.line);
                 let program = entry.value.split_whitespace().next().unwrap_or_default();
                 let unknown = self.unknown_names();
-                // Axes have pins of that name: what is misspelt among them is wrong.
+                // Axes have pins with that name, and errors in their names should be found.
                 let words = entry.value.split_whitespace().filter(|word| *word != "axis");
-                // Screens of that kind start the dialog for tool changes themselves.
+                // Screens of that kind start the tool change dialog themselves.
                 let own = program.starts_with("qtvcp").then_some(toolchange::NAME);
                 for word in words.chain(more.iter().copied()).chain(own) {
                     unknown.expect(word, &at, Some(program));
@@ -197,8 +198,8 @@ impl Session<'_> {
         }
     }
 
-    /// What a component that could not be loaded would have made is unknown, and is no error of
-    /// its own.
+    /// Expects the names of a component that could not be loaded, so that they cause no further
+    /// errors.
     fn expect_module(&mut self, module: &str, args: &[String]) {
         let at = self.standing();
         let unknown = self.unknown_names();
@@ -211,7 +212,7 @@ impl Session<'_> {
         }
     }
 
-    /// A component's command is looked at, not carried out.
+    /// Checks a component's command without executing it.
     fn try_component(&mut self, name: &str, args: &[String]) -> Result<(), Error> {
         let all = Request::List { kind: Kind::Commands, patterns: Vec::new(), ty: None };
         let Reply::Commands(list) = self.ask(all)? else { return Err(Error::Unexpected) };
@@ -236,7 +237,7 @@ impl Session<'_> {
     }
 }
 
-/// The name that a request is about.
+/// Returns the name to which a request refers.
 fn names_of(request: &Request) -> Option<&str> {
     match request {
         Request::Unlink { pin: name }

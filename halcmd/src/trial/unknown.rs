@@ -1,27 +1,28 @@
-//! What a trial cannot know: the pins of programs that it does not start.
+//! Names that a trial cannot know: pins of programs that it does not start.
 
 use hal_protocol::{At, Code, Finding};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Names that may exist on the machine and do not exist on trial.
+/// Names that may exist on the machine but do not exist on trial.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Unknown {
     prefixes: BTreeMap<String, Source>,
     used: BTreeMap<Source, BTreeSet<String>>,
-    /// Signals with ends that are not known, whether they exist on trial or not.
+    /// Signals with unknown ends, including signals that do not exist on trial.
     pub signals: BTreeSet<String>,
 }
 
-/// Where names come from.
+/// Origin of names.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Source {
     at: At,
-    /// The program; none: a component that could not be loaded, which is said already.
+    /// Name of the program; `None` for a component that could not be loaded, which has been
+    /// reported already.
     program: Option<String>,
 }
 
 impl Unknown {
-    /// A program may make names that begin with this word.
+    /// Records that a program may make names that begin with this word.
     pub(super) fn expect(&mut self, word: &str, at: &At, program: Option<&str>) {
         let usable = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
         if word.starts_with(|c: char| c.is_ascii_alphabetic()) && word.chars().all(usable) {
@@ -30,7 +31,8 @@ impl Unknown {
         }
     }
 
-    /// Whether a pin, parameter, function or component of this name may exist on the machine.
+    /// Returns whether a pin, parameter, function or component of this name may exist on the
+    /// machine.
     pub(super) fn covers(&mut self, name: &str) -> bool {
         let mut cuts = name.match_indices('.').map(|(at, _)| at).chain([name.len()]);
         let source = cuts.find_map(|at| self.prefixes.get(name.get(..at)?));
@@ -39,7 +41,7 @@ impl Unknown {
         true
     }
 
-    /// A note for each program whose names are used.
+    /// Returns a note for each program whose names are used.
     pub fn notes(&self) -> impl Iterator<Item = Finding> {
         self.used.iter().filter_map(|(source, names)| {
             let program = source.program.as_ref()?;
