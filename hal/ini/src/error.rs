@@ -1,24 +1,24 @@
-//! Refusals of INI files.
+//! Errors of INI files.
 
 use core::fmt;
 
-/// Reason for which an INI file was refused.
+/// Reason why an INI file was refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Error {
     /// The file cannot be read.
     File {
-        /// Path as it was given.
+        /// Path, as the caller gave it.
         path: Box<str>,
-        /// Reason that the system gave.
+        /// Reason from the system.
         why: Box<str>,
     },
     /// A line is malformed, or a file that it includes cannot be read.
     Syntax {
-        /// File that holds the line.
+        /// File that contains the line.
         path: Box<str>,
-        /// Line, from 1.
+        /// Line number, from 1.
         line: u32,
-        /// Cause and remedy.
+        /// Cause and suggested correction.
         why: Box<str>,
     },
 }

@@ -1,8 +1,9 @@
-//! INI files: the data of a machine, with the place of every entry.
+//! INI files: the configuration of a machine, with file and line of every entry.
 //!
-//! The format is LinuxCNC's: `[SECTION]` headers, `NAME = value` entries, comments that begin a line with `#` or `;`,
-//! lines joined by a backslash at their end, and `#INCLUDE FILE`, whose path is relative to the file that includes it.
-//! Names may repeat; a look-up finds the first one, [`Ini::all`] finds every one.
+//! The format is LinuxCNC's: `[SECTION]` headers, `NAME = value` entries, comment lines that begin
+//! with `#` or `;`, lines continued with a backslash at their end, and `#INCLUDE FILE`, whose path
+//! is relative to the file that contains it. Names may repeat: a look-up returns the first one,
+//! [`Ini::all`] returns all of them.
 //!
 //! ```
 //! let ini = hal_ini::Ini::parse("mill.ini", b"[JOINT_0]\nMAX_VELOCITY = 50\n")?;
@@ -19,25 +20,25 @@ pub use error::Error;
 
 use std::path::Path;
 
-/// Depth to which files may include each other.
+/// Maximum depth to which files may include each other.
 pub const MAX_DEPTH: u32 = 16;
-/// Number of files that one INI file may consist of.
+/// Maximum number of files that form one INI file.
 pub const MAX_FILES: u32 = 1000;
-/// Bytes that an INI file may have, together with the files that it includes.
+/// Maximum size of an INI file in bytes, including all included files.
 pub const MAX_BYTES: u64 = 64 << 20;
 
-/// One `NAME = value`.
+/// A `NAME = value` entry.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Entry {
     /// Section, without brackets.
     pub section: String,
-    /// Name.
+    /// Name of the entry.
     pub name: String,
-    /// Value, escapes decoded.
+    /// Value with escapes decoded.
     pub value: String,
-    /// File that holds the entry.
+    /// File that contains the entry.
     pub file: String,
-    /// Line of that file, from 1; the last one of a continued entry.
+    /// Line number in that file, from 1. For a continued entry, the last line.
     pub line: u32,
 }
 
@@ -47,7 +48,7 @@ impl Entry {
     }
 }
 
-/// An INI file together with the files that it includes.
+/// An INI file together with all files that it includes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Ini {
     entries: Vec<Entry>,
@@ -57,8 +58,8 @@ pub struct Ini {
 }
 
 impl Ini {
-    /// Reads a file for a script. When a line is malformed, the result has no entries and [`Self::broken`] gives the
-    /// reason, so that a script runs on until it needs an entry.
+    /// Reads a file for a script. If a line is malformed, the result has no entries and
+    /// [`Self::broken`] returns the reason, so that a script can run until it needs an entry.
     ///
     /// # Errors
     /// [`Error::File`]: the file cannot be read.
@@ -71,7 +72,7 @@ impl Ini {
         }
     }
 
-    /// Returns the malformed line that emptied this file.
+    /// Returns the error of a malformed line, because of which the file has no entries.
     #[must_use]
     pub const fn broken(&self) -> Option<&Error> {
         self.broken.as_ref()
@@ -94,29 +95,30 @@ impl Ini {
         read::text(Path::new(name), text)
     }
 
-    /// Returns the first value of this name in the section, or in any section when `section` is empty.
+    /// Returns the first value of this name in the section. An empty `section` means any section.
     #[must_use]
     pub fn get(&self, section: &str, name: &str) -> Option<&str> {
         self.entries.iter().find(|e| e.is(section, name)).map(|e| e.value.as_str())
     }
 
-    /// Replaces the value of the first entry of this name in the section. Returns whether there is one.
+    /// Replaces the value of the first entry with this name in the section. Returns whether there
+    /// is one.
     pub fn change(&mut self, section: &str, name: &str, value: &str) -> bool {
         let entry = self.entries.iter_mut().find(|e| e.is(section, name));
         entry.map(|e| value.clone_into(&mut e.value)).is_some()
     }
 
-    /// Iterates over the entries of this name in the section, in order.
+    /// Returns an iterator over the entries with this name in the section, in order.
     pub fn all<'a>(&'a self, section: &str, name: &str) -> impl Iterator<Item = &'a Entry> {
         self.entries.iter().filter(move |e| e.is(section, name))
     }
 
-    /// Iterates over the entries of a section, in order.
+    /// Returns an iterator over the entries of a section, in order.
     pub fn section<'a>(&'a self, section: &str) -> impl Iterator<Item = &'a Entry> {
         self.entries.iter().filter(move |e| e.section == section)
     }
 
-    /// Iterates over all entries, in order.
+    /// Returns an iterator over all entries, in order.
     pub fn entries(&self) -> impl Iterator<Item = &Entry> {
         self.entries.iter()
     }
@@ -127,19 +129,19 @@ impl Ini {
         self.sections.iter().any(|s| s == name)
     }
 
-    /// Iterates over all entries as `[SECTION]NAME`, in order.
+    /// Returns an iterator over all entries as `[SECTION]NAME`, in order.
     pub fn names(&self) -> impl Iterator<Item = String> {
         self.entries.iter().map(|e| format!("[{}]{}", e.section, e.name))
     }
 
-    /// Returns remarks about legal but doubtful lines, as `file:line: text`.
+    /// Returns warnings about legal but doubtful lines, as `file:line: text`.
     #[must_use]
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
 
-    /// Returns whether the file is of the old kind, which has `[AXIS_0]` and no `[JOINT_0]`. Pins then have their old
-    /// names.
+    /// Returns whether the file has LinuxCNC's old format, with `[AXIS_0]` and without `[JOINT_0]`.
+    /// Pins then have their old names.
     #[must_use]
     pub fn is_old(&self) -> bool {
         let numbered = |prefix: &str| {
@@ -151,8 +153,8 @@ impl Ini {
         numbered("AXIS_") && !numbered("JOINT_")
     }
 
-    /// Returns the entry nearest to `[SECTION]NAME`, and whether the user probably meant it: it has this name in
-    /// another section, or nearly this name in this section.
+    /// Returns the entry nearest to `[SECTION]NAME`, and whether the user probably meant it. That
+    /// is so if it has this name in another section, or a similar name in this section.
     #[must_use]
     pub fn nearest(&self, section: &str, name: &str) -> Option<(String, bool)> {
         let apart =

@@ -1,4 +1,4 @@
-//! Files, and the files that they include.
+//! Reading of files and of the files that they include.
 
 use crate::{Entry, Error, Ini, MAX_BYTES, MAX_DEPTH, MAX_FILES, syntax};
 use std::{
@@ -25,7 +25,7 @@ pub(crate) fn text(path: &Path, text: &[u8]) -> Result<Ini, Error> {
 #[derive(Default)]
 struct Reader {
     ini: Ini,
-    /// Sections that have begun, by file, to find those that repeat.
+    /// Section names already seen in each file, to detect repeated sections.
     begun: BTreeSet<(String, String)>,
     files: u32,
     bytes: u64,
@@ -44,7 +44,7 @@ impl Reader {
         self.add(path, &text, depth)
     }
 
-    /// Reads a file within the bytes that are left; `None` when it is larger.
+    /// Reads a file if it fits in the remaining byte limit. Returns `None` if it is larger.
     fn bytes_of(&mut self, path: &Path) -> io::Result<Option<Vec<u8>>> {
         let left = MAX_BYTES.saturating_sub(self.bytes);
         let mut text = Vec::new();
@@ -116,7 +116,7 @@ fn beside(path: &Path, name: &str) -> PathBuf {
     path.parent().map_or_else(|| PathBuf::from(name), |folder| folder.join(name))
 }
 
-/// The system's reason, without its number.
+/// Returns the system's error text without the error number.
 fn plain(error: &io::Error) -> String {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or(&text).to_owned()

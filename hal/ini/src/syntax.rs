@@ -1,4 +1,4 @@
-//! One line: section headers, entries, escapes.
+//! Syntax of a line: section headers, entries, escapes.
 
 use nom::{
     IResult, Parser,
@@ -8,8 +8,8 @@ use nom::{
     sequence::{delimited, separated_pair},
 };
 
-/// Lines with each continued line joined to the next one, and the number of the last line of each. A line that is not
-/// UTF-8 is `None`.
+/// Splits a text into lines and joins each continued line with the next. Returns each line with the
+/// number of its last physical line, or with `None` if it is not UTF-8.
 pub(crate) fn joined(text: &[u8]) -> Vec<(u32, Option<String>)> {
     let mut out = Vec::new();
     let mut pending: Vec<u8> = Vec::new();
@@ -39,12 +39,13 @@ pub(crate) fn header(text: &str) -> IResult<&str, &str> {
     Ok((left, name))
 }
 
-/// Parses `NAME = value`; the value is the rest of the line.
+/// Parses `NAME = value`. The value is the rest of the line.
 pub(crate) fn entry(text: &str) -> IResult<&str, (&str, &str)> {
     separated_pair(identifier, (space0, char('='), space0), rest).parse(text)
 }
 
-/// Parses letters, digits and `_`; older files also have `-` and `.` after the first character.
+/// Parses a name of letters, digits and `_`. Older files also use `-` and `.` after the first
+/// character.
 fn identifier(text: &str) -> IResult<&str, &str> {
     recognize((
         satisfy(|c| c.is_ascii_alphabetic() || c == '_'),
@@ -53,8 +54,8 @@ fn identifier(text: &str) -> IResult<&str, &str> {
     .parse(text)
 }
 
-/// Decodes `\t \x41 \101 \u00e9` and similar escapes; a backslash before any other character stays. `None`: an escape
-/// names no character.
+/// Decodes `\t \x41 \101 \u00e9` and similar escapes. A backslash before any other character is
+/// kept. Returns `None` if an escape is not a valid character.
 pub(crate) fn decoded(value: &str) -> Option<String> {
     let mut out = String::new();
     let mut rest = value;

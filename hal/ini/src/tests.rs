@@ -141,7 +141,7 @@ fn files_include_each_other() {
         write(&format!("d{n}.ini"), &format!("[D]\nD = {n}\n#INCLUDE d{}.ini\n", n + 1));
     }
     write("d18.ini", "");
-    // The last of 16 that are included, and one too many.
+    // The deepest file that is allowed, and one level more.
     let deep = Ini::read(&folder.join("d2.ini")).unwrap();
     let deeper = Ini::read(&folder.join("d1.ini")).unwrap_err().to_string();
     let ini = Ini::read(&folder.join("a.ini")).unwrap();
