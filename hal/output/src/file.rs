@@ -1,4 +1,4 @@
-//! Files that are whole, and files that grow.
+//! Files that are replaced as a whole, and files that grow.
 
 use crate::target::Target;
 use std::{
@@ -7,21 +7,22 @@ use std::{
     path::Path,
 };
 
-/// Room for what is not written yet.
+/// Size of the write buffer in bytes.
 const ROOM: usize = 1 << 16;
 
-/// Writes a file as a whole: what stood under its name stays until the new file is complete and on
-/// the disk. Its permissions stay, and so do links to it. Devices and pipes are written to directly.
+/// Writes a file as a whole. The old file stays in place until the new one is complete and stored
+/// on disk. The permissions are kept, and links to the file stay valid. Devices and pipes are
+/// written directly.
 ///
 /// # Errors
-/// The system refuses; then what stood there is as it was.
+/// The system returned an error. The old file is then unchanged.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut file = Whole::create(path)?;
     file.write_all(bytes)?;
     file.finish()
 }
 
-/// Writes a file as a whole, with these permissions, even over one that may not be written to.
+/// Writes a file as a whole with these permissions, even over a read-only file.
 ///
 /// # Errors
 /// As [`write()`].
@@ -31,7 +32,8 @@ pub fn install(path: &Path, bytes: &[u8], mode: u32) -> io::Result<()> {
     file.finish()
 }
 
-/// A file that takes its place when it is finished. Dropped before that, it leaves nothing.
+/// A file that appears under its name when it is finished. If it is dropped before that, nothing
+/// remains.
 #[derive(Debug)]
 pub struct Whole {
     target: Target,
@@ -39,10 +41,10 @@ pub struct Whole {
 }
 
 impl Whole {
-    /// Begins a file.
+    /// Starts to write a file.
     ///
     /// # Errors
-    /// The system refuses.
+    /// The system returned an error.
     pub fn create(path: &Path) -> io::Result<Self> {
         Self::open(path, None)
     }
@@ -52,15 +54,15 @@ impl Whole {
         Ok(Self { target, out: BufWriter::with_capacity(ROOM, file) })
     }
 
-    /// Ends the file: it is on the disk and in its place.
+    /// Completes the file: stores it on disk and moves it to its place.
     ///
     /// # Errors
-    /// The system refuses; then what stood there is as it was.
+    /// The system returned an error. The old file is then unchanged.
     pub fn finish(mut self) -> io::Result<()> {
         self.out.flush()?;
         let file = self.out.get_ref();
         if file.metadata()?.is_file() {
-            // Some file systems only say here that there is no room.
+            // Some file systems report a full disk only here.
             file.sync_all()?;
         }
         self.target.settle(file)
@@ -77,32 +79,32 @@ impl Write for Whole {
     }
 }
 
-/// A file that can be read while it grows. It takes its place with its first records, and ends at a
-/// whole record also when there is no room for more.
+/// A file that can be read while it grows. It appears under its name with its first records. It
+/// ends with a whole record even if the disk becomes full.
 #[derive(Debug)]
 pub struct Growing {
     target: Target,
-    /// None after a failure.
+    /// `None` after a failure.
     file: Option<File>,
-    /// How long it is, in whole records.
+    /// Length of the whole records, in bytes.
     bytes: u64,
 }
 
 impl Growing {
-    /// Begins a file. What stands under its name stays until the first records are written.
+    /// Starts to write a file. The old file stays in place until the first records are written.
     ///
     /// # Errors
-    /// The system refuses.
+    /// The system returned an error.
     pub fn create(path: &Path) -> io::Result<Self> {
         let (target, file) = Target::open(path, None)?;
         Ok(Self { target, file: Some(file), bytes: 0 })
     }
 
-    /// Appends whole records. When the system refuses, those of them that were written are taken
-    /// back, and nothing more is written.
+    /// Appends whole records. If the write fails, the part that was written is removed, and nothing
+    /// more can be written.
     ///
     /// # Errors
-    /// The system refuses, or has refused before.
+    /// The system returned an error, now or before.
     pub fn append(&mut self, records: &[u8]) -> io::Result<()> {
         let Some(file) = &mut self.file else { return Err(ended()) };
         let written = file.write_all(records);
@@ -112,29 +114,29 @@ impl Growing {
             return Ok(());
         }
         if file.metadata().is_ok_and(|m| m.is_file()) {
-            // A file that cannot be made shorter ends in a part of a record, which readers find.
+            // If truncation fails, the file ends with a partial record, which readers detect.
             file.set_len(self.bytes).unwrap_or_default();
         }
         self.file = None;
         written
     }
 
-    /// How many bytes of whole records are there.
+    /// Returns the length of the whole records, in bytes.
     #[must_use]
     pub const fn bytes(&self) -> u64 {
         self.bytes
     }
 
-    /// Whether there is a file of this under its name.
+    /// Returns whether the file has appeared under its name.
     #[must_use]
     pub const fn is_there(&self) -> bool {
         self.target.is_settled()
     }
 
-    /// Ends the file.
+    /// Completes the file.
     ///
     /// # Errors
-    /// The system has not stored everything, or has refused before.
+    /// The system has not stored everything, or returned an error before.
     pub fn finish(mut self) -> io::Result<()> {
         let file = self.file.take().ok_or_else(ended)?;
         self.target.settle(&file)?;

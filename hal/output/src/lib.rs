@@ -1,5 +1,5 @@
-//! Everything that leaves a program: text on standard output, and files. Whatever cannot be written
-//! is an error with the system's reason, and no file is left half written in place of a good one.
+//! Output of programs: text on standard output, and files. Every failed write is an error with the
+//! system's reason, and a good file is never replaced by an incomplete one.
 #![forbid(unsafe_code)]
 
 mod file;
@@ -11,7 +11,7 @@ pub use file::{Growing, Whole, install, write};
 pub use program::program;
 pub use stdout::{Unwritten, lose_reader, print, reader_is_gone};
 
-/// Returns the reason of an error in the system's words, without its number.
+/// Returns the system's text for an error, without the error number.
 #[must_use]
 pub fn reason(error: &std::io::Error) -> String {
     let text = error.to_string();

@@ -1,4 +1,4 @@
-//! The begin and the end of a program, as far as its output is concerned.
+//! Start and end of a program, as far as its output is concerned.
 
 use crate::stdout::{close, reader_is_gone};
 use signal_hook::{
@@ -11,14 +11,14 @@ use std::{
     sync::{Arc, atomic::AtomicBool},
 };
 
-/// Runs a program with the words of its command line.
+/// Runs a program with its command-line arguments.
 ///
-/// A file that would grow beyond the limit for files is then a write that fails, not the end of the
-/// process. When `main` has returned and the reader of standard output has gone, the process ends by
-/// SIGPIPE, as other programs of a pipeline do.
+/// A file that exceeds the file size limit causes a failed write and does not end the process. If
+/// the reader of standard output has closed its end when `main` returns, the process ends with
+/// SIGPIPE, like other programs in a pipeline.
 #[must_use]
 pub fn program(main: fn(&[String]) -> ExitCode) -> ExitCode {
-    // A signal that cannot be caught keeps its effect.
+    // If the handler cannot be installed, the signal keeps its default action.
     drop(flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false))));
     let words: Vec<String> =
         std::env::args_os().skip(1).map(|w| w.to_string_lossy().into_owned()).collect();
@@ -26,14 +26,14 @@ pub fn program(main: fn(&[String]) -> ExitCode) -> ExitCode {
     if !reader_is_gone()
         && let Err(unwritten) = close()
     {
-        // There is nowhere left to say that this could not be said.
+        // If standard error fails too, the failure cannot be reported anywhere.
         writeln!(std::io::stderr(), "{unwritten}").unwrap_or_default();
         if code == ExitCode::SUCCESS {
             code = ExitCode::FAILURE;
         }
     }
     if reader_is_gone() {
-        // Does not return, unless the system refuses.
+        // Returns only if the system refuses.
         drop(low_level::emulate_default_handler(SIGPIPE));
         return ExitCode::FAILURE;
     }

@@ -1,4 +1,4 @@
-//! Standard output.
+//! Writing to standard output.
 
 use crate::reason;
 use rustix::{
@@ -14,12 +14,12 @@ use std::{
 /// Set once the reader of this process's output has closed its end.
 static READER_GONE: AtomicBool = AtomicBool::new(false);
 
-/// Why a text is not on standard output.
+/// Reason why a text was not written to standard output.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Unwritten {
     /// The reader has closed its end, as `head` does.
     ReaderGone,
-    /// The system refused, with its reason.
+    /// The system returned an error, with this text.
     Refused(Box<str>),
 }
 
@@ -40,14 +40,15 @@ impl From<Unwritten> for String {
     }
 }
 
-/// Writes a text to standard output. Nothing is held back: when this returns, the system has it.
+/// Writes a text to standard output without buffering: when this returns, the system has it.
 ///
 /// # Errors
-/// The reader has gone, or the system refuses.
+/// The reader has closed its end, or the system returned an error.
 pub fn print(text: &str) -> Result<(), Unwritten> {
     let mut rest = text.as_bytes();
     while !rest.is_empty() {
-        // Not through `std`, which takes a descriptor that is not open for writing as a success.
+        // `std` is not used here, because it reports success if the descriptor is not open for
+        // writing.
         match rustix::io::write(stdout(), rest) {
             Ok(0) => return Err(unwritten(Errno::IO)),
             Ok(n) => rest = rest.get(n..).unwrap_or_default(),
@@ -59,23 +60,23 @@ pub fn print(text: &str) -> Result<(), Unwritten> {
     Ok(())
 }
 
-/// Whether the reader of this process's output has closed its end.
+/// Returns whether the reader of this process's output has closed its end.
 #[must_use]
 pub fn reader_is_gone() -> bool {
-    // Lone: it says nothing about other memory.
+    // Relaxed: this flag guards no other memory.
     READER_GONE.load(Relaxed)
 }
 
-/// Notes that the reader has closed its end, for those who write to a pipe by another way.
+/// Records that the reader has closed its end. For code that writes to a pipe without this module.
 pub fn lose_reader() {
-    // Lone, as above.
+    // Relaxed, as above.
     READER_GONE.store(true, Relaxed);
 }
 
-/// Learns what the file system says when standard output is closed: network file systems report
-/// there what they could not store.
+/// Returns the error that closing standard output would report. Network file systems report there
+/// what they could not store.
 pub(crate) fn close() -> Result<(), Unwritten> {
-    // A copy: the descriptor itself stays open for whatever the process still writes at its end.
+    // Closes a copy, so that the process can still write to the descriptor until it ends.
     let Ok(copy) = rustix::io::dup(stdout()) else { return Ok(()) };
     nix::unistd::close(copy).map_err(|e| unwritten(Errno::from_raw_os_error(e as i32)))
 }
@@ -88,9 +89,9 @@ fn unwritten(error: Errno) -> Unwritten {
     Unwritten::Refused(reason(&io::Error::from(error)).into())
 }
 
-/// Waits until a reader makes room, where another program has made the pipe not wait by itself.
+/// Waits until the reader makes space, in case another program has made the pipe non-blocking.
 fn wait() {
     let out = stdout();
-    // A signal or a failure shows at the next attempt to write.
+    // A signal or a failure is detected at the next attempt to write.
     let _ = poll(&mut [PollFd::new(&out, PollFlags::OUT)], None);
 }

@@ -1,4 +1,4 @@
-//! Where a file goes: which file a path means, what is written meanwhile, and how it takes its place.
+//! Target of a written file: the file that a path means, the temporary file, and the replacement.
 
 use rustix::{
     fs::{Gid, PROC_SUPER_MAGIC, Uid, fchown, statfs},
@@ -12,43 +12,44 @@ use std::{
     sync::atomic::{AtomicU32, Ordering::Relaxed},
 };
 
-/// How many links are followed.
+/// Maximum number of symbolic links that are followed.
 const LINKS: u32 = 40;
-/// How many names are tried for a temporary file.
+/// Number of names that are tried for a temporary file.
 const NAMES: u32 = 100;
 
-/// A temporary file beside the file that it will replace. It is removed unless it is settled.
+/// A temporary file beside the file that it will replace. It is removed unless it is moved to its
+/// place.
 #[derive(Debug)]
 pub(crate) struct Target {
-    /// None: what is written goes to its place at once, or is there.
+    /// `None` if data is written directly to the target, or once the file is in its place.
     temporary: Option<PathBuf>,
     path: PathBuf,
     keep: Option<Keep>,
 }
 
-/// Permissions and owner of a file that is made.
+/// Permissions and owner for the new file.
 #[derive(Clone, Copy, Debug)]
 struct Keep {
     mode: u32,
-    /// Whether the caller asked for this mode; else it is that of the file that is replaced.
+    /// True if the caller requested this mode, false if it is that of the replaced file.
     is_asked: bool,
-    /// Those of the file that is replaced.
+    /// Owner and group of the replaced file.
     owner: Option<(u32, u32)>,
 }
 
-/// The file that a path means, through its links.
+/// The file that a path means after its links are followed.
 enum Meant {
-    /// A device, a pipe, or a file that is open as `/dev/stdout`: it cannot be replaced.
+    /// A device, a pipe, or an open file such as `/dev/stdout`, which cannot be replaced.
     Fixed,
-    /// A file that is not there yet.
+    /// A file that does not exist yet.
     New(PathBuf),
-    /// A file that is there.
+    /// A file that exists.
     Old(PathBuf, Metadata),
 }
 
 impl Target {
-    /// Opens the file that is written for this path. With `mode` the file gets these permissions, and
-    /// replaces even one that may not be written to, as programs are installed.
+    /// Opens the file to write for this path. With `mode`, the file gets these permissions and
+    /// replaces even a read-only file, as in the installation of programs.
     pub(crate) fn open(path: &Path, mode: Option<u32>) -> io::Result<(Self, File)> {
         let (place, old) = match meant(path)? {
             Meant::Fixed => {
@@ -58,7 +59,7 @@ impl Target {
             Meant::New(place) => (place, None),
             Meant::Old(place, old) => {
                 if mode.is_none() {
-                    // A file that may not be written to is not replaced either.
+                    // Without `mode`, a read-only file is not replaced.
                     drop(OpenOptions::new().write(true).open(&place)?);
                 }
                 (place, Some(old))
@@ -72,22 +73,22 @@ impl Target {
         Ok((Self { temporary: Some(temporary), path: place, keep }, file))
     }
 
-    /// Whether what is written is at its place.
+    /// Returns whether the file is in its place.
     pub(crate) const fn is_settled(&self) -> bool {
         self.temporary.is_none()
     }
 
-    /// Puts the file in its place.
+    /// Moves the file to its place.
     pub(crate) fn settle(&mut self, file: &File) -> io::Result<()> {
         let Some(temporary) = &self.temporary else { return Ok(()) };
         if let Some(Keep { mode, is_asked, owner }) = self.keep {
             if let Some((uid, gid)) = owner {
-                // Only the administrator may give files away: otherwise it is the writer's.
+                // Only root can change the owner. Otherwise the file belongs to the writer.
                 let _ = fchown(file, None, Some(Gid::from_raw(gid)));
                 let _ = fchown(file, Some(Uid::from_raw(uid)), None);
             }
             let set = file.set_permissions(Permissions::from_mode(mode));
-            // Some file systems have none.
+            // Some file systems have no permissions.
             if is_asked {
                 set?;
             }
@@ -101,13 +102,13 @@ impl Target {
 impl Drop for Target {
     fn drop(&mut self) {
         if let Some(temporary) = &self.temporary {
-            // What stays behind has a name that says what it is.
+            // If the removal fails, the file that remains has a recognizable name.
             drop(fs::remove_file(temporary));
         }
     }
 }
 
-/// Follows links by hand: the last of them may lead to a file that is not there.
+/// Follows links one by one, because the last link may lead to a file that does not exist.
 fn meant(path: &Path) -> io::Result<Meant> {
     let mut path = path.to_owned();
     for _ in 0..LINKS {
@@ -121,7 +122,7 @@ fn meant(path: &Path) -> io::Result<Meant> {
         if found.is_file() {
             return Ok(Meant::Old(path, found));
         }
-        // The links of /proc are open files, whatever their text is.
+        // Links in /proc mean open files, regardless of their text.
         if !found.is_symlink() || is_of_processes(folder(&path)) {
             return Ok(Meant::Fixed);
         }
@@ -138,7 +139,7 @@ fn folder(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Makes a file with a name of its own in the folder of `path`.
+/// Creates a temporary file with a unique name in the folder of `path`.
 fn temporary(path: &Path, is_private: bool) -> io::Result<(PathBuf, File)> {
     static NEXT: AtomicU32 = AtomicU32::new(0);
     let mut options = OpenOptions::new();
@@ -155,7 +156,7 @@ fn temporary(path: &Path, is_private: bool) -> io::Result<(PathBuf, File)> {
     Err(ErrorKind::AlreadyExists.into())
 }
 
-/// Says what is refused when a file may be written to and its folder may not.
+/// Extends the error if the file is writable but its folder is not.
 fn beside(error: io::Error, is_old: bool) -> io::Error {
     match error.kind() {
         ErrorKind::PermissionDenied if is_old => io::Error::new(

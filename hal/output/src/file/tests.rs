@@ -1,4 +1,4 @@
-//! Files as they are before, while and after they are written.
+//! Tests of files before, during and after writing.
 
 use super::{Growing, Whole, install, write};
 use std::{
@@ -8,7 +8,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// A folder that is removed again.
+/// A temporary folder, removed when dropped.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -22,7 +22,7 @@ impl Folder {
         self.0.join(name)
     }
 
-    /// A file as it stands in the folder.
+    /// Returns the contents of a file in the folder.
     fn read(&self, name: &str) -> String {
         fs::read_to_string(self.join(name)).unwrap()
     }
@@ -56,7 +56,7 @@ fn a_file_is_replaced_when_it_is_whole() {
     let path = folder.join("a");
     fs::write(&path, "good").unwrap();
     let mut file = Whole::create(&path).unwrap();
-    // More than is held back.
+    // More than the write buffer holds.
     file.write_all(&[b'x'; 200_000]).unwrap();
     assert_eq!((folder.read("a").as_str(), folder.names().len()), ("good", 2));
     drop(file);
@@ -82,7 +82,7 @@ fn permissions_and_links_stay() {
         assert!(folder.join(link).is_symlink(), "{link}");
     }
     assert_eq!(why(write(&folder.join("round"), b"")), "Too many levels of symbolic links");
-    // A new file is as the user wants new files.
+    // A new file has the user's default permissions.
     fs::write(folder.join("plain"), "").unwrap();
     assert_eq!(mode(&folder.join("d")), mode(&folder.join("plain")));
 }
@@ -131,7 +131,7 @@ fn devices_and_pipes_are_written_to_directly() {
     let folder = Folder::new("direct");
     write(Path::new("/dev/null"), b"text").unwrap();
     assert!(!Path::new("/dev/null").is_file());
-    // A descriptor of this process is a link to a file, and means the descriptor.
+    // `/dev/fd/N` is a link to a file but means the open descriptor.
     let kept = fs::File::create(folder.join("kept")).unwrap();
     let fd = std::os::fd::AsRawFd::as_raw_fd(&kept);
     write(Path::new(&format!("/dev/fd/{fd}")), b"text").unwrap();
@@ -155,7 +155,7 @@ fn a_growing_file_takes_its_place_with_its_first_records() {
     assert_eq!(file.bytes(), 8);
     file.finish().unwrap();
     assert_eq!(folder.names(), ["a"]);
-    // One without records is empty.
+    // A file without records is empty.
     Growing::create(&path).unwrap().finish().unwrap();
     assert_eq!(folder.read("a"), "");
 }
