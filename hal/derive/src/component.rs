@@ -1,4 +1,4 @@
-//! `Component` and `Touch`.
+//! The derive macros `Component` and `Touch`.
 
 use crate::field::{Hal, doc, fields, is_state};
 use proc_macro2::TokenStream;
@@ -87,7 +87,8 @@ pub(crate) fn component(ast: &DeriveInput) -> syn::Result<TokenStream> {
     })
 }
 
-/// What is wrong, and otherwise what spares its author messages that would only follow from it.
+/// Returns the error together with empty implementations, so that the author sees no errors that
+/// only follow from it.
 pub(crate) fn refused(ast: &DeriveInput, error: &syn::Error) -> TokenStream {
     let (ty, error) = (&ast.ident, error.to_compile_error());
     let (impls, generics, wheres) = ast.generics.split_for_impl();
@@ -108,7 +109,7 @@ pub(crate) fn refused(ast: &DeriveInput, error: &syn::Error) -> TokenStream {
     }
 }
 
-/// The static declaration of one item, for those who read a library without running it.
+/// Returns the static declaration of an item, for tools that read a library without running it.
 fn item(
     t: &syn::Type,
     pin: &str,
@@ -131,7 +132,8 @@ fn item(
     }}
 }
 
-/// A default as stored, computed at compile time from the type's last argument.
+/// Returns a default as bits of a cell, computed at compile time. The last type argument gives the
+/// type.
 fn bits(t: &syn::Type, value: &Expr) -> TokenStream {
     let inner = match t {
         syn::Type::Path(p) => p.path.segments.last().and_then(|s| match &s.arguments {
@@ -172,7 +174,7 @@ pub(crate) fn touch(ast: &DeriveInput) -> syn::Result<TokenStream> {
     })
 }
 
-/// `in-##` is `in-`, a width of 2, and nothing after.
+/// Splits `in-##` into the part before (`in-`), the width (2) and the part after (empty).
 fn hashes(pin: &str, at: &syn::Ident) -> syn::Result<(String, usize, String)> {
     let missing = || {
         syn::Error::new(
@@ -186,12 +188,13 @@ fn hashes(pin: &str, at: &syn::Ident) -> syn::Result<(String, usize, String)> {
     Ok((before.to_owned(), rest.len() - after.len(), after.to_owned()))
 }
 
-/// `min_` is the pin `min`, `in_pos` is `in-pos`: LinuxCNC's rule.
+/// Converts a field name to a pin name by LinuxCNC's rule: `min_` becomes `min`, `in_pos` becomes
+/// `in-pos`.
 fn hal_name(ident: &str) -> String {
     ident.trim_start_matches("r#").replace('_', "-").trim_end_matches(['-', '.']).to_owned()
 }
 
-/// `SimEncoder` is `sim_encoder`.
+/// Converts a type name: `SimEncoder` becomes `sim_encoder`.
 fn snake(ident: &str) -> String {
     let mut out = String::new();
     for (i, c) in ident.chars().enumerate() {

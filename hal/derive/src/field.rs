@@ -1,8 +1,8 @@
-//! Fields and attributes.
+//! Fields of a struct and their attributes.
 
 use syn::{Attribute, Data, DeriveInput, Expr, Field, Fields, Lit, LitStr, Meta};
 
-/// What `#[hal(…)]` says.
+/// Contents of `#[hal(…)]`.
 #[derive(Default)]
 pub(crate) struct Hal {
     pub(crate) name: Option<String>,

@@ -1,25 +1,25 @@
-//! The derive macros of `hal-component`: see there.
+//! Derive macros of `hal-component`; see that crate.
 
 mod component;
 mod field;
 
 use proc_macro::TokenStream;
 
-/// Makes a struct of pins, parameters and state a component with one function.
+/// Turns a struct of pins, parameters and state into a component with one function.
 ///
 /// On the struct: `#[hal(name = "type_name", function = "update", fast, personality)]`, all
-/// optional; the name is the struct's in snake case. On a field: `#[hal(name = "in-##",
-/// default = 1.0, count = b.personality(), safety)]` or `#[state]` with an optional
-/// `#[hal(default = …)]`. A name with `#` and a count makes a list of pins. Every pin and
-/// parameter needs a doc comment: it is what users read.
+/// optional. The default name is the struct's name in snake case. On a field: `#[hal(name =
+/// "in-##", default = 1.0, count = b.personality(), safety)]`, or `#[state]` with an optional
+/// `#[hal(default = …)]`. A name with `#` and a count makes a list of pins. Every pin and parameter
+/// needs a doc comment, which is shown to users.
 #[proc_macro_derive(Component, attributes(hal, state))]
 pub fn component(input: TokenStream) -> TokenStream {
     let ast = syn::parse_macro_input!(input as syn::DeriveInput);
     component::component(&ast).unwrap_or_else(|e| component::refused(&ast, &e)).into()
 }
 
-/// Says which pins, parameters and hidden state a function touches: all fields that are not
-/// `#[state]`.
+/// Implements `Touch`, which declares the pins, parameters and hidden state that a function
+/// accesses: all fields that are not `#[state]`.
 #[proc_macro_derive(Touch, attributes(hal, state))]
 pub fn touch(input: TokenStream) -> TokenStream {
     component::touch(&syn::parse_macro_input!(input as syn::DeriveInput))
