@@ -1,4 +1,4 @@
-//! Where slots and signal cells live: 2 GiB of address space, committed in chunks, never moved.
+//! Memory for slots and signal cells: 2 GiB of address space, committed in chunks and never moved.
 
 use crate::{Error, code::Ptr, os};
 use core::ptr::NonNull;
@@ -8,7 +8,8 @@ use std::collections::BTreeSet;
 const RESERVED: usize = 1 << 31;
 const CHUNK: usize = 1 << 20;
 
-/// The arena. A slot reaches its cell by a distance of at most 2 GiB, hence the size.
+/// The arena. A slot stores the distance to its cell in 32 bits, so the arena is at most 2 GiB
+/// long.
 #[derive(Debug)]
 pub(crate) struct Arena {
     base: NonNull<u8>,
@@ -18,13 +19,15 @@ pub(crate) struct Arena {
     left: bool,
     free_slots: Vec<NonNull<Slot>>,
     free_cells: Vec<NonNull<Cell>>,
-    /// Taken from the free ones since the mark, if there is one.
+    /// True while there is a mark. `taken_slots` and `taken_cells` are those reused from the free
+    /// lists since then.
     marked: bool,
     taken_slots: Vec<NonNull<Slot>>,
     taken_cells: Vec<NonNull<Cell>>,
 }
 
-/// How far the arena was used: all that is new since can be given back at once.
+/// State of the arena's allocations. The arena can return to it and free everything allocated
+/// since.
 #[derive(Debug)]
 pub(crate) struct Mark {
     used: usize,
@@ -33,7 +36,7 @@ pub(crate) struct Mark {
 }
 
 impl Arena {
-    /// Reserves it; `lock` asks for memory that never faults.
+    /// Reserves the address space. `lock` requests locked memory, which never causes page faults.
     pub(crate) fn new(lock: bool) -> Result<Self, Error> {
         let base = os::reserve(RESERVED).ok_or(Error::OutOfMemory)?;
         Ok(Self {
@@ -50,24 +53,25 @@ impl Arena {
         })
     }
 
-    /// Bytes in use and bytes that may be used.
+    /// Returns the number of bytes in use and the number of bytes reserved.
     pub(crate) fn usage(&self) -> (u64, u64) {
         let free = self.free_slots.len() * size_of::<Slot>() + self.free_cells.len() * 8;
         ((self.used - free) as u64, RESERVED as u64)
     }
 
-    /// How many slots were given back.
+    /// Returns the numbers of free slots and free cells that were used before.
     pub(crate) const fn recycled(&self) -> (usize, usize) {
         (self.free_slots.len(), self.free_cells.len())
     }
 
-    /// Remembers what is in use. Until the mark is given back nothing else is to be.
+    /// Records the current allocations. Until [`Self::keep`] or [`Self::roll_back`] is called, only
+    /// slots and cells allocated since the mark may be freed.
     pub(crate) const fn mark(&mut self) -> Mark {
         self.marked = true;
         Mark { used: self.used, slots: self.free_slots.len(), cells: self.free_cells.len() }
     }
 
-    /// Where everything is that is new since the mark: the end, and what was used before.
+    /// Returns the addresses allocated since the mark: the range at the end, and the reused places.
     pub(crate) fn since(&self, mark: &Mark) -> (core::ops::Range<usize>, BTreeSet<usize>) {
         let base = self.base.addr().get();
         let mut again: BTreeSet<usize> = self.taken_cells.iter().map(|c| c.addr().get()).collect();
@@ -78,7 +82,7 @@ impl Arena {
         (base + mark.used..base + self.used, again)
     }
 
-    /// What is new since the mark stays in use.
+    /// Keeps everything allocated since the mark.
     pub(crate) fn keep(&mut self, mark: Mark) {
         let Mark { .. } = mark;
         self.marked = false;
@@ -86,10 +90,10 @@ impl Arena {
         self.taken_cells.clear();
     }
 
-    /// Gives back all that is new since the mark: everything is as it was then.
+    /// Frees everything allocated since the mark and restores the arena's state at the mark.
     pub(crate) fn roll_back(&mut self, mark: Mark) {
         self.used = mark.used;
-        // Whatever was given back meanwhile is new as well.
+        // Slots and cells that were freed since the mark were also allocated since then.
         self.free_slots.truncate(mark.slots - self.taken_slots.len());
         self.free_slots.extend(self.taken_slots.drain(..).rev());
         self.free_cells.truncate(mark.cells - self.taken_cells.len());
@@ -97,14 +101,15 @@ impl Arena {
         self.marked = false;
     }
 
-    /// Takes the lock from what has no memory yet.
+    /// Unlocks the address space that has no memory yet.
     pub(crate) fn unlock_rest(&self) {
-        // SAFETY: below the reservation's end.
+        // SAFETY: `committed` is below the end of the reservation.
         let rest = unsafe { self.base.add(self.committed) };
         os::memory::unlock(rest, RESERVED - self.committed);
     }
 
-    /// Keeps the memory mapped for good: a thread that cannot be ended may use it.
+    /// Keeps the memory mapped for the rest of the process, because a thread that cannot be ended
+    /// may still use it.
     pub(crate) const fn leave(&mut self) {
         self.left = true;
     }
@@ -115,26 +120,26 @@ impl Arena {
             return Err(Error::OutOfMemory);
         }
         while end > self.committed {
-            // SAFETY: below the reservation's end.
+            // SAFETY: `committed` is below the end of the reservation.
             let at = unsafe { self.base.add(self.committed) };
             if !os::commit(at, CHUNK, self.lock) {
                 return Err(Error::OutOfMemory);
             }
             self.committed += CHUNK;
         }
-        // SAFETY: below the reservation's end.
+        // SAFETY: `used` is below the end of the reservation.
         let at = unsafe { self.base.add(self.used) };
         self.used = end;
         Ok(at)
     }
 
-    /// A new unlinked slot.
+    /// Allocates an unlinked slot.
     pub(crate) fn slot(&mut self, bits: u64) -> Result<NonNull<Slot>, Error> {
         if let Some(slot) = self.free_slots.pop() {
             if self.marked {
                 self.taken_slots.push(slot);
             }
-            // SAFETY: a slot of this arena that nobody holds.
+            // SAFETY: the slot belongs to this arena and nobody uses it.
             let s = unsafe { slot.as_ref() };
             s.own().store(bits);
             s.aim(Slot::OWN);
@@ -142,38 +147,38 @@ impl Arena {
         }
         self.used = self.used.next_multiple_of(align_of::<Slot>());
         let slot = self.place(size_of::<Slot>())?.cast::<Slot>();
-        // SAFETY: in bounds, aligned, not yet used.
+        // SAFETY: the pointer is in bounds and aligned, and the memory is not used yet.
         unsafe { slot.write(Slot::unlinked(bits)) };
         Ok(slot)
     }
 
-    /// A new cell for a signal.
+    /// Allocates a cell for a signal.
     pub(crate) fn cell(&mut self, bits: u64) -> Result<NonNull<Cell>, Error> {
         if let Some(cell) = self.free_cells.pop() {
             if self.marked {
                 self.taken_cells.push(cell);
             }
-            // SAFETY: a cell of this arena that nobody holds.
+            // SAFETY: the cell belongs to this arena and nobody uses it.
             unsafe { cell.as_ref() }.store(bits);
             return Ok(cell);
         }
         let cell = self.place(size_of::<Cell>())?.cast::<Cell>();
-        // SAFETY: in bounds, aligned, not yet used.
+        // SAFETY: the pointer is in bounds and aligned, and the memory is not used yet.
         unsafe { cell.write(Cell::new(bits)) };
         Ok(cell)
     }
 
-    /// Takes a slot back that nobody holds any more.
+    /// Frees a slot that nobody uses any more.
     pub(crate) fn give_slot(&mut self, slot: NonNull<Slot>) {
         self.free_slots.push(slot);
     }
 
-    /// Takes a cell back that no slot is aimed at any more.
+    /// Frees a cell that no slot points at any more.
     pub(crate) fn give_cell(&mut self, cell: NonNull<Cell>) {
         self.free_cells.push(cell);
     }
 
-    /// How far a cell is from a slot.
+    /// Returns the distance in bytes from a slot to a cell.
     pub(crate) fn distance(slot: NonNull<Slot>, cell: NonNull<Cell>) -> i32 {
         let far = cell.as_ptr().addr().cast_signed() - slot.as_ptr().addr().cast_signed();
         i32::try_from(far).unwrap_or(Slot::OWN)
@@ -185,7 +190,7 @@ impl Drop for Arena {
         if self.left {
             return;
         }
-        // SAFETY: reserved in `new`; the engine drops the arena last.
+        // SAFETY: the address space was reserved in `new`, and the engine drops the arena last.
         unsafe { os::release(self.base, RESERVED) };
     }
 }
@@ -202,7 +207,7 @@ mod tests {
         let slots: Vec<_> = (0..100_000).map(|i| arena.slot(i).unwrap()).collect();
         let cell = arena.cell(7).unwrap();
         let first = slots[0];
-        // SAFETY: slots of a live arena.
+        // SAFETY: the slots belong to a live arena.
         let read = |slot: NonNull<Slot>| unsafe { Slot::cell(slot.as_ptr()) }.load();
         // SAFETY: as above.
         let aim = |distance| unsafe { first.as_ref() }.aim(distance);

@@ -1,4 +1,4 @@
-//! `check`: what the graph says about a machine before it moves.
+//! `check`: problems that the graph shows before the machine moves.
 
 mod components;
 mod estop;
@@ -20,7 +20,8 @@ use petgraph::{
 };
 
 impl Engine {
-    /// Everything that is wrong or odd with the machine as it is, in no particular order.
+    /// Returns all problems and oddities of the machine in its current state, in no particular
+    /// order.
     pub(crate) fn check(&self) -> Vec<Finding> {
         let mut look =
             Look { graph: &self.graph, runs: self.shared.boundary.is_running(), found: Vec::new() };
@@ -37,10 +38,10 @@ impl Engine {
     }
 }
 
-/// A look at the graph, and what was found so far.
+/// A check in progress: the graph, and the findings so far.
 struct Look<'g> {
     graph: &'g Graph,
-    /// Whether threads are started.
+    /// True if threads are started.
     runs: bool,
     found: Vec<Finding>,
 }
@@ -50,7 +51,8 @@ impl<'g> Look<'g> {
         self.found.push(finding);
     }
 
-    /// The pins and parameters of one name each, their aliases aside.
+    /// Returns all pins and parameters, each once under its own name. Leaves out simulated
+    /// registers and the engine's time items.
     fn items(&self) -> Vec<(Ix, &'g Item)> {
         let all = self.graph.pins.iter().chain(&self.graph.params);
         all.filter_map(|(name, ix)| Some((name, *ix, self.graph.item(*ix)?)))
@@ -59,38 +61,39 @@ impl<'g> Look<'g> {
             .collect()
     }
 
-    /// A pin or parameter by its name.
+    /// Returns the pin or parameter with this name.
     fn item(&self, name: &str) -> Option<(Ix, &'g Item)> {
         let ix = self.graph.find_item(name).ok()?;
         Some((ix, self.graph.item(ix)?))
     }
 
-    /// The name users see.
+    /// Returns the name of an item that users see.
     fn shown(&self, item: Ix) -> &'g str {
         self.graph.item(item).map_or("", |i| i.shown().as_str())
     }
 
-    /// The name of a signal.
+    /// Returns the name of a signal.
     fn signal_name(&self, signal: Ix) -> &'g str {
         self.graph.signal(signal).map_or("", |s| s.name.as_str())
     }
 
-    /// The name of a function.
+    /// Returns the name of a function.
     fn funct_name(&self, funct: Ix) -> &'g str {
         self.graph.funct(funct).map_or("", |f| f.name.as_str())
     }
 
-    /// The name of a thread.
+    /// Returns the name of a thread.
     fn thread_name(&self, thread: Ix) -> &'g str {
         self.graph.thread(thread).map_or("", |t| t.name.as_str())
     }
 
-    /// A thread's period in nanoseconds.
+    /// Returns the period of a thread in nanoseconds.
     fn period(&self, thread: Ix) -> i64 {
         self.graph.thread(thread).map_or(0, |t| t.thread.period_ns)
     }
 
-    /// The pins of a signal that write it, and those that read it; an I/O pin does both.
+    /// Returns the pins that write a signal, and the pins that read it. An I/O pin is in both
+    /// lists.
     fn ends(&self, signal: Ix) -> (Vec<Ix>, Vec<Ix>) {
         let mut pins = self.graph.pins_of(signal);
         pins.sort_by_key(|pin| self.shown(*pin));
@@ -102,19 +105,19 @@ impl<'g> Look<'g> {
         (writers, readers)
     }
 
-    /// The functions that write a pin or parameter.
+    /// Returns the functions that write a pin or parameter.
     fn writers(&self, item: Ix) -> Vec<Ix> {
         let edges = self.graph.g.edges_directed(item, Incoming);
         edges.filter(|e| *e.weight() == Edge::Writes).map(|e| e.source()).collect()
     }
 
-    /// The functions that read a pin or parameter.
+    /// Returns the functions that read a pin or parameter.
     fn readers(&self, item: Ix) -> Vec<Ix> {
         let edges = self.graph.g.edges_directed(item, Outgoing);
         edges.filter(|e| *e.weight() == Edge::Reads).map(|e| e.target()).collect()
     }
 
-    /// What a function reads, and what it writes.
+    /// Returns the items that a function reads, and the items that it writes.
     fn touched(&self, funct: Ix) -> (Vec<Ix>, Vec<Ix>) {
         let g = &self.graph.g;
         let reads = g.edges_directed(funct, Incoming).filter(|e| *e.weight() == Edge::Reads);
@@ -122,17 +125,18 @@ impl<'g> Look<'g> {
         (reads.map(|e| e.source()).collect(), writes.map(|e| e.target()).collect())
     }
 
-    /// Whether a pin is linked or a value was set by a line.
+    /// Returns whether a pin is linked or a script line has set its value.
     fn is_used(&self, item: Ix) -> bool {
         self.graph.signal_of(item).is_some() || self.graph.sites.values_of(item).is_some()
     }
 
-    /// Whether nothing but a user gives this item its value: it is not linked, and no line set it.
+    /// Returns whether an item is not linked and no script line has set its value.
     fn is_idle(&self, item: Ix) -> bool {
         !self.is_used(item)
     }
 
-    /// Where a component was loaded, also by one of the things it made.
+    /// Returns the position at which a component was loaded. `node` may also be something that the
+    /// component created.
     fn loaded_at(&self, node: Ix) -> Option<At> {
         let mut owner = node;
         while let Some(above) = self.graph.owner_of(owner) {
@@ -141,27 +145,27 @@ impl<'g> Look<'g> {
         self.graph.sites.of(owner)
     }
 
-    /// Where a pin was linked.
+    /// Returns the position at which a pin was linked.
     fn linked_at(&self, pin: Ix) -> Option<At> {
         let mut edges = self.graph.g.edges_directed(pin, Outgoing);
         let link = edges.find(|e| *e.weight() == Edge::Links)?;
         self.graph.sites.of_edge(link.id())
     }
 
-    /// Where a function was added to a thread.
+    /// Returns the position at which a function was added to a thread.
     fn added_at(&self, thread: Ix, funct: Ix) -> Option<At> {
         let mut edges = self.graph.g.edges_connecting(thread, funct);
         let run = edges.find(|e| matches!(e.weight(), Edge::Runs(_) | Edge::Begins(_)))?;
         self.graph.sites.of_edge(run.id())
     }
 
-    /// Where a line set it last.
+    /// Returns the position at which a script line last set the value of a node.
     fn set_at(&self, node: Ix) -> Option<At> {
         let sites = &self.graph.sites;
         sites.values_of(node).and_then(|v| sites.at(v.last.site))
     }
 
-    /// The value of a number, whatever its type.
+    /// Returns the value of an item of any type as a float. Returns `None` for a port.
     fn number(&self, item: Ix) -> Option<f64> {
         let item = self.graph.item(item)?;
         match Value::from_bits(item.ty, item.bits()) {
@@ -175,12 +179,12 @@ impl<'g> Look<'g> {
         }
     }
 
-    /// The value of a number by its name.
+    /// Returns the value of the item with this name as a float.
     fn number_of(&self, name: &str) -> Option<f64> {
         self.number(self.item(name)?.0)
     }
 
-    /// A value as users see it.
+    /// Formats a value as users see it.
     fn value(&self, node: Ix, bits: u64) -> String {
         let ty = match (self.graph.item(node), self.graph.signal(node)) {
             (Some(item), _) => item.ty,
@@ -191,7 +195,7 @@ impl<'g> Look<'g> {
     }
 }
 
-/// Names in a sentence: the first few, and how many more.
+/// Returns the first few names for a sentence, and how many more there are.
 fn names<'n>(all: impl IntoIterator<Item = &'n str>) -> String {
     const MOST: usize = 6;
     let all: Vec<&str> = all.into_iter().collect();
@@ -207,7 +211,7 @@ fn names<'n>(all: impl IntoIterator<Item = &'n str>) -> String {
     }
 }
 
-/// A finding at its level, for short.
+/// Returns a finding at the level of its code.
 fn finding(code: Code, subject: &str, text: String) -> Finding {
     Finding::new(code, subject, text)
 }

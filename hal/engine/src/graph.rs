@@ -1,5 +1,5 @@
-//! The graph: components, pins, parameters, signals, functions and threads, and every edge
-//! between them. Names index into it; no other structure stores a link.
+//! The graph: components, pins, parameters, signals, functions and threads, and every edge between
+//! them. Names are indices into it; no other structure stores links.
 
 use crate::{Error, name::Name, near::nearest, sites::Sites, sync::Arc};
 use hal_abi::PortQueue;
@@ -18,7 +18,7 @@ pub(crate) use crate::node::{
 
 pub(crate) type Ix = NodeIndex<u32>;
 
-/// The graph and its names.
+/// The graph and the names of its nodes.
 #[derive(Debug, Default)]
 pub(crate) struct Graph {
     pub(crate) g: StableDiGraph<Node, Edge, u32>,
@@ -62,7 +62,7 @@ impl Graph {
     node!(funct, funct_mut, Funct, Funct);
     node!(thread, thread_mut, Thread, ThreadNode);
 
-    /// One copy of each documentation text.
+    /// Returns the shared copy of a documentation text.
     pub(crate) fn doc(&mut self, text: &str) -> Arc<str> {
         if let Some(doc) = self.docs.get(text) {
             return doc.clone();
@@ -72,17 +72,17 @@ impl Graph {
         doc
     }
 
-    /// The names of pins or of parameters.
+    /// Returns the names of parameters if `param` is true, otherwise those of pins.
     pub(crate) const fn names(&self, param: bool) -> &BTreeMap<Name, Ix> {
         if param { &self.params } else { &self.pins }
     }
 
-    /// The names of pins or of parameters.
+    /// Returns the names of parameters if `param` is true, otherwise those of pins.
     pub(crate) const fn names_mut(&mut self, param: bool) -> &mut BTreeMap<Name, Ix> {
         if param { &mut self.params } else { &mut self.pins }
     }
 
-    /// A pin or parameter of this name, pins first.
+    /// Finds the pin or parameter with this name. A pin takes precedence.
     pub(crate) fn find_item(&self, name: &str) -> Result<Ix, Error> {
         let found = self.pins.get(name).or_else(|| self.params.get(name)).copied();
         found.ok_or_else(|| {
@@ -92,27 +92,27 @@ impl Graph {
         })
     }
 
-    /// A pin of this name.
+    /// Finds the pin with this name.
     pub(crate) fn find_pin(&self, name: &str) -> Result<Ix, Error> {
         find(&self.pins, "pin", name)
     }
 
-    /// A signal of this name.
+    /// Finds the signal with this name.
     pub(crate) fn find_signal(&self, name: &str) -> Result<Ix, Error> {
         find(&self.signals, "signal", name)
     }
 
-    /// A function of this name.
+    /// Finds the function with this name.
     pub(crate) fn find_funct(&self, name: &str) -> Result<Ix, Error> {
         find(&self.functs, "function", name)
     }
 
-    /// A thread of this name.
+    /// Finds the thread with this name.
     pub(crate) fn find_thread(&self, name: &str) -> Result<Ix, Error> {
         find(&self.threads, "thread", name)
     }
 
-    /// The signal that a pin is linked to.
+    /// Returns the signal that a pin is linked to.
     pub(crate) fn signal_of(&self, pin: Ix) -> Option<Ix> {
         self.g
             .edges_directed(pin, Outgoing)
@@ -120,37 +120,37 @@ impl Graph {
             .map(|e| e.target())
     }
 
-    /// The pins of a signal.
+    /// Returns the pins of a signal.
     pub(crate) fn pins_of(&self, signal: Ix) -> Vec<Ix> {
         let links = self.g.edges_directed(signal, Incoming).filter(|e| *e.weight() == Edge::Links);
         links.map(|e| e.source()).collect()
     }
 
-    /// The component that made a node.
+    /// Returns the component that created a node.
     pub(crate) fn owner(&self, ix: Ix) -> Option<&Component> {
         self.component(self.owner_of(ix)?)
     }
 
-    /// The node of the component that made a node.
+    /// Returns the node of the component that created a node.
     pub(crate) fn owner_of(&self, ix: Ix) -> Option<Ix> {
         let mut edges = self.g.edges_directed(ix, Incoming);
         edges.find(|e| *e.weight() == Edge::Owns).map(|e| e.source())
     }
 
-    /// What a component made, newest first.
+    /// Returns the nodes that a component created, newest first.
     pub(crate) fn owned(&self, component: Ix) -> Vec<Ix> {
         let owns = self.g.edges_directed(component, Outgoing).filter(|e| *e.weight() == Edge::Owns);
         owns.map(|e| e.target()).collect()
     }
 
-    /// The components that use a service of this one.
+    /// Returns the components that use a service of this one.
     pub(crate) fn users(&self, component: Ix) -> Vec<Ix> {
         let needs =
             self.g.edges_directed(component, Incoming).filter(|e| *e.weight() == Edge::Needs);
         needs.map(|e| e.source()).collect()
     }
 
-    /// The components whose services this one used; it does not any more.
+    /// Removes the edges from a component to those whose services it used, and returns the latter.
     pub(crate) fn needed_by(&mut self, component: Ix) -> Vec<Ix> {
         let needs =
             self.g.edges_directed(component, Outgoing).filter(|e| *e.weight() == Edge::Needs);
@@ -161,7 +161,8 @@ impl Graph {
         providers
     }
 
-    /// The functions of a thread in order: those that run once, or those of every cycle.
+    /// Returns the functions of a thread in order: those that run once (`init`), or those of every
+    /// cycle.
     pub(crate) fn runs(&self, thread: Ix, init: bool) -> Vec<Ix> {
         let mut list: Vec<(u64, Ix)> = self
             .g
@@ -175,7 +176,7 @@ impl Graph {
         list.into_iter().map(|(_, ix)| ix).collect()
     }
 
-    /// The threads that run a function.
+    /// Returns the threads that run a function.
     pub(crate) fn threads_of(&self, funct: Ix) -> Vec<Ix> {
         self.g
             .edges_directed(funct, Incoming)
@@ -184,12 +185,12 @@ impl Graph {
             .collect()
     }
 
-    /// Whether any thread runs a function.
+    /// Returns whether any thread runs a function.
     pub(crate) fn is_in_use(&self, funct: Ix) -> bool {
         !self.threads_of(funct).is_empty()
     }
 
-    /// The threads in order of creation.
+    /// Returns the threads in order of creation.
     pub(crate) fn threads_by_age(&self) -> Vec<Ix> {
         let mut list: Vec<(u32, Ix)> = self
             .threads
@@ -200,7 +201,7 @@ impl Graph {
         list.into_iter().map(|(_, ix)| ix).collect()
     }
 
-    /// The components, oldest first.
+    /// Returns the components, oldest first.
     pub(crate) fn components_by_age(&self) -> Vec<Ix> {
         let mut list: Vec<(u32, Ix)> = self
             .components
@@ -211,19 +212,20 @@ impl Graph {
         list.into_iter().map(|(_, ix)| ix).collect()
     }
 
-    /// A value as users see it: of a port, the size of its queue.
+    /// Returns a value as users see it. For a port, this is the size of its queue.
     pub(crate) fn value(ty: Type, bits: u64) -> Value {
         if ty != Type::Port {
             return Value::from_bits(ty, bits);
         }
         let address = usize::try_from(bits).unwrap_or(0);
         let queue: *const PortQueue = core::ptr::with_exposed_provenance(address);
-        // SAFETY: only the engine puts addresses into cells of type port, of live queues.
+        // SAFETY: only the engine writes to cells of type `port`, and it stores only addresses of
+        // live queues.
         Value::Port(unsafe { queue.as_ref() }.map_or(0, PortQueue::size))
     }
 }
 
-/// A name's node, or the nearest name.
+/// Returns the node with this name, or an error with the nearest name.
 pub(crate) fn find(
     names: &BTreeMap<Name, Ix>,
     what: &'static str,

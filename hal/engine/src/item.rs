@@ -1,4 +1,4 @@
-//! Pins and parameters: how one is made.
+//! Creation of pins and parameters.
 
 use crate::{
     Engine, Error,
@@ -12,7 +12,7 @@ use core::{ffi::c_void, ptr::NonNull};
 use hal_abi::{Cell, Slot};
 use hal_protocol::{Direction, Type};
 
-/// A pin or parameter to be made.
+/// A pin or parameter to be created.
 pub(crate) struct NewItem {
     pub(crate) name: Name,
     pub(crate) other: Option<Name>,
@@ -27,7 +27,7 @@ pub(crate) struct NewItem {
 }
 
 impl Engine {
-    /// Makes a pin or parameter. One with storage of its own has no slot.
+    /// Creates a pin or parameter. An item with its own storage has no slot.
     pub(crate) fn new_item(
         &mut self,
         owner: Ix,
@@ -81,7 +81,7 @@ impl Engine {
         Ok((ix, slot))
     }
 
-    /// Makes the pins and parameters that show times of a function or thread.
+    /// Creates the pins and parameters that show the run times of a function or thread.
     pub(crate) fn new_account(
         &mut self,
         owner: Ix,
@@ -119,7 +119,7 @@ impl Engine {
         Ok(Account { time, tmax, increased })
     }
 
-    /// The item of a slot that belongs to another component.
+    /// Returns the item that owns a slot, of any component.
     pub(crate) fn item_at(&self, slot: *const Slot) -> Option<Ix> {
         let all = self.graph.pins.values().chain(self.graph.params.values());
         all.copied().find(|ix| {
@@ -131,8 +131,8 @@ impl Engine {
     }
 }
 
-/// A slot's own cell: where the value of a parameter is.
+/// Returns a slot's own cell, which holds the value of a parameter.
 pub(crate) fn own_cell(slot: Ptr<Slot>) -> Ptr<Cell> {
-    // SAFETY: a live slot of the arena.
+    // SAFETY: the slot is a live slot of the arena.
     Ptr(NonNull::from(unsafe { slot.0.as_ref() }.own()))
 }

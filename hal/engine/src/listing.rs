@@ -1,4 +1,4 @@
-//! What `show`, `list`, `save` and `status` see.
+//! Data for `show`, `list`, `save` and `status`.
 
 use crate::{
     ClockKind, Engine,
@@ -14,7 +14,7 @@ use hal_protocol::{
 };
 
 impl Engine {
-    /// `show KIND PATTERNS…`.
+    /// Returns the answer to `show KIND PATTERNS…`.
     pub(crate) fn list(&mut self, kind: Kind, patterns: &[String], ty: Option<Type>) -> Reply {
         let p = Patterns::new(patterns);
         match kind {
@@ -40,7 +40,7 @@ impl Engine {
             .collect()
     }
 
-    /// One component.
+    /// Returns the description of a component.
     pub(crate) fn component_info(&self, ix: Ix) -> Option<ComponentInfo> {
         let c = self.graph.component(ix)?;
         Some(ComponentInfo {
@@ -136,9 +136,9 @@ impl Engine {
                 hal_protocol::Value::S32(ns) => ns,
                 _ => 0,
             };
-            // SAFETY: a slot of the arena, alive as long as the thread.
+            // SAFETY: the slot belongs to the arena and lives as long as the thread.
             let time = unsafe { Slot::cell(t.account.time.0.as_ptr()) }.load();
-            // SAFETY: a cell of the arena, alive as long as the thread.
+            // SAFETY: the cell belongs to the arena and lives as long as the thread.
             let tmax = unsafe { t.account.tmax.0.as_ref() }.load();
             let guilty = t.guilty.load(Ordering::Relaxed);
             out.push(ThreadInfo {
@@ -198,7 +198,7 @@ impl Engine {
         named.map(|(name, ring)| ring.info(name.as_str())).collect()
     }
 
-    /// `status`.
+    /// Returns the answer to `status`.
     pub(crate) fn status(&self) -> StatusInfo {
         let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         let usage = |active: u32| Usage { active, recycled: 0 };

@@ -1,4 +1,4 @@
-//! What the graph is made of.
+//! Nodes and edges of the graph.
 
 use crate::{
     args::Declared,
@@ -13,7 +13,7 @@ use core::{ffi::c_void, ptr::NonNull};
 use hal_abi::{Cell, CommandRun, PortQueue, Run, Slot, Use};
 use hal_protocol::{ComponentState, Direction, Type};
 
-/// A node.
+/// A node of the graph.
 #[derive(Debug)]
 pub(crate) enum Node {
     Component(Component),
@@ -23,29 +23,29 @@ pub(crate) enum Node {
     Thread(ThreadNode),
 }
 
-/// An edge.
+/// An edge of the graph.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Edge {
-    /// Component to what it made.
+    /// From a component to what it created.
     Owns,
-    /// Pin to signal.
+    /// From a pin to its signal.
     Links,
-    /// Pin or parameter to the function that reads it.
+    /// From a pin or parameter to a function that reads it.
     Reads,
-    /// Function to the pin or parameter that it writes.
+    /// From a function to a pin or parameter that it writes.
     Writes,
-    /// Function to the function that takes its hidden state.
+    /// From a function to a function that takes its hidden state.
     HandsOver,
-    /// Thread to function, by position.
+    /// From a thread to a function of every cycle, with its position.
     Runs(u64),
-    /// Thread to function, once before all others, by position.
+    /// From a thread to a function that runs once before all others, with its position.
     Begins(u64),
-    /// Component to the component whose service it uses.
+    /// From a component to a component whose service it uses.
     Needs,
 }
 
 impl Edge {
-    /// The position of a function in a thread, from 1.
+    /// Returns the position of a function in a thread, from 1.
     pub(crate) const fn place(self) -> Option<u64> {
         match self {
             Self::Runs(at) | Self::Begins(at) => Some(at),
@@ -70,14 +70,14 @@ pub(crate) struct Component {
     pub(crate) args: Option<String>,
     pub(crate) commands: Vec<Command>,
     pub(crate) stops: Vec<Arc<Code<CommandRun>>>,
-    /// The file that its code came from.
+    /// File that contains its code.
     pub(crate) origin: Option<Origin>,
     pub(crate) services: Vec<Service>,
-    /// What it came from, when that is no plugin.
+    /// Origin of a component that is not a plugin.
     pub(crate) foreign: Option<Foreign>,
 }
 
-/// A file that is no plugin.
+/// A file that is not a plugin.
 #[derive(Debug)]
 pub(crate) struct Foreign {
     pub(crate) kind: Box<str>,
@@ -94,28 +94,28 @@ pub(crate) struct Command {
     pub(crate) doc: Box<str>,
     pub(crate) args: Vec<Declared>,
     pub(crate) code: Code<CommandRun>,
-    /// What runs when it does.
+    /// Description of the command for the report of a crash.
     pub(crate) doing: Arc<Doing>,
 }
 
-/// A table that a component offers to others.
+/// A function table that a component offers to others.
 #[derive(Debug)]
 pub(crate) struct Service {
     pub(crate) name: Box<str>,
     pub(crate) version: u32,
     pub(crate) table: *const c_void,
-    /// The pins, parameters and hidden state that its functions touch.
+    /// Pins, parameters and hidden state that its functions access.
     pub(crate) uses: Vec<Use>,
     #[expect(dead_code, reason = "held so that the table lives as long as its component")]
     pub(crate) code: Code<()>,
 }
 
-/// Where a value is.
+/// Location of a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Storage {
     /// In the arena.
     Slot(Ptr<Slot>),
-    /// In the component's own memory, at the width of its type.
+    /// In the component's own memory, as wide as its type.
     Own(NonNull<c_void>),
 }
 
@@ -123,29 +123,29 @@ pub(crate) enum Storage {
 #[derive(Debug)]
 pub(crate) struct Item {
     pub(crate) name: Name,
-    /// Another name for look-up: the old one, or the new one where the old is shown.
+    /// Second name for look-ups: the old name, or the new name if the old one is shown.
     pub(crate) other: Option<Name>,
     pub(crate) alias: Option<Name>,
     pub(crate) ty: Type,
     pub(crate) direction: Direction,
     pub(crate) storage: Storage,
-    /// Where foreign code keeps the address of the pin's cell.
+    /// Place where foreign code keeps the address of the pin's cell.
     pub(crate) pointer: Option<Pointer>,
     pub(crate) hidden: bool,
-    /// Made by the engine: times of functions and threads.
+    /// True for items that the engine creates: times of functions and threads.
     pub(crate) times: bool,
-    /// A limit or e-stop input.
+    /// True for a limit switch or e-stop input.
     pub(crate) safety: bool,
     pub(crate) doc: Arc<str>,
 }
 
 impl Item {
-    /// The name it is listed under.
+    /// Returns the name under which the item is listed.
     pub(crate) fn shown(&self) -> &Name {
         self.alias.as_ref().unwrap_or(&self.name)
     }
 
-    /// Its slot; pins always have one.
+    /// Returns the slot. Pins always have one.
     pub(crate) const fn slot(&self) -> Option<NonNull<Slot>> {
         match self.storage {
             Storage::Slot(p) => Some(p.0),
@@ -153,26 +153,26 @@ impl Item {
         }
     }
 
-    /// Its value now, as its type's bits.
+    /// Returns the current value as bits of a cell.
     pub(crate) fn bits(&self) -> u64 {
         match self.storage {
-            // SAFETY: a live slot of the arena.
+            // SAFETY: the slot is a live slot of the arena.
             Storage::Slot(p) => unsafe { Slot::cell(p.0.as_ptr()) }.load(),
             Storage::Own(p) => own::load(p, self.ty),
         }
     }
 
-    /// Sets its value.
+    /// Sets the value.
     pub(crate) fn put(&self, bits: u64) {
         match self.storage {
-            // SAFETY: a live slot of the arena.
+            // SAFETY: the slot is a live slot of the arena.
             Storage::Slot(p) => unsafe { Slot::cell(p.0.as_ptr()) }.store(bits),
             Storage::Own(p) => own::store(p, self.ty, bits),
         }
     }
 }
 
-/// Values in a component's own memory.
+/// Access to values in a component's own memory.
 pub(crate) mod own {
     use crate::sync::{
         AtomicU8, AtomicU32, AtomicU64,
@@ -183,7 +183,8 @@ pub(crate) mod own {
 
     pub(crate) fn load(p: NonNull<c_void>, ty: Type) -> u64 {
         match ty {
-            // SAFETY: the component gave storage of this type, alive as long as it is.
+            // SAFETY: the component provided storage of this type, which lives as long as the
+            // component.
             Type::Bit => u64::from(unsafe { p.cast::<AtomicU8>().as_ref() }.load(Acquire)),
             Type::S32 | Type::U32 | Type::Port => {
                 // SAFETY: as above.
@@ -197,7 +198,8 @@ pub(crate) mod own {
     #[expect(clippy::cast_possible_truncation, reason = "stored at exactly its width")]
     pub(crate) fn store(p: NonNull<c_void>, ty: Type, bits: u64) {
         match ty {
-            // SAFETY: the component gave storage of this type, alive as long as it is.
+            // SAFETY: the component provided storage of this type, which lives as long as the
+            // component.
             Type::Bit => unsafe { p.cast::<AtomicU8>().as_ref() }.store(bits as u8, Release),
             Type::S32 | Type::U32 | Type::Port => {
                 // SAFETY: as above.
@@ -209,7 +211,7 @@ pub(crate) mod own {
     }
 }
 
-/// The queue of a signal of type port.
+/// Queue of a signal of type `port`.
 #[derive(Debug)]
 pub(crate) struct Queue {
     #[expect(dead_code, reason = "cells hold its address")]
@@ -231,13 +233,13 @@ pub(crate) struct Signal {
 }
 
 impl Signal {
-    /// Its value now, as its type's bits.
+    /// Returns the current value as bits of a cell.
     pub(crate) fn bits(&self) -> u64 {
-        // SAFETY: a live cell of the arena.
+        // SAFETY: the cell is a live cell of the arena.
         unsafe { self.cell.0.as_ref() }.load()
     }
 
-    /// Counts a pin in or out.
+    /// Adds a pin to the signal's counts (`up`) or removes it.
     pub(crate) const fn count(&mut self, direction: Direction, up: bool) {
         match direction {
             Direction::In => self.readers = add_one(self.readers, up),
@@ -260,12 +262,13 @@ const fn add_one(n: u32, up: bool) -> u32 {
 pub(crate) struct Funct {
     pub(crate) name: Name,
     pub(crate) reentrant: bool,
-    /// What it reads and writes is not known.
+    /// True if the pins that it reads and writes are unknown.
     pub(crate) unknown: bool,
-    /// It belongs in a fast thread.
+    /// True if it belongs in a fast thread.
     pub(crate) fast: bool,
     pub(crate) doc: Box<str>,
-    /// It takes what no function gives: commands, or what a background task has prepared.
+    /// True if it takes hidden state that no function produces: commands, or results of a
+    /// background task.
     pub(crate) told: bool,
     pub(crate) code: Arc<Code<Run>>,
     pub(crate) account: Account,
@@ -276,8 +279,8 @@ pub(crate) struct Funct {
 pub(crate) struct ThreadNode {
     pub(crate) name: Name,
     pub(crate) thread: Arc<Thread>,
-    /// The position of the next function at the end.
+    /// Highest position assigned so far.
     pub(crate) next: u64,
-    /// Whether its list is older than its edges.
+    /// True if the thread's function list is older than its edges.
     pub(crate) stale: bool,
 }

@@ -1,18 +1,19 @@
-//! The order of functions that their data flow implies, what the user's own order costs, and how
-//! long values wait on their way through the machine.
+//! The order of functions that their data flow implies, the cost of the user's own order, and the
+//! delays of values on their path through the machine.
 //!
-//! `addf` stays the user's: nothing here changes anything. Whoever wants findings asks
-//! [`Study::of`] once, and then:
+//! This module changes nothing: the order of `addf` remains the user's decision. Call [`Study::of`]
+//! once; its results are:
 //!
 //! - [`Study::late`]: each flow that costs a cycle in the user's order, and whether another order
-//!   would spare it;
-//! - [`Study::moves`]: which functions would have to go where, thread by thread;
-//! - [`Timed::loops`] of [`Study::as_added`]: the feedback loops with their delay;
+//!   would avoid that;
+//! - [`Study::moves`]: for each thread, the functions that would have to move, and their new
+//!   positions;
+//! - [`Timed::loops`] of [`Study::as_added`]: the feedback loops with their delays;
 //! - [`Study::crossings`]: the flows from one thread to another.
 //!
-//! All of them speak in numbers of [`Machine::functs`] and [`Machine::flows`], whose nodes name
-//! everything in the graph. [`Engine::order`](crate::Engine::order) says the same with names and
-//! places, as `halcmd order` prints it.
+//! All results are indices into [`Machine::functs`] and [`Machine::flows`], whose entries refer to
+//! nodes of the graph. [`Engine::order`](crate::Engine::order) returns the same with names and
+//! script positions, as `halcmd order` prints it.
 
 mod delay;
 mod draw;
@@ -27,58 +28,59 @@ pub(crate) use machine::{By, Flow, Machine};
 use crate::graph::Graph;
 use row::Row;
 
-/// A machine, and a better order for each of its threads: the user's own unless another costs less.
+/// A machine, and the best order found for each of its threads: the user's own unless another costs
+/// less.
 #[derive(Debug)]
 pub(crate) struct Study {
     pub(crate) machine: Machine,
-    /// Numbers of functions, for each thread.
+    /// Indices of functions in their better order, for each thread.
     pub(crate) better: Vec<Vec<usize>>,
 }
 
-/// A flow that goes backwards in the user's order: its reader has what was written a cycle ago.
+/// A flow that goes backwards in the user's order: its reader gets the value of the previous cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Late {
-    /// The number of the flow.
+    /// Index of the flow.
     pub(crate) flow: usize,
-    /// In the better order it is late as well: it closes a feedback loop.
+    /// True if the flow is also late in the better order, because it closes a feedback loop.
     pub(crate) remains: bool,
 }
 
-/// Where a function would have to be.
+/// New position of a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Move {
-    /// Its number.
+    /// Index of the function.
     pub(crate) funct: usize,
-    /// Its position for `addf`, when all that move were taken out first and the moves are carried
-    /// out in their order.
+    /// Position for `addf`, if first all functions that move are removed, and then the moves are
+    /// made in order.
     pub(crate) position: usize,
 }
 
 impl Study {
-    /// Studies the machine of a graph. It takes time in proportion to what is linked.
+    /// Analyses the machine of a graph. The run time is proportional to the number of links.
     pub(crate) fn of(graph: &Graph) -> Self {
         Self::new(Machine::of(graph))
     }
 
-    /// Studies a machine.
+    /// Analyses a machine.
     pub(crate) fn new(machine: Machine) -> Self {
         let better = (0..machine.threads.len()).map(|t| better(&machine, t)).collect();
         Self { machine, better }
     }
 
-    /// The waits in the user's order.
+    /// Returns the delays in the user's order.
     pub(crate) fn as_added(&self) -> Timed<'_> {
         let orders: Vec<Vec<usize>> =
             self.machine.threads.iter().map(|t| t.order.clone()).collect();
         Timed::new(&self.machine, &orders)
     }
 
-    /// The waits in the better order.
+    /// Returns the delays in the better order.
     pub(crate) fn as_better(&self) -> Timed<'_> {
         Timed::new(&self.machine, &self.better)
     }
 
-    /// What the user's order makes late, in the order in which it should be written.
+    /// Returns the flows that are late in the user's order, in the better order of their writers.
     pub(crate) fn late(&self) -> Vec<Late> {
         let (user, better) = (self.as_added(), self.as_better());
         let flows = self.machine.flows.iter().enumerate();
@@ -89,7 +91,7 @@ impl Study {
         late.into_iter().map(|(_, flow, remains)| Late { flow, remains }).collect()
     }
 
-    /// What would have to move in a thread; empty where no order is better.
+    /// Returns the moves in a thread. Empty if no order is better.
     pub(crate) fn moves(&self, thread: usize) -> Vec<Move> {
         let (Some(user), Some(better)) =
             (self.machine.threads.get(thread), self.better.get(thread))
@@ -106,14 +108,14 @@ impl Study {
             .collect()
     }
 
-    /// The numbers of the flows from one thread to another.
+    /// Returns the indices of the flows from one thread to another.
     pub(crate) fn crossings(&self) -> Vec<usize> {
         let flows = self.machine.flows.iter().enumerate();
         flows.filter(|(_, flow)| !self.machine.is_inside(flow)).map(|(i, _)| i).collect()
     }
 }
 
-/// The better order of a thread.
+/// Returns the better order of a thread.
 fn better(machine: &Machine, thread: usize) -> Vec<usize> {
     let Some(order) = machine.threads.get(thread).map(|t| &t.order) else { return Vec::new() };
     let place = Row::places(order, machine.functs.len());

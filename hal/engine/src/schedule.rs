@@ -15,11 +15,12 @@ use petgraph::{
     visit::EdgeRef,
 };
 
-/// The shortest and the longest period, in nanoseconds.
+/// Shortest and longest period, in nanoseconds.
 const PERIODS: core::ops::RangeInclusive<i64> = 1_000..=1_000_000_000_000;
 
 impl Engine {
-    /// Makes a thread with its pseudo component; it begins to tick in [`Self::begin_thread`].
+    /// Creates a thread and its pseudo component. The thread starts to run in
+    /// [`Self::begin_thread`].
     pub(crate) fn new_thread(&mut self, name: Name, period: i64) -> Result<Ix, Error> {
         if self.graph.threads.contains_key(&name) {
             return Err(Error::Duplicate { what: "thread", name: name.as_str().into() });
@@ -56,7 +57,7 @@ impl Engine {
         let due = if self.shared.is_virtual() {
             (self.shared.now() / period + 1) * period
         } else {
-            // A millisecond is left for the thread to come up.
+            // Leaves one millisecond for the thread to start.
             let soon = self.shared.now() + 1_000_000;
             self.shared.origin() + (soon / period + 1) * period
         };
@@ -75,7 +76,7 @@ impl Engine {
         Ok(ix)
     }
 
-    /// A new component.
+    /// Creates a component.
     pub(crate) fn new_component(
         &mut self,
         name: Name,
@@ -106,7 +107,7 @@ impl Engine {
         Ok(ix)
     }
 
-    /// From now on the thread ticks.
+    /// Starts the cycles of a thread.
     pub(crate) fn begin_thread(&mut self, ix: Ix) -> Result<(), Error> {
         let Some(thread) = self.graph.thread(ix).map(|t| t.thread.clone()) else { return Ok(()) };
         if self.trial.is_some() {
@@ -126,7 +127,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Ends threads: they tick no more when this returns. When it fails, none has ended.
+    /// Ends threads. They run no more cycles when this returns. If it fails, no thread has ended.
     pub(crate) fn end_threads(&mut self, nodes: &[Ix]) -> Result<(), Error> {
         let ids: Vec<u32> =
             nodes.iter().filter_map(|ix| self.graph.thread(*ix)).map(|t| t.thread.id).collect();
@@ -152,7 +153,8 @@ impl Engine {
         Err(stuck)
     }
 
-    /// Waits until no thread of the system runs any of these, nor looks at the old list.
+    /// Waits until no system thread runs any of these threads or uses the old list. Returns false
+    /// on timeout.
     fn have_left(&mut self, old: &Arc<Vec<Arc<Thread>>>, ids: &[u32]) -> bool {
         let limit = os::monotonic_ns() + PATIENCE_NS;
         while Arc::strong_count(old) > 1 {
@@ -164,7 +166,7 @@ impl Engine {
         self.runners.end(ids, false, PATIENCE_NS)
     }
 
-    /// Whether functions of a thread, or of all, are timed.
+    /// Switches the timing of functions on or off, for one thread or for all.
     pub(crate) fn time_functs(&self, thread: Option<&str>, on: bool) -> Result<(), Error> {
         let threads = match thread {
             Some(name) => vec![self.graph.find_thread(name)?],
@@ -176,7 +178,7 @@ impl Engine {
         Ok(())
     }
 
-    /// What a thread is to run.
+    /// Returns the function list that a thread has to run.
     pub(crate) fn list_of(&self, thread: Ix) -> List {
         let entries = |init: bool| {
             let functs = self.graph.runs(thread, init);
@@ -195,7 +197,7 @@ impl Engine {
         self.with_probes(thread, list)
     }
 
-    /// `addf`, `initf`.
+    /// Executes `addf` and `initf`.
     pub(crate) fn add_funct(
         &mut self,
         funct: &str,
@@ -232,7 +234,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Draws the edge at a position counted from the start or the end; the others move.
+    /// Inserts the edge at a position counted from the start or the end, and renumbers the others.
     fn insert_at(&mut self, t: Ix, f: Ix, position: i64, init: bool) -> Result<(), Error> {
         let order = self.graph.runs(t, init);
         let at = place_in(order.len(), position)?;
@@ -261,7 +263,7 @@ impl Engine {
         Ok(())
     }
 
-    /// `delf`.
+    /// Executes `delf`.
     pub(crate) fn remove_funct(&mut self, funct: &str, thread: Option<&str>) -> Result<(), Error> {
         self.unlocked(Lock::CONFIG, "del_funct_from_thread")?;
         let f = self.graph.find_funct(funct)?;
@@ -281,10 +283,11 @@ impl Engine {
         Ok(())
     }
 
-    /// Takes a function out of a thread.
+    /// Removes a function from a thread.
     pub(crate) fn take_out(&mut self, funct: Ix, thread: Ix) {
         self.touch_thread(thread);
-        // A thread may run thousands, a function is in few threads.
+        // Searches from the function, because it is in few threads, while a thread may run
+        // thousands of functions.
         let runs = self.graph.g.edges_directed(funct, Incoming);
         let runs = runs.filter(|e| e.source() == thread && e.weight().place().is_some());
         let edges: Vec<_> = runs.map(|e| e.id()).collect();
@@ -295,8 +298,8 @@ impl Engine {
     }
 }
 
-/// Returns the index that a position stands for in a list of `n` functions: 1 is before the first,
-/// -1 after the last.
+/// Returns the index for a position in a list of `n` functions: 1 is before the first, -1 after the
+/// last.
 fn place_in(n: usize, position: i64) -> Result<usize, Error> {
     let too_far = || {
         let most = i64::try_from(n).unwrap_or(i64::MAX).saturating_add(1);

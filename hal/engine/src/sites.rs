@@ -1,11 +1,11 @@
-//! Where in scripts things were made: which line loaded, linked, added, named or set what.
+//! Script positions at which things were loaded, linked, added, named or set.
 
 use crate::{graph::Ix, sync::Arc};
 use hal_protocol::At;
 use petgraph::stable_graph::EdgeIndex;
 use std::collections::BTreeMap;
 
-/// The most files that are told apart, and the longest name of one.
+/// Maximum number of files that are recorded, and maximum length of a file name in bytes.
 const MOST_FILES: usize = 4096;
 const LONGEST_NAME: usize = 4096;
 
@@ -16,24 +16,24 @@ pub(crate) struct Site {
     line: u32,
 }
 
-/// A value that a line has set.
+/// A value that a script line has set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Assigned {
     pub(crate) site: Option<Site>,
     pub(crate) bits: u64,
-    /// How often the machine had been let run before.
+    /// Number of times the machine had been run before.
     moment: u32,
 }
 
-/// What lines have set a pin, parameter or signal to.
+/// Values that script lines have set for a pin, parameter or signal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Assignments {
     pub(crate) last: Assigned,
-    /// The last one before it that was another value, if the machine did not run meanwhile.
+    /// The last different value before it, if the machine did not run in between.
     pub(crate) other: Option<Assigned>,
 }
 
-/// Where everything was made. What was made by no script has no place.
+/// Script positions of everything. Things that no script made have no position.
 #[derive(Debug, Default)]
 pub(crate) struct Sites {
     files: Vec<Arc<str>>,
@@ -47,7 +47,7 @@ pub(crate) struct Sites {
 }
 
 impl Sites {
-    /// What is made from here on stands at this place.
+    /// Sets the position for everything that is created from here on.
     pub(crate) fn stand(&mut self, file: &str, line: u32) {
         if let Some(now) = &mut self.now
             && self.files.get(now.file as usize).is_some_and(|f| **f == *file)
@@ -58,8 +58,8 @@ impl Sites {
         self.now = self.number(file).map(|file| Site { file, line });
     }
 
-    /// The same for one request, whose client says where it stands or does not; what it was
-    /// before goes back through [`Self::resume`].
+    /// Sets the position for one request, or none if the client gave none. Returns the previous
+    /// position, for [`Self::resume`].
     pub(crate) fn visit(&mut self, at: Option<&At>) -> Option<Site> {
         let before = self.now.take();
         if let Some(at) = at {
@@ -68,7 +68,7 @@ impl Sites {
         before
     }
 
-    /// Ends what [`Self::visit`] began.
+    /// Restores the position that [`Self::visit`] returned.
     pub(crate) const fn resume(&mut self, before: Option<Site>) {
         self.now = before;
     }
@@ -87,22 +87,22 @@ impl Sites {
         Some(n)
     }
 
-    /// A component, signal or thread is made here.
+    /// Records that a component, signal or thread is created here.
     pub(crate) fn made(&mut self, node: Ix) {
         keep(&mut self.nodes, node, self.now);
     }
 
-    /// A pin is linked or a function added here.
+    /// Records that a pin is linked or a function is added here.
     pub(crate) fn joined(&mut self, edge: EdgeIndex<u32>) {
         keep(&mut self.edges, edge, self.now);
     }
 
-    /// A pin or parameter is given a second name here.
+    /// Records that a pin or parameter is given an alias here.
     pub(crate) fn named(&mut self, item: Ix) {
         keep(&mut self.aliases, item, self.now);
     }
 
-    /// A pin, parameter or signal is set here.
+    /// Records that a pin, parameter or signal is set here.
     pub(crate) fn assigned(&mut self, node: Ix, bits: u64) {
         let last = Assigned { site: self.now, bits, moment: self.moment };
         let before = self.values.get(&node).filter(|b| b.last.moment == self.moment).copied();
@@ -114,52 +114,52 @@ impl Sites {
         self.values.insert(node, Assignments { last, other });
     }
 
-    /// The machine runs: what is set from here on is meant to be another value.
+    /// Records that the machine has run. Values that are set afterwards are intended changes.
     pub(crate) const fn has_run(&mut self) {
         self.moment = self.moment.wrapping_add(1);
     }
 
-    /// A node has gone.
+    /// Removes a node.
     pub(crate) fn forget(&mut self, node: Ix) {
         self.nodes.remove(&node);
         self.aliases.remove(&node);
         self.values.remove(&node);
     }
 
-    /// A link or a function in a thread has gone.
+    /// Removes a link, or a function in a thread.
     pub(crate) fn parted(&mut self, edge: EdgeIndex<u32>) {
         self.edges.remove(&edge);
     }
 }
 
-/// What a change that is taken back puts back.
+/// State that is saved and restored when a change is reverted.
 impl Sites {
-    /// Where a link was made or a function added.
+    /// Returns where a link was made or a function was added.
     pub(crate) fn of_joined(&self, edge: EdgeIndex<u32>) -> Option<Site> {
         self.edges.get(&edge).copied()
     }
 
-    /// That it was there.
+    /// Restores where a link was made or a function was added.
     pub(crate) fn joined_at(&mut self, edge: EdgeIndex<u32>, site: Option<Site>) {
         keep(&mut self.edges, edge, site);
     }
 
-    /// Where a pin or parameter was given its second name.
+    /// Returns where a pin or parameter was given its alias.
     pub(crate) fn of_named(&self, item: Ix) -> Option<Site> {
         self.aliases.get(&item).copied()
     }
 
-    /// That it was there.
+    /// Restores where a pin or parameter was given its alias.
     pub(crate) fn named_at(&mut self, item: Ix, site: Option<Site>) {
         keep(&mut self.aliases, item, site);
     }
 
-    /// What lines have set a pin, parameter or signal to.
+    /// Returns the values that script lines have set for a pin, parameter or signal.
     pub(crate) fn of_values(&self, node: Ix) -> Option<Assignments> {
         self.values.get(&node).copied()
     }
 
-    /// That they had set it to this.
+    /// Restores the values that script lines had set.
     pub(crate) fn assigned_before(&mut self, node: Ix, values: Option<Assignments>) {
         match values {
             Some(values) => {
@@ -173,12 +173,12 @@ impl Sites {
 }
 
 impl Sites {
-    /// Where a pin was linked or a function added.
+    /// Returns the position at which a pin was linked or a function was added.
     pub(crate) fn of_edge(&self, edge: EdgeIndex<u32>) -> Option<At> {
         self.at(self.edges.get(&edge).copied())
     }
 
-    /// The place in words.
+    /// Returns a position with its file name.
     pub(crate) fn at(&self, site: Option<Site>) -> Option<At> {
         let site = site?;
         let file = self.files.get(site.file as usize)?;
@@ -187,17 +187,17 @@ impl Sites {
 }
 
 impl Sites {
-    /// Where a component, signal or thread was made.
+    /// Returns the position at which a component, signal or thread was created.
     pub(crate) fn of(&self, node: Ix) -> Option<At> {
         self.at(self.nodes.get(&node).copied())
     }
 
-    /// Where a pin or parameter was given its second name.
+    /// Returns the position at which a pin or parameter was given its alias.
     pub(crate) fn of_alias(&self, item: Ix) -> Option<At> {
         self.at(self.aliases.get(&item).copied())
     }
 
-    /// What lines have set it to.
+    /// Returns the values that script lines have set for a node.
     pub(crate) fn values_of(&self, node: Ix) -> Option<Assignments> {
         self.values.get(&node).copied()
     }
@@ -208,7 +208,7 @@ fn keep<K: Ord>(map: &mut BTreeMap<K, Site>, key: K, site: Option<Site>) {
         Some(site) => {
             map.insert(key, site);
         }
-        // An index may have been another's before.
+        // The index may have belonged to something else before.
         None => {
             map.remove(&key);
         }

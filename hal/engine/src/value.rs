@@ -1,4 +1,4 @@
-//! Values and second names: `setp`, `sets`, `getp`, `gets`, `alias`.
+//! Values and aliases: `setp`, `sets`, `getp`, `gets`, `alias`.
 
 use crate::{
     Engine, Error,
@@ -13,7 +13,7 @@ use hal_abi::PortQueue;
 use hal_protocol::{Direction, Lock, Type, Value, ValueError};
 
 impl Engine {
-    /// `setp`.
+    /// Executes `setp`.
     pub(crate) fn set_item(&mut self, name: &str, text: &str) -> Result<(), Error> {
         let ix = self.graph.find_item(name)?;
         let Some(item) = self.graph.item(ix) else { return Ok(()) };
@@ -32,28 +32,29 @@ impl Engine {
         let (storage, ty) = (item.storage, item.ty);
         self.assigned(ix, value.bits());
         self.staged.stores.push(match storage {
-            // What is not linked has its own cell, now or when earlier stores are made.
+            // An unlinked item uses its own cell, now or after the earlier stores of this
+            // transaction.
             Storage::Slot(slot) => Store::Put { cell: own_cell(slot), bits: value.bits() },
             Storage::Own(p) => Store::PutOwn { place: Ptr(p), ty, bits: value.bits() },
         });
         Ok(())
     }
 
-    /// `getp`.
+    /// Executes `getp`.
     pub(crate) fn get_item(&self, name: &str) -> Result<Value, Error> {
         let ix = self.graph.find_item(name)?;
         let item = self.graph.item(ix);
         Ok(item.map_or(Value::Bit(false), |i| Graph::value(i.ty, i.bits())))
     }
 
-    /// `gets`.
+    /// Executes `gets`.
     pub(crate) fn get_signal(&self, name: &str) -> Result<Value, Error> {
         let ix = self.graph.find_signal(name).map_err(Error::of_value)?;
         let signal = self.graph.signal(ix);
         Ok(signal.map_or(Value::Bit(false), |s| Graph::value(s.ty, s.bits())))
     }
 
-    /// `sets`; for a port, the size of its queue, once.
+    /// Executes `sets`. For a port it sets the size of the queue, which is possible only once.
     pub(crate) fn set_signal(&mut self, name: &str, text: &str) -> Result<(), Error> {
         let ix = self.graph.find_signal(name).map_err(Error::of_value)?;
         let Some(signal) = self.graph.signal(ix) else { return Ok(()) };
@@ -71,7 +72,7 @@ impl Engine {
         if let Value::Port(size) = value {
             let data: Box<[crate::sync::AtomicU8]> =
                 (0..size).map(|_| crate::sync::AtomicU8::new(0)).collect();
-            // SAFETY: both live in the signal until no cell holds the address.
+            // SAFETY: both live in the signal until no cell holds the address of the queue.
             let queue = Box::new(unsafe { PortQueue::new(data.as_ptr(), size) });
             bits = (&raw const *queue).expose_provenance() as u64;
             if let Some(s) = self.graph.signal_mut(ix) {
@@ -83,13 +84,13 @@ impl Engine {
         Ok(())
     }
 
-    /// Notes that a line sets something.
+    /// Records that a script line sets a node.
     fn assigned(&mut self, ix: Ix, bits: u64) {
         self.staged.undo_by(Undo::Assigned(ix, self.graph.sites.of_values(ix)));
         self.graph.sites.assigned(ix, bits);
     }
 
-    /// `alias`.
+    /// Executes `alias`.
     pub(crate) fn alias(&mut self, param: bool, name: &str, alias: &str) -> Result<(), Error> {
         self.unlocked(Lock::CONFIG, if param { "param_alias" } else { "pin_alias" })?;
         let what = if param { "param" } else { "pin" };
@@ -117,7 +118,7 @@ impl Engine {
         }
     }
 
-    /// `unalias`.
+    /// Executes `unalias`.
     pub(crate) fn unalias(&mut self, param: bool, name: &str) -> Result<(), Error> {
         self.unlocked(Lock::CONFIG, if param { "param_alias" } else { "pin_alias" })?;
         let what = if param { "param" } else { "pin" };
@@ -127,7 +128,7 @@ impl Engine {
     }
 }
 
-/// A user's text as a value of a type.
+/// Parses a user's text as a value of a type.
 pub(crate) fn parse(what: &'static str, name: &str, ty: Type, text: &str) -> Result<Value, Error> {
     let expects = ty.expects();
     Value::parse(ty, text).map_err(|e| match e {

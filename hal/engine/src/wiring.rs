@@ -1,4 +1,4 @@
-//! Signals and links: the rules, and the stores they take.
+//! Signals and links: their rules, and the stores that carry them out.
 
 use crate::{
     Engine, Error,
@@ -15,7 +15,7 @@ use hal_abi::Slot;
 use hal_protocol::{Direction, Lock, Type};
 
 impl Engine {
-    /// `newsig`.
+    /// Executes `newsig`.
     pub(crate) fn new_signal(&mut self, name: &str, ty: Type) -> Result<Ix, Error> {
         self.unlocked(Lock::CONFIG, "signal_new")?;
         let name = Name::parse("signal", name)?;
@@ -39,7 +39,7 @@ impl Engine {
         Ok(ix)
     }
 
-    /// `delsig`: unlinks its pins first.
+    /// Executes `delsig`. Unlinks the pins of the signal first.
     pub(crate) fn delete_signal(&mut self, name: &str) -> Result<(), Error> {
         self.unlocked(Lock::CONFIG, "signal_delete")?;
         let ix = self.graph.find_signal(name)?;
@@ -53,7 +53,7 @@ impl Engine {
         Ok(())
     }
 
-    /// `delsig all`.
+    /// Executes `delsig all`.
     pub(crate) fn delete_all_signals(&mut self) -> Result<(), Error> {
         let names: Vec<Name> = self.graph.signals.keys().cloned().collect();
         if names.is_empty() {
@@ -62,7 +62,8 @@ impl Engine {
         names.iter().try_for_each(|n| self.delete_signal(n.as_str()))
     }
 
-    /// Whether a pin may be linked to a signal.
+    /// Checks whether a pin may be linked to a signal. Returns false if it is already linked to
+    /// that signal.
     fn may_link(&self, pin: Ix, signal: Ix) -> Result<bool, Error> {
         let (Some(p), Some(s)) = (self.graph.item(pin), self.graph.signal(signal)) else {
             return Ok(false);
@@ -104,7 +105,7 @@ impl Engine {
         }
     }
 
-    /// `linkps`, `linksp`.
+    /// Executes `linkps` and `linksp`.
     pub(crate) fn link(&mut self, pin: &str, signal: &str) -> Result<(), Error> {
         self.unlocked(Lock::CONFIG, "link")?;
         let pin = self.graph.find_pin(pin)?;
@@ -115,7 +116,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Links pins that may be linked.
+    /// Links pins that have been checked.
     fn link_all(&mut self, pins: &[Ix], signal: Ix) {
         for pin in pins {
             let Some(s) = self.graph.signal(signal) else { continue };
@@ -135,7 +136,7 @@ impl Engine {
         }
     }
 
-    /// `unlinkp`.
+    /// Executes `unlinkp`.
     pub(crate) fn unlink(&mut self, pin: &str) -> Result<(), Error> {
         self.unlocked(Lock::CONFIG, "unlink")?;
         let pin = self.graph.find_pin(pin)?;
@@ -143,7 +144,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Unlinks pins, those that are linked: each keeps its signal's last value.
+    /// Unlinks pins. Each keeps its signal's last value. Pins that are not linked are skipped.
     pub(crate) fn unlink_all(&mut self, pins: &[Ix]) {
         for pin in pins {
             let signal = self.graph.signal_of(*pin).and_then(|s| self.graph.signal(s));
@@ -163,7 +164,7 @@ impl Engine {
         }
     }
 
-    /// `net`: everything is checked before anything changes.
+    /// Executes `net`. Checks everything before anything changes.
     pub(crate) fn net(&mut self, name: &str, pins: &[String]) -> Result<(), Error> {
         if pins.is_empty() {
             return Err(Error::NoPins);

@@ -1,4 +1,4 @@
-//! Components that nothing uses, and names that hide others.
+//! Checks of components that nothing uses, and of names that hide others.
 
 use super::{Look, finding};
 use crate::graph::Ix;

@@ -1,4 +1,4 @@
-//! Whether an e-stop stops the machine: where its signals lead.
+//! Checks that an e-stop stops the machine, by following its signals.
 
 use super::{Look, finding, protection::is_driver};
 use crate::graph::{Edge, Ix};
@@ -6,13 +6,13 @@ use hal_protocol::{Code, Direction};
 use petgraph::{Direction::Outgoing, visit::EdgeRef};
 use std::collections::BTreeSet;
 
-/// The side of the e-stop that is commanded.
+/// Pin with which iocontrol commands the e-stop chain.
 const OUT: &str = "iocontrol.0.user-enable-out";
-/// The chain's answer.
+/// Pin by which the e-stop chain answers.
 const IN: &str = "iocontrol.0.emc-enable-in";
-/// The input that switches motion off.
+/// Input that disables motion.
 const MOTION: &str = "motion.enable";
-/// The service that switches motion off, whatever is wired.
+/// Service that stops motion in e-stop regardless of the wiring.
 const INTERLOCK: &str = "interlock";
 
 impl Look<'_> {
@@ -21,12 +21,12 @@ impl Look<'_> {
         self.estop_stops_motion();
     }
 
-    /// An e-stop chain that does not follow the command.
+    /// Reports an e-stop chain that does not follow the command.
     fn estop_returns(&mut self) {
         let (Some((out, _)), Some((answer, item))) = (self.item(OUT), self.item(IN)) else {
             return;
         };
-        // An input that is never TRUE has a finding of its own.
+        // An input that is never TRUE has its own finding.
         let never = self.is_idle(answer) && item.bits() & 0xff == 0;
         if never || self.led_to(&[out]).contains(&answer) {
             return;
@@ -47,7 +47,7 @@ impl Look<'_> {
         )));
     }
 
-    /// Motion that goes on in e-stop.
+    /// Reports motion that continues in e-stop.
     fn estop_stops_motion(&mut self) {
         let Some((motion, _)) = self.item(MOTION) else { return };
         let Some(owner) = self.graph.owner_of(motion) else { return };
@@ -87,9 +87,9 @@ impl Look<'_> {
         self.add(finding(Code::EstopNotJoined, MOTION, text).at(at).remedy(remedy));
     }
 
-    /// The pins that values of these pins' signals reach, through functions as far as these
-    /// declare what they touch. Of what is not declared, and of wires outside the machine, it is
-    /// taken that they lead everywhere they can.
+    /// Returns the pins that are reached from these pins, through signals and through functions as
+    /// far as these declare what they access. Undeclared accesses and wires outside the machine are
+    /// assumed to lead everywhere they can.
     fn led_to(&self, from: &[Ix]) -> BTreeSet<Ix> {
         let mut reached = BTreeSet::new();
         let mut left: Vec<Ix> = from.to_vec();
@@ -106,7 +106,7 @@ impl Look<'_> {
         reached
     }
 
-    /// The pins that may change with this one.
+    /// Returns the pins whose values may change with this pin.
     fn passed_on(&self, pin: Ix) -> Vec<Ix> {
         let mut written = Vec::new();
         for funct in self.readers(pin) {
@@ -120,7 +120,7 @@ impl Look<'_> {
         let component = owner.and_then(|ix| self.graph.component(ix));
         let (Some(owner), Some(component)) = (owner, component) else { return written };
         if is_driver(component) {
-            // A wire may come back through any input of the machine.
+            // An external wire may lead back to any input of the machine.
             let all = self.graph.components.values().copied();
             let drivers = all.filter(|ix| self.graph.component(*ix).is_some_and(is_driver));
             written.extend(drivers.flat_map(|ix| self.outputs_of(ix)));

@@ -1,5 +1,5 @@
-//! What the order of functions costs, feedback loops, and what goes between threads: as `order`
-//! has it.
+//! Checks of the order of functions, feedback loops and signals between threads, with the results
+//! of `order`.
 
 use super::{Look, finding, names};
 use hal_protocol::{At, Code, HopInfo, LoopInfo, OrderInfo, ThreadOrder};
@@ -82,18 +82,18 @@ impl Look<'_> {
     }
 }
 
-/// Whether a loop leaves its component.
+/// Returns whether a loop leaves its component.
 fn passes_signals(l: &LoopInfo) -> bool {
     l.way.hops.iter().any(|hop| !hop.by.is_empty())
 }
 
-/// Where a function was added.
+/// Returns the position at which a function was added.
 fn added(order: &OrderInfo, funct: &str) -> Option<At> {
     let mut functs = order.threads.iter().flat_map(|t| &t.functs);
     functs.find(|f| f.name == funct)?.at.clone()
 }
 
-/// A time as people write it.
+/// Formats a time with a suitable unit.
 fn time(ns: u64) -> String {
     match ns {
         0 => "0".to_owned(),

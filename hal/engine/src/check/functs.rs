@@ -1,4 +1,4 @@
-//! Functions that no thread runs, or the wrong one; threads with nothing to run.
+//! Checks of functions that no thread or the wrong thread runs, and of threads without functions.
 
 use super::{Look, finding};
 use crate::graph::Ix;
@@ -20,7 +20,8 @@ impl Look<'_> {
         }
     }
 
-    /// A function whose pins are in use, when no other function does for them what it would.
+    /// Reports a function that no thread runs, if its pins are in use and no other function does
+    /// its work for them.
     fn never_added(&mut self, funct: Ix) {
         let (reads, writes) = self.touched(funct);
         let runs = |f: &Ix| self.graph.is_in_use(*f);
@@ -50,7 +51,7 @@ impl Look<'_> {
         );
     }
 
-    /// The fastest or the slowest thread.
+    /// Returns the name of the fastest or the slowest thread.
     fn thread_for(&self, fast: bool) -> Option<&str> {
         let threads = self.graph.threads_by_age();
         let by = |t: &&Ix| self.period(**t);
@@ -84,7 +85,8 @@ impl Look<'_> {
         }
     }
 
-    /// A function that computes with numbers, beside its component's fast one.
+    /// Reports a function that computes with floats and runs in the same thread as its component's
+    /// fast function.
     fn slow_in_fast(&mut self, funct: Ix) {
         let Some(f) = self.graph.funct(funct).filter(|f| !f.fast) else { return };
         let Some(owner) = self.graph.owner_of(funct) else { return };

@@ -1,11 +1,11 @@
-//! What protects people and machine: limits, e-stop, outputs, the charge pump.
+//! Checks of protection for people and machine: limits, e-stop, outputs, charge pump.
 
 use super::{Look, finding, names};
 use crate::graph::{Component, Ix};
 use hal_protocol::{Code, Direction, Type};
 use std::collections::BTreeMap;
 
-/// The input that lets the machine leave e-stop.
+/// Suffix of the input that lets the machine leave e-stop.
 const ENABLE: &str = ".emc-enable-in";
 
 impl Look<'_> {
@@ -14,7 +14,7 @@ impl Look<'_> {
         self.outputs();
     }
 
-    /// Limits and e-stop inputs that nothing is linked to.
+    /// Reports limit switch and e-stop inputs that are not linked.
     fn guards(&mut self) {
         let mut idle: BTreeMap<Ix, Vec<&str>> = BTreeMap::new();
         for (ix, item) in self.items() {
@@ -51,7 +51,7 @@ impl Look<'_> {
         }
     }
 
-    /// Lines of drivers that nothing feeds, and whether anything stops when the machine hangs.
+    /// Reports driver outputs that no signal feeds, and outputs without a charge pump.
     fn outputs(&mut self) {
         let mut driven = None;
         for (ix, item) in self.items() {
@@ -90,8 +90,8 @@ impl Look<'_> {
     }
 }
 
-/// Whether a component drives lines: it has safe levels to drive them to. Of what is no plugin
-/// nobody knows.
+/// Returns whether a component drives hardware lines, which is so if it declares a stop action.
+/// Components that are not plugins do not count, because nothing is known about them.
 pub(super) fn is_driver(component: &Component) -> bool {
     component.foreign.is_none() && !component.stops.is_empty()
 }

@@ -1,4 +1,4 @@
-//! Signals: loose ends.
+//! Checks of signals without writers, readers or pins.
 
 use super::{Look, finding, names};
 use crate::graph::Ix;
@@ -44,7 +44,7 @@ impl Look<'_> {
         }
     }
 
-    /// Whether a line has given the signal, or a pin that was linked to it, a value to keep.
+    /// Returns whether a script line has given the signal, or a pin linked to it, a constant value.
     fn is_constant(&self, signal: Ix, pins: &[Ix]) -> bool {
         let set = |node: Ix| self.graph.sites.values_of(node).is_some();
         set(signal) || pins.iter().any(|pin| set(*pin))

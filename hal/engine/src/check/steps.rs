@@ -1,34 +1,34 @@
-//! Step pulses: what the threads can make, and what ports need to reset them.
+//! Checks of step pulses: the rate that threads can generate, and the reset that ports need.
 
 use super::{Look, finding, protection::is_driver};
 use crate::graph::Ix;
 use hal_protocol::{Code, Direction};
 
-/// The function that makes the pulses.
+/// Function that generates the pulses.
 const MAKER: &str = "stepgen.make-pulses";
 
-/// The pulses of one channel.
+/// Pulse settings of one channel.
 struct Pulses {
-    /// Such as `stepgen.0`.
+    /// Name of the channel, such as `stepgen.0`.
     channel: String,
-    /// The period of the thread that makes them, in nanoseconds.
+    /// Period of the thread that generates the pulses, in nanoseconds.
     period: f64,
-    /// The parameters as set.
+    /// Pulse length and pulse spacing as set, in nanoseconds.
     len: f64,
     space: f64,
-    /// Steps per unit.
+    /// Steps per unit, without sign.
     scale: f64,
-    /// The highest speed asked for, in steps per second; zero: no limit is set.
+    /// Requested maximum speed in steps per second. Zero if no limit is set.
     wish: f64,
 }
 
 impl Pulses {
-    /// A time in whole periods, as the channel rounds it.
+    /// Rounds a time up to whole periods, as the channel does.
     fn rounded(&self, ns: f64) -> f64 {
         (ns / self.period).ceil() * self.period
     }
 
-    /// The most steps in a second.
+    /// Returns the maximum step rate in steps per second.
     fn most(&self) -> f64 {
         1e9 / (self.rounded(self.len.max(1.0)) + self.rounded(self.space))
     }
@@ -89,7 +89,7 @@ impl Look<'_> {
         );
     }
 
-    /// No gap between pulses: the port must end them.
+    /// Reports a channel without a gap between pulses, if the port does not reset its step pin.
     fn double_step(&mut self, p: &Pulses, thread: Ix) {
         let Some((space, _)) = self.item(&format!("{}.stepspace", p.channel)) else { return };
         if p.space != 0.0 {
@@ -142,7 +142,8 @@ impl Look<'_> {
         reset: Option<String>,
         pin: &str,
     ) {
-        // With a gap, each pulse takes twice as long.
+        // Up to this rate there is a gap between pulses: each step then takes at least twice the
+        // pulse length.
         let apart = 1e9 / (2.0 * p.rounded(p.len.max(1.0)));
         let code = if p.wish > apart { Code::StepsMerge } else { Code::DoubleStep };
         let text = format!(
@@ -162,7 +163,8 @@ impl Look<'_> {
         );
     }
 
-    /// Pins of ports that are to be reset: by a function that runs, soon enough.
+    /// Reports ports with pins marked for reset whose reset function does not run, or runs too
+    /// late.
     fn ports(&mut self) {
         let functs: Vec<Ix> = self.graph.functs.values().copied().collect();
         for reset in functs {
@@ -217,7 +219,7 @@ impl Look<'_> {
     }
 }
 
-/// A number as people write it.
+/// Formats a number without needless digits.
 fn short(x: f64) -> String {
     if x.abs() >= 100.0 { format!("{x:.0}") } else { format!("{}", (x * 1000.0).round() / 1000.0) }
 }

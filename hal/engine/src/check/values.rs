@@ -1,10 +1,10 @@
-//! Values that lines have set: twice, to no effect, or to what cannot be meant.
+//! Checks of values that script lines set: set twice, without effect, or implausible.
 
 use super::{Look, finding};
 use crate::graph::{Item, Ix};
 use hal_protocol::{Code, Direction, Type};
 
-/// How the two bounds of a range are called.
+/// Names of the lower and the upper bound of a range.
 const BOUNDS: [(&str, &str); 3] = [("min", "max"), ("minv", "maxv"), ("min-limit", "max-limit")];
 
 impl Look<'_> {

@@ -1,8 +1,8 @@
-//! How long values wait: between two functions, along paths, and around feedback loops.
+//! Delays of values: between two functions, along paths, and around feedback loops.
 //!
-//! Time is machine time, from the beginning of one cycle to the beginning of another. Within a
-//! thread a value waits not at all, or one cycle where it goes backwards in the order. Between two
-//! threads it waits until the reader's next cycle: how long depends on the moment.
+//! Times are machine time, from the start of one cycle to the start of another. Within a thread, a
+//! value has no delay, or one cycle if it goes backwards in the order. Between two threads, it
+//! waits until the reader's next cycle; the delay depends on the moment.
 
 use super::{
     machine::{Flow, Machine},
@@ -11,15 +11,16 @@ use super::{
 use core::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
-/// The most loops and paths that are told; and how many steps are taken to find them.
+/// Maximum number of loops and of paths that are reported, and maximum number of search steps.
 const MOST: usize = 200;
 const STEPS: usize = 1_000_000;
-/// A way through bits alone counts as long as one through so many functions.
+/// Length of a flow that carries only bits, in functions. Paths through such flows are used only if
+/// there is no other.
 const BITS: usize = 1 << 20;
-/// The most moments at which a value may set out that are looked at one by one.
+/// Maximum number of start times that are examined one by one.
 const STARTS: u64 = 2000;
 
-/// How long a value waits, in nanoseconds.
+/// Delay of a value, in nanoseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Wait {
     pub(crate) most: u64,
@@ -36,45 +37,46 @@ impl core::ops::Add for Wait {
     }
 }
 
-/// Functions in the order in which a value passes them. Around a loop, the first comes last again.
+/// Functions in the order in which a value passes through them. In a loop, the first function also
+/// comes last.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Chain {
-    /// Numbers of [`Machine::flows`].
+    /// Indices into [`Machine::flows`].
     pub(crate) flows: Vec<usize>,
     pub(crate) wait: Wait,
 }
 
-/// The delay from what comes in to what goes out.
+/// Delay from an input to an output of the machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Path {
     pub(crate) from: usize,
     pub(crate) to: usize,
-    /// The way on which a value is there first.
+    /// Path on which a value arrives first.
     pub(crate) quickest: Chain,
-    /// The way on which it is there last.
+    /// Path on which a value arrives last.
     pub(crate) slowest: Chain,
 }
 
-/// What was found, and whether there is more that was not looked for.
+/// Results of a search, and whether the search stopped early.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Found<T> {
     pub(crate) list: Vec<T>,
     pub(crate) more: bool,
 }
 
-/// The machine with an order for each thread.
+/// A machine with an order for each thread.
 #[derive(Debug)]
 pub(crate) struct Timed<'m> {
     machine: &'m Machine,
-    /// The place of each function in its thread.
+    /// Position of each function in its thread.
     place: Row<usize>,
     waits: Vec<Wait>,
-    /// The flows that leave each function.
+    /// Flows that leave each function.
     gives: Lists,
 }
 
 impl<'m> Timed<'m> {
-    /// The waits when each thread runs its functions in this order.
+    /// Computes the delays for threads that run their functions in these orders.
     pub(crate) fn new(machine: &'m Machine, orders: &[Vec<usize>]) -> Self {
         let n = machine.functs.len();
         let mut place = Row::of(n, 0);
@@ -87,28 +89,29 @@ impl<'m> Timed<'m> {
         Self { machine, place, waits, gives }
     }
 
-    /// The place of a function in its thread.
+    /// Returns the position of a function in its thread.
     pub(crate) fn place(&self, funct: usize) -> usize {
         self.place.at(funct)
     }
 
-    /// Whether a flow goes backwards in its thread: it costs a cycle.
+    /// Returns whether a flow goes backwards in its thread, which costs a cycle.
     pub(crate) fn is_late(&self, flow: &Flow) -> bool {
         self.machine.is_inside(flow) && self.place.at(flow.from) >= self.place.at(flow.to)
     }
 
-    /// How long what a flow carries waits.
+    /// Returns the delay of a flow.
     pub(crate) fn wait(&self, flow: usize) -> Wait {
         self.waits.get(flow).copied().unwrap_or_default()
     }
 
-    /// How long a value waits along a chain in this order: at best and at worst, depending on when
-    /// it sets out.
+    /// Returns the smallest and the largest delay of a value along a chain, over the cycles in
+    /// which it can start.
     pub(crate) fn along(&self, flows: &[usize]) -> Wait {
         let flow = |i: &usize| self.machine.flows.get(*i);
         let Some(first) = flows.first().and_then(flow) else { return Wait::default() };
         let begin = self.machine.period(self.machine.thread_of(first.from)).max(1);
-        // After so long everything is as it was: as many cycles are there to set out in.
+        // The phase between the threads repeats after this time. It contains all different start
+        // cycles.
         let all = flows
             .iter()
             .filter_map(flow)
@@ -128,7 +131,7 @@ impl<'m> Timed<'m> {
         wait
     }
 
-    /// When the reader of a flow runs that gets what was written at a time.
+    /// Returns the time at which the reader of a flow runs that gets a value written at time `now`.
     fn arrival(&self, flow: usize, now: u64) -> u64 {
         let Some(f) = self.machine.flows.get(flow) else { return now };
         let (a, b) = (self.machine.thread_of(f.from), self.machine.thread_of(f.to));
@@ -140,8 +143,8 @@ impl<'m> Timed<'m> {
         earliest.div_ceil(period).saturating_mul(period)
     }
 
-    /// The feedback loops: of every flow that is part of one, the quickest. Those that need the
-    /// fewest functions come first where times are equal.
+    /// Returns the feedback loops: for every flow that is part of a loop, the quickest one. If
+    /// delays are equal, the one with the fewest functions.
     pub(crate) fn loops(&self) -> Found<Chain> {
         let (n, flows) = (self.machine.functs.len(), &self.machine.flows);
         let circle = circles(n, flows);
@@ -172,8 +175,8 @@ impl<'m> Timed<'m> {
         Found { list, more }
     }
 
-    /// The delays from every function that something from outside comes to, to every one whose
-    /// values go outside.
+    /// Returns the paths from every function that receives values from outside to every function
+    /// whose values leave the machine.
     pub(crate) fn paths(&self) -> Found<Path> {
         let (sources, sinks) = self.ends();
         let one_way = |flow: &Flow| flow.is_one_way();
@@ -202,11 +205,12 @@ impl<'m> Timed<'m> {
         Found { list, more }
     }
 
-    /// The functions at which paths begin and end.
+    /// Returns the functions at which paths begin and end.
     ///
-    /// One that takes nothing from another component, not even through its own, has it from
-    /// outside, and so has one that takes commands. One that gives nothing to anybody gives it to
-    /// the outside.
+    /// A path begins at a function that takes nothing from another component, not even through its
+    /// own component, and at a function that takes commands. A path ends at a function that gives
+    /// no values to another component, and either drives outputs or gives no values to its own
+    /// component.
     fn ends(&self) -> (Vec<usize>, Vec<usize>) {
         let n = self.machine.functs.len();
         let ways: Vec<&Flow> = self.machine.flows.iter().filter(|f| f.is_one_way()).collect();
@@ -237,7 +241,8 @@ impl<'m> Timed<'m> {
         (sources.map(|(i, _)| i).collect(), sinks.map(|(i, _)| i).collect())
     }
 
-    /// The flow by which a value from here reaches each function first; ends early at `goal`.
+    /// Returns, for each function, the flow by which a value from `from` reaches it first. Stops
+    /// early at `goal`.
     fn quickest(
         &self,
         from: usize,
@@ -271,9 +276,11 @@ impl<'m> Timed<'m> {
         by
     }
 
-    /// The flow by which a value from here reaches each function last, never around a loop.
+    /// Returns, for each function, the flow by which a value from `from` reaches it last, without
+    /// loops.
     fn slowest(&self, from: usize, steps: &mut usize) -> BTreeMap<usize, usize> {
-        // In depth first order, what leads back to where the way came from closes a loop.
+        // In depth-first order, a flow that leads back to a function on the current path closes a
+        // loop.
         let n = self.machine.functs.len();
         let (mut state, mut done) = (Row::of(n, 0_u8), Vec::new());
         let mut kept: Vec<usize> = Vec::new();
@@ -314,7 +321,7 @@ impl<'m> Timed<'m> {
         by
     }
 
-    /// The flows of the way to a function, from the first.
+    /// Returns the flows of the path to a function, in order.
     fn way(&self, by: &BTreeMap<usize, usize>, from: usize, to: usize) -> Option<Vec<usize>> {
         let mut way = Vec::new();
         let mut at = to;
@@ -327,8 +334,9 @@ impl<'m> Timed<'m> {
         Some(way)
     }
 
-    /// Lets a loop begin in its slowest thread, where its value has waited longest: so it reads as a
-    /// cycle of the machine runs. Of equals, at the first of the flows.
+    /// Rotates a loop so that it starts in its slowest thread, where its value has waited longest.
+    /// It then reads in the order in which the machine runs. If several flows qualify, the first
+    /// one counts.
     fn turn(&self, flows: &mut [usize]) {
         let key = |x: usize| {
             let to = self.machine.flows.get(x).map_or(0, |f| f.to);
@@ -342,8 +350,8 @@ impl<'m> Timed<'m> {
     }
 }
 
-/// How long a value waits between two functions. Threads run in the order of their numbers when
-/// they are due at one moment, and all begin at one moment.
+/// Returns the delay of a value between two functions. Threads that are due at the same moment run
+/// in the order of their numbers, and all threads start at the same moment.
 fn wait(machine: &Machine, place: &Row<usize>, flow: &Flow) -> Wait {
     let (a, b) = (machine.thread_of(flow.from), machine.thread_of(flow.to));
     let period = machine.period(b);
@@ -352,7 +360,7 @@ fn wait(machine: &Machine, place: &Row<usize>, flow: &Flow) -> Wait {
         let ns = if late { period } else { 0 };
         return Wait { most: ns, least: ns };
     }
-    // All distances between two cycles are multiples of what the periods have in common.
+    // All time differences between cycles of the two threads are multiples of this.
     let common = common(machine.period(a), period);
     if a < b {
         Wait { least: 0, most: period.saturating_sub(common) }
@@ -361,7 +369,7 @@ fn wait(machine: &Machine, place: &Row<usize>, flow: &Flow) -> Wait {
     }
 }
 
-/// The greatest common divisor.
+/// Returns the greatest common divisor.
 const fn common(mut a: u64, mut b: u64) -> u64 {
     while b != 0 {
         (a, b) = (b, a % b);
@@ -369,7 +377,8 @@ const fn common(mut a: u64, mut b: u64) -> u64 {
     a
 }
 
-/// Which circle each function belongs to; its own if none.
+/// Returns the number of the loop to which each function belongs. A function outside all loops has
+/// its own number.
 fn circles(n: usize, flows: &[Flow]) -> Row<usize> {
     let number = |i: usize| u32::try_from(i).unwrap_or(u32::MAX);
     let pairs = flows.iter().map(|f| (number(f.from), number(f.to)));

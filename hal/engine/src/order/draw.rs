@@ -1,4 +1,4 @@
-//! The machine as the graph has it: who runs where, and whose values go to whom.
+//! Construction of a [`Machine`] from the graph: functions, threads and flows.
 
 use super::machine::{By, Flow, Funct, Machine, Thread};
 use crate::graph::{Edge, Graph, Ix};
@@ -9,12 +9,12 @@ use petgraph::{
 };
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Signals that more writers and readers share than this are taken as a ring from one function to
-/// the next: each with each would be too many.
+/// Maximum number of writer-reader pairs of a signal. Beyond it, the functions are connected in a
+/// ring instead of each with each.
 const MOST_PAIRS: usize = 4096;
 
 impl Machine {
-    /// What the graph says of the functions in threads.
+    /// Returns the functions in threads and their flows.
     pub(crate) fn of(graph: &Graph) -> Self {
         let mut machine = Self::default();
         for (number, ix) in graph.threads_by_age().into_iter().enumerate() {
@@ -49,7 +49,8 @@ impl Machine {
         for (i, f) in machine.functs.iter().enumerate() {
             places.entry(f.ix).or_default().push(i);
         }
-        // One that runs in several places is seen at different times: of it nothing is claimed.
+        // A function that runs in several places is treated as unknown, because it runs at
+        // different times.
         for list in places.values().filter(|list| list.len() > 1) {
             for i in list {
                 if let Some(f) = machine.functs.get_mut(*i) {
@@ -76,7 +77,7 @@ fn has_outputs(graph: &Graph, funct: Ix) -> bool {
     writes.any(|e| graph.item(e.target()).is_some_and(|i| i.direction == Direction::Out))
 }
 
-/// The functions that read or write a pin, among those that are known.
+/// Returns the known functions that read or write a pin.
 fn touching(graph: &Graph, pin: Ix, known: &BTreeMap<Ix, usize>, writes: bool) -> Vec<usize> {
     let (way, wanted) = if writes { (Incoming, Edge::Writes) } else { (Outgoing, Edge::Reads) };
     let edges = graph.g.edges_directed(pin, way).filter(|e| *e.weight() == wanted);
@@ -97,7 +98,8 @@ fn flows(graph: &Graph, known: &BTreeMap<Ix, usize>) -> Vec<Flow> {
                     let two_way = graph.item(edge.target()).map(|i| i.direction);
                     let by = match two_way {
                         Some(Direction::Io) => By::Pin(edge.target()),
-                        // What a component corrects in its own input or setting is no flow.
+                        // A correction that a component makes to its own input or setting is not a
+                        // flow.
                         Some(Direction::In | Direction::Rw) | None => continue,
                         Some(Direction::Out | Direction::Ro) => By::Hidden,
                     };
@@ -141,7 +143,7 @@ fn flows(graph: &Graph, known: &BTreeMap<Ix, usize>) -> Vec<Flow> {
     flows
 }
 
-/// From each writer to each reader.
+/// Adds a flow from each writer to each reader.
 fn between(pairs: &mut Vec<(usize, usize, By)>, from: &[usize], to: &[usize], by: By) {
     if from.len() > 1 && from.len().saturating_mul(to.len()) > MOST_PAIRS {
         let all: BTreeSet<usize> = from.iter().chain(to).copied().collect();
@@ -154,8 +156,9 @@ fn between(pairs: &mut Vec<(usize, usize, By)>, from: &[usize], to: &[usize], by
     }
 }
 
-/// What must stay as it is. A function that nobody knows may read and write every pin of its
-/// component: whoever shares a signal with that component stays on its side of the function.
+/// Returns the pairs whose order must not change. An unknown function may read and write every pin
+/// of its component. Every function that shares a signal with that component therefore stays on the
+/// same side of it.
 fn fixed(graph: &Graph, machine: &Machine, known: &BTreeMap<Ix, usize>) -> Vec<(usize, usize)> {
     let mut strange: BTreeMap<Ix, BTreeSet<usize>> = BTreeMap::new();
     for (i, f) in machine.functs.iter().enumerate().filter(|(_, f)| f.unknown) {
@@ -193,7 +196,7 @@ fn fixed(graph: &Graph, machine: &Machine, known: &BTreeMap<Ix, usize>) -> Vec<(
         }
     }
     for thread in &machine.threads {
-        // 'delf' takes away all of a function that is there twice.
+        // `delf` removes all occurrences of a function that is in a thread twice.
         let once: BTreeSet<Ix> =
             thread.order.iter().filter_map(|i| machine.functs.get(*i)).map(|f| f.ix).collect();
         if once.len() < thread.order.len() {
@@ -205,7 +208,7 @@ fn fixed(graph: &Graph, machine: &Machine, known: &BTreeMap<Ix, usize>) -> Vec<(
     out
 }
 
-/// Each function after the strange one before it and before the strange one after it.
+/// Adds pairs that keep each function between the unknown functions before and after it.
 fn side_by_side(
     out: &mut Vec<(usize, usize)>,
     order: impl Iterator<Item = usize>,

@@ -1,4 +1,4 @@
-//! What the study says, with names.
+//! Results of the analysis, with names.
 
 use super::{By, Chain, Flow, Study, Timed, Wait};
 use crate::{Engine, graph::Ix};
@@ -8,7 +8,7 @@ use hal_protocol::{
 };
 
 impl Engine {
-    /// `order`.
+    /// Returns the answer to `order`.
     #[must_use]
     pub fn order(&self) -> OrderInfo {
         let study = Study::of(&self.graph);
@@ -35,7 +35,7 @@ impl Engine {
     }
 }
 
-/// A study, and the graph that has the names.
+/// An analysis, and the engine whose graph has the names.
 struct Say<'e> {
     engine: &'e Engine,
     study: &'e Study,
@@ -103,7 +103,7 @@ impl Say<'_> {
         })
     }
 
-    /// The names of what carries a flow, numbers before bits.
+    /// Returns the names of the carriers of a flow, numbers before bits.
     fn carriers(&self, flow: &Flow) -> Vec<String> {
         let graph = &self.engine.graph;
         let name = |by: &By| match by {

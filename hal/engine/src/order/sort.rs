@@ -1,32 +1,32 @@
-//! The order of a thread's functions that its data flow implies.
+//! Computes the order of a thread's functions that its data flow implies.
 //!
-//! Functions are numbered by their places in the user's order, so that "backwards" is "to a
-//! smaller number". Where values go in a circle the order must cut it somewhere: where the fewest
-//! values are late, and where the user has cut it if that is no worse.
+//! Functions are numbered by their positions in the user's order, so "backwards" means "to a
+//! smaller number". If values flow in a loop, the order must cut it somewhere: where the fewest
+//! values become late, or where the user has cut it if that costs no more.
 
 use super::row::{Lists, Row};
 use core::cmp::Reverse;
 use petgraph::{algo::kosaraju_scc, graph::DiGraph};
 use std::collections::{BTreeMap, BinaryHeap};
 
-/// The weight of a pair that must stay as it is.
+/// Weight of a pair whose order must not change.
 pub(crate) const FIXED: u64 = 1 << 32;
-/// Circles of at most so many functions are cut in the best of all ways.
+/// Maximum number of functions in a loop for which the optimal cut is computed.
 const EXACT: usize = 12;
-/// Circles of at most so many are improved function by function.
+/// Maximum number of functions in a loop for which the order is improved function by function.
 const IMPROVED: usize = 1000;
 
-/// From a function to another: numbers, and what its delay would cost.
+/// A flow: index of the writer, index of the reader, cost of its delay.
 pub(crate) type Arc = (usize, usize, u64);
 
-/// What an order costs: the weight of what goes backwards in it.
+/// Returns the cost of an order: the total weight of the flows that go backwards in it.
 pub(crate) fn cost(places: &Row<usize>, arcs: &[Arc]) -> u64 {
     let late = arcs.iter().filter(|(a, b, _)| places.at(*a) > places.at(*b));
     late.fold(0, |sum, (_, _, weight)| sum.saturating_add(*weight))
 }
 
-/// The best order of `n` functions that begins from the order of their numbers. It is that order
-/// itself unless another costs less.
+/// Returns the best order found for `n` functions. Returns the user's order, which is that of the
+/// numbers, unless another costs less.
 pub(crate) fn sorted(n: usize, arcs: &[Arc]) -> Vec<usize> {
     let user: Vec<usize> = (0..n).collect();
     let before = cost(&Row::places(&user, n), arcs);
@@ -39,9 +39,10 @@ pub(crate) fn sorted(n: usize, arcs: &[Arc]) -> Vec<usize> {
     better.filter(|order| cost(&Row::places(order, n), arcs) < before).unwrap_or(user)
 }
 
-/// The numbers of the longest part of an order that rises: those that need not move.
+/// Returns the longest increasing subsequence of an order: the functions that need not move.
 pub(crate) fn standing(order: &[usize]) -> Vec<usize> {
-    // The smallest end of a rising part of each length, and the one before each number.
+    // Smallest last number of an increasing subsequence of each length, and the predecessor of each
+    // number.
     let mut ends: Vec<usize> = Vec::new();
     let mut before: BTreeMap<usize, usize> = BTreeMap::new();
     for &i in order {
@@ -60,14 +61,14 @@ pub(crate) fn standing(order: &[usize]) -> Vec<usize> {
     part
 }
 
-/// The arcs without those that are cut: what is left has no circle.
+/// Returns the arcs without those that are cut, so that no loop remains.
 fn without_circles(n: usize, arcs: &[Arc]) -> Vec<(usize, usize)> {
     let pairs = arcs.iter().map(|(a, b, _)| (to_u32(*a), to_u32(*b)));
     let mut g: DiGraph<(), ()> = DiGraph::from_edges(pairs);
     while g.node_count() < n {
         g.add_node(());
     }
-    // The place of each function within its circle, and which circle that is.
+    // Position of each function within its loop, and the number of that loop.
     let (mut place, mut circle) = (Row::of(n, 0), Row::of(n, 0));
     let circles = kosaraju_scc(&g);
     for (number, members) in circles.iter().enumerate() {
@@ -89,7 +90,7 @@ fn without_circles(n: usize, arcs: &[Arc]) -> Vec<(usize, usize)> {
     kept.map(|(a, b, _)| (*a, *b)).collect()
 }
 
-/// The best order found of functions whose values go in circles; `members` is the user's.
+/// Returns the best order found for functions in a loop. `members` is the user's order.
 fn opened(members: &[usize], arcs: &[Arc]) -> Vec<usize> {
     let n = members.len();
     let number = |i: &usize| members.binary_search(i).unwrap_or(0);
@@ -105,12 +106,12 @@ fn opened(members: &[usize], arcs: &[Arc]) -> Vec<usize> {
             orders.insert(0, user);
         }
     }
-    // The first of equals is the user's.
+    // Among equal costs, the first order wins, which is the user's.
     let best = orders.into_iter().min_by_key(|order| cost(&Row::places(order, n), &arcs));
     best.unwrap_or_default().into_iter().filter_map(|i| members.get(i)).copied().collect()
 }
 
-/// The best of all orders, by what the best beginning with each set of functions costs.
+/// Returns the optimal order, by dynamic programming over the sets of functions that come first.
 fn exact(n: usize, arcs: &[Arc]) -> Vec<usize> {
     let mut weight = Row::of(n * n, 0_u64);
     arcs.iter().for_each(|(a, b, w)| weight.set(a * n + b, weight.at(a * n + b) + w));
@@ -119,7 +120,7 @@ fn exact(n: usize, arcs: &[Arc]) -> Vec<usize> {
     least.set(0, 0);
     for set in 0..sets {
         for i in (0..n).filter(|i| set & (1 << i) == 0) {
-            // What `i` gives to those before it is late.
+            // Flows from `i` to functions that come before it are late.
             let late = (0..n).filter(|j| set & (1 << j) != 0).map(|j| weight.at(i * n + j));
             let sum = late.fold(least.at(set), u64::saturating_add);
             let with = set | (1 << i);
@@ -140,8 +141,8 @@ fn exact(n: usize, arcs: &[Arc]) -> Vec<usize> {
     order
 }
 
-/// A good order: whoever only gives goes first, whoever only takes goes last, and of the others
-/// the one that gives most for what it takes.
+/// Returns a good order: functions without inputs first, functions without outputs last, and of the
+/// others first the one with the largest difference between outputs and inputs.
 fn greedy(n: usize, arcs: &[Arc]) -> Vec<usize> {
     let gives = Lists::sort(n, arcs.iter().enumerate().map(|(i, (a, _, _))| (*a, i)));
     let takes = Lists::sort(n, arcs.iter().enumerate().map(|(i, (_, b, _))| (*b, i)));
@@ -153,7 +154,7 @@ fn greedy(n: usize, arcs: &[Arc]) -> Vec<usize> {
         out.set(i, sum(gives.at(i)));
         into.set(i, sum(takes.at(i)));
     }
-    // 0: nothing is given any more, 1: nothing is taken any more, 2: both; then by the difference.
+    // 0: no outputs left, 1: no inputs left, 2: both left; then by the difference.
     let key = |out: i128, into: i128| match (out, into) {
         (0, _) => (0, 0),
         (_, 0) => (1, 0),
@@ -187,7 +188,7 @@ fn greedy(n: usize, arcs: &[Arc]) -> Vec<usize> {
     first
 }
 
-/// Moves one function at a time to where it costs least, as long as that helps.
+/// Moves one function at a time to its cheapest position, as long as that reduces the cost.
 fn improved(mut order: Vec<usize>, arcs: &[Arc]) -> Vec<usize> {
     let n = order.len();
     let near = arcs.iter().enumerate().flat_map(|(x, (a, b, _))| [(*a, x), (*b, x)]);
@@ -197,7 +198,8 @@ fn improved(mut order: Vec<usize>, arcs: &[Arc]) -> Vec<usize> {
         for i in 0..n {
             let place = Row::places(&order, n);
             let at = place.at(i);
-            // What changes when `i` moves past each of those it gives to or takes from.
+            // Change of the cost when `i` moves past each function to which it gives values or from
+            // which it takes them.
             let mut steps: BTreeMap<usize, i128> = BTreeMap::new();
             for (a, b, w) in near.at(i).iter().filter_map(|x| arcs.get(*x)) {
                 let (other, w) = if *a == i { (*b, i128::from(*w)) } else { (*a, -i128::from(*w)) };
@@ -230,14 +232,15 @@ fn improved(mut order: Vec<usize>, arcs: &[Arc]) -> Vec<usize> {
     order
 }
 
-/// Each function in the user's order, those that it takes from before it.
+/// Returns the functions in the user's order, except that each comes after those from which it
+/// takes values.
 fn pulled(n: usize, arcs: &[(usize, usize)]) -> Vec<usize> {
     let mut takes = Lists::sort(n, arcs.iter().map(|(a, b)| (*b, *a)));
     takes.each(|list| list.sort_unstable());
     after(0..n, n, &takes)
 }
 
-/// The same from the end: each function, those that it gives to after it.
+/// As [`pulled`], from the end: each function comes before those to which it gives values.
 fn pushed(n: usize, arcs: &[(usize, usize)]) -> Vec<usize> {
     let mut gives = Lists::sort(n, arcs.iter().map(|(a, b)| (*a, *b)));
     gives.each(|list| list.sort_unstable_by_key(|i| Reverse(*i)));
@@ -246,7 +249,7 @@ fn pushed(n: usize, arcs: &[(usize, usize)]) -> Vec<usize> {
     order
 }
 
-/// Each after those in its list.
+/// Returns all functions, each after those in its list.
 fn after(all: impl Iterator<Item = usize>, n: usize, lists: &Lists) -> Vec<usize> {
     let mut order = Vec::with_capacity(n);
     let mut seen = Row::of(n, false);

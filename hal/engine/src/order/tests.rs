@@ -1,4 +1,4 @@
-//! Machines as text: `THREAD PERIOD: FUNCTS...` and `FROM SIGNAL TO...`.
+//! Tests with machines as text: `THREAD PERIOD: FUNCTS...` and `FROM SIGNAL TO...`.
 
 use super::{
     By, Flow, Machine, Study, Timed,
@@ -13,8 +13,9 @@ struct Drawn {
     signals: Vec<String>,
 }
 
-/// `?name` is a function that nobody knows, `!name` takes commands, `name@c` is of component c.
-/// A flow by `~` is hidden; by `<>signal` goes both ways; `a|b` must stay so.
+/// Parses a machine. `?name` is an unknown function, `!name` takes commands, `name@c` belongs to
+/// component c. A flow by `~` is hidden and one by `<>signal` goes in both directions. `a|b` is a
+/// pair whose order must not change.
 fn draw(text: &str) -> Drawn {
     let mut d = Drawn { machine: Machine::default(), names: Vec::new(), signals: Vec::new() };
     let mut owners: Vec<String> = Vec::new();
@@ -90,7 +91,7 @@ fn chain(d: &Drawn, study: &Study, flows: &[usize]) -> String {
     text
 }
 
-/// What the study says, in lines.
+/// Formats the results of the analysis as lines.
 fn said(text: &str) -> String {
     let d = draw(text);
     let study = Study::new(d.machine.clone());
@@ -153,7 +154,7 @@ fn an_order_that_loses_nothing_is_left_alone() {
         "path a b c: 0..0",
     );
     check("t 1000: a b c", "");
-    // What is between others without having to do with them stays there.
+    // A function between others that is independent of them stays there.
     check(
         "t 1000: a z b y c
            a x b
@@ -231,7 +232,7 @@ fn a_loop_that_is_cut_twice_is_cut_once() {
 
 #[test]
 fn a_loop_is_cut_where_it_costs_least() {
-    // Three values forth, one back: the one is late.
+    // Three values go forward and one back, so the one back is late.
     check(
         "t 1000: b a
            a x b
@@ -260,7 +261,7 @@ fn values_wait_for_the_cycle_of_another_thread() {
            loop capture control freq pulses capture: 1000..1000
            path read control freq pulses write: 50..1000",
     );
-    // Periods that do not divide each other.
+    // Periods that are not multiples of each other.
     check(
         "base 40: a
            servo 100: b
@@ -273,7 +274,7 @@ fn values_wait_for_the_cycle_of_another_thread() {
            b x a",
         "path b a: 20..40",
     );
-    // Of two threads with the same period the older runs first.
+    // Of two threads with the same period, the older one runs first.
     check(
         "one 100: a
            two 100: b
@@ -342,7 +343,7 @@ fn a_handshake_is_a_loop_and_no_path() {
 
 #[test]
 fn what_nobody_knows_stays_where_it_is() {
-    // Without the strange one, `b a` would be the other way round.
+    // Without the unknown function, the better order would be `a b`.
     check(
         "t 1000: b ?u a
            b|u
@@ -379,7 +380,8 @@ fn ten_thousand_functions() {
         });
     }
     machine.threads.push(Thread { ix: Ix::new(n), period: 1000, order });
-    // A chain backwards through all of them, and from each a way back over a hundred.
+    // A chain backwards through all functions, and from every seventh a flow a hundred functions
+    // forward.
     for i in 0..n {
         let by = vec![By::Signal(Ix::new(i))];
         if i > 0 {
@@ -399,8 +401,8 @@ fn ten_thousand_functions() {
     study.as_added().paths();
 }
 
-/// Whatever the flows are: the better order is of the same functions, costs no more, and without
-/// circles costs nothing.
+/// For all flows, the better order contains the same functions and costs no more than the user's.
+/// Without loops it costs nothing.
 #[test]
 fn random_machines() {
     let mut seed = 7_u64;
@@ -453,7 +455,7 @@ fn random_machines() {
                 list
             };
             assert_eq!(sort(&study.better[t]), sort(&thread.order));
-            // The moves make the better order.
+            // The moves lead to the better order.
             let moves = study.moves(t);
             let mut order = thread.order.clone();
             order.retain(|f| moves.iter().all(|m| m.funct != *f));
