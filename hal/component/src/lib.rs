@@ -1,6 +1,6 @@
-//! Everything that the author of a component needs.
+//! Library for authors of components.
 //!
-//! A plain component is a struct of pins, parameters and state, and an [`Update`]:
+//! A plain component is a struct of pins, parameters and state that implements [`Update`]:
 //!
 //! ```
 //! use hal_component::{Component, In, Out, Period, Update};
@@ -25,9 +25,9 @@
 //! hal_component::export!(And2);
 //! ```
 //!
-//! A component whose pins depend on `loadrt` arguments, or with several functions, implements
-//! [`Component`] by hand and declares through the [`Builder`]; its functions are structs with
-//! `#[derive(Touch)]`, which tells the engine what each reads and writes.
+//! A component whose pins depend on `loadrt` arguments, or that has several functions, implements
+//! [`Component`] by hand and declares everything through the [`Builder`]. Its functions are structs
+//! with `#[derive(Touch)]`, which tells the engine what each function reads and writes.
 
 #![expect(unsafe_code, reason = "one of the crates that keep the binary contract")]
 
@@ -73,33 +73,33 @@ pub use shim::create;
 pub use solved::{Solution, Solved, Unsolved, Ways};
 pub use stream::{StreamIn, StreamOut};
 
-/// The thread's nominal period.
+/// Nominal period of a thread.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Period(i64);
 
 impl Period {
-    /// From nanoseconds.
+    /// Returns a period of `ns` nanoseconds.
     pub const fn from_ns(ns: i64) -> Self {
         Self(ns)
     }
 
-    /// In nanoseconds.
+    /// Returns the period in nanoseconds.
     #[inline]
     pub const fn ns(self) -> i64 {
         self.0
     }
 
-    /// In seconds.
+    /// Returns the period in seconds.
     #[inline]
     pub fn secs(self) -> f64 {
         self.0 as f64 * 1e-9
     }
 }
 
-/// The code of one HAL function or background task.
+/// Code of a HAL function or background task.
 ///
-/// A function runs in a realtime thread: no locks, no allocation, no I/O, no printing. It says
-/// things through [`Messages`].
+/// A function runs in a realtime thread: it must not lock, allocate, do I/O or print. It logs
+/// messages through [`Messages`].
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no `Update`: a function needs code to run",
     label = "write `impl Update for {Self} {{ fn update(&mut self, period: Period) {{ … }} }}`"
@@ -115,21 +115,21 @@ pub trait Update: Touch + Send + 'static {
     label = "write `#[derive(Component)]` above it, or implement `Component` by hand"
 )]
 pub trait Component: 'static {
-    /// Type name, as in `loadrt NAME`.
+    /// Name of the type, as in `loadrt NAME`.
     const NAME: &'static str;
-    /// What it is, in Markdown; the first line is a summary.
+    /// Description in Markdown. The first line is a summary.
     const DOC: &'static str;
     /// Bits of [`abi::component_flags`].
     const FLAGS: u32 = 0;
-    /// The `loadrt` arguments beside `count=`, `names=` and `personality=`.
+    /// Arguments of `loadrt` in addition to `count=`, `names=` and `personality=`.
     const ARGS: &'static [&'static abi::ArgSpec] = &[];
-    /// The pins and parameters, where they are fixed.
+    /// Pins and parameters, if they are fixed.
     const ITEMS: &'static [&'static abi::ItemSpec] = &[];
-    /// Declares one instance: its pins and parameters, then its functions. Touches nothing
-    /// outside: that is for [`Builder::on_open`].
+    /// Declares an instance: first its pins and parameters, then its functions. Must not access
+    /// anything outside; use [`Builder::on_open`] for that.
     ///
     /// # Errors
-    /// What the engine refused, or an [`Error`] of its own.
+    /// An error of the engine, or an [`Error`] of the component's own.
     fn create(b: &mut Builder<'_>) -> Result<(), Error>;
 }
 
