@@ -73,7 +73,7 @@ pub struct ItemInfo {
     pub value: Value,
     /// Alias if the item has one, otherwise its own name.
     pub name: String,
-    /// Its own name, if the item has an alias.
+    /// Own name of the item, if it has an alias.
     pub original: Option<String>,
     /// Signal that the item is linked to.
     pub signal: Option<String>,

@@ -1,4 +1,4 @@
-//! One block of value changes of an FST file.
+//! A block of value changes of an FST file.
 
 use super::{
     UNKNOWN,

@@ -5,7 +5,7 @@ use super::When;
 /// Behaviour without a trigger and after one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Mode {
-    /// One capture. The trigger must be armed again for the next.
+    /// A single capture. The trigger must be armed again for the next.
     #[default]
     Single,
     /// Successive captures, each at its trigger.
