@@ -5,8 +5,8 @@ use crate::{
     abi::{ArgSpec, arg},
 };
 
-/// Declares arguments, as in `const ARGS: … = &[&Arg::ints("step_type",
-/// "…").required().at_most(16)];`
+/// Declares arguments, as in
+/// `const ARGS: … = &[&Arg::ints("step_type", "…").required().at_most(16)];`
 #[derive(Debug)]
 pub enum Arg {}
 

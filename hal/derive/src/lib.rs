@@ -8,10 +8,10 @@ use proc_macro::TokenStream;
 /// Turns a struct of pins, parameters and state into a component with one function.
 ///
 /// On the struct: `#[hal(name = "type_name", function = "update", fast, personality)]`, all
-/// optional. The default name is the struct's name in snake case. On a field: `#[hal(name =
-/// "in-##", default = 1.0, count = b.personality(), safety)]`, or `#[state]` with an optional
-/// `#[hal(default = …)]`. A name with `#` and a count makes a list of pins. Every pin and parameter
-/// needs a doc comment, which is shown to users.
+/// optional. The default name is the struct's name in snake case. On a field:
+/// `#[hal(name = "in-##", default = 1.0, count = b.personality(), safety)]`, or `#[state]` with an
+/// optional `#[hal(default = …)]`. A name with `#` and a count makes a list of pins. Every pin and
+/// parameter needs a doc comment, which is shown to users.
 #[proc_macro_derive(Component, attributes(hal, state))]
 pub fn component(input: TokenStream) -> TokenStream {
     let ast = syn::parse_macro_input!(input as syn::DeriveInput);

@@ -279,8 +279,8 @@ fn kind(head: &str) -> Option<(&str, Type)> {
     Some((name, Type::parse(ty)?))
 }
 
-/// Returns the number of nanoseconds per unit in the title of a time column: `time`, `t`, `Time
-/// [us]`, `Time (s)`.
+/// Returns the number of nanoseconds per unit in the title of a time column: `time`, `t`,
+/// `Time [us]`, `Time (s)`.
 fn unit(head: &str) -> Option<f64> {
     let head = head.trim_matches('"').to_ascii_lowercase();
     let words = [
