@@ -10,7 +10,8 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Selection of the things to draw.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Wanted {
-    /// Draws only signals of which the name, a pin or a component matches. An empty list draws all.
+    /// Patterns for the names of signals, pins and components. Only matching signals are drawn;
+    /// without patterns, all are.
     pub patterns: Vec<String>,
     /// True to include pins without a signal, and components that have only such pins.
     pub all: bool,

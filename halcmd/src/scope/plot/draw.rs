@@ -61,8 +61,8 @@ pub(super) struct Plot<'t> {
 type Area<'a, D> = DrawingArea<D, Shift>;
 
 impl<'t> Plot<'t> {
-    /// Selects channels and a time window. The axis begins at a trigger within the window, or else
-    /// at the beginning of machine time.
+    /// Selects channels and a time window. The 0 of the axis is a trigger within the window, or
+    /// else the beginning of machine time.
     pub(super) fn new(
         trace: &'t Trace,
         chosen: Vec<Chosen>,

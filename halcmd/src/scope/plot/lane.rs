@@ -51,8 +51,8 @@ fn scale(min: Option<f64>, max: Option<f64>) -> (f64, f64) {
     }
 }
 
-/// Returns the line through every change or, if there are more changes than columns, through the
-/// first, minimum, maximum and last value of each column.
+/// Returns the line through every change or, if there are more than two changes per column, through
+/// the first, minimum, maximum and last value of each column.
 fn pieces(trace: &Trace, channel: usize, from: i64, to: i64, width: usize) -> Pieces {
     let (times, Some(c)) = (trace.times(), trace.channels().get(channel)) else {
         return Vec::new();
