@@ -6,6 +6,12 @@
 //!
 //! In Rust, [`run`] returns the [`Outcome`] of one file, with its waveforms as text for a test to
 //! compare:
+//!
+//! ```no_run
+//! let outcome = halcmd::haltest::run("configs/printer/tests/reversal.toml");
+//! assert!(outcome.passed(), "{outcome}");
+//! println!("{}", outcome.drawing("turn").unwrap_or_default());
+//! ```
 
 mod bench;
 mod compare;

@@ -21,7 +21,7 @@ pub fn help(about: Option<&str>) -> Result<String, Error> {
     Ok(if name == "help" { format!("{}\n", row.help) } else { explained(row) })
 }
 
-/// Returns the same for programs, as an object.
+/// Returns the output of `help` for programs, as an object.
 pub(crate) fn object(about: Option<&str>) -> Value {
     let brief = |title: &str, row: &Row| {
         json!({
@@ -91,8 +91,8 @@ pub(crate) fn line(row: &Row) -> String {
     format!("{} {}", row.name, row.usage).trim_end().to_owned()
 }
 
-/// Makes a sentence: a capital letter at the beginning, and a full stop at the end if there is
-/// none.
+/// Makes a sentence: a capital letter at the beginning (unless the text begins with a quotation),
+/// and a full stop at the end if there is none.
 pub(crate) fn sentence(text: &str) -> String {
     let mut rest = text.chars();
     let first = rest.next().map(|c| c.to_ascii_uppercase());

@@ -82,7 +82,7 @@ impl Session<'_> {
         }
     }
 
-    /// Prints a message about the line that is being executed.
+    /// Prints a message with the place of the line that is being executed.
     pub(crate) fn complain(&mut self, text: &str) {
         let (file, line) = self.place();
         let at = At::new(file, line);

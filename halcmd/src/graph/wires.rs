@@ -23,7 +23,7 @@ pub(super) struct Wire {
     pub(super) lines: Vec<[i64; 4]>,
     /// Points at which more than two lines meet.
     pub(super) dots: Vec<(i64, i64)>,
-    /// Position of the name, and whether the name ends there.
+    /// Position of the name, and whether the text ends (instead of begins) there.
     pub(super) label: Option<(i64, i64, bool)>,
     /// Position of an end without a pin.
     pub(super) loose: Option<(i64, i64)>,

@@ -54,7 +54,7 @@ impl Bench {
         self.said
     }
 
-    /// Executes a request in the engine, without faults and ramps.
+    /// Executes a request directly in the engine, without the ramps and faults of the test.
     pub(super) fn ask(&mut self, request: Request) -> Result<Reply, Failure> {
         let reply = self.engine.call(request);
         self.hear();
