@@ -90,8 +90,7 @@ impl Bench {
         Self { table, calls, flags }
     }
 
-    /// Returns an empty bench with a real clock. Each reading of the clock advances it by
-    /// `tick_ns`.
+    /// Returns an empty bench with a real clock, which each reading advances by `tick_ns`.
     #[must_use]
     pub fn real_time(tick_ns: i64) -> Self {
         let mut bench = Self::new();
@@ -195,8 +194,7 @@ impl Bench {
     }
 
     fn act(&self, run: CommandRun, state: *mut c_void) -> Result<(), String> {
-        // SAFETY: this is the component's code with its own state; the record lives for the
-        // duration of the call.
+        // SAFETY: the component's code with its own state; the record lives during the call.
         let status = unsafe { run(state, &raw const *self.calls) };
         if status.is_ok() {
             Ok(())
@@ -223,16 +221,14 @@ impl Bench {
 
     /// Sets the value of a pin or parameter.
     pub fn set<T: Value>(&self, name: &str, value: T) {
-        // SAFETY: the slot belongs to the bench and points at its own cell or at that of its
-        // signal.
+        // SAFETY: the slot belongs to the bench and points at its own or its signal's cell.
         unsafe { Slot::cell(self.slot::<T>(name)) }.store(value.to_bits());
     }
 
     /// Returns the value of a pin or parameter.
     #[must_use]
     pub fn get<T: Value>(&self, name: &str) -> T {
-        // SAFETY: the slot belongs to the bench and points at its own cell or at that of its
-        // signal.
+        // SAFETY: the slot belongs to the bench and points at its own or its signal's cell.
         T::from_bits(unsafe { Slot::cell(self.slot::<T>(name)) }.load())
     }
 
@@ -251,8 +247,7 @@ impl Bench {
         // SAFETY: both live as long as the bench.
         let queue = Box::new(unsafe { PortQueue::new(data.as_ptr(), size as u64) });
         let bits = (&raw const *queue).expose_provenance() as u64;
-        // SAFETY: the slot belongs to the bench and points at its own cell or at that of its
-        // signal.
+        // SAFETY: the slot belongs to the bench and points at its own or its signal's cell.
         unsafe { Slot::cell(self.slot::<crate::Port>(name)) }.store(bits);
         self.table.borrow_mut().ports.push((queue, data));
     }
@@ -326,8 +321,7 @@ impl Bench {
         self.table.borrow().tickets.borrow().iter().map(|t| t.state()).collect()
     }
 
-    /// Returns whether the last command makes its caller wait for the ticket even if it did not ask
-    /// to.
+    /// Returns whether the last command makes its caller wait for the ticket in any case.
     #[must_use]
     pub fn is_awaited(&self) -> bool {
         self.table.borrow().awaited.get()
@@ -369,8 +363,7 @@ impl Bench {
         self.table.borrow().threads.clone()
     }
 
-    /// Returns the items that a function accesses, each with `r`, `w` or `rw`. Hidden state is
-    /// named `#`.
+    /// Returns the items that a function accesses, as `NAME rw`. Hidden state is named `#`.
     #[must_use]
     pub fn touches(&self, funct: &str) -> Vec<String> {
         let table = self.table.borrow();
