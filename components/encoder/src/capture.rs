@@ -7,10 +7,10 @@ use crate::{
 use hal_component::{Period, Takes, Touch, Update, to_s32};
 use std::sync::atomic::Ordering::{Acquire, Release};
 
-/// How many captures with counts it takes until a speed is known.
+/// Number of captures with counts before the speed is known.
 const SURE: u32 = 2;
 
-/// One channel, as it is captured.
+/// State of one channel in the slow function.
 #[derive(Touch)]
 pub(crate) struct Capture {
     pins: Pins,
@@ -19,19 +19,19 @@ pub(crate) struct Capture {
     was: Memory,
 }
 
-/// What a capture remembers.
+/// Values kept from one capture to the next.
 #[derive(Debug)]
 struct Memory {
     raw: i32,
     at: u32,
     index: i32,
     latch: i32,
-    /// Captures with counts since it stood still, up to [`SURE`].
+    /// Number of captures with counts since standstill, up to [`SURE`].
     sure: u32,
     scale: f64,
     /// Units per count.
     unit: f64,
-    /// How long a pause between pulses shows missing teeth, in nanoseconds.
+    /// Pause between pulses that indicates missing teeth, in nanoseconds.
     pause: i32,
 }
 
@@ -45,12 +45,12 @@ impl Capture {
     fn run(&mut self, now: u32) {
         let (p, was) = (&self.pins, &mut self.was);
         let seen = self.notes.swap();
-        // In all these, `Acquire` and `swap` pair with the `Release` of counting.
+        // In all of these, `Acquire` and `swap` pair with the `Release` of the counting function.
         let counted = seen.counted.swap(false, Acquire);
         let (raw, at) = (seen.raw.load(Acquire), seen.at.load(Acquire));
         let scale = p.position_scale.get();
         if scale != was.scale {
-            // As it was given: a second 0 is not corrected, and changes nothing.
+            // Stored as given: a second 0 is not corrected and has no effect.
             was.scale = scale;
             if scale.abs() < 1e-20 {
                 p.position_scale.set(1.0);
@@ -84,7 +84,7 @@ impl Capture {
             if moved != 0 {
                 let teeth = f64::from(p.missing_teeth.get()) + 0.5;
                 let pause = teeth * f64::from(lasted) / f64::from(moved.cast_unsigned());
-                // Infinite after counts that took each other back.
+                // Infinite after counts that cancelled out.
                 was.pause = to_s32(0.9 * f64::from(was.pause) + 0.1 * pause);
             }
             self.notes.pause.store(was.pause, Release); // Pairs with counting.
@@ -92,7 +92,7 @@ impl Capture {
             let at_gap =
                 p.missing_teeth.get() != 0 && still < was.pause.wrapping_mul(2).cast_unsigned();
             if at_gap {
-                // The teeth that are missing there would come now.
+                // The missing teeth would come now.
             } else if f64::from(still) < 1e9 / (p.min_speed_estimate.get() * was.unit) {
                 let most = was.unit.abs() / (f64::from(still) * 1e-9);
                 let velocity = p.velocity.get();

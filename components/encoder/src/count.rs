@@ -10,19 +10,19 @@ use std::sync::atomic::Ordering::{Acquire, Release};
 const UP: u8 = 0x40;
 const DOWN: u8 = 0x80;
 
-/// By the former A (worth 4) and B (8) and the present A (1) and B (2): the next former ones, and
-/// what to count.
+/// Transition table. The index holds the previous A (4) and B (8) and the present A (1) and B (2); an entry holds the
+/// next previous phases and the count direction.
 const EVERY_EDGE: [u8; 16] = [
     0x00, 0x44, 0x88, 0x0c, 0x80, 0x04, 0x08, 0x4c, 0x40, 0x04, 0x08, 0x8c, 0x00, 0x84, 0x48, 0x0c,
 ];
-/// The same, one count per cycle.
+/// Table with one count per quadrature cycle.
 const ONE_EDGE: [u8; 16] = [
     0x00, 0x44, 0x08, 0x0c, 0x80, 0x04, 0x08, 0x0c, 0x00, 0x04, 0x08, 0x0c, 0x00, 0x04, 0x08, 0x0c,
 ];
-/// The same, for the rising edges of A alone; B is taken as false, and A was true when 8 is set.
+/// Table for the rising edges of A only; B counts as false, and bit 8 says that A was true.
 const PULSES: [u8; 16] = [0, 0x48, 0, 0, 0, 0, 0, 0, 0, 8, 0, 0, 0, 0, 0, 0];
 
-/// One channel, as it is counted.
+/// State of one channel in the fast function.
 #[derive(Touch)]
 pub(crate) struct Channel {
     pub(crate) phase_a: In<bool>,
@@ -40,7 +40,7 @@ pub(crate) struct Channel {
     state: u8,
     #[state]
     raw: i32,
-    /// When it last grew.
+    /// Time of the last upward count, in nanoseconds of the time base.
     #[state]
     up_at: u32,
     #[state]
@@ -71,7 +71,7 @@ impl Channel {
         }
     }
 
-    /// Counts what the phases did; true when something was counted.
+    /// Counts the change of the phases. Returns whether there was a count.
     fn count(&mut self) -> bool {
         let mut at = self.state & 0x0c | u8::from(self.phase_a.get());
         let table = if self.counter_mode.get() {
@@ -108,7 +108,7 @@ impl Channel {
             seen.at.store(now, Release); // Pairs with the capture.
             seen.counted.store(true, Release); // Pairs with the capture.
         }
-        // Where teeth are missing, there is the index as well.
+        // The index pulse is at the missing teeth as well.
         let z = gap || self.phase_z.get();
         let armed = self.notes.armed.load(Acquire); // Pairs with the capture.
         if armed && z && !self.z_was {

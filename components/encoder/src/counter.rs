@@ -9,10 +9,10 @@ use std::sync::atomic::{
     Ordering::{Acquire, Release},
 };
 
-/// The most channels.
+/// Maximum number of channels.
 const MOST: i64 = 8;
 
-/// Counters of pulses.
+/// Pulse counters.
 pub(crate) struct Counter;
 
 impl Component for Counter {
@@ -74,41 +74,41 @@ impl Component for Counter {
 }
 
 pins! {
-    /// The pins of a channel.
+    /// Pins of a channel.
     struct Pins {
-        /// Its rising edges are counted.
+        /// Pulse input; its rising edges are counted.
         phase_a: In<bool> = "phase-A", false;
-        /// The index pulse, once per turn.
+        /// Index pulse, once per turn.
         phase_z: In<bool> = "phase-Z", false;
-        /// Waits for the index while true; becomes false there, with the position zero.
+        /// While true, waits for the index; the index sets it to false, and the position to zero.
         index_enable: Io<bool> = "index-enable", false;
         /// While true, the position is zero.
         reset: In<bool> = "reset", false;
-        /// The count, which neither index nor reset changes.
+        /// Raw count, which neither index nor reset changes.
         rawcounts: Out<i32> = "rawcounts", 0;
-        /// The count since the index or reset.
+        /// Count since the last index or reset.
         counts: Out<i32> = "counts", 0;
-        /// The position, in units.
+        /// Position, in units.
         position: Out<f64> = "position", 0.0;
-        /// The speed, in units per second.
+        /// Speed, in units per second.
         velocity: Out<f64> = "velocity", 0.0;
-        /// Counts per unit; negative: reversed. Closer to 0 than 1e-20: 1.
+        /// Counts per unit; a negative value reverses the direction. A value closer to 0 than 1e-20 is set to 1.
         position_scale: Io<f64> = "position-scale", 1.0;
     }
 }
 
-/// What counting and capturing tell each other of the index.
+/// Index data that counting and capturing exchange.
 #[derive(Debug, Default)]
 struct Index {
-    /// Whether it came.
+    /// True if the index came.
     came: AtomicBool,
-    /// The count there.
+    /// Raw count at the index.
     raw: AtomicI32,
-    /// Whether the next one counts: as of the last capture.
+    /// True if the next index counts, as of the last capture.
     armed: AtomicBool,
 }
 
-/// A channel in the fast function.
+/// State of a channel in the fast function.
 #[derive(Touch)]
 struct Count {
     phase_a: In<bool>,
@@ -146,7 +146,7 @@ impl Update for Counts {
     }
 }
 
-/// A channel in the slow function.
+/// State of a channel in the slow function.
 #[derive(Touch)]
 struct Capture {
     pins: Pins,
@@ -183,7 +183,7 @@ impl Update for Captures {
             let raw = p.rawcounts.get();
             let scale = p.position_scale.get();
             if scale != c.scale {
-                // As it was given: a second 0 is not corrected, and changes nothing.
+                // Stored as given: a second 0 is not corrected and has no effect.
                 c.scale = scale;
                 if scale.abs() < 1e-20 {
                     p.position_scale.set(1.0);

@@ -20,7 +20,7 @@ const CHANNELS: Channels = Channels {
     usual: 3,
 };
 
-/// Counters of encoders.
+/// Quadrature encoder counters.
 pub(crate) struct Encoder;
 
 impl Component for Encoder {
@@ -79,51 +79,51 @@ impl Component for Encoder {
 }
 
 pins! {
-    /// The pins of a channel.
+    /// Pins of a channel.
     pub(crate) struct Pins {
-        /// First phase.
+        /// Encoder phase A.
         phase_a: In<bool> = "phase-A", false;
-        /// Second phase, a quarter of a cycle later when it turns forward.
+        /// Encoder phase B, a quarter of a cycle later than A in forward direction.
         phase_b: In<bool> = "phase-B", false;
-        /// The index pulse, once per turn.
+        /// Index pulse, once per turn.
         phase_z: In<bool> = "phase-Z", false;
         /// While true, the position is zero.
         reset: In<bool> = "reset", false;
-        /// Waits for the index while true; becomes false there, with the position zero.
+        /// While true, waits for the index; the index sets it to false, and the position to zero.
         index_enable: Io<bool> = "index-enable", false;
-        /// An edge of it notes the position.
+        /// Latch input; its edges store the position.
         latch_input: In<bool> = "latch-input", false;
-        /// Whether the rising edge of `latch-input` notes the position.
+        /// TRUE: the rising edge of `latch-input` stores the position.
         latch_rising: In<bool> = "latch-rising", true;
-        /// Whether the falling edge of `latch-input` notes the position.
+        /// TRUE: the falling edge of `latch-input` stores the position.
         latch_falling: In<bool> = "latch-falling", true;
-        /// Whether every edge of both phases counts; otherwise one per cycle.
+        /// TRUE counts every edge of both phases (x4); FALSE counts one per quadrature cycle.
         x4_mode: Io<bool> = "x4-mode", true;
-        /// Whether the rising edges of A alone count, upward.
+        /// TRUE counts only the rising edges of A, upward.
         counter_mode: Io<bool> = "counter-mode", false;
-        /// With `counter-mode`: how many teeth a gear lacks at the index; 0: none. Set it when the gear
-        /// turns: at a constant speed from rest every tooth is taken for a gap, as in LinuxCNC.
+        /// With `counter-mode`: number of teeth that a gear lacks at the index; 0: none. Set it while the gear turns:
+        /// when the gear starts from rest at constant speed, every tooth is taken for a gap, as in LinuxCNC.
         missing_teeth: In<i32> = "missing-teeth", 0;
-        /// Counts per unit; negative: reversed. Closer to 0 than 1e-20: 1.
+        /// Counts per unit; a negative value reverses the direction. A value closer to 0 than 1e-20 is set to 1.
         position_scale: Io<f64> = "position-scale", 1.0;
-        /// It counts as still when nothing was counted for position-scale divided by this, in
-        /// seconds; 0: 1. A negative one belongs to a negative scale.
+        /// Lowest speed that is estimated, in units per second: without a count for `position-scale` divided by this,
+        /// in seconds, the speed is 0. A value of 0 counts as 1; with a negative scale it must be negative.
         min_speed_estimate: InSet<f64> = "min-speed-estimate", 1.0;
-        /// The count, which neither index nor reset changes.
+        /// Raw count, which neither index nor reset changes.
         rawcounts: Out<i32> = "rawcounts", 0;
-        /// The count since the index or reset.
+        /// Count since the last index or reset.
         counts: Out<i32> = "counts", 0;
-        /// The position, in units.
+        /// Position, in units.
         position: Out<f64> = "position", 0.0;
-        /// The position between counts, in units, as the speed lets expect it.
+        /// Position interpolated between counts from the speed, in units.
         position_interpolated: Out<f64> = "position-interpolated", 0.0;
-        /// The count at the last edge of the latch.
+        /// Count at the last edge of `latch-input`.
         counts_latched: Out<i32> = "counts-latched", 0;
-        /// The position at the last edge of the latch, in units.
+        /// Position at the last edge of `latch-input`, in units.
         position_latched: Out<f64> = "position-latched", 0.0;
-        /// The speed, in units per second.
+        /// Speed, in units per second.
         velocity: Out<f64> = "velocity", 0.0;
-        /// The speed, in units per minute.
+        /// Speed, in units per minute.
         velocity_rpm: Out<f64> = "velocity-rpm", 0.0;
     }
 }

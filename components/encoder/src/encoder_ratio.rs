@@ -6,7 +6,7 @@ use hal_component::{
 };
 use std::sync::atomic::{AtomicI32, Ordering::Relaxed};
 
-/// An electronic gear.
+/// Electronic gear.
 pub(crate) struct EncoderRatio;
 
 impl Component for EncoderRatio {
@@ -73,34 +73,34 @@ impl Component for EncoderRatio {
 }
 
 pins! {
-    /// The pins of a pair.
+    /// Pins of a pair.
     struct Pins {
-        /// First line of the master's encoder.
+        /// Phase A of the master's encoder.
         master_a: In<bool> = "master-A", false;
-        /// Second line of the master's encoder.
+        /// Phase B of the master's encoder.
         master_b: In<bool> = "master-B", false;
-        /// First line of the slave's encoder.
+        /// Phase A of the slave's encoder.
         slave_a: In<bool> = "slave-A", false;
-        /// Second line of the slave's encoder.
+        /// Phase B of the slave's encoder.
         slave_b: In<bool> = "slave-B", false;
-        /// Whether the master counts.
+        /// TRUE counts the master.
         enable: In<bool> = "enable", false;
-        /// How far the slave is ahead, in turns.
+        /// Lead of the slave over the master, in turns.
         error: Out<f64> = "error", 0.0;
-        /// Counts of a turn of the master, all four edges of a pulse.
+        /// Counts per turn of the master, with all four edges of a pulse.
         master_ppr: Io<u32> = "master-ppr", 0;
-        /// Counts of a turn of the slave, all four edges of a pulse.
+        /// Counts per turn of the slave, with all four edges of a pulse.
         slave_ppr: Io<u32> = "slave-ppr", 0;
-        /// Teeth of the master's wheel.
+        /// Number of teeth of the master's wheel.
         master_teeth: Io<u32> = "master-teeth", 0;
-        /// Teeth of the slave's wheel.
+        /// Number of teeth of the slave's wheel.
         slave_teeth: Io<u32> = "slave-teeth", 0;
     }
 }
 
-/// Which way two lines went: 1, -1, or 0 for a step that was not seen.
+/// Returns the direction of a quadrature step: 1, -1, or 0 if there was none or a step was missed.
 fn counted(was: u8, now: u8) -> i32 {
-    // Of the first line in bit 0, the second in bit 1.
+    // Phase A is bit 0, phase B is bit 1.
     const NEXT: [u8; 4] = [1, 3, 0, 2];
     let next = |of: u8| NEXT.get(usize::from(of)).copied();
     if was == now {
@@ -160,7 +160,7 @@ struct Tell {
     raw: Takes<AtomicI32>,
     master_step: Gives<AtomicI32>,
     slave_step: Gives<AtomicI32>,
-    /// Raw counts of a turn.
+    /// Raw counts per turn.
     #[state]
     whole: u32,
 }

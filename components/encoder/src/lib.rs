@@ -1,4 +1,4 @@
-//! Counters of encoders, and simulated ones.
+//! Encoder counters, and simulated encoders.
 #![forbid(unsafe_code)]
 
 mod capture;

@@ -71,33 +71,33 @@ impl Component for SimEncoder {
 }
 
 pins! {
-    /// The pins of a channel.
+    /// Pins of a channel.
     struct Pins {
-        /// First phase.
+        /// Encoder phase A.
         phase_a: Out<bool> = "phase-A", false;
-        /// Second phase, a quarter of a cycle later when it turns forward.
+        /// Encoder phase B, a quarter of a cycle later than A in forward direction.
         phase_b: Out<bool> = "phase-B", false;
-        /// The index pulse: one count long, once per turn.
+        /// Index pulse: one count long, once per turn.
         phase_z: Out<bool> = "phase-Z", false;
-        /// How fast it turns, in `scale` per turn and second.
+        /// Speed; divided by `scale`, it is in turns per second.
         speed: In<f64> = "speed", 0.0;
-        /// The counts that were turned; it stays its own where it is set or linked to a writer.
+        /// Simulated count; the component keeps its own count if the pin is set or linked to a writer.
         rawcounts: InSet<i32> = "rawcounts", 0;
-        /// Cycles of the phases per turn, each of four counts; at least 1.
+        /// Quadrature cycles per turn, each of four counts; at least 1.
         ppr: Io<u32> = "ppr", 100;
-        /// What the speed is divided by; 60 for turns per minute. Closer to 0 than 1e-20: 1.
+        /// Divisor of the speed; 60 for a speed in turns per minute. A value closer to 0 than 1e-20 is set to 1.
         scale: Io<f64> = "scale", 1.0;
     }
 }
 
-/// What the slow function tells the fast one of a channel.
+/// Data of a channel that the slow function passes to the fast one.
 #[derive(Debug, Default)]
 struct Rate {
     /// Counts per fast period, times 2^31; negative: backward.
     step: AtomicI64,
 }
 
-/// A channel in the slow function.
+/// State of a channel in the slow function.
 #[derive(Touch)]
 struct Speed {
     speed: In<f64>,
@@ -132,20 +132,20 @@ impl Update for UpdateSpeed {
     }
 }
 
-/// The fast function's period as long as it never ran.
+/// Period assumed until the fast function has run, in nanoseconds.
 const ASSUMED_NS: i64 = 50_000;
 
-/// Fraction bits of an accumulator.
+/// Number of fraction bits of an accumulator.
 const FRACTION: u32 = 31;
 
-/// Counts per period as a step of an accumulator, at most one count.
+/// Converts counts per period to the step of an accumulator, limited to one count.
 #[expect(clippy::cast_possible_truncation, reason = "what is too fast is limited")]
 fn step(rate: f64) -> i64 {
     let most = 1_i64 << FRACTION;
     ((rate * most as f64) as i64).max(-most).min(most)
 }
 
-/// A channel in the fast function.
+/// State of a channel in the fast function.
 #[derive(Touch)]
 struct Turning {
     phase_a: Out<bool>,
@@ -157,10 +157,10 @@ struct Turning {
     /// Counts so far, times 2^31.
     #[state]
     accum: i64,
-    /// Which of the four counts of a cycle.
+    /// Index of the count within the quadrature cycle, 0 to 3.
     #[state]
     state: u8,
-    /// Which cycle of the turn.
+    /// Index of the quadrature cycle within the turn.
     #[state]
     cycle: u32,
 }

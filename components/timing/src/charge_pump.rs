@@ -10,7 +10,7 @@ const OUT: Decl<'static> = Decl::new("charge-pump.out", "Changes at every run wh
 const OUT_2: Decl<'static> = Decl::new("charge-pump.out-2", "Half the frequency of `out`.");
 const OUT_4: Decl<'static> = Decl::new("charge-pump.out-4", "A quarter of the frequency of `out`.");
 
-/// A counter whose lowest bits are outputs.
+/// Counter whose lowest bits are outputs.
 #[derive(Touch)]
 pub(crate) struct ChargePump {
     enable: In<bool>,

@@ -1,11 +1,11 @@
 //! `dbounce`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// Filter for a switch that bounces.
+/// Debounce filter for a switch.
 ///
-/// It counts up at each run with its input true and down at each run with it false; its output
-/// changes when the count would leave its range, from zero to `delay`. Unlike `debounce` it has no
-/// groups: each instance has a delay of its own.
+/// A counter counts up in each cycle with the input true and down in each cycle with it false. The output changes when
+/// the counter would leave its range, from zero to `delay`. Unlike `debounce`, this component has no groups: each
+/// instance has its own delay.
 ///
 /// # Example
 ///
@@ -22,11 +22,11 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Dbounce {
-    /// The bouncing bit.
+    /// Bouncing input.
     in_: In<bool>,
-    /// The steady bit.
+    /// Debounced output.
     out: Out<bool>,
-    /// How many runs the input must hold, beyond the first, for the output to follow.
+    /// Number of cycles, beyond the first, for which the input must hold before the output follows.
     #[hal(default = 5)]
     delay: In<u32>,
     #[state]

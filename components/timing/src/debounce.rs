@@ -6,7 +6,7 @@ use hal_component::{
 
 const MOST_FILTERS: i64 = 50;
 
-/// Groups of filters for switches that bounce.
+/// Groups of debounce filters.
 pub(crate) struct Debounce;
 
 impl Component for Debounce {

@@ -1,9 +1,9 @@
 //! `edge`.
 use hal_component::{Component, In, Out, ParamRo, ParamRw, Period, Update};
 
-/// Detects edges of a bit, and answers each with a pulse.
+/// Detector of edges, which outputs a pulse for each edge.
 ///
-/// The first run only looks where the bit is. An edge during a pulse begins the pulse anew.
+/// The first cycle only reads the input. An edge during a pulse restarts the pulse.
 ///
 /// # Example
 ///
@@ -25,22 +25,22 @@ use hal_component::{Component, In, Out, ParamRo, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Edge {
-    /// The bit.
+    /// Input.
     in_: In<bool>,
-    /// True at the edge and for `out-width-ns` after it, at least for one run.
+    /// True at the edge and for `out-width-ns` after it, at least for one cycle.
     out: Out<bool>,
     /// The opposite of `out`.
     out_invert: Out<bool>,
-    /// Which edge: true for the falling one, false for the rising one.
+    /// Edge to detect: TRUE the falling one, FALSE the rising one.
     #[hal(default = true)]
     in_edge: ParamRw<bool>,
-    /// True for both edges, whatever `in-edge` says.
+    /// TRUE detects both edges, whatever `in-edge` is.
     both: ParamRw<bool>,
-    /// How long a pulse lasts, in nanoseconds, rounded up to whole periods; 0 or less: one run.
+    /// Length of a pulse, in nanoseconds, rounded up to whole periods; 0 or less: one cycle.
     out_width_ns: ParamRw<i32>,
-    /// What is left of the pulse, in nanoseconds.
+    /// Remaining time of the pulse, in nanoseconds.
     time_left_ns: ParamRo<i32>,
-    /// The bit at the last run.
+    /// Input in the last cycle.
     last_in: ParamRo<bool>,
     #[state]
     has_looked: bool,

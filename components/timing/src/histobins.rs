@@ -3,12 +3,12 @@ use hal_component::{
     Builder, Component, Error, In, Out, Period, Touch, Update, abi::component_flags,
 };
 
-/// How many bins there are.
+/// Number of bins.
 const BINS: i32 = 200;
-/// Where the search for the lowest and the highest value begins.
+/// Initial value of the minimum; its negative is that of the maximum.
 const LARGE: f64 = 1e99;
 
-/// A histogram of a value.
+/// Histogram of a value.
 #[derive(Touch)]
 pub(crate) struct Histobins {
     source: Source,
@@ -30,18 +30,18 @@ pub(crate) struct Histobins {
     mean: Out<f64>,
     #[state]
     bins: Vec<f64>,
-    /// What was counted with: number and size of the bins, and the lowest value.
+    /// Settings of the present histogram: number and size of the bins, and the lowest value.
     #[state]
     with: Option<(u32, f64, f64)>,
-    /// The sum of the squares of what is beside the mean.
+    /// Sum of the squared deviations from the mean.
     #[state]
     squares: f64,
-    /// The other method: the sum of all values, and of their squares.
+    /// Sums for the other method: of all values, and of their squares.
     #[state]
     sums: (f64, f64),
 }
 
-/// The value, from one of four inputs.
+/// Value from one of four inputs.
 #[derive(Touch)]
 struct Source {
     pintype: In<u32>,

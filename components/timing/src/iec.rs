@@ -1,4 +1,4 @@
-//! `ton`, `tof` and `tp`: the timers of IEC 61131-3.
+//! Timers of IEC 61131-3: `ton`, `tof` and `tp`.
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
 fn not_below_zero(time: &ParamRw<f64>) {
@@ -7,7 +7,7 @@ fn not_below_zero(time: &ParamRw<f64>) {
     }
 }
 
-/// Timer that delays a rising edge.
+/// Timer that delays a rising edge (on-delay).
 ///
 /// # Example
 ///
@@ -28,13 +28,13 @@ fn not_below_zero(time: &ParamRw<f64>) {
 /// ```
 #[derive(Component)]
 pub(crate) struct Ton {
-    /// The bit.
+    /// Input.
     in_: In<bool>,
-    /// True when the bit has been true for `pt`, until it falls.
+    /// True once the input has been true for `pt`, until it falls.
     q: Out<bool>,
-    /// For how long the bit has been true, in seconds; it stops at the end of `pt`.
+    /// Time for which the input has been true, in seconds; it stops at `pt`.
     et: Out<f64>,
-    /// How long a rising edge is delayed, in seconds; below 0 it is set to 0.
+    /// Delay of a rising edge, in seconds; a value below 0 is set to 0.
     pt: ParamRw<f64>,
 }
 
@@ -52,7 +52,7 @@ impl Update for Ton {
     }
 }
 
-/// Timer that delays a falling edge.
+/// Timer that delays a falling edge (off-delay).
 ///
 /// # Example
 ///
@@ -73,13 +73,13 @@ impl Update for Ton {
 /// ```
 #[derive(Component)]
 pub(crate) struct Tof {
-    /// The bit.
+    /// Input.
     in_: In<bool>,
-    /// True while the bit is true, and for `pt` after it fell.
+    /// True while the input is true, and for `pt` after it fell.
     q: Out<bool>,
-    /// For how long the bit has been false, in seconds; it stops at the end of `pt`.
+    /// Time for which the input has been false, in seconds; it stops at `pt`.
     et: Out<f64>,
-    /// How long a falling edge is delayed, in seconds; below 0 it is set to 0.
+    /// Delay of a falling edge, in seconds; a value below 0 is set to 0.
     pt: ParamRw<f64>,
 }
 
@@ -97,9 +97,9 @@ impl Update for Tof {
     }
 }
 
-/// Timer that makes a pulse of a given length at a rising edge.
+/// Timer that outputs a pulse of a given length at a rising edge.
 ///
-/// An edge during the pulse does nothing.
+/// An edge during the pulse has no effect.
 ///
 /// # Example
 ///
@@ -117,14 +117,14 @@ impl Update for Tof {
 /// ```
 #[derive(Component)]
 pub(crate) struct Tp {
-    /// The bit.
+    /// Input.
     in_: In<bool>,
-    /// The pulse.
+    /// Pulse output.
     q: Out<bool>,
-    /// How much of the pulse is over, in seconds; 0 when there is none. An edge in the run after a
-    /// pulse begins where that one ended.
+    /// Elapsed time of the pulse, in seconds; 0 without a pulse. For an edge in the cycle after a pulse, it continues
+    /// from the end of that pulse.
     et: Out<f64>,
-    /// Length of the pulse, in seconds; below 0 it is set to 0: none.
+    /// Length of the pulse, in seconds; a value below 0 is set to 0: no pulse.
     pt: ParamRw<f64>,
     #[state]
     was: bool,

@@ -3,10 +3,10 @@ use hal_component::{
     Builder, Clock, Component, Error, In, Out, Period, Touch, Update, abi::component_flags,
 };
 
-/// How many bins there are on each side.
+/// Number of bins on each side.
 const BINS: i32 = 1000;
 
-/// A histogram of latencies.
+/// Histogram of latencies.
 #[derive(Touch)]
 pub(crate) struct Latencybins {
     maxbinnumber: In<i32>,
@@ -27,14 +27,14 @@ pub(crate) struct Latencybins {
     positive: Vec<i32>,
     #[state]
     negative: Vec<i32>,
-    /// When it ran before, in nanoseconds.
+    /// Time of the previous cycle, in nanoseconds.
     #[state]
     before: Option<i64>,
     #[state]
     runs: u32,
     #[state]
     mean: f64,
-    /// The sum of the squares of what is beside the mean.
+    /// Sum of the squared deviations from the mean.
     #[state]
     squares: f64,
 }
@@ -212,7 +212,7 @@ mod tests {
         assert_eq!(bench.get::<i32>("latencybins.0.latency-min"), -11_000);
         assert_eq!(bins(&bench, 2), [1, 1]);
         assert_eq!(bins(&bench, 1), [0, 1]);
-        // The one at -999, this run and the two before it.
+        // The one at -999, this cycle and the two before it.
         assert_eq!(bins(&bench, 0), [4, 0]);
         assert_eq!(bins(&bench, 10), [1, 0]);
         assert_eq!(bins(&bench, 11), [-1, -1]);

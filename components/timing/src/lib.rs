@@ -1,4 +1,4 @@
-//! Edges, delays, pulses and counts.
+//! Edges, delays, pulses, counters and watchdogs.
 #![forbid(unsafe_code)]
 
 mod charge_pump;

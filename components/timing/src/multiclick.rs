@@ -1,12 +1,12 @@
 //! `multiclick`.
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
-/// Tells single, double, triple and quadruple clicks of a button.
+/// Detector of single, double, triple and quadruple clicks of a button.
 ///
-/// A click is the button down for at most `max-hold-ns`. Clicks that follow within `max-space-ns`
-/// of each other belong together. Each `-click` output gives a pulse as soon as there were so many
-/// clicks, each `-click-only` when no further one can follow. What was held too long, or a fifth
-/// press, ends it without a word.
+/// A click means that the button is down for at most `max-hold-ns`. Clicks that follow each other within `max-space-ns`
+/// belong together. Each `-click` output gives a pulse as soon as there were that many clicks, each `-click-only`
+/// output when no further click can follow. A press that is too long, or a fifth press, ends the sequence without a
+/// further pulse.
 ///
 /// # Example
 ///
@@ -31,54 +31,54 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Multiclick {
-    /// The button.
+    /// Button input.
     in_: In<bool>,
     /// Pulse after the first click.
     single_click: Out<bool>,
-    /// Pulse when one click was all.
+    /// Pulse after one click, when no further click can follow.
     single_click_only: Out<bool>,
     /// Pulse after the second click.
     double_click: Out<bool>,
-    /// Pulse when two clicks were all.
+    /// Pulse after two clicks, when no further click can follow.
     double_click_only: Out<bool>,
     /// Pulse after the third click.
     triple_click: Out<bool>,
-    /// Pulse when three clicks were all.
+    /// Pulse after three clicks, when no further click can follow.
     triple_click_only: Out<bool>,
     /// Pulse after the fourth click.
     quadruple_click: Out<bool>,
-    /// Pulse when four clicks were all.
+    /// Pulse after four clicks, when no further click can follow.
     quadruple_click_only: Out<bool>,
-    /// 0 waiting, odd while pressed, even after a release: 1 and 2 for the first click to 7 and 8
-    /// for the fourth; 9 waiting for the release of what does not count.
+    /// State: 0 idle; odd while pressed, even after a release, 1 and 2 for the first click to 7 and 8 for the fourth; 9
+    /// waits for the release of a press that does not count.
     state: Out<i32>,
-    /// Whether the button is down while `in` is false.
+    /// TRUE: the button is down while `in` is false.
     invert_input: ParamRw<bool>,
-    /// How long a click lasts at most, in nanoseconds.
+    /// Maximum duration of a click, in nanoseconds.
     #[hal(default = 250_000_000)]
     max_hold_ns: ParamRw<u32>,
-    /// How long after a click the next must begin, in nanoseconds.
+    /// Maximum time from one click to the start of the next, in nanoseconds.
     #[hal(default = 250_000_000)]
     max_space_ns: ParamRw<u32>,
-    /// Length of the pulses, in nanoseconds; of length 0 they do not end.
+    /// Length of the pulses, in nanoseconds; with 0 a pulse does not end.
     #[hal(default = 100_000_000)]
     output_hold_ns: ParamRw<u32>,
-    /// For how long it has been in this state, in nanoseconds; it wraps after 4.29 s.
+    /// Time in the present state, in nanoseconds; it wraps after 4.29 s.
     #[state]
     time: u32,
-    /// How long it may be.
+    /// Maximum time in the present state, in nanoseconds.
     #[state]
     most: u32,
-    /// What is left of each pulse, in nanoseconds.
+    /// Remaining time of each pulse, in nanoseconds.
     #[state]
     left: [i64; 8],
 }
 
-/// The button is up, and no click is waited for.
+/// State in which the button is up and no sequence is active.
 const IDLE: i32 = 0;
-/// The last release.
+/// State after the fourth click.
 const LAST: i32 = 8;
-/// What is pressed does not count.
+/// State of a press that does not count.
 const TOO_MUCH: i32 = 9;
 
 impl Update for Multiclick {
@@ -123,7 +123,7 @@ impl Multiclick {
         (self.time, self.most) = (0, most.get());
     }
 
-    /// Where the outputs are: after so many presses and releases, soon or when no more can follow.
+    /// Returns each output with its state, and whether it waits until no further click can follow.
     const fn outputs(&self) -> [(i32, bool, Out<bool>); 8] {
         [
             (2, false, self.single_click),
@@ -137,7 +137,7 @@ impl Multiclick {
         ]
     }
 
-    /// Begins the pulse of one output.
+    /// Starts the pulse of one output.
     fn show(&mut self, state: i32, is_all: bool) {
         let hold = i64::from(self.output_hold_ns.get());
         for ((when, only, out), left) in self.outputs().into_iter().zip(&mut self.left) {

@@ -1,7 +1,7 @@
 //! `oneshot`.
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
-/// Pulse of a given length at an edge of a bit.
+/// Pulse of a given length at an edge of the input.
 ///
 /// # Example
 ///
@@ -19,26 +19,26 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Oneshot {
-    /// The bit.
+    /// Input.
     in_: In<bool>,
-    /// While true, there is no pulse; `in` counts as false, so that it triggers afterwards when it
-    /// is true then.
+    /// While true, there is no pulse and `in` counts as false, so that an input that is true after the reset triggers a
+    /// pulse.
     reset: In<bool>,
-    /// Length of the pulse, in seconds; 0 or less: none.
+    /// Length of the pulse, in seconds; 0 or less: no pulse.
     width: In<f64>,
-    /// The pulse.
+    /// Pulse output.
     out: Out<bool>,
     /// The opposite of `out`.
     out_not: Out<bool>,
-    /// What is left of the pulse, in seconds; it keeps its value during a reset.
+    /// Remaining time of the pulse, in seconds; it keeps its value during a reset.
     time_left: Out<f64>,
-    /// Whether an edge during a pulse begins the pulse anew.
+    /// TRUE: an edge during a pulse restarts the pulse.
     #[hal(default = true)]
     retriggerable: ParamRw<bool>,
-    /// Whether the rising edge triggers.
+    /// TRUE: the rising edge triggers.
     #[hal(default = true)]
     rising: ParamRw<bool>,
-    /// Whether the falling edge triggers.
+    /// TRUE: the falling edge triggers.
     falling: ParamRw<bool>,
     #[state]
     was: bool,

@@ -1,7 +1,7 @@
 //! `reset`.
 use hal_component::{Component, In, Io, Period, Update};
 
-/// Sets signals of several types to given values at an edge of a bit.
+/// Sets signals of several types to given values at an edge of the trigger.
 ///
 /// # Example
 ///
@@ -24,31 +24,31 @@ use hal_component::{Component, In, Io, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Reset {
-    /// The bit whose edges set.
+    /// Trigger input.
     trigger: In<bool>,
-    /// Whether the rising edge of `trigger` sets.
+    /// TRUE: the rising edge of `trigger` sets the outputs.
     #[hal(default = true)]
     rising: In<bool>,
-    /// Whether the falling edge of `trigger` sets.
+    /// TRUE: the falling edge of `trigger` sets the outputs.
     falling: In<bool>,
-    /// Whether every edge sets; otherwise only the first.
+    /// TRUE: every edge sets the outputs; FALSE: only the first one does.
     #[hal(default = true)]
     retriggerable: In<bool>,
-    /// What `out-bit` is set to.
+    /// Value for `out-bit`.
     reset_bit: In<bool>,
-    /// What `out-float` is set to, in any unit.
+    /// Value for `out-float`, in any unit.
     reset_float: In<f64>,
-    /// What `out-s32` is set to.
+    /// Value for `out-s32`.
     reset_s32: In<i32>,
-    /// What `out-u32` is set to.
+    /// Value for `out-u32`.
     reset_u32: In<u32>,
-    /// A bit that is set; between edges others may write it.
+    /// Bit that is set at an edge; between edges others may write it.
     out_bit: Io<bool>,
-    /// A number that is set, in any unit; between edges others may write it.
+    /// Number that is set at an edge, in any unit; between edges others may write it.
     out_float: Io<f64>,
-    /// A 32-bit number that is set; between edges others may write it.
+    /// Signed 32-bit number that is set at an edge; between edges others may write it.
     out_s32: Io<i32>,
-    /// An unsigned number that is set; between edges others may write it.
+    /// Unsigned 32-bit number that is set at an edge; between edges others may write it.
     out_u32: Io<u32>,
     #[state]
     was: bool,

@@ -1,7 +1,7 @@
 //! `threadtest`.
 use hal_component::{Builder, Component, Error, Out, Period, Touch, Update, abi::component_flags};
 
-/// Counts runs.
+/// Counter of cycles.
 #[derive(Touch)]
 pub(crate) struct Threadtest {
     count: Out<u32>,

@@ -1,7 +1,7 @@
 //! `time`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// A stop watch: hours, minutes and seconds.
+/// Stopwatch: hours, minutes and seconds.
 ///
 /// # Example
 ///
@@ -17,9 +17,9 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Time {
-    /// Starts from zero as it rises; runs while it is true.
+    /// Rising edge starts from zero; the stopwatch runs while this is true.
     start: In<bool>,
-    /// Holds the watch while true, whatever `start` is.
+    /// While true, holds the stopwatch, whatever `start` is.
     pause: In<bool>,
     /// Seconds, 0 to 59.
     seconds: Out<u32>,
@@ -32,7 +32,7 @@ pub(crate) struct Time {
     /// Whole seconds.
     #[state]
     whole: u32,
-    /// The part of a second beyond them.
+    /// Fraction of the next second.
     #[state]
     part: f64,
 }

@@ -1,9 +1,9 @@
 //! `timedelay`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// Delays a bit, by one time when it rises and another when it falls.
+/// Delay of a bit, with separate times for rising and falling.
 ///
-/// What does not last as long as the delay is lost.
+/// A change that does not last as long as the delay is ignored.
 ///
 /// # Example
 ///
@@ -21,18 +21,17 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Timedelay {
-    /// The bit.
+    /// Input.
     in_: In<bool>,
-    /// How long `in` must be true before `out` is, in seconds.
+    /// Time for which `in` must be true before `out` becomes true, in seconds.
     #[hal(default = 0.5)]
     on_delay: In<f64>,
-    /// How long `in` must be false before `out` is, in seconds.
+    /// Time for which `in` must be false before `out` becomes false, in seconds.
     #[hal(default = 0.5)]
     off_delay: In<f64>,
     /// The delayed bit.
     out: Out<bool>,
-    /// How long `in` has differed from `out`, in seconds; it keeps its last value while they are
-    /// equal.
+    /// Time for which `in` has differed from `out`, in seconds; it keeps its last value while they are equal.
     elapsed: Out<f64>,
     #[state]
     timer: f64,

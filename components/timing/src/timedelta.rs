@@ -3,7 +3,7 @@ use hal_component::{
     Builder, Clock, Component, Error, In, Out, Period, Touch, Update, abi::component_flags,
 };
 
-/// How regular a thread is.
+/// Regularity of a thread.
 #[derive(Touch)]
 pub(crate) struct Timedelta {
     out: Out<i32>,
@@ -16,13 +16,13 @@ pub(crate) struct Timedelta {
     avg_err: Out<f64>,
     reset: In<bool>,
     clock: Clock,
-    /// When it ran before, in nanoseconds.
+    /// Time of the previous cycle, in nanoseconds.
     #[state]
     before: Option<i64>,
-    /// All errors added, in nanoseconds.
+    /// Sum of all errors, in nanoseconds.
     #[state]
     total: i64,
-    /// How many runs they are of.
+    /// Number of cycles in that sum.
     #[state]
     runs: u32,
 }

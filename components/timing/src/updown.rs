@@ -1,7 +1,7 @@
 //! `updown`.
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
-/// Counts the rising edges of two bits, up and down.
+/// Up/down counter for the rising edges of two inputs.
 ///
 /// # Example
 ///
@@ -24,22 +24,22 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Updown {
-    /// Its rising edge counts up.
+    /// Rising edge counts up.
     countup: In<bool>,
-    /// Its rising edge counts down.
+    /// Rising edge counts down.
     countdown: In<bool>,
     /// While true, the count is zero.
     reset: In<bool>,
-    /// The count.
+    /// Present count.
     count: Out<i32>,
-    /// Whether the count stops at `min` and `max`.
+    /// TRUE stops the count at `min` and `max`.
     clamp: ParamRw<bool>,
-    /// Whether the count goes from `max` on to `min`, and back; it goes before `clamp`.
+    /// TRUE wraps the count from `max` to `min`, and back; overrides `clamp`.
     wrap: ParamRw<bool>,
-    /// Highest count, if `clamp` or `wrap` is true.
+    /// Maximum count, if `clamp` or `wrap` is true.
     #[hal(default = i32::MAX)]
     max_: ParamRw<i32>,
-    /// Lowest count, if `clamp` or `wrap` is true.
+    /// Minimum count, if `clamp` or `wrap` is true.
     min_: ParamRw<i32>,
     #[state]
     ran: bool,
@@ -52,7 +52,7 @@ pub(crate) struct Updown {
 impl Update for Updown {
     fn update(&mut self, _: Period) {
         let (up, down) = (self.countup.get(), self.countdown.get());
-        // What is true as it begins has not risen.
+        // An input that is true in the first cycle does not count as risen.
         let (rises, falls) = (self.ran && up && !self.up_was, self.ran && down && !self.down_was);
         (self.ran, self.up_was, self.down_was) = (true, up, down);
         let moved = self.count.get().wrapping_add(i32::from(rises)).wrapping_sub(i32::from(falls));

@@ -8,10 +8,10 @@ use std::sync::atomic::{
     Ordering::{Acquire, Release},
 };
 
-/// The most inputs.
+/// Maximum number of inputs.
 const MOST: i64 = 32;
 
-/// Watches heartbeats.
+/// Watchdog for heartbeats.
 pub(crate) struct Watchdog;
 
 impl Component for Watchdog {
@@ -74,23 +74,23 @@ impl Component for Watchdog {
     }
 }
 
-/// For how long an input may stay the same, in nanoseconds.
+/// Time for which an input may stay the same, in nanoseconds.
 #[derive(Debug, Default)]
 struct Limit {
-    /// From the next change on.
+    /// Limit from the next change on.
     next: AtomicI64,
-    /// From the last start on.
+    /// Limit from the last start on.
     start: AtomicI64,
 }
 
-/// One input, as it is watched.
+/// State of one monitored input.
 #[derive(Touch)]
 struct Beat {
     input: In<bool>,
     limit: Takes<Limit>,
     #[state]
     was: bool,
-    /// For how long it may stay the same yet, in nanoseconds.
+    /// Remaining time for which it may stay the same, in nanoseconds.
     #[state]
     left: i64,
 }
@@ -133,15 +133,15 @@ impl Update for Process {
     }
 }
 
-/// The timeout of one input.
+/// Timeout of one input.
 #[derive(Touch)]
 struct Timeout {
     timeout: ParamRw<f64>,
     limit: Gives<Limit>,
 }
 
-/// A timeout: whole seconds, and the rest cut to nanoseconds. What is below 0 is 0; what is no
-/// number of 31 bits is 2.1 s.
+/// Converts a timeout in seconds to nanoseconds, truncated. A timeout below 0 counts as 0; NaN, or a timeout of 2^31 s
+/// or more, becomes 2.1 s.
 fn nanoseconds(timeout: f64) -> i64 {
     if timeout < 0.0 {
         return 0;

@@ -1,18 +1,18 @@
-//! `encoder` against an ideal disc: a place x in counts shows A in the quarters 1 and 2 of its cycle and B in 2 and 3, and what is
-//! counted, timed and noted follows from x.
+//! Test of `encoder` against an ideal disc: at a position x in counts, A is on in quarters 1 and 2 of the cycle and B
+//! in quarters 2 and 3. The expected counts, times and latched values follow from x.
 
 #![expect(clippy::cast_possible_truncation, reason = "places are small")]
 
 use super::Encoder;
 use hal_component::bench::{Bench, Random};
 
-/// The fast period, and the slow one.
+/// Period of the fast function and of the slow function, in nanoseconds.
 const BASE: i64 = 50_000;
 const SERVO: i64 = 1_000_000;
 
 struct Rig {
     bench: Bench,
-    /// When it is.
+    /// Present time, in nanoseconds.
     now: i64,
 }
 
@@ -23,7 +23,7 @@ impl Rig {
         Self { bench, now: 0 }
     }
 
-    /// The disc is at `x` as it is looked at.
+    /// Puts the disc at `x` and runs the fast function.
     fn see(&mut self, x: f64) {
         let quarter = (libm::floor(x) as i64).rem_euclid(4);
         self.bench.set("x.phase-A", matches!(quarter, 1 | 2));
@@ -31,7 +31,7 @@ impl Rig {
         self.look();
     }
 
-    /// Counts; every so often, the slow function runs after it: then true.
+    /// Runs the fast function, and after every servo period the slow one. Returns whether the slow one ran.
     fn look(&mut self) -> bool {
         self.bench.run("encoder.update-counters", BASE);
         self.now += BASE;
@@ -55,7 +55,7 @@ impl Rig {
     }
 }
 
-/// Every quarter is a count, or one of four: as B falls with A false, which begins a cycle upward.
+/// Every quarter is a count, or one of four: where B falls with A false, an upward cycle begins.
 #[test]
 fn a_disc_that_turns_to_and_fro_is_counted() {
     for x4 in [true, false] {
@@ -68,7 +68,7 @@ fn a_disc_that_turns_to_and_fro_is_counted() {
                 speed = random.pick(&[-1, 0, 1]);
             }
             let next = x + speed;
-            // One count per cycle: between the first quarter and the one before it.
+            // One count per quadrature cycle: between the first quarter and the one before it.
             if x.rem_euclid(4) == 0 && next.rem_euclid(4) == 1 {
                 cycles += 1;
             } else if x.rem_euclid(4) == 1 && next.rem_euclid(4) == 0 {
@@ -99,25 +99,26 @@ fn counter_mode_counts_the_rising_edges_of_a() {
     }
 }
 
-/// The least time, in nanoseconds, between the counts from which a speed is told: they are the last before two captures, each up to a
-/// count away from it, and seen up to a fast period late.
+/// Returns the minimum time in nanoseconds between the counts that determine a speed: each is the last one before a
+/// capture, up to one count away from the capture, and seen up to a fast period late.
 fn span(speed: f64) -> f64 {
     f64::max(1e9 / speed, SERVO as f64 - 1e9 / speed) - BASE as f64
 }
 
-/// Whether there were counts in enough captures for a speed.
+/// Returns whether enough captures had counts for a speed.
 fn is_sure(now: i64, speed: f64) -> bool {
     now >= 4 * SERVO && now as f64 * 1e-9 * speed > 4.0
 }
 
-/// A constant speed is told from whole counts and times that are up to one fast period late: of a span t it is off by BASE/t. The
-/// interpolated position is off by what turns in that time, in all less than half a count.
+/// A constant speed is computed from whole counts and times that are up to one fast period late: over a span t, its
+/// relative error is up to BASE/t. The interpolated position is off by the motion in that time, in total by less than
+/// half a count.
 #[test]
 fn a_constant_speed() {
     for speed in [0.3, 3.0, 47.1, 500.0, 1234.5, 9000.0, -77.7, -8765.4] {
         let (scale, mut rig) = (40.0, Rig::new());
         rig.bench.set("x.position-scale", scale);
-        // Slower than any here, so that nothing counts as still.
+        // Below every speed used here, so that the encoder never counts as still.
         rig.bench.set("x.min-speed-estimate", 1e-3);
         let seconds = 5.0 / f64::abs(speed) + 1.0;
         let start = 0.5;
@@ -139,8 +140,8 @@ fn a_constant_speed() {
     }
 }
 
-/// Between two counts the position goes on with the speed. It is late by up to the fast period in which a count was seen, and off
-/// by what the speed is since then; forward it begins at the lower edge of a count, as the disc does.
+/// Between counts, the position advances with the speed. It is late by up to the fast period in which a count was seen,
+/// and off by the speed's error since then; forward, it starts at the lower edge of a count, as the disc does.
 #[test]
 fn the_interpolated_position_is_within_half_a_count() {
     for speed in [47.1, 500.0, 1234.5, 2000.0] {
@@ -162,8 +163,8 @@ fn the_interpolated_position_is_within_half_a_count() {
     }
 }
 
-/// Since the last count t ago the disc has turned less than one count: the speed is at most 1/t counts, and none when t is
-/// `position-scale`/`min-speed-estimate`.
+/// In the time t since the last count, the disc has turned less than one count: the speed is at most 1/t counts, and 0
+/// once t reaches `position-scale`/`min-speed-estimate`.
 #[test]
 fn a_speed_decays_when_nothing_is_counted() {
     let (scale, speed, least) = (10.0, 2000.0, 50.0);
@@ -191,7 +192,8 @@ fn a_speed_decays_when_nothing_is_counted() {
     unreachable!("it never stands still");
 }
 
-/// An index zeroes the position at the very count where it rose, however late the capture; a latch notes it at its edges.
+/// An index sets the position to zero at exactly the count where it rose, however late the capture; a latch stores the
+/// count at its edges.
 #[test]
 fn an_index_and_a_latch_note_their_count() {
     let mut random = Random::new(4);
@@ -208,7 +210,7 @@ fn an_index_and_a_latch_note_their_count() {
         let count = |n: u64| libm::floor(0.5 + speed * n as f64) as i32;
         for n in 0..1000 {
             rig.bench.set("x.phase-Z", n >= index);
-            // High between two of the moments, whichever comes first.
+            // High between the two times, whichever comes first.
             let high = if rise < fall {
                 (rise..fall).contains(&n)
             } else {
@@ -221,7 +223,7 @@ fn an_index_and_a_latch_note_their_count() {
         let zero = count(index);
         assert!(!rig.bench.get::<bool>("x.index-enable"));
         assert_eq!(rig.int("counts"), count(999) - zero);
-        // What was noted last: of the two edges the later, if it counts.
+        // The last stored count: that of the later edge, if it is enabled.
         let (first, second) = if rise < fall { (rise, fall) } else { (fall, rise) };
         let noted = match (rise < fall, falling) {
             (true, true) | (false, _) => second,
@@ -233,7 +235,8 @@ fn an_index_and_a_latch_note_their_count() {
     }
 }
 
-/// Teeth of a gear, of which the last are missing, and fast periods of one: half of them a tooth shows.
+/// Gear with a number of teeth of which the last are missing, and the number of fast periods per tooth; the tooth shows
+/// for half of them.
 struct Gear {
     teeth: i32,
     missing: i32,
@@ -241,7 +244,7 @@ struct Gear {
 }
 
 impl Gear {
-    /// Turns by one tooth, number n since the beginning.
+    /// Turns by tooth number n.
     fn turn(&self, rig: &mut Rig, n: i32) {
         for part in 0..self.tooth {
             let shows = n % self.teeth < self.teeth - self.missing && 2 * part < self.tooth;
@@ -250,14 +253,15 @@ impl Gear {
         }
     }
 
-    /// What has been counted when tooth n has begun: the missing ones are, with the first that comes after them.
+    /// Returns the count when tooth n has begun: missing teeth are counted with the first one after the gap.
     fn counted(&self, n: i32) -> i32 {
         n / self.teeth * self.teeth + (n % self.teeth).min(self.teeth - self.missing - 1) + 1
     }
 }
 
-/// A gap tells itself from a pause between teeth once the speed is known: from where a pause of `missing-teeth` and a half is longer than
-/// what comes between two teeth. Each turn is a whole one then, and its index is at the first tooth.
+/// Once the speed is known, a gap is distinguished from the pause between teeth if a pause of `missing-teeth` and a
+/// half is longer than the time between two teeth. Each turn is then counted completely, with the index at the first
+/// tooth.
 #[test]
 fn a_gear_with_missing_teeth_makes_whole_turns() {
     for (teeth, missing, tooth) in [(60, 2, 8), (36, 1, 10), (60, 2, 26), (24, 3, 4), (12, 1, 40)] {
@@ -266,7 +270,7 @@ fn a_gear_with_missing_teeth_makes_whole_turns() {
         rig.bench.set("x.position-scale", f64::from(teeth));
         rig.bench.set("x.min-speed-estimate", 1e-3);
         rig.bench.set("x.index-enable", true);
-        // A whole gear, four times as slow: half a tooth of it is longer than one of those to come.
+        // A complete gear, at a quarter of the speed: half of its tooth lasts longer than a whole tooth later.
         let slow = Gear { teeth, missing: 0, tooth: 4 * tooth };
         (0..200).for_each(|n| slow.turn(&mut rig, n));
         let gear = Gear { teeth, missing, tooth };
@@ -279,7 +283,7 @@ fn a_gear_with_missing_teeth_makes_whole_turns() {
             gear.turn(&mut rig, n);
             let is = rig.int("rawcounts") - before;
             assert_eq!(is, gear.counted(n), "{teeth}-{missing}, tooth {n}");
-            // It holds in the gap as well: turns per second, which a whole number of fast periods tells exactly.
+            // The speed holds in the gap as well: a whole number of fast periods gives it exactly.
             let velocity = rig.float("velocity");
             let off = (velocity / speed - 1.0).abs();
             assert!(
