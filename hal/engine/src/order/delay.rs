@@ -14,8 +14,8 @@ use std::collections::{BTreeMap, BinaryHeap};
 /// Maximum number of loops and of paths that are reported, and maximum number of search steps.
 const MOST: usize = 200;
 const STEPS: usize = 1_000_000;
-/// Length of a flow that carries only bits, in functions. Paths through such flows are used only if
-/// there is no other.
+/// Length of a flow that carries only bits, in functions. Among paths of equal delay, those with
+/// such flows therefore come last.
 const BITS: usize = 1 << 20;
 /// Maximum number of start times that are examined one by one.
 const STARTS: u64 = 2000;
