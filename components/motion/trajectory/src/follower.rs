@@ -4,6 +4,13 @@
 //! accelerations that the cells allow, below the curve of highest speeds. The travel per period goes through a moving
 //! average, and the averaged travel moves the output along the same track. The filter moves the output along the path,
 //! never off it.
+//!
+//! Where the jerk is limited, the input cruises between acceleration and deceleration for as long as the filter looks
+//! back (the pause). The filter then never sees both, and its length T bounds the jerk by a/T instead of 2a/T. To be able
+//! to pause, the input accelerates only to speeds at which it could cruise for the whole pause below the curve of highest
+//! speeds.
+
+mod event;
 
 use crate::{
     pose::Pose,
@@ -34,6 +41,10 @@ pub struct Follower {
     next: usize,
     sum: f64,
     flat: u32,
+    /// Time since the last acceleration and the last deceleration of the input.
+    since_up: f64,
+    since_down: f64,
+    recheck: u8,
     events: u32,
     position: Pose,
     line: u32,
@@ -76,6 +87,9 @@ impl Follower {
             next: 0,
             sum: 0.0,
             flat: u32::from(MAX_SAMPLES),
+            since_up: f64::INFINITY,
+            since_down: f64::INFINITY,
+            recheck: 0,
             events: 0,
             position: start,
             line: 0,
@@ -134,6 +148,7 @@ impl Follower {
         let mut moved = 0.0;
         let mut still = true;
         let mut events = 0;
+        self.recheck = self.recheck.saturating_sub(1);
         while left > 0.0 && events < MAX_EVENTS {
             events += 1;
             let Some(cell) = track.cell(self.cell) else { break };
@@ -155,8 +170,10 @@ impl Follower {
                 continue;
             }
             let cap = if self.back == reverse { cell.feed * scale } else { 0.0 };
-            let Some((time, distance)) = self.event(cell, cap, left) else { break };
+            let Some((time, distance)) = self.event(track, cell, cap, left) else { break };
             left -= time;
+            self.since_up += time;
+            self.since_down += time;
             self.to_go -= distance;
             // A stop that is reached in this period needs its full time of rest.
             self.flat = 0;
@@ -164,6 +181,11 @@ impl Follower {
             moved += if self.back { -distance } else { distance };
         }
         self.events = self.events.max(events);
+        // Time at rest counts for the pause.
+        if left > 0.0 {
+            self.since_up += left;
+            self.since_down += left;
+        }
         if still {
             self.flat = self.flat.saturating_add(1);
         }
@@ -212,88 +234,6 @@ impl Follower {
     /// Returns true if the input has rested for longer than the filter and the third difference look back.
     fn has_rested(&self) -> bool {
         usize::try_from(self.flat.saturating_sub(REST)).is_ok_and(|f| f >= self.samples)
-    }
-
-    /// Moves up to the next change of acceleration. Returns the time and the distance, and sets the speed; `None` if
-    /// nothing moves.
-    fn event(&mut self, cell: &Cell, cap: f64, left: f64) -> Option<(f64, f64)> {
-        let to_go = self.to_go;
-        let (floor, braking) =
-            if self.back { (cell.begin, cell.braking_back()) } else { (cell.end, cell.braking()) };
-        let top = cell.speed * cell.speed;
-        let curve = |to_go: f64| (floor + 2.0 * braking * to_go).min(top);
-        let here = curve(to_go);
-        let highest = here.sqrt();
-        if self.speed > highest {
-            self.speed = highest;
-        }
-        let v = self.speed;
-        // Distance on which the curve is level before it falls towards the end of the cell.
-        let level = if braking > 0.0 { to_go - (top - floor) / (2.0 * braking) } else { to_go };
-        let falling = level <= 1e-13 * to_go;
-        let on_curve = v >= highest;
-        let allowed = |v: f64| (cell.rest - cell.fade * v * v).max(0.0);
-        let mut following = false;
-        let mut goal = f64::INFINITY;
-        let a = if v > cap {
-            let own = allowed(v);
-            -(if falling { own.max(braking) } else { own })
-        } else if on_curve && falling {
-            following = true;
-            -braking
-        } else if v < cap && !on_curve {
-            // The acceleration of a step is the one at its end; a long step is cut, so that it does not vanish.
-            let target = cap.min(highest);
-            if cell.fade > 0.0 && target - v > 0.005 * target {
-                goal = 0.5 * (v + target);
-            }
-            allowed((v + allowed(v) * left).min(goal).min(cap).min(cell.speed))
-        } else {
-            0.0
-        };
-        if v == 0.0 && a <= 0.0 {
-            return None;
-        }
-        let takes = |y: f64| {
-            let w = v * v + 2.0 * a * y;
-            let sum = v + w.max(0.0).sqrt();
-            if w < -1e-12 * v * v || sum <= 0.0 { f64::INFINITY } else { 2.0 * y / sum }
-        };
-        // The first of: end of the period, end of the cell, end of the level part, cap, curve.
-        let (mut time, mut distance, mut speed) = (left, f64::NAN, f64::NAN);
-        let mut offer = |t: f64, y: f64, v: f64| {
-            if t < time {
-                (time, distance, speed) = (t, y, v);
-            }
-        };
-        offer(takes(to_go), to_go, f64::NAN);
-        if !falling && level < to_go {
-            offer(takes(level), level, f64::NAN);
-        }
-        if v > cap && a < 0.0 {
-            offer((cap - v) / a, f64::NAN, cap);
-        } else if a > 0.0 && cap.min(goal) < highest {
-            offer((cap.min(goal) - v) / a, f64::NAN, cap.min(goal));
-        }
-        if !on_curve && falling && a > -braking {
-            let y = (here - v * v) / (2.0 * (a + braking));
-            offer(takes(y), y, curve(to_go - y).max(0.0).sqrt());
-        } else if !on_curve && a > 0.0 {
-            let y = (top - v * v) / (2.0 * a);
-            offer(takes(y), y, cell.speed);
-        }
-        if distance.is_nan() {
-            distance = time * (v + 0.5 * a * time);
-        }
-        let distance = distance.max(0.0).min(to_go);
-        self.speed = if following {
-            curve(to_go - distance).max(0.0).sqrt()
-        } else if speed.is_nan() {
-            (v + a * time).max(0.0)
-        } else {
-            speed
-        };
-        Some((time, distance))
     }
 
     /// Averages the travel over the last periods.

@@ -18,6 +18,12 @@ use crate::{
 /// Number of cells that a track holds; further moves are refused until the follower has advanced.
 pub const CAPACITY: usize = 16384;
 
+/// Largest angle of an arc in one cell, in radians.
+const ARC_CELL: f64 = 0.2;
+
+/// Length of the cells of a long blend.
+const BLEND_CELL: f64 = 0.5;
+
 /// Plans a path move by move. Everything that is published can be followed at once and ends at rest.
 #[derive(Clone, Debug)]
 pub struct Planner<K> {
@@ -167,13 +173,15 @@ impl<K: Kinematics> Planner<K> {
         if to > from {
             let pieces = match &a.curve {
                 Curve::Line { .. } => 1,
-                Curve::Arc { rate, .. } => count((to - from) * rate.abs() / 0.3),
+                Curve::Arc { rate, .. } => count((to - from) * rate.abs() / ARC_CELL),
                 Curve::Poly { .. } => 2,
             };
             self.add_span(&Span { curve: a.curve, from, to, pieces }, &a, None);
         }
         if let (Joint::Blend(blend), Some(b)) = (&joint, next) {
-            let span = Span { curve: blend.curve, from: 0.0, to: 2.0 * half, pieces: 4 };
+            let wide = count(2.0 * half / BLEND_CELL).min(16);
+            let pieces = if wide > 4 { wide } else { 4 };
+            let span = Span { curve: blend.curve, from: 0.0, to: 2.0 * half, pieces };
             self.add_span(&span, &a, Some(b));
         }
         if joint == Joint::Stop {

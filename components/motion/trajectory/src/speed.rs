@@ -4,12 +4,12 @@
 //!
 //! - velocity q′v, acceleration q″v² + q′a, jerk q‴v³ + 3q″va + q′k.
 //!
-//! With A1, A2, A3 the bounds of |q′|, |q″|, |q‴| in the cell, and a jerk filter of length T behind the follower
-//! (|k| ≤ 2a/T), these conditions keep the limits V, A and J:
+//! With A1, A2, A3 the bounds of |q′|, |q″|, |q‴| in the cell, and a jerk filter of length T behind a follower that
+//! cruises for T between acceleration and deceleration (|k| ≤ a/T), these conditions keep the limits V, A and J:
 //!
 //! - A1·v ≤ V,
 //! - A2·v² + A1·a ≤ A,
-//! - A3·v³ + 3·A2·v·a + 2·A1·a/T ≤ J.
+//! - A3·v³ + 3·A2·v·a + A1·a/T ≤ J.
 
 use crate::{
     bounds::Bounds,
@@ -21,7 +21,7 @@ use crate::{
 const RESERVE: [f64; 3] = [1.0 - 1e-9, 1.0 - 1e-8, 1.0 - 1e-6];
 
 /// Share of acceleration and jerk that the curvature of the path may use when there is a jerk filter.
-const CURVATURE_SHARE: f64 = 0.5;
+const CURVATURE_SHARE: f64 = 0.65;
 
 /// Bounds of the derivatives of the joints in a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,7 +47,7 @@ pub(crate) struct Law {
     top: f64,
     jerk: bool,
     period: f64,
-    /// Servo periods that the jerk filter averages.
+    /// Servo periods that the jerk filter averages; 1 without a limit of jerk.
     pub(crate) samples: u16,
     share: f64,
 }
@@ -102,17 +102,21 @@ impl Law {
         for l in self.axes.iter().chain(&self.joints) {
             if l.jerk.is_finite() && l.acceleration.is_finite() {
                 let speed = l.velocity.min(feed).min(self.top);
-                time = time.max((2.0 * l.acceleration / l.jerk).min((2.0 * speed / l.jerk).sqrt()));
+                time = time.max((l.acceleration / l.jerk).min((speed / l.jerk).sqrt()));
             }
+        }
+        if !self.jerk {
+            self.samples = 1;
+            return;
         }
         let samples = (time / self.period - 1e-9).ceil();
         self.samples = if samples < f64::from(MAX_SAMPLES) {
             #[expect(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
-                reason = "1 to 2000"
+                reason = "2 to 2000"
             )]
-            let whole = samples.max(1.0) as u16;
+            let whole = samples.max(2.0) as u16;
             whole
         } else {
             MAX_SAMPLES
@@ -157,7 +161,7 @@ impl Law {
                 at_speed = at_speed.min((l.acceleration - a2 * square) / a1);
             }
             if self.jerk && l.jerk.is_finite() {
-                let weight = 3.0 * a2 * speed + 2.0 * a1 / time;
+                let weight = 3.0 * a2 * speed + a1 / time;
                 if weight > 0.0 {
                     at_speed = at_speed.min((l.jerk - a3 * square * speed) / weight);
                 }
@@ -186,7 +190,7 @@ impl Law {
         let time = self.time();
         let good = |(l, a1, a2, a3): (&Limits, f64, f64, f64)| {
             let (v, a) = (speed, acceleration);
-            let jerk = a3 * v * v * v + 3.0 * a2 * v * a + 2.0 * a1 * a / time;
+            let jerk = a3 * v * v * v + 3.0 * a2 * v * a + a1 * a / time;
             let slack = 1.0 + 1e-12;
             a1 * v <= l.velocity * slack
                 && a2 * v * v + a1 * a <= l.acceleration * slack

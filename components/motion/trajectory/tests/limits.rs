@@ -1,36 +1,49 @@
-//! Random programs of every kind, at random overrides, judged by the watchman.
+//! Random programs of every kind on every robot, at random overrides, judged by the watchman.
 #![expect(clippy::print_stdout, reason = "tests")]
 
 mod judge;
 
-use hal_corpus::shrink;
-use hal_trajectory::Trivial;
-use judge::{Outcome, case, run};
+use hal_corpus::{NAMES, named, shrink};
+use hal_trajectory::{Limits, Machine, Trivial};
+use judge::{Conduct, Outcome, PLAIN, case, run};
 
-fn judged(seed: u64, count: usize) -> Outcome {
-    let (machine, program, conduct) = case(seed, count);
-    let out = run(&program, &machine, &Trivial, &conduct);
-    if out.violations > 0 {
-        let small = shrink(&program, |p| run(p, &machine, &Trivial, &conduct).violations > 0);
+fn judged(seed: u64, count: usize) -> (Outcome, usize) {
+    let c = case(seed, count);
+    let out = run(&c.program, &c.machine, &c.robot, &c.conduct);
+    if out.violations > 0 || out.rejected > 0 {
+        let fails = |o: &Outcome| o.violations > 0 || o.rejected > 0;
+        let small = shrink(&c.program, |p| fails(&run(p, &c.machine, &c.robot, &c.conduct)));
         println!(
-            "seed {seed} {}: {} violations in {} cycles, worst {:?}\n{}\n{conduct:?}\n{machine:?}\nshrunk to {:#?}",
-            program.name, out.violations, out.cycles, out.worst, out.place, small.steps
+            "seed {seed} {} {:?}: {} violations in {} cycles, {} cells rejected, worst {:?}\n{}\n{:?}\n{:?}\n\
+             shrunk to {:#?}",
+            c.program.name,
+            c.robot,
+            out.violations,
+            out.cycles,
+            out.rejected,
+            out.worst,
+            out.place,
+            c.conduct,
+            c.machine,
+            small.steps
         );
     }
-    out
+    (out, c.program.steps.len())
 }
 
 /// Runs many seeds and prints the sum.
 fn many(seeds: core::ops::Range<u64>, count: usize) {
+    println!("seeds {seeds:?}");
     let (mut cycles, mut segments, mut bad, mut rejected, mut refused) = (0, 0, 0, 0, 0);
-    let (mut worst, mut events, mut memory) = ([0.0_f64; 4], 0, 0);
+    let (mut worst, mut events, mut memory, mut unfinished) = ([0.0_f64; 4], 0, 0, 0);
     for seed in seeds {
-        let out = judged(seed, count);
+        let (out, steps) = judged(seed, count);
         cycles += out.cycles;
-        segments += case(seed, count).1.steps.len();
+        segments += steps;
         bad += u64::from(out.violations > 0);
         rejected += out.rejected;
         refused += out.refused;
+        unfinished += out.unfinished;
         events = events.max(out.events);
         memory = memory.max(out.memory);
         for (w, r) in worst.iter_mut().zip(out.worst) {
@@ -39,17 +52,38 @@ fn many(seeds: core::ops::Range<u64>, count: usize) {
     }
     println!(
         "{segments} segments, {cycles} cycles: worst v {:.9} a {:.9} j {:.9} path {:.6}; {bad} bad programs; \
-         {rejected} rejected cells, {refused} refused moves, {events} events, track {memory} bytes",
+         {rejected} rejected cells; {refused} programs ended at a refused move, {unfinished} after their time; \
+         {events} events, track {memory} bytes",
         worst[0], worst[1], worst[2], worst[3]
     );
     assert_eq!(bad, 0);
     assert_eq!(rejected, 0);
-    assert_eq!(refused, 0);
 }
 
 #[test]
 fn random_programs_keep_every_limit() {
-    many(0..210, 40);
+    many(0..231, 40);
+}
+
+/// Programs by name, from exact paths to wide blends, with and without a limit of jerk.
+#[test]
+fn programs_by_name_keep_every_limit() {
+    for name in NAMES {
+        for (k, tolerance) in [0.0, 0.01, 0.1, 2.0].into_iter().enumerate() {
+            let jerk = if k % 2 == 0 { 1e5 } else { f64::INFINITY };
+            let machine = Machine::uniform(Limits { velocity: 200.0, acceleration: 1750.0, jerk });
+            let program = named(name, tolerance, 150.0).unwrap();
+            let conduct = Conduct { seed: 1, change: if k < 2 { 0.0 } else { 0.003 }, ..PLAIN };
+            let out = run(&program, &machine, &Trivial, &conduct);
+            println!("{name} P {tolerance}: {} cycles, worst {:.9?}", out.cycles, out.worst);
+            assert_eq!(
+                (out.violations, out.rejected, out.refused),
+                (0, 0, 0),
+                "{name} {}",
+                out.place
+            );
+        }
+    }
 }
 
 #[test]

@@ -1,8 +1,20 @@
 //! Runs a program through planner and follower, under the eyes of the watchman.
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
-#![expect(unreachable_pub, dead_code, reason = "each test uses a part")]
+#![allow(
+    unreachable_pub,
+    dead_code,
+    unused_imports,
+    clippy::allow_attributes,
+    reason = "each test uses a part"
+)]
 
-use hal_corpus::{Kind, Mode as CorpusMode, Motion, Options, Program, Rng, Step, random};
+mod case;
+mod robots;
+
+pub use case::{Case, case};
+pub use robots::Robot;
+
+use hal_corpus::{Mode as CorpusMode, Motion, Program, Rng, Step};
 use hal_trajectory::{
     AXES, Error, Follower, JOINTS, Kinematics, Limits, Machine, Mode, Move, Planner, Pose, Shape,
 };
@@ -19,10 +31,12 @@ pub struct Conduct {
     pub turn: f64,
     /// Largest number of moves per period that the planner receives; 0 gives it all of them at once.
     pub feed: u64,
+    /// Probability per period that the program is aborted: the run ends at rest.
+    pub abort: f64,
 }
 
 /// An override of 1, and every move at once.
-pub const PLAIN: Conduct = Conduct { seed: 0, change: 0.0, turn: 0.0, feed: 0 };
+pub const PLAIN: Conduct = Conduct { seed: 0, change: 0.0, turn: 0.0, feed: 0, abort: 0.0 };
 
 /// Findings about a run.
 #[derive(Clone, Debug, Default)]
@@ -45,6 +59,8 @@ pub struct Outcome {
     pub end: Pose,
     /// Moves that were refused.
     pub refused: usize,
+    /// Runs that still moved when their time was over.
+    pub unfinished: usize,
 }
 
 /// Converts a program to moves and to shapes for the path judge.
@@ -124,8 +140,8 @@ pub fn run<K: Kinematics + Clone>(
     let mut path = PathWatch::new(shapes.into_boxed_slice(), size, 4);
     let mut out = Outcome::default();
     let (mut given, mut finished, mut scale, mut reverse) = (0, false, 1.0, false);
-    let mut flat_cycles = 0;
-    let most: u64 = 2_000_000;
+    let (mut flat_cycles, mut stuck, mut aborted) = (0, false, false);
+    let most: u64 = 1_000_000;
     // Random changes end after a while, so that every program ends.
     let quiet = 30_000;
     while out.cycles < most {
@@ -134,7 +150,12 @@ pub fn run<K: Kinematics + Clone>(
             match planner.push(&moves[given]) {
                 Ok(()) => {}
                 Err(Error::Full) => break,
-                Err(_) => out.refused += 1,
+                Err(_) => {
+                    // The rest of the program would start at another place.
+                    out.refused += 1;
+                    given = moves.len();
+                    break;
+                }
             }
             given += 1;
             room -= 1;
@@ -156,8 +177,13 @@ pub fn run<K: Kinematics + Clone>(
             reverse = !reverse;
         }
         // A hold or a reverse motion to the oldest cell ends after a while.
-        if flat_cycles > 50 {
+        let waits = usize::from(planner.track().cell(follower.oldest()).map_or(1, |c| c.samples));
+        if flat_cycles > waits + 50 {
             (scale, reverse) = (1.0, false);
+        }
+        aborted |= out.cycles <= quiet && conduct.abort > 0.0 && rng.chance(conduct.abort);
+        if aborted {
+            (scale, reverse) = (0.0, false);
         }
         let step = follower.step(planner.track(), scale, reverse);
         flat_cycles = if step.moving { 0 } else { flat_cycles + 1 };
@@ -175,11 +201,17 @@ pub fn run<K: Kinematics + Clone>(
                 planner.forget(follower.oldest().saturating_sub(200));
             }
         }
-        if finished && !reverse && follower.is_done(planner.track()) {
+        out.end = step.pose;
+        if finished && !reverse && follower.is_done(planner.track()) || aborted && !step.moving {
             break;
         }
-        out.end = step.pose;
+        // A motion that never starts again hangs; a slow one does not.
+        if finished && flat_cycles > 10_000 {
+            stuck = true;
+            break;
+        }
     }
+    out.unfinished = usize::from(out.cycles >= most);
     let (a, j) = (axes.report(), joints.report());
     out.worst = [
         a.velocity.ratio.max(j.velocity.ratio),
@@ -190,9 +222,9 @@ pub fn run<K: Kinematics + Clone>(
     if out.violations > 0 {
         out.place = format!("axes {a:?}\n joints {j:?}\n path {:?}", path.worst());
     }
-    if out.cycles >= most {
+    if stuck {
         out.place.push_str(&format!(
-            " did not finish {}",
+            " rests before the end {}",
             format!("{follower:?}").chars().take(300).collect::<String>()
         ));
         out.violations += 1;
@@ -200,47 +232,4 @@ pub fn run<K: Kinematics + Clone>(
     out.events = follower.events();
     out.rejected = planner.rejections().0;
     out
-}
-
-/// A random machine, program and conduct for a seed.
-pub fn case(seed: u64, count: usize) -> (Machine, Program, Conduct) {
-    let mut rng = Rng::new(seed ^ 0x5EED);
-    let jerk = rng.pick(&[f64::INFINITY, 1e6, 1e5, 1e5, 1e4, 1e4], 1e5);
-    let base = Limits { velocity: 200.0, acceleration: 1750.0, jerk };
-    let mut machine = Machine::uniform(base);
-    for limits in &mut machine.axes {
-        if rng.chance(0.3) {
-            limits.velocity *= rng.log(0.2, 2.0);
-            limits.acceleration *= rng.log(0.3, 2.0);
-            limits.jerk *= rng.log(0.5, 2.0);
-        }
-    }
-    machine.max_override = rng.pick(&[1.0, 1.2, 1.5], 1.0);
-    let kind = Kind::ALL[usize::try_from(seed % 7).unwrap()];
-    let mode = rng.pick(
-        &[
-            CorpusMode::ExactStop,
-            CorpusMode::Exact,
-            CorpusMode::Blend(0.0),
-            CorpusMode::Blend(0.01),
-            CorpusMode::Blend(0.1),
-            CorpusMode::Blend(2.0),
-            CorpusMode::Blend(1e3),
-        ],
-        CorpusMode::Exact,
-    );
-    let feed = rng.pick(&[1.0, 20.0, 60.0, 150.0, 500.0, 5000.0], 60.0);
-    let axes = 1 + usize::try_from(rng.below(9)).unwrap();
-    let stops = if rng.chance(0.5) { 0.02 } else { 0.0 };
-    // A crawl takes long: shorter programs.
-    let count = if feed < 5.0 { count / 20 } else { count };
-    let options = Options { count, axes, mode, feed, stops, area: 300.0 };
-    let program = random(kind, seed, &options);
-    let conduct = Conduct {
-        seed,
-        change: rng.pick(&[0.0, 0.003, 0.01, 0.1], 0.0),
-        turn: rng.pick(&[0.0, 0.0, 0.002], 0.0),
-        feed: rng.pick(&[0, 1, 8], 0),
-    };
-    (machine, program, conduct)
 }

@@ -1,0 +1,146 @@
+//! Time of programs against bounds that are found by other means.
+#![expect(
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "tests"
+)]
+
+mod judge;
+
+use hal_corpus::{Kind, Mode, Options, Program, random};
+use hal_trajectory::{Limits, Machine, Planner, Pose, Trivial};
+use judge::{PLAIN, convert, run};
+
+const V: f64 = 200.0;
+const A: f64 = 1750.0;
+
+fn machine(jerk: f64) -> Machine {
+    Machine::uniform(Limits { velocity: V, acceleration: A, jerk })
+}
+
+/// Seconds that the follower takes.
+fn taken(program: &Program, machine: &Machine) -> f64 {
+    let out = run(program, machine, &Trivial, &PLAIN);
+    assert_eq!(out.violations, 0, "{}", out.place);
+    out.cycles as f64 * machine.period
+}
+
+/// A station of the grid: derivatives, highest squared speed, distance to the next, and true if the next is a stop.
+type Station = ([f64; 9], [f64; 9], f64, f64, bool);
+
+/// Least time over the same curves without a limit of jerk: reachability on a grid, with the exact constraints of
+/// each axis at each station.
+fn bound(program: &Program, machine: &Machine) -> f64 {
+    let (moves, _) = convert(program, machine);
+    let mut planner = Planner::new(*machine, Trivial, Pose(program.start)).unwrap();
+    for m in &moves {
+        planner.push(m).unwrap();
+    }
+    planner.finish();
+    let track = planner.track();
+    let mut stations: Vec<Station> = Vec::new();
+    for cell in track.cells() {
+        let curve = track.curve(cell.curve).unwrap();
+        let count = (cell.length / 0.05).ceil().max(2.0);
+        for k in 0..count as usize {
+            let d = curve.at(cell.from + cell.length * (k as f64 / count));
+            let speed = d.first.norm(hal_trajectory::Group::Xyz);
+            // The programmed feed, by the speed in XYZ at this very place.
+            let feed = moves[cell.line as usize].feed;
+            let mut top = if speed > 0.0 { feed / speed } else { 1e9 };
+            for (q, l) in d.first.0.iter().zip(&machine.axes) {
+                top = top.min(l.velocity / q.abs().max(1e-12));
+            }
+            stations.push((d.first.0, d.second.0, top * top, cell.length / count, false));
+        }
+        if cell.stop {
+            stations.last_mut().unwrap().4 = true;
+        }
+    }
+    let n = stations.len();
+    // Lowest and highest acceleration along the path at a squared speed; `None` if there is none.
+    let range = |s: &Station, b: f64| {
+        let (mut low, mut high) = (-1e12_f64, 1e12_f64);
+        for ((q1, q2), l) in s.0.iter().zip(&s.1).zip(&machine.axes) {
+            let (a, c) = (l.acceleration, q2 * b);
+            if q1.abs() < 1e-9 {
+                if c.abs() > a {
+                    return None;
+                }
+                continue;
+            }
+            let (x, y) = ((-a - c) / q1, (a - c) / q1);
+            low = low.max(x.min(y));
+            high = high.min(x.max(y));
+        }
+        (low <= high).then_some((low, high))
+    };
+    let mut next = 0.0;
+    let mut top = vec![0.0; n + 1];
+    for k in (0..n).rev() {
+        let s = &stations[k];
+        if s.4 {
+            next = 0.0;
+        }
+        let good = |b: f64| range(s, b).is_some_and(|(low, _)| b + 2.0 * low * s.3 <= next);
+        let mut high = s.2;
+        if !good(high) {
+            let mut low = 0.0;
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if good(middle) { low = middle } else { high = middle }
+            }
+            high = low;
+        }
+        top[k] = high;
+        next = high;
+    }
+    let (mut b, mut time) = (0.0_f64, 0.0);
+    for k in 0..n {
+        let s = &stations[k];
+        b = b.min(top[k]);
+        let (_, high) = range(s, b).unwrap();
+        let limit = if s.4 || k + 1 == n { 0.0 } else { top[k + 1] };
+        let after = (b + 2.0 * high * s.3).min(limit).max(0.0);
+        time += 2.0 * s.3 / (b.sqrt() + after.sqrt()).max(1e-12);
+        b = after;
+    }
+    time
+}
+
+fn options(mode: Mode, feed: f64, axes: usize) -> Options {
+    Options { count: 60, axes, mode, feed, stops: 0.02, area: 150.0 }
+}
+
+/// Trapezoids take at most 3 % more than the bound, in the mean; a jerk of 1e5 (57 times the acceleration) at most 8 %,
+/// and a jerk of 1e4 at most 40 %.
+#[test]
+fn times_are_near_the_bounds() {
+    println!("kind, tolerance: bound s, trapezoid, jerk 1e5, jerk 1e4 (times of the bound)");
+    let mut sums = [0.0; 3];
+    let mut count = 0.0;
+    for kind in [Kind::Lines, Kind::Arcs, Kind::Reversals, Kind::Mixed] {
+        for p in [0.0, 0.01, 0.1, 2.0] {
+            let mut times = [0.0; 4];
+            for (seed, feed) in [(1, 20.0), (2, 60.0), (3, 150.0), (4, 500.0)] {
+                let program = random(kind, seed, &options(Mode::Blend(p), feed, 3));
+                times[0] += bound(&program, &machine(f64::INFINITY));
+                times[1] += taken(&program, &machine(f64::INFINITY));
+                times[2] += taken(&program, &machine(1e5));
+                times[3] += taken(&program, &machine(1e4));
+            }
+            let [b, t, j5, j4] = times;
+            println!("{kind:?} P {p}: {b:.3} s, {:.4} {:.4} {:.4}", t / b, j5 / b, j4 / b);
+            for (s, x) in sums.iter_mut().zip([t, j5, j4]) {
+                *s += x / b;
+            }
+            count += 1.0;
+        }
+    }
+    let means = sums.map(|s| s / count);
+    println!("mean: {means:.4?}");
+    assert!(means[0] <= 1.03 && means[1] <= 1.08 && means[2] <= 1.40, "{means:?}");
+}
