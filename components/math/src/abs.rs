@@ -21,7 +21,7 @@ pub(crate) struct Abs {
     in_: In<f64>,
     /// Its absolute value, in the same unit.
     out: Out<f64>,
-    /// True when the number is negative, or not a number.
+    /// True when the number is negative or NaN.
     sign: Out<bool>,
     /// True when the number is above 0.000001.
     is_positive: Out<bool>,

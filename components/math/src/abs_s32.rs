@@ -19,7 +19,7 @@ use hal_component::{Component, In, Out, Period, Update};
 pub(crate) struct AbsS32 {
     /// The number.
     in_: In<i32>,
-    /// Its absolute value; that of -2147483648 is itself, for its opposite does not fit.
+    /// Absolute value; for -2147483648 it is -2147483648, because 2147483648 does not fit.
     out: Out<i32>,
     /// True when the number is negative.
     sign: Out<bool>,

@@ -19,7 +19,7 @@ use hal_component::{Component, In, Out, Period, Update};
 pub(crate) struct AbsS64 {
     /// The number.
     in_: In<i64>,
-    /// Its absolute value; that of the lowest number is itself, for its opposite does not fit.
+    /// Absolute value; for the lowest number it is the number itself, because its opposite does not fit.
     out: Out<i64>,
     /// True when the number is negative.
     sign: Out<bool>,

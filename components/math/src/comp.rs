@@ -1,7 +1,7 @@
 //! `comp`.
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
-/// Compares two numbers, with hysteresis.
+/// Comparator of two numbers, with hysteresis.
 ///
 /// # Example
 ///
@@ -25,8 +25,8 @@ pub(crate) struct Comp {
     in0: In<f64>,
     /// Second number, in the same unit.
     in1: In<f64>,
-    /// True after `in1` was above `in0` by more than half of `hyst`, false after it was below by
-    /// more than that; in between it stays as it is.
+    /// Becomes true when `in1` is above `in0` by more than half of `hyst`, and false when it is below by more than
+    /// that; in between it keeps its value.
     out: Out<bool>,
     /// True when the numbers differ by no more than half of `hyst`.
     equal: Out<bool>,

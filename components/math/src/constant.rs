@@ -1,9 +1,9 @@
 //! `constant`.
 use hal_component::{Component, Out, ParamRw, Period, Update};
 
-/// A number that is set once.
+/// Constant number.
 ///
-/// A signal can be set as well, as long as no pin writes it; a parameter is saved with the machine.
+/// A signal can be set to a constant as well, as long as no pin writes it; a parameter is saved with the machine.
 ///
 /// # Example
 ///
@@ -19,9 +19,9 @@ use hal_component::{Component, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Constant {
-    /// The number, in any unit.
+    /// Value of the constant, in any unit.
     out: Out<f64>,
-    /// The number that `out` is, in whatever unit.
+    /// Value for `out`, in the same unit.
     value: ParamRw<f64>,
 }
 

@@ -3,7 +3,7 @@ use hal_component::{Component, In, Out, Period, Update};
 
 /// Rate of change of a number.
 ///
-/// It is the backward difference (x - x before)/T, the rate in the middle of the last period.
+/// The output is the backward difference (x - previous x)/T, which is the rate in the middle of the last period.
 ///
 /// # Example
 ///
@@ -22,7 +22,7 @@ use hal_component::{Component, In, Out, Period, Update};
 pub(crate) struct Ddt {
     /// The number, in units.
     in_: In<f64>,
-    /// Its change since the last run, in units per second; before the first run it counts as 0.
+    /// Change since the last cycle, in units per second; before the first cycle the input counts as 0.
     out: Out<f64>,
     #[state]
     old: f64,
@@ -41,7 +41,8 @@ mod tests {
     use super::Ddt;
     use hal_component::{bench::Bench, trace::replay};
 
-    /// The backward difference of a ramp is its slope, and that of a parabola x = a·t²/2 is a·(t - T/2): the middle of the run.
+    /// The backward difference of a ramp is its slope, and that of a parabola x = a·t²/2 is a·(t - T/2): in the middle
+    /// of the period.
     #[test]
     fn ramps_and_parabolas() {
         let mut bench = Bench::new();
@@ -56,7 +57,7 @@ mod tests {
                 bench.set(&format!("ddt.{i}.in"), x);
                 bench.run(&format!("ddt.{i}"), 1_000_000);
                 let is: f64 = bench.get(&format!("ddt.{i}.out"));
-                // Both numbers were rounded two or three times before they were subtracted.
+                // Both numbers were rounded two or three times before the subtraction.
                 let bound = 4.0 * f64::EPSILON * x.abs() / dt;
                 assert!((is - wanted).abs() <= bound, "{i} at {t}: {is}, not {wanted}");
             }

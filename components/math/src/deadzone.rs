@@ -1,7 +1,7 @@
 //! `deadzone`.
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
-/// A number that stays at its centre while it is near.
+/// Dead zone around a centre.
 ///
 /// # Example
 ///
@@ -22,11 +22,11 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 pub(crate) struct Deadzone {
     /// The number, in any unit.
     in_: In<f64>,
-    /// `center` within the zone; beyond it, the number less half of its width; in its unit.
+    /// `center` within the zone; beyond it, the number less half of the zone's width; in the number's unit.
     out: Out<f64>,
-    /// The middle of the zone, in the number's unit.
+    /// Centre of the zone, in the number's unit.
     center: ParamRw<f64>,
-    /// The width of the zone, in the number's unit.
+    /// Width of the zone, in the number's unit.
     #[hal(default = 1.0)]
     threshold: ParamRw<f64>,
 }

@@ -22,11 +22,10 @@ pub(crate) struct Div2 {
     in0: In<f64>,
     /// Divisor, in any unit.
     in1: In<f64>,
-    /// `in0` / `in1`, in the unit of one per that of the other; the divisor is kept away from zero
-    /// by `deadband`.
+    /// `in0` / `in1`, in the quotient of their units; `deadband` keeps the divisor away from zero.
     out: Out<f64>,
-    /// A divisor closer to zero than this, in its unit, is taken as this, with its sign (zero as
-    /// positive); positive, and set to 1e-12 when it is less.
+    /// Minimum magnitude of the divisor, in its unit; a smaller divisor is replaced by this with its sign (zero counts
+    /// as positive). A value below 1e-12 is set to 1e-12.
     deadband: ParamRw<f64>,
 }
 

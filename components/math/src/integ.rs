@@ -4,7 +4,7 @@ use hal_component::{Component, In, Out, Period, Update};
 
 /// Integral of a number over time.
 ///
-/// Each run adds `gain`·`in`·T, the number as it is now for the whole of the last period.
+/// Each cycle adds `gain`·`in`·T: the present number counts for the whole of the last period.
 ///
 /// # Example
 ///
@@ -21,18 +21,18 @@ use hal_component::{Component, In, Out, Period, Update};
 pub(crate) struct Integ {
     /// The number, in units per second.
     in_: In<f64>,
-    /// What the input is multiplied by, a number without a unit.
+    /// Factor of the input, without unit.
     #[hal(default = 1.0)]
     gain: In<f64>,
     /// While true, the integral is 0 (within the bounds).
     reset: In<bool>,
-    /// Lowest integral, in units; it wins when the two cross.
+    /// Minimum of the integral, in units; it wins if the bounds are crossed.
     #[hal(default = -1e20)]
     min_: In<f64>,
-    /// Highest integral, in units.
+    /// Maximum of the integral, in units.
     #[hal(default = 1e20)]
     max_: In<f64>,
-    /// The integral, in units, kept within the bounds at every run.
+    /// Integral, in units, limited to the bounds in every cycle.
     out: Out<f64>,
 }
 
@@ -52,7 +52,8 @@ mod tests {
     use super::Integ;
     use hal_component::{bench::Bench, trace::replay};
 
-    /// A rectangle for each run: a constant c gives c·t, a ramp r·t gives r·t·(t + T)/2, and a whole cycle of a sine nothing.
+    /// Each cycle adds a rectangle: a constant c gives c·t, a ramp r·t gives r·t·(t + T)/2, and a full cycle of a sine
+    /// gives 0.
     #[test]
     fn areas() {
         let mut bench = Bench::new();
@@ -68,7 +69,7 @@ mod tests {
                 bench.set(&format!("integ.{i}.in"), x);
                 bench.run(&format!("integ.{i}"), 1_000_000);
                 let is: f64 = bench.get(&format!("integ.{i}.out"));
-                // Each run rounds what is added four times and the sum once; no sum is above 5.
+                // Each cycle rounds the addend four times and the sum once; no sum is above 5.
                 let bound = f64::from(n) * (4.0 * 0.01 + 5.0) * f64::EPSILON / 2.0;
                 if i < 2 || n == 1000 {
                     assert!((is - gain * wanted).abs() <= bound, "{i} at {t}: {is}, not {wanted}");

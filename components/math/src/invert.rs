@@ -19,10 +19,10 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 pub(crate) struct Invert {
     /// The number, in any unit.
     in_: In<f64>,
-    /// 1 / `in`, per unit of it; the number is kept away from zero by `deadband`.
+    /// 1 / `in`, per unit of it; `deadband` keeps the number away from zero.
     out: Out<f64>,
-    /// A number closer to zero than this, in its unit, is taken as this, with its sign (zero as
-    /// positive); positive, and set to 1e-12 when it is less.
+    /// Minimum magnitude of the number, in its unit; a smaller number is replaced by this with its sign (zero counts as
+    /// positive). A value below 1e-12 is set to 1e-12.
     deadband: ParamRw<f64>,
 }
 

@@ -20,14 +20,13 @@ use hal_component::{Component, In, Out, Period, Update};
 pub(crate) struct Limit1 {
     /// The number, in any unit.
     in_: In<f64>,
-    /// Lowest output, in the number's unit.
+    /// Minimum of the output, in the number's unit.
     #[hal(default = -1e20)]
     min_: In<f64>,
-    /// Highest output, in the number's unit; it wins when the two cross.
+    /// Maximum of the output, in the number's unit; it wins if the bounds are crossed.
     #[hal(default = 1e20)]
     max_: In<f64>,
-    /// The number within the range, in its unit. A bound that is not a number does not bind, and
-    /// what is not a number passes.
+    /// Limited number, in its unit. A bound that is NaN has no effect, and an input that is NaN passes unchanged.
     out: Out<f64>,
 }
 

@@ -2,7 +2,7 @@
 use crate::bounds::within;
 use hal_component::{Component, In, Out, Period, Update};
 
-/// Limits a number to a range, and how fast it changes.
+/// Limits a number to a range, and its rate of change.
 ///
 /// # Example
 ///
@@ -25,17 +25,17 @@ pub(crate) struct Limit2 {
     in_: In<f64>,
     /// While true, the output jumps to the number (within the range) at once.
     load: In<bool>,
-    /// Lowest output, in units; it wins when the two cross and the number is below it.
+    /// Minimum of the output, in units; it wins if the bounds are crossed and the number is below it.
     #[hal(default = -1e20)]
     min_: In<f64>,
-    /// Highest output, in units.
+    /// Maximum of the output, in units.
     #[hal(default = 1e20)]
     max_: In<f64>,
-    /// Highest change, in units per second; positive. Outside the range the output comes back no
-    /// faster than this either.
+    /// Maximum rate of change, in units per second; positive. If the output is outside the range, it also returns no
+    /// faster than this.
     #[hal(default = 1e20)]
     maxv: In<f64>,
-    /// The limited number, in the same unit.
+    /// Limited number, in the same unit.
     out: Out<f64>,
 }
 

@@ -3,12 +3,12 @@ use hal_component::{
     Builder, Component, Error, In, Out, Period, Touch, Update, abi::component_flags,
 };
 
-/// The most ranges.
+/// Maximum number of ranges.
 const MOST: i64 = 10;
-/// How many there are if nobody says.
+/// Default number of ranges.
 const USUAL: i64 = 2;
 
-/// Limits that depend on where something is.
+/// Limits that depend on a position.
 #[derive(Touch)]
 pub(crate) struct LimitAxis {
     feedback: In<f64>,
@@ -17,12 +17,12 @@ pub(crate) struct LimitAxis {
     max_output: Out<f64>,
     no_range: Out<bool>,
     current: Out<u32>,
-    /// Whether the current range was chosen by a run before.
+    /// True if an earlier cycle chose the current range.
     #[state]
     chosen: bool,
 }
 
-/// Limits, and where they hold.
+/// Limits, and the range in which they apply.
 #[derive(Touch)]
 struct Range {
     min_range: In<f64>,
@@ -110,7 +110,7 @@ impl Component for LimitAxis {
 }
 
 impl Range {
-    /// Whether it may be chosen.
+    /// Returns whether the range may be chosen.
     fn counts(&self) -> bool {
         let in_order = |low: In<f64>, high: In<f64>| low.get() < high.get();
         let (range, limit) =

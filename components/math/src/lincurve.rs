@@ -3,19 +3,19 @@ use hal_component::{
     Builder, Component, Error, In, Io, Out, ParamRw, Period, Touch, Update, abi::component_flags,
 };
 
-/// The most points.
+/// Maximum number of points.
 const MOST: i64 = 16;
-/// How many there are if nobody says.
+/// Default number of points.
 const USUAL: i64 = 2;
 
-/// A curve of straight lines.
+/// Curve of straight lines.
 #[derive(Touch)]
 pub(crate) struct Lincurve {
     input: In<f64>,
     out: Out<f64>,
     out_io: Io<f64>,
     points: Vec<(ParamRw<f64>, ParamRw<f64>)>,
-    /// The number of the line between two points that the last height was on.
+    /// Index of the line segment that the last output was on.
     #[state]
     line: usize,
 }
@@ -95,7 +95,7 @@ impl Lincurve {
         if x <= first.0 {
             return first.1;
         }
-        // From the line of the run before: where the points are not in order, it counts longest.
+        // Starts at the segment of the previous cycle; if the points are not in order, that segment is kept longest.
         while self.points.get(self.line + 1).is_some_and(|(right, _)| x > right.get()) {
             self.line += 1;
         }

@@ -1,11 +1,11 @@
 //! `lowpass`.
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
-/// Low-pass filter of first order.
+/// First-order low-pass filter.
 ///
-/// Each run adds `gain` · (`in` - `out`) to the output: backward Euler's form of τ·dy/dt = x - y, with `gain` = T/(τ + T)
-/// for a time constant τ and a period T. After a step of the input, n runs have left (1 - `gain`)ⁿ of the distance; behind
-/// a ramp of r per run the output settles r·(1 - `gain`)/`gain` late.
+/// Each cycle adds `gain` · (`in` - `out`) to the output. This is the backward Euler form of τ·dy/dt = x - y, with
+/// `gain` = T/(τ + T) for a time constant τ and a period T. After a step of the input, (1 - `gain`)ⁿ of the distance
+/// remains after n cycles; behind a ramp of r per cycle, the output settles with a lag of r·(1 - `gain`)/`gain`.
 ///
 /// # Example
 ///
@@ -30,11 +30,11 @@ pub(crate) struct Lowpass {
     in_: In<f64>,
     /// While true, the output is the number.
     load: In<bool>,
-    /// The filtered number, in the same unit.
+    /// Filtered number, in the same unit.
     out: Out<f64>,
-    /// Which part of the distance to the number the output covers at each run: 1 follows at
-    /// once, 0 never. For a corner at f hertz with a period of T seconds it is 1 - exp(-2πfT); the
-    /// corner (-3 dB) then is 1 % too high at an eighteenth of the thread's frequency, and less below.
+    /// Fraction of the distance to the input that the output covers in each cycle: 1 follows at once, 0 never. For a
+    /// corner frequency of f hertz and a period of T seconds it is 1 - exp(-2πfT); the actual corner (-3 dB) is then 1
+    /// % too high at an eighteenth of the thread's frequency, and closer below.
     gain: ParamRw<f64>,
 }
 
@@ -58,7 +58,8 @@ mod tests {
     const NS: i64 = 1_000_000;
     const GAINS: [f64; 6] = [0.001, 0.02, 0.1, 0.5, 0.9, 1.0];
 
-    /// A filter at rest; the error of one run is at most three roundings, of which the filter forgets `gain` in a run.
+    /// Returns a filter at rest, and its error bound: a cycle's error is at most three roundings, of which the filter
+    /// forgets `gain` per cycle.
     fn filter(gain: f64) -> (impl FnMut(f64) -> f64, f64) {
         let mut bench = Bench::new();
         bench.load::<Lowpass>(&[]).unwrap();
@@ -93,9 +94,9 @@ mod tests {
                 let (re, im) = (1.0 - a * libm::cos(w), a * libm::sin(w));
                 let (wanted, late) = (gain / libm::hypot(re, im), -libm::atan2(im, re));
                 let (step, bound) = filter(gain);
-                // The measurement rounds once with each sample.
+                // The measurement rounds once per sample.
                 let bound = bound + 800.0 * f64::EPSILON;
-                // What is left of the beginning after 40 time constants is below a rounding.
+                // After 40 time constants, the rest of the transient is below rounding.
                 let settle = libm::ceil(40.0 / gain) as u32;
                 let (is, phase) = response(step, cycles, 800, settle);
                 assert!((is - wanted).abs() <= bound, "gain {gain}, {w}: {is}, not {wanted}");
@@ -107,7 +108,7 @@ mod tests {
         }
     }
 
-    /// |H|² is a half where sin(w/2) = g/(2√a), which for g = 1 - exp(-c) is sinh(c/2).
+    /// |H|² is a half at sin(w/2) = g/(2√a), which for g = 1 - exp(-c) is sinh(c/2).
     #[test]
     fn the_corner_is_where_the_docs_say() {
         let an_eighteenth = core::f64::consts::TAU / 18.0;
@@ -119,7 +120,7 @@ mod tests {
             // The denominator cancels to twice gain², with three roundings of about 1.
             let bound = 2.0 * f64::EPSILON / (gain * gain);
             assert!((power - 0.5).abs() <= bound, "{corner}: {power}");
-            // The gain itself was rounded where it was subtracted from 1.
+            // The gain itself was rounded when it was subtracted from 1.
             let wanted = 2.0 * libm::asin(libm::sinh(corner / 2.0));
             assert!((at - wanted).abs() <= 2.0 * f64::EPSILON, "{corner}: {at}, not {wanted}");
             let above = wanted / corner - 1.0;
@@ -127,7 +128,7 @@ mod tests {
         }
     }
 
-    /// Behind x[n] = r·n the output comes to r(n - a/g).
+    /// Behind x[n] = r·n, the output settles at r(n - a/g).
     #[test]
     fn it_follows_a_ramp_with_a_lag() {
         for gain in GAINS {

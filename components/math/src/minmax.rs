@@ -2,7 +2,7 @@
 use crate::bounds::{larger, smaller};
 use hal_component::{Component, In, Out, Period, Update};
 
-/// Lowest and highest value of a number so far.
+/// Minimum and maximum of a number so far.
 ///
 /// # Example
 ///
@@ -25,11 +25,11 @@ use hal_component::{Component, In, Out, Period, Update};
 pub(crate) struct Minmax {
     /// The number, in any unit.
     in_: In<f64>,
-    /// While true, both outputs are the number: the search begins anew.
+    /// While true, both outputs equal the number, so that the search restarts.
     reset: In<bool>,
-    /// The lowest value, in the same unit; at most 0 before the first reset.
+    /// Minimum so far, in the same unit; at most 0 before the first reset.
     min_: Out<f64>,
-    /// The highest value, in the same unit; at least 0 before the first reset.
+    /// Maximum so far, in the same unit; at least 0 before the first reset.
     max_: Out<f64>,
 }
 

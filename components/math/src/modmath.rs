@@ -4,10 +4,10 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 
-/// The most channels.
+/// Maximum number of channels.
 const MOST: i64 = 16;
 
-/// The shorter way round.
+/// Shorter direction of rotation.
 pub(crate) struct Modmath;
 
 impl Component for Modmath {

@@ -1,7 +1,7 @@
 //! `near`.
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
-/// Whether two numbers are nearly equal.
+/// Comparator for nearly equal numbers.
 ///
 /// # Example
 ///
@@ -27,10 +27,10 @@ pub(crate) struct Near {
     in2: In<f64>,
     /// True when the numbers are within a factor of `scale`, or no more than `difference` apart.
     out: Out<bool>,
-    /// The factor, for numbers of the same sign; 1 or less: only `difference` counts.
+    /// Factor, for numbers of the same sign; with 1 or less, only `difference` counts.
     #[hal(default = 1.0)]
     scale: ParamRw<f64>,
-    /// The distance, in units.
+    /// Largest difference that counts as near, in units.
     difference: ParamRw<f64>,
 }
 

@@ -10,7 +10,7 @@ const OUT: Decl<'static> = Decl::new("out", "`in` + `offset`, in their unit.");
 const FB_IN: Decl<'static> = Decl::new("fb-in", "Feedback that contains the offset, in units.");
 const FB_OUT: Decl<'static> = Decl::new("fb-out", "`fb-in` - `offset`, in their unit.");
 
-/// Adds an offset on the way out and takes it off on the way back.
+/// Offset that is added to the command and subtracted from the feedback.
 pub(crate) struct Offset;
 
 impl Component for Offset {

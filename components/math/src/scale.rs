@@ -1,7 +1,7 @@
 //! `scale`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// A number times a gain, plus an offset.
+/// Gain and offset for a number.
 ///
 /// # Example
 ///
@@ -20,11 +20,11 @@ use hal_component::{Component, In, Out, Period, Update};
 pub(crate) struct Scale {
     /// The number, in any unit.
     in_: In<f64>,
-    /// The gain, in the unit of `out` per unit of `in`; it is 0 until it is set.
+    /// Gain, in the unit of `out` per unit of `in`; 0 by default.
     gain: In<f64>,
-    /// Added to the product, in the unit of `out`.
+    /// Offset added to the product, in the unit of `out`.
     offset: In<f64>,
-    /// `in` · `gain` + `offset`, in the unit that they make.
+    /// `in` · `gain` + `offset`, in the resulting unit.
     out: Out<f64>,
 }
 

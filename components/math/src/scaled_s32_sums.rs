@@ -28,21 +28,21 @@ pub(crate) struct ScaledS32Sums {
     in2: In<i32>,
     /// Fourth number.
     in3: In<i32>,
-    /// What the first number is multiplied by: the unit of the sum per count.
+    /// Factor of the first number: units of the sum per count.
     #[hal(default = 1.0)]
     scale0: In<f64>,
-    /// What the second number is multiplied by: the unit of the sum per count.
+    /// Factor of the second number: units of the sum per count.
     #[hal(default = 1.0)]
     scale1: In<f64>,
-    /// What the third number is multiplied by: the unit of the sum per count.
+    /// Factor of the third number: units of the sum per count.
     #[hal(default = 1.0)]
     scale2: In<f64>,
-    /// What the fourth number is multiplied by: the unit of the sum per count.
+    /// Factor of the fourth number: units of the sum per count.
     #[hal(default = 1.0)]
     scale3: In<f64>,
-    /// The sum without its fraction; one that does not fit becomes the lowest number.
+    /// Sum without its fraction; -2147483648 if it does not fit.
     out_s: Out<i32>,
-    /// The sum, in the unit that the scales make.
+    /// Sum, in the unit that the scales give.
     out_f: Out<f64>,
 }
 

@@ -23,15 +23,15 @@ pub(crate) struct Sum2 {
     in0: In<f64>,
     /// Second number, in any unit.
     in1: In<f64>,
-    /// `in0` · `gain0` + `in1` · `gain1` + `offset`, in the unit that they make.
+    /// `in0` · `gain0` + `in1` · `gain1` + `offset`, in the resulting unit.
     out: Out<f64>,
-    /// Gain of `in0`, in the unit of `out` per unit of it; -1 subtracts it.
+    /// Gain of `in0`, in the unit of `out` per unit of `in0`; -1 subtracts it.
     #[hal(default = 1.0)]
     gain0: ParamRw<f64>,
-    /// Gain of `in1`, in the unit of `out` per unit of it; -1 subtracts it.
+    /// Gain of `in1`, in the unit of `out` per unit of `in1`; -1 subtracts it.
     #[hal(default = 1.0)]
     gain1: ParamRw<f64>,
-    /// Added to the sum, in the unit of `out`.
+    /// Offset added to the sum, in the unit of `out`.
     offset: ParamRw<f64>,
 }
 

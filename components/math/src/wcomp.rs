@@ -1,7 +1,7 @@
 //! `wcomp`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// Whether a number is inside a window.
+/// Window comparator.
 ///
 /// # Example
 ///
@@ -28,11 +28,11 @@ pub(crate) struct Wcomp {
     min_: In<f64>,
     /// Upper edge of the window, in the same unit.
     max_: In<f64>,
-    /// True when the number is between the edges, on neither of them.
+    /// True when the number is strictly between the edges.
     out: Out<bool>,
-    /// True when the number is at the lower edge or below.
+    /// True when the number is at or below the lower edge.
     under: Out<bool>,
-    /// True when the number is at the upper edge or above.
+    /// True when the number is at or above the upper edge.
     over: Out<bool>,
 }
 

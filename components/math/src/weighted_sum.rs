@@ -4,10 +4,10 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 
-/// The most bits of a sum.
+/// Maximum number of bits of a sum.
 const MOST: i64 = 16;
 
-/// Sums of weights.
+/// Sums of weighted bits.
 pub(crate) struct WeightedSum;
 
 impl Component for WeightedSum {

@@ -1,7 +1,7 @@
 //! `blend`.
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
-/// A mixture of two numbers.
+/// Mixture of two numbers.
 ///
 /// # Example
 ///
@@ -18,15 +18,15 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Blend {
-    /// The number at `select` 1, in any unit.
+    /// Number at `select` 1, in any unit.
     in1: In<f64>,
-    /// The number at `select` 0, in the same unit.
+    /// Number at `select` 0, in the same unit.
     in2: In<f64>,
-    /// How much of the first, 0 to 1.
+    /// Share of `in1`, 0 to 1.
     select: In<f64>,
-    /// The mixture, in the inputs' unit.
+    /// Mixture, in the unit of the inputs.
     out: Out<f64>,
-    /// Whether `select` may go beyond 0 and 1.
+    /// TRUE: `select` may go beyond 0 and 1, which extrapolates; FALSE: it is limited.
     open: ParamRw<bool>,
 }
 

@@ -1,11 +1,11 @@
-//! `config=` of `mux_generic` and `demux_generic`.
+//! Parser of the argument `config=` of `mux_generic` and `demux_generic`.
 use crate::kind::Kind;
 use hal_component::Error;
 
-/// The most places.
+/// Maximum number of inputs or outputs.
 const MOST: u32 = 1024;
 
-/// One of the list: its types and how many places it has.
+/// Entry of the list: types, and number of inputs or outputs.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Config {
     pub(crate) from: Kind,
@@ -13,7 +13,7 @@ pub(crate) struct Config {
     pub(crate) size: u32,
 }
 
-/// Reads a text such as `ff4`: letters of types, at most two, and a number, in any order.
+/// Parses a text such as `ff4`: at most two type letters and a number, in any order.
 pub(crate) fn read(text: &str) -> Result<Config, Error> {
     let refused = |why: &str| {
         let text = format!(

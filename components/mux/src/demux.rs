@@ -3,12 +3,12 @@ use hal_component::{
     Builder, Component, Error, In, Out, ParamRw, Period, Touch, Update, abi::component_flags,
 };
 
-/// The most outputs, and how many there are if nobody says.
+/// Maximum number of outputs, which is also the default.
 const MOST: i64 = 32;
-/// How many selector bits there are.
+/// Number of selector bits.
 const BITS: u32 = 5;
 
-/// One of several bits.
+/// Demultiplexer to bits.
 #[derive(Touch)]
 pub(crate) struct Demux {
     bits: Vec<In<bool>>,

@@ -1,10 +1,10 @@
-//! Pins whose type is a letter of an argument, and what one becomes in another.
+//! Pins with a type given by a letter, and conversions between the types.
 use hal_component::{Builder, Error, In, Out, Touch, Uses};
 
-/// Below this, a number is no bit.
+/// Magnitude below which a number converts to FALSE.
 const NOTHING: f64 = 2e-7;
 
-/// The type of a pin, by its letter.
+/// Type of a pin, given by a letter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Bit,
@@ -14,7 +14,7 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    /// By its letter, of either case.
+    /// Returns the type for a letter, of either case.
     pub(crate) const fn by_letter(letter: char) -> Option<Self> {
         match letter.to_ascii_lowercase() {
             'b' => Some(Self::Bit),
@@ -25,7 +25,7 @@ impl Kind {
         }
     }
 
-    /// As names of pins have it.
+    /// Returns the word used in names of pins.
     pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::Bit => "bit",
@@ -56,7 +56,7 @@ impl Kind {
     }
 }
 
-/// An input of some type.
+/// Input of any type.
 pub(crate) enum Source {
     Bit(In<bool>),
     Float(In<f64>),
@@ -75,7 +75,7 @@ impl Touch for Source {
     }
 }
 
-/// An output of some type.
+/// Output of any type.
 pub(crate) enum Goal {
     Bit(Out<bool>),
     Float(Out<f64>),
@@ -95,7 +95,7 @@ impl Touch for Goal {
 }
 
 impl Goal {
-    /// Takes over a value, as its type can have it.
+    /// Copies a value, converted to the output's type.
     pub(crate) fn follow(&self, from: &Source) {
         match (self, from) {
             (Self::Bit(out), from) => out.set(is_true(from)),
@@ -107,7 +107,7 @@ impl Goal {
         }
     }
 
-    /// Goes to zero.
+    /// Sets the output to zero.
     pub(crate) fn clear(&self) {
         match self {
             Self::Bit(out) => out.set(false),
@@ -154,7 +154,7 @@ fn as_u32(from: &Source) -> u32 {
     }
 }
 
-/// Kept within the type but for its lowest number, which is what is no number.
+/// Limits the value to the type without its lowest number, which stands for NaN.
 fn float_to_s32(v: f64) -> i32 {
     if v.is_nan() {
         return i32::MIN;

@@ -1,4 +1,4 @@
-//! Choosing between signals.
+//! Multiplexers and demultiplexers.
 #![forbid(unsafe_code)]
 
 mod blend;

@@ -1,9 +1,9 @@
 //! `mux16`.
 use hal_component::{Component, In, Out, ParamRo, Period, Update, to_s32};
 
-/// One of sixteen numbers.
+/// Multiplexer for sixteen numbers.
 ///
-/// The selectors form its number, `sel0` + 2·`sel1` + 4·`sel2` + 8·`sel3`, or its Gray code.
+/// The selectors form the index of the input, `sel0` + 2·`sel1` + 4·`sel2` + 8·`sel3`, or its Gray code.
 ///
 /// # Example
 ///
@@ -21,36 +21,36 @@ use hal_component::{Component, In, Out, ParamRo, Period, Update, to_s32};
 /// ```
 #[derive(Component)]
 pub(crate) struct Mux16 {
-    /// Whether the selectors are in Gray code, in which neighbours differ by one switch.
+    /// TRUE: the selectors are in Gray code, in which neighbouring positions differ by one bit.
     use_graycode: In<bool>,
-    /// Whether nothing changes while no selector is true.
+    /// TRUE: nothing changes while no selector is true.
     suppress_no_input: In<bool>,
-    /// For how long the selectors must say something else before it counts, in seconds.
+    /// Time for which a new selection must last before it counts, in seconds.
     debounce_time: In<f64>,
-    /// A selector, worth 1, 2, 4 and 8.
+    /// Selector bit with the value 1, 2, 4 or 8.
     #[hal(name = "sel#", count = 4_u32)]
     sel: Vec<In<bool>>,
-    /// A number to choose, in any unit.
+    /// Input number, in any unit.
     #[hal(name = "in##", count = 16_u32)]
     in_: Vec<In<f64>>,
-    /// The chosen number, in its unit.
+    /// Selected number, in its unit.
     out_f: Out<f64>,
-    /// The chosen number without its fraction; one that does not fit in 32 bits becomes the lowest.
+    /// Selected number without its fraction; -2147483648 if it does not fit in 32 bits.
     out_s: Out<i32>,
-    /// For how long the selectors have said something else than what goes through, in seconds.
+    /// Time for which the selectors have differed from the active input, in seconds.
     elapsed: ParamRo<f64>,
-    /// The number that the selectors say; it goes through after `debounce-time`.
+    /// Index that the selectors give; its input becomes active after `debounce-time`.
     selected: ParamRo<i32>,
-    /// The number of the input that goes through.
+    /// Index of the active input.
     #[state]
     passed: u8,
-    /// Whether another one is waited for.
+    /// True during the debounce time of a new selection.
     #[state]
     waits: bool,
 }
 
 impl Mux16 {
-    /// What the selectors say.
+    /// Returns the index that the selectors give, without Gray code conversion.
     fn wanted(&self) -> u8 {
         let bits = self.sel.iter().enumerate();
         bits.fold(0, |n, (i, bit)| n | u8::from(bit.get()) << i)
@@ -66,7 +66,7 @@ impl Update for Mux16 {
         let number = if self.use_graycode.get() { from_gray(bits) } else { bits };
         self.selected.set(i32::from(number));
         if number != self.passed {
-            // What is waited for counts on, should it come back.
+            // The debounce time is not reset if the selection returns meanwhile.
             if !self.waits {
                 self.elapsed.set(0.0);
             }

@@ -1,7 +1,7 @@
 //! `mux2`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// One of two numbers.
+/// Multiplexer for two numbers.
 ///
 /// # Example
 ///
@@ -23,9 +23,9 @@ pub(crate) struct Mux2 {
     in0: In<f64>,
     /// Second number, in the same unit.
     in1: In<f64>,
-    /// Which: false for `in0`, true for `in1`.
+    /// Selector: FALSE for `in0`, TRUE for `in1`.
     sel: In<bool>,
-    /// The chosen number, in the same unit.
+    /// Selected number, in the same unit.
     out: Out<f64>,
 }
 

@@ -1,9 +1,9 @@
 //! `mux4`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// One of four numbers.
+/// Multiplexer for four numbers.
 ///
-/// The selectors form the number of the input, `sel0` + 2·`sel1`.
+/// The selectors form the index of the input, `sel0` + 2·`sel1`.
 ///
 /// # Example
 ///
@@ -28,11 +28,11 @@ pub(crate) struct Mux4 {
     in2: In<f64>,
     /// Fourth number, in the same unit.
     in3: In<f64>,
-    /// Selector worth 1.
+    /// Selector bit with the value 1.
     sel0: In<bool>,
-    /// Selector worth 2.
+    /// Selector bit with the value 2.
     sel1: In<bool>,
-    /// The chosen number, in the same unit.
+    /// Selected number, in the same unit.
     out: Out<f64>,
 }
 

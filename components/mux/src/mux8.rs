@@ -1,9 +1,9 @@
 //! `mux8`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// One of eight numbers.
+/// Multiplexer for eight numbers.
 ///
-/// The selectors form the number of the input, `sel0` + 2·`sel1` + 4·`sel2`.
+/// The selectors form the index of the input, `sel0` + 2·`sel1` + 4·`sel2`.
 ///
 /// # Example
 ///
@@ -36,13 +36,13 @@ pub(crate) struct Mux8 {
     in6: In<f64>,
     /// Eighth number, in the same unit.
     in7: In<f64>,
-    /// Selector worth 1.
+    /// Selector bit with the value 1.
     sel0: In<bool>,
-    /// Selector worth 2.
+    /// Selector bit with the value 2.
     sel1: In<bool>,
-    /// Selector worth 4.
+    /// Selector bit with the value 4.
     sel2: In<bool>,
-    /// The chosen number, in the same unit.
+    /// Selected number, in the same unit.
     out: Out<f64>,
 }
 

@@ -1,7 +1,7 @@
 //! `select8`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// One of eight bits, by number.
+/// Decoder of a number to one of eight bits.
 ///
 /// # Example
 ///
@@ -17,12 +17,12 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Select8 {
-    /// The number of the output that is true; none for numbers beyond 0 to 7.
+    /// Index of the output that is true; with an index outside 0 to 7, no output is true.
     sel: In<i32>,
-    /// Whether there is one.
+    /// Enables the outputs; while FALSE, all outputs are false.
     #[hal(default = true)]
     enable: In<bool>,
-    /// An output, true when its number is chosen.
+    /// Output, true when its index is selected.
     #[hal(name = "out#", count = 8_u32)]
     out: Vec<Out<bool>>,
 }

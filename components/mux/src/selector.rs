@@ -1,7 +1,7 @@
-//! Which of several is chosen: a number, bits, and a time for which they must stay.
+//! Selector made of a number and bits, with a debounce time.
 use hal_component::{Builder, Error, In, ParamRo, Period, Touch};
 
-/// The pins that choose, and what they chose.
+/// Pins of the selector, and its selection.
 #[derive(Touch)]
 pub(crate) struct Selector {
     number: In<u32>,
@@ -12,14 +12,14 @@ pub(crate) struct Selector {
     selected: ParamRo<u32>,
 }
 
-/// How many bits choose among `n`: none, unless that is a power of two, or one more.
+/// Returns the number of selector bits for `n` inputs: 0 unless `n` is a power of two, or one more.
 fn bits_for(n: u32) -> u32 {
     let fits = n.is_power_of_two() || (n > 1 && (n - 1).is_power_of_two());
     if fits { n.ilog2() } else { 0 }
 }
 
 impl Selector {
-    /// Declares them for one of `n` places.
+    /// Declares the pins for one of `n` inputs.
     pub(crate) fn declare(b: &mut Builder<'_>, name: &str, n: u32) -> Result<Self, Error> {
         let mut bits = Vec::new();
         for i in 0..bits_for(n) {
@@ -39,7 +39,7 @@ impl Selector {
         Ok(Self { number, bits, suppress, debounce, elapsed, selected })
     }
 
-    /// What is chosen now; `None`: nothing changes.
+    /// Returns the active selection; `None` means that nothing changes.
     pub(crate) fn chosen(&self, period: Period) -> Option<usize> {
         let bits = self.bits.iter().enumerate();
         let bits = bits.fold(0, |n, (i, bit)| n | u32::from(bit.get()) << i);

@@ -1,29 +1,30 @@
-//! `limit3` against the time-optimal moves of a mass under a force: full acceleration, the highest speed, full braking.
+//! Test of `limit3` against time-optimal moves: full acceleration, maximum speed, full braking.
 //!
-//! With speed v and acceleration a, a distance d from rest to rest takes 2·√(d/a), or d/v + v/a where d is above v²/a. The
-//! limiter chooses once in a period T, and reckons the way to a stop from a speed u·a·T as u²/2 + u/2 of what a period of
-//! acceleration adds, a·T². In periods it is (m + 1)(u - m/2) for u = m + f, which is f·(1 - f)/2 more: it passes its goal by up to
-//! an eighth of a·T², and has no better choice than to come back. So times are those to the last 4·a·T², two choices wide.
+//! With speed v and acceleration a, a distance d from rest to rest takes 2·√(d/a), or d/v + v/a if d is above v²/a. The
+//! limiter decides once per period T. It computes the stopping distance from a speed u·a·T as u²/2 + u/2, in units of
+//! a·T², which is the displacement added by one period of acceleration. In whole periods the distance is (m + 1)(u -
+//! m/2) for u = m + f, which is f·(1 - f)/2 more: the limiter overshoots its target by up to an eighth of a·T², and
+//! then has to come back. The times are therefore measured to the last 4·a·T², which is two decisions wide.
 
 #![expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "how many runs")]
 
 use super::{Limit3, NEAR};
 use hal_component::bench::{Bench, Random};
 
-/// How far off a goal a time ends, as a part of a·T².
+/// Distance from the target at which a time ends, as a multiple of a·T².
 const LAST: f64 = 4.0;
-/// How many periods a move may take longer: one in which neither full force is right, and one to be there.
+/// Number of periods that a move may take longer: one in which neither full force is right, and one to arrive.
 const LATE: f64 = 2.0;
 
-/// A limiter at rest at 0.
+/// Limiter at rest at 0.
 struct Rig {
     bench: Bench,
     ns: i64,
     v: f64,
     a: f64,
-    /// The last two positions.
+    /// Last two positions.
     was: [f64; 2],
-    /// How far it ever was from 0.
+    /// Largest distance from 0 so far.
     far: f64,
 }
 
@@ -36,7 +37,7 @@ impl Rig {
         Self { bench, ns, v, a, was: [0.0; 2], far: 0.0 }
     }
 
-    /// Any whose a·T² is a thousand times what the limiter takes as near.
+    /// Returns a random limiter whose a·T² is a thousand times the tolerance of the limiter.
     fn random(random: &mut Random) -> Self {
         let ns = random.pick(&[1_000_000, 2_000_000, 7_000_000]);
         Self::new(ns, random.scaled(0.1, 100.0), random.scaled(1.0, 1000.0))
@@ -46,7 +47,7 @@ impl Rig {
         self.ns as f64 * 1e-9
     }
 
-    /// What one period of acceleration adds.
+    /// Displacement added by one period of acceleration.
     fn grain(&self) -> f64 {
         self.a * self.dt() * self.dt()
     }
@@ -59,12 +60,12 @@ impl Rig {
         (self.was[1] - self.was[0]) / self.dt()
     }
 
-    /// What is rounded away in a run: positions are kept to a part of 2^52 of themselves, and twice differenced.
+    /// Bound of a cycle's rounding error: positions have a resolution of 2^-52 and are differenced twice.
     fn rounding(&self) -> f64 {
         8.0 * f64::EPSILON * self.far
     }
 
-    /// One run, which keeps to the limits.
+    /// Runs one cycle, and asserts that it keeps the limits.
     fn step(&mut self, to: f64) -> f64 {
         self.bench.set("limit3.0.in", to);
         self.bench.run("limit3.0", self.ns);
@@ -79,7 +80,7 @@ impl Rig {
         now
     }
 
-    /// Goes to `to`, which takes `wanted` seconds, and looks on for a while.
+    /// Moves to `to`, which should take `wanted` seconds, and watches a while longer.
     fn go(&mut self, to: f64, wanted: f64) {
         let periods = wanted / self.dt();
         let mut last = 0;
@@ -91,25 +92,26 @@ impl Rig {
         let off = f64::from(last + 1) - periods;
         let (v, a) = (self.v, self.a);
         assert!(off <= LATE, "to {to} at {v} and {a} every {} ns: {off} periods late", self.ns);
-        // On the last of the way it may pass the goal: 2·LAST of braking and the way back, both at full force, take four times
-        // √LAST periods, and what is cut off at v.
+        // Near the end it may overshoot: braking over 2·LAST and returning, both at full force, take four times √LAST
+        // periods, plus the time lost by the limit v.
         let soon = 4.0 * libm::sqrt(LAST) + LAST * self.grain() / (v * self.dt()) + LATE;
         assert!(-soon <= off, "to {to} at {v} and {a} every {} ns: {off} periods late", self.ns);
     }
 
-    /// How far it may pass a goal.
+    /// Bound of the overshoot.
     fn over(&self) -> f64 {
         self.grain() / 8.0 + NEAR + self.rounding()
     }
 }
 
-/// The shortest time from rest to rest.
+/// Returns the shortest time from rest to rest.
 fn shortest(d: f64, v: f64, a: f64) -> f64 {
     if d <= v * v / a { 2.0 * libm::sqrt(d / a) } else { d / v + v / a }
 }
 
-/// From a speed w towards (negative: away from) a place d ahead: with the peak p = √(a·d + w²/2) it takes (p - w)/a + p/a;
-/// where p is above v, what is cut off is made up at v. A place that cannot be stopped at any more is passed, and returned to.
+/// Returns the shortest time from a speed w towards (negative: away from) a position d ahead. With the peak speed p =
+/// √(a·d + w²/2) it is (p - w)/a + p/a; if p is above v, the part cut off is made up at v. If it is too late to stop,
+/// the position is passed and returned to.
 fn shortest_from(w: f64, d: f64, v: f64, a: f64) -> f64 {
     let stop = w * w.abs() / (2.0 * a);
     let (w, d) = if d >= stop { (w, d) } else { (-w, -d) };
@@ -161,7 +163,7 @@ fn moves_that_change_their_mind_take_the_shortest_time() {
     }
 }
 
-/// Wherever it can stop in time it does not pass its goal by more than its choices are apart.
+/// If it can stop in time, it overshoots its target by no more than the resolution of its decisions.
 #[test]
 fn goals_are_not_passed() {
     let mut random = Random::new(3);
@@ -177,8 +179,8 @@ fn goals_are_not_passed() {
     }
 }
 
-/// A ramp of speed s is met after (1 + √2)·s/a: the lag s²/2a of coming to s is made up by s/√2 more, up and down; where v does
-/// not allow that, by v - s for a while. From then on the output is the ramp.
+/// A ramp of speed s is met after (1 + √2)·s/a: the lag s²/2a of the acceleration is made up with up to s/√2 of extra
+/// speed; if v does not allow that, with v - s for a while. From then on, the output equals the ramp.
 #[test]
 fn ramps_are_met_and_then_followed() {
     for (s, v, a) in [
@@ -191,7 +193,7 @@ fn ramps_are_met_and_then_followed() {
         let mut rig = Rig::new(1_000_000, v, a);
         let (fast, spare) = (f64::abs(s), v - f64::abs(s));
         let periods = (fast / a + shortest(fast * fast / (2.0 * a), spare, a)) / rig.dt();
-        // The lag of a speed that grows once in a period is s·T/2 less, to be made up at v - s.
+        // A speed that grows once per period has a lag smaller by s·T/2, to be made up at v - s.
         let late = LATE + fast / (2.0 * spare);
         for n in 1..=periods as u32 + 1000 {
             let to = s * f64::from(n) * rig.dt();
@@ -204,7 +206,7 @@ fn ramps_are_met_and_then_followed() {
     }
 }
 
-/// At a limit the output stops as at any goal, however far beyond it the input is.
+/// The output stops at a limit as at any target, however far beyond it the input is.
 #[test]
 fn limits_are_goals() {
     for (max, v, a) in [(5.0, 10.0, 20.0), (20.0, 10.0, 20.0), (0.3, 4.0, 100.0)] {
@@ -220,7 +222,7 @@ fn limits_are_goals() {
     }
 }
 
-/// With steps enough the sawtooth around the goal is smoothed away: it comes to rest there, exactly.
+/// With enough steps the sawtooth around the target is smoothed away: the output comes to rest exactly there.
 #[test]
 fn smoothing_ends_at_rest() {
     let mut random = Random::new(4);
