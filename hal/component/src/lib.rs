@@ -137,7 +137,7 @@ pub trait Component: 'static {
 #[macro_export]
 macro_rules! export {
     ($($component:ty),+ $(,)?) => {
-        /// The descriptor that the engine looks up.
+        /// Descriptor that the engine looks up.
         #[unsafe(export_name = concat!("hal_library_", env!("CARGO_CRATE_NAME")))]
         pub static HAL_LIBRARY: $crate::abi::Library = {
             const LIST: &[&$crate::abi::ComponentType] = &[$(&$crate::describe::<$component>()),+];
@@ -155,7 +155,7 @@ macro_rules! export {
             }
         };
 
-        /// What it offers, as the engine reads it from the file.
+        /// Names of the component types, as the engine reads them from the file.
         #[unsafe(export_name = concat!("hal_names_", env!("CARGO_CRATE_NAME")))]
         pub static HAL_NAMES: [u8; HAL_NAMES_LEN] = $crate::abi::names::bytes(HAL_NAMES_OF);
         const HAL_NAMES_LEN: usize = $crate::abi::names::len(HAL_NAMES_OF);

@@ -62,8 +62,8 @@ impl Client {
         self.id
     }
 
-    /// Attaches to a shared ring. `count` is the number of records that the client will read or
-    /// write, if it is known.
+    /// Attaches to a shared ring. `count` is the number of records that the client will take, if
+    /// it is known.
     ///
     /// # Errors
     /// No ring has this name, another program is attached to it, or the engine did not send a valid
