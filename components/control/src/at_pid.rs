@@ -5,7 +5,7 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 
-/// The name that `pid` with tuning had.
+/// Former name of `pid` with automatic tuning.
 pub(crate) struct AtPid;
 
 impl Component for AtPid {

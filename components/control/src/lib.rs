@@ -1,4 +1,4 @@
-//! Controllers of loops.
+//! Closed-loop controllers.
 #![forbid(unsafe_code)]
 
 mod at_pid;

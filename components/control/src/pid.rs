@@ -70,100 +70,99 @@ impl Component for Pid {
 }
 
 pins! {
-    /// The pins of a loop.
+    /// Pins of a loop.
     pub(crate) struct Pins {
-        /// Whether the loop works; otherwise the output is 0 and the integral is forgotten.
+        /// TRUE enables the loop; while FALSE, the output is 0 and the integral is reset.
         enable: In<bool> = "enable", false;
-        /// Where it shall be, in units.
+        /// Commanded position, in units.
         command: In<f64> = "command", 0.0;
-        /// Where it is, in units.
+        /// Feedback position, in units.
         feedback: In<f64> = "feedback", 0.0;
-        /// The command's rate of change, in units per second; computed while nothing is linked.
+        /// Derivative of the command, in units per second; computed if nothing is linked.
         command_deriv: InSet<f64> = "command-deriv", 0.0;
-        /// The feedback's rate of change, in units per second; computed while nothing is linked.
+        /// Derivative of the feedback, in units per second; computed if nothing is linked.
         feedback_deriv: InSet<f64> = "feedback-deriv", 0.0;
-        /// Whether the error is taken against the command of the run before, which is what a
-        /// motion controller's feedback answers to.
+        /// TRUE computes the error from the command of the previous cycle, which is the one that a motion controller's
+        /// feedback responds to.
         error_previous_target: In<bool> = "error-previous-target", true;
-        /// The index search of this axis: as it falls, the jump of the command is no speed.
+        /// Index search of this axis: on its falling edge, the jump of the command does not count as speed.
         index_enable: In<bool> = "index-enable", false;
-        /// How far it is off, in units.
+        /// Error: command minus feedback, in units.
         error: Out<f64> = "error", 0.0;
-        /// What the actuator is to do, in the unit that the gains make.
+        /// Output for the actuator, in the unit that the gains give.
         output: Out<f64> = "output", 0.0;
-        /// Whether the output is at its limit.
+        /// True while the output is at its limit.
         saturated: Out<bool> = "saturated", false;
-        /// For how long the output has been at its limit, in seconds.
+        /// Time for which the output has been at its limit, in seconds.
         saturated_s: Out<f64> = "saturated-s", 0.0;
-        /// For how many runs on end the output has been at its limit.
+        /// Number of consecutive cycles for which the output has been at its limit.
         saturated_count: Out<i32> = "saturated-count", 0;
-        /// An error that counts as none, in units; a larger one counts less by that.
+        /// Deadband: a smaller error counts as 0, and a larger one is reduced by it; in units.
         deadband: In<f64> = "deadband", 0.0;
-        /// Largest error that counts, in units; 0: any.
+        /// Limit of the error, in units; 0: no limit.
         maxerror: In<f64> = "maxerror", 0.0;
-        /// Largest integral of the error, in units times seconds; 0: any.
+        /// Limit of the integrated error, in units times seconds; 0: no limit.
         maxerror_i: In<f64> = "maxerrorI", 0.0;
-        /// Largest rate of change of the error that counts, in units per second; 0: any.
+        /// Limit of the error's derivative, in units per second; 0: no limit.
         maxerror_d: In<f64> = "maxerrorD", 0.0;
-        /// Largest first derivative of the command that counts, in units per second; 0: any.
+        /// Limit of the command's first derivative, in units per second; 0: no limit.
         maxcmd_d: In<f64> = "maxcmdD", 0.0;
-        /// Largest second derivative of the command that counts, in units per second²; 0: any.
+        /// Limit of the command's second derivative, in units per second²; 0: no limit.
         maxcmd_dd: In<f64> = "maxcmdDD", 0.0;
-        /// Largest third derivative of the command that counts, in units per second³; 0: any.
+        /// Limit of the command's third derivative, in units per second³; 0: no limit.
         maxcmd_ddd: In<f64> = "maxcmdDDD", 0.0;
-        /// Largest output to either side, in the output's unit; 0: any.
+        /// Limit of the output in both directions, in the output's unit; 0: no limit.
         maxoutput: In<f64> = "maxoutput", 0.0;
-        /// What is always added to the output, in the output's unit.
+        /// Constant added to the output, in the output's unit.
         bias: In<f64> = "bias", 0.0;
-        /// Output per unit of error. Tuning sets it.
+        /// Proportional gain: output per unit of error. Tuning sets it.
         p_gain: InSet<f64> = "Pgain", 1.0;
-        /// Output per unit of integrated error. Tuning sets it.
+        /// Integral gain: output per unit of integrated error. Tuning sets it.
         i_gain: InSet<f64> = "Igain", 0.0;
-        /// Output per unit of the error's rate of change. Tuning sets it.
+        /// Derivative gain: output per unit of the error's derivative. Tuning sets it.
         d_gain: InSet<f64> = "Dgain", 0.0;
-        /// Output per unit of the command. Tuning clears it.
+        /// Feedforward of order 0: output per unit of the command. Tuning clears it.
         ff0: InSet<f64> = "FF0", 0.0;
-        /// Output per unit of the command's first derivative. Tuning sets it.
+        /// Feedforward of order 1: output per unit of the command's first derivative. Tuning sets it.
         ff1: InSet<f64> = "FF1", 0.0;
-        /// Output per unit of the command's second derivative. Tuning clears it.
+        /// Feedforward of order 2: output per unit of the command's second derivative. Tuning clears it.
         ff2: InSet<f64> = "FF2", 0.0;
-        /// Output per unit of the command's third derivative.
+        /// Feedforward of order 3: output per unit of the command's third derivative.
         ff3: In<f64> = "FF3", 0.0;
-        /// How far the output goes to either side while tuning; negative counts as positive.
+        /// Output in both directions during tuning, in the output's unit; a negative value counts as positive.
         tune_effort: Io<f64> = "tune-effort", 0.5;
-        /// How many half cycles tuning looks at; at least 2.
+        /// Number of half cycles that tuning measures; at least 2.
         tune_cycles: Io<u32> = "tune-cycles", 50;
-        /// What tuning sets: 0 P, I and D; 1 P, I and `FF1`.
+        /// Result of tuning: 0 sets P, I and D; 1 sets P, I and `FF1`.
         tune_type: Io<u32> = "tune-type", 0;
-        /// Whether the loop is handed over to tuning; it then does not control.
+        /// TRUE hands the loop over to tuning; the loop then does not control.
         tune_mode: In<bool> = "tune-mode", false;
-        /// Starts tuning; becomes false when it is done.
+        /// Starts tuning; becomes false when tuning is complete.
         tune_start: Io<bool> = "tune-start", false;
     }
 }
 
 pins! {
-    /// What `debug=1` adds.
+    /// Pins that `debug=1` adds.
     struct Inside {
-        /// The integral of the error, in units times seconds.
+        /// Integral of the error, in units times seconds.
         error_i: Out<f64> = "errorI", 0.0;
-        /// The rate of change of the error, in units per second.
+        /// Derivative of the error, in units per second.
         error_d: Out<f64> = "errorD", 0.0;
-        /// The command's first derivative, in units per second.
+        /// First derivative of the command, in units per second.
         command_d: Out<f64> = "commandD", 0.0;
-        /// The command's second derivative, in units per second².
+        /// Second derivative of the command, in units per second².
         command_dd: Out<f64> = "commandDD", 0.0;
-        /// The command's third derivative, in units per second³.
+        /// Third derivative of the command, in units per second³.
         command_ddd: Out<f64> = "commandDDD", 0.0;
-        /// The gain at which the loop would oscillate, as tuning found it: output per unit of
-        /// error.
+        /// Ultimate gain found by tuning, at which the loop would oscillate: output per unit of error.
         ultimate_gain: Out<f64> = "ultimate-gain", 0.0;
-        /// How long such an oscillation takes, in seconds, as tuning found it.
+        /// Ultimate period found by tuning: the period of that oscillation, in seconds.
         ultimate_period: Out<f64> = "ultimate-period", 0.0;
     }
 }
 
-/// What a loop remembers.
+/// State of a loop from one cycle to the next.
 #[derive(Debug, Default)]
 struct Memory {
     command: f64,
@@ -173,20 +172,20 @@ struct Memory {
     cmd_d: f64,
     cmd_dd: f64,
     cmd_ddd: f64,
-    /// 1 at the upper limit of the output, -1 at the lower, 0 between.
+    /// 1 at the upper limit of the output, -1 at the lower limit, else 0.
     limited: f64,
     index_enable: bool,
 }
 
 impl Memory {
-    /// What tuning leaves of it.
+    /// Resets the part of the state that tuning invalidates.
     fn forget(&mut self) {
         (self.command, self.limited) = (0.0, 0.0);
         (self.error_i, self.error_d, self.cmd_d, self.cmd_dd) = (0.0, 0.0, 0.0, 0.0);
     }
 }
 
-/// One loop.
+/// Control loop.
 #[derive(Touch)]
 struct Loop {
     pins: Pins,
@@ -205,7 +204,7 @@ impl Loop {
         b.function(&format!("{name}.do-pid-calcs"), "Computes the output.", own)
     }
 
-    /// The error as it counts: limited, and less the dead band.
+    /// Returns the effective error: limited, and reduced by the deadband.
     fn error(&self, raw: f64) -> f64 {
         let error = limited(raw, self.pins.maxerror.get());
         let deadband = self.pins.deadband.get();
@@ -218,7 +217,7 @@ impl Loop {
         }
     }
 
-    /// The derivatives of error and command.
+    /// Updates the derivatives of error and command.
     fn derivatives(&mut self, command: f64, feedback: f64, index_fell: bool, per_s: f64) {
         let p = &self.pins;
         if !index_fell {
@@ -234,7 +233,7 @@ impl Loop {
         (self.was.cmd_d, self.was.cmd_dd, self.was.cmd_ddd) = (cmd_d, cmd_dd, cmd_ddd);
     }
 
-    /// The sum of all parts, within the limit.
+    /// Returns the sum of all terms, within the limit.
     fn output(&mut self, error: f64, command: f64) -> f64 {
         let (p, was) = (&self.pins, &mut self.was);
         let feedback = p.bias.get()
@@ -307,8 +306,8 @@ impl Update for Loop {
         if !enable {
             self.was.error_i = 0.0;
         } else {
-            // While the output is at its limit the integral does not grow further that way; its own
-            // limit holds all the time.
+            // Anti-windup: while the output is at its limit, the integral does not grow further in that direction. Its
+            // own limit always applies.
             let more = if error * self.was.limited <= 0.0 { error * dt } else { 0.0 };
             self.was.error_i = limited(self.was.error_i + more, self.pins.maxerror_i.get());
         }
@@ -324,7 +323,7 @@ impl Update for Loop {
     }
 }
 
-/// `x` within plus and minus `most`, which is no limit when it is 0.
+/// Limits `x` to plus and minus `most`; 0 means no limit.
 fn limited(x: f64, most: f64) -> f64 {
     if most == 0.0 {
         x

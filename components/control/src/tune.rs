@@ -1,23 +1,23 @@
-//! Realtime. Tuning of a loop by letting it oscillate.
+//! Realtime. Automatic tuning of a loop with a relay that makes it oscillate.
 
 use crate::pid::Pins;
 
 #[cfg(test)]
 mod closed;
 
-/// The π of the gain.
+/// Value of π in the formula of the gain.
 #[expect(clippy::approx_constant, reason = "the figures that users know come from this one")]
 const PI: f64 = 3.141_592_653_589;
 
-/// Where tuning is.
+/// State of tuning.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum State {
-    /// The loop controls.
+    /// The loop controls normally.
     #[default]
     Off,
     /// Ready to be started.
     Idle,
-    /// About to oscillate.
+    /// Oscillation is about to start.
     Start,
     /// The error was positive or zero.
     Positive,
@@ -25,33 +25,33 @@ enum State {
     Negative,
 }
 
-/// The tuner of one loop.
+/// Tuner of one loop.
 #[derive(Debug, Default)]
 pub(crate) struct Tuner {
     state: State,
-    /// Half cycles so far.
+    /// Number of half cycles so far.
     cycles: u32,
-    /// Runs in this half cycle.
+    /// Number of thread cycles in this half cycle.
     runs: u32,
-    /// How long it has oscillated, in seconds, without this half cycle.
+    /// Duration of the oscillation in seconds, without this half cycle.
     time: f64,
-    /// The largest error in this half cycle.
+    /// Largest error in this half cycle.
     peak: f64,
-    /// What the peaks so far are of the average of all.
+    /// Contribution of the peaks so far to the average of all.
     average: f64,
-    /// The ultimate gain.
+    /// Ultimate gain.
     pub(crate) gain: f64,
-    /// The ultimate period, in seconds.
+    /// Ultimate period, in seconds.
     pub(crate) period: f64,
 }
 
 impl Tuner {
-    /// Whether the loop is in its hands.
+    /// Returns whether tuning controls the loop.
     pub(crate) fn is_on(&self) -> bool {
         self.state != State::Off
     }
 
-    /// One run of tuning; the output is left as it is where nothing is said.
+    /// Runs one cycle of tuning; a state that sets no output leaves the output unchanged.
     pub(crate) fn run(&mut self, pins: &Pins, error: f64, ns: u32) {
         let mode = pins.tune_mode.get();
         match self.state {
@@ -71,7 +71,7 @@ impl Tuner {
         }
     }
 
-    /// A run of the oscillation.
+    /// Runs one cycle of the oscillation.
     fn swing(&mut self, pins: &Pins, error: f64, ns: u32) {
         self.runs = self.runs.wrapping_add(1);
         self.peak = if error.abs() > self.peak { error.abs() } else { self.peak };
@@ -79,12 +79,12 @@ impl Tuner {
         if now != self.state {
             self.state = now;
             self.average += self.peak / f64::from(pins.tune_cycles.get());
-            // In 32 bits, as in LinuxCNC: a half cycle of more than 4.29 s is taken as a shorter one.
+            // In 32 bits, as in LinuxCNC: a half cycle of more than 4.29 s wraps to a shorter time.
             self.time += f64::from(self.runs.wrapping_mul(ns)) * 1e-9;
             (self.runs, self.peak) = (0, 0.0);
             self.cycles = self.cycles.wrapping_add(1);
         }
-        // The number may have become less meanwhile; without a single swing there is nothing to tell.
+        // `tune-cycles` may have been reduced meanwhile; without a complete half cycle there is no result.
         if self.cycles > 0 && self.cycles >= pins.tune_cycles.get() {
             self.conclude(pins);
             return;
@@ -94,7 +94,7 @@ impl Tuner {
         pins.output.set(pins.bias.get() + effort);
     }
 
-    /// Sets the gains from what was seen.
+    /// Sets the gains from the measurement.
     fn conclude(&mut self, pins: &Pins) {
         self.gain = 4.0 * effort(pins) / (PI * self.average);
         self.period = 2.0 * self.time / f64::from(pins.tune_cycles.get());

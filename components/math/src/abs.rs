@@ -19,7 +19,7 @@ use hal_component::{Component, In, Out, Period, Update};
 pub(crate) struct Abs {
     /// The number, in any unit.
     in_: In<f64>,
-    /// Its absolute value, in the same unit.
+    /// Absolute value, in the same unit.
     out: Out<f64>,
     /// True when the number is negative or NaN.
     sign: Out<bool>,

@@ -5,17 +5,17 @@ use hal_component::{Component, In, Out, Period, Update};
 #[cfg(test)]
 mod closed;
 
-/// Distances and speeds closer than this are equal.
+/// Distances and speeds with a smaller difference count as equal.
 const NEAR: f64 = 1e-9;
 
 /// Limits position, velocity and acceleration.
 ///
-/// The output follows the input as fast as `maxv` and `maxa` allow, arrives at a moving input with
-/// its speed, and stops at `min` and `max` without passing them.
+/// The output follows the input as fast as `maxv` and `maxa` allow, meets a moving input with the input's speed, and
+/// stops at `min` and `max` without passing them.
 ///
-/// A distance d from rest takes 2·√(d/`maxa`), or d/`maxv` + `maxv`/`maxa` where the speed is reached. With the period T, a goal
-/// may be passed by `maxa`·T²/8, and the last 4·`maxa`·T² may take longer, in a sawtooth that a larger `smooth-steps` takes
-/// away.
+/// A move over a distance d from rest takes 2·√(d/`maxa`), or d/`maxv` + `maxv`/`maxa` if the speed is reached. With
+/// the period T, the output may overshoot a target by `maxa`·T²/8, and the last 4·`maxa`·T² may take longer, in a
+/// sawtooth that a larger `smooth-steps` removes.
 ///
 /// # Example
 ///
@@ -36,31 +36,30 @@ const NEAR: f64 = 1e-9;
 /// ```
 #[derive(Component)]
 pub(crate) struct Limit3 {
-    /// The position to follow, in units.
+    /// Position to follow, in units.
     in_: In<f64>,
-    /// While false, the input is taken as zero; the output moves there within its limits.
+    /// While false, the input counts as zero; the output moves there within its limits.
     #[hal(default = true)]
     enable: In<bool>,
-    /// While true, the output jumps to the input (within `min` and `max`) at once. Hold it for two
-    /// runs: after one the jump counts as speed, which then has to be braked.
+    /// While true, the output jumps to the input (within `min` and `max`) at once. Hold it for two cycles: after only
+    /// one, the jump counts as speed, and the output has to brake.
     load: In<bool>,
-    /// Lowest position, in units.
+    /// Minimum of the position, in units.
     #[hal(default = -1e20)]
     min_: In<f64>,
-    /// Highest position, in units.
+    /// Maximum of the position, in units.
     #[hal(default = 1e20)]
     max_: In<f64>,
-    /// Highest speed, in units per second; positive.
+    /// Maximum speed, in units per second; positive.
     #[hal(default = 1e20)]
     maxv: In<f64>,
-    /// Highest acceleration, in units per second²; positive.
+    /// Maximum acceleration, in units per second²; positive.
     #[hal(default = 1e7)]
     maxa: In<f64>,
-    /// Over how many runs the last bit of speed may be taken off when arriving, which avoids a
-    /// sawtooth at rest.
+    /// Number of cycles over which the last bit of speed may be removed on arrival, which avoids a sawtooth at rest.
     #[hal(default = 2)]
     smooth_steps: In<u32>,
-    /// The limited position, in units.
+    /// Limited position, in units.
     out: Out<f64>,
     #[state]
     in_old: f64,
@@ -77,26 +76,26 @@ impl Update for Limit3 {
         } else {
             self.step(input, out, period.secs())
         };
-        // What was taken over within the limits counts as the input.
+        // A position loaded within the limits counts as the input.
         self.in_old = if self.load.get() { next } else { input };
         self.out_old = out;
         self.out.set(next);
     }
 }
 
-/// Where the output goes, and what it can do about it.
+/// Target of the output, and the positions that the output can reach.
 struct Goal {
-    /// Where the goal will be when the output, braking its hardest, meets its speed.
+    /// Position of the target when the output, at maximum braking, has reached its speed.
     at_min: f64,
-    /// Where the goal will be when the output, accelerating its hardest, meets its speed.
+    /// Position of the target when the output, at maximum acceleration, has reached its speed.
     at_max: f64,
     now: f64,
     before: f64,
-    /// How much faster the output is than the goal.
+    /// Speed of the output relative to the target.
     faster: f64,
-    /// The lowest place where the output can meet the goal's speed.
+    /// Lowest position where the output can reach the target's speed.
     reach_min: f64,
-    /// The highest place where the output can meet the goal's speed.
+    /// Highest position where the output can reach the target's speed.
     reach_max: f64,
 }
 
@@ -106,16 +105,16 @@ impl Limit3 {
         let (maxv, maxa) = (self.maxv.get(), self.maxa.get());
         let in_vel = (input - self.in_old) / dt;
         let out_vel = (out - self.out_old) / dt;
-        // What one period can do.
+        // Range of speed and position after one period.
         let min_vel = larger(out_vel - maxa * dt, -maxv);
         let max_vel = smaller(out_vel + maxa * dt, maxv);
         let min_pos = out + min_vel * dt;
         let max_pos = out + max_vel * dt;
         let one = |pos: f64| min_pos <= pos && pos <= max_pos;
-        // Where it would come to rest after such a period.
+        // Position of rest after such a period.
         let stop = |vel: f64| out + vel / 2.0 * (vel.abs() / maxa + dt);
         let (stop_min, stop_max) = (stop(min_vel), stop(max_vel));
-        // When and where it would have the input's speed after such a period.
+        // Time and position at which the output would reach the input's speed after such a period.
         let min_time = (in_vel - min_vel).abs() / maxa - dt;
         let max_time = (in_vel - max_vel).abs() / maxa - dt;
         let meet_min = min_pos + (min_vel + in_vel) / 2.0 * min_time;
@@ -157,7 +156,7 @@ impl Limit3 {
         self.toward(&goal, out, out_vel, (min_pos, max_pos), dt)
     }
 
-    /// The next position on the way to a goal.
+    /// Returns the next position toward a target.
     fn toward(
         &self,
         goal: &Goal,
@@ -166,7 +165,7 @@ impl Limit3 {
         (min_pos, max_pos): (f64, f64),
         dt: f64,
     ) -> f64 {
-        // How long it takes to arrive with the goal's speed, at an even acceleration.
+        // Time to arrive with the target's speed, at constant acceleration.
         let time =
             if goal.faster.abs() < NEAR { 0.0 } else { 2.0 * (out - goal.before) / goal.faster };
         if min_pos <= goal.now && goal.now <= max_pos && time.abs() <= dt {
@@ -190,7 +189,7 @@ impl Limit3 {
     }
 }
 
-/// The upper bound wins when they cross.
+/// Limits a number; the maximum wins if the bounds are crossed.
 fn capped(x: f64, min: f64, max: f64) -> f64 {
     smaller(larger(x, min), max)
 }

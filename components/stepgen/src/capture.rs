@@ -1,4 +1,4 @@
-//! Realtime. `stepgen.capture-position`: what the pulses have come to, in steps and units.
+//! Realtime. `stepgen.capture-position`: converts the pulses made so far to counts and position.
 
 use crate::{
     freq::Scale,
@@ -7,7 +7,7 @@ use crate::{
 };
 use hal_component::{Error, Out, Period, Takes, Touch, Update};
 
-/// The function.
+/// Function `stepgen.capture-position`.
 #[derive(Touch)]
 pub(crate) struct CapturePosition {
     pub(crate) channels: Vec<Capture>,
@@ -23,7 +23,7 @@ impl Update for CapturePosition {
     }
 }
 
-/// One channel.
+/// State of one channel.
 #[derive(Touch)]
 pub(crate) struct Capture {
     counts: Out<i32>,
@@ -50,7 +50,7 @@ impl Capture {
     }
 }
 
-/// An accumulator in steps.
+/// Converts an accumulator to steps.
 pub(crate) const fn position(accum: i64) -> f64 {
     accum.wrapping_sub(HALF) as f64 / STEP as f64
 }

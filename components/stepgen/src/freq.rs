@@ -1,4 +1,4 @@
-//! Realtime. `stepgen.update-freq`: turns commands into rates, once per slow period.
+//! Realtime. `stepgen.update-freq`: converts commands to step rates, once per slow period.
 
 use crate::{
     capture::position,
@@ -11,7 +11,7 @@ use hal_component::{
     Error, Gives, In, Messages, ParamRo, ParamRw, Period, Takes, Touch, Update, Uses,
 };
 
-/// The function.
+/// Function `stepgen.update-freq`.
 #[derive(Touch)]
 pub(crate) struct UpdateFreq {
     pub(crate) channels: Vec<Freq>,
@@ -30,7 +30,7 @@ impl Update for UpdateFreq {
     }
 }
 
-/// One channel.
+/// State of one channel.
 #[derive(Touch)]
 pub(crate) struct Freq {
     command: In<f64>,
@@ -111,7 +111,7 @@ impl Freq {
         self.wanted.ask(whole(self.speed * per_speed), whole(limits.accel * per_accel));
     }
 
-    /// The limits in steps; parameters that promise more than can be are corrected.
+    /// Returns the limits in steps; corrects parameters that exceed the possible rate.
     fn limits(&mut self, most: f64, scale: f64, dt: f64) -> Limits {
         let mut speed = most;
         let maxvel = self.maxvel.get();
@@ -155,7 +155,7 @@ impl Freq {
         );
     }
 
-    /// The speed for the next period in velocity mode.
+    /// Returns the speed for the next period in velocity mode, in steps per second.
     fn approach(&self, scale: f64, max: Limits, dt: f64) -> f64 {
         let wish = self.command.get() * scale;
         let wish = if wish.is_nan() { 0.0 } else { within(wish, -max.speed, max.speed) };
@@ -163,8 +163,8 @@ impl Freq {
         within(wish, self.speed - most, self.speed + most)
     }
 
-    /// The speed for the next period in position mode: matches the speed of the command, and
-    /// chooses between speeding up and slowing down by where that would end.
+    /// Returns the speed for the next period in position mode, in steps per second. It matches the speed of the
+    /// command, and accelerates or brakes depending on the positions that either would lead to.
     fn follow(&mut self, scale: f64, max: Limits, dt: f64) -> f64 {
         let per_dt = 1.0 / dt;
         let wish = self.command.get() * scale;
@@ -197,19 +197,19 @@ impl Freq {
     }
 }
 
-/// Speed in steps per second, acceleration in steps per second squared.
+/// Maximum speed in steps per second, and maximum acceleration in steps per second squared.
 #[derive(Clone, Copy)]
 struct Limits {
     speed: f64,
     accel: f64,
 }
 
-/// A channel's scale, kept away from zero.
+/// Scale of a channel, kept away from zero.
 #[derive(Clone, Copy)]
 pub(crate) struct Scale(pub(crate) ParamRw<f64>);
 
 impl Scale {
-    /// In steps per length unit.
+    /// Returns the scale in steps per length unit.
     pub(crate) fn get(&self) -> f64 {
         let scale = self.0.get();
         if scale.abs() >= 1e-20 {
@@ -226,7 +226,7 @@ impl Touch for Scale {
     }
 }
 
-/// `x` where it lies between two bounds, otherwise the nearer one.
+/// Returns `x` limited to two bounds.
 fn within(x: f64, low: f64, high: f64) -> f64 {
     if x < low {
         low

@@ -1,20 +1,20 @@
-//! Realtime. What the slow and the fast function of a channel tell each other.
+//! Realtime. Data that the slow and the fast function of a channel exchange.
 
 use core::sync::atomic::{
     AtomicI64, AtomicU32,
     Ordering::{Acquire, Release},
 };
 
-/// Fraction bits of an accumulator: one step is `1 << FRACTION`.
+/// Number of fraction bits of an accumulator: one step is `1 << FRACTION`.
 pub(crate) const FRACTION: u32 = 28;
-/// One step, as an accumulator counts.
+/// Accumulator counts per step.
 pub(crate) const STEP: i64 = 1 << FRACTION;
-/// Where an accumulator starts, so that steps fall halfway between two positions.
+/// Initial value of an accumulator, so that steps fall halfway between two positions.
 pub(crate) const HALF: i64 = STEP / 2;
-/// The fast function's period as long as it never ran.
+/// Period assumed until the fast function has run, in nanoseconds.
 pub(crate) const ASSUMED_NS: i64 = 50_000;
 
-/// What the slow function asks of one channel, in accumulator counts per fast period.
+/// Rate that the slow function requests for one channel, in accumulator counts per fast period.
 #[derive(Debug, Default)]
 pub(crate) struct Wanted {
     rate: AtomicI64,
@@ -23,34 +23,34 @@ pub(crate) struct Wanted {
 }
 
 impl Wanted {
-    /// Asks for a rate, reached by at most `ramp` per fast period; zero: at once.
+    /// Requests a rate, reached with at most `ramp` per fast period; a `ramp` of zero means at once.
     pub(crate) fn ask(&self, rate: i64, ramp: i64) {
         self.ramp.store(ramp, Release); // Pairs with `rate`.
         self.rate.store(rate, Release); // Pairs with `rate`.
     }
 
-    /// Asks for a dead stop.
+    /// Requests an immediate stop.
     pub(crate) fn stop(&self) {
         self.rate.store(0, Release); // Pairs with `rate`.
         let next = self.stops.load(Acquire).wrapping_add(1); // Only this side stores.
         self.stops.store(next, Release); // Pairs with `stops`.
     }
 
-    /// The rate asked for, and the ramp towards it.
+    /// Returns the requested rate and its ramp.
     #[inline]
     pub(crate) fn rate(&self) -> (i64, i64) {
         let rate = self.rate.load(Acquire); // Pairs with `ask` and `stop`.
         (rate, self.ramp.load(Acquire)) // Pairs with `ask`.
     }
 
-    /// A number that changes with every dead stop.
+    /// Returns a number that changes with every immediate stop.
     #[inline]
     pub(crate) fn stops(&self) -> u32 {
         self.stops.load(Acquire) // Pairs with `stop`.
     }
 }
 
-/// What the fast function has made of one channel.
+/// Output of the fast function for one channel.
 #[derive(Debug)]
 pub(crate) struct Made {
     accum: AtomicI64,
@@ -63,7 +63,7 @@ impl Default for Made {
 }
 
 impl Made {
-    /// The accumulator.
+    /// Returns the accumulator.
     #[inline]
     pub(crate) fn accum(&self) -> i64 {
         self.accum.load(Acquire) // Pairs with `set`.
@@ -76,14 +76,14 @@ impl Made {
     }
 }
 
-/// The fast function's period.
+/// Period of the fast function.
 #[derive(Debug, Default)]
 pub(crate) struct Base {
     ns: AtomicI64,
 }
 
 impl Base {
-    /// In nanoseconds; nothing before the first run.
+    /// Returns the period in nanoseconds; `None` before the first cycle.
     pub(crate) fn ns(&self) -> Option<i64> {
         Some(self.ns.load(Acquire)).filter(|ns| *ns > 0) // Pairs with `set`.
     }
@@ -94,7 +94,7 @@ impl Base {
     }
 }
 
-/// Whole steps of an accumulator; the count wraps.
+/// Converts an accumulator to whole steps; the count wraps.
 #[inline]
 #[expect(clippy::cast_possible_truncation, reason = "counts wrap")]
 pub(crate) const fn steps(accum: i64) -> i32 {

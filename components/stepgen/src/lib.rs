@@ -1,4 +1,4 @@
-//! Software step pulses.
+//! Software step pulse generators.
 #![forbid(unsafe_code)]
 
 mod capture;

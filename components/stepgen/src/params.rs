@@ -1,29 +1,29 @@
-//! Realtime. The parameters that time the pulses, rounded to what the fast thread can give.
+//! Realtime. Timing parameters of the pulses, rounded to multiples of the fast thread's period.
 
 use crate::{handover::ASSUMED_NS, stepgen::Channel, types::StepType};
 use hal_component::{Error, ParamRw, Touch, Uses};
 
-/// The parameters of one channel's pulses, in nanoseconds.
+/// Timing parameters of one channel's pulses, in nanoseconds.
 #[derive(Clone, Debug)]
 pub(crate) struct Params {
     len: ParamRw<u32>,
     space: Option<ParamRw<u32>>,
     hold: ParamRw<u32>,
     setup: Option<ParamRw<u32>>,
-    /// Whether a change of direction needs a delay at all.
+    /// True if a change of direction needs a delay.
     delayed: bool,
 }
 
-/// Values of [`Params`].
+/// Values of [`Params`], in nanoseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Timing {
-    /// How long a pulse is, or a state lasts.
+    /// Length of a pulse, or minimum duration of a state.
     pub(crate) len: u32,
-    /// How long the gap between pulses is.
+    /// Gap between pulses.
     pub(crate) space: u32,
-    /// How long the direction stays after a pulse.
+    /// Time for which the direction is held after a pulse.
     pub(crate) hold: u32,
-    /// How long the direction is there before a pulse.
+    /// Time for which the direction is set before a pulse.
     pub(crate) setup: u32,
 }
 
@@ -55,7 +55,7 @@ impl Params {
         })
     }
 
-    /// The values as they are.
+    /// Returns the present values.
     pub(crate) fn get(&self) -> Timing {
         Timing {
             len: self.len.get(),
@@ -76,8 +76,8 @@ impl Params {
         }
     }
 
-    /// `held` is whether the hold time is as it was: then 0 stays even where the setup time has
-    /// become 0 as well.
+    /// Returns rounded values. `held` says that the hold time is unchanged: then a hold time of 0 stays 0 even if the
+    /// setup time has become 0 as well.
     fn rounded(&self, t: Timing, base_ns: i64, held: bool) -> Timing {
         let bare = self.delayed && t.hold == 0 && t.setup == 0 && !held;
         Timing {
@@ -98,7 +98,7 @@ impl Touch for Params {
     }
 }
 
-/// Keeps the parameters of one channel rounded.
+/// Rounds the parameters of one channel whenever they change.
 #[derive(Debug)]
 pub(crate) struct Rounder {
     params: Params,
@@ -111,8 +111,8 @@ impl Rounder {
         Self { params, base_ns: None, last: Timing::default() }
     }
 
-    /// The rounded values. Parameters are written once the fast thread's period is known, so that
-    /// what the user set is not rounded to a wrong one.
+    /// Returns the rounded values. The parameters are written only once the fast thread's period is known, so that the
+    /// user's values are not rounded to a wrong period.
     pub(crate) fn check(&mut self, base_ns: Option<i64>) -> Timing {
         let now = self.params.get();
         if now != self.last || base_ns != self.base_ns {
@@ -133,8 +133,8 @@ impl Touch for Rounder {
     }
 }
 
-/// The smallest multiple of `step` that is not less; the largest that fits when that one does
-/// not; all there is when none does.
+/// Returns the smallest multiple of `step` that is not less than `ns`. If that does not fit, returns the largest
+/// multiple that does; if none fits, returns the maximum.
 fn round_up(ns: u32, step: i64) -> u32 {
     let step = if step < 1 { 1 } else { step };
     let up = i64::from(ns).saturating_add(step - 1) / step * step;

@@ -1,4 +1,4 @@
-//! Realtime. `stepgen.make-pulses`: turns rates into edges, once per fast period.
+//! Realtime. `stepgen.make-pulses`: converts rates to edges, once per fast period.
 
 use crate::{
     handover::{Base, HALF, Made, STEP, Wanted, steps},
@@ -9,7 +9,7 @@ use crate::{
 use hal_component::{Error, Gives, In, Out, ParamRo, Period, Takes, Touch, Update, Uses};
 use std::borrow::Cow;
 
-/// The function.
+/// Function `stepgen.make-pulses`.
 #[derive(Touch)]
 pub(crate) struct MakePulses {
     pub(crate) channels: Vec<Pulses>,
@@ -31,10 +31,10 @@ impl Update for MakePulses {
     }
 }
 
-/// One channel.
+/// State of one channel.
 ///
-/// Three times start with each step and run out one after the other: its pulse ends, the
-/// direction may change, a step in another direction may come.
+/// Three timers start with each step and expire in turn: the pulse ends, the direction may change, and a step in the
+/// other direction may follow.
 #[derive(Touch)]
 pub(crate) struct Pulses {
     enable: In<bool>,
@@ -112,7 +112,7 @@ impl Pulses {
         self.outputs.show(step, self.pulse_left != 0, self.backward);
     }
 
-    /// Lets the times run.
+    /// Advances the timers.
     #[inline]
     const fn pass(&mut self, ns: i64) {
         if self.back_left == 0 {
@@ -126,7 +126,7 @@ impl Pulses {
         }
     }
 
-    /// Brings the rate nearer to the one wanted; a reversal may have to wait.
+    /// Moves the rate toward the requested rate; a reversal may have to wait.
     #[inline]
     fn accelerate(&mut self) {
         let (wanted, ramp) = self.wanted.rate();
@@ -144,7 +144,7 @@ impl Pulses {
         }
     }
 
-    /// Moves on by one period; true when that makes a step.
+    /// Advances the accumulator by one period. Returns whether this makes a step.
     #[inline]
     fn advance(&mut self) -> bool {
         let was = self.accum;
@@ -160,7 +160,7 @@ const fn left(time: i64, ns: i64) -> i64 {
     if time > ns { time - ns } else { 0 }
 }
 
-/// The output pins of one channel.
+/// Output pins of one channel.
 enum Outputs {
     StepDir { step: Out<bool>, dir: Out<bool> },
     UpDown { up: Out<bool>, down: Out<bool> },

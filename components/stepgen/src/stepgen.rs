@@ -128,7 +128,7 @@ const ENABLE: &str = "While true the channel makes steps; when it becomes false 
 const SCALE: &str = "Steps per length unit, for commands and feedback; negative: reversed. A value \
     smaller than 1e-20 becomes 1";
 
-/// One channel being created.
+/// Channel during its creation.
 pub(crate) struct Channel<'c, 'h> {
     pub(crate) b: &'c mut Builder<'h>,
     pub(crate) number: usize,

@@ -1,10 +1,10 @@
-//! Step types: which outputs a channel has, and the order in which they change.
+//! Step types: the outputs of a channel, and the sequence in which they change.
 
 use hal_component::Error;
 use std::borrow::Cow;
 
-/// Types whose outputs are phases, from number 2 on: how many phases, and their bits in each
-/// state of the cycle (bit 0 is phase A).
+/// Types whose outputs are phases, from number 2 on: number of phases, and their bits in each state of the cycle (bit 0
+/// is phase A).
 const PHASES: [(usize, &[u8]); 13] = [
     (2, &[1, 3, 2, 0]),
     (3, &[1, 2, 4]),
@@ -21,27 +21,27 @@ const PHASES: [(usize, &[u8]); 13] = [
     (5, &[3, 7, 6, 14, 12, 28, 24, 25, 17, 19]),
 ];
 
-/// The number of the type whose cycle the user gives.
+/// Number of the type whose cycle the user defines.
 const USER: i64 = 15;
 
-/// How a channel shows its steps.
+/// Output form of a channel's steps.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum StepType {
-    /// A pulse, and its direction.
+    /// Step pulse and direction.
     StepDir,
-    /// A pulse on one output for each direction.
+    /// Pulse on a separate output for each direction.
     UpDown,
-    /// A pattern that moves on by one state per step.
+    /// Pattern that advances by one state per step.
     Phases {
-        /// How many outputs.
+        /// Number of outputs.
         phases: usize,
-        /// The outputs in each state; bit 0 is phase A.
+        /// Outputs in each state; bit 0 is phase A.
         cycle: Cow<'static, [u8]>,
     },
 }
 
 impl StepType {
-    /// Every channel's type, from `step_type=` and `user_step_type=`. A -1 ends either list.
+    /// Parses every channel's type from `step_type=` and `user_step_type=`. A -1 ends either list.
     pub(crate) fn parse(types: &[i64], user: &[i64]) -> Result<Vec<Self>, Error> {
         let user = Self::user(user)?;
         let given = types.iter().take_while(|t| **t != -1).enumerate();
@@ -84,17 +84,17 @@ impl StepType {
     }
 }
 
-/// What a channel follows.
+/// Kind of command of a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Control {
-    /// A position.
+    /// Position command.
     Position,
-    /// A speed.
+    /// Velocity command.
     Velocity,
 }
 
 impl Control {
-    /// From the first letter of one word of `ctrl_type=`.
+    /// Parses the first letter of one word of `ctrl_type=`.
     pub(crate) fn parse(channel: usize, word: Option<&str>) -> Result<Self, Error> {
         match word.and_then(|w| w.chars().next()) {
             None | Some('p' | 'P') => Ok(Self::Position),
@@ -106,7 +106,7 @@ impl Control {
         }
     }
 
-    /// The pin it follows: name and documentation.
+    /// Returns name and documentation of the command pin.
     pub(crate) const fn pin(self) -> (&'static str, &'static str) {
         match self {
             Self::Position => (

@@ -1,18 +1,19 @@
-//! `stepgen` against what its numbers say: distances, rates, times of pulses and of changes of direction.
+//! Test of `stepgen` against its parameters: distances, rates, and timing of pulses and direction changes.
 
 use hal_component::bench::Random;
 use rig::Rig;
 
 mod rig;
 
-/// The base period in seconds, and one servo period.
+/// Base period and servo period, in seconds.
 const BASE: f64 = 1e-4;
 const SERVO: f64 = 1e-3;
-/// What a position is whole numbers of, in steps.
+/// Resolution of a position, in steps.
 const GRAIN: f64 = 1.0 / 268_435_456.0;
 
-/// From rest to a speed v it takes v²/2a. As it is stepped, the rate grows once in a base period and the way to v is half of one
-/// at v longer; the rate itself is cut off to a whole number of grains in each period.
+/// Acceleration from rest to a speed v takes v²/2a of distance. In discrete time the rate grows once per base period,
+/// which adds half a base period at v to the distance; the rate itself is truncated to a whole number of grains per
+/// period.
 #[test]
 fn speeding_up_takes_v_squared_over_2a() {
     for (scale, v, a) in [(100.0, 20.0, 200.0), (4.0, 90.0, 1500.0), (-250.0, 10.0, 35.0)] {
@@ -28,7 +29,7 @@ fn speeding_up_takes_v_squared_over_2a() {
             rig.run(10);
             n += 1;
         }
-        // v/a in whole servo periods, the last of which may have less to add, and is still to be carried out.
+        // v/a in whole servo periods; the last one may have less to add, and still has to be carried out.
         assert!((f64::from(n) - v / (a * SERVO)).abs() <= 1.0 + 1e-9, "{n} periods to {v} at {a}");
         rig.run(10);
         let began = rig.get::<f64>("0.position-fb");
@@ -36,8 +37,8 @@ fn speeding_up_takes_v_squared_over_2a() {
         let even = rig.get::<f64>("0.position-fb") - began;
         let cut = 1000.0 * GRAIN / scale.abs();
         assert!(even <= v * 0.1 + 1e-9 && v * 0.1 - even <= cut + 1e-9, "{even} in 0.1 s at {v}");
-        // Had it been as fast from the beginning, it were ahead by v²/2a, but for the order of the functions: up to one servo period
-        // until a command is seen, one until the rate is carried out, and half a base period as above.
+        // At full speed from the start, it would be ahead by v²/2a, except for the order of the functions: up to one
+        // servo period until a command is seen, one until the rate is carried out, and half a base period as above.
         let ran = f64::from(n + 1) * SERVO;
         let lost = v * ran - began;
         let wanted = v * v / (2.0 * a);
@@ -45,15 +46,15 @@ fn speeding_up_takes_v_squared_over_2a() {
     }
 }
 
-/// A rate of f steps a second makes ⌊x + n·r⌋ steps in n base periods, from a place x halfway between two steps, where r is f·T in whole grains: over a long run at most
-/// n grains fewer than f·T·n.
+/// A rate of f steps per second makes ⌊x + n·r⌋ steps in n base periods, from a position x halfway between two steps,
+/// where r is f·T in whole grains: over a long run, at most n grains fewer than f·T·n.
 #[test]
 fn rates_are_exact_over_a_long_run() {
     for f in [1.0, 333.25, 1234.567, -4999.9] {
         let mut rig = Rig::new(&["step_type=2", "ctrl_type=v"]);
         rig.enable(0, true);
         rig.float("0.velocity-cmd", f);
-        // Until the rate is reached, and to a capture.
+        // Runs until the rate is reached, and until a capture.
         rig.run(101);
         let x = rig.get::<f64>("0.position-fb") + 0.5;
         let periods = 300_000;
@@ -66,7 +67,7 @@ fn rates_are_exact_over_a_long_run() {
     }
 }
 
-/// What a velocity mode has gone is the integral of its speed: trapezoids where it speeds up, and to the grain.
+/// In velocity mode the distance is the integral of the speed: trapezoids during acceleration, exact to the grain.
 #[test]
 fn speed_mode_integrates_its_command() {
     let (scale, a) = (1000.0, 50.0);
@@ -76,7 +77,7 @@ fn speed_mode_integrates_its_command() {
     rig.enable(0, true);
     rig.run(1);
     let (mut speed, mut area, mut servos) = (0.0, 0.0, 0);
-    // Each change is a whole number of servo periods, and so is each rest.
+    // Each change, and each rest, is a whole number of servo periods.
     for (to, periods) in [(2.0, 200), (-1.5, 300), (4.0, 150), (0.0, 400)] {
         rig.float("0.velocity-cmd", to);
         rig.run(10 * periods);
@@ -86,17 +87,17 @@ fn speed_mode_integrates_its_command() {
         speed = to;
         servos += periods;
     }
-    // Standing still, nothing is on its way any more.
+    // At rest, no steps are pending.
     rig.run(20);
-    // Each of three changes costs its half of a base period; each period cuts up to a grain of rate and one of ramp.
+    // Each of three changes costs half a base period; each period truncates up to a grain of rate and one of ramp.
     let steps = 2.0 * (2.0 + 3.5 + 5.5 + 4.0) * BASE / 2.0 * scale;
     let cut = servos as f64 * 10.0 * GRAIN * (1.0 + 10.0);
     let is = rig.get::<f64>("0.position-fb");
     assert!((is - area).abs() <= (steps + cut) / scale, "{is}, not {area}");
 }
 
-/// Within a servo period as well the rate grows by a·T² steps in each base period T, before it is added: N of them from rest go
-/// a·T²·N(N + 1)/2. Here a·T² is a whole number of grains, of which the conversions may lose one.
+/// Within a servo period, the rate also grows by a·T² steps in each base period T, before it is added: N base periods
+/// from rest give a·T²·N(N + 1)/2. Here a·T² is a whole number of grains, of which the conversions may lose one.
 #[test]
 fn a_ramp_grows_in_every_base_period() {
     let grains = 131_072.0;
@@ -118,8 +119,8 @@ fn a_ramp_grows_in_every_base_period() {
     }
 }
 
-/// A move of a whole number of steps makes as many pulses, each as long as `steplen`, at least `stepspace` apart; the fastest rate
-/// is one in both.
+/// A move of a whole number of steps makes as many pulses, each as long as `steplen` and at least `stepspace` apart; at
+/// the maximum rate, both are exact.
 #[test]
 fn pulses_are_counted_and_timed() {
     for (len, space) in [(1, 1), (100_000, 300_000), (250_000, 100_000), (150_000, 150_000)] {
@@ -154,8 +155,9 @@ fn pulses_are_counted_and_timed() {
     }
 }
 
-/// Whatever is commanded: a pulse is as long as it is set, `dir` stays for `dirhold` after it and is there `dirsetup` before the
-/// next. (Where the last pulse is longer ago than all of that, the channel stood still, and its first step comes when it comes.)
+/// For any command, a pulse has its set length, and `dir` is held for `dirhold` after it and set `dirsetup` before the
+/// next. (If the last pulse is longer ago than all of that, the channel was at rest, and its first step may come at any
+/// time.)
 #[test]
 fn directions_hold_and_are_there_in_time() {
     let (mut random, mut turns) = (Random::new(9), 0);

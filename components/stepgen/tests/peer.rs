@@ -1,4 +1,4 @@
-//! The same scripts as LinuxCNC ran: every sample must be equal.
+//! Replay of scripts that LinuxCNC ran: every sample must be equal.
 
 use hal_component::bench::Bench;
 use stepgen::Stepgen;

@@ -1,4 +1,4 @@
-//! What `stepgen` promises.
+//! Tests of `stepgen`.
 
 use hal_component::bench::Bench;
 use rig::Rig;
@@ -76,7 +76,7 @@ fn control_words_count_by_their_first_letter() {
     }
 }
 
-/// The bits of the phases over one cycle, from the first state.
+/// Bits of the phases over one cycle, from the first state.
 const CYCLES: [(usize, usize, &[u8]); 14] = [
     (2, 2, &[1, 3, 2, 0]),
     (3, 3, &[1, 2, 4]),
@@ -158,7 +158,7 @@ fn up_and_down_pulse_on_their_own_pins() {
     assert_eq!(rig.trace("0.down", 40).matches('#').count(), 4);
 }
 
-/// Parameters as set, and as they are after one round with a base period of 100 µs.
+/// Parameters as set, and after rounding with a base period of 100 µs.
 #[test]
 fn times_become_whole_periods() {
     for (kind, set, rounded) in [
@@ -201,7 +201,7 @@ fn times_are_rounded_again_when_the_period_changes() {
     assert_eq!(rig.get::<u32>("0.steplen"), 50_000);
 }
 
-/// The pulse lasts steplen, and at the fastest the gap stepspace.
+/// A pulse lasts `steplen`, and at the maximum rate the gap is `stepspace`.
 #[test]
 fn fastest_pulses() {
     for (len, space, shape) in [
@@ -224,8 +224,8 @@ fn fastest_pulses() {
     }
 }
 
-/// At a reversal the direction changes dirhold after the last pulse, and the next pulse comes
-/// dirsetup after that; the position waits meanwhile.
+/// At a reversal, the direction changes `dirhold` after the last pulse, and the next pulse comes `dirsetup` after that;
+/// the position waits meanwhile.
 #[test]
 fn reversals_wait() {
     for (hold, setup) in [(1, 1), (300_000, 1), (1, 300_000), (250_000, 450_000), (31_732, 31_732)]
@@ -278,7 +278,7 @@ fn speed_mode_ramps_and_reports() {
     rig.float("0.velocity-cmd", 50.0);
     rig.enable(0, true);
     rig.run(11);
-    // 1000 units/s² are 10 steps/s more each millisecond.
+    // 1000 units/s² are 10 steps/s more per millisecond.
     assert_eq!(rig.get::<f64>("0.frequency"), 20.0);
     rig.run(480);
     assert_eq!(rig.get::<f64>("0.frequency"), 500.0);
@@ -337,13 +337,13 @@ fn position_mode_follows_a_moving_command() {
         let to = 2.0 * (1.0 - libm::cos(5.0 * t));
         rig.float("0.position-cmd", to);
         rig.run(10);
-        // The position read is that of one servo period before.
+        // The position read is one servo period old.
         off = off.max((rig.get::<f64>("0.position-fb") - to).abs());
     }
     assert!(off < 10.0 * 2.5e-3, "it lags at most two and a half periods at 10 units/s: {off}");
 }
 
-/// An axis of the printer, at 100 µs and 1 ms.
+/// Returns an axis of the printer, at 100 µs and 1 ms.
 fn printer(scale: f64, accel: f64) -> Rig {
     let rig = Rig::new(&["step_type=0"]);
     rig.float("0.position-scale", scale);
@@ -422,7 +422,7 @@ fn switched_off_it_stands_still_at_once() {
     rig.run(1000);
     assert_eq!(at, (rig.get("0.rawcounts"), rig.get("1.rawcounts")));
     assert_eq!(rig.get::<f64>("0.frequency"), 0.0);
-    // It starts from standstill again, and position mode then goes where it is told.
+    // It starts from rest again, and position mode then moves to the command.
     rig.enable(0, true);
     rig.enable(1, true);
     rig.run(10);
@@ -455,7 +455,7 @@ fn a_speed_that_cannot_be_is_said_once() {
     assert_eq!(rig.get::<f64>("1.maxaccel"), 1_250_000.0);
 }
 
-/// Values that make no sense are put right, and nothing they do lasts.
+/// Invalid values are corrected, and their effects do not last.
 #[test]
 fn nonsense_does_no_harm() {
     let odd = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e308, -1e308, 5e-324, 0.0, -0.0];

@@ -1,5 +1,5 @@
-//! `pid` against what its equation says: each part alone, and loops with plants whose discrete answer is a sum of powers of the
-//! loop's poles.
+//! Test of `pid` against its equation: each term alone, and loops with plants whose discrete response is a sum of
+//! powers of the loop's poles.
 
 #![expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "how many poles")]
 
@@ -10,7 +10,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 const NS: i64 = 1_000_000;
 const DT: f64 = 0.001;
 
-/// A loop without gains, its error that of the present command.
+/// Returns a loop without gains, with the error against the present command.
 fn bench(set: &[(&str, f64)]) -> Bench {
     let mut bench = Bench::new();
     bench.load::<Pid>(&["names=x", "debug=1"]).unwrap();
@@ -60,17 +60,17 @@ fn the_integral_is_a_ramp() {
         for n in 1..=1000 {
             let t = f64::from(n) * DT;
             let integral = if most > 0.0 { (2.0 * t).min(most) } else { 2.0 * t };
-            // One rounding of a sum that is at most 2 in each run.
+            // One rounding per cycle of a sum that is at most 2.
             near(run(&bench, 3.0, 1.0), 4.0 * integral, 4.0 * f64::from(n) * 2.0 * f64::EPSILON);
         }
     }
 }
 
-/// Backward differences: of c·t it is c, of a·t²/2 it is a·(t - T/2), and the second and third ones of a·t²/2 and j·t³/6 are a
-/// and j.
+/// Backward differences: for c·t it is c, for a·t²/2 it is a·(t - T/2), and the second and third ones of a·t²/2 and
+/// j·t³/6 are a and j.
 #[test]
 fn derivatives_of_powers_of_time() {
-    // Two roundings of what is subtracted, in two, four or eight terms, larger by 1/T with each order.
+    // Two roundings of the operands, in two, four or eight terms, larger by 1/T with each order.
     let rounded = |x: f64, order: i32| f64::EPSILON * (2.0 / DT).powi(order) * (2.0 * x.abs());
     let (c, a, j) = (3.7, 12.5, -40.0);
     for feedback_moves in [false, true] {
@@ -98,7 +98,7 @@ fn derivatives_of_powers_of_time() {
             let (command, wanted) = match order {
                 1 => (c * t, c),
                 2 => (0.5 * a * t * t, a),
-                // T·n·(n - 1)·(n - 2)/6 has no other derivatives in its beginning.
+                // The other derivatives of T·n·(n - 1)·(n - 2)/6 vanish at its start.
                 _ => (j * t * (t - DT) * (t - 2.0 * DT) / 6.0, j),
             };
             let is = run(&bench, command, 0.0);
@@ -110,12 +110,12 @@ fn derivatives_of_powers_of_time() {
     }
 }
 
-/// At its limit the output holds the integral as it is; as soon as the error turns it comes back, without first running back
-/// what would have been added meanwhile.
+/// At its limit the output freezes the integral; as soon as the error changes sign, the output returns without first
+/// unwinding what would have been added meanwhile.
 #[test]
 fn the_integral_does_not_wind_up() {
     let bench = bench(&[("Igain", 7.9), ("maxoutput", 1.0)]);
-    // 7.9·n·T is above 1 first after 127 runs.
+    // 7.9·n·T first exceeds 1 after 127 cycles.
     for n in 1..=5000 {
         let is = run(&bench, 1.0, 0.0);
         near(is, (7.9 * f64::from(n) * DT).min(1.0), 127.0 * 2.0 * f64::EPSILON);
@@ -129,8 +129,8 @@ fn the_integral_does_not_wind_up() {
     }
 }
 
-/// The answer of x[n+1] = M·x[n] + b at x[0] = 0, in its first part: a constant and powers of the poles, of which the weights
-/// follow from the first samples.
+/// Returns the first element of the response x[n+1] = M·x[n] + b from x[0] = 0: a constant and powers of the poles,
+/// with weights from the first samples.
 fn answer(m: &DMatrix<f64>, b: &DVector<f64>) -> (f64, impl Fn(i32) -> f64, f64) {
     let order = m.nrows();
     let rest = (DMatrix::identity(order, order) - m).lu().solve(b).unwrap();
@@ -150,7 +150,7 @@ fn answer(m: &DMatrix<f64>, b: &DVector<f64>) -> (f64, impl Fn(i32) -> f64, f64)
     (rest[0], move |n| rest[0] + fading(n), slowest)
 }
 
-/// A lag y[n+1] = a·y[n] + b·u[n] with u from the loop.
+/// First-order lag y[n+1] = a·y[n] + b·u[n] with u from the loop.
 #[test]
 fn a_lag_answers_with_the_poles_of_the_loop() {
     let (a, b) = (0.98, 0.04);
@@ -158,14 +158,14 @@ fn a_lag_answers_with_the_poles_of_the_loop() {
     for (p, i, d) in
         [(4.0, 0.0, 0.0), (20.0, 0.0, 0.0), (4.0, 60.0, 0.0), (2.0, 400.0, 0.0), (6.0, 90.0, 0.004)]
     {
-        // The state is y, y before, and the integral, which has the present error in it.
+        // The state is y, the previous y, and the integral, which includes the present error.
         let m = DMatrix::from_row_slice(
             3,
             3,
             &[a - b * (p + i * DT + d / DT), b * d / DT, b * i, 1.0, 0.0, 0.0, -DT, 0.0, 1.0],
         );
         let given = DVector::from_row_slice(&[b * (p + i * DT) * command, 0.0, DT * command]);
-        // Without I the integral is a state of its own that never settles.
+        // Without I, the integral is a separate state that never settles.
         let (m, given) = if i == 0.0 {
             (m.view((0, 0), (2, 2)).into_owned(), given.rows(0, 2).into_owned())
         } else {
@@ -177,18 +177,18 @@ fn a_lag_answers_with_the_poles_of_the_loop() {
             (m, given)
         };
         let (rest, wanted, slowest) = answer(&m, &given);
-        // With the gain G = b/(1 - a) of the plant, P alone leaves r/(1 + P·G); I leaves nothing.
+        // With the plant's gain G = b/(1 - a), P alone leaves r/(1 + P·G); with I, nothing remains.
         let left = if i == 0.0 { command / (1.0 + p * b / (1.0 - a)) } else { 0.0 };
         near(command - rest, left, 1e-12);
         let bench = bench(&[("Pgain", p), ("Igain", i), ("Dgain", d)]);
-        // The step of the command is over before it counts.
+        // The step of the command happens before the loop is enabled.
         bench.set("x.enable", false);
         run(&bench, command, 0.0);
         bench.set("x.enable", true);
         let mut y = 0.0;
         for n in 0..2000 {
-            // Some ten roundings of the output in each run, which fade with the slowest pole; the weights have those of the
-            // powers' matrix.
+            // About ten roundings of the output per cycle, which decay with the slowest pole; the weights have the
+            // rounding of the matrix of powers.
             let bound = 100.0 * f64::EPSILON * (p + d / DT) / (1.0 - slowest);
             near(y, wanted(n), bound);
             y = a * y + b * run(&bench, command, y);
@@ -197,8 +197,8 @@ fn a_lag_answers_with_the_poles_of_the_loop() {
     }
 }
 
-/// An integrator y[n+1] = y[n] + T·u[n]: a step is met as 1 - (1 - P·T)^n, a ramp of speed v stays v/P ahead, and not at all with
-/// `FF1` = 1.
+/// Integrator y[n+1] = y[n] + T·u[n]: the response to a step is 1 - (1 - P·T)^n; a ramp of speed v has a lag of v/P, or
+/// none with `FF1` = 1.
 #[test]
 fn an_integrator_answers_steps_and_ramps() {
     for p in [5.0, 50.0, 400.0] {
@@ -220,7 +220,7 @@ fn an_integrator_answers_steps_and_ramps() {
                 let command = speed * f64::from(n) * DT;
                 let out = run(&bench, command, y);
                 if n == 9999 {
-                    // The error is against the command that the feedback answers to.
+                    // The error is computed against the command that the feedback responds to.
                     let is: f64 = bench.get("x.error");
                     let rounding =
                         10.0 * command * f64::EPSILON / (p * DT) * (1.0 + 1.0 / (p * DT));

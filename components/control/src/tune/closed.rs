@@ -1,8 +1,8 @@
 //! Tuning against plants whose ultimate gain and period are known.
 //!
-//! A relay of ±d makes a loop oscillate with a peak a. By the describing function of a relay, 4d/(π·a), the ultimate gain is that
-//! and the ultimate period that of the oscillation. This is exact where the plant leaves of the relay's square wave only
-//! its fundamental; how far it is off otherwise, its harmonics say.
+//! A relay of ±d makes a loop oscillate with a peak a. By the describing function of a relay, the ultimate gain is
+//! 4d/(π·a), and the ultimate period is that of the oscillation. This is exact if the plant passes only the fundamental
+//! of the relay's square wave; otherwise the harmonics determine the error.
 
 use crate::pid::Pid;
 use core::f64::consts::PI;
@@ -11,10 +11,11 @@ use hal_component::bench::Bench;
 const NS: i64 = 1_000_000;
 const DT: f64 = 0.001;
 const EFFORT: f64 = 0.5;
-/// What the integrators add to their place in a run for each unit of output: times the effort it is exact.
+/// Displacement of the integrators per cycle and unit of output; its product with the effort is exact.
 const STEP: f64 = 1.0 / 1024.0;
 
-/// Tunes with `cycles` half cycles on a plant that answers an output with the next feedback: the ultimate gain and period.
+/// Tunes with `cycles` half cycles on a plant that returns the next feedback for an output. Returns ultimate gain and
+/// period.
 fn tune(kind: u32, cycles: u32, mut plant: impl FnMut(f64) -> f64) -> (Bench, f64, f64) {
     let mut bench = Bench::new();
     bench.load::<Pid>(&["names=x", "debug=1"]).unwrap();
@@ -27,7 +28,7 @@ fn tune(kind: u32, cycles: u32, mut plant: impl FnMut(f64) -> f64) -> (Bench, f6
     for _ in 0..2_000_000 {
         bench.run("x.do-pid-calcs", NS);
         if !bench.get::<bool>("x.tune-start") {
-            // What was found is shown in the next run.
+            // The result is published in the next cycle.
             bench.run("x.do-pid-calcs", NS);
             let (gain, period) = (bench.get("x.ultimate-gain"), bench.get("x.ultimate-period"));
             return (bench, gain, period);
@@ -41,10 +42,10 @@ fn close(is: f64, wanted: f64, part: f64) {
     assert!((is / wanted - 1.0).abs() <= part, "{is} is not {wanted} within {part}");
 }
 
-/// An integrator with a dead time of m runs. The feedback is a triangle: it crosses 0, goes on for m runs, and comes back, in
-/// half cycles of 2m + 1 runs with peaks of m and m + 1 steps in turn: as with a dead time L of m + 1/2 runs, for which the peak is
-/// d·k·L and the period 4L. The ultimate gain of such a plant, of k per second, is π/(2·k·L); that the triangle is no sine leaves
-/// 8/π² of it.
+/// Integrator with a dead time of m cycles. The feedback is a triangle: it crosses 0, continues for m cycles, and comes
+/// back, in half cycles of 2m + 1 cycles with peaks of m and m + 1 steps in turn. This equals a dead time L of m + 1/2
+/// cycles, for which the peak is d·k·L and the period 4L. The ultimate gain of such a plant, of k per second, is
+/// π/(2·k·L); because the triangle is not a sine, the measured gain is 8/π² of that.
 #[test]
 fn an_integrator_with_dead_time() {
     for m in [4, 20, 100] {
@@ -57,23 +58,24 @@ fn an_integrator_with_dead_time() {
             y
         });
         let (m, halves) = (m as f64, f64::from(halves));
-        // The first half cycle is from rest: m + 1 runs, and a peak of one.
+        // The first half cycle starts from rest: m + 1 cycles, and a peak of one.
         let peak = EFFORT * STEP * (1.0 + (halves - 1.0) * (m + 0.5)) / halves;
         let runs = m + 1.0 + (halves - 1.0) * (2.0 * m + 1.0);
-        // Roundings, and the π of the component.
+        // Rounding, and the component's value of π.
         close(gain, 4.0 * EFFORT / (PI * peak), 1e-9);
         close(period, 2.0 * runs * DT / halves, 1e-9);
-        // Seen from afar: within a half cycle of the first one.
+        // Compared with the continuous formulas: within the effect of the first half cycle.
         let (dead, k) = ((m + 0.5) * DT, STEP / DT);
         close(period, 4.0 * dead, 1.0 / halves);
         close(gain, 8.0 / (PI * PI) * PI / (2.0 * k * dead), 1.1 / halves);
     }
 }
 
-/// Three lags of a second, 1/(s + 1)³: each a quarter of a turn's third late at √3/s, where 8 times its gain is 1. The harmonics k = 3, 5, …
-/// come through with 1/k of |G(k·√3)/G(√3)|, in all 0.0215 of the fundamental. That moves the peak by as much, and the phase by as many
-/// radians; which, with 1.3 radians of phase to a natural logarithm of frequency, moves the period by 0.0166, and with 2.25
-/// logarithms of gain to one of frequency, the gain by 0.0373 more.
+/// Three first-order lags of one second, 1/(s + 1)³: each has a phase of -60 degrees at √3/s, where the gain is 1/8.
+/// The harmonics k = 3, 5, … pass with 1/k of |G(k·√3)/G(√3)|, in total 0.0215 of the fundamental. That changes the
+/// peak by the same fraction, and the phase by as many radians. With a phase slope of 1.3 radians per natural logarithm
+/// of frequency, this changes the period by 0.0166; with a gain slope of 2.25 logarithms per logarithm of frequency, it
+/// changes the gain by another 0.0373.
 #[test]
 fn three_lags() {
     let late = libm::sqrt(3.0);
@@ -83,7 +85,7 @@ fn three_lags() {
     let period_off = harmonics / (3.0 * late / (1.0 + 3.0));
     let gain_off = harmonics + period_off * 2.25;
     assert!(harmonics < 0.0216 && gain_off < 0.06);
-    // What the plant is after a run with a constant output, exactly: the powers of T in front of exp(-T).
+    // Exact state of the plant after a cycle with constant output: powers of T times exp(-T).
     let (hold, halves) = (libm::exp(-DT), 200);
     let [mut a, mut b, mut c] = [0.0; 3];
     let (_, gain, period) = tune(0, halves, |out| {
@@ -93,13 +95,13 @@ fn three_lags() {
         c = out + hold * (z + DT * y + DT * DT / 2.0 * x);
         c
     });
-    // The first half cycles are from rest; of each half cycle up to a run is missed.
+    // The first half cycles start from rest, and each half cycle is resolved to one cycle.
     let begin = 2.0 / f64::from(halves);
     close(gain, 8.0, gain_off + begin);
     close(period, 2.0 * PI / late, period_off + begin);
 }
 
-/// The rules by which gains follow (Ziegler and Nichols's).
+/// Tuning rules for the gains (Ziegler and Nichols).
 #[test]
 fn gains_by_the_rules() {
     for kind in [0, 1] {

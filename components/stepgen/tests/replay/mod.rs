@@ -1,7 +1,7 @@
-//! Replays a script of `tests/peer` on a [`Bench`] and compares it with what was sampled there.
+//! Replays a script of `tests/peer` on a [`Bench`] and compares it with LinuxCNC's samples.
 //!
-//! The components under test are real; the few that only carry values (`scale`, `sum2`,
-//! `streamer`, `sampler`) are played here.
+//! The components under test are real; those that only transport values (`scale`, `sum2`, `streamer`, `sampler`) are
+//! emulated here.
 
 #![expect(
     clippy::unwrap_used,
@@ -15,7 +15,7 @@
 use hal_component::bench::Bench;
 use std::{collections::BTreeMap, fs, path::PathBuf};
 
-/// Loads the component that a `loadrt` line names, or says that it is not under test.
+/// Function that loads the component of a `loadrt` line, or returns false if it is not under test.
 pub(crate) type Load = fn(&mut Bench, &str, &[&str]) -> bool;
 
 /// Runs `NAME.hal` and compares every sample with `NAME.out`.
@@ -44,18 +44,18 @@ struct Script {
     bench: Bench,
     /// Types and directions of the pins and parameters on the bench.
     types: BTreeMap<String, (String, String)>,
-    /// Pins of the components played here.
+    /// Pins of the components emulated here.
     played: BTreeMap<String, f64>,
-    /// For each writer, who reads it.
+    /// Readers of each writing pin.
     nets: BTreeMap<String, Vec<String>>,
     signals: BTreeMap<String, (Option<String>, Vec<String>)>,
     threads: Vec<(String, i64, Vec<String>)>,
-    /// The letters of each sampler.
+    /// Type letters of each sampler.
     samplers: Vec<String>,
-    /// What is left to stream, the last line first.
+    /// Remaining input of the streamer, the last line first.
     input: Vec<Vec<f64>>,
     rows: Vec<String>,
-    /// Whether samples count yet.
+    /// True once samples are recorded.
     recording: bool,
 }
 

@@ -1,4 +1,4 @@
-//! A stepgen with its two threads.
+//! Stepgen with its two threads.
 
 #![allow(dead_code, clippy::allow_attributes, reason = "each test uses its part")]
 #![expect(clippy::unwrap_used, reason = "tests")]
@@ -6,7 +6,7 @@
 use hal_component::bench::Bench;
 use stepgen::Stepgen;
 
-/// A base thread of 100 µs unless said otherwise, and a servo thread of ten of its periods.
+/// Base thread, with a period of 100 µs by default, and a servo thread with ten times its period.
 pub(crate) struct Rig {
     pub(crate) bench: Bench,
     pub(crate) base_ns: i64,
@@ -36,7 +36,7 @@ impl Rig {
         self.bench.get(&format!("stepgen.{name}"))
     }
 
-    /// One base period; every tenth time the servo thread runs after it.
+    /// Runs one base period, and every tenth time the servo thread after it.
     pub(crate) fn tick(&mut self) {
         self.bench.run("stepgen.make-pulses", self.base_ns);
         if self.cycles % 10 == 0 {
@@ -50,7 +50,7 @@ impl Rig {
         (0..ticks).for_each(|_| self.tick());
     }
 
-    /// A pin over some base periods, `#` true, `.` false.
+    /// Records a pin over some base periods: `#` true, `.` false.
     pub(crate) fn trace(&mut self, pin: &str, ticks: usize) -> String {
         let mut line = String::new();
         for _ in 0..ticks {
