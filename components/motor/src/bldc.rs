@@ -9,7 +9,7 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 
-/// The most motors.
+/// Maximum number of motors.
 const MOST: u32 = 8;
 
 /// Commutation of three-phase motors.
@@ -88,13 +88,13 @@ pub(crate) struct Motor {
 pub(crate) struct State {
     pub(crate) begun: bool,
     pub(crate) feedback: Feedback,
-    /// Counts of the last run.
+    /// Counts of the last cycle.
     pub(crate) counts: i32,
-    /// Sector of the Hall sensors in the last run, if there was one, and the pattern that it was of.
+    /// Sector of the Hall sensors in the last cycle, if there was one, and the pattern it belongs to.
     pub(crate) sector: Option<Option<usize>>,
     pub(crate) pattern: u32,
     pub(crate) init: bool,
-    /// What is left of the alignment, in seconds.
+    /// Remaining time of the alignment, in seconds.
     pub(crate) left: f64,
 }
 
@@ -278,7 +278,7 @@ mod tests {
         }
     }
 
-    /// A bench with one motor, `cfg` and settings, after its first run.
+    /// Returns a bench with one motor, `cfg` and settings, after its first cycle.
     fn motor(cfg: &str, settings: &[(&str, f64)]) -> Bench {
         let mut bench = Bench::new();
         bench.load::<Bldc>(&[&format!("cfg={cfg}")]).unwrap();
@@ -289,7 +289,7 @@ mod tests {
         bench
     }
 
-    /// Pulled to zero in 2.4 s; what the encoder says then is zero.
+    /// The motor is pulled to zero in 2.4 s; the encoder's count there becomes the zero.
     #[test]
     fn aligns() {
         let b = motor("q", &[("value", 0.5)]);
@@ -310,13 +310,13 @@ mod tests {
         b.run("bldc.0", 1_000_000);
         assert!(b.get::<bool>("bldc.0.init-done"));
         assert_eq!(b.get::<i32>("bldc.0.offset-measured"), 20);
-        // A quarter of an electrical turn on, where the field is a quarter ahead.
+        // After a quarter of an electrical turn, the field is a quarter ahead.
         b.set("bldc.0.rawcounts", 84);
         b.run("bldc.0", 1_000_000);
         b.run("bldc.0", 1_000_000);
         assert_eq!(b.get::<f64>("bldc.0.rotor-angle"), 0.25);
         assert_eq!(b.get::<f64>("bldc.0.phase-angle"), 0.5);
-        // Asked again, it begins again.
+        // A second request restarts the alignment.
         b.set("bldc.0.init", false);
         b.run("bldc.0", 1_000_000);
         b.set("bldc.0.init", true);
@@ -342,7 +342,7 @@ mod tests {
         assert_eq!(b.get::<i32>("bldc.0.offset-measured"), 7);
     }
 
-    /// The search for the index begins anew where counts gave no angle.
+    /// The index search restarts from zero if counts gave no valid angle.
     #[test]
     fn turns_from_no_angle() {
         let b = motor("qi", &[("initvalue", 0.25)]);
@@ -362,7 +362,7 @@ mod tests {
         assert!(b.get::<f64>("bldc.0.rotor-angle").is_finite());
     }
 
-    /// What a drive gets from a rotor that turns by itself: three sines that add up to nothing.
+    /// A rotor without feedback gives the drive three sines whose sum is zero.
     #[test]
     fn sines_are_balanced() {
         let b = motor("n,n6", &[("value", 2.0), ("frequency", 7.0)]);
@@ -392,7 +392,7 @@ mod tests {
         b.set("bldc.0.scale", 0);
         b.run("bldc.0", 1_000_000);
         assert!(b.get::<f64>("bldc.0.rotor-angle").is_nan());
-        // An angle that is no number drives nothing.
+        // An angle that is not finite drives no phase.
         b.set("bldc.1.value", 1.0);
         b.set("bldc.1.frequency", f64::INFINITY);
         b.run("bldc.1", 1_000_000);

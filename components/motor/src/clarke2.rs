@@ -1,10 +1,10 @@
 //! `clarke2`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// Two phases of three as a vector in a plane, where all three sum to zero.
+/// Clarke transform of two phases out of three, whose sum is zero, to a vector in a plane.
 ///
-/// This is Clarke's transform for currents or voltages of three wires: `x` = `a`, and
-/// `y` = (`a` + 2·`b`) / √3. The factors have 15 digits.
+/// The transform applies to currents or voltages of three wires: `x` = `a`, and `y` = (`a` + 2·`b`) / √3. The factors
+/// have 15 digits.
 ///
 /// # Example
 ///
@@ -24,9 +24,9 @@ pub(crate) struct Clarke2 {
     a: In<f64>,
     /// Second phase, in the same unit.
     b: In<f64>,
-    /// First coordinate, along the first phase, in the same unit.
+    /// First coordinate of the vector, along the first phase, in the same unit.
     x: Out<f64>,
-    /// Second coordinate, a quarter turn ahead, in the same unit.
+    /// Second coordinate of the vector, a quarter turn ahead, in the same unit.
     y: Out<f64>,
 }
 

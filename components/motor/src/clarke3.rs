@@ -1,10 +1,10 @@
 //! `clarke3`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// Three phases as a vector in a plane, and what they have in common.
+/// Clarke transform of three phases to a vector in a plane and a common component.
 ///
-/// This is Clarke's transform: `x` = (2·`a` - `b` - `c`) / 3, `y` = (`b` - `c`) / √3,
-/// `h` = √2 · (`a` + `b` + `c`) / 3. The factors have 15 digits.
+/// The transform is `x` = (2·`a` - `b` - `c`) / 3, `y` = (`b` - `c`) / √3, `h` = √2 · (`a` + `b` + `c`) / 3. The
+/// factors have 15 digits.
 ///
 /// # Example
 ///
@@ -26,11 +26,11 @@ pub(crate) struct Clarke3 {
     b: In<f64>,
     /// Third phase, in the same unit.
     c: In<f64>,
-    /// First coordinate, along the first phase, in the same unit.
+    /// First coordinate of the vector, along the first phase, in the same unit.
     x: Out<f64>,
-    /// Second coordinate, a quarter turn ahead, in the same unit.
+    /// Second coordinate of the vector, a quarter turn ahead, in the same unit.
     y: Out<f64>,
-    /// What the phases have in common, in the same unit; 0 where they sum to zero.
+    /// Common component of the phases, in the same unit; 0 if their sum is zero.
     h: Out<f64>,
 }
 

@@ -1,10 +1,10 @@
 //! `clarkeinv`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// A vector in a plane, turned by an angle, as three phases.
+/// Inverse Clarke transform: a vector in a plane, rotated by an angle, to three phases.
 ///
-/// This undoes `clarke3`, after a turn by `theta`: with (`x'`, `y'`) the turned vector, `a` = `x'` + `h`/√2,
-/// `b` = -`x'`/2 + `y'`·√3/2 + `h`/√2, and `c` the same with -`y'`.
+/// The transform inverts `clarke3` after a rotation by `theta`: with (`x'`, `y'`) the rotated vector, `a` = `x'` +
+/// `h`/√2, `b` = -`x'`/2 + `y'`·√3/2 + `h`/√2, and `c` the same with -`y'`.
 ///
 /// # Example
 ///
@@ -24,9 +24,9 @@ pub(crate) struct Clarkeinv {
     x: In<f64>,
     /// Second coordinate, in the same unit.
     y: In<f64>,
-    /// What the phases have in common, in the same unit, as `clarke3` gives it; 0 with three wires.
+    /// Common component of the phases, in the same unit, as from `clarke3`; 0 with three wires.
     h: In<f64>,
-    /// By how much to turn, in turns.
+    /// Angle of rotation, in turns.
     theta: In<f64>,
     /// First phase, in the same unit.
     a: Out<f64>,
@@ -36,7 +36,7 @@ pub(crate) struct Clarkeinv {
     c: Out<f64>,
 }
 
-/// A whole turn in radians, as LinuxCNC has it: ten digits.
+/// Full turn in radians, with LinuxCNC's ten digits.
 const TURN: f64 = 6.283_185_308;
 #[expect(clippy::approx_constant, reason = "15 digits are what is meant")]
 const H: f64 = 0.707_106_781_186_547;

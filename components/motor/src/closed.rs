@@ -1,5 +1,6 @@
-//! Clarke's transforms against what they are of (Clarke, "Circuit Analysis of A-C Power Systems", 1943): three phases a third of a turn
-//! apart are a vector that turns, √2 times what is common to them is the third part, and a²+b²+c² is 3/2 of x²+y²+h².
+//! Test of Clarke's transforms against their definition (Clarke, "Circuit Analysis of A-C Power Systems", 1943): three
+//! phases a third of a turn apart are a rotating vector, the common component is √2 times their mean, and a²+b²+c² is
+//! 3/2 of x²+y²+h².
 
 use crate::{clarke2::Clarke2, clarke3::Clarke3, clarkeinv::Clarkeinv};
 use core::f64::consts::{SQRT_2, TAU};
@@ -8,9 +9,9 @@ use hal_component::{
     bench::{Bench, Random},
 };
 
-/// How far 15 digits of a factor may be off, and the arithmetic.
+/// Error bound of factors with 15 digits, and of the arithmetic.
 const DIGITS: f64 = 4e-15;
-/// How far a turn of ten digits is off, as a part of it.
+/// Relative error of a full turn with ten digits.
 const TURN: f64 = 1.4e-10;
 
 struct Rig(Bench, &'static str);
@@ -36,7 +37,7 @@ impl Rig {
     }
 }
 
-/// Three phases of a size, at an angle in turns, around what they have in common.
+/// Returns three phases of an amplitude, at an angle in turns, around a common value.
 fn phases(size: f64, turns: f64, common: f64) -> [f64; 3] {
     [0.0, 1.0, 2.0].map(|third| common + size * libm::cos(TAU * (turns - third / 3.0)))
 }
@@ -64,7 +65,7 @@ fn a_turning_field_is_a_vector_that_turns() {
     }
 }
 
-/// The way back turns by `theta`; power is kept, but for its factor.
+/// The inverse rotates by `theta`; power is preserved except for its factor.
 #[test]
 fn the_way_back_turns_and_undoes() {
     let (three, back) = (Rig::new::<Clarke3>(), Rig::new::<Clarkeinv>());
@@ -85,7 +86,8 @@ fn the_way_back_turns_and_undoes() {
     }
 }
 
-/// Phases that are not a third apart have parts that turn either way (Fortescue, 1918): the vector is their sum, a common part aside.
+/// Unbalanced phases have components that rotate in both directions (Fortescue, 1918): the vector is their sum, without
+/// the common component.
 #[test]
 fn unbalanced_phases_are_the_sum_of_two_fields() {
     let three = Rig::new::<Clarke3>();
@@ -94,7 +96,7 @@ fn unbalanced_phases_are_the_sum_of_two_fields() {
         let (forth, back) = (random.between(0.0, 5.0), random.between(0.0, 5.0));
         let (at, turned) = (random.between(0.0, 1.0), random.between(0.0, 1.0));
         let [a, b, c] = phases(forth, at, 0.0);
-        // The other sequence: b and c change places.
+        // The negative sequence: b and c are exchanged.
         let [d, f, e] = phases(back, turned, 0.0);
         let is = three.of([("a", a + d), ("b", b + e), ("c", c + f)], ["x", "y", "h"]);
         let x = forth * libm::cos(TAU * at) + back * libm::cos(TAU * turned);

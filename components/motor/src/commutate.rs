@@ -1,8 +1,8 @@
-//! Realtime. How a motor of `bldc` is run.
+//! Realtime. Commutation of one motor of `bldc`.
 use crate::{bldc::Motor, drive::Field, hall, letters::Feedback};
 use hal_component::{In, Io, ParamRo, ParamRw, Period, Update, to_s32};
 
-/// How long an alignment takes, in seconds, and when its parts end.
+/// Duration of an alignment in seconds, and the remaining times at which its phases end.
 pub(crate) const ALIGN: f64 = 2.4;
 const RAMP_ENDS: f64 = 2.0;
 const BACK_ENDS: f64 = 1.2;
@@ -60,7 +60,7 @@ impl Update for Motor {
 }
 
 impl Motor {
-    /// Shows the letters; a run later those of the feedback that give way to others are gone.
+    /// Shows the letters of `cfg=`; one cycle later, without the feedback letters that others override.
     fn begin(&mut self) {
         if self.in_type.get() == -1 {
             self.show_all();
@@ -77,7 +77,7 @@ impl Motor {
         self.ask_for_index();
     }
 
-    /// Drives; in the first run the letters that give way to others are gone, and no more.
+    /// Drives the motor; the first cycle only updates `out-type`, without the letters that others override.
     fn drive(&self, field: Field, out: f64, back: bool) {
         if self.out_type.get() == self.letters.out_type() {
             self.outputs.give(field, out, back);
@@ -86,7 +86,7 @@ impl Motor {
         }
     }
 
-    /// The field for a rotor and a phase.
+    /// Returns the field for the angles of rotor and phase, and publishes them.
     fn turned(&self, rotor: f64, phase: f64) -> Field {
         self.rotor_angle.set(rotor);
         self.phase_angle.set(phase);
@@ -95,14 +95,14 @@ impl Motor {
         Field { sector: (!rotor.is_nan()).then_some(passed % 6), rotor, phase }
     }
 
-    /// Without feedback the rotor goes with the field.
+    /// Without feedback, the rotor angle follows the field.
     fn free(&self, period: Period) -> Field {
         let frequency = self.frequency.as_ref().map_or(0.0, In::get);
         let angle = turn(self.before() + frequency * period.ns() as f64 / 1e9);
         self.turned(angle, angle)
     }
 
-    /// Where the rotor was; from no angle it begins anew.
+    /// Returns the last rotor angle, or 0 if it is not finite.
     fn before(&self) -> f64 {
         Some(self.rotor_angle.get()).filter(|angle| angle.is_finite()).unwrap_or(0.0)
     }
@@ -122,7 +122,7 @@ impl Motor {
         let Some(counter) = &self.counter else { return self.turned(0.0, 0.0) };
         let offset = self.encoder_offset.as_ref().map_or(0, ParamRw::get);
         let measured = self.offset_measured.as_ref().map_or(0, ParamRo::get);
-        // Half a period later it will have moved on.
+        // Position half a period later, when the output takes effect.
         let at = i64::from(counts) + i64::from(moved / 2) - i64::from(offset) - i64::from(measured);
         let half = at.wrapping_mul(i64::from(counter.poles.get())) / 2;
         let rotor = turn(half as f64 / f64::from(counter.scale.get()));
@@ -131,7 +131,7 @@ impl Motor {
         self.turned(rotor, ahead(rotor, lead, value))
     }
 
-    /// By Hall sensors; nothing where their pattern is wrong.
+    /// Returns the field from the Hall sensors; none if their code is not in the pattern.
     fn sensed(&mut self, counts: i32, value: f64) -> Option<Field> {
         let halls = self.halls.as_ref()?;
         let pattern = halls.pattern.get();
@@ -162,7 +162,7 @@ impl Motor {
                     rotor = edge(was, is);
                 }
                 phase = ahead(rotor, 0.25, value);
-                // Whole counts in an electrical turn, as LinuxCNC's.
+                // Whole counts per electrical turn, as in LinuxCNC.
                 let per_turn = self.counter.as_ref().map_or(0, |c| {
                     (2 * i64::from(c.scale.get())).checked_div(c.poles.get().into()).unwrap_or(0)
                 });
@@ -180,7 +180,7 @@ impl Motor {
         Some(Field { sector, rotor, phase: None })
     }
 
-    /// Pulls the motor there and back to zero: the field, until it is done.
+    /// Pulls the motor back and forth to zero. Returns the field, until alignment is complete.
     fn align(&mut self, period: Period) -> Option<Field> {
         let left = self.state.left;
         let value = self.initvalue.as_ref().map_or(0.0, In::get);
@@ -207,7 +207,7 @@ impl Motor {
         Some(self.turned(rotor, phase))
     }
 
-    /// Turns the motor until its index is there, an electrical turn per second.
+    /// Turns the motor until its index comes, at one electrical turn per second.
     fn search(&self, period: Period) -> Field {
         let value = self.initvalue.as_ref().map_or(0.0, In::get);
         let step = period.ns() as f64 / 1e9;
@@ -217,7 +217,7 @@ impl Motor {
         self.turned(angle, angle)
     }
 
-    /// The rotor's zero is known: from now on by counts.
+    /// Stores the measured zero of the rotor; from now on, counts give the angle.
     fn measured(&mut self, offset: i32) {
         if let Some(pin) = &self.offset_measured {
             pin.set(offset);
@@ -245,23 +245,23 @@ impl Motor {
     }
 }
 
-/// The angle where sector `i` of the Hall sensors ends, counted from 1.
+/// Returns the angle at which sector `i` of the Hall sensors ends, counted from 1, in electrical turns.
 fn end_of(i: usize) -> f64 {
     i as f64 / 6.0
 }
 
-/// The angle where a rotor came into a sector, from the one before it or else from the one after.
+/// Returns the angle at which the rotor entered a sector: from the one before it, or else from the one after.
 fn edge(was: usize, is: usize) -> f64 {
     let other = if (was + 1) % 6 == is { is } else { is + 2 };
     turn((end_of(is + 1) + end_of(other)) / 2.0)
 }
 
-/// An angle within its turn.
+/// Reduces an angle to one turn.
 fn turn(angle: f64) -> f64 {
     angle - libm::floor(angle)
 }
 
-/// An angle ahead of another, in the direction of drive.
+/// Returns an angle ahead of the rotor, in the direction of drive.
 fn ahead(rotor: f64, lead: f64, value: f64) -> f64 {
     turn(if value < 0.0 { rotor - lead } else { rotor + lead })
 }

@@ -1,26 +1,26 @@
-//! Realtime. What `bldc` gives to a drive.
+//! Realtime. Outputs of `bldc` to a drive.
 use crate::letters::{Drive, Letters};
 use hal_component::{Builder, Error, Out, ParamRw, Touch};
 use std::f64::consts::TAU;
 
-/// Which phase is driven high and which low, in each sector.
+/// Phase that is driven high and phase that is driven low, for each sector.
 const PATHS: [(usize, usize); 6] = [(1, 0), (2, 0), (2, 1), (0, 1), (0, 2), (1, 2)];
 
-/// Where the field shall be.
+/// Commanded direction of the field.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Field {
-    /// The sector of trapezoidal drive, 0 to 5, as far as it is known.
+    /// Sector of trapezoidal drive, 0 to 5, if known.
     pub(crate) sector: Option<usize>,
-    /// The angle of the rotor, in electrical turns.
+    /// Angle of the rotor, in electrical turns.
     pub(crate) rotor: f64,
-    /// The angle of sinusoidal drive, in electrical turns, if that is wanted.
+    /// Angle of sinusoidal drive, in electrical turns; `None` for trapezoidal drive.
     pub(crate) phase: Option<f64>,
 }
 
-/// The pins.
+/// Output pins.
 #[derive(Touch)]
 pub(crate) struct Outputs {
-    /// Three values, or three high and three low ones.
+    /// Three values, or three high and three low values.
     values: Vec<Out<f64>>,
     bits: Vec<Out<bool>>,
     pattern: Option<ParamRw<u32>>,
@@ -84,7 +84,7 @@ impl Outputs {
         Ok(out)
     }
 
-    /// Drives the field with so much; what has no sign itself, in this direction.
+    /// Drives the field with this magnitude; `back` is the direction for outputs without a sign.
     pub(crate) fn give(&self, field: Field, out: f64, back: bool) {
         let path = field.sector.and_then(|s| PATHS.get(s)).copied();
         let back = match self.drive {
@@ -146,7 +146,7 @@ fn put<T: hal_component::Value>(pins: &[Out<T>], values: &[T]) {
     }
 }
 
-/// What a phase gets in trapezoidal drive.
+/// Returns the value of a phase in trapezoidal drive.
 fn along(path: Option<(usize, usize)>, phase: usize, much: f64) -> f64 {
     match path {
         Some((high, _)) if high == phase => much,
@@ -155,7 +155,7 @@ fn along(path: Option<(usize, usize)>, phase: usize, much: f64) -> f64 {
     }
 }
 
-/// The parts of the three phases in sinusoidal drive.
+/// Returns the fractions of the three phases in sinusoidal drive.
 fn sines(phase: f64) -> [f64; 3] {
     let (sin, cos) = (libm::sin(TAU * phase), libm::cos(TAU * phase));
     let (half, part) = (-0.5 * cos, libm::sqrt(3.0) / 2.0 * sin);

@@ -1,8 +1,8 @@
-//! Realtime. Patterns of three Hall sensors, and how far a rotor has turned by them.
+//! Realtime. Patterns of three Hall sensors, and the rotor sectors that they indicate.
 
-/// For each pattern the codes of the sensors in the order in which a rotor passes them, one octal
-/// digit each: the first sensor is its highest bit. The first code drives from B to A, then from C to
-/// A, C to B, A to B, A to C, and B to C.
+/// For each pattern, the sensor codes in the order in which a rotor passes them, one octal digit each, with the first
+/// sensor as its highest bit. The first code drives from B to A, the next from C to A, C to B, A to B, A to C, and B to
+/// C.
 const PATTERNS: [u32; 48] = [
     0o013764, 0o102675, 0o023754, 0o132645, 0o231546, 0o320457, 0o201576, 0o310467, 0o015762,
     0o104673, 0o026751, 0o137640, 0o237540, 0o326451, 0o204573, 0o315462, 0o045732, 0o154623,
@@ -12,22 +12,22 @@ const PATTERNS: [u32; 48] = [
     0o732045, 0o620157, 0o731046,
 ];
 
-/// The highest pattern.
+/// Highest pattern number.
 pub(crate) const LAST: u32 = 47;
 
-/// The code of a pattern in a sector, 0 to 5; none beyond the last pattern.
+/// Returns the code of a pattern in a sector, 0 to 5; none beyond the last pattern.
 pub(crate) fn code(pattern: u32, sector: usize) -> Option<u8> {
     let digits = *PATTERNS.get(usize::try_from(pattern).ok()?)?;
     let shift = 3 * 5_usize.checked_sub(sector)?;
     Some((digits >> shift & 7) as u8)
 }
 
-/// The sector where a pattern has a code, 0 to 5.
+/// Returns the sector, 0 to 5, in which a pattern has a code.
 pub(crate) fn sector(pattern: u32, wanted: u8) -> Option<usize> {
     (0..6).find(|&s| code(pattern, s) == Some(wanted))
 }
 
-/// Whether one sector is beside the other.
+/// Returns whether two sectors are neighbours.
 pub(crate) const fn beside(a: usize, b: usize) -> bool {
     matches!((a + 6 - b) % 6, 1 | 5)
 }
@@ -36,7 +36,7 @@ pub(crate) const fn beside(a: usize, b: usize) -> bool {
 mod tests {
     use super::{LAST, beside, code, sector};
 
-    /// From one sector to the next one sensor changes, and opposite sectors have opposite codes.
+    /// From one sector to the next, one sensor changes; opposite sectors have opposite codes.
     #[test]
     fn patterns_are_plausible() {
         let mut all = Vec::new();

@@ -1,7 +1,7 @@
-//! What one motor of `bldc` is made of: the letters of its part of `cfg=`.
+//! Configuration of one motor of `bldc`: the letters of its part of `cfg=`.
 use hal_component::Error;
 
-/// Each letter with its bit, and what it means.
+/// Letters with their bits and meanings.
 const LETTERS: [(char, u32, &str); 11] = [
     ('n', 0, "no feedback"),
     ('h', 0x1, "Hall sensors"),
@@ -16,28 +16,28 @@ const LETTERS: [(char, u32, &str); 11] = [
     ('T', 0x1000, "trapezoidal"),
 ];
 
-/// What tells where the rotor is.
+/// Source of the rotor angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Feedback {
-    /// Nothing: it turns as `frequency` says.
+    /// No feedback: the rotor turns at `frequency`.
     None,
     /// Hall sensors alone.
     Hall,
-    /// Counts whose zero is known.
+    /// Counts with a known zero.
     Counts,
-    /// Counts, once the motor was pulled to zero.
+    /// Counts, after the motor was aligned to zero.
     Align,
-    /// Hall sensors, and counts from their first change on.
+    /// Hall sensors until their first change, then counts.
     HallThenCounts,
-    /// Counts, once the motor was turned to the index.
+    /// Counts, after the motor was turned to the index.
     Index,
-    /// Hall sensors, and counts from the index on.
+    /// Hall sensors until the index, then counts.
     HallThenIndex,
     /// Four bits of Gray code.
     Gray,
 }
 
-/// How the motor is driven.
+/// Type of the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Drive {
     Values,
@@ -48,7 +48,7 @@ pub(crate) enum Drive {
     Gray,
 }
 
-/// One part of `cfg=`, read.
+/// Parsed part of `cfg=`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Letters {
     bits: u32,
@@ -57,7 +57,7 @@ pub(crate) struct Letters {
 }
 
 impl Letters {
-    /// Reads a text such as `qhB6`.
+    /// Parses a text such as `qhB6`.
     pub(crate) fn read(text: &str) -> Result<Self, Error> {
         let refused = |why: String| Error::new(format!("cfg={text}: {why}"));
         let mut bits = 0;
@@ -105,17 +105,17 @@ impl Letters {
         Ok(Self { bits, feedback, drive })
     }
 
-    /// Whether any of these letters is there.
+    /// Returns whether any of these letters is present.
     pub(crate) fn any(self, letters: &str) -> bool {
         LETTERS.iter().any(|(l, bit, _)| letters.contains(*l) && self.bits & bit != 0)
     }
 
-    /// Whether a motor's alignment is begun by a pin.
+    /// Returns whether a pin starts the motor's alignment.
     pub(crate) fn aligns(self) -> bool {
         self.any("q") && !self.any("h")
     }
 
-    /// What `in-type` shows of it.
+    /// Returns the value of `in-type`.
     pub(crate) const fn in_type(self) -> i32 {
         match self.feedback {
             Feedback::None => 0,
@@ -129,12 +129,12 @@ impl Letters {
         }
     }
 
-    /// What `in-type` and `out-type` show of all letters, even those that give way to others.
+    /// Returns the values of `in-type` and `out-type` for all letters, even those that others override.
     pub(crate) const fn given(self) -> (i32, i32) {
         ((self.bits & 0x1f).cast_signed(), (self.bits & 0xf00).cast_signed())
     }
 
-    /// What `out-type` shows of it.
+    /// Returns the value of `out-type`.
     pub(crate) const fn out_type(self) -> i32 {
         match self.drive {
             Drive::Values => 0,

@@ -1,27 +1,27 @@
-//! The `cfg=` string: which ports, and what their lines do.
+//! Parser of `cfg=`: the ports, and the direction of their lines.
 
 use hal_component::Error;
 
-/// The most ports of one load.
+/// Maximum number of ports per load.
 pub(crate) const MAX_PORTS: usize = 8;
 
-/// One port of the string.
+/// Configuration of one port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PortConfig {
     pub(crate) place: Place,
     pub(crate) mode: Mode,
 }
 
-/// Where a port is.
+/// Location of a port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Place {
-    /// The address of its data register.
+    /// Address of its data register.
     Address(u16),
-    /// The kernel's number of it: 0 for `/dev/parport0`.
+    /// Number of the port in the kernel: 0 for `/dev/parport0`.
     Kernel(u8),
 }
 
-/// What the lines of a port do.
+/// Direction of a port's lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Mode {
     /// Data and control lines are outputs.
@@ -30,7 +30,7 @@ pub(crate) enum Mode {
     In,
     /// Data lines are outputs, control lines inputs.
     X,
-    /// As [`Mode::Out`], on a chip in EPP mode.
+    /// Same as [`Mode::Out`], on a chip in EPP mode.
     Epp,
 }
 
@@ -45,12 +45,12 @@ impl Mode {
         }
     }
 
-    /// Whether the data lines are inputs.
+    /// Returns whether the data lines are inputs.
     pub(crate) fn reads_data(self) -> bool {
         self == Self::In
     }
 
-    /// Whether the control lines are inputs.
+    /// Returns whether the control lines are inputs.
     pub(crate) fn reads_control(self) -> bool {
         self == Self::X
     }
@@ -65,13 +65,13 @@ impl Place {
         let address = u16::from_str_radix(digits, 16).ok()?;
         match u8::try_from(address) {
             Ok(number) if number < 16 => Some(Self::Kernel(number)),
-            // The last of its registers has an address as well.
+            // The last register of the port must have a valid address as well.
             _ => address.checked_add(2).map(|_| Self::Address(address)),
         }
     }
 }
 
-/// Reads `ADDR [mode] [ADDR [mode] …]`.
+/// Parses `ADDR [mode] [ADDR [mode] …]`.
 pub(crate) fn parse(cfg: Option<&str>) -> Result<Vec<PortConfig>, Error> {
     let Some(cfg) = cfg else { return Err(refused("no config string", FORM)) };
     let mut ports: Vec<PortConfig> = Vec::new();

@@ -1,4 +1,4 @@
-//! Realtime. A port: its registers, real or simulated, and what was last written to them.
+//! Realtime. Port with its registers, real or simulated, and the values last written to them.
 
 use crate::{
     config::{Place, PortConfig},
@@ -13,20 +13,20 @@ use hal_component::{Builder, Clock, Error};
 use port::{Access, Lost, Shadow, Simulated};
 use std::sync::OnceLock;
 
-/// Registers, by their distance from the port's address.
+/// Registers, by their offset from the port's address.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u16)]
 pub(crate) enum Register {
-    /// Eight lines out or in.
+    /// Eight output or input lines.
     Data = 0,
-    /// Five lines in.
+    /// Five input lines.
     Status = 1,
-    /// Four lines out or in, and the direction of the data lines.
+    /// Four output or input lines, and the direction of the data lines.
     Control = 2,
 }
 
 impl Register {
-    /// Bits that are high on the connector when they are 0.
+    /// Returns the bits that are high on the connector when they are 0.
     const fn inverted(self) -> u8 {
         match self {
             Self::Data => 0,
@@ -36,19 +36,19 @@ impl Register {
     }
 }
 
-/// The bit of the control register that makes the data lines inputs.
+/// Bit of the control register that makes the data lines inputs.
 const DATA_IN: u8 = 0x20;
 
-/// One port.
+/// Parallel port.
 #[derive(Debug)]
 pub(crate) struct Device {
     config: PortConfig,
     access: Kind,
-    /// Data levels, and control levels shifted by eight, when all pins are FALSE.
+    /// Data levels, and control levels shifted by eight, with all pins FALSE.
     idle: AtomicU32,
 }
 
-/// No write has said yet what the levels of FALSE are.
+/// Value of `idle` before the first write.
 const NO_IDLE: u32 = u32::MAX;
 
 #[derive(Debug)]
@@ -57,11 +57,11 @@ enum Kind {
         base: u16,
         file: Simulated,
     },
-    /// Empty until it is opened.
+    /// Empty until the port is opened.
     Real(OnceLock<Hardware>),
 }
 
-/// What was last written to the registers of a port, and when.
+/// Values last written to the registers of a port, with their times.
 #[derive(Debug, Default)]
 pub(crate) struct Written {
     data: Last,
@@ -99,7 +99,7 @@ impl Device {
         }
     }
 
-    /// Makes the registers accessible, and the lines that are read inputs.
+    /// Opens the registers, and turns the lines that are read into inputs.
     pub(crate) fn open(&self, index: usize, system: &System) -> Result<(), Error> {
         let failed = |why: &dyn core::fmt::Display| Error::new(format!("parport.{index}: {why}"));
         if let Kind::Real(slot) = &self.access {
@@ -121,32 +121,32 @@ impl Device {
         }
     }
 
-    /// The levels of the lines of a register.
+    /// Returns the levels of the lines of a register.
     pub(crate) fn read(&self, register: Register) -> Result<u8, Lost> {
         let (base, access) = self.access().ok_or(Lost::NONE)?;
         Ok(access.read(base.wrapping_add(register as u16))? ^ register.inverted())
     }
 
-    /// Gives the lines of a register their levels.
+    /// Writes the levels of the lines of a register.
     pub(crate) fn write(&self, register: Register, levels: u8) -> Result<(), Lost> {
         let (base, access) = self.access().ok_or(Lost::NONE)?;
         access.write(base.wrapping_add(register as u16), levels ^ register.inverted())
     }
 
-    /// Control levels with what the mode demands: lines that are inputs are let go high, and the
-    /// data lines get their direction.
+    /// Returns the control levels with the bits that the mode requires: input lines are released to high, and the data
+    /// lines get their direction.
     pub(crate) fn control(&self, levels: u8) -> u8 {
         let levels = if self.config.mode.reads_control() { 0x0F } else { levels };
         if self.config.mode.reads_data() { levels | DATA_IN } else { levels }
     }
 
-    /// Notes the levels that [`Self::rest`] writes.
+    /// Stores the idle levels, which are written when the port is dropped.
     pub(crate) fn note_idle(&self, data: u8, control: u8) {
         // Pairs with `rest`.
         self.idle.store(u32::from(u16::from_le_bytes([data, control])), Release);
     }
 
-    /// Drives every output to the level of FALSE.
+    /// Drives every output to its level for FALSE.
     pub(crate) fn rest(&self, data: u8, control: u8) -> Result<(), Lost> {
         let data =
             if self.config.mode.reads_data() { Ok(()) } else { self.write(Register::Data, data) };
@@ -155,14 +155,14 @@ impl Device {
 }
 
 impl Drop for Device {
-    /// A real port that was written to is left with its outputs at rest.
+    /// Drives the outputs of a real port to their idle levels, if the port was ever written to.
     fn drop(&mut self) {
         let idle = self.idle.load(Acquire); // Pairs with `note_idle`.
         if idle == NO_IDLE || self.simulated().is_some() {
             return;
         }
         let [data, control, ..] = idle.to_le_bytes();
-        // Nobody is left to hear that the device is gone.
+        // A lost device can no longer be reported.
         let _ = self.rest(data, control);
     }
 }
@@ -172,7 +172,7 @@ impl Written {
         if register == Register::Data { &self.data } else { &self.control }
     }
 
-    /// Writes levels when the register may hold others.
+    /// Writes the levels if the register may hold others.
     pub(crate) fn put(
         &self,
         device: &Device,
@@ -189,23 +189,23 @@ impl Written {
         last.levels.put(levels, write).map(|_| ())
     }
 
-    /// The levels in a register and when they were written.
+    /// Returns the levels in a register, and the time of their write in nanoseconds.
     pub(crate) fn last(&self, register: Register) -> Option<(u8, i64)> {
         let last = self.of(register);
         Some((last.levels.last()?, last.time.load(Relaxed)))
     }
 
-    /// Has the next write carried out whatever its levels are.
+    /// Makes the next write take place even if its levels are the same.
     pub(crate) fn forget(&self) {
         self.data.levels.forget();
         self.control.levels.forget();
     }
 }
 
-/// What the stop action does: outputs at rest, and everything written again later.
+/// Stop action: drives the outputs to their idle levels, and makes the next writes unconditional.
 pub(crate) fn stop(device: &Device, written: &Written, data: &[Output], control: &[Output]) {
     let ((_, data), (_, control)) = (lines::levels(data), lines::levels(control));
-    // A device that is gone cannot be stopped; who writes to it says so.
+    // A lost device cannot be stopped; the write function reports it.
     let _ = device.rest(data, control);
     written.forget();
 }

@@ -1,4 +1,4 @@
-//! Realtime. What the functions of a port do.
+//! Realtime. Functions of a port.
 
 use crate::{
     device::{Device, Register, Written},
@@ -8,18 +8,18 @@ use hal_component::{Clock, Gives, Out, ParamRw, Period, Takes, Touch, Update};
 use port::{Driven, Report, Shown};
 use std::sync::Arc;
 
-/// Pins of the simulated registers that writing sets.
+/// Pins of the simulated registers that the write function sets.
 pub(crate) type Sets = Option<(Vec<Shown>, Out<u32>)>;
 
-/// Reads the lines of one port.
+/// Function that reads the lines of one port.
 #[derive(Clone, Touch)]
 pub(crate) struct Read {
     #[state]
     pub(crate) device: Arc<Device>,
-    /// The lines of each register that has inputs.
+    /// Registers with input lines.
     #[state]
     pub(crate) registers: Vec<Register>,
-    /// As many lists as registers.
+    /// Input lines of each of these registers.
     pub(crate) lines: Vec<Vec<Input>>,
     pub(crate) asks: Option<(Vec<Driven>, Out<u32>)>,
     pub(crate) report: Report,
@@ -38,15 +38,15 @@ impl Update for Read {
     }
 }
 
-/// Writes the lines of one port.
+/// Function that writes the lines of one port.
 #[derive(Clone, Touch)]
 pub(crate) struct Write {
     #[state]
     pub(crate) device: Arc<Device>,
     pub(crate) written: Gives<Written>,
-    /// None when the data lines are inputs.
+    /// Empty if the data lines are inputs.
     pub(crate) data: Vec<Output>,
-    /// None when the control lines are inputs.
+    /// Empty if the control lines are inputs.
     pub(crate) control: Vec<Output>,
     pub(crate) sets: Sets,
     pub(crate) clock: Clock,
@@ -65,7 +65,7 @@ impl Update for Write {
     }
 }
 
-/// Returns lines of one port to rest, a while after they were written.
+/// Function that resets lines of one port, a set time after they were written.
 #[derive(Touch)]
 pub(crate) struct Reset {
     #[state]
@@ -73,7 +73,7 @@ pub(crate) struct Reset {
     pub(crate) written: Takes<Written>,
     pub(crate) data: Vec<Pulse>,
     pub(crate) control: Vec<Pulse>,
-    /// None when the data lines are inputs: then it does not wait.
+    /// `None` if the data lines are inputs: then there is no wait.
     pub(crate) time: Option<ParamRw<u32>>,
     pub(crate) sets: Sets,
     pub(crate) clock: Clock,
@@ -99,8 +99,8 @@ impl Update for Reset {
 }
 
 impl Reset {
-    /// Nanoseconds between write and reset: a quarter of the period at most, else the parameter
-    /// is corrected.
+    /// Returns the nanoseconds between write and reset, at most a quarter of the period; corrects the parameter if it
+    /// is longer.
     fn wait(&self, period: Period) -> u32 {
         let Some(time) = self.time else { return 0 };
         let most =
@@ -112,8 +112,8 @@ impl Reset {
     }
 }
 
-/// Waits on a real clock until `wait` nanoseconds after `since`. A reading takes a nanosecond at
-/// least, so that a clock that stands still does not hold it.
+/// Waits on a real clock until `wait` nanoseconds after `since`. Each reading of the clock takes at least a nanosecond,
+/// so the loop is bounded even if the clock stands still.
 fn pause(clock: Clock, since: i64, wait: u32) {
     if clock.is_virtual() {
         return;
@@ -126,7 +126,7 @@ fn pause(clock: Clock, since: i64, wait: u32) {
     }
 }
 
-/// Reads or writes every port.
+/// Function that reads or writes every port.
 #[derive(Touch)]
 pub(crate) struct All<F: Touch> {
     pub(crate) ports: Vec<F>,

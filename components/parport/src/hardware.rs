@@ -1,4 +1,4 @@
-//! Realtime. Real ports: through the kernel's parport device, and directly where that is allowed.
+//! Realtime. Real ports: through the kernel's parport device, and directly where that is permitted.
 
 use crate::{
     config::{Mode, Place, PortConfig},
@@ -13,14 +13,14 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Where the system keeps what is asked of it.
+/// Paths of the system's files.
 #[derive(Debug)]
 pub(crate) struct System {
-    /// The kernel's list of ports.
+    /// Folder with the kernel's list of ports.
     pub(crate) ports: PathBuf,
-    /// The folder of device nodes.
+    /// Folder of device nodes.
     pub(crate) nodes: PathBuf,
-    /// Whether to try instructions for I/O ports.
+    /// True to try I/O port instructions.
     pub(crate) direct: bool,
 }
 
@@ -30,12 +30,12 @@ impl Default for System {
     }
 }
 
-/// Why a port cannot be had.
+/// Reason why a port cannot be opened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Refused {
     /// The kernel has no port of this number.
     Absent(u8),
-    /// Nobody offers the registers at this address.
+    /// There is no way to access the registers at this address.
     NoWay(u16),
     /// No registers answer at this address.
     Nothing(u16),
@@ -45,7 +45,7 @@ pub(crate) enum Refused {
     Forbidden(u8),
     /// The device node cannot be opened.
     Broken(u8, i32),
-    /// Another driver or program has it.
+    /// Another driver or program has claimed the port.
     Taken(u8),
     /// The kernel's device cannot read control lines.
     ControlInputs(u8),
@@ -92,22 +92,22 @@ impl core::fmt::Display for Refused {
     }
 }
 
-/// An open port.
+/// Open port.
 #[derive(Debug)]
 pub(crate) struct Hardware {
     index: usize,
     base: u16,
-    /// Claimed for as long as it is open, whichever way the registers are reached.
+    /// Device node, which stays claimed while the port is open, however the registers are accessed.
     node: Option<File>,
     direct: bool,
 }
 
-/// What the kernel knows of a port.
+/// Port as the kernel knows it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Found {
     number: u8,
     base: u16,
-    /// The address of its extended registers, or zero.
+    /// Address of its extended registers, or zero.
     high: u16,
 }
 
@@ -129,7 +129,7 @@ impl Hardware {
         }
         let direct = system.direct && ports::allowed(index, base);
         if !direct {
-            // Nothing else reaches the registers.
+            // The kernel's device is then the only way to access the registers.
             node.as_ref().ok_or(why)?;
             if let (Mode::X, Some(found)) = (config.mode, found) {
                 return Err(Refused::ControlInputs(found.number));
@@ -147,16 +147,16 @@ impl Hardware {
         self.base
     }
 
-    /// Whether all registers read as an empty bus, which a port's never do.
+    /// Returns whether all registers read as an empty bus, which those of a port never do.
     fn is_nothing(&self) -> bool {
         (0..3).all(|register| self.read(self.base.wrapping_add(register)) == Ok(0xFF))
     }
 
-    /// Gives the chip its mode, where it has modes, and the data lines their direction.
+    /// Sets the mode of the chip, if it has modes, and the direction of the data lines.
     fn set_up(&self, mode: Mode, found: Option<Found>) {
         let extended = match mode {
             Mode::Epp => Some(0x80),
-            Mode::In => Some(0x20), // Only so can the data lines be inputs.
+            Mode::In => Some(0x20), // Required for the data lines to be inputs.
             Mode::Out | Mode::X => None,
         };
         let high = found.map_or(0, |f| f.high);
@@ -166,7 +166,7 @@ impl Hardware {
             ports::set_up(register, value);
         }
         if let Some(node) = &self.node {
-            // A port that cannot turn round fails when its direction is written.
+            // A port that cannot change direction fails later, when its direction is written.
             let _ = DIRECTION.pass(node, i32::from(mode.reads_data()));
         }
     }
@@ -210,7 +210,7 @@ const fn register(offset: u16) -> Option<Register> {
     }
 }
 
-/// Looks a port up in the kernel's list.
+/// Finds a port in the kernel's list.
 fn find(list: &Path, wanted: Place) -> Option<Found> {
     // The kernel numbers ports from 0 and has few.
     (0..16).find_map(|number| {
@@ -226,7 +226,7 @@ fn find(list: &Path, wanted: Place) -> Option<Found> {
     })
 }
 
-/// Opens a port's device node and keeps everybody else out.
+/// Opens a port's device node and claims it exclusively.
 fn claim(nodes: &Path, number: u8) -> Result<File, Refused> {
     let node = nodes.join(format!("parport{number}"));
     let node =
@@ -240,7 +240,7 @@ fn claim(nodes: &Path, number: u8) -> Result<File, Refused> {
     Ok(node)
 }
 
-/// A request of the kernel's device; `T` is what it reads or writes.
+/// Request to the kernel's device; `T` is the type that it reads or writes.
 struct Request<T>(libc::Ioctl, PhantomData<T>);
 
 const LETTER: u32 = b'p' as u32;
@@ -254,10 +254,10 @@ const EXCLUSIVE: Request<()> = Request(libc::_IO(LETTER, 0x8F), PhantomData);
 const DIRECTION: Request<i32> = Request(libc::_IOW::<i32>(LETTER, 0x90), PhantomData);
 
 impl<T> Request<T> {
-    /// Carries it out: `value` goes in, what it became comes back.
+    /// Executes the request with `value` as input. Returns the value that the kernel leaves in it.
     fn pass(&self, node: &File, mut value: T) -> Result<T, Lost> {
-        // SAFETY: each request is declared with the type that the kernel reads or writes, and
-        // `value` is one of it that lives across the call.
+        // SAFETY: each request is declared with the type that the kernel reads or writes, and `value` has that type and
+        // lives across the call.
         let done = unsafe { libc::ioctl(node.as_raw_fd(), self.0, &raw mut value) };
         if done < 0 { Err(last_error()) } else { Ok(value) }
     }
@@ -267,19 +267,19 @@ fn last_error() -> Lost {
     Lost(io::Error::last_os_error().raw_os_error().unwrap_or(0))
 }
 
-/// Instructions for I/O ports. The right to use them is each thread's own: one that has it not yet
-/// asks for it at its first access.
+/// I/O port instructions. The kernel grants the permission per thread: a thread without it requests it at its first
+/// access.
 #[cfg(target_arch = "x86_64")]
 mod ports {
     use super::last_error;
     use core::{arch::asm, cell::Cell};
     use port::Lost;
 
-    /// How many registers a port has.
+    /// Number of registers of a port.
     const COUNT: u16 = 3;
 
     thread_local! {
-        /// The addresses of the ports that this thread may use, by number.
+        /// Addresses of the ports that this thread may access, by port number.
         static GRANTED: Cell<[u16; 8]> = const { Cell::new([0; 8]) };
     }
 
@@ -290,7 +290,7 @@ mod ports {
     pub(super) fn read(index: usize, base: u16, address: u16) -> Result<u8, Lost> {
         ask(index, base, address)?;
         let value: u8;
-        // SAFETY: the thread has the right to this port: `ask` saw to it.
+        // SAFETY: the thread has the permission for this port: `ask` has requested it.
         unsafe {
             asm!("in al, dx", out("al") value, in("dx") address, options(nomem, nostack, preserves_flags));
         }
@@ -303,7 +303,7 @@ mod ports {
         Ok(())
     }
 
-    /// Writes a register that is set once, if that is allowed.
+    /// Writes a register during setup, if that is permitted.
     pub(super) fn set_up(address: u16, value: u8) {
         if grant(address, 1).is_ok() {
             output(address, value);
@@ -311,7 +311,7 @@ mod ports {
     }
 
     fn output(address: u16, value: u8) {
-        // SAFETY: both callers have asked for the right to this port first.
+        // SAFETY: both callers have requested the permission for this port first.
         unsafe {
             asm!("out dx, al", in("dx") address, in("al") value, options(nomem, nostack, preserves_flags));
         }
@@ -333,13 +333,13 @@ mod ports {
 
     fn grant(base: u16, count: u16) -> Result<(), Lost> {
         let (base, count) = (core::ffi::c_ulong::from(base), core::ffi::c_ulong::from(count));
-        // SAFETY: asks the kernel for a right; no memory is passed.
+        // SAFETY: requests a permission from the kernel; no memory is passed.
         let done = unsafe { libc::syscall(libc::SYS_ioperm, base, count, 1) };
         if done < 0 { Err(last_error()) } else { Ok(()) }
     }
 }
 
-/// Processors without I/O ports: everything goes through the kernel.
+/// Processors without I/O ports: every access goes through the kernel.
 #[cfg(not(target_arch = "x86_64"))]
 mod ports {
     use port::Lost;

@@ -1,8 +1,8 @@
-//! The PC's parallel port.
+//! Parallel port of the PC.
 //!
-//! Real ports are reached in `hardware`, the only part with unsafe code; simulated ones are
-//! [`Simulated`]. Functions share a port's registers through `device::Device` and what was
-//! written to them through `device::Written`, both without locks.
+//! Real ports are accessed in `hardware`, the only module with unsafe code; simulated ones are [`Simulated`]. Functions
+//! share a port's registers through `device::Device` and the values written to them through `device::Written`, both
+//! without locks.
 #![deny(unsafe_code)]
 
 mod config;
@@ -31,7 +31,7 @@ use hal_component::{
 use port::{Report, Simulated};
 use std::sync::Arc;
 
-/// `hal_parport`.
+/// Component `hal_parport`.
 pub(crate) enum Parport {}
 
 hal_component::export!(Parport);
@@ -109,7 +109,7 @@ getp parport.0.sim.data-0 # -> TRUE
     }
 }
 
-/// Declares one port; what its functions do comes back for those of all ports.
+/// Declares one port. Returns its read and write functions, which `All` calls as well.
 fn create_port(
     b: &mut Builder<'_>,
     index: usize,
@@ -171,7 +171,7 @@ fn create_port(
     Ok((read, write))
 }
 
-/// The parameters of a port; the time of its reset comes back.
+/// Declares the parameters of a port. Returns the reset time.
 fn parameters(b: &mut Builder<'_>, index: usize) -> Result<ParamRw<u32>, Error> {
     let about = "Nanoseconds from write to reset; 0 to a quarter of the period, above which the \
                  reset function sets it to that. In virtual time the reset does not wait";

@@ -1,18 +1,18 @@
-//! Realtime. The lines of the connector as pins and parameters.
+//! Realtime. Lines of the connector as pins and parameters.
 
 use hal_component::{Builder, Error, In, Out, ParamRw, Touch};
 
-/// A line: its pin of the connector, and its bit of the register.
+/// Line: its pin number on the connector, and its bit in the register.
 pub(crate) type Line = (u8, u8);
 
-/// The lines of the data register.
+/// Lines of the data register.
 pub(crate) const DATA: &[Line] = &[(2, 0), (3, 1), (4, 2), (5, 3), (6, 4), (7, 5), (8, 6), (9, 7)];
-/// The lines of the status register.
+/// Lines of the status register.
 pub(crate) const STATUS: &[Line] = &[(15, 3), (13, 4), (12, 5), (10, 6), (11, 7)];
-/// The lines of the control register.
+/// Lines of the control register.
 pub(crate) const CONTROL: &[Line] = &[(1, 0), (14, 1), (16, 2), (17, 3)];
 
-/// A line that is read.
+/// Input line.
 #[derive(Clone, Touch)]
 pub(crate) struct Input {
     #[state]
@@ -21,7 +21,7 @@ pub(crate) struct Input {
     not: Out<bool>,
 }
 
-/// A line that is written.
+/// Output line.
 #[derive(Clone, Touch)]
 pub(crate) struct Output {
     #[state]
@@ -30,7 +30,7 @@ pub(crate) struct Output {
     invert: ParamRw<bool>,
 }
 
-/// A line that may be reset, as the reset function sees it.
+/// Output line that may be reset, for the reset function.
 #[derive(Clone, Touch)]
 pub(crate) struct Pulse {
     #[state]
@@ -39,7 +39,7 @@ pub(crate) struct Pulse {
     invert: ParamRw<bool>,
 }
 
-/// Makes the pins of lines that are read.
+/// Declares the pins of input lines.
 pub(crate) fn inputs(
     b: &mut Builder<'_>,
     port: usize,
@@ -59,7 +59,7 @@ pub(crate) fn inputs(
     Ok(list)
 }
 
-/// Makes the pins and parameters of lines that are written.
+/// Declares the pins and parameters of output lines.
 pub(crate) fn outputs(
     b: &mut Builder<'_>,
     port: usize,
@@ -85,7 +85,7 @@ pub(crate) fn outputs(
     Ok((outputs, pulses))
 }
 
-/// Spreads a byte of levels over the pins.
+/// Distributes a byte of levels to the pins.
 pub(crate) fn take(lines: &[Input], levels: u8) {
     for line in lines {
         let high = levels & line.mask != 0;
@@ -94,7 +94,7 @@ pub(crate) fn take(lines: &[Input], levels: u8) {
     }
 }
 
-/// The levels that the pins ask for, and those of all pins FALSE.
+/// Returns the levels that the pins request, and the levels with all pins FALSE.
 pub(crate) fn levels(lines: &[Output]) -> (u8, u8) {
     lines.iter().fold((0, 0), |(wanted, idle), line| {
         let (value, invert) = (line.value.get(), line.invert.get());
@@ -103,7 +103,7 @@ pub(crate) fn levels(lines: &[Output]) -> (u8, u8) {
     })
 }
 
-/// What `levels` become when the lines that ask for it are reset.
+/// Returns `levels` with the lines that request it reset.
 pub(crate) fn reset(lines: &[Pulse], levels: u8) -> u8 {
     let asking = lines.iter().filter(|line| line.reset.get());
     asking.fold(

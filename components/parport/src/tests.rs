@@ -1,4 +1,4 @@
-//! Ports on the bench.
+//! Tests of ports on the bench.
 
 use crate::{
     Parport,
@@ -32,7 +32,7 @@ fn writes(bench: &Bench) -> u32 {
     sim(bench, "writes") - before
 }
 
-/// Pins of the connector with their bits, and whether they are the opposite of the bit.
+/// Pins of the connector with their bits; true for a pin that is the inverse of its bit.
 const DATA: &[(u8, u8, bool)] = &[
     (2, 0, false),
     (3, 1, false),
@@ -108,7 +108,7 @@ fn each_output_drives_its_bit() {
                 let case = format!("{mode} pin {pin} {value} {invert}");
                 assert_eq!(sim(&bench, register), rest ^ changed, "{case}");
                 for n in 0..8 {
-                    // Bit 4 is nobody's, and the direction bit stands for itself.
+                    // Bit 4 belongs to no line, and the direction bit is not inverted.
                     if register == "data" || n < 4 || n == 5 {
                         let shown: bool = bench.get(&format!("parport.0.sim.{register}-{n}"));
                         assert_eq!(shown, (rest ^ changed) >> n & 1 == 1, "{case} bit {n}");
@@ -190,7 +190,7 @@ fn the_first_write_repeats_what_opening_wrote() {
     assert_eq!((writes(&bench), writes(&bench)), (2, 0));
 }
 
-/// A step in every period: high in write, low in reset.
+/// Makes a step in every period: high in write, low in reset.
 #[test]
 fn reset_makes_double_steps() {
     for (invert, high, low) in [(false, 2, 0), (true, 0, 2)] {
@@ -259,7 +259,7 @@ fn reset_time_is_a_quarter_period_at_most() {
     }
 }
 
-/// Copies the clock to a pin.
+/// Component that copies the clock to a pin.
 #[derive(Touch)]
 struct Stamp {
     clock: Clock,
@@ -281,7 +281,7 @@ impl Component for Stamp {
     }
 }
 
-/// How long a reset takes that comes `later` than its write, of a pin that is high or at rest.
+/// Returns the duration of a reset that comes `later` than its write, for a pin that is high or idle.
 fn reset_takes(mut bench: Bench, later: i64, high: bool) -> i64 {
     bench.load::<Parport>(&["cfg=378"]).unwrap();
     bench.create::<Stamp>(&[]).unwrap();
@@ -304,7 +304,7 @@ fn reset_takes(mut bench: Bench, later: i64, high: bool) -> i64 {
 
 #[test]
 fn reset_waits_on_a_real_clock_only() {
-    // The clock is read four times at most beside the waiting: 100 ns each.
+    // Besides the wait, the clock is read at most four times: 100 ns each.
     let short = reset_takes(Bench::real_time(100), 0, true);
     assert!((5_000..=5_400).contains(&short), "{short}");
     let late = reset_takes(Bench::real_time(100), 9_000, true);
@@ -414,7 +414,7 @@ fn a_machine_without_the_port_says_what_to_do() {
     let why = bench.open().unwrap_err();
     assert!(why.starts_with("parport.0: Linux parallel port 15 not found: "), "{why}");
     assert!(why.ends_with("or run with --simulate"), "{why}");
-    // Nothing is open, and functions do no harm.
+    // Nothing is open, and the functions have no effect.
     bench.run("parport.0.write", MS);
     bench.run("parport.0.write", MS);
     bench.run("parport.0.read", MS);
@@ -430,7 +430,7 @@ fn a_machine_without_the_port_says_what_to_do() {
     );
 }
 
-/// A system whose kernel knows port 3 at 0x378, and whose node is what the test makes it.
+/// Returns a system whose kernel knows port 3 at 0x378; the test makes its device node.
 fn system(name: &str) -> System {
     let root = std::env::temp_dir().join(format!("parport-{}-{name}", std::process::id()));
     let system = System { ports: root.join("ports"), nodes: root.join("dev"), direct: false };
@@ -451,7 +451,7 @@ fn refusals_of_real_ports() {
     assert_eq!(open(at(Place::Kernel(2), Mode::Out)), Refused::Absent(2));
     assert_eq!(open(known), Refused::NoNode(3));
     assert_eq!(open(at(Place::Kernel(3), Mode::X)), Refused::NoNode(3));
-    // A file that is no device takes no requests, as a port that somebody else has.
+    // A regular file fails every request, like a port that another program has claimed.
     fs::write(system.nodes.join("parport3"), "").unwrap();
     assert_eq!(open(known), Refused::Taken(3));
     fs::remove_dir_all(system.ports.parent().unwrap()).unwrap();

@@ -1,4 +1,4 @@
-//! What stands in for hardware that is not there.
+//! Simulated hardware.
 #![forbid(unsafe_code)]
 
 mod sim_axis_hardware;

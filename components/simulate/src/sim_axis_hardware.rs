@@ -55,14 +55,14 @@ impl Component for SimAxisHardware {
     }
 }
 
-/// Writes the pins of a joint once: name, direction, first value, docs.
+/// Declares the pins of a joint once: name, direction, initial value, docs.
 macro_rules! axis {
     ($($(#[doc = $doc:literal])+ $field:ident: $ty:ty = $end:literal, $initial:expr;)+) => {
-        /// The pins of a joint.
+        /// Pins of a joint.
         #[derive(Touch)]
         struct Axis {
             $($(#[doc = $doc])+ $field: $ty,)+
-            /// Whether what has the home switch in it is driven.
+            /// True if an output that includes the home switch is linked.
             #[state]
             wired: bool,
         }
@@ -82,44 +82,44 @@ macro_rules! axis {
 }
 
 axis! {
-    /// Where the joint is, in units, such as `joint.0.motor-pos-fb`.
+    /// Position of the joint, in units, such as `joint.0.motor-pos-fb`.
     current_pos: In<f64> = "current-pos", 0.0;
-    /// The middle of the home switch, in units.
+    /// Centre of the home switch, in units.
     home_pos: In<f64> = "homesw-pos", 1.0;
-    /// The outer end of the upper limit switch, in units; it is pressed below it.
+    /// Outer end of the upper limit switch, in units; the switch is pressed below it.
     max_upper: In<f64> = "maxsw-upper", 0.0;
-    /// The inner end of the upper limit switch, in units; it is pressed `limit-offset` above it.
+    /// Inner end of the upper limit switch, in units; the switch is pressed `limit-offset` above it.
     max_lower: In<f64> = "maxsw-lower", 0.0;
-    /// The inner end of the lower limit switch, in units; it is pressed `limit-offset` below it.
+    /// Inner end of the lower limit switch, in units; the switch is pressed `limit-offset` below it.
     min_upper: In<f64> = "minsw-upper", 0.0;
-    /// The outer end of the lower limit switch, in units; it is pressed above it.
+    /// Outer end of the lower limit switch, in units; the switch is pressed above it.
     min_lower: In<f64> = "minsw-lower", 0.0;
-    /// How wide the home switch is, in units.
+    /// Width of the home switch, in units.
     home_hyst: In<f64> = "homesw-hyst", 0.025;
-    /// Whether the joint homes: while any does, what is wired together counts as home switches alone.
+    /// TRUE while the joint homes: while any joint homes, shared inputs count only as home switches.
     homing: In<bool> = "homing", false;
-    /// The home switch.
+    /// Home switch.
     home: Out<bool> = "homesw-out", false;
-    /// The upper limit switch.
+    /// Upper limit switch.
     max: Out<bool> = "maxsw-out", false;
-    /// The lower limit switch.
+    /// Lower limit switch.
     min: Out<bool> = "minsw-out", false;
-    /// Both limit switches, wired together; false while a joint homes.
+    /// Both limit switches on one wire; false while a joint homes.
     both: Out<bool> = "bothsw-out", false;
-    /// The upper limit switch and the home switch, wired together.
+    /// Upper limit switch and home switch on one wire.
     max_home: Out<bool> = "maxsw-homesw-out", false;
-    /// The lower limit switch and the home switch, wired together.
+    /// Lower limit switch and home switch on one wire.
     min_home: Out<bool> = "minsw-homesw-out", false;
-    /// All three, wired together; the home switch alone while a joint homes.
+    /// All three switches on one wire; only the home switch while a joint homes.
     both_home: Out<bool> = "bothsw-homesw-out", false;
 }
 
 impl Axis {
-    /// Whether a home switch counts, and whether a limit switch does.
+    /// Returns whether the home switch is pressed, and whether a limit switch is.
     fn press(&self, offset: f64, homing: bool) -> (bool, bool) {
         let (at, home, half) =
             (self.current_pos.get(), self.home_pos.get(), self.home_hyst.get() / 2.0);
-        // Where something is no number, a switch is pressed.
+        // A comparison with NaN counts as pressed.
         let off = |low: bool, high: bool| !(low || high);
         let home = off(libm::fabs(at - home) > half, false);
         let max = off(at <= self.max_lower.get() + offset, at >= self.max_upper.get());

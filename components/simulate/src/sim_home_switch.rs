@@ -1,7 +1,7 @@
 //! `sim_home_switch`.
 use hal_component::{Component, In, Io, Out, Period, Update};
 
-/// A home switch at a position, with hysteresis, and an index pulse that comes by itself.
+/// Home switch at a position, with hysteresis, and a simulated index pulse.
 ///
 /// The switch is pressed beyond `home-pos`, on the side away from zero.
 ///
@@ -24,24 +24,25 @@ use hal_component::{Component, In, Io, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct SimHomeSwitch {
-    /// Where the joint is, in units, such as `joint.0.motor-pos-fb`.
+    /// Position of the joint, in units, such as `joint.0.motor-pos-fb`.
     cur_pos: In<f64>,
-    /// Where the switch is, in units.
+    /// Position of the switch, in units.
     #[hal(default = 1.0)]
     home_pos: In<f64>,
-    /// How many units to go back until it opens.
+    /// Hysteresis: distance back from the switch at which it opens, in units.
     #[hal(default = 0.1)]
     hysteresis: In<f64>,
-    /// Whether the switch is pressed.
+    /// True while the switch is pressed.
     home_sw: Out<bool>,
-    /// Becomes false by itself after `index-delay-ms`.
+    /// Set true to wait for the index; becomes false after `index-delay-ms`.
     index_enable: Io<bool>,
-    /// For how long `index-enable` stays true, in milliseconds, taken as it rises; 0 or less: for ever.
+    /// Time for which `index-enable` stays true, in milliseconds, read on its rising edge; 0 or less: it never becomes
+    /// false.
     #[hal(default = 10.0)]
     index_delay_ms: In<f64>,
     #[state]
     was_index: bool,
-    /// For how long `index-enable` stays true, in milliseconds.
+    /// Remaining time for which `index-enable` stays true, in milliseconds.
     #[state]
     left_ms: f64,
 }

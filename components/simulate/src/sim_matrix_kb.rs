@@ -1,10 +1,10 @@
 //! `sim_matrix_kb`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// A keyboard of eight rows and columns that tells codes, as a Mesa 7I73 does.
+/// Keyboard of eight rows and columns that outputs codes, as a Mesa 7I73 does.
 ///
-/// Each run tells one key that has changed, the lowest first: its number, row · 8 + column, plus 192 as it
-/// is pressed and 128 as it is released. With nothing new it tells 64 while a key is held, else 0.
+/// Each cycle reports one changed key, the lowest first: its number, row · 8 + column, plus 192 when it is pressed or
+/// 128 when it is released. Without a change, the code is 64 while a key is held, else 0.
 ///
 /// # Example
 ///
@@ -22,33 +22,33 @@ use hal_component::{Component, In, Out, Period, Update};
 #[derive(Component)]
 #[hal(name = "sim_matrix_kb")]
 pub(crate) struct SimMatrixKb {
-    /// The code.
+    /// Present code.
     out: Out<u32>,
-    /// A key of column 0, by row.
+    /// Key of column 0, by row.
     #[hal(name = "button.c00.r##", count = 8_u32)]
     c0: Vec<In<bool>>,
-    /// A key of column 1, by row.
+    /// Key of column 1, by row.
     #[hal(name = "button.c01.r##", count = 8_u32)]
     c1: Vec<In<bool>>,
-    /// A key of column 2, by row.
+    /// Key of column 2, by row.
     #[hal(name = "button.c02.r##", count = 8_u32)]
     c2: Vec<In<bool>>,
-    /// A key of column 3, by row.
+    /// Key of column 3, by row.
     #[hal(name = "button.c03.r##", count = 8_u32)]
     c3: Vec<In<bool>>,
-    /// A key of column 4, by row.
+    /// Key of column 4, by row.
     #[hal(name = "button.c04.r##", count = 8_u32)]
     c4: Vec<In<bool>>,
-    /// A key of column 5, by row.
+    /// Key of column 5, by row.
     #[hal(name = "button.c05.r##", count = 8_u32)]
     c5: Vec<In<bool>>,
-    /// A key of column 6, by row.
+    /// Key of column 6, by row.
     #[hal(name = "button.c06.r##", count = 8_u32)]
     c6: Vec<In<bool>>,
-    /// A key of column 7, by row.
+    /// Key of column 7, by row.
     #[hal(name = "button.c07.r##", count = 8_u32)]
     c7: Vec<In<bool>>,
-    /// Which keys were told as pressed, a bit each.
+    /// Keys that were reported as pressed, one bit each.
     #[state]
     told: u64,
 }

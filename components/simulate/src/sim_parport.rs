@@ -3,7 +3,7 @@ use hal_component::{
     Builder, Component, Error, In, Out, ParamRw, Period, Touch, Update, abi::component_flags,
 };
 
-/// Pins with the names of a parallel port's.
+/// Pins with the names of those of a parallel port.
 pub(crate) struct SimParport;
 
 const OUTPUTS: [u8; 12] = [1, 2, 3, 4, 5, 6, 7, 8, 9, 14, 16, 17];

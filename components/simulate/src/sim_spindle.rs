@@ -1,7 +1,7 @@
 //! `sim_spindle`.
 use hal_component::{Component, In, Io, Out, ParamRw, Period, Update};
 
-/// A spindle that follows its command at once, with an encoder.
+/// Spindle that follows its command at once, with an encoder.
 ///
 /// # Example
 ///
@@ -19,14 +19,13 @@ use hal_component::{Component, In, Io, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct SimSpindle {
-    /// The speed that is wanted, in whatever unit `scale` makes turns per second of.
+    /// Commanded speed; multiplied by `scale`, it is in turns per second.
     velocity_cmd: In<f64>,
-    /// Where the spindle is, in turns.
+    /// Position of the spindle, in turns.
     position_fb: Out<f64>,
-    /// Waits for the next whole turn while true; becomes false there, and the position counts from
-    /// there on.
+    /// While true, waits for the next full turn; there it becomes false, and the position counts from there.
     index_enable: Io<bool>,
-    /// What makes turns per second of `velocity-cmd`.
+    /// Turns per second per unit of `velocity-cmd`.
     #[hal(default = 1.0)]
     scale: ParamRw<f64>,
 }
@@ -37,7 +36,7 @@ impl Update for SimSpindle {
         let mut now = before + self.velocity_cmd.get() * period.secs() * self.scale.get();
         if self.index_enable.get() && libm::floor(before) != libm::floor(now) {
             self.index_enable.set(false);
-            // Which way it turns is what the command says, whatever the sign of its scale.
+            // The sign of the command gives the direction, whatever the sign of its scale.
             let forward = self.velocity_cmd.get() > 0.0;
             now -= if forward { libm::floor(now) } else { libm::ceil(now) };
         }

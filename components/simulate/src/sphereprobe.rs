@@ -1,9 +1,10 @@
 //! `sphereprobe`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// A probe that touches a sphere on a table.
+/// Probe that touches a sphere on a table.
 ///
-/// The table is the plane of the sphere's centre; beside the sphere, everything below it is touched.
+/// The table is the plane through the sphere's centre; beside the sphere, every position below the table counts as
+/// contact.
 ///
 /// # Example
 ///
@@ -23,19 +24,19 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Sphereprobe {
-    /// Where the probe is, in counts.
+    /// X of the probe, in counts.
     px: In<i32>,
-    /// Where the probe is, in counts.
+    /// Y of the probe, in counts.
     py: In<i32>,
-    /// Where the probe is, in counts.
+    /// Z of the probe, in counts.
     pz: In<i32>,
-    /// The middle of the sphere, in counts.
+    /// X of the sphere's centre, in counts.
     cx: In<i32>,
-    /// The middle of the sphere, in counts.
+    /// Y of the sphere's centre, in counts.
     cy: In<i32>,
-    /// The middle of the sphere, in counts; the table is there.
+    /// Z of the sphere's centre and of the table, in counts.
     cz: In<i32>,
-    /// The radius of the sphere, in counts.
+    /// Radius of the sphere, in counts.
     r: In<i32>,
     /// True while the probe is within the sphere, or beside it and below the table.
     probe_out: Out<bool>,

@@ -1,13 +1,13 @@
-//! Realtime. The registers of the VX900 that carry the lines.
+//! Realtime. Registers of the VX900 that hold the lines.
 
 use port::{Access, Lost};
 
-/// Vendor and device of the VX900's bus control and power management, as in the first double word
-/// of its configuration.
+/// Vendor and device ID of the VX900's bus control and power management, from the first double word of its
+/// configuration.
 pub(crate) const IDENTITY: u32 = 0x8410_1106;
 
-/// Configuration registers: the base of the power management registers, and the double words that
-/// hold the enables `Rx80`, `Rx95` and `Rx9B`.
+/// Configuration registers: the base of the power management registers, and the double words that hold the enable bits
+/// in `Rx80`, `Rx95` and `Rx9B`.
 pub(crate) const BASE: u8 = 0x88;
 pub(crate) const RX80: u8 = 0x80;
 pub(crate) const RX95: u8 = 0x94;
@@ -20,29 +20,28 @@ const ENABLES: [(u8, u32, u32); 3] = [
     (RX80, 0x0000_0040, 0), // Rx80[6] = 0: GPIO12.
 ];
 
-/// The block of power management registers is aligned to its size. The lower bits of the base
-/// register are flags.
+/// The block of power management registers is aligned to its size. The lower bits of the base register are flags.
 const BLOCK: u16 = 0xFF80;
 
-/// The input registers, from the base.
+/// Input registers, as offsets from the base.
 pub(crate) const INPUTS: [u16; 2] = [0x48, 0x49];
-/// The output registers, from the base.
+/// Output registers, as offsets from the base.
 pub(crate) const OUTPUTS: [u16; 3] = [0x4D, 0x4E, 0x4F];
-/// Which bits of the output registers are lines.
+/// Bits of the output registers that are lines.
 pub(crate) const LINES: [u8; 3] = [0x10, 0x90, 0x04];
 
-/// Why the chip cannot be used.
+/// Reason why the chip cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Refused {
-    /// There is no PCI device in its place.
+    /// There is no PCI device at its location.
     NoDevice,
-    /// The user may not use its configuration.
+    /// The user may not read or write its configuration.
     Forbidden,
     /// Another chip is there.
     Other(u32),
-    /// The firmware gave the registers no address.
+    /// The firmware assigned no address to the registers.
     NoBase,
-    /// Its registers cannot be reached.
+    /// The registers cannot be accessed.
     Lost(Lost),
 }
 
@@ -82,17 +81,17 @@ impl From<Lost> for Refused {
     }
 }
 
-/// A chip whose lines are enabled.
+/// Chip with enabled lines.
 #[derive(Debug)]
 pub(crate) struct Chip {
     base: u16,
-    /// The bits of the output registers that are not lines, as they were found.
+    /// Initial values of the output register bits that are not lines.
     rest: [u8; 3],
 }
 
 impl Chip {
-    /// Finds out that it is the right chip, then where its registers are and what they hold, and
-    /// only then writes: the enables that are not there yet.
+    /// Checks that this is the right chip, then reads the address and contents of its registers. Writes only then, and
+    /// only the enable bits that are not set yet.
     pub(crate) fn bring_up(access: &dyn Access) -> Result<Self, Refused> {
         let identity = access.read_config(0)?;
         if identity != IDENTITY {
@@ -117,13 +116,13 @@ impl Chip {
         Ok(Self { base, rest })
     }
 
-    /// The input registers: one read each.
+    /// Reads the input registers, once each.
     pub(crate) fn read(&self, access: &dyn Access) -> Result<[u8; 2], Lost> {
         let [low, high] = INPUTS.map(|register| access.read(self.base | register));
         Ok([low?, high?])
     }
 
-    /// Gives the lines in the output registers their levels: one write each, and no read.
+    /// Writes the levels of the lines to the output registers: one write each, and no read.
     pub(crate) fn write(&self, access: &dyn Access, levels: [u8; 3]) -> Result<(), Lost> {
         let mut done = Ok(());
         for ((register, rest), levels) in OUTPUTS.into_iter().zip(self.rest).zip(levels) {
@@ -139,7 +138,7 @@ mod tests {
     use port::{Access, Lost};
     use std::sync::Mutex;
 
-    /// A chip whose registers all hold `byte`: it writes down what is done to it.
+    /// Simulated chip whose registers all hold `byte`; logs every access.
     struct Log {
         byte: u8,
         enabled: bool,
@@ -197,7 +196,7 @@ mod tests {
                 &["c98?", "c98=01000000", "c94?", "c94=00000c00", "c80?", "c80=00000000"]
             };
             assert_eq!(log.taken(), [&looks[..], enables].concat());
-            // Lines that the firmware left high are ours, the bits beside them are not.
+            // Lines that the firmware left high are set by the driver; the neighbouring bits keep their values.
             chip.write(&log, [0; 3]).unwrap();
             let rest = if byte == 0 { ["00"; 3] } else { ["ef", "6f", "fb"] };
             let [a, b, c] = rest;

@@ -1,4 +1,4 @@
-//! Realtime. The chip, real or simulated, once it is open.
+//! Realtime. Open chip, real or simulated.
 
 use crate::{
     chip::{self, Chip, Refused},
@@ -12,23 +12,23 @@ use hal_component::{Builder, Error};
 use port::{Access, Lost, Simulated};
 use std::{path::Path, sync::OnceLock};
 
-/// The chip behind the connector.
+/// Chip behind the connector.
 #[derive(Debug)]
 pub(crate) struct Device {
     access: Kind,
-    /// Empty until it is opened.
+    /// Empty until the chip is opened.
     chip: OnceLock<Chip>,
-    /// The levels in the output registers with all pins FALSE, a byte for each.
+    /// Levels in the output registers with all pins FALSE, one byte each.
     idle: AtomicU32,
 }
 
-/// No write has said yet what the levels of FALSE are.
+/// Value of `idle` before the first write.
 const NO_IDLE: u32 = u32::MAX;
 
 #[derive(Debug)]
 enum Kind {
     Simulated(Simulated),
-    /// Empty until it is opened.
+    /// Empty until the chip is opened.
     Real(OnceLock<Hardware>),
 }
 
@@ -49,7 +49,7 @@ impl Device {
         }
     }
 
-    /// Opens the chip; `config` is the configuration of the PCI device that should be it.
+    /// Opens the chip; `config` is the path of the PCI device's configuration.
     pub(crate) fn open(&self, config: &Path) -> Result<(), Refused> {
         if let Kind::Real(slot) = &self.access {
             // A second opening keeps the first.
@@ -71,13 +71,13 @@ impl Device {
         self.chip.get().zip(self.access()).ok_or(Lost::NONE)
     }
 
-    /// The input registers.
+    /// Reads the input registers.
     pub(crate) fn read(&self) -> Result<[u8; 2], Lost> {
         let (chip, access) = self.open_chip()?;
         chip.read(access)
     }
 
-    /// Gives the lines their levels, and notes those at rest.
+    /// Writes the levels of the lines, and stores their idle levels.
     pub(crate) fn write(&self, levels: [u8; 3], [a, b, c]: [u8; 3]) -> Result<(), Lost> {
         self.idle.store(u32::from_le_bytes([a, b, c, 0]), Release); // Pairs with `drop`.
         let (chip, access) = self.open_chip()?;
@@ -86,24 +86,24 @@ impl Device {
 }
 
 impl Drop for Device {
-    /// A real chip that was written to is left with its outputs at rest.
+    /// Drives the outputs of a real chip to their idle levels, if the chip was ever written to.
     fn drop(&mut self) {
         let idle = self.idle.load(Acquire); // Pairs with `write`.
         if idle == NO_IDLE || self.simulated().is_some() {
             return;
         }
         let [a, b, c, _] = idle.to_le_bytes();
-        // Nobody is left to hear that the device is gone.
+        // A lost device can no longer be reported.
         let _ = self.write([a, b, c], [a, b, c]);
     }
 }
 
-/// Where the simulated firmware put the registers; the low bit is a flag.
+/// Address of the registers in simulation; the low bit of the register is a flag.
 const SIMULATED_BASE: u16 = 0x0400;
 const SIMULATED_BASE_REGISTER: u32 = 0x0401;
 
-/// A board as its firmware left it: no output enabled, all lines low, and every bit beside them 1,
-/// so that whatever touches a neighbour shows.
+/// Simulates a board as its firmware leaves it: no output enabled, all lines low, and every other bit 1, so that a
+/// write to a neighbouring bit becomes visible.
 pub(crate) fn simulated(b: &mut Builder<'_>) -> Result<Simulated, Error> {
     let mut file = Simulated::new(b, "viagpio.sim", SIMULATED_BASE, 0x100)?;
     for (register, lines) in chip::INPUTS.into_iter().zip([0x30, 0x03]) {

@@ -1,4 +1,4 @@
-//! Realtime. The real chip: its configuration through the kernel, its registers as I/O ports.
+//! Realtime. Real chip: its configuration through the kernel, its registers as I/O ports.
 
 use crate::chip::Refused;
 use port::{Access, Lost};
@@ -9,10 +9,10 @@ use std::{
     path::Path,
 };
 
-/// The configuration of bus 0, device 17, function 0. The kernel serializes those who use it.
+/// Configuration of bus 0, device 17, function 0. The kernel serializes accesses.
 pub(crate) const CONFIG: &str = "/sys/bus/pci/devices/0000:00:11.0/config";
 
-/// The chip's configuration; the right to its I/O ports is asked for when they are used.
+/// Configuration of the chip; the permission for its I/O ports is requested at the first access.
 #[derive(Debug)]
 pub(crate) struct Hardware {
     config: File,
@@ -29,7 +29,7 @@ impl Hardware {
     }
 }
 
-/// The kernel shows users without the right to more only a part, which is no error of its own.
+/// For users without permission, the kernel shortens the configuration, which gives no error number.
 fn lost(error: &Error) -> Lost {
     const FORBIDDEN: i32 = 1;
     Lost(error.raw_os_error().unwrap_or(FORBIDDEN))
@@ -57,26 +57,26 @@ impl Access for Hardware {
     }
 }
 
-/// Instructions for I/O ports. The right to use them is each thread's own: one that has it not yet
-/// asks for it at its first access.
+/// I/O port instructions. The kernel grants the permission per thread: a thread without it requests it at its first
+/// access.
 #[cfg(target_arch = "x86_64")]
 mod ports {
     use core::{arch::asm, cell::Cell, ffi::c_ulong};
     use port::Lost;
 
-    /// The registers of a block that the driver may use.
+    /// Registers of the block that the driver may access.
     const FIRST: u16 = 0x48;
     const COUNT: u16 = 8;
 
     thread_local! {
-        /// The block whose registers this thread may use.
+        /// Block whose registers this thread may access.
         static GRANTED: Cell<u16> = const { Cell::new(0) };
     }
 
     pub(super) fn read(address: u16) -> Result<u8, Lost> {
         ask(address)?;
         let value: u8;
-        // SAFETY: the thread has the right to this port: `ask` saw to it.
+        // SAFETY: the thread has the permission for this port: `ask` has requested it.
         unsafe {
             asm!("in al, dx", out("al") value, in("dx") address, options(nomem, nostack, preserves_flags));
         }
@@ -85,7 +85,7 @@ mod ports {
 
     pub(super) fn write(address: u16, value: u8) -> Result<(), Lost> {
         ask(address)?;
-        // SAFETY: the thread has the right to this port: `ask` saw to it.
+        // SAFETY: the thread has the permission for this port: `ask` has requested it.
         unsafe {
             asm!("out dx, al", in("dx") address, in("al") value, options(nomem, nostack, preserves_flags));
         }
@@ -101,7 +101,7 @@ mod ports {
             return Ok(());
         }
         let (first, count) = (c_ulong::from(block | FIRST), c_ulong::from(COUNT));
-        // SAFETY: asks the kernel for a right; no memory is passed.
+        // SAFETY: requests a permission from the kernel; no memory is passed.
         let done = unsafe { libc::syscall(libc::SYS_ioperm, first, count, 1) };
         if done < 0 {
             return Err(super::lost(&std::io::Error::last_os_error()));
@@ -111,7 +111,7 @@ mod ports {
     }
 }
 
-/// Processors without I/O ports have no such chip.
+/// Processors without I/O ports do not have this chip.
 #[cfg(not(target_arch = "x86_64"))]
 mod ports {
     use port::Lost;

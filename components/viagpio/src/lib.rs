@@ -1,7 +1,7 @@
-//! The digital lines of boards with a VIA VX900.
+//! Digital lines of boards with a VIA VX900.
 //!
-//! The chip's registers and how it is brought up are in `chip`; the real one is reached in
-//! `hardware`, the only part with unsafe code, the simulated one is [`Simulated`].
+//! The chip's registers and its setup are in `chip`. The real chip is accessed in `hardware`, the only module with
+//! unsafe code; the simulated one is [`Simulated`].
 #![deny(unsafe_code)]
 
 mod chip;
@@ -27,7 +27,7 @@ use hal_component::{
 use port::{Driven, Report, Shown, Simulated};
 use std::{path::Path, sync::Arc};
 
-/// `hal_viagpio`.
+/// Component `hal_viagpio`.
 pub(crate) enum Viagpio {}
 
 hal_component::export!(Viagpio);
@@ -93,7 +93,7 @@ getp viagpio.pin-05-out # -> TRUE
         })?;
         b.on_stop(move || {
             let (_, idle) = lines::levels(&lines);
-            // A device that is gone cannot be stopped; who writes to it says so.
+            // A lost device cannot be stopped; the write function reports it.
             let _ = device.write(idle, idle);
         })
     }

@@ -1,11 +1,11 @@
-//! Realtime. The lines of the connector as pins and parameters.
+//! Realtime. Lines of the connector as pins and parameters.
 
 use hal_component::{
     Builder, Error, In, Out, ParamRw, Touch,
     abi::{ItemSpec, Str, dir, size, ty},
 };
 
-/// A line that is read: its pins, and its bit of the input registers.
+/// Input line: its pins, and its bit in the input registers.
 #[derive(Touch)]
 pub(crate) struct Input {
     #[state]
@@ -16,7 +16,7 @@ pub(crate) struct Input {
     not: Out<bool>,
 }
 
-/// A line that is written: its pin and parameter, and its bit of the output registers.
+/// Output line: its pin and parameter, and its bit in the output registers.
 #[derive(Clone, Touch)]
 pub(crate) struct Output {
     #[state]
@@ -27,7 +27,7 @@ pub(crate) struct Output {
     invert: ParamRw<bool>,
 }
 
-/// What is fixed about a line: its two items, each with its documentation, and its bit.
+/// Constant data of a line: its two items with their documentation, and its bit.
 struct Line {
     first: (&'static str, &'static str),
     second: (&'static str, &'static str),
@@ -97,7 +97,7 @@ const OUTPUTS: [Line; 4] = [
     output!("08", "GPIO12", "17", 1, 0x80),
 ];
 
-/// Every pin and parameter, for those who read the library without running it.
+/// All pins and parameters, for programs that read the library without running it.
 pub(crate) const ITEMS: &[&ItemSpec] = &[
     &bit(INPUTS[0].first, dir::OUT),
     &bit(INPUTS[0].second, dir::OUT),
@@ -131,7 +131,7 @@ const fn bit((name, doc): (&'static str, &'static str), dir: u8) -> ItemSpec {
     }
 }
 
-/// Makes the pins of the inputs.
+/// Declares the pins of the inputs.
 pub(crate) fn inputs(b: &mut Builder<'_>) -> Result<Vec<Input>, Error> {
     let make = |Line { first, second, register, mask }| {
         let level = b.item(first.0, first.1, false)?;
@@ -140,7 +140,7 @@ pub(crate) fn inputs(b: &mut Builder<'_>) -> Result<Vec<Input>, Error> {
     INPUTS.into_iter().map(make).collect()
 }
 
-/// Makes the pins and parameters of the outputs.
+/// Declares the pins and parameters of the outputs.
 pub(crate) fn outputs(b: &mut Builder<'_>) -> Result<Vec<Output>, Error> {
     let make = |Line { first, second, register, mask }| {
         let value = b.item(first.0, first.1, false)?;
@@ -149,7 +149,7 @@ pub(crate) fn outputs(b: &mut Builder<'_>) -> Result<Vec<Output>, Error> {
     OUTPUTS.into_iter().map(make).collect()
 }
 
-/// Spreads the input registers over the pins.
+/// Distributes the input registers to the pins.
 pub(crate) fn take(lines: &[Input], registers: [u8; 2]) {
     for line in lines {
         let high = registers.get(line.register).is_some_and(|byte| byte & line.mask != 0);
@@ -158,7 +158,7 @@ pub(crate) fn take(lines: &[Input], registers: [u8; 2]) {
     }
 }
 
-/// The levels of the lines in the output registers, as the pins ask for and with all pins FALSE.
+/// Returns the levels of the output registers that the pins request, and those with all pins FALSE.
 pub(crate) fn levels(lines: &[Output]) -> ([u8; 3], [u8; 3]) {
     let (mut wanted, mut idle) = ([0; 3], [0; 3]);
     for line in lines {

@@ -1,4 +1,4 @@
-//! The chip on the bench, and what other ways to write it would do.
+//! Tests of the chip on the bench, and of faulty ways to write it.
 
 use crate::{
     Viagpio,
@@ -50,13 +50,13 @@ fn write(bench: &Bench, levels: usize) {
     bench.run("viagpio.write", MS);
 }
 
-/// The lines in the registers, as bits in the order of the pins.
+/// Returns the lines in the registers, as bits in the order of the pins.
 fn lines(bench: &Bench) -> usize {
     let level = |(_, register, mask)| sim(bench, &format!("reg-{register}")) & mask != 0;
     OUTPUTS.into_iter().map(level).enumerate().fold(0, |sum, (i, on)| sum | usize::from(on) << i)
 }
 
-/// How many combinations of the outputs come out right, and every level that each line took.
+/// Returns the number of output combinations that are written correctly, and the levels that each line took.
 fn right(bench: &Bench) -> (usize, [usize; 2]) {
     let (mut right, mut always, mut ever) = (0, 15, 0);
     for levels in 0..16 {
@@ -81,7 +81,7 @@ fn pins_and_functions() {
     names.retain(|n| !n.contains(".sim."));
     assert_eq!(names, wanted);
     assert_eq!(bench.functs(), ["viagpio.read", "viagpio.write"]);
-    // The library declares the same without being run.
+    // The library declares the same items without being run.
     let dir = |name: &String| match name.rsplit(' ').next() {
         Some("OUT") => abi::dir::OUT,
         Some("IN") => abi::dir::IN,
@@ -154,7 +154,7 @@ fn inputs_are_true_or_false() {
     }
 }
 
-/// Enables in Rx95 bits 3 and 2 of the second byte, not of the first.
+/// The enable bits are 3 and 2 of the second byte, not of the first.
 #[test]
 fn gpio1_is_enabled_by_the_right_bits() {
     let mut bench = Bench::new();
@@ -165,7 +165,7 @@ fn gpio1_is_enabled_by_the_right_bits() {
     assert_eq!(sim(&seed(true), "config-94"), 0x0000_000C, "the seed changes Rx94");
 }
 
-/// Clears Rx80 bit 6, and nothing else.
+/// Only bit 6 of Rx80 is cleared.
 #[test]
 fn gpio12_is_enabled() {
     assert_eq!(sim(&load(), "config-80"), 0xFFFF_FFBF);
@@ -189,7 +189,7 @@ fn enables_that_are_there_stay() {
     assert_eq!(found, [0xFF00_0035, 0x1234_5F00, 0xFF00_0001]);
 }
 
-/// A write to a byte leaves the next three alone.
+/// A write to a byte leaves the next three unchanged.
 #[test]
 fn neighbours_stay_and_gpo12_rises() {
     let neighbours = ["4c", "50", "51", "52"];
@@ -204,7 +204,7 @@ fn neighbours_stay_and_gpo12_rises() {
     assert_eq!(registers(&wide, &neighbours), [0xFF, 0, 0, 0]);
 }
 
-/// GPIO9 and GPIO12 share a register: neither undoes the other.
+/// GPIO9 and GPIO12 share a register: neither changes the other.
 #[test]
 fn lines_of_one_register_keep_apart() {
     let bench = load();
@@ -216,7 +216,7 @@ fn lines_of_one_register_keep_apart() {
     assert_eq!(ever, 0b1011, "from two copies GPIO9 never changes");
 }
 
-/// The same register file and the same comparison, for three ways to write.
+/// Compares three ways to write, on the same simulated registers.
 #[test]
 fn combinations_that_come_out_right() {
     assert_eq!(right(&load()).0, 16);
@@ -304,7 +304,7 @@ fn functions_say_what_they_touch() {
     assert!(!read.iter().any(|t| t.contains("-out") || t.contains("reg-4d")));
 }
 
-/// A file in the place of a PCI device's configuration.
+/// Makes a file in place of a PCI device's configuration.
 fn config(name: &str, bytes: &[u8]) -> std::path::PathBuf {
     let path = std::env::temp_dir().join(format!("viagpio-{}-{name}", std::process::id()));
     fs::write(&path, bytes).unwrap();
@@ -337,7 +337,7 @@ fn real_chips_are_looked_at_first() {
     assert_eq!(hardware.read_config(RX80 | 1), Ok(0x0403_0201));
     fs::remove_file(&path).unwrap();
 
-    // What a user without the right to see all of it sees.
+    // Configuration as a user without full permission sees it.
     let path = config("partial", &bytes[..64]);
     let hardware = Hardware::open(&path).unwrap();
     assert_eq!(Chip::bring_up(&hardware).unwrap_err(), Refused::Lost(Lost(1)));
@@ -355,10 +355,10 @@ fn real_chips_are_looked_at_first() {
     }
 }
 
-/// The driver of the machine's first description, with its faults, on the same register file.
+/// First driver of this machine, with its faults, on the same simulated registers.
 enum Seed {}
 
-/// One of its four outputs: written from a copy of its register, read before any was written.
+/// Output of that driver: written from a copy of its register that was read before any write.
 #[derive(Touch)]
 struct SeedLine {
     #[state]
@@ -384,7 +384,7 @@ impl Update for SeedWrite {
         for (line, copy) in self.lines.iter().zip(copies) {
             let byte = if line.value.get() { copy | line.mask } else { copy & !line.mask };
             self.file.write(line.address, byte).unwrap();
-            // A double word of the zero-extended byte.
+            // A double word with the zero-extended byte.
             for next in (1..4).filter(|_| self.wide) {
                 self.file.write(line.address + next, 0).unwrap();
             }
