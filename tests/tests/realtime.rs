@@ -11,7 +11,7 @@ use hal_protocol::{
 };
 use hal_tests::{
     every,
-    machine::{says, script, status, thread, wait},
+    machine::{bit, cycles, says, script, status, thread, wait},
     plugins::{interpose, plugins},
     programs::programs,
     random::Random,
@@ -80,7 +80,11 @@ fn value(random: &mut Random, ty: Type) -> String {
 }
 
 fn engine(path: &[&Path]) -> Engine {
-    let options = Options {
+    Engine::without_socket(options(path)).unwrap()
+}
+
+fn options(path: &[&Path]) -> Options {
+    Options {
         place: Place::at("/nonexistent", "counted").unwrap(),
         clock: ClockKind::Real,
         hold: false,
@@ -89,8 +93,7 @@ fn engine(path: &[&Path]) -> Engine {
         interlock: false,
         path: path.iter().map(|p| p.to_path_buf()).collect(),
         realtime: hal_tests::machine::realtime(),
-    };
-    Engine::without_socket(options).unwrap()
+    }
 }
 
 fn list(e: &mut Engine, kind: Kind) -> Reply {
@@ -325,6 +328,96 @@ fn kinematics() {
     }
 }
 
+/// A machine as an INI file makes it: stopped by each side of its interlock and by the step guard,
+/// its spindle oriented.
+fn stopping() {
+    let options = Options { interlock: true, ..options(&[programs()]) };
+    let mut e = Engine::without_socket(options).unwrap();
+    script(
+        &mut e,
+        "loadrt iocontrol interlock=1
+         loadrt trivkins coordinates=x kinstype=b
+         loadrt motmod servo_period_nsec=100000 num_joints=2 num_extrajoints=1
+         loadrt orient
+         loadrt integ names=encoder
+         addf encoder servo-thread
+         addf orient.0 servo-thread
+         addf motion-command-handler servo-thread
+         addf motion-controller servo-thread
+         net command-0 joint.0.motor-pos-cmd joint.0.motor-pos-fb
+         net command-1 joint.1.motor-pos-cmd joint.1.motor-pos-fb
+         net turns encoder.out orient.0.position
+         net asked spindle.0.orient orient.0.enable
+         net angle spindle.0.orient-angle orient.0.angle
+         net oriented orient.0.is-oriented spindle.0.is-oriented
+         motion.configure joint=0 max-velocity=50 max-acceleration=2000 ferror=100
+         motion.configure joint=1 max-velocity=50 max-acceleration=2000 ferror=100
+         start",
+    );
+    begun(&mut e);
+    let is_on = |e: &mut Engine| bit(e, "motion.motion-enabled");
+    let switch_on = |e: &mut Engine| {
+        script(e, "setp iocontrol.0.emc-enable-in 1\niocontrol.estop-reset");
+        // The background task of iocontrol carries the reset out.
+        wait(e, "it is on", |e| {
+            drop(says(e, "motion.enable"));
+            cycles(e, "servo-thread", 10);
+            is_on(e)
+        });
+        script(e, "motion.jog joint=0 velocity=5");
+        cycles(e, "servo-thread", 100);
+        assert!(!bit(e, "joint.0.in-position"), "it does not move");
+    };
+    counter::count(true);
+    // Refused: it is in e-stop.
+    drop(says(&mut e, "motion.enable"));
+    cycles(&mut e, "servo-thread", 10);
+    assert!(!is_on(&mut e), "on in e-stop");
+    for stop in
+        ["iocontrol.estop", "setp iocontrol.0.emc-enable-in 0", "setp joint.1.posthome-cmd 500"]
+    {
+        switch_on(&mut e);
+        if stop.contains("posthome") {
+            script(&mut e, "motion.home joint=1");
+            wait(&mut e, "joint 1 is homed", |e| bit(e, "joint.1.homed"));
+        }
+        script(&mut e, stop);
+        wait(&mut e, stop, |e| !is_on(e));
+        assert_eq!(bit(&mut e, "joint.1.error"), stop.contains("posthome"), "{stop}");
+    }
+    script(&mut e, "setp joint.1.posthome-cmd 0");
+    switch_on(&mut e);
+    script(&mut e, "setp encoder.in 5\nmotion.spindle-orient angle=90");
+    cycles(&mut e, "servo-thread", 2000);
+    assert!(!bit(&mut e, "spindle.0.locked"), "locked while it turns");
+    script(&mut e, "setp encoder.in 0\nsetp encoder.reset 1\nmotion.spindle-orient angle=0");
+    wait(&mut e, "the spindle is locked", |e| bit(e, "spindle.0.locked"));
+    assert_eq!(counter::counted(), 0, "calls of the allocator in cycles");
+    counter::count(false);
+    e.close();
+}
+
+/// Messages in realtime: joined, and more than there is room for.
+fn flooding() {
+    let mut e = engine(&[plugins(), programs()]);
+    script(&mut e, "loadrt threads name1=t period1=1000000\nloadrt chatty\naddf chatty t\nstart");
+    begun(&mut e);
+    for (times, said) in [(1, " more)"), (5000, " messages were lost")] {
+        drop(e.take_messages());
+        counter::count(true);
+        script(&mut e, &format!("setp chatty.times {times}"));
+        let mut lines = Vec::new();
+        wait(&mut e, said, |e| {
+            lines.extend(e.take_messages());
+            lines.iter().any(|line| line.contains(said))
+        });
+        let calls = counter::counted();
+        counter::count(false);
+        assert_eq!(calls, 0, "{times} in each cycle: calls of the allocator");
+    }
+    e.close();
+}
+
 /// A plugin that allocates when it is told to.
 fn planted() {
     let mut e = engine(&[plugins(), programs()]);
@@ -411,10 +504,12 @@ fn in_a_child(what: &str) {
 fn child() {
     match std::env::var(CHILD).unwrap().as_str() {
         "everything" => everything(),
+        "flooding" => flooding(),
         "kinematics" => kinematics(),
         "moving" => moving(),
         "planted" => planted(),
         "sampled" => sampled(),
+        "stopping" => stopping(),
         other => panic!("{other}"),
     }
 }
@@ -427,6 +522,16 @@ fn ten_thousand_cycles_of_every_component_allocate_nothing() {
 #[test]
 fn a_machine_that_moves_allocates_nothing() {
     in_a_child("moving");
+}
+
+#[test]
+fn what_stops_a_machine_from_an_ini_file_allocates_nothing() {
+    in_a_child("stopping");
+}
+
+#[test]
+fn messages_that_are_joined_or_lost_allocate_nothing() {
+    in_a_child("flooding");
 }
 
 #[test]
