@@ -1,9 +1,16 @@
 //! `halcmd check`: planted faults are found where they are, and correct machines are left alone.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
-use hal_protocol::Code;
-use hal_tests::{faults::mistakes, golden, programs::root, scratch::Scratch};
+use hal_protocol::{Code, Level};
+use hal_tests::{
+    faults::{Planted, mistakes},
+    foreign::{compile, component},
+    golden,
+    programs::root,
+    scratch::Scratch,
+};
 use halcmd::explain;
+use std::fmt::Write;
 
 /// Does something for each, several at once; fails with all that went wrong.
 fn all<T: Sync>(items: &[T], look: impl Fn(&T) -> Vec<String> + Sync) {
@@ -58,6 +65,33 @@ fn the_annex_as_printed_is_wrong_where_its_lines_are_broken() {
     let output = scratch.halcmd(&["check", "-i", "impresora3D.ini", "printed.hal"]);
     assert_eq!(output.status, Some(2));
     golden("annex-e/expected-printed", &output.stdout);
+}
+
+/// Every way to wire an e-stop, each in a file of `tests/check/estop` that begins with what it shows:
+/// the errors and warnings of all of them.
+#[test]
+fn the_wiring_of_an_estop() {
+    let scratch = Scratch::new("estop");
+    if compile(scratch.path(), "some", &component("", "", ""), &[]).is_none() {
+        return;
+    }
+    let folder = root().join("tests/check/estop");
+    let files = std::fs::read_dir(&folder).unwrap().map(|file| file.unwrap().path());
+    let mut files: Vec<_> = files.filter(|f| f.extension().is_some_and(|e| e == "hal")).collect();
+    files.sort();
+    let mut got = String::new();
+    for file in files {
+        let text = std::fs::read_to_string(&file).unwrap();
+        let name = file.file_stem().unwrap().to_string_lossy();
+        let (_, found) = Planted::parse(&text).check(&format!("estop-{name}"));
+        let shows = text.lines().next().unwrap_or_default().trim_start_matches("# ");
+        writeln!(got, "{name}: {shows}").unwrap();
+        for f in found.iter().filter(|f| f.level > Level::Note) {
+            let at = f.at.as_ref().map_or(0, |at| at.line);
+            writeln!(got, "    {}: {at}: {}", f.code, f.text).unwrap();
+        }
+    }
+    golden("estop/expected", &got);
 }
 
 #[test]

@@ -148,8 +148,8 @@ pub(super) const ROWS: &[Row] = &[
     Row {
         code: Code::EstopNotJoined,
         means: "A script has no INI file, so it stops motion in e-stop by its own signals; and \
-                motion.enable follows neither user-enable-out nor the e-stop chain, or nothing at \
-                all.",
+                motion.enable follows neither user-enable-out nor the e-stop chain, or \
+                user-enable-out alone, or nothing at all.",
         matters: "Motion goes on in e-stop.",
         remedy: "Link motion.enable to the signal of emc-enable-in; or load iocontrol with \
                  interlock=1 before motmod, which then stops whatever is wired.",

@@ -59,7 +59,11 @@ impl Look<'_> {
         }
         let (text, remedy) = match (self.item(OUT), self.item(IN)) {
             (Some((out, _)), Some((answer, _))) => {
-                if self.led_to(&[out, answer]).contains(&motion) {
+                let of = |pin| self.graph.signal_of(pin);
+                let is_deaf =
+                    of(motion) == of(out) && of(answer).is_some_and(|s| of(out) != Some(s));
+                let follows = self.led_to(&[out, answer]).contains(&motion);
+                if follows && !is_deaf {
                     return;
                 }
                 let why = match service {
@@ -67,7 +71,14 @@ impl Look<'_> {
                     None => "",
                 };
                 (
-                    format!("'{MOTION}' does not follow the e-stop of iocontrol{why}"),
+                    if follows {
+                        format!(
+                            "'{MOTION}' follows '{OUT}' alone: contacts that open '{IN}' do not \
+                             stop motion{why}"
+                        )
+                    } else {
+                        format!("'{MOTION}' does not follow the e-stop of iocontrol{why}")
+                    },
                     format!(
                         "net the signal of '{IN}' to {MOTION} as well; or before motmod: \
                          loadrt iocontrol interlock=1"
