@@ -241,7 +241,6 @@ fn output_goes_through_one_crate() {
         ("components/halcompile/src/build.rs", scratch),
         ("components/halcompile/src/command.rs", scratch),
         ("components/halcompile/src/headers.rs", "a folder that is renamed when it is whole"),
-        ("components/halcompile/src/install.rs", scratch),
         ("components/halcompile/src/program.rs", scratch),
         ("components/parport/src/hardware.rs", device),
         ("components/speaker/src/device.rs", device),

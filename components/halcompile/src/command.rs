@@ -156,7 +156,7 @@ fn documents(args: &Args, component: &Component, said: &mut Said) -> Result<(), 
         hal_output::write(keep, text.as_bytes()).map_err(at(keep))?;
     }
     if args.view_doc {
-        said.out.push_str(&install::view(&page, &roff())?);
+        said.out.push_str(&install::view(&roff()));
     }
     if args.install_doc {
         install::page(&page, section, &roff())?;

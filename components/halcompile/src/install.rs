@@ -3,9 +3,9 @@
 use crate::error::{Error, at};
 use std::{
     env, fs,
-    io::IsTerminal,
+    io::{IsTerminal, Write},
     path::{Path, PathBuf},
-    process::{Command, ExitStatus, Stdio},
+    process::{Command, Stdio},
 };
 
 /// The folder of modules: the first of `HAL_RTMOD_DIR`, or beside this program, where `halrun` looks.
@@ -55,25 +55,25 @@ pub fn page(name: &str, section: u32, roff: &str) -> Result<(), Error> {
 }
 
 /// Shows a page as `man` shows it on a terminal, and returns nothing; elsewhere returns what `man` prints,
-/// or the page as it is where there is no `man`.
-///
-/// # Errors
-/// It cannot be written down for `man`.
-pub fn view(name: &str, roff: &str) -> Result<String, Error> {
-    let file = env::temp_dir().join(format!("{}-{name}", std::process::id()));
-    fs::write(&file, roff).map_err(at(&file))?;
-    let mut man = Command::new("man");
-    man.arg("-l").arg(&file);
+/// or the page as it is where there is no `man`. `man` reads the page from a pipe: no file is made that
+/// another user could have put there first.
+pub fn view(roff: &str) -> String {
     let is_terminal = std::io::stdout().is_terminal();
-    let shown = if is_terminal {
-        man.status().ok().filter(ExitStatus::success).map(|_| String::new())
-    } else {
-        let printed = man.stderr(Stdio::inherit()).output().ok();
-        let printed = printed.filter(|p| p.status.success());
-        printed.map(|p| String::from_utf8_lossy(&p.stdout).into_owned())
-    };
-    drop(fs::remove_file(&file));
-    Ok(shown.unwrap_or_else(|| roff.to_owned()))
+    let mut man = Command::new("man");
+    man.args(["-l", "-"]).stdin(Stdio::piped());
+    if !is_terminal {
+        man.stdout(Stdio::piped());
+    }
+    let printed = man.spawn().ok().and_then(|mut man| {
+        let page = man.stdin.take();
+        std::thread::scope(|scope| {
+            // A `man` that does not read to the end shows what it has read.
+            scope.spawn(move || page.map(|mut page| page.write_all(roff.as_bytes())));
+            man.wait_with_output().ok()
+        })
+    });
+    let printed = printed.filter(|p| p.status.success());
+    printed.map_or_else(|| roff.to_owned(), |p| String::from_utf8_lossy(&p.stdout).into_owned())
 }
 
 fn here() -> Option<PathBuf> {

@@ -4,6 +4,7 @@
 use std::{
     collections::BTreeMap,
     fs,
+    os::unix::fs::PermissionsExt,
     path::{Path, PathBuf},
     process::Command,
     sync::atomic::{AtomicU32, Ordering},
@@ -41,13 +42,18 @@ impl Folder {
         names
     }
 
-    /// Runs halcompile here: status, what it said, and what it complained about.
-    fn run(&self, words: &[&str]) -> (i32, String, String) {
+    /// halcompile, to be run here.
+    fn command(&self, words: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_halcompile"));
         command.args(words).current_dir(&self.0).env("HOME", &self.0).env_remove("XDG_CACHE_HOME");
         command.env("HAL_RTMOD_DIR", self.0.join("modules")).env_remove("HAL_INCLUDE_DIR");
         command.env("USER_MODULE_DIR", self.0.join("programs")).env_remove("HAL_MAN_DIR");
-        let output = command.output().unwrap();
+        command
+    }
+
+    /// Runs halcompile here: status, what it said, and what it complained about.
+    fn run(&self, words: &[&str]) -> (i32, String, String) {
+        let output = self.command(words).output().unwrap();
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
     }
@@ -80,6 +86,28 @@ fn texts_go_into_this_folder_or_where_they_are_asked_to() {
     }
     assert_eq!(folder.names(".local/share/man/man9"), ["good.9"]);
     assert!(folder.read("other.c").contains("#line 7 \"good.comp\""));
+}
+
+/// No file for `man` lies where another user could have put one first.
+#[test]
+fn man_reads_a_page_from_a_pipe() {
+    let folder = Folder::new();
+    let man = folder.0.join("bin/man");
+    let view = |says: &str| {
+        fs::create_dir_all(folder.0.join("bin")).unwrap();
+        fs::write(&man, format!("#!/bin/sh\n{says}\n")).unwrap();
+        fs::set_permissions(&man, fs::Permissions::from_mode(0o755)).unwrap();
+        let path = format!("{}:/usr/bin:/bin", folder.0.join("bin").display());
+        let mut command = folder.command(&["--view-doc", "good.comp"]);
+        let output = command.env("PATH", path).env("TMPDIR", "/nonexistent").output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let page = view("exit 1");
+    assert!(page.contains(".TH"), "as it is, where man fails: {page}");
+    assert_eq!(view("echo \"$@\"; cat"), format!("-l -\n{page}"));
+    // It need not read.
+    assert_eq!(view("echo no"), "no\n");
 }
 
 #[test]
