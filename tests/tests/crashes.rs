@@ -23,7 +23,26 @@ addf mine.0 t
 start
 ";
 
-const GLOBALS: &str = "#include <stdlib.h>\nstatic volatile int runs, zero;\n\
+/// The same machine without the component, under way.
+const DRIVEN: &str = "loadrt threads name1=t period1=1000000
+loadrt hal_parport cfg=\"0x378 out\"
+loadrt last_words
+net register parport.0.sim.data last-words.0.in
+setp parport.0.pin-02-out 1
+addf parport.0.write t
+addf last-words.0 t
+start
+run 5ms
+";
+
+/// An access to a port as the processor has it, not as the headers have it.
+#[cfg(target_arch = "x86_64")]
+const OUTB: &str =
+    "__asm__ volatile(\"outb %0, %1\" :: \"a\"((char)1), \"Nd\"((unsigned short)0x278));";
+#[cfg(not(target_arch = "x86_64"))]
+const OUTB: &str = "*(int *volatile)0 = 1;";
+
+const GLOBALS: &str = "#include <err.h>\n#include <signal.h>\n#include <stdlib.h>\n#include <unistd.h>\nstatic volatile int runs, zero;\n\
      static int deeper(volatile char *from)\n\
      {\n volatile char room[4096]; room[0] = *from;\n \
      return zero ? 0 : deeper(room) + room[0];\n}";
@@ -47,13 +66,16 @@ fn halrun(scratch: &Scratch) -> Command {
 
 #[test]
 fn a_crash_is_named_and_outputs_are_safe_before_the_process_ends() {
-    for (does, what) in [
-        ("*(int *volatile)0 = 1;", "segmentation fault at address 0x0"),
-        ("((void (*)(void))(zero + 16L))();", "segmentation fault at address 0x10"),
-        ("deeper(\"\");", "segmentation fault at address 0x"),
-        ("runs = (int)period / zero;", "arithmetic fault"),
-        ("__builtin_trap();", "illegal instruction"),
-        ("abort();", "it gave up (abort)"),
+    for (does, what, status) in [
+        ("*(int *volatile)0 = 1;", "segmentation fault at address 0x0", None),
+        ("((void (*)(void))(zero + 16L))();", "segmentation fault at address 0x10", None),
+        ("deeper(\"\");", "segmentation fault at address 0x", None),
+        ("runs = (int)period / zero;", "arithmetic fault", None),
+        ("__builtin_trap();", "illegal instruction", None),
+        ("abort();", "it gave up (abort)", None),
+        ("exit(3);", "it called exit(3)", Some(3)),
+        ("_exit(4);", "it called _exit(4)", Some(4)),
+        ("quick_exit(5);", "it called quick_exit(5)", Some(5)),
     ] {
         let Some(scratch) = machine("crash", does) else { return };
         for clock in ["--virtual", "--simulate"] {
@@ -62,8 +84,140 @@ fn a_crash_is_named_and_outputs_are_safe_before_the_process_ends() {
             assert!(output.stderr.contains(&said), "{clock} {does}: {}", output.stderr);
             let first = "last words: it was 1 and is 0\n";
             assert!(output.stderr.starts_with(first), "{clock} {does}: {}", output.stderr);
-            assert_eq!(output.status, None, "{clock} {does}: it ends by its signal");
+            assert_eq!(output.status, status, "{clock} {does}: none: it ends by its signal");
         }
+    }
+}
+
+/// The C library writes what `errx` says before it calls `exit` within itself.
+#[test]
+fn errx_is_named_as_the_exit_that_it_is() {
+    let Some(scratch) = machine("errx", "errx(7, \"no device\");") else { return };
+    for clock in ["--virtual", "--simulate"] {
+        let output = scratch.run(halrun(&scratch).args([clock, "--for", "60s", "m.hal"]));
+        let said = "halrun: no device\nlast words: it was 1 and is 0\n";
+        assert!(output.stderr.starts_with(said), "{clock}: {}", output.stderr);
+        let said = "component 'mine', function 'mine.0', thread 't': it called exit(7)";
+        assert!(output.stderr.contains(said), "{clock}: {}", output.stderr);
+        assert_eq!(output.status, Some(7), "{clock}");
+    }
+}
+
+/// Nobody has asked for the port, and nothing is simulated.
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn a_port_that_may_not_be_used_is_named() {
+    let what = "port 0x0278 may not be written: this process has no right to use it";
+    let ran = component(GLOBALS, "(void)deeper;", &format!("if (++runs == 3) {{ {OUTB} }}"));
+    let set_up = component(GLOBALS, &format!("(void)deeper; {OUTB}"), "");
+    for (source, whose) in [
+        (ran, "component 'mine', function 'mine.0', thread 't'"),
+        (set_up, "component 'mine', as it is loaded"),
+    ] {
+        let scratch = Scratch::new("port");
+        if compile(scratch.path(), "mine", &source, &["-Wno-unused"]).is_none() {
+            return;
+        }
+        let lines = "loadrt threads name1=t period1=1000000\nloadrt last_words\nloadrt mine\n\
+                     addf mine.0 t\nstart\n";
+        scratch.write("m.hal", lines);
+        let output = scratch.run(halrun(&scratch).args(["--for", "60s", "m.hal"]));
+        assert!(output.stderr.contains(&format!("{whose}: {what}")), "{}", output.stderr);
+        assert!(output.stderr.contains("last words: it was 0 and is 0\n"), "{}", output.stderr);
+        assert_eq!(output.status, None);
+    }
+}
+
+/// A folder with a component of this text, and a machine under way that then loads it.
+fn loads(name: &str, source: &str) -> Option<Scratch> {
+    let scratch = Scratch::new(name);
+    compile(scratch.path(), "mine", source, &["-Wno-unused"])?;
+    scratch
+        .write("m.hal", format!("{DRIVEN}print loading\nloadrt mine\nprint after\nloadrt and2\n"));
+    Some(scratch)
+}
+
+#[test]
+fn set_up_that_ends_the_process_is_named_and_outputs_are_safe() {
+    for (main, what, status) in [
+        ("exit(3);", "it called exit(3)", Some(3)),
+        ("exit(0);", "it called exit(0)", Some(1)),
+        ("errx(7, \"no device\");", "it called exit(7)", Some(7)),
+        ("*(int *volatile)0 = 1;", "segmentation fault at address 0x0", None),
+    ] {
+        let Some(scratch) = loads("set-up", &component(GLOBALS, main, "")) else { return };
+        for clock in ["--virtual", "--simulate"] {
+            let output = scratch.run(halrun(&scratch).args([clock, "-kf", "m.hal"]));
+            let said = format!("component 'mine', as it is loaded: {what}");
+            assert!(output.stderr.contains(&said), "{clock} {main}: {}", output.stderr);
+            let safe = "last words: it was 1 and is 0\n";
+            assert!(output.stderr.contains(safe), "{clock} {main}: {}", output.stderr);
+            assert_eq!(output.status, status, "{clock} {main}: {}", output.stderr);
+            assert!(!output.stderr.contains("after"), "{clock} {main}: {}", output.stderr);
+        }
+    }
+}
+
+#[test]
+fn set_up_that_does_not_return_is_named_at_sigterm_and_outputs_are_safe() {
+    for main in ["for (;;) pause();", "for (;;) ;"] {
+        let source = component(GLOBALS, &format!("warnx(\"begins\"); {main}"), "");
+        let Some(scratch) = loads("set-up-hangs", &source) else { return };
+        for clock in ["--virtual", "--simulate"] {
+            let running = scratch.start(halrun(&scratch).args([clock, "-kf", "m.hal"]));
+            until("it is set up", || running.said().1.contains("begins"));
+            running.signal(Signal::TERM);
+            let output = running.wait();
+            for said in [
+                "SIGTERM, but this does not return: component 'mine', as it is loaded",
+                "last words: it was 1 and is 0\n",
+            ] {
+                assert!(output.stderr.contains(said), "{clock} {main}: {}", output.stderr);
+            }
+            assert_eq!(output.status, Some(1), "{clock} {main}");
+        }
+    }
+}
+
+/// What a library does as it is opened, it does in a process of its own first.
+#[test]
+fn a_constructor_that_ends_the_process_breaks_only_its_own_load() {
+    let constructor = |does: &str| {
+        format!("{GLOBALS}\n__attribute__((constructor)) static void begin(void) {{ {does} }}")
+    };
+    for (does, how) in [
+        ("exit(3);", "the process, with status 3"),
+        ("errx(7, \"no device\");", "the process, with status 7"),
+        ("raise(SIGSEGV);", "(SIGSEGV)"),
+        (OUTB, "(SIGSEGV)"),
+        ("abort();", "(SIGABRT)"),
+    ] {
+        let source = component(&constructor(does), "", "");
+        let Some(scratch) = loads("constructor", &source) else { return };
+        for clock in ["--virtual", "--simulate"] {
+            let output = scratch.run(halrun(&scratch).args([clock, "-kf", "m.hal"]));
+            let said = "mine.so: opened in a process of its own first, it ended ";
+            let line = output.stderr.lines().find(|line| line.contains(said));
+            assert!(line.is_some_and(|line| line.contains(how)), "{does}: {}", output.stderr);
+            assert!(output.stderr.contains("after"), "{clock} {does}: {}", output.stderr);
+            // It fails at that line alone, and ends in good order.
+            assert_eq!(output.stderr.matches("failed").count(), 1, "{does}: {}", output.stderr);
+            let safe = "last words: it was 1 and is 0\n";
+            assert!(output.stderr.contains(safe), "{clock} {does}: {}", output.stderr);
+            assert_eq!(output.status, Some(1), "{clock} {does}: {}", output.stderr);
+        }
+    }
+    // Nor does one that never returns keep the machine from its end.
+    let source = component(&constructor("for (;;) pause();"), "", "");
+    let Some(scratch) = loads("constructor-hangs", &source) else { return };
+    for clock in ["--virtual", "--simulate"] {
+        let running = scratch.start(halrun(&scratch).args([clock, "-kf", "m.hal"]));
+        until("it is opened", || running.said().1.contains("loading"));
+        running.signal(Signal::TERM);
+        let output = running.wait();
+        assert!(output.stderr.contains("last words: it was 1 and is 0\n"), "{}", output.stderr);
+        assert!(output.stderr.contains("not opened: the instance is ending"), "{}", output.stderr);
+        assert_eq!(output.status, Some(1), "{clock}");
     }
 }
 
