@@ -4,18 +4,17 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 #[cfg(test)]
 mod closed;
 
-/// The π of the coefficients.
+/// Value of π in the coefficients.
 #[expect(clippy::approx_constant, reason = "the figures that users know come from this one")]
 const PI: f64 = 3.141_592_653_589;
 
-/// Filter of second order: low-pass, notch, or of coefficients of your own.
+/// Second-order filter: low-pass, notch, or with coefficients set by the user.
 ///
-/// `enable` computes the coefficients as it rises; while it is false, or `valid` is, the input goes
-/// through.
+/// A rising edge of `enable` computes the coefficients; while `enable` or `valid` is false, the input passes unchanged.
 ///
-/// The transfer function is H(z) = (n0 + n1/z + n2/z²) / (1 + d1/z + d2/z²). The designs are the bilinear transforms of 1/(s² +
-/// s/Q + 1) and (s² + 1)/(s² + s/Q + 1), with `f0` kept in place: a low-pass has the gain `Q` there (-3 dB for 0.7071), a
-/// notch lets nothing through there, and what is at rest comes through both as it is.
+/// The transfer function is H(z) = (n0 + n1/z + n2/z²) / (1 + d1/z + d2/z²). The designs are the bilinear transforms of
+/// 1/(s² + s/Q + 1) and (s² + 1)/(s² + s/Q + 1), prewarped at `f0`: there, a low-pass has the gain `Q` (-3 dB for
+/// 0.7071) and a notch has the gain 0. Both have the gain 1 for a constant input.
 ///
 /// # Example
 ///
@@ -35,44 +34,44 @@ const PI: f64 = 3.141_592_653_589;
 /// ```
 #[derive(Component)]
 pub(crate) struct Biquad {
-    /// The signal, in any unit.
+    /// Input signal, in any unit.
     in_: In<f64>,
-    /// The filtered signal, in the same unit.
+    /// Filtered signal, in the same unit.
     out: Out<f64>,
-    /// Whether it filters.
+    /// TRUE enables the filter.
     enable: In<bool>,
-    /// Whether the coefficients make a filter.
+    /// True if the coefficients make a filter.
     valid: Out<bool>,
-    /// 0: the coefficients as they are set; 1: low-pass; 2: notch.
+    /// Filter type: 0 the coefficients as set by the user; 1 low-pass; 2 notch.
     #[hal(name = "type")]
     kind: In<u32>,
-    /// The filter's frequency, in hertz, at most half of the thread's.
+    /// Frequency of the filter, in hertz, at most half of the thread's.
     #[hal(default = 250.0)]
     f0: In<f64>,
-    /// The filter's quality, a number without a unit, 0.5 to 2.
+    /// Quality factor of the filter, without unit, 0.5 to 2.
     #[hal(name = "Q", default = 7071.0 / 10_000.0)]
     q: In<f64>,
-    /// What is added from the last run, in the signal's unit.
+    /// Filter state for the next cycle, in the signal's unit.
     s1: Out<f64>,
-    /// What is added from the run before that, in the signal's unit.
+    /// Filter state for the cycle after that, in the signal's unit.
     s2: Out<f64>,
     /// Coefficient of the last output; no unit.
     d1: ParamRw<f64>,
-    /// Coefficient of the output before; no unit.
+    /// Coefficient of the output before the last; no unit.
     d2: ParamRw<f64>,
     /// Coefficient of the input; no unit.
     #[hal(default = 1.0)]
     n0: ParamRw<f64>,
     /// Coefficient of the last input; no unit.
     n1: ParamRw<f64>,
-    /// Coefficient of the input before; no unit.
+    /// Coefficient of the input before the last; no unit.
     n2: ParamRw<f64>,
     #[state]
     was_enabled: bool,
 }
 
 impl Biquad {
-    /// The coefficients of the wanted type; false when there are none.
+    /// Computes the coefficients of the selected type. Returns false if there are none.
     fn design(&self, dt: f64) -> bool {
         let (f0, q) = (self.f0.get(), self.q.get());
         let kind = self.kind.get();

@@ -1,7 +1,7 @@
 //! `feedcomp`.
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
-/// A number in proportion to speed, such as the power of a laser.
+/// Scales a number with the speed, such as the power of a laser.
 ///
 /// # Example
 ///
@@ -22,16 +22,15 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Feedcomp {
-    /// The number times `vel` over `feed`, in its unit, if enabled; a feed of 0 makes it infinite,
-    /// or no number.
+    /// `in` times `vel` / `feed`, in the unit of `in`, if enabled; a feed of 0 makes it infinite or NaN.
     out: Out<f64>,
-    /// The number at the feed rate, in any unit.
+    /// Input at the feed rate, in any unit.
     in_: In<f64>,
-    /// Whether speed counts; otherwise `out` is `in`.
+    /// TRUE scales with the speed; FALSE passes `in` unchanged.
     enable: In<bool>,
-    /// The speed, in units per second.
+    /// Present speed, in units per second.
     vel: In<f64>,
-    /// The feed rate, in units per second.
+    /// Feed rate, in units per second.
     feed: ParamRw<f64>,
 }
 

@@ -7,12 +7,12 @@ use hal_component::{
 #[cfg(test)]
 mod closed;
 
-/// How uncertain the first estimate is.
+/// Variance of the initial estimate.
 const FIRST: f32 = 1.0;
-/// The variances, until they are set: nearly nothing.
+/// Default of the variances: nearly 0.
 const LEAST: f64 = 1.17549e-38;
 
-/// A filter of one number.
+/// Kalman filter of one number.
 #[derive(Touch)]
 pub(crate) struct FilterKalman {
     debug: In<bool>,
@@ -23,7 +23,7 @@ pub(crate) struct FilterKalman {
     noise: ParamRw<f64>,
     change: ParamRw<f64>,
     messages: Messages,
-    /// What is kept between runs has the precision that LinuxCNC's has.
+    /// State between cycles, in LinuxCNC's precision.
     #[state]
     estimate: f32,
     #[state]
@@ -121,7 +121,7 @@ mod tests {
 
     #[test]
     fn the_estimate_follows() {
-        // The uncertainty goes 1, 0.75 and so on; the gains are 1/2, 5/11, 17/39.
+        // The variance is 1, then 0.75 and so on; the gains are 1/2, 5/11, 17/39.
         let rows = replay::<FilterKalman>(
             "load filter_kalman
              set filter-kalman.0.Qk 0.5
@@ -142,7 +142,7 @@ mod tests {
 
     #[test]
     fn it_comes_to_rest_where_the_theory_says() {
-        // p = (p + q)·r / (p + q + r) with q = 2, r = 4 has p = 2, so the gain becomes 1/2.
+        // p = (p + q)·r / (p + q + r) with q = 2, r = 4 gives p = 2, so the gain converges to 1/2.
         let mut bench = Bench::new();
         bench.load::<FilterKalman>(&[]).unwrap();
         bench.set("filter-kalman.0.Qk", 2.0);

@@ -1,7 +1,7 @@
 //! `ilowpass`.
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
-/// Low-pass filter of a count, such as a hand wheel's.
+/// Low-pass filter for a count, such as that of a hand wheel.
 ///
 /// # Example
 ///
@@ -18,21 +18,21 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Ilowpass {
-    /// The count.
+    /// Input count.
     in_: In<i32>,
-    /// The smoothed count, times `scale`; it wraps at 32 bits.
+    /// Smoothed count, times `scale`; it wraps at 32 bits.
     out: Out<i32>,
-    /// What the smoothed count is multiplied by, so that steps become fine.
+    /// Factor of the smoothed count, which gives finer steps.
     #[hal(default = 1024.0)]
     scale: ParamRw<f64>,
-    /// How much of the way to the count is gone in each run, 0 to 1.
+    /// Fraction of the distance to the count that each cycle covers, 0 to 1.
     #[hal(default = 0.5)]
     gain: ParamRw<f64>,
     #[state]
     value: f64,
 }
 
-/// From here on a number has no place in 64 bits; what follows from it is 0.
+/// Magnitude from which a number does not fit in 64 bits; the output is then 0.
 const TOO_LARGE: f64 = 9.223_372_036_854_776e18;
 
 impl Update for Ilowpass {

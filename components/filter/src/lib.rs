@@ -1,4 +1,4 @@
-//! Filters of signals.
+//! Filters, output buffers and holds.
 #![forbid(unsafe_code)]
 
 mod biquad;

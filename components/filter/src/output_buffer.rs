@@ -3,9 +3,9 @@ use hal_component::{
     Builder, Component, Error, In, Out, Period, Touch, Update, abi::component_flags,
 };
 
-/// The most bits.
+/// Maximum number of bits.
 const MOST: i64 = 10;
-/// How many there are if nobody says.
+/// Default number of bits.
 const USUAL: i64 = 1;
 
 /// Bits that can be switched off.

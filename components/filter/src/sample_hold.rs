@@ -1,7 +1,7 @@
 //! `sample_hold`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// A number that can be held.
+/// Sample and hold for a number.
 ///
 /// # Example
 ///
@@ -22,11 +22,11 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct SampleHold {
-    /// The number.
+    /// Input number.
     in_: In<i32>,
-    /// While true, the output stays.
+    /// While true, the output keeps its value.
     hold: In<bool>,
-    /// The number, as it was when it was last not held.
+    /// Input when it was last not held.
     out: Out<i32>,
 }
 

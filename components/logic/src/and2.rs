@@ -23,7 +23,7 @@ pub(crate) struct And2 {
     in0: In<bool>,
     /// Second input.
     in1: In<bool>,
-    /// True when both inputs are.
+    /// True when both inputs are true.
     out: Out<bool>,
 }
 

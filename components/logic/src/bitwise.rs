@@ -1,7 +1,7 @@
 //! `bitwise`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// The bits of two numbers joined, pair by pair.
+/// Bitwise logic of two numbers.
 ///
 /// # Example
 ///
@@ -24,17 +24,17 @@ pub(crate) struct Bitwise {
     in0: In<u32>,
     /// Second number.
     in1: In<u32>,
-    /// The bits that are set in both.
+    /// Bits that are set in both numbers.
     out_and: Out<u32>,
-    /// The bits that are set in at least one.
+    /// Bits that are set in at least one number.
     out_or: Out<u32>,
-    /// The bits that are set in one of them alone.
+    /// Bits that are set in exactly one number.
     out_xor: Out<u32>,
-    /// The bits that are not set in both.
+    /// Bits that are not set in both numbers.
     out_nand: Out<u32>,
-    /// The bits that are set in neither.
+    /// Bits that are set in neither number.
     out_nor: Out<u32>,
-    /// The bits that are equal in both.
+    /// Bits that are equal in both numbers.
     out_xnor: Out<u32>,
 }
 

@@ -4,10 +4,10 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 
-/// The most lists.
+/// Maximum number of lists.
 const LISTS: u32 = 16;
 
-/// Names for numbers.
+/// Lists of names for numbers.
 pub(crate) struct Enum;
 
 impl Component for Enum {
@@ -63,7 +63,7 @@ impl Component for Enum {
     }
 }
 
-/// The names of a list with their numbers.
+/// Returns the names of a list with their numbers.
 fn named(names: &str) -> Result<Vec<(u32, &str)>, Error> {
     let list: Vec<_> = (0..).zip(names.split(';')).filter(|(_, n)| !n.is_empty()).collect();
     if list.is_empty() {

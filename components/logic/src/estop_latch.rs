@@ -3,9 +3,9 @@ use hal_component::{Component, In, Out, Period, Update};
 
 /// Latch of an emergency-stop chain.
 ///
-/// It starts in fault. A rising edge of `reset` while `ok-in` is true and `fault-in` is false makes
-/// it OK; it falls back in fault as soon as `ok-in` is false or `fault-in` is true, and stays there
-/// until the next reset.
+/// The latch starts in the fault state. A rising edge of `reset` while `ok-in` is true and `fault-in` is false changes
+/// it to OK. It returns to the fault state as soon as `ok-in` is false or `fault-in` is true, and stays there until the
+/// next reset.
 ///
 /// # Example
 ///
@@ -27,19 +27,19 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct EstopLatch {
-    /// The chain before this latch is closed.
+    /// TRUE while the chain before this latch is closed.
     #[hal(default = true, safety)]
     ok_in: In<bool>,
-    /// Something is wrong.
+    /// TRUE reports a fault.
     fault_in: In<bool>,
-    /// A rising edge leaves the fault, if nothing is wrong any more.
+    /// Rising edge leaves the fault state, if there is no fault any more.
     reset: In<bool>,
-    /// True when OK: for `ok-in` of the next latch.
+    /// True in the OK state; for `ok-in` of the next latch.
     ok_out: Out<bool>,
-    /// True when in fault.
+    /// True in the fault state.
     #[hal(default = true)]
     fault_out: Out<bool>,
-    /// Changes at every run while OK: for a charge pump outside.
+    /// Toggles in every cycle while OK; for an external charge pump.
     watchdog: Out<bool>,
     #[state]
     reset_was: bool,

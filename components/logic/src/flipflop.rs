@@ -3,7 +3,7 @@ use hal_component::{Component, In, Io, Period, Update};
 
 /// D flip-flop with set and reset.
 ///
-/// `reset` goes before `set`, and `set` before the clock.
+/// `reset` overrides `set`, and `set` overrides the clock.
 ///
 /// # Example
 ///
@@ -24,15 +24,15 @@ use hal_component::{Component, In, Io, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Flipflop {
-    /// The value that a rising edge of `clk` stores.
+    /// Value that a rising edge of `clk` stores.
     data: In<bool>,
-    /// Clock: its rising edge stores `data`. An edge under `set` or `reset` is lost.
+    /// Clock; its rising edge stores `data`. An edge while `set` or `reset` is true is ignored.
     clk: In<bool>,
-    /// While true, the output is true, unless `reset` is.
+    /// While true, the output is true, unless `reset` is true.
     set: In<bool>,
     /// While true, the output is false.
     reset: In<bool>,
-    /// The stored value; what others write here is kept until the next change.
+    /// Stored value; a value written by others is kept until the next change.
     out: Io<bool>,
     /// The opposite of `out`.
     out_not: Io<bool>,

@@ -1,4 +1,4 @@
-//! Gates, latches and tables of bits.
+//! Logic gates, latches and lookup tables.
 #![forbid(unsafe_code)]
 
 mod and2;

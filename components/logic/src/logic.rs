@@ -10,7 +10,7 @@ const NAND: i64 = 0x800;
 const NOR: i64 = 0x1000;
 const MOST: i64 = 16;
 
-/// Its pins, by personality.
+/// Pins that the personality selects.
 #[derive(Touch)]
 pub(crate) struct Logic {
     inputs: Vec<In<bool>>,

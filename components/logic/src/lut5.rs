@@ -1,10 +1,10 @@
 //! `lut5`.
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
-/// Any function of five bits, from a table.
+/// Lookup table for any function of five bits.
 ///
-/// The inputs form a number, `in-0` + 2·`in-1` + 4·`in-2` + 8·`in-3` + 16·`in-4`; the output is
-/// the bit of `function` with that number. `0x80000000` is a five-input AND, `0xfffffffe` an OR.
+/// The inputs form an index, `in-0` + 2·`in-1` + 4·`in-2` + 8·`in-3` + 16·`in-4`; the output is the bit of `function`
+/// with that index. `0x80000000` is a five-input AND, `0xfffffffe` an OR.
 ///
 /// # Example
 ///
@@ -25,19 +25,19 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Lut5 {
-    /// Input worth 1.
+    /// Input with the value 1.
     in_0: In<bool>,
-    /// Input worth 2.
+    /// Input with the value 2.
     in_1: In<bool>,
-    /// Input worth 4.
+    /// Input with the value 4.
     in_2: In<bool>,
-    /// Input worth 8.
+    /// Input with the value 8.
     in_3: In<bool>,
-    /// Input worth 16.
+    /// Input with the value 16.
     in_4: In<bool>,
-    /// The bit of the table.
+    /// Selected bit of the table.
     out: Out<bool>,
-    /// The table: bit n is the output for the inputs' number n.
+    /// Table: bit n is the output for the index n.
     function: ParamRw<u32>,
 }
 

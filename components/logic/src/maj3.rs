@@ -25,9 +25,9 @@ pub(crate) struct Maj3 {
     in2: In<bool>,
     /// Third input.
     in3: In<bool>,
-    /// True when two or three inputs are; the opposite with `invert`.
+    /// True when two or three inputs are true; the opposite with `invert`.
     out: Out<bool>,
-    /// Whether the output is inverted.
+    /// TRUE inverts the output.
     invert: ParamRw<bool>,
 }
 

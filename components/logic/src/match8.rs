@@ -1,7 +1,7 @@
 //! `match8`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// Whether two numbers of eight bits are equal.
+/// Comparator of two 8-bit numbers for equality.
 ///
 /// Several can be chained: the `out` of one is the `in` of the next.
 ///
@@ -21,7 +21,7 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Match8 {
-    /// Whether to compare at all; false makes the output false.
+    /// TRUE enables the comparison; FALSE makes the output false.
     #[hal(default = true)]
     in_: In<bool>,
     /// Bit 0 of the first number.
@@ -56,7 +56,7 @@ pub(crate) struct Match8 {
     b6: In<bool>,
     /// Bit 7 of the second number.
     b7: In<bool>,
-    /// True when `in` is and every bit of the first number equals that of the second.
+    /// True when `in` is true and each bit of the first number equals that of the second.
     out: Out<bool>,
 }
 

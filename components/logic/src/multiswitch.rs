@@ -4,14 +4,14 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 
-/// The most outputs.
+/// Maximum number of outputs.
 const MOST: i64 = 32;
-/// How many there are if nobody says.
+/// Default number of outputs.
 const USUAL: i64 = 4;
-/// The most instances.
+/// Maximum number of instances.
 const INSTANCES: u32 = 16;
 
-/// A row of bits, of which one is true.
+/// Row of bits of which one is true.
 pub(crate) struct Multiswitch;
 
 impl Component for Multiswitch {
@@ -77,7 +77,7 @@ fn switch(b: &mut Builder<'_>, name: &str, n: i64) -> Result<(), Error> {
     b.function(name, "Moves the switch.", run)
 }
 
-/// One of them.
+/// Switch of one instance.
 #[derive(Touch)]
 struct Switch {
     up: In<bool>,

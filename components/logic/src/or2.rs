@@ -22,7 +22,7 @@ pub(crate) struct Or2 {
     in0: In<bool>,
     /// Second input.
     in1: In<bool>,
-    /// True when at least one input is.
+    /// True when at least one input is true.
     out: Out<bool>,
 }
 

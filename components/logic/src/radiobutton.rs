@@ -3,12 +3,12 @@ use hal_component::{
     Builder, Component, Error, In, Out, Period, Touch, Update, abi::component_flags,
 };
 
-/// The most buttons.
+/// Maximum number of buttons.
 const MOST: i64 = 32;
-/// How many there are if nobody says.
+/// Default number of buttons.
 const USUAL: i64 = 4;
 
-/// Buttons of which one is down.
+/// Group of buttons of which one is selected.
 #[derive(Touch)]
 pub(crate) struct Radiobutton {
     buttons: Vec<Button>,
@@ -16,7 +16,7 @@ pub(crate) struct Radiobutton {
     value: Out<f64>,
 }
 
-/// One button.
+/// Button of the group.
 #[derive(Touch)]
 struct Button {
     sel: In<bool>,

@@ -1,11 +1,11 @@
 //! `safety_latch`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// Latch of an error that must last, or come often enough, to count.
+/// Latch for an error that must last, or occur often enough, to count.
 ///
-/// Each run with the error adds `harm` to a count, each run without it takes `heal` off. When the
-/// count reaches `threshold`, the outputs say so: for ever if `latching` is true, until a reset;
-/// otherwise until the count is down at `min` again.
+/// Each cycle with the error adds `harm` to a count, each cycle without it subtracts `heal`. When the count reaches
+/// `threshold`, the outputs report the error: until a reset if `latching` is true, otherwise until the count has
+/// returned to `min`.
 ///
 /// # Example
 ///
@@ -33,31 +33,31 @@ use hal_component::{Component, In, Out, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct SafetyLatch {
-    /// The error.
+    /// Error input.
     error_in: In<bool>,
-    /// While false, errors are not counted, and the outputs say that all is well.
+    /// While false, errors are not counted, and the outputs report no error.
     #[hal(default = true)]
     enable: In<bool>,
-    /// Its rising edge sets the count to `min` and ends a latched error.
+    /// Rising edge sets the count to `min` and ends a latched error.
     reset: In<bool>,
-    /// Whether an error stays until a reset.
+    /// TRUE: an error lasts until a reset.
     #[hal(default = true)]
     latching: In<bool>,
-    /// What a run with the error adds to the count.
+    /// Amount that a cycle with the error adds to the count.
     #[hal(default = 1)]
     harm: In<i32>,
-    /// What a run without the error takes off the count.
+    /// Amount that a cycle without the error subtracts from the count.
     #[hal(default = 1)]
     heal: In<i32>,
-    /// Where the count becomes an error.
+    /// Count at which the error is reported.
     #[hal(default = 100)]
     threshold: In<i32>,
-    /// Highest count.
+    /// Maximum count.
     #[hal(default = 1000)]
     max_: In<i32>,
-    /// Lowest count; when the two cross, it goes before `max`.
+    /// Minimum count; it wins over `max` if the two are crossed.
     min_: In<i32>,
-    /// The count.
+    /// Present count.
     count: Out<i32>,
     /// True while there is an error.
     error_out: Out<bool>,

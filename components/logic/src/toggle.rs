@@ -3,9 +3,9 @@ use hal_component::{Component, In, Io, ParamRw, Period, Update};
 
 /// Push-on, push-off button.
 ///
-/// The input is debounced by counting: each run with the button down counts up to `debounce`, each
-/// run with it up counts down to zero. The output changes when the count arrives at the top, and
-/// again only after it was at zero.
+/// The input is debounced by counting: each cycle with the button down counts up to `debounce`, each cycle with it up
+/// counts down to zero. The output changes when the count reaches `debounce`, and changes again only after the count
+/// was at zero.
 ///
 /// # Example
 ///
@@ -26,12 +26,11 @@ use hal_component::{Component, In, Io, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Toggle {
-    /// The button.
+    /// Button input.
     in_: In<bool>,
-    /// Changes each time the button is pressed; others may write it.
+    /// Output that changes each time the button is pressed; others may write it.
     out: Io<bool>,
-    /// How many runs the button must be down, or up, to count as such; 0, or more
-    /// than 10000, becomes 2.
+    /// Number of cycles for which the button must be down, or up, to count as such; 0, or more than 10000, is set to 2.
     #[hal(default = 2)]
     debounce: ParamRw<u32>,
     #[state]

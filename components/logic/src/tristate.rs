@@ -1,10 +1,10 @@
 //! `tristate_bit` and `tristate_float`.
 use hal_component::{Component, In, Io, Period, Update};
 
-/// A bit that is written only while enabled.
+/// Bit that is written only while enabled.
 ///
-/// Several of them, of which one at a time is enabled, may share a signal; while none is, the
-/// signal keeps its value, and others may write it.
+/// Several of these may share a signal if at most one is enabled at a time; while none is enabled, the signal keeps its
+/// value, and others may write it.
 ///
 /// # Example
 ///
@@ -29,11 +29,11 @@ use hal_component::{Component, In, Io, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct TristateBit {
-    /// The bit.
+    /// Input bit.
     in_: In<bool>,
-    /// Where `in` is written; while `enable` is false, nothing is.
+    /// Output that `in` is written to; while `enable` is false, nothing is written.
     out: Io<bool>,
-    /// While true, `in` is written to `out` at each run.
+    /// While true, `in` is written to `out` in each cycle.
     enable: In<bool>,
 }
 
@@ -45,10 +45,10 @@ impl Update for TristateBit {
     }
 }
 
-/// A number that is written only while enabled.
+/// Number that is written only while enabled.
 ///
-/// Several of them, of which one at a time is enabled, may share a signal; while none is, the
-/// signal keeps its value, and others may write it.
+/// Several of these may share a signal if at most one is enabled at a time; while none is enabled, the signal keeps its
+/// value, and others may write it.
 ///
 /// # Example
 ///
@@ -66,11 +66,11 @@ impl Update for TristateBit {
 /// ```
 #[derive(Component)]
 pub(crate) struct TristateFloat {
-    /// The number, in any unit.
+    /// Input number, in any unit.
     in_: In<f64>,
-    /// Where `in` is written, in its unit; while `enable` is false, nothing is.
+    /// Output that `in` is written to, in its unit; while `enable` is false, nothing is written.
     out: Io<f64>,
-    /// While true, `in` is written to `out` at each run.
+    /// While true, `in` is written to `out` in each cycle.
     enable: In<bool>,
 }
 

@@ -23,7 +23,7 @@ pub(crate) struct Xor2 {
     in0: In<bool>,
     /// Second input.
     in1: In<bool>,
-    /// True when exactly one input is.
+    /// True when exactly one input is true.
     out: Out<bool>,
 }
 

@@ -1,27 +1,27 @@
-//! Realtime. What the slow and the fast function of a channel tell each other.
+//! Realtime. Data that the slow and the fast function of a channel exchange.
 
 use std::sync::atomic::{
     AtomicI64, AtomicU8,
     Ordering::{Acquire, Release},
 };
 
-/// The fast function's period as long as it never ran.
+/// Period assumed until the fast function has run, in nanoseconds.
 pub(crate) const ASSUMED_NS: i64 = 50_000;
 
-/// How pulses are made.
+/// Method of pulse generation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Mode {
-    /// Not at all.
+    /// No pulses.
     Off,
-    /// Whole runs per period, the same in each.
+    /// Whole thread cycles per PWM period, the same in each period.
     Pure,
-    /// A width between two whole ones, on average.
+    /// Average width between two whole numbers of thread cycles.
     Dither,
-    /// No period: the density of the pulses is what counts.
+    /// Pulse-density modulation, without a period.
     Density,
 }
 
-/// What a channel is to do.
+/// Requested output of a channel.
 #[derive(Debug, Default)]
 pub(crate) struct Wanted {
     mode: AtomicU8,
@@ -31,19 +31,19 @@ pub(crate) struct Wanted {
 }
 
 impl Wanted {
-    /// The mode, and the length of a period, in nanoseconds.
+    /// Requests a mode and a period, in nanoseconds.
     pub(crate) fn ask(&self, mode: Mode, period: i64) {
         self.period.store(period, Release); // Pairs with `get`.
         self.mode.store(mode as u8, Release); // Pairs with `get`.
     }
 
-    /// How long the output is to be true in a period, in nanoseconds, and whether backward.
+    /// Requests the high time per period, in nanoseconds, and the direction.
     pub(crate) fn width(&self, high: i64, down: bool) {
         self.high.store(high, Release); // Pairs with `get`.
         self.down.store(u8::from(down), Release); // Pairs with `get`.
     }
 
-    /// The mode, the period, the width, and whether backward.
+    /// Returns the mode, the period, the high time, and true for backward.
     pub(crate) fn get(&self) -> (Mode, i64, i64, bool) {
         let mode = match self.mode.load(Acquire) {
             1 => Mode::Pure,
@@ -56,7 +56,7 @@ impl Wanted {
     }
 }
 
-/// The fast function's period.
+/// Period of the fast function.
 #[derive(Debug)]
 pub(crate) struct Base(AtomicI64);
 

@@ -1,4 +1,4 @@
-//! Pulse-width modulation in software.
+//! Software pulse-width modulation.
 #![forbid(unsafe_code)]
 
 mod handover;

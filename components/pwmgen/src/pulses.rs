@@ -1,9 +1,9 @@
-//! Realtime. Pulses: the fast function.
+//! Realtime. Pulse generation: the fast function of `pwmgen`.
 
 use crate::handover::{Base, Mode, Wanted};
 use hal_component::{Gives, Out, Period, Takes, Touch, Update, Uses};
 
-/// The outputs of a channel, by its type.
+/// Outputs of a channel, by its type.
 pub(crate) enum Outputs {
     /// Types 0 and 1.
     One { pwm: Out<bool> },
@@ -23,18 +23,18 @@ impl Touch for Outputs {
     }
 }
 
-/// One channel, as its pulses are made.
+/// State of one channel in the fast function.
 #[derive(Touch)]
 pub(crate) struct Channel {
     outputs: Outputs,
     wanted: Takes<Wanted>,
-    /// Whether the pulse is on.
+    /// True while the pulse is on.
     #[state]
     is_high: bool,
-    /// Nanoseconds in this pulse, or what is owed to it.
+    /// Nanoseconds of this pulse so far, or the error carried over to it.
     #[state]
     high: i64,
-    /// Nanoseconds in this period.
+    /// Nanoseconds of this period so far.
     #[state]
     period: i64,
 }

@@ -10,7 +10,7 @@ use hal_component::{
     pins,
 };
 
-/// Generators of pulses.
+/// PWM and PDM generators.
 #[derive(Debug)]
 pub enum Pwmgen {}
 
@@ -89,25 +89,25 @@ impl Component for Pwmgen {
 }
 
 pins! {
-    /// The pins that all types have.
+    /// Pins that all types have.
     pub(crate) struct Pins {
-        /// Whether there are pulses.
+        /// Enables the pulses.
         enable: In<bool> = "enable", false;
-        /// What the duty cycle is to be, in the unit of `scale`.
+        /// Requested duty cycle, in the unit of `scale`.
         value: In<f64> = "value", 0.0;
-        /// The value of a duty cycle of 1, in its unit. Closer to 0 than 1e-20: 1.
+        /// Value at a duty cycle of 1, in the unit of `value`. A scale closer to 0 than 1e-20 is set to 1.
         scale: Io<f64> = "scale", 1.0;
-        /// What is added to the duty cycle, as a fraction.
+        /// Offset added to the duty cycle, as a fraction.
         offset: Io<f64> = "offset", 0.0;
-        /// Whether widths between two whole runs are made of both in turn.
+        /// TRUE: a width between two whole numbers of thread cycles is made by alternating between both.
         dither_pwm: Io<bool> = "dither-pwm", false;
-        /// Periods per second, corrected to what can be; 0: density of pulses instead.
+        /// PWM frequency in hertz, corrected to the possible range; 0 selects pulse-density modulation.
         pwm_freq: Io<f64> = "pwm-freq", 0.0;
-        /// Least duty cycle, a fraction: 0 to `max-dc`.
+        /// Minimum duty cycle, a fraction: 0 to `max-dc`.
         min_dc: Io<f64> = "min-dc", 0.0;
-        /// Greatest duty cycle, a fraction: `min-dc` to 1.
+        /// Maximum duty cycle, a fraction: `min-dc` to 1.
         max_dc: Io<f64> = "max-dc", 1.0;
-        /// The duty cycle as it is, from -1 to 1; negative: backward.
+        /// Present duty cycle, from -1 to 1; negative: backward.
         curr_dc: Out<f64> = "curr-dc", 0.0;
     }
 }

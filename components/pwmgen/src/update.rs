@@ -1,4 +1,4 @@
-//! Realtime. Duty cycles: the slow function.
+//! Realtime. Duty cycles: the slow function of `pwmgen`.
 
 use crate::{
     handover::{Base, Mode, Wanted},
@@ -6,31 +6,31 @@ use crate::{
 };
 use hal_component::{Gives, Out, Period, Takes, Touch, Update};
 
-/// One channel, as its duty cycle is computed.
+/// State of one channel in the slow function.
 #[derive(Touch)]
 pub(crate) struct Duty {
     pins: Pins,
     dir: Option<Out<bool>>,
     wanted: Gives<Wanted>,
-    /// Whether negative values are taken as zero.
+    /// True if negative values count as zero.
     #[state]
     is_single: bool,
     #[state]
     was: Was,
 }
 
-/// What a channel's timing was made of.
+/// Settings from which a channel's timing was computed.
 #[derive(Debug)]
 struct Was {
     mode: Mode,
     freq: f64,
     scale: f64,
     per_scale: f64,
-    /// Nanoseconds of a period.
+    /// PWM period, in nanoseconds.
     period: i64,
-    /// Runs of a period.
+    /// PWM period, in thread cycles.
     runs: i64,
-    /// What part of a period a run is; 0 before there was a period.
+    /// Fraction of a PWM period that a thread cycle lasts; 0 before there was a period.
     per_run: f64,
 }
 
@@ -53,7 +53,7 @@ impl Duty {
         Self { pins, dir, wanted, is_single, was }
     }
 
-    /// Keeps 0 ≤ `min-dc` ≤ `max-dc` ≤ 1.
+    /// Ensures 0 ≤ `min-dc` ≤ `max-dc` ≤ 1.
     fn limits(&self) -> (f64, f64) {
         let p = &self.pins;
         if !(0.0..=1.0).contains(&p.min_dc.get()) {
@@ -68,7 +68,7 @@ impl Duty {
         (p.min_dc.get(), p.max_dc.get())
     }
 
-    /// The mode and the length of its period.
+    /// Computes the mode and the length of its period.
     #[expect(clippy::cast_possible_truncation, reason = "a period beyond 64 bits cannot be")]
     fn timing(&mut self, base: i64, base_changed: bool) {
         let (p, was) = (&self.pins, &mut self.was);
@@ -97,7 +97,7 @@ impl Duty {
         let freq = possible(freq, most);
         p.pwm_freq.set(freq);
         if freq == 0.0 {
-            // Of what was below 0: the next run sees a density.
+            // After a frequency below 0: the next cycle uses pulse density.
             was.period = base;
         } else if mode == Mode::Dither {
             was.period = (1e9 / freq) as i64;
@@ -118,7 +118,7 @@ impl Duty {
         let (p, was) = (&self.pins, &mut self.was);
         let scale = p.scale.get();
         if scale != was.scale {
-            // As it was given: a second 0 is not corrected, and changes nothing.
+            // Stored as given: a second 0 is not corrected and has no effect.
             was.scale = scale;
             if scale.abs() < 1e-20 {
                 p.scale.set(1.0);
@@ -151,7 +151,7 @@ impl Duty {
     }
 }
 
-/// A frequency that can be: from 0.5 to the highest, or 0.
+/// Returns the nearest possible frequency: from 0.5 to the maximum, or 0.
 fn possible(freq: f64, most: f64) -> f64 {
     if freq <= 0.0 || freq.is_nan() {
         0.0

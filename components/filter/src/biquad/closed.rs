@@ -1,6 +1,6 @@
-//! `biquad` against its transfer function, H(z) = (n0 + n1/z + n2/z²) / (1 + d1/z + d2/z²): on the unit circle it is the answer
-//! to sines, and its partial fractions are the answer to a step. The designs are those of the Audio EQ Cookbook: the
-//! bilinear transform of 1/(s² + s/Q + 1) and (s² + 1)/(s² + s/Q + 1), with f0 kept in place.
+//! Test of `biquad` against its transfer function, H(z) = (n0 + n1/z + n2/z²) / (1 + d1/z + d2/z²): on the unit circle
+//! it is the response to sines, and its partial fractions give the step response. The designs are those of the Audio EQ
+//! Cookbook: the bilinear transforms of 1/(s² + s/Q + 1) and (s² + 1)/(s² + s/Q + 1), prewarped at f0.
 
 #![expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "how many runs")]
 
@@ -11,15 +11,15 @@ use nalgebra::Complex;
 
 const NS: i64 = 1_000_000;
 const DT: f64 = 0.001;
-/// Samples in the cycles of a measurement: sines of k Hz are exact.
+/// Number of samples of a measurement: sines of k Hz are exact.
 const SAMPLES: u32 = 1000;
-/// How far the π of the coefficients is off, as a part of it.
+/// Relative error of the component's π.
 const OFF: f64 = 3e-13;
 
 const LOW_PASS: u32 = 1;
 const NOTCH: u32 = 2;
 
-/// What the component was set to, and what it computed.
+/// Coefficients that the component was set to, or computed.
 #[derive(Clone, Copy, Debug)]
 struct Coefficients {
     n: [f64; 3],
@@ -27,32 +27,32 @@ struct Coefficients {
 }
 
 impl Coefficients {
-    /// H at the angle `w` on the unit circle.
+    /// Returns H at the angle `w` on the unit circle.
     fn at(&self, w: f64) -> Complex<f64> {
         self.of(Complex::from_polar(1.0, -w))
     }
 
-    /// H where `back` is 1/z.
+    /// Returns H, where `back` is 1/z.
     fn of(&self, back: Complex<f64>) -> Complex<f64> {
         let [n0, n1, n2] = self.n;
         let [d1, d2] = self.d;
         (back * n1 + back * back * n2 + n0) / (back * d1 + back * back * d2 + 1.0)
     }
 
-    /// The roots of z² + d1·z + d2.
+    /// Returns the roots of z² + d1·z + d2.
     fn poles(&self) -> [Complex<f64>; 2] {
         let [d1, d2] = self.d;
         let root = Complex::new(d1 * d1 / 4.0 - d2, 0.0).sqrt();
         [root - d1 / 2.0, -root - d1 / 2.0]
     }
 
-    /// What a rounding can come to: some ten in each run, which fade like the filter's own poles.
+    /// Returns a bound of the rounding error: about ten roundings per cycle, which decay with the filter's own poles.
     fn bound(&self) -> f64 {
         let [p, q] = self.poles();
         10.0 * f64::EPSILON / ((1.0 - p.norm()) * (1.0 - q.norm()))
     }
 
-    /// In how many runs the filter has forgotten all but a rounding.
+    /// Returns the number of cycles after which the transient is below rounding.
     fn settle(&self) -> u32 {
         let [p, q] = self.poles();
         libm::ceil(45.0 / (1.0 - p.norm().max(q.norm()))) as u32
@@ -94,7 +94,7 @@ fn sines_come_out_as_the_transfer_function_says() {
             for hertz in [0, 1, 10, 30, 49, 50, 51, 75, 100, 150, 250, 333, 400, 480, 499] {
                 let wanted = c.at(TAU * f64::from(hertz) / 1000.0);
                 let (gain, phase) = response(|x| step(&bench, x), hertz, SAMPLES, c.settle());
-                // At 0 Hz the correlation with a constant counts both halves.
+                // At 0 Hz, the correlation with a constant counts both halves.
                 let gain = if hertz == 0 { gain / 2.0 } else { gain };
                 let off = (Complex::from_polar(gain, phase) - wanted).norm();
                 assert!(off <= c.bound(), "{kind} {f0} {q}, {hertz} Hz: off by {off}");
@@ -103,7 +103,7 @@ fn sines_come_out_as_the_transfer_function_says() {
     }
 }
 
-/// |H| at the corner is Q, for the maximally flat one -3 dB, a quarter of a turn late.
+/// At the corner |H| is Q, for the maximally flat filter -3 dB, with a lag of a quarter turn.
 #[test]
 fn a_low_pass_has_its_corner() {
     for f0 in [5.0, 50.0, 125.0, 250.0, 400.0] {
@@ -111,8 +111,8 @@ fn a_low_pass_has_its_corner() {
             let c = coefficients(&bench(LOW_PASS, f0, q));
             let corner = c.at(TAU * f0 * DT);
             let wanted = Complex::from_polar(q, -FRAC_PI_2);
-            // Gain and phase change by at most 2Q²·Q for as much of the angle w; what w is off is made larger by the
-            // bilinear transform, w/sin w.
+            // Gain and phase change by at most 2Q²·Q per change of the angle w; the bilinear transform amplifies the
+            // error of w by w/sin w.
             let w = TAU * f0 * DT;
             let steep = 4.0 * q * q * q.max(1.0) * w / libm::sin(w);
             let cancel = 8.0 * f64::EPSILON / (w * w);
@@ -121,8 +121,8 @@ fn a_low_pass_has_its_corner() {
     }
 }
 
-/// The notch is deep at its frequency, 3 dB deep where tan(w/2) is tan(w0/2)·(√(1 + 1/4Q²) ± 1/2Q), and all comes through far
-/// from it.
+/// The notch has the gain 0 at its frequency, -3 dB where tan(w/2) is tan(w0/2)·(√(1 + 1/4Q²) ± 1/2Q), and the gain 1
+/// far from it.
 #[test]
 fn a_notch_is_deep_and_as_wide_as_q_says() {
     for f0 in [5.0, 50.0, 125.0, 250.0, 400.0] {
@@ -164,8 +164,8 @@ fn what_is_at_rest_comes_through() {
     }
 }
 
-/// Both poles lie in the unit circle where |d2| < 1 and |d1| < 1 + d2; for these designs their product is
-/// (1 - α)/(1 + α) with α = sin w0/2Q.
+/// Both poles lie in the unit circle if |d2| < 1 and |d1| < 1 + d2; for these designs their product is (1 - α)/(1 + α)
+/// with α = sin w0/2Q.
 #[test]
 fn every_design_is_stable() {
     for kind in [LOW_PASS, NOTCH] {
@@ -184,7 +184,8 @@ fn every_design_is_stable() {
     }
 }
 
-/// The step response is H(1) plus, for each pole p, R·pⁿ with R = N(p)/((1 - p'/p)(1 - 1/p)), where p' is the other pole.
+/// The step response is H(1) plus, for each pole p, R·pⁿ with R = N(p)/((1 - p'/p)(1 - 1/p)), where p' is the other
+/// pole.
 #[test]
 fn the_step_response_is_that_of_its_poles() {
     let own = Coefficients { n: [0.3, -0.2, 0.1], d: [-1.1, 0.24] };

@@ -1,15 +1,15 @@
-//! `filter_kalman` against the closed forms of a random walk that is measured: x changes by a variance Q each run, and a measurement z
-//! has the variance R (Kalman, 1960; Anderson and Moore, "Optimal Filtering", 4.4).
+//! Test of `filter_kalman` against the closed forms for a random walk that is measured: x changes with a variance Q per
+//! cycle, and a measurement z has the variance R (Kalman, 1960; Anderson and Moore, "Optimal Filtering", 4.4).
 //!
-//! Without change it is Bayes' estimate of a constant: after n measurements Σz/(n + R), for what is known before them is 0 with the
-//! variance 1. With it the gain is K = p/R, where p is the variance afterwards, and p goes by a Möbius map: with its fixed
-//! points s and t, (p - s)/(p - t) is (1 - k)² times as much after each run, where k = s/R is the gain at rest. What is kept from run to run is
-//! rounded to single precision.
+//! Without change it is the Bayes estimate of a constant: after n measurements Σz/(n + R), because the prior is 0 with
+//! the variance 1. With change the gain is K = p/R, where p is the posterior variance, which follows a Möbius map: with
+//! its fixed points s and t, each cycle multiplies (p - s)/(p - t) by (1 - k)², where k = s/R is the steady-state gain.
+//! State between cycles is rounded to single precision.
 
 use super::FilterKalman;
 use hal_component::bench::{Bench, Random};
 
-/// A rounding of what is kept.
+/// Rounding error of the state, relative.
 const ROUND: f64 = 1.0 / (1 << 24) as f64;
 
 struct Rig(Bench);
@@ -30,10 +30,10 @@ impl Rig {
     }
 }
 
-/// Of a variance that begins at 1.
+/// Theory for an initial variance of 1.
 struct Theory {
     noise: f64,
-    /// The fixed points.
+    /// Fixed points of the map.
     s: f64,
     t: f64,
 }
@@ -48,7 +48,7 @@ impl Theory {
         self.s / self.noise
     }
 
-    /// The gain of the measurement number n, from 1.
+    /// Returns the gain of measurement number n, from 1.
     fn gain(&self, n: i32) -> f64 {
         let (s, t) = (self.s, self.t);
         let keeps = 1.0 - self.at_rest();
@@ -57,7 +57,7 @@ impl Theory {
     }
 }
 
-/// Each of n runs rounds the estimate and the variance, which is a part of the gain: Σ n·K is less than n.
+/// Each of n cycles rounds the estimate and the variance, of which the gain is a fraction: Σ n·K is less than n.
 #[test]
 fn what_does_not_change_is_averaged() {
     let mut random = Random::new(1);
@@ -77,7 +77,7 @@ fn what_does_not_change_is_averaged() {
     }
 }
 
-/// A measurement that is 1 beside the estimate moves it by the gain.
+/// A measurement with a deviation of 1 from the estimate moves it by the gain.
 #[test]
 fn the_gain_goes_as_its_moebius_map() {
     let mut random = Random::new(2);
@@ -90,7 +90,7 @@ fn the_gain_goes_as_its_moebius_map() {
             let side = if n % 2 == 0 { 1.0 } else { -1.0 };
             let now = rig.measure(x + side);
             let (is, wanted) = ((now - x) * side, theory.gain(n));
-            // The estimate and the variance are rounded; the variance's roundings fade by 1 - K at least.
+            // The estimate and the variance are rounded; the variance's roundings decay by 1 - K at least.
             let bound = ROUND * (1.0 + 2.0 * x.abs() + wanted / least) + 1e-12;
             assert!((is - wanted).abs() <= bound, "{change} {noise} {n}: {is}, not {wanted}");
             x = now;
@@ -98,7 +98,7 @@ fn the_gain_goes_as_its_moebius_map() {
     }
 }
 
-/// At rest it is a low pass of first order: a step comes through by 1 - (1 - k)ⁿ.
+/// In steady state it is a first-order low-pass filter: the step response is 1 - (1 - k)ⁿ.
 #[test]
 fn a_step_at_rest() {
     let mut random = Random::new(3);
@@ -119,7 +119,7 @@ fn a_step_at_rest() {
     }
 }
 
-/// A ramp is followed with the lag of a low pass, slope·(1 - k)/k.
+/// A ramp is followed with the lag of a low-pass filter, slope·(1 - k)/k.
 #[test]
 fn a_ramp_at_rest() {
     let (change, noise) = (2.0, 4.0);
