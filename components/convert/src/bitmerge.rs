@@ -3,12 +3,12 @@ use hal_component::{
     Builder, Component, Error, In, Out, Period, Touch, Update, abi::component_flags,
 };
 
-/// The most bits.
+/// Maximum number of bits.
 const MOST: i64 = 32;
-/// How many there are if nobody says.
+/// Default number of bits.
 const USUAL: i64 = 16;
 
-/// A number of bits.
+/// Number made of bits.
 #[derive(Touch)]
 pub(crate) struct Bitmerge {
     bits: Vec<In<bool>>,

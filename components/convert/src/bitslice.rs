@@ -3,12 +3,12 @@ use hal_component::{
     Builder, Component, Error, In, Out, Period, Touch, Update, abi::component_flags,
 };
 
-/// The most bits.
+/// Maximum number of bits.
 const MOST: i64 = 32;
-/// How many there are if nobody says.
+/// Default number of bits.
 const USUAL: i64 = 16;
 
-/// The bits of a number.
+/// Bits of a number.
 #[derive(Touch)]
 pub(crate) struct Bitslice {
     number: In<u32>,

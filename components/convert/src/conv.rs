@@ -1,11 +1,11 @@
-//! `conv_A_B`: all of them.
+//! Components `conv_A_B`.
 use crate::narrow::Narrow;
 use hal_component::{
     Builder, Component, Error, In, Out, ParamRw, Period, Touch, Update, Value, abi::component_flags,
 };
 use std::marker::PhantomData;
 
-/// The conversion from one type to another.
+/// Conversion from one type to another.
 pub(crate) struct Conv<A, B>(PhantomData<(A, B)>);
 
 impl<A, B> Component for Conv<A, B>
@@ -103,7 +103,7 @@ mod tests {
         conv_u32_s32: u32, i32, 28;
     }
 
-    /// With 64 bits, which LinuxCNC 2.9 does not have: by hand.
+    /// Conversions with 64 bits, which LinuxCNC 2.9 does not have; expected values computed by hand.
     #[test]
     fn sixty_four_bits() {
         fn check<C: Component>(name: &str, rows: &str) {

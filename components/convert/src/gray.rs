@@ -4,9 +4,9 @@ use hal_component::{Component, In, Out, Period, Update};
 #[cfg(test)]
 mod closed;
 
-/// A number in Gray code.
+/// Conversion of a number to Gray code.
 ///
-/// In Gray code, neighbours differ in one bit only.
+/// In Gray code, neighbouring numbers differ in one bit only.
 ///
 /// # Example
 ///
@@ -22,9 +22,9 @@ mod closed;
 #[derive(Component)]
 #[hal(name = "bin2gray")]
 pub(crate) struct Bin2gray {
-    /// The number.
+    /// Input number.
     in_: In<u32>,
-    /// The same in Gray code.
+    /// Number in Gray code.
     out: Out<u32>,
 }
 
@@ -35,7 +35,7 @@ impl Update for Bin2gray {
     }
 }
 
-/// A number from Gray code.
+/// Conversion of a number from Gray code.
 ///
 /// # Example
 ///
@@ -51,9 +51,9 @@ impl Update for Bin2gray {
 #[derive(Component)]
 #[hal(name = "gray2bin")]
 pub(crate) struct Gray2bin {
-    /// The number in Gray code.
+    /// Number in Gray code.
     in_: In<u32>,
-    /// The number.
+    /// Decoded number.
     out: Out<u32>,
 }
 

@@ -1,4 +1,4 @@
-//! Realtime. What becomes of a value in another type: the whole table.
+//! Realtime. Conversion of values to another type.
 #![expect(
     clippy::cast_possible_truncation,
     clippy::cast_possible_wrap,
@@ -6,7 +6,7 @@
     reason = "casts are what was asked for"
 )]
 
-/// What a component says, and its example: what goes in, and what comes out.
+/// Documentation of a component, and its example with input and output.
 macro_rules! words {
     ($name:literal, $doc:literal, $lines:literal) => {
         (
@@ -23,16 +23,16 @@ macro_rules! words {
     };
 }
 
-/// How a value is taken into another type.
+/// Conversion of a value to another type.
 pub(crate) trait Narrow<To> {
-    /// The component's name and its first line of documentation.
+    /// Name of the component, and its first line of documentation.
     const WORDS: (&'static str, &'static str);
-    /// Whether some values do not fit.
+    /// True if some values do not fit.
     const CAN_FAIL: bool;
-    /// The value as a machine takes it, which wraps where it does not fit; and whether the way
-    /// back leads elsewhere.
+    /// Converts as the processor does, which wraps a value that does not fit. Returns the result, and whether
+    /// converting it back gives another value.
     fn plain(self) -> (To, bool);
-    /// The nearest value that fits, and whether it had to be another.
+    /// Returns the nearest value that fits, and whether it differs.
     fn nearest(self) -> (To, bool);
 }
 
@@ -150,7 +150,7 @@ from_float! {
         |v| v as u64;
 }
 
-/// A float as a machine takes it into 64 bits: what does not fit becomes the lowest.
+/// Converts a float to 64 bits as the processor does: a value that does not fit becomes the lowest.
 fn wide(v: f64) -> i64 {
     let fits = i64::MIN as f64 <= v && v <= i64::MAX as f64;
     if fits { v as i64 } else { i64::MIN }

@@ -1,9 +1,8 @@
-//! Access to device registers: what real and simulated ports have in common.
+//! Access to device registers, shared by real and simulated ports.
 //!
-//! A library for port drivers, not a plugin. A driver works through [`Access`]; in simulation that
-//! is [`Simulated`], a register file whose bits are pins. What a driver wrote last is kept in a
-//! [`Shadow`], which functions in different threads may share; that a device fails is said by a
-//! [`Report`].
+//! This is a library for port drivers, not a plugin. A driver uses the trait [`Access`]; in simulation, [`Simulated`]
+//! implements it with registers whose bits are pins. A [`Shadow`] keeps the value last written to a register, and may
+//! be shared by functions in different threads; a [`Report`] reports a device that fails.
 #![forbid(unsafe_code)]
 
 mod report;
@@ -16,19 +15,19 @@ pub use simulated::{Driven, Shown, Simulated};
 
 /// Realtime. Registers by address: bytes of I/O space, and the configuration of one PCI device.
 pub trait Access: Send + Sync {
-    /// The byte at `address`.
+    /// Reads the byte at `address`.
     ///
     /// # Errors
     /// The device does not answer.
     fn read(&self, address: u16) -> Result<u8, Lost>;
 
-    /// Writes the byte at `address`, and no other.
+    /// Writes the byte at `address`, and no other byte.
     ///
     /// # Errors
     /// The device does not answer.
     fn write(&self, address: u16, value: u8) -> Result<(), Lost>;
 
-    /// The double word of PCI configuration that holds `register`.
+    /// Reads the double word of PCI configuration that holds `register`.
     ///
     /// # Errors
     /// The device does not answer, or has no such space.
@@ -45,12 +44,12 @@ pub trait Access: Send + Sync {
     }
 }
 
-/// A device that does not answer, with the system's error number.
+/// Error of a device that does not answer, with the system's error number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lost(pub i32);
 
 impl Lost {
-    /// There is no such register space (ENXIO).
+    /// Error for a register space that does not exist (ENXIO).
     pub const NONE: Self = Self(6);
 }
 

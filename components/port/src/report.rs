@@ -1,9 +1,9 @@
-//! Realtime. What a function says of a device that fails.
+//! Realtime. Report of a failing device.
 
 use crate::Lost;
 use hal_component::{Messages, Touch, Uses};
 
-/// Says once that a device fails, until it answers again.
+/// Reports a failing device once, until it answers again.
 #[derive(Clone, Debug)]
 pub struct Report {
     messages: Messages,
@@ -12,14 +12,14 @@ pub struct Report {
 }
 
 impl Report {
-    /// Nothing said yet, of the device numbered `port`.
+    /// Makes a report for the device numbered `port`.
     #[must_use]
     pub const fn new(messages: Messages, port: u32) -> Self {
         Self { messages, port, said: false }
     }
 
-    /// Notes how an access went. When it is the first to fail, says `text`, with the number of the
-    /// error and that of the device in the places of `{}`.
+    /// Records the result of an access. On the first failure, logs `text`, with the error number and the device number
+    /// in place of each `{}`.
     pub fn note(&mut self, done: Result<(), Lost>, text: &'static str) {
         match done {
             Ok(()) => self.said = false,

@@ -1,22 +1,21 @@
-//! Realtime. What was last written to a register.
+//! Realtime. Value last written to a register.
 
 use core::sync::atomic::{
     AtomicU64,
     Ordering::{AcqRel, Acquire},
 };
 
-/// The byte last written to a register, shared without a lock by all who write it.
+/// Byte last written to a register, shared without a lock by all functions that write it.
 ///
-/// Two threads may write at once; which byte the register then holds nobody knows. A number that
-/// every write changes shows it: whoever finds it changed under him marks the byte as unknown, and
-/// the next write is carried out whatever its value. So the register never keeps a wrong byte for
-/// longer than until the next write.
+/// If two threads write at once, the register may hold either byte. A counter that every write changes detects this: a
+/// writer that finds it changed meanwhile marks the byte as unknown, and the next write then takes place whatever its
+/// value. The shadow is therefore wrong at most until the next write.
 #[derive(Debug)]
 pub struct Shadow(AtomicU64);
 
-/// Set when the low eight bits are what the register holds.
+/// Flag: the low eight bits hold the register's value.
 const KNOWN: u64 = 1 << 8;
-/// One step of the number that every write changes.
+/// Increment of the counter that every write changes.
 const STEP: u64 = 1 << 32;
 
 impl Default for Shadow {
@@ -26,30 +25,30 @@ impl Default for Shadow {
 }
 
 impl Shadow {
-    /// Nothing written yet.
+    /// Makes a shadow without a known value.
     #[must_use]
     pub const fn new() -> Self {
         Self(AtomicU64::new(0))
     }
 
-    /// The byte in the register, when it is known.
+    /// Returns the byte in the register, if it is known.
     #[must_use]
     pub fn last(&self) -> Option<u8> {
         byte(self.0.load(Acquire)) // Pairs with `put` and `forget`.
     }
 
-    /// Writes `value` through `write` if the register may hold another: whether it did.
+    /// Writes `value` through `write` if the register may hold another value. Returns whether it wrote.
     ///
     /// # Errors
-    /// What `write` met; the byte is then unknown.
+    /// The error of `write`; the byte is then unknown.
     pub fn put<E>(&self, value: u8, write: impl FnOnce(u8) -> Result<(), E>) -> Result<bool, E> {
-        let before = self.0.load(Acquire); // Pairs with `put` and `forget` of others.
+        let before = self.0.load(Acquire); // Pairs with `put` and `forget` of other threads.
         if byte(before) == Some(value) {
             return Ok(false);
         }
         let done = write(value);
         let after = number(before).wrapping_add(STEP) | KNOWN | u64::from(value);
-        // Pairs with the loads of others: who sees the byte comes after its write.
+        // Pairs with the loads of other threads: a thread that sees the byte also sees the register's write.
         let alone = self.0.compare_exchange(before, after, AcqRel, Acquire).is_ok();
         if !alone || done.is_err() {
             self.forget();
@@ -57,10 +56,10 @@ impl Shadow {
         done.map(|()| true)
     }
 
-    /// Marks the byte as unknown: the next write is carried out whatever its value.
+    /// Marks the byte as unknown, so that the next write takes place whatever its value.
     pub fn forget(&self) {
         let unknown = |state| Some(number(state).wrapping_add(STEP));
-        // Pairs with the loads of `put`: one that is under way sees a new number. Cannot fail.
+        // Pairs with the loads of `put`: a `put` in progress sees a new counter. Cannot fail.
         let _ = self.0.fetch_update(AcqRel, Acquire, unknown);
     }
 }
@@ -131,8 +130,7 @@ mod tests {
         (register, shadow)
     }
 
-    /// The register is right at the latest with the next write, also when others leave the byte
-    /// that they found.
+    /// The register is right after the next write at the latest, also if others write the byte that is already there.
     #[test]
     fn writes_between_are_noticed() {
         for before in [None, Some(1), Some(2), Some(3)] {

@@ -1,4 +1,4 @@
-//! Realtime. A register file whose bits are pins.
+//! Realtime. Simulated registers whose bits are pins.
 
 use crate::{Access, Lost};
 use core::sync::atomic::{
@@ -7,11 +7,11 @@ use core::sync::atomic::{
 };
 use hal_component::{Builder, Decl, Error, In, Io, Out, Touch, Uses};
 
-/// A block of byte registers, and the PCI configuration of a device, kept in memory.
+/// Block of byte registers, and the PCI configuration of a device, in memory.
 ///
-/// Registers behave as plain bytes do, until pins are given to them: [`Self::show`] makes what is
-/// written visible, [`Self::drive`] makes bits read as pins say. An address outside the block
-/// reads as 0xFF, as an empty bus does, and takes no writes.
+/// Registers behave as plain bytes until pins are added: [`Self::show`] makes written values visible, and
+/// [`Self::drive`] lets pins determine the bits that are read. An address outside the block reads as 0xFF, as on an
+/// empty bus, and ignores writes.
 #[derive(Debug)]
 pub struct Simulated {
     prefix: String,
@@ -24,11 +24,11 @@ pub struct Simulated {
     reads: Count,
 }
 
-/// A number that grows, and the pin that shows it.
+/// Counter, and the pin that shows it.
 #[derive(Debug)]
 struct Count(AtomicU32, Out<u32>);
 
-/// Pins that show what a driver wrote to one register.
+/// Pins that show the value written to one register.
 #[derive(Clone, Debug)]
 pub struct Shown {
     offset: u16,
@@ -36,7 +36,7 @@ pub struct Shown {
     bits: Vec<(u8, Out<bool>)>,
 }
 
-/// Pins that say what one register reads as.
+/// Pins that determine the value read from one register.
 #[derive(Clone, Debug)]
 pub struct Driven {
     offset: u16,
@@ -46,11 +46,11 @@ pub struct Driven {
 }
 
 impl Simulated {
-    /// `size` registers from address `base`, all zero; its pins are hidden and named
-    /// `PREFIX.NAME`. Makes `PREFIX.writes` and `PREFIX.reads`, which count accesses to registers.
+    /// Makes `size` registers from address `base`, all zero; their pins are hidden and named `PREFIX.NAME`. Also makes
+    /// `PREFIX.writes` and `PREFIX.reads`, which count register accesses.
     ///
     /// # Errors
-    /// As [`Builder::item`].
+    /// Same as [`Builder::item`].
     pub fn new(b: &mut Builder<'_>, prefix: &str, base: u16, size: u16) -> Result<Self, Error> {
         Ok(Self {
             prefix: prefix.to_owned(),
@@ -64,11 +64,11 @@ impl Simulated {
         })
     }
 
-    /// Makes pin `NAME`, the whole register at `offset` as last written, and for each bit of
-    /// `mask` a pin `NAME-BIT`. The register starts as `reset`.
+    /// Makes the pin `NAME`, which shows the register at `offset` as last written, and a pin `NAME-BIT` for each bit of
+    /// `mask`. The register's initial value is `reset`.
     ///
     /// # Errors
-    /// As [`Builder::item`].
+    /// Same as [`Builder::item`].
     pub fn show(
         &mut self,
         b: &mut Builder<'_>,
@@ -78,7 +78,7 @@ impl Simulated {
         reset: u8,
     ) -> Result<(), Error> {
         if let Some(byte) = self.bytes.get(usize::from(offset)) {
-            byte.store(reset, Relaxed); // Nobody else yet.
+            byte.store(reset, Relaxed); // No other thread yet.
         }
         let about = format!("Raw byte in register `{name}`, 0 to 255, as last written");
         let full = format!("{}.{name}", self.prefix);
@@ -93,11 +93,11 @@ impl Simulated {
         Ok(())
     }
 
-    /// Makes pins that the bits of `mask` of the register at `offset` read as: `NAME-BIT` for
-    /// each, and `NAME` for the byte, whose bits count as well (a bit is 1 when either is).
+    /// Makes pins that determine the bits of `mask` in the register at `offset`: `NAME-BIT` for each bit, and `NAME`
+    /// for the byte. A bit reads as 1 if either pin sets it.
     ///
     /// # Errors
-    /// As [`Builder::item`].
+    /// Same as [`Builder::item`].
     pub fn drive(
         &mut self,
         b: &mut Builder<'_>,
@@ -119,10 +119,10 @@ impl Simulated {
         Ok(())
     }
 
-    /// As [`Self::drive`], without the pin for the byte: the other bits read as written.
+    /// Makes the pins of [`Self::drive`] without the one for the byte: bits outside `mask` read as written.
     ///
     /// # Errors
-    /// As [`Builder::item`].
+    /// Same as [`Builder::item`].
     pub fn drive_bits(
         &mut self,
         b: &mut Builder<'_>,
@@ -140,10 +140,10 @@ impl Simulated {
         Ok(())
     }
 
-    /// Makes pin `config-RR` of a double word of PCI configuration; those without read as zero.
+    /// Makes the pin `config-RR` for a double word of PCI configuration; double words without a pin read as zero.
     ///
     /// # Errors
-    /// As [`Builder::item`].
+    /// Same as [`Builder::item`].
     pub fn config(&mut self, b: &mut Builder<'_>, register: u8, reset: u32) -> Result<(), Error> {
         let register = register & !3;
         let full = format!("{}.config-{register:02x}", self.prefix);
@@ -153,13 +153,13 @@ impl Simulated {
         Ok(())
     }
 
-    /// Pins that writing registers sets.
+    /// Returns the pins that writing registers sets.
     #[must_use]
     pub fn written(&self) -> (Vec<Shown>, Out<u32>) {
         (self.shown.clone(), self.writes.1)
     }
 
-    /// Pins that reading registers asks and sets.
+    /// Returns the pins that reading registers reads and sets.
     #[must_use]
     pub fn read_from(&self) -> (Vec<Driven>, Out<u32>) {
         (self.driven.clone(), self.reads.1)
@@ -171,7 +171,7 @@ impl Simulated {
     }
 
     fn register(&self, register: u8) -> Option<&Io<u32>> {
-        // As on the bus: the low two bits of a register's number are not decoded.
+        // As on the bus, the low two bits of a register's number are not decoded.
         self.config.iter().find(|(r, _)| *r == register & !3).map(|(_, pin)| pin)
     }
 }
@@ -250,7 +250,7 @@ impl Touch for Driven {
     }
 }
 
-/// Each bit that is set, by number and by value.
+/// Returns each set bit, as number and value.
 fn ones(mask: u8) -> impl Iterator<Item = (u8, u8)> {
     (0..8).map(|bit| (bit, 1 << bit)).filter(move |(_, one)| mask & one != 0)
 }
@@ -261,7 +261,7 @@ mod tests {
     use crate::Access;
     use hal_component::{Builder, Component, Error, In, Out, Period, Touch, Update, bench::Bench};
 
-    /// Carries out one access a run: what it read, what it is to write.
+    /// Component that makes one access per cycle: the value read, and the value to write.
     #[derive(Touch)]
     struct Probe {
         #[state]

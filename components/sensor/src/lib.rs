@@ -1,4 +1,4 @@
-//! Chips that measure, read bit by bit.
+//! Sensor chips that are read bit by bit.
 #![forbid(unsafe_code)]
 
 mod max31855;

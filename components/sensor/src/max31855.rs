@@ -4,16 +4,16 @@ use hal_component::{
     Builder, Component, Error, In, Messages, Out, Period, Touch, Update, abi::component_flags,
 };
 
-/// The most chips.
+/// Maximum number of chips.
 const MOST: i64 = 15;
-/// What a run counts to: the first half reads a word, the second waits for the chip's next.
+/// Cycles per conversion: the first half reads a word, the second waits for the chip's next one.
 const LAST: u32 = 130;
-/// The run that reads the last bit.
+/// Cycle that reads the last bit.
 const WHOLE: u32 = 66;
-/// Of a junction of type K at usual temperatures, as the chip assumes them, in mV per °C.
+/// Sensitivity of a type K junction at usual temperatures, as the chip assumes it, in mV per °C.
 const SLOPE: f64 = 0.041_276;
 
-/// Thermocouples of type K with a MAX31855 each, read bit by bit.
+/// Type K thermocouples with one MAX31855 each, read bit by bit.
 #[derive(Touch)]
 pub(crate) struct Max31855 {
     cs: Out<bool>,
@@ -24,7 +24,7 @@ pub(crate) struct Max31855 {
     run: u32,
 }
 
-/// One chip.
+/// State of one chip.
 #[derive(Touch)]
 struct Sensor {
     data: In<bool>,
@@ -33,10 +33,10 @@ struct Sensor {
     kelvin: Out<f64>,
     fault: Out<bool>,
     flags: Out<u32>,
-    /// The word, as far as it is read.
+    /// Bits of the word read so far.
     #[state]
     word: u32,
-    /// The faults that were told.
+    /// Faults that were reported.
     #[state]
     told: u32,
 }
@@ -115,8 +115,8 @@ impl Sensor {
         })
     }
 
-    /// Makes temperatures of a whole word: the thermocouple's in bits 31 to 18, in quarters of a
-    /// degree, the chip's in bits 15 to 4, in sixteenths, and faults in bits 2 to 0.
+    /// Computes the temperatures of a complete word: bits 31 to 18 are the thermocouple's in quarters of a degree, bits
+    /// 15 to 4 the chip's in sixteenths, and bits 2 to 0 are faults.
     fn read(&self) {
         let faults = self.word & 7;
         self.flags.set(faults);
@@ -141,7 +141,7 @@ impl Update for Max31855 {
         self.cs.set((WHOLE..=LAST).contains(&run));
         self.clk.set(run & 1 == 0);
         if (2..=WHOLE).contains(&run) && run & 1 == 0 {
-            // The first of 33 has no place in the word; it goes where its number modulo 32 is.
+            // The first of 33 bits has no place in the word; it is stored at its number modulo 32.
             let place = (WHOLE - run) / 2 % 32;
             for (i, sensor) in self.sensors.iter_mut().enumerate() {
                 if run == 2 {
@@ -168,8 +168,8 @@ mod tests {
     use super::Max31855;
     use hal_component::bench::Bench;
 
-    /// The chip: its word on a line, the highest bit as it is selected, the next as the clock
-    /// falls; the line is low while it is not selected.
+    /// Simulated chip: outputs its word on a line, the highest bit when selected, the next at each falling clock edge;
+    /// the line is low while the chip is not selected.
     struct Chip {
         word: u32,
         left: u32,
@@ -196,7 +196,7 @@ mod tests {
         }
     }
 
-    /// The chip's word for temperatures in °C, as it rounds them.
+    /// Returns the chip's word for temperatures in °C, rounded as the chip does.
     #[expect(clippy::cast_possible_truncation, reason = "the chip does as well")]
     fn word(tip: f64, chip: f64) -> u32 {
         let tip = ((tip * 4.0).round() as i32).cast_unsigned();
@@ -204,7 +204,7 @@ mod tests {
         tip << 18 | (chip & 0xFFF) << 4
     }
 
-    /// A bench with chips, in the order: function, read the lines, write them.
+    /// Runs a bench with chips for n cycles, in this order: function, read the lines, write them.
     fn runs(bench: &Bench, chips: &mut [Chip], n: usize) {
         for _ in 0..n {
             bench.run("max31855.0.bitbang-spi", 1_000_000);
@@ -227,7 +227,7 @@ mod tests {
         bench.load::<Max31855>(&["personality=3"]).unwrap();
         let mut chips = [Chip::new(0), Chip::new(0), Chip::new(0)];
         runs(&bench, &mut chips, 131);
-        // The tip's temperature and the chip's, and the voltages of both from IEC 60584-1.
+        // Temperatures of tip and chip, and the voltages of both from IEC 60584-1.
         for (tip, v, at, u) in [
             (100.0, 4.096, 25.0, 1.0),
             (100.0, 4.096, 0.0, 0.0),
@@ -241,7 +241,7 @@ mod tests {
             let told = at + (v - u) / 0.041_276;
             chips[1].word = word(told, at);
             runs(&bench, &mut chips, 130);
-            // A quarter of a degree as the chip takes it, half of it rounded, is up to 0.17.
+            // The chip rounds to a quarter of a degree; half of that, rounded, gives an error of up to 0.17.
             let found = celsius(&bench, 1);
             assert!((found - tip).abs() < 0.25, "{tip} °C at {at} °C: {found}");
             let kelvin: f64 = bench.get("max31855.0.temp-kelvin.1");
@@ -252,7 +252,7 @@ mod tests {
         }
     }
 
-    /// Words, and what LinuxCNC's component makes of each.
+    /// Words, with the results of LinuxCNC's component.
     #[test]
     fn words_to_the_last_bit() {
         let mut bench = Bench::new();

@@ -1,8 +1,8 @@
-//! Realtime. Thermocouples of type K: temperature and voltage, by the polynomials of ITS-90.
+//! Realtime. Type K thermocouples: conversion between temperature and voltage by the polynomials of ITS-90.
 //!
-//! Everything is in single precision: each term is computed in double, and rounded as it is added.
+//! Values are in single precision: each term is computed in double precision, and rounded when it is added.
 
-/// Millivolts by temperature below 0 °C.
+/// Coefficients of millivolts by temperature below 0 °C.
 const COLD: [f32; 11] = [
     0.0,
     3.945_012_8e-2,
@@ -16,7 +16,7 @@ const COLD: [f32; 11] = [
     -1.988_926_7e-20,
     -1.632_269_8e-23,
 ];
-/// Millivolts by temperature from 0 °C on, without the bell around 127 °C.
+/// Coefficients of millivolts by temperature from 0 °C, without the Gaussian term around 127 °C.
 const WARM: [f32; 10] = [
     -1.760_041_3e-2,
     3.892_120_3e-2,
@@ -29,9 +29,9 @@ const WARM: [f32; 10] = [
     9.715_115e-23,
     -1.210_472_16e-26,
 ];
-/// The bell: its height, width and place.
+/// Gaussian term: height, width and centre.
 const BELL: [f32; 3] = [1.185_976e-1, -1.183_432e-4, 1.269_686e2];
-/// Temperature by millivolts below 0.
+/// Coefficients of temperature by millivolts below 0.
 const BELOW: [f32; 9] = [
     0.0,
     2.517_346_2e1,
@@ -43,7 +43,7 @@ const BELOW: [f32; 9] = [
     -1.045_059_8e-2,
     -5.192_057_6e-4,
 ];
-/// Temperature by millivolts up to [`MIDDLE`].
+/// Coefficients of temperature by millivolts up to [`MIDDLE`].
 const LOW: [f32; 10] = [
     0.0,
     2.508_355e1,
@@ -56,7 +56,7 @@ const LOW: [f32; 10] = [
     1.057_734e-6,
     -1.052_755e-8,
 ];
-/// Temperature by millivolts from [`MIDDLE`] to [`HIGHEST`].
+/// Coefficients of temperature by millivolts from [`MIDDLE`] to [`HIGHEST`].
 const HIGH: [f32; 7] = [
     -1.318_058e2,
     4.830_222e1,
@@ -67,10 +67,10 @@ const HIGH: [f32; 7] = [
     -3.110_81e-8,
 ];
 const MIDDLE: f64 = 20.644;
-/// Where the curves end, in millivolts.
+/// Upper end of the polynomials, in millivolts.
 const HIGHEST: f64 = 54.886;
 
-/// The voltage, in millivolts, between a junction of this many °C and one of 0 °C.
+/// Returns the voltage, in millivolts, between a junction at this temperature in °C and one at 0 °C.
 pub(crate) fn millivolts(celsius: f32) -> f32 {
     if celsius < 0.0 {
         return sum(&COLD, celsius);
@@ -80,8 +80,8 @@ pub(crate) fn millivolts(celsius: f32) -> f32 {
     single(f64::from(sum(&WARM, celsius)) + height * libm::exp(width * (far * far)))
 }
 
-/// The temperature, in °C, of a junction with this voltage to one of 0 °C; `None` above 54.886 mV,
-/// which is 1372 °C. Below -5.891 mV, -200 °C, it is far too low.
+/// Returns the temperature, in °C, of a junction with this voltage against one at 0 °C; `None` above 54.886 mV, which
+/// is 1372 °C. Below -5.891 mV (-200 °C), the result is far too low.
 pub(crate) fn celsius(millivolts: f32) -> Option<f32> {
     let v = f64::from(millivolts);
     if v > HIGHEST {
@@ -105,7 +105,7 @@ fn sum(terms: &[f32], x: f32) -> f32 {
     sum
 }
 
-/// As it is kept.
+/// Rounds to single precision, in which values are stored.
 #[expect(clippy::cast_possible_truncation, reason = "it rounds")]
 pub(crate) const fn single(x: f64) -> f32 {
     x as f32
@@ -115,7 +115,7 @@ pub(crate) const fn single(x: f64) -> f32 {
 mod tests {
     use super::{celsius, millivolts};
 
-    /// Of the table for type K in IEC 60584-1, which has microvolts.
+    /// Values from the type K table of IEC 60584-1, which is in microvolts.
     const TABLE: [(f32, f32); 13] = [
         (-200.0, -5.891),
         (-100.0, -3.554),
@@ -136,7 +136,7 @@ mod tests {
     fn the_table() {
         for (t, v) in TABLE {
             assert!((millivolts(t) - v).abs() < 6e-4, "{t} °C: {} mV", millivolts(t));
-            // The way back is good to 0.06 °C by its definition, and the table to 0.5 µV.
+            // By its definition, the inverse is accurate to 0.06 °C, and the table to 0.5 µV.
             let back = celsius(v).unwrap();
             assert!((back - t).abs() < 0.1, "{v} mV: {back} °C");
         }

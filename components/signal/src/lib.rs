@@ -1,4 +1,4 @@
-//! Sources of signals.
+//! Signal generators and constant sources.
 #![forbid(unsafe_code)]
 
 mod siggen;

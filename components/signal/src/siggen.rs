@@ -13,7 +13,7 @@ const GENERATORS: Channels = Channels {
 #[cfg(test)]
 mod closed;
 
-/// The π of sine and cosine.
+/// Value of π for sine and cosine.
 #[expect(clippy::approx_constant, reason = "the figures that users know come from this one")]
 const PI: f64 = 3.141_592_7;
 
@@ -64,7 +64,7 @@ struct Generator {
     sine: Out<f64>,
     cosine: Out<f64>,
     clock: Out<bool>,
-    /// Where in the cycle it is, from 0 to 1.
+    /// Position within the cycle, from 0 to 1.
     #[state]
     index: f64,
 }

@@ -4,10 +4,10 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 
-/// The most channels.
+/// Maximum number of channels.
 const MOST: i64 = 8;
 
-/// Values for tests.
+/// Source of values for tests.
 #[derive(Touch)]
 pub(crate) struct Supply {
     q: Out<bool>,

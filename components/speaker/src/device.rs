@@ -1,4 +1,4 @@
-//! Realtime. The register, real or simulated, once it is open.
+//! Realtime. Open register, real or simulated.
 
 use crate::REGISTER;
 use hal_component::{Builder, Error};
@@ -9,14 +9,14 @@ use std::{
     sync::OnceLock,
 };
 
-/// The processor's I/O ports, a byte each.
+/// Device file of the processor's I/O ports, one byte each.
 const PORTS: &str = "/dev/port";
 
-/// Where the register is.
+/// Access to the register.
 #[derive(Debug)]
 pub(crate) enum Device {
     Simulated(Simulated),
-    /// Empty until it is opened.
+    /// Empty until the register is opened.
     Real(OnceLock<File>),
 }
 
@@ -38,7 +38,7 @@ impl Device {
         }
     }
 
-    /// Opens the real one.
+    /// Opens the real register.
     pub(crate) fn open(&self) -> Result<(), String> {
         if let Self::Real(slot) = self {
             let ports = OpenOptions::new().read(true).write(true).open(PORTS);

@@ -1,4 +1,4 @@
-//! The loudspeaker of a PC, which clicks.
+//! PC speaker, which clicks.
 #![forbid(unsafe_code)]
 
 mod device;
@@ -10,16 +10,16 @@ use hal_component::{
 use port::{Access, Driven, Lost, Report, Shown, Simulated};
 use std::sync::Arc;
 
-/// The control register of the loudspeaker.
+/// Control register of the speaker.
 const REGISTER: u16 = 0x61;
-/// Whether the timer drives the loudspeaker, in that register.
+/// Bit of that register that connects the timer to the speaker.
 const TIMER: u8 = 1;
-/// The loudspeaker's level, in that register.
+/// Bit of that register that sets the speaker's level.
 const LEVEL: u8 = 2;
-/// How many pins there are.
+/// Number of pins.
 const PINS: usize = 8;
 
-/// `hal_speaker`.
+/// Component `hal_speaker`.
 pub(crate) struct Speaker;
 
 hal_component::export!(Speaker);
@@ -70,7 +70,7 @@ getp speaker.sim.0061 # -> 0
         let opened = device.clone();
         b.on_open(move |_| opened.open().map_err(Error::new))?;
         b.on_stop(move || {
-            // A register that is gone cannot be released; who writes to it says so.
+            // A lost register cannot be released; the write function reports it.
             let _ = release(&device);
         })
     }
@@ -84,7 +84,7 @@ struct Write {
     report: Report,
     #[state]
     device: Arc<Device>,
-    /// The bits in the run before, one each.
+    /// Inputs in the previous cycle, one bit each.
     #[state]
     was: u8,
 }
@@ -99,7 +99,7 @@ impl Update for Write {
     }
 }
 
-/// Gives the loudspeaker a level.
+/// Sets the speaker's level.
 fn drive(device: &Device, level: u8) -> Result<(), Lost> {
     let others = device.read(REGISTER)? & !(TIMER | LEVEL);
     device.write(REGISTER, others | level)
@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     fn a_click_for_each_change() {
-        // As LinuxCNC's component writes its register.
+        // Register values that LinuxCNC's component writes.
         let rows = "load hal_speaker
             run speaker.0.write
             in speaker.sim.0061-in speaker.0.pin-00-out speaker.0.pin-01-out speaker.0.pin-07-out

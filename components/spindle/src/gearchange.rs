@@ -3,9 +3,8 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
 /// Speed command of a spindle with two gears.
 ///
-/// The size of the speed is kept within the range of the gear, whatever its sign; in the second
-/// gear the result is divided by `scale2`, and the direction may be reversed. A speed that is no
-/// number goes through.
+/// The magnitude of the speed is limited to the range of the gear, whatever its sign. In the second gear, the result is
+/// divided by `scale2`, and the direction may be reversed. A speed that is NaN passes unchanged.
 ///
 /// # Example
 ///
@@ -23,34 +22,34 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct Gearchange {
-    /// Which gear: false for the first, true for the second.
+    /// Selected gear: FALSE the first, TRUE the second.
     sel: In<bool>,
-    /// The speed that is wanted at the spindle, such as in turns per minute.
+    /// Requested speed of the spindle, in any unit, such as turns per minute.
     speed_in: In<f64>,
-    /// The speed for the drive, as it would be in the first gear, in the unit of `speed-in`.
+    /// Speed for the drive, converted to first gear, in the unit of `speed-in`.
     speed_out: Out<f64>,
-    /// The direction that is wanted.
+    /// Requested direction.
     dir_in: In<bool>,
-    /// The direction for the drive.
+    /// Direction for the drive.
     dir_out: Out<bool>,
-    /// Lowest speed in the first gear, in the unit of `speed-in`.
+    /// Minimum speed in the first gear, in the unit of `speed-in`.
     min1: ParamRw<f64>,
-    /// Highest speed in the first gear, in the unit of `speed-in`; it loses against `min1`.
+    /// Maximum speed in the first gear, in the unit of `speed-in`; `min1` wins if the two are crossed.
     #[hal(default = 100_000.0)]
     max1: ParamRw<f64>,
-    /// Lowest speed in the second gear, in the unit of `speed-in`.
+    /// Minimum speed in the second gear, in the unit of `speed-in`.
     min2: ParamRw<f64>,
-    /// Highest speed in the second gear, in the unit of `speed-in`; it loses against `min2`.
+    /// Maximum speed in the second gear, in the unit of `speed-in`; `min2` wins if the two are crossed.
     #[hal(default = 100_000.0)]
     max2: ParamRw<f64>,
-    /// How much faster the second gear is than the first, a ratio; below 1 it is set to 1.
+    /// Ratio of the second gear's speed to the first gear's; a value below 1 is set to 1.
     #[hal(default = 1.0)]
     scale2: ParamRw<f64>,
-    /// Whether the second gear turns the other way.
+    /// TRUE: the second gear reverses the direction.
     reverse: ParamRw<bool>,
 }
 
-/// A speed whose size is kept in a range.
+/// Limits the magnitude of a speed to a range.
 fn within(speed: f64, low: f64, high: f64) -> f64 {
     if speed < 0.0 {
         if speed > -low {

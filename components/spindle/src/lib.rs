@@ -1,4 +1,4 @@
-//! Spindles: speed, gears, orientation.
+//! Spindles: speed, gears and orientation.
 #![forbid(unsafe_code)]
 
 mod gearchange;

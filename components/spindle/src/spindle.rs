@@ -5,10 +5,10 @@ use hal_component::{
     pins,
 };
 
-/// The most gears.
+/// Maximum number of gears.
 const MOST: i64 = 16;
 
-/// Speed of a spindle with gears.
+/// Speed control of a spindle with gears.
 pub(crate) struct Spindle;
 
 impl Component for Spindle {
@@ -56,49 +56,49 @@ impl Component for Spindle {
 }
 
 pins! {
-    /// What is there once.
+    /// Pins of the spindle.
     struct Pins {
-        /// The gear, from 0; beyond the last: the last. While it is 0, the `select` pins count.
+        /// Gear, from 0; a number above the last gear selects the last. While 0, the `select` pins select the gear.
         select_gear: In<u32> = "select-gear", 0;
-        /// The speed that is wanted, in turns per minute; below 0 backwards.
+        /// Commanded speed, in turns per minute; below 0 is backward.
         commanded_speed: In<f64> = "commanded-speed", 0.0;
-        /// The speed that is measured, in turns per second.
+        /// Measured speed, in turns per second.
         actual_speed: In<f64> = "actual-speed", 0.0;
-        /// Whether there is no encoder, and the speed is what it should be.
+        /// TRUE: there is no encoder, and the commanded speed is used as the measured one.
         simulate_encoder: In<bool> = "simulate-encoder", false;
-        /// Whether the spindle turns; while false it slows down and stops.
+        /// TRUE turns the spindle; FALSE slows it down to a stop.
         enable: In<bool> = "enable", false;
-        /// How much `spindle-rpm-abs` is smoothed at speed: how much of the difference it follows per
-        /// second; 0: not at all.
+        /// Smoothing of `spindle-rpm-abs` at speed: fraction of the difference that it follows per second; 0: no
+        /// smoothing.
         spindle_lpf: In<f64> = "spindle-lpf", 0.0;
-        /// The speed, in turns per minute; below 0 backwards.
+        /// Present speed, in turns per minute; below 0 is backward.
         spindle_rpm: Out<f64> = "spindle-rpm", 0.0;
-        /// The size of the speed for a display, in turns per minute.
+        /// Magnitude of the speed for a display, in turns per minute.
         spindle_rpm_abs: Out<f64> = "spindle-rpm-abs", 0.0;
-        /// The size of the speed for the drive, plus the gear's offset, times its scale: in the
-        /// drive's unit.
+        /// Output for the drive: magnitude of the speed, plus the gear's offset, times the gear's scale, in the drive's
+        /// unit.
         output: Out<f64> = "output", 0.0;
-        /// The gear that is selected.
+        /// Selected gear.
         current_gear: Out<u32> = "current-gear", 0;
-        /// Whether the speed is within `speed-tolerance` of what is wanted.
+        /// True while the speed is within `speed-tolerance` of the commanded speed.
         at_speed: Out<bool> = "at-speed", false;
-        /// Whether the drive shall turn forward; also while it slows down to 0 from there.
+        /// Turns the drive forward; also while it slows down to 0 from forward.
         forward: Out<bool> = "forward", false;
-        /// Whether the drive shall turn backward; not while it slows down to 0.
+        /// Turns the drive backward; not while it slows down to 0.
         reverse: Out<bool> = "reverse", false;
         /// Always false, as in LinuxCNC 2.9.
         brake: Out<bool> = "brake", false;
-        /// Whether the spindle stands, within `zero-tolerance`.
+        /// True while the speed is at most `zero-tolerance`.
         zero_speed: Out<bool> = "zero-speed", false;
-        /// Whether the wanted speed is beyond a limit of the gear.
+        /// True while the commanded speed is beyond a limit of the gear.
         limited: Out<bool> = "limited", false;
     }
 }
 
-/// Writes the pins of a gear once: name, first value, docs.
+/// Declares the pins of a gear once: name, initial value, docs.
 macro_rules! gear {
     ($i:ident: $($(#[doc = $doc:literal])+ $field:ident: $ty:ty = $name:literal, $initial:expr;)+) => {
-        /// What each gear has.
+        /// Pins of each gear.
         #[derive(Touch)]
         struct Gear {
             $($(#[doc = $doc])+ $field: $ty,)+
@@ -118,24 +118,25 @@ macro_rules! gear {
 }
 
 gear! { i:
-    /// What makes the drive's unit of turns per minute; below 0 to turn it around.
+    /// Drive units per turn per minute; a negative value reverses the sign.
     scale: In<f64> = "scale", 1.0;
-    /// Lowest speed but 0, in turns per minute; 0 or less: none.
+    /// Minimum speed other than 0, in turns per minute; 0 or less: no minimum.
     min: In<f64> = "min", 0.0;
-    /// Highest speed, in turns per minute; 0 or less: none.
+    /// Maximum speed, in turns per minute; 0 or less: no maximum.
     max: In<f64> = "max", 0.0;
-    /// How fast it speeds up: in turns per minute and second, or, with an encoder, how far the output is
-    /// ahead, in turns per minute; 0 or less: at once.
+    /// Acceleration, in turns per minute per second; with an encoder, lead of the output over the measured speed, in
+    /// turns per minute. 0 or less: no limit.
     accel: In<f64> = "accel", 0.0;
-    /// How fast it slows down, in the unit of `accel`.
+    /// Deceleration, in the unit of `accel`.
     decel: In<f64> = "decel", 0.0;
-    /// How far from the wanted speed is at speed, in turns per minute; 0 or less: it never is.
+    /// Largest deviation from the commanded speed that counts as at speed, in turns per minute; 0 or less: never at
+    /// speed.
     speed_tolerance: In<f64> = "speed-tolerance", 20.0;
-    /// Up to which speed it counts as standing, in turns per minute.
+    /// Highest speed that counts as standstill, in turns per minute.
     zero_tolerance: In<f64> = "zero-tolerance", 20.0;
-    /// What is added to the output, in turns per minute.
+    /// Offset added to the output, in turns per minute.
     offset: In<f64> = "offset", 0.0;
-    /// Selects this gear; the highest that is selected counts.
+    /// Selects this gear; if several are selected, the highest counts.
     select: In<bool> = "select", i == 0;
 }
 
@@ -200,7 +201,7 @@ impl Update for Run {
         if simulated {
             p.spindle_rpm.set(f64::from(next));
         }
-        // On the way to 0, what turned forward does so to the end; what turned backward does not.
+        // While slowing down to 0, `forward` stays on until the end; `reverse` does not.
         let forward = commanded != 0.0 || p.forward.get();
         p.forward.set(next > 0.0 && forward);
         p.reverse.set(next < 0.0 && commanded != 0.0);
@@ -208,21 +209,21 @@ impl Update for Run {
     }
 }
 
-/// A speed within limits of its size, and whether it had to be changed.
+/// Limits the magnitude of a speed. Returns whether it had to be changed.
 fn kept(speed: f32, min: f32, max: f32) -> (f32, bool) {
     let size = speed.abs();
     let (mut kept, mut limited) = (size, false);
     if min > 0.0 && size < min && size > 0.0 {
         (kept, limited) = (min, true);
     }
-    // Where they cross, the highest speed wins.
+    // If the limits are crossed, the maximum wins.
     if max > 0.0 && kept > max {
         (kept, limited) = (max, true);
     }
     (kept.copysign(speed), limited)
 }
 
-/// The next speed on the way: to 0 first where the direction changes.
+/// Returns the next speed toward the commanded one; to change direction, it first goes to 0.
 fn towards(wanted: f32, now: f32, up: f32, down: f32) -> f32 {
     let turns = (wanted > 0.0 && now < 0.0) || (wanted < 0.0 && now > 0.0);
     let goal = if turns { 0.0 } else { wanted };

@@ -1,7 +1,7 @@
 //! `spindle_monitor`.
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
-/// Tells whether a spindle has reached its speed, and whether it has fallen below it since.
+/// Monitor that reports whether a spindle has reached its speed, and whether the speed has dropped since.
 ///
 /// # Example
 ///
@@ -24,20 +24,20 @@ use hal_component::{Component, In, Out, ParamRw, Period, Update};
 /// ```
 #[derive(Component)]
 pub(crate) struct SpindleMonitor {
-    /// Whether the spindle is switched on.
+    /// TRUE while the spindle is switched on.
     spindle_is_on: In<bool>,
-    /// The speed that is wanted, in whatever unit, such as turns per minute.
+    /// Commanded speed, in any unit, such as turns per minute.
     spindle_command: In<f64>,
-    /// The speed that is measured, in the same unit.
+    /// Measured speed, in the same unit.
     spindle_feedback: In<f64>,
-    /// True from when the speed was reached until the spindle is switched on anew.
+    /// True from reaching the speed until the spindle is switched on again.
     spindle_at_speed: Out<bool>,
-    /// True from when the speed fell below again until the spindle is switched on anew.
+    /// True from a drop below the speed until the spindle is switched on again.
     spindle_underspeed: Out<bool>,
-    /// Where it is: 0 off, 1 the spindle starts, 2 it has reached its speed; others become 0.
+    /// State: 0 off, 1 the spindle starts, 2 it has reached its speed; other values become 0.
     level: ParamRw<u32>,
-    /// How far from `spindle-command` the speed is still reached, and how far below it is not too low, in
-    /// the same unit; with 0 it is never reached.
+    /// Largest deviation from `spindle-command` that counts as reached, and largest shortfall afterwards, in the same
+    /// unit; with 0 the speed is never reached.
     threshold: ParamRw<f64>,
 }
 

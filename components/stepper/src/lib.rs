@@ -1,4 +1,4 @@
-//! A stepper motor on the bench.
+//! Simulated stepper motor.
 #![forbid(unsafe_code)]
 
 mod motion;

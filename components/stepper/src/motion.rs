@@ -1,25 +1,25 @@
-//! Realtime. How fast steps come, and how fast that changes.
+//! Realtime. Speed and acceleration computed from steps.
 //!
-//! Steps come at multiples of a thread's period, so a single interval says little: at 100 µs, 12
-//! mm/s of a fine screw look like anything up to 17.5. Speed is a mean, acceleration a fit.
+//! Steps come at multiples of a thread's period, so a single interval is inaccurate: at 100 µs, 12 mm/s with a fine
+//! screw can appear as up to 17.5 mm/s. The speed is therefore a mean, and the acceleration a least-squares fit.
 
-/// A step: when, and the position halfway through it, in steps.
+/// Time of a step, and the position halfway through it, in steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Event {
     pub(crate) ns: i64,
     pub(crate) at: f64,
 }
 
-/// Over how long speed is a mean.
+/// Time over which the speed is averaged, in nanoseconds.
 pub(crate) const SPAN_NS: i64 = 20_000_000;
-/// Steps that follow sooner than this are left out.
+/// Minimum time between steps that are used for the acceleration, in nanoseconds.
 const APART_NS: i64 = 500_000;
 
-/// Mean speed over the last 20 ms, or over the last step when that took longer. What came before a
-/// first step was standstill.
+/// Mean speed over the last 20 ms, or over the last step if that took longer. The motor counts as at rest before its
+/// first step.
 #[derive(Clone, Debug)]
 pub(crate) struct Speed {
-    /// Earlier steps, the newest last; from `first` on, all within the span but the first.
+    /// Earlier steps, the newest last; from `first` on, all but the first are within the time span.
     ring: [Event; 64],
     first: usize,
     len: usize,
@@ -34,7 +34,7 @@ impl Speed {
         self.len = 0;
     }
 
-    /// The speed in steps per second with this step.
+    /// Adds a step. Returns the speed in steps per second.
     pub(crate) fn step(&mut self, now: Event) -> f64 {
         while self.len > 1 && self.get(1).is_some_and(|e| now.ns - e.ns >= SPAN_NS) {
             self.first = (self.first + 1) % self.ring.len();
@@ -63,8 +63,7 @@ fn rate(old: Event, now: Event) -> f64 {
     (now.at - old.at) * 1e9 / if ns < SPAN_NS { SPAN_NS } else { ns } as f64
 }
 
-/// Acceleration: the parabola that fits the steps of one ramp best. A step off the parabola begins
-/// another ramp.
+/// Acceleration from a parabola fitted to the steps of one ramp. A step off the parabola begins another ramp.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Ramp {
     first: Event,
@@ -73,27 +72,27 @@ pub(crate) struct Ramp {
     time: [f64; 5],
     /// Sums of the position times the powers of time, from 0 to 2.
     position: [f64; 3],
-    /// The parabola.
+    /// Coefficients of the parabola.
     fit: Option<[f64; 3]>,
 }
 
 impl Ramp {
-    /// A ramp of fewer steps says nothing.
+    /// Minimum number of steps of a ramp.
     const LEAST: f64 = 8.0;
-    /// Nor does a shorter one.
+    /// Minimum duration of a ramp, in seconds.
     const SHORTEST: f64 = 0.03;
-    /// Nor does one over which speed changes by less than this part of it.
+    /// Minimum relative change of speed over a ramp.
     const CLEAR: f64 = 0.25;
-    /// A longer one begins anew.
+    /// Maximum duration of a ramp, in seconds; then another begins.
     const LONGEST: f64 = 4.0;
-    /// How far a step may be off, in steps.
+    /// Largest distance of a step from the parabola, in steps.
     const OFF: f64 = 1.0;
 
     pub(crate) fn clear(&mut self) {
         *self = Self::default();
     }
 
-    /// The acceleration in steps per second squared with this step, as soon as it can be told.
+    /// Adds a step. Returns the acceleration in steps per second squared, once it can be determined.
     pub(crate) fn step(&mut self, now: Event) -> Option<f64> {
         let [count, ..] = self.time;
         if count > 0.0 && now.ns - self.last_ns < APART_NS {
@@ -138,7 +137,7 @@ impl Ramp {
         (count >= Self::LEAST && t >= Self::SHORTEST && clear).then_some(2.0 * c)
     }
 
-    /// Least squares: the normal equations by elimination.
+    /// Solves the normal equations of the least-squares fit by elimination.
     fn solve(&self) -> Option<[f64; 3]> {
         let [s0, s1, s2, s3, s4] = self.time;
         let [x0, x1, x2] = self.position;

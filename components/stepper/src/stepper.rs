@@ -3,15 +3,14 @@
 use crate::motion::{Event, Ramp, SPAN_NS, Speed};
 use hal_component::{Component, In, Out, ParamRw, Period, Update};
 
-/// After how long without a step the motor stands still.
+/// Time without a step after which the motor counts as at rest, in nanoseconds.
 const REST_NS: i64 = 100_000_000;
 
-/// A stepper motor with its load, on the bench: it follows step and direction as long as it can.
+/// Simulated stepper motor with its load, which follows step and direction as long as it can.
 ///
-/// Steps that come too fast, or that speed up or slow down too hard, stall it: it then loses every
-/// step until none has come for 20 ms. Speed is the mean over 20 ms; acceleration is fitted to the
-/// steps of a ramp, of which it takes eight over 30 ms. The function belongs after the one that
-/// makes the steps, in the same thread.
+/// Steps that come too fast, or that accelerate or brake too hard, stall the motor: it then loses every step until none
+/// has come for 20 ms. Speed is the mean over 20 ms; acceleration is fitted to the steps of a ramp, which needs eight
+/// steps over 30 ms. Add the function after the one that makes the steps, in the same thread.
 ///
 /// # Example
 ///
@@ -44,30 +43,30 @@ const REST_NS: i64 = 100_000_000;
 #[derive(Component)]
 #[hal(fast)]
 pub struct Stepper {
-    /// Steps: one at each rising edge.
+    /// Step input: one step at each rising edge.
     step: In<bool>,
-    /// Direction of the steps: false forward, true backward.
+    /// Direction of the steps: FALSE forward, TRUE backward.
     dir: In<bool>,
-    /// Position in steps as commanded: what the motor would have if it had lost none; it wraps.
+    /// Commanded position in steps, which the motor would have without lost steps; it wraps.
     counts: Out<i32>,
     /// Position of the shaft, in length units.
     position: Out<f64>,
-    /// Steps lost so far, in either direction; it wraps.
+    /// Number of lost steps so far, in either direction; it wraps.
     lost: Out<i32>,
-    /// Commanded speed, in length units per second: the mean over 20 ms, fresh at each step;
-    /// 0 after 100 ms without one.
+    /// Commanded speed, in length units per second: the mean over 20 ms, updated at each step; 0 after 100 ms without a
+    /// step.
     speed: Out<f64>,
-    /// Commanded acceleration, in length units per second squared: fitted to the present ramp; 0
-    /// while the ramp is too short to tell.
+    /// Commanded acceleration, in length units per second squared: fitted to the present ramp; 0 while the ramp is too
+    /// short.
     accel: Out<f64>,
     /// True while the motor loses steps.
     stalled: Out<bool>,
-    /// Steps per length unit; 0 or not a number counts as 1.
+    /// Steps per length unit; 0 or NaN counts as 1.
     #[hal(default = 1.0)]
     scale: ParamRw<f64>,
-    /// Speed beyond which it stalls, in length units per second; 0: none.
+    /// Speed above which the motor stalls, in length units per second; 0: no limit.
     max_vel: ParamRw<f64>,
-    /// Acceleration beyond which it stalls, in length units per second squared; 0: none.
+    /// Acceleration above which the motor stalls, in length units per second squared; 0: no limit.
     max_accel: ParamRw<f64>,
     #[state]
     now_ns: i64,

@@ -1,5 +1,5 @@
-//! The search for the speed and acceleration that an axis can bear, as one does it on a machine:
-//! moves back and forth, harder each time, until the axis does not come back to its mark.
+//! Search for the speed and acceleration that an axis can bear, as done on a machine: moves back and forth, harder each
+//! time, until the axis does not return to its mark.
 
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "a test that shows a table")]
 
@@ -11,18 +11,18 @@ use stepper::Stepper;
 const BASE_NS: i64 = 100_000;
 const SERVO_NS: i64 = 1_000_000;
 
-/// An axis of the printer: what its motor bears, and what is tried.
+/// Axis of the printer: limits of its motor, and the values to try.
 struct Axis {
     name: &'static str,
     scale: f64,
     amplitude: f64,
-    /// Where the motor stalls: speed, acceleration.
+    /// Speed and acceleration at which the motor stalls.
     stall: (f64, f64),
-    /// The acceleration while the speed is searched.
+    /// Acceleration during the search for the speed.
     gentle: f64,
-    /// Steps of the search.
+    /// Increments of the search, for speed and acceleration.
     tries: (f64, f64),
-    /// What the search ends with.
+    /// Expected result of the search.
     last_good: (f64, f64),
 }
 
@@ -49,7 +49,7 @@ const X: Axis = Axis {
     last_good: (90.0, 1500.0),
 };
 
-/// What a trial did to the shaft.
+/// Result of a trial.
 struct Outcome {
     top_speed: f64,
     top_accel: f64,
@@ -58,7 +58,7 @@ struct Outcome {
     off: f64,
 }
 
-/// One trial: steptest drives stepgen, stepgen the motor, back and forth once, and home.
+/// Runs one trial: steptest drives stepgen, stepgen the motor, back and forth once, and home.
 fn trial(axis: &Axis, speed: f64, accel: f64) -> Outcome {
     let mut bench = Bench::new();
     bench.load::<Steptest>(&[]).unwrap();
@@ -118,7 +118,7 @@ fn trial(axis: &Axis, speed: f64, accel: f64) -> Outcome {
     out
 }
 
-/// Tries harder until steps are lost: the last that kept every step.
+/// Increases the value until steps are lost. Returns the last value that lost none.
 fn search(axis: &Axis, what: &str, step: f64, at: impl Fn(f64) -> (f64, f64)) -> f64 {
     let mut good = 0.0;
     loop {

@@ -1,4 +1,4 @@
-//! What `stepper` promises.
+//! Tests of `stepper`.
 
 #![expect(clippy::unwrap_used, reason = "tests")]
 
@@ -7,10 +7,10 @@ use stepper::Stepper;
 
 const TICK_NS: i64 = 100_000;
 
-/// A motor of 100 steps per unit, fed step by step.
+/// Motor with 100 steps per unit, fed step by step.
 struct Rig {
     bench: Bench,
-    /// Where the commanded position is between two steps.
+    /// Commanded position, including the fraction of a step.
     at: f64,
     count: i32,
 }
@@ -35,7 +35,7 @@ impl Rig {
         self.bench.run("stepper.0", TICK_NS);
     }
 
-    /// Moves at a constant acceleration from a speed, for some milliseconds; the speed at the end.
+    /// Moves at constant acceleration from a speed, for some milliseconds. Returns the speed at the end.
     fn ramp(&mut self, mut speed: f64, accel: f64, ms: u32) -> f64 {
         let dt = 1e-4;
         for _ in 0..ms * 10 {
@@ -78,7 +78,7 @@ fn rising_edges_count() {
 #[test]
 fn speed_is_the_mean_of_20_ms() {
     let mut rig = Rig::new(0.0, 0.0);
-    // 3428 steps per second show as intervals of 200 and 300 µs.
+    // 3428 steps per second appear as intervals of 200 and 300 µs.
     rig.ramp(34.28, 0.0, 50);
     for _ in 0..200 {
         rig.ramp(34.28, 0.0, 1);
@@ -109,7 +109,7 @@ fn acceleration_is_that_of_the_ramp() {
     }
 }
 
-/// What the motor bears, what is asked of it, and whether it bears that.
+/// Limits of the motor, the motion requested, and whether the motor can follow.
 #[test]
 fn stalls_beyond_its_limits_only() {
     for (max_vel, max_accel, accel, ms, holds) in [

@@ -1,4 +1,4 @@
-//! What `sampler` and `streamer` share: the channels of `depth=` and `cfg=`, and pins of any type.
+//! Channels of `depth=` and `cfg=`, and pins of any type, shared by `sampler` and `streamer`.
 
 use hal_component::{
     Arg, Builder, Error, In, Out, Touch, Uses, Value,
@@ -6,10 +6,10 @@ use hal_component::{
 };
 use std::ops::RangeInclusive;
 
-/// How many slots a ring can have.
+/// Permitted number of slots of a ring.
 const DEPTHS: RangeInclusive<u32> = 2..=1 << 24;
 
-/// The arguments of both.
+/// Arguments of both components.
 pub(crate) const ARGS: &[&ArgSpec] = &[
     &Arg::ints(
         "depth",
@@ -26,15 +26,15 @@ pub(crate) const ARGS: &[&ArgSpec] = &[
     .at_most(8),
 ];
 
-/// A channel as the user asked for it.
+/// Requested channel.
 pub(crate) struct Channel {
-    /// How many slots its ring has.
+    /// Number of slots of its ring.
     pub(crate) depth: u32,
-    /// The type of each pin.
+    /// Type of each pin.
     pub(crate) types: Vec<Type>,
 }
 
-/// The type of a pin.
+/// Type of a pin.
 #[derive(Clone, Copy)]
 pub(crate) enum Type {
     Bit,
@@ -58,7 +58,7 @@ impl Type {
         })
     }
 
-    /// The code in the contract.
+    /// Returns the type code of the plugin interface.
     pub(crate) const fn code(self) -> u8 {
         match self {
             Self::Bit => bool::TYPE,
@@ -71,7 +71,7 @@ impl Type {
     }
 }
 
-/// Reads `depth=` and `cfg=`: a channel for each pair, up to the first that is absent.
+/// Parses `depth=` and `cfg=`: one channel per pair, up to the first that is absent.
 pub(crate) fn channels(b: &Builder<'_>, who: &str) -> Result<Vec<Channel>, Error> {
     let (depths, cfgs) = (b.arg_ints("depth"), b.arg_texts("cfg"));
     let pairs = depths.into_iter().zip(cfgs);
@@ -150,9 +150,9 @@ macro_rules! any {
 }
 
 any! {
-    /// An input pin of any type.
+    /// Input pin of any type.
     AnyIn, In,
-    /// Its value, as a ring carries it.
+    /// Returns its value in the form that rings hold.
     pub(crate) fn bits(&self) -> u64 {
         match self {
             Self::Bit(pin) => pin.get().to_bits(),
@@ -166,9 +166,9 @@ any! {
 }
 
 any! {
-    /// An output pin of any type.
+    /// Output pin of any type.
     AnyOut, Out,
-    /// Writes a value as a ring carries it.
+    /// Writes a value in the form that rings hold.
     pub(crate) fn set(&self, bits: u64) {
         match self {
             Self::Bit(pin) => pin.set(Value::from_bits(bits)),

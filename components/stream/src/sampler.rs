@@ -5,7 +5,7 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 
-/// Takes samples for a program.
+/// Sampler of pin values for a program.
 pub(crate) struct Sampler;
 
 impl Component for Sampler {

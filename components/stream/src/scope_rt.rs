@@ -4,7 +4,7 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 
-/// The sampling side of LinuxCNC's oscilloscope, as a name to load.
+/// Sampling side of LinuxCNC's oscilloscope, as a name to load.
 pub(crate) struct ScopeRt;
 
 impl Component for ScopeRt {
@@ -38,7 +38,7 @@ getp threadtest.0.count # -> 3
     }
 }
 
-/// What samples nothing.
+/// Function that samples nothing.
 #[derive(Touch)]
 struct Sample {}
 

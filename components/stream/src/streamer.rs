@@ -5,7 +5,7 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 
-/// Plays records that a program writes.
+/// Player of records that a program writes.
 pub(crate) struct Streamer;
 
 impl Component for Streamer {
@@ -119,10 +119,11 @@ mod tests {
     use super::Streamer;
     use hal_component::bench::Bench;
 
-    /// A run: `enable clock`, then `curr-depth underruns` and how many records were taken so far.
+    /// Inputs and results of a cycle: `enable clock`, then `curr-depth underruns` and the number of records taken so
+    /// far.
     type Run = (u8, u8, i32, i32, u8);
 
-    /// For each mode, five records of `0.5 + k` waiting, as measured on LinuxCNC 2.9.
+    /// Five waiting records of `0.5 + k` for each mode, as measured on LinuxCNC 2.9.
     #[rustfmt::skip]
     const MODES: &[(i32, &[Run])] = &[
         (0, &[(1, 0, 5, 0, 1), (1, 0, 4, 0, 2), (1, 0, 3, 0, 3), (0, 0, 2, 0, 3), (0, 0, 2, 0, 3),

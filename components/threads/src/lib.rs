@@ -1,4 +1,4 @@
-//! Threads that a script asks for.
+//! Threads that a script requests.
 #![forbid(unsafe_code)]
 
 mod threads;

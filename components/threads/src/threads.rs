@@ -4,7 +4,7 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 
-/// Creates threads, and nothing else.
+/// Component that only creates threads.
 pub(crate) struct Threads;
 
 const IGNORED: &str = "Accepted for old scripts; every thread may use floating point.";

@@ -1,5 +1,6 @@
-//! `bin2gray` and `gray2bin` against what defines the reflected code (Gray, US patent 2632058, 1953): each number differs from the next in
-//! one bit, and the codes of 2ⁱ numbers are those of 2ⁱ⁻¹ and the same again in the opposite order, with one bit more.
+//! Test of `bin2gray` and `gray2bin` against the definition of the reflected code (Gray, US patent 2632058, 1953): each
+//! number differs from the next in one bit, and the codes of 2ⁱ numbers are those of 2ⁱ⁻¹ followed by the same in
+//! reverse order with one more bit set.
 
 use super::{Bin2gray, Gray2bin};
 use hal_component::{
@@ -30,7 +31,7 @@ fn numbers() -> Vec<u32> {
     (0..300).chain(edges).chain((0..3000).map(|_| (random.word() >> 32) as u32)).collect()
 }
 
-/// The last one and the first are neighbours as well.
+/// The last number and the first are neighbours as well.
 #[test]
 fn neighbours_differ_in_one_bit() {
     let gray = Rig::new::<Bin2gray>();

@@ -1,5 +1,6 @@
-//! `siggen` against its waves as functions of the time: after n runs of T seconds the place in the cycle is the fraction of n·f·T,
-//! and every output follows from it alone. f·T is k/N here, so that all places are known exactly.
+//! Test of `siggen` against its waveforms as functions of time: after n cycles of T seconds, the position within the
+//! wave is the fraction of n·f·T, and determines every output. Here f·T is k/N, so that all positions are known
+//! exactly.
 
 use super::{PI, Siggen};
 use core::f64::consts::TAU;
@@ -8,7 +9,7 @@ use hal_component::bench::{Bench, Random};
 const NS: i64 = 1_000_000;
 const DT: f64 = 0.001;
 
-/// What the π of the sines makes them differ by, at most.
+/// Largest difference of the sines due to the component's π.
 const OFF: f64 = 2.0 * (PI - core::f64::consts::PI);
 
 struct Rig {
@@ -32,24 +33,25 @@ impl Rig {
         self.bench.run("x.update", NS);
     }
 
-    /// An output, as one of amplitude 1 around 0.
+    /// Returns an output, normalized to amplitude 1 around 0.
     fn unit(&self, pin: &str) -> f64 {
         let is: f64 = self.bench.get(&format!("x.{pin}"));
         (is - self.offset) / self.amplitude
     }
 
-    /// What is rounded away in the output and here.
+    /// Returns a bound of the rounding in the output and here.
     fn rounding(&self) -> f64 {
         8.0 * f64::EPSILON * (1.0 + self.offset.abs() / self.amplitude)
     }
 }
 
-/// Of a place in the cycle, half a cycle on: the square is low, then high; the sawtooth rises, the triangle falls and rises.
+/// By position within the wave, half a cycle later: the square is low, then high; the sawtooth rises; the triangle
+/// falls and then rises.
 #[test]
 fn every_wave_follows_from_the_place() {
     let mut random = Random::new(1);
     for _ in 0..50 {
-        // Of an odd number of places none is the middle.
+        // With an odd number of positions, none is in the middle.
         let places = 2 * random.below(200) + 3;
         let k = 1 + random.below(places / 2);
         let frequency = k as f64 / places as f64 / DT;
@@ -57,7 +59,7 @@ fn every_wave_follows_from_the_place() {
         for n in 1..=2000_u64 {
             rig.run();
             let at = (n * k % places) as f64 / places as f64;
-            // Each run rounds the place and the step.
+            // Each cycle rounds the position and the step.
             let bound = 2.0 * n as f64 * f64::EPSILON + rig.rounding();
             let off = |pin: &str, wanted: f64, slope: f64| {
                 let is = rig.unit(pin);
@@ -68,7 +70,7 @@ fn every_wave_follows_from_the_place() {
             let sines = TAU + OFF / bound;
             off("sine", libm::sin(TAU * at), sines);
             off("cosine", libm::cos(TAU * at), sines);
-            // Where a cycle ends and begins they jump, a rounding earlier or later.
+            // At the end of a wave the outputs jump, a rounding earlier or later.
             if !(n * k).is_multiple_of(places) {
                 off("sawtooth", 2.0 * at - 1.0, 2.0);
                 off("square", if at > 0.5 { 1.0 } else { -1.0 }, 1.0);
@@ -78,7 +80,7 @@ fn every_wave_follows_from_the_place() {
     }
 }
 
-/// A period of N places, from anywhere: Σ saw² is N/3 + 2/(3N), Σ sin² = Σ cos² = N/2.
+/// Over a wave of N positions, from any start: Σ saw² is N/3 + 2/(3N), Σ sin² = Σ cos² = N/2.
 #[test]
 fn powers_of_the_waves() {
     for places in [4_u32, 10, 64, 250] {
@@ -98,14 +100,14 @@ fn powers_of_the_waves() {
         for (is, wanted) in [(sine, n / 2.0), (cosine, n / 2.0), (across, 0.0)] {
             assert!((is - wanted).abs() <= bound, "{places}: {is}, not {wanted}");
         }
-        // A place that is 1 by a rounding less counts as the last, not as the first: both have the same square.
+        // A position that is 1 less a rounding counts as the last instead of the first: both have the same square.
         let wanted = n / 3.0 + 2.0 / (3.0 * n);
         assert!((saw - wanted).abs() <= 1e-9, "{places}: {saw}, not {wanted}");
     }
 }
 
-/// No wave can be faster than half of the thread (Nyquist): from there on there are two places in a cycle, and the frequency
-/// says so.
+/// No wave can be faster than half of the thread's frequency (Nyquist): above that, there are two positions per wave,
+/// and the frequency pin is corrected.
 #[test]
 fn half_of_the_threads_frequency_is_the_highest() {
     for asked in [500.0, 500.1, 1e6, f64::INFINITY] {
@@ -122,7 +124,7 @@ fn half_of_the_threads_frequency_is_the_highest() {
     }
 }
 
-/// A reset is the middle of the cycle, from which it goes on.
+/// A reset sets the middle of the wave, from which it continues.
 #[test]
 fn a_reset_is_half_a_cycle() {
     let rig = Rig::new(10.0, 1.0, 0.0);
