@@ -95,7 +95,7 @@ impl Motor {
         Field { sector: (!rotor.is_nan()).then_some(passed % 6), rotor, phase }
     }
 
-    /// Without feedback, the rotor angle follows the field.
+    /// Returns the field for a motor without feedback, whose rotor angle follows the field.
     fn free(&self, period: Period) -> Field {
         let frequency = self.frequency.as_ref().map_or(0.0, In::get);
         let angle = turn(self.before() + frequency * period.ns() as f64 / 1e9);

@@ -71,11 +71,11 @@ fn an_integrator_with_dead_time() {
     }
 }
 
-/// Three first-order lags of one second, 1/(s + 1)³: each has a phase of -60 degrees at √3/s, where the gain is 1/8.
-/// The harmonics k = 3, 5, … pass with 1/k of |G(k·√3)/G(√3)|, in total 0.0215 of the fundamental. That changes the
-/// peak by the same fraction, and the phase by as many radians. With a phase slope of 1.3 radians per natural logarithm
-/// of frequency, this changes the period by 0.0166; with a gain slope of 2.25 logarithms per logarithm of frequency, it
-/// changes the gain by another 0.0373.
+/// Three first-order lags of one second, 1/(s + 1)³: each has a phase of -60 degrees at √3/s, where their total gain is
+/// 1/8. The harmonics k = 3, 5, … pass with 1/k of |G(k·√3)/G(√3)|, in total 0.0215 of the fundamental. That changes
+/// the peak by the same fraction, and the phase by as many radians. With a phase slope of 1.3 radians per natural
+/// logarithm of frequency, this changes the period by 0.0166; with a gain slope of 2.25 logarithms per logarithm of
+/// frequency, it changes the gain by another 0.0373.
 #[test]
 fn three_lags() {
     let late = libm::sqrt(3.0);

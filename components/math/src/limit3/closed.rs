@@ -47,7 +47,7 @@ impl Rig {
         self.ns as f64 * 1e-9
     }
 
-    /// Displacement added by one period of acceleration.
+    /// Returns the displacement added by one period of acceleration.
     fn grain(&self) -> f64 {
         self.a * self.dt() * self.dt()
     }
@@ -60,7 +60,7 @@ impl Rig {
         (self.was[1] - self.was[0]) / self.dt()
     }
 
-    /// Bound of a cycle's rounding error: positions have a resolution of 2^-52 and are differenced twice.
+    /// Returns a bound of a cycle's rounding error: positions have a resolution of 2^-52 and are differenced twice.
     fn rounding(&self) -> f64 {
         8.0 * f64::EPSILON * self.far
     }
@@ -98,7 +98,7 @@ impl Rig {
         assert!(-soon <= off, "to {to} at {v} and {a} every {} ns: {off} periods late", self.ns);
     }
 
-    /// Bound of the overshoot.
+    /// Returns a bound of the overshoot.
     fn over(&self) -> f64 {
         self.grain() / 8.0 + NEAR + self.rounding()
     }
