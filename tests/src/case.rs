@@ -1,4 +1,4 @@
-//! Cases as data: a folder with a script, and what must come of it.
+//! Test cases as data: a folder with a script and its expected result.
 
 use crate::{
     golden,
@@ -15,28 +15,27 @@ use std::{
 /// A folder of `tests/hal`.
 ///
 /// - `test.hal`: the script.
-/// - `expected`: status, what was printed, what was complained about, and the files that came of
-///   it. In it `<pid>` stands for any decimal number, `<hex>` for any hexadecimal one, `<dir>`
-///   for the folder in which the case runs.
-/// - `args`: what halrun is given, if not `--virtual -f test.hal`.
-/// - Every other file lies beside the script when it runs.
+/// - `expected`: exit status, standard output, standard error, and the files that the run wrote. `<pid>` stands for any
+/// decimal number, `<hex>` for any hexadecimal one, `<dir>` for the folder in which the case runs.
+/// - `args`: arguments of halrun; `--virtual -f test.hal` by default.
+/// - Every other file is copied beside the script for the run.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// The folder's name.
+    /// Name of the folder.
     pub name: String,
     folder: PathBuf,
 }
 
-/// How to run a case.
+/// Surroundings in which a case runs.
 #[derive(Clone, Debug, Default)]
 pub struct Around<'a> {
-    /// A program and its words that run halrun.
+    /// Command, with its arguments, that runs halrun.
     pub before: Vec<&'a str>,
-    /// What the environment is to hold.
+    /// Environment variables to set.
     pub environment: Vec<(&'a str, &'a str)>,
 }
 
-/// Every case; only those that `CASE` names the beginning of, if it is set.
+/// Returns every case; if `CASE` is set, only those whose names begin with it.
 pub fn cases() -> Vec<Case> {
     let wanted = std::env::var("CASE").unwrap_or_default();
     let mut cases: Vec<Case> = fs::read_dir(root().join("tests/hal"))
@@ -54,7 +53,7 @@ pub fn cases() -> Vec<Case> {
 }
 
 impl Case {
-    /// Runs it: everything that came of it, as `expected` has it.
+    /// Runs the case and returns its result in the format of `expected`.
     pub fn run(&self, around: &Around<'_>) -> String {
         let scratch = Scratch::copy_of(&self.folder);
         let given = scratch.files();
@@ -83,10 +82,10 @@ impl Case {
         places.iter().fold(text, |t, (p, word)| t.replace(&p.display().to_string(), word))
     }
 
-    /// Runs it and compares. With `UPDATE_EXPECT=1`, what came of it becomes what is expected.
+    /// Runs the case and compares. With `UPDATE_EXPECT=1`, the result is written to `expected` instead.
     ///
     /// # Errors
-    /// Something else came of it: what, and where it differs.
+    /// The result differs: the case, and the first difference.
     pub fn check(&self) -> Result<(), String> {
         let got = self.run(&Around::default());
         let compared = self.compare(&got);
@@ -97,10 +96,10 @@ impl Case {
         compared
     }
 
-    /// Runs it in other surroundings and compares.
+    /// Runs the case in other surroundings and compares.
     ///
     /// # Errors
-    /// Something else came of it.
+    /// The result differs.
     pub fn check_in(&self, around: &Around<'_>) -> Result<(), String> {
         self.compare(&self.run(around))
     }
@@ -122,7 +121,7 @@ impl Case {
     }
 }
 
-/// Runs something for every case, several at once; fails with all that went wrong.
+/// Runs a function for every case, several at once, and panics with the list of all failures.
 pub fn for_each(cases: &[Case], run: impl Fn(&Case) -> Result<(), String> + Sync) {
     let lanes = 4;
     let wrong: BTreeMap<&str, String> = std::thread::scope(|scope| {
@@ -142,7 +141,7 @@ pub fn for_each(cases: &[Case], run: impl Fn(&Case) -> Result<(), String> + Sync
     assert!(texts.is_empty(), "{} of {} cases:\n{}", texts.len(), cases.len(), texts.join("\n"));
 }
 
-/// Whether two texts are the same but for what `expected` leaves open.
+/// Returns whether two texts are equal, apart from the placeholders of `expected`.
 fn matches(expected: &str, got: &str) -> bool {
     expected.lines().count() == got.lines().count()
         && expected.ends_with('\n') == got.ends_with('\n')
@@ -159,7 +158,7 @@ fn line_matches(expected: &str, got: &str) -> bool {
     digits > 0 && line_matches(after.unwrap_or_default(), rest.get(digits..).unwrap_or_default())
 }
 
-/// What came, with the open places that `expected` has where it still fits.
+/// Returns the new text with the placeholders of `expected` kept where they still match.
 fn merged(expected: &str, got: &str) -> String {
     let old: Vec<&str> = expected.lines().filter(|l| l.contains('<')).collect();
     got.lines().fold(String::new(), |mut text, line| {
@@ -169,7 +168,7 @@ fn merged(expected: &str, got: &str) -> String {
     })
 }
 
-/// Returns the first lines that differ, open places aside, with some around.
+/// Returns the first lines that differ, placeholders aside, with some context.
 fn difference(expected: &str, got: &str) -> String {
     golden::differing(expected, got, line_matches)
 }

@@ -1,8 +1,8 @@
-//! How many tests a component has, from the sources of its library.
+//! Number of tests of each component, counted in the sources of its library.
 //!
-//! A test function counts when it is in the component's own file, when it names the component or
-//! its type, or when the library has no other component. Rows are those of the recorded tables in
-//! the library's folder `traces` that load it.
+//! A test function counts if it is in the component's own file, if it names the component or its type, or if the
+//! library
+//! has no other component. Rows are the rows of the recorded tables in the library's folder `traces` that load it.
 
 use crate::programs::family;
 use std::{
@@ -10,16 +10,16 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// What was counted.
+/// Counts for one component.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counted {
-    /// Test functions.
+    /// Number of test functions.
     pub tests: usize,
-    /// Rows of recorded tables.
+    /// Number of rows of recorded tables.
     pub rows: usize,
 }
 
-/// The sources of a library: its files with their names, and its tables.
+/// Sources of a library: its files with their names, and its tables.
 #[derive(Debug)]
 pub struct Sources {
     files: Vec<(String, String)>,
@@ -27,7 +27,7 @@ pub struct Sources {
 }
 
 impl Sources {
-    /// Those of a library of `components`.
+    /// Reads the sources of a library of `components`.
     pub fn of(library: &str) -> Self {
         let folder = family(library);
         let mut found = Vec::new();
@@ -43,7 +43,7 @@ impl Sources {
         }
     }
 
-    /// What a component has, by all its names; whether it is the library's only one.
+    /// Counts the tests of a component under all its names. `is_alone`: the library has no other component.
     pub fn count(&self, names: &[&str], is_alone: bool) -> Counted {
         // No file and no type begins with a digit.
         let spelled = |n: &str| n.replace('-', "_").replace("5axis", "fiveaxis");
@@ -80,7 +80,7 @@ fn walk(folder: &Path, out: &mut Vec<PathBuf>) {
     }
 }
 
-/// The test functions of a file, each with its body: to the brace that stands where it began.
+/// Returns the test functions of a file, each with its body, up to the closing brace at the indentation of its start.
 fn tests(text: &str) -> Vec<&str> {
     const MARK: &str = "#[test]\n";
     let begins = text.match_indices(MARK).map(|(at, _)| at);
@@ -93,7 +93,7 @@ fn tests(text: &str) -> Vec<&str> {
         .collect()
 }
 
-/// Whether a text has a component's name, or that of its type, as a word.
+/// Returns whether a text contains a component's name, or that of its type, as a word.
 fn tells_of(text: &str, name: &str) -> bool {
     let camel: String = name
         .split(['-', '_'])

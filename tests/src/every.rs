@@ -1,10 +1,10 @@
-//! Every component that a library offers, and what each is given where all of them are loaded.
+//! Every component that a library offers, with the arguments used by tests that load all of them.
 
 use crate::programs::programs;
 use hal_engine::{ClockKind, Engine, Offer, Options};
 use hal_protocol::Place;
 
-/// What some must be given, or show more with; once for each way.
+/// Arguments that a component requires, or that give it more pins; one entry for each variant.
 const WAYS: &[(&str, &[&str])] = &[
     ("and2", &["count=4"]),
     ("bitslice", &["personality=32"]),
@@ -26,7 +26,7 @@ const WAYS: &[(&str, &[&str])] = &[
     ("mux_generic", &["config=ff8,fb5,bs4,uf6"]),
     ("pid", &["num_chan=2 debug=1"]),
     ("pwmgen", &["output_type=0,1,2"]),
-    // Without a name of its own its pins are those of motion's spindles.
+    // Without a name of its own, its pins collide with those of motion's spindles.
     ("spindle", &["names=gears numgears=3"]),
     (
         "stepgen",
@@ -41,17 +41,17 @@ const WAYS: &[(&str, &[&str])] = &[
     ("weighted_sum", &["wsum_sizes=3,16"]),
 ];
 
-/// How one is made large.
+/// An argument that makes an instance large.
 enum Size {
-    /// `ARG=VALUE,VALUE,…`, one for each instance, at most so many.
+    /// `ARG=VALUE,VALUE,…`, one value for each instance, at most this many.
     Each(&'static str, &'static str, usize),
-    /// `ARG=N`, at most so many.
+    /// `ARG=N`, at most this many.
     Number(&'static str, usize),
-    /// Always this.
+    /// A fixed text.
     Fixed(&'static str),
 }
 
-/// The largest that each can be made, where that is more than without arguments.
+/// The largest size of each component that grows with its arguments.
 const LARGE: &[(&str, &[Size])] = {
     use Size::{Each, Fixed, Number};
     const ANY: usize = usize::MAX;
@@ -102,7 +102,7 @@ const LARGE: &[(&str, &[Size])] = {
     ]
 };
 
-/// An engine on the virtual clock that finds every plugin.
+/// Returns an engine on the virtual clock that finds every plugin.
 pub fn engine() -> Engine {
     Engine::without_socket(Options {
         place: Place::at("/nonexistent", "every").unwrap(),
@@ -117,25 +117,25 @@ pub fn engine() -> Engine {
     .unwrap()
 }
 
-/// What every library offers.
+/// Returns the offers of every library.
 pub fn offers() -> Vec<Offer> {
     let offers = engine().catalogue();
     assert!(offers.len() > 150, "every library of components/ is there: {}", offers.len());
     offers
 }
 
-/// The arguments with which a component is to be loaded, once for each way.
+/// Returns the arguments with which tests load a component, one entry for each variant.
 pub fn ways(component: &str) -> &'static [&'static str] {
     WAYS.iter().find(|(name, _)| *name == component).map_or(&[""], |(_, ways)| ways)
 }
 
-/// Whether it is created once for each of `count=`.
+/// Returns whether the component creates one instance for each of `count=`.
 pub fn is_counted(offer: &Offer) -> bool {
-    // Kinematics, of which there is one, have an argument of that name of their own.
+    // The kinematics component has an unrelated argument of that name.
     offer.library != "kinematics" && offer.args.iter().any(|a| a.name == "count")
 }
 
-/// The arguments for so many instances, each as large as it gets, or as many as one load makes.
+/// Returns the arguments for this many instances, each of the largest size, or for as many as one load can create.
 pub fn large(offer: &Offer, count: usize) -> String {
     let mut words = Vec::new();
     if is_counted(offer) {

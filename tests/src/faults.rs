@@ -1,21 +1,21 @@
-//! Machines with a planted fault: small scripts whose faulty line is marked.
+//! Machines with a deliberate fault: small scripts whose faulty line is marked.
 
 use crate::scratch::Scratch;
 use hal_protocol::{At, Code, Finding, Level, Reply};
 
-/// What marks the line at fault: at its end, or alone on the line below it.
+/// Mark of the faulty line: at its end, or alone on the line below it.
 const MARK: &str = "# <--";
 
-/// A machine in files: the first is `m.hal`, each other one begins with `--- NAME`.
+/// A machine in files: the first is `m.hal`, each further one begins with `--- NAME`.
 #[derive(Clone, Debug)]
 pub struct Planted {
     files: Vec<(String, String)>,
-    /// Where the mark is.
+    /// Position of the mark.
     pub at: Option<At>,
 }
 
 impl Planted {
-    /// Reads a machine.
+    /// Parses a machine.
     pub fn parse(text: &str) -> Self {
         let mut files: Vec<(String, String)> = vec![("m.hal".to_owned(), String::new())];
         for line in text.split_inclusive('\n') {
@@ -32,8 +32,8 @@ impl Planted {
         Self { files, at }
     }
 
-    /// What `halcmd check` finds: on the INI file if it names HAL files, else on the script, with
-    /// the INI file if there is one.
+    /// Runs `halcmd check` and returns its exit status and findings: on the INI file if it names HAL files, else on the
+    /// script, together with the INI file if there is one.
     pub fn check(&self, name: &str) -> (Option<i32>, Vec<Finding>) {
         let scratch = Scratch::new(name);
         for (file, text) in &self.files {
@@ -59,8 +59,8 @@ impl Planted {
     }
 }
 
-/// What is not as it should be: the wrong machine has the finding where the mark is and the status
-/// of its worst finding; the right one has neither that finding nor any error or warning.
+/// Returns the mistakes: the faulty machine must have the finding at the mark and the status of its worst finding; the
+/// correct one must have neither that finding nor any error or warning.
 pub fn mistakes(name: &str, code: Code, wrong: &str, right: &str) -> Vec<String> {
     let mut out = Vec::new();
     let planted = Planted::parse(wrong);

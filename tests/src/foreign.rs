@@ -1,4 +1,4 @@
-//! Components in C inside a test: where they are, how they are compiled, loaded and driven.
+//! Components written in C: where tests find them, and how they compile, load and drive them.
 
 use crate::programs::{programs, root};
 use hal_engine::{ClockKind, Engine, Options};
@@ -8,12 +8,12 @@ use std::{
     process::Command,
 };
 
-/// Where LinuxCNC's package has its components, if it is installed.
+/// Returns the folder of the components of LinuxCNC's package, if it is installed.
 pub fn installed() -> Option<PathBuf> {
     Some(PathBuf::from("/usr/lib/linuxcnc/modules")).filter(|p| p.join("and2.so").is_file())
 }
 
-/// An engine on the virtual clock that finds every plugin, and components in C in some folders.
+/// An engine on the virtual clock that finds every plugin, and C components in some folders.
 #[derive(Debug)]
 pub struct Bench {
     /// The engine.
@@ -21,7 +21,7 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// Finds components in C in these folders.
+    /// Creates an engine that finds C components in these folders.
     pub fn new(folders: &[&Path]) -> Self {
         let mut path = vec![programs().to_owned()];
         path.extend(folders.iter().map(|f| (*f).to_owned()));
@@ -38,10 +38,10 @@ impl Bench {
         Self { engine: Engine::without_socket(options).unwrap() }
     }
 
-    /// `loadrt --c --prefix P NAME ARGS…`, what it said of a refusal, and before it.
+    /// Runs `loadrt --c --prefix P NAME ARGS…`.
     ///
     /// # Errors
-    /// It was refused.
+    /// The load was refused: the refusal, after the messages that preceded it.
     pub fn load_c(&mut self, prefix: &str, words: &str) -> Result<(), String> {
         let mut words = words.split(' ').filter(|w| !w.is_empty()).map(str::to_owned);
         let module = words.next().unwrap();
@@ -54,7 +54,7 @@ impl Bench {
         })
     }
 
-    /// Pins or parameters that match.
+    /// Returns the pins or parameters that match a pattern.
     pub fn items(&mut self, kind: Kind, pattern: &str) -> Vec<ItemInfo> {
         let patterns = if pattern.is_empty() { Vec::new() } else { vec![pattern.to_owned()] };
         match self.call(Request::List { kind, patterns, ty: None }) {
@@ -63,7 +63,7 @@ impl Bench {
         }
     }
 
-    /// The functions of a component.
+    /// Returns the functions of a component.
     pub fn functs(&mut self, owner: &str) -> Vec<FunctInfo> {
         match self.call(Request::List { kind: Kind::Functs, patterns: Vec::new(), ty: None }) {
             Ok(Reply::Functs(list)) => list.into_iter().filter(|f| f.owner_name == owner).collect(),
@@ -84,7 +84,7 @@ impl Link for Bench {
     }
 }
 
-/// A value as a user writes it.
+/// Returns a value as a user writes it.
 pub fn written(value: Value) -> String {
     match value {
         Value::Float(f) if f.is_nan() => "nan".to_owned(),
@@ -95,13 +95,13 @@ pub fn written(value: Value) -> String {
     }
 }
 
-/// Whether an item shows the time that a function takes: that differs from run to run.
+/// Returns whether an item shows the time that a function takes, which differs from run to run.
 fn is_time(name: &str) -> bool {
     [".time", ".tmax", ".tmax-increased"].iter().any(|end| name.ends_with(end))
 }
 
-/// The text of a component `mine` with a bit that it turns at each run, and what `main` and the
-/// function do besides.
+/// Returns the source of a component `mine` with a bit that it toggles at each run. `globals` is inserted at file level, `main`
+/// into `rtapi_app_main`, and `function` into the component's function.
 pub fn component(globals: &str, main: &str, function: &str) -> String {
     format!(
         "#include \"rtapi.h\"\n#include \"rtapi_app.h\"\n#include \"hal.h\"\n\
@@ -116,8 +116,7 @@ pub fn component(globals: &str, main: &str, function: &str) -> String {
     )
 }
 
-/// Compiles C with Ferrule's headers to `FOLDER/NAME.so`; `None`, with a word, where there is no
-/// compiler.
+/// Compiles C with Ferrule's headers to `FOLDER/NAME.so`; returns `None`, and reports it, if there is no compiler.
 pub fn compile(folder: &Path, name: &str, source: &str, options: &[&str]) -> Option<PathBuf> {
     let (from, to) = (folder.join(format!("{name}.c")), folder.join(format!("{name}.so")));
     std::fs::write(&from, source).unwrap();

@@ -1,8 +1,7 @@
-//! What the fuzz targets do with bytes that mean anything or nothing. `tests/fuzz` calls it with
-//! what a fuzzer thinks of, `tests/tests/corpus.rs` with what it has found.
+//! Bodies of the fuzz targets: each takes arbitrary bytes. `tests/fuzz` calls them with a fuzzer's inputs, and
+//! `tests/tests/corpus.rs` calls them with the inputs that fuzzing has collected.
 //!
-//! Nothing here reaches beyond this process: programs are not started, files not written, processes
-//! not ended.
+//! Nothing here reaches beyond this process: no program is started, no file is written, no process is ended.
 
 use crate::machine::{bare, plain, with_libraries};
 use hal_engine::{ClockKind, Engine};
@@ -20,26 +19,26 @@ use std::{
     os::unix::net::UnixStream,
 };
 
-/// The longest input that is looked at.
+/// Length of the longest input that is processed, in bytes.
 const LONGEST: usize = 2048;
-/// The most lines that are carried out.
+/// Maximum number of lines that are executed.
 const MOST_LINES: usize = 32;
-/// The furthest that the clock is moved at once, in nanoseconds.
+/// Longest step of the clock, in nanoseconds.
 const FURTHEST: u64 = 1_000_000;
-/// The values of variables.
+/// Variables of the INI file.
 const INI: &str = "[A]\nX = 5\nNAME = and2.0.in0\nBAD = \"x\nTWO = net s and2.0.out\n[B]\nX = #\n";
 
 fn environment(name: &str) -> Option<String> {
     (name.len() < 4).then(|| format!("{name}.0 \"{name}"))
 }
 
-/// Lines of a script, carried out by an engine on a held virtual clock. A line that fails leaves
-/// everything as it was.
+/// Executes lines of a script with an engine on a held virtual clock, and checks that a line that fails changes
+/// nothing.
 pub fn script(bytes: &[u8]) {
     let bytes = bytes.get(..LONGEST).unwrap_or(bytes);
     let mut engine = plain(ClockKind::Virtual);
     let ini = Ini::parse("fuzz.ini", INI.as_bytes()).unwrap();
-    // Errors show the line and point into it.
+    // Error messages quote the line and mark a position in it.
     let mut terminal = Captured { person: true, ..Captured::default() };
     let style = Style { verbose: true, ..Style::default() };
     let mut before = None;
@@ -61,14 +60,14 @@ pub fn script(bytes: &[u8]) {
     engine.close();
 }
 
-/// The commands that would rebuild the state.
+/// Returns the commands that would rebuild the state.
 fn state(engine: &mut Engine) -> Vec<Reply> {
     let kinds = [Kind::Components, Kind::Pins, Kind::Signals, Kind::Params, Kind::Threads];
     let list = |kind| Request::List { kind, patterns: Vec::new(), ty: None };
     kinds.map(|kind| engine.call(list(kind)).unwrap()).into()
 }
 
-/// Whether a line does nothing but to the engine, and that not for ever.
+/// Returns whether a line affects nothing but the engine, and returns.
 fn stays_inside(text: &str, ini: &Ini) -> bool {
     let values = Values { environment: &environment, ini: Some(ini) };
     let words = lex::without_comment(text)
@@ -79,7 +78,7 @@ fn stays_inside(text: &str, ini: &Ini) -> bool {
         return true;
     }
     match understand(&words) {
-        // The last two end when somebody ends them.
+        // The last two run until they are interrupted.
         Ok(
             Command::Launch(_)
             | Command::AwaitEnd(_)
@@ -104,20 +103,20 @@ fn is_harmless(request: &Request) -> bool {
     }
 }
 
-/// Whether no number in it is large, but for periods.
+/// Returns whether an argument holds no large number, periods aside.
 fn is_small(arg: &str) -> bool {
     let most = if arg.starts_with("period") { 18 } else { 2 };
     arg.split(|c: char| !c.is_ascii_hexdigit()).all(|digits| digits.len() <= most)
 }
 
-/// An INI file; after a zero byte, a line with variables to be found in it.
+/// Parses an INI file; after a zero byte, the input is a line whose variables are looked up in that file.
 pub fn ini(bytes: &[u8]) {
     let bytes = bytes.get(..LONGEST).unwrap_or(bytes);
     let (text, line) = match bytes.iter().position(|b| *b == 0) {
         Some(at) => bytes.split_at(at),
         None => (bytes, &b"[A]X [](Y) $Z"[..]),
     };
-    // Other files are none of this.
+    // Inputs that include other files are skipped.
     if text.windows(8).any(|w| w == b"#INCLUDE") {
         return;
     }
@@ -136,7 +135,7 @@ pub fn ini(bytes: &[u8]) {
     drop(read);
 }
 
-/// What a client writes, as the server of an engine takes it.
+/// Sends the bytes to an engine's server as a client would.
 pub fn protocol(bytes: &[u8]) {
     let folder = std::env::temp_dir().join(format!("ferrule-fuzz-{}", std::process::id()));
     let place = Place::at(folder, "fuzz").unwrap();
@@ -164,7 +163,7 @@ pub fn protocol(bytes: &[u8]) {
         if turn == 48 {
             client.shutdown(std::net::Shutdown::Write).unwrap();
         }
-        // Nothing is there yet, or it has hung up: the engine decides.
+        // No bytes may have arrived yet, or the client has hung up: the engine decides.
         drop(client.read_to_end(&mut answers));
     }
     assert!(answers.ends_with(b"\n"), "an answer ends with its line");
@@ -173,13 +172,14 @@ pub fn protocol(bytes: &[u8]) {
     engine.close();
 }
 
-/// A recording: the first byte says of which format. What is read whole is the same in JSON.
+/// Reads a recording. The first byte selects its format. A recording that is read completely must survive a round trip
+/// through JSON.
 pub fn trace(bytes: &[u8]) {
     let Some((kind, file)) = bytes.split_first() else { return };
     let format = Format::ALL[usize::from(*kind) % Format::ALL.len()];
     let Ok(trace) = format.read(file).whole() else { return };
     let mut json = Vec::new();
-    // What JSON cannot hold is refused with a word.
+    // Values that JSON cannot hold are refused with a message.
     if Format::Json.write(&mut json, &trace).is_ok() {
         assert_eq!(Format::Json.read(&json).whole().as_ref(), Ok(&trace));
     }

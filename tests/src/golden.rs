@@ -14,7 +14,7 @@ pub fn is_update() -> bool {
 /// Compares `got` with a golden file, or writes the file.
 ///
 /// # Errors
-/// The two differ: the file, the first lines that differ with some around, and how to accept them.
+/// The two differ: the file, the first lines that differ with some context, and the command that accepts them.
 pub fn compare(path: &Path, got: &str) -> Result<(), String> {
     let expected = fs::read_to_string(path).unwrap_or_default();
     if expected == got {
@@ -49,12 +49,12 @@ pub fn check_part(path: &Path, begin: &str, end: &str, got: &str) {
     check(path, &format!("{head}{begin}{got}{end}{tail}"));
 }
 
-/// Returns the first lines that differ, with some around.
+/// Returns the first lines that differ, with some context.
 pub fn difference(expected: &str, got: &str) -> String {
     differing(expected, got, |a, b| a == b)
 }
 
-/// As [`difference`], with another rule for lines that are the same.
+/// Returns the same as [`difference`], with another rule for equal lines.
 pub(crate) fn differing(expected: &str, got: &str, same: fn(&str, &str) -> bool) -> String {
     let (expected, got): (Vec<&str>, Vec<&str>) =
         (expected.lines().collect(), got.lines().collect());

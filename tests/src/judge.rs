@@ -1,5 +1,5 @@
-//! The judge: one of our components and LinuxCNC's own of the same name, in one engine on the
-//! virtual clock, given the same inputs and compared after every cycle.
+//! The judge: runs one of our components and LinuxCNC's component of the same name in one engine on the virtual clock,
+//! with the same inputs, and compares them after every cycle.
 
 pub mod case;
 mod history;
@@ -24,13 +24,13 @@ use inputs::Driven;
 use plan::{Plan, Round, with_names};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What is put before the names of LinuxCNC's.
+/// Prefix of the names of LinuxCNC's component.
 const PREFIX: &str = "c-";
 
-/// Pins and parameters by name, with direction and first value; the prefix is taken off.
+/// Pins and parameters by name, without the prefix, with direction and first value.
 type Items = BTreeMap<String, (Direction, Value)>;
 
-/// Both, side by side.
+/// Both components, side by side.
 struct Pair<'c> {
     module: &'c str,
     case: &'c Case,
@@ -40,10 +40,10 @@ struct Pair<'c> {
     history: History,
 }
 
-/// Judges a component, in the first so many rounds.
+/// Judges a component for this many rounds.
 ///
 /// # Errors
-/// One of both cannot be loaded, or what is told of it is wrong.
+/// One of the two cannot be loaded, or the case file is wrong.
 pub fn judge(module: &str, rounds: usize) -> Result<Verdict, String> {
     let folder = installed().unwrap();
     let case = Case::of(module)?;
@@ -63,7 +63,7 @@ pub fn judge(module: &str, rounds: usize) -> Result<Verdict, String> {
 }
 
 impl Pair<'_> {
-    /// Whether theirs takes names for its instances, beside these arguments.
+    /// Returns whether LinuxCNC's component accepts instance names in addition to these arguments.
     fn takes_names(&mut self, args: &str) -> bool {
         let (module, b) = (self.module, &mut self.bench);
         let takes =
@@ -74,7 +74,7 @@ impl Pair<'_> {
         takes
     }
 
-    /// Both loaded, driven, unloaded.
+    /// Loads both, drives them, and unloads them.
     fn round(&mut self, round: &Round) -> Result<(), String> {
         let (ours, theirs) = self.load(round)?;
         for (name, (_, first)) in ours.iter().filter(|(_, (direction, _))| is_given(*direction)) {
@@ -122,7 +122,7 @@ impl Pair<'_> {
         Ok((items(b, module, ""), items(b, &theirs, PREFIX)))
     }
 
-    /// What both have: what is to be driven, and what is to be compared.
+    /// Matches the items of both; returns the inputs to drive and the items to compare.
     fn matched(
         &mut self,
         style: Style,
@@ -169,7 +169,7 @@ impl Pair<'_> {
         (inputs, outputs)
     }
 
-    /// Gives both what is due before a cycle.
+    /// Sets the inputs of both that are due before a cycle.
     fn drive(&mut self, inputs: &mut [Driven], cycle: u64, all_at_first: bool) {
         for i in inputs {
             let b = &mut self.bench;
@@ -181,7 +181,7 @@ impl Pair<'_> {
         }
     }
 
-    /// Compares all after a cycle.
+    /// Compares all items after a cycle.
     #[expect(clippy::print_stdout, reason = "asked for")]
     fn compare(&mut self, round: &Round, names: &[(String, String)]) {
         let b = &mut self.bench;
@@ -204,7 +204,7 @@ impl Pair<'_> {
     }
 }
 
-/// Whether the judge sets it.
+/// Returns whether the judge sets an item of this direction.
 const fn is_given(direction: Direction) -> bool {
     matches!(direction, Direction::In | Direction::Io | Direction::Rw)
 }
@@ -216,7 +216,7 @@ fn items(b: &mut Bench, owner: &str, prefix: &str) -> Items {
     mine.map(|i| (i.name[prefix.len()..].to_owned(), (i.direction, i.value))).collect()
 }
 
-/// Mixes a list.
+/// Shuffles a list.
 fn shuffle<T>(list: &mut [T], r: &mut Random) {
     for i in (1..list.len()).rev() {
         list.swap(i, r.index(i + 1));

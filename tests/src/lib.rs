@@ -1,5 +1,5 @@
-//! What the whole-system tests share: programs, plugins, engines, folders of their own, cases as data,
-//! recordings read back, and the judge of components.
+//! Support code of the whole-system tests: programs, plugins, engines, scratch folders, cases as data, a reader for
+//! recordings, and the judge of components.
 #![expect(
     clippy::unwrap_used,
     clippy::indexing_slicing,

@@ -1,4 +1,4 @@
-//! An engine inside a test, told what to do in lines of a script.
+//! An engine inside a test, driven by lines of a script.
 
 use crate::{
     plugins::plugins,
@@ -18,12 +18,12 @@ pub struct Machine {
     pub engine: Engine,
 }
 
-/// How an engine for a test is made.
+/// Returns the options of an engine for a test.
 pub fn options(place: Place, clock: ClockKind) -> Options {
     Options { path: vec![plugins().to_owned()], ..bare(place, clock) }
 }
 
-/// The same for an engine that looks for no file.
+/// Returns the same options for an engine that looks for no file.
 pub(crate) fn bare(place: Place, clock: ClockKind) -> Options {
     Options {
         place,
@@ -37,19 +37,19 @@ pub(crate) fn bare(place: Place, clock: ClockKind) -> Options {
     }
 }
 
-/// What tests ask of the system. Functions that do not come back for long are what many of them are
-/// about: that alone stops no machine.
+/// Returns the realtime options of tests. Many tests use functions that run for a long time; that alone stops no
+/// machine.
 pub fn realtime() -> RealtimeOptions {
     RealtimeOptions { stuck_ns: Some(3_600_000_000_000), ..RealtimeOptions::default() }
 }
 
-/// An engine that knows `threads` and `logic` alone, looks for no file, and that no client reaches.
+/// Returns an engine that has only `threads` and `logic`, looks for no file, and has no socket for clients.
 pub fn plain(clock: ClockKind) -> Engine {
     let place = Place::at("/nonexistent", "plain").unwrap();
     with_libraries(Engine::without_socket(bare(place, clock)).unwrap())
 }
 
-/// With `threads` and `logic`, linked in.
+/// Adds `threads` and `logic`, linked in.
 pub(crate) fn with_libraries(mut engine: Engine) -> Engine {
     engine.add_static(&threads::HAL_LIBRARY);
     engine.add_static(&logic::HAL_LIBRARY);
@@ -57,33 +57,32 @@ pub(crate) fn with_libraries(mut engine: Engine) -> Engine {
 }
 
 impl Machine {
-    /// On a clock of this kind; no client can reach it.
+    /// Creates an engine on a clock of this kind, without a socket for clients.
     pub fn new(clock: ClockKind) -> Self {
         let place = Place::at("/nonexistent", "test").unwrap();
         Self { engine: with_libraries(Engine::without_socket(options(place, clock)).unwrap()) }
     }
 
-    /// On the real clock, with these demands on the system; no client can reach it.
+    /// Creates an engine on the real clock with these realtime options, without a socket for clients.
     pub fn realtime(realtime: RealtimeOptions) -> Self {
         let place = Place::at("/nonexistent", "test").unwrap();
         let options = Options { realtime, ..options(place, ClockKind::Real) };
         Self { engine: with_libraries(Engine::without_socket(options).unwrap()) }
     }
 
-    /// Runs lines that must work.
+    /// Runs lines that must succeed.
     pub fn script(&mut self, lines: &str) {
         script(&mut self.engine, lines);
     }
 
-    /// What it has said since the last call, but for real time: how late threads wake is this
-    /// computer's matter.
+    /// Returns the messages since the last call, except those about real time: wakeup latency depends on this computer.
     pub fn said(&mut self) -> Vec<String> {
         let mut said = self.engine.take_messages();
         said.retain(|text| !text.starts_with(REALTIME));
         said
     }
 
-    /// Ends it; the last things that it had to say.
+    /// Ends the engine; returns its last messages.
     pub fn end(mut self) -> Vec<String> {
         let said = self.said();
         self.engine.close();
@@ -100,18 +99,18 @@ impl Link for Machine {
 /// An engine in a thread of its own, with a socket for clients. Its virtual clock is held.
 #[derive(Debug)]
 pub struct Served {
-    /// Where its socket is.
+    /// Location of its socket.
     pub place: Place,
     thread: Option<JoinHandle<(Ended, Vec<String>)>>,
 }
 
 impl Served {
-    /// Starts it with the lines of a script; they must make a thread, or it ends at once.
+    /// Starts the engine with the lines of a script; they must create a thread, or the engine ends at once.
     pub fn start(scratch: &Scratch, name: &str, lines: &str) -> Self {
         Self::on(ClockKind::Real, scratch, name, lines)
     }
 
-    /// As [`Self::start`], on a clock of this kind.
+    /// Starts the engine like [`Self::start`], on a clock of this kind.
     pub fn on(clock: ClockKind, scratch: &Scratch, name: &str, lines: &str) -> Self {
         let place = Place::at(scratch.path().join(".run/ferrule"), name).unwrap();
         let (there, lines) = (place.clone(), lines.to_owned());
@@ -124,17 +123,17 @@ impl Served {
             let ended = machine.engine.serve(None);
             (ended, machine.end())
         });
-        // Fails when the script does.
+        // Fails if the script fails.
         is_ready.recv().unwrap_or_else(|_| panic!("the engine did not come up"));
         Self { place, thread: Some(thread) }
     }
 
-    /// A client, not listed.
+    /// Returns a client that is not listed.
     pub fn client(&self) -> Client {
         Client::connect(&self.place, "").unwrap()
     }
 
-    /// Ends it: what it had to say.
+    /// Ends the engine; returns its messages.
     pub fn end(mut self) -> Vec<String> {
         self.client().call(Request::Shutdown).unwrap();
         let (ended, said) = self.thread.take().unwrap().join().unwrap();
@@ -143,14 +142,14 @@ impl Served {
     }
 }
 
-/// Runs lines that must work.
+/// Runs lines that must succeed.
 pub fn script(link: &mut impl Link, lines: &str) {
     for line in lines.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#')) {
         link.call(request(line)).unwrap_or_else(|e| panic!("{line}: {e}"));
     }
 }
 
-/// What comes of a line: `ok`, a value, an answer, or the refusal with its hint.
+/// Returns the result of a line: `ok`, a value, an answer, or the refusal with its hint.
 pub fn says(link: &mut impl Link, line: &str) -> String {
     match link.call(request(line)) {
         Ok(Reply::Value(value)) => value.to_string(),
@@ -160,14 +159,14 @@ pub fn says(link: &mut impl Link, line: &str) -> String {
     }
 }
 
-/// Lines that are to be carried out at once or not at all.
+/// Returns the request that applies these lines all at once or not at all.
 pub fn edits(lines: &str, dry: bool) -> Request {
     let edit = |(i, line)| Edit { file: 0, line: i, request: request(line) };
     let edits = (1..).zip(lines.lines().map(str::trim)).map(edit).collect();
     Request::Apply { files: vec!["lines".to_owned()], edits, dry }
 }
 
-/// What comes of lines that are applied: `ok`, or the refusal, of a line by its number.
+/// Applies lines; returns `ok`, or the refusal with the number of its line.
 pub fn applied(link: &mut impl Link, lines: &str) -> String {
     match link.call(edits(lines, false)) {
         Ok(Reply::Applied { .. }) => "ok".to_owned(),
@@ -177,7 +176,7 @@ pub fn applied(link: &mut impl Link, lines: &str) -> String {
     }
 }
 
-/// Everything that can be seen of an instance: what is there, its values and what it takes.
+/// Returns the visible state of an instance: its items, their values, and the commands it accepts.
 pub fn seen(link: &mut impl Link) -> Vec<String> {
     let mut all = vec![format!("{:?}", link.call(Request::Status))];
     for kind in [
@@ -200,7 +199,7 @@ pub fn seen(link: &mut impl Link) -> Vec<String> {
     all
 }
 
-/// A pin's or parameter's value.
+/// Returns the value of a pin or parameter.
 pub fn get(link: &mut impl Link, name: &str) -> Value {
     match link.call(Request::Get { name: name.to_owned() }) {
         Ok(Reply::Value(value)) => value,
@@ -208,7 +207,7 @@ pub fn get(link: &mut impl Link, name: &str) -> Value {
     }
 }
 
-/// The value of a pin or parameter that counts.
+/// Returns the value of a pin or parameter that is a counter.
 pub fn count(link: &mut impl Link, name: &str) -> u64 {
     match get(link, name) {
         Value::U32(n) => u64::from(n),
@@ -219,12 +218,12 @@ pub fn count(link: &mut impl Link, name: &str) -> u64 {
     }
 }
 
-/// Whether a bit is true.
+/// Returns the value of a bit.
 pub fn bit(link: &mut impl Link, name: &str) -> bool {
     get(link, name) == Value::Bit(true)
 }
 
-/// The state of the instance.
+/// Returns the status of the instance.
 pub fn status(link: &mut impl Link) -> StatusInfo {
     match link.call(Request::Status) {
         Ok(Reply::Status(status)) => *status,
@@ -232,7 +231,7 @@ pub fn status(link: &mut impl Link) -> StatusInfo {
     }
 }
 
-/// A thread as `show thread` has it.
+/// Returns a thread as `show thread` lists it.
 pub fn thread(link: &mut impl Link, name: &str) -> ThreadInfo {
     let kind = Kind::Threads;
     match link.call(Request::List { kind, patterns: vec![name.to_owned()], ty: None }) {
@@ -243,8 +242,8 @@ pub fn thread(link: &mut impl Link, name: &str) -> ThreadInfo {
     }
 }
 
-/// Lets time pass on the wall, and with it on the real clock, until something is so. There is no
-/// bound on how long that takes but one that only a failure reaches.
+/// Waits, in wall time and thereby on the real clock, until a condition holds. The timeout is so long that only a
+/// failure reaches it.
 pub fn wait<L: Link>(link: &mut L, what: &str, mut look: impl FnMut(&mut L) -> bool) {
     for _ in 0..60_000 {
         if look(link) {
@@ -255,14 +254,14 @@ pub fn wait<L: Link>(link: &mut L, what: &str, mut look: impl FnMut(&mut L) -> b
     panic!("given up: {what}");
 }
 
-/// Waits until a thread has run some more cycles.
+/// Waits until a thread has run this many more cycles.
 pub fn cycles(link: &mut impl Link, name: &str, n: u64) {
     let end = thread(link, name).cycles + n;
     wait(link, "cycles", |link| thread(link, name).cycles >= end);
 }
 
-/// Runs all other tests of this program once more, where nobody may use `SCHED_FIFO`: one thread
-/// of the system then runs all threads.
+/// Runs all other tests of this program once more without permission for `SCHED_FIFO`: a single system thread then
+/// runs all HAL threads.
 pub fn without_fifo(this_test: &str) {
     let no_fifo = "HAL_NO_FIFO";
     if std::env::var_os(no_fifo).is_none() {
@@ -272,7 +271,7 @@ pub fn without_fifo(this_test: &str) {
     }
 }
 
-/// A line of a script as a request; just what tests need of the language.
+/// Parses a line of a script into a request; covers only the part of the language that tests need.
 pub fn request(line: &str) -> Request {
     let words: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
     let at = |i: usize| words.get(i).cloned().unwrap_or_else(|| panic!("{line}: too short"));

@@ -1,8 +1,8 @@
-//! What LinuxCNC's components have, `tests/compat/pins/NAME.txt`, and what ours have beside it.
+//! Pins of LinuxCNC's components, recorded in `tests/compat/pins/NAME.txt`, compared with the pins of ours.
 //!
-//! A file tells of each version in which the component was looked at: the arguments that it takes,
-//! and for each `loadrt` line its functions, and its pins and parameters with type, direction and
-//! first value.
+//! A file has a section for each version of LinuxCNC in which the component was measured: the arguments that it
+//! accepts,
+//! and for each `loadrt` line its functions, and its pins and parameters with type, direction and first value.
 
 use crate::{
     foreign::{Bench, installed},
@@ -16,28 +16,28 @@ use std::{
     path::PathBuf,
 };
 
-/// The folder of these files.
+/// Returns the folder of these files.
 pub fn folder() -> PathBuf {
     root().join("tests/compat/pins")
 }
 
-/// What one version of a component has.
+/// Recorded version of a component.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Version {
-    /// The version of LinuxCNC.
+    /// Version of LinuxCNC.
     pub name: String,
-    /// What `loadrt` may give it.
+    /// Arguments that `loadrt` accepts.
     pub args: BTreeSet<String>,
-    /// What each load makes.
+    /// Result of each load.
     pub loads: Vec<Loaded>,
 }
 
-/// What one load makes.
+/// Result of one load.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Loaded {
-    /// The arguments.
+    /// Arguments of the load.
     pub args: String,
-    /// The functions.
+    /// Names of the functions.
     pub functs: BTreeSet<String>,
     /// Pins and parameters, by name.
     pub items: BTreeMap<String, Item>,
@@ -46,13 +46,13 @@ pub struct Loaded {
 /// A pin or parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Item {
-    /// Its direction.
+    /// Direction of the item.
     pub direction: Direction,
-    /// What it begins with; its type is that of the value.
+    /// First value, which also gives the type.
     pub first: Value,
 }
 
-/// The names of all components of which there is a file.
+/// Returns the names of all components that have a file.
 pub fn names() -> Vec<String> {
     let files = std::fs::read_dir(folder()).unwrap().map(|f| f.unwrap().file_name());
     let name = |f: std::ffi::OsString| {
@@ -64,7 +64,7 @@ pub fn names() -> Vec<String> {
     names
 }
 
-/// What is known of a component in LinuxCNC, the oldest version first; nothing: it has none.
+/// Returns the recorded versions of a LinuxCNC component, oldest first; empty if there is no record.
 pub fn read(component: &str) -> Vec<Version> {
     match std::fs::read_to_string(folder().join(format!("{component}.txt"))) {
         Ok(text) => parse(&text),
@@ -72,7 +72,7 @@ pub fn read(component: &str) -> Vec<Version> {
     }
 }
 
-/// What is written in such a file.
+/// Parses the text of such a file.
 pub fn parse(text: &str) -> Vec<Version> {
     let mut all: Vec<Version> = Vec::new();
     for line in text.lines().filter(|l| !l.is_empty()) {
@@ -103,14 +103,14 @@ pub fn parse(text: &str) -> Vec<Version> {
 fn item(ty: &str, direction: &str, first: &str) -> Option<Item> {
     let all = [Direction::In, Direction::Out, Direction::Io, Direction::Ro, Direction::Rw];
     let first = match Type::parse(ty)? {
-        // No text sets a port: it begins without a buffer.
+        // No text sets a port: its first value is a port without a buffer.
         Type::Port => Value::Port(0),
         ty => Value::parse(ty, first).ok()?,
     };
     Some(Item { direction: all.into_iter().find(|d| d.name() == direction)?, first })
 }
 
-/// A version as it is written to its file.
+/// Returns a version as it is written to its file.
 pub fn written(component: &str, version: &Version) -> String {
     let args: Vec<&str> = version.args.iter().map(String::as_str).collect();
     let mut out = format!("LinuxCNC {}\n", version.name);
@@ -130,7 +130,7 @@ pub fn written(component: &str, version: &Version) -> String {
     out
 }
 
-/// A value with all its digits.
+/// Returns a value with all its digits.
 fn exact(value: Value) -> String {
     match value {
         Value::Float(f) => format!("{f:?}"),
@@ -138,11 +138,11 @@ fn exact(value: Value) -> String {
     }
 }
 
-/// The arguments with which LinuxCNC's component of the package is looked at: those for the judge,
-/// those that only concern its pins, and names of one's own.
+/// Returns the argument lists with which LinuxCNC's component of the package is measured: those for the judge, those
+/// that only concern its pins, and names given with `names=`.
 ///
 /// # Errors
-/// What is told of it is wrong.
+/// The description of the component is wrong.
 pub fn lines(component: &str, args: &BTreeSet<String>) -> Result<Vec<String>, String> {
     let case = Case::of(component)?;
     let mut lines: Vec<String> = case.loads.iter().chain(&case.shapes).cloned().collect();
@@ -152,10 +152,10 @@ pub fn lines(component: &str, args: &BTreeSet<String>) -> Result<Vec<String>, St
     Ok(lines)
 }
 
-/// What one load of LinuxCNC's makes.
+/// Loads LinuxCNC's component once and returns the result.
 ///
 /// # Errors
-/// It cannot be loaded, or what is told of it is wrong.
+/// The component cannot be loaded, or its description is wrong.
 pub fn measured(component: &str, args: &str) -> Result<Loaded, String> {
     let folder = installed().unwrap();
     let mut bench = Bench::new(&[&folder]);
@@ -165,7 +165,7 @@ pub fn measured(component: &str, args: &str) -> Result<Loaded, String> {
     bench.load_c("", &format!("{component} {args}"))?;
     let mut load = loaded(&mut bench, component, args.to_owned());
     for item in load.items.values_mut() {
-        // Memory that nobody set, another at each load: pentakins reads beyond its table.
+        // Uninitialized memory, different at each load: pentakins reads beyond its table.
         if matches!(item.first, Value::Float(f) if f.is_subnormal()) {
             item.first = Value::Float(0.0);
         }
@@ -184,25 +184,25 @@ fn loaded(bench: &mut Bench, component: &str, args: String) -> Loaded {
     }
 }
 
-/// How ours is beside LinuxCNC's.
+/// Comparison of our component with LinuxCNC's.
 #[derive(Debug, Default)]
 pub struct Beside {
-    /// The versions that were compared.
+    /// Versions that were compared.
     pub versions: Vec<String>,
-    /// How many loads were compared.
+    /// Number of loads that were compared.
     pub loads: usize,
-    /// The pins and parameters of the first that both have.
+    /// Pins and parameters of the first instance that both have.
     pub compared: BTreeSet<String>,
-    /// Those of the first that differ in any way, and why.
+    /// Items of the first instance that differ in a known way, with the reason.
     pub known: BTreeMap<String, String>,
-    /// What differs and is not known, and what is known and not so.
+    /// Unknown differences, and known differences that no longer hold.
     pub faults: Vec<String>,
 }
 
-/// Loads ours as each version of LinuxCNC's was loaded, and compares.
+/// Loads our component with the arguments of every LinuxCNC version, and compares the results.
 ///
 /// # Errors
-/// Ours cannot be loaded, or what is told of it is wrong.
+/// Our component cannot be loaded, or its description is wrong.
 pub fn beside(offer: &Offer) -> Result<Beside, String> {
     let name = &offer.component;
     let case = Case::of(name)?;
@@ -217,7 +217,7 @@ pub fn beside(offer: &Offer) -> Result<Beside, String> {
         for theirs in &version.loads {
             let mut bench = Bench::new(&[]);
             for module in &case.before {
-                // What is a module of its own there may be in another one here.
+                // A separate module in LinuxCNC may be part of another one here.
                 drop(load(&mut bench, module));
             }
             let line = format!("{name} {}", theirs.args);
@@ -252,12 +252,12 @@ fn load(bench: &mut Bench, line: &str) -> Result<Reply, String> {
     bench.call(Request::Load { module, args: words.collect() }).map_err(|e| e.to_string())
 }
 
-/// One load on both sides.
+/// The same load on both sides.
 struct Both<'a> {
     ours: &'a Loaded,
     theirs: &'a Loaded,
     case: &'a Case,
-    /// Whether first values are known with all their digits, and not with six.
+    /// True if first values are recorded with all their digits, not with six.
     exact: bool,
 }
 

@@ -1,4 +1,4 @@
-//! The plugins of `tests/plugins`, which go wrong when they are told to, and files that are none.
+//! The plugins of `tests/plugins`, which fail on demand, and files that are not plugins.
 
 use crate::programs::{cargo, root, target};
 use std::{
@@ -8,18 +8,17 @@ use std::{
     sync::OnceLock,
 };
 
-/// What `libbroken.so` is also called: it has a descriptor for each of these names.
+/// Further names of `libbroken.so`, each with a descriptor of its own.
 pub const BROKEN: [&str; 10] =
     ["bare", "cut", "hollow", "latin", "longer", "major", "minor", "mute", "nameless", "nulls"];
 
-/// A folder with all of them, built if need be:
+/// Returns a folder with all of them, built if necessary:
 ///
-/// - `libfaulty.so`: components that go wrong; each file of `tests/plugins/faulty` says how;
-/// - `libNAME.so` for every name of [`BROKEN`], and `libstub.so`: descriptors to be refused;
+/// - `libfaulty.so`: components that fail; each file of `tests/plugins/faulty` documents its failure;
+/// - `libNAME.so` for every name of [`BROKEN`], and `libstub.so`: descriptors that must be refused;
 /// - `libaborts.so`, whose panics end the process, and `libnothing.so`, which has no descriptor;
-/// - `librenamed.so`, a good plugin under a name that is not its own;
-/// - `libtext.so`, `libempty.so`, `libhalf.so`, `libalien.so` and the folder `libfolder.so`: no
-///   libraries at all.
+/// - `librenamed.so`, a good plugin under a name other than its own;
+/// - `libtext.so`, `libempty.so`, `libhalf.so`, `libalien.so` and the folder `libfolder.so`, which are not libraries.
 pub fn plugins() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| {
@@ -39,19 +38,19 @@ pub fn plugins() -> &'static Path {
         write(&folder, "empty", b"");
         write(&folder, "half", whole.get(..whole.len() / 2).unwrap());
         let mut alien = fs::read(debug.join("libbroken.so")).unwrap();
-        // The machine that an ELF file is for: here one that nobody has.
+        // The machine field of the ELF header: set to one that does not exist.
         alien.splice(18..20, [0xfe, 0xfe]);
         write(&folder, "alien", &alien);
         folder
     })
 }
 
-/// The library to be put before the C library: it counts what realtime threads allocate.
+/// Returns the library for `LD_PRELOAD` that counts the allocations of realtime threads.
 pub fn interpose() -> PathBuf {
     built("debug").join("libinterpose.so")
 }
 
-/// The folder into which a profile of `tests/plugins` is built.
+/// Returns the folder into which a profile of `tests/plugins` is built.
 fn built(profile: &str) -> PathBuf {
     static TARGET: OnceLock<PathBuf> = OnceLock::new();
     let target = TARGET.get_or_init(|| {
@@ -68,7 +67,7 @@ fn built(profile: &str) -> PathBuf {
     target.join(profile)
 }
 
-/// Puts a file under another name. Whole at any moment: other tests may be looking.
+/// Copies a file to another name, atomically, because concurrent tests may read it.
 fn put(folder: &Path, name: &str, file: &Path) {
     placed(folder, name, |path| symlink(file, path).unwrap());
 }
@@ -88,7 +87,7 @@ mod tests {
     use super::root;
     use std::{collections::BTreeSet, fs};
 
-    /// So that nothing has to be fetched to build them.
+    /// Building the test plugins must not need a download.
     #[test]
     fn the_plugins_for_tests_use_no_other_versions_than_the_workspace() {
         let packages = |file: &str| -> BTreeSet<String> {

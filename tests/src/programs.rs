@@ -1,4 +1,4 @@
-//! The programs and plugins under test: built once, found, run.
+//! Programs and plugins under test: built once per test process and run from there.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -9,8 +9,9 @@ use std::{
     sync::OnceLock,
 };
 
-/// The folder with halrun, halcmd and every plugin, built if need be. `HAL_TEST_PROGRAMS` names
-/// one that is to be taken as it is.
+/// Returns the folder with halrun, halcmd and every plugin, and builds them if necessary. If `HAL_TEST_PROGRAMS` names
+/// a
+/// folder, that folder is used unchanged.
 pub fn programs() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| {
@@ -30,8 +31,8 @@ pub fn programs() -> &'static Path {
     })
 }
 
-/// Removes the plugins that this build, by what cargo says of it, has not made: a family that the
-/// workspace no longer has would go on offering its components there.
+/// Removes the plugins that this build, according to cargo's messages, did not produce: a family that was removed from
+/// the workspace would otherwise still offer its components there.
 fn forget_others(folder: &Path, built: &[u8]) {
     let lines = serde_json::Deserializer::from_slice(built).into_iter::<serde_json::Value>();
     let made: BTreeSet<_> = lines
@@ -48,14 +49,14 @@ fn forget_others(folder: &Path, built: &[u8]) {
     }
 }
 
-/// A cargo command for this workspace.
+/// Returns a cargo command for this workspace.
 pub fn cargo(command: &str) -> Command {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.arg(command).current_dir(root()).stdin(Stdio::null());
     cargo
 }
 
-/// Where this test was built: the target folder, and in it the profile's.
+/// Returns the target folder of this test's build, and the name of the profile's folder in it.
 pub fn target() -> (PathBuf, String) {
     let exe = std::env::current_exe().unwrap();
     let profile = exe.ancestors().nth(2).unwrap();
@@ -63,7 +64,7 @@ pub fn target() -> (PathBuf, String) {
     (profile.parent().unwrap().to_owned(), name)
 }
 
-/// The workspace.
+/// Returns the root folder of the workspace.
 pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
 }
@@ -71,7 +72,7 @@ pub fn root() -> &'static Path {
 /// Returns the folder of each crate of `components/`, by the folder's own name.
 ///
 /// # Panics
-/// There are too few for a workspace: it was looked for in the wrong place.
+/// There are too few for a workspace, so the search looked in the wrong folder.
 pub fn families() -> BTreeMap<String, PathBuf> {
     let mut found = BTreeMap::new();
     let mut folders = vec![root().join("components")];
@@ -95,12 +96,12 @@ pub fn families() -> BTreeMap<String, PathBuf> {
 /// Returns the folder of one crate of `components/`.
 ///
 /// # Panics
-/// There is none of this name.
+/// No crate has this name.
 pub fn family(library: &str) -> PathBuf {
     families().remove(library).unwrap_or_else(|| panic!("no crate {library} in components/"))
 }
 
-/// The profile that builds into this folder.
+/// Returns the profile that builds into this folder.
 fn dev(folder: &str) -> &str {
     if folder == "debug" { "dev" } else { folder }
 }

@@ -1,6 +1,5 @@
-//! Properties that hold for every component, whatever it is for: nothing in it panics, what is sane
-//! stays sane and within its limits, what was not sane passes, and the same inputs give the same
-//! outputs.
+//! Properties that every component must have: nothing in it panics, sane inputs give sane outputs within their limits,
+//! the effects of NaN and extreme inputs pass, and equal inputs give equal outputs.
 
 mod bounds;
 pub mod case;
@@ -23,19 +22,19 @@ use hal_protocol::{
 };
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How often a component is loaded anew, at least.
+/// Minimum number of times that a component is loaded.
 const ROUNDS: usize = 6;
-/// Cycles of each of the three parts of a round.
+/// Number of cycles of each of the three parts of a round.
 const CYCLES: u64 = 60;
-/// How often the last part is done, with other inputs, while an integer stays at an end of its
-/// type: by chance some are there for a while.
+/// Number of repetitions of the last part, with other inputs, while an integer stays at an end of its type: some are
+/// there for a while by chance.
 const AGAIN: usize = 4;
-/// Cycles in which a reset is held.
+/// Number of cycles for which a reset is held.
 const HELD: u64 = 5;
-/// More inputs than this are not all set in each cycle.
+/// Number of inputs above which they are not all set in each cycle.
 const MANY: u64 = 60;
 
-/// Periods of a fast and of a slow thread, in nanoseconds.
+/// Periods of a fast and a slow thread, in nanoseconds.
 const PACES: [(u64, u64); 6] = [
     (1_000_000, 2_000_000),
     (1_000, 5_000),
@@ -45,20 +44,20 @@ const PACES: [(u64, u64); 6] = [
     (125_000, 125_000),
 ];
 
-/// What came of it.
+/// Result of the rounds.
 #[derive(Debug, Default)]
 struct Report {
     faults: BTreeMap<String, String>,
-    /// What was to be seen after each cycle, as one number.
+    /// State after each cycle, as one number.
     trace: Vec<u64>,
-    /// Rows that were needed.
+    /// Rows of the case file that were needed.
     needed: BTreeSet<String>,
 }
 
-/// What is wrong with a component.
+/// Examines a component and returns its faults.
 ///
 /// # Errors
-/// What is told of it is wrong, or it cannot be loaded.
+/// Its case file is wrong, or the component cannot be loaded.
 pub fn examine(offer: &Offer) -> Result<Vec<String>, String> {
     let case = Case::of(offer)?;
     let mut ways = case.ways(offer)?;
@@ -114,7 +113,7 @@ fn examined(offer: &Offer, case: &Case, ways: &[String]) -> Result<Report, Strin
     Ok(report)
 }
 
-/// A pin or parameter, and how it is driven if it is.
+/// A pin or parameter, with its stimulus if it has one.
 struct Item {
     name: String,
     direction: Direction,
@@ -128,7 +127,7 @@ impl Item {
     }
 }
 
-/// A component from its load to its end.
+/// A component from its load to its unload.
 struct Round<'r> {
     said: String,
     bench: &'r mut Bench,
@@ -138,11 +137,12 @@ struct Round<'r> {
     items: Vec<Item>,
     functs: Vec<String>,
     commands: Vec<CommandInfo>,
-    /// The fastest period.
+    /// Period of the fast thread, in nanoseconds.
     fast: u64,
     at: u64,
-    /// The items that are integers at an end of their type after the last cycle: a sum that runs
-    /// against it, a float that was no number or too large.
+    /// Items that are integers at an end of their type after the last cycle: a saturated sum, or a converted float that
+    /// was
+    /// NaN or too large.
     ends: BTreeSet<usize>,
 }
 
@@ -180,10 +180,10 @@ impl Round<'_> {
         Ok(())
     }
 
-    /// Sane, then not, then sane again, at another pace each.
+    /// Runs the three parts, sane inputs, exceptional ones, sane ones again, each with other periods.
     fn run(&mut self, style: Style, number: usize) {
         let mut limits = Limits::of(self.case, self.items.iter().map(|i| &*i.name));
-        // What has limits is looked at after each run of its functions, in one thread.
+        // Outputs with limits are checked after each run of the component's functions, in one thread.
         self.pace(PACES[number % PACES.len()], !limits.is_empty() || number.is_multiple_of(2));
         self.begin(style);
         let mut sane = BTreeSet::new();
@@ -216,7 +216,7 @@ impl Round<'_> {
         self.recover(&stuck);
     }
 
-    /// Puts the functions into threads of other periods, in another order.
+    /// Moves the functions to threads of other periods, in another order.
     fn pace(&mut self, (fast, slow): (u64, u64), one: bool) {
         self.random.shuffle(&mut self.functs);
         let threads = self.case.threads.clone();
@@ -237,11 +237,11 @@ impl Round<'_> {
                 script(self.bench, &format!("addf {f} {}", if slow { "s" } else { "f" }));
             }
         }
-        // Refused when a function has failed, which is told.
+        // Refused after a function has failed; that failure is reported separately.
         says(self.bench, "start");
     }
 
-    /// Gives every input a first value of a style, and the commands what they take.
+    /// Gives every input a first value of a style, and calls the commands with valid arguments.
     fn begin(&mut self, style: Style) {
         for item in self.items.iter_mut().filter(|i| i.given()) {
             let keeps = |is: fn(&Input) -> bool| {
@@ -252,7 +252,7 @@ impl Round<'_> {
         self.drive(true);
         for c in self.commands.clone() {
             let args = c.args.iter().filter_map(|a| self.argument(a)).collect();
-            // Most are refused: that is nothing to the properties.
+            // Most commands are refused, which is irrelevant to the properties.
             drop(self.bench.call(Request::Command { name: c.name, args }));
         }
     }
@@ -271,7 +271,7 @@ impl Round<'_> {
         Some(format!("{}={value}", a.name))
     }
 
-    /// Sets what is due.
+    /// Sets the inputs that are due.
     fn drive(&mut self, all: bool) {
         let given = self.items.iter().filter(|i| i.source.is_some()).count();
         let many = u64::try_from(given).unwrap() / MANY;
@@ -280,7 +280,7 @@ impl Round<'_> {
             let Some(source) = &mut item.source else { continue };
             let (name, first) = (&item.name, item.first);
             let rows = self.case.inputs.iter().filter(|i| named(&i.pins, name));
-            // What is not sane is so for all.
+            // Exceptional values ignore the constraints of the case file.
             let rows: Vec<&Input> = rows.filter(|_| !source.is_odd()).collect();
             if let Some(value) = rows.iter().find_map(|i| i.set.as_deref()) {
                 if all {
@@ -332,7 +332,7 @@ impl Round<'_> {
         }
     }
 
-    /// What is no finite number.
+    /// Returns the outputs that are not finite.
     fn odd(&mut self) -> Vec<(String, f64)> {
         let floats = self.items.iter().filter(|i| i.first.ty() == Type::Float);
         let mut out = Vec::new();
@@ -356,7 +356,7 @@ impl Round<'_> {
         }
     }
 
-    /// Notes the first of each kind.
+    /// Records the first fault of each kind.
     fn fault(&mut self, name: &str, what: &str) {
         let (said, at) = (&self.said, self.at);
         let kind = format!("{name} {}", what.split(' ').next().unwrap_or_default());

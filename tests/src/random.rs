@@ -1,3 +1,3 @@
-//! Numbers that look like chance, the same in every run.
+//! Pseudo-random numbers, the same in every run.
 
 pub use hal_component::bench::Random;

@@ -1,4 +1,4 @@
-//! A connection to an engine on which any bytes can be sent.
+//! A connection to an engine that can carry arbitrary bytes.
 
 use crate::machine::Served;
 use std::{
@@ -7,7 +7,7 @@ use std::{
     time::Duration,
 };
 
-/// The two ends of the connection.
+/// Both directions of the connection.
 #[derive(Debug)]
 pub struct Raw {
     /// Bytes to the engine.
@@ -17,10 +17,10 @@ pub struct Raw {
 }
 
 impl Raw {
-    /// Connects.
+    /// Connects to an engine.
     pub fn connect(served: &Served) -> Self {
         let socket = UnixStream::connect(served.place.socket()).unwrap();
-        // A test that goes wrong fails instead of waiting for ever.
+        // A test that fails must not wait forever.
         socket.set_read_timeout(Some(Duration::from_secs(100))).unwrap();
         let answers = BufReader::new(socket.try_clone().unwrap());
         Self { socket, answers }
@@ -31,7 +31,7 @@ impl Raw {
         self.socket.write_all(bytes.as_ref()).unwrap();
     }
 
-    /// Returns the next answer; empty when the engine has hung up.
+    /// Returns the next answer; empty if the engine has closed the connection.
     pub fn answer(&mut self) -> String {
         let mut line = String::new();
         self.answers.read_line(&mut line).unwrap_or(0);

@@ -1,4 +1,4 @@
-//! A folder of its own for each test: programs run in it, and no instance sees another.
+//! A folder for each test: its programs run there, and no instance sees another one.
 
 use crate::programs::programs;
 use rustix::{
@@ -14,32 +14,32 @@ use std::{
     sync::atomic::{AtomicU32, Ordering},
 };
 
-/// How often something is looked at before it is given up: 10 ms lie between, so a minute.
+/// Number of polls before a wait fails; 10 ms apart, so a minute.
 const LOOKS: u32 = 6_000;
 
-/// A temporary folder, with one for sockets in it.
+/// A temporary folder that contains a folder for sockets.
 #[derive(Debug)]
 pub struct Scratch {
     path: PathBuf,
 }
 
-/// How every message about real time begins.
+/// Beginning of every message about real time.
 pub(crate) const REALTIME: &str = "realtime: ";
 
-/// What a program did.
+/// Result of a program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Output {
-    /// What it printed.
+    /// Standard output.
     pub stdout: String,
-    /// What it complained about, but for real time.
+    /// Standard error, except messages about real time.
     pub stderr: String,
-    /// What it said of real time. How late threads wake is this computer's matter.
+    /// Messages about real time. Wakeup latency depends on this computer.
     pub realtime: String,
-    /// Its exit status; none when a signal ended it.
+    /// Exit status; `None` if a signal ended the program.
     pub status: Option<i32>,
 }
 
-/// A program under way. It is killed if a test leaves it behind.
+/// A running program. It is killed if the test drops it.
 #[derive(Debug)]
 pub struct Running {
     child: Child,
@@ -47,7 +47,7 @@ pub struct Running {
 }
 
 impl Scratch {
-    /// An empty folder.
+    /// Creates an empty folder.
     pub fn new(name: &str) -> Self {
         static NEXT: AtomicU32 = AtomicU32::new(0);
         let n = NEXT.fetch_add(1, Ordering::Relaxed);
@@ -56,7 +56,7 @@ impl Scratch {
         Self { path }
     }
 
-    /// A copy of a folder's files.
+    /// Copies the files of a folder.
     pub fn copy_of(folder: &Path) -> Self {
         let scratch = Self::new(&folder.file_name().unwrap().to_string_lossy());
         for (name, bytes) in files(folder) {
@@ -65,7 +65,7 @@ impl Scratch {
         scratch
     }
 
-    /// Where it is.
+    /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -81,17 +81,17 @@ impl Scratch {
         fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
     }
 
-    /// The files in it, by name.
+    /// Returns the files in the folder, by name.
     pub fn files(&self) -> BTreeMap<String, Vec<u8>> {
         files(&self.path)
     }
 
-    /// What instances have left in their folder of sockets and locks.
+    /// Returns the files that instances have left in their folder of sockets and locks.
     pub fn left(&self) -> Vec<String> {
         files(&self.path.join(".run/ferrule")).into_keys().collect()
     }
 
-    /// A program under test, to be run here. Words before it are a program that runs it.
+    /// Returns a command that runs a program under test here. `before` is a command line that runs the program.
     pub fn command(&self, before: &[&str], program: &str) -> Command {
         let own = programs().join(program);
         let own = if own.is_file() { own } else { PathBuf::from(program) };
@@ -117,13 +117,13 @@ impl Scratch {
         command
     }
 
-    /// Starts a program; what it prints is kept.
+    /// Starts a program and captures its output.
     pub fn start(&self, command: &mut Command) -> Running {
         static NEXT: AtomicU32 = AtomicU32::new(0);
         let n = NEXT.fetch_add(1, Ordering::Relaxed);
         let said = self.path.join(format!(".run/{n}"));
         fs::create_dir_all(&said).unwrap();
-        // Files, since a pipe would stay open in whatever the program leaves behind.
+        // Files, because a pipe would stay open in processes that the program leaves behind.
         let file = |name| Stdio::from(File::create(said.join(name)).unwrap());
         let child = command.stdout(file("out")).stderr(file("err")).spawn();
         Running { child: child.unwrap_or_else(|e| panic!("{command:?}: {e}")), said }
@@ -134,12 +134,12 @@ impl Scratch {
         self.start(command).wait()
     }
 
-    /// Runs halrun with these words to its end.
+    /// Runs halrun with these arguments to its end.
     pub fn halrun(&self, words: &[&str]) -> Output {
         self.run(self.command(&[], "halrun").args(words))
     }
 
-    /// Runs halcmd with these words.
+    /// Runs halcmd with these arguments.
     pub fn halcmd(&self, words: &[&str]) -> Output {
         self.run(self.command(&[], "halcmd").args(words))
     }
@@ -147,35 +147,35 @@ impl Scratch {
 
 impl Drop for Scratch {
     fn drop(&mut self) {
-        // A test that fails may leave something that still writes here.
+        // A failed test may leave a process that still writes here.
         drop(fs::remove_dir_all(&self.path));
     }
 }
 
 impl Running {
-    /// Its number.
+    /// Returns the process id.
     pub fn pid(&self) -> u32 {
         self.child.id()
     }
 
-    /// Sends it a signal.
+    /// Sends a signal to the process.
     pub fn signal(&self, signal: Signal) {
         let pid = Pid::from_raw(i32::try_from(self.child.id()).unwrap()).unwrap();
         rustix::process::kill_process(pid, signal).unwrap();
     }
 
-    /// Whether it runs still.
+    /// Returns whether the process still runs.
     pub fn is_running(&mut self) -> bool {
         self.child.try_wait().unwrap().is_none()
     }
 
-    /// What it has said so far: printed, and complained about, but for real time.
+    /// Returns the output so far: standard output, and standard error without messages about real time.
     pub fn said(&self) -> (String, String) {
         let (out, err, _) = self.all();
         (out, err)
     }
 
-    /// What it has said so far of real time.
+    /// Returns the messages about real time so far.
     pub fn realtime(&self) -> String {
         self.all().2
     }
@@ -191,7 +191,7 @@ impl Running {
         (text("out"), other, realtime)
     }
 
-    /// Waits until it ends: how it did; none for one that never does.
+    /// Waits until the process ends; returns its status, or `None` at the timeout.
     pub fn ended(&mut self) -> Option<ExitStatus> {
         let mut status = None;
         try_until(|| {
@@ -201,7 +201,7 @@ impl Running {
         status
     }
 
-    /// Waits until it ends. One that never does is killed, and that is among its complaints.
+    /// Waits until the process ends. After the timeout it is killed, and `stderr` says so.
     pub fn wait(mut self) -> Output {
         let status = self.ended();
         let ended = status.is_some();
@@ -222,7 +222,7 @@ impl Drop for Running {
     }
 }
 
-/// Looks until something is so; fails when it never is.
+/// Polls until a condition holds; panics at the timeout.
 pub fn until(what: &str, look: impl FnMut() -> bool) {
     assert!(try_until(look), "given up: {what}");
 }
@@ -236,7 +236,7 @@ fn try_until(mut look: impl FnMut() -> bool) -> bool {
     })
 }
 
-/// The plain files of a folder, by name; none if there is no such folder.
+/// Returns the regular files of a folder, by name; empty if the folder does not exist.
 fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut out = BTreeMap::new();
     let Ok(entries) = fs::read_dir(folder) else { return out };

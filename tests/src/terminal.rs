@@ -1,4 +1,4 @@
-//! A terminal with a program in it, and a person who types when she sees what she waits for.
+//! A terminal with a program in it, for tests that type when a text appears.
 
 use crate::scratch::Scratch;
 use rustix::{
@@ -13,14 +13,14 @@ use std::{
     process::{Child, Stdio},
 };
 
-/// A terminal.
+/// A pseudo-terminal with a running program.
 #[derive(Debug)]
 pub struct Terminal {
     keys: OwnedFd,
-    /// The other end, so that how it is can be looked at when the program has ended.
+    /// The program's end, kept open so that the terminal's settings can be read after the program has ended.
     screen: OwnedFd,
     child: Child,
-    /// What was shown and not looked at yet.
+    /// Output that was shown but not yet examined.
     shown: String,
 }
 
@@ -38,21 +38,21 @@ impl Terminal {
         let mut command = scratch.command(&[], program);
         command.args(words).stdin(end()).stdout(end()).stderr(end());
         command.env("TERM", "xterm").env("HOME", scratch.path()).env_remove("XDG_STATE_HOME");
-        // What is typed is shown letter by letter, without hints between.
+        // The program echoes input letter by letter, without hints in between.
         command.env("NO_COLOR", "1");
         let child = command.spawn().unwrap();
         Self { keys, screen: screen(), child, shown: String::new() }
     }
 
-    /// Types.
+    /// Sends keystrokes.
     pub fn keys(&mut self, keys: &str) {
         rustix::io::write(&self.keys, keys.as_bytes()).unwrap();
     }
 
-    /// Looks until this text is shown; what was shown up to its end.
+    /// Waits until this text is shown; returns the output up to its end.
     ///
     /// # Panics
-    /// The program ends before it is.
+    /// The program ends before the text appears.
     pub fn until(&mut self, text: &str) -> String {
         loop {
             if let Some(at) = self.shown.find(text) {
@@ -64,8 +64,9 @@ impl Terminal {
         }
     }
 
-    /// Looks until the program has ended: its status, whether the terminal is as it was found, and
-    /// what was shown last.
+    /// Waits until the program has ended; returns its exit status, whether the terminal's settings are restored, and
+    /// the
+    /// remaining output.
     pub fn end(mut self) -> (Option<i32>, bool, String) {
         let status = loop {
             self.look(10);
@@ -79,12 +80,12 @@ impl Terminal {
         (status.code(), sane, core::mem::take(&mut self.shown))
     }
 
-    /// The program's number.
+    /// Returns the process id of the program.
     pub fn pid(&self) -> u32 {
         self.child.id()
     }
 
-    /// Reads what is shown within so many milliseconds; false when that is nothing.
+    /// Reads output for up to this many milliseconds; returns false if there was none.
     fn look(&mut self, ms: i64) -> bool {
         let mut fds = [PollFd::new(&self.keys, PollFlags::IN)];
         let wait = Timespec { tv_sec: 0, tv_nsec: ms * 1_000_000 };

@@ -12,7 +12,7 @@ use std::{fs::OpenOptions, io::Write, path::PathBuf, process::Command, thread};
 pub struct Tool {
     /// Name in `FERRULE_REQUIRE`.
     pub name: &'static str,
-    /// Words for a person.
+    /// Description for a person.
     pub what: &'static str,
     /// Command that installs it.
     pub remedy: &'static str,
@@ -75,15 +75,15 @@ impl Tool {
     }
 }
 
-/// Reports that the running test is skipped, for a reason other than a program that is not there (a right that this
-/// user lacks, a processor of another kind).
+/// Reports that the running test is skipped for a reason other than a missing program (a right that this user lacks, a
+/// processor of another kind).
 pub fn report(reason: &str) {
     let current = thread::current();
     let test = current.name().unwrap_or("a test");
     eprintln!("skipped: {reason}");
     let Some(path) = std::env::var_os("FERRULE_SKIPPED").filter(|p| !p.is_empty()) else { return };
     let file = OpenOptions::new().append(true).create(true).open(path);
-    // One write a line, so that lines of tests that run at once stay whole.
+    // One write per line, so that lines of concurrent tests do not mix.
     file.and_then(|mut f| f.write_all(format!("{test}: {reason}\n").as_bytes())).unwrap();
 }
 

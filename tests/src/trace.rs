@@ -16,14 +16,14 @@
 //! refuse knobs cuont=2 | a part of why
 //! ```
 //!
-//! `load` begins a block, which is an instance of its own. A row sets its inputs, runs the functions
-//! of `run` once in their order, and compares its outputs; `.` leaves an input as it is and an
-//! output unread. Bits are 0 and 1. Numbers are compared as printed, to six figures, or `within`.
+//! `load` begins a block, which runs in an instance of its own. A row sets its inputs, runs the functions of `run` once
+//! in their order, and compares its outputs; `.` leaves an input unchanged or an output unchecked. Bits are 0 and 1.
+//! Numbers are compared as printed, to six figures, or with the tolerance of `within`.
 
 use crate::scratch::Scratch;
 use std::{fmt::Write, path::Path};
 
-/// What is to come of a script: a check for each value it prints.
+/// Script of one block, with a check for each value that the script prints.
 #[derive(Debug, Default)]
 struct Block {
     script: String,
@@ -38,17 +38,17 @@ struct Block {
     line: usize,
 }
 
-/// A value to be printed, and the line that wants it.
+/// Check of a printed value, with the line of the table that requires it.
 #[derive(Debug)]
 enum Check {
     Value { line: usize, name: String, wanted: String, within: f64 },
     Absent { line: usize, name: String },
 }
 
-/// Replays a table with plugins of these folders: how many rows were compared.
+/// Replays a table with the plugins of this folder and returns the number of rows compared.
 ///
 /// # Errors
-/// Everything that differs, with its line.
+/// All differences, each with its line.
 pub fn replay(table: &str, plugins: &Path) -> Result<usize, String> {
     let (mut rows, mut wrong) = (0, String::new());
     let mut block: Option<Block> = None;
@@ -80,7 +80,7 @@ pub fn replay(table: &str, plugins: &Path) -> Result<usize, String> {
     if wrong.is_empty() { Ok(rows) } else { Err(wrong) }
 }
 
-/// One line of a script that must fail, and why.
+/// Runs one line of a script that must fail, and checks the reason.
 fn refused(line: &str, plugins: &Path) -> Result<(), String> {
     let (load, why) = line.split_once(" | ").ok_or("`refuse NAME ARGS | WHY`")?;
     let script = format!("loadrt {}\n", load.trim_start_matches("refuse "));
@@ -93,7 +93,7 @@ fn refused(line: &str, plugins: &Path) -> Result<(), String> {
     }
 }
 
-/// Everything that a script says, and its status.
+/// Runs a script with halrun and returns its output and exit status.
 fn halrun(script: &str, plugins: &Path) -> (String, Option<i32>) {
     let scratch = Scratch::new("trace");
     scratch.write("test.hal", script);
@@ -109,7 +109,7 @@ impl Block {
         Self { script, line, period: 1_000_000, ..Self::default() }
     }
 
-    /// Takes a line: true when it was a row.
+    /// Parses a line; returns true if it was a row.
     fn line(&mut self, line: &str, words: &[&str], number: usize) -> Result<bool, String> {
         let owned = |words: &[&str]| words.iter().map(|w| (*w).to_owned()).collect::<Vec<_>>();
         match words {
@@ -138,7 +138,7 @@ impl Block {
         Ok(false)
     }
 
-    /// The functions of `run` in a thread of their own; those of before run no longer.
+    /// Puts the functions of `run` into a thread of their own; a block has only one `run`.
     fn thread(&mut self) {
         let n = self.threads;
         self.threads += 1;
@@ -168,7 +168,7 @@ impl Block {
         self.checks.push(Check::Value { line, name, wanted, within: self.within });
     }
 
-    /// Runs the script and compares.
+    /// Runs the script and compares the values.
     fn check(&self, plugins: &Path, wrong: &mut String) {
         let (out, status) = halrun(&self.script, plugins);
         let (printed, complaints) = out.split_once("\n--- complaints\n").unwrap_or_default();
@@ -186,7 +186,7 @@ impl Block {
         for check in &self.checks {
             let mut value = lines.next().unwrap_or_default().to_owned();
             if matches!(check, Check::Absent { .. }) {
-                // A list of pins, and one of parameters.
+                // The listing has a table of pins and one of parameters.
                 value.push_str(lines.next().unwrap_or_default());
             }
             match check {
@@ -216,7 +216,7 @@ fn equal(value: &str, wanted: &str, within: f64) -> bool {
     }
     let number = |text: &str| text.parse::<f64>().ok();
     match (number(value), number(wanted)) {
-        // Whole numbers are printed in full, others to six figures.
+        // Integers are printed in full, other numbers to six figures.
         (Some(a), Some(b)) if value.contains(['.', 'e']) || wanted.contains(['.', 'e']) => {
             (a - b).abs() <= within.max(b.abs() * 1e-6)
         }
@@ -225,7 +225,7 @@ fn equal(value: &str, wanted: &str, within: f64) -> bool {
     }
 }
 
-/// Names with their values; `.` is none.
+/// Pairs names with values; `.` stands for no value.
 fn pairs(names: &[String], values: &str) -> Result<Vec<(String, String)>, String> {
     let values: Vec<&str> = values.split_whitespace().collect();
     if names.len() != values.len() {

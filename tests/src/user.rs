@@ -6,10 +6,10 @@ use rustix::{
     thread::{set_thread_groups, set_thread_res_gid, set_thread_res_uid},
 };
 
-/// The number of root.
+/// User id of root.
 pub const ROOT: u32 = 0;
 
-/// Whether this process runs as root; if not, reports the running test as skipped.
+/// Returns whether this process runs as root; if not, reports the running test as skipped.
 pub fn is_root() -> bool {
     let is_root = rustix::process::geteuid().is_root();
     if !is_root {
@@ -18,7 +18,7 @@ pub fn is_root() -> bool {
     is_root
 }
 
-/// Runs something as another user, in a thread of its own.
+/// Runs a function as another user, in a thread of its own.
 pub fn as_user<T: Send>(user: u32, work: impl FnOnce() -> T + Send) -> T {
     let become_user = move || {
         let (uid, gid) = (Uid::from_raw(user), Gid::from_raw(user));

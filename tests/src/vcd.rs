@@ -1,10 +1,10 @@
-//! Recordings, read back.
+//! Reader for recordings.
 
 use hal_protocol::Value;
 use hal_trace::{Trace, draw, vcd};
 use std::collections::BTreeMap;
 
-/// A recording: every change of every pin, as numbers.
+/// A recording: all changes of all pins, as numbers.
 #[derive(Clone, Debug, Default)]
 pub struct Vcd {
     trace: Trace,
@@ -35,28 +35,28 @@ impl Vcd {
         Self { trace, changes }
     }
 
-    /// The changes of a pin or signal: nanoseconds and what it became. The first is what it was.
+    /// Returns the changes of a pin or signal: time in nanoseconds, new value. The first entry is the initial value.
     pub fn of(&self, name: &str) -> &[(i64, f64)] {
         self.changes.get(name).unwrap_or_else(|| panic!("'{name}' is not in the recording"))
     }
 
-    /// The names of what was recorded.
+    /// Returns the names of the recorded items.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.changes.keys().map(String::as_str)
     }
 
-    /// When the recording ends.
+    /// Returns the end time of the recording.
     pub fn end(&self) -> i64 {
         self.trace.times().last().unwrap_or(0)
     }
 
-    /// What a pin was at a time.
+    /// Returns the value of a pin at a time.
     pub fn at(&self, name: &str, time: i64) -> f64 {
         let before = self.of(name).iter().take_while(|(t, _)| *t <= time);
         before.last().unwrap_or_else(|| panic!("'{name}' was not recorded at {time}")).1
     }
 
-    /// When a bit rose.
+    /// Returns the times of a bit's rising edges.
     pub fn rises(&self, name: &str) -> Vec<i64> {
         let changes = self.of(name);
         let later = changes.iter().skip(1);
@@ -68,7 +68,7 @@ impl Vcd {
             .collect()
     }
 
-    /// Channels as text: a line each, from one time to another, in microseconds after `from`.
+    /// Draws channels as text, one line each, from one time to another, in microseconds after `from`.
     pub fn drawing(&self, bits: &[&str], from: i64, to: i64) -> String {
         draw::edges(&self.trace, bits, from, to).unwrap()
     }

@@ -1,4 +1,4 @@
-//! What is told of one component to the judge: `tests/judge/NAME.toml`, read and checked.
+//! Description of one component for the judge: `tests/judge/NAME.toml`, parsed and checked.
 
 use super::inputs::fits;
 use crate::programs::root;
@@ -6,98 +6,98 @@ use hal_protocol::{Patterns, Value};
 use serde::Deserialize;
 use std::{collections::BTreeSet, fmt::Write, path::PathBuf};
 
-/// The folder of these files.
+/// Returns the folder of these files.
 pub fn folder() -> PathBuf {
     root().join("tests/judge")
 }
 
-/// One file. What is left out is as written in `tests/tests/judge.rs`.
+/// Contents of a file. `tests/tests/judge.rs` documents the defaults of omitted entries.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Case {
-    /// Why it is not judged at all.
+    /// Reason for not judging the component at all.
     pub skip: Option<String>,
-    /// Why several instances of theirs cannot be compared: no `names=` beside `loads`.
+    /// Reason why several instances of LinuxCNC's component cannot be compared: no `names=` in addition to `loads`.
     pub single: Option<String>,
     /// Arguments of `loadrt`, each a configuration of its own.
     pub loads: Vec<String>,
-    /// More arguments, with which only pins, parameters and functions are compared.
+    /// Further arguments, with which only pins, parameters and functions are compared.
     pub shapes: Vec<String>,
-    /// What must be loaded before it.
+    /// Modules that must be loaded first.
     pub before: Vec<String>,
-    /// How often both are loaded anew, at least, where the usual number reaches too little.
+    /// Minimum number of loads, where the default covers too little.
     pub rounds: Option<usize>,
-    /// Cycles of a round, where the usual number reaches too little.
+    /// Number of cycles of a round, where the default covers too little.
     pub cycles: Option<u64>,
-    /// Periods of the fast thread, in ns; without any, the usual ones.
+    /// Periods of the fast thread, in ns; the default ones if empty.
     pub periods: Vec<u64>,
-    /// What inputs are kept to.
+    /// Constraints of inputs.
     pub inputs: Vec<Input>,
     /// Pins and parameters that only one side has.
     pub only: Vec<Only>,
-    /// Items of another kind or direction on the other side, which are given all the same.
+    /// Items of another kind or direction on the other side, which are driven all the same.
     pub kinds: Vec<Only>,
     /// Outputs that never change.
     pub still: Vec<Only>,
     /// First values that differ.
     pub defaults: Vec<First>,
-    /// How far numbers may be apart.
+    /// Tolerances of numbers.
     pub tolerance: Vec<Tolerance>,
-    /// What is known to differ.
+    /// Known differences.
     pub differs: Vec<Known>,
 }
 
-/// What some inputs are kept to.
+/// Constraints of some inputs.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Input {
-    /// Names, or globs.
+    /// Names or glob patterns.
     pub pins: Vec<String>,
-    /// Why.
+    /// Reason.
     pub why: String,
-    /// Sizes alone: no sign, and not 0.
+    /// True for positive values only.
     #[serde(default)]
     pub positive: bool,
-    /// Set once after each load, and no more.
+    /// True if the input is set only once, after each load.
     #[serde(default)]
     pub steady: bool,
-    /// Never set.
+    /// True if the input is never set.
     #[serde(default)]
     pub alone: bool,
-    /// No extremes.
+    /// True if the input receives no extremes.
     #[serde(default)]
     pub tame: bool,
-    /// Never NaN.
+    /// True if the input is never NaN.
     #[serde(default)]
     pub number: bool,
-    /// Neither NaN nor infinite.
+    /// True if the input is never NaN or infinite.
     #[serde(default)]
     pub finite: bool,
-    /// Never 0.
+    /// True if the input is never 0.
     #[serde(default)]
     pub nonzero: bool,
-    /// So many times as large, first of all.
+    /// Factor applied before all other constraints.
     pub larger: Option<f64>,
-    /// Set to this after each load, and no more.
+    /// Constant that the input is set to once, after each load.
     pub set: Option<String>,
-    /// From the first to the second; with `positive`, that is kept as well.
+    /// Range, from the first to the second; `positive` applies as well.
     pub range: Option<[f64; 2]>,
-    /// Each whole number of its range is as likely as any other.
+    /// True if each integer of the range is equally likely.
     #[serde(default)]
     pub evenly: bool,
-    /// One of these, by chance.
+    /// Values to choose from at random.
     #[serde(default)]
     pub values: Vec<f64>,
-    /// Changed once in so many cycles, by chance.
+    /// Average number of cycles between random changes.
     pub often: Option<u64>,
-    /// What our output of this name was after the last cycle, given to both.
+    /// Our output whose value after the last cycle is given to both.
     pub follows: Option<String>,
-    /// What is multiplied with what it follows: a pin of ours, or a number.
+    /// Factor of the followed output: a pin of ours, or a number.
     pub times: Option<String>,
 }
 
 impl Input {
-    /// What they are kept to, in words.
+    /// Returns the constraints in words.
     fn kept(&self) -> Vec<String> {
         let words = [
             (self.alone, "left alone"),
@@ -123,71 +123,71 @@ impl Input {
     }
 }
 
-/// Pins and parameters with a reason: those that only one side has, for one.
+/// Pins and parameters with a reason, for example those that only one side has.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Only {
-    /// Names, or globs.
+    /// Names or glob patterns.
     pub pins: Vec<String>,
-    /// Why.
+    /// Reason.
     pub why: String,
-    /// What it is set to after each load, where it is ours.
+    /// Value set after each load, for our items.
     #[serde(default)]
     pub set: Option<String>,
 }
 
-/// A first value that differs; both begin with ours then.
+/// A first value that differs; both sides are then set to ours.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct First {
-    /// Names, or globs.
+    /// Names or glob patterns.
     pub pins: Vec<String>,
-    /// Why.
+    /// Reason.
     pub why: String,
-    /// Ours, as it is shown.
+    /// Our value, as displayed.
     pub ours: String,
-    /// Theirs, as it is shown.
+    /// LinuxCNC's value, as displayed.
     pub theirs: String,
 }
 
-/// How far numbers may be apart.
+/// Tolerance of numbers.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tolerance {
-    /// Names, or globs.
+    /// Names or glob patterns.
     pub pins: Vec<String>,
-    /// Why.
+    /// Reason.
     pub why: String,
-    /// Units of the last place.
+    /// Tolerance in units of the last place.
     pub ulps: u64,
 }
 
-/// A difference that is known, and how bad it may be.
+/// A known difference, and its bounds.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Known {
-    /// Names, or globs.
+    /// Names or glob patterns.
     pub pins: Vec<String>,
-    /// Why.
+    /// Reason.
     pub why: String,
-    /// The first cycle in which it may differ, of any of these pins.
+    /// First cycle in which any of these pins may differ.
     pub from: u64,
-    /// In how many cycles each of these pins may differ.
+    /// Maximum number of cycles in which each of these pins may differ.
     pub cycles: u64,
-    /// How far numbers may be apart, if there is a bound.
+    /// Largest permitted difference of numbers, if bounded.
     pub by: Option<f64>,
 }
 
-/// Whether a name is one of these.
+/// Returns whether the list contains a name.
 pub fn named(pins: &[String], name: &str) -> bool {
     Patterns::new(pins).matches(name)
 }
 
 impl Case {
-    /// The one of a component; nothing is told of most.
+    /// Reads the case of a component; most components have none.
     ///
     /// # Errors
-    /// It cannot be read, or is wrong.
+    /// The file cannot be read, or is wrong.
     pub fn of(module: &str) -> Result<Self, String> {
         let path = folder().join(format!("{module}.toml"));
         let mut case = if path.is_file() {
@@ -203,7 +203,7 @@ impl Case {
     }
 
     /// # Errors
-    /// It is wrong.
+    /// The text is wrong.
     fn parse(text: &str) -> Result<Self, String> {
         let case: Self = toml::from_str(text).map_err(|e| e.to_string())?;
         for i in &case.inputs {
@@ -237,10 +237,10 @@ impl Case {
         inputs.chain(only).chain(defaults).chain(tolerance).chain(differs)
     }
 
-    /// Looks at what is told of an input whose type is known now.
+    /// Checks the constraints of an input against its type.
     ///
     /// # Errors
-    /// A range is beyond its type.
+    /// A range exceeds the type.
     pub(super) fn suits(&self, module: &str, name: &str, first: Value) -> Result<(), String> {
         match self.told(name, |i| i.range.filter(|range| !fits(first, *range))) {
             None => Ok(()),
@@ -251,7 +251,7 @@ impl Case {
         }
     }
 
-    /// What those that only we have are set to.
+    /// Returns the values of the items that only ours has.
     pub(super) fn sets(&self, lone: &BTreeSet<String>) -> Vec<(String, String)> {
         let set = |name: &String| {
             let only = self.only.iter().find(|o| named(&o.pins, name))?;
@@ -260,24 +260,24 @@ impl Case {
         lone.iter().filter_map(set).collect()
     }
 
-    /// Names in it that no pin has.
+    /// Returns the names in the file that match no pin.
     pub fn unknown<'c>(&'c self, names: &[String]) -> Vec<&'c str> {
         let all = self.lists().flat_map(|(pins, _)| pins);
         let known = |p: &&String| !names.iter().any(|n| named(std::slice::from_ref(*p), n));
         all.filter(known).map(String::as_str).collect()
     }
 
-    /// Whether some input is kept to this.
+    /// Returns whether an input has a constraint.
     pub fn keeps(&self, name: &str, to: impl Fn(&Input) -> bool) -> bool {
         self.inputs.iter().any(|i| to(i) && named(&i.pins, name))
     }
 
-    /// What an input is set to, and stays.
+    /// Returns the constant that an input is set to.
     pub fn set(&self, name: &str) -> Option<&str> {
         self.told(name, |i| i.set.as_deref())
     }
 
-    /// The first that is told of an input.
+    /// Returns the first constraint given for an input.
     pub(super) fn told<'c, T>(
         &'c self,
         name: &str,
@@ -286,17 +286,17 @@ impl Case {
         self.inputs.iter().filter(|i| named(&i.pins, name)).find_map(of)
     }
 
-    /// How far a number may be apart, in units of the last place.
+    /// Returns the tolerance of a pin, in units of the last place.
     pub fn ulps(&self, name: &str) -> u64 {
         self.tolerance.iter().find(|t| named(&t.pins, name)).map_or(0, |t| t.ulps)
     }
 
-    /// What is known of a pin that differs.
+    /// Returns the known difference of a pin.
     pub fn known(&self, name: &str) -> Option<&Known> {
         self.differs.iter().find(|d| named(&d.pins, name))
     }
 
-    /// What its inputs are kept to, for people.
+    /// Returns the constraints of its inputs, for a person.
     pub fn kept(&self) -> String {
         let mut out = String::new();
         if !self.periods.is_empty() {

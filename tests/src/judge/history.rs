@@ -1,13 +1,13 @@
-//! The last cycles before a difference, for who asks for one component.
+//! The last cycles before a difference, printed for a person who debugs one component.
 
 use super::verdict::exact;
 use hal_protocol::Value;
 use std::collections::{BTreeSet, VecDeque};
 
-/// How many cycles are shown.
+/// Number of cycles that are printed.
 const DEPTH: usize = 16;
 
-/// Both values of every pin, for the last cycles.
+/// Values of every pin on both sides, for the last cycles.
 #[derive(Debug, Default)]
 pub(super) struct History {
     cycles: VecDeque<(u64, Vec<(Value, Value)>)>,
@@ -15,17 +15,17 @@ pub(super) struct History {
 }
 
 impl History {
-    /// Whether somebody looks.
+    /// Returns whether the history is requested.
     pub(super) fn wanted() -> bool {
         std::env::var_os("JUDGE").is_some()
     }
 
-    /// Forgets what was before a round.
+    /// Forgets the cycles before a round.
     pub(super) fn begin(&mut self) {
         self.cycles.clear();
     }
 
-    /// Notes a cycle.
+    /// Records a cycle.
     pub(super) fn push(&mut self, cycle: u64, values: Vec<(Value, Value)>) {
         if self.cycles.len() == DEPTH {
             self.cycles.pop_front();
@@ -33,7 +33,7 @@ impl History {
         self.cycles.push_back((cycle, values));
     }
 
-    /// What changed in each cycle, of the pins of this one's instance; once for each instance.
+    /// Returns the changes in each cycle of the pins of this pin's instance; only once for each instance.
     pub(super) fn of(&mut self, pin: &str, names: &[(String, String)]) -> String {
         let group = pin.rsplit_once('.').map_or("", |(group, _)| group);
         let mine = |name: &str| name.strip_prefix(group).is_some_and(|n| n.starts_with('.'));

@@ -1,36 +1,36 @@
-//! What the judge gives to inputs: chance, ramps, edges and extremes.
+//! Stimuli that the judge applies to inputs: random numbers, ramps, edges and extremes.
 
 use super::case::Case;
 use crate::random::Random;
 use hal_protocol::Value;
 
-/// What a round does to its inputs.
+/// Kind of stimulus of a round.
 #[derive(Clone, Copy, Debug)]
 pub enum Style {
-    /// Numbers by chance, of a size by chance.
+    /// Random numbers of random magnitude.
     Chance,
-    /// Numbers that grow and shrink steadily and cross each other.
+    /// Numbers that rise and fall steadily and cross each other.
     Ramps,
-    /// Numbers that stay, and now and then jump.
+    /// Numbers that stay constant and jump now and then.
     Edges,
-    /// Every number that a type has, the odd ones first.
+    /// Every special number of a type, the exceptional ones first.
     Extremes,
 }
 
 impl Style {
-    /// All of them.
+    /// All styles.
     pub const ALL: [Self; 4] = [Self::Chance, Self::Ramps, Self::Edges, Self::Extremes];
 }
 
-/// An input with its way through a round, and what it is kept to.
+/// An input with its stimulus for a round, and its constraints.
 #[derive(Debug)]
 pub(super) struct Driven {
-    /// Ours.
+    /// Name of our pin.
     pub(super) name: String,
-    /// Theirs.
+    /// Name of LinuxCNC's pin.
     pub(super) theirs: String,
     first: Value,
-    /// Parameters, and what both sides write, are set now and then.
+    /// True for parameters and pins that both sides write: they are set only now and then.
     seldom: bool,
     steady: bool,
     positive: bool,
@@ -42,13 +42,13 @@ pub(super) struct Driven {
     evenly: bool,
     values: Vec<f64>,
     often: Option<u64>,
-    /// An output of ours, and what is multiplied with it: a pin, or a number.
+    /// Our output that this input follows, and its factor: a pin or a number.
     follows: Option<(String, Option<String>)>,
     source: Source,
 }
 
 impl Driven {
-    /// The input of these names, in ours and theirs, for a round.
+    /// Creates the stimulus of the input of these two names for a round.
     pub(super) fn new(
         case: &Case,
         style: Style,
@@ -83,7 +83,7 @@ impl Driven {
         }
     }
 
-    /// What it is set to before a cycle, if it is; `get` reads an output.
+    /// Returns the value to set before a cycle, if any; `get` reads an output.
     pub(super) fn next(
         &mut self,
         is_first: bool,
@@ -126,7 +126,7 @@ impl Driven {
     }
 }
 
-/// One input's numbers.
+/// Generator of one input's values.
 #[derive(Debug)]
 pub(crate) struct Source {
     style: Style,
@@ -137,24 +137,24 @@ pub(crate) struct Source {
 }
 
 impl Source {
-    /// Begins a round.
+    /// Starts a generator for a round.
     pub(crate) fn new(style: Style, r: &mut Random) -> Self {
         let size = r.pick(&[0.1, 1.0, 1.0, 10.0, 1000.0]);
         let often = 1 + r.below(20);
         Self { style, value: r.unit() * size, slope: r.unit() * size / 50.0, size, often }
     }
 
-    /// It has another value each time that it is asked.
+    /// Makes the generator return a new value at each call.
     pub(crate) fn each_time(self) -> Self {
         Self { often: 1, ..self }
     }
 
-    /// Whether its numbers are those at the edges.
+    /// Returns whether the values are those at the edges of the range.
     pub(crate) const fn is_odd(&self) -> bool {
         matches!(self.style, Style::Extremes)
     }
 
-    /// The next value of the type of `now`, if there is one.
+    /// Returns the next value, of the type of `now`, if there is one.
     pub(crate) fn next(&mut self, now: Value, r: &mut Random) -> Option<Value> {
         match self.style {
             Style::Chance => self.value = r.unit() * self.size,
@@ -198,7 +198,7 @@ impl Source {
     }
 }
 
-/// Numbers at the edges.
+/// Exceptional numbers.
 const ODD: [f64; 18] = [
     0.0,
     -0.0,
@@ -220,18 +220,18 @@ const ODD: [f64; 18] = [
     2.5,
 ];
 
-/// Any whole number of a range.
+/// Returns a random integer within a range.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounds of a file")]
 fn whole_in([low, high]: [f64; 2], r: &mut Random) -> f64 {
     low + r.below((high - low) as u64 + 1) as f64
 }
 
-/// A number so many times as large; one that does not fit is the largest that does.
+/// Returns a number multiplied by `n`, saturated to its type.
 fn larger(value: Value, n: f64) -> Value {
     if matches!(value, Value::Bit(_)) { value } else { of(value, float(value) * n) }
 }
 
-/// A value as a number.
+/// Returns a value as a float.
 pub(crate) fn float(value: Value) -> f64 {
     match value {
         Value::Bit(b) => f64::from(u8::from(b)),
@@ -244,7 +244,7 @@ pub(crate) fn float(value: Value) -> f64 {
     }
 }
 
-/// A number as a value of the type of `like`.
+/// Converts a number to a value of the type of `like`.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -262,7 +262,7 @@ pub(crate) fn of(like: Value, number: f64) -> Value {
     }
 }
 
-/// A number as a size: no sign, and not 0.
+/// Makes a number positive: the absolute value, and never 0.
 pub(crate) fn positive(value: Value) -> Value {
     match value {
         Value::Float(f) => Value::Float(if f.is_finite() { f.abs().max(1e-3) } else { 1e9 }),
@@ -274,13 +274,13 @@ pub(crate) fn positive(value: Value) -> Value {
     }
 }
 
-/// Whether a range is one of numbers that a value's type has; that of a bit is not looked at.
+/// Returns whether a value's type can hold a range; bits are not checked.
 pub(crate) fn fits(like: Value, range: [f64; 2]) -> bool {
     matches!(like, Value::Bit(_) | Value::Port(_))
         || range.iter().all(|bound| float(of(like, *bound)) == *bound)
 }
 
-/// A number within a range: what is outside is taken round it.
+/// Wraps a number into a range.
 pub(crate) fn within(value: Value, [low, high]: [f64; 2]) -> Value {
     #[expect(clippy::cast_possible_truncation, reason = "bounds of a file")]
     let around = |n: i64| {

@@ -1,18 +1,18 @@
-//! What the judge does to a component: round after round, each with a load, a period and a style
-//! of its own.
+//! Test plan of the judge: a sequence of rounds, each with its own load, period and style.
 
 use super::{Style, case::Case};
 use std::fmt;
 
-/// Cycles of a round. What is not a number stays in a filter for ever, and would hide all that
-/// follows: so both are loaded anew.
+/// Number of cycles of a round. A NaN stays in a filter forever and would hide all later differences, so both
+/// components
+/// are loaded again for each round.
 pub const CYCLES: u64 = 500;
 
-/// Periods of the fast thread, in ns: users' ones, and odd ones.
+/// Periods of the fast thread, in ns: common ones and unusual ones.
 pub(super) const PERIODS: [u64; 7] =
     [1_000_000, 25_000, 999_983, 10_000_000, 100_000, 1_000_000_000, 50_021];
 
-/// How much slower the other thread is, where a component has functions for both.
+/// Ratios of the slow thread's period to the fast one's, where a component has functions for both.
 const SLOWER: [u64; 4] = [1, 10, 2, 37];
 
 /// All rounds of a component.
@@ -23,24 +23,24 @@ pub(super) struct Plan {
     least: usize,
 }
 
-/// Both loaded once.
+/// A round, for which both components are loaded once.
 #[derive(Clone, Debug)]
 pub(super) struct Round {
-    /// What inputs do.
+    /// Stimulus of the inputs.
     pub(super) style: Style,
     /// Arguments of `loadrt`.
     pub(super) args: String,
     /// Period of the fast thread.
     pub(super) period: u64,
     slower: u64,
-    /// Functions are added in an order by chance, not in theirs.
+    /// True if functions are added in random order instead of their own.
     pub(super) shuffled: bool,
-    /// Every input is set at first, parameters as well.
+    /// True if every input, parameters included, is set at the start.
     pub(super) all_at_first: bool,
 }
 
 impl Plan {
-    /// Of these arguments, and of names for instances beside the first of them.
+    /// Creates the plan for these arguments; with `names`, also for the first of them with instance names added.
     pub(super) fn new(loads: &[String], names: bool, case: &Case) -> Self {
         let own = &case.periods;
         let periods = if own.is_empty() { PERIODS.to_vec() } else { own.clone() };
@@ -51,7 +51,7 @@ impl Plan {
         Self { loads, periods, least: case.rounds.unwrap_or(0) }
     }
 
-    /// Each load meets each style at several periods.
+    /// Returns the rounds: each load meets each style at several periods.
     pub(super) fn rounds(&self) -> impl Iterator<Item = Round> {
         let (loads, styles) = (self.loads.len(), Style::ALL.len());
         let groups = PERIODS.len().max(self.least.div_ceil(styles));
@@ -70,10 +70,10 @@ impl Plan {
     }
 }
 
-/// Names of instances, one with a dot.
+/// Instance names, one with a dot.
 const NAMES: [&str; 2] = ["judged", "x.y"];
 
-/// Arguments with names for instances, each of the same personality.
+/// Returns the arguments with names added, one personality repeated for each instance.
 pub(super) fn with_names(args: &str, names: &[&str]) -> String {
     let each = |word: &str| match word.strip_prefix("personality=") {
         Some(n) => format!("personality={} ", vec![n; names.len()].join(",")),
@@ -84,7 +84,7 @@ pub(super) fn with_names(args: &str, names: &[&str]) -> String {
 }
 
 impl Round {
-    /// The lines that make its threads.
+    /// Returns the lines that create its threads.
     pub(super) fn threads(&self, slow: bool) -> String {
         let (fast, slow) = (self.period, if slow { self.period * self.slower } else { 0 });
         match slow {
@@ -93,7 +93,7 @@ impl Round {
         }
     }
 
-    /// The name that an item has where instances are counted: `and2.0.out` for `judged.out`.
+    /// Returns the name of an item with counted instances: `and2.0.out` for `judged.out`.
     pub(super) fn counted(&self, module: &str, name: &str) -> String {
         let rest = NAMES.iter().find_map(|instance| name.strip_prefix(instance));
         match rest.filter(|_| self.args.contains("names=")) {

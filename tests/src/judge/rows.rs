@@ -1,4 +1,4 @@
-//! The rows of a component's `traces/`, run by LinuxCNC's component of the same name.
+//! The rows of a component's `traces/`, executed by LinuxCNC's component of the same name.
 
 use super::verdict::exact;
 use crate::{
@@ -8,11 +8,11 @@ use crate::{
 use hal_protocol::{Link, Request, Value};
 use std::fmt::Write;
 
-/// The table with what LinuxCNC's component puts out; what is as it was stays as it is written.
-/// `hal_component::trace` says how a table is written.
+/// Returns the table with the outputs of LinuxCNC's component; a value that agrees keeps its spelling.
+/// `hal_component::trace` documents the format of a table.
 ///
 /// # Errors
-/// LinuxCNC has no such component, or it refuses something; it names the line.
+/// LinuxCNC has no such component, or refuses a command; the message names the line.
 pub fn measured(table: &str) -> Result<String, String> {
     let (mut out, mut block) = (String::new(), Block::new());
     for (i, line) in table.lines().enumerate() {
@@ -23,7 +23,7 @@ pub fn measured(table: &str) -> Result<String, String> {
     Ok(out)
 }
 
-/// What stands between one `load` and the next.
+/// State between one `load` and the next.
 struct Block {
     bench: Bench,
     module: String,
@@ -51,7 +51,7 @@ impl Block {
         }
     }
 
-    /// No threads, until the next row.
+    /// Removes the threads until the next row.
     fn rest(&mut self) {
         if std::mem::take(&mut self.started) {
             script(&mut self.bench, "stop\nunloadrt threads");
@@ -135,7 +135,7 @@ impl Block {
         self.bench.call(request).map(drop).map_err(|e| e.to_string())
     }
 
-    /// What a pin has: as it was written, if that is the same.
+    /// Reads a pin; returns the previous text if the value is the same.
     fn got(&mut self, name: &str, was: &str) -> String {
         if was == "." {
             return was.to_owned();

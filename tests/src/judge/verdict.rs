@@ -1,4 +1,4 @@
-//! What came of a comparison, and whether it is what is known.
+//! Result of a comparison, checked against the known differences.
 
 use super::{
     case::{Case, named},
@@ -10,48 +10,48 @@ use std::{
     fmt::Write,
 };
 
-/// How a pin differs.
+/// Difference of one pin.
 #[derive(Clone, Debug)]
 pub struct Apart {
-    /// The first cycle in which it did.
+    /// First cycle in which the values differed.
     pub first: u64,
-    /// In how many cycles.
+    /// Number of cycles in which they differed.
     pub cycles: u64,
-    /// How far, at most; infinite where one was not a finite number.
+    /// Largest difference; infinite if one of the values was not finite.
     pub by: f64,
-    /// Both values, the first time.
+    /// Both values at the first difference, as text.
     pub said: String,
 }
 
-/// What came of it.
+/// Result of a comparison.
 #[derive(Debug, Default)]
 pub struct Verdict {
-    /// Pins and parameters that were compared.
+    /// Number of pins and parameters that were compared.
     pub compared: usize,
-    /// Cycles that were run.
+    /// Number of cycles that were run.
     pub cycles: u64,
-    /// Whether all rounds were.
+    /// True if all rounds were run.
     pub whole: bool,
-    /// How far numbers were apart that may be, in units of the last place.
+    /// Largest differences among the tolerated ones, in units of the last place.
     pub ulps: BTreeMap<String, u64>,
-    /// How often 0 stood beside -0.
+    /// Number of times that 0 was compared with -0.
     pub zeros: u64,
     /// Pins that differ.
     pub apart: BTreeMap<String, Apart>,
-    /// All names of both.
+    /// All names of both sides.
     pub names: BTreeSet<String>,
     pub(super) ours_only: BTreeSet<String>,
     pub(super) theirs_only: BTreeSet<String>,
-    /// Outputs, as they are called where instances are counted, and whether they ever changed.
+    /// Outputs, by their names with counted instances, and whether they ever changed.
     moved: BTreeMap<String, bool>,
-    /// Those of this load by their names, with that name and their first value.
+    /// Outputs of this load that have not changed, by name, with the counted name and the first value.
     still: BTreeMap<String, (String, Value)>,
     defaults: BTreeMap<String, String>,
     wrong: BTreeSet<String>,
 }
 
 impl Verdict {
-    /// Both are loaded anew, with these items.
+    /// Starts a round: both components have been loaded again, with these items.
     pub(super) fn begin<'n>(
         &mut self,
         module: &str,
@@ -68,12 +68,12 @@ impl Verdict {
         }
     }
 
-    /// A pin whose type or direction differs.
+    /// Records a pin whose type or direction differs.
     pub(super) fn shape(&mut self, name: &str, said: String) {
         self.wrong.insert(format!("`{name}` is {said}"));
     }
 
-    /// A first value that differs: whether that is known.
+    /// Records a first value that differs; returns whether the difference is known.
     pub(super) fn begins(&mut self, case: &Case, name: &str, ours: Value, theirs: Value) -> bool {
         let (ours, theirs) = (exact(ours), exact(theirs));
         let row = case.defaults.iter().find(|d| named(&d.pins, name));
@@ -87,7 +87,7 @@ impl Verdict {
         known
     }
 
-    /// Compares two values; whether they differ for the first time.
+    /// Compares two values; returns whether they differ for the first time.
     pub(super) fn compare(&mut self, name: &str, ours: Value, theirs: Value, allowed: u64) -> bool {
         if let (Value::Float(a), Value::Float(b)) = (ours, theirs)
             && a == 0.0
@@ -129,8 +129,8 @@ impl Verdict {
         true
     }
 
-    /// What is not as it should be: what differs and is not known, is worse than known, or is
-    /// known and not so.
+    /// Returns the faults: unknown differences, differences larger than the known ones, and known ones that did not
+    /// occur.
     pub fn faults(&self, case: &Case) -> Vec<String> {
         let mut out: Vec<String> = self.wrong.iter().cloned().collect();
         for (side, list) in [("ours", &self.ours_only), ("theirs", &self.theirs_only)] {
@@ -162,7 +162,7 @@ impl Verdict {
         out
     }
 
-    /// What is told of it and is not so, or no longer.
+    /// Adds the known differences that are wrong or no longer occur.
     fn stale(&self, case: &Case, out: &mut Vec<String>) {
         let names: Vec<String> = self.names.iter().cloned().collect();
         for pin in case.unknown(&names) {
@@ -200,7 +200,7 @@ impl Verdict {
         }
     }
 
-    /// Its row in the table, without the name.
+    /// Returns the row of the table, without the name.
     pub fn row(&self, case: &Case) -> String {
         let faults = self.faults(case);
         let moved = self.moved.values().filter(|moved| **moved).count();
@@ -251,8 +251,9 @@ impl Verdict {
     }
 }
 
-/// How far two values are apart, in units of the last place; `None`: they are no numbers that
-/// could be compared so.
+/// Returns the distance of two values in units of the last place; `None` if they are not numbers that can be compared
+/// in
+/// this way.
 fn apart(ours: Value, theirs: Value) -> Option<u64> {
     match (ours, theirs) {
         (Value::Float(a), Value::Float(b)) => {
@@ -269,7 +270,7 @@ fn apart(ours: Value, theirs: Value) -> Option<u64> {
     }
 }
 
-/// A value that is no float.
+/// Converts a value that is not a float to an integer.
 fn number(value: Value) -> i128 {
     match value {
         Value::Bit(b) => i128::from(b),
@@ -281,7 +282,7 @@ fn number(value: Value) -> i128 {
     }
 }
 
-/// A value with all its digits.
+/// Returns a value with all its digits.
 pub(super) fn exact(value: Value) -> String {
     match value {
         Value::Float(f) => format!("{f:?}"),

@@ -1,31 +1,31 @@
-//! Documented limits of outputs, looked at after each cycle.
+//! Documented limits of outputs, checked after each cycle.
 
 use super::case::{Bound, Case, filled};
 use crate::{foreign::Bench, judge::inputs::float, machine::get};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How far arithmetic may miss a limit, as a share of it.
+/// Tolerance for rounding, relative to the limit.
 const SLACK: f64 = 1e-9;
 
-/// A limit of one output.
+/// Limit of one output.
 struct Limit<'c> {
     pin: String,
     row: &'c Bound,
-    /// What `#` stands for.
+    /// Text that `#` stands for.
     fill: String,
 }
 
-/// The limits of all outputs.
+/// Limits of all outputs.
 pub(super) struct Limits<'c> {
     all: Vec<Limit<'c>>,
-    /// The last values.
+    /// Previous values.
     before: BTreeMap<String, f64>,
-    /// Those that have no limit any more.
+    /// Outputs whose limit is disabled permanently.
     off: BTreeSet<String>,
 }
 
 impl<'c> Limits<'c> {
-    /// Those that a file tells of.
+    /// Returns the limits that a case file declares for these names.
     pub(super) fn of<'n>(case: &'c Case, names: impl Iterator<Item = &'n str>) -> Self {
         let mut all = Vec::new();
         for name in names {
@@ -42,7 +42,7 @@ impl<'c> Limits<'c> {
         self.all.is_empty()
     }
 
-    /// What is out of its limits, and how.
+    /// Returns the outputs that violate their limits, each with a description.
     pub(super) fn broken(&mut self, b: &mut Bench, secs: f64) -> Vec<(String, String)> {
         let mut out = Vec::new();
         for limit in &self.all {
@@ -59,7 +59,7 @@ impl<'c> Limits<'c> {
                 continue;
             }
             let mut is = |value: f64, low: f64, high: f64, what: &str| {
-                // Limits that cross leave both.
+                // If the limits cross, both remain as outer limits.
                 let (low, high) = (low.min(high), low.max(high));
                 let slack = SLACK * (low.abs().max(high.abs()) + value.abs());
                 if !(low - slack <= value && value <= high + slack) {
@@ -88,7 +88,7 @@ impl Limit<'_> {
         (!values.is_empty()).then(|| values.into_iter().product())
     }
 
-    /// A number, or that of an item.
+    /// Returns the value of a number or of an item.
     fn value(&self, b: &mut Bench, text: &str) -> f64 {
         text.parse().unwrap_or_else(|_| float(get(b, &text.replace('#', &self.fill))))
     }

@@ -1,4 +1,4 @@
-//! What is told of one component to the properties: `tests/properties/NAME.toml`, read and checked.
+//! Description of one component for the properties test: `tests/properties/NAME.toml`, parsed and checked.
 
 use crate::{
     every,
@@ -12,96 +12,96 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// The folder of these files.
+/// Returns the folder of these files.
 pub fn folder() -> PathBuf {
     root().join("tests/properties")
 }
 
-/// One file. What is left out is as written in `tests/tests/properties.rs`.
+/// Contents of a file. `tests/tests/properties.rs` documents the defaults of omitted entries.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Case {
-    /// The component whose file it is as well.
+    /// Other component whose file also applies.
     pub like: Option<String>,
-    /// Arguments of `loadrt`, each a configuration of its own, beside those of the judge
-    /// and of `every`.
+    /// Arguments of `loadrt`, each a configuration of its own, in addition to those of the judge and of `every`.
     pub loads: Vec<String>,
-    /// Lines of a script before it is loaded.
+    /// Lines of a script that run before the load.
     pub before: Vec<String>,
-    /// Lines of a script after it is loaded.
+    /// Lines of a script that run after the load.
     pub after: Vec<String>,
-    /// Threads that these lines make, in which its functions then are.
+    /// Threads that these lines create and that then hold the component's functions.
     pub threads: Vec<String>,
-    /// What sane inputs are.
+    /// Sane ranges of inputs.
     pub inputs: Vec<Input>,
     /// Outputs with a documented limit.
     pub bounds: Vec<Bound>,
-    /// Outputs that may be no finite numbers while all inputs are.
+    /// Outputs that may be NaN or infinite while all inputs are finite.
     pub open: Vec<Open>,
-    /// Outputs that stay no finite numbers when the inputs are again.
+    /// Outputs that stay NaN or infinite after the inputs are finite again.
     pub stays: Vec<Stays>,
-    /// Arguments that look wrong and are taken; see `tests/tests/arguments.rs`.
+    /// Arguments that look wrong and are accepted; see `tests/tests/arguments.rs`.
     pub takes: Vec<Takes>,
 }
 
-/// An output within limits. `#` in the names stands for the same text.
+/// An output within limits. `#` in the names stands for the same text everywhere.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bound {
-    /// The output.
+    /// Name of the output.
     pub pin: String,
-    /// No less than the product of these: numbers, and names of items.
+    /// Lower limit: the product of these numbers and items.
     #[serde(default)]
     pub low: Vec<String>,
-    /// No more than the product of these; without `low`, no less than that with the other sign.
+    /// Upper limit: the product of these numbers and items; without `low`, its negative is the lower limit.
     #[serde(default)]
     pub high: Vec<String>,
-    /// No faster than this, in units per second; what is named is set once.
+    /// Maximum rate of change, in units per second; an item named here is set only once.
     pub rate: Option<String>,
-    /// There is no limit while this item is 0.
+    /// Item that disables the limit while it is 0.
     pub unless: Option<String>,
-    /// There is no limit from where on this item is true.
+    /// Item that disables the limit permanently once it is true.
     pub off: Option<String>,
 }
 
-/// Outputs that may be no finite numbers while all inputs are.
+/// Outputs that may be NaN or infinite while all inputs are finite.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Open {
-    /// Names, or globs.
+    /// Names or glob patterns.
     pub pins: Vec<String>,
-    /// Why.
+    /// Reason.
     pub why: String,
 }
 
-/// Outputs that keep what was no number, until a reset.
+/// Outputs that stay NaN or infinite until a reset.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stays {
-    /// Names, or globs.
+    /// Names or glob patterns.
     pub pins: Vec<String>,
-    /// Why.
+    /// Reason.
     pub why: String,
-    /// What clears it, one after the other: inputs, as globs, and what they are set to. Empty: only
-    /// a new load does.
+    /// Steps of the reset, in order: inputs, as glob patterns, and the values to set. Empty if only a new load resets
+    /// the
+    /// outputs.
     pub reset: Vec<BTreeMap<String, String>>,
 }
 
-/// Arguments that look wrong and are taken.
+/// Arguments that look wrong and are accepted.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Takes {
-    /// Such as `num_chan=0`.
+    /// Argument, for example `num_chan=0`.
     pub words: Vec<String>,
-    /// Why.
+    /// Reason.
     pub why: String,
 }
 
 impl Case {
-    /// The one of a component, or of its library; nothing is told of most.
+    /// Reads the case of a component, or of its library; most components have none.
     ///
     /// # Errors
-    /// It cannot be read, or is wrong.
+    /// The file cannot be read, or is wrong.
     pub fn of(offer: &Offer) -> Result<Self, String> {
         let file = |name: &str| folder().join(format!("{name}.toml"));
         let names = [offer.component.clone(), format!("lib-{}", offer.library)];
@@ -116,7 +116,7 @@ impl Case {
         }
     }
 
-    /// The arguments of `loadrt` that are tried, the judge's among them.
+    /// Returns the argument lists of `loadrt` to test, including those of the judge.
     ///
     /// # Errors
     /// A file of the judge is wrong.
@@ -124,7 +124,7 @@ impl Case {
         let judged = judge::Case::of(&offer.component)?.loads;
         let others = every::ways(&offer.component).iter().map(|w| (*w).to_owned()).collect();
         let mut ways = Vec::new();
-        // Both take one without any for granted.
+        // Both lists imply the load without arguments.
         let lists = [judged, others].into_iter().filter(|list: &Vec<String>| *list != [""]);
         for way in lists.flatten().chain(self.loads.iter().cloned()) {
             if !ways.contains(&way) {
@@ -137,24 +137,24 @@ impl Case {
         Ok(ways)
     }
 
-    /// The row of an output that may be no finite number.
+    /// Returns the row of an output that may be NaN or infinite.
     pub fn open(&self, name: &str) -> Option<&Open> {
         self.open.iter().find(|o| named(&o.pins, name))
     }
 
-    /// The row of an output that keeps what was no number.
+    /// Returns the row of an output that stays NaN or infinite.
     pub fn stays(&self, name: &str) -> Option<&Stays> {
         self.stays.iter().find(|s| named(&s.pins, name))
     }
 
-    /// Whether a limit of how fast something changes rests on this item.
+    /// Returns whether a limit on a rate of change depends on this item.
     pub fn is_rate(&self, name: &str) -> bool {
         let rates = self.bounds.iter().filter_map(|b| b.rate.as_deref());
         rates.into_iter().any(|r| filled(r, name).is_some())
     }
 }
 
-/// What `#` stands for, if this name is of that form.
+/// Returns the text that `#` stands for, if the name matches the form.
 pub fn filled<'n>(form: &str, name: &'n str) -> Option<&'n str> {
     let Some((before, after)) = form.split_once('#') else {
         return (form == name).then_some("");

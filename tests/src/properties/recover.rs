@@ -1,4 +1,4 @@
-//! What is to be seen of inputs that were not sane, when they are again.
+//! Checks that the effects of exceptional inputs pass when the inputs are sane again.
 
 use super::{HELD, Round};
 use crate::{
@@ -8,7 +8,7 @@ use crate::{
 use hal_protocol::Value;
 use std::collections::BTreeSet;
 
-/// Whether an integer is at an end of its type that no one is at by chance.
+/// Returns whether an integer is at an end of its type that a value does not reach by chance.
 pub(super) fn is_end(value: Value) -> bool {
     match value {
         Value::S32(n) => n == i32::MIN || n == i32::MAX,
@@ -20,7 +20,7 @@ pub(super) fn is_end(value: Value) -> bool {
 }
 
 impl Round<'_> {
-    /// What was not sane has passed, or passes with a reset.
+    /// Checks that the effects of exceptional inputs have passed, or pass with a reset.
     pub(super) fn recover(&mut self, stuck: &BTreeSet<usize>) {
         let mut kept = Vec::new();
         for (name, value) in self.left(stuck) {
@@ -34,7 +34,7 @@ impl Round<'_> {
                 }
             }
         }
-        // What only a new load clears has been told.
+        // Items that only a new load resets have a row already.
         let steps = kept.iter().map(|row| row.reset.len()).max().unwrap_or_default();
         for step in 0..steps {
             for (glob, value) in kept.iter().filter_map(|row| row.reset.get(step)).flatten() {
@@ -54,7 +54,7 @@ impl Round<'_> {
         }
     }
 
-    /// What is no finite number, and the integers that are still stuck.
+    /// Returns the outputs that are not finite, and the integers that are still stuck.
     fn left(&mut self, stuck: &BTreeSet<usize>) -> Vec<(String, String)> {
         let mut out: Vec<_> = self.odd().into_iter().map(|(n, v)| (n, v.to_string())).collect();
         for i in self.ends.intersection(stuck).filter_map(|n| self.items.get(*n)) {
