@@ -193,7 +193,7 @@ pub(crate) mod hardware {
         -1
     }
 
-    /// Realtime.
+    /// Realtime. Reads `width` bytes from a hardware port.
     #[cfg(target_arch = "x86_64")]
     pub(crate) fn read(port: u16, width: u16) -> u32 {
         use core::arch::asm;
@@ -217,7 +217,7 @@ pub(crate) mod hardware {
         }
     }
 
-    /// Realtime.
+    /// Realtime. Writes `width` bytes to a hardware port.
     #[cfg(target_arch = "x86_64")]
     pub(crate) fn write(port: u16, width: u16, value: u32) {
         use core::arch::asm;

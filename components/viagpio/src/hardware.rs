@@ -29,8 +29,8 @@ impl Hardware {
     }
 }
 
-/// Converts an I/O error. For users without permission, the kernel only shortens the configuration, which gives no error
-/// number.
+/// Converts an I/O error. For users without permission, the kernel only shortens the configuration, which gives no
+/// error number.
 fn lost(error: &Error) -> Lost {
     const FORBIDDEN: i32 = 1;
     Lost(error.raw_os_error().unwrap_or(FORBIDDEN))
