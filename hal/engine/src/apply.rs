@@ -1,4 +1,4 @@
-//! How a change reaches the threads, how they start and stop, and what is freed when.
+//! Delivery of a change to the threads, their start and stop, and the release of retired data.
 
 use crate::{
     Engine, Error,
@@ -11,10 +11,10 @@ use crate::{
 use hal_protocol::Lock;
 use std::collections::BTreeSet;
 
-/// How long a change may wait for a boundary, in wall time.
+/// Longest time that a change may wait for a boundary, in nanoseconds of wall-clock time.
 pub(crate) const PATIENCE_NS: i64 = 2_000_000_000;
 
-/// What threads may still be using.
+/// Data that threads may still be using.
 #[derive(Debug)]
 pub(crate) enum Retired {
     List(Arc<List>),
@@ -30,8 +30,8 @@ impl Retired {
     }
 }
 
-/// Parts stores into those that touch only places that no thread can see, and the rest. What
-/// shares a place with one of the rest, and comes after it, stays after it.
+/// Splits stores into those that touch only places that no thread can see, and the rest. A store
+/// that shares a place with an earlier store of the rest stays with the rest, after it.
 pub(crate) fn part(stores: Vec<Store>, fresh: impl Fn(usize) -> bool) -> (Vec<Store>, Vec<Store>) {
     let mut shared = BTreeSet::new();
     stores.into_iter().partition(|store| {
@@ -45,7 +45,7 @@ pub(crate) fn part(stores: Vec<Store>, fresh: impl Fn(usize) -> bool) -> (Vec<St
 }
 
 impl Engine {
-    /// Makes a change: directly where no cycle can see half of it, else at a boundary.
+    /// Carries out a change: directly if no cycle can see a part of it, otherwise at a boundary.
     pub(crate) fn carry_out(&mut self, change: &Change) -> Result<(), Error> {
         if change.stores.is_empty() && change.lists.is_empty() {
             return Ok(());
@@ -70,7 +70,7 @@ impl Engine {
     fn at_boundary(&self, change: &Change) -> Result<(), Error> {
         let boundary = &self.shared.boundary;
         boundary.offer(change);
-        // The fastest thread may have to come round first.
+        // The fastest thread may first have to finish a whole period.
         let round = self.shared.threads.load().first().map_or(0, |t| t.period_ns);
         let limit = os::monotonic_ns().saturating_add(self.settle_ns).saturating_add(round);
         self.instance.control.be_patient();
@@ -85,7 +85,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Waits until no cycle is under way; threads are stopped.
+    /// Waits until no cycle is in progress. The caller has stopped the threads.
     pub(crate) fn settle(&mut self) -> Result<(), Error> {
         if self.quiet || self.shared.is_virtual() {
             return Ok(());
@@ -102,7 +102,7 @@ impl Engine {
         if self.quiet { Ok(()) } else { Err(self.stuck()) }
     }
 
-    /// `start`: threads are started when all else is done.
+    /// `start`: marks threads to be started at the end of the transaction.
     pub(crate) fn start_threads(&mut self) -> Result<(), Error> {
         self.unlocked(Lock::RUN, "start_threads")?;
         if let Some(f) = &self.fault {
@@ -115,7 +115,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Lets threads run; their lists are as they are to be.
+    /// Lets threads run. Their lists are already up to date.
     pub(crate) fn run_threads(&mut self) {
         if self.recording.is_some() {
             self.begin_recording();
@@ -131,18 +131,18 @@ impl Engine {
         self.graph.sites.has_run();
     }
 
-    /// `stop`, and waits for cycles under way.
+    /// `stop`: prevents further cycles and waits for those in progress.
     pub(crate) fn stop_threads(&mut self) -> Result<(), Error> {
         self.shared.boundary.stop();
         self.settle()
     }
 
-    /// Keeps what threads may still use.
+    /// Keeps a list of threads that may still be in use.
     pub(crate) fn retire_threads(&mut self, old: Arc<Vec<Arc<Thread>>>) {
         self.retired.push(Retired::Threads(old));
     }
 
-    /// Frees what no thread uses any more.
+    /// Frees data that no thread uses any more.
     pub(crate) fn reap(&mut self) {
         if self.retired.iter().any(Retired::is_free) {
             self.hear();

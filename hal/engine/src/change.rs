@@ -1,4 +1,4 @@
-//! Realtime. A change to the graph as a list of stores, carried out whole.
+//! Realtime. A change to the graph: a list of stores that is carried out as a whole.
 
 use crate::{
     code::Ptr,
@@ -12,7 +12,7 @@ use core::{ffi::c_void, ptr::NonNull};
 use hal_abi::{Cell, Slot};
 use hal_protocol::Type;
 
-/// The most stores that are made at once while threads run.
+/// Largest number of stores that are carried out at once while threads run.
 pub(crate) const MOST_STORES: usize = 256;
 
 /// One store.
@@ -20,52 +20,53 @@ pub(crate) const MOST_STORES: usize = 256;
 pub(crate) enum Store {
     /// Puts a value into a cell.
     Put {
-        /// Where.
+        /// The cell.
         cell: Ptr<Cell>,
-        /// What.
+        /// The value, as the bits of its type.
         bits: u64,
     },
     /// Puts a value into a component's own memory, at the width of its type.
     PutOwn {
-        /// Where.
+        /// Address in the component's memory.
         place: Ptr<c_void>,
-        /// What is there.
+        /// Type of the value there.
         ty: Type,
-        /// What.
+        /// The value, as the bits of its type.
         bits: u64,
     },
     /// Copies a pin's own value into its future signal.
     Bring {
-        /// From this slot's own cell.
+        /// The slot whose own cell is read.
         slot: Ptr<Slot>,
-        /// To this cell.
+        /// The cell that is written.
         cell: Ptr<Cell>,
     },
     /// Copies a signal's value into a pin's own cell.
     Keep {
-        /// From this cell.
+        /// The cell that is read.
         cell: Ptr<Cell>,
-        /// To this slot's own cell.
+        /// The slot whose own cell is written.
         slot: Ptr<Slot>,
     },
-    /// Tells foreign code where its pin's value is.
+    /// Updates the pointer through which foreign code reaches its pin's value.
     Point {
-        /// Where it keeps that.
+        /// The pointer in the component's memory.
         pointer: Pointer,
         /// The pin's new cell.
         cell: Ptr<Cell>,
     },
-    /// Aims a pin.
+    /// Points a pin at another cell.
     Aim {
         /// The pin's slot.
         slot: Ptr<Slot>,
-        /// The distance to its new cell.
+        /// Distance from the slot to its new cell.
         distance: i32,
     },
 }
 
 impl Store {
-    /// What aims a pin at a cell so far from its slot, and foreign code with it.
+    /// Returns the stores that point a pin at the cell at this distance from its slot, and foreign
+    /// code's pointer with it.
     pub(crate) fn aimed(
         slot: NonNull<Slot>,
         distance: i32,
@@ -78,14 +79,14 @@ impl Store {
     }
 }
 
-/// Tells foreign code where its pin's value is.
+/// Updates the pointer through which foreign code reaches its pin's value.
 pub(crate) fn point(pointer: Pointer, cell: Ptr<Cell>) {
     // SAFETY: in memory of the component, which lives as long as the pin.
     let pointer = unsafe { pointer.0.as_ref() };
     pointer.store(cell.0.as_ptr(), Ordering::Release); // Pairs with each use by foreign code.
 }
 
-/// A change: stores, then new lists of functions.
+/// A change: stores, then new function lists.
 #[derive(Debug, Default)]
 pub(crate) struct Change {
     pub(crate) stores: Vec<Store>,
@@ -93,7 +94,7 @@ pub(crate) struct Change {
 }
 
 impl Store {
-    /// Makes it.
+    /// Carries out the store.
     pub(crate) fn carry_out(&self) {
         match *self {
             Self::Put { cell, bits } => {
@@ -121,7 +122,7 @@ impl Store {
         }
     }
 
-    /// What it reads or writes, by address.
+    /// Returns the addresses that the store reads or writes.
     pub(crate) fn places(&self) -> [usize; 2] {
         let at = |p: Ptr<Cell>| p.0.addr().get();
         match *self {
@@ -137,13 +138,14 @@ impl Store {
 }
 
 impl Change {
-    /// Whether it is one atomic store, which is whole by itself.
+    /// Returns whether the change is one atomic store, which needs no boundary.
     pub(crate) fn is_atomic(&self) -> bool {
         let one = matches!(*self.stores, [Store::Put { .. } | Store::PutOwn { .. }]);
         one && self.lists.is_empty()
     }
 
-    /// Makes every store. Allocates and frees nothing: the caller keeps the old lists.
+    /// Carries out every store, then replaces the lists. Allocates and frees nothing: the caller
+    /// keeps the old lists.
     pub(crate) fn carry_out(&self) {
         self.stores.iter().for_each(Store::carry_out);
         for (thread, list) in &self.lists {

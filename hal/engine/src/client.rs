@@ -1,4 +1,4 @@
-//! One client's connection: lines in, answers out.
+//! One client's connection: request lines in, answers out.
 
 use crate::{Error, graph::Ix, polls::Hold};
 use hal_protocol::{Failure, LONGEST, Reply, WireReply};
@@ -11,15 +11,15 @@ use std::{
     },
 };
 
-/// What a client waits for.
+/// The condition that a client waits for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Waits {
     No,
-    /// Until this moment on the wall.
+    /// Until this monotonic wall-clock time, in nanoseconds.
     Wall(i64),
-    /// Until machine time is this.
+    /// Until machine time reaches this.
     Time(i64),
-    /// Until this ticket is no longer under way.
+    /// Until this ticket is no longer pending.
     Ticket(u64),
     /// For its poll, due at this machine time.
     Poll(i64),
@@ -30,29 +30,29 @@ pub(crate) struct Client {
     pub(crate) id: u64,
     pub(crate) socket: UnixStream,
     input: Vec<u8>,
-    /// How much of the input was taken, and how much has no end of a line.
+    /// Number of input bytes already consumed, and of those searched without finding a newline.
     taken: usize,
     searched: usize,
     output: Vec<u8>,
-    /// How much of the output was sent.
+    /// Number of output bytes already sent.
     sent: usize,
     pub(crate) fd: Option<OwnedFd>,
     pub(crate) component: Option<Ix>,
     pub(crate) pid: i32,
     pub(crate) pins: Vec<Ix>,
     pub(crate) poll_ns: i64,
-    /// When its next poll is owed, in machine time.
+    /// Machine time by which the next poll is due.
     pub(crate) owes: Option<i64>,
-    /// How long the virtual clock has waited for that poll.
+    /// Time that the virtual clock has waited for that poll.
     pub(crate) hold: Hold,
-    /// What it writes when that poll is due.
+    /// Values that the client writes when that poll is due.
     pub(crate) writes: Vec<(Ix, u64)>,
     pub(crate) waits: Waits,
     pub(crate) flows: bool,
     pub(crate) gone: bool,
-    /// It sends nothing more.
+    /// True if the client sends nothing more.
     ended: bool,
-    /// Nor does it read.
+    /// True if the client does not read any more, either.
     pub(crate) hung: bool,
     pub(crate) closing: bool,
 }
@@ -84,18 +84,19 @@ impl Client {
         }
     }
 
-    /// Whether more of it is wanted. Who does not read answers is not heard further.
+    /// Returns whether more input is wanted. The server reads nothing more from a client that does
+    /// not read its answers.
     pub(crate) const fn listens(&self) -> bool {
         let room = self.input.len() - self.taken <= LONGEST;
         room && !self.has_output() && !self.ended && !self.closing && !self.gone
     }
 
-    /// Whether an answer waits to be sent.
+    /// Returns whether an answer waits to be sent.
     pub(crate) const fn has_output(&self) -> bool {
         !self.output.is_empty()
     }
 
-    /// Whether its next request may be carried out now.
+    /// Returns whether the client's next request may be executed now.
     pub(crate) fn is_served(&self) -> bool {
         self.waits == Waits::No && !self.has_output() && !self.closing && !self.gone
     }
@@ -122,7 +123,7 @@ impl Client {
         }
     }
 
-    /// Whether there is a whole line, or will never be one.
+    /// Returns whether `line` has a result: a whole line, or the error that it is too long.
     pub(crate) fn has_line(&mut self) -> bool {
         let rest = self.input.get(self.searched..).unwrap_or_default();
         match rest.iter().position(|b| *b == b'\n') {
@@ -132,7 +133,7 @@ impl Client {
         self.searched < self.input.len() || self.input.len() - self.taken > LONGEST
     }
 
-    /// The next whole line, or why there will never be one.
+    /// Returns the next whole line, or an error if the line is too long.
     pub(crate) fn line(&mut self) -> Option<Result<Vec<u8>, Error>> {
         if !self.has_line() {
             return None;
@@ -148,8 +149,8 @@ impl Client {
         Some(Ok(line))
     }
 
-    /// Lets it go when it sends nothing more and everything is answered, or nobody is there to
-    /// wait for the answer.
+    /// Marks the client for removal when it sends nothing more and every request is answered, or
+    /// when it has hung up during a wait.
     pub(crate) fn part(&mut self) {
         let answered = self.is_served() && !self.has_line();
         self.gone |= self.ended && answered || self.hung && self.waits != Waits::No;
@@ -193,7 +194,7 @@ impl Client {
     }
 }
 
-/// Sends bytes with a file.
+/// Sends bytes together with a file descriptor.
 fn send(socket: &UnixStream, bytes: &[u8], fd: &OwnedFd) -> std::io::Result<usize> {
     let mut space = [core::mem::MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
     let mut control = SendAncillaryBuffer::new(&mut space);

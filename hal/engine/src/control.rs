@@ -1,13 +1,14 @@
-//! What the control side does while it waits: it hears, turns the clock, serves, frees.
+//! Work of the control side while it waits: messages, the virtual clock, clients, freeing of
+//! memory.
 
 use crate::{Engine, clock, ends, os, record::Recording};
 
-/// How many instants of machine time are run between looks at the socket.
+/// Largest number of instants of machine time that run between two checks of the socket.
 const SLICE: u32 = 4096;
 
 impl Engine {
-    /// One turn of the control side: messages, faults, the clock, the socket. Waits at most
-    /// `ms` on the wall when there is nothing to do.
+    /// Makes one pass of the control side: messages, faults, the clock, the socket. Waits at most
+    /// `ms` milliseconds of wall-clock time when there is nothing to do.
     pub(crate) fn pump(&mut self, ms: i32) {
         if ends::is_claimed() {
             ends::park();
@@ -17,13 +18,14 @@ impl Engine {
         let moved = self.advance();
         self.notice_fault();
         self.reap();
-        // Whoever reads a full ring does not say so.
+        // A reader that empties a full ring sends no notification, so look again soon.
         let ms = if self.probes.have_room() { ms } else { ms.min(1) };
         let ms = if moved { 0 } else { ms };
         crate::server::serve_once(self, ms);
     }
 
-    /// Moves the virtual clock where it may, or runs the tasks that are due on the real one.
+    /// Moves the virtual clock if it may move, or runs the tasks that are due on the real clock.
+    /// Returns whether the virtual clock was advanced.
     fn advance(&mut self) -> bool {
         self.measure_ticks();
         let now = self.shared.now();
@@ -49,12 +51,13 @@ impl Engine {
         let waits = crate::polls::waits_for_ticket(self);
         let task_answers = waits && !self.tasks.is_empty();
         if until == i64::MAX && self.is_idle() && !task_answers {
-            // Without an end nothing moves while nothing runs: a script that waits for a program
-            // before `start` finds the clock where it was. A command that a task answers goes on.
+            // Without a target the clock does not move while nothing runs: a script that waits for
+            // a program before `start` finds the clock unchanged. A command that a task answers
+            // still proceeds.
             return false;
         }
         until = until.min(self.next_task());
-        // Whoever waits for a ticket or a ring is to see it as soon as it changes.
+        // A client or script that waits for a ticket or a ring must see it as soon as it changes.
         let looks = self.script_waits && !self.rings.is_empty();
         let instants = if looks || waits { 1 } else { SLICE };
         clock::turn(&self.shared, &self.probes, until.max(now), instants);
@@ -65,14 +68,14 @@ impl Engine {
         true
     }
 
-    /// Whether no function runs, whatever the time.
+    /// Returns whether no function runs: threads are stopped or absent, or a function has failed.
     pub(crate) fn is_idle(&self) -> bool {
         let running = self.shared.boundary.is_running() && self.shared.fault.get().is_none();
         !running || self.shared.threads.load().is_empty()
     }
 
-    /// Moves the virtual clock by one instant of machine time, for a script that waits; false when
-    /// it must wait itself.
+    /// Moves the virtual clock by one instant of machine time, for a script that waits. Returns
+    /// false if the clock did not move and the script must wait itself.
     pub(crate) fn advance_one(&mut self) -> bool {
         let now = self.shared.now();
         if self.held_back() {
@@ -92,7 +95,7 @@ impl Engine {
         then > now
     }
 
-    /// Learns how long a tick of the cycle counter is.
+    /// Measures the length of a tick of the cycle counter.
     pub(crate) fn measure_ticks(&mut self) {
         let (ticks, ns) =
             (os::ticks().wrapping_sub(self.ticks.0), os::monotonic_ns() - self.ticks.1);

@@ -1,20 +1,20 @@
-//! How an instance ends in good order: outputs first, then what was seen, programs, components, the
+//! Orderly shutdown of an instance: outputs first, then recordings, programs, components, the
 //! socket.
 
 use crate::{Engine, apply::PATIENCE_NS, os, sync::Ordering};
 
-/// How long outputs wait for a cycle under way, in nanoseconds, when an instance ends.
+/// Time that the outputs wait for a cycle in progress when an instance ends, in nanoseconds.
 const OUTPUTS_NS: i64 = 50_000_000;
 
 impl Engine {
-    /// Stops the threads, runs every stop action, ends programs, unloads everything and gives the
-    /// socket back.
+    /// Stops the threads, runs every stop action, ends programs, unloads everything and releases
+    /// the socket.
     pub fn close(mut self) {
         self.end();
     }
 
-    /// Closes the instance as [`Self::close`] does. Returns false when a function had failed, or a
-    /// thread did not leave one.
+    /// Closes the instance as [`Self::close`] does. Returns false if a function had failed, or if a
+    /// thread did not leave its function.
     #[must_use]
     pub fn close_checked(mut self) -> bool {
         self.end()
@@ -22,7 +22,7 @@ impl Engine {
 
     fn end(&mut self) -> bool {
         self.shared.boundary.stop();
-        // Outputs first, however long a cycle takes.
+        // Outputs first, even if a cycle takes long.
         let limit = core::mem::replace(&mut self.settle_ns, OUTPUTS_NS);
         let prompt = self.settle().is_ok();
         self.settle_ns = limit;
@@ -30,9 +30,9 @@ impl Engine {
         self.run_stops(&self.graph.components_by_age());
         if !prompt {
             match self.settle() {
-                // What was under way may have written once more.
+                // The cycle in progress may have written once more.
                 Ok(()) => self.run_stops(&self.graph.components_by_age()),
-                // Nobody waits for that thread again.
+                // No later step waits for that thread again.
                 Err(_) => self.settle_ns = 0,
             }
         }
@@ -52,7 +52,8 @@ impl Engine {
         self.instance.control.be_patient();
         let clean = self.runners.end(&[], true, self.settle_ns);
         self.instance.control.have_waited();
-        // Until here a function that comes back is followed by outputs at their safe levels.
+        // Up to here, if a stuck function returns, the outputs are driven to their safe levels
+        // again.
         self.end_realtime();
         if clean {
             for ix in self.graph.components_by_age().into_iter().rev() {
@@ -99,7 +100,7 @@ impl Engine {
         self.instance.control.have_waited();
     }
 
-    /// Programs have come or gone.
+    /// Publishes the list of running programs after it has changed.
     pub(crate) fn programs_have_changed(&self) {
         self.instance.set_programs(self.programs.iter().map(|p| p.pid).collect());
     }

@@ -1,4 +1,4 @@
-//! An instance: what it consists of, and what its control side does while it waits.
+//! An instance: its parts, and the loop that serves its clients.
 
 use crate::{
     ClockKind, Error, Options,
@@ -34,20 +34,20 @@ use std::{
     sync::Mutex,
 };
 
-/// Why [`Engine::serve`] returned.
+/// The reason why [`Engine::serve`] returned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ended {
-    /// There is no thread (any more).
+    /// There are no threads (any more).
     NoThreads,
-    /// A client asked for it.
+    /// A client requested the shutdown.
     Shutdown,
-    /// A signal came that asks for it.
+    /// A signal requested the shutdown.
     Signal,
-    /// The time is over.
+    /// The requested time has passed.
     Time,
 }
 
-/// How many things there are.
+/// Numbers of pins and parameters.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Counts {
     pub(crate) pins: u32,
@@ -64,7 +64,7 @@ pub(crate) struct Program {
     pub(crate) joined: bool,
 }
 
-/// A command under way.
+/// A command in progress.
 #[derive(Debug)]
 pub(crate) struct Pending {
     pub(crate) owner: Ix,
@@ -79,12 +79,12 @@ pub struct Engine {
     pub(crate) counts: Counts,
     pub(crate) loader: Loader,
     pub(crate) shared: Arc<Shared>,
-    /// What is known of it when its process ends.
+    /// The data that a report of the end of the process uses.
     pub(crate) instance: Arc<Instance>,
-    /// How long a wait for threads may last, in wall time.
+    /// Longest wait for threads, in nanoseconds of wall-clock time.
     pub(crate) settle_ns: i64,
     pub(crate) runners: Runners,
-    /// From the first `start` on.
+    /// Present from the first `start` on.
     pub(crate) watchdog: Option<Watchdog>,
     pub(crate) realtime: Realtime,
     pub(crate) lock: Lock,
@@ -93,7 +93,8 @@ pub struct Engine {
     pub(crate) tasks: Vec<Task>,
     pub(crate) rings: BTreeMap<Name, SharedRing>,
     pub(crate) programs: Vec<Program>,
-    /// Components that have gone or are about to, some of them kept by a stuck thread.
+    /// Components that have been unloaded or are about to be; a stuck thread may still hold some of
+    /// them.
     pub(crate) left: Vec<Ix>,
     pub(crate) tickets: BTreeMap<u64, Pending>,
     pub(crate) finished: BTreeMap<u64, TicketInfo>,
@@ -101,44 +102,44 @@ pub struct Engine {
     pub(crate) recording: Option<Recording>,
     pub(crate) flight: Option<Arc<Mutex<Flight>>>,
     pub(crate) probes: Probes,
-    /// By the numbers of their probes.
+    /// The samples, by the numbers of their probes.
     pub(crate) samples: BTreeMap<u64, Sample>,
     pub(crate) fault: Option<FaultInfo>,
     pub(crate) server: Option<Server>,
     pub(crate) shutdown: bool,
-    /// The script waits: a full ring holds the clock back.
+    /// True while the script waits: a full ring then holds the clock back.
     pub(crate) script_waits: bool,
     /// The program whose end the script waits for.
     pub(crate) waits_for: Option<i32>,
-    /// How long the virtual clock waits for one client on the wall.
+    /// Longest time that the virtual clock waits for one client, in nanoseconds of wall-clock time.
     pub(crate) patience_ns: i64,
-    /// The virtual clock may move up to here.
+    /// Machine time up to which the virtual clock may move.
     pub(crate) target: i64,
-    /// As far as waiting clients let it move.
+    /// Machine time up to which waiting clients let the clock move.
     pub(crate) client_target: i64,
     pub(crate) retired: Vec<Retired>,
     pub(crate) messages: VecDeque<String>,
-    /// Older ones that were not kept.
+    /// Number of older messages that were discarded.
     pub(crate) dropped_messages: u64,
     pub(crate) joiner: Joiner,
-    /// The counts of the messages of each component, by its number.
+    /// Message counts of each component, by the component's number.
     pub(crate) voices: BTreeMap<u32, Arc<Voice>>,
-    /// The component that was removed last: it may still say something.
+    /// The component that was removed last: messages of it may still arrive.
     pub(crate) gone: Option<(u32, Name)>,
     pub(crate) ticks: (u64, i64),
     pub(crate) quiet: bool,
-    /// Nothing outside is touched.
+    /// Present in a trial, which touches nothing outside the engine.
     pub(crate) trial: Option<Trial>,
     pub(crate) staged: Transaction,
-    /// Last: everything points into it.
+    /// The last field: everything else points into it.
     pub(crate) arena: Arena,
 }
 
 impl Engine {
-    /// Makes an instance and takes its socket.
+    /// Creates an instance and takes its socket.
     ///
     /// # Errors
-    /// Another one of this name is running, or the system refuses.
+    /// Another instance of this name is running, or the system refuses.
     pub fn new(options: Options) -> Result<Self, Failure> {
         let server = Server::open(&options.place)?;
         let mut engine = Self::without_socket(options)?;
@@ -147,7 +148,7 @@ impl Engine {
         Ok(engine)
     }
 
-    /// Makes an instance that no client can reach: for tests and benchmarks.
+    /// Creates an instance that no client can reach, for tests and benchmarks.
     ///
     /// # Errors
     /// The system refuses.
@@ -206,17 +207,17 @@ impl Engine {
         })
     }
 
-    /// Offers the components of a library that is linked into this program.
+    /// Registers the components of a library that is linked into this program.
     pub fn add_static(&mut self, library: &'static hal_abi::Library) {
         self.loader.add_static(library);
     }
 
-    /// Every component type that the plugins on the path offer, by name.
+    /// Returns every component type that the plugins on the path offer, by name.
     pub fn catalogue(&mut self) -> Vec<Offer> {
         self.loader.catalogue(&Patterns::default())
     }
 
-    /// Serves clients until something ends it; `for_ns` bounds machine time.
+    /// Serves clients until an [`Ended`] condition holds; `for_ns` limits machine time.
     pub fn serve(&mut self, for_ns: Option<u64>) -> Ended {
         let limit = for_ns
             .map(|ns| self.shared.now().saturating_add(i64::try_from(ns).unwrap_or(i64::MAX)))
@@ -247,20 +248,20 @@ impl Engine {
         ended
     }
 
-    /// Whether a signal or a client has asked the instance to end (a script then stops).
+    /// Returns whether a signal or a client has asked the instance to end (a script then stops).
     #[must_use]
     pub fn is_ending(&self) -> bool {
         self.instance.control.beat();
         self.shutdown || ends::is_asked()
     }
 
-    /// Machine time in nanoseconds.
+    /// Returns machine time in nanoseconds.
     #[must_use]
     pub fn now_ns(&self) -> i64 {
         self.shared.now()
     }
 
-    /// How far a command has come.
+    /// Returns the state of a command.
     pub(crate) fn ticket(&mut self, id: u64) -> Result<TicketInfo, Error> {
         if let Some(done) = self.finished.get(&id) {
             return Ok(done.clone());
@@ -283,7 +284,7 @@ impl Engine {
         Ok(info)
     }
 
-    /// Whether a lock forbids something.
+    /// Returns an error if `lock` is set.
     pub(crate) const fn unlocked(&self, lock: Lock, what: &'static str) -> Result<(), Error> {
         if self.lock.0 & lock.0 == 0 { Ok(()) } else { Err(Error::Locked { what }) }
     }

@@ -1,37 +1,38 @@
-//! Realtime. How a change reaches running threads: whole, at a boundary between cycles.
+//! Realtime. Delivery of a change to running threads: as a whole, at a boundary between cycles.
 //!
-//! Each thread has a [`Gate`]: shut while it is inside a cycle. The control side offers one
-//! change at a time to the [`Boundary`]; the fastest thread takes it before a cycle of its own,
-//! when every other gate is open, and carries it out while the others are held outside.
+//! Each thread has a [`Gate`], which is shut while the thread is inside a cycle. The control side
+//! offers one change at a time to the [`Boundary`]. The fastest thread takes the change before one
+//! of its own cycles, when every other gate is open, and carries it out while the other threads are
+//! held outside.
 
 use crate::sync::{AtomicBool, AtomicPtr, Ordering, fence, relax};
 use core::ptr::null_mut;
 
-/// Whether one thread is inside a cycle.
+/// A flag that is set while one thread is inside a cycle.
 #[derive(Debug)]
 pub(crate) struct Gate {
     inside: AtomicBool,
 }
 
 impl Gate {
-    /// An open gate.
+    /// Creates an open gate.
     pub(crate) fn new() -> Self {
         Self { inside: AtomicBool::new(false) }
     }
 
     /// Ends a cycle.
     pub(crate) fn leave(&self) {
-        // Pairs with `is_inside`: what the cycle did is seen by whoever finds the gate open.
+        // Pairs with `is_inside`: a side that finds the gate open sees the effects of the cycle.
         self.inside.store(false, Ordering::Release);
     }
 
-    /// Whether the thread is inside a cycle.
+    /// Returns whether the thread is inside a cycle.
     pub(crate) fn is_inside(&self) -> bool {
         self.inside.load(Ordering::Acquire) // Pairs with `leave`.
     }
 }
 
-/// Where the control side and the threads of an instance meet.
+/// The meeting point of the control side and the threads of an instance.
 #[derive(Debug)]
 pub(crate) struct Boundary<C> {
     running: AtomicBool,
@@ -41,7 +42,7 @@ pub(crate) struct Boundary<C> {
 }
 
 impl<C> Boundary<C> {
-    /// Threads stopped, nothing offered.
+    /// Creates a boundary with stopped threads and no offer.
     pub(crate) fn new() -> Self {
         Self {
             running: AtomicBool::new(false),
@@ -51,14 +52,14 @@ impl<C> Boundary<C> {
         }
     }
 
-    /// Begins a cycle: false when threads are stopped, and the cycle is then not run.
+    /// Begins a cycle. Returns false if threads are stopped; the cycle must then not run.
     pub(crate) fn enter(&self, gate: &Gate) -> bool {
         loop {
             gate.inside.store(true, Ordering::Relaxed);
             // Pairs with the fences of `take` and `stop`: either they see this gate shut, or this
-            // sees them editing or stopping.
+            // thread sees that they are editing or stopping.
             fence(Ordering::SeqCst);
-            // Pairs with the end of `take`: what was carried out is seen.
+            // Pairs with the end of `take`: the effects of the change are visible.
             if !self.editing.load(Ordering::Acquire) {
                 break;
             }
@@ -67,7 +68,7 @@ impl<C> Boundary<C> {
                 relax();
             }
         }
-        // Pairs with `start`: what was prepared is seen.
+        // Pairs with `start`: the control side's preparations are visible.
         if self.running.load(Ordering::Acquire) {
             return true;
         }
@@ -75,9 +76,10 @@ impl<C> Boundary<C> {
         false
     }
 
-    /// The fastest thread's chance to carry out what is offered, outside its own cycle. True when
-    /// it did. `others_inside` says whether any other thread is inside a cycle; it looks at the
-    /// threads that there are when it is called: one that was added before is then among them.
+    /// Called by the fastest thread outside its own cycle: carries out the offered change, if there
+    /// is one. Returns whether it did. `others_inside` returns whether any other thread is inside a
+    /// cycle; it checks the threads that exist when it is called, which include any thread added
+    /// before.
     pub(crate) fn take(
         &self,
         others_inside: impl FnOnce() -> bool,
@@ -92,7 +94,7 @@ impl<C> Boundary<C> {
             self.editing.store(false, Ordering::Release); // Pairs with `enter`.
             return false;
         }
-        // Pairs with `offer` (its contents) and `withdraw` (who gets it).
+        // Pairs with `offer` (contents of the change) and `withdraw` (only one side gets it).
         let change = self.offered.swap(null_mut(), Ordering::AcqRel);
         // SAFETY: the control side keeps an offered change alive until it is taken or withdrawn.
         let done = unsafe { change.as_ref() }.map(carry_out).is_some();
@@ -103,37 +105,38 @@ impl<C> Boundary<C> {
         done
     }
 
-    /// Control side: offers a change; it must live until [`Self::is_taken`] or
-    /// [`Self::withdraw`] has said yes.
+    /// Control side: offers a change; it must live until [`Self::is_taken`] or [`Self::withdraw`]
+    /// has returned true.
     pub(crate) fn offer(&self, change: &C) {
         self.taken.store(false, Ordering::Relaxed);
         // Pairs with `take`.
         self.offered.store(core::ptr::from_ref(change).cast_mut(), Ordering::Release);
     }
 
-    /// Control side: whether what was offered has been carried out.
+    /// Control side: returns whether the offered change has been carried out.
     pub(crate) fn is_taken(&self) -> bool {
         self.taken.load(Ordering::Acquire) // Pairs with `take`.
     }
 
-    /// Control side: takes an offer back. False when a thread has it already: it will be taken.
+    /// Control side: withdraws an offer. Returns false if a thread has it already; that thread will
+    /// carry it out.
     pub(crate) fn withdraw(&self) -> bool {
         !self.offered.swap(null_mut(), Ordering::AcqRel).is_null() // Pairs with `take`.
     }
 
-    /// Control side: threads run their functions from their next cycle on.
+    /// Control side: lets threads run their functions from their next cycle on.
     pub(crate) fn start(&self) {
         self.running.store(true, Ordering::Release); // Pairs with `enter`.
     }
 
-    /// Control side: no further cycle begins. A cycle may still be under way: see
+    /// Control side: prevents any further cycle. A cycle may still be in progress: see
     /// [`Gate::is_inside`].
     pub(crate) fn stop(&self) {
         self.running.store(false, Ordering::Relaxed);
         fence(Ordering::SeqCst); // Pairs with the fence of `enter`.
     }
 
-    /// Whether threads run their functions.
+    /// Returns whether threads run their functions.
     pub(crate) fn is_running(&self) -> bool {
         self.running.load(Ordering::Relaxed)
     }

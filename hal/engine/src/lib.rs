@@ -1,9 +1,9 @@
 //! The Ferrule engine: names, arena, graph, threads, clocks, loader, recorder and server.
 //!
-//! One [`Engine`] is one instance. Its control side is single-threaded: whoever owns the `Engine`
-//! carries out requests ([`hal_protocol::Link`]) and, while it waits, serves the socket, runs
-//! background tasks and turns the virtual clock. Realtime threads share with it only what
-//! `shared.rs` holds. See `hal/README.md` for the map.
+//! One [`Engine`] is one instance. Its control side is single-threaded: the thread that owns the
+//! `Engine` executes requests ([`hal_protocol::Link`]) and, while it waits, serves the socket, runs
+//! background tasks and advances the virtual clock. It shares with the realtime threads only the
+//! contents of `shared.rs`. See `hal/README.md` for the map.
 
 #![expect(unsafe_code, reason = "one of the crates that keep the binary contract")]
 
@@ -85,47 +85,47 @@ pub use watch_error::WatchError;
 use hal_protocol::Place;
 use std::path::PathBuf;
 
-/// Which clock an instance runs on.
+/// The clock that an instance runs on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ClockKind {
-    /// The processor's.
+    /// The processor's monotonic clock.
     Real,
-    /// Turned by hand.
+    /// A clock that the control side advances.
     Virtual,
 }
 
-/// How an instance is made.
+/// Configuration of a new instance.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// Its name and files.
+    /// Name and files of the instance.
     pub place: Place,
-    /// Its clock.
+    /// Clock of the instance.
     pub clock: ClockKind,
-    /// Whether the virtual clock moves only in `run T` (and while a script waits).
+    /// True if the virtual clock moves only in `run T` (and while a script waits).
     pub hold: bool,
-    /// Whether hardware is simulated; the virtual clock implies it.
+    /// True if hardware is simulated; the virtual clock implies it.
     pub simulate: bool,
-    /// Whether items carry their old names (an INI of the old kind).
+    /// True if items carry their old names (an INI file of the old kind).
     pub old_names: bool,
-    /// Whether the instance is a machine from an INI file: motion then refuses to load without
-    /// the interlock that stops it in e-stop.
+    /// True if the instance is a machine from an INI file: motion then refuses to load without the
+    /// interlock that stops it in e-stop.
     pub interlock: bool,
     /// Folders with plugins, searched in order.
     pub path: Vec<PathBuf>,
-    /// What is asked of the system for realtime threads.
+    /// Settings of the realtime threads.
     pub realtime: RealtimeOptions,
 }
 
-/// What is asked of the system for realtime threads.
+/// Settings that the engine requests from the system for realtime threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RealtimeOptions {
-    /// The processor that all threads run on; absent: an isolated one, or the last.
+    /// The processor that all threads run on; absent: an isolated one, or else the last one.
     pub cpu: Option<usize>,
-    /// How long processors may take to wake while threads run under `SCHED_FIFO`, in microseconds;
-    /// absent: as the system has it.
+    /// Longest time that processors may take to wake while threads run under `SCHED_FIFO`, in
+    /// microseconds; absent: the system's setting.
     pub idle_us: Option<u32>,
-    /// The time in one call of a function after which its thread is stuck, in nanoseconds (see
-    /// [`STUCK_NS`]); absent: two of the slowest periods.
+    /// Time in one call of a function after which its thread counts as stuck, in nanoseconds (see
+    /// [`STUCK_NS`]); absent: twice the period of the slowest thread.
     pub stuck_ns: Option<u64>,
 }
 
@@ -135,5 +135,5 @@ impl Default for RealtimeOptions {
     }
 }
 
-/// The range of [`RealtimeOptions::stuck_ns`]: from a millisecond to an hour.
+/// Range of [`RealtimeOptions::stuck_ns`]: from a millisecond to an hour.
 pub const STUCK_NS: core::ops::RangeInclusive<u64> = 1_000_000..=3_600_000_000_000;

@@ -1,4 +1,4 @@
-//! Waits of clients: when they are over, and how long the virtual clock stands still for one.
+//! Waits of clients: their ends, and how long the virtual clock waits for a client.
 
 use crate::{
     Engine, Error,
@@ -10,16 +10,16 @@ use crate::{
 };
 use hal_protocol::{Failure, Reply, TicketInfo, Value};
 
-/// Shortest and longest period of a program's polls, in nanoseconds; 0 is for one that never polls.
+/// Shortest and longest period of a program's polls, in nanoseconds; 0 means that it never polls.
 const PERIODS: core::ops::RangeInclusive<u64> = 1_000..=1_000_000_000_000;
-/// How long the virtual clock waits for one client on the wall, in nanoseconds, unless
-/// `HAL_PATIENCE_MS` says otherwise.
+/// Time that the virtual clock waits for one client, in nanoseconds of wall-clock time, unless
+/// `HAL_PATIENCE_MS` sets another.
 const DEFAULT_PATIENCE_NS: i64 = 10_000_000_000;
-/// Looks at a hold that are further apart, in nanoseconds, have nothing to do with each other:
-/// nobody wanted the clock to move meanwhile.
+/// Checks of a hold that are further apart than this, in nanoseconds, are unrelated: in between,
+/// nothing needed the clock to move.
 const GAP_NS: i64 = 1_000_000_000;
 
-/// How long a client has held the virtual clock, on the wall.
+/// Time for which a client has held the virtual clock, in wall-clock time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hold {
     held_ns: i64,
@@ -27,10 +27,10 @@ pub(crate) struct Hold {
 }
 
 impl Hold {
-    /// Nothing has been held yet.
+    /// A hold that has not begun.
     pub(crate) const NONE: Self = Self { held_ns: 0, last: None };
 
-    /// Counts the time since the last look; whether it is now more than `patience_ns`.
+    /// Adds the time since the last check. Returns whether the sum is now more than `patience_ns`.
     pub(crate) fn outlasts(&mut self, patience_ns: i64, now: i64) -> bool {
         let since = self.last.replace(now).map_or(0, |last| now.saturating_sub(last));
         if since <= GAP_NS {
@@ -40,14 +40,14 @@ impl Hold {
     }
 }
 
-/// How long the virtual clock waits for one client on the wall, in nanoseconds.
+/// Returns how long the virtual clock waits for one client, in nanoseconds of wall-clock time.
 pub(crate) fn patience_ns() -> i64 {
     let asked = std::env::var("HAL_PATIENCE_MS").ok().and_then(|ms| ms.parse::<u32>().ok());
     asked.map_or(DEFAULT_PATIENCE_NS, |ms| i64::from(ms) * 1_000_000)
 }
 
-/// The period of a program's polls, checked: a program that polls too rarely or too often would
-/// hold the virtual clock.
+/// Returns the period of a program's polls if it is within limits: a program that polls too rarely
+/// or too often would hold the virtual clock.
 pub(crate) fn period(poll_ns: u64) -> Result<i64, Error> {
     let usable = poll_ns == 0 || PERIODS.contains(&poll_ns);
     i64::try_from(poll_ns).ok().filter(|_| usable).ok_or_else(|| {
@@ -60,26 +60,26 @@ pub(crate) fn period(poll_ns: u64) -> Result<i64, Error> {
     })
 }
 
-/// Whether a client waits for the end of a command.
+/// Returns whether a client waits for the end of a command.
 pub(crate) fn waits_for_ticket(engine: &Engine) -> bool {
     let clients = engine.server.iter().flat_map(|s| &s.clients);
     clients.into_iter().any(|c| matches!(c.waits, Waits::Ticket(_)))
 }
 
-/// When the next program is to poll, in machine time.
+/// Returns the time of the next poll that is due, in machine time.
 pub(crate) fn next_poll(engine: &Engine) -> i64 {
     let clients = engine.server.iter().flat_map(|s| &s.clients);
     let times = clients.filter_map(|c| match c.waits {
         Waits::Poll(t) | Waits::Time(t) => Some(t),
-        // It is to have polled by then.
+        // The program must have polled by then.
         Waits::No => c.owes,
         Waits::Wall(_) | Waits::Ticket(_) => None,
     });
     times.min().unwrap_or(i64::MAX)
 }
 
-/// Whether a program that is waited for has not polled yet and should have. One that keeps the
-/// clock waiting for too long is waited for again when it polls.
+/// Returns whether a program that the clock waits for is overdue with its poll. A program that
+/// holds the clock for too long is not waited for again until it polls.
 pub(crate) fn owes_poll(engine: &mut Engine) -> bool {
     let (now, wall) = (engine.shared.now(), os::monotonic_ns());
     let patience_ns = engine.patience_ns;
@@ -107,7 +107,7 @@ pub(crate) fn owes_poll(engine: &mut Engine) -> bool {
     owes
 }
 
-/// Whether no program is still to poll at this moment of machine time, or before.
+/// Returns whether no program still has a poll due at this machine time or before.
 pub(crate) fn has_polled(engine: &mut Engine) -> bool {
     let now = engine.shared.now();
     let clients = engine.server.iter().flat_map(|s| &s.clients);
@@ -115,7 +115,7 @@ pub(crate) fn has_polled(engine: &mut Engine) -> bool {
     !clients.into_iter().any(is_due) && !owes_poll(engine)
 }
 
-/// How far clients' waits let the virtual clock move.
+/// Returns the machine time up to which clients' waits let the virtual clock move.
 pub(crate) fn clients_target(server: &Server) -> i64 {
     let targets = server.clients.iter().filter_map(|c| match c.waits {
         Waits::Time(t) => Some(t),
@@ -126,7 +126,7 @@ pub(crate) fn clients_target(server: &Server) -> i64 {
     targets.max().unwrap_or(i64::MIN)
 }
 
-/// When the next poll under way is to be answered, in machine time.
+/// Returns the machine time at which the next pending poll is to be answered.
 pub(crate) fn next_poll_of(server: &Server) -> i64 {
     let times = server.clients.iter().filter_map(|c| match c.waits {
         Waits::Poll(t) => Some(t),
@@ -164,7 +164,8 @@ fn values(engine: &Engine, c: &Client) -> Reply {
 }
 
 impl Engine {
-    /// Whether the virtual clock must wait for a program, or for what one reads or writes.
+    /// Returns whether the virtual clock must wait for a program, or for a ring that a program
+    /// reads or writes.
     pub(crate) fn held_back(&mut self) -> bool {
         let now = os::monotonic_ns();
         let before = self.programs.len();
@@ -173,7 +174,7 @@ impl Engine {
             self.programs_have_changed();
         }
         let starting = self.programs.iter().any(|p| !p.joined && now - p.since < 1_000_000_000);
-        // None is left out: each counts how long it is waited for.
+        // Evaluate every condition: each measures for how long it has held the clock.
         let for_samples = self.held_by_samples(now);
         let for_polls = owes_poll(self);
         let for_rings = self.script_waits && self.held_by_rings(now);
@@ -184,7 +185,7 @@ impl Engine {
             || self.waits_for.is_some_and(|pid| self.rings.values().any(|r| r.is_enough_for(pid)))
     }
 
-    /// Whether a reader or the recorder has left no room for what must not be lost.
+    /// Returns whether a reader or the recorder has left no room for data that must not be lost.
     fn held_by_samples(&mut self, now: i64) -> bool {
         if self.probes.have_room() {
             return false;
@@ -201,7 +202,7 @@ impl Engine {
         !self.probes.have_room()
     }
 
-    /// Whether the virtual clock would overrun a stream while a script waits.
+    /// Returns whether the virtual clock would overrun a stream while a script waits.
     fn held_by_rings(&mut self, now: i64) -> bool {
         let (patience_ns, mut held, mut late) = (self.patience_ns, false, Vec::new());
         for (name, ring) in &mut self.rings {
@@ -221,7 +222,7 @@ impl Engine {
     }
 }
 
-/// A time in seconds, for messages.
+/// Formats a time in seconds, for messages.
 fn seconds(ns: i64) -> String {
     format!("{} s", ns as f64 / 1e9)
 }

@@ -1,4 +1,4 @@
-//! Realtime. Probes: values that are looked at after a cycle, and where they are put.
+//! Realtime. Probes: values that are read after a cycle, and where they are put.
 
 use crate::{
     code::Ptr,
@@ -11,10 +11,10 @@ use crossbeam::queue::ArrayQueue;
 use hal_abi::{Cell, Producer, Slot};
 use hal_protocol::Type;
 
-/// Where a watched value is.
+/// Location of a watched value.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Source {
-    /// A pin or parameter; a pin follows its signal.
+    /// A pin or parameter; a linked pin follows its signal.
     Slot(Ptr<Slot>),
     /// A signal.
     Cell(Ptr<Cell>),
@@ -23,11 +23,11 @@ pub(crate) enum Source {
 }
 
 impl Source {
-    /// The value now, as its type's bits.
+    /// Returns the current value, as the bits of its type.
     #[inline]
     pub(crate) fn bits(&self) -> u64 {
         match self {
-            // SAFETY: a slot of the arena; the probe is taken away before its pin goes.
+            // SAFETY: a slot of the arena; the probe is removed before its pin.
             Self::Slot(p) => unsafe { Slot::cell(p.0.as_ptr()) }.load(),
             // SAFETY: a cell of the arena; as above.
             Self::Cell(p) => unsafe { p.0.as_ref() }.load(),
@@ -35,13 +35,13 @@ impl Source {
         }
     }
 
-    /// That of a parameter in its component's own memory.
+    /// Returns the source for a parameter in its component's own memory.
     pub(crate) const fn own(place: NonNull<c_void>, ty: Type) -> Self {
         Self::Own(Ptr(place), ty)
     }
 }
 
-/// What a probe does with the values.
+/// Destination of the values.
 #[derive(Debug)]
 #[expect(clippy::large_enum_variant, reason = "there are few probes")]
 enum Sink {
@@ -51,40 +51,41 @@ enum Sink {
         #[expect(dead_code, reason = "held so that the producer's ring stays mapped")]
         memory: Arc<Memory>,
     },
-    /// What has changed, for the control side: when, which, to what.
+    /// Changed values for the control side: time, index, new bits.
     Changes {
         last: Box<[AtomicU64]>,
         queue: ArrayQueue<(i64, u32, u64)>,
-        /// The next look tells every value.
+        /// True if the next reading reports every value, changed or not.
         all: AtomicBool,
     },
 }
 
-/// Looks at values after each n-th cycle.
+/// A reader of values after each n-th cycle.
 #[derive(Debug)]
 pub(crate) struct Probe {
     sources: Box<[Source]>,
     sink: Sink,
     every: u32,
-    /// Cycles until the next look.
+    /// Number of cycles to skip before the next reading.
     left: AtomicU32,
-    /// How often it has looked, and how much was lost for want of room.
+    /// Number of readings, and of records or changes lost because the ring or queue was full.
     looks: AtomicU64,
     lost: AtomicU64,
 }
 
 // SAFETY: only `look` uses the producer, and it runs in one thread at a time; `has_room` is called
-// where no cycle is under way.
+// only while no cycle is in progress.
 unsafe impl Sync for Probe {}
 
 impl Probe {
-    /// One that puts whole records into a ring; its first look is after the next cycle.
+    /// Creates a probe that puts whole records into a ring; its first reading is after the next
+    /// cycle.
     pub(crate) fn records(sources: Box<[Source]>, every: u32, memory: Arc<Memory>) -> Self {
         let producer = UnsafeCell::new(memory.producer());
         Self::new(sources, every, Sink::Records { producer, memory })
     }
 
-    /// One that queues what is no longer as it was last.
+    /// Creates a probe that queues values that differ from the last reading.
     pub(crate) fn changes(sources: Box<[Source]>, last: Box<[AtomicU64]>, room: usize) -> Self {
         Self::new(
             sources,
@@ -98,7 +99,7 @@ impl Probe {
         Self { sources, sink, every, left: AtomicU32::new(0), looks, lost }
     }
 
-    /// Looks, if it is time. Runs in one thread at a time.
+    /// Reads the values if a reading is due. Runs in one thread at a time.
     pub(crate) fn look(&self, time: i64) {
         let left = self.left.load(Ordering::Relaxed);
         if left > 0 {
@@ -110,7 +111,7 @@ impl Probe {
         match &self.sink {
             Sink::Records { producer, .. } => {
                 let values = self.sources.iter().map(Source::bits);
-                // SAFETY: one thread at a time looks.
+                // SAFETY: `look` runs in one thread at a time.
                 let producer = unsafe { &mut *producer.get() };
                 if !producer.put_all(core::iter::once(time.cast_unsigned()).chain(values)) {
                     add_one(&self.lost);
@@ -132,23 +133,24 @@ impl Probe {
         }
     }
 
-    /// Whether the next look loses nothing, whatever has changed. Where no cycle is under way.
+    /// Returns whether the next reading can store everything, even if every value has changed.
+    /// Called only while no cycle is in progress.
     pub(crate) fn has_room(&self) -> bool {
         match &self.sink {
-            // SAFETY: no cycle is under way, so nobody looks.
+            // SAFETY: no cycle is in progress, so `look` is not running.
             Sink::Records { producer, .. } => unsafe { &*producer.get() }.room() > 0,
             Sink::Changes { queue, .. } => queue.capacity() - queue.len() >= self.sources.len(),
         }
     }
 
-    /// Control side: the next look tells every value, changed or not.
+    /// Control side: makes the next reading report every value, changed or not.
     pub(crate) fn tell_all(&self) {
         if let Sink::Changes { all, .. } = &self.sink {
             all.store(true, Ordering::Relaxed);
         }
     }
 
-    /// Control side: the oldest change.
+    /// Control side: removes and returns the oldest change.
     pub(crate) fn change(&self) -> Option<(i64, u32, u64)> {
         match &self.sink {
             Sink::Records { .. } => None,
@@ -156,7 +158,7 @@ impl Probe {
         }
     }
 
-    /// Control side: each value as it was at the last look.
+    /// Control side: returns each value as of the last reading.
     pub(crate) fn last(&self) -> impl Iterator<Item = u64> {
         let last = match &self.sink {
             Sink::Records { .. } => &[],
@@ -165,18 +167,18 @@ impl Probe {
         last.iter().map(|bits| bits.load(Ordering::Relaxed))
     }
 
-    /// How often it has looked.
+    /// Returns the number of readings.
     pub(crate) fn looks(&self) -> u64 {
         self.looks.load(Ordering::Acquire)
     }
 
-    /// How many records or changes were lost for want of room.
+    /// Returns the number of records or changes that were lost because the ring or queue was full.
     pub(crate) fn lost(&self) -> u64 {
         self.lost.load(Ordering::Relaxed)
     }
 }
 
-/// Counts; one thread at a time does.
+/// Increments a count that only one thread at a time writes.
 fn add_one(count: &AtomicU64) {
     count.store(count.load(Ordering::Relaxed).wrapping_add(1), Ordering::Release);
 }

@@ -1,4 +1,4 @@
-//! Realtime. What all threads of an instance and its control side share.
+//! Realtime. State that all threads of an instance and its control side share.
 
 use crate::{
     ClockKind,
@@ -14,12 +14,12 @@ use arc_swap::{ArcSwap, ArcSwapOption};
 use hal_abi::CommandRun;
 use hal_protocol::FaultInfo;
 
-/// Which function failed, once.
+/// The first failure of a function.
 #[derive(Debug)]
 pub(crate) struct Fault {
-    /// 0 none, 1 being written, 2 there.
+    /// 0: no fault, 1: being written, 2: recorded.
     state: AtomicU32,
-    /// Cycles under way end after the function that they are in.
+    /// True if cycles in progress end after their current function.
     abandoned: AtomicBool,
     thread: AtomicU32,
     funct: AtomicU32,
@@ -33,21 +33,21 @@ impl Fault {
         Self { state, abandoned, thread, funct, cause: Cause::new() }
     }
 
-    /// Ends every cycle under way after the function that it is in.
+    /// Ends every cycle in progress after its current function.
     pub(crate) fn abandon(&self) {
         self.abandoned.store(true, Ordering::Relaxed);
     }
 
-    /// Whether cycles under way are to end.
+    /// Returns whether cycles in progress are to end.
     #[inline]
     pub(crate) fn is_abandoned(&self) -> bool {
         self.abandoned.load(Ordering::Relaxed)
     }
 
-    /// Records the first fault. What fails after it, in a cycle that was under way, leaves its
-    /// cause alone.
+    /// Records the first fault. A later failure, in a cycle that was in progress, does not
+    /// overwrite its cause.
     pub(crate) fn set(&self, thread: u32, funct: u32, cause: &Cause) {
-        // Pairs with itself: the first one wins.
+        // Pairs with itself: the first fault wins.
         if self.state.compare_exchange(0, 1, Ordering::AcqRel, Ordering::Relaxed).is_ok() {
             self.thread.store(thread, Ordering::Relaxed);
             self.funct.store(funct, Ordering::Relaxed);
@@ -56,25 +56,25 @@ impl Fault {
         }
     }
 
-    /// Thread and function, if one has failed.
+    /// Returns the thread and function, if a function has failed.
     pub(crate) fn get(&self) -> Option<(u32, u32)> {
         let there = self.state.load(Ordering::Acquire) == 2; // Pairs with `set`.
         there.then(|| (self.thread.load(Ordering::Relaxed), self.funct.load(Ordering::Relaxed)))
     }
 
-    /// Control side: what the function said, once it has failed.
+    /// Control side: returns the text of the failure, once a function has failed.
     pub(crate) const fn cause(&self) -> &Cause {
         &self.cause
     }
 
-    /// Control side: forgets it; no thread is inside a cycle.
+    /// Control side: clears the fault while no thread is inside a cycle.
     pub(crate) fn clear(&self) {
         self.abandoned.store(false, Ordering::Relaxed);
         self.state.store(0, Ordering::Release); // Pairs with `set`.
     }
 }
 
-/// The text of a panic, kept without allocation.
+/// The text of a panic, stored without allocation.
 #[derive(Debug)]
 pub(crate) struct Cause {
     len: AtomicU32,
@@ -86,7 +86,7 @@ impl Cause {
         Self { len: AtomicU32::new(0), bytes: [const { AtomicU8::new(0) }; 256] }
     }
 
-    /// Keeps the first 256 bytes.
+    /// Stores the first 256 bytes.
     pub(crate) fn store(&self, text: &str) {
         let mut n = 0;
         for (place, b) in self.bytes.iter().zip(text.bytes()) {
@@ -103,17 +103,17 @@ impl Cause {
         self.len.store(from.len.load(Ordering::Relaxed), Ordering::Release); // Pairs with `bytes`.
     }
 
-    /// Control side: what was kept, and how much of it counts.
+    /// Control side: returns the stored bytes and the number of valid ones.
     pub(crate) fn bytes(&self) -> ([u8; 256], usize) {
         let n = self.len.load(Ordering::Acquire) as usize; // Pairs with `store`.
         (core::array::from_fn(|i| self.bytes.get(i).map_or(0, |b| b.load(Ordering::Relaxed))), n)
     }
 }
 
-/// How long a thread waits for another's stop actions.
+/// Longest time that a thread waits for another thread's stop actions, in nanoseconds.
 const STOPS_NS: i64 = 2_000_000_000;
 
-/// The right to run stop actions.
+/// The exclusive right to run stop actions.
 #[derive(Debug)]
 pub(crate) struct Stopping<'a>(&'a AtomicBool);
 
@@ -123,26 +123,28 @@ impl Drop for Stopping<'_> {
     }
 }
 
-/// Shared by all threads of an instance and its control side.
+/// State shared by all threads of an instance and its control side.
 #[derive(Debug)]
 pub(crate) struct Shared {
     clock: ClockKind,
-    /// Virtual: machine time. Real: the monotonic clock at machine time zero.
+    /// Virtual clock: machine time. Real clock: the monotonic clock's reading at machine time zero.
+    /// In nanoseconds.
     time: AtomicI64,
     pub(crate) boundary: Boundary<Change>,
-    /// In order of creation: the fastest first.
+    /// All threads in order of creation, the fastest first.
     pub(crate) threads: ArcSwap<Vec<Arc<Thread>>>,
     pub(crate) fault: Fault,
-    /// Who does not come back, as the watchdog sees it.
+    /// The thread that does not return, as the watchdog found it.
     pub(crate) stuck: ArcSwapOption<FaultInfo>,
-    /// What the last panic said, until whoever ran the code takes it.
+    /// Text of the last panic, until the caller of the code takes it.
     pub(crate) cause: Cause,
     pub(crate) mailbox: Mailbox,
-    /// What is run from beside the control side: the stop actions of everything that is loaded.
+    /// Stop actions of all loaded components, which threads other than the control thread may run.
     pub(crate) stops: ArcSwap<Vec<Arc<Code<CommandRun>>>>,
-    /// Some thread runs stop actions.
+    /// True while a thread runs stop actions.
     stopping: AtomicBool,
-    /// After how many nanoseconds in one call a thread is stuck; 0: two of the slowest periods.
+    /// Time in one call after which a thread counts as stuck, in nanoseconds; 0: twice the period
+    /// of the slowest thread.
     stuck_ns: AtomicI64,
     /// Nanoseconds per tick, as the bits of a float.
     tick_ns: AtomicU64,
@@ -176,7 +178,7 @@ impl Shared {
         self.clock == ClockKind::Virtual
     }
 
-    /// Machine time in nanoseconds.
+    /// Returns machine time in nanoseconds.
     pub(crate) fn now(&self) -> i64 {
         let t = self.time.load(Ordering::Relaxed);
         match self.clock {
@@ -185,18 +187,18 @@ impl Shared {
         }
     }
 
-    /// Turns the virtual clock.
+    /// Sets the virtual clock.
     pub(crate) fn set_now(&self, ns: i64) {
         self.time.store(ns, Ordering::Relaxed);
     }
 
-    /// Machine time zero on the monotonic clock.
+    /// Returns the monotonic clock's reading at machine time zero.
     pub(crate) fn origin(&self) -> i64 {
         self.time.load(Ordering::Relaxed)
     }
 
-    /// Keeps stop actions to the caller until what is returned is dropped: of two threads that want
-    /// to run them the second waits. One that does not come back keeps nobody for ever.
+    /// Reserves stop actions for the caller until the returned guard is dropped: a second thread
+    /// that wants to run them waits, but only for a limited time, in case the first never finishes.
     pub(crate) fn stops_alone(&self) -> Stopping<'_> {
         let limit = os::monotonic_ns() + STOPS_NS;
         // Pairs with the end of `Stopping`.
@@ -206,13 +208,14 @@ impl Shared {
         Stopping(&self.stopping)
     }
 
-    /// Drives all outputs to their safe levels, from beside the control side.
+    /// Drives all outputs to their safe levels. For threads other than the control thread.
     pub(crate) fn stop_outputs(&self) {
         let _alone = self.stops_alone();
         self.stops.load().iter().for_each(|stop| stop.call_mute());
     }
 
-    /// After how many nanoseconds in one call of a function a thread is stuck.
+    /// Returns the time in one call of a function after which a thread counts as stuck, in
+    /// nanoseconds.
     pub(crate) fn stuck_limit(&self) -> i64 {
         match self.stuck_ns.load(Ordering::Relaxed) {
             0 => {
@@ -223,17 +226,17 @@ impl Shared {
         }
     }
 
-    /// Control side: sets that time; 0 is two of the slowest periods.
+    /// Control side: sets that time; 0 means twice the period of the slowest thread.
     pub(crate) fn set_stuck_limit(&self, ns: i64) {
         self.stuck_ns.store(ns, Ordering::Relaxed);
     }
 
-    /// Nanoseconds for a number of ticks.
+    /// Returns the number of nanoseconds per tick.
     pub(crate) fn tick_ns(&self) -> f64 {
         f64::from_bits(self.tick_ns.load(Ordering::Relaxed))
     }
 
-    /// Control side: how long a tick is.
+    /// Control side: sets the number of nanoseconds per tick.
     pub(crate) fn set_tick_ns(&self, ns: f64) {
         self.tick_ns.store(ns.to_bits(), Ordering::Relaxed);
     }

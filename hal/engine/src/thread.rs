@@ -1,4 +1,4 @@
-//! Realtime. A thread and its cycle: run, time, beat.
+//! Realtime. A thread and its cycle: run the functions, time them, count the heartbeat.
 
 use crate::{
     code::{Code, Ptr},
@@ -14,7 +14,7 @@ use arc_swap::ArcSwap;
 use core::ffi::c_void;
 use hal_abi::{Cell, Run, Slot};
 
-/// Where a function's or thread's times are shown.
+/// Pins and parameters that show the times of a function or thread.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Account {
     /// A pin.
@@ -57,7 +57,7 @@ pub(crate) struct Entry {
     account: Account,
     /// The function's number, for reports.
     pub(crate) id: u32,
-    /// Its name, and its component's: for whoever looks on.
+    /// Names of the function and its component, for reports.
     pub(crate) name: Name,
     pub(crate) component: Name,
     #[expect(dead_code, reason = "held so that the state lives as long as the list")]
@@ -80,20 +80,20 @@ impl Entry {
     }
 }
 
-/// What a thread runs.
+/// The functions and probes of a thread.
 #[derive(Debug, Default)]
 pub(crate) struct List {
-    /// Once, in a cycle of its own, before all others.
+    /// Functions that run once, in a cycle of their own, before all others.
     pub(crate) init: Vec<Entry>,
-    /// In every cycle.
+    /// Functions that run in every cycle.
     pub(crate) entries: Vec<Entry>,
-    /// What looks after each cycle.
+    /// Probes that read after each cycle.
     pub(crate) probes: Vec<Arc<Probe>>,
-    /// What looks then even when no function runs: the fastest thread's, on the real clock.
+    /// Probes that read even when no function runs: those of the fastest thread, on the real clock.
     pub(crate) moments: Vec<Arc<Probe>>,
 }
 
-/// How late wake-ups were: up to 1 µs, 2 µs, 4 µs, … and more.
+/// Number of wake-up latency bins: up to 1 µs, 2 µs, 4 µs, … and more.
 pub(crate) const BINS: usize = 16;
 
 pub(crate) use crate::ends::NOBODY;
@@ -108,24 +108,25 @@ pub(crate) struct Thread {
     pub(crate) gate: Gate,
     pub(crate) account: Account,
     pub(crate) beat: Ptr<Slot>,
-    /// When its next cycle begins: virtual, machine time; real, the monotonic clock.
+    /// Start of the next cycle, in nanoseconds: machine time on the virtual clock, monotonic time
+    /// on the real one.
     pub(crate) due: AtomicI64,
     pub(crate) cycles: AtomicU64,
-    /// Cycles that ended after the next was due.
+    /// Number of cycles that ended after the next one was due.
     pub(crate) overruns: AtomicU64,
-    /// Cycles that never began: the time for them passed in another, or while the process was
+    /// Number of cycles that never began, because another cycle took their time or the process was
     /// stopped.
     pub(crate) missed: AtomicU64,
-    /// Of the last overrun: the function that took longest (nobody when the cycle itself began too
-    /// late), how late the cycle began and how long it took, in nanoseconds.
+    /// Data of the last overrun: the function that took longest (`NOBODY` if the cycle itself began
+    /// too late), how late the cycle began and how long it took, in nanoseconds.
     pub(crate) guilty: AtomicU32,
     pub(crate) over_late: AtomicI64,
     pub(crate) over_took: AtomicI64,
-    /// The kernel's number of the thread that runs this one.
+    /// The kernel's number of the system thread that runs this thread.
     pub(crate) tid: AtomicI32,
     pub(crate) current: Current,
     pub(crate) init_done: AtomicBool,
-    /// Whether functions are timed.
+    /// True if functions are timed.
     pub(crate) timed: AtomicBool,
     pub(crate) latest: AtomicI64,
     pub(crate) latency: [AtomicU64; BINS],
@@ -167,8 +168,8 @@ impl Thread {
         }
     }
 
-    /// One cycle of this machine time, if threads are started. The function that took longest is
-    /// returned for the report of an overrun.
+    /// Runs one cycle at this machine time, if threads are started. Returns the function that took
+    /// longest, for the report of an overrun.
     pub(crate) fn cycle(&self, shared: &Shared, time: i64) -> u32 {
         if !shared.boundary.enter(&self.gate) {
             return NOBODY;
@@ -205,7 +206,7 @@ impl Thread {
     fn run(&self, entries: &[Entry], shared: &Shared) -> u32 {
         for e in entries {
             self.current.store(e.id, Ordering::Relaxed);
-            // SAFETY: this thread alone runs the function, and the list keeps it alive.
+            // SAFETY: only this thread runs the function, and the list keeps it alive.
             if !unsafe { (e.run)(e.state, self.period_ns) }.is_ok() {
                 shared.fault.set(self.id, e.id, &shared.cause);
                 break;
@@ -218,14 +219,14 @@ impl Thread {
         NOBODY
     }
 
-    /// As `run`, with one reading of the cycle counter between neighbours.
+    /// Runs the functions as `run` does, with one reading of the cycle counter between neighbours.
     fn run_timed(&self, entries: &[Entry], shared: &Shared) -> u32 {
         let tick_ns = shared.tick_ns();
         let begin = os::ticks();
         let (mut last, mut most, mut longest) = (begin, 0, NOBODY);
         for e in entries {
             self.current.store(e.id, Ordering::Relaxed);
-            // SAFETY: this thread alone runs the function, and the list keeps it alive.
+            // SAFETY: only this thread runs the function, and the list keeps it alive.
             let status = unsafe { (e.run)(e.state, self.period_ns) };
             let now = os::ticks();
             let ns = in_ns(now.wrapping_sub(last), tick_ns);
@@ -247,7 +248,8 @@ impl Thread {
         longest
     }
 
-    /// Notes that a cycle ended after the next was due, and how many were left out.
+    /// Records that a cycle ended after the next was due, and the number of cycles that were
+    /// skipped.
     pub(crate) fn overran(&self, longest: u32, late_ns: i64, took_ns: i64, missed: i64) {
         self.overruns.fetch_add(1, Ordering::Relaxed);
         self.missed.fetch_add(missed.unsigned_abs(), Ordering::Relaxed);
@@ -257,7 +259,7 @@ impl Thread {
         self.over_took.store(took_ns, Ordering::Relaxed);
     }
 
-    /// Notes how late a cycle began.
+    /// Records how late a cycle began.
     pub(crate) fn woke(&self, late_ns: i64) {
         if late_ns > self.latest.load(Ordering::Relaxed) {
             self.latest.store(late_ns, Ordering::Relaxed);

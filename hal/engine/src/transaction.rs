@@ -1,5 +1,6 @@
-//! Transactions: what requests change is staged first, then carried out whole at one boundary, or
-//! taken back whole. A request by itself is a transaction of one; `apply` is one of many.
+//! Transactions: the effects of requests are staged first, then carried out as a whole at one
+//! boundary, or reverted as a whole. A single request is a transaction of one; `apply` is a
+//! transaction of many.
 
 use crate::{
     Engine, Error,
@@ -17,16 +18,16 @@ use hal_abi::{Cell, Slot};
 use hal_protocol::{Edit, Lock, Reply, Request};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Something that goes when the transaction has been carried out.
+/// A thing that is removed after the transaction has been carried out.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Going {
-    /// A signal that has no name any more.
+    /// A signal that has lost its name.
     Signal(Ix),
-    /// A component that has none.
+    /// A component that has lost its name.
     Component {
-        /// Its node.
+        /// The component's node.
         ix: Ix,
-        /// Whether its stop actions are run first.
+        /// True if its stop actions run first.
         stop: bool,
     },
 }
@@ -40,29 +41,29 @@ impl Going {
     }
 }
 
-/// What is staged.
+/// The staged effects of a transaction.
 #[derive(Debug, Default)]
 pub(crate) struct Transaction {
-    /// It is only looked whether it can be: nothing is opened or begun.
+    /// True for a dry run: the transaction is only checked, and nothing is opened or started.
     pub(crate) dry: bool,
-    /// In the order of the lines.
+    /// Stores in the order of the lines.
     pub(crate) stores: Vec<Store>,
     pub(crate) going: Vec<Going>,
-    /// New threads, which tick from the end of the transaction on.
+    /// New threads, which run from the end of the transaction on.
     pub(crate) begins: Vec<Ix>,
-    /// Probes that watch something that goes.
+    /// Probes that watch something that is removed.
     pub(crate) parting: BTreeSet<u64>,
-    /// Whether threads are started.
+    /// True if threads are started at the end.
     pub(crate) starts: bool,
     undo: Vec<Undo>,
     orders: BTreeMap<Ix, Order>,
     before: Option<Before>,
-    /// New places that threads see before the boundary, and old memory of new components.
+    /// New places that threads see before the boundary, and memory of new components themselves.
     pub(crate) seen: BTreeSet<usize>,
     pub(crate) own: BTreeSet<usize>,
 }
 
-/// What is simply put back.
+/// State that a reverted transaction simply restores.
 #[derive(Debug)]
 struct Before {
     counts: Counts,
@@ -71,7 +72,7 @@ struct Before {
     mark: Mark,
 }
 
-/// What a transaction took.
+/// Numbers of stores and lists that a transaction carried out.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Taken {
     pub(crate) stores: usize,
@@ -79,12 +80,12 @@ pub(crate) struct Taken {
 }
 
 impl Transaction {
-    /// Notes how something is taken back.
+    /// Records how to revert a step.
     pub(crate) fn undo_by(&mut self, undo: Undo) {
         self.undo.push(undo);
     }
 
-    /// Whether a component of this name goes with this transaction.
+    /// Returns whether this transaction unloads a component of this name.
     fn unloads(&self, name: &str) -> bool {
         let unnamed =
             |u: &Undo| matches!(u, Undo::Unnamed(Index::Components, n, _) if n.as_str() == name);
@@ -93,7 +94,7 @@ impl Transaction {
 }
 
 impl Engine {
-    /// Does something whole or not at all.
+    /// Runs an edit as a transaction: it takes effect completely or not at all.
     pub(crate) fn whole(
         &mut self,
         edit: impl FnOnce(&mut Self) -> Result<(), Error>,
@@ -116,7 +117,7 @@ impl Engine {
         self.staged = Transaction { before: Some(before), ..Transaction::default() };
     }
 
-    /// `apply`: every edit, or none.
+    /// `apply`: carries out every edit or none.
     pub(crate) fn apply(
         &mut self,
         files: &[String],
@@ -155,7 +156,8 @@ impl Engine {
         }
     }
 
-    /// Stages a request; `None` when it is none that changes the graph, its names or its values.
+    /// Stages a request. Returns `None` if the request does not change the graph, its names or its
+    /// values.
     pub(crate) fn stage(&mut self, request: &Request) -> Option<Result<(), Error>> {
         Some(match request {
             Request::Load { module, args } => {
@@ -193,7 +195,8 @@ impl Engine {
         })
     }
 
-    /// A component that goes is still there, with its devices, until all is carried out.
+    /// Refuses to load a component that this transaction unloads: until the commit it is still
+    /// there, with its devices.
     fn load_again(&self, module: &str) -> Result<(), Error> {
         if !self.staged.unloads(module) {
             return Ok(());
@@ -213,7 +216,7 @@ impl Engine {
         self.staged.undo_by(Undo::Named(index, name));
     }
 
-    /// Takes a name away from a node, if it has it.
+    /// Removes a node's name, if the name belongs to the node.
     pub(crate) fn unname(&mut self, index: Index, name: &Name, ix: Ix) {
         let names = self.graph.index_mut(index);
         if names.get(name) == Some(&ix)
@@ -223,7 +226,7 @@ impl Engine {
         }
     }
 
-    /// What a thread runs is about to change.
+    /// Records the functions of a thread before they change.
     pub(crate) fn touch_thread(&mut self, thread: Ix) {
         self.extend_thread(thread);
         if let Some(order) = self.staged.orders.get_mut(&thread) {
@@ -231,7 +234,7 @@ impl Engine {
         }
     }
 
-    /// A function is about to be added at a thread's end.
+    /// Records the end of a thread before a function is added there.
     pub(crate) fn extend_thread(&mut self, thread: Ix) {
         if !self.staged.orders.contains_key(&thread)
             && let Some(end) = self.graph.end_of(thread)
@@ -243,13 +246,13 @@ impl Engine {
         }
     }
 
-    /// A new slot that a thread of its own writes as soon as it ticks.
+    /// Marks a new slot as visible, because its own thread writes it from the first cycle on.
     pub(crate) fn sees(&mut self, slot: Ptr<Slot>) {
         let cell: Ptr<Cell> = crate::item::own_cell(slot);
         self.staged.seen.extend([slot.0.addr().get(), cell.0.addr().get()]);
     }
 
-    /// Carries out what is staged.
+    /// Carries out the staged effects.
     fn commit(&mut self) -> Result<Taken, Error> {
         let faulty = self.staged.starts && self.fault.is_some();
         if faulty && !self.staged.dry {
@@ -303,7 +306,7 @@ impl Engine {
             done.going.iter().for_each(|going| self.release(*going));
             self.reap();
             if !self.shared.is_virtual() && self.shared.boundary.is_running() {
-                // Before the places of what has gone are used again.
+                // Before the memory of removed things is reused.
                 self.refresh_flight();
             }
         }
@@ -313,7 +316,8 @@ impl Engine {
         Ok(taken)
     }
 
-    /// Parts a change into stores that no thread can see, which need no boundary, and the rest.
+    /// Splits a change into stores to places that no thread can see, which need no boundary, and
+    /// the rest.
     fn weigh(&self, change: Change) -> Result<(Vec<Store>, Change), Error> {
         let threads = !self.shared.threads.load().is_empty() || !self.staged.begins.is_empty();
         if !threads || !self.shared.boundary.is_running() || self.shared.is_virtual() {
@@ -335,8 +339,9 @@ impl Engine {
         Ok((early, Change { stores: late, lists: change.lists }))
     }
 
-    /// The threads whose lists are to follow their edges now. While threads are stopped they
-    /// follow at the next `start`, unless something goes that an old list may hold.
+    /// Returns the threads whose lists must be rebuilt from their edges now. While threads are
+    /// stopped, lists are rebuilt at the next `start`, unless something is removed that an old list
+    /// may hold.
     fn stale_threads(&self) -> Vec<Ix> {
         let now = self.shared.boundary.is_running()
             || self.staged.starts
@@ -352,7 +357,7 @@ impl Engine {
         all
     }
 
-    /// Takes everything back.
+    /// Reverts everything.
     fn roll_back(&mut self) {
         let staged = core::mem::take(&mut self.staged);
         let Some(before) = staged.before else { return };

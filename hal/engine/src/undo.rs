@@ -1,4 +1,4 @@
-//! What a transaction has done to the graph, each entry as what takes it back.
+//! Log of a transaction's steps in the graph: each entry says how to revert its step.
 
 use crate::{
     Engine,
@@ -23,52 +23,52 @@ pub(crate) enum Index {
 }
 
 impl Index {
-    /// That of pins or of parameters.
+    /// Returns the index of pins or of parameters.
     pub(crate) const fn of_items(param: bool) -> Self {
         if param { Self::Params } else { Self::Pins }
     }
 }
 
-/// What was done.
+/// A step of a transaction, with the data to revert it.
 #[derive(Debug)]
 pub(crate) enum Undo {
-    /// A component was made, with everything that it owns.
+    /// A component was created, with everything that it owns.
     Made(Ix),
-    /// Its devices were opened.
+    /// The component's devices were opened.
     Opened(Ix),
-    /// A signal was made.
+    /// A signal was created.
     Signal(Ix),
-    /// A name was given.
+    /// A name was added to an index.
     Named(Index, Name),
-    /// A name was taken away from a node.
+    /// A name was removed from a node.
     Unnamed(Index, Name, Ix),
     /// A pin was linked.
     Linked(Ix),
-    /// A pin was unlinked from a signal, where that link was made.
+    /// A pin was unlinked from a signal; with the script position of the link.
     Unlinked(Ix, Ix, Option<Site>),
-    /// A signal was given its queue.
+    /// A queue was added to a signal.
     Queued(Ix),
-    /// A pin or parameter had this alias, given there.
+    /// A pin or parameter had this alias, set at this script position.
     Aliased(Ix, Option<Name>, Option<Site>),
-    /// Lines had set a pin, parameter or signal to this.
+    /// Script lines had set a pin, parameter or signal to this.
     Assigned(Ix, Option<Assignments>),
-    /// A component no longer counts as one that uses another.
+    /// A component no longer counts as a user of another.
     Released(Ix, Ix),
-    /// A ring is no longer to be found.
+    /// A ring was removed from the list of rings.
     Ring(Name, Box<SharedRing>),
 }
 
-/// What a thread ran before the transaction touched it.
+/// The functions of a thread before the transaction changed them.
 #[derive(Debug)]
 pub(crate) struct Order {
-    /// Not noted as long as functions are only added at the end.
+    /// `None` as long as functions are only added at the end.
     functs: Option<Vec<(Ix, Edge, Option<Site>)>>,
     next: u64,
     stale: bool,
 }
 
 impl Graph {
-    /// One of the indices of names.
+    /// Returns one of the indices of names.
     pub(crate) const fn index_mut(&mut self, index: Index) -> &mut BTreeMap<Name, Ix> {
         match index {
             Index::Components => &mut self.components,
@@ -81,13 +81,13 @@ impl Graph {
         }
     }
 
-    /// How a thread is, but for what it runs: that is before the end.
+    /// Returns the state of a thread without its functions, before functions are added at its end.
     pub(crate) fn end_of(&self, thread: Ix) -> Option<Order> {
         let node = self.thread(thread)?;
         Some(Order { functs: None, next: node.next, stale: node.stale })
     }
 
-    /// Notes what a thread ran: all that it runs now but what was added since.
+    /// Records the functions that a thread runs now, without those added since `order` was taken.
     pub(crate) fn note_order(&self, thread: Ix, order: &mut Order) {
         if order.functs.is_none() {
             let runs = self.g.edges_directed(thread, Outgoing);
@@ -97,12 +97,12 @@ impl Graph {
         }
     }
 
-    /// Takes every function out of a thread.
+    /// Removes every function from a thread.
     pub(crate) fn empty_thread(&mut self, thread: Ix) {
         self.shorten_thread(thread, 0);
     }
 
-    /// Takes the functions out of a thread that are beyond a place.
+    /// Removes the functions of a thread whose place is beyond `last`.
     fn shorten_thread(&mut self, thread: Ix, last: u64) {
         let runs = self.g.edges_directed(thread, Outgoing);
         let runs = runs.filter(|e| e.weight().place().is_some_and(|at| at > last));
@@ -113,11 +113,11 @@ impl Graph {
         }
     }
 
-    /// Gives a thread what it ran before: one that is empty, or has more at its end.
+    /// Restores the functions of a thread that is empty, or that only has more at its end.
     fn refill_thread(&mut self, thread: Ix, order: &Order) {
         match &order.functs {
             None => self.shorten_thread(thread, order.next),
-            // The latest comes first when edges are walked.
+            // Walking edges yields the latest first.
             Some(functs) => {
                 for (funct, runs, site) in functs.iter().rev() {
                     let edge = self.g.add_edge(thread, *funct, *runs);
@@ -131,7 +131,7 @@ impl Graph {
         }
     }
 
-    /// Draws the link of a pin, and counts it.
+    /// Adds the link of a pin, and counts it on the signal.
     pub(crate) fn draw_link(&mut self, pin: Ix, signal: Ix) -> EdgeIndex<u32> {
         let edge = self.g.add_edge(pin, signal, Edge::Links);
         let direction = self.item(pin).map(|p| p.direction);
@@ -141,7 +141,8 @@ impl Graph {
         edge
     }
 
-    /// Removes the link of a pin: the signal that it was linked to, and where that was done.
+    /// Removes the link of a pin. Returns the signal that it was linked to, and the script position
+    /// of the link.
     pub(crate) fn remove_link(&mut self, pin: Ix) -> Option<(Ix, Option<Site>)> {
         let mut links = self.g.edges_directed(pin, Outgoing);
         let link = links.find(|e| *e.weight() == Edge::Links);
@@ -158,8 +159,8 @@ impl Graph {
 }
 
 impl Engine {
-    /// Takes everything back, the last first. False when a new thread cannot be ended: what it
-    /// uses is then kept until it can.
+    /// Reverts everything, the last step first. Returns false if a new thread cannot be ended:
+    /// everything it uses is then kept until it ends.
     pub(crate) fn take_back(&mut self, undo: Vec<Undo>, orders: BTreeMap<Ix, Order>) -> bool {
         let mut clean = true;
         for (thread, _) in orders.iter().filter(|(_, order)| order.functs.is_some()) {
@@ -209,10 +210,10 @@ impl Engine {
         clean
     }
 
-    /// Removes a signal without pins.
+    /// Removes a signal that has no pins.
     pub(crate) fn forget_signal(&mut self, ix: Ix) {
         if let Some(Node::Signal(s)) = self.graph.g.remove_node(ix) {
-            // Another one may have its name by now.
+            // Another signal may have this name by now.
             if self.graph.signals.get(&s.name) == Some(&ix) {
                 self.graph.signals.remove(&s.name);
             }
