@@ -1,9 +1,9 @@
-//! What changes cost threads that run on the real clock: runs with and without them, in turn.
+//! Effect of changes on threads that run on the real clock: runs with and without changes, in turn.
 //!
-//! A fast thread of 250 µs and a slow one of 1 ms run 40 functions each, for some seconds. In every other
-//! run a change of twelve lines is applied every two milliseconds: values, links, and functions in
-//! both threads. `cargo bench -p hal-tests --bench apply` prints the median of ten pairs, with the
-//! spread, of the fast thread's mean run time, its cycles missed, and how late it woke.
+//! A fast thread of 250 µs and a slow one of 1 ms run 40 functions each, for some seconds. In every other run, a change
+//! of twelve lines is applied every two milliseconds: values, links, and functions in both threads.
+//! `cargo bench -p hal-tests --bench apply` prints the median of ten pairs, with the spread, of the fast thread's mean
+//! run time, its missed cycles, and its wakeup latency.
 #![expect(
     clippy::unwrap_used,
     clippy::panic,
@@ -61,7 +61,7 @@ fn machine() -> Engine {
     e
 }
 
-/// One change: values, a pin that changes its signal, and a function in each thread for another.
+/// Returns one change: values, a pin that moves to another signal, and a function replaced in each thread.
 fn change(n: usize) -> String {
     let (new, old, to) = if n.is_multiple_of(2) { (1, 0, "b") } else { (0, 1, "a") };
     let (new2, old2) = (new + 2, old + 2);
@@ -83,7 +83,8 @@ fn fast(e: &mut Engine) -> ThreadInfo {
     }
 }
 
-/// What a run gives: mean time of looks in ns, cycles missed of those that were due, latest wake-up in µs, and changes.
+/// Result of a run: mean sampled time in ns, share of due cycles that were missed, latest wakeup in µs, number of
+/// changes.
 struct Run {
     time: f64,
     missed: f64,
@@ -131,7 +132,7 @@ fn main() {
     }
     let (mut with, mut without) = (Vec::new(), Vec::new());
     for n in 0..PAIRS {
-        // Each is first in every other pair.
+        // Each kind is first in every other pair.
         if n.is_multiple_of(2) {
             without.push(run(false));
             with.push(run(true));

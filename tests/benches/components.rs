@@ -1,9 +1,9 @@
-//! What each function of every component costs per call, and how long each library takes to load.
+//! Cost of each function of every component per call, and load time of each library.
 //!
-//! Instances of one component run beside each other in one thread on the virtual clock, their inputs
-//! linked to values that change in every cycle; the time of an empty function is taken off. Run it with
-//! `cargo bench -p hal-tests --bench components`; with `UPDATE_EXPECT=1` it writes `components/SPEED.md`.
-//! `COMPONENT=NAME` measures one.
+//! Instances of one component run together in one thread on the virtual clock, their inputs linked to values that
+//! change in every cycle; the time of an empty function is subtracted. Run it with `cargo bench -p hal-tests --bench
+//! components`; with
+//! `UPDATE_EXPECT=1` it writes `components/SPEED.md`. `COMPONENT=NAME` measures one.
 #![expect(
     clippy::unwrap_used,
     clippy::panic,
@@ -24,7 +24,7 @@ use std::fmt::Write;
 const BEGIN: &str = "<!-- speed:begin -->";
 const END: &str = "<!-- speed:end -->";
 
-/// All functions, the most expensive first, and what cannot be measured.
+/// Returns the costs of all functions, the most expensive first, and the components that cannot be measured.
 fn functions() -> (Vec<Cost>, Vec<String>) {
     let only = std::env::var("COMPONENT").ok();
     let mut engine = every::engine();
@@ -50,7 +50,7 @@ fn table() -> String {
     let (costs, refused) = functions();
     for Cost { component, function, args, ns } in costs {
         let with = if args.is_empty() { String::new() } else { format!(", `{args}`") };
-        // Below one nanosecond the difference to an empty function is noise.
+        // Below one nanosecond, the difference to an empty function is noise.
         let ns = match ns {
             ns if ns < 1.0 => "< 1".to_owned(),
             ns if ns < 100.0 => format!("{ns:.1}"),

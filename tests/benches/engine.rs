@@ -1,8 +1,7 @@
-//! What the engine costs: functions, virtual time, loading, pins, and programs as wholes.
+//! Cost of the engine: functions, virtual time, loading, pins, and whole programs.
 //!
-//! The first part measures inside this process; the second times whole programs and, where
-//! LinuxCNC is installed, its programs beside ours in the same run. Run it with
-//! `cargo build --release && cargo bench -p hal-tests`.
+//! The first part measures inside this process; the second measures whole programs and, where LinuxCNC is installed,
+//! compares its programs with ours in the same run. Run it with `cargo build --release && cargo bench -p hal-tests`.
 #![expect(
     clippy::unwrap_used,
     clippy::panic,
@@ -29,7 +28,7 @@ fn load(e: &mut Engine, module: &str, args: &[&str]) {
     e.call(Request::Load { module: module.to_owned(), args }).unwrap();
 }
 
-/// 800 gates in one thread of 1 ms, each fed by the one before.
+/// 800 gates in one thread of 1 ms, each fed by the previous one.
 fn chain(timed: bool) -> Engine {
     let mut e = plain(ClockKind::Virtual);
     load(&mut e, "threads", &["name1=t", "period1=1000000"]);
@@ -49,7 +48,7 @@ fn chain(timed: bool) -> Engine {
     e
 }
 
-/// One second of machine time: 1000 cycles of 800 functions.
+/// Runs one second of machine time: 1000 cycles of 800 functions.
 #[divan::bench(args = [false, true], sample_count = 20, sample_size = 1)]
 fn function_in_a_chain_of_800(bencher: Bencher<'_, '_>, timed: bool) {
     let mut e = chain(timed);
@@ -58,7 +57,7 @@ fn function_in_a_chain_of_800(bencher: Bencher<'_, '_>, timed: bool) {
         .bench_local(|| e.call(Request::Run { ns: 1_000_000_000 }).unwrap());
 }
 
-/// Loads 250,000 gates with their times: a million pins exist at once.
+/// Loads 250,000 gates with their time pins: a million pins exist at once.
 #[divan::bench(sample_count = 3, sample_size = 1)]
 fn a_million_pins(bencher: Bencher<'_, '_>) {
     bencher.counter(ItemsCount::new(1_000_000_usize)).bench_local(|| {
@@ -70,7 +69,7 @@ fn a_million_pins(bencher: Bencher<'_, '_>) {
     });
 }
 
-/// How many instances there are: the time of each is to be the same.
+/// Numbers of instances: the time per instance must be the same for all.
 const INSTANCES: [usize; 3] = [1000, 10_000, 100_000];
 
 /// `loadrt and2 count=N`.
@@ -111,14 +110,14 @@ fn add(mut e: Engine, n: usize) -> Engine {
     e
 }
 
-/// A line `addf` for each, and `start`.
+/// Runs a line `addf` for each, and `start`.
 #[divan::bench(args = INSTANCES, sample_count = 5, sample_size = 1)]
 fn instance_that_is_added_to_a_thread(bencher: Bencher<'_, '_>, n: usize) {
     let e = || loaded(n);
     bencher.counter(ItemsCount::new(n)).with_inputs(e).bench_local_values(|e| add(e, n));
 }
 
-/// `unloadrt and2`, while the thread runs them all.
+/// Runs `unloadrt and2` while the thread runs them all.
 #[divan::bench(args = INSTANCES, sample_count = 5, sample_size = 1)]
 fn instance_that_is_unloaded(bencher: Bencher<'_, '_>, n: usize) {
     let e = || add(loaded(n), n);
@@ -128,7 +127,7 @@ fn instance_that_is_unloaded(bencher: Bencher<'_, '_>, n: usize) {
     });
 }
 
-/// The least of several runs of a program.
+/// Returns the shortest of several runs of a program.
 fn least(runs: u32, make: impl Fn() -> Command) -> Option<Duration> {
     let mut best: Option<Duration> = None;
     for _ in 0..runs {

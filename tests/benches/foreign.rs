@@ -1,8 +1,8 @@
-//! What a function in C costs: beside the same one in Rust, and the same file in LinuxCNC's halrun.
+//! Cost of a function in C, compared with the same one in Rust, and with the same file in LinuxCNC's halrun.
 //!
-//! A chain of 800 gates, each fed by the one before: first in this process on the virtual clock, without
-//! accounts of time; then on the real clock, as the thread's own account has it, where LinuxCNC is
-//! installed with the very same `and2.so` in both programs, in turns. Run it with
+//! A chain of 800 gates, each fed by the previous one: first in this process on the virtual clock, without time
+//! measurements of functions; then on the real clock, as the thread's own time pins show, where LinuxCNC is installed
+//! with the very same `and2.so` in both programs, in turn. Run it with
 //! `cargo build --release && cargo bench -p hal-tests --bench foreign`.
 #![expect(
     clippy::unwrap_used,
@@ -23,13 +23,13 @@ use std::{
     time::Instant,
 };
 
-/// How often each is measured, in turns.
+/// Number of measurements of each, in turn.
 const ROUNDS: usize = 5;
 
 const GATE: &str = "component gate;\npin in bit in0;\npin in bit in1;\npin out bit out;\n\
                     function _ nofp;\nlicense \"MIT\";\n;;\nout = in0 && in1;\n";
 
-/// The gate in C, compiled by halcompile.
+/// Compiles the gate in C with halcompile.
 fn gate(folder: &Path) {
     std::fs::write(folder.join("gate.comp"), GATE).unwrap();
     let mut halcompile = Command::new(programs().join("halcompile"));
@@ -37,7 +37,7 @@ fn gate(folder: &Path) {
     assert!(made.success(), "halcompile");
 }
 
-/// Nanoseconds per function on the virtual clock: the least of several seconds of machine time.
+/// Returns the nanoseconds per function on the virtual clock: the minimum over several seconds of machine time.
 fn in_process(lines: &str, path: Vec<PathBuf>) -> f64 {
     let mut engine = Engine::without_socket(Options {
         place: Place::at("/nonexistent", "bench").unwrap(),
@@ -75,7 +75,7 @@ fn in_process(lines: &str, path: Vec<PathBuf>) -> f64 {
     (0..10).map(|_| second(&mut engine)).fold(f64::INFINITY, f64::min)
 }
 
-/// The one in the middle.
+/// Returns the median.
 fn median(mut all: Vec<f64>) -> f64 {
     all.sort_by(f64::total_cmp);
     all.get(all.len() / 2).copied().unwrap_or(f64::NAN)

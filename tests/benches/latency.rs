@@ -1,14 +1,14 @@
-//! How late a thread wakes, beside `cyclictest` on the same processor at the same priority.
+//! Wakeup latency of a thread, compared with `cyclictest` on the same processor at the same priority.
 //!
-//! Ours and `cyclictest` run in turn (A B A B …), so that what else the computer does meets both. Each pair has a
-//! ratio at the median, at 99 % and at 99.9 %; shown are the medians over all pairs and the least and greatest ratio.
-//! Run it as root, or with the rights that the README's section "Real time" names:
+//! Ours and `cyclictest` run in turn (A B A B …), so that other load of the computer affects both. Each pair gives a
+//! ratio at the median, at 99 % and at 99.9 %; the output has the medians over all pairs and the smallest and largest
+//! ratio. Run it as root, or with the rights listed in the README's section "Real time":
 //!
 //! ```text
 //! cargo bench -p hal-tests --bench latency
 //! ```
 //!
-//! `LATENCY_CYCLES` (10000) and `LATENCY_PAIRS` (7) say how long: cycles of 1 ms in each run, and pairs of runs.
+//! `LATENCY_CYCLES` (10000) and `LATENCY_PAIRS` (7) set the duration: cycles of 1 ms in each run, and pairs of runs.
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "a benchmark prints")]
 
 use hal_component::{Builder, Clock, Component, Error, Period, Touch, Update};
@@ -26,18 +26,18 @@ use std::{
     },
 };
 
-/// The period of both, in nanoseconds.
+/// Period of both, in nanoseconds.
 const PERIOD_NS: i64 = 1_000_000;
-/// Wake-ups at the beginning of each run that do not count.
+/// Number of wakeups at the beginning of each run that are ignored.
 const WARM: usize = 100;
-/// What is compared.
+/// Percentiles that are compared, in thousandths.
 const PER_MILLE: [(&str, usize); 3] = [("p50", 500), ("p99", 990), ("p99.9", 999)];
 
-/// When cycles began, in machine time.
+/// Start times of cycles, in machine time.
 static BEGAN: OnceLock<Box<[AtomicI64]>> = OnceLock::new();
 static COUNT: AtomicUsize = AtomicUsize::new(0);
 
-/// Notes when each cycle begins.
+/// Component that records the start of each cycle.
 #[derive(Debug)]
 struct Began;
 
@@ -69,7 +69,7 @@ impl Update for Note {
 
 hal_component::export!(Began);
 
-/// How late each of ours began, in nanoseconds, sorted; nothing without the right to `SCHED_FIFO`.
+/// Returns our sorted wakeup latencies in nanoseconds; `None` without the right to `SCHED_FIFO`.
 fn ours(cycles: usize, cpu: usize) -> Option<Vec<i64>> {
     let places = BEGAN.get_or_init(|| (0..cycles + WARM).map(|_| AtomicI64::new(0)).collect());
     COUNT.store(0, Relaxed);
@@ -103,8 +103,8 @@ fn ours(cycles: usize, cpu: usize) -> Option<Vec<i64>> {
     Some(lateness(&began))
 }
 
-/// From when cycles began to how late that was: a cycle that began after the next was due was
-/// followed by the next one that was not due yet, or just so.
+/// Converts start times of cycles to latencies: after a cycle that began later than the next one's due time, the
+/// following cycle is the first that was not yet due, or just due.
 fn lateness(began: &[i64]) -> Vec<i64> {
     let first = began.first().copied().unwrap_or_default();
     let mut due = first.div_euclid(PERIOD_NS) * PERIOD_NS;
@@ -121,7 +121,7 @@ fn lateness(began: &[i64]) -> Vec<i64> {
     late
 }
 
-/// The same of `cyclictest`; nothing when it is not installed.
+/// Returns the same for `cyclictest`; `None` if it is not installed.
 fn theirs(cycles: usize, cpu: usize) -> Option<Vec<i64>> {
     let us = PERIOD_NS / 1000;
     let output = Command::new("cyclictest")
@@ -142,7 +142,7 @@ fn theirs(cycles: usize, cpu: usize) -> Option<Vec<i64>> {
     (late.len() > cycles / 2).then_some(late)
 }
 
-/// The least value that so many of a thousand do not exceed, in microseconds.
+/// Returns the percentile, given in thousandths, in microseconds.
 fn at(sorted: &[i64], per_mille: usize) -> f64 {
     let i = (sorted.len() * per_mille).div_ceil(1000).saturating_sub(1);
     sorted.get(i).map_or(f64::NAN, |ns| *ns as f64 / 1000.0)

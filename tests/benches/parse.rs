@@ -1,6 +1,6 @@
-//! How fast lines of a script become commands: comments, variables, words, arguments.
+//! Speed of the parser for script lines: comments, variables, words, arguments.
 //!
-//! Printed at the end: lines in a second, of which 100,000 are the least that is wanted.
+//! At the end, it prints the number of lines per second; the required minimum is 100,000.
 #![expect(clippy::unwrap_used, reason = "a benchmark")]
 #![expect(clippy::print_stdout, reason = "a benchmark prints")]
 #![expect(clippy::disallowed_methods, reason = "a benchmark looks at the wall")]
@@ -11,7 +11,7 @@ use std::time::Instant;
 
 const INI: &str = "[JOINT_0]\nSCALE = 80\nMAXACCEL = 1500\n[HAL]\nNAME = stepgen\n";
 
-/// Lines as machines have them.
+/// Typical lines of machines.
 const LINES: &str = "\
     # the base thread\n\
     loadrt threads name1=base period1=50000 name2=servo period2=1000000\n\
@@ -28,7 +28,7 @@ fn text() -> Vec<u8> {
     LINES.repeat(1000).into_bytes()
 }
 
-/// Understands every line; how many there were.
+/// Parses every line; returns the number of lines.
 fn understand(text: &[u8], ini: &Ini) -> usize {
     let values = Values { environment: &|_| None, ini: Some(ini) };
     let mut lines = 0;

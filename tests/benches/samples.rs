@@ -1,8 +1,8 @@
-//! What looking at values costs: a channel of a sample, and a pin whose changes are recorded.
+//! Cost of sampling values: per channel of a sample, and per pin whose changes are recorded.
 //!
-//! Machine time runs in a loop, so that the cost of a cycle is all that there is; the last column
-//! is how many channels are looked at in a second. Then the printer, as a whole, with its flight recorder
-//! and without. Run it with `cargo bench -p hal-tests --bench samples`.
+//! Machine time runs in a loop, so that only the cost of a cycle is measured; the last column is the number of channels
+//! sampled per second. Then the printer as a whole, with and without its flight recorder. Run it with
+//! `cargo bench -p hal-tests --bench samples`.
 #![expect(
     clippy::unwrap_used,
     clippy::panic,
@@ -21,10 +21,10 @@ use hal_tests::{
 };
 use std::{cell::RefCell, time::Instant};
 
-/// Cycles between two looks at the ring.
+/// Number of cycles between two reads of the ring.
 const CYCLES: u32 = 1000;
 
-/// So many gates, their outputs linked, in a thread of 1 ms that runs none of them.
+/// Creates this many gates, with linked outputs, in a machine whose 1 ms thread runs none of them.
 fn machine(gates: usize) -> Engine {
     let options = Options {
         place: Place::at("/nonexistent", "bench").unwrap(),
@@ -57,14 +57,14 @@ fn run(e: &mut Engine) {
     e.call(Request::Run { ns: u64::from(CYCLES) * 1_000_000 }).unwrap();
 }
 
-/// The cycle alone, with nothing to look at.
+/// Measures the cycle alone, without samples.
 #[divan::bench(sample_count = 50, sample_size = 1)]
 fn cycle_of_nothing(bencher: Bencher<'_, '_>) {
     let mut e = machine(8);
     bencher.counter(ItemsCount::new(CYCLES)).bench_local(|| run(&mut e));
 }
 
-/// Every value of so many linked pins, into a ring that a program would read.
+/// Samples every value of this many linked pins into a ring that a program would read.
 #[divan::bench(args = [16, 200, 1000], sample_count = 50, sample_size = 1)]
 fn channel_of_a_sample(bencher: Bencher<'_, '_>, channels: usize) {
     let mut e = machine(channels);
@@ -79,7 +79,7 @@ fn channel_of_a_sample(bencher: Bencher<'_, '_>, channels: usize) {
     assert_eq!(samples.borrow().lost_at_end(), 0);
 }
 
-/// The reading side of the same.
+/// Measures the reading side of the same.
 #[divan::bench(args = [16, 200, 1000], sample_count = 50, sample_size = 1)]
 fn channel_that_is_read(bencher: Bencher<'_, '_>, channels: usize) {
     let mut e = machine(channels);
@@ -93,7 +93,7 @@ fn channel_that_is_read(bencher: Bencher<'_, '_>, channels: usize) {
         .bench_local_values(|()| while samples.take_bits(&mut record).is_some() {});
 }
 
-/// Looking for changes, where there is none, at so many pins.
+/// Looks for changes in this many pins that do not change.
 #[divan::bench(args = [1000], sample_count = 50, sample_size = 1)]
 fn pin_that_is_recorded(bencher: Bencher<'_, '_>, pins: usize) {
     let mut e = machine(pins);
@@ -102,28 +102,28 @@ fn pin_that_is_recorded(bencher: Bencher<'_, '_>, pins: usize) {
     bencher.counter(ItemsCount::new(CYCLES as usize * pins)).bench_local(|| run(&mut e));
 }
 
-/// How often each is measured; the least counts.
+/// Number of measurements of each; the smallest counts.
 const ROUNDS: usize = 60;
-/// The printer's base period, and cycles of it in a round.
+/// Base period of the printer, in nanoseconds, and its cycles in a round.
 const BASE: u32 = 100_000;
 const BASE_CYCLES: u32 = 2_000;
 
-/// Nanoseconds for a base cycle of the printer.
+/// Returns the duration of the printer's base cycle, in nanoseconds.
 fn cycle(client: &mut Client) -> f64 {
     let begin = Instant::now();
     client.call(Request::Run { ns: u64::from(BASE) * u64::from(BASE_CYCLES) }).unwrap();
     begin.elapsed().as_secs_f64() * 1e9 / f64::from(BASE_CYCLES)
 }
 
-/// X moves at this speed, in mm/s, unless it is 0.
+/// Jogs X at this speed, in mm/s, unless it is 0.
 fn jog(client: &mut Client, velocity: i32) {
     if velocity != 0 {
         script(client, &format!("motion.jog joint=0 velocity={velocity}"));
     }
 }
 
-/// The printer of `configs`, standing and moving: a cycle of its base thread, with all that is due
-/// beside it, and what the flight recorder adds.
+/// Measures the printer of `configs`, at rest and in motion: a base cycle with everything that runs besides it, and the
+/// additional cost of the flight recorder.
 fn printer() {
     let scratch = Scratch::copy_of(&root().join("configs/printer"));
     let lines =

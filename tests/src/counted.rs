@@ -1,8 +1,8 @@
 //! Number of tests of each component, counted in the sources of its library.
 //!
 //! A test function counts if it is in the component's own file, if it names the component or its type, or if the
-//! library
-//! has no other component. Rows are the rows of the recorded tables in the library's folder `traces` that load it.
+//! library has no other component. Rows are the rows of the recorded tables in the library's folder `traces` that load
+//! it.
 
 use crate::programs::family;
 use std::{

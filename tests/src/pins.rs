@@ -1,8 +1,7 @@
 //! Pins of LinuxCNC's components, recorded in `tests/compat/pins/NAME.txt`, compared with the pins of ours.
 //!
 //! A file has a section for each version of LinuxCNC in which the component was measured: the arguments that it
-//! accepts,
-//! and for each `loadrt` line its functions, and its pins and parameters with type, direction and first value.
+//! accepts, and for each `loadrt` line its functions, and its pins and parameters with type, direction and first value.
 
 use crate::{
     foreign::{Bench, installed},

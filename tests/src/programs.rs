@@ -10,8 +10,7 @@ use std::{
 };
 
 /// Returns the folder with halrun, halcmd and every plugin, and builds them if necessary. If `HAL_TEST_PROGRAMS` names
-/// a
-/// folder, that folder is used unchanged.
+/// a folder, that folder is used unchanged.
 pub fn programs() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| {

@@ -141,8 +141,7 @@ struct Round<'r> {
     fast: u64,
     at: u64,
     /// Items that are integers at an end of their type after the last cycle: a saturated sum, or a converted float that
-    /// was
-    /// NaN or too large.
+    /// was NaN or too large.
     ends: BTreeSet<usize>,
 }
 

@@ -65,8 +65,7 @@ impl Terminal {
     }
 
     /// Waits until the program has ended; returns its exit status, whether the terminal's settings are restored, and
-    /// the
-    /// remaining output.
+    /// the remaining output.
     pub fn end(mut self) -> (Option<i32>, bool, String) {
         let status = loop {
             self.look(10);

@@ -1,4 +1,4 @@
-//! Files that are applied to running threads: whole at one boundary, or nothing.
+//! Files that are applied to running threads: completely at one boundary, or not at all.
 
 use hal_engine::ClockKind;
 use hal_protocol::{Link, Reply, Request};
@@ -10,8 +10,8 @@ use hal_tests::{
     scratch::Scratch,
 };
 
-/// Two threads with a reader each. What the readers' pins have in common is linked, set, and
-/// linked to one signal or another.
+/// Two threads with a reader each. The test links the pins that the readers share, sets them, and links them to one
+/// signal or another.
 const READERS: &str = "loadrt swap count=2
     net every swap.0.a swap.1.a
     newsig hold-0 u32
@@ -23,7 +23,7 @@ const READERS: &str = "loadrt swap count=2
     addf swap.1.look slow
     start";
 
-/// The change to value `n`: twelve lines that belong together.
+/// Returns the change to value `n`: twelve lines that belong together.
 fn change(n: u32) -> String {
     let (new, old) = if n % 2 == 1 { ("one", "two") } else { ("two", "one") };
     let hold = n % 2;
@@ -42,7 +42,7 @@ fn change(n: u32) -> String {
     )
 }
 
-/// Now and then components come and go with it.
+/// Returns lines that load and unload components with some of the changes.
 fn company(n: u32) -> &'static str {
     match n % 50 {
         7 => {
@@ -121,7 +121,7 @@ fn changes_on_the_real_clock() {
     assert_eq!(thread(&mut m, "fast").functs, ["swap.0.one", "swap.0.look"]);
 }
 
-/// Lines of every kind that go well together on the machine of [`faulty`].
+/// Lines of every kind that are compatible with each other on the machine of [`faulty`].
 const GOOD: &str = "loadrt or2 count=2
     net b or2.0.out and2.1.in1
     loadrt doomed
@@ -146,7 +146,7 @@ const GOOD: &str = "loadrt or2 count=2
     unloadrt or2
     delsig b";
 
-/// Lines that fail wherever they stand among them.
+/// Lines that fail at every position among them.
 const BAD: &[&str] = &[
     "loadrt nothing-of-this-name",
     "loadrt and2",
@@ -191,7 +191,7 @@ const BAD: &[&str] = &[
     "status",
 ];
 
-/// What a component does wrong while it is loaded.
+/// Failures of a component during its load.
 const DOOMED: &[&str] = &[
     "panic",
     "error",
@@ -206,7 +206,7 @@ const DOOMED: &[&str] = &[
     "long",
 ];
 
-/// A machine that runs, with something of everything.
+/// Returns a running machine with something of everything.
 fn faulty() -> Machine {
     let mut m = Machine::new(ClockKind::Virtual);
     m.script(
@@ -238,7 +238,7 @@ fn trimmed(lines: &str) -> Vec<String> {
 #[test]
 fn a_line_that_fails_anywhere_leaves_nothing_behind() {
     let mut m = faulty();
-    // The first of all loads the libraries.
+    // The first run loads the libraries.
     let doomed = format!("{GOOD}\nloadrt doomed by=error");
     assert_eq!(applied(&mut m, &doomed), "24: doomed: already exists");
     let before = seen(&mut m);
@@ -249,7 +249,7 @@ fn a_line_that_fails_anywhere_leaves_nothing_behind() {
             if bad == "loadrt doomed" && at < 3 {
                 continue;
             }
-            // Every position of the first ones, then some.
+            // Every position for the first ones, then some.
             if which > 6 && (at + which) % 4 != 0 && at != good.len() {
                 continue;
             }
@@ -285,7 +285,7 @@ fn a_line_that_fails_anywhere_leaves_nothing_behind() {
     }
     m.script("run 4000000");
     assert_eq!(count(&mut m, "fast.threadbeat"), 16, "no cycle is lost");
-    // And without a bad line it is all there.
+    // Without a bad line, everything takes effect.
     let lines = GOOD.to_owned();
     assert!(matches!(m.call(edits(&lines, true)), Ok(Reply::Applied { .. })));
     m.script("run 500000");
@@ -308,7 +308,7 @@ fn looking_whether_it_could_be_opens_nothing() {
     let said = applied(&mut m, "setp and2.0.in0 0\nloadrt doomed by=open");
     assert_eq!(said, "2: doomed: the device is not there");
     assert_eq!(seen(&mut m), before);
-    // What a component says on its way is heard, of one that was given up too.
+    // Messages of a component during a transaction arrive, also if the transaction is reverted.
     m.script("loadrt chatty\nunloadrt chatty");
     m.engine.take_messages();
     assert_eq!(
@@ -371,7 +371,7 @@ fn new_threads_join_threads_that_run_or_none() {
     assert_eq!(applied(&mut m, more), "ok");
     cycles(&mut m, "doomed-thread", 3);
     assert_eq!(says(&mut m, "getp doomed.out"), "1.5");
-    // A function may leave a thread that ends for one that stays.
+    // A function may move from a thread that ends to one that stays.
     let away = "unloadrt doomed\nloadrt and2\naddf and2.0 fast";
     m.script("loadrt or2\naddf or2.0 doomed-thread");
     assert_eq!(applied(&mut m, &format!("{away}\naddf or2.0 fast")), "ok");
@@ -462,7 +462,7 @@ fn what_no_thread_sees_is_not_counted() {
     let many = "this change takes 300 stores at once; at most 256 are made while threads run";
     assert_eq!(applied(&mut m, &format!("loadrt or2{}", lines("setp and2.#.in0 1"))), many);
     assert_eq!(status(&mut m).pins, before);
-    // New pins are set, linked to each other and to signals that are there; then one old one joins.
+    // New pins are set, linked to each other and to existing signals; then an old pin joins.
     let new = format!(
         "loadrt or2 count=300{}{}\nnet line or2.0.out and2.0.in0",
         lines("setp or2.#.in0 1"),
@@ -471,7 +471,7 @@ fn what_no_thread_sees_is_not_counted() {
     assert_eq!(m.call(edits(&new, true)), Ok(Reply::Applied { stores: 1, lists: 0 }));
     assert_eq!(applied(&mut m, &new), "ok");
     assert!(bit(&mut m, "or2.299.in0"));
-    // What comes after a store that threads see stays after it.
+    // Stores that follow a store visible to threads stay after it.
     let order = "loadrt xor2\nnet line xor2.0.in0\nunlinkp xor2.0.in0\nsetp xor2.0.in0 1\nnet new xor2.0.in0\nsets new 0\nsets new 1";
     assert_eq!(applied(&mut m, order), "ok");
     assert!(bit(&mut m, "xor2.0.in0"));
@@ -497,7 +497,7 @@ fn a_file_of_ten_thousand_lines_fits_and_a_longer_one_is_refused() {
         applied(&mut client, &format!("{}\nsetp nothing 1", file(10_000))),
         "10001: parameter or pin 'nothing': not found"
     );
-    // An engine lets no request nest and knows what is no change.
+    // An engine refuses nested requests and requests that are not changes.
     let nested = Request::Apply {
         files: Vec::new(),
         edits: vec![hal_protocol::Edit { file: 9, line: 9, request: edits("start", false) }],

@@ -1,5 +1,5 @@
-//! Random lines, applied at once to one machine and given one by one to another: the same comes of
-//! them, or nothing at all.
+//! Random lines, applied at once to one machine and executed one by one on another: the result is the same, or nothing
+//! changes.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_engine::ClockKind;
@@ -10,7 +10,7 @@ use hal_tests::{
 };
 use std::collections::BTreeSet;
 
-/// How many files.
+/// Number of files.
 const FILES: usize = 3_000;
 
 const SIGNALS: &[&str] = &["s0", "s1", "s2", "s3"];
@@ -73,7 +73,7 @@ fn line(d: &mut Random) -> String {
     }
 }
 
-/// Some lines. What they unload they do not load again, which is refused.
+/// Returns some random lines. They do not load again what they unload, which is refused.
 fn file(d: &mut Random) -> Vec<String> {
     let mut unloaded = BTreeSet::new();
     let mut lines = Vec::new();
@@ -106,7 +106,7 @@ fn machine() -> Machine {
     m
 }
 
-/// What two machines have in common: all but where things are.
+/// Returns the state that two machines have in common: everything except addresses.
 fn graph(m: &mut Machine) -> String {
     let mut text = String::new();
     for kind in [
@@ -130,7 +130,7 @@ fn graph(m: &mut Machine) -> String {
             other => text += &format!("{other:?}\n"),
         }
     }
-    // Ids of what failed half way are not given again where it was given line by line.
+    // The machine that executes lines singly does not reuse ids of failed lines.
     let ids = text.split("owner: ").map(|part| part.split_once(',').map_or(part, |(_, rest)| rest));
     ids.collect()
 }
@@ -163,7 +163,7 @@ fn at_once_as_one_by_one_or_not_at_all() {
             let before = seen(&mut at_once);
             assert_eq!(applied(&mut at_once, &text), failure, "{n}: {lines:#?}");
             assert_eq!(seen(&mut at_once), before, "{n}: {lines:#?}");
-            // As far as the other one came.
+            // The lines that the other machine has executed.
             let part = lines.get(..done).unwrap().join("\n");
             assert!(done == 0 || applied(&mut at_once, &part) == "ok", "{n}: {lines:#?}");
         } else {

@@ -1,9 +1,9 @@
-//! Bad arguments of every component of every plugin library: each is refused with a sentence that
-//! names the component, the argument and what is legal; nothing is half made, threads go on, and a
-//! load with good arguments works afterwards.
+//! Bad arguments of every component of every plugin library: each is refused with a sentence that names the component,
+//! the argument and its legal values; no part of the load remains, threads continue, and a load with good arguments
+//! works afterwards.
 //!
-//! `tests/arguments.md` has all sentences, to be read; `UPDATE_EXPECT=1` writes it. What a component
-//! takes although it looks wrong stands with its reason in `tests/properties/NAME.toml`:
+//! `tests/arguments.md` lists all sentences for review; `UPDATE_EXPECT=1` writes it. Arguments that a component accepts
+//! although they look wrong are listed with the reason in `tests/properties/NAME.toml`:
 //!
 //! ```toml
 //! [[takes]]
@@ -24,13 +24,13 @@ use hal_tests::{
 };
 use std::{collections::BTreeMap, fmt::Write};
 
-/// Numbers that no argument takes.
+/// Texts that no integer argument accepts.
 const NO_INTEGERS: &[&str] = &["x", "", "1.5", "1e3", "0x", "99999999999999999999"];
-/// Numbers that are too small or too large for a size or a number of things.
+/// Numbers that are too small or too large for a size or a count.
 const FAR: &[&str] = &["-1", "1000000000", "-9223372036854775808"];
-/// Sentences that this many components share stand in the file once.
+/// Number of components from which a shared sentence is listed only once.
 const SHARED: usize = 12;
-/// How a sentence says what is legal, where that is no range.
+/// Phrases that state the legal values where they are not a range.
 const LEGAL: &[&str] = &[
     "are needed",
     "at most",
@@ -46,26 +46,26 @@ const LEGAL: &[&str] = &[
     "out of",
     "such as",
 ];
-/// Changes by chance to each text.
+/// Number of random changes to each text.
 const CHANGES: usize = 40;
 
-/// A load that is to be refused.
+/// A load that must be refused.
 #[derive(Clone, Debug)]
 struct Bad {
-    /// The argument that is wrong.
+    /// Name of the wrong argument.
     arg: String,
     words: Vec<String>,
-    /// How it is written in the file.
+    /// Text of the argument in the file.
     shown: String,
-    /// Whether it may be right after all.
+    /// True if the argument was changed at random and may be legal.
     chance: bool,
 }
 
-/// A component on trial.
+/// A component under test.
 struct Trial<'o> {
     offer: &'o Offer,
     case: Case,
-    /// Arguments that are right.
+    /// Arguments that are legal.
     good: Vec<String>,
     bench: Bench,
     wrong: Vec<String>,
@@ -78,7 +78,7 @@ impl Trial<'_> {
         let ways = case.ways(offer).unwrap();
         let good = ways[0].split(' ').filter(|w| !w.is_empty()).map(str::to_owned).collect();
         let mut bench = Bench::new(&[]);
-        // None of them is what is tried.
+        // None of these is under test.
         if case.threads.is_empty() && offer.component != "threads" {
             script(&mut bench, "loadrt threads name1=t period1=1000000");
         }
@@ -95,7 +95,7 @@ impl Trial<'_> {
         self.bench.call(Request::Load { module, args: words.to_vec() }).map(drop)
     }
 
-    /// Tries one.
+    /// Tests one load.
     fn refuse(&mut self, bad: &Bad) {
         let name = self.offer.component.clone();
         let before = seen(&mut self.bench);
@@ -125,7 +125,7 @@ impl Trial<'_> {
         }
     }
 
-    /// Everything in turn, and a load that is right.
+    /// Tests all bad arguments in turn, and then a good load.
     fn run(&mut self) {
         for bad in self.bad() {
             self.refuse(&bad);
@@ -139,7 +139,7 @@ impl Trial<'_> {
         }
     }
 
-    /// A pin of the first instance is there already.
+    /// Tests a load whose first pin exists already.
     fn taken(&mut self) {
         let name = self.offer.component.clone();
         if !self.offer.args.iter().any(|a| a.name == "names") {
@@ -161,7 +161,7 @@ impl Trial<'_> {
         script(&mut self.bench, &format!("unalias pin {other}"));
     }
 
-    /// What is tried.
+    /// Returns the loads to test.
     fn bad(&self) -> Vec<Bad> {
         let mut out = Vec::new();
         for a in &self.offer.args {
@@ -213,7 +213,7 @@ impl Trial<'_> {
         out
     }
 
-    /// Texts that were right, changed by chance.
+    /// Adds legal texts with random changes.
     fn chance(&self, out: &mut Vec<Bad>) {
         let letters: Vec<char> = "abdefiopsuvx01259_,;.-\u{e9} ".chars().collect();
         let mut random = Random::new(self.offer.component.bytes().map(u64::from).sum());
@@ -239,7 +239,7 @@ impl Trial<'_> {
         }
     }
 
-    /// The good arguments with one of them other.
+    /// Returns the good arguments with one replaced.
     fn with(&self, arg: &str, word: &str, chance: bool) -> Bad {
         let begins = format!("{arg}=");
         let excludes = |w: &String| {
@@ -258,12 +258,12 @@ impl Trial<'_> {
     }
 }
 
-/// Whether a word stands in a sentence by itself.
+/// Returns whether a word occurs in a sentence as a whole word.
 fn names(sentence: &str, word: &str) -> bool {
     sentence.split(|c: char| !c.is_alphanumeric() && !"_-".contains(c)).any(|w| w == word)
 }
 
-/// Whether a sentence says what is legal.
+/// Returns whether a sentence states the legal values.
 fn is_legal(sentence: &str) -> bool {
     let range = |(at, _): (usize, &str)| {
         let digit = |c: Option<char>| c.is_some_and(|c| c.is_ascii_digit());
@@ -273,7 +273,7 @@ fn is_legal(sentence: &str) -> bool {
     sentence.match_indices(" to ").any(range) || LEGAL.iter().any(|legal| sentence.contains(legal))
 }
 
-/// A sentence without what is of one component alone.
+/// Returns a sentence without the parts specific to one component.
 fn common(sentence: &str, component: &str) -> String {
     let mut out = sentence.replacen(&format!("{component}: "), "NAME: ", 1);
     if let Some((before, rest)) = out.split_once("'same.")
@@ -289,7 +289,7 @@ fn common(sentence: &str, component: &str) -> String {
     out
 }
 
-/// What was tried, and what was said of it: values of which the same is said stand together.
+/// Returns the rows of the file; values with the same sentence share a row.
 fn rows(all: &[(String, String)]) -> String {
     let mut kinds: Vec<(String, Vec<&str>)> = Vec::new();
     for (shown, sentence) in all {
@@ -313,7 +313,7 @@ fn rows(all: &[(String, String)]) -> String {
     out
 }
 
-/// The file: what many share first.
+/// Returns the file: first the sentences that many components share.
 fn written(all: &[(String, Vec<(String, String)>)]) -> String {
     let mut shared: BTreeMap<(String, String), usize> = BTreeMap::new();
     for (name, rows) in all {

@@ -1,5 +1,5 @@
-//! Every folder of `tests/hal`, through the real halrun. `UPDATE_EXPECT=1` writes what is expected;
-//! `CASE=name` runs those whose names begin so.
+//! Every folder of `tests/hal`, through the real halrun. `UPDATE_EXPECT=1` writes the expected output; `CASE=name` runs
+//! the cases whose names begin with that text.
 
 use hal_tests::case::{Case, cases, for_each};
 

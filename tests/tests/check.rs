@@ -1,4 +1,4 @@
-//! `halcmd check`: planted faults are found where they are, and correct machines are left alone.
+//! `halcmd check`: it finds each planted fault at its position, and reports nothing on correct machines.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_protocol::{Code, Level};
@@ -12,7 +12,7 @@ use hal_tests::{
 use halcmd::explain;
 use std::fmt::Write;
 
-/// Does something for each, several at once; fails with all that went wrong.
+/// Runs a function for each item, several at once; panics with the list of all failures.
 fn all<T: Sync>(items: &[T], look: impl Fn(&T) -> Vec<String> + Sync) {
     let lanes = 4;
     let wrong: Vec<String> = std::thread::scope(|scope| {
@@ -67,8 +67,8 @@ fn the_annex_as_printed_is_wrong_where_its_lines_are_broken() {
     golden("annex-e/expected-printed", &output.stdout);
 }
 
-/// Every way to wire an e-stop, each in a file of `tests/check/estop` that begins with what it shows:
-/// the errors and warnings of all of them.
+/// Every wiring of an e-stop, each in a file of `tests/check/estop` whose first lines describe it: the errors and
+/// warnings of all of them.
 #[test]
 fn the_wiring_of_an_estop() {
     let scratch = Scratch::new("estop");
@@ -105,7 +105,7 @@ fn the_machines_of_the_project_have_no_warning() {
         let files = std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path());
         let (inis, others): (Vec<_>, Vec<_>) =
             files.partition(|f| f.extension().is_some_and(|e| e == "ini"));
-        // A demonstration sources its machine, from the folder in which it is run.
+        // A demonstration sources its machine, relative to the folder in which it runs.
         let is_script = |f: &std::path::PathBuf| {
             f.extension().is_some_and(|e| e == "hal") && !f.ends_with("demo.hal")
         };

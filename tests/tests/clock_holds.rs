@@ -1,5 +1,5 @@
-//! No client holds the virtual clock: each request that could is refused, bounded, or given up with
-//! a message, and a client that asks for time gets it.
+//! No client holds the virtual clock: each request that could is refused, bounded, or abandoned with a message, and a
+//! client that asks for time gets it.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_engine::ClockKind;
@@ -11,7 +11,7 @@ use hal_tests::{
 };
 use std::process::Command;
 
-/// A thread with a stream that is read in every cycle, on a clock that moves when asked.
+/// A thread with a stream that is read in every cycle; the clock moves only on request.
 const MACHINE: &str = "
     loadrt threads
     loadrt feed
@@ -22,7 +22,7 @@ fn served(scratch: &Scratch) -> Served {
     Served::on(ClockKind::Virtual, scratch, "holds", MACHINE)
 }
 
-/// What another client is answered that wants 10 ms of machine time: nothing if it has to wait.
+/// Returns the answer to another client that requests 10 ms of machine time: empty if it has to wait.
 fn ten_ms(served: &Served) -> String {
     let before = status(&mut served.client()).time;
     let said = Raw::connect(served).ask("{\"run\":{\"ns\":10000000}}");
@@ -32,7 +32,7 @@ fn ten_ms(served: &Served) -> String {
 
 const DONE: &str = "{\"ok\":\"done\"}";
 
-/// The part of a refusal between `text":"` and the next quote.
+/// Returns the part of a refusal between `text":"` and the next quote.
 fn refused(answer: &str) -> &str {
     let text = answer.split_once("{\"error\":").and_then(|(_, e)| e.split_once("\"text\":\""));
     text.and_then(|(_, t)| t.split('"').next()).unwrap_or(answer)
@@ -45,14 +45,14 @@ fn a_poll_that_could_hold_the_clock_is_refused() {
     let poll = "{\"poll\":{\"writes\":[]}}";
     let not_joined = "this client has not joined as a component";
     let mut raw = Raw::connect(&served);
-    // Of one that has not joined, before and after it says who it is.
+    // From a client that has not joined, before and after it gives its name.
     assert_eq!(refused(&raw.ask(poll)), not_joined);
     assert_eq!(ten_ms(&served), DONE);
     raw.ask("{\"hello\":{\"protocol\":1,\"name\":\"\",\"pid\":7}}");
     assert_eq!(refused(&raw.ask(poll)), not_joined);
     assert_eq!(ten_ms(&served), DONE);
 
-    // Periods that are too short or too long, at the edges of what there is.
+    // Periods that are too short or too long, at the edges of the legal range.
     for (ns, usable) in [
         (1, false),
         (999, false),
@@ -82,13 +82,13 @@ fn a_poll_that_could_hold_the_clock_is_refused() {
                  one that never polls"
             );
             assert_eq!(refused(&answer), want);
-            // It has not joined, and so cannot poll.
+            // This client has not joined, so it cannot poll.
             assert_eq!(refused(&raw.ask(poll)), not_joined);
         }
         assert_eq!(ten_ms(&served), DONE, "{ns}");
     }
 
-    // One without a period, also where it had one: what it owed is forgotten with its pins.
+    // A client that joins again without a period no longer owes polls: they are forgotten with its pins.
     let mut raw = Raw::connect(&served);
     assert_eq!(raw.ask("{\"join\":{\"name\":\"a\",\"poll_ns\":1000000}}"), DONE);
     assert_eq!(raw.ask("\"ready\""), DONE);
@@ -97,7 +97,7 @@ fn a_poll_that_could_hold_the_clock_is_refused() {
     let want = "this program has joined without a period for its polls (poll_ns is 0)";
     assert_eq!(refused(&said), want);
     assert_eq!(ten_ms(&served), DONE);
-    // A refused request to join leaves what there is.
+    // A refused request to join changes nothing.
     assert!(raw.ask("{\"join\":{\"name\":\"c\",\"poll_ns\":1}}").contains("cannot poll"));
     let there =
         format!("{:?}", served.client().call(Request::Component { name: "b".into() }).unwrap());
@@ -118,7 +118,7 @@ fn the_clock_ends_before_its_sums_do() {
         assert!(said.contains("the virtual clock ends after 146 years"), "{said}");
     }
     assert_eq!(status(&mut served.client()).time, 0);
-    // At the very end, a program still joins and polls, and threads have their next cycles.
+    // At the very end of time, a program still joins and polls, and threads have their next cycles.
     assert_eq!(run(end), DONE);
     assert_eq!(status(&mut served.client()).time, end);
     let mut raw = Raw::connect(&served);
@@ -139,9 +139,9 @@ fn a_program_is_waited_for_at_its_start_once() {
     let adopt = format!("{{\"adopt\":{{\"pid\":{},\"program\":\"x\"}}}}", child.id());
     let mut raw = Raw::connect(&served);
     assert_eq!(raw.ask(&adopt), DONE);
-    // The second that it has passes while the clock waits.
+    // The client's second of patience passes while the clock waits.
     assert_eq!(ten_ms(&served), DONE);
-    // Adopted again and again, it is not waited for again: this would take 50 seconds.
+    // The clock does not wait again for a client that is adopted again: otherwise this would take 50 seconds.
     for _ in 0..50 {
         assert_eq!(raw.ask(&adopt), DONE);
         assert_eq!(ten_ms(&served), DONE);
@@ -151,7 +151,7 @@ fn a_program_is_waited_for_at_its_start_once() {
     served.end();
 }
 
-/// Whether this process has little patience; if not, runs the test again in one that has.
+/// Returns whether this process runs with the short timeout; if not, runs the test again in a process that does.
 fn is_impatient(test: &str) -> bool {
     let variable = "HAL_PATIENCE_MS";
     if std::env::var_os(variable).is_some() {
@@ -174,10 +174,10 @@ fn a_program_that_does_not_poll_is_given_up_until_it_does() {
     assert!(raw.ask("{\"hello\":{\"protocol\":1,\"name\":\"\",\"pid\":7}}").contains("ok"));
     assert_eq!(raw.ask("{\"join\":{\"name\":\"panel\",\"poll_ns\":2000000}}"), DONE);
     assert_eq!(raw.ask("\"ready\""), DONE);
-    // The clock stands at its poll, then goes on without it.
+    // The clock stops at the due poll, then continues without it.
     assert_eq!(ten_ms(&served), DONE);
     assert_eq!(ten_ms(&served), DONE);
-    // It polls: the next one is due 2 ms later, and the clock waits for it there.
+    // The client polls: the next poll is due 2 ms later, and the clock waits for it there.
     raw.send("{\"request\":{\"poll\":{\"writes\":[]}}}\n");
     let mut runs = Raw::connect(&served);
     runs.send("{\"request\":{\"run\":{\"ns\":10000000}}}\n");
@@ -201,7 +201,7 @@ fn a_reader_that_time_waits_for_and_that_does_not_read_is_given_up() {
     let names = vec!["feed.0.empty".to_owned()];
     let spec = SampleSpec { names, wait: true, depth: 4, ..SampleSpec::default() };
     let mut samples = reader.sample(spec).unwrap();
-    // As long as it reads, however slowly, nothing is lost.
+    // As long as the client reads, however slowly, nothing is lost.
     let mut runs = Raw::connect(&served);
     runs.send("{\"request\":{\"run\":{\"ns\":20000000}}}\n");
     let mut record = Vec::new();
@@ -213,7 +213,7 @@ fn a_reader_that_time_waits_for_and_that_does_not_read_is_given_up() {
             std::thread::yield_now();
         };
         assert_eq!((stamp.number, stamp.lost), (n, 0));
-        // Longer in all than patience lasts.
+        // Longer in total than the timeout.
         reader.call(Request::Idle { ms: 30, flow: false }).unwrap();
     }
     assert_eq!(runs.answer().trim_end(), DONE);
@@ -225,7 +225,7 @@ fn a_reader_that_time_waits_for_and_that_does_not_read_is_given_up() {
     assert_eq!(served.end(), [said]);
 }
 
-/// While a script waits, a stream that its writer leaves empty holds the clock, but not for ever.
+/// While a script waits, a stream that its writer leaves empty holds the clock, but only up to the timeout.
 #[test]
 fn a_writer_that_does_not_write_is_given_up_until_it_does() {
     if !is_impatient("a_writer_that_does_not_write_is_given_up_until_it_does") {
@@ -247,7 +247,7 @@ fn a_writer_that_does_not_write_is_given_up_until_it_does() {
         hal_tests::machine::wait(&mut client, "it comes", |c| count(c, "feed.0.taken") == 1);
         client.call(Request::Shutdown).unwrap();
     });
-    // As a script does that waits for a program.
+    // Waits like a script that waits for a program.
     while !engine.is_ending() {
         engine.call(Request::Idle { ms: 10, flow: true }).unwrap();
     }

@@ -1,5 +1,5 @@
-//! The components of `tests/comp`: compiled by halcompile, loaded by halrun, and compared to their
-//! tables. `CASE=name` takes those whose names begin so.
+//! The components of `tests/comp`: compiled by halcompile, loaded by halrun, and compared to their tables. `CASE=name`
+//! selects those whose names begin with that text.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{
@@ -13,7 +13,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// The files of this ending.
+/// Returns the files with this ending.
 fn files(ending: &str) -> Vec<PathBuf> {
     let wanted = std::env::var("CASE").unwrap_or_default();
     let folder = fs::read_dir(root().join("tests/comp")).unwrap();
@@ -44,7 +44,7 @@ fn compiled(file: &Path) -> Result<Scratch, String> {
     }
 }
 
-/// Does something for every file, several at once; fails with all that went wrong.
+/// Runs a function for every file, several at once; panics with the list of all failures.
 fn for_each(files: &[PathBuf], run: impl Fn(&Path) -> Result<usize, String> + Sync) -> usize {
     const LANES: usize = 4;
     let done: Vec<Result<usize, String>> = std::thread::scope(|scope| {
@@ -88,7 +88,7 @@ fn every_component_does_what_its_table_says() {
     }
 }
 
-/// A symbol is there for other modules only when `EXPORT_SYMBOL` says so.
+/// A symbol is visible to other modules only if `EXPORT_SYMBOL` exports it.
 #[test]
 fn symbols_stay_inside() {
     if tools::compiler().is_none() {
@@ -120,7 +120,7 @@ fn dynamic_symbols(bytes: &[u8]) -> Vec<String> {
     defined.map(|s| s.name().unwrap().to_owned()).collect()
 }
 
-/// The compiler's messages name lines of the .comp file, and nothing is left where something stood.
+/// The compiler's messages name lines of the .comp file, and a failed compilation leaves no output.
 #[test]
 fn what_the_compiler_refuses_is_named_in_the_comp_file() {
     if tools::compiler().is_none() {
@@ -140,7 +140,7 @@ fn what_the_compiler_refuses_is_named_in_the_comp_file() {
     assert_eq!(scratch.read("wrong.so"), "what stood here before");
 }
 
-/// The declaration in Rust compiles as it stands, for every component.
+/// The declaration in Rust compiles unchanged, for every component.
 #[test]
 fn declarations_in_rust_compile() {
     let scratch = Scratch::new("in-rust");
@@ -172,7 +172,7 @@ fn declarations_in_rust_compile() {
     assert!(output.status.success(), "{text}");
 }
 
-/// Looks until a pin has this value.
+/// Polls until a pin has this value.
 fn becomes(scratch: &Scratch, pin: &str, value: &str) {
     let mut last = String::new();
     let is_so = |last: &mut String| {
@@ -182,7 +182,7 @@ fn becomes(scratch: &Scratch, pin: &str, value: &str) {
     until(&format!("{pin} becomes {value}"), || is_so(&mut last));
 }
 
-/// A program in C with pins: it joins, its values go both ways, and it ends with the instance.
+/// A program in C with pins: it joins, exchanges values in both directions, and ends with the instance.
 #[test]
 fn programs_exchange_their_values() {
     if tools::compiler().is_none() {
@@ -237,7 +237,7 @@ fn programs_exchange_their_values() {
     ] {
         becomes(&scratch, pin, value);
     }
-    // One ends by itself, and takes its pins along; the other ends with the instance.
+    // One ends by itself, and its pins are removed; the other ends with the instance.
     assert_eq!(scratch.halcmd(&["setp", "ann.stop", "1"]).status, Some(0));
     assert_eq!(scratch.halcmd(&["waitusr", "greets"]).status, Some(0));
     assert_eq!(scratch.halcmd(&["getp", "ann.out"]).status, Some(1));

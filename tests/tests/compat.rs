@@ -1,4 +1,4 @@
-//! Components in C that are compiled here: what is refused, and what a crash says.
+//! Components in C that are compiled here: loads that are refused, and the report of a crash.
 
 use hal_protocol::{Kind, Link, Request};
 use hal_tests::{
@@ -17,7 +17,7 @@ fn what_cannot_be_loaded_is_refused_and_leaves_nothing() {
     let good = component(PARAMETERS, "", "");
     let Some(file) = compile(folder, "mine", &good, &[]) else { return };
     let mut alien = std::fs::read(file).unwrap();
-    // The machine that an ELF file is for: AArch64.
+    // The machine field of the ELF header: AArch64.
     alien.splice(18..20, [0xb7, 0]);
     std::fs::write(folder.join("alien.so"), alien).unwrap();
     let missing = component("extern int nowhere(void);", "if (nowhere()) return -1;", "");

@@ -1,5 +1,5 @@
-//! The promise of the virtual clock: the same bytes on one processor or two, under load, in another
-//! environment, at other addresses, with another arithmetic in the C library.
+//! The guarantee of the virtual clock: the same bytes on one processor or two, under load, in another environment, at
+//! other addresses, with another arithmetic in the C library.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{
@@ -10,7 +10,7 @@ use hal_tests::{
 };
 use std::{collections::BTreeMap, fmt::Write};
 
-/// What the printer does here: it moves, is sampled, saved and recorded.
+/// The printer's script: it moves, is sampled, saved and recorded.
 const PRINTER: &str = "\
 loadrt siggen
 loadrt hypot
@@ -43,7 +43,7 @@ show sig
 show param
 ";
 
-/// What came of the printer: what was printed, and every file.
+/// Returns the printer's output and every file that it wrote.
 fn printer(around: &Around<'_>) -> BTreeMap<String, Vec<u8>> {
     let scratch = Scratch::copy_of(&root().join("tests/hal/printer"));
     scratch.write("custom_postgui.hal", PRINTER);
@@ -57,7 +57,7 @@ fn printer(around: &Around<'_>) -> BTreeMap<String, Vec<u8>> {
     files
 }
 
-/// Whether a program that runs others works here.
+/// Returns whether a program that runs others works here.
 fn works(before: &[&str]) -> bool {
     let scratch = Scratch::new("works");
     let Some((first, rest)) = before.split_first() else { return true };
@@ -66,7 +66,7 @@ fn works(before: &[&str]) -> bool {
     found && scratch.run(scratch.command(&[], first).args(rest).arg("true")).status == Some(0)
 }
 
-/// Every case and the printer, in these surroundings.
+/// Checks every case and the printer in these surroundings.
 fn check(before: &[&str], environment: &[(&str, &str)]) {
     if !works(before) {
         Tool::of(before.first().unwrap()).skip();

@@ -1,7 +1,8 @@
-//! Drivers in C on simulated ports: one of the old style, whose every mistake the recorder shows,
-//! and the same one mended, which shows none.
+//! Drivers in C on simulated ports: an old-style driver, whose mistakes all appear in the recording, and a corrected
+//! version, whose recording shows none.
 //!
-//! Not in a recording: that the old one claims no ports and shares the configuration's address with
+//! Three mistakes do not appear in a recording: the old driver claims no ports and shares the configuration address
+//! with the kernel, it reports another product's name, and it has variables that it never reads.
 //! the kernel, what it says under another product's name, and the variables that it never reads.
 #![expect(
     clippy::unwrap_used,
@@ -20,12 +21,12 @@ use std::fs;
 
 const PERIOD_NS: i64 = 100_000;
 
-/// The lines that go out: pin, register and bit.
+/// Output lines: pin, register and bit.
 const LINES: [(&str, &str); 4] =
     [("05", "044f-2"), ("06", "044d-4"), ("07", "044e-4"), ("08", "044e-7")];
 
-/// A folder with the drivers, compiled, and the board that they find; nothing, with a word, where
-/// there is no C compiler.
+/// Returns a folder with the compiled drivers and the board that they find; `None`, reported as skipped, if there is no
+/// C compiler.
 fn bench(name: &str) -> Option<Scratch> {
     let scratch = Scratch::new(name);
     let from = root().join("tests/compat/drivers");
@@ -51,8 +52,7 @@ fn halrun(scratch: &Scratch, script: &str) -> Output {
     scratch.run(command.args(["--virtual", "-f", "test.hal"]))
 }
 
-/// A recording of a driver: its four inputs one after the other, then every combination of its
-/// outputs, a period each.
+/// Records a driver: its four inputs one after the other, then every combination of its outputs, one period each.
 fn recorded(scratch: &Scratch, driver: &str, arguments: &str) -> Vcd {
     let mut script = format!(
         "loadrt threads name1=base period1={PERIOD_NS}\nloadrt {driver} {arguments}\n\
@@ -74,13 +74,13 @@ fn recorded(scratch: &Scratch, driver: &str, arguments: &str) -> Vcd {
     Vcd::parse(&scratch.read("out.vcd"))
 }
 
-/// When each period of the 16 combinations has ended.
+/// Returns the end of each period of the 16 combinations.
 fn combinations(vcd: &Vcd) -> impl Iterator<Item = i64> {
     let end = vcd.end();
     (0..16).map(move |i| end - (15 - i) * PERIOD_NS)
 }
 
-/// How many of the 16 combinations come out as asked, and which lines never change.
+/// Returns the number of the 16 combinations that are output correctly, and the lines that never change.
 fn right(vcd: &Vcd, driver: &str) -> (usize, Vec<&'static str>) {
     let line = |bit: &str, at: i64| vcd.at(&format!("{driver}.sim.{bit}"), at) != 0.0;
     let asked = |pin: &str, at: i64| vcd.at(&format!("viagpio.pin-{pin}-out"), at) != 0.0;
@@ -90,12 +90,12 @@ fn right(vcd: &Vcd, driver: &str) -> (usize, Vec<&'static str>) {
     (combinations(vcd).filter(good).count(), dead)
 }
 
-/// A register or a pin at the end.
+/// Returns the value of a register or a pin at the end.
 fn last(vcd: &Vcd, driver: &str, name: &str) -> u32 {
     vcd.at(&format!("{driver}.sim.{name}"), vcd.end()) as u32
 }
 
-/// Accesses to ports in the last period.
+/// Returns the number of port accesses in the last period.
 fn accesses(vcd: &Vcd, driver: &str) -> u32 {
     let count = |name: &str, at| vcd.at(&format!("{driver}.sim.{name}"), at) as u32;
     let all = |at| count("reads", at) + count("writes", at);
@@ -107,19 +107,19 @@ fn the_recorder_shows_every_mistake_of_the_old_driver() {
     let Some(scratch) = bench("driver-old") else { return };
     let old = "viagpio_old";
     let vcd = recorded(&scratch, old, "");
-    // Two of three enables miss: Rx94[3:2] is set in the place of Rx95[3:2], Rx80[6] stays.
+    // Two of three enables miss: Rx94[3:2] is set instead of Rx95[3:2], and Rx80[6] stays.
     assert_eq!(last(&vcd, old, "config-94"), 0x0000_000C);
     assert_eq!(last(&vcd, old, "config-80") & 0x40, 0x40);
     assert_eq!(last(&vcd, old, "config-98"), 0x0100_0000);
-    // Double words on byte registers: what is behind them is written as well, GPO12 and three
-    // registers that are none of the driver's, and with GPIO9 two of the four lines never rise.
+    // Double-word writes to byte registers also overwrite the registers that follow: GPO12 and three registers that do
+    // not belong to the driver. With GPIO9, two of the four lines never rise.
     assert_eq!(right(&vcd, old), (4, vec!["05", "07"]));
     for neighbour in ["0450", "0451", "0452"] {
         let name = format!("{old}.sim.{neighbour}");
         assert_eq!(vcd.at(&name, 0), 255.0, "{neighbour}");
         assert_eq!(last(&vcd, old, neighbour), 0, "{neighbour}");
     }
-    // Twelve accesses a period, for eight lines in five registers.
+    // Twelve accesses per period, for eight lines in five registers.
     assert_eq!(accesses(&vcd, old), 12);
     // A bit that is neither 0 nor 1.
     assert_eq!(vcd.at("rawbyte.byte", vcd.end()), 16.0);
@@ -161,7 +161,7 @@ fn the_mended_driver_shows_none_of_them() {
     }
 }
 
-/// The low bits of the base are flags, and the chip may be another one.
+/// The low bits of the base address are flags, and the chip may be another one.
 #[test]
 fn the_old_driver_takes_the_board_for_granted() {
     let Some(scratch) = bench("driver-board") else { return };

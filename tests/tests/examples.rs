@@ -1,5 +1,5 @@
-//! The example of each component's page runs in virtual time, and what it shows is true: behind a
-//! line stands `# -> WHAT IT PRINTS`. `EXAMPLE=NAME` runs one.
+//! The example of each component's page runs in virtual time, and its comments are true: `# -> OUTPUT` after a line
+//! states its output. `EXAMPLE=NAME` runs one.
 #![expect(clippy::print_stdout, reason = "one that is asked for is shown")]
 
 use hal_tests::every::{engine, offers};
@@ -7,7 +7,7 @@ use halcmd::{Bytes, Captured, Outcome, Session, Style, man};
 
 const SHOWS: &str = "# ->";
 
-/// What is wrong with an example.
+/// Returns the mistakes of an example.
 fn wrong(name: &str, script: &str) -> Vec<String> {
     let mut engine = engine();
     let mut out = Vec::new();

@@ -1,5 +1,5 @@
-//! An engine and its clients use only what their own user can have made: the folder, the lock, the
-//! socket, and the process at the other end. Needs root, which can be several users.
+//! An engine and its clients trust only objects that their own user can have created: the folder, the lock, the socket,
+//! and the process at the other end. Needs root, which can act as several users.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_engine::{ClockKind, Engine};
@@ -26,7 +26,7 @@ use std::{
 const USER: u32 = 60_001;
 const OTHER: u32 = 60_002;
 
-/// A folder for temporary files: everybody makes files in it, and only their owners remove them.
+/// Creates a folder for temporary files: everyone may create files in it, and only their owners may remove them.
 fn temporary(name: &str) -> (Scratch, PathBuf) {
     let scratch = Scratch::new(name);
     let tmp = scratch.path().join("tmp");
@@ -39,13 +39,13 @@ fn mode(path: &Path, mode: u32) {
     fs::set_permissions(path, fs::Permissions::from_mode(mode)).unwrap();
 }
 
-/// Makes the folder of a user's instances as that user would.
+/// Creates the folder of a user's instances as that user would.
 fn folder_of(user: u32, folder: &Path) {
     as_user(user, || fs::create_dir(folder)).unwrap();
     mode(folder, 0o700);
 }
 
-/// Listens at a socket as a user, like an engine; it answers nothing by itself.
+/// Listens at a socket as a user, like an engine; it does not answer.
 fn listen(user: u32, socket: &Path) -> UnixListener {
     let listener = as_user(user, || UnixListener::bind(socket)).unwrap();
     listener.set_nonblocking(true).unwrap();
@@ -53,7 +53,7 @@ fn listen(user: u32, socket: &Path) -> UnixListener {
     listener
 }
 
-/// Why a user does not connect; empty if that works, as far as the connection goes.
+/// Returns the reason why a user does not connect; empty if the connection succeeds.
 fn refusal(user: u32, place: &Place) -> String {
     as_user(user, || match Folder::open(place) {
         Ok(folder) => match folder.connect(place) {
@@ -78,7 +78,7 @@ fn a_client_passes_by_what_another_user_has_made() {
     let own = "name a folder of this user's own in HAL_RUNTIME_DIR";
     let shown = |path: &Path| path.display().to_string();
 
-    // No folder, then one that was made first.
+    // No folder, then one that another user created first.
     let (place, folder) = at("first");
     assert_eq!(refusal(USER, &place), format!("{}: there is no such folder", shown(&folder)));
     folder_of(OTHER, &folder);
@@ -90,7 +90,7 @@ fn a_client_passes_by_what_another_user_has_made() {
     assert_eq!((failure.code, failure.to_string()), (-13, want));
     assert!(theirs.accept().is_err(), "nobody has connected");
 
-    // A link, also to a folder that would be right.
+    // A symbolic link, also to a folder that would be correct.
     let (place, folder) = at("link");
     let (_, right) = at("right");
     folder_of(USER, &right);
@@ -98,13 +98,13 @@ fn a_client_passes_by_what_another_user_has_made() {
     let want =
         format!("{} is a symbolic link, which leads anywhere; remove it, or {own}", shown(&folder));
     assert_eq!(refusal(USER, &place), want);
-    // And nothing that is a folder.
+    // A file instead of a folder.
     let (place, folder) = at("file");
     as_user(USER, || File::create(&folder)).unwrap();
     let want = format!("{} is no folder; remove it, or {own}", shown(&folder));
     assert_eq!(refusal(USER, &place), want);
 
-    // Modes: in an own folder others may look, but not write.
+    // Modes: other users may read the folder, but not write to it.
     let (place, folder) = at("modes");
     folder_of(USER, &folder);
     let ours = listen(USER, &place.socket());
@@ -124,7 +124,7 @@ fn a_client_passes_by_what_another_user_has_made() {
     mode(&folder, 0o700);
     assert_eq!(refusal(USER, &place), "nobody listens");
 
-    // What another user left in it, while that was possible.
+    // Files that another user left in it while that was possible.
     fs::remove_file(place.socket()).unwrap();
     mode(&folder, 0o777);
     let theirs = listen(OTHER, &place.socket());
@@ -132,7 +132,7 @@ fn a_client_passes_by_what_another_user_has_made() {
     let socket = shown(&place.socket());
     let want = format!("{socket} belongs to user {OTHER}, not to user {USER}; {own}");
     assert_eq!(refusal(USER, &place), want);
-    // The file is right, and another user listens.
+    // The file is correct, but another user listens.
     chown(place.socket(), Some(USER), None).unwrap();
     let want = format!("the engine at {socket} runs as user {OTHER}, not as user {USER}");
     assert_eq!(refusal(USER, &place), want);
@@ -163,7 +163,7 @@ fn a_folder_that_is_exchanged_after_it_was_checked_is_not_used() {
     let theirs = listen(OTHER, &place.socket());
     let socket = as_user(USER, || checked.connect(&place)).unwrap();
     assert!(socket.is_some() && ours.accept().is_ok() && theirs.accept().is_err());
-    // Nor does what an engine makes and removes land there.
+    // The files that an engine creates and removes do not go there either.
     fs::remove_file(tmp.join("away/default.sock")).unwrap();
     let lock = as_user(USER, || checked.lock(&place)).unwrap();
     let listener = as_user(USER, || checked.listen(&place)).unwrap();
@@ -221,7 +221,7 @@ fn an_engine_is_not_made_where_another_user_could_be_in_its_place() {
     let want = format!("{shown} belongs to user {OTHER}, not to user {ROOT}; {own}");
     assert_eq!(made(&place), Err(want));
     fs::remove_file(&lock).unwrap();
-    // Where its socket is to be, an engine removes what it may: a folder it does not.
+    // At its socket's path, an engine removes only what it may remove: not a folder.
     fs::create_dir(place.socket()).unwrap();
     let said = made(&place).unwrap_err();
     assert_eq!(said, format!("{}: Is a directory", place.socket().display()));
@@ -238,7 +238,7 @@ fn an_engine_serves_its_own_user_and_root() {
     let served = Served::on(ClockKind::Virtual, &scratch, "served", "loadrt threads");
     let socket = served.place.socket();
     assert_eq!(fs::metadata(&socket).unwrap().mode() & 0o7777, 0o600);
-    // As after a mistake of the administrator's.
+    // As after a mistake of the administrator.
     mode(served.place.folder(), 0o755);
     mode(&socket, 0o777);
     let mut raw = as_user(USER, || Raw::connect(&served));
@@ -252,7 +252,7 @@ fn an_engine_serves_its_own_user_and_root() {
         other => unreachable!("{other:?}"),
     }
     assert_eq!(raw.answer(), "", "and hung up");
-    // Its client does not even ask.
+    // The client does not even send a request.
     let said = as_user(USER, || Client::connect(&served.place, "").unwrap_err().to_string());
     assert!(said.contains(&format!("belongs to user {ROOT}, not to user {USER}")), "{said}");
     assert_eq!(status(&mut served.client()).instance, "served");
@@ -271,7 +271,7 @@ fn root_uses_an_instance_of_a_user_that_it_names() {
     let ours = listen(USER, &place.socket());
     assert_eq!(refusal(ROOT, &place), "");
     assert!(ours.accept().is_ok());
-    // One that the system offers, such as XDG_RUNTIME_DIR, is not named.
+    // A folder that the system provides, such as XDG_RUNTIME_DIR, is not named.
     mode(&tmp, 0o755);
     let mut halcmd = scratch.command(&[], "halcmd");
     halcmd.env_remove("HAL_RUNTIME_DIR").env("XDG_RUNTIME_DIR", &tmp);
@@ -280,7 +280,7 @@ fn root_uses_an_instance_of_a_user_that_it_names() {
     assert!(output.stderr.contains(&want), "{}", output.stderr);
     assert_eq!(output.status, Some(1));
     assert!(ours.accept().is_err());
-    // With its socket taken over by somebody else it is not that user's.
+    // After another user takes its socket over, the socket is not that user's.
     drop(ours);
     fs::remove_file(place.socket()).unwrap();
     mode(&folder, 0o777);
@@ -291,8 +291,8 @@ fn root_uses_an_instance_of_a_user_that_it_names() {
     drop(theirs);
 }
 
-/// Answers whatever is asked as an engine would in which every pin is true, until a client sends
-/// `end`; returns how many clients came before that.
+/// Answers every request like an engine in which every pin is true, until a client sends `end`; returns the number of
+/// earlier clients.
 fn impersonate(listener: &UnixListener) -> usize {
     listener.set_nonblocking(false).unwrap();
     for served in 0.. {
@@ -316,8 +316,7 @@ fn impersonate(listener: &UnixListener) -> usize {
     unreachable!()
 }
 
-/// The programs, run by a user without a folder of the system's, while another user pretends to be
-/// the engine.
+/// The programs, run by a user without a folder provided by the system, while another user impersonates the engine.
 #[test]
 fn programs_refuse_a_false_engine_with_a_status() {
     if !is_root() {
@@ -337,7 +336,7 @@ fn programs_refuse_a_false_engine_with_a_status() {
         scratch.start(command.uid(USER).gid(USER).current_dir(&tmp).args(words))
     };
     let run = |program: &str, words: &[&str]| start(program, words).wait();
-    // Nobody is there, then the user's own engine: the programs work, and leave nothing.
+    // First without an engine, then with the user's own engine: the programs work, and leave nothing.
     let output = run("halcmd", &["show", "pin"]);
     assert!(output.stderr.contains("no instance 'default' is running"), "{}", output.stderr);
     assert_eq!(run("halrun", &["-U"]).status, Some(0));
@@ -380,7 +379,7 @@ fn programs_refuse_a_false_engine_with_a_status() {
     assert_eq!(served, 0, "nobody has connected to it");
 }
 
-/// What works for every user: names that lead nowhere else, and modes whatever the umask is.
+/// Rules that hold for every user: names that lead nowhere else, and modes that do not depend on the umask.
 #[test]
 fn an_instance_has_a_name_and_its_files_their_modes() {
     let scratch = Scratch::new("modes");

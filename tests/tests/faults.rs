@@ -1,5 +1,4 @@
-//! Plugins that must be refused, and loads that fail: the engine survives each, says what
-//! happened, and nothing is left of it.
+//! Plugins that must be refused, and loads that fail: the engine survives each, reports it, and nothing is left of it.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_engine::ClockKind;
@@ -9,7 +8,7 @@ use hal_tests::{
     plugins::plugins,
 };
 
-/// Whatever could be left behind.
+/// Returns everything that a failed load could leave behind.
 fn everything(m: &mut Machine) -> String {
     let s = status(m);
     let kinds = [Kind::Components, Kind::Signals, Kind::Functs, Kind::Commands, Kind::Streams];
@@ -108,10 +107,10 @@ fn a_load_that_fails_leaves_nothing() {
              at most 55 characters",
         ),
     ] {
-        // Twice: what the first left would show in the second.
+        // Twice: leftovers of the first would show in the second.
         for _ in 0..2 {
             let said = says(&mut m, &format!("loadrt doomed by={by}"));
-            // Behind it stands what the argument may be.
+            // The message continues with the legal values of the argument.
             let said = said.split("; by=: ").next().unwrap_or_default();
             let whole = if want.ends_with(".rs:") { said.starts_with(want) } else { said == want };
             assert!(whole, "{by}: {said}");
@@ -152,7 +151,7 @@ fn names_ports_and_personalities_that_are_unusual_work() {
             "parameter or pin 'person.0.in-03': not found; did you mean person.0.in-00?",
         ),
         ("getp person.1.count", "1"),
-        // No queue yet: nothing is sent, and nobody minds.
+        // No queue yet: nothing is sent, and that is no fault.
         ("getp talker.0.sent", "0"),
         ("getp talker.0.refused", "5"),
         ("sets line 4", "ok"),
@@ -162,7 +161,7 @@ fn names_ports_and_personalities_that_are_unusual_work() {
         ("getp listener.0.waiting", "3"),
         ("setp listener.0.on 1", "ok"),
         ("run 4000000", "ok"),
-        // Of three waiting bytes a pair goes in each cycle, and one comes.
+        // Of three waiting bytes, a pair is removed in each cycle, and one byte arrives.
         ("getp listener.0.pairs", "3"),
         ("getp listener.0.last", "1284"),
         ("getp listener.0.waiting", "0"),

@@ -1,5 +1,5 @@
-//! Clients that send nonsense, half of something, far too much, or never read: each is answered or
-//! let go, and the others are served meanwhile.
+//! Clients that send garbage, incomplete lines, or far too much, or that never read: each is answered or disconnected,
+//! and the others are served meanwhile.
 
 use hal_protocol::{Client, Kind, Link, Reply, Request};
 use hal_tests::{
@@ -13,7 +13,7 @@ use std::{
     sync::atomic::{AtomicBool, Ordering::SeqCst},
 };
 
-/// A thread with a function, running.
+/// A running thread with a function.
 const MACHINE: &str = "
     loadrt threads
     loadrt boom
@@ -61,7 +61,7 @@ fn nonsense_is_answered_and_the_client_may_go_on() {
         raw.send(format!("{GET}\n"));
         assert_eq!(raw.answer(), LINE_IS_ON);
     }
-    // Bytes of every kind, in lines of every length.
+    // Bytes of every value, in lines of every length.
     let mut x = 1_u32;
     let noise: Vec<u8> = std::iter::repeat_with(|| {
         x = x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -95,13 +95,13 @@ fn half_a_line_waits_for_its_other_half_and_for_nobody_else() {
     serves_others(&served);
     raw.send("\n");
     assert_eq!(raw.answer(), LINE_IS_ON);
-    // Half a line at the end is nothing, and what came before it is answered.
+    // An incomplete line at the end is ignored, and the lines before it are answered.
     raw.send(format!("{GET}\n{GET}\n{first}"));
     raw.socket.shutdown(Shutdown::Write).unwrap();
     let mut rest = String::new();
     raw.answers.read_to_string(&mut rest).unwrap();
     assert_eq!(rest, LINE_IS_ON.repeat(2));
-    // Gone in the middle of a line, or of an answer.
+    // Disconnected in the middle of a line, or of an answer.
     let mut raw = Raw::connect(&served);
     raw.send(first);
     drop(raw);
@@ -132,7 +132,7 @@ fn a_request_of_100_megabytes_is_refused_and_not_kept() {
     assert!(answer.starts_with(longest), "{answer}");
     assert_eq!(raw.answer(), "", "and hung up");
     serves_others(&served);
-    // As many bytes in many requests are no fault.
+    // The same number of bytes in many requests is no fault.
     let mut raw = Raw::connect(&served);
     let many = format!("{GET}\n").repeat(10_000);
     raw.send(&many);
@@ -147,7 +147,7 @@ fn another_version_of_the_protocol_is_refused() {
     let scratch = Scratch::new("version");
     let served = served(&scratch);
     let mut raw = Raw::connect(&served);
-    // At once: the engine may hang up before a second sending.
+    // In a single write: the engine may hang up before a second one.
     let hello = "{\"request\":{\"hello\":{\"protocol\":99,\"name\":\"later\",\"pid\":1}}}";
     raw.send(format!("{hello}\n{GET}\n"));
     let refused = "{\"error\":{\"code\":-22,\"text\":\"this engine speaks version 1 of the \
@@ -170,7 +170,7 @@ fn who_does_not_read_is_not_heard_and_nobody_waits_for_it() {
     let one = raw.answer();
     assert!(one.len() > 100_000, "the answer fills the socket: {}", one.len());
 
-    // It asks and asks until the engine takes no more.
+    // The client sends requests until the engine accepts no more.
     raw.socket.set_nonblocking(true).unwrap();
     let mut asked = 0;
     while raw.socket.write_all(list.as_bytes()).is_ok() {
@@ -180,7 +180,7 @@ fn who_does_not_read_is_not_heard_and_nobody_waits_for_it() {
     for _ in 0..5 {
         serves_others(&served);
     }
-    // When it reads at last, nothing was lost (but for the request that was cut).
+    // When the client finally reads, nothing was lost (except the request that was cut).
     raw.socket.set_nonblocking(false).unwrap();
     for _ in 0..asked {
         let answer = raw.answer();
@@ -218,7 +218,7 @@ fn one_that_asks_without_end_lets_others_in() {
 fn too_many_clients_are_turned_away_and_come_in_later() {
     let scratch = Scratch::new("many");
     let served = served(&scratch);
-    // Until the engine has seen that who was there before has gone.
+    // Until the engine has noticed that the previous client is gone.
     let let_in = || loop {
         let mut raw = Raw::connect(&served);
         let asked = raw.socket.write_all(format!("{GET}\n").as_bytes());
@@ -269,7 +269,7 @@ fn a_program_that_vanishes_takes_its_pins_along() {
             "component 'panel' is not a realtime module"
         );
         if round == 1 {
-            // While it waits for its poll.
+            // While the clock waits for the client's poll.
             let mut raw = Raw::connect(&served);
             raw.send("{\"request\":{\"join\":{\"name\":\"second\",\"poll_ns\":1000000000000}}}\n");
             raw.send("{\"request\":{\"new-pin\":{\"name\":\"second.x\",\"ty\":\"bit\",\"direction\":\"in\"}}}\n");
@@ -297,7 +297,7 @@ fn a_program_that_vanishes_while_a_thread_is_stuck_goes_when_it_comes_back() {
     script(&mut other, "net line panel.x\nsetp stuck.0.hold 1");
     wait(&mut other, "it is stuck", |c| bit(c, "stuck.0.inside"));
     drop(program);
-    // The engine waits for a boundary in vain, and serves on.
+    // The engine waits for a boundary in vain, and continues to serve.
     assert_eq!(count(&mut other, "boom.0.stops"), 0);
     assert!(says(&mut other, "getp panel.x") == "FALSE");
     script(&mut other, "setp stuck.0.hold 0");

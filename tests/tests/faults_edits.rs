@@ -1,4 +1,4 @@
-//! Changes to a machine while its threads run on the real clock, and threads that do not let them.
+//! Changes to a machine while its threads run on the real clock, and threads that block them.
 
 use hal_engine::ClockKind;
 use hal_protocol::{Kind, Link, Reply, Request};
@@ -6,7 +6,7 @@ use hal_tests::machine::{
     Machine, bit, count, cycles, request, says, status, thread, wait, without_fifo,
 };
 
-/// Everything that a refusal must not change; values aside.
+/// Returns the state that a refusal must not change; values aside.
 fn wiring(m: &mut Machine) -> Vec<String> {
     let mut text = Vec::new();
     for kind in [Kind::Components, Kind::Signals, Kind::Functs, Kind::Pins, Kind::Threads] {
@@ -32,7 +32,7 @@ fn wiring(m: &mut Machine) -> Vec<String> {
 #[test]
 fn a_change_to_running_threads_is_whole() {
     let mut m = Machine::new(ClockKind::Real);
-    // Witnesses 2 and 3 run nowhere: they hold the values of the signals.
+    // Witnesses 2 and 3 are in no thread: they hold the values of the signals.
     m.script(
         "loadrt threads name1=fast period1=200000 name2=slow period2=2000000
          loadrt witness count=4
@@ -90,7 +90,7 @@ fn components_come_and_go_while_threads_run() {
         assert_eq!(thread(&mut m, "slow").functs, ["and2.0", "witness.1", "boom.1"]);
         m.script("unloadrt boom\nunloadrt and2\ndelsig line\ndelsig gate");
         assert_eq!(thread(&mut m, "fast").functs, ["witness.0"]);
-        // Threads come and go as well; their functions are free for others then.
+        // Threads are created and removed as well; their functions are then free for others.
         m.script(
             "loadrt doomed
              addf doomed.copy doomed-thread
@@ -158,7 +158,7 @@ fn a_stuck_thread_is_named_and_nothing_changes_until_it_comes_back() {
         assert_eq!(says(&mut m, line), stuck, "{line}");
         assert_eq!(wiring(&mut m), before, "{line}");
     }
-    // What needs no boundary works.
+    // Requests that need no boundary work.
     m.script("setp and2.1.in0 1\nnewsig y bit\ndelsig y\nloadrt or2\nunloadrt or2");
     assert!(bit(&mut m, "and2.1.in0"));
     m.script("setp stuck.0.hold 0");
@@ -214,7 +214,7 @@ fn an_engine_ends_although_a_thread_is_stuck() {
             let stuck = "thread 'fast' is stuck in its cycle, in function 'stuck.0'";
             assert_eq!(says(&mut m, "unloadrt threads"), stuck);
         }
-        // The memory that the thread still uses stays: nothing here may crash, now or later.
+        // The memory that the thread still uses is kept: nothing here may crash, now or later.
         m.end();
         let mut other = Machine::new(ClockKind::Real);
         other.script("loadrt threads\nloadrt boom\naddf boom.0 thread1\nstart");
@@ -266,7 +266,7 @@ fn each_lock_refuses_its_own_and_changes_nothing() {
         }
         assert!(status(&mut m).running);
     }
-    // Values are no configuration: LinuxCNC lets them be set as well.
+    // Values are not configuration: LinuxCNC also permits setting them.
     m.script("lock all\nsetp and2.1.in1 1");
     m.script("lock none\nnewsig y bit\ndelsig y\nstop\nstart");
     for line in ["lock load", "stop", "start", "newsig y bit", "lock run", "delsig y"] {

@@ -1,4 +1,4 @@
-//! A thousand loads and unloads: nothing grows. Alone in its process, whose memory it looks at.
+//! A thousand loads and unloads: nothing grows. Alone in its process, because it measures the memory of the process.
 #![expect(clippy::unwrap_used, unsafe_code, reason = "a test that asks the C library")]
 
 use hal_engine::ClockKind;
@@ -6,7 +6,7 @@ use hal_protocol::Usage;
 use hal_tests::machine::{Machine, cycles, status};
 use std::{collections::BTreeSet, fs, process::Command};
 
-/// What could grow.
+/// Sizes that could grow.
 #[derive(Debug, PartialEq, Eq)]
 struct Size {
     arena: u64,
@@ -33,13 +33,13 @@ fn size(m: &mut Machine) -> Size {
     }
 }
 
-/// Bytes that the process has allocated and not freed.
+/// Returns the number of bytes that the process has allocated and not freed.
 fn allocated() -> usize {
-    // SAFETY: only reads the allocator's books.
+    // SAFETY: only reads the allocator's statistics.
     unsafe { libc::mallinfo2() }.uordblks
 }
 
-/// One of everything is made, linked, run, and unloaded again.
+/// Creates, links, runs and unloads one of everything.
 fn round(m: &mut Machine, clock: ClockKind) {
     m.script(
         "loadrt threads name1=fast period1=500000 name2=slow period2=1000000
@@ -84,7 +84,7 @@ fn round(m: &mut Machine, clock: ClockKind) {
          delsig bits
          delsig line",
     );
-    // Refused, and undone.
+    // Refused and reverted.
     for by in ["error", "panic", "open", "stream"] {
         let load = hal_tests::machine::says(m, &format!("loadrt doomed by={by}"));
         assert_ne!(load, "ok");
@@ -101,14 +101,14 @@ fn nothing_grows(clock: ClockKind, warm: u32, rounds: u32) {
     assert_eq!(size(&mut m), before);
     match clock {
         ClockKind::Virtual => assert_eq!(now, bytes, "not a byte in {} rounds", rounds - warm),
-        // How far the last thread has come with its end is a matter of luck.
+        // Depends on how far the last thread has come with its exit.
         ClockKind::Real => assert!(now < bytes + 4096, "{bytes} bytes became {now}"),
     }
 }
 
 #[test]
 fn a_thousand_loads_and_unloads() {
-    // The books count what the allocator keeps for each thread's next call: it is to keep nothing.
+    // The statistics include memory that the allocator keeps for each thread's next call: it must keep none.
     let (name, keep_nothing) =
         ("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0:glibc.malloc.mxfast=0");
     if std::env::var(name).is_ok_and(|v| v == keep_nothing) {

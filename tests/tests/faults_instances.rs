@@ -1,4 +1,4 @@
-//! Many instances at once, and what is left of those that end or are killed.
+//! Many instances at once, and the files left by those that end or are killed.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_protocol::{Client, Place};
@@ -23,7 +23,7 @@ fn start(scratch: &Scratch, name: &str) -> Running {
     scratch.start(scratch.command(&[], "halrun").args(["--instance", name, "machine.hal"]))
 }
 
-/// A client, as soon as the instance runs.
+/// Returns a client as soon as the instance runs.
 fn client(scratch: &Scratch, name: &str) -> Client {
     let place = Place::at(scratch.path().join(".run/ferrule"), name).unwrap();
     let mut found = None;
@@ -53,7 +53,7 @@ fn sixty_four_instances_at_once_and_none_knows_of_another() {
         cycles(c, "base", 2);
         assert_eq!(bit(c, "and2.0.out"), i % 2 == 0, "machine-{i}");
     }
-    // A second one of a name is refused, and the first does not notice.
+    // A second instance of the same name is refused, without effect on the first.
     let again = start(&scratch, "machine-0").wait();
     assert_eq!(again.status, Some(1));
     let refused = "halrun: Realtime already running.  Use 'halrun -U' to stop existing realtime \
@@ -61,7 +61,7 @@ fn sixty_four_instances_at_once_and_none_knows_of_another() {
     assert_eq!(again.stderr, refused);
     assert!(bit(clients.first_mut().unwrap(), "and2.0.out"));
 
-    // Half of them end as they should and leave nothing; the others are killed.
+    // Half of them end in an orderly manner and leave nothing; the others are killed.
     drop(clients);
     let killed = running.split_off(INSTANCES / 2);
     for r in &running {
@@ -75,7 +75,7 @@ fn sixty_four_instances_at_once_and_none_knows_of_another() {
         r.signal(Signal::KILL);
         assert_eq!(r.wait().status, None);
     }
-    // The watchers of those remove what they left.
+    // The watchers of those remove their files.
     until("nothing is left of those that were killed", || scratch.left().is_empty());
 
     // A new start of every name works.

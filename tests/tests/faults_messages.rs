@@ -1,5 +1,5 @@
-//! What a library says is heard while the library is open. Alone in its process: nobody else may
-//! keep the library open.
+//! Messages of a library are delivered while the library is open. Alone in its process: no other test may keep the
+//! library open.
 
 use hal_engine::ClockKind;
 use hal_tests::machine::{Machine, says};
@@ -27,13 +27,13 @@ fn what_a_library_says_is_heard_before_it_is_closed() {
     floods(&mut m);
 }
 
-/// A number in a line, before or behind a text.
+/// Returns a number in a line, before or after a text.
 fn number(line: &str, before: &str, behind: &str) -> Option<u64> {
     let (_, rest) = line.split_once(before)?;
     rest.split_once(behind)?.0.parse().ok()
 }
 
-/// Messages for which the lines of `chatty` stand, and those that they say were lost.
+/// Returns the number of messages that the lines of `chatty` represent, and the number that they report as lost.
 fn counts(lines: &[String]) -> (u64, u64) {
     let (mut told, mut lost) = (0, 0);
     for line in lines {
@@ -46,7 +46,7 @@ fn counts(lines: &[String]) -> (u64, u64) {
     (told, lost)
 }
 
-/// The lines of a component that speaks so often in each of 3500 cycles, run in such pieces.
+/// Returns the lines of a component that sends this many messages in each of 3500 cycles, run in this many pieces.
 fn flood(m: &mut Machine, times: u32, pieces: u32) -> Vec<String> {
     m.script("unloadrt all");
     drop(m.engine.take_messages());
@@ -66,7 +66,7 @@ fn flood(m: &mut Machine, times: u32, pieces: u32) -> Vec<String> {
 }
 
 fn floods(m: &mut Machine) {
-    // Once in each cycle: the first, and then a line in a second with an exact count.
+    // Once in each cycle: the first message, and then one line per second with an exact count.
     let lines = flood(m, 1, 1);
     assert_eq!(
         lines,
@@ -79,14 +79,15 @@ fn floods(m: &mut Machine) {
             "chatty: said 3500 times (the last of 500 more)",
         ]
     );
-    // The same bytes again, and however often the control side looks.
+    // The same bytes again, however often the control side polls.
     assert_eq!(flood(m, 1, 1), lines);
     assert_eq!(flood(m, 1, 3500), lines);
-    // More than the ring holds between two looks: nothing is lost while time can wait.
+    // More than the ring holds between two polls: nothing is lost while time can wait.
     let lines = flood(m, 700, 1);
     assert_eq!(counts(&lines), (700 * 3500, 0));
     assert!(lines.len() < 12, "{lines:?}");
-    // More than it holds in one cycle: what had no room is counted, at most once in a second.
+    // More than the ring holds in one cycle: messages that did not fit are counted, and reported at most once per
+    // second.
     let lines = flood(m, 5000, 7);
     let (told, lost) = counts(&lines);
     assert_eq!(told + lost, 5000 * 3500);

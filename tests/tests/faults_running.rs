@@ -14,7 +14,7 @@ const DRIVERS: &str = "
     addf boom.1 slow
     start";
 
-/// Lets time pass until something is so.
+/// Lets time pass until a condition holds.
 fn until(m: &mut Machine, clock: ClockKind, what: &str, look: impl Fn(&mut Machine) -> bool) {
     match clock {
         ClockKind::Real => wait(m, what, look),
@@ -34,7 +34,7 @@ fn running(m: &mut Machine, clock: ClockKind) {
     });
 }
 
-/// The cause without the line of the plugin's source.
+/// Returns the cause without the line number of the plugin's source.
 fn without_line(text: &str) -> String {
     let digits = |at: usize| text[at..].chars().take_while(char::is_ascii_digit).count();
     match text.find(".rs:") {
@@ -45,7 +45,7 @@ fn without_line(text: &str) -> String {
 
 #[test]
 fn a_function_that_panics_stops_all_threads_and_says_who_and_why() {
-    // The first 256 bytes of it would end inside a letter.
+    // Its first 256 bytes end inside a letter.
     let cut = format!("oh {}t…", "täterätä ".repeat(21));
     for clock in CLOCKS {
         for (how, cause) in [
@@ -91,7 +91,7 @@ fn a_function_that_panics_stops_all_threads_and_says_who_and_why() {
                 assert_eq!(count(&mut m, &format!("{driver}.stops")), 1, "{driver} was stopped");
             }
 
-            // Nothing runs any more, and nothing but the culprit's going changes that.
+            // Nothing runs any more, until the faulty component is unloaded.
             let before = count(&mut m, "boom.1.cycles");
             m.script("setp boom.0.go 0\nidle 20");
             let refused = "function 'boom.0' has failed: threads stay stopped; 'status' says why; \
@@ -105,7 +105,7 @@ fn a_function_that_panics_stops_all_threads_and_says_who_and_why() {
 
             m.script("unloadrt boom");
             assert!(status(&mut m).fault.is_none() && !status(&mut m).running);
-            // A new one of the same name is not the culprit.
+            // A new component of the same name is not the faulty one.
             m.script("loadrt boom count=2\naddf boom.0 fast\naddf boom.1 slow\nstart");
             running(&mut m, clock);
             assert!(status(&mut m).running && bit(&mut m, "boom.0.line"));
@@ -243,7 +243,7 @@ fn of_two_that_fail_at_once_each_cause_stays_with_its_function() {
              setp stuck.0.hold 1",
         );
         wait(&mut m, "the slow one is inside", |m| bit(m, "stuck.0.inside"));
-        // The fast one fails now, and the slow one in the cycle that it is in already.
+        // The fast thread's function fails now, and the slow one's in the cycle that it is already in.
         m.script("setp boom.1.go 1\nsetp boom.0.go 1\nsetp stuck.0.hold 0");
         wait(&mut m, "the fault is seen", |m| status(m).fault.is_some());
         let fault = status(&mut m).fault.unwrap();
@@ -288,7 +288,7 @@ fn an_overrun_is_counted_with_the_guilty_function_and_stops_nothing() {
     let t = hal_tests::machine::thread(&mut m, "fast");
     assert!(t.tmax >= 3_100_000, "{} ns", t.tmax);
     assert!(count(&mut m, "busy.1.tmax") >= 3_000_000);
-    // It goes on, and without the culprit it overruns no more than the system makes it.
+    // The machine continues, and without the faulty component it overruns only as often as the system causes.
     m.script("setp busy.1.ns 0");
     cycles(&mut m, "fast", 50);
     assert!(status(&mut m).running && status(&mut m).fault.is_none());

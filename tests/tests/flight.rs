@@ -1,5 +1,5 @@
-//! The flight recorder: what it keeps is what a recording has, from as long before an event to as
-//! long after it as was asked for; and nothing that goes wrong disturbs the machine.
+//! The flight recorder: its files agree with a recording over the requested time before and after an event, and no
+//! failure disturbs the machine.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use hal_engine::ClockKind;
@@ -62,7 +62,7 @@ fn a_following_error_in_the_middle_of_a_move() {
     assert_eq!(first.text, "trigger: following error: axis.0.f-errored");
     assert!(output.stdout.contains("following error: axis.0.f-errored  "), "{}", output.stdout);
 
-    // The second before, and what was asked for after it.
+    // The second before the event, and the requested time after it.
     let (at, times) = (first.at, kept.times());
     assert_eq!((times.first(), times.last()), (Some(at - 1_000_000_000), Some(at + 200_000_000)));
     let errored = kept.find("axis.0.f-errored").unwrap();
@@ -75,7 +75,7 @@ fn a_following_error_in_the_middle_of_a_move() {
     };
     assert!(moved(at) - moved(at - 500_000_000) > 20.0, "it is in the middle of a move");
 
-    // All of it is as in a recording, for every pin and signal, at every moment.
+    // All of it agrees with a recording, for every pin and signal, at every moment.
     let whole = read(&scratch.path().join("whole.vcd"));
     let whole = whole.between(at - 1_000_000_000, at + 200_000_001);
     let changes = |trace: &Trace, channel: usize| -> Vec<(Option<i64>, Option<Value>)> {
@@ -92,7 +92,7 @@ fn a_following_error_in_the_middle_of_a_move() {
         }
     }
     assert!(compared > 150, "{compared} names");
-    // The pin that was unlinked kept its last value; the signal went on.
+    // The unlinked pin kept its last value; the signal kept changing.
     let own = kept.find("axis.0.motor-pos-fb").unwrap();
     assert_eq!(kept.at(own, at), kept.at(own, at + 100_000_000));
     assert_ne!(kept.at(fb, at), kept.at(own, at));
@@ -194,7 +194,7 @@ fn what_cannot_be_written_stays_in_memory_and_disturbs_nothing() {
             }
         };
         let at = |name: &str| scratch.path().join(name).display().to_string();
-        // A full disk, a folder that is not there.
+        // A full disk, a folder that does not exist.
         std::os::unix::fs::symlink("/dev/full", at("full-1.vcd")).unwrap();
         std::os::unix::fs::symlink("/dev/full", at("also.vcd")).unwrap();
         for (file, why) in [("full.vcd", "No space left"), ("none/x.csv", "No such file")] {
@@ -209,7 +209,7 @@ fn what_cannot_be_written_stays_in_memory_and_disturbs_nothing() {
             };
             wait(&mut c, why, failed);
             assert!(status(&mut c).running);
-            // It is in memory, from where it can be written.
+            // The event is in memory and can be written from there.
             let save = |c: &mut hal_protocol::Client, name: &str| {
                 c.call(Request::SaveFlight { path: at(name), last: true })
             };
@@ -240,7 +240,7 @@ fn all_of_this_without_fifo() {
 
 #[test]
 fn a_condition_hears_parameters_and_every_name() {
-    // A parameter in a component's own memory, which goes with it.
+    // A parameter in a component's own memory, which is freed with it.
     let scratch = Scratch::new("params");
     let own = "static hal_u32_t *runs;";
     let main = "runs = hal_malloc(sizeof *runs); *runs = 0;
@@ -322,7 +322,7 @@ fn the_hint_names_what_can_be_saved_and_nothing_that_is_lost() {
         assert_eq!(words, format!("flight recorder: and2.0.in0; {file}{said}"));
         assert_eq!(output.status, Some(0));
         assert!(!read(&scratch.path().join("event.csv")).is_empty());
-        // The event is under way when the recorder is switched off.
+        // The event is in progress when the recorder is switched off.
         scratch.write(
             "m.hal",
             format!("{}{event}flight off\n", begin.replace("when=", "after=1s when=")),

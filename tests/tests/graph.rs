@@ -1,4 +1,4 @@
-//! Machines as pictures, through the real halcmd. `UPDATE_EXPECT=1` writes what is expected.
+//! Machines as pictures, through the real halcmd. `UPDATE_EXPECT=1` writes the expected output.
 
 use hal_tests::{golden, programs::root, scratch::Scratch};
 use std::path::Path;
@@ -22,7 +22,7 @@ fn small_machines_in_every_format() {
         for (option, ending) in [("--svg", "svg"), ("--dot", "dot"), ("--mermaid", "mmd")] {
             let text = drawn(&scratch, &[option, &file]);
             is(&folder.join(format!("{machine}.{ending}")), &text);
-            // The same into a file, whose name says the format.
+            // The same picture, written to a file whose name determines the format.
             let out = format!("out.{ending}");
             assert_eq!(drawn(&scratch, &[&file, "-o", &out]), "");
             assert_eq!(scratch.read(&out), text);
@@ -91,7 +91,7 @@ fn what_is_wrong_is_said() {
         assert!(output.stderr.contains(want), "{words:?}: {}", output.stderr);
         assert_eq!((output.stdout.as_str(), output.status), ("", Some(1)), "{words:?}");
     }
-    // What can be drawn is drawn.
+    // The picture shows the part that is correct.
     scratch.write("bad.hal", "loadrt and2\nnet x and2.0.out\nnet y and2.9.out\n");
     let output = scratch.halcmd(&["graph", "bad.hal"]);
     assert!(output.stderr.starts_with("bad.hal:3: "), "{}", output.stderr);

@@ -1,5 +1,5 @@
-//! Machine tests: those of `configs` pass, and each kind of failure says what is wrong, where, and by how
-//! much. `UPDATE_EXPECT=1` writes what is expected; `CASE=value` runs the cases whose names begin so.
+//! Machine tests: those of `configs` pass, and each kind of failure reports the fault, its place, and its amount.
+//! `UPDATE_EXPECT=1` writes the expected output; `CASE=value` runs the cases whose names begin with that text.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{
@@ -15,7 +15,7 @@ fn haltest(scratch: &Scratch, words: &[&str]) -> Output {
     scratch.run(command.args(words).current_dir(root()))
 }
 
-/// The tests in a folder, by name.
+/// Returns the tests in a folder, by name.
 fn tests(folder: &Path) -> Vec<String> {
     let wanted = std::env::var("CASE").unwrap_or_default();
     let paths = fs::read_dir(folder).unwrap().map(|e| e.unwrap().path());
@@ -71,7 +71,7 @@ fn a_longer_set_up_of_the_direction_is_a_moved_edge() {
     let text = fs::read_to_string(root().join("configs/printer/tests/reversal.toml")).unwrap();
     let machine = root().join("configs/printer/printer.ini");
     let text = text.replace("../printer.ini", machine.to_str().unwrap());
-    // One base period more: 131.732 us are two of them.
+    // One base period more: 131.732 us are rounded up to two.
     let longer = text.replace("maxaccel 0\n", "maxaccel 0\nsetp stepgen.0.dirsetup 131732\n");
     assert!(longer != text);
     scratch.write("reversal.toml", longer);
@@ -83,7 +83,7 @@ fn a_longer_set_up_of_the_direction_is_a_moved_edge() {
     assert_eq!((output.status, output.stderr.as_str()), (Some(1), ""));
 }
 
-/// A folder with a machine and tests of it.
+/// Creates a folder with a machine and tests of it.
 fn bench(name: &str, tests: &[(&str, &str)]) -> Scratch {
     let scratch = Scratch::new(name);
     scratch.write("bench.hal", fs::read(root().join("tests/haltest/bench.hal")).unwrap());
@@ -115,7 +115,7 @@ fn snapshots_are_accepted_only_when_all_else_is_right() {
     assert_eq!(run(&["good.toml"]).status, Some(0));
     let kept = scratch.read("good.pump.wave");
     assert!(kept.starts_with("pump  _/‾400‾"), "{kept}");
-    // What is accepted again stays as it is, and what changed is accepted.
+    // An unchanged waveform stays as it is when accepted again, and a changed one is updated.
     scratch.write("good.pump.wave", kept.replace("400", "500"));
     assert_eq!(run(&["good.toml"]).status, Some(1));
     assert_eq!(run(&["good.toml", "--accept"]).status, Some(0));
@@ -194,7 +194,7 @@ fn what_the_program_lists_writes_and_refuses() {
     assert!(run(&["-h"]).0.contains("--accept"));
 }
 
-/// The page on the form.
+/// Returns the manual page on the format.
 fn page() -> String {
     fs::read_to_string(root().join("halcmd/README.md")).unwrap()
 }

@@ -1,4 +1,4 @@
-//! A machine's test from Rust: its waveform is a text, here in the code itself.
+//! A machine test from Rust: its waveform is a text, here in the code itself.
 
 use hal_tests::programs::{programs, root};
 use halcmd::haltest::{Options, run_with};

@@ -1,82 +1,82 @@
-//! The judge: each of our components beside LinuxCNC's own of the same name, in one engine on the
-//! virtual clock, with the same inputs; every pin and parameter is compared after every cycle.
+//! The judge: each of our components compared with LinuxCNC's component of the same name, in one engine on the virtual
+//! clock, with the same inputs; every pin and parameter is compared after every cycle.
 //!
-//! `cargo test -p hal-tests --test judge -- --ignored` judges all of them and compares with
-//! `tests/compat/judge.md`; with `UPDATE_EXPECT=1` it writes that file. One alone, with what was
-//! given to it where it differs first:
+//! `cargo test -p hal-tests --test judge -- --ignored` judges all of them and compares with `tests/compat/judge.md`;
+//! with
+//! `UPDATE_EXPECT=1` it writes that file. A single component, with the inputs before its first difference:
 //!
 //! ```sh
 //! JUDGE=pid cargo test -p hal-tests --test judge one_component -- --exact --nocapture
 //! ```
 //!
-//! Without LinuxCNC's package nothing is run, with a word.
+//! Without LinuxCNC's package, the test is reported as skipped.
 //!
-//! A component needs no word here. What must be told of one stands in `tests/judge/NAME.toml`,
-//! and whoever adds a component adds that file at most. All of it may be left out:
+//! Most components need no file here. `tests/judge/NAME.toml` describes the special needs of a component; the author of
+//! a new component adds at most that file. All entries are optional:
 //!
 //! ```toml
 //! skip = "why it is not judged at all"
 //!
-//! # Why one instance alone is judged, and not also several with `names=`.
+//! # Reason why only one instance is judged, and not also several with `names=`.
 //! single = "theirs keeps something once for all instances"
 //!
-//! # Arguments of both, each line a configuration that is judged; without it, one without any.
+//! # Arguments of both, each line a configuration that is judged; by default, one without arguments.
 //! loads = ["", "count=2", "personality=16"]
 //!
 //! # More arguments, with which only functions, pins and parameters are compared, by the test `pins`.
 //! shapes = ["personality=0x1f02"]
 //!
-//! # What must be loaded before it.
+//! # Modules that must be loaded first.
 //! before = ["trivkins"]
 //!
 //! # A state machine needs longer rounds, or more of them, than usual.
 //! cycles = 2000
 //! rounds = 40
 //!
-//! # Periods of the fast thread, in ns, where the usual ones will not do.
+//! # Periods of the fast thread, in ns, where the default ones are unsuitable.
 //! periods = [25000, 100000]
 //!
-//! # What inputs are kept to: one or several of these, and why. Names are written in full, or as
-//! # globs; without one of these an input gets everything, and NaN as well.
+//! # Constraints of inputs: one or several of these, and the reason. Names are complete or glob
+//! # patterns; an input without constraints receives all values, including NaN.
 //! [[inputs]]
 //! pins = ["*.maxv"]
 //! why = "it is a size"
-//! positive = true     # no sign, and not 0
+//! positive = true     # absolute value, and not 0
 //! steady = true       # set once after each load
 //! alone = true        # never set
 //! tame = true         # no extremes
 //! number = true       # never NaN
 //! finite = true       # neither NaN nor infinite
 //! nonzero = true      # not 0
-//! larger = 1000       # so many times as large
-//! range = [0, 4]      # from one to the other
-//! evenly = true       # each whole number of that range is as likely as any other
-//! set = "1"           # set to this after each load, and no more
-//! values = [0, 2.5]   # one of these, by chance
-//! often = 50          # changed once in so many cycles, by chance: it stays while states go by
-//! follows = "x.0.out" # what our output was after the last cycle, as if a machine were there
-//! times = "x.0.scale" # and that is multiplied with a pin of ours, or a number
+//! larger = 1000       # multiplied by this
+//! range = [0, 4]      # from the first to the second
+//! evenly = true       # each integer of that range is equally likely
+//! set = "1"           # set to this once after each load
+//! values = [0, 2.5]   # one of these, at random
+//! often = 50          # changed at random, once in 50 cycles on average, so that state sequences can finish
+//! follows = "x.0.out" # value of our output after the last cycle, as if a machine were connected
+//! times = "x.0.scale" # factor of that value: a pin of ours, or a number
 //!
-//! # Floats that may be apart, in units of the last place. Only what libm explains.
+//! # Tolerances of floats, in units of the last place. Only for differences that libm explains.
 //! [[tolerance]]
 //! pins = ["*.sine"]
 //! why = "sine of another library"
 //! ulps = 2
 //!
-//! # First values that differ, as they are shown; both begin with ours then.
+//! # First values that differ, as displayed; both sides are then set to ours.
 //! [[defaults]]
 //! pins = ["*.maxa"]
 //! why = "…"
 //! ours = "10000000.0"
 //! theirs = "1e20"
 //!
-//! # Pins that only one side has, and what ours is set to, if it must be.
+//! # Pins that only one side has, and the value of ours, if one is required.
 //! [[only]]
 //! pins = ["*.extra"]
 //! why = "…"
 //! set = "0"
 //!
-//! # What is a pin on one side and a parameter on the other, but means the same.
+//! # Items that are a pin on one side and a parameter on the other, with the same meaning.
 //! [[kinds]]
 //! pins = ["*.size"]
 //! why = "…"
@@ -86,18 +86,18 @@
 //! pins = ["*.brake"]
 //! why = "…"
 //!
-//! # What is known to differ, and how bad it may be: not before this cycle, in no more cycles for
-//! # each pin, and by no more than that.
+//! # Known differences and their bounds: the first cycle, the number of cycles for each pin, and
+//! # the largest difference.
 //! [[differs]]
 //! pins = ["*.out"]
 //! why = "…"
 //! from = 170
 //! cycles = 12
-//! by = 1e-9           # without it, by whatever
+//! by = 1e-9           # unbounded if omitted
 //! ```
 //!
-//! What differs and is not listed fails, and so does what is worse than listed, what is listed and
-//! no longer so, and a name that no pin has. The message has the figures.
+//! An unlisted difference fails the test, and so does a difference beyond its bounds, a listed one that no longer
+//! occurs, and a name that no pin has. The message has the figures.
 #![expect(clippy::unwrap_used, reason = "tests")]
 #![expect(clippy::print_stdout, reason = "one that is asked for is shown")]
 
@@ -125,7 +125,7 @@ use std::{
     },
 };
 
-/// In a process of its own: the row of the component that the environment names.
+/// Prints the row of the component that the environment names. Runs in a process of its own.
 #[test]
 fn one_component() {
     let Ok(module) = std::env::var("HAL_TEST_MODULE").or_else(|_| std::env::var("JUDGE")) else {
@@ -160,7 +160,7 @@ fn row(module: &str, rounds: usize) -> String {
     }
 }
 
-/// What both have.
+/// Returns the components that both have.
 fn shared() -> Vec<String> {
     let folder = installed().unwrap();
     let mut b = Bench::new(&[]);
@@ -173,7 +173,7 @@ fn shared() -> Vec<String> {
     names
 }
 
-/// The rows of all, as many at a time as there are processors.
+/// Returns the rows of all components; judges as many at a time as there are processors.
 fn rows(modules: &[String]) -> Vec<String> {
     let (next, rows) = (AtomicUsize::new(0), Mutex::new(BTreeMap::new()));
     let work = || {
@@ -190,7 +190,7 @@ fn rows(modules: &[String]) -> Vec<String> {
     rows.into_inner().unwrap().into_values().collect()
 }
 
-/// A component of each kind, for a while.
+/// Judges a component of each kind, for a few rounds.
 #[test]
 fn some_components_do_as_theirs() {
     if tools::linuxcnc().is_none() {
@@ -202,7 +202,7 @@ fn some_components_do_as_theirs() {
     }
 }
 
-/// Each file is right in itself, and is of a component that both have.
+/// Each file is correct by itself, and describes a component that both have.
 #[test]
 fn every_file_is_of_a_component() {
     let mut files = Vec::new();
@@ -222,9 +222,8 @@ fn every_file_is_of_a_component() {
     }
 }
 
-/// What the rows of `components/*/traces/` say is what LinuxCNC's components do; with
-/// `UPDATE_EXPECT=1` they are written so, `?` and all. Those rows are what tests where there is no
-/// LinuxCNC.
+/// The rows of `components/*/traces/` agree with LinuxCNC's components; with `UPDATE_EXPECT=1` they are rewritten, `?`
+/// included. Those rows are the tests on computers without LinuxCNC.
 #[test]
 fn rows_are_as_theirs() {
     let Some(folder) = tools::linuxcnc() else { return };

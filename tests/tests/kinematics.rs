@@ -1,9 +1,9 @@
-//! Our kinematics beside those of LinuxCNC's package, at the same places.
+//! Our kinematics compared with those of LinuxCNC's package, at the same positions.
 //!
-//! `cargo test -p hal-tests --test kinematics -- --ignored` asks both at seeded random places, and
-//! compares with `tests/compat/kinematics.md`; with `UPDATE_EXPECT=1` it writes that file. LinuxCNC's
-//! modules are asked by a small program in C, `tests/compat/kinematics.c`, each in a process of its
-//! own. Without the package, or a C compiler, nothing is run, with a word.
+//! `cargo test -p hal-tests --test kinematics -- --ignored` queries both at seeded random positions, and compares with
+//! `tests/compat/kinematics.md`; with `UPDATE_EXPECT=1` it writes that file. A small C program,
+//! `tests/compat/kinematics.c`, queries LinuxCNC's modules, each in a process of its own. Without the package or a C
+//! compiler, the test is reported as skipped.
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
 #![expect(clippy::print_stderr, reason = "what is skipped is said")]
 
@@ -25,7 +25,7 @@ thread_local! {
     static FOUND: Cell<Option<KinematicsRef>> = const { Cell::new(None) };
 }
 
-/// Finds the kinematics on the bench.
+/// Library that finds the kinematics on the bench.
 struct Finder;
 
 impl Component for Finder {
@@ -38,7 +38,7 @@ impl Component for Finder {
     }
 }
 
-/// One of LinuxCNC's, in a process of its own.
+/// A LinuxCNC kinematics module, in a process of its own.
 struct Theirs {
     child: Child,
     to: ChildStdin,
@@ -68,7 +68,7 @@ impl Theirs {
         line.trim().to_owned()
     }
 
-    /// Whether there was an answer, the numbers, and the flags.
+    /// Sends a query; returns whether there was an answer, the numbers, and the flags.
     fn ask(&mut self, line: &str) -> (bool, Vec<f64>, f64) {
         self.say(line);
         let mut numbers: Vec<f64> =
@@ -79,7 +79,7 @@ impl Theirs {
         ((0.0..5.0).contains(&result) && finite, numbers, flags)
     }
 
-    /// Name, type, direction and first value of each pin.
+    /// Returns name, type, direction and first value of each pin.
     fn pins(&mut self) -> BTreeMap<String, (String, f64)> {
         self.say("pins");
         let mut out = BTreeMap::new();
@@ -114,29 +114,29 @@ impl Drop for Theirs {
     }
 }
 
-/// Where two are compared.
+/// Domain in which two are compared.
 #[derive(Clone)]
 struct Place {
     module: &'static str,
     load: fn(&mut Bench) -> Result<(), String>,
-    /// The size of the workspace, in units.
+    /// Size of the workspace, in units.
     size: f64,
-    /// The range of each joint; of each letter, where poses are drawn.
+    /// Range of each joint, or of each letter where poses are drawn.
     ranges: Vec<(f64, f64)>,
-    /// The letters of drawn poses; without any, joints are drawn.
+    /// Letters of the random poses; if empty, random joint positions are drawn instead.
     letters: &'static [usize],
-    /// Whether A B C are roll, pitch and yaw.
+    /// True if A B C are roll, pitch and yaw.
     abc: bool,
     set: &'static [(&'static str, f64)],
     switch: u32,
-    /// Flags that theirs needs to stay on the side where the joints are.
+    /// Flags that LinuxCNC's inverse needs to stay in the configuration of the joints.
     flags: Option<fn(&[f64]) -> f64>,
-    /// What is known to differ: forward, inverse, pins; and why.
+    /// Known differences (forward, inverse or pins) and their reasons.
     differs: &'static [(&'static str, &'static str)],
 }
 
 const ROUNDS: usize = 2000;
-/// Numbers that near are the same: as parts of the size, or radians.
+/// Tolerance for equality: relative to the size, or in radians.
 const SAME: f64 = 1e-7;
 
 fn random(state: &mut u64) -> f64 {
@@ -151,12 +151,12 @@ fn spelled(list: &[f64]) -> String {
     list.iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(" ")
 }
 
-/// An angle in degrees, between half a turn back and half a turn on, in radians.
+/// Converts an angle in degrees to radians, wrapped to half a turn in either direction.
 fn turn(angle: f64) -> f64 {
     (angle - 360.0 * (angle / 360.0).round()).to_radians()
 }
 
-/// The rotation of roll, pitch and yaw, row by row.
+/// Returns the rotation matrix of roll, pitch and yaw, row by row.
 fn matrix(p: &[f64]) -> [f64; 9] {
     let [(sa, ca), (sb, cb), (sc, cc)] = [3, 4, 5].map(|i| p[i].to_radians().sin_cos());
     [
@@ -184,7 +184,7 @@ fn apart(place: &Place, a: &[f64], b: &[f64]) -> f64 {
     (3..6).fold(far, |far, i| far.max(turn(a[i] - b[i]).abs()))
 }
 
-/// One side's figures: how many places both had an answer for, and the largest difference.
+/// Figures of one direction: number of positions that both could solve, and the largest difference.
 #[derive(Default)]
 struct Seen {
     both: usize,
@@ -283,7 +283,7 @@ fn compare(program: &Path, place: &Place) -> String {
     format!("| {name} | {pins} | {} | {} | {} |", forward.tell(), inverse.tell(), why.join("; "))
 }
 
-/// How many pins are the same, whether one is missing or another, and what is only in ours.
+/// Returns the number of equal pins, whether one is missing or different, and the pins that only ours has.
 fn pins(bench: &Bench, theirs: &BTreeMap<String, (String, f64)>) -> (String, bool, String) {
     let ours: BTreeMap<String, String> = bench
         .names()
@@ -456,7 +456,7 @@ package: nothing compares them, and the pins of the last two beside `dummy` are 
 |---|---|---|---|---|
 ";
 
-/// The program that asks, compiled.
+/// Compiles the query program and returns its path.
 fn program() -> Option<PathBuf> {
     let out = std::env::temp_dir().join(format!("ferrule-kinematics-{}", std::process::id()));
     let source = root().join("tests/compat/kinematics.c");

@@ -1,5 +1,5 @@
-//! Memory that realtime threads use stays where it is, processors are kept awake for them, and
-//! cycles that could not be are counted: asked of the kernel.
+//! Memory that realtime threads use stays resident, processors are kept out of sleep states for them, and missed cycles
+//! are counted: verified through the kernel.
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, unsafe_code, reason = "tests")]
 
 use hal_protocol::{Reply, ThreadInfo};
@@ -48,12 +48,12 @@ fn mappings(pid: u32) -> Vec<Mapping> {
             }
         }
     }
-    // The kernel's own, in every process.
+    // Mappings of the kernel, in every process.
     all.retain(|m| !["[vvar]", "[vvar_vclock]", "[vdso]", "[vsyscall]"].contains(&m.name.as_str()));
     all
 }
 
-/// KiB that are resident and not locked.
+/// Returns the KiB that are resident and not locked.
 fn unlocked(pid: u32) -> u64 {
     mappings(pid).iter().filter(|m| !m.locked).map(|m| m.resident_kib).sum()
 }
@@ -62,7 +62,7 @@ fn resident(pid: u32) -> u64 {
     mappings(pid).iter().map(|m| m.resident_kib).sum()
 }
 
-/// Minor and major faults of the HAL threads.
+/// Returns the minor and major page faults of the HAL threads.
 fn faults(pid: u32) -> (u64, u64) {
     let mut sum = (0, 0);
     let mut seen = 0;
@@ -72,7 +72,7 @@ fn faults(pid: u32) -> (u64, u64) {
         if before.ends_with("(hal-thread") {
             let words: Vec<u64> =
                 after.split_whitespace().map(|w| w.parse().unwrap_or(0)).collect();
-            // From the state on, which is the third field: the 10th and the 12th.
+            // Counted from the state, which is the third field: the 10th and the 12th field.
             sum = (sum.0 + words[7], sum.1 + words[9]);
             seen += 1;
         }
@@ -81,7 +81,7 @@ fn faults(pid: u32) -> (u64, u64) {
     sum
 }
 
-/// Asks the kernel to push every page of a process out that may go.
+/// Asks the kernel to page out every page of a process that may be paged out.
 fn push_out(pid: u32) {
     let process = pidfd_open(Pid::from_raw(pid.cast_signed()).unwrap(), PidfdFlags::empty());
     let process = process.unwrap();
@@ -90,7 +90,7 @@ fn push_out(pid: u32) {
             iov_base: std::ptr::without_provenance_mut(m.start),
             iov_len: m.end - m.start,
         };
-        // SAFETY: advice for another process, whose contents stay as they are.
+        // SAFETY: advice for another process; the contents of its memory stay unchanged.
         unsafe {
             libc::syscall(
                 libc::SYS_process_madvise,
@@ -107,11 +107,11 @@ fn push_out(pid: u32) {
 fn scratch(name: &str) -> Scratch {
     let scratch = Scratch::new(name);
     scratch.write("m.hal", MACHINE);
-    // Of its own: the kernel keeps pages that several processes use.
+    // Copies of its own: the kernel keeps pages that several processes use.
     let copy = |from: &Path, to: &str| {
         let to = scratch.path().join(to);
         fs::copy(from, &to).unwrap();
-        // A page that is not written yet is not pushed out.
+        // A page that has not been written to disk is not paged out.
         fs::File::open(to).unwrap().sync_all().unwrap();
     };
     copy(&plugins().join("libfaulty.so"), "libfaulty.so");
@@ -147,7 +147,7 @@ fn cycles(scratch: &Scratch, n: u64) {
     until("cycles", || thread(scratch).unwrap().cycles >= end);
 }
 
-/// Lets each cycle use this much stack.
+/// Makes each cycle use this much stack.
 fn use_stack(scratch: &Scratch, kib: &str) {
     assert_eq!(scratch.halcmd(&["setp", "deep.0.kib", kib]).status, Some(0));
     until("it is used", || scratch.halcmd(&["getp", "deep.0.used"]).stdout.trim() == kib);
@@ -164,7 +164,7 @@ fn end(scratch: &Scratch, running: Running) {
     assert_eq!((output.stderr.as_str(), output.status), ("", Some(0)));
 }
 
-/// Whether this user may have `SCHED_FIFO` and lock memory; the test is skipped otherwise.
+/// Returns whether this user may use `SCHED_FIFO` and lock memory; the test is skipped otherwise.
 fn has_rights(status: &str, needs_memory: bool) -> bool {
     let fifo = status.contains("threads:    running; SCHED_FIFO");
     let may = fifo && (!needs_memory || !status.contains("may be pushed out"));
@@ -174,7 +174,7 @@ fn has_rights(status: &str, needs_memory: bool) -> bool {
     may
 }
 
-/// The words before a program that may lock only so many bytes; the test is skipped where the
+/// Returns the command line that limits the number of bytes that a program may lock; the test is skipped if the
 /// programs for it are missing.
 fn limited(memlock: &'static str) -> Option<Vec<&'static str>> {
     let mut words = vec!["prlimit", memlock];
@@ -254,7 +254,7 @@ fn what_cannot_be_locked_is_said_once_with_the_right_that_is_missing() {
     let right = "the rest may be pushed out: RLIMIT_MEMLOCK is 4.0 MiB and must be unlimited; see \
                  \"Real time\" in README.md";
     assert!(line.ends_with(right), "{line}");
-    // As much as the limit allows is locked: the thread's stack, the values, and what fits.
+    // As much as the limit permits is locked: the thread's stack, the values, and as much of the rest as fits.
     let pid = running.pid();
     let locked: u64 = mappings(pid).iter().filter(|m| m.locked).map(|m| m.resident_kib).sum();
     assert!(2048 < locked && locked <= 4096, "{locked} KiB");
@@ -265,7 +265,7 @@ fn what_cannot_be_locked_is_said_once_with_the_right_that_is_missing() {
 #[test]
 fn no_page_of_a_running_machine_can_be_pushed_out() {
     let scratch = scratch("pushed");
-    // Without locks pages go: what is asked of the kernel has an effect.
+    // Without locks, pages are removed: the request to the kernel has an effect.
     let mut command = scratch.command(&[], &scratch.path().join("halrun").display().to_string());
     command.env("HAL_RTMOD_DIR", scratch.path()).env("HAL_NO_FIFO", "1").arg("m.hal");
     let loose = scratch.start(&mut command);
@@ -295,7 +295,7 @@ fn no_page_of_a_running_machine_can_be_pushed_out() {
     end(&scratch, running);
 }
 
-/// The places that a process has open.
+/// Returns whether the process holds the file open that keeps processors out of sleep states.
 fn holds_processors_awake(pid: u32) -> bool {
     let open = fs::read_dir(format!("/proc/{pid}/fd")).unwrap();
     let mut targets = open.filter_map(|fd| fs::read_link(fd.unwrap().path()).ok());
@@ -320,7 +320,7 @@ fn processors_are_kept_awake_while_fifo_threads_run_unless_they_are_to_sleep() {
         assert!(shown.contains(&format!("  idle:       {says}\n")), "{shown}");
         let pid = running.pid();
         assert_eq!(holds_processors_awake(pid), words[1] == "20");
-        // Without threads nothing is held.
+        // Without threads, nothing is held open.
         for words in [&["stop"][..], &["delf", "deep.0", "t"], &["unloadrt", "threads"]] {
             assert_eq!(scratch.halcmd(words).status, Some(0), "{words:?}");
         }
@@ -371,7 +371,7 @@ fn threads_run_on_a_processor_that_the_process_was_not_started_on() {
     if online.trim() == "0" {
         return report("this computer has one processor");
     }
-    // As a processor that is isolated: it is not among those that a process has.
+    // Like an isolated processor: it is not among those that the process may use.
     let scratch = scratch("isolated");
     let running = machine(&scratch, &["taskset", "-c", "0"], &["--cpu", "1"]);
     let tasks = fs::read_dir(format!("/proc/{}/task", running.pid())).unwrap();
@@ -383,7 +383,7 @@ fn threads_run_on_a_processor_that_the_process_was_not_started_on() {
         let on = status.lines().find_map(|l| l.strip_prefix("Cpus_allowed_list:")).unwrap();
         let own = name.trim() == "hal-thread";
         seen += usize::from(own);
-        // Whoever looks for stuck threads comes over when it suspects one.
+        // The thread that looks for stuck threads moves to this processor when it suspects one.
         if name.trim() != "hal-stuck" {
             assert_eq!(on.trim(), if own { "1" } else { "0" }, "{name}");
         }

@@ -1,4 +1,4 @@
-//! The machines of `configs`: each loads, does what it is there for, saves, and comes back from what was saved.
+//! The machines of `configs`: each loads, does its task, saves, and is restored from the saved file.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use hal_tests::{golden, programs::root, scratch::Scratch};
@@ -8,14 +8,14 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// A folder of `configs`: `NAME.hal`, or `NAME.ini` with its scripts, is the machine; `demo.hal` or
-/// `demo.ini` what it shows.
+/// A folder of `configs`: `NAME.hal`, or `NAME.ini` with its scripts, is the machine; `demo.hal` or `demo.ini`
+/// demonstrates it.
 struct Machine {
     name: String,
     folder: PathBuf,
 }
 
-/// Every machine; only those that `CASE` names the beginning of, if it is set.
+/// Returns every machine; if `CASE` is set, only those whose names begin with it.
 fn machines() -> Vec<Machine> {
     let wanted = std::env::var("CASE").unwrap_or_default();
     let mut all: Vec<Machine> = fs::read_dir(root().join("configs"))
@@ -38,7 +38,7 @@ impl Machine {
         self.folder.join(file).is_file()
     }
 
-    /// The first of these that is there.
+    /// Returns the first of these files that exists.
     fn one_of(&self, files: [String; 2]) -> String {
         files
             .into_iter()
@@ -54,7 +54,7 @@ impl Machine {
         self.one_of(["demo.ini".to_owned(), "demo.hal".to_owned()])
     }
 
-    /// What the first line of its script says it is.
+    /// Returns the purpose that the first line of its script states.
     fn purpose(&self) -> String {
         let text = fs::read_to_string(self.folder.join(self.script())).unwrap();
         let line = text.lines().next().unwrap_or_default();
@@ -63,12 +63,12 @@ impl Machine {
         line.to_owned()
     }
 
-    /// Where what is expected of it is kept.
+    /// Returns the path of its expected output.
     fn expected(&self, what: &str) -> PathBuf {
         root().join("tests/machines").join(format!("{}.{what}", self.name))
     }
 
-    /// Runs one of its scripts to the end of it: what was printed and complained about.
+    /// Runs one of its scripts to its end; returns standard output and standard error.
     fn run(&self, scratch: &Scratch, script: &str) -> String {
         let mut words = vec!["--virtual"];
         if script.ends_with(".hal") {
@@ -85,7 +85,7 @@ impl Machine {
         text
     }
 
-    /// What it saves once it is loaded.
+    /// Returns the machine as saved after its load.
     fn saved(&self) -> String {
         let scratch = Scratch::copy_of(&self.folder);
         let script = self.script();
@@ -101,8 +101,8 @@ impl Machine {
         scratch.read("saved")
     }
 
-    /// The same after a start from what was saved. Programs are not in it, nor what an INI file
-    /// does by itself: those are started as the machine does.
+    /// Returns the machine as saved after a start from the saved text. That text contains neither programs nor the
+    /// effects of an INI file: these are started as the machine does.
     fn saved_again(&self, saved: &str) -> String {
         let scratch = Scratch::copy_of(&self.folder);
         let script = self.script();
@@ -127,7 +127,7 @@ impl Machine {
         scratch.read("again")
     }
 
-    /// Its own HAL files.
+    /// Returns its own HAL files.
     fn scripts(&self) -> Vec<String> {
         let names = fs::read_dir(&self.folder).unwrap().map(|e| e.unwrap().file_name());
         let mut names: Vec<String> = names.map(|n| n.to_string_lossy().into_owned()).collect();
@@ -137,7 +137,7 @@ impl Machine {
     }
 }
 
-/// Compares with a golden file, and adds how it differs to `wrong`.
+/// Compares with a golden file, and adds the difference to `wrong`.
 fn compare(path: &Path, got: &str, wrong: &mut String) {
     if let Err(difference) = golden::compare(path, got) {
         writeln!(wrong, "{difference}").unwrap();

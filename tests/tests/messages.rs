@@ -1,12 +1,11 @@
-//! Every message is shown by a case: those that LinuxCNC has (`tests/hal/reference.txt`), and those
-//! that the sources have. `tests/hal/MESSAGES.md` says which case shows which; `UPDATE_EXPECT=1`
-//! writes it.
+//! Every message is produced by a case: LinuxCNC's messages (`tests/hal/reference.txt`), and those in the sources.
+//! `tests/hal/MESSAGES.md` lists the case for each message; `UPDATE_EXPECT=1` writes it.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{case::cases, golden, programs::root};
 use std::{collections::BTreeMap, fmt::Write, fs};
 
-/// Messages that no script brings about, and what shows them instead.
+/// Messages that no script produces, and the tests that produce them instead.
 const ELSEWHERE: &[(&str, &str)] = &[
     ("Use 'help <command>' for more details about each command", "halcmd/src/help.rs"),
     ("Waiting for component '*' to become ready.", "halcmd/src/session.rs"),
@@ -56,13 +55,13 @@ const PLUGIN_FILES: &str = "tests/tests/plugin_files.rs";
 const FALSE_ENGINE: &str = "tests/tests/false_engine.rs";
 const REFUSALS: &str = "tests/tests/refusals.rs";
 
-/// The commands that scripts of LinuxCNC have.
+/// Commands of LinuxCNC's scripts.
 const COMMANDS: &str = "loadrt unloadrt loadusr waitusr unloadusr unload newsig delsig sets gets \
     stype setp getp ptype net linkps linksp unlinkp addf initf delf start stop show list save \
     status alias unalias lock unlock print echo unecho debug source help quit exit \
     setexact_for_test_suite_only";
 
-/// Where sentences are made.
+/// Files that define sentences.
 const SOURCES: &[&str] = &[
     "halcmd/src/error.rs",
     "hal/ini/src/error.rs",
@@ -73,7 +72,7 @@ const SOURCES: &[&str] = &[
     "hal/engine/src/plugin_error.rs",
 ];
 
-/// What every case prints, by its name.
+/// Returns the output of every case, by name.
 fn printed() -> BTreeMap<String, Vec<String>> {
     cases()
         .into_iter()
@@ -85,7 +84,7 @@ fn printed() -> BTreeMap<String, Vec<String>> {
         .collect()
 }
 
-/// Whether a line has this message in it; `*` stands for anything.
+/// Returns whether a line contains this message; `*` matches anything.
 fn says(line: &str, message: &str) -> bool {
     let mut parts = message.split('*');
     let first = parts.next().unwrap_or_default();
@@ -107,7 +106,7 @@ fn reference() -> Vec<(String, String)> {
     rows.map(|l| l.split_at(12)).map(|(s, m)| (s.trim().to_owned(), m.to_owned())).collect()
 }
 
-/// The sentences in a file: what is written between its `Display` and its tests.
+/// Returns the sentences in a file: the texts between its `Display` and its tests.
 fn sentences(path: &str) -> Vec<String> {
     let text = fs::read_to_string(root().join(path)).unwrap();
     let text = text.split("#[cfg(test)]").next().unwrap();
@@ -120,7 +119,7 @@ fn sentences(path: &str) -> Vec<String> {
             quoted.get(*n..).is_some_and(|rest| rest.starts_with('"'))
                 && !quoted.get(..*n).is_some_and(|before| before.ends_with('\\'))
         });
-        // A `write` that begins another word, or one without a text.
+        // Excludes a `write` that begins another word, or one without a text.
         let near = call.find('"').is_some_and(|q| {
             call.get(..q).is_some_and(|before| {
                 !before.contains(';') && !before.contains("=>") && before.contains('(')
@@ -135,12 +134,12 @@ fn sentences(path: &str) -> Vec<String> {
     found
 }
 
-/// A text of the sources as a message: places that are filled in become `*`.
+/// Converts a text of the sources to a pattern: placeholders become `*`.
 fn pattern(text: &str) -> String {
     let mut out = String::new();
     let mut rest = text.replace("\\n", " ");
     while let Some((before, after)) = rest.split_once('\\') {
-        // A line that goes on in the next.
+        // A string literal that continues in the next line.
         let next = after.trim_start_matches('\n').trim_start();
         rest = format!("{before}{next}");
     }
@@ -162,7 +161,7 @@ fn every_message_is_shown_by_a_case() {
     for source in SOURCES {
         let subject = source.split('/').next().unwrap().to_owned();
         for sentence in sentences(source) {
-            // What has next to nothing of its own could be anything.
+            // A pattern with hardly any text of its own would match anything.
             if sentence.chars().filter(|c| c.is_alphabetic()).count() > 3 {
                 messages.push((subject.clone(), sentence));
             }
@@ -178,7 +177,7 @@ fn every_message_is_shown_by_a_case() {
             printed.get(case).is_some_and(|lines| lines.iter().any(|line| says(line, &message)))
         };
         let row = |by: &str| format!("| {about} | `` {message} `` | {by} |");
-        // Who shows it need not change when others show it as well.
+        // Keeps the listed case even if other cases show the message as well.
         let kept = printed.keys().find(|case| old.contains(&row(case)) && shows(case));
         let elsewhere = ELSEWHERE.iter().find(|(m, _)| *m == message);
         if let Some((_, by)) = elsewhere.filter(|(_, by)| root().join(by).is_file()) {

@@ -1,9 +1,9 @@
-//! Every component in C of LinuxCNC's package: loaded, driven for 10,000 cycles, unloaded, loaded
-//! again, each in a process of its own.
+//! Every C component of LinuxCNC's package: loaded, driven for 10,000 cycles, unloaded, and loaded again, each in a
+//! process of its own.
 //!
-//! `cargo test -p hal-tests --test modules -- --ignored` runs all of them and compares with
-//! `tests/compat/modules.md`; with `UPDATE_EXPECT=1` it writes that file. Without the package
-//! nothing is run, with a word.
+//! `cargo test -p hal-tests --test modules -- --ignored` runs all of them and compares with `tests/compat/modules.md`;
+//! with
+//! `UPDATE_EXPECT=1` it writes that file. Without the package, the test is reported as skipped.
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
 
 use hal_protocol::{Direction, Kind, Link, Request, Value};
@@ -17,7 +17,7 @@ use hal_tests::{
 };
 use std::{collections::BTreeSet, fmt::Write, process::Command};
 
-/// What a module needs to be loaded: modules before it, its arguments.
+/// Requirements of a module's load: modules before it, its arguments.
 const ARGUMENTS: &[(&str, &[&str], &str)] = &[
     ("bldc", &[], "cfg=qi6"),
     ("debounce", &[], "cfg=4"),
@@ -40,7 +40,7 @@ const ARGUMENTS: &[(&str, &[&str], &str)] = &[
     ("pwmgen", &[], "output_type=0,1"),
     ("sampler", &[], "depth=100 cfg=fbsu"),
     ("setsserial", &["hostmot2"], ""),
-    // Without so many, a number of a gear that it does not have ends it, in LinuxCNC as well.
+    // With fewer gears, the number of a missing gear ends the process, in LinuxCNC as well.
     ("spindle", &[], "numgears=16"),
     ("stepgen", &[], "step_type=0,2"),
     ("streamer", &[], "depth=100 cfg=fbsu"),
@@ -49,7 +49,7 @@ const ARGUMENTS: &[(&str, &[&str], &str)] = &[
     ("weighted_sum", &[], "wsum_sizes=3"),
 ];
 
-/// Why one does not run here.
+/// Reasons why a module does not run here.
 const REASONS: &[(&str, &str)] = &[
     ("hal_bb_gpio", "a driver of a BeagleBone: it opens the board's memory, and there is none"),
     ("hal_gm", "a driver of a PCI card, and PCI is not offered"),
@@ -75,7 +75,7 @@ fn wanted(module: &str) -> (&'static [&'static str], &'static str) {
     found.map_or((&[], ""), |(_, before, args)| (*before, *args))
 }
 
-/// A value for an input: most often small, enabling what enables.
+/// Returns a value for an input: mostly small, and true for enables.
 fn chosen(name: &str, now: Value, r: &mut Random) -> Option<Value> {
     let enables = ["enable", "power", "machine-on", "is-on"].iter().any(|w| name.contains(w));
     Some(match now {
@@ -89,7 +89,7 @@ fn chosen(name: &str, now: Value, r: &mut Random) -> Option<Value> {
     })
 }
 
-/// Drives one module: a row of the table.
+/// Drives one module; returns the row of the table.
 fn drive(module: &str) -> String {
     let folder = installed().unwrap();
     let mut b = Bench::new(&[&folder]);
@@ -179,7 +179,7 @@ fn drive(module: &str) -> String {
     )
 }
 
-/// In a process of its own: the row of the module that the environment names.
+/// Prints the row of the module that the environment names. Runs in a process of its own.
 #[test]
 fn one_module() {
     if let Ok(module) = std::env::var("HAL_TEST_MODULE") {
@@ -219,7 +219,7 @@ fn modules() -> Vec<String> {
     names
 }
 
-/// Motion with its kinematics, planner and homing, and some of each kind.
+/// Motion with its kinematics, planner and homing, and some modules of each kind.
 #[test]
 fn some_modules_run() {
     if tools::linuxcnc().is_none() {

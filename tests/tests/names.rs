@@ -1,12 +1,12 @@
-//! Every name that users may write behind `loadrt` is offered by a library of ours, or
-//! `components/README.md` says why not: `tests/compat/names.txt` has them all.
+//! Every name that users may write after `loadrt` is offered by one of our libraries, or `components/README.md`
+//! explains its absence: `tests/compat/names.txt` lists them all.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use hal_protocol::{Kind, Link, Reply, Request};
 use hal_tests::{foreign::Bench, programs::root, tools};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The names of the list.
+/// Returns the names of the list.
 fn asked() -> BTreeSet<String> {
     let text = std::fs::read_to_string(root().join("tests/compat/names.txt")).unwrap();
     let lines: Vec<&str> = text.lines().filter(|l| !l.is_empty() && !l.starts_with('#')).collect();
@@ -15,14 +15,14 @@ fn asked() -> BTreeSet<String> {
     names
 }
 
-/// The names that our libraries offer.
+/// Returns the names that our libraries offer.
 fn offered() -> BTreeSet<String> {
     let request = Request::List { kind: Kind::Offers, patterns: Vec::new(), ty: None };
     let Ok(Reply::Offers(list)) = Bench::new(&[]).call(request) else { panic!("no list") };
     list.into_iter().map(|o| o.component).collect()
 }
 
-/// The names that a section of `components/README.md` explains, if it is there, and how.
+/// Returns the names that a section of `components/README.md` explains, if the section exists, with the explanations.
 fn explained(section: &str) -> BTreeMap<String, String> {
     let text = std::fs::read_to_string(root().join("components/README.md")).unwrap();
     let from = text.split_once(&format!("\n## {section}\n")).map_or("", |(_, from)| from);

@@ -1,4 +1,4 @@
-//! What `order` says is what the machine does. `UPDATE_EXPECT=1` writes what is expected.
+//! The result of `order` agrees with what the machine does. `UPDATE_EXPECT=1` writes the expected output.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use hal_protocol::{DelayInfo, OrderInfo, Reply};
@@ -8,7 +8,7 @@ fn folder() -> Scratch {
     Scratch::copy_of(&root().join("tests/order"))
 }
 
-/// What halcmd prints.
+/// Returns the output of halcmd.
 fn halcmd(scratch: &Scratch, words: &[&str]) -> String {
     let output = scratch.halcmd(words);
     assert_eq!((output.stderr.as_str(), output.status), ("", Some(0)), "{words:?}");
@@ -28,24 +28,24 @@ fn waves(scratch: &Scratch, files: &[&str]) -> Vcd {
     Vcd::parse(&scratch.read("waves"))
 }
 
-/// How much later one signal changes than the other, for each change.
+/// Returns the delay between two signals, for each change.
 fn delays(vcd: &Vcd, from: &str, to: &str) -> Vec<i64> {
     let edges = |name: &str| -> Vec<i64> {
-        // The first change comes of the first cycle, before which nothing was computed.
+        // The first change comes from the first cycle, before which nothing was computed.
         vcd.of(name).iter().map(|(t, _)| *t).filter(|t| *t > 20_000_000).collect()
     };
     let pairs = edges(from).into_iter().zip(edges(to));
     pairs.map(|(a, b)| b - a).collect()
 }
 
-/// The answer itself.
+/// Returns the `order` reply itself.
 fn info(scratch: &Scratch, file: &str) -> OrderInfo {
     let json = halcmd(scratch, &["--json", "order", file]);
     let Reply::Order(info) = serde_json::from_str(&json).unwrap() else { panic!("{json}") };
     *info
 }
 
-/// Whether a signal changes after another as late as is said, at best and at worst.
+/// Checks that the measured delay of a signal stays between the stated minimum and maximum.
 fn is_as_said(vcd: &Vcd, from: &str, to: &str, said: DelayInfo) {
     let delays = delays(vcd, from, to);
     let found = (*delays.iter().min().unwrap(), *delays.iter().max().unwrap());
@@ -80,7 +80,7 @@ fn the_better_order_takes_the_delay_away() {
         text.push_str(&vcd.drawing(&lines, rise - 1_000_000, rise + 40_000_000));
     }
     expect("chain.waves", &text);
-    // Of the better order nothing can be said but that it is good.
+    // The better order leaves nothing to report.
     scratch.write("both.hal", scratch.read("chain.hal") + &script);
     let text = halcmd(&scratch, &["order", "both.hal"]);
     assert!(text.contains("Nothing is read a cycle late"), "{text}");
@@ -96,7 +96,7 @@ fn values_cross_threads_in_the_time_that_is_said() {
     is_as_said(&waves, "in", "back", info.paths[0].quickest.delay);
     let [there, back] = info.crossings.as_slice() else { panic!("{:?}", info.crossings) };
     assert_eq!((there.by[0].as_str(), back.by[0].as_str()), ("there", "in"));
-    // What comes from the slow thread does not set out at every moment.
+    // Changes from the slow thread do not start at every moment.
     let delays = delays(&waves, "there", "back");
     let said = there.delay.least.cast_signed()..=there.delay.most.cast_signed();
     assert!(delays.len() > 8 && delays.iter().all(|d| said.contains(d)), "{delays:?}");

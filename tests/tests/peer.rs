@@ -1,11 +1,10 @@
-//! The scripts of `tests/peer`, through the whole of Ferrule, beside the figures that LinuxCNC
-//! gave: no sample differs.
+//! The scripts of `tests/peer` through all of Ferrule, compared with the output that LinuxCNC gave: no sample differs.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{programs::root, scratch::Scratch};
 use std::{collections::BTreeMap, fmt::Write};
 
-/// Side by side what several samplers printed, as `run.sh` puts it.
+/// Returns the output of several samplers side by side, as `run.sh` joins it.
 fn pasted(scratch: &Scratch) -> Vec<String> {
     let raw: Vec<String> = scratch
         .files()
@@ -23,7 +22,7 @@ fn pasted(scratch: &Scratch) -> Vec<String> {
         .collect()
 }
 
-/// Whole periods of the slow thread, as `cut.awk` takes them.
+/// Returns whole periods of the slow thread, as `cut.awk` selects them.
 fn cut(lines: Vec<String>) -> Vec<String> {
     let last = lines.len() / 10 - 2;
     let mut held: BTreeMap<usize, Vec<String>> = BTreeMap::new();
@@ -79,7 +78,7 @@ macro_rules! peers {
 }
 peers! { types timing position servo printer steptest siggen limit3 }
 
-/// What `write` and then `reset` left in both registers, in every period.
+/// Returns the contents of both registers after `write` and then `reset`, in every period.
 fn registers(scratch: &Scratch) -> Vec<String> {
     let script = std::fs::read_to_string(root().join("tests/peer/parport.hal")).unwrap();
     let rows = std::fs::read_to_string(root().join("tests/peer/parport.in")).unwrap();

@@ -1,10 +1,10 @@
-//! Scripts through LinuxCNC 2.9 and through Ferrule: what differs is known, and why.
+//! Scripts through LinuxCNC 2.9 and through Ferrule: all differences are known and explained.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{programs::root, scratch::Scratch};
 use std::{collections::BTreeSet, fs};
 
-/// What Ferrule prints for a script of `tests/peer`: standard output, standard error.
+/// Returns Ferrule's output for a script of `tests/peer`: standard output, standard error.
 fn ours(script: &str) -> (String, String) {
     let scratch = Scratch::new("peer");
     scratch.write(script, fs::read(root().join("tests/peer").join(script)).unwrap());
@@ -14,13 +14,13 @@ fn ours(script: &str) -> (String, String) {
     (output.stdout, output.stderr)
 }
 
-/// A file of what LinuxCNC printed, or of what is known about it.
+/// Returns a file of LinuxCNC's output, or of its known differences.
 fn theirs(file: &str) -> String {
     fs::read_to_string(root().join("tests/peer").join(file)).unwrap()
 }
 
-/// A line without what the newer release changed: widths of columns, blanks at the end. The numbers
-/// of components are each system's own.
+/// Returns a line without the changes of the newer release: column widths, trailing blanks. Component ids are each
+/// system's own.
 fn plain(line: &str) -> String {
     let mut words: Vec<&str> = line.split_whitespace().collect();
     let owner = words.first().is_some_and(|w| w.parse::<u32>().is_ok());
@@ -44,7 +44,7 @@ fn refusals_are_the_same_but_where_that_is_meant() {
     let (_, stderr) = ours("refusals.hal");
     let said: Vec<&str> = stderr.lines().collect();
     let is_said = |line: &&str| {
-        // Lines of the library have no place there.
+        // Ferrule does not print the prefix of the HAL library.
         let library = line.strip_prefix("HAL: ERROR: ");
         let end = format!(": {}", library.unwrap_or(line));
         said.iter().any(|s| s.ends_with(&end) || (library.is_none() && s == line))

@@ -1,5 +1,5 @@
-//! The picture of the printer's X: direction and step at two speeds, to the right and to the left.
-//! `UPDATE_EXPECT=1` draws `configs/printer/scope.svg` and `scope.png` again.
+//! The picture of the printer's X: direction and step at two speeds, to the right and to the left. `UPDATE_EXPECT=1`
+//! redraws `configs/printer/scope.svg` and `scope.png`.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{golden, programs::root, scratch::Scratch};
@@ -8,7 +8,7 @@ use std::{fs, path::Path};
 
 const TITLE: &str = "X of the printer at 50 mm/s and 80 mm/s, to the right and to the left";
 
-/// Drives the printer as `configs/printer/scope.hal` says.
+/// Drives the printer as `configs/printer/scope.hal` does.
 fn recorded() -> Scratch {
     let scratch = Scratch::copy_of(&root().join("configs/printer"));
     let output = scratch.halrun(&["--virtual", "scope.ini"]);
@@ -22,7 +22,7 @@ fn trace(scratch: &Scratch) -> Trace {
     reading.trace
 }
 
-/// When a channel changes, and to what.
+/// Returns the changes of a channel: time and new level.
 fn changes(trace: &Trace, name: &str) -> Vec<(i64, bool)> {
     let channel = &trace.channels().get(trace.find(name).unwrap()).unwrap();
     let change = |c: hal_trace::Change| {
@@ -36,21 +36,21 @@ fn changes(trace: &Trace, name: &str) -> Vec<(i64, bool)> {
 fn steps_have_the_frequency_of_their_speed_and_the_direction_of_their_way() {
     let trace = trace(&recorded());
     let (step, dir) = (trace.find("xstep").unwrap(), changes(&trace, "xdir"));
-    // Right is low, left is high; what it is at first counts as a change.
+    // Right is low, left is high; the initial level counts as a change.
     let levels: Vec<bool> = dir.iter().map(|(_, level)| *level).collect();
     assert_eq!(levels, [false, true, false, true]);
     let mut ends: Vec<i64> = dir.iter().skip(1).map(|(at, _)| *at).collect();
     ends.push(trace.times().last().unwrap());
     for (((begin, _), end), hertz) in dir.iter().zip(ends).zip([200.0, 320.0, 320.0, 200.0]) {
-        // Away from where it speeds up and brakes.
+        // Far from acceleration and deceleration.
         let middle = begin + (end - begin) / 2;
         let m = measure(&trace, step, middle - 40_000_000, middle + 40_000_000);
         let found = m.frequency.unwrap();
-        // Edges stand on base periods, of 100 µs: over 80 ms that is an eighth of a percent.
+        // Edges are aligned to base periods of 100 µs: over 80 ms that is an eighth of a percent.
         assert!((found / hertz - 1.0).abs() < 0.002, "{found} Hz, not {hertz}, around {middle}");
         assert!(m.rises > 10);
     }
-    // No step falls together with an edge of the direction, nor within its set-up time.
+    // No step coincides with an edge of the direction, nor lies within its set-up time.
     for (at, _) in dir.iter().skip(1) {
         let near = changes(&trace, "xstep").into_iter().filter(|(s, _)| (s - at).abs() < 100_000);
         assert_eq!(near.count(), 0, "a step beside the turn at {at}");

@@ -1,13 +1,12 @@
-//! What each of our components has beside LinuxCNC's of the same name: arguments, functions, pins
-//! and parameters with their types, directions and first values.
+//! Arguments, functions, pins and parameters of our components, with types, directions and first values, compared with
+//! those of LinuxCNC's components of the same name.
 //!
-//! `cargo test -p hal-tests --test pins -- --ignored` loads LinuxCNC's of its package and compares
-//! with `tests/compat/pins`; with `UPDATE_EXPECT=1` it writes those files (`PINS=NAME`: of one
-//! component). Without the package nothing is run, with a word. Ours are compared with the files
-//! everywhere and always.
+//! `cargo test -p hal-tests --test pins -- --ignored` loads the components of LinuxCNC's package and compares them with
+//! `tests/compat/pins`; with `UPDATE_EXPECT=1` it writes those files (`PINS=NAME`: of one component). Without the
+//! package, that test is reported as skipped. Our components are always compared with the files.
 //!
-//! What differs on purpose stands in `tests/judge/NAME.toml`; the head of `tests/tests/judge.rs`
-//! tells how. What LinuxCNC 2.9 does not have was looked at in 2.10, and is written by hand.
+//! `tests/judge/NAME.toml` lists the intended differences; the head of `tests/tests/judge.rs` describes the format. The
+//! records of components that LinuxCNC 2.9 lacks were taken from 2.10 and are written by hand.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 #![expect(clippy::print_stdout, reason = "one that is asked for is shown")]
 
@@ -50,7 +49,7 @@ fn every_component_has_what_theirs_has() {
     assert!(only.is_some() || seen > 150, "only {seen} components were compared");
 }
 
-/// The arguments that a module of LinuxCNC's takes, by what its file says.
+/// Returns the arguments that a LinuxCNC module accepts, according to its file.
 fn arguments(module: &str) -> BTreeSet<String> {
     let bytes = fs::read(installed().unwrap().join(format!("{module}.so"))).unwrap();
     let file = object::File::parse(&*bytes).unwrap();
@@ -60,8 +59,8 @@ fn arguments(module: &str) -> BTreeSet<String> {
     names.collect()
 }
 
-/// In a process of its own, because not every module of LinuxCNC's bears to be loaded again: what
-/// the load that the environment names makes.
+/// Prints the result of the load that the environment names. Runs in a process of its own because some LinuxCNC modules
+/// cannot be loaded twice.
 #[test]
 fn one_load() {
     let Ok(line) = std::env::var("HAL_TEST_LOAD") else { return };
@@ -75,7 +74,7 @@ fn one_load() {
     }
 }
 
-/// What LinuxCNC's module has.
+/// Measures a LinuxCNC module.
 fn measured(module: &str) -> Result<Version, String> {
     let args = arguments(module);
     let mut loads = Vec::new();

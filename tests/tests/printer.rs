@@ -6,14 +6,14 @@ use std::fmt::Write;
 
 const SECOND: i64 = 1_000_000_000;
 
-/// The printer's files, and what it is to do once it runs.
+/// Creates a folder with the printer's files, and the script that runs once it is up.
 fn printer(postgui: &str) -> Scratch {
     let scratch = Scratch::copy_of(&root().join("tests/hal/printer"));
     scratch.write("custom_postgui.hal", postgui);
     scratch
 }
 
-/// Runs the printer on the virtual clock: what it printed. Everything must succeed.
+/// Runs the printer on the virtual clock and returns its output. Everything must succeed.
 fn run(scratch: &Scratch) -> Vec<String> {
     let output = scratch.halrun(&["--virtual", "--for", "10ms", "impresora3D.ini"]);
     assert_eq!((output.stderr.as_str(), output.status), ("", Some(0)));
@@ -112,7 +112,7 @@ fn it_does_not_move_in_estop_although_nothing_of_it_is_wired_to_motion() {
     }
 }
 
-/// Jogs to and fro, each recorded into a file of its own: `NAME-right` and `NAME-left`.
+/// Jogs in both directions, each recorded into a file of its own: `NAME-right` and `NAME-left`.
 fn there_and_back(script: &mut String, name: &str, joint: u32, velocity: f64, distance: f64) {
     writeln!(script, "getp stepgen.{joint}.counts").unwrap();
     for (way, distance) in [("right", distance), ("left", -distance)] {
@@ -126,7 +126,7 @@ fn there_and_back(script: &mut String, name: &str, joint: u32, velocity: f64, di
     }
 }
 
-/// When pulses of a pin began within the second in the middle of a move.
+/// Returns the times of a pin's rising edges in the second in the middle of a move.
 fn middle(vcd: &Vcd, pin: &str) -> Vec<i64> {
     let all = vcd.rises(pin);
     let middle = all[all.len() / 2];
@@ -161,7 +161,7 @@ fn the_pulses_are_as_fast_as_the_axes() {
                 let off = (i as f64 - SECOND as f64 / hertz).abs();
                 assert!(off < 100_000.0, "{name}-{way}: an interval of {i} ns");
             }
-            // The register's bit is the pin: pulses on 0x4D, direction on 0x4F.
+            // The register's bit equals the pin: pulses on 0x4D, direction on 0x4F.
             assert_eq!(middle(&vcd, "viagpio.sim.reg-4d-4"), pulses);
             for pin in ["viagpio.pin-05-out", "viagpio.sim.reg-4f-2"] {
                 for t in &pulses {
@@ -203,7 +203,7 @@ fn every_combination_of_outputs_and_inverts_is_right() {
         }
         let bit = |i: u32| (out ^ invert) >> i & 1;
         let (gpo12, gpio1, gpio9, gpio12) = (bit(0), bit(1), bit(2), bit(3));
-        // Only the bits of the outputs change; their neighbours stay as the firmware left them.
+        // Only the bits of the outputs change; the other bits stay as the firmware left them.
         wanted.extend([
             0xff,
             0xef | gpio1 << 4,
@@ -212,7 +212,7 @@ fn every_combination_of_outputs_and_inverts_is_right() {
         ]);
         wanted.extend([0xff; 3]);
     }
-    // The enables that the outputs need, and nothing beside them.
+    // The enables that the outputs need, and no others.
     for register in config {
         writeln!(script, "getp viagpio.sim.config-{register}").unwrap();
     }

@@ -1,4 +1,4 @@
-//! The prompt and the views, in a real terminal. Every key is typed when what it answers is shown.
+//! The prompt and the views, in a real terminal. The test types each key after the output that it responds to.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{scratch::Scratch, terminal::Terminal};
@@ -6,21 +6,21 @@ use rustix::process::{Pid, Signal, kill_process};
 
 const PROMPT: &str = "halcmd: ";
 
-/// At its prompt.
+/// Starts a program and waits for its prompt.
 fn prompt(scratch: &Scratch, program: &str, words: &[&str]) -> Terminal {
     let mut terminal = Terminal::start(scratch, program, words);
     terminal.until(PROMPT);
     terminal
 }
 
-/// Prints a word, to know that everything before it was carried out.
+/// Prints a word, as a mark that all earlier input was executed.
 fn mark(terminal: &mut Terminal, word: &str) {
     terminal.keys(&format!("print {word}\r"));
     terminal.until(&format!("HALCMD MSG: {word}"));
     terminal.until(PROMPT);
 }
 
-/// An instance in the background, with a thread and two components.
+/// Starts an instance in the background, with a thread and two components.
 fn machine(scratch: &Scratch) {
     let text = "loadrt threads name1=t period1=1000000\nloadrt not\nloadrt siggen\n\
                 net wave siggen.0.sine\naddf siggen.0.update t\nstart\n";
@@ -50,7 +50,7 @@ fn lines_are_completed_found_again_and_given_up() {
     t.keys("\r");
     t.until("\r\nt \r\n");
     t.until(PROMPT);
-    // Given up: it is not carried out, and the next line is a new one.
+    // Cancelled: the line is not executed, and the next line is a new one.
     t.keys("nonsense");
     t.until("nonsense");
     t.keys("\x03");
@@ -146,7 +146,7 @@ fn values_are_shown_on_a_screen() {
     t.keys("q");
     let (status, sane, shown) = t.end();
     assert_eq!((status, sane), (Some(0), true), "{shown:?}");
-    // What was seen last stays, in lines.
+    // The last view remains on the screen as lines.
     assert!(shown.contains(" not.0.in FALSE\r\n") && shown.contains(" wave "), "{shown:?}");
     let mut t = Terminal::start(&scratch, "halcmd", &["meter"]);
     t.until("search:");

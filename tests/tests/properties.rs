@@ -1,37 +1,36 @@
-//! Properties of every component of every plugin library, with inputs by chance that are the same
-//! in every run: numbers, ramps, edges, then everything that a type has (what is not a number,
-//! infinities, the largest and the smallest, crossed limits), then what is sane again. Functions run
-//! in other orders, in two threads, with periods from 1 us to 1 s that change in between.
+//! Properties of every component of every plugin library, with random inputs that are the same in every run: numbers,
+//! ramps, edges, then every value of a type (NaN, infinities, the largest and the smallest, crossed limits), then sane
+//! values again. Functions run in other orders, in two threads, with periods from 1 us to 1 s that change in between.
 //!
-//! Nothing panics. While inputs are sane, outputs are finite and within their limits; when they are
-//! sane again, so are the outputs, and no integer stays at an end of its type. A second run gives
-//! the same bits. That no cycle allocates is in `realtime.rs`, with the same configurations.
+//! Nothing panics. While inputs are sane, outputs are finite and within their limits; when inputs are sane again, so
+//! are the outputs, and no integer stays at an end of its type. A second run gives the same bits. `realtime.rs` tests,
+//! with the same configurations, that no cycle allocates.
 //!
-//! `PROPERTIES=pid cargo test -p hal-tests --test properties one_component` looks at one.
+//! `PROPERTIES=pid cargo test -p hal-tests --test properties one_component` tests one component.
 //!
-//! A component needs no word here. What must be told of one stands in `tests/properties/NAME.toml`,
-//! of all others of a library in `lib-LIBRARY.toml`. All of it may be left out:
+//! Most components need no file here. Special needs of a component are listed in `tests/properties/NAME.toml`, those of
+//! all other components of a library in `lib-LIBRARY.toml`. All entries are optional:
 //!
 //! ```toml
-//! # The component whose file is to be taken.
+//! # Component whose file also applies.
 //! like = "pid"
 //!
-//! # Arguments of loadrt, each a configuration, beside those of tests/judge/NAME.toml and
+//! # Arguments of loadrt, each a configuration, in addition to those of tests/judge/NAME.toml and
 //! # tests/src/every.rs.
 //! loads = ["num_chan=2"]
-//! # Lines before and after it is loaded, and the threads that they make.
+//! # Lines before and after it is loaded, and the threads that they create.
 //! before = ["loadrt trivkins"]
 //! after = []
 //! threads = ["servo-thread"]
 //!
-//! # What sane inputs are: as in tests/tests/judge.rs.
+//! # Sane inputs, in the format of tests/tests/judge.rs.
 //! [[inputs]]
 //! pins = ["*.gain"]
 //! why = "its range is documented"
 //! range = [0, 1]
 //!
-//! # Documented limits of an output; `#` is the same text in all names. Each end is the product of
-//! # what is listed: names and numbers.
+//! # Documented limits of an output; `#` is the same text in all names. Each limit is the product of
+//! # the listed names and numbers.
 //! [[bounds]]
 //! pin = "#.output"
 //! low = ["-1", "#.maxoutput"]     # without it: -high
@@ -40,20 +39,20 @@
 //! off = "#.tune-mode"             # no limit once this has been true
 //! rate = "#.maxv"                 # units per second
 //!
-//! # Outputs that may be no finite numbers while all inputs are.
+//! # Outputs that may be NaN or infinite while all inputs are finite.
 //! [[open]]
 //! pins = ["*.out"]
 //! why = "…"
 //!
-//! # Outputs that keep what was no number or too large, and what clears them, step by step; nothing
-//! # but a new load if there is no step.
+//! # Outputs that stay NaN or too large, and the steps that reset them; without steps, only a new load
+//! # resets them.
 //! [[stays]]
 //! pins = ["*.out"]
 //! why = "it is a sum"
 //! reset = [{ "*.reset" = "1" }, { "*.reset" = "0" }]
 //! ```
 //!
-//! A row that nothing needs fails.
+//! An unused row fails the test.
 
 use hal_protocol::Offer;
 use hal_tests::{
@@ -66,7 +65,7 @@ fn wrong(offer: &Offer) -> Vec<String> {
     found.into_iter().map(|what| format!("{}: {what}", offer.component)).collect()
 }
 
-/// Every fourth, so that they are looked at beside each other.
+/// Tests every fourth component, so that the tests run in parallel.
 fn share(of: usize) {
     let offers = offers();
     // It has threads and nothing else.

@@ -1,5 +1,4 @@
-//! The real clock: other terminals, ways to end, and what is left behind. Nothing here measures how
-//! long something takes.
+//! The real clock: other terminals, every manner of ending, and the files left behind. No test here measures durations.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use hal_tests::{
@@ -21,7 +20,7 @@ fn halrun(scratch: &Scratch, words: &[&str]) -> Running {
     scratch.start(scratch.command(&[], "halrun").args(words))
 }
 
-/// What a command prints; it must succeed.
+/// Returns the output of a command; it must succeed.
 fn ask(scratch: &Scratch, words: &[&str]) -> String {
     let output = scratch.halcmd(words);
     assert_eq!((output.stderr.as_str(), output.status), ("", Some(0)), "{words:?}");
@@ -38,21 +37,21 @@ fn until_up(scratch: &Scratch, instance: &mut Running, thread: &str) {
     });
 }
 
-/// Whether a process lives.
+/// Returns whether a process exists.
 fn lives(pid: &str) -> bool {
     let stat = fs::read_to_string(Path::new("/proc").join(pid).join("stat")).unwrap_or_default();
     let state = stat.rsplit(')').next().and_then(|s| s.split_whitespace().next());
     state.is_some_and(|s| s != "Z")
 }
 
-/// The process of an instance.
+/// Returns the process of an instance.
 fn process(scratch: &Scratch) -> String {
     let text = ask(scratch, &["status", "instance"]);
     let after = text.split("(process ").nth(1).unwrap_or_else(|| panic!("{text}"));
     after.split(')').next().unwrap().to_owned()
 }
 
-/// The process of a program that has joined.
+/// Returns the process of a program that has joined.
 fn program(scratch: &Scratch, name: &str) -> String {
     let text = ask(scratch, &["show", "comp", name]);
     let line = text.lines().find(|l| l.contains(name)).unwrap_or_else(|| panic!("{text}"));
@@ -90,7 +89,7 @@ fn a_machine_from_another_terminal() {
     ask(&scratch, &["setp", "stepgen.0.maxaccel", "1500"]);
     assert_eq!(ask(&scratch, &["getp", "stepgen.0.maxaccel"]), "1500\n");
 
-    // However late this computer's threads wake, the axis must not be switched off for it.
+    // Late wakeups on this computer must not switch the axis off.
     ask(&scratch, &["motion.configure", "joint=0", "ferror=1000", "min-ferror=1000"]);
     ask(&scratch, &["--wait", "iocontrol.estop-reset"]);
     ask(&scratch, &["--wait", "motion.enable"]);
@@ -157,7 +156,7 @@ fn in_the_background() {
     scratch.write("blink.hal", BLINK);
     let output = scratch.halrun(&["--detach", "blink.hal"]);
     assert_eq!((output.stderr.as_str(), output.status), ("", Some(0)));
-    // The script is done when it returns.
+    // The script has finished when this returns.
     assert_eq!(ask(&scratch, &["list", "sig"]), "blink \n");
     let own = vec![process(&scratch)];
     let again = scratch.halrun(&["blink.hal"]);

@@ -1,4 +1,4 @@
-//! Refusals that no script brings about.
+//! Refusals that no script produces.
 
 use hal_engine::{ClockKind, Engine};
 use hal_protocol::{Direction, Link, Request, Type};

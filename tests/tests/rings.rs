@@ -1,5 +1,5 @@
-//! Rings shared with programs that do not read, stop reading, or do to the memory whatever they can:
-//! records are counted as lost or refused, the engine is unharmed, and the next program is served.
+//! Rings shared with programs that do not read, stop reading, or overwrite the memory in every possible manner: records
+//! are counted as lost or refused, the engine is unharmed, and the next program is served.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use hal_engine::ClockKind;
@@ -21,7 +21,7 @@ use std::{
     os::unix::{fs::FileExt, net::UnixStream},
 };
 
-/// A ring that is written in every cycle, and one that is read; four records fit in each.
+/// A ring that is written in every cycle, and one that is read; each holds four records.
 const MACHINE: &str = "
     loadrt threads
     loadrt tap
@@ -30,7 +30,7 @@ const MACHINE: &str = "
     addf feed.0 thread1
     start";
 
-/// Where in a ring's memory its two indices are.
+/// Offsets of a ring's two indices in its memory.
 const WRITTEN: u64 = 64;
 const TAKEN: u64 = 128;
 
@@ -38,7 +38,7 @@ fn run(c: &mut impl Link, cycles: u64) {
     script(c, &format!("run {}", cycles * 1_000_000));
 }
 
-/// The records that wait: their numbers and first values. The second is ten times the first.
+/// Reads the waiting records: their numbers and first values. The second value is ten times the first.
 fn read(stream: &mut Stream) -> Vec<(u64, u32)> {
     let mut record = Vec::new();
     let mut all = Vec::new();
@@ -50,7 +50,7 @@ fn read(stream: &mut Stream) -> Vec<(u64, u32)> {
     all
 }
 
-/// A connection, and the memory of a ring that it was handed.
+/// Returns a connection, and the memory of a ring that the engine passed over it.
 fn handed(served: &Served, name: &str) -> (UnixStream, File) {
     let mut socket = UnixStream::connect(served.place.socket()).unwrap();
     writeln!(socket, "{{\"request\":{{\"attach\":{{\"name\":\"{name}\"}}}}}}").unwrap();
@@ -66,7 +66,7 @@ fn handed(served: &Served, name: &str) -> (UnixStream, File) {
     (socket, File::from(fd.unwrap()))
 }
 
-/// Attaches as soon as the engine has seen that the program before has gone.
+/// Attaches as soon as the engine has noticed that the previous program is gone.
 fn attach(c: &mut Client, name: &str) -> Stream {
     loop {
         match c.attach(name, None) {
@@ -91,7 +91,7 @@ fn a_ring_without_a_reader_counts_what_it_loses() {
     run(&mut c, 97);
     assert_eq!((count(&mut c, "tap.0.cycles"), count(&mut c, "tap.0.lost")), (100, 96));
 
-    // Who comes late finds the first four; what was lost has numbers too.
+    // A late reader finds the first four; lost records are numbered too.
     let mut reader = served.client();
     let mut stream = attach(&mut reader, "tap.0");
     assert_eq!(read(&mut stream), [(1, 1), (2, 2), (3, 3), (4, 4)]);
@@ -99,14 +99,14 @@ fn a_ring_without_a_reader_counts_what_it_loses() {
     assert_eq!(read(&mut stream), [(101, 101), (102, 102)]);
     assert_eq!(count(&mut c, "tap.0.lost"), 96);
 
-    // It stops reading, and goes.
+    // The reader stops reading, and exits.
     run(&mut c, 10);
     assert_eq!(count(&mut c, "tap.0.lost"), 96 + 6);
     drop((stream, reader));
     run(&mut c, 10);
     assert_eq!(count(&mut c, "tap.0.lost"), 96 + 16);
 
-    // The next one goes on where that one stopped.
+    // The next reader continues where that one stopped.
     let mut reader = served.client();
     let mut stream = attach(&mut reader, "tap.0");
     assert_eq!(read(&mut stream), [(103, 103), (104, 104), (105, 105), (106, 106)]);
@@ -126,7 +126,7 @@ fn a_ring_without_a_writer_says_that_it_is_empty() {
     assert_eq!(fit, 4);
     run(&mut c, 3);
     assert_eq!((count(&mut c, "feed.0.first"), count(&mut c, "feed.0.second")), (3, 30));
-    // What waits is read although its writer has gone.
+    // Waiting records are read although their writer is gone.
     drop((stream, writer));
     run(&mut c, 3);
     assert_eq!((count(&mut c, "feed.0.first"), count(&mut c, "feed.0.taken")), (4, 4));
@@ -149,7 +149,7 @@ fn a_ring_has_one_program_at_a_time() {
     let mut stream = attach(&mut second, "tap.0");
     run(&mut c, 2);
     assert_eq!(read(&mut stream), [(1, 1), (2, 2)]);
-    // It goes with its component; who holds it still reads what it held.
+    // The ring is removed with its component; a program that still maps it can still read its contents.
     script(&mut c, "unloadrt tap\nloadrt tap\naddf tap.0 thread1");
     run(&mut c, 2);
     assert_eq!(read(&mut stream), []);
@@ -170,7 +170,7 @@ fn its_memory_cannot_be_taken_away() {
         for seals in [SealFlags::WRITE, SealFlags::FUTURE_WRITE, SealFlags::SEAL] {
             assert_eq!(fcntl_add_seals(&file, seals), Err(Errno::PERM), "{seals:?}");
         }
-        // What it may: give back the pages, which then read as zeros.
+        // A permitted operation: giving back the pages, which then read as zeros.
         let hole = FallocateFlags::PUNCH_HOLE | FallocateFlags::KEEP_SIZE;
         fallocate(&file, hole, 0, size).unwrap();
         run(&mut c, 10);
@@ -180,7 +180,7 @@ fn its_memory_cannot_be_taken_away() {
     served.end();
 }
 
-/// Lets a program scribble, then checks that the engine is unharmed and serves the next.
+/// Lets a program overwrite the memory, then checks that the engine is unharmed and serves the next.
 fn scribbled(
     served: &Served,
     c: &mut Client,
@@ -200,7 +200,7 @@ fn scribbled(
     let mut next = served.client();
     let mut stream = attach(&mut next, name);
     if name == "tap.0" {
-        // What was scribbled over is read as it is; what is written from now on is right.
+        // Overwritten records are read as they are; records written from now on are correct.
         let mut record = Vec::new();
         for _ in 0..3 {
             while stream.take(&mut record).is_some() {}
@@ -262,7 +262,7 @@ fn random_words_all_over_harm_nobody() {
             for _ in 0..20 {
                 for _ in 0..random.word() % 40 {
                     let at = random.word() % words * 8;
-                    // Often near what could be, sometimes anything.
+                    // Often values near plausible ones, sometimes random ones.
                     let word = match random.word() % 3 {
                         0 => random.word(),
                         1 => random.word() % 64,

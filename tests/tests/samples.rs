@@ -1,5 +1,5 @@
-//! Samples through shared rings: each cycle or each n-th, of everything that has a value; what a
-//! ring cannot hold is counted exactly, and readers that go, stop or scribble harm nobody.
+//! Samples through shared rings: each cycle or each n-th, of every kind of item; samples that do not fit into a ring
+//! are counted exactly, and readers that exit, stop or overwrite the memory harm nobody.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use hal_engine::{ClockKind, Engine};
@@ -37,7 +37,7 @@ fn run(c: &mut impl Link, ns: u64) {
     c.call(Request::Run { ns }).unwrap();
 }
 
-/// Everything that waits: when, and the first value, which counts.
+/// Reads all waiting samples: time stamp and first value, which is a counter.
 fn read(samples: &mut Samples) -> Vec<(Stamp, i64)> {
     let mut record = Vec::new();
     let mut all = Vec::new();
@@ -70,7 +70,7 @@ fn each_cycle_or_each_nth_of_any_thread() {
     assert_eq!(stamps(&mut third), [(0, 25_000, 0, 1), (1, 100_000, 0, 4)]);
     assert_eq!(stamps(&mut slow), []);
 
-    // Nothing runs, so nothing is sampled.
+    // No thread runs, so nothing is sampled.
     m.script("stop");
     run(&mut m, 1_000_000);
     assert_eq!(stamps(&mut each), []);
@@ -113,7 +113,7 @@ fn every_type_of_pin_signal_and_parameter() {
     assert_eq!(record.len(), 6);
     m.end();
 
-    // A program's pins, and its parameters.
+    // Pins and parameters of a program.
     let served = Served::on(ClockKind::Virtual, &scratch, "types", "loadrt threads\nstart");
     let mut c = served.client();
     script(&mut c, "join prog");
@@ -145,7 +145,7 @@ fn what_the_ring_cannot_hold_is_counted_and_the_rest_is_right() {
     let mut samples = reader.sample(wanted).unwrap();
     assert_eq!(samples.info().depth, 100);
     let (mut next, mut lost) = (0_u64, 0);
-    // The reader stops for so many cycles, then reads.
+    // The reader pauses for this many cycles, then reads.
     for stop in [1, 99, 100, 101, 1000, 37, 12_345, 100] {
         run(&mut c, stop * 25_000);
         let all = read(&mut samples);
@@ -170,7 +170,7 @@ fn what_the_ring_cannot_hold_is_counted_and_the_rest_is_right() {
     served.end();
 }
 
-/// Reads until so many samples have come; `(channel 0 - number)` never changes.
+/// Reads until this many samples have arrived; checks that `(channel 0 - number)` stays constant.
 fn all_of(mut samples: Samples, n: u64) -> u64 {
     let mut record = Vec::new();
     let mut got = 0;
@@ -244,7 +244,7 @@ fn time_moves_on_when_the_reader_it_waited_for_goes() {
     drop(reader);
     ran.join().unwrap();
     assert_eq!(thread(&mut look, "fast").cycles, 40);
-    // What waited is still there, and no more comes.
+    // Waiting samples remain, and no more arrive.
     assert_eq!(samples.waiting(), 10);
     served.end();
 }
@@ -270,7 +270,7 @@ fn a_pin_follows_its_signal() {
     let swap = "unlinkp and2.0.in0\nunlinkp and2.1.in0\nlinkps and2.0.in0 zero\nlinkps and2.1.in0 one\nsets zero 0\nsets one 1";
     assert_eq!(seen(&mut m, swap), "011");
     assert_eq!(seen(&mut m, "sets one 0\nsets zero 1"), "100");
-    // Unlinked, it keeps what it had.
+    // An unlinked pin keeps its value.
     assert_eq!(seen(&mut m, "unlinkp and2.0.in0\nsets zero 0"), "100");
     assert_eq!(seen(&mut m, "setp and2.0.in0 0"), "000");
 }
@@ -291,7 +291,7 @@ fn it_ends_when_what_it_watches_goes_and_only_then() {
         script(&mut c, "newsig x bit\nlinkps and2.0.in0 x");
         let mut samples = c.sample(spec(&names)).unwrap();
         run(&mut c, 50_000);
-        // Refused as a whole, so nothing has changed.
+        // The whole transaction is refused, so nothing has changed.
         assert!(applied(&mut c, &format!("{goes}\nsetp nothing 1")).contains("not found"));
         script(&mut c, "unloadrt or2");
         run(&mut c, 50_000);
@@ -342,7 +342,7 @@ fn what_cannot_be_sampled_is_refused_and_leaves_nothing() {
     assert_eq!(here, "samples go to programs: ask for them on the socket");
     assert!(said(&mut m, &in_thread("quick", &["x"])).contains("'quick' not found"));
     assert!(m.engine.sample(&spec(&["x"; 1024])).is_ok());
-    // All rings together have a bound.
+    // The total size of all rings is bounded.
     let deep = SampleSpec { depth: 1 << 23, ..spec(&["x"]) };
     let taken: Vec<Samples> = std::iter::from_fn(|| m.engine.sample(&deep).ok()).collect();
     assert!(taken.len() < 6, "{}", taken.len());
@@ -422,7 +422,7 @@ fn components_and_links_come_and_go_while_the_real_clock_runs() {
     served.end();
 }
 
-/// A connection, and the memory of a sample's ring that it was handed.
+/// Returns a connection, and the memory of a sample's ring that the engine passed over it.
 fn handed(served: &Served) -> (UnixStream, File) {
     let mut socket = UnixStream::connect(served.place.socket()).unwrap();
     let asked = "{\"request\":{\"sample\":{\"names\":[\"fast.threadbeat\"],\"depth\":4}}}";
@@ -452,7 +452,7 @@ fn what_a_reader_writes_is_not_believed() {
         let size = file.metadata().unwrap().len();
         assert!(file.set_len(0).is_err() && file.set_len(size + 1).is_err());
         for _ in 0..20 {
-            // Its indices first, then anything.
+            // First the ring's indices, then random words.
             let at = if round < 20 { [64, 128][round % 2] } else { random.word() % (size / 8) * 8 };
             let word = match random.word() % 3 {
                 0 => random.word(),
@@ -465,7 +465,7 @@ fn what_a_reader_writes_is_not_believed() {
             n += cycles.cast_signed();
         }
         drop((socket, file));
-        // The one beside it is right, and a new one begins as if nothing had been.
+        // The adjacent ring is intact, and a new one starts clean.
         let all = stamps(&mut right);
         assert!(all.iter().all(|s| s.0.cast_signed() + 1 == s.3 && s.2 == 0));
         assert_eq!(all.last().map_or(n, |s| s.3), n);
@@ -481,7 +481,7 @@ fn what_a_reader_writes_is_not_believed() {
     served.end();
 }
 
-/// A component in C, whose parameters are in memory of its own.
+/// A component in C whose parameters are in memory of its own.
 const FOREIGN: &str = "component par \"Parameters.\";
     pin out s32 n;
     param rw float gain = 1.5;
@@ -526,7 +526,7 @@ fn parameters_in_memory_of_a_component_in_c() {
             assert_eq!(record.get(..2), Some(&[Value::S32(i), Value::S32(-i)][..]));
             assert_eq!(record.get(2..), Some(&rest[..]));
         }
-        // Its memory goes with it, and nobody looks at it any more.
+        // Its memory is freed with it, and no sample reads it any more.
         script(&mut e, "unloadrt par");
         let id = samples.info().id;
         let state = e.call(Request::SampleState { id });

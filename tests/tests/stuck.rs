@@ -1,5 +1,5 @@
-//! A thread that is stuck in a function: outputs go to their safe levels while it still is, nothing
-//! begins again by itself; and a thread that is only late is not stuck.
+//! A thread that is stuck in a function: outputs go to their safe levels while it is stuck, and nothing restarts by
+//! itself; a thread that is only late does not count as stuck.
 
 use hal_engine::{ClockKind, Engine, Options, RealtimeOptions};
 use hal_protocol::{Failure, FaultInfo, Place};
@@ -12,11 +12,11 @@ use std::sync::{
     atomic::{AtomicBool, Ordering::Relaxed},
 };
 
-/// The shortest time that may be asked for: what is not stuck must not be taken for it.
+/// The shortest time that can be configured: threads that are not stuck must still not be reported.
 const SHORTEST: RealtimeOptions =
     RealtimeOptions { cpu: None, idle_us: Some(0), stuck_ns: Some(1_000_000) };
 
-/// Drivers in two threads; the second one's is run after the function that may be stuck.
+/// Drivers in two threads; the second thread runs its driver after the function that may get stuck.
 const DRIVERS: &str = "
     loadrt threads name1=fast period1=1000000 name2=slow period2=5000000
     loadrt boom count=3
@@ -41,13 +41,13 @@ fn outputs_are_safe_while_the_thread_is_still_stuck_and_nothing_begins_again() {
     let mut m = Machine::realtime(RealtimeOptions::default());
     m.script(DRIVERS);
     running(&mut m);
-    // Two of the slowest periods.
+    // Two periods of the slowest thread.
     assert_eq!(status(&mut m).realtime.unwrap().stuck_ns, 10_000_000);
     assert_eq!(status(&mut m).fault, None);
     m.script("setp stuck.0.hold 1");
     until("outputs are at their safe levels", || lines(&mut m) == [false; 3]);
     assert!(bit(&mut m, "stuck.0.inside"));
-    // Once by whoever looks for it, once by the control side.
+    // Once by the watching thread, once by the control side.
     until("both have driven them", || count(&mut m, "boom.2.stops") >= 2);
 
     m.script("idle 1");
@@ -68,7 +68,7 @@ fn outputs_are_safe_while_the_thread_is_still_stuck_and_nothing_begins_again() {
     );
     assert_eq!(lines(&mut m), [false; 3]);
 
-    // It comes back: its cycle ends there, and outputs are driven once more.
+    // The function returns: its cycle ends there, and outputs are driven once more.
     let stops = count(&mut m, "boom.2.stops");
     let before = [0, 1, 2].map(|i| count(&mut m, &format!("boom.{i}.cycles")));
     m.script("setp stuck.0.hold 0");
@@ -79,7 +79,7 @@ fn outputs_are_safe_while_the_thread_is_still_stuck_and_nothing_begins_again() {
     assert_eq!([0, 1, 2].map(|i| count(&mut m, &format!("boom.{i}.cycles"))), before);
     assert_eq!(lines(&mut m), [false; 3]);
 
-    // Nothing but the culprit's going lets threads run again.
+    // Threads can run again only after the faulty component is unloaded.
     let refused = "function 'stuck.0' has failed: threads stay stopped; 'status' says why; unload \
                    it to go on";
     assert_eq!(says(&mut m, "start"), refused);
@@ -116,7 +116,7 @@ fn a_thread_that_computes_for_too_long_is_stuck_and_one_that_has_time_is_not() {
         addf busy.0 t
         addf boom.0 t
         start";
-    // 20 ms of computing are an overrun where a second is allowed, and too long where 2 ms are.
+    // 20 ms of computing are an overrun if a second is allowed, and too long if 2 ms are allowed.
     for (stuck_ns, fails) in [(Some(1_000_000_000), false), (None, true)] {
         let mut m = Machine::realtime(RealtimeOptions { stuck_ns, ..RealtimeOptions::default() });
         m.script(script);
@@ -151,7 +151,7 @@ fn a_function_that_sets_hardware_up_has_a_second() {
     assert_eq!((count(&mut m, "busy.0.spun"), status(&mut m).fault), (1, None));
 }
 
-/// Whatever else runs on this computer, whoever waits for a processor is not stuck.
+/// A thread that waits for a processor is not stuck, whatever the load of this computer.
 #[test]
 fn a_thread_that_waits_for_a_processor_is_not_stuck() {
     let end = Arc::new(AtomicBool::new(false));

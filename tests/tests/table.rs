@@ -1,9 +1,9 @@
-//! The table of all components in `components/README.md`, and the page of each in
-//! `components/pages`, are what the plugins themselves say, and what was shown of them.
+//! The table of all components in `components/README.md`, and the page of each in `components/pages`, agree with the
+//! plugins' own declarations and with the test results.
 //!
-//! `UPDATE_EXPECT=1 cargo test -p hal-tests --test table` writes both. Cells come from the
-//! plugins, from `tests/compat/pins`, `judge.md` and `kinematics.md`, from the sources of the
-//! tests, and from `components/SPEED.md`; one that none of these can fill fails, with what to do.
+//! `UPDATE_EXPECT=1 cargo test -p hal-tests --test table` writes both. Cells come from the plugins, from
+//! `tests/compat/pins`, `judge.md` and `kinematics.md`, from the sources of the tests, and from `components/SPEED.md`;
+//! a cell without a source fails the test, which then names the remedy.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_protocol::Offer;
@@ -22,11 +22,11 @@ use std::{
 const BEGIN: &str = "<!-- table:begin -->";
 const END: &str = "<!-- table:end -->";
 const AGAIN: &str = "run `UPDATE_EXPECT=1 cargo test -p hal-tests --test table`";
-/// The words of a cell where LinuxCNC 2.9 has nothing to compare with.
+/// Text of a cell where LinuxCNC 2.9 has nothing to compare with.
 const NO_PEER: &str = "no peer";
 
-/// The pages of all components, of those with several names under one: which LinuxCNC has, if one
-/// is known, or the first.
+/// Returns one page for each component. A component with several names is listed under the name that LinuxCNC has, if
+/// that is known, or under the first.
 fn pages() -> Vec<Page> {
     let known: BTreeSet<String> = pins::names().into_iter().collect();
     let all = man::pages(&[programs().to_owned()]).unwrap();
@@ -39,7 +39,7 @@ fn pages() -> Vec<Page> {
     all.into_iter().filter(is_first).collect()
 }
 
-/// The cells of the rows of a file of Markdown, by the name in the first.
+/// Returns the cells of the rows of a Markdown file, keyed by the first cell.
 fn rows(file: &str) -> BTreeMap<String, Vec<String>> {
     let text = fs::read_to_string(root().join(file)).unwrap_or_default();
     let cells =
@@ -52,13 +52,13 @@ fn rows(file: &str) -> BTreeMap<String, Vec<String>> {
     out
 }
 
-/// A number with a comma between thousands.
+/// Returns a number with thousands separated by commas.
 fn thousands(number: &str) -> String {
     let (head, tail) = number.split_at(number.len().saturating_sub(3));
     if head.is_empty() { tail.to_owned() } else { format!("{},{tail}", thousands(head)) }
 }
 
-/// What was shown elsewhere.
+/// Results from other tests.
 struct Shown {
     judge: BTreeMap<String, Vec<String>>,
     kinematics: BTreeMap<String, Vec<String>>,
@@ -74,7 +74,7 @@ impl Shown {
         }
     }
 
-    /// How many pins are LinuxCNC's.
+    /// Returns the number of pins that are LinuxCNC's.
     fn pins(&self, offer: &Offer) -> Result<String, String> {
         let found = pins::beside(offer)?;
         if !found.faults.is_empty() {
@@ -89,7 +89,7 @@ impl Shown {
         })
     }
 
-    /// In how many cycles it did as LinuxCNC's.
+    /// Returns the number of cycles in which it agreed with LinuxCNC's.
     fn judge(&self, offer: &Offer) -> Result<String, String> {
         let name = &offer.component;
         if let Some(row) = self.kinematics.get(name) {
@@ -117,7 +117,7 @@ impl Shown {
         })
     }
 
-    /// How long a call takes.
+    /// Returns the duration of a call.
     fn time(&self, page: &Page) -> Result<String, String> {
         if page.functs.is_empty() {
             return Ok("no function".to_owned());
@@ -158,7 +158,7 @@ impl Shown {
     }
 }
 
-/// What a library says it is, in its manifest.
+/// Returns a library's description in its manifest.
 fn description(library: &str) -> String {
     let file = family(library).join("Cargo.toml");
     let text = fs::read_to_string(file).unwrap();

@@ -1,5 +1,5 @@
-//! A thousand instances of any component, each as large as it gets, load, run and leave nothing behind;
-//! so do all components of all libraries, together in one engine.
+//! A thousand instances of any component, each of the largest size, load, run and leave nothing behind; so do all
+//! components of all libraries, together in one engine.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use hal_engine::Engine;
@@ -9,13 +9,13 @@ use hal_tests::{
     machine::{says, script, status},
 };
 
-/// Instances of each.
+/// Number of instances of each.
 const COUNT: usize = 1000;
 
-/// What a pin or parameter takes of the memory that threads see, in bytes.
+/// Memory of a pin or parameter that threads access, in bytes.
 const SLOT: u64 = 16;
 
-/// What is there, and the memory that it takes.
+/// Returns the memory in use and the number of objects of each kind.
 fn usage(s: &StatusInfo) -> (u64, [u32; 6]) {
     let all = [&s.components, &s.pins, &s.params, &s.signals, &s.functs, &s.threads];
     (s.memory.0, all.map(|u| u.active))
@@ -29,7 +29,7 @@ fn names(e: &mut Engine, kind: Kind) -> Vec<String> {
     }
 }
 
-/// Runs some cycles of all that is loaded in one thread: what is then there.
+/// Runs some cycles of everything that is loaded in one thread; returns the status afterwards.
 fn run(e: &mut Engine) -> StatusInfo {
     if names(e, Kind::Threads).is_empty() {
         script(e, "loadrt threads name1=all period1=1000000");
@@ -66,7 +66,7 @@ fn a_thousand_instances_of_any_component() {
     }
 }
 
-/// Those that cannot be beside others, which are loaded before them: second spellings of one.
+/// Components whose names collide with those loaded before them: second spellings of one.
 const TAKEN: [&str; 3] = [
     "at_pid: duplicate pin 'pid.0.enable'",
     "iocontrol: duplicate pin 'iocontrol.0.user-enable-out'",
@@ -93,7 +93,7 @@ fn all_components_of_all_libraries_in_one_engine() {
     assert_eq!(refused, TAKEN);
     assert_eq!(kinematics, offers.iter().filter(|o| o.library == "kinematics").count());
     let s = run(&mut e);
-    // Threads have a component each.
+    // Each thread has a component.
     let loaded = (s.components.active - s.threads.active) as usize;
     assert_eq!(loaded, offers.len() - TAKEN.len() - kinematics);
     script(&mut e, "unloadrt all");

@@ -10,7 +10,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
 }
 
-/// Every file below `folder` with this ending, without build output.
+/// Returns every file below `folder` with this ending, without build output.
 fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
     let mut out = Vec::new();
     let mut entries: Vec<_> =
@@ -33,13 +33,13 @@ fn short(path: &Path) -> String {
     path.strip_prefix(root()).unwrap().display().to_string()
 }
 
-/// The file without its tests.
+/// Returns the file without its tests.
 fn code(path: &Path) -> String {
     let text = std::fs::read_to_string(path).unwrap();
     text.split("#[cfg(test)]").next().unwrap().to_owned()
 }
 
-/// The manifests of the workspace's members.
+/// Returns the manifests of the workspace's members.
 fn members() -> BTreeMap<String, toml::Table> {
     let mut out = BTreeMap::new();
     for path in files(&root(), "Cargo.toml") {
@@ -234,7 +234,7 @@ fn output_goes_through_one_crate() {
         "stdout().lock",
         "stdout().write",
     ];
-    // Files that open what is no output, and why. Each is used.
+    // Files that write to something other than program output, and the reason. Each entry must be used.
     let scratch = "files in a folder that goes again";
     let device = "a device";
     let mut others = BTreeMap::from([
@@ -281,7 +281,7 @@ fn no_vague_names() {
         if path.ends_with("tests/tests/tidy.rs") {
             continue;
         }
-        // `motion-command-handler` is what users call that function.
+        // `motion-command-handler` is the name of that function for users.
         for word in ["Manager", "Handler", "Helper"] {
             for decl in ["struct ", "enum ", "trait "] {
                 let text = code(&path);

@@ -1,4 +1,4 @@
-//! Machines on trial: every line is carried out, and nothing outside is touched.
+//! Dry runs of machines: every line is executed, and nothing outside is touched.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_protocol::{Kind, Link, Reply, Request};
@@ -8,7 +8,7 @@ use hal_tests::{
 };
 use halcmd::trial::Trial;
 
-/// Carries out a script on trial, its file called `m.hal`.
+/// Executes a script as a dry run; its file is called `m.hal`.
 fn trial(text: &str) -> (Scratch, Trial) {
     let scratch = Scratch::new("trial-names");
     scratch.write("m.hal", text);
@@ -17,7 +17,7 @@ fn trial(text: &str) -> (Scratch, Trial) {
     (scratch, trial)
 }
 
-/// What was refused, without the folder.
+/// Returns the refusals, without the folder.
 fn refusals(scratch: &Scratch, trial: &Trial) -> Vec<String> {
     let folder = format!("{}/", scratch.path().display());
     let said = trial.attempt().refusals.iter().map(|r| format!("{}: {}", r.at, r.error.whole()));

@@ -1,15 +1,14 @@
-//! The documentation of every pin and parameter that is a float says in which unit it is, that it
-//! has none, or between which numbers it stays.
+//! The documentation of every float pin and parameter states its unit, that it has none, or its range.
 
 use hal_protocol::Type;
 use hal_tests::programs::programs;
 use halcmd::man;
 
-/// Words by which a unit is known, or that there is none.
+/// Words that name a unit, or state that there is none.
 const WORDS: &str = "counts cycles degrees fraction hertz k microseconds milliseconds ms nanoseconds \
     ns part percent periods pulses radians ratio revolution revolutions rpm seconds steps turns unit \
     units volts °c °f µs";
-/// The same in several words.
+/// Phrases of several words with the same meaning.
 const PHRASES: &[&str] = &[
     "always 0",
     "how many",
@@ -20,13 +19,13 @@ const PHRASES: &[&str] = &[
     "without effect",
 ];
 
-/// Whether a text says how its number is meant.
+/// Returns whether a text states the meaning of its number.
 fn says(doc: &str) -> bool {
     let text = doc.to_lowercase();
     let letter = |c: char| c.is_alphanumeric() || c == '°';
     let words: Vec<&str> = text.split(|c| !letter(c)).filter(|w| !w.is_empty()).collect();
     let number = |word: &str| word.starts_with(|c: char| c.is_ascii_digit());
-    // As in `-1 to 1`, and `1 or 4`.
+    // For example `-1 to 1`, and `1 or 4`.
     let range = |w: &[&str]| matches!(*w, [low, "to" | "or", high] if number(low) && number(high));
     words.iter().any(|w| WORDS.split(' ').any(|unit| unit == *w))
         || PHRASES.iter().any(|p| text.contains(p))

@@ -1,5 +1,5 @@
-//! Files of traces in programs that are not ours: what the tools of `GTKWave`, sigrok and Python make of
-//! them, and what we make of what those write. Programs that are not installed are passed over, and said.
+//! Trace files in other programs: the tools of `GTKWave`, sigrok and Python read ours, and we read theirs. Programs
+//! that are not installed are skipped, and reported.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_protocol::{Type, Value};
@@ -7,7 +7,7 @@ use hal_tests::{scratch::Scratch, tools::Tool};
 use hal_trace::{Trace, load, save};
 use std::process::Command;
 
-/// Runs a program on files of the folder; nothing, if it is not installed.
+/// Runs a program on files of the folder; returns `None` if it is not installed.
 fn run(scratch: &Scratch, program: &str, words: &[&str]) -> Option<String> {
     let output = Command::new(program).args(words).current_dir(scratch.path()).output();
     let Ok(output) = output else {
@@ -20,7 +20,7 @@ fn run(scratch: &Scratch, program: &str, words: &[&str]) -> Option<String> {
     Some(text)
 }
 
-/// Steps at two speeds, and everything that has a value.
+/// Returns a trace of steps at two speeds, and one channel of every type.
 fn trace() -> Trace {
     let mut trace = Trace::default();
     for (name, ty) in [
@@ -75,7 +75,7 @@ fn read(scratch: &Scratch, name: &str) -> Trace {
     reading.trace
 }
 
-/// The same names, types, and values at each time of `ours`.
+/// Asserts that names, types, and the values at each time of `ours` are equal.
 fn same(ours: &Trace, theirs: &Trace) {
     for (n, channel) in ours.channels().iter().enumerate() {
         let found = theirs.find(channel.name()).unwrap();
@@ -118,7 +118,7 @@ fn gtkwave_reads_our_fst_and_we_read_its_vcd() {
 
 #[test]
 fn sigrok_reads_our_vcd_and_we_read_its_own() {
-    // Bits alone: numbers that are none, as ours has, are beyond it.
+    // Bits only: sigrok cannot handle NaN, which our trace contains.
     let (scratch, all) = (Scratch::new("sigrok"), trace());
     let mut ours = Trace::default();
     for (n, name) in ["stepgen.0.step", "stepgen.0.dir"].into_iter().enumerate() {
@@ -135,7 +135,7 @@ fn sigrok_reads_our_vcd_and_we_read_its_own() {
         return;
     }
     let theirs = read(&scratch, "theirs.vcd");
-    // It knows bits; its samples are 25 microseconds long.
+    // The format supports bits; its samples are 25 microseconds long.
     for name in ["step", "dir"] {
         let found = theirs.channels().iter().position(|c| c.name().ends_with(name)).unwrap();
         let n = ours.find(&format!("stepgen.0.{name}")).unwrap();
@@ -179,7 +179,7 @@ fn a_spreadsheet_imports_our_csv() {
     if run(&scratch, "ssconvert", &words).is_none() {
         return;
     }
-    // It shows large integers rounded; times and what is small come back.
+    // It rounds large integers for display; times and small numbers survive the round trip.
     let text = scratch.read("theirs.csv");
     let mut rows = text.lines().skip(1).filter(|line| !line.contains("trigger"));
     for time in ours.times().iter() {

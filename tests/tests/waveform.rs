@@ -1,17 +1,17 @@
-//! What leaves the machine, edge by edge: step and direction of the printer's X around a reversal.
-//! `UPDATE_EXPECT=1` writes what is expected.
+//! The output of the machine, edge by edge: step and direction of the printer's X around a reversal. `UPDATE_EXPECT=1`
+//! writes the expected output.
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
 
 use hal_tests::{golden, programs::root, scratch::Scratch, vcd::Vcd};
 
-/// The lines that the drawing shows.
+/// Lines that the drawing shows.
 const LINES: [&str; 4] = ["xstep", "xdir", "viagpio.sim.reg-4d-4", "viagpio.sim.reg-4f-2"];
 
-/// Drives X to and fro with this set-up and hold time of the direction: the edges around the
-/// reversal, and the time from the edge of the direction to the next step.
+/// Drives X in both directions with this set-up and hold time of the direction: returns the edges around the reversal,
+/// and the time from the edge of the direction to the next step.
 fn reversal(dirsetup: u32, dirhold: u32) -> (String, i64) {
     let scratch = Scratch::copy_of(&root().join("tests/hal/printer"));
-    // The position jumps to and fro, as from a wheel turned back at once: a ramp of the motion
+    // The position jumps back and forth, as from a handwheel that is turned back at once: a ramp of the motion
     // controller would leave no step near the reversal.
     scratch.write(
         "custom_postgui.hal",
@@ -42,7 +42,7 @@ fn the_edges_around_a_reversal() {
     }
     let path = root().join("tests/hal/printer/waveform.expected");
     golden::check(&path, &text);
-    // Times are rounded up to base periods: a longer set-up moves the first step after the turn.
+    // Times are rounded up to base periods: a longer set-up time moves the first step after the reversal.
     assert!(waits.iter().zip([100_000, 600_000, 100_000]).all(|(w, least)| *w >= least));
     assert!(waits[1] > waits[0], "{waits:?}");
 }

@@ -1,4 +1,4 @@
-//! Programs as wholes, and LinuxCNC's beside ours.
+//! Whole programs: ours, and LinuxCNC's for comparison.
 
 use std::{
     fmt::Write,
@@ -7,16 +7,16 @@ use std::{
     time::Duration,
 };
 
-/// How many gates are in a chain.
+/// Number of gates in a chain.
 pub(crate) const CHAIN: usize = 800;
 
-/// The folder of the programs that `cargo build --release` made.
+/// Returns the folder of the programs that `cargo build --release` built.
 pub(crate) fn programs() -> PathBuf {
     let me = std::env::current_exe().unwrap();
     me.parent().and_then(|deps| deps.parent()).unwrap().to_owned()
 }
 
-/// A chain of gates as a script that both systems read: how they are loaded, and their name.
+/// Returns a chain of gates as a script for both systems, given the load command and the gates' name.
 pub(crate) fn chain_script(load: &str, name: &str) -> String {
     let mut s = String::from("loadrt threads name1=t period1=1000000\n");
     writeln!(s, "{load} count={CHAIN}").unwrap();
@@ -29,8 +29,8 @@ pub(crate) fn chain_script(load: &str, name: &str) -> String {
     s
 }
 
-/// Nanoseconds per function that a thread's own account shows: the least of ten looks, once the
-/// program is up.
+/// Returns the nanoseconds per function according to the thread's own time pin: the minimum of ten reads after the
+/// program has started.
 pub(crate) fn account(halcmd: &dyn Fn() -> Command) -> Option<f64> {
     let look = || {
         std::thread::park_timeout(Duration::from_millis(100));
@@ -60,12 +60,12 @@ pub(crate) fn while_running<R>(
     Some(r)
 }
 
-/// LinuxCNC's program, as an ordinary user with a home of its own.
+/// Returns a command for LinuxCNC's program, run by an ordinary user with a home of its own.
 pub(crate) fn peer(program: &str, home: &std::path::Path) -> Command {
     let root = rustix::process::getuid().is_root();
     let mut c = if root { Command::new("runuser") } else { Command::new(program) };
     if root {
-        // It sets a home of its own.
+        // `env` sets the home folder.
         c.args(["-u", "nobody", "--", "env"]).arg(format!("HOME={}", home.display())).arg(program);
     }
     c.env("HOME", home).current_dir(home).env_remove("HAL_INSTANCE");

@@ -1,4 +1,4 @@
-//! What drives and times components: a library of its own, run in the same thread as they.
+//! Library that drives and times components in their own thread.
 
 use hal_component::{
     Arg, Builder, Component, Error, Out, ParamRw, Period, Touch, Update,
@@ -13,33 +13,33 @@ use std::{
     time::Instant,
 };
 
-/// How many values of each type there are to choose from.
+/// Number of values of each type to choose from.
 pub(crate) const BANK: u8 = 16;
 
-/// How many marks a cycle may have.
+/// Maximum number of marks in a cycle.
 pub(crate) const MARKS: usize = 64;
 
-/// All is chance, in every cycle.
+/// Random values in every cycle.
 pub(crate) const CHANCE: u32 = 0;
-/// Bits are true, numbers grow and shrink.
+/// Bits are true, numbers rise and fall.
 pub(crate) const ALL_TRUE: u32 = 1;
-/// Bits are false but those that enable, numbers grow and shrink.
+/// Bits are false, except enables; numbers rise and fall.
 pub(crate) const ENABLED: u32 = 2;
 
 hal_component::export!(Drive, Mark, Nothing);
 
-/// Values that change in every cycle.
+/// Source of values that change in every cycle.
 #[derive(Component)]
 pub(crate) struct Drive {
-    /// How they change.
+    /// Style of the changes.
     style: ParamRw<u32>,
     /// Bits.
     #[hal(name = "bit-##", count = BANK)]
     bit: Vec<Out<bool>>,
-    /// For inputs that enable.
+    /// Bits for enable inputs.
     #[hal(name = "enable-##", count = BANK)]
     enable: Vec<Out<bool>>,
-    /// Numbers of different sizes.
+    /// Numbers of different magnitudes.
     #[hal(name = "float-##", count = BANK)]
     float: Vec<Out<f64>>,
     /// Small numbers.
@@ -69,7 +69,7 @@ impl Default for Chance {
     }
 }
 
-/// The sizes of numbers, each for some of the bank.
+/// Magnitudes of numbers, each for some of the bank.
 const SIZES: [f64; 4] = [1.0, 0.1, 10.0, 1000.0];
 
 impl Update for Drive {
@@ -97,7 +97,7 @@ impl Update for Drive {
 static TOTAL: [AtomicU64; MARKS] = [const { AtomicU64::new(0) }; MARKS];
 static LAST: AtomicU64 = AtomicU64::new(0);
 
-/// The time since the mark before, summed up for each.
+/// Sums of the time since the previous mark.
 pub(crate) enum Mark {}
 
 impl Component for Mark {
@@ -133,7 +133,7 @@ fn now() -> u64 {
     u64::try_from(ORIGIN.get_or_init(Instant::now).elapsed().as_nanos()).unwrap()
 }
 
-/// What was summed up, in nanoseconds; from here on it is summed up anew.
+/// Returns the sums, in nanoseconds, and resets them.
 pub(crate) fn totals() -> Vec<u64> {
     TOTAL.iter().map(|t| t.swap(0, Relaxed)).collect()
 }

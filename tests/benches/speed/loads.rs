@@ -1,26 +1,26 @@
-//! How long libraries take to load, each in a process of its own.
+//! Load times of libraries, each measured in a process of its own.
 
 use hal_tests::{every, machine::script, programs::programs};
 use std::{collections::BTreeMap, process::Command, time::Instant};
 
-/// Tells a child what it is to load.
+/// Environment variable that names the load of a child process.
 const CHILD: &str = "FERRULE_BENCH_LOADS";
 
-/// How often each is measured; the least counts.
+/// Number of measurements of each; the smallest counts.
 const ROUNDS: usize = 15;
 
-/// What a library's loading takes.
+/// Load times of a library.
 #[derive(Debug)]
 pub(crate) struct Load {
     pub(crate) library: String,
     pub(crate) components: usize,
     pub(crate) kib: u64,
-    /// Of one of its components, in milliseconds: as the first of a process, and again.
+    /// Load time of one of its components, in milliseconds: the first load of a process, and a later one.
     pub(crate) first: f64,
     pub(crate) again: f64,
 }
 
-/// Loads what the environment says, and prints how long it took, in nanoseconds.
+/// Loads the component that the environment names, and prints the duration in nanoseconds.
 pub(crate) fn child() -> bool {
     let Ok(wanted) = std::env::var(CHILD) else { return false };
     let mut engine = every::engine();
@@ -53,7 +53,7 @@ pub(crate) fn loads() -> Vec<Load> {
 
 fn load(library: String, of: &[String]) -> Load {
     let (mut first, mut again) = (f64::INFINITY, f64::INFINITY);
-    // Motion waits for kinematics.
+    // Motion needs kinematics.
     let wanted = of.iter().map(|w| w.replace("motmod", "trivkins\nloadrt motmod")).next().unwrap();
     for _ in 0..ROUNDS {
         let mut child = Command::new(std::env::current_exe().unwrap());

@@ -1,4 +1,4 @@
-//! One component at a time: loaded, driven and timed.
+//! Measurement of one component at a time: loaded, driven and timed.
 
 pub(crate) mod bench;
 pub(crate) mod loads;
@@ -13,19 +13,19 @@ use hal_tests::{
     random::Random,
 };
 
-/// How many instances run in a cycle.
+/// Number of instances that run in a cycle.
 const COUNT: usize = 32;
 
-/// How often each is measured, in each style; the least counts.
+/// Number of measurements of each, in each style; the smallest counts.
 const ROUNDS: usize = 15;
 
-/// About how long a round takes, in nanoseconds.
+/// Approximate duration of a round, in nanoseconds.
 const ROUND: f64 = 2e6;
-/// The most cycles of a round, and the fewest.
+/// Maximum and minimum number of cycles of a round.
 const MOST: f64 = 20_000.0;
 const FEWEST: f64 = 20.0;
 
-/// Components that are driven by lines of a script, and need others.
+/// Components that are driven by lines of a script, and that need others.
 const DRIVEN: &[(&str, &str, &str)] = &[(
     "motmod",
     "loadrt trivkins",
@@ -36,13 +36,13 @@ const DRIVEN: &[(&str, &str, &str)] = &[(
      motion.move x=3000 y=2000 z=-1000 velocity=10",
 )];
 
-/// What a function costs.
+/// Cost of a function.
 #[derive(Debug)]
 pub(crate) struct Cost {
     pub(crate) component: String,
-    /// The function, with N for the number of the instance.
+    /// Name of the function, with N for the number of the instance.
     pub(crate) function: String,
-    /// The arguments that each instance had.
+    /// Arguments of each instance.
     pub(crate) args: String,
     pub(crate) ns: f64,
 }
@@ -65,7 +65,7 @@ pub(crate) fn costs(engine: &mut Engine, offer: &Offer) -> Result<Vec<Cost>, Str
     Ok(costs?.into_iter().map(cost).collect())
 }
 
-/// What an empty function costs.
+/// Returns the cost of an empty function.
 pub(crate) fn nothing(engine: &mut Engine) -> f64 {
     let cost = measured(engine, "nothing", &format!("count={COUNT}")).unwrap();
     script(engine, "stop\nunloadrt all");
@@ -125,7 +125,7 @@ fn measured(
     Ok(groups.into_iter().map(|g| g.0).zip(best).collect())
 }
 
-/// The least time between marks, of several rounds.
+/// Returns the shortest time between marks, over several rounds.
 fn rounds(engine: &mut Engine, marks: usize) -> Vec<f64> {
     let mut run = |cycles: u64| {
         totals();
@@ -142,12 +142,12 @@ fn rounds(engine: &mut Engine, marks: usize) -> Vec<f64> {
             *least = least.min(now);
         }
     }
-    // What a mark itself takes: there is nothing between the first two.
+    // Cost of a mark itself: there is nothing between the first two.
     let mark = least[1];
     least.iter().skip(2).map(|ns| ns - mark).collect()
 }
 
-/// The functions of a component, those of its instances together.
+/// Returns the functions of a component, grouped over its instances.
 fn groups(engine: &mut Engine, component: &str) -> Vec<(String, Vec<String>)> {
     let mut groups: Vec<(String, Vec<String>)> = Vec::new();
     let Reply::Functs(list) = list(engine, Kind::Functs) else { panic!("no functions") };
@@ -168,7 +168,7 @@ fn list(engine: &mut Engine, kind: Kind) -> Reply {
     engine.call(Request::List { kind, patterns: Vec::new(), ty: None }).unwrap()
 }
 
-/// What can be driven.
+/// Returns the items that can be driven.
 fn items(engine: &mut Engine, component: &str) -> Vec<ItemInfo> {
     let mut all = Vec::new();
     for kind in [Kind::Pins, Kind::Params] {
@@ -209,7 +209,7 @@ fn link(engine: &mut Engine, items: &[ItemInfo]) {
     }
 }
 
-/// Each joint's feedback is its command.
+/// Links each joint's feedback to its command.
 fn join(engine: &mut Engine) {
     for j in 0..9 {
         script(
@@ -222,7 +222,7 @@ fn join(engine: &mut Engine) {
     }
 }
 
-/// Gives parameters, and what both sides write, a value by chance.
+/// Sets parameters, and pins that both sides write, to random values.
 fn set(engine: &mut Engine, items: &[ItemInfo]) {
     let mut r = Random::new(7);
     for item in items.iter().filter(|i| i.direction != Direction::In) {

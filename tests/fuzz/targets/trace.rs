@@ -1,4 +1,4 @@
-//! A file of a recording.
+//! Files of recordings.
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| hal_tests::fuzz::trace(bytes));

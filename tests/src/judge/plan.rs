@@ -4,8 +4,7 @@ use super::{Style, case::Case};
 use std::fmt;
 
 /// Number of cycles of a round. A NaN stays in a filter forever and would hide all later differences, so both
-/// components
-/// are loaded again for each round.
+/// components are loaded again for each round.
 pub const CYCLES: u64 = 500;
 
 /// Periods of the fast thread, in ns: common ones and unusual ones.

@@ -252,8 +252,7 @@ impl Verdict {
 }
 
 /// Returns the distance of two values in units of the last place; `None` if they are not numbers that can be compared
-/// in
-/// this way.
+/// in this way.
 fn apart(ours: Value, theirs: Value) -> Option<u64> {
     match (ours, theirs) {
         (Value::Float(a), Value::Float(b)) => {

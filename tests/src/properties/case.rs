@@ -82,8 +82,7 @@ pub struct Stays {
     /// Reason.
     pub why: String,
     /// Steps of the reset, in order: inputs, as glob patterns, and the values to set. Empty if only a new load resets
-    /// the
-    /// outputs.
+    /// the outputs.
     pub reset: Vec<BTreeMap<String, String>>,
 }
 
