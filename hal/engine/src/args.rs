@@ -1,11 +1,11 @@
-//! Arguments of `loadrt` and of commands: text, checked against what the plugin declares.
+//! Arguments of `loadrt` and of commands: text, checked against the plugin's declarations.
 
 use crate::{Error, name::Name};
 use hal_abi::{ArgSpec, ArgValue, Str, arg};
 use hal_protocol::ArgInfo;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What one argument is declared as, copied from its plugin.
+/// Declaration of one argument, copied from its plugin.
 #[derive(Clone, Debug)]
 pub(crate) struct Declared {
     pub(crate) name: Box<str>,
@@ -17,7 +17,7 @@ pub(crate) struct Declared {
 }
 
 impl Declared {
-    /// Copies a declaration; `None` when it is not one.
+    /// Copies a declaration; returns `None` if its strings are invalid.
     pub(crate) fn copy(spec: &ArgSpec) -> Option<Self> {
         let text = |s: Str| {
             // SAFETY: a declaration's strings are static in its library, which is open.
@@ -34,7 +34,7 @@ impl Declared {
         })
     }
 
-    /// The name of its type.
+    /// Returns the name of the argument's type.
     pub(crate) const fn ty(&self) -> &'static str {
         match self.kind {
             arg::INT => "int",
@@ -48,7 +48,7 @@ impl Declared {
 }
 
 impl Declared {
-    /// As clients see it.
+    /// Returns the declaration as clients see it.
     pub(crate) fn info(&self) -> ArgInfo {
         ArgInfo {
             name: self.name.to_string(),
@@ -73,13 +73,14 @@ enum Given {
 #[derive(Debug, Default)]
 pub(crate) struct Args {
     given: Vec<(Box<str>, Given)>,
-    /// What the plugin was shown of lists of strings, by their place: once for all instances.
+    /// The lists of strings as passed to the plugin, by index into `given`: made once for all
+    /// instances.
     shown: BTreeMap<usize, Box<[Str]>>,
 }
 
 impl Args {
-    /// Checks words of the form `NAME=VALUE`; every `"` is removed, as users expect. `also` are the
-    /// names of arguments that somebody else has read.
+    /// Checks words of the form `NAME=VALUE`; every `"` is removed, as users expect. `also` holds
+    /// the names of arguments that the caller has already read.
     pub(crate) fn parse(
         declared: &[Declared],
         also: &[&str],
@@ -117,7 +118,7 @@ impl Args {
         Ok(Self { given, shown: BTreeMap::new() })
     }
 
-    /// An argument as the contract shows it.
+    /// Returns an argument in the form of the binary interface.
     pub(crate) fn get(&mut self, name: &str) -> ArgValue {
         let none = ArgValue { size: hal_abi::size::<ArgValue>(), ..ArgValue::NONE };
         let at = self.given.iter().position(|(n, _)| &**n == name);
@@ -192,7 +193,7 @@ fn read(d: &Declared, value: &str, word: &str) -> Result<Given, Error> {
     })
 }
 
-/// Checks names of instances: each can be one, and is there once.
+/// Checks names of instances: each must be valid and must occur once.
 fn distinct<'n>(names: impl Iterator<Item = &'n str>) -> Result<(), Error> {
     let (what, mut seen) = ("component instance", BTreeSet::new());
     for name in names {
@@ -204,7 +205,7 @@ fn distinct<'n>(names: impl Iterator<Item = &'n str>) -> Result<(), Error> {
     Ok(())
 }
 
-/// An integer in C's notation.
+/// Parses an integer in C's notation.
 fn integer(text: &str) -> Option<i64> {
     match hal_protocol::Value::parse(hal_protocol::Type::S64, text) {
         Ok(hal_protocol::Value::S64(i)) => Some(i),
@@ -212,24 +213,24 @@ fn integer(text: &str) -> Option<i64> {
     }
 }
 
-/// More instances than this are a slip of the hand that would take all memory.
+/// Limit on the number of instances: a larger number is a typing error that would take all memory.
 const MOST_INSTANCES: u32 = 1_000_000;
 
-/// What `loadrt` takes for components made per instance, beside their own arguments.
+/// Arguments of `loadrt` for components with instances, apart from the component's own arguments.
 #[derive(Debug, Default)]
 pub(crate) struct Instances {
-    /// How many, or their names.
+    /// Number of instances.
     pub(crate) count: Option<u32>,
-    /// Their names.
+    /// Names of the instances.
     pub(crate) names: Vec<String>,
-    /// One for each; zero for instances beyond the list.
+    /// One number for each instance; zero for instances beyond the list.
     pub(crate) personality: Vec<i64>,
     /// All other words.
     pub(crate) rest: Vec<String>,
 }
 
 impl Instances {
-    /// Splits the words of a `loadrt`.
+    /// Splits the words of a `loadrt` line.
     pub(crate) fn parse(words: &[String], personality: bool) -> Result<Self, Error> {
         let mut out = Self::default();
         let invalid = |value: &str, word: &str, expects| Error::InvalidArgument {

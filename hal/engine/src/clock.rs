@@ -1,4 +1,4 @@
-//! Realtime. The loops that run the threads: the virtual clock, and those of the real one.
+//! Realtime. The loops that run the threads: one for the virtual clock, two for the real one.
 
 use crate::{
     ends, os,
@@ -8,12 +8,13 @@ use crate::{
     watch::Probes,
 };
 
-/// The longest sleep: whoever is told to end does so that soon, however slow it is.
+/// Longest single sleep, so that even a slow thread soon sees a request to end.
 const LONGEST_SLEEP_NS: i64 = 10_000_000;
 
-/// Runs the virtual clock up to `until`, at most `instants` moments that do something. Everything
-/// due at one moment runs, faster threads first. Returns early when a probe that must lose nothing
-/// has no room, when messages should be taken, a function fails, or the control side is to come back.
+/// Runs the virtual clock up to `until`, for at most `instants` instants at which a thread is due.
+/// Everything due at one instant runs, faster threads first. Returns early if a probe that must
+/// lose nothing has no room, if the control side should take messages, if a function fails, or if
+/// the control side is wanted elsewhere.
 pub(crate) fn turn(shared: &Shared, probes: &Probes, until: i64, instants: u32) {
     let threads = shared.threads.load();
     let idle = !shared.boundary.is_running() || shared.fault.get().is_some();
@@ -52,7 +53,7 @@ pub(crate) fn turn(shared: &Shared, probes: &Probes, until: i64, instants: u32) 
     }
 }
 
-/// Whatever allocates on first use does so before the first cycle.
+/// Performs all allocations on first use before the first cycle.
 pub(crate) fn warm(shared: &Shared) {
     drop(shared.threads.load());
     for t in shared.threads.load().iter() {
@@ -61,17 +62,17 @@ pub(crate) fn warm(shared: &Shared) {
     os::ticks();
 }
 
-/// The fastest thread's duty before its cycle.
+/// Carries out an offered change before the cycle of the fastest thread.
 fn boundary(shared: &Shared, me: &Thread, threads: &[Arc<Thread>]) {
     if threads.first().is_some_and(|t| t.id == me.id) {
-        // Not `threads`: one may have been added since they were loaded.
+        // Read again instead of using `threads`: a thread may have been added since.
         let inside = |t: &Arc<Thread>| t.id != me.id && t.gate.is_inside();
         let others_inside = || shared.threads.load().iter().any(inside);
         shared.boundary.take(others_inside, crate::change::Change::carry_out);
     }
 }
 
-/// One cycle that was due at `due`; sets when the next is due.
+/// Runs the cycle that was due at `due`, and sets the time of the next.
 fn beat(shared: &Shared, t: &Thread, threads: &[Arc<Thread>], due: i64) {
     let began = os::monotonic_ns();
     t.woke(began - due);
@@ -89,7 +90,7 @@ fn beat(shared: &Shared, t: &Thread, threads: &[Arc<Thread>], due: i64) {
     t.due.store(next, Ordering::Relaxed);
 }
 
-/// One thread, until it is told to end.
+/// Runs one thread until it is asked to end.
 pub(crate) fn run_one(shared: &Shared, t: &Thread) {
     t.tid.store(os::progress::this_thread(), Ordering::Relaxed);
     let ends = || t.end.load(Ordering::Relaxed) || shared.quit.load(Ordering::Relaxed);
@@ -102,7 +103,7 @@ pub(crate) fn run_one(shared: &Shared, t: &Thread) {
     }
 }
 
-/// All threads in turn, from one timeline.
+/// Runs all threads in turn, from one timeline.
 pub(crate) fn run_all(shared: &Shared) {
     let tid = os::progress::this_thread();
     while !shared.quit.load(Ordering::Relaxed) {
@@ -110,7 +111,8 @@ pub(crate) fn run_all(shared: &Shared) {
             let dues = threads.iter().map(|t| t.due.load(Ordering::Relaxed));
             dues.min().unwrap_or(i64::MAX)
         };
-        // The list is not held meanwhile: whoever replaces it waits until nobody does.
+        // The list is not held during the sleep: code that replaces it waits until nothing holds
+        // it.
         let due = next(&shared.threads.load());
         if !slept_until(due) {
             continue;
@@ -126,7 +128,7 @@ pub(crate) fn run_all(shared: &Shared) {
     }
 }
 
-/// Sleeps until `due`, or, where that is far, for a part of it: false.
+/// Sleeps until `due` and returns true, or sleeps for a part of a long wait and returns false.
 fn slept_until(due: i64) -> bool {
     let far = os::monotonic_ns().saturating_add(LONGEST_SLEEP_NS);
     os::sleep_until(if due <= far { due } else { far });

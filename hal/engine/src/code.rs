@@ -1,4 +1,4 @@
-//! What plugins gave the engine to run, and what must live as long.
+//! Code that plugins give the engine to run, and the data that must live as long.
 
 use crate::{
     Error,
@@ -13,7 +13,7 @@ use std::{
     ptr::NonNull,
 };
 
-/// A plugin library, open as long as anything of it is alive.
+/// A plugin library, open as long as anything from it is alive.
 #[derive(Debug)]
 pub(crate) enum Library {
     /// Linked into this program.
@@ -22,14 +22,14 @@ pub(crate) enum Library {
     File(#[expect(dead_code, reason = "held so that the code stays mapped")] libloading::Library),
 }
 
-/// One load of a component: the record that its code calls back through, and its library.
+/// One load of a component: the record through which its code calls the engine, and its library.
 #[derive(Debug)]
 pub(crate) struct Keep {
     calls: CallHost,
     component: u32,
     voice: Arc<Voice>,
     shared: Arc<Shared>,
-    /// Memory of its own, as it says.
+    /// Memory of the component itself in bytes, as it reports.
     memory: AtomicU64,
     #[expect(dead_code, reason = "held so that the code stays mapped; dropped last")]
     library: Arc<Library>,
@@ -64,17 +64,17 @@ impl Keep {
         })
     }
 
-    /// Memory of its own, in bytes.
+    /// Returns the component's own memory in bytes.
     pub(crate) fn memory(&self) -> u64 {
         self.memory.load(Ordering::Relaxed)
     }
 
-    /// The counts of its messages.
+    /// Returns the counts of the component's messages.
     pub(crate) const fn voice(&self) -> &Arc<Voice> {
         &self.voice
     }
 
-    /// What the component may call later.
+    /// Returns the functions that the component may call later.
     pub(crate) const fn calls(&self) -> &CallHost {
         &self.calls
     }
@@ -85,7 +85,7 @@ fn keep<'k>(ctx: *const c_void) -> &'k Keep {
     unsafe { &*ctx.cast::<Keep>() }
 }
 
-/// Realtime.
+/// Realtime. Sends a message of a component to the mailbox.
 ///
 /// # Safety
 /// Called by a component with the context it was given and `n` live numbers.
@@ -113,7 +113,7 @@ unsafe extern "C" fn message(
     mailbox.say(&k.voice, m);
 }
 
-/// Realtime.
+/// Realtime. Returns machine time in nanoseconds.
 ///
 /// # Safety
 /// Called by a component with the context it was given.
@@ -121,7 +121,7 @@ unsafe extern "C" fn now(ctx: *const c_void) -> i64 {
     keep(ctx).shared.now()
 }
 
-/// Realtime: the text of a panic.
+/// Realtime. Stores the text of a panic.
 ///
 /// # Safety
 /// Called by a component with the context it was given and a live text.
@@ -130,7 +130,7 @@ unsafe extern "C" fn fail(ctx: *const c_void, text: Str) {
     keep(ctx).shared.cause.store(unsafe { text.get() }.unwrap_or("failed"));
 }
 
-/// Realtime.
+/// Realtime. Sends a text of a loader's component to the mailbox.
 ///
 /// # Safety
 /// Called by a loader with the context it was given and a live text.
@@ -144,7 +144,8 @@ pub(crate) unsafe extern "C" fn say(ctx: *const c_void, level: u8, text: Str) {
     }
 }
 
-/// Realtime.
+/// Realtime. Sets the message level, unless the argument is out of range, and returns the previous
+/// one.
 ///
 /// # Safety
 /// Called by a loader with the context it was given.
@@ -207,7 +208,7 @@ impl Code<Run> {
     }
 }
 
-/// A command or action under way: its arguments and its answer.
+/// A command or action in progress: its arguments and its answer.
 #[derive(Debug, Default)]
 pub(crate) struct Frame {
     args: RefCell<crate::args::Args>,
@@ -217,17 +218,17 @@ pub(crate) struct Frame {
     awaited: Cell<bool>,
 }
 
-/// What a command answered.
+/// The answer of a command.
 #[derive(Debug, Default)]
 pub(crate) struct Outcome {
     pub(crate) lines: Vec<String>,
     pub(crate) ticket: Option<Box<Ticket>>,
-    /// The caller waits for the ticket, whether it asked to or not.
+    /// True if the caller waits for the ticket even without asking to.
     pub(crate) awaited: bool,
 }
 
 impl Code<CommandRun> {
-    /// Realtime. Carries out an action that nobody asks anything.
+    /// Realtime. Runs an action that takes no arguments and gives no answer.
     pub(crate) fn call_mute(&self) {
         let calls = CallHost {
             size: hal_abi::size::<CallHost>(),
@@ -245,7 +246,7 @@ impl Code<CommandRun> {
         unsafe { (self.run)(self.state, &raw const calls) };
     }
 
-    /// Carries it out.
+    /// Runs a command or action on the control side.
     pub(crate) fn call(&self, args: crate::args::Args) -> Result<Outcome, Error> {
         let frame = Frame { args: RefCell::new(args), ..Frame::default() };
         let (base, flags) = self.keep.as_ref().map_or((None, 0), |k| (Some(k), k.calls.flags));
@@ -321,7 +322,7 @@ unsafe extern "C" fn frame_awaited(ctx: *const c_void) {
     frame(ctx).awaited.set(true);
 }
 
-/// A pointer that the contract lets other threads use.
+/// A pointer that the binary interface lets other threads use.
 #[derive(Debug)]
 pub(crate) struct Ptr<T>(pub(crate) NonNull<T>);
 impl<T> Clone for Ptr<T> {

@@ -1,4 +1,4 @@
-//! `loadrt`: a component is created and opened, or refused by name.
+//! `loadrt`: creates and opens a component, or refuses it with the reason.
 
 use crate::{
     Engine, Error,
@@ -14,14 +14,14 @@ use crate::{
 use hal_abi::{Status, component_flags};
 use hal_protocol::Lock;
 
-/// Why a component was refused, with its name and what its arguments may be.
+/// The error of a failed load, with the component's name and its arguments' descriptions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Loading {
     pub(crate) component: Box<str>,
     pub(crate) error: Error,
-    /// The argument that names its instances, if a name is to blame.
+    /// The argument with the instance names, if a name is the cause.
     pub(crate) word: Option<Box<str>>,
-    /// What the arguments mean that it may have refused.
+    /// Descriptions of the arguments that the component may have refused.
     about: Option<Box<str>>,
 }
 
@@ -36,12 +36,12 @@ impl Loading {
         Error::Loading(Box::new(Self { component: component.into(), error, word, about: None }))
     }
 
-    /// What came of creating it: with what it says of the arguments that its refusal names, or else
-    /// of those that were given, or of all.
+    /// Wraps an error of creating the component, with the descriptions of the arguments that the
+    /// error names, or else of those that were given, or else of all.
     fn own(component: &str, declared: &[Declared], words: &[String], error: Error) -> Error {
         let why = match &error {
             Error::InitFailed { why, code, .. } if *code == Status::EINVAL.0 => &**why,
-            // A panic, and a device that is not there, are no argument's fault.
+            // Arguments do not cause a panic or a missing device.
             Error::InitFailed { .. } | Error::OpenFailed { .. } => return error,
             _ => "",
         };
@@ -69,7 +69,7 @@ impl Loading {
         }
     }
 
-    /// What would be right.
+    /// Returns a suggested correction.
     pub(crate) fn hint(&self) -> Option<String> {
         match (&self.error, &self.word) {
             (Error::Duplicate { .. } | Error::BadName { .. }, Some(_)) => {
@@ -87,7 +87,7 @@ impl Loading {
 impl core::fmt::Display for Loading {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match &self.error {
-            // It names the component itself.
+            // The message already names the component.
             Error::InitFailed { .. } | Error::OpenFailed { .. } => return self.error.fmt(f),
             other => write!(f, "{}: {other}", self.component)?,
         }
@@ -136,7 +136,7 @@ impl Engine {
             Instances { rest: words.to_vec(), ..Instances::default() }
         } else {
             let mut instances = Instances::parse(words, personality).map_err(refused)?;
-            // A type with its own `names=` or `num_chan=` keeps them.
+            // A type that declares its own `names=` keeps it.
             if declared.iter().any(|d| &*d.name == "names") {
                 instances.names.clear();
                 instances.rest = words.to_vec();
@@ -204,11 +204,11 @@ impl Engine {
         let (opens, threads) =
             (core::mem::take(&mut creating.opens), core::mem::take(&mut creating.threads));
         self.staged.begins.extend(threads);
-        // A trial is dropped unopened.
+        // A trial is dropped without opening.
         if self.staged.dry || self.trial.is_some() {
             return Ok(());
         }
-        // What opening drives is in its stop actions' reach.
+        // From here on, stop actions cover everything that opening drives.
         self.renew_remains();
         for open in &opens {
             if let Err(e) = open.call(Args::default()) {

@@ -1,4 +1,4 @@
-//! Plugin files: where they are, whether they are plugins, and which offers a component.
+//! The loader: finds plugin files, checks them, and opens the one that offers a component.
 
 use crate::{
     Error, PluginError,
@@ -25,22 +25,22 @@ use std::{
 pub(crate) struct Found {
     pub(crate) ty: ComponentType,
     pub(crate) library: Arc<Library>,
-    /// Whether the library has a language runtime of its own.
+    /// True if the library has a language runtime of its own.
     pub(crate) private: bool,
 }
 
 impl Found {
-    /// Whether it is created once per load.
+    /// Returns whether the component is created once per load.
     pub(crate) const fn is_once(&self) -> bool {
         self.ty.flags & component_flags::ONCE != 0
     }
 }
 
-/// A file that is no plugin, and who loads it.
+/// A file that is not a plugin, and the plugin that loads it.
 #[derive(Clone, Debug)]
 pub(crate) struct ForeignFound {
     pub(crate) file: PathBuf,
-    /// What it is, such as `component in C`.
+    /// Kind of the file, such as `component in C`.
     pub(crate) kind: String,
     pub(crate) load: hal_abi::Load,
     /// The library that loads it.
@@ -52,16 +52,16 @@ pub(crate) struct ForeignFound {
 pub(crate) struct Loader {
     path: Vec<PathBuf>,
     fixed: Vec<&'static hal_abi::Library>,
-    /// Which file offers a component, as far as has been looked.
+    /// Files that offer components, by component name, as far as the search has gone.
     known: BTreeMap<String, PathBuf>,
-    /// Files that have been looked into.
+    /// Files that have been examined.
     seen: BTreeSet<PathBuf>,
-    /// Plugins that load files of another kind, by the symbol that those export.
+    /// Plugins that load files of another kind, by the symbol that those files export.
     loaders: BTreeMap<String, PathBuf>,
 }
 
 impl Loader {
-    /// Searches these folders in order.
+    /// Creates a loader that searches these folders in order.
     pub(crate) fn new(path: Vec<PathBuf>) -> Self {
         Self { path, ..Self::default() }
     }
@@ -71,7 +71,8 @@ impl Loader {
         self.fixed.push(library);
     }
 
-    /// The component type of this name: linked in, in a file of its own, or in a family.
+    /// Finds the component type of this name: linked in, in a file of its own, or in a family's
+    /// file.
     pub(crate) fn find(&mut self, name: &str) -> Result<Found, Error> {
         for library in &self.fixed {
             // SAFETY: a static descriptor.
@@ -96,8 +97,8 @@ impl Loader {
         }
     }
 
-    /// The component type of this name in the file that is called after it. One that says that it
-    /// offers others is no reason to open it.
+    /// Finds the component type of this name in the file named after it. The file is not opened if
+    /// it declares other components only.
     fn own_file(&mut self, path: &Path, name: &str) -> Result<Option<Found>, Error> {
         let Some(file) = PluginFile::find(path)? else { return Ok(None) };
         let offers = match file.describe() {
@@ -112,9 +113,9 @@ impl Loader {
         Ok(found)
     }
 
-    /// Notes what the plugins on the path say that they offer: all of them, or those up to the one that
-    /// offers this component. None is opened for that. What is not a plugin is passed over here: it is
-    /// only an error when it is asked for by name.
+    /// Records the declared contents of the plugins on the path: of all of them, or of those up to
+    /// the one that offers this component. No file is opened as a library for that. A file that is
+    /// not a plugin is skipped here: it is an error only if it is requested by name.
     fn look_into_families(&mut self, until: Option<&str>) {
         for folder in self.path.clone() {
             let Ok(entries) = std::fs::read_dir(&folder) else { continue };
@@ -140,7 +141,7 @@ impl Loader {
         }
     }
 
-    /// The component types that could be loaded and match, by name.
+    /// Returns the component types that can be loaded and match, by name.
     pub(crate) fn catalogue(&mut self, p: &Patterns) -> Vec<Offer> {
         self.look_into_families(None);
         let mut out = BTreeMap::new();
@@ -164,13 +165,13 @@ impl Loader {
         out.into_values().collect()
     }
 
-    /// The symbol by which a file that is no plugin is known to a loader.
+    /// Returns the symbol by which a loader recognises a file that is not a plugin.
     fn foreign_symbol(&mut self, file: &PluginFile) -> Option<String> {
         self.look_into_families(None);
         file.exported(self.loaders.keys().map(String::as_str)).map(str::to_owned)
     }
 
-    /// The file of this name that a loader knows, and the symbol by which it does.
+    /// Returns the file of this name that a loader recognises, and the symbol by which it does.
     fn foreign_file(&mut self, name: &str) -> Result<Option<(PluginFile, String)>, PluginError> {
         if name.contains(['/', '\0']) || name.contains("..") {
             return Ok(None);
@@ -188,8 +189,8 @@ impl Loader {
         Ok(None)
     }
 
-    /// A file of this name that a loader knows. Files of its kind that are `loaded` may be what it
-    /// takes symbols from.
+    /// Finds a file of this name that a loader recognises. `loaded` are the files of its kind that
+    /// are already loaded, from which it may take symbols.
     pub(crate) fn find_foreign(
         &mut self,
         name: &str,
@@ -213,7 +214,7 @@ impl Loader {
         Ok(ForeignFound { file: file.path().to_owned(), kind, load, library })
     }
 
-    /// The same, unless a plugin offers a component of this name.
+    /// Does the same, unless a plugin offers a component of this name.
     pub(crate) fn find_only_foreign(
         &mut self,
         name: &str,
@@ -250,13 +251,13 @@ impl Loader {
     }
 }
 
-/// Opens a file for a component of it that is to be made.
+/// Opens a file to create one of its components.
 fn open_type(file: &Path, name: &str) -> Result<Option<Found>, Error> {
     let (mut found, library) = open(file, Stay::Mapped)?;
     Ok(found.types.remove(name).map(|ty| Found { ty, library, private: true }))
 }
 
-/// What a library offers.
+/// Component types and loaders of a library.
 #[derive(Debug, Default)]
 struct Contents {
     /// Component types by name.
@@ -265,11 +266,11 @@ struct Contents {
     loaders: BTreeMap<String, ForeignLoader>,
 }
 
-/// Whether a library stays when nothing of it is in use any more.
+/// Lifetime of a library's mapping.
 ///
-/// One whose code has run stays mapped: its language runtime may have registered what a thread is
-/// to run when that ends, and that would be gone. Opening it again gives the same mapping, so it
-/// is there once however often it is loaded.
+/// A library whose code has run stays mapped: its language runtime may have registered cleanup code
+/// for the end of a thread, and closing would remove that code. Opening it again gives the same
+/// mapping, so it is mapped once however often it is loaded.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Stay {
     Mapped,
@@ -299,7 +300,7 @@ fn open(path: &Path, stay: Stay) -> Result<(Contents, Arc<Library>), Error> {
     Ok((found, Arc::new(Library::File(library))))
 }
 
-/// What a descriptor offers, checked.
+/// Reads and checks the contents of a descriptor.
 ///
 /// # Safety
 /// `library` points at a live descriptor.

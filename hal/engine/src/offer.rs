@@ -1,10 +1,10 @@
-//! What a component type says about itself before anything of it is made.
+//! Self-description of a component type, before an instance of it exists.
 
 use crate::args::Declared;
 use hal_abi::{ComponentType, component_flags};
 use hal_protocol::{ArgInfo, Offer};
 
-/// What `loadrt` itself takes for components that are made per instance.
+/// Arguments that `loadrt` itself takes for components with instances.
 const COUNT: (&str, &str, &str) =
     ("count", "int", "How many instances, named after the component with a number.");
 const NAMES: (&str, &str, &str) = ("names", "texts", "The names of the instances, one for each.");
@@ -15,7 +15,7 @@ const PERSONALITY: (&str, &str, &str) = (
      shorter.",
 );
 
-/// The type `ty` of an open library.
+/// Describes the type `ty` of an open library.
 pub(crate) fn of(name: &str, library: &str, ty: &ComponentType) -> Offer {
     // SAFETY: a string of an open library's descriptor.
     let doc = unsafe { ty.doc.get() }.unwrap_or_default().to_owned();

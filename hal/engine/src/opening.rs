@@ -1,10 +1,10 @@
-//! Opening a library for the first time: in a process of its own, since its initialisers may do
-//! whatever they like, and end the process they are in.
+//! First opening of a library, in a separate process: the library's initialisers may do anything,
+//! even end the process that they run in.
 //!
-//! That process is this program once more, which knows by the name it was started under
-//! ([`MARK`]) that it is to open libraries and end, before its `main`. It shares no memory with
-//! this one, whose threads run on meanwhile; a copy of this one (`fork`) would make every page that
-//! they write fault.
+//! The separate process is this program once more. The name under which it was started ([`MARK`])
+//! makes it open libraries and end, before its `main`. It shares no memory with this process, whose
+//! threads run on meanwhile; a copy of this process (`fork`) would make every page that they write
+//! fault.
 
 use crate::{
     PluginError,
@@ -26,38 +26,39 @@ use std::{
     sync::{Mutex, MutexGuard, PoisonError},
 };
 
-/// The name that the process is started under.
+/// The name under which the separate process is started.
 const MARK: &CStr = c"ferrule-opens-a-library";
-/// In front of the path of a library whose symbols are for those after it, and of one whose are not.
+/// Prefixes of a library's path: symbols are visible to later libraries, or they are not.
 const GLOBAL: u8 = b'g';
 const LOCAL: u8 = b'l';
-/// What the process writes when it has opened all libraries, and when the system's loader has
-/// refused one, which it will say again here.
+/// Answers of the separate process: all libraries are open, or the system's loader has refused one.
+/// This process then gets the same refusal when it opens that library itself.
 const OPENED: u8 = b'o';
 const REFUSED: u8 = b'r';
-/// How long opening may take, in nanoseconds.
+/// Longest time that opening may take, in nanoseconds.
 const PATIENCE_NS: i64 = 10_000_000_000;
-/// How long a signal to this process may go unnoticed meanwhile.
+/// Interval at which this process checks for a termination signal meanwhile, in nanoseconds.
 const LOOK_NS: i64 = 20_000_000;
 
-/// What came of each file that was opened in a process of its own: nothing wrong, or how it ended.
-/// For all engines of this process: what has been opened once is mapped.
+/// Result for each file that was opened in a separate process: `None` if nothing was wrong,
+/// otherwise how the process ended. Shared by all engines of this process, because a library that
+/// has been opened stays mapped.
 static TRIED: Mutex<BTreeMap<Identity, Option<Box<str>>>> = Mutex::new(BTreeMap::new());
 
-/// A library that is to be opened.
+/// A library to be opened.
 #[derive(Clone, Debug)]
 pub(crate) struct ToOpen {
-    /// Its path, without links.
+    /// Path of the library, without links.
     pub(crate) path: PathBuf,
-    /// Whether its symbols are for those that are opened after it.
+    /// True if libraries that are opened later may use its symbols.
     pub(crate) global: bool,
 }
 
-/// Opens the last of these libraries, after the others, in a process of its own, unless that has been
+/// Opens the last of these libraries, after the others, in a separate process, unless that has been
 /// done before.
 ///
 /// # Errors
-/// The process did not come that far: `file` is not to be opened in this one.
+/// The separate process did not get that far: this process must not open `file`.
 pub(crate) fn try_first(
     file: &Path,
     identity: Identity,
@@ -72,7 +73,8 @@ pub(crate) fn try_first(
             Ok(Tried::Ended(how)) => Some(how),
             Ok(Tried::Signalled) => return Err(PluginError::Ending { file: shown() }),
             Err(e) => {
-                // Without processes, nothing can be tried, and everything else goes on.
+                // Without a separate process nothing can be tried; the load continues without the
+                // trial.
                 let why = os::said(&e);
                 tracing::warn!(
                     "{}: not opened in a process of its own first: {why}",
@@ -86,8 +88,8 @@ pub(crate) fn try_first(
     verdict.map_or(Ok(()), |how| Err(PluginError::Dies { file: shown(), how }))
 }
 
-/// As [`try_first`] for many plugins that are to be opened one by one: in one process, if nothing is
-/// wrong with any.
+/// Does the same for many plugins that are to be opened one by one: in one process, if nothing is
+/// wrong with any of them. Otherwise each is tried later by itself.
 pub(crate) fn try_together(paths: &BTreeSet<&PathBuf>) {
     let found = paths.iter().filter_map(|path| {
         let file = PluginFile::find(path).ok()??;
@@ -104,14 +106,14 @@ fn all() -> MutexGuard<'static, BTreeMap<Identity, Option<Box<str>>>> {
     TRIED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What came of opening libraries in a process of its own.
+/// Result of opening libraries in a separate process.
 enum Tried {
     Opened,
-    /// The system's loader does not open one of them; it will say so again.
+    /// The system's loader does not open one of them; this process gets the same refusal later.
     Refused,
-    /// It did not come back.
+    /// The process did not return; with a description of its end.
     Ended(Box<str>),
-    /// This process has been asked to end.
+    /// A termination signal has been sent to this process.
     Signalled,
 }
 
@@ -127,16 +129,17 @@ fn tried(libraries: &[ToOpen]) -> std::io::Result<Tried> {
     let mut child = Command::new("/proc/self/exe")
         .arg0(MARK.to_str().unwrap_or_default())
         .args(words)
-        // What it says of itself comes through here, so that nothing that a library prints is that.
+        // The answer comes through this pipe, so that no output of a library can be mistaken for
+        // it.
         .stdin(Stdio::from(to))
         .stdout(Stdio::null())
         .stderr(Stdio::null())
-        // A person's Ctrl-C is for this process.
+        // A Ctrl-C at the terminal must reach only this process.
         .process_group(0)
         .spawn()?;
     let heard = listen(File::from(from));
     if !matches!(heard, Heard::End(None)) {
-        // With all that it has started. One that has ended is as good.
+        // Includes every process that it has started. Harmless if it has already ended.
         process::end_group(child.id());
     }
     let status = child.wait()?;
@@ -153,7 +156,7 @@ fn tried(libraries: &[ToOpen]) -> std::io::Result<Tried> {
 }
 
 enum Heard {
-    /// The last thing that it says, or its end without that.
+    /// The answer, or the end of the process without one.
     End(Option<u8>),
     Nothing,
     Signalled,
@@ -180,7 +183,7 @@ fn listen(mut from: File) -> Heard {
     }
 }
 
-/// How a process ended that should have come back.
+/// Describes how a process ended that should have returned.
 fn ended(status: ExitStatus) -> Box<str> {
     match (status.signal(), status.code()) {
         (Some(signal), _) => format!("ended by {}", process::signal_name(signal)).into(),
@@ -189,8 +192,8 @@ fn ended(status: ExitStatus) -> Box<str> {
     }
 }
 
-/// Runs before `main` in every program with an engine: the one that was started to open libraries
-/// does that and ends.
+/// Runs before `main` in every program with an engine: a process that was started to open libraries
+/// opens them and ends here.
 extern "C" fn before_main(n: c_int, words: *const *const c_char, _: *const *const c_char) {
     let word = |i: usize| {
         // SAFETY: within the words of this program, `n` of them.

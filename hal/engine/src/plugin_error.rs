@@ -1,6 +1,6 @@
-//! Why a file on the plugin path is not opened.
+//! Errors of files on the plugin path that are not opened.
 
-/// Why a file on the plugin path is not opened.
+/// The reason why a file on the plugin path is not opened.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the sentence of each variant is its documentation")]
 pub enum PluginError {
@@ -16,7 +16,7 @@ pub enum PluginError {
 }
 
 impl PluginError {
-    /// What would be right.
+    /// Returns a suggested correction.
     pub(crate) fn hint(&self) -> Option<String> {
         match self {
             Self::Owner { path, .. } => Some(format!(

@@ -1,5 +1,5 @@
-//! Files on the plugin path: which kind each is, what it says of itself, and whether root may open it.
-//! Nothing of a file is run here.
+//! Files on the plugin path: their kind, their description of themselves, and whether root may open
+//! them. No code of a file runs here.
 
 use crate::{
     PluginError,
@@ -29,7 +29,7 @@ pub(crate) struct PluginFile {
     stat: Stat,
 }
 
-/// A file as it was at some time: which, and when it was last changed.
+/// Identity of a file at some time: the file, and its last change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Identity {
     device: u64,
@@ -38,12 +38,12 @@ pub(crate) struct Identity {
     changed: (i64, i64),
 }
 
-/// What a plugin library says that it offers.
+/// Contents that a plugin library declares.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Names {
     /// Component types.
     pub(crate) components: BTreeSet<String>,
-    /// Symbols by which its loaders know their files.
+    /// Symbols by which the library's loaders recognise their files.
     pub(crate) loaders: BTreeSet<String>,
 }
 
@@ -52,13 +52,13 @@ pub(crate) struct Names {
 pub(crate) struct Described {
     /// The symbol of its descriptor.
     pub(crate) symbol: String,
-    /// What it offers; a library that was built before there were names does not say.
+    /// Declared contents; absent in a library that was built before names existed.
     pub(crate) names: Option<Names>,
 }
 
 impl PluginFile {
-    /// Looks at a path; nothing when nothing is there. What is there is opened for reading only if it
-    /// is a regular file: a pipe would wait, and a device may do anything.
+    /// Examines a path; returns `None` if nothing is there. Opens for reading only a regular file:
+    /// a pipe would block, and opening a device may have effects.
     pub(crate) fn find(path: &Path) -> Result<Option<Self>, PluginError> {
         let not = |e: Errno| not(path, &os::said(&e.into()));
         let irregular = |what| PluginError::Irregular { file: shown(path), what };
@@ -80,26 +80,27 @@ impl PluginFile {
             FileType::Socket => return Err(irregular("a socket")),
             _ => return Err(irregular("a device")),
         }
-        // Through what was looked at, so that it is that very file.
+        // Reopened through the examined descriptor, so that it is the very same file.
         let through = Path::new("/proc/self/fd").join(found.as_raw_fd().to_string());
         let flags = OFlags::RDONLY | OFlags::CLOEXEC;
         let file = rustix::fs::open(through, flags, Mode::empty()).map_err(not)?.into();
         Ok(Some(Self { path: path.to_owned(), file, stat }))
     }
 
-    /// Where it was found.
+    /// Returns the path at which the file was found.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Which file it is.
+    /// Returns the identity of the file.
     pub(crate) fn identity(&self) -> Identity {
         let changed = (self.stat.st_ctime, i64::try_from(self.stat.st_ctime_nsec).unwrap_or(0));
         let Stat { st_dev: device, st_ino: inode, st_size: size, .. } = self.stat;
         Identity { device, inode, size, changed }
     }
 
-    /// What it says of itself, if it is a plugin library; its name says which symbols to look for.
+    /// Reads the file's description of itself, if it is a plugin library; the file's name
+    /// determines the symbols.
     pub(crate) fn describe(&self) -> Result<Described, PluginError> {
         let stem = self.path.file_stem().and_then(|s| s.to_str()).unwrap_or_default();
         let stem = stem.strip_prefix("lib").unwrap_or(stem).replace('-', "_");
@@ -117,7 +118,7 @@ impl PluginFile {
         Ok(Described { symbol, names: bytes.and_then(Names::parse) })
     }
 
-    /// Which of these symbols it exports, the first of them.
+    /// Returns the first of these symbols that the file exports.
     pub(crate) fn exported<'s>(&self, symbols: impl Iterator<Item = &'s str>) -> Option<&'s str> {
         let parts = Parts::new(&self.file);
         let elf = Elf::read(&parts).ok()?;
@@ -125,14 +126,14 @@ impl PluginFile {
         symbols.find(|symbol| elf.exports(symbol))
     }
 
-    /// Returns the path that it is opened by, without links, if this user may open it: root opens only
-    /// what others cannot have put there.
+    /// Returns the path, without links, by which the library is opened, if this user may open it.
+    /// Root opens only files that other users cannot have put there.
     pub(crate) fn openable(&self) -> Result<PathBuf, PluginError> {
         let path = self.path.canonicalize().map_err(|e| not(&self.path, &os::said(&e)))?;
         if rustix::process::geteuid().is_root() {
             let trusted = Trusted::of(&self.path);
             trusted.check(&path, self.stat.st_uid, self.stat.st_mode)?;
-            // The folder that it is in, and the one in which it was found.
+            // Both the real file's folder and the folder in which the file was found.
             for folder in [path.parent(), self.path.parent()].into_iter().flatten() {
                 let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
                 let m = folder.metadata().map_err(|e| not(&self.path, &os::said(&e)))?;
@@ -150,7 +151,7 @@ impl Names {
             match letter {
                 names::COMPONENT => out.components.insert(name.to_owned()),
                 names::LOADER => out.loaders.insert(name.to_owned()),
-                // Of a later minor version.
+                // A kind of a later minor version.
                 _ => false,
             };
         }
@@ -158,17 +159,17 @@ impl Names {
     }
 }
 
-/// Whose files root opens, for the sake of one of them.
+/// The owners whose files root opens.
 #[derive(Debug)]
 struct Trusted<'f> {
     file: &'f Path,
-    /// The user who has become root by `sudo`.
+    /// The user who became root by `sudo`.
     caller: Option<u32>,
 }
 
 impl<'f> Trusted<'f> {
     fn of(file: &'f Path) -> Self {
-        // In a program that anybody may run as root, the environment is anybody's.
+        // In a set-user-ID program, the calling user controls the environment.
         let is_root = rustix::process::getuid().is_root();
         let caller = std::env::var("SUDO_UID").ok().filter(|_| is_root);
         Self { file, caller: caller.and_then(|uid| uid.parse().ok()) }

@@ -1,4 +1,4 @@
-//! What an instance has of real time: scheduling, its processor, memory; and what it says of them.
+//! Scheduling, processor and memory of an instance's threads, and messages about them.
 
 use crate::{
     ClockKind, Engine, Error, Options, RealtimeOptions,
@@ -11,38 +11,38 @@ use crate::{
 };
 use hal_protocol::RealtimeInfo;
 
-/// The priority of whoever looks for stuck threads: above each of these.
+/// Priority of the thread that looks for stuck threads: above all HAL threads.
 pub(crate) const WATCH_PRIORITY: i32 = 91;
-/// The priority of the fastest thread: below the kernel's own threads.
+/// Priority of the fastest thread: below the kernel's own threads.
 pub(crate) const FASTEST_PRIORITY: i32 = 90;
 
-/// How much memory is locked.
+/// Extent of locked memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Locking {
-    /// None: nothing runs under `SCHED_FIFO`.
+    /// No memory: nothing runs under `SCHED_FIFO`.
     Nothing,
-    /// All that there is and will be.
+    /// All present and future memory.
     All,
-    /// What the limit allows.
+    /// As much as the limit allows.
     Part,
 }
 
-/// What an instance has of real time.
+/// Realtime properties of an instance.
 #[derive(Debug)]
 pub(crate) struct Realtime {
     pub(crate) scheduling: Scheduling,
     pub(crate) cpu: Option<usize>,
-    /// How threads are scheduled, in a sentence.
+    /// Description of the scheduling, as a sentence.
     pub(crate) words: String,
     locking: Locking,
-    /// What is missing, to be said once when threads run.
+    /// Messages about missing rights, logged once when threads run.
     notes: Vec<String>,
     overruns: Overruns,
     watch: Option<StuckWatch>,
 }
 
 impl Realtime {
-    /// Finds out what the system allows.
+    /// Determines what the system allows.
     pub(crate) fn find(options: &Options) -> Result<Self, Error> {
         let mut found = Self {
             scheduling: Scheduling::Timeline,
@@ -84,7 +84,7 @@ impl Realtime {
 }
 
 impl Engine {
-    /// Locks memory before the first thread of the system begins.
+    /// Locks memory before the first system thread starts.
     pub(crate) fn lock_memory(&mut self) {
         if self.realtime.scheduling != Scheduling::Fifo || self.realtime.locking != Locking::Nothing
         {
@@ -92,22 +92,22 @@ impl Engine {
         }
         if memory::may_lock_all() && memory::lock_all() {
             self.realtime.locking = Locking::All;
-            // Address space that is only reserved is not to count as locked.
+            // Address space that is only reserved must not count as locked.
             self.arena.unlock_rest();
         } else {
             self.realtime.locking = Locking::Part;
         }
     }
 
-    /// Locks what has come since, where not all memory may be locked.
+    /// Locks memory that was added since, if not all memory may be locked.
     pub(crate) fn lock_more(&self) {
         if self.realtime.locking == Locking::Part {
             memory::lock_present();
         }
     }
 
-    /// Makes ready for threads to run: memory is locked, someone looks for stuck threads, and what
-    /// is missing is said, once.
+    /// Prepares for running threads: locks memory, starts the watch for stuck threads, and logs
+    /// once what is missing.
     pub(crate) fn begin_realtime(&mut self) {
         if self.shared.is_virtual() || self.trial.is_some() {
             return;
@@ -126,20 +126,20 @@ impl Engine {
         notes.into_iter().for_each(|note| self.notice(note));
     }
 
-    /// There may be threads that nobody looks at yet.
+    /// Makes the watch check for new threads.
     pub(crate) fn renew_watch(&self) {
         if let Some(watch) = &self.realtime.watch {
             watch.poke();
         }
     }
 
-    /// Threads are looked at no more; what was not told yet is told.
+    /// Ends the watch, and logs the overruns that have not been reported yet.
     pub(crate) fn end_realtime(&mut self) {
         self.realtime.watch = None;
         self.tell_overruns(true);
     }
 
-    /// Says which threads have missed their time.
+    /// Logs which threads have missed their time.
     pub(crate) fn tell_overruns(&mut self, ends: bool) {
         let threads = self.shared.threads.load_full();
         let read = |n: &crate::sync::AtomicI64| n.load(Ordering::Relaxed);
@@ -163,7 +163,7 @@ impl Engine {
         messages.into_iter().for_each(|text| self.notice(text));
     }
 
-    /// What the instance has of real time; nothing on the virtual clock.
+    /// Returns the realtime properties of the instance; `None` on the virtual clock.
     pub(crate) fn realtime_info(&self) -> Option<RealtimeInfo> {
         if self.shared.is_virtual() {
             return None;
@@ -178,7 +178,7 @@ impl Engine {
     }
 }
 
-/// The note that not all memory may be locked.
+/// Returns the message that not all memory may be locked.
 fn partly_locked() -> Option<String> {
     let (locked, present) = memory::locked_and_present()?;
     let limit = memory::lock_limit().map_or_else(|| "exceeded".to_owned(), in_mib);
@@ -194,8 +194,9 @@ fn in_mib(bytes: u64) -> String {
     format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20))
 }
 
-/// The processor for all threads of an instance, and whether it is isolated: as asked, else spread
-/// by name over the isolated ones, or else over all, the last first.
+/// Chooses the processor for all threads of an instance, and returns whether it is isolated: the
+/// requested one, else one of the isolated processors by the instance's name, or else one of all,
+/// the last first.
 fn choose_cpu(instance: &str, options: &RealtimeOptions) -> Result<(Option<usize>, bool), Error> {
     let isolated = processors::isolated();
     if let Some(cpu) = options.cpu {

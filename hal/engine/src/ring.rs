@@ -19,13 +19,13 @@ pub(crate) struct Memory {
     width: u32,
 }
 
-// SAFETY: what both sides of the ring use is atomic; the rest never changes while it is shared.
+// SAFETY: both sides of the ring use only atomics; the rest never changes while it is shared.
 unsafe impl Send for Memory {}
 // SAFETY: as for `Send`.
 unsafe impl Sync for Memory {}
 
 impl Memory {
-    /// An empty ring of this shape.
+    /// Creates an empty ring of this shape.
     pub(crate) fn new(depth: u32, width: u32, types: [u8; 24]) -> Result<Self, String> {
         let bytes = Ring::bytes(depth, width);
         let fail = |e: rustix::io::Errno| format!("no memory for a stream: {e}");
@@ -45,19 +45,19 @@ impl Memory {
         Ok(Self { fd, ring, depth, width })
     }
 
-    /// The writing side; there must be no other.
+    /// Returns the writing side; the caller ensures that there is no other.
     pub(crate) fn producer(&self) -> Producer {
-        // SAFETY: mapped in this shape; whoever asks keeps this, and is the only one.
+        // SAFETY: mapped in this shape; the caller keeps this memory, and is the only writer.
         unsafe { Producer::new(self.ring, self.depth, self.width) }
     }
 
-    /// The memory, for another process.
+    /// Returns the memory's descriptor, for another process.
     pub(crate) fn file(&self) -> std::io::Result<OwnedFd> {
         self.fd.try_clone()
     }
 
     pub(crate) fn ring(&self) -> &Ring {
-        // SAFETY: mapped as long as this lives.
+        // SAFETY: mapped as long as this value lives.
         unsafe { &*self.ring }
     }
 }
@@ -65,7 +65,7 @@ impl Memory {
 impl Drop for Memory {
     fn drop(&mut self) {
         let bytes = Ring::bytes(self.depth, self.width);
-        // SAFETY: mapped in `new`; whoever used it kept this.
+        // SAFETY: mapped in `new`; every user of the mapping kept this value alive.
         let _ = unsafe { munmap(self.ring.cast(), bytes) };
     }
 }
@@ -75,14 +75,14 @@ impl Drop for Memory {
 pub(crate) struct SharedRing {
     pub(crate) owner: Ix,
     pub(crate) out: bool,
-    /// The client that is attached.
+    /// The attached client.
     pub(crate) attached: Option<u64>,
-    /// The process that is or was attached last.
+    /// The process that is attached or was attached last.
     pid: i32,
-    /// The index at which that one has all the records that it wants.
+    /// The index at which that process has all the records that it wants.
     enough: Option<u64>,
-    /// How long its writer has left it empty while the virtual clock was to move; nothing once that
-    /// was too long.
+    /// Time for which the writer has left the ring empty while the virtual clock was to move;
+    /// `None` after that has taken too long.
     hold: Option<Hold>,
     types: Vec<Type>,
     depth: u32,
@@ -113,13 +113,13 @@ impl SharedRing {
         Ok(Self { owner, out, attached, pid: 0, enough, hold, types, depth, memory })
     }
 
-    /// What its component is given.
+    /// Returns the reference that the component receives.
     pub(crate) fn made(&self) -> StreamRef {
         let width = u32::try_from(self.types.len()).unwrap_or(0);
         StreamRef { ring: self.memory.ring, depth: self.depth, width }
     }
 
-    /// How it is described to programs.
+    /// Returns the description for programs.
     pub(crate) fn info(&self, name: &str) -> StreamInfo {
         StreamInfo {
             name: name.to_owned(),
@@ -140,12 +140,12 @@ impl SharedRing {
         self.memory.ring()
     }
 
-    /// A client attaches, for so many records. What never changes is written again: the client
-    /// before this one may have scribbled.
+    /// Attaches a client that wants `count` records. The constant part of the ring is written
+    /// again, because the previous client may have overwritten it.
     pub(crate) fn attach(&mut self, client: u64, pid: i32, count: Option<u64>) {
         let head = Ring::new(self.depth, self.made().width, self.codes());
         let (from, to) = ((&raw const head).cast::<u8>(), self.memory.ring.cast::<u8>());
-        // SAFETY: the beginning of the mapping, where this side keeps nothing that it believes.
+        // SAFETY: the beginning of the mapping, where this side keeps nothing that it relies on.
         unsafe { from.copy_to_nonoverlapping(to, core::mem::offset_of!(Ring, lost)) };
         let taken = self.ring().taken();
         self.attached = Some(client);
@@ -154,8 +154,8 @@ impl SharedRing {
         self.enough = count.map(|n| taken.saturating_add(n));
     }
 
-    /// Whether the virtual clock need not move for this process, which the script waits for: it has
-    /// left, has all that it wanted, or can still write.
+    /// Returns whether the virtual clock need not move for this process, whose end the script waits
+    /// for: it has detached, has all the records that it wanted, or can still write.
     pub(crate) fn is_enough_for(&self, pid: i32) -> bool {
         let more = if self.out {
             self.enough.is_none_or(|n| self.ring().written() < n)
@@ -165,9 +165,9 @@ impl SharedRing {
         self.pid == pid && !(self.attached.is_some() && more)
     }
 
-    /// Whether the virtual clock would lose something by moving: full, or empty with its writer
-    /// still there. A writer is waited for no longer than `patience_ns` on the wall; `late` is
-    /// called then.
+    /// Returns whether moving the virtual clock would lose something: the ring is full, or it is
+    /// empty with its writer still attached. The clock waits for a writer for at most `patience_ns`
+    /// of wall-clock time; then `late` is called.
     pub(crate) fn holds_back(&mut self, patience_ns: i64, now: i64, late: impl FnOnce()) -> bool {
         let waiting = self.ring().waiting(self.depth);
         if self.out {

@@ -1,4 +1,4 @@
-//! The threads of the system on which the real clock runs.
+//! The system threads on which the real clock runs.
 
 use crate::{
     Error, clock,
@@ -11,33 +11,34 @@ use crate::{
 };
 use std::{fs::File, thread::JoinHandle};
 
-/// The stack of a thread, all of which is present before its first cycle.
+/// Stack size of a thread in bytes; all of it is present before the first cycle.
 const STACK: usize = 1 << 20;
 
-/// How the system's threads are arranged.
+/// Arrangement of the system threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Scheduling {
-    /// Each thread is a thread of the system with `SCHED_FIFO`, all on one processor.
+    /// Each HAL thread is a system thread with `SCHED_FIFO`, all on one processor.
     Fifo,
-    /// One thread of the system runs all, from one timeline.
+    /// One system thread runs all HAL threads, from one timeline.
     Timeline,
 }
 
-/// The threads of the system that run the real clock.
+/// The system threads that run the real clock.
 #[derive(Debug)]
 pub(crate) struct Runners {
     shared: Arc<Shared>,
     scheduling: Scheduling,
     cpu: Option<usize>,
     running: Vec<(u32, JoinHandle<()>)>,
-    /// How long processors may take to wake while threads run under `SCHED_FIFO`, in microseconds.
+    /// Longest time that processors may take to wake while threads run under `SCHED_FIFO`, in
+    /// microseconds.
     idle_us: Option<u32>,
-    /// What keeps them to it, or why nothing does.
+    /// The open file that enforces that limit, or the reason why there is none.
     idle: Option<Result<File, Box<str>>>,
 }
 
 impl Runners {
-    /// None yet.
+    /// Creates an empty set of runners.
     pub(crate) fn new(
         shared: Arc<Shared>,
         (scheduling, cpu): (Scheduling, Option<usize>),
@@ -46,7 +47,8 @@ impl Runners {
         Self { shared, scheduling, cpu, running: Vec::new(), idle_us, idle: None }
     }
 
-    /// How long processors may take to wake, as long as that is held; why it is not held.
+    /// Returns the wake-up limit in microseconds while it is in force, or else the reason why it is
+    /// not.
     pub(crate) fn idle(&self) -> (Option<u32>, Option<String>) {
         match &self.idle {
             Some(Ok(_)) => (self.idle_us, None),
@@ -55,7 +57,7 @@ impl Runners {
         }
     }
 
-    /// Begins to run a thread that is in `shared.threads` already.
+    /// Starts a thread that is already in `shared.threads`.
     pub(crate) fn begin(&mut self, thread: &Arc<Thread>, rank: usize) -> Result<(), Error> {
         let first = thread.due.load(Ordering::Relaxed);
         debug_assert!(first > 0);
@@ -94,7 +96,7 @@ impl Runners {
         Ok(())
     }
 
-    /// Begins to run a thread again that had been told to end and may have done so.
+    /// Starts a thread again that had been asked to end and may have done so.
     pub(crate) fn begin_again(&mut self, thread: &Arc<Thread>, rank: usize) -> Result<(), Error> {
         let runs = |(id, handle): &(u32, JoinHandle<()>)| *id == thread.id && !handle.is_finished();
         if self.scheduling == Scheduling::Timeline || self.running.iter().any(runs) {
@@ -104,7 +106,7 @@ impl Runners {
         self.begin(thread, rank)
     }
 
-    /// Waits for threads that were told to end. False when one does not.
+    /// Waits for threads that were asked to end. Returns false if one of them does not end in time.
     pub(crate) fn end(&mut self, ids: &[u32], all: bool, patience_ns: i64) -> bool {
         let fifo = self.scheduling == Scheduling::Fifo;
         let leaving = |id: &u32| all || (fifo && ids.contains(id));

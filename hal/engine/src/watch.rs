@@ -1,4 +1,4 @@
-//! The probes of an instance: what each watches, where it looks, and how it comes and goes.
+//! The probes of an instance: their values, their times, their start and end.
 
 use crate::{
     Engine, Error,
@@ -10,50 +10,50 @@ use crate::{
 };
 use std::collections::{BTreeMap, BTreeSet};
 
-/// When a probe looks.
+/// Time at which a probe reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum At {
     /// After the cycles of a thread.
     Thread(Ix),
-    /// After everything that runs at one moment; on the real clock, after each cycle of the
+    /// After everything that runs at one instant; on the real clock, after each cycle of the
     /// fastest thread.
     Moments,
 }
 
-/// A probe at work.
+/// An active probe.
 #[derive(Debug)]
 pub(crate) struct Watching {
     pub(crate) probe: Arc<Probe>,
     pub(crate) at: At,
-    /// The nodes whose values it looks at.
+    /// The nodes whose values it reads.
     pub(crate) nodes: BTreeSet<Ix>,
-    /// Whether the virtual clock stands still rather than that something is lost.
+    /// True if the virtual clock must wait rather than lose something.
     pub(crate) lossless: bool,
 }
 
-/// All probes at work.
+/// All active probes.
 #[derive(Debug, Default)]
 pub(crate) struct Probes {
     all: BTreeMap<u64, Watching>,
     next: u64,
-    /// Those that look at moments.
+    /// The probes that read at instants.
     pub(crate) moments: Vec<Arc<Probe>>,
-    /// Those for which the virtual clock waits.
+    /// The probes for which the virtual clock waits.
     pub(crate) lossless: Vec<Arc<Probe>>,
 }
 
 impl Probes {
-    /// Whether the virtual clock may move on without loss.
+    /// Returns whether the virtual clock can move without loss.
     pub(crate) fn have_room(&self) -> bool {
         self.lossless.iter().all(|p| p.has_room())
     }
 
-    /// Whether the virtual clock waits for this one.
+    /// Returns whether the virtual clock waits for this probe.
     pub(crate) fn is_lossless(&self, id: u64) -> bool {
         self.all.get(&id).is_some_and(|w| w.lossless)
     }
 
-    /// Lets the virtual clock move on without room for this one.
+    /// Lets the virtual clock move even if this probe has no room.
     pub(crate) fn lose(&mut self, id: u64) {
         if let Some(w) = self.all.get_mut(&id) {
             w.lossless = false;
@@ -72,7 +72,7 @@ impl Probes {
 }
 
 impl Engine {
-    /// Where the value of a pin, parameter or signal is.
+    /// Returns the location of the value of a pin, parameter or signal.
     pub(crate) fn source(&self, ix: Ix) -> Option<Source> {
         if let Some(signal) = self.graph.signal(ix) {
             return Some(Source::Cell(signal.cell));
@@ -84,12 +84,13 @@ impl Engine {
         })
     }
 
-    /// Puts a probe to work; its number.
+    /// Starts a probe and returns its number.
     pub(crate) fn begin_watching(&mut self, watching: Watching) -> Result<u64, Error> {
         self.swap_watching(None, watching)
     }
 
-    /// The same in the place of another one that looks when this one does: no look is missed.
+    /// Starts a probe in place of another that reads at the same times, so that no reading is
+    /// missed.
     pub(crate) fn swap_watching(
         &mut self,
         old: Option<u64>,
@@ -110,7 +111,7 @@ impl Engine {
         done.map(|()| id)
     }
 
-    /// Takes a probe away. A stuck thread may still have it in its list, where it lives on.
+    /// Ends a probe. A stuck thread may still have it in its list, which keeps it alive.
     pub(crate) fn end_watching(&mut self, id: u64) {
         let Some(ended) = self.probes.all.remove(&id) else { return };
         self.probes.sort();
@@ -121,7 +122,7 @@ impl Engine {
         }
     }
 
-    /// Gives the thread that it concerns its probes.
+    /// Rebuilds the list of the thread that runs probes of this kind.
     fn renew_probes(&mut self, at: At) -> Result<(), Error> {
         let thread = match at {
             At::Thread(ix) => Some(ix),
@@ -133,7 +134,7 @@ impl Engine {
         self.carry_out(&Change { stores: Vec::new(), lists: vec![(thread, list)] })
     }
 
-    /// The thread that looks at moments: on the real clock, the fastest.
+    /// Returns the thread that reads at instants: on the real clock, the fastest.
     fn moments_thread(&self) -> Option<Ix> {
         if self.shared.is_virtual() {
             return None;
@@ -143,14 +144,15 @@ impl Engine {
         self.graph.threads.values().copied().find(is_first)
     }
 
-    /// Another thread may be the fastest now.
+    /// Moves the probes to the fastest thread if that has changed.
     pub(crate) fn follow_fastest(&mut self) -> Result<(), Error> {
         let Some(ix) = self.moments_thread() else { return Ok(()) };
         let has = self.graph.thread(ix).map_or(0, |t| t.thread.list.load().moments.len());
         if has == self.probes.moments.len() { Ok(()) } else { self.renew_probes(At::Moments) }
     }
 
-    /// The probes of a thread, without those that go with what is staged.
+    /// Returns the list with the probes of its thread, without those that end with the staged
+    /// changes.
     pub(crate) fn with_probes(&self, thread: Ix, list: List) -> List {
         let stays = |(id, _): &(&u64, &Watching)| !self.staged.parting.contains(*id);
         let staying = self.probes.all.iter().filter(stays);
@@ -163,7 +165,8 @@ impl Engine {
         }
     }
 
-    /// Nodes go with what is staged, and so does every probe that watches one or looks in one.
+    /// Marks every probe for removal that watches one of these nodes or runs in one of these
+    /// threads, which are about to be removed.
     pub(crate) fn part_probes(&mut self, nodes: &[Ix]) {
         let watches =
             |w: &Watching| nodes.iter().any(|ix| w.nodes.contains(ix) || w.at == At::Thread(*ix));
@@ -181,14 +184,14 @@ impl Engine {
         }
     }
 
-    /// On the real clock, while no cycle runs, this side looks at moments.
+    /// On the real clock, reads the values from the control side while no cycle runs.
     pub(crate) fn look_while_stopped(&self, now: i64) {
         if self.quiet && !self.shared.boundary.is_running() {
             self.probes.moments.iter().for_each(|p| p.look(now));
         }
     }
 
-    /// What watched something that has gone.
+    /// Ends the probes whose items have been removed.
     pub(crate) fn have_parted(&mut self, parted: BTreeSet<u64>) {
         for id in parted {
             self.probes.all.remove(&id);
