@@ -1,4 +1,4 @@
-//! What a component may call while it is created: each call declares one thing.
+//! The declarations that a component makes while it is created, one call for each.
 
 use crate::{
     Engine, Error,
@@ -26,15 +26,15 @@ pub(crate) struct Creating<'e> {
     pub(crate) component: Ix,
     pub(crate) keep: Arc<Keep>,
     pub(crate) args: Args,
-    /// Why a declaration was refused.
+    /// The error of a refused declaration.
     pub(crate) refused: Option<Error>,
-    /// What the component said of its failure.
+    /// The component's own description of its failure.
     pub(crate) failed: Option<String>,
     pub(crate) opens: Vec<Code<CommandRun>>,
     pub(crate) threads: Vec<Ix>,
-    /// Slots of this load, for the uses of functions.
+    /// Slots of this load, to resolve the uses of functions.
     slots: BTreeMap<usize, Ix>,
-    /// Who gives and takes hidden state.
+    /// Functions that write and read hidden state.
     hidden: Vec<(Ix, u64, u32)>,
     created: BTreeMap<Ix, Vec<Use>>,
 }
@@ -61,7 +61,7 @@ impl<'e> Creating<'e> {
         }
     }
 
-    /// Draws the edges of what functions touch, when all of the load is declared.
+    /// Draws the edges for everything that functions access, after the whole load is declared.
     pub(crate) fn draw_edges(&mut self) {
         for (funct, uses) in core::mem::take(&mut self.created) {
             for u in uses {
@@ -94,7 +94,7 @@ impl<'e> Creating<'e> {
                 }
             }
         }
-        // In the order of the functions: a token is an address, and tells nothing of order.
+        // In the order of the functions: a token is an address, whose order is random.
         for (giver, token, _) in hidden.iter().filter(|h| h.2 & access::WRITE != 0) {
             for taker in takers.get(token).into_iter().flatten().filter(|taker| *taker != giver) {
                 self.engine.graph.g.add_edge(*giver, *taker, Edge::HandsOver);
@@ -106,7 +106,8 @@ impl<'e> Creating<'e> {
         self.item_of(spec, self.component).map(|(_, slot)| slot)
     }
 
-    /// A pin or parameter of this component or, where code of one declares for another, of that.
+    /// Creates a pin or parameter of `owner`: this component, or another for which its code
+    /// declares it.
     pub(crate) fn item_of(
         &mut self,
         spec: &ItemSpec,
@@ -196,7 +197,7 @@ impl<'e> Creating<'e> {
     pub(crate) fn thread(&mut self, spec: &ThreadSpec) -> Result<(), Error> {
         let name = Name::parse("thread", self.text(spec.name)?)?;
         let ix = self.engine.new_thread(name, spec.period_ns)?;
-        // The thread's pseudo component goes with this one.
+        // The thread's pseudo component is removed with this one.
         if let Some(pseudo) = self.engine.graph.owner_of(ix) {
             self.engine.graph.g.add_edge(self.component, pseudo, Edge::Owns);
         }
@@ -275,7 +276,8 @@ impl<'e> Creating<'e> {
         found.ok_or_else(|| Error::NoService { name: name.into(), version })
     }
 
-    /// As [`find`](Self::find), with what the service touches. None of that name is no error.
+    /// Does the same as [`find`](Self::find), and also returns the items that the service accesses.
+    /// It is not an error if there is no service of that name.
     pub(crate) fn bind(&mut self, name: Str, version: u32) -> Result<ServiceRef, Error> {
         let name = self.text(name)?;
         match self.found(name, version) {
@@ -287,7 +289,7 @@ impl<'e> Creating<'e> {
         }
     }
 
-    /// Looks for a service, and keeps its provider loaded.
+    /// Finds a service, and keeps its provider loaded.
     fn found(&mut self, name: &str, version: u32) -> Option<ServiceRef> {
         let graph = &mut self.engine.graph;
         let (by, service) = graph.service(name, Some(version))?;
@@ -317,7 +319,7 @@ impl<'e> Creating<'e> {
 }
 
 impl Graph {
-    /// A service, and the component that offers it.
+    /// Finds a service, and the component that offers it.
     pub(crate) fn service(&self, name: &str, version: Option<u32>) -> Option<(Ix, &Service)> {
         self.components.values().find_map(|ix| {
             let service = self
@@ -330,7 +332,7 @@ impl Graph {
     }
 }
 
-/// Copies a list of a component's.
+/// Copies a list of a component.
 ///
 /// # Safety
 /// `list` is null, or holds `n` uses.

@@ -1,7 +1,6 @@
-//! Dynamic libraries as files: what they export, read without running anything of them.
+//! Dynamic libraries as files: their exported symbols, read without running any of their code.
 //!
-//! What is read and how much of it is bounded, whatever the file says of itself: it may be broken on
-//! purpose.
+//! The amount of data read is limited, whatever the file declares: it may be corrupt on purpose.
 
 use core::cell::Cell;
 use object::{
@@ -14,7 +13,7 @@ use object::{
 };
 use std::fs::File;
 
-/// The most bytes that are read of one file.
+/// Largest number of bytes that are read of one file.
 const MAX_READ: u64 = 64 << 20;
 /// The kind of machine that this program is built for.
 const MACHINE: u16 = if cfg!(target_arch = "x86_64") {
@@ -31,12 +30,12 @@ const MACHINE: u16 = if cfg!(target_arch = "x86_64") {
 #[derive(Debug)]
 pub(crate) struct Parts<'f> {
     cache: ReadCache<&'f File>,
-    /// How many bytes may still be read.
+    /// Number of bytes that may still be read.
     left: Cell<u64>,
 }
 
 impl<'f> Parts<'f> {
-    /// Nothing of this file.
+    /// Creates a reader of this file that has read nothing yet.
     pub(crate) fn new(file: &'f File) -> Self {
         Self { cache: ReadCache::new(file), left: Cell::new(MAX_READ) }
     }
@@ -80,7 +79,7 @@ pub(crate) struct Elf<'p> {
 }
 
 impl<'p> Elf<'p> {
-    /// Reads what there is to know of all symbols.
+    /// Reads the headers and the tables of symbols.
     pub(crate) fn read(parts: &'p Parts<'p>) -> Result<Self, &'static str> {
         let none = "it is not a dynamic library";
         let header = FileHeader64::<Endianness>::parse(parts).map_err(|_| none)?;
@@ -99,18 +98,19 @@ impl<'p> Elf<'p> {
         Ok(Self { parts, endian, segments, symbols, strings, fits })
     }
 
-    /// Returns whether it is built for the kind of machine that this program runs on. The loader of a foreign file
-    /// says itself what is wrong with another one.
+    /// Returns whether the library is built for the kind of machine that this program runs on. The
+    /// loader of a foreign file reports by itself what is wrong with a file for another one.
     pub(crate) const fn fits(&self) -> bool {
         self.fits
     }
 
-    /// Whether it defines a symbol.
+    /// Returns whether the library defines a symbol.
     pub(crate) fn exports(&self, name: &str) -> bool {
         self.symbol(name).is_some()
     }
 
-    /// The bytes of a symbol, at most `most`; nothing if it does not define it, or not in the file.
+    /// Returns the bytes of a symbol; `None` if the library does not define it, if it is longer
+    /// than `most`, or if its bytes are not in the file.
     pub(crate) fn bytes(&self, name: &str, most: usize) -> Option<&'p [u8]> {
         let symbol = self.symbol(name)?;
         let (address, size) = (symbol.st_value(self.endian), symbol.st_size(self.endian));

@@ -2,10 +2,10 @@
 
 use std::{collections::BTreeMap, fmt::Write};
 
-/// The time between two messages.
+/// Time between two messages, in nanoseconds.
 const INTERVAL_NS: i64 = 60_000_000_000;
 
-/// A thread's overruns as they are now.
+/// Current overruns of a thread.
 #[derive(Clone, Debug)]
 pub(crate) struct Overran {
     pub(crate) id: u32,
@@ -14,13 +14,14 @@ pub(crate) struct Overran {
     /// Cycles that ended after the next was due, and cycles that never began.
     pub(crate) overruns: u64,
     pub(crate) missed: u64,
-    /// The function that took longest in the last one; none when the cycle began too late itself.
+    /// The function that took longest in the last overrun; `None` if the cycle itself began too
+    /// late.
     pub(crate) guilty: Option<String>,
     pub(crate) late_ns: i64,
     pub(crate) took_ns: i64,
 }
 
-/// What has been said of overruns.
+/// Overruns that have been reported.
 #[derive(Debug, Default)]
 pub(crate) struct Overruns {
     told: BTreeMap<u32, (u64, u64)>,
@@ -28,7 +29,7 @@ pub(crate) struct Overruns {
 }
 
 impl Overruns {
-    /// Returns the messages that are due. `ends`: what was not told yet is due now.
+    /// Returns the messages that are due. With `ends`, everything not yet reported is due now.
     pub(crate) fn look(&mut self, now_ns: i64, threads: &[Overran], ends: bool) -> Vec<String> {
         let mut messages = Vec::new();
         let is_due = ends || self.last_ns.saturating_add(INTERVAL_NS) <= now_ns;
@@ -47,7 +48,7 @@ impl Overruns {
                 ));
             } else if is_due {
                 let n = t.overruns.saturating_sub(overruns);
-                // A String takes everything.
+                // Writing to a `String` cannot fail.
                 let _: Result<(), std::fmt::Error> = write!(
                     more,
                     "{}thread '{}' overran {n} more {}, {} in all, {} missed; the last {}",

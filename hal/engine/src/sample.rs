@@ -1,4 +1,4 @@
-//! Samples: records of pins, signals and parameters that go to a client through a shared ring.
+//! Samples: records of pins, signals and parameters that a client receives through a shared ring.
 
 use crate::{
     Engine, Error,
@@ -20,29 +20,30 @@ use hal_protocol::{
 };
 use std::os::fd::OwnedFd;
 
-/// The most memory that the rings of all samples take together.
+/// Largest memory of the rings of all samples together, in bytes.
 const MOST_BYTES: usize = 1 << 30;
-/// What the ring of a sample takes when its client does not say.
+/// Largest default size of a sample's ring, in bytes.
 const USUAL_BYTES: usize = 16 << 20;
-/// The fewest samples that such a ring holds.
+/// Smallest default number of samples that a ring holds.
 const FEWEST: u32 = 64;
-/// The client that is this process itself.
+/// Client number of this process itself.
 const NOBODY: u64 = 0;
 
-/// A sample of a client's.
+/// A sample of a client.
 #[derive(Debug)]
 pub(crate) struct Sample {
     client: u64,
     probe: Arc<Probe>,
     memory: Arc<Memory>,
     bytes: usize,
-    /// How long the virtual clock has waited for its reader to take more than this.
+    /// Number of samples that the reader had taken, and the time that the virtual clock has waited
+    /// for it to take more.
     hold: (u64, Hold),
-    /// Why it has ended.
+    /// The reason why the sample has ended.
     ended: Option<&'static str>,
 }
 
-/// A channel.
+/// A channel of a sample.
 struct Channel {
     info: ChannelInfo,
     source: Source,
@@ -50,8 +51,8 @@ struct Channel {
 }
 
 impl Engine {
-    /// Samples for a reader in this process. It ends with the engine, or with
-    /// [`hal_protocol::Request::EndSample`]; time does not wait for it.
+    /// Samples for a reader in this process. The sample ends with the engine, or with
+    /// [`hal_protocol::Request::EndSample`]; time does not wait for its reader.
     ///
     /// # Errors
     /// As [`hal_protocol::Client::sample`].
@@ -61,7 +62,7 @@ impl Engine {
         Ok(Samples::map(&fd, info).map_err(|why| Error::Protocol { why: why.into() })?)
     }
 
-    /// Begins to sample for a client.
+    /// Starts a sample for a client.
     pub(crate) fn begin_sample(
         &mut self,
         client: u64,
@@ -104,14 +105,14 @@ impl Engine {
         Ok((SampleInfo { id, thread, period, every, depth, wait, channels }, fd))
     }
 
-    /// The fastest thread.
+    /// Returns the fastest thread.
     fn fastest(&self) -> Option<Ix> {
         let threads = self.graph.threads.values().copied();
         let key = |ix: &Ix| self.graph.thread(*ix).map(|t| (t.thread.period_ns, t.thread.id));
         threads.min_by_key(key)
     }
 
-    /// How many samples a ring holds.
+    /// Returns the number of samples that a ring is to hold.
     fn depth(&self, asked: u32, channels: usize, every_ns: i64) -> Result<u32, Error> {
         let one = (channels + 2) * 8;
         let used: usize = self.samples.values().map(|s| s.bytes).sum();
@@ -134,7 +135,7 @@ impl Engine {
         }
     }
 
-    /// What names and patterns mean, in their order.
+    /// Resolves names and patterns to channels, in their order.
     fn channels(&self, names: &[String]) -> Result<Vec<Channel>, Error> {
         let mut channels = Vec::new();
         for word in names {
@@ -163,7 +164,7 @@ impl Engine {
         self.open_channel(node, name).ok_or_else(|| WatchError::Port { name: name.into() }.into())
     }
 
-    /// The pin, parameter or signal of this name.
+    /// Finds the pin, parameter or signal of this name.
     pub(crate) fn watchable(&self, word: &str) -> Result<Ix, Error> {
         let found = match word.strip_prefix("sig:") {
             Some(name) => self.graph.signals.get(name),
@@ -180,7 +181,7 @@ impl Engine {
         })
     }
 
-    /// A node as a channel of this name; ports have no values.
+    /// Makes a channel of this name from a node; `None` for ports, which have no values.
     fn open_channel(&self, node: Ix, name: &str) -> Option<Channel> {
         let item = self.graph.item(node).map(|i| i.ty);
         let ty = item.or_else(|| self.graph.signal(node).map(|s| s.ty))?;
@@ -189,7 +190,8 @@ impl Engine {
         (ty != Type::Port).then_some(Channel { info, source, node })
     }
 
-    /// All that a pattern means: pins and parameters by name, then signals by name.
+    /// Appends all channels that match a pattern: pins and parameters by name, then signals by
+    /// name.
     fn matching(&self, word: &str, out: &mut Vec<Channel>) {
         let (pattern, signals_only) = match word.strip_prefix("sig:") {
             Some(pattern) => (pattern, true),
@@ -197,7 +199,7 @@ impl Engine {
         };
         let pattern = Patterns::new(&[pattern.to_owned()]);
         let wanted = |name: &Name, ix: Ix| {
-            // Second names would be there twice.
+            // An item with two names must not occur twice.
             self.graph.item(ix).is_none_or(|item| {
                 let simulated = item.hidden && !pattern.spell(".sim", name.as_str());
                 item.shown() == name && !item.times && !simulated
@@ -217,14 +219,14 @@ impl Engine {
         own.ok_or_else(|| WatchError::NoSample { id }.into())
     }
 
-    /// How a sample is.
+    /// Returns the state of a sample.
     pub(crate) fn sample_state(&self, client: u64, id: u64) -> Result<SampleState, Error> {
         let s = self.sample_of(client, id)?;
         let ended = s.ended.map(str::to_owned);
         Ok(SampleState { samples: s.probe.looks(), lost: s.probe.lost(), ended })
     }
 
-    /// Ends a sample: how it was.
+    /// Ends a sample and returns its final state.
     pub(crate) fn end_sample(&mut self, client: u64, id: u64) -> Result<SampleState, Error> {
         self.sample_of(client, id)?;
         self.end_watching(id);
@@ -236,7 +238,8 @@ impl Engine {
         Ok(state)
     }
 
-    /// The samples without room whose reader has kept the virtual clock waiting for too long.
+    /// Returns the samples without room whose reader has kept the virtual clock waiting for too
+    /// long.
     pub(crate) fn unread_samples(&mut self, too_long: impl Fn(&mut Hold) -> bool) -> Vec<u64> {
         let mut unread = Vec::new();
         for (id, sample) in &mut self.samples {
@@ -254,7 +257,7 @@ impl Engine {
         unread
     }
 
-    /// A client has gone.
+    /// Ends the samples of a client that has disconnected.
     pub(crate) fn end_samples_of(&mut self, client: u64) {
         let its = self.samples.iter().filter(|(_, s)| s.client == client);
         for id in its.map(|(id, _)| *id).collect::<Vec<_>>() {
@@ -263,7 +266,7 @@ impl Engine {
         }
     }
 
-    /// Something that a sample watched has gone: its reader is told.
+    /// Ends a sample because something that it watched has been removed, and informs its reader.
     pub(crate) fn sample_parted(&mut self, id: u64) {
         if let Some(s) = self.samples.get_mut(&id) {
             s.ended = Some("something that was sampled has been unloaded or deleted");

@@ -14,9 +14,9 @@ use std::{
     os::unix::net::{UnixListener, UnixStream},
 };
 
-/// The most clients at once.
+/// Largest number of clients at once.
 const MOST_CLIENTS: usize = 256;
-/// The most requests of one client that are carried out before others have their turn.
+/// Largest number of requests of one client that are executed before the next client's turn.
 const MOST_IN_TURN: usize = 16;
 
 /// The socket and its clients.
@@ -32,7 +32,7 @@ pub(crate) struct Server {
 }
 
 impl Server {
-    /// Takes the socket of an instance, also over from an owner that has died.
+    /// Takes the socket of an instance, even if a former owner has died and left it behind.
     pub(crate) fn open(place: &Place) -> Result<Self, FolderError> {
         let folder = Folder::make(place)?;
         let lock = folder.lock(place)?;
@@ -40,7 +40,7 @@ impl Server {
         Ok(Self { listener, place: place.clone(), folder, lock, clients: Vec::new(), next: 1 })
     }
 
-    /// Ends every connection: programs see it and leave.
+    /// Ends every connection: programs notice it and exit.
     pub(crate) fn drop_clients(&mut self) {
         self.clients.clear();
     }
@@ -68,7 +68,7 @@ impl Drop for Server {
     }
 }
 
-/// Whether the user at the other end may use this instance: its own user, and root.
+/// Checks that the user at the other end may use this instance: its own user, or root.
 fn admitted(socket: &UnixStream) -> Result<(), Error> {
     let me = rustix::process::geteuid().as_raw();
     let peer = peer(socket).map_err(|e| Error::System {
@@ -85,7 +85,7 @@ fn admitted(socket: &UnixStream) -> Result<(), Error> {
     Err(Error::Protocol { why: why.into() })
 }
 
-/// One look at the socket: waits at most `ms` for something to do, and does it.
+/// Checks the socket once: waits at most `ms` milliseconds for something to do, and does it.
 pub(crate) fn serve_once(engine: &mut Engine, ms: i32) {
     let inside = || engine.shared.threads.load().iter().any(|t| t.gate.is_inside());
     if !engine.left.is_empty() && !inside() {
@@ -152,7 +152,7 @@ pub(crate) fn serve_once(engine: &mut Engine, ms: i32) {
             if let Some(reply) = reply {
                 c.answer(reply);
             }
-            // What it would wait for may be so already.
+            // The condition that the request would wait for may already hold.
             settle(engine, c);
         }
         c.part();

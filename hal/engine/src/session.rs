@@ -1,4 +1,4 @@
-//! What a client asks: greetings, waits, and the pins of programs that are components.
+//! Requests of clients: greetings, waits, and the pins of programs that are components.
 
 use crate::{
     Engine, Error,
@@ -15,7 +15,7 @@ use hal_protocol::{
     WireRequest,
 };
 
-/// Carries out a line's request; `None` when the answer comes later.
+/// Executes the request of a line; returns `None` when the answer comes later.
 pub(crate) fn respond(
     engine: &mut Engine,
     c: &mut Client,
@@ -68,7 +68,8 @@ fn answer(engine: &mut Engine, c: &mut Client, request: Request) -> Option<Resul
         Request::Ready => ready(engine, c),
         Request::Poll { writes } => match checked(engine, c, &writes) {
             Ok(writes) => {
-                // On the virtual clock a program writes at its poll, however fast it was.
+                // On the virtual clock a program's values are written at its poll, however fast the
+                // program was.
                 c.writes = writes;
                 if !engine.shared.is_virtual() {
                     put_writes(engine, c);
@@ -167,7 +168,7 @@ fn new_pin(
     Ok(Reply::Done)
 }
 
-/// The clock need no longer stand still for a program that has begun to do what it is for.
+/// Ends the clock's wait for a program that has started its actual work.
 fn has_started(engine: &mut Engine, c: &Client) {
     for p in &mut engine.programs {
         p.joined |= p.pid == c.pid;
@@ -186,7 +187,7 @@ fn ready(engine: &mut Engine, c: &mut Client) -> Result<Reply, Error> {
     Ok(Reply::Done)
 }
 
-/// Carries out what a program wants to write.
+/// Writes the values that a program has sent.
 pub(crate) fn put_writes(engine: &Engine, c: &mut Client) {
     for (ix, bits) in c.writes.drain(..) {
         if let Some(item) = engine.graph.item(ix) {
@@ -195,7 +196,7 @@ pub(crate) fn put_writes(engine: &Engine, c: &mut Client) {
     }
 }
 
-/// The writes of a poll, checked, and whether this client may poll at all.
+/// Checks the writes of a poll, and that this client may poll at all.
 fn checked(engine: &Engine, c: &Client, writes: &[(u32, Value)]) -> Result<Vec<(Ix, u64)>, Error> {
     let odd = |why: &str| Error::Protocol { why: why.into() };
     member(engine, c)?;
@@ -243,7 +244,7 @@ fn attach(
     Ok(Reply::Stream(info))
 }
 
-/// A client has gone: its component, its pins and its streams go with it.
+/// Removes a disconnected client: its component, its pins and its streams.
 pub(crate) fn leave(engine: &mut Engine, c: &Client) {
     for ring in engine.rings.values_mut() {
         if ring.attached == Some(c.id) {
@@ -257,10 +258,11 @@ pub(crate) fn leave(engine: &mut Engine, c: &Client) {
     }
 }
 
-/// Removes components whose programs have gone; those that a stuck thread keeps stay for later.
+/// Removes components whose programs have disconnected; those that a stuck thread holds are kept
+/// for later.
 pub(crate) fn forget_left(engine: &mut Engine) {
     for ix in core::mem::take(&mut engine.left) {
-        // A few pins at a time: a program that has gone does not wait for threads to stop.
+        // A few pins at a time: within the limit of stores, so that running threads need not stop.
         let pins: Vec<Ix> = engine.graph.owned(ix);
         let unlinked = pins.chunks(MOST_STORES / 2).try_for_each(|some| {
             let unlinked = engine.whole(|e| {

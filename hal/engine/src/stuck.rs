@@ -1,12 +1,12 @@
-//! Finds a thread that is stuck in a function on the real clock: no further cycle begins, and
-//! outputs go to their safe levels.
+//! Detection of a thread that is stuck in a function on the real clock: the watch prevents further
+//! cycles and drives outputs to their safe levels.
 //!
-//! Only the time that the function itself has had counts: on a processor, or waiting in a system
-//! call of its own. Time in which its thread waited for a processor, or was stopped with its
-//! process or by a debugger, does not, so that a busy machine stops no outputs. Of the time between
-//! two looks no more counts than is meant to lie between them: where a whole machine stands still,
-//! the looks do as well. Before a verdict the looks are made on the processor of the threads, so
-//! that each proves that this processor ran.
+//! Only the time that the function itself spends counts: on a processor, or waiting in a system
+//! call of its own. Time in which its thread waits for a processor, or is stopped with its process
+//! or by a debugger, does not count, so that a busy machine stops no outputs. Of the time between
+//! two observations, at most the planned interval counts: if a whole machine is suspended, the
+//! observations are as well. Before a verdict the observations are made on the processor of the
+//! threads, so that each proves that this processor ran.
 
 use crate::{
     os::{
@@ -24,29 +24,29 @@ use std::{
     time::Duration,
 };
 
-/// The shortest and the longest time between two looks.
+/// Shortest and longest time between two observations, in nanoseconds.
 const STEPS_NS: (i64, i64) = (500_000, 100_000_000);
-/// How many looks must find the same call after the first has.
+/// Number of observations after the first that must find the same call.
 const LOOKS: u32 = 3;
-/// What a function has at least when it sets up hardware (`initf`), or waits for a disk or a
-/// device that cannot be disturbed.
+/// Least limit, in nanoseconds, for a function that sets up hardware (`initf`), or that waits for a
+/// disk or a device that cannot be interrupted.
 const PATIENCE_NS: i64 = 1_000_000_000;
-/// For how many threads there is room from the start.
+/// Number of threads for which memory is reserved at the start.
 const ROOM: usize = 64;
 
-/// What a look finds of a thread that is inside a function.
+/// One observation of a thread that is inside a function.
 #[derive(Clone, Copy, Debug)]
 struct Sight {
     cycles: u64,
     funct: u32,
-    /// The function runs once, before all others.
+    /// True if the function runs once, before all others.
     init: bool,
-    /// Processor time that the thread has had.
+    /// Processor time that the thread has used, in nanoseconds.
     ran_ns: i64,
     doing: Doing,
 }
 
-/// The time that one call of a function has had, as far as was seen.
+/// The time that one call of a function has spent, as far as observed.
 #[derive(Clone, Copy, Debug)]
 struct Case {
     thread: u32,
@@ -62,7 +62,7 @@ enum Verdict {
     Fine,
     /// The thread was in the same call at the last look.
     Suspect,
-    /// The call has had its time.
+    /// The call has exceeded its limit.
     Stuck,
 }
 
@@ -71,7 +71,7 @@ impl Case {
         Self { thread, seen, had_ns: 0, looks: 0, patient: seen.init }
     }
 
-    /// Takes another look, which was to come `step_ns` after the last.
+    /// Adds an observation, planned for `step_ns` after the last one.
     fn look(&mut self, now: Sight, step_ns: i64, limit_ns: i64) -> Verdict {
         let last = self.seen;
         if (last.cycles, last.funct) != (now.cycles, now.funct) {
@@ -89,7 +89,7 @@ impl Case {
     }
 }
 
-/// The thread that looks; it ends with this.
+/// The observing thread; it ends when this value is dropped.
 #[derive(Debug)]
 pub(crate) struct StuckWatch {
     end: Option<Sender<()>>,
@@ -97,14 +97,14 @@ pub(crate) struct StuckWatch {
 }
 
 impl StuckWatch {
-    /// Begins to look at threads that run on `cpu`, if on one; nothing where the system has no
-    /// thread for it.
+    /// Starts observing threads that run on `cpu`, if they are bound to one; returns `None` if the
+    /// system cannot start a thread for it.
     pub(crate) fn begin(shared: Arc<Shared>, fifo: bool, cpu: Option<usize>) -> Option<Self> {
         let (end, ended) = channel();
         let (ready, is_ready) = channel::<()>();
         let run = move || {
             let mut watch = Watch::new(shared, cpu);
-            // What it needs of memory it takes now.
+            // Allocates all the memory that it needs now.
             let mut goes_on = watch.look(Duration::ZERO, &ended);
             if fifo {
                 os::become_fifo(WATCH_PRIORITY);
@@ -116,15 +116,15 @@ impl StuckWatch {
             }
         };
         let running = std::thread::Builder::new().name("hal-stuck".into()).spawn(run).ok()?;
-        // Nothing is sent: it comes to an end when the first look is over.
+        // Nothing is sent: the channel closes when the first observation is over.
         is_ready.recv().unwrap_or_default();
         Some(Self { end: Some(end), running: Some(running) })
     }
 
-    /// Lets it look now: there are threads that it may not have seen yet.
+    /// Makes the watch observe now: there are threads that it may not have seen yet.
     pub(crate) fn poke(&self) {
         if let Some(end) = &self.end {
-            // It ends before this does.
+            // The receiving thread ends only after this value is dropped.
             let _: Result<(), _> = end.send(());
         }
     }
@@ -144,9 +144,10 @@ struct Watch {
     cpu: Option<usize>,
     others: Vec<usize>,
     cases: Vec<Case>,
-    /// Some thread was in the same call at the last two looks: this one is on its processor.
+    /// True if some thread was in the same call at the last two observations: the watch then runs
+    /// on the threads' processor.
     near: bool,
-    /// Threads that were inside a cycle when outputs went to their safe levels.
+    /// Threads that were inside a cycle when outputs were driven to their safe levels.
     left_inside: Vec<u32>,
 }
 
@@ -161,7 +162,7 @@ impl Watch {
         Self { shared, cpu, others, cases, near: false, left_inside }
     }
 
-    /// How long to wait for the next look.
+    /// Returns the time until the next observation.
     fn step(&self) -> Duration {
         let part = if self.near || !self.left_inside.is_empty() { 4 } else { 2 };
         let (least, most) = STEPS_NS;
@@ -173,7 +174,7 @@ impl Watch {
         Duration::from_nanos(step.unsigned_abs())
     }
 
-    /// Waits and looks; false when it is to end.
+    /// Waits and observes; returns false when the watch is to end.
     fn look(&mut self, step: Duration, ended: &Receiver<()>) -> bool {
         match ended.recv_timeout(step) {
             Ok(()) => return true,
@@ -213,7 +214,7 @@ impl Watch {
         true
     }
 
-    /// Goes to the processor of the threads, or away from it.
+    /// Moves the watch to the processor of the threads, or away from it.
     fn move_over(&self) {
         match self.cpu {
             Some(cpu) if self.near => os::processors::stay_on(cpu),
@@ -222,7 +223,8 @@ impl Watch {
         };
     }
 
-    /// Ends every cycle after the function that it is in, and begins none.
+    /// Makes every cycle end after its current function, prevents further cycles and drives outputs
+    /// to their safe levels.
     fn stop(&mut self, thread: &Thread, funct: u32, limit: i64, threads: &[Arc<Thread>]) {
         let cause = Cause::new();
         let us = limit / 1000;
@@ -230,14 +232,15 @@ impl Watch {
         cause.store(worded(&mut text, us));
         self.shared.fault.set(thread.id, funct, &cause);
         self.shared.fault.abandon();
-        // Before the outputs are driven: a thread that leaves meanwhile is followed by another time.
+        // Recorded before the outputs are driven: if one of these threads leaves its cycle later,
+        // they are driven again.
         let inside = threads.iter().filter(|t| t.gate.is_inside()).map(|t| t.id);
         self.left_inside.clear();
         self.left_inside.extend(inside);
         self.shared.stop_outputs();
     }
 
-    /// A function that comes back may have written outputs meanwhile: they are driven once more.
+    /// Drives the outputs again when a function returns that may have written to them meanwhile.
     fn rest_again(&mut self, threads: &[Arc<Thread>]) {
         let before = self.left_inside.len();
         let inside = |id: &u32| threads.iter().any(|t| t.id == *id && t.gate.is_inside());
@@ -248,8 +251,8 @@ impl Watch {
     }
 }
 
-/// What a thread is doing, if it is inside a function. What takes longer to find out is asked only
-/// of one that was in the same call before.
+/// Observes a thread, if it is inside a function. The expensive query of its activity is made only
+/// if the thread was in the same call before.
 fn sight(t: &Thread, known: Option<&Case>) -> Option<Sight> {
     let funct = t.current.load(Ordering::Relaxed);
     if funct == NOBODY || !t.gate.is_inside() {

@@ -3,7 +3,7 @@
 use crate::{Engine, code::Code, ends::Doing, fault::said, graph::Ix, name::Name, sync::Arc};
 use hal_abi::Run;
 
-/// Work that is done every so often.
+/// Work that runs periodically.
 #[derive(Debug)]
 pub(crate) struct Task {
     pub(crate) name: Name,
@@ -11,7 +11,7 @@ pub(crate) struct Task {
     period_ns: i64,
     due: i64,
     code: Code<Run>,
-    /// What runs when it does.
+    /// Description of the running task, for reports of the end of the process.
     doing: Arc<Doing>,
     failed: bool,
 }
@@ -24,14 +24,14 @@ impl Task {
         now: i64,
         code: Code<Run>,
     ) -> Self {
-        // At multiples of the period, from the next one on.
+        // At multiples of the period, beginning with the next.
         let due = (now.div_euclid(period_ns) + 1) * period_ns;
         Self { name, owner, period_ns, due, code, doing, failed: false }
     }
 }
 
 impl Engine {
-    /// When the next task is due, in machine time.
+    /// Returns the time at which the next task is due, in machine time.
     pub(crate) fn next_task(&self) -> i64 {
         self.tasks.iter().filter(|t| !t.failed).map(|t| t.due).min().unwrap_or(i64::MAX)
     }

@@ -3,18 +3,18 @@
 use crate::{ClockKind, Engine, Error, Options, graph::Ix, item::NewItem, name::Name};
 use hal_protocol::{ComponentState, Failure, Reply, Request, TicketInfo};
 
-/// What only an engine on trial has.
+/// State that only a trial engine has.
 #[derive(Debug, Default)]
 pub(crate) struct Trial {
-    /// The program's component that is being made.
+    /// The program's component that is being created.
     member: Option<Ix>,
 }
 
 impl Engine {
-    /// Makes an instance that carries out a script and touches nothing outside: for `check`,
-    /// `order` and `graph`. It has no socket, its clock stands still, `loadrt` creates components
-    /// and never opens them, no stop action runs, nothing is recorded, and no process is ended.
-    /// Whoever owns it may join as a program and make that program's pins.
+    /// Creates an instance that executes a script and touches nothing outside: for `check`, `order`
+    /// and `graph`. It has no socket, its clock does not move, `loadrt` creates components and
+    /// never opens them, no stop action runs, nothing is recorded, and no process is ended. The
+    /// owner may join as a program and create that program's pins.
     ///
     /// # Errors
     /// The system refuses.
@@ -27,7 +27,7 @@ impl Engine {
         Ok(engine)
     }
 
-    /// What a trial does instead of what would reach outside or move the clock.
+    /// Handles a request that would reach outside or move the clock; returns `None` for all others.
     pub(crate) fn tried(&mut self, request: &Request) -> Option<Result<Reply, Error>> {
         let trial = self.trial.as_mut()?;
         if let Request::Run { .. } = request {

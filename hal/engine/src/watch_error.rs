@@ -1,8 +1,8 @@
-//! Why something cannot be sampled or recorded.
+//! Errors of samples, recordings and the flight recorder.
 
 use hal_protocol::MOST_CHANNELS;
 
-/// Why something cannot be sampled or recorded.
+/// The reason why something cannot be sampled or recorded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the sentence of each variant is its documentation")]
 pub enum WatchError {
@@ -52,7 +52,7 @@ impl core::fmt::Display for WatchError {
 }
 
 impl WatchError {
-    /// The errno that goes with it.
+    /// Returns the errno of the error.
     pub(crate) const fn errno(&self) -> i32 {
         match self {
             Self::NoMatch { .. } | Self::NoSample { .. } | Self::NoEvent => -2,
@@ -62,7 +62,7 @@ impl WatchError {
         }
     }
 
-    /// The word of the request that is wrong, if it is one word.
+    /// Returns the word of the request that is wrong, if it is one word.
     pub(crate) const fn word(&self) -> Option<&str> {
         match self {
             Self::NoMatch { pattern: word } | Self::Port { name: word } => Some(word),

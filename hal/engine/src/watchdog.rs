@@ -1,5 +1,5 @@
-//! Names a thread that does not come back from a function: looked at from outside, since on the
-//! virtual clock nothing else would ever be said.
+//! Identification of a thread that does not return from a function. It works from outside the
+//! thread, because on the virtual clock nothing else would report the thread.
 
 use crate::{
     shared::Shared,
@@ -13,22 +13,23 @@ use std::{
     time::Duration,
 };
 
-/// How often it looks.
+/// Interval between observations.
 const LOOK: Duration = Duration::from_millis(500);
-/// After how many looks at the same cycle, in the same function, a thread is stuck. Looks are
-/// counted and not seconds: a machine that is busy or asleep is late with these as well.
+/// Number of observations of the same cycle, in the same function, after which a thread is stuck.
+/// Observations are counted and not seconds, because a machine that is busy or suspended is late
+/// with them as well.
 const LOOKS: u32 = 5;
-/// For how many threads there is room from the start.
+/// Number of threads for which memory is reserved at the start.
 const ROOM: usize = 64;
 
-/// The thread that looks; it ends with this.
+/// The observing thread; it ends when this value is dropped.
 #[derive(Debug)]
 pub(crate) struct Watchdog {
     end: Option<Sender<()>>,
     running: Option<JoinHandle<()>>,
 }
 
-/// What was seen of a thread at the last look.
+/// Result of the last observation of a thread.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
     thread: u32,
@@ -38,13 +39,13 @@ struct Seen {
 }
 
 impl Watchdog {
-    /// Begins to look; nothing, where the system has no thread for it.
+    /// Starts observing; returns `None` if the system cannot start a thread for it.
     pub(crate) fn begin(shared: Arc<Shared>) -> Option<Self> {
         let (end, ended) = channel();
         let (ready, is_ready) = channel::<()>();
         let run = move || {
-            // What it needs it has from the first look on, so that an engine that has come up takes
-            // no more memory later.
+            // Allocates all the memory that it needs for the first observation, so that a running
+            // engine takes no more memory later.
             let mut seen = Vec::with_capacity(ROOM);
             look(&shared, &mut seen);
             drop(ready);
@@ -53,7 +54,7 @@ impl Watchdog {
             }
         };
         let running = std::thread::Builder::new().name("hal-watchdog".into()).spawn(run).ok()?;
-        // Nothing is sent: it comes to an end when the first look is over.
+        // Nothing is sent: the channel closes when the first observation is over.
         is_ready.recv().unwrap_or_default();
         Some(Self { end: Some(end), running: Some(running) })
     }
@@ -106,7 +107,7 @@ fn look(shared: &Shared, seen: &mut Vec<Seen>) {
     }
 }
 
-/// Who it is.
+/// Names the function that a thread is in, with its component.
 fn named(thread: &Thread) -> Option<FaultInfo> {
     let current = thread.current.load(Ordering::Relaxed);
     let list = thread.list.load();
