@@ -140,7 +140,8 @@ macro_rules! export {
         /// Descriptor that the engine looks up.
         #[unsafe(export_name = concat!("hal_library_", env!("CARGO_CRATE_NAME")))]
         pub static HAL_LIBRARY: $crate::abi::Library = {
-            const LIST: &[&$crate::abi::ComponentType] = &[$(&$crate::describe::<$component>()),+];
+            const LIST: &[&$crate::abi::ComponentType] =
+                &$crate::types::<{ HAL_DESCRIBED.len() }>(HAL_DESCRIBED);
             $crate::abi::Library {
                 size: $crate::abi::size::<$crate::abi::Library>(),
                 abi_major: $crate::abi::ABI_MAJOR,
@@ -161,14 +162,56 @@ macro_rules! export {
         const HAL_NAMES_LEN: usize = $crate::abi::names::len(HAL_NAMES_OF);
         const HAL_NAMES_OF: &[(u8, &[&str])] = &[(
             $crate::abi::names::COMPONENT,
-            &[$(<$component as $crate::Component>::NAME),+],
+            &$crate::names::<{ HAL_DESCRIBED.len() }>(HAL_DESCRIBED),
         )];
+        // The only place that names the types, so that the compiler complains once of each.
+        const HAL_DESCRIBED: &[$crate::Described] = &[$($crate::describe::<$component>()),+];
     };
+}
+
+/// A component type as [`export!`] writes it down: for the engine, and as plain bytes.
+#[doc(hidden)]
+#[derive(Debug)]
+pub struct Described {
+    ty: abi::ComponentType,
+    name: &'static str,
+}
+
+/// Returns the types of `N` components.
+#[doc(hidden)]
+#[must_use]
+#[expect(clippy::indexing_slicing, reason = "the compiler evaluates it")]
+pub const fn types<const N: usize>(all: &'static [Described]) -> [&'static abi::ComponentType; N] {
+    let mut out = [&all[0].ty; N];
+    let mut i = 0;
+    while i < N {
+        out[i] = &all[i].ty;
+        i += 1;
+    }
+    out
+}
+
+/// Returns the names of `N` components.
+#[doc(hidden)]
+#[must_use]
+#[expect(clippy::indexing_slicing, reason = "the compiler evaluates it")]
+pub const fn names<const N: usize>(all: &'static [Described]) -> [&'static str; N] {
+    let mut out = [""; N];
+    let mut i = 0;
+    while i < N {
+        out[i] = all[i].name;
+        i += 1;
+    }
+    out
 }
 
 #[doc(hidden)]
 #[must_use]
-pub const fn describe<C: Component>() -> abi::ComponentType {
+pub const fn describe<C: Component>() -> Described {
+    Described { ty: describe_type::<C>(), name: C::NAME }
+}
+
+const fn describe_type<C: Component>() -> abi::ComponentType {
     abi::ComponentType {
         size: abi::size::<abi::ComponentType>(),
         flags: C::FLAGS,
