@@ -23,7 +23,7 @@ pub(crate) use apart::threads;
 pub(crate) use board::{Current, NOBODY, record};
 pub(crate) use crash::{is_claimed, park};
 pub(crate) use sys::Stack;
-pub(crate) use who::{Control, Doing, Origin, What, begin_cycle, end_cycle};
+pub(crate) use who::{Control, Doing, Origin, What, begin_cycle, end_cycle, run_stop};
 
 use crate::{
     code::Code,

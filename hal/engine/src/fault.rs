@@ -2,7 +2,6 @@
 
 use crate::{
     Engine, Error,
-    args::Args,
     ends::{self, Doing, Origin, Remains, What},
     graph::{Ix, Node},
     name::Name,
@@ -137,7 +136,7 @@ impl Engine {
             let Some(c) = self.graph.component(*ix) else { continue };
             let _within = self.instance.control.run(Doing::new(c.name.as_str(), What::Stop));
             for stop in &c.stops {
-                if let Err(e) = stop.call(Args::default()) {
+                if let Err(e) = ends::run_stop(stop) {
                     failed.push(format!("{}: stop action: {e}", c.name));
                 }
             }

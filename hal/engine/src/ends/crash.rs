@@ -196,7 +196,8 @@ pub(super) fn stop_outputs() {
         for stop in &remains.stops {
             let next = number + 1;
             let begun = BEGUN.compare_exchange(number, next, Ordering::Relaxed, Ordering::Relaxed);
-            if begun.is_ok() {
+            // The process may end because of this one.
+            if begun.is_ok() && !who::is_in(stop) {
                 stop.call_mute();
             }
             number = next;

@@ -7,12 +7,16 @@ use super::{
     text::Text,
 };
 use crate::{
+    Error,
+    args::Args,
+    code::Code,
     name::Name,
     sync::{Arc, AtomicU32, AtomicU64, Ordering},
     thread::Thread,
 };
 use arc_swap::ArcSwapOption;
 use core::{cell::Cell, marker::PhantomData, ptr::null};
+use hal_abi::CommandRun;
 
 /// Code of a component that the control side runs.
 #[derive(Debug)]
@@ -69,6 +73,8 @@ thread_local! {
     static CYCLE: Cell<*const Thread> = const { Cell::new(null()) };
     /// The other code that runs in it.
     static DOING: Cell<*const Doing> = const { Cell::new(null()) };
+    /// The stop action that runs in it.
+    static STOP: Cell<*const Code<CommandRun>> = const { Cell::new(null()) };
 }
 
 /// Realtime. A cycle of this thread begins.
@@ -81,6 +87,19 @@ pub(crate) fn begin_cycle(thread: &Thread) {
 #[inline]
 pub(crate) fn end_cycle() {
     CYCLE.set(null());
+}
+
+/// Runs a stop action in this thread. If the process ends in it, it is not run once more.
+pub(crate) fn run_stop(stop: &Code<CommandRun>) -> Result<(), Error> {
+    STOP.set(stop);
+    let result = stop.call(Args::default());
+    STOP.set(null());
+    result.map(drop)
+}
+
+/// Whether this stop action runs in this thread.
+pub(super) fn is_in(stop: &Code<CommandRun>) -> bool {
+    core::ptr::eq(STOP.get(), stop)
 }
 
 /// What the control side does, for those who look on.
