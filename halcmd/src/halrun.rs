@@ -173,8 +173,10 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
         Outcome::Ended => u8::from(serve::was_broken_off(&mut engine)),
     };
     if plan.detach == Detach::Child && outcome == Outcome::Good {
+        // Where it prints is known when the other process returns.
+        let log = detach::leave_stderr(&plan.options.place);
+        ends.be_quiet(log.as_deref());
         detach::tell();
-        ends.be_quiet();
     }
     let goes_on = outcome == Outcome::Good && !plan.interactive && plan.script != Script::Terminal;
     if goes_on {
@@ -189,6 +191,9 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
     // The engine has ended them; now they are collected.
     for mut program in programs {
         drop(program.wait());
+    }
+    if plan.detach == Detach::Child {
+        detach::forget(&plan.options.place);
     }
     // What is typed may fail without the session being a failure.
     let typed = plan.script == Script::Terminal && outcome == Outcome::Failed;

@@ -115,3 +115,24 @@ fn of_many_that_start_under_one_name_one_comes_up() {
         }
     }
 }
+
+/// A process that was killed holds its lock until it has gone, and its watcher holds it for a moment
+/// afterwards.
+#[test]
+fn an_instance_starts_at_once_in_the_place_of_one_that_was_killed() {
+    let scratch = Scratch::new("restarts");
+    scratch.write("machine.hal", MACHINE);
+    let place = Place::at(scratch.path().join(".run/ferrule"), "again").unwrap();
+    let mut old = start(&scratch, "again");
+    drop(client(&scratch, "again"));
+    for n in 0..50 {
+        old.signal(Signal::KILL);
+        let mut new = start(&scratch, "again");
+        let pid = i32::try_from(new.pid()).unwrap();
+        until("the next one runs", || {
+            assert!(new.is_running(), "restart {n}: {:?}", new.said());
+            Client::connect(&place, "").is_ok_and(|mut c| status(&mut c).pid == pid)
+        });
+        old = new;
+    }
+}

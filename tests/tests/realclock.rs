@@ -173,6 +173,38 @@ fn in_the_background() {
 }
 
 #[test]
+fn in_the_background_it_says_in_its_log_how_it_ended() {
+    let scratch = Scratch::new("log");
+    scratch.write("blink.hal", BLINK);
+    let detach = || {
+        // Standard error is a pipe, which a terminal is like: it is given free.
+        let shell = ["sh", "-c", "\"$0\" --detach \"$@\" 2>&1 | cat"];
+        let output = scratch.run(scratch.command(&shell, "halrun").arg("blink.hal"));
+        assert_eq!((output.stdout.as_str(), output.status), ("", Some(0)));
+        process(&scratch)
+    };
+    let log = scratch.path().join(".run/ferrule/default.log");
+    let said = || fs::read_to_string(&log).unwrap_or_default();
+    for (signal, words) in
+        [("-KILL", "was ended by SIGKILL"), ("-SEGV", "SIGSEGV, sent by process")]
+    {
+        let pid = detach();
+        scratch.run(scratch.command(&["sh", "-c"], &format!("kill {signal} {pid}")).arg(""));
+        until("its log says it", || said().contains(words));
+        until("it is gone", || scratch.left() == ["default.log"]);
+        let output = scratch.halcmd(&["list", "sig"]);
+        let place = format!("what it said in the background is in {}", log.display());
+        assert!(output.stderr.contains(&place), "{}", output.stderr);
+    }
+    // The next one goes on with it. An instance that has nothing to say leaves none.
+    assert!(said().contains("SIGKILL") && said().contains("SIGSEGV"), "{}", said());
+    fs::remove_file(&log).unwrap();
+    detach();
+    assert_eq!(scratch.halrun(&["-U"]).status, Some(0));
+    assert_eq!(scratch.left(), [""; 0], "{}", said());
+}
+
+#[test]
 fn two_instances_know_nothing_of_each_other() {
     let scratch = Scratch::new("two");
     scratch.write("blink.hal", BLINK);

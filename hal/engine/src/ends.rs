@@ -329,7 +329,9 @@ impl Ends {
     }
 
     /// Whoever waits for the end of what this process prints waits no more.
-    pub fn be_quiet(&self) {
+    /// From now on the watcher prints to the file `log`.
+    pub fn be_quiet(&self, log: Option<&std::path::Path>) {
+        log.into_iter().for_each(|log| note(format_args!("l 0 {}", log.display())));
         self.watcher.iter().for_each(Watcher::be_quiet);
     }
 

@@ -6,6 +6,7 @@ use rustix::{
     fs::{AtFlags, FileType, FlockOperation, Mode, OFlags, Stat},
     io::Errno,
     net::{AddressFamily, SocketAddrUnix, SocketFlags, SocketType},
+    time::Timespec,
 };
 use std::{
     fs::{DirBuilder, File},
@@ -23,6 +24,11 @@ use std::{
 const ROOT: u32 = 0;
 /// Mode bits that let the group or others write.
 const OTHERS_WRITE: u32 = 0o022;
+/// The number of times that a lock is tried again, and the nanoseconds between: half a second.
+const LOCK_TRIES: u32 = 100;
+const LOCK_WAIT_NS: i64 = 5_000_000;
+/// The length in bytes from which a log is emptied.
+const LONGEST_LOG: i64 = 1 << 20;
 
 /// Reason why the files of an instance are not used.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -186,13 +192,16 @@ impl Folder {
         Ok(Some(socket))
     }
 
-    /// Acquires the lock file of the instance. A running engine holds this lock.
+    /// Acquires the lock file of the instance. A running engine holds this lock. Others hold it
+    /// for a moment: a process that is being killed, the watcher that removes its files, a program
+    /// that looks whether the instance has ended.
     ///
     /// # Errors
     /// The instance is already running, or the lock file cannot be created.
     pub fn lock(&self, place: &Place) -> Result<File, FolderError> {
         let name = place.lock_name();
         let flags = OFlags::CREATE | OFlags::RDWR | OFlags::NOFOLLOW | OFlags::NONBLOCK;
+        let mut tries = 0;
         loop {
             let opened = rustix::fs::openat(
                 &self.fd,
@@ -204,7 +213,14 @@ impl Folder {
             let stat = rustix::fs::fstat(&fd).map_err(|e| self.system(&name, &e.into()))?;
             self.own(&name, &stat, FileType::RegularFile)?;
             if rustix::fs::flock(&fd, FlockOperation::NonBlockingLockExclusive).is_err() {
-                return Err(FolderError::Taken { instance: place.name().into() });
+                if tries == LOCK_TRIES {
+                    return Err(FolderError::Taken { instance: place.name().into() });
+                }
+                tries += 1;
+                let time = Timespec { tv_sec: 0, tv_nsec: LOCK_WAIT_NS };
+                // A signal makes the wait shorter.
+                let _ = rustix::thread::nanosleep(&time);
+                continue;
             }
             // The previous owner may have ended in the meantime and removed the file. A lock on a
             // removed file protects nothing, so try again.
@@ -212,6 +228,25 @@ impl Folder {
                 return Ok(fd.into());
             }
         }
+    }
+
+    /// Opens the file for what an instance in the background says, to add to it. A long file is
+    /// emptied first.
+    ///
+    /// # Errors
+    /// What is there is not a file of this user's, or the system refuses.
+    pub fn log(&self, place: &Place) -> Result<File, FolderError> {
+        let name = place.log_name();
+        let flags = OFlags::CREATE | OFlags::WRONLY | OFlags::APPEND | OFlags::NOFOLLOW;
+        let flags = flags | OFlags::NONBLOCK | OFlags::CLOEXEC;
+        let opened = rustix::fs::openat(&self.fd, &*name, flags, Mode::RUSR | Mode::WUSR);
+        let fd = opened.map_err(|e| self.system(&name, &e.into()))?;
+        let stat = rustix::fs::fstat(&fd).map_err(|e| self.system(&name, &e.into()))?;
+        self.own(&name, &stat, FileType::RegularFile)?;
+        if stat.st_size > LONGEST_LOG {
+            rustix::fs::ftruncate(&fd, 0).map_err(|e| self.system(&name, &e.into()))?;
+        }
+        Ok(fd.into())
     }
 
     /// Returns whether no process holds the instance's lock.

@@ -84,6 +84,16 @@ impl Place {
         self.folder.join(self.lock_name())
     }
 
+    /// Returns the path of the file with what an instance in the background has said.
+    #[must_use]
+    pub fn log(&self) -> PathBuf {
+        self.folder.join(self.log_name())
+    }
+
+    pub(crate) fn log_name(&self) -> String {
+        format!("{}.log", self.name)
+    }
+
     pub(crate) fn socket_name(&self) -> String {
         format!("{}.sock", self.name)
     }

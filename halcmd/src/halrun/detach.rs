@@ -1,6 +1,7 @@
 //! An instance in the background.
 
 use crate::{Terminal, program::is_file, signals::ending_flag};
+use hal_protocol::{Folder, Place};
 use rustix::{
     event::{PollFd, PollFlags, Timespec, poll},
     pipe::{PipeFlags, pipe_with},
@@ -11,6 +12,7 @@ use std::{
     fs::File,
     io::Read,
     os::fd::OwnedFd,
+    path::PathBuf,
     process::{Child, Command, Stdio},
     sync::atomic::Ordering::Relaxed,
 };
@@ -60,18 +62,40 @@ pub(super) fn leave_terminal() {
     let _ = setsid();
 }
 
-/// In the background: tells the one who waits that the script is done, and gives the terminal
-/// free; what goes to a file goes on going there.
+/// In the background: what is said from now on goes to the instance's log, whose path this returns,
+/// and not to the terminal. Standard error that is a file stays what it is.
+pub(super) fn leave_stderr(place: &Place) -> Option<PathBuf> {
+    if is_file(std::io::stderr()) {
+        return None;
+    }
+    if let Ok(log) = Folder::open(place).and_then(|folder| folder.log(place)) {
+        stdio::dup2_stderr(&log).unwrap_or_default();
+        return Some(place.log());
+    }
+    stdio::dup2_stderr(&null()?).unwrap_or_default();
+    None
+}
+
+/// Removes the log of an instance that has ended well and said nothing.
+pub(super) fn forget(place: &Place) {
+    let log = place.log();
+    if std::fs::metadata(&log).is_ok_and(|log| log.len() == 0) {
+        std::fs::remove_file(log).unwrap_or_default();
+    }
+}
+
+/// In the background: tells the process that waits that the script is done, and gives the terminal
+/// free. Standard output that is a file stays what it is.
 pub(super) fn tell() {
     // Nobody may be waiting any more.
     let _ = rustix::io::write(std::io::stdin(), &[DONE]);
-    let Ok(null) = File::options().read(true).write(true).open("/dev/null") else { return };
-    let null = OwnedFd::from(null);
+    let Some(null) = null() else { return };
     stdio::dup2_stdin(&null).unwrap_or_default();
     if !is_file(std::io::stdout()) {
         stdio::dup2_stdout(&null).unwrap_or_default();
     }
-    if !is_file(std::io::stderr()) {
-        stdio::dup2_stderr(&null).unwrap_or_default();
-    }
+}
+
+fn null() -> Option<OwnedFd> {
+    File::options().read(true).write(true).open("/dev/null").ok().map(OwnedFd::from)
 }

@@ -6,7 +6,7 @@ use std::{
     collections::BTreeSet,
     fs::File,
     os::fd::{AsRawFd, OwnedFd},
-    path::PathBuf,
+    path::{Path, PathBuf},
 };
 
 /// Where a program goes on after [`fork_away`].
@@ -90,13 +90,18 @@ fn close_between(first: c_int, last: c_int) {
     }
 }
 
-/// What is printed goes to nobody, unless it goes to a file.
-pub(super) fn print_nowhere() {
+/// What is printed goes to this file or to nobody, unless it goes to a file already.
+pub(super) fn print_elsewhere(log: Option<&Path>) {
     let is_file = rustix::fs::fstat(std::io::stderr()).is_ok_and(|s| {
         rustix::fs::FileType::from_raw_mode(s.st_mode) == rustix::fs::FileType::RegularFile
     });
-    if !is_file {
-        redirect(&[libc::STDERR_FILENO]);
+    if is_file {
+        return;
+    }
+    match log.and_then(|log| File::options().append(true).open(log).ok()) {
+        // Where the system refuses, the terminal stays.
+        Some(log) => rustix::stdio::dup2_stderr(&log).unwrap_or_default(),
+        None => redirect(&[libc::STDERR_FILENO]),
     }
 }
 

@@ -80,7 +80,10 @@ fn watch(program: &str, process: c_int, pidfd: &OwnedFd, end: &OwnedFd) {
     let is_same = || apart::program_of(process).is_none_or(|now| Some(now) == own);
     let status = loop {
         match apart::wait_for(pidfd, end, is_same) {
-            apart::Came::Byte(QUIET) => apart::print_nowhere(),
+            apart::Came::Byte(QUIET) => {
+                let log = board::board().and_then(|board| Known::read(board).log);
+                apart::print_elsewhere(log.as_deref());
+            }
             apart::Came::Byte(_) => {}
             apart::Came::Closed => break Status::Replaced,
             apart::Came::Ended => break apart::status_of(process, pidfd),
@@ -101,6 +104,8 @@ struct Known {
     instance: String,
     files: Vec<PathBuf>,
     recording: Option<(u64, PathBuf)>,
+    /// Where it prints in the background.
+    log: Option<PathBuf>,
     threads: BTreeMap<usize, String>,
     functs: BTreeMap<u32, String>,
     doings: BTreeMap<u32, String>,
@@ -118,6 +123,7 @@ impl Known {
             let (kind, number, rest) = (word(), word(), word());
             match kind {
                 "i" => rest.clone_into(&mut known.instance),
+                "l" => known.log = Some(rest.into()),
                 "s" => known.files.push(rest.into()),
                 "r" => known.recording = number.parse().ok().map(|inode| (inode, rest.into())),
                 "t" => drop(number.parse().map(|n| known.threads.insert(n, rest.to_owned()))),
