@@ -3,6 +3,7 @@
 use crate::options::Opt;
 use hal_protocol::{At, Client, Failure, Folder, FolderError, Link, Place, Reply, Request};
 use rustix::{thread::NanosleepRelativeResult, time::Timespec};
+use std::sync::{Arc, atomic::AtomicBool};
 
 /// Number of checks for the end of an instance whose socket is closed, and the milliseconds between
 /// them.
@@ -16,13 +17,20 @@ pub struct Remote {
     name: String,
     client: Option<Client>,
     at: Option<At>,
+    given_up: Option<Arc<AtomicBool>>,
 }
 
 impl Remote {
     /// Makes a connection to the instance at `place`, as component `name`.
     #[must_use]
     pub fn new(place: Place, name: &str) -> Self {
-        Self { place, name: name.to_owned(), client: None, at: None }
+        Self { place, name: name.to_owned(), client: None, at: None, given_up: None }
+    }
+
+    /// Waits for no answer any more once this flag is set.
+    #[must_use]
+    pub fn unless(self, given_up: Arc<AtomicBool>) -> Self {
+        Self { given_up: Some(given_up), ..self }
     }
 
     /// Returns the connection.
@@ -32,7 +40,7 @@ impl Remote {
     pub fn client(&mut self) -> Result<&mut Client, Failure> {
         let client = match self.client.take() {
             Some(client) => client,
-            None => Client::connect(&self.place, &self.name)?,
+            None => Client::connect_unless(&self.place, &self.name, self.given_up.clone())?,
         };
         Ok(self.client.insert(client))
     }

@@ -96,13 +96,28 @@ fn run(words: &[String]) -> Result<(), String> {
     let path = one_file(&rest)?;
     let ending = ending_flag();
     let place = Place::find(value(Id::Instance).as_deref())?;
-    let mut remote = Remote::new(place.clone(), &format!("halsampler{channel}"));
+    let remote = Remote::new(place.clone(), &format!("halsampler{channel}"));
+    let mut remote = remote.unless(ending.clone());
     let attached = remote.client().and_then(|c| c.attach(&format!("sampler.{channel}"), wanted));
     let stream = attached.map_err(|f| format!("ERROR: {f}"))?;
     let tagged = given.iter().any(|(id, _)| *id == Id::Tag);
     let printer =
         Printer { out: Out::open(path)?, tagged, expected: 1, text: String::new(), records: 0 };
     print(stream, &mut remote, &place, printer, count, &ending)
+}
+
+/// Whether the engine answers.
+fn answers(remote: &mut Remote) -> bool {
+    remote.call(Request::Idle { ms: 0, flow: false }).is_ok()
+}
+
+/// Why a component's ring is closed.
+pub(crate) fn parted(remote: &mut Remote, place: &Place, component: &str) -> String {
+    if answers(remote) {
+        format!("the {component} has been unloaded")
+    } else {
+        lost_words(place).to_owned()
+    }
 }
 
 fn print(
@@ -132,14 +147,15 @@ fn print(
             printer.out.finish()?;
             return Err(format!("ERROR: {why}: {n} record{s} {place}"));
         }
+        if stream.is_closed() {
+            // What has come meanwhile is taken first.
+            lost = Some(parted(remote, place, "sampler"));
+            continue;
+        }
         pause(WAIT_MS);
         empty += 1;
-        if empty % LOOK_EVERY == 0
-            && stream.waiting() == 0
-            && remote.call(Request::Idle { ms: 0, flow: false }).is_err()
-        {
-            // What has come meanwhile is taken first.
-            lost = Some(lost_words(place));
+        if empty % LOOK_EVERY == 0 && stream.waiting() == 0 && !answers(remote) {
+            lost = Some(lost_words(place).to_owned());
         }
     }
     printer.flush()?;

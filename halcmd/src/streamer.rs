@@ -4,7 +4,7 @@ use crate::{
     Stdio, Terminal,
     options::{Opt, from_environment, options, usage},
     remote::{Remote, instance_option, pause},
-    sampler::{LOOK_EVERY, WAIT_MS, channel, one_file, option_error},
+    sampler::{LOOK_EVERY, WAIT_MS, channel, one_file, option_error, parted},
     signals::ending_flag,
     terminal::ended,
 };
@@ -56,7 +56,8 @@ fn run(words: &[String]) -> Result<(), String> {
     };
     let ending = ending_flag();
     let place = Place::find(value(Id::Instance).as_deref())?;
-    let mut remote = Remote::new(place, &format!("halstreamer{channel}"));
+    let remote = Remote::new(place.clone(), &format!("halstreamer{channel}"));
+    let mut remote = remote.unless(ending.clone());
     let attached = remote.client().and_then(|c| c.attach(&format!("streamer.{channel}"), None));
     let mut stream = attached.map_err(|f| format!("ERROR: {f}"))?;
     let types = stream.types().to_vec();
@@ -73,7 +74,13 @@ fn run(words: &[String]) -> Result<(), String> {
             Ok(None) => {}
             Ok(Some(record)) => {
                 let mut full = 0;
-                while !stream.put(&record) && !ending.load(Relaxed) {
+                loop {
+                    if stream.is_closed() {
+                        return Err(format!("ERROR: {}", parted(&mut remote, &place, "streamer")));
+                    }
+                    if stream.put(&record) || ending.load(Relaxed) {
+                        break;
+                    }
                     pause(WAIT_MS);
                     full += 1;
                     if full % LOOK_EVERY == 0 {

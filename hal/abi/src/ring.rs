@@ -88,6 +88,11 @@ impl Ring {
         self.closed.store(1, Release); // Pairs with `is_closed`: what was written before is seen.
     }
 
+    /// Takes [`Self::close`] back: the next program may have been preceded by one that scribbled.
+    pub fn reopen(&self) {
+        self.closed.store(0, Release); // Pairs with `is_closed`.
+    }
+
     /// Returns whether the producer will write no more records. Those waiting now are the last
     /// ones.
     pub fn is_closed(&self) -> bool {
@@ -182,6 +187,11 @@ impl Producer {
         self.next = self.next.wrapping_add(1);
         self.side.head().written.store(self.next, Release); // Pairs with `Consumer::take`.
         true
+    }
+
+    /// Returns whether the ring is closed: nobody takes records any more.
+    pub fn is_closed(&self) -> bool {
+        self.side.head().is_closed()
     }
 
     /// Returns the number of records that fit now.

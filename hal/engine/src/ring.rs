@@ -147,6 +147,7 @@ impl SharedRing {
         let (from, to) = ((&raw const head).cast::<u8>(), self.memory.ring.cast::<u8>());
         // SAFETY: the beginning of the mapping, where this side keeps nothing that it relies on.
         unsafe { from.copy_to_nonoverlapping(to, core::mem::offset_of!(Ring, lost)) };
+        self.ring().reopen();
         let taken = self.ring().taken();
         self.attached = Some(client);
         self.pid = pid;
@@ -183,5 +184,12 @@ impl SharedRing {
             late();
         }
         self.hold.is_some()
+    }
+}
+
+impl Drop for SharedRing {
+    /// The program at the other end sees that its component has gone.
+    fn drop(&mut self) {
+        self.ring().close();
     }
 }

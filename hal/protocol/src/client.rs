@@ -4,10 +4,19 @@ use crate::{
     At, Failure, Folder, FolderError, LATEST, LONGEST, Link, Place, Reply, Request, SampleSpec,
     SampleState, Samples, Stream, WireReply, WireRequest,
 };
-use rustix::net::{RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags};
+use rustix::{
+    event::{PollFd, PollFlags, poll},
+    io::Errno,
+    net::{RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags},
+    time::Timespec,
+};
 use std::{
     io::{IoSliceMut, Write},
     os::{fd::OwnedFd, unix::net::UnixStream},
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering::Relaxed},
+    },
 };
 
 /// A connection to an engine.
@@ -18,8 +27,13 @@ pub struct Client {
     received: Option<OwnedFd>,
     id: u32,
     at: Option<At>,
+    /// Set when nobody wants the answers any more.
+    given_up: Option<Arc<AtomicBool>>,
 }
 
+/// How long an answer is waited for between two looks at whether it is still wanted.
+const LOOK_NS: i64 = 50_000_000;
+const EINTR: i32 = -4;
 const EIO: i32 = -5;
 /// Error code (ECONNREFUSED) of a connection attempt when no such instance runs.
 pub const NOT_RUNNING: i32 = -111;
@@ -33,6 +47,19 @@ impl Client {
     /// Nothing listens ([`NOT_RUNNING`]); another user could have made the folder or the socket, or
     /// listens at the socket; or the engine speaks another protocol.
     pub fn connect(place: &Place, name: &str) -> Result<Self, Failure> {
+        Self::connect_unless(place, name, None)
+    }
+
+    /// Connects as [`Self::connect`] does. Once the flag is set, this call and every later one fail
+    /// if the engine does not answer at once, as one does not that is stopped by SIGSTOP.
+    ///
+    /// # Errors
+    /// As [`Self::connect`]; or the flag is set.
+    pub fn connect_unless(
+        place: &Place,
+        name: &str,
+        given_up: Option<Arc<AtomicBool>>,
+    ) -> Result<Self, Failure> {
         let socket = match Folder::open(place) {
             Ok(folder) => folder.connect(place)?,
             Err(FolderError::Missing { .. }) => None,
@@ -41,10 +68,17 @@ impl Client {
         let socket = socket.ok_or_else(|| {
             let mut f =
                 Failure::new(NOT_RUNNING, format!("no instance '{}' is running", place.name()));
-            f.hint = Some("start one with 'halrun FILE', or name another with --instance".into());
+            let start = "start one with 'halrun FILE', or name another with --instance";
+            let log = place.log();
+            f.hint = Some(if log.exists() {
+                format!("what it said in the background is in {}\n{start}", log.display())
+            } else {
+                start.to_owned()
+            });
             f
         })?;
-        let mut client = Self { socket, buffer: Vec::new(), received: None, id: 0, at: None };
+        let mut client =
+            Self { socket, buffer: Vec::new(), received: None, id: 0, at: None, given_up };
         let pid = rustix::process::getpid().as_raw_nonzero().get();
         let hello = Request::Hello { protocol: LATEST, name: name.to_owned(), pid };
         match client.call(hello)? {
@@ -117,6 +151,33 @@ impl Client {
         }
     }
 
+    /// Whether the engine has ended or closed this connection. Waits for nothing.
+    #[must_use]
+    pub fn is_gone(&self) -> bool {
+        let flags = RecvFlags::PEEK | RecvFlags::DONTWAIT;
+        match rustix::net::recv(&self.socket, &mut [0_u8; 1], flags) {
+            Ok((_, n)) => n == 0,
+            Err(e) => !matches!(e, Errno::AGAIN | Errno::INTR),
+        }
+    }
+
+    /// Waits until there is something to read, or nobody wants it any more.
+    fn wait(&self) -> Result<(), Failure> {
+        let Some(given_up) = &self.given_up else { return Ok(()) };
+        loop {
+            // In this order: what is there is read.
+            let is_given_up = given_up.load(Relaxed);
+            let mut fds = [PollFd::new(&self.socket, PollFlags::IN)];
+            let time = Timespec { tv_sec: 0, tv_nsec: LOOK_NS };
+            match poll(&mut fds, Some(&time)) {
+                Ok(0) if is_given_up => return Err(Failure::new(EINTR, "interrupted")),
+                Ok(0) | Err(Errno::INTR) => {}
+                // The read says what is wrong.
+                Ok(_) | Err(_) => return Ok(()),
+            }
+        }
+    }
+
     fn line(&mut self) -> Result<Vec<u8>, Failure> {
         let gone = || Failure::new(EIO, "the engine has gone");
         let (mut searched, mut chunk) = (0, vec![0; 65536]);
@@ -127,6 +188,7 @@ impl Client {
                 return Ok(core::mem::replace(&mut self.buffer, rest));
             }
             searched = self.buffer.len();
+            self.wait()?;
             let mut space = [core::mem::MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
             let mut control = RecvAncillaryBuffer::new(&mut space);
             let got = rustix::net::recvmsg(
@@ -137,7 +199,7 @@ impl Client {
             );
             let n = match got {
                 Ok(m) => m.bytes,
-                Err(rustix::io::Errno::INTR) => continue,
+                Err(Errno::INTR) => continue,
                 Err(_) => return Err(gone()),
             };
             for message in control.drain() {

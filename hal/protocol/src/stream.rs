@@ -116,6 +116,16 @@ impl Stream {
         producer.room() > 0 && producer.put(|i| record.get(i).map_or(0, Value::bits))
     }
 
+    /// Returns whether the component at the other end has been unloaded. A reader takes the records
+    /// that wait then; no more will come.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        match &self.end {
+            End::Reads(c) => c.lost_and_closed().1,
+            End::Writes(p) => p.is_closed(),
+        }
+    }
+
     /// Returns the number of records in the ring.
     #[must_use]
     pub fn waiting(&self) -> u32 {

@@ -77,7 +77,8 @@ impl Live {
         let force = Arc::new(AtomicBool::new(false));
         drop(flag::register(SIGUSR1, Arc::clone(&force)));
         let place = Place::find(plan.instance.as_deref()).map_err(|e| e.to_string())?;
-        let mut client = Client::connect(&place, "").map_err(|f| told(&f))?;
+        let connect = || Client::connect_unless(&place, "", Some(ending.clone()));
+        let mut client = connect().map_err(|f| told(&f))?;
         let began = machine_time(&mut client)?;
         let spec = SampleSpec {
             thread: plan.thread.clone(),
@@ -99,7 +100,16 @@ impl Live {
         let when = plan.condition.as_ref().map(|c| c.bind(&asked)).transpose();
         let when = when.map_err(|e| e.to_string())?;
         let capture = Capture::new(&channels, when, setup);
-        let mut live = Self {
+        let running = match plan.run {
+            None => None,
+            Some(ns) => {
+                let mut other = connect().map_err(|f| told(&f))?;
+                Some(std::thread::spawn(move || {
+                    other.call(Request::Run { ns }).map(drop).map_err(|f| told(&f))
+                }))
+            }
+        };
+        Ok(Self {
             place,
             client,
             samples,
@@ -109,19 +119,12 @@ impl Live {
             record: Vec::new(),
             began,
             timeout: plan.timeout.map(|ns| i64::try_from(ns).unwrap_or(i64::MAX)),
-            running: None,
+            running,
             not_run: None,
             run: plan.run,
             ending,
             force,
-        };
-        if let Some(ns) = plan.run {
-            let mut other = Client::connect(&live.place, "").map_err(|f| told(&f))?;
-            live.running = Some(std::thread::spawn(move || {
-                other.call(Request::Run { ns }).map(drop).map_err(|f| told(&f))
-            }));
-        }
-        Ok(live)
+        })
     }
 
     /// What there is now, for whoever looks at other things as well: a capture that has become
@@ -130,8 +133,8 @@ impl Live {
         // In this order: what was sampled before the end is taken.
         let is_over = self.samples.is_over();
         self.polls = self.polls.wrapping_add(1);
-        let is_lost =
-            self.polls.is_multiple_of(LOOK_EVERY) && machine_time(&mut self.client).is_err();
+        // The view goes on while the engine does not answer.
+        let is_lost = self.polls.is_multiple_of(LOOK_EVERY) && self.client.is_gone();
         while let Some(stamp) = self.samples.take_bits(&mut self.record) {
             if let Some(trace) = self.capture.feed(stamp.time, &self.record, stamp.lost) {
                 return Ok(Polled::Whole(trace));
@@ -209,6 +212,12 @@ impl Live {
         }
     }
 
+    /// The same, without waiting for a machine that does not answer.
+    pub(super) fn leave_at_once(self) {
+        self.ending.store(true, Relaxed);
+        self.leave();
+    }
+
     /// Whether no trigger has come for too long.
     fn is_late(&mut self, now: i64) -> bool {
         let waited = now.saturating_sub(self.began);
@@ -265,7 +274,7 @@ impl Live {
         let why = "interrupted".to_owned();
         match self.capture.rest() {
             Some(trace) => End::Part(trace, why),
-            None => End::Nothing(None, why),
+            None => End::Nothing(self.before(), why),
         }
     }
 }

@@ -127,7 +127,7 @@ fn show_machine(plan: &Plan) -> Result<(), String> {
         }
     }
     drop(screen);
-    live.leave();
+    live.leave_at_once();
     match doing {
         Doing::Over(why) => Err(why),
         Doing::Runs | Doing::Once | Doing::Stopped => Ok(()),
