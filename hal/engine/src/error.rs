@@ -1,8 +1,8 @@
-//! Everything that can be refused, in the user's words.
+//! Every error of a request, in the user's words.
 
 use hal_protocol::Type;
 
-/// Why a request was refused. Text that users know is worded as LinuxCNC words it.
+/// The reason why a request was refused. Messages that users know are worded as in LinuxCNC.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the sentence of each variant is its documentation")]
 pub enum Error {

@@ -1,4 +1,4 @@
-//! Threads that are stuck, functions that have failed, and what is done then.
+//! Stuck threads and failed functions, and the engine's reactions to them.
 
 use crate::{
     Engine, Error,
@@ -13,11 +13,11 @@ use hal_protocol::FaultInfo;
 use std::collections::BTreeSet;
 
 impl Engine {
-    /// Which thread does not leave its cycle.
+    /// Returns the error that names the thread that does not leave its cycle.
     pub(crate) fn stuck(&self) -> Error {
         let threads = self.shared.threads.load();
         if let Some(t) = threads.iter().find(|t| t.gate.is_inside()) {
-            // By its number: its name may be about to go.
+            // Found by number: the thread's name may be about to be removed.
             let name = self.graph.g.node_weights().find_map(|n| match n {
                 Node::Thread(node) if node.thread.id == t.id => Some(node.name.as_str()),
                 _ => None,
@@ -28,7 +28,7 @@ impl Engine {
         Error::Stuck { thread: "?".into(), funct: "?".into() }
     }
 
-    /// The thread that threads were stopped for, while it is still in its function.
+    /// Returns the fault that stopped the threads, while its thread is still inside the function.
     pub(crate) fn stuck_still(&self) -> Option<FaultInfo> {
         let fault = self.fault.as_ref().filter(|_| self.shared.fault.is_abandoned())?;
         let (thread, _) = self.shared.fault.get()?;
@@ -38,13 +38,14 @@ impl Engine {
         is_inside.then(|| FaultInfo { cause, ..fault.clone() })
     }
 
-    /// The name of a function by its number.
+    /// Returns the name of a function by its number.
     pub(crate) fn funct_name(&self, id: u32) -> String {
         let funct = self.graph.funct(Ix::from(id));
         funct.map_or_else(|| "?".to_owned(), |f| f.name.as_str().to_owned())
     }
 
-    /// What to do when a function has failed: stop everything, outputs to their safe levels.
+    /// If a function has failed, waits for the threads to stop and drives outputs to their safe
+    /// levels.
     pub(crate) fn notice_fault(&mut self) {
         let Some((thread, funct)) = self.shared.fault.get() else { return };
         if self.fault.is_some() {
@@ -81,7 +82,7 @@ impl Engine {
         self.fault = Some(info);
     }
 
-    /// The function that failed is gone: what is left may be started again.
+    /// Clears the fault after the failed function has been removed: the rest may be started again.
     pub(crate) fn forgive(&mut self, funct: &Name) {
         if self.fault.as_ref().is_none_or(|f| f.funct != funct.as_str()) {
             return;
@@ -94,7 +95,7 @@ impl Engine {
         }
     }
 
-    /// A component's code comes from this file.
+    /// Records the file that a component's code comes from.
     pub(crate) fn note_origin(&mut self, component: Ix, file: Option<Box<str>>) {
         if let (Some(c), Some(file)) = (self.graph.component_mut(component), file) {
             c.origin = Some(Origin { file, component: c.name.clone(), threads: Vec::new() });
@@ -102,7 +103,8 @@ impl Engine {
         self.renew_remains();
     }
 
-    /// Threads that are there and were not before a component was loaded are its own.
+    /// Records the system threads that were started while a component was loaded as the component's
+    /// own.
     pub(crate) fn note_threads(&mut self, component: Ix, before: &BTreeSet<i32>) {
         let new: Vec<i32> = ends::threads().difference(before).copied().collect();
         if before.is_empty() || new.is_empty() {
@@ -114,7 +116,7 @@ impl Engine {
         self.renew_remains();
     }
 
-    /// What the end of the process runs and names is what is loaded now.
+    /// Updates the stop actions and names that are used at the end of the process.
     pub(crate) fn renew_remains(&self) {
         let mut remains = Remains::default();
         for ix in self.graph.components_by_age() {
@@ -146,11 +148,11 @@ impl Engine {
     }
 }
 
-/// What a panic said.
+/// Returns the text of a panic.
 pub(crate) fn said(cause: &Cause) -> String {
     let (bytes, n) = cause.bytes();
     let text = String::from_utf8_lossy(bytes.get(..n).unwrap_or_default());
-    // What is longer was cut, perhaps inside a letter.
+    // A longer text was cut, perhaps inside a character.
     let whole = n < bytes.len();
     if whole { text.into_owned() } else { format!("{}…", text.trim_end_matches('\u{fffd}')) }
 }

@@ -1,4 +1,4 @@
-//! Files that are no plugins: found by a symbol, loaded by the library that registered for it.
+//! Files that are not plugins: found by a symbol, loaded by the plugin that registered for it.
 
 use crate::{
     Engine, Error,
@@ -32,14 +32,14 @@ impl Engine {
         self.load_file(module, words, prefix, &found)
     }
 
-    /// The files that are loaded and are no plugins, the oldest first.
+    /// Returns the loaded files that are not plugins, the oldest first.
     pub(crate) fn foreign_files(&self) -> Vec<PathBuf> {
         let components = self.graph.components_by_age().into_iter();
         let components = components.filter_map(|ix| self.graph.component(ix)?.foreign.as_ref());
         components.filter_map(|f| PathBuf::from(&*f.file).canonicalize().ok()).collect()
     }
 
-    /// Loads a file that is no plugin: whole or not at all.
+    /// Loads a file that is not a plugin, completely or not at all.
     pub(crate) fn load_file(
         &mut self,
         module: &str,
@@ -62,7 +62,7 @@ impl Engine {
         let before = ends::threads();
         let made = self.create_foreign(component, (module, prefix), words, found);
         self.note_threads(component, &before);
-        // What it said comes before what became of it.
+        // Log the component's messages before the result of the load.
         self.hear();
         self.renew_remains();
         made
@@ -158,7 +158,7 @@ impl Creating<'_> {
         if e.graph.components.contains_key(&name) {
             return Err(Error::Duplicate { what: "component name", name: name.as_str().into() });
         }
-        // A new component is taken back with whatever name it has.
+        // Reverting removes a new component by its node, whatever its name is then.
         e.graph.components.remove(&old);
         e.graph.components.insert(name.clone(), self.component);
         if let Some(c) = e.graph.component_mut(self.component) {
@@ -202,7 +202,8 @@ impl Creating<'_> {
         }
     }
 
-    /// As [`Self::answer`]; the refusal is said at once, since the file may go on without.
+    /// Does the same as [`Self::answer`], but logs the error at once, since the file may continue
+    /// after it.
     fn answer_said(&mut self, result: Result<(), Error>) -> Status {
         match result {
             Ok(()) => Status::OK,
@@ -278,7 +279,7 @@ unsafe extern "C" fn edit_graph(
 pub(crate) type Pointer = Ptr<crate::sync::AtomicPtr<Cell>>;
 
 impl Engine {
-    /// What is loaded that is no plugin, the oldest first.
+    /// Lists the loaded components that are not plugins, the oldest first.
     pub(crate) fn foreign_parts(&self) -> Vec<ForeignPart> {
         let components = self.graph.components_by_age().into_iter();
         let components = components.filter_map(|ix| self.graph.component(ix));
@@ -293,7 +294,7 @@ impl Engine {
 }
 
 impl Component {
-    /// As the protocol shows it.
+    /// Returns the description for the protocol.
     pub(crate) fn foreign_info(&self) -> Option<hal_protocol::ForeignInfo> {
         self.foreign.as_ref().map(|f| hal_protocol::ForeignInfo {
             kind: f.kind.to_string(),

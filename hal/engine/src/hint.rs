@@ -1,10 +1,10 @@
-//! What goes with an error: its number, and what would be right.
+//! Companions of an error: its errno, its finding, and a suggested correction.
 
 use crate::Error;
 use hal_protocol::{Code, Failure};
 
 impl Error {
-    /// The errno that goes with it.
+    /// Returns the errno of the error.
     #[must_use]
     pub const fn errno(&self) -> i32 {
         match self {
@@ -30,7 +30,7 @@ impl Error {
         }
     }
 
-    /// As those commands word it that set and get values.
+    /// Converts the error to the wording of the commands that set and get values.
     pub(crate) fn of_value(self) -> Self {
         match self {
             Self::NotFound { what, name, near } => Self::NoItem { what, name, near },
@@ -38,7 +38,7 @@ impl Error {
         }
     }
 
-    /// The word of the request that is wrong, if it is one word.
+    /// Returns the word of the request that is wrong, if it is one word.
     #[must_use]
     pub fn word(&self) -> Option<&str> {
         match self {
@@ -81,7 +81,7 @@ impl Error {
         }
     }
 
-    /// What `explain` says more about.
+    /// Returns the code under which `explain` describes the error.
     #[must_use]
     pub const fn finding(&self) -> Option<Code> {
         Some(match self {
@@ -116,7 +116,7 @@ impl Error {
         })
     }
 
-    /// What would be right.
+    /// Returns a suggested correction.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {

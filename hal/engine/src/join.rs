@@ -1,20 +1,20 @@
-//! Messages of the same site, joined: the first is a line at once, and those that follow are at
-//! most one line in a second of machine time, with their number.
+//! Joining of messages from the same site: the first is logged at once, and the following ones as
+//! at most one line per second of machine time, with their number.
 //!
-//! A site is a component, a level and a text without its numbers. All of it is a function of the
-//! messages and their times: when the control side looks, and how often, changes nothing. A site
-//! that has been silent for a second is as if it had never been, so that only those that speak are
-//! kept.
+//! A site is a component, a level and a text without its numbers. The lines depend only on the
+//! messages and their times, not on when or how often the control side reads them. A site that has
+//! been silent for a second is treated as new, so that only active sites are kept.
 
 use std::collections::BTreeMap;
 
 /// The shortest time between two lines of a site, in nanoseconds of machine time.
 const SECOND_NS: i64 = 1_000_000_000;
 
-/// The number of sites of a component within a second; messages of more are only counted.
+/// Largest number of sites of a component within a second; messages from further sites are only
+/// counted.
 const MAX_SITES: usize = 256;
 
-/// The number of different sets of numbers that a line names.
+/// Largest number of different sets of numbers that a line lists.
 const MAX_NAMED: usize = 8;
 
 /// What varies between the messages of a site.
@@ -22,9 +22,9 @@ const MAX_NAMED: usize = 8;
 pub(crate) enum Said {
     /// The numbers that replace each `{}` of the text.
     Numbers(Vec<f64>),
-    /// The whole text, where the component had filled it in.
+    /// The whole text, if the component formatted it itself.
     Whole(String),
-    /// A count: those of several messages are added up.
+    /// A count; the counts of several messages are added up.
     Count(u64),
 }
 
@@ -35,16 +35,16 @@ pub(crate) struct Line {
     pub(crate) text: String,
 }
 
-/// A site that has spoken within the last second.
+/// A site that has sent a message within the last second.
 #[derive(Debug)]
 struct Site {
-    /// When its last line was.
+    /// Time of its last line.
     last: i64,
-    /// How many messages have come since.
+    /// Number of messages since.
     count: u64,
     /// The latest of them.
     latest: Said,
-    /// The numbers of those before it, each once; none when they are too many.
+    /// The distinct numbers of earlier messages; `None` if there are too many.
     named: Option<Vec<Vec<f64>>>,
 }
 
@@ -59,7 +59,7 @@ struct Speaker {
 #[derive(Debug)]
 pub(crate) struct Joiner {
     speakers: BTreeMap<u32, Speaker>,
-    /// No joined line is due before.
+    /// Time before which no joined line is due.
     due: i64,
 }
 
@@ -70,8 +70,8 @@ impl Default for Joiner {
 }
 
 impl Joiner {
-    /// Takes a message. `text` has `{}` for numbers, or something else that is the same for all
-    /// messages of the site.
+    /// Adds a message. `text` has `{}` in place of numbers, or something else that is the same for
+    /// all messages of the site.
     pub(crate) fn say(
         &mut self,
         at: i64,
@@ -103,7 +103,7 @@ impl Joiner {
         speaker.sites.insert(key, site);
     }
 
-    /// Time has come to here: adds the joined lines that are due.
+    /// Advances to the time `now`: adds the joined lines that are due.
     pub(crate) fn pass(&mut self, now: i64, lines: &mut Vec<Line>) {
         while self.due <= now {
             let due = self.due;
@@ -123,7 +123,7 @@ impl Joiner {
         }
     }
 
-    /// Forgets a component, or all: adds what was not told yet.
+    /// Removes a component, or all, and adds the lines that were not logged yet.
     pub(crate) fn end(&mut self, component: Option<u32>, lines: &mut Vec<Line>) {
         let ends = |id: u32| component.is_none_or(|c| c == id);
         for (_, speaker) in self.speakers.iter_mut().filter(|(id, _)| ends(**id)) {
@@ -138,12 +138,12 @@ impl Joiner {
 }
 
 impl Site {
-    /// Nothing waits to be told, and the next message is a first one.
+    /// Returns whether nothing waits to be logged, and the next message counts as a first one.
     fn is_over(&self, now: i64) -> bool {
         self.count == 0 && self.last.saturating_add(SECOND_NS) <= now
     }
 
-    /// Takes one more message: when its line is due.
+    /// Adds one more message and returns the time at which its line is due.
     fn add(&mut self, said: Said) -> i64 {
         match (&self.latest, &said) {
             (Said::Count(sum), Said::Count(more)) if self.count > 0 => {
@@ -160,7 +160,7 @@ impl Site {
         self.last.saturating_add(SECOND_NS)
     }
 
-    /// Remembers the numbers of a message that is not the latest any more.
+    /// Records the numbers of a message that is no longer the latest.
     fn name(&mut self, said: Said) {
         let Said::Numbers(numbers) = said else { return };
         let Some(named) = &mut self.named else { return };
@@ -174,7 +174,7 @@ impl Site {
         }
     }
 
-    /// The line for all messages since the last one.
+    /// Returns the line for all messages since the last one.
     fn flush(&mut self, level: u8, speaker: &str, text: &str) -> Line {
         let mut line = worded(speaker, text, &self.latest);
         if !matches!(self.latest, Said::Count(_)) {
@@ -194,7 +194,7 @@ impl Site {
         Line { level, text: line }
     }
 
-    /// The other numbers that came, where they are few.
+    /// Formats the other numbers of the joined messages, if they are few.
     fn also(&self) -> Option<String> {
         let Said::Numbers(latest) = &self.latest else { return None };
         let others: Vec<String> = self
@@ -208,7 +208,7 @@ impl Site {
     }
 }
 
-/// A message as the log has it.
+/// Formats a message for the log.
 fn worded(speaker: &str, text: &str, said: &Said) -> String {
     match said {
         Said::Numbers(numbers) => format!("{speaker}: {}", filled(text, numbers)),
@@ -221,12 +221,12 @@ fn is_same(a: &[f64], b: &[f64]) -> bool {
     a.iter().map(|x| x.to_bits()).eq(b.iter().map(|x| x.to_bits()))
 }
 
-/// A text with each `{}` replaced by the next number.
+/// Returns a text with each `{}` replaced by the next number.
 pub(crate) fn filled(text: &str, numbers: &[f64]) -> String {
     numbers.iter().fold(text.to_owned(), |s, x| s.replacen("{}", &x.to_string(), 1))
 }
 
-/// A text without its numbers: each run of digits is a `#`.
+/// Returns a text without its numbers: each run of digits becomes a `#`.
 pub(crate) fn kind_of(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

@@ -1,5 +1,5 @@
-//! Realtime. Messages of components on their way to the control side: rings of fixed size, in which
-//! a component that floods takes no other one's room.
+//! Realtime. Component messages on their way to the control side: rings of fixed size, in which a
+//! component that floods leaves room for the others.
 
 use crate::sync::{AtomicBool, AtomicU8, AtomicU32, AtomicU64, Ordering};
 use crossbeam::queue::ArrayQueue;
@@ -9,9 +9,9 @@ use hal_abi::Str;
 const MESSAGES: usize = 4096;
 const TEXTS: usize = 512;
 
-/// A component may have so many messages waiting for each place that is free. Whoever floods is
-/// stopped while places are left: one takes three quarters of the ring, `n` leave one place in
-/// `3n + 1`.
+/// Number of messages that a component may have waiting for each free place. A component that
+/// floods is stopped while places are left: one such component takes three quarters of the ring,
+/// `n` of them leave one place in `3n + 1`.
 const SHARE: usize = 3;
 
 /// A message: a static text with numbers.
@@ -26,7 +26,7 @@ pub(crate) struct Message {
     pub(crate) n: usize,
 }
 
-/// A text that a component made as it ran.
+/// A text that a component formatted at run time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Spoken {
     /// Machine time in nanoseconds.
@@ -38,7 +38,7 @@ pub(crate) struct Spoken {
 }
 
 impl Spoken {
-    /// A text that is too long is cut.
+    /// Creates a text; one that is too long is cut.
     pub(crate) fn new(at: i64, level: u8, component: u32, text: &str) -> Self {
         let mut m = Self { at, level, component, len: 0, bytes: [0; 240] };
         for (place, b) in m.bytes.iter_mut().zip(text.bytes()) {
@@ -48,7 +48,7 @@ impl Spoken {
         m
     }
 
-    /// The text.
+    /// Returns the bytes of the text.
     pub(crate) fn bytes(&self) -> &[u8] {
         self.bytes.get(..usize::from(self.len)).unwrap_or_default()
     }
@@ -57,26 +57,26 @@ impl Spoken {
 /// The counts of one component's messages.
 #[derive(Debug, Default)]
 pub(crate) struct Voice {
-    /// Messages that wait.
+    /// Number of waiting messages.
     messages: AtomicU32,
-    /// Texts that wait.
+    /// Number of waiting texts.
     texts: AtomicU32,
-    /// Messages and texts that had no room.
+    /// Number of messages and texts that found no room.
     lost: AtomicU64,
 }
 
 impl Voice {
-    /// Control side: the number of messages that had no room since the last call.
+    /// Control side: returns the number of messages that found no room since the last call.
     pub(crate) fn take_lost(&self) -> u64 {
         self.lost.swap(0, Ordering::Relaxed)
     }
 
-    /// Control side: a message was taken.
+    /// Control side: counts a message as taken.
     pub(crate) fn heard(&self) {
         self.messages.fetch_sub(1, Ordering::Relaxed);
     }
 
-    /// Control side: a text was taken.
+    /// Control side: counts a text as taken.
     pub(crate) fn heard_text(&self) {
         self.texts.fetch_sub(1, Ordering::Relaxed);
     }
@@ -87,9 +87,9 @@ impl Voice {
 pub(crate) struct Mailbox {
     messages: ArrayQueue<Message>,
     texts: ArrayQueue<Spoken>,
-    /// Some had no room since the control side looked.
+    /// True if messages have found no room since the control side last checked.
     has_lost: AtomicBool,
-    /// Up to which level messages are kept.
+    /// Highest level of messages that are kept.
     pub(crate) level: AtomicU8,
 }
 
@@ -103,7 +103,7 @@ impl Mailbox {
         }
     }
 
-    /// Whether messages of a level are kept.
+    /// Returns whether messages of a level are kept.
     pub(crate) fn keeps(&self, level: u8) -> bool {
         level <= self.level.load(Ordering::Relaxed)
     }
@@ -127,28 +127,28 @@ impl Mailbox {
         self.has_lost.store(true, Ordering::Relaxed);
     }
 
-    /// Control side: the oldest message.
+    /// Control side: removes and returns the oldest message.
     pub(crate) fn message(&self) -> Option<Message> {
         self.messages.pop()
     }
 
-    /// Control side: the oldest text.
+    /// Control side: removes and returns the oldest text.
     pub(crate) fn text(&self) -> Option<Spoken> {
         self.texts.pop()
     }
 
-    /// Control side: whether messages had no room since the last call.
+    /// Control side: returns whether messages found no room since the last call.
     pub(crate) fn take_lost(&self) -> bool {
         self.has_lost.swap(false, Ordering::Relaxed)
     }
 
-    /// Whether the control side should take messages before more cycles run.
+    /// Returns whether the control side should take messages before more cycles run.
     pub(crate) fn is_filling(&self) -> bool {
         self.messages.len() >= MESSAGES / 4 || self.texts.len() >= TEXTS / 4
     }
 }
 
-/// Appends, unless the component has more than its share of the room there is.
+/// Appends a message, unless the component has more than its share of the free room.
 fn push<T>(queue: &ArrayQueue<T>, waiting: &AtomicU32, message: T) -> bool {
     let free = queue.capacity().saturating_sub(queue.len());
     let own = waiting.fetch_add(1, Ordering::Relaxed) as usize;

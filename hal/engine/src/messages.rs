@@ -10,7 +10,7 @@ use crate::{
 };
 use hal_abi::level;
 
-/// The number of lines that are kept until they are read.
+/// Largest number of lines that are kept until they are read.
 const KEPT: usize = 1000;
 
 /// A message or a text, as the rings hold them.
@@ -29,13 +29,14 @@ impl Heard {
 }
 
 impl Engine {
-    /// Logs something of the engine's own.
+    /// Logs a message of the engine itself.
     pub(crate) fn notice(&mut self, text: String) {
         tracing::warn!("{text}");
         self.keep_message(text);
     }
 
-    /// What components and the engine have said since the last call. The same is logged.
+    /// Returns the messages of components and of the engine since the last call. They are logged as
+    /// well.
     pub fn take_messages(&mut self) -> Vec<String> {
         self.hear();
         let dropped = core::mem::take(&mut self.dropped_messages);
@@ -51,26 +52,26 @@ impl Engine {
         self.messages.push_back(text);
     }
 
-    /// Counts the messages of a component from now on.
+    /// Starts counting the messages of a component.
     pub(crate) fn listen_to(&mut self, component: u32, voice: Arc<Voice>) {
         self.voices.insert(component, voice);
     }
 
-    /// A component is about to go: what it has said is logged.
+    /// Logs the last messages of a component that is about to be removed.
     pub(crate) fn hear_last_of(&mut self, component: u32) {
         self.hear();
         self.end_joins(Some(component));
         self.voices.remove(&component);
     }
 
-    /// Logs what was joined of a component, or of all, and was to come later.
+    /// Logs the joined messages of a component, or of all, that are not due yet.
     pub(crate) fn end_joins(&mut self, component: Option<u32>) {
         let mut lines = Vec::new();
         self.joiner.end(component, &mut lines);
         self.log(lines);
     }
 
-    /// Logs what components have said.
+    /// Logs the messages of components.
     pub(crate) fn hear(&mut self) {
         let mut heard = Vec::new();
         while let Some(m) = self.shared.mailbox.message() {
@@ -81,14 +82,14 @@ impl Engine {
             self.voices.get(&m.component).inspect(|voice| voice.heard_text());
             heard.push(Heard::Text(m));
         }
-        // Each ring has an order of its own.
+        // Each ring is ordered only by itself.
         heard.sort_by_key(Heard::at);
         let mut lines = Vec::new();
         let mut joiner = core::mem::take(&mut self.joiner);
         for m in heard {
             match m {
                 Heard::Message(m) => {
-                    // SAFETY: static in a library that is open: messages are heard before one is
+                    // SAFETY: static in a library that is open: messages are read before it is
                     // closed.
                     let text = unsafe { m.text.get() }.unwrap_or("?");
                     let text = self.with_wiring(text);
@@ -145,15 +146,15 @@ impl Engine {
 
 const LOST: &str = "{} messages were lost: too many at once";
 
-/// A message as it is shown, after its speaker's name.
+/// Formats a message as it is shown, after its component's name.
 pub(crate) fn worded(m: &Message, speaker: &str) -> String {
-    // SAFETY: static in a library that is open: messages are heard before one is closed.
+    // SAFETY: static in a library that is open: messages are read before it is closed.
     let text = unsafe { m.text.get() }.unwrap_or("?");
     let said = crate::join::filled(text, m.numbers.get(..m.n).unwrap_or_default());
     format!("{speaker}: {said}")
 }
 
-/// The same of a text.
+/// Formats a text as it is shown, after its component's name.
 pub(crate) fn spoken(m: &Spoken, speaker: &str) -> String {
     format!("{speaker}: {}", String::from_utf8_lossy(m.bytes()).trim_end())
 }

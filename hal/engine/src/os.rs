@@ -1,4 +1,4 @@
-//! Everything that this crate asks of Linux: memory, scheduling, clocks.
+//! System calls of this crate: memory, scheduling, clocks.
 
 pub(crate) mod memory;
 pub(crate) mod process;
@@ -7,9 +7,9 @@ pub(crate) mod progress;
 
 use core::ptr::{NonNull, null_mut};
 
-/// Opening a library: every symbol is resolved at once, so that none is in a cycle.
+/// Flag for opening a library: every symbol is resolved at once, so that no cycle resolves one.
 pub(crate) const RESOLVE_ALL: i32 = libc::RTLD_NOW;
-/// Opening a library: it stays mapped when it is closed.
+/// Flag for opening a library: it stays mapped when it is closed.
 pub(crate) const STAY_MAPPED: i32 = libc::RTLD_NODELETE;
 
 /// Reserves address space without memory behind it.
@@ -29,12 +29,12 @@ pub(crate) fn reserve(bytes: usize) -> Option<NonNull<u8>> {
         return None;
     }
     let at = NonNull::new(p.cast())?;
-    // Where all memory is locked, this is not: it is locked as it is used.
+    // A reservation is not locked even where all memory is: parts are locked as they are used.
     memory::unlock(at, bytes);
     Some(at)
 }
 
-/// Puts memory behind a part of a reservation; locks and touches it where the system allows.
+/// Backs a part of a reservation with memory; locks and touches it if the system allows.
 pub(crate) fn commit(at: NonNull<u8>, bytes: usize, lock: bool) -> bool {
     // SAFETY: within a reservation of ours.
     let status =
@@ -49,7 +49,7 @@ pub(crate) fn commit(at: NonNull<u8>, bytes: usize, lock: bool) -> bool {
     true
 }
 
-/// Gives a reservation back.
+/// Releases a reservation.
 ///
 /// # Safety
 /// It came from [`reserve`] with this size, and nothing points into it any more.
@@ -58,7 +58,7 @@ pub(crate) unsafe fn release(at: NonNull<u8>, bytes: usize) {
     unsafe { libc::munmap(at.as_ptr().cast(), bytes) };
 }
 
-/// The monotonic clock in nanoseconds.
+/// Returns the monotonic clock in nanoseconds.
 pub(crate) fn monotonic_ns() -> i64 {
     let t = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
     t.tv_sec * 1_000_000_000 + t.tv_nsec
@@ -83,7 +83,7 @@ pub(crate) fn sleep_until(ns: i64) {
     }
 }
 
-/// Realtime. The cycle counter, or nanoseconds where there is none.
+/// Realtime. Returns the cycle counter, or nanoseconds on processors without one.
 #[inline]
 pub(crate) fn ticks() -> u64 {
     #[cfg(target_arch = "x86_64")]
@@ -97,14 +97,15 @@ pub(crate) fn ticks() -> u64 {
     }
 }
 
-/// Asks for `SCHED_FIFO` at `priority` for this thread.
+/// Requests `SCHED_FIFO` at `priority` for this thread. Returns whether the system granted it.
 pub(crate) fn become_fifo(priority: i32) -> bool {
     let p = libc::sched_param { sched_priority: priority };
     // SAFETY: `p` lives across the call; 0 is this thread.
     unsafe { libc::sched_setscheduler(0, libc::SCHED_FIFO, &raw const p) == 0 }
 }
 
-/// Why this process may not use `SCHED_FIFO` at `priority`: tried on a thread that ends at once.
+/// Returns the reason why this process may not use `SCHED_FIFO` at `priority`, by trying it on a
+/// thread that ends at once.
 pub(crate) fn fifo_refusal(priority: i32) -> Option<String> {
     if std::thread::spawn(move || become_fifo(priority)).join().unwrap_or(false) {
         return None;
@@ -122,8 +123,8 @@ pub(crate) fn end_with(status: i32) -> ! {
     unsafe { libc::_exit(status) }
 }
 
-/// Whether a process is there and has not ended. A child of ours that has ended is left to whoever
-/// started it, who wants its status.
+/// Returns whether a process exists and has not ended. The status of an ended child process is left
+/// for the code that started it.
 pub(crate) fn alive(pid: i32) -> bool {
     if pid <= 1 {
         return false;
@@ -133,12 +134,12 @@ pub(crate) fn alive(pid: i32) -> bool {
     let look = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
     match waitid(WaitId::Pid(pid), look) {
         Ok(status) => status.is_none(),
-        // No child of ours.
+        // Not a child of this process.
         Err(_) => test_kill_process(pid).is_ok(),
     }
 }
 
-/// The number of this process.
+/// Returns the number of this process.
 pub(crate) fn own_pid() -> i32 {
     rustix::process::getpid().as_raw_nonzero().get()
 }

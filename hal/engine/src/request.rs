@@ -1,4 +1,4 @@
-//! Requests, one by one.
+//! Execution of requests, one by one.
 
 use crate::{
     Engine, Error,
@@ -11,15 +11,15 @@ use crate::{
 };
 use hal_protocol::{Answer, Failure, LATEST, Link, Reply, Request, TicketInfo};
 
-/// Where the virtual clock ends, in nanoseconds: after 146 years. Sums of times stay representable.
+/// End of the virtual clock, in nanoseconds: 146 years. Sums of times stay representable.
 pub(crate) const LONGEST_TIME_NS: i64 = i64::MAX / 2;
 
 impl Engine {
-    /// Carries out what needs no client and no waiting.
+    /// Executes a request that needs no client and no waiting.
     pub(crate) fn carry(&mut self, request: Request) -> Result<Reply, Error> {
         self.notice_fault();
         match request {
-            // One after the other, each whole: together they may be too many stores.
+            // One after the other, each as a transaction: together they may be too many stores.
             Request::UnloadAll => {
                 while let Some(name) = self.newest() {
                     self.whole(|e| e.unload(name.as_str()))?;
@@ -143,7 +143,7 @@ impl Engine {
         Ok(())
     }
 
-    /// The machine time at which a `run` of `ns` ends.
+    /// Returns the machine time at which a `run` of `ns` nanoseconds ends.
     pub(crate) fn run_end(&self, ns: u64) -> Result<i64, Error> {
         if !self.shared.is_virtual() {
             return Err(Error::NotVirtual);
@@ -157,7 +157,8 @@ impl Engine {
         })
     }
 
-    /// Waits on the wall; `flow` lets the virtual clock move meanwhile.
+    /// Waits for `ms` milliseconds of wall-clock time; `flow` lets the virtual clock move
+    /// meanwhile.
     fn idle(&mut self, ms: u32, flow: bool) {
         let end = os::monotonic_ns() + i64::from(ms) * 1_000_000;
         let before = self.target;
@@ -176,8 +177,8 @@ impl Engine {
         self.script_waits = false;
     }
 
-    /// A program whose poll is due now polls before anything else is done: otherwise what it sees of
-    /// the next line of a script would be a matter of chance.
+    /// Waits until every program whose poll is due has polled: otherwise it would be a matter of
+    /// chance what the program sees of the next line of a script.
     fn settle_polls(&mut self) {
         while self.shared.is_virtual() && !self.is_ending() && !crate::polls::has_polled(self) {
             self.pump(1);
@@ -186,7 +187,7 @@ impl Engine {
 
     fn wait_for_ticket(&mut self, id: u64) -> Result<TicketInfo, Error> {
         loop {
-            // Enough instants between looks at the socket that the look costs nothing.
+            // Enough instants between checks of the socket that the check costs nothing.
             for _ in 0..4096 {
                 let info = self.ticket(id)?;
                 if info != TicketInfo::Pending || self.is_ending() || self.fault.is_some() {

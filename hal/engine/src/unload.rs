@@ -1,4 +1,5 @@
-//! `unloadrt`: a component leaves threads, signals and names, and is freed when nothing uses it.
+//! `unloadrt`: removes a component from threads, signals and names, and frees it when nothing uses
+//! it.
 
 use crate::{
     Engine, Error,
@@ -38,7 +39,7 @@ impl Engine {
         Ok(())
     }
 
-    /// The realtime component that was loaded last.
+    /// Returns the realtime component that was loaded last.
     pub(crate) fn newest(&self) -> Option<Name> {
         let newest_first = self.graph.components_by_age().into_iter().rev();
         let mut components = newest_first.filter_map(|ix| self.graph.component(ix));
@@ -46,7 +47,7 @@ impl Engine {
         components.find(loaded).map(|c| c.name.clone())
     }
 
-    /// Everything that a component made, and its threads' pseudo components.
+    /// Returns everything that a component created, and its threads' pseudo components.
     fn all_owned(&self, component: Ix) -> Vec<Ix> {
         let mut out = Vec::new();
         for ix in self.graph.owned(component) {
@@ -58,7 +59,8 @@ impl Engine {
         out
     }
 
-    /// Takes a component out of threads, signals and names; it goes at the end of the transaction.
+    /// Removes a component from threads, signals and names; it is freed at the end of the
+    /// transaction.
     fn detach(&mut self, component: Ix, stop: bool) {
         let owned = self.all_owned(component);
         self.part_probes(&owned);
@@ -90,7 +92,7 @@ impl Engine {
         self.staged.going.push(Going::Component { ix: component, stop });
     }
 
-    /// Takes a node's names away.
+    /// Removes a node's names.
     fn unname_node(&mut self, ix: Ix) {
         let (index, names) = match self.graph.g.node_weight(ix) {
             Some(Node::Item(item)) => {
@@ -115,14 +117,14 @@ impl Engine {
         names.iter().flatten().for_each(|name| self.unname(index, name, ix));
     }
 
-    /// What has gone from threads, signals and names is freed.
+    /// Frees a thing that has been removed from threads, signals and names.
     pub(crate) fn release(&mut self, going: Going) {
         match going {
             Going::Signal(ix) => self.forget_signal(ix),
             Going::Component { ix, stop } => {
                 let threads = self.end_own_threads(ix);
                 if stop {
-                    // What a stop action says is not a reason to keep the component.
+                    // A failed stop action does not keep the component loaded.
                     self.run_stops(&[ix]);
                 }
                 match threads {
@@ -130,15 +132,15 @@ impl Engine {
                         self.free_component(ix);
                         self.left.retain(|left| *left != ix);
                     }
-                    // It is left for later.
+                    // Freed later.
                     Err(e) => self.notice(e.to_string()),
                 }
             }
         }
     }
 
-    /// Frees a new component whose transaction is taken back. False when a thread of it cannot be
-    /// ended: it is freed when that has come out of its cycle.
+    /// Frees a new component whose transaction is reverted. Returns false if one of its threads
+    /// cannot be ended: the component is then freed after that thread has left its cycle.
     pub(crate) fn discard(&mut self, component: Ix) -> bool {
         if let Err(e) = self.end_own_threads(component) {
             self.notice(e.to_string());
@@ -162,7 +164,7 @@ impl Engine {
         if own.is_empty() { Ok(()) } else { self.end_threads(&own) }
     }
 
-    /// Removes a component and what it made, for reasons of the engine's own.
+    /// Removes a component and everything it created, at the engine's own initiative.
     pub(crate) fn remove_component(&mut self, component: Ix) {
         if self.graph.component(component).is_none() {
             return;
@@ -176,7 +178,7 @@ impl Engine {
         }
     }
 
-    /// Frees a component that no thread, signal or name leads to.
+    /// Frees a component that no thread, signal or name refers to.
     fn free_component(&mut self, component: Ix) {
         let name = self.graph.component(component).map_or("?", |c| c.name.as_str());
         let instance = self.instance.clone();
@@ -187,7 +189,7 @@ impl Engine {
             ends::note_own_threads(&c.name, false);
         }
         let owned = self.all_owned(component);
-        // What it said is static text in its library, which may close with it.
+        // Its messages are static texts in its library, which may close with it.
         if let Some(id) = self.graph.component(component).map(|c| c.id) {
             self.hear_last_of(id);
         }

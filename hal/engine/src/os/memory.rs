@@ -1,12 +1,12 @@
-//! Memory that stays where it is: locked, and touched before the first cycle.
+//! Locking of memory: pages that stay present, and are touched before the first cycle.
 
 use core::ptr::{NonNull, null_mut};
 
-/// The size of a page; a larger one only means that some are touched more than once.
+/// Smallest page size in bytes; with larger pages, some are touched more than once.
 const PAGE: usize = 4096;
 
-/// Whether this process may lock any amount of memory, now and later: `RLIMIT_MEMLOCK` is
-/// unlimited, or the process is privileged. The kernel is asked to lock more than the limit.
+/// Returns whether this process may lock any amount of memory, now and later: `RLIMIT_MEMLOCK` is
+/// unlimited, or the process is privileged. Tests this by locking more than the limit.
 pub(crate) fn may_lock_all() -> bool {
     let Some(limit) = lock_limit() else { return true };
     let Ok(bytes) = usize::try_from(limit) else { return true };
@@ -30,27 +30,27 @@ pub(crate) fn may_lock_all() -> bool {
     true
 }
 
-/// How many bytes an unprivileged process may lock; none without limit.
+/// Returns the number of bytes that an unprivileged process may lock; `None` if unlimited.
 pub(crate) fn lock_limit() -> Option<u64> {
     rustix::process::getrlimit(rustix::process::Resource::Memlock).current
 }
 
-/// Locks all memory that the process has and will have; pages are brought in at once.
+/// Locks all present and future memory of the process; pages are made present at once.
 pub(crate) fn lock_all() -> bool {
     // SAFETY: no pointer is involved.
     unsafe { libc::mlockall(libc::MCL_CURRENT | libc::MCL_FUTURE) == 0 }
 }
 
-/// Locks each mapping that the process has and may use, as long as the limit allows.
+/// Locks each accessible mapping of the process, as far as the limit allows.
 pub(crate) fn lock_present() {
     let maps = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
     for (start, end) in maps.lines().filter_map(usable) {
-        // SAFETY: locking changes no content; a mapping that has gone is refused.
+        // SAFETY: locking changes no content; the kernel refuses a mapping that no longer exists.
         unsafe { libc::mlock(core::ptr::without_provenance(start), end - start) };
     }
 }
 
-/// The addresses of a line of `/proc/self/maps`; none for what nobody may touch.
+/// Returns the addresses of a line of `/proc/self/maps`; `None` for a mapping without access.
 fn usable(line: &str) -> Option<(usize, usize)> {
     let (range, rest) = line.split_once(' ')?;
     if rest.starts_with("---") || rest.ends_with("[vvar]") || rest.ends_with("[vsyscall]") {
@@ -61,14 +61,14 @@ fn usable(line: &str) -> Option<(usize, usize)> {
     Some((number(start)?, number(end)?)).filter(|(start, end)| start < end)
 }
 
-/// Takes the lock from a reservation, which `lock_all` puts on every new mapping: parts are locked
-/// as they get memory.
+/// Removes the lock from a reservation, which `lock_all` puts on every new mapping: parts are
+/// locked as they get memory.
 pub(crate) fn unlock(at: NonNull<u8>, bytes: usize) {
     // SAFETY: a mapping of ours; no content changes.
     unsafe { libc::munlock(at.as_ptr().cast(), bytes) };
 }
 
-/// Brings this thread's whole stack in and locks it where the system allows.
+/// Makes this thread's whole stack present, and locks it if the system allows.
 pub(crate) fn keep_stack() {
     // SAFETY: all zero is a valid place for attributes.
     let mut attributes: libc::pthread_attr_t = unsafe { core::mem::zeroed() };
@@ -91,7 +91,7 @@ pub(crate) fn keep_stack() {
     unsafe { libc::mlock(at, size) };
     let here = core::ptr::from_ref(&attributes).addr();
     let lowest = at.addr();
-    // What lies below this frame, less a page for the calls that are made here.
+    // The stack below this frame, except for a page for the calls made here.
     let mut page = lowest;
     while page + 2 * PAGE < here {
         let byte = at.cast::<u8>().wrapping_add(page - lowest);
@@ -103,8 +103,8 @@ pub(crate) fn keep_stack() {
     }
 }
 
-/// Bytes of memory that are locked, and that are present, of this process. What the kernel itself
-/// maps into every process counts as neither.
+/// Returns the numbers of locked and of present bytes of this process. Memory that the kernel
+/// itself maps into every process counts as neither.
 pub(crate) fn locked_and_present() -> Option<(u64, u64)> {
     std::fs::read_to_string("/proc/self/smaps").ok().map(|text| sums(&text))
 }

@@ -1,9 +1,9 @@
-//! Processes that this one starts, and what they ask of Linux.
+//! Processes that this one starts, and their system calls.
 
 use super::RESOLVE_ALL;
 use core::ffi::CStr;
 
-/// What a signal is called.
+/// Returns the name of a signal for messages.
 pub(crate) fn signal_name(signal: i32) -> String {
     let name = match signal {
         libc::SIGSEGV => "a segmentation fault (SIGSEGV)",
@@ -19,7 +19,7 @@ pub(crate) fn signal_name(signal: i32) -> String {
     name.to_owned()
 }
 
-/// Ends a group of processes, hard.
+/// Kills a group of processes with SIGKILL.
 pub(crate) fn end_group(leader: u32) {
     if let Ok(leader) = i32::try_from(leader)
         && leader > 1
@@ -29,14 +29,13 @@ pub(crate) fn end_group(leader: u32) {
     }
 }
 
-/// Whether the program was started with rights that its caller does not have.
+/// Returns whether the program was started with rights that its caller does not have.
 pub(crate) fn is_privileged() -> bool {
-    // SAFETY: only asks.
+    // SAFETY: only reads a value.
     unsafe { libc::getauxval(libc::AT_SECURE) != 0 }
 }
 
-/// From now on this process ends with the thread that started it, and leaves no remains if it
-/// crashes.
+/// Makes this process end with the thread that started it, and leave no core file if it crashes.
 pub(crate) fn die_with_parent() {
     // SAFETY: a setting of this process.
     unsafe { libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL) };
@@ -45,15 +44,15 @@ pub(crate) fn die_with_parent() {
     unsafe { libc::setrlimit(libc::RLIMIT_CORE, &raw const limit) };
 }
 
-/// Opens a library for good; false when the system's loader refuses it.
+/// Opens a library for good; returns false if the system's loader refuses it.
 pub(crate) fn open_library(path: &CStr, global: bool) -> bool {
     let visible = if global { libc::RTLD_GLOBAL } else { libc::RTLD_LOCAL };
-    // SAFETY: its initialisers run, in a process that is there for that.
+    // SAFETY: its initialisers run, in a process that exists for that purpose.
     !unsafe { libc::dlopen(path.as_ptr(), RESOLVE_ALL | visible) }.is_null()
 }
 
-/// Writes a byte.
+/// Writes a byte to a file descriptor.
 pub(crate) fn tell(fd: i32, byte: u8) {
-    // SAFETY: a byte of this function's.
+    // SAFETY: a byte owned by this function.
     unsafe { libc::write(fd, (&raw const byte).cast(), 1) };
 }

@@ -1,20 +1,20 @@
-//! Processors: which there are, which are kept for realtime, how deeply they may sleep.
+//! Processors: those that exist, those isolated for realtime, and their idle states.
 
 use std::{fs::File, io::Write};
 
-/// The processors that this process may use as it was started.
+/// Returns the processors that this process may use by default.
 pub(crate) fn cpus() -> Vec<usize> {
     let Ok(set) = rustix::thread::sched_getaffinity(None) else { return Vec::new() };
     (0..rustix::thread::CpuSet::MAX_CPU).filter(|c| set.is_set(*c)).collect()
 }
 
-/// The processors that the kernel was told to keep free (`isolcpus=`). A process is not started on
-/// them, and they are not among [`cpus`], but a thread may go there.
+/// Returns the processors that the kernel keeps free (`isolcpus=`). No process is started on them,
+/// and they are not among [`cpus`], but a thread may move there.
 pub(crate) fn isolated() -> Vec<usize> {
     listed(&std::fs::read_to_string("/sys/devices/system/cpu/isolated").unwrap_or_default())
 }
 
-/// The processors that there are, as the kernel writes them (`0-3`).
+/// Returns the processors that are online, as the kernel writes them (`0-3`).
 pub(crate) fn online() -> String {
     let list = std::fs::read_to_string("/sys/devices/system/cpu/online").unwrap_or_default();
     list.trim().to_owned()
@@ -34,17 +34,18 @@ fn listed(text: &str) -> Vec<usize> {
         .collect()
 }
 
-/// Whether a thread of this process may run on a processor: tried on one that ends at once.
+/// Returns whether a thread of this process may run on a processor, by trying it on a thread that
+/// ends at once.
 pub(crate) fn may_use(cpu: usize) -> bool {
     std::thread::spawn(move || stay_on(cpu)).join().unwrap_or(false)
 }
 
-/// Keeps this thread on one processor.
+/// Binds this thread to one processor. Returns whether the system accepts it.
 pub(crate) fn stay_on(cpu: usize) -> bool {
     stay_among(&[cpu])
 }
 
-/// Keeps this thread on some processors.
+/// Binds this thread to some processors. Returns whether the system accepts it.
 pub(crate) fn stay_among(cpus: &[usize]) -> bool {
     let mut set = rustix::thread::CpuSet::new();
     for cpu in cpus.iter().filter(|c| **c < rustix::thread::CpuSet::MAX_CPU) {
@@ -53,11 +54,11 @@ pub(crate) fn stay_among(cpus: &[usize]) -> bool {
     rustix::thread::sched_setaffinity(None, &set).is_ok()
 }
 
-/// Where the kernel takes how long waking up may take.
+/// The file that accepts the longest permitted wake-up time.
 const IDLE_LATENCY: &str = "/dev/cpu_dma_latency";
 
-/// Asks that no processor sleeps so deeply that waking takes longer than this, as long as the file
-/// is held.
+/// Requests that no processor sleeps so deeply that waking takes more than `us` microseconds, as
+/// long as the returned file is open.
 pub(crate) fn hold_idle_latency(us: u32) -> Result<File, Box<str>> {
     let refused =
         |e: std::io::Error| -> Box<str> { format!("{IDLE_LATENCY}: {}", super::said(&e)).into() };

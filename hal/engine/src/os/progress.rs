@@ -1,30 +1,31 @@
-//! How a thread of this process gets on, seen from another: without allocation, since it is asked
-//! while a machine runs.
+//! Progress of a thread of this process, observed from another thread. Allocates nothing, because
+//! it runs while a machine runs.
 
 use rustix::fs::{Mode, OFlags, open};
 use std::io::Write;
 
-/// A thread of the system, by the kernel's number.
+/// Returns the kernel's number of the calling thread.
 pub(crate) fn this_thread() -> i32 {
     rustix::thread::gettid().as_raw_nonzero().get()
 }
 
-/// What a thread is doing.
+/// Activity of a thread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Doing {
-    /// It runs, waits for a processor, or was stopped from outside: it does not wait for anything
+    /// Runs, waits for a processor, or was stopped from outside: the thread does not wait in a call
     /// of its own.
     Runs,
-    /// It waits in a system call.
+    /// Waits in a system call.
     Waits,
-    /// It waits for a disk, a page or a device, and cannot be disturbed.
+    /// Waits for a disk, a page or a device, and cannot be interrupted.
     WaitsForDevice,
 }
 
-/// Nanoseconds of processor time that a thread has had.
+/// Returns the processor time that a thread has used, in nanoseconds; `None` if the thread has
+/// ended.
 pub(crate) fn processor_time(tid: i32) -> Option<i64> {
-    // The kernel's number for the clock of one thread: every bit of its number turned, three bits
-    // up, with 4 for "a thread" and 2 for "what the scheduler counts".
+    // The kernel's number for the clock of one thread: the thread's number with all bits inverted,
+    // shifted left by three, plus 4 for "a thread" and 2 for "scheduler time".
     let clock = (!tid << 3) | 6;
     let mut t = libc::timespec { tv_sec: 0, tv_nsec: 0 };
     // SAFETY: `t` lives across the call; a thread that has gone is refused.
@@ -32,7 +33,7 @@ pub(crate) fn processor_time(tid: i32) -> Option<i64> {
     (status == 0).then_some(t.tv_sec * 1_000_000_000 + t.tv_nsec)
 }
 
-/// What a thread is doing now.
+/// Returns the current activity of a thread.
 pub(crate) fn doing(tid: i32) -> Doing {
     let mut path = [0; 48];
     let mut rest = &mut path[..];
@@ -48,7 +49,7 @@ pub(crate) fn doing(tid: i32) -> Doing {
     state(text.get(..n).unwrap_or_default())
 }
 
-/// Reads the state from a line `TID (NAME) STATE …`; the name may hold anything.
+/// Reads the state from a line `TID (NAME) STATE …`; the name may contain anything.
 fn state(line: &[u8]) -> Doing {
     let after = line.iter().rposition(|b| *b == b')').and_then(|at| line.get(at + 2));
     match after {
