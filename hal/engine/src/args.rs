@@ -223,7 +223,7 @@ pub(crate) struct Instances {
     pub(crate) count: Option<u32>,
     /// Names of the instances.
     pub(crate) names: Vec<String>,
-    /// One number for each instance; zero for instances beyond the list.
+    /// Personality number of each instance; zero for instances beyond the list.
     pub(crate) personality: Vec<i64>,
     /// All other words.
     pub(crate) rest: Vec<String>,

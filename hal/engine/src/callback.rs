@@ -1,4 +1,4 @@
-//! The C side of what a component may call while it is created.
+//! The C functions that a component may call while it is created.
 
 use crate::{Error, create::Creating, sync::Arc};
 use core::ffi::c_void;
@@ -8,7 +8,7 @@ use hal_abi::{
 };
 
 impl Creating<'_> {
-    /// The record for one instance.
+    /// Returns the record of functions for one instance.
     pub(crate) fn host(
         &mut self,
         prefix: &str,
@@ -108,7 +108,7 @@ unsafe extern "C" fn arg(ctx: *mut c_void, name: Str, out: *mut ArgValue) -> Sta
     let c = creating(ctx);
     // SAFETY: the component's text lives across its call.
     let value = c.args.get(unsafe { name.get() }.unwrap_or_default());
-    // SAFETY: a live place of the component's.
+    // SAFETY: the place belongs to the component and is live.
     unsafe { out.write(value) };
     Status::OK
 }
@@ -124,7 +124,7 @@ unsafe extern "C" fn item(
     // SAFETY: the component's record lives across its call.
     let Some(s) = (unsafe { ItemSpec::read(spec) }) else { return Status::EINVAL };
     let made = c.item(&s).map(|slot| {
-        // SAFETY: a live place of the component's.
+        // SAFETY: the place belongs to the component and is live.
         unsafe { out.write(slot.map_or(core::ptr::null(), |s| s.as_ptr().cast_const())) };
     });
     c.answer(made)
@@ -141,7 +141,7 @@ unsafe extern "C" fn stream(
     // SAFETY: the component's record lives across its call.
     let Some(s) = (unsafe { StreamSpec::read(spec) }) else { return Status::EINVAL };
     let made = c.stream(&s).map(|made| {
-        // SAFETY: a live place of the component's.
+        // SAFETY: the place belongs to the component and is live.
         unsafe { out.write(made) };
     });
     c.answer(made)
@@ -157,7 +157,7 @@ unsafe extern "C" fn find(
 ) -> Status {
     let c = creating(ctx);
     let found = c.find(name, version).map(|table| {
-        // SAFETY: a live place of the component's.
+        // SAFETY: the place belongs to the component and is live.
         unsafe { out.write(table) };
     });
     c.answer(found)
@@ -173,7 +173,7 @@ unsafe extern "C" fn bind(
 ) -> Status {
     let c = creating(ctx);
     let bound = c.bind(name, version).map(|found| {
-        // SAFETY: a live place of the component's.
+        // SAFETY: the place belongs to the component and is live.
         unsafe { out.write(found) };
     });
     c.answer(bound)

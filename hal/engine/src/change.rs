@@ -15,7 +15,7 @@ use hal_protocol::Type;
 /// Largest number of stores that are carried out at once while threads run.
 pub(crate) const MOST_STORES: usize = 256;
 
-/// One store.
+/// A single store.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Store {
     /// Puts a value into a cell.

@@ -1,4 +1,4 @@
-//! One client's connection: request lines in, answers out.
+//! Connection of a client: request lines in, answers out.
 
 use crate::{Error, graph::Ix, polls::Hold};
 use hal_protocol::{Failure, LONGEST, Reply, WireReply};

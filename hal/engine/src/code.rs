@@ -22,7 +22,7 @@ pub(crate) enum Library {
     File(#[expect(dead_code, reason = "held so that the code stays mapped")] libloading::Library),
 }
 
-/// One load of a component: the record through which its code calls the engine, and its library.
+/// A load of a component: the record through which its code calls the engine, and its library.
 #[derive(Debug)]
 pub(crate) struct Keep {
     calls: CallHost,

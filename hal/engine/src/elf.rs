@@ -148,7 +148,7 @@ mod tests {
         path::{Path, PathBuf},
     };
 
-    /// A file for one test, under a name of its own.
+    /// Creates a file with its own name for one test.
     fn file(name: &str, bytes: &[u8]) -> (PathBuf, File) {
         let path = std::env::temp_dir().join(format!("hal-elf-{}-{name}", std::process::id()));
         fs::write(&path, bytes).unwrap();
@@ -156,14 +156,14 @@ mod tests {
         (path, file)
     }
 
-    /// Everything that can be asked of a file.
+    /// Makes every query of a file.
     fn ask(file: &File) -> Result<(bool, Option<usize>), &'static str> {
         let parts = Parts::new(file);
         let elf = Elf::read(&parts)?;
         Ok((elf.exports("malloc"), elf.bytes("environ", 100).map(<[u8]>::len)))
     }
 
-    /// The C library that this test runs with.
+    /// Returns the contents of the C library that this test runs with.
     fn library() -> Vec<u8> {
         let maps = fs::read_to_string("/proc/self/maps").unwrap();
         let line = maps.lines().find(|l| l.contains("/libc.so") || l.contains("/libc-")).unwrap();
@@ -177,7 +177,8 @@ mod tests {
         let elf = Elf::read(&parts).unwrap();
         assert!(elf.exports("malloc") && elf.exports("dlopen"));
         assert!(!elf.exports("mallo") && !elf.exports("malloc2") && !elf.exports(""));
-        // A constant of the C library's; `environ` is all zero and has no bytes in the file.
+        // `_libc_intl_domainname` is a constant of the C library; `environ` is all zero and has no
+        // bytes in the file.
         assert_eq!(elf.bytes("_libc_intl_domainname", 100), Some(&b"libc\0"[..]));
         assert_eq!(elf.bytes("_libc_intl_domainname", 4), None, "longer than is asked for");
         assert_eq!(elf.bytes("environ", 100), None);
@@ -189,25 +190,25 @@ mod tests {
         let whole = library();
         let (path, changed) = file("broken", &whole);
         assert_eq!(ask(&changed), Ok((true, None)));
-        // Cut anywhere.
+        // Truncate the file at many lengths.
         for cut in (0..200).chain([1000, 10_000, whole.len() / 2, whole.len() - 1]).rev() {
             changed.set_len(cut as u64).unwrap();
             assert!(ask(&changed).is_err(), "{cut}");
         }
         fs::write(&path, &whole).unwrap();
-        // Every byte of the head, and of the first headers of segments and sections, changed.
+        // Change every byte of the header, and of the first headers of segments and sections.
         let sections =
             usize::try_from(u64::from_le_bytes(whole[40..48].try_into().unwrap())).unwrap();
         for at in (0..64 + 4 * 56).chain(sections..(sections + 12 * 64).min(whole.len())) {
             for value in [0, 1, 0x7f, 0xff] {
                 let put = |byte: u8| changed.write_all_at(&[byte], at as u64).unwrap();
                 put(value);
-                // Whatever it says now, it is read without a panic and within bounds.
+                // The file is read without a panic and within bounds, whatever it declares now.
                 let _: Result<(bool, Option<usize>), &str> = ask(&changed);
                 put(whole[at]);
             }
         }
-        // A table that is larger than any library's is not read, although the file is that large.
+        // A table larger than that of any library is not read, although the file is that large.
         let section = |at: usize| &whole[sections + at * 64..sections + (at + 1) * 64];
         let dynsym = (0..60).find(|i| section(*i)[4..8] == 11_u32.to_le_bytes()).unwrap();
         changed.set_len(1 << 36).unwrap();

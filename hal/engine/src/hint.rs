@@ -180,7 +180,7 @@ impl Error {
 
 impl std::error::Error for Error {}
 
-/// What a lock forbids, as users know it: two forms for calls, one for programs.
+/// Returns the message for a locked action, as in LinuxCNC: two forms for calls, one for programs.
 pub(crate) fn locked(what: &str) -> String {
     match what {
         "loading of programs" => format!("HAL is locked, {what} is not permitted"),

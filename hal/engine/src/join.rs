@@ -7,7 +7,7 @@
 
 use std::collections::BTreeMap;
 
-/// The shortest time between two lines of a site, in nanoseconds of machine time.
+/// Shortest time between two lines of a site, in nanoseconds of machine time.
 const SECOND_NS: i64 = 1_000_000_000;
 
 /// Largest number of sites of a component within a second; messages from further sites are only
@@ -17,7 +17,7 @@ const MAX_SITES: usize = 256;
 /// Largest number of different sets of numbers that a line lists.
 const MAX_NAMED: usize = 8;
 
-/// What varies between the messages of a site.
+/// The part that varies between the messages of a site.
 #[derive(Clone, Debug)]
 pub(crate) enum Said {
     /// The numbers that replace each `{}` of the text.
@@ -42,7 +42,7 @@ struct Site {
     last: i64,
     /// Number of messages since.
     count: u64,
-    /// The latest of them.
+    /// The latest message.
     latest: Said,
     /// The distinct numbers of earlier messages; `None` if there are too many.
     named: Option<Vec<Vec<f64>>>,
@@ -279,7 +279,8 @@ mod tests {
         assert!(say(&mut joiner, 1001, 0, "at {}", &[1001.0]).is_empty());
         assert!(pass(&mut joiner, 1999).is_empty());
         assert_eq!(pass(&mut joiner, 2000), ["one: at 1001 (the last of 2 more; also with 1000)"]);
-        // Within a second of that line it waits, and after it it is a first one again.
+        // Within a second of that line the message waits; after that second it counts as a first
+        // one.
         assert!(say(&mut joiner, 2999, 0, "at {}", &[7.0]).is_empty());
         assert_eq!(pass(&mut joiner, 50_000), ["one: at 7 (once more)"]);
         assert_eq!(say(&mut joiner, 50_001, 0, "at {}", &[8.0]), ["one: at 8"]);
@@ -297,7 +298,7 @@ mod tests {
             assert!(say(&mut joiner, 200, 0, "off", &[]).is_empty());
         }
         assert!(say(&mut joiner, 300, 1, "joint {} fault", &[5.0]).is_empty());
-        // In the order in which they are due, whenever one looks.
+        // The lines come in the order in which they are due, whenever `pass` is called.
         assert_eq!(
             pass(&mut joiner, 5000),
             [
@@ -334,7 +335,7 @@ mod tests {
         assert_eq!(lines, ["one: 7 lost", "one: 11 lost", "one: 1 lost"]);
     }
 
-    /// A component that says something else each time is bounded, too.
+    /// The number of lines is limited even for a component that sends a different text each time.
     #[test]
     fn sites_without_end_are_counted() {
         let mut joiner = Joiner::default();
@@ -355,7 +356,7 @@ mod tests {
         assert!(told < 2000, "{told}");
     }
 
-    /// The number of messages for which a line stands.
+    /// Returns the number of messages that a line represents.
     fn counted(line: &str) -> u64 {
         if line.ends_with(" more messages, each of another kind") {
             return line.split(' ').nth(1).unwrap().parse().unwrap();
@@ -377,7 +378,8 @@ mod tests {
         }
     }
 
-    /// Whenever the control side looks: the same lines, none lost, and no site too often.
+    /// The lines are the same whenever the control side reads the messages: none is lost, and no
+    /// site has a line too often.
     #[test]
     fn looking_changes_nothing() {
         let mut seed = 12345_u64;
@@ -404,7 +406,7 @@ mod tests {
                 let mut joiner = Joiner::default();
                 let (mut lines, mut now) = (Vec::new(), 0);
                 for (ms, who, text, n) in &messages {
-                    // Never, in every millisecond, or now and then.
+                    // `pass` is never called, in every millisecond, or at random intervals.
                     let until = if how == 0 { now } else { *ms };
                     while now < until {
                         now += if how == 1 { 1 } else { 1 + random(700).cast_signed() };

@@ -5,7 +5,7 @@ use crate::sync::{AtomicBool, AtomicU8, AtomicU32, AtomicU64, Ordering};
 use crossbeam::queue::ArrayQueue;
 use hal_abi::Str;
 
-/// The number of messages, and of texts, that can wait.
+/// Capacities of the rings of messages and of texts.
 const MESSAGES: usize = 4096;
 const TEXTS: usize = 512;
 
@@ -168,7 +168,7 @@ mod tests {
         Message { at: 0, level: 1, component, text, numbers: [0.0; 8], n: 0 }
     }
 
-    /// However many flood, one that says something now and then is heard.
+    /// A component that rarely sends a message is heard, however many others flood.
     #[test]
     fn floods_leave_room() {
         for floods in [1, 2, 10, 500] {
@@ -182,7 +182,8 @@ mod tests {
             let quiet = Voice::default();
             mailbox.say(&quiet, message(1000));
             assert_eq!(quiet.take_lost(), 0, "beside {floods}");
-            // Each is lost or there, and there is as much of each.
+            // Each message is either lost or present, and all components have about equally many
+            // present.
             let mut there = vec![0; floods];
             let mut heard = false;
             while let Some(m) = mailbox.message() {

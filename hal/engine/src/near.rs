@@ -1,11 +1,11 @@
-//! The name that was probably meant.
+//! The existing name that is nearest to an unknown one.
 
-/// The candidate nearest to `word`, if one is near.
+/// Returns the candidate nearest to `word`, if one is near enough.
 pub(crate) fn nearest<'n>(
     word: &str,
     names: impl IntoIterator<Item = &'n str>,
 ) -> Option<Box<str>> {
-    // Never so far that nothing of the word is left.
+    // Limits the distance so that at least one character of the word remains.
     let far = (1 + word.len() / 4).min(word.len().saturating_sub(1));
     names
         .into_iter()

@@ -127,7 +127,7 @@ mod tests {
             "realtime: thread 't1' took 1.500 ms of its 1.000 ms, function 'busy.0' most of it";
         check(2, &[busy(1, 0), slow(0, 0)], false, &[first]);
         check(3, &[busy(40, 7), slow(0, 0)], false, &[]);
-        // The first of another thread is told at once.
+        // The first overrun of another thread is reported at once.
         let other =
             "realtime: thread 't2' woke 5.200 ms late, with a period of 1.000 ms; 1 cycle missed";
         check(4, &[busy(41, 7), slow(1, 1)], false, &[other]);
@@ -137,13 +137,13 @@ mod tests {
                     overran 1 more time, 2 in all, 0 cycles missed; the last woke 5.200 ms late, \
                     with a period of 1.000 ms";
         check(64, &[busy(1000, 7), slow(2, 1)], false, &[both]);
-        // Nothing new: nothing is said, however long it takes.
+        // Without new overruns nothing is reported, however much time passes.
         check(500, &[busy(1000, 7), slow(2, 1)], false, &[]);
         let again = "realtime: thread 't1' overran 1 more time, 1001 in all, 2 cycles missed; the \
                      last took 1.500 ms of its 1.000 ms, function 'busy.0' most of it";
         check(501, &[busy(1001, 9), slow(2, 1)], false, &[again]);
         check(502, &[busy(1002, 9), slow(2, 1)], false, &[]);
-        // At the end nothing is kept back.
+        // At the end, everything left is reported.
         let last = "realtime: thread 't1' overran 1 more time, 1002 in all, 0 cycles missed; the \
                     last took 1.500 ms of its 1.000 ms, function 'busy.0' most of it";
         check(503, &[busy(1002, 9), slow(2, 1)], true, &[last]);

@@ -188,7 +188,8 @@ impl SharedRing {
 }
 
 impl Drop for SharedRing {
-    /// The program at the other end sees that its component has gone.
+    /// Closes the ring, by which the program at the other end learns that the component is
+    /// unloaded.
     fn drop(&mut self) {
         self.ring().close();
     }

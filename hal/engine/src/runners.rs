@@ -19,7 +19,7 @@ const STACK: usize = 1 << 20;
 pub(crate) enum Scheduling {
     /// Each HAL thread is a system thread with `SCHED_FIFO`, all on one processor.
     Fifo,
-    /// One system thread runs all HAL threads, from one timeline.
+    /// A single system thread runs all HAL threads, from one timeline.
     Timeline,
 }
 

@@ -34,7 +34,7 @@ const PATIENCE_NS: i64 = 1_000_000_000;
 /// Number of threads for which memory is reserved at the start.
 const ROOM: usize = 64;
 
-/// One observation of a thread that is inside a function.
+/// Observation of a thread that is inside a function.
 #[derive(Clone, Copy, Debug)]
 struct Sight {
     cycles: u64,
@@ -291,9 +291,9 @@ mod tests {
 
     const MS: i64 = 1_000_000;
 
-    /// Looks at a thread each 0.5 ms, with a limit of 2 ms: of each look the cycle, the processor
-    /// time that passed since the one before, in µs, and what the thread does: it runs, waits, or
-    /// waits for a device. Returns the looks until the thread is stuck.
+    /// Observes a thread every 0.5 ms, with a limit of 2 ms. Each observation holds the cycle, the
+    /// processor time in µs since the previous one, and the activity: runs, waits, or waits for a
+    /// device. Returns the index of the observation at which the thread counts as stuck.
     fn check(init: bool, looks: impl IntoIterator<Item = (u64, i64, char)>) -> Option<usize> {
         let mut case: Option<Case> = None;
         let mut ran_ns = 0;
@@ -325,23 +325,23 @@ mod tests {
     fn a_function_that_computes_or_waits_for_ever_is_stuck_after_its_time() {
         assert_eq!(check(false, same(100, 500, 'r')), Some(4));
         assert_eq!(check(false, same(100, 0, 'w')), Some(4));
-        // Half of the time another thread has the processor.
+        // Another thread uses the processor for half of the time.
         assert_eq!(check(false, same(100, 250, 'r')), Some(8));
-        // It computes and sleeps in turn.
+        // The function computes and sleeps in turn.
         let turns = (0..100).map(|i| if i % 2 == 0 { (1, 300, 'r') } else { (1, 100, 'w') });
         assert_eq!(check(false, turns), Some(10));
     }
 
     #[test]
     fn a_thread_that_gets_no_time_is_late_and_not_stuck() {
-        // It waits for a processor, is stopped, or is held by a debugger.
+        // The thread waits for a processor, is stopped, or is held by a debugger.
         assert_eq!(check(false, same(100_000, 0, 'r')), None);
-        // The clock of a virtual machine that stood still for a second, seen once.
+        // A jump of the clock by a second, as in a virtual machine that was paused, seen once.
         let mut looks: Vec<_> = same(3, 10, 'r').collect();
         looks.push((1, 1_000_000, 'r'));
         looks.extend(same(50, 10, 'r'));
         assert_eq!(check(false, looks), None);
-        // Each cycle is a call of its own, however long it takes.
+        // Each cycle is a separate call, however many there are.
         assert_eq!(check(false, (0..1000).map(|i| (i / 4, 500, 'r'))), None);
     }
 

@@ -10,7 +10,7 @@ use crate::{
 use petgraph::{Direction::Outgoing, stable_graph::EdgeIndex, visit::EdgeRef};
 use std::collections::BTreeMap;
 
-/// One of the indices of names.
+/// An index of names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Index {
     Components,

@@ -1,10 +1,10 @@
-//! Texts of components: a pin that one names as `{NAME}` is shown with its wiring.
+//! Messages of components: a pin that a message names as `{NAME}` is shown with its wiring.
 
 use crate::{Engine, graph::Item, name::Name};
 use hal_protocol::Direction;
 
 impl Engine {
-    /// Replaces each `{NAME}` by that name and how the pin is wired.
+    /// Replaces each `{NAME}` of a pin by that name and the pin's wiring.
     pub(crate) fn with_wiring(&self, text: &str) -> String {
         let mut shown = String::new();
         let mut rest = text;
@@ -25,8 +25,8 @@ impl Engine {
         shown
     }
 
-    /// A pin's name, its signal, and the pins at the other end of that: those that write it, or, of
-    /// an output, those that read it.
+    /// Describes a pin: its name, its signal, and the pins at the other end of the signal. These
+    /// are the pins that write the signal or, for an output, the pins that read it.
     fn pin_with_wiring(&self, name: &str) -> Option<String> {
         let graph = &self.graph;
         let pin = *graph.pins.get(name)?;

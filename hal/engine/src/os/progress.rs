@@ -28,7 +28,7 @@ pub(crate) fn processor_time(tid: i32) -> Option<i64> {
     // shifted left by three, plus 4 for "a thread" and 2 for "scheduler time".
     let clock = (!tid << 3) | 6;
     let mut t = libc::timespec { tv_sec: 0, tv_nsec: 0 };
-    // SAFETY: `t` lives across the call; a thread that has gone is refused.
+    // SAFETY: `t` lives across the call; the kernel refuses a thread that has ended.
     let status = unsafe { libc::clock_gettime(clock, &raw mut t) };
     (status == 0).then_some(t.tv_sec * 1_000_000_000 + t.tv_nsec)
 }
