@@ -1,4 +1,4 @@
-//! Realtime. One axis letter: its limits, and its planner in teleop mode.
+//! Realtime. One axis: its limits, and its planner in teleop mode.
 
 use crate::{
     config::AxisConfig,
@@ -8,7 +8,7 @@ use crate::{
     refusal::Refusal,
 };
 
-/// An axis letter.
+/// State of one axis.
 #[derive(Debug, Default)]
 pub(crate) struct Axis {
     pub(crate) config: AxisConfig,
@@ -17,7 +17,7 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
-    /// Refuses a position beyond its limits.
+    /// Refuses a position beyond the axis's limits.
     pub(crate) fn check(&self, n: usize, pos: f64) -> Result<(), Refusal> {
         let over = pos > self.config.max_limit + SLACK;
         if over || pos < self.config.min_limit - SLACK {
@@ -41,7 +41,7 @@ impl Axis {
     }
 }
 
-/// What rounding may add to a position, in machine units.
+/// Tolerance for rounding of a position, in machine units.
 const SLACK: f64 = 1e-6;
 
 const BEYOND: [[&str; 2]; 9] = [
@@ -56,7 +56,7 @@ const BEYOND: [[&str; 2]; 9] = [
     ["linear move would exceed W's positive limit", "linear move would exceed W's negative limit"],
 ];
 
-/// The wheel of an axis.
+/// Returns the jog-wheel pins of an axis.
 pub(crate) const fn wheel(pins: &AxisPins) -> WheelPins {
     WheelPins {
         counts: pins.jog_counts,
@@ -67,7 +67,7 @@ pub(crate) const fn wheel(pins: &AxisPins) -> WheelPins {
     }
 }
 
-/// The external offset of an axis.
+/// Returns the external-offset pins of an axis.
 pub(crate) const fn offset(pins: &AxisPins) -> OffsetPins {
     OffsetPins {
         enable: pins.eoffset_enable,

@@ -1,35 +1,35 @@
-//! What commands ask of the realtime side.
+//! Commands from the control side to the realtime side.
 
 use crate::config::{AxisConfig, JointConfig, TrajConfig};
 use hal_component::{Pose, TicketHandle};
 
-/// How jogs and moves are understood.
+/// Mode that determines the meaning of jogs and moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Mode {
-    /// Joints, one by one.
+    /// Jogs move single joints.
     #[default]
     Free,
-    /// Axes, by jogs.
+    /// Jogs move axes.
     Teleop,
-    /// Axes, along a path.
+    /// Moves take the axes along a path.
     Coord,
 }
 
-/// What is jogged.
+/// Target of a jog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum What {
     /// A joint.
     Joint(usize),
-    /// An axis, by its place among the letters.
+    /// An axis, by its index among the letters.
     Axis(usize),
 }
 
-/// How far a jog goes.
+/// Extent of a jog.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Far {
     /// Until it is stopped, in the direction of its velocity.
     On,
-    /// So much farther than where it goes already.
+    /// By a distance, added to the current target.
     By(f64),
     /// To a position.
     To(f64),
@@ -46,13 +46,13 @@ pub(crate) struct Jog {
 /// A coordinated move.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Move {
-    /// Letters that stay are not numbers.
+    /// Target pose; letters that do not move are NaN.
     pub(crate) to: Pose,
     pub(crate) velocity: Option<f64>,
     pub(crate) acceleration: Option<f64>,
 }
 
-/// What `motion.feed` changes.
+/// Settings that `motion.feed` changes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FeedChange {
     pub(crate) scale: Option<f64>,
@@ -60,7 +60,7 @@ pub(crate) struct FeedChange {
     pub(crate) hold: Option<bool>,
 }
 
-/// What `motion.spindle` changes.
+/// Settings that `motion.spindle` changes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SpindleChange {
     pub(crate) spindle: usize,
@@ -69,7 +69,7 @@ pub(crate) struct SpindleChange {
     pub(crate) brake: Option<bool>,
 }
 
-/// What an output for programs is set to.
+/// New value of an output for programs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Output {
     Digital(usize, bool),
@@ -79,7 +79,7 @@ pub(crate) enum Output {
 /// A set of joints, one bit each.
 pub(crate) type Joints = u32;
 
-/// What takes machine time or depends on the machine's state: answered through a ticket.
+/// Requests that take machine time or depend on the machine's state; the reply comes through a ticket.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Ask {
     Enable,
@@ -99,7 +99,7 @@ pub(crate) enum Ask {
     OverrideLimits,
 }
 
-/// A command on its way to the realtime side.
+/// A command in the queue to the realtime side.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Command {
     Joint(usize, JointConfig),

@@ -1,6 +1,6 @@
-//! What `motion.configure` sets.
+//! Settings of `motion.configure`.
 
-/// A joint's limits and habits, in machine units.
+/// Limits and homing settings of a joint, in machine units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct JointConfig {
     pub(crate) min_limit: f64,
@@ -8,47 +8,47 @@ pub(crate) struct JointConfig {
     pub(crate) max_velocity: f64,
     pub(crate) max_acceleration: f64,
     pub(crate) ferror: f64,
-    /// As large as `ferror` when it was never given.
+    /// Minimum following error; `ferror` if it was never set.
     pub(crate) min_ferror: Option<f64>,
     pub(crate) home: HomeConfig,
     pub(crate) backlash: f64,
 }
 
-/// How a joint is homed, in machine units and seconds.
+/// Homing settings of a joint, in machine units and seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct HomeConfig {
-    /// Where it goes in the end.
+    /// Position of the final move.
     pub(crate) place: f64,
-    /// What the switch, the index or the place where it stands is called.
+    /// Position assigned to the switch, the index, or the current place.
     pub(crate) offset: f64,
-    /// Towards the switch; zero: there is none.
+    /// Velocity towards the switch; zero if there is none.
     pub(crate) search_vel: f64,
-    /// Onto or off the switch's edge; zero: it is home where it stands.
+    /// Velocity onto or off the switch's edge; zero if the joint is homed in place.
     pub(crate) latch_vel: f64,
-    /// Zero: as fast as the joint may go.
+    /// Velocity of the final move; zero for the joint's velocity limit.
     pub(crate) final_vel: f64,
-    /// Joints are homed in this order; those below zero make their final move together.
+    /// Order in which joints are homed; joints with negative numbers make their final move together.
     pub(crate) sequence: i32,
     pub(crate) encoder: Encoder,
     pub(crate) use_index: bool,
     pub(crate) ignore_limits: bool,
-    /// Several joints have this switch together.
+    /// True if several joints share this switch.
     pub(crate) is_shared: bool,
-    /// No longer homed when the machine goes off.
+    /// True if the joint loses its homed state when the machine goes off.
     pub(crate) is_volatile: bool,
 }
 
-/// What the encoder tells.
+/// Kind of encoder.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Encoder {
-    /// The way; its index sets it to zero.
+    /// Incremental; its index resets it to zero.
     #[default]
     Resets,
-    /// The way; its index does not.
+    /// Incremental; its index does not reset it.
     Goes,
-    /// The place.
+    /// Absolute.
     Absolute,
-    /// The place, and homing does not move.
+    /// Absolute, and homing does not move the joint.
     AbsoluteStill,
 }
 
@@ -68,7 +68,7 @@ impl Default for JointConfig {
 }
 
 impl JointConfig {
-    /// The following error allowed at a velocity.
+    /// Returns the following error allowed at a velocity.
     pub(crate) fn ferror_limit(&self, velocity: f64) -> f64 {
         let least = self.min_ferror.unwrap_or(self.ferror);
         let share = self.ferror * velocity.abs() / self.max_velocity;
@@ -76,14 +76,14 @@ impl JointConfig {
     }
 }
 
-/// An axis's limits, in machine units or degrees.
+/// Limits of an axis, in machine units or degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct AxisConfig {
     pub(crate) min_limit: f64,
     pub(crate) max_limit: f64,
     pub(crate) max_velocity: f64,
     pub(crate) max_acceleration: f64,
-    /// What an external offset has of velocity and acceleration; 0: there is no offset.
+    /// External offset's share of velocity and acceleration; 0 if there is no offset.
     pub(crate) offset_share: f64,
 }
 
@@ -99,15 +99,15 @@ impl Default for AxisConfig {
     }
 }
 
-/// The limits of coordinated moves, in machine units.
+/// Limits of coordinated moves, in machine units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TrajConfig {
     pub(crate) max_velocity: f64,
     pub(crate) max_acceleration: f64,
     pub(crate) default_velocity: f64,
-    /// How many machine units a millimetre is.
+    /// Number of machine units per millimetre.
     pub(crate) units_per_mm: f64,
-    /// The highest factor that adaptive feed and override may have.
+    /// Maximum of adaptive feed and of the override.
     pub(crate) max_feed_override: f64,
 }
 
@@ -124,7 +124,7 @@ impl Default for TrajConfig {
 }
 
 impl Encoder {
-    /// Its position is zero at the index.
+    /// Returns whether the index resets the encoder's position to zero.
     pub(crate) fn resets(self) -> bool {
         self == Self::Resets
     }

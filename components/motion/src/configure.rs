@@ -1,4 +1,4 @@
-//! `motion.configure`: checks what users give and keeps what was given.
+//! `motion.configure`: checks the arguments and keeps the configuration.
 
 use crate::{
     command::Command,
@@ -89,7 +89,7 @@ pub(crate) const ARGS: &[&ArgSpec] = &[
     &Arg::float("max-feed-override", "Highest factor of feed override, 0 or more; at first 1."),
 ];
 
-/// What was configured so far.
+/// Configuration so far.
 #[derive(Debug, Default)]
 pub(crate) struct Book {
     joints: BTreeMap<usize, JointConfig>,
@@ -97,7 +97,7 @@ pub(crate) struct Book {
     traj: TrajConfig,
 }
 
-/// Which arguments belong to what.
+/// Arguments that apply to each kind of object.
 const JOINT: &[&str] = &[
     "min-limit",
     "max-limit",
@@ -125,7 +125,8 @@ const TRAJ: &[&str] =
     &["max-velocity", "max-acceleration", "default-velocity", "linear-units", "max-feed-override"];
 
 impl Book {
-    /// What to send. Nothing is kept when something is wrong; [`Self::keep`] keeps it.
+    /// Returns the command to send. The cache itself is unchanged, also on an error; [`Self::keep`] stores the
+    /// settings.
     pub(crate) fn read(&self, call: &Call<'_>, joints: usize) -> Result<Command, Error> {
         let (joint, axis) = (call.int("joint"), call.text("axis"));
         match (joint, axis) {
@@ -237,11 +238,11 @@ fn home(call: &Call<'_>, c: &mut HomeConfig) -> Result<(), Error> {
     Ok(())
 }
 
-/// Refuses arguments that belong to something else.
+/// Refuses arguments that belong to another kind of object.
 fn only(call: &Call<'_>, names: &[&str], what: &str) -> Result<(), Error> {
     let all = JOINT.iter().chain(AXIS).chain(TRAJ).filter(|n| !names.contains(n));
     for name in all {
-        // A number or a text: whichever it was declared as.
+        // A number or a text, depending on its declaration.
         if call.float(name).is_some() {
             return Err(Error::new(format!("{name}= does not belong to {what}")));
         }

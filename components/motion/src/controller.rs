@@ -1,4 +1,4 @@
-//! Realtime. The two functions: one takes commands, the other carries them out and moves.
+//! Realtime. The two functions: one receives commands, the other executes them and moves.
 
 use crate::{
     command::{Command, Mode},
@@ -9,15 +9,15 @@ use crate::{
 use hal_component::{Clock, KinematicsRef, Period, Receiver, Sender, Touch, Update};
 use libm::sqrt;
 
-/// How many commands a cycle carries out: planning a move takes its time.
+/// Maximum number of commands executed in a cycle, because planning a move takes time.
 const PER_CYCLE: usize = 16;
 
-/// `motion-command-handler`.
+/// State of `motion-command-handler`.
 #[derive(Debug, Touch)]
 pub(crate) struct Handler {
     from: Receiver<Command>,
     to: Sender<Command>,
-    /// One that the controller had no room for.
+    /// A command for which the controller had no room.
     #[state]
     held: Option<Command>,
 }
@@ -40,7 +40,7 @@ impl Update for Handler {
     }
 }
 
-/// `motion-controller`.
+/// State of `motion-controller`.
 #[derive(Debug, Touch)]
 pub(crate) struct Controller {
     pub(crate) from: Receiver<Command>,
@@ -65,7 +65,7 @@ impl Update for Controller {
 }
 
 impl Controller {
-    /// Reads the pins, carries out commands, and finds where everything is to be.
+    /// Reads the pins, executes commands, and computes all positions.
     pub(crate) fn advance(&mut self, dt: f64) {
         let now = self.clock.now_ns();
         let last = self.last_ns.replace(now).map_or(0, |last| now.wrapping_sub(last));
@@ -136,7 +136,7 @@ fn show_feed(g: &GeneralPins, feed: f64, units_per_mm: f64) {
     g.feed_inches_per_minute.set(inches * 60.0);
 }
 
-/// Along the path, or of all jogs together.
+/// Returns the current velocity: along the path, or of all jogs together.
 fn velocity(s: &State) -> f64 {
     let together = |sum: f64| sqrt(sum);
     match s.mode {

@@ -1,4 +1,4 @@
-//! Realtime. What happens to positions in one cycle.
+//! Realtime. Update of positions in one cycle.
 
 use crate::{
     axis,
@@ -60,14 +60,14 @@ impl State {
         if self.feed.adaptive {
             let wanted = g.adaptive_feed.get();
             let most = self.traj.max_feed_override;
-            // No number and backwards are zero.
+            // NaN and negative numbers count as zero.
             let wanted = if wanted > 0.0 { wanted } else { 0.0 };
             scale *= if wanted < most { wanted } else { most };
         }
         scale
     }
 
-    /// Jog wheels and homing, then the position of every joint.
+    /// Updates jog wheels and homing, then the position of every joint.
     pub(crate) fn advance(&mut self, pins: &Pins, dt: f64) {
         self.wheels(pins);
         self.homing_cycle(dt);
@@ -105,7 +105,7 @@ impl State {
             let allowed = allowed && joint.active && !(joint.extra && joint.homing.homed);
             let senses = joint.senses;
             joint.free.wheel(&joint::wheel(pins), allowed, || {
-                // Not farther onto a switch that is overridden.
+                // A joint may not move farther onto a limit switch that is overridden.
                 let mut room = room;
                 if senses.at_max {
                     room.max = f64::NEG_INFINITY;
@@ -172,7 +172,7 @@ impl State {
         }
     }
 
-    /// Takes the joints to the pose with the offsets.
+    /// Moves the joints to the pose with the offsets.
     fn place(&mut self, before: &Pose, dt: f64) -> Result<(), Refusal> {
         let places = self.paced(before, dt)?;
         let moved = || self.joints.iter().zip(&places).filter(|(j, _)| j.active && !j.extra);
@@ -186,8 +186,7 @@ impl State {
         Ok(())
     }
 
-    /// Keeps joints, axes and offsets where they are. The reason is reported once, for as long as
-    /// it lasts.
+    /// Keeps joints, axes and offsets where they are. The operator receives the reason once, for as long as it lasts.
     fn stay(&mut self, before: Pose, why: Refusal, dt: f64) {
         self.pose = before;
         for axis in &mut self.axes {
@@ -212,7 +211,7 @@ impl State {
         }
     }
 
-    /// Limits hold again after the jog that the override was for.
+    /// Enforces limits again after the jog for which they were overridden.
     fn end_override(&mut self) {
         if !self.overriding {
             return;

@@ -1,4 +1,4 @@
-//! The control side: what users may command.
+//! The control side: commands for users.
 
 use crate::{
     command::{
@@ -10,7 +10,7 @@ use crate::{
 use hal_component::{Arg, Builder, Call, Error, KinematicsRef, Sender, abi::ArgSpec};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Sends commands.
+/// Sender of commands to the realtime side.
 #[derive(Clone, Debug)]
 pub(crate) struct Desk {
     pub(crate) to: Sender<Command>,
@@ -22,7 +22,7 @@ pub(crate) struct Desk {
     pub(crate) book: Arc<Mutex<Book>>,
 }
 
-/// What a command makes of its arguments.
+/// Parser of a command's arguments.
 type Read = fn(&Desk, &Call<'_>) -> Result<Ask, Error>;
 
 /// A command that takes a ticket.
@@ -310,7 +310,7 @@ impl Desk {
         }))
     }
 
-    /// Refuses a letter that none of the joints follows, where kinematics say which do.
+    /// Refuses an axis letter that no joint follows, if the kinematics declare their letters.
     fn has_joint(&self, n: usize) -> Result<(), Error> {
         let k = &self.kinematics;
         let says = (0..LETTERS.len()).any(|l| k.joint_of(l).is_some());
@@ -336,7 +336,7 @@ impl Desk {
     }
 }
 
-/// A number below `count`, of things that are so many.
+/// Returns an argument below `count`, or an error that states the number of objects.
 fn within(call: &Call<'_>, name: &str, are: &str, count: usize) -> Result<usize, Error> {
     let given = call.int(name).unwrap_or(0);
     usize::try_from(given)
@@ -353,14 +353,14 @@ fn full() -> Error {
     Error::new("too many commands wait: is motion-command-handler in a running thread?")
 }
 
-/// A joint's number.
+/// Returns a joint number, checked against the number of joints.
 pub(crate) fn joint(given: i64, joints: usize) -> Result<usize, Error> {
     usize::try_from(given).ok().filter(|n| *n < joints).ok_or_else(|| {
         Error::new(format!("there is no joint {given}, they are 0 to {}", joints.saturating_sub(1)))
     })
 }
 
-/// The place of an axis letter.
+/// Returns the index of an axis letter.
 pub(crate) fn letter(text: &str) -> Result<usize, Error> {
     let mut chars = text.chars();
     let found = match (chars.next(), chars.next()) {

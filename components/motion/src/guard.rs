@@ -1,9 +1,9 @@
-//! Realtime. What switches the machine off.
+//! Realtime. Causes that switch the machine off.
 
 use crate::{pins::Pins, state::State};
 
 impl State {
-    /// Looks at every cause to switch off; answers whoever switched on.
+    /// Checks every cause to switch off; completes the ticket of the enable command.
     pub(crate) fn guard(&mut self, pins: &Pins) {
         if self.enabled
             && let Some(cause) = self.cause(pins)
@@ -15,7 +15,7 @@ impl State {
         }
     }
 
-    /// The first cause to switch off; all are told to the operator.
+    /// Returns the first cause to switch off; reports all causes to the operator.
     fn cause(&mut self, pins: &Pins) -> Option<&'static str> {
         let mut cause = None;
         if let Some(lockout) = self.inputs.lockout {
@@ -55,7 +55,7 @@ impl State {
         cause
     }
 
-    /// Switches off: nothing moves any more, and all who wait for movement are told.
+    /// Switches the machine off: all motion ends, and all tickets that wait for motion are refused.
     pub(crate) fn turn_off(&mut self, cause: &'static str) {
         self.enabled = false;
         self.path.clear(cause);

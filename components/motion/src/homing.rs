@@ -1,4 +1,4 @@
-//! Realtime. Homing of one joint: it finds its switch and its encoder's index, or is at home where it stands.
+//! Realtime. Homing of one joint: it finds its switch and its encoder's index, or is homed in place.
 
 use crate::{
     config::{Encoder, HomeConfig},
@@ -6,18 +6,18 @@ use crate::{
     joint::Joint,
 };
 
-/// A search along the switch; the numbers are those that `home-state` shows while it begins.
+/// A search along the switch; the numbers are the values of `home-state` at its start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Leg {
-    /// Off the switch, where homing began on it.
+    /// Off the switch, if homing began on it.
     InitialBackoff = 4,
     /// Towards the switch.
     Search = 6,
-    /// Off it again, to come back slowly.
+    /// Off the switch again, before the slow approach.
     FinalBackoff = 9,
-    /// Slowly onto it.
+    /// Slowly onto the switch.
     Rise = 11,
-    /// Slowly off it.
+    /// Slowly off the switch.
     Fall = 13,
 }
 
@@ -30,7 +30,7 @@ impl Leg {
         }
     }
 
-    /// What the switch is where it ends.
+    /// Returns the switch state that ends the search.
     const fn until(self) -> bool {
         matches!(self, Self::Search | Self::Rise)
     }
@@ -40,14 +40,14 @@ impl Leg {
 enum Step {
     #[default]
     Idle,
-    /// Waits until the joint stands still.
+    /// Waits until the joint is at rest.
     Start,
     /// Rests before a search.
     Before(Leg),
     On(Leg),
-    /// Gives the place where it stands its name.
+    /// Assigns the home offset to the current position.
     Here,
-    /// Rests before it looks for the index alone.
+    /// Rests before searching for the index alone.
     BeforeIndex,
     OnIndex,
     /// Rests before the final move.
@@ -55,21 +55,21 @@ enum Step {
     Final,
 }
 
-/// Why a joint could not be homed.
+/// Reason why homing of a joint failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Trouble {
     /// A limit switch closed.
     Limit,
-    /// The way was over.
+    /// The search reached the end of its travel.
     End,
-    /// The home switch opened by itself.
+    /// The home switch opened unexpectedly.
     Open,
-    /// The home switch closed by itself.
+    /// The home switch closed unexpectedly.
     Closed,
 }
 
 impl Trouble {
-    /// For whoever waits.
+    /// Returns the text for the command's ticket.
     pub(crate) const fn text(self) -> &'static str {
         match self {
             Self::Limit => "hit limit while homing",
@@ -79,7 +79,7 @@ impl Trouble {
         }
     }
 
-    /// For the operator; the numbers are those of the joint and of `home-state`.
+    /// Returns the message for the operator; the numbers are those of the joint and of `home-state`.
     pub(crate) const fn say(self) -> &'static str {
         match self {
             Self::Limit => "j{} hit limit in home state {}",
@@ -90,16 +90,16 @@ impl Trouble {
     }
 }
 
-/// How long a joint stands still before each move, in seconds.
+/// Rest before each move, in seconds.
 const REST: f64 = 0.1;
 
-/// Where homing is.
+/// State of a joint's homing.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Homing {
     step: Step,
     rest: f64,
     pub(crate) homed: bool,
-    /// What index-enable shall become.
+    /// Pending value of index-enable.
     index_enable: Option<bool>,
 }
 
@@ -108,7 +108,7 @@ impl Homing {
         self.step != Step::Idle
     }
 
-    /// Ready for the final move, or on it, or through with it.
+    /// Returns whether the joint is ready for its final move, on it, or has finished it.
     pub(crate) fn is_at_final_move(&self) -> bool {
         match self.step {
             Step::BeforeFinal => self.rest >= REST,
@@ -116,7 +116,7 @@ impl Homing {
         }
     }
 
-    /// As shown on `home-state`.
+    /// Returns the value of `home-state`.
     pub(crate) const fn code(&self) -> i32 {
         match self.step {
             Step::Idle => 0,
@@ -136,7 +136,7 @@ impl Homing {
         self.homed = false;
     }
 
-    /// A joint that was being homed is not homed.
+    /// Aborts homing; a joint that was being homed becomes unhomed.
     pub(crate) fn abort(&mut self) {
         if self.step == Step::OnIndex {
             self.index_enable = Some(false);
@@ -144,12 +144,12 @@ impl Homing {
         self.step = Step::Idle;
     }
 
-    /// The index that it looks for has come, and the position may have jumped.
+    /// Returns whether the awaited index has arrived, so that the position may have jumped.
     pub(crate) fn is_at_index(&self, index_enable: bool) -> bool {
         self.step == Step::OnIndex && !index_enable
     }
 
-    /// What index-enable shall become, told once.
+    /// Returns the pending value of index-enable, and clears it.
     pub(crate) const fn index_wish(&mut self) -> Option<bool> {
         self.index_enable.take()
     }
@@ -160,7 +160,7 @@ impl Homing {
     }
 }
 
-/// The first step of a joint that stands still.
+/// Returns the first step of a joint at rest.
 fn first(c: &HomeConfig, is_on: bool) -> Step {
     if matches!(c.encoder, Encoder::Absolute | Encoder::AbsoluteStill) {
         Step::Here
@@ -173,7 +173,7 @@ fn first(c: &HomeConfig, is_on: bool) -> Step {
     }
 }
 
-/// One cycle of homing. `may_finish`: the joints that make their final move together are ready.
+/// Runs one cycle of homing. `may_finish`: the joints that make their final move together are ready.
 pub(crate) fn cycle(joint: &mut Joint, dt: f64, may_finish: bool) -> Result<(), Trouble> {
     let c = joint.config.home;
     let is_on = joint.senses.at_home;
@@ -244,13 +244,13 @@ pub(crate) fn cycle(joint: &mut Joint, dt: f64, may_finish: bool) -> Result<(), 
     Ok(())
 }
 
-/// The switch has become what the search was for.
+/// Handles the switch reaching the state that ends the search.
 fn reached(joint: &mut Joint, leg: Leg) {
     let c = joint.config.home;
     let next = match leg {
         Leg::InitialBackoff => Leg::Search,
         Leg::Search => {
-            // Near enough for the moves to come.
+            // Accurate enough for the remaining moves.
             joint.rename(c.offset);
             if c.search_vel * c.latch_vel > 0.0 { Leg::FinalBackoff } else { Leg::Fall }
         }
@@ -268,12 +268,12 @@ fn reached(joint: &mut Joint, leg: Leg) {
 
 fn look_for_index(joint: &mut Joint) {
     joint.homing.index_enable = Some(true);
-    // So that a pulse that has not been asked for is none.
+    // Ignores an index pulse that arrives before it is armed.
     joint.senses.index_enable = true;
     joint.homing.go_on(Step::OnIndex);
 }
 
-/// It has stood still long enough.
+/// Returns whether the joint has been at rest for long enough.
 fn is_rested(joint: &mut Joint, dt: f64) -> bool {
     if joint.free.tp.active {
         return false;
@@ -286,7 +286,7 @@ const fn is_at_limit(joint: &Joint) -> bool {
     (joint.senses.at_max || joint.senses.at_min) && !joint.config.home.ignore_limits
 }
 
-/// What may happen on the way.
+/// Checks for events that end a search.
 fn way(joint: &Joint) -> Result<(), Trouble> {
     if is_at_limit(joint) {
         Err(Trouble::Limit)
@@ -297,7 +297,7 @@ fn way(joint: &Joint) -> Result<(), Trouble> {
     }
 }
 
-/// Searches with this velocity: twice the way between the limits, wherever they are.
+/// Starts a search with this velocity, over twice the distance between the limits, wherever they are.
 fn go(joint: &mut Joint, velocity: f64) {
     let way = 2.0 * (joint.config.max_limit - joint.config.min_limit);
     let way = if velocity > 0.0 { way } else { -way };
@@ -310,7 +310,7 @@ fn final_move(joint: &mut Joint) {
     to(joint, c.home.place, speed);
 }
 
-/// HOME may lie anywhere, and so may the switch: the limits hold once the joint is homed.
+/// Moves to a target. HOME and the switch may lie beyond the limits, which apply only once the joint is homed.
 fn to(joint: &mut Joint, target: f64, speed: f64) {
     let room = Room {
         min: f64::NEG_INFINITY,

@@ -1,10 +1,10 @@
-//! `homemod` and `tpmod`: what `motmod` has in itself.
+//! `homemod` and `tpmod`: modules that `motmod` includes.
 use hal_component::{
     Arg, Builder, Component, Error,
     abi::{ArgSpec, component_flags},
 };
 
-/// A name that scripts may load, and nothing more.
+/// Defines a module that scripts can load and that does nothing.
 macro_rules! included {
     ($(#[$of:meta])* $component:ident, $name:literal, $arg:literal, $what:literal, $other:literal, $shows:literal) => {
         $(#[$of])*
@@ -37,11 +37,11 @@ macro_rules! included {
     };
 }
 included! {
-    /// Homing, as a name to load.
+    /// Homing, as a module name that can be loaded.
     Homemod, "homemod", "home_parms", "Homing", "homing", "joint.0.homing"
 }
 included! {
-    /// The trajectory planner, as a name to load.
+    /// The trajectory planner, as a module name that can be loaded.
     Tpmod, "tpmod", "tp_parms", "The trajectory planner", "planner", "motion.coord-mode"
 }
 

@@ -1,25 +1,25 @@
-//! Realtime. The e-stop as iocontrol has it: while it lasts, the machine is off and stays off.
+//! Realtime. The e-stop of iocontrol: while it is active, the machine is off and stays off.
 
 use crate::refusal::Refusal;
 use hal_component::{Builder, Error, InterlockRef, Touch};
 
-/// The interlock; none where a script keeps its own wiring.
+/// The interlock; absent where a script keeps its own wiring.
 #[derive(Debug, Touch)]
 pub(crate) struct Interlock {
     found: Option<InterlockRef>,
 }
 
-/// The part of the e-stop that keeps the machine off.
+/// Condition of the e-stop that keeps the machine off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Lockout {
-    /// It is commanded.
+    /// The e-stop is commanded.
     Commanded,
-    /// The chain of contacts is open.
+    /// The e-stop chain is open.
     Open,
 }
 
 impl Interlock {
-    /// Finds the interlock. A machine from an INI file is not loaded without one.
+    /// Binds the interlock. A machine from an INI file is not loaded without one.
     pub(crate) fn bind(b: &mut Builder<'_>) -> Result<Self, Error> {
         let found = b.interlock()?;
         if found.is_none() && b.needs_interlock() {
@@ -31,7 +31,7 @@ impl Interlock {
         Ok(Self { found })
     }
 
-    /// Reads it, once in each cycle.
+    /// Reads the interlock, once in each cycle.
     pub(crate) fn read(&self) -> Option<Lockout> {
         let estop = self.found.as_ref()?.state();
         match (estop.commanded, estop.open) {
@@ -43,7 +43,7 @@ impl Interlock {
 }
 
 impl Lockout {
-    /// Why the machine goes off.
+    /// Returns the cause for switching the machine off.
     pub(crate) const fn cause(self) -> &'static str {
         match self {
             Self::Commanded => "motion stopped by e-stop: it was commanded by iocontrol.estop",
@@ -51,7 +51,7 @@ impl Lockout {
         }
     }
 
-    /// Why the machine is not switched on.
+    /// Returns the refusal to switch the machine on.
     pub(crate) const fn refusal(self) -> Refusal {
         Refusal::new(match self {
             Self::Commanded => {

@@ -1,10 +1,10 @@
-//! Realtime. What jogs a joint or an axis: a command or a wheel.
+//! Realtime. Jogging of a joint or an axis, by a command or a wheel.
 
 use crate::planner::SimpleTp;
 use hal_component::{In, TicketHandle};
 use libm::fabs;
 
-/// Where a coordinate may be jogged to, and how.
+/// Limits of a jog: travel, velocity and acceleration.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Room {
     pub(crate) min: f64,
@@ -14,8 +14,8 @@ pub(crate) struct Room {
 }
 
 impl Room {
-    /// Keeps an axis at `pos` within what a joint at `joint_pos` may do, which moves by `slope`
-    /// for a unit of the axis.
+    /// Narrows the limits of an axis at `pos` to those of a joint at `joint_pos` that moves by `slope` per unit of the
+    /// axis.
     pub(crate) fn narrow(&mut self, joint: &Self, joint_pos: f64, pos: f64, slope: f64) {
         let a = pos + (joint.min - joint_pos) / slope;
         let b = pos + (joint.max - joint_pos) / slope;
@@ -35,8 +35,7 @@ impl Room {
         }
     }
 
-    /// A target within the limits; one beyond a limit ends there, and nothing ever goes back
-    /// because of a limit that it is beyond already.
+    /// Clamps a target to the limits. A position that is already beyond a limit causes no motion back towards it.
     fn bound(&self, target: f64, from: f64) -> f64 {
         if target > from {
             if target <= self.max {
@@ -60,7 +59,7 @@ impl Room {
     }
 }
 
-/// The pins of a jog wheel.
+/// Pins of a jog wheel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WheelPins {
     pub(crate) counts: In<i32>,
@@ -70,7 +69,7 @@ pub(crate) struct WheelPins {
     pub(crate) accel_fraction: In<f64>,
 }
 
-/// What moves the coordinate now.
+/// Source of the current motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum By {
     /// Nothing.
@@ -84,7 +83,7 @@ pub(crate) enum By {
     Homing,
 }
 
-/// A planner and who drives it.
+/// A planner and the source that drives it.
 #[derive(Debug, Default)]
 pub(crate) struct Jogger {
     pub(crate) tp: SimpleTp,
@@ -94,7 +93,7 @@ pub(crate) struct Jogger {
 }
 
 impl Jogger {
-    /// Goes to a target with a speed; whatever went on before is over.
+    /// Moves to a target at a speed; replaces any previous motion.
     pub(crate) fn go(
         &mut self,
         target: f64,
@@ -113,7 +112,7 @@ impl Jogger {
         self.ticket = ticket;
     }
 
-    /// Brakes; the ticket is done when it stands still.
+    /// Brakes; the ticket is done at rest.
     pub(crate) fn stop(&mut self, why: &'static str, ticket: Option<TicketHandle>) {
         self.tp.enable = false;
         self.give_up(why);
@@ -124,19 +123,19 @@ impl Jogger {
         }
     }
 
-    /// Goes no faster than this from now on.
+    /// Lowers the speed limit of the current motion.
     pub(crate) fn slow_to(&mut self, velocity: f64) {
         if velocity < self.tp.max_vel {
             self.tp.max_vel = velocity;
         }
     }
 
-    /// Brakes, and nobody waits for it.
+    /// Brakes without a ticket.
     pub(crate) const fn brake(&mut self) {
         self.tp.enable = false;
     }
 
-    /// Stands still at a position at once.
+    /// Stops at a position at once.
     pub(crate) fn reset(&mut self, pos: f64, why: &'static str) {
         self.tp.reset(pos);
         self.by = By::Nobody;
@@ -149,7 +148,7 @@ impl Jogger {
         }
     }
 
-    /// One cycle.
+    /// Runs one cycle.
     pub(crate) fn step(&mut self, dt: f64) {
         self.tp.step(dt);
         if !self.tp.active {
@@ -160,12 +159,12 @@ impl Jogger {
         }
     }
 
-    /// Whether the wheel was turned since it was looked at.
+    /// Returns whether the wheel has turned since it was last read.
     pub(crate) fn is_turned(&self, pins: &WheelPins) -> bool {
         self.old_counts.is_some_and(|old| old != pins.counts.get()) && pins.enable.get()
     }
 
-    /// Looks at the wheel, and moves by it when that is allowed.
+    /// Reads the wheel, and moves by its counts if that is allowed.
     pub(crate) fn wheel(&mut self, pins: &WheelPins, allowed: bool, room: impl Fn() -> Room) {
         let counts = pins.counts.get();
         let old = self.old_counts.replace(counts).unwrap_or(counts);
@@ -182,12 +181,12 @@ impl Jogger {
             return;
         }
         if self.tp.active && room.max_acc < self.tp.max_acc {
-            // It must still be able to brake before a limit.
+            // The axis must still be able to brake before a limit.
             room.max_acc = self.tp.max_acc;
         }
         let mut target = self.tp.target + distance;
         if pins.vel_mode.get() {
-            // No farther ahead than it takes to brake from full speed.
+            // The target leads by at most the braking distance from full speed.
             let lead = room.max_vel * room.max_vel / (2.0 * room.max_acc);
             let way = target - self.tp.pos;
             if fabs(way) > lead {
@@ -208,11 +207,11 @@ mod tests {
             (-50.0, 200.0, 0.0, 10.0, 10.0),
             (-50.0, 200.0, 0.0, f64::INFINITY, 200.0),
             (-50.0, 200.0, 0.0, -60.0, -50.0),
-            // Beyond a limit already: only towards it.
+            // Already beyond a limit: only motion towards the limit.
             (-50.0, 200.0, 210.0, 220.0, 210.0),
             (-50.0, 200.0, 210.0, 205.0, 205.0),
             (-50.0, 200.0, -60.0, -70.0, -60.0),
-            // Crossed or no numbers: nowhere that they forbid.
+            // Crossed or NaN limits forbid nothing.
             (20.0, -20.0, 0.0, 10.0, 0.0),
             (f64::NAN, f64::NAN, 0.0, 10.0, 0.0),
             (-50.0, 200.0, 0.0, f64::NAN, 0.0),

@@ -1,4 +1,4 @@
-//! Realtime. One joint: what it senses, where it is, and what its motor is told.
+//! Realtime. One joint: its inputs, its position, and its motor command.
 
 use crate::{
     config::JointConfig,
@@ -10,7 +10,7 @@ use crate::{
 };
 use libm::fabs;
 
-/// The inputs of this cycle.
+/// Inputs of this cycle.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Senses {
     pub(crate) motor_pos_fb: f64,
@@ -21,13 +21,13 @@ pub(crate) struct Senses {
     pub(crate) index_enable: bool,
 }
 
-/// A joint.
+/// State of a joint.
 #[derive(Debug, Default)]
 pub(crate) struct Joint {
     pub(crate) config: JointConfig,
-    /// Configured, so that it takes part.
+    /// True if the joint is configured and takes part.
     pub(crate) active: bool,
-    /// Follows posthome-cmd once homed, and no kinematics.
+    /// True if the joint follows posthome-cmd once homed, instead of the kinematics.
     pub(crate) extra: bool,
     pub(crate) senses: Senses,
     pub(crate) pos_cmd: f64,
@@ -38,15 +38,15 @@ pub(crate) struct Joint {
     pub(crate) motor_offset: f64,
     ferror: f64,
     ferror_limit: f64,
-    /// Whether it was beyond its limit when it was measured: what it leads to makes it zero.
+    /// True if the following error exceeded its limit when it was measured; reactions to it reset the error to zero.
     was_ferrored: bool,
-    /// It switched the machine off.
+    /// True if the joint switched the machine off.
     pub(crate) error: bool,
     pub(crate) homing: Homing,
     pub(crate) free: Jogger,
     pub(crate) backlash: SimpleTp,
     backlash_want: f64,
-    /// Nothing reaches the motor but through it.
+    /// Guard through which every motor command passes.
     pub(crate) step_guard: StepGuard,
 }
 
@@ -55,7 +55,7 @@ impl Joint {
         Self { extra, ..Self::default() }
     }
 
-    /// Reads the pins, and finds the following error of the last command.
+    /// Reads the pins, and computes the following error of the last command.
     pub(crate) fn sense(&mut self, pins: &JointPins) {
         self.senses = Senses {
             motor_pos_fb: pins.motor_pos_fb.get(),
@@ -68,7 +68,7 @@ impl Joint {
         self.measure();
     }
 
-    /// Takes a configuration; true when the joint takes part from now on.
+    /// Applies a configuration; returns true if the joint takes part from now on.
     pub(crate) fn configure(&mut self, config: JointConfig) -> bool {
         self.config = config;
         let joins = !self.active;
@@ -82,7 +82,7 @@ impl Joint {
 
     fn measure(&mut self) {
         if self.homing.is_at_index(self.senses.index_enable) && self.config.home.encoder.resets() {
-            // What the encoder tells has jumped, and not the joint.
+            // The encoder's reading has jumped, not the joint.
             self.pos_fb = self.pos_cmd;
         } else if self.active {
             self.pos_fb = self.senses.motor_pos_fb - (self.backlash.pos + self.motor_offset);
@@ -93,12 +93,12 @@ impl Joint {
         self.was_ferrored = self.is_ferrored();
     }
 
-    /// The following error is beyond its limit, or no number at all.
+    /// Returns whether the following error exceeds its limit or is NaN.
     pub(crate) fn is_ferrored(&self) -> bool {
         self.active && !(fabs(self.ferror) <= self.ferror_limit && self.ferror.is_finite())
     }
 
-    /// While the machine is off: the command is where the joint is.
+    /// Sets the command to the joint's actual position, while the machine is off.
     pub(crate) fn follow(&mut self, why: &'static str) {
         if self.pos_fb.is_finite() {
             self.pos_cmd = self.pos_fb;
@@ -108,8 +108,8 @@ impl Joint {
         self.free.reset(self.pos_cmd, why);
     }
 
-    /// Where a jog may go: within the limits when it is homed, otherwise as far as the whole way
-    /// between them from here.
+    /// Returns the limits of a jog: the soft limits if the joint is homed, otherwise the full distance between them in
+    /// both directions from here.
     pub(crate) fn room(&self) -> Room {
         let c = &self.config;
         let (min, max) = if self.homing.homed {
@@ -121,21 +121,21 @@ impl Joint {
         Room { min, max, max_vel: c.max_velocity, max_acc: c.max_acceleration }
     }
 
-    /// Whether a homed joint is beyond a soft limit there, by more than rounding makes.
+    /// Returns whether a position is beyond a soft limit of a homed joint, by more than rounding.
     pub(crate) fn is_beyond(&self, pos: f64) -> bool {
         let c = &self.config;
         self.homing.homed && !(c.min_limit - SLACK <= pos && pos <= c.max_limit + SLACK)
     }
 
-    /// Takes the position of this cycle.
+    /// Sets the position of this cycle.
     pub(crate) fn place(&mut self, pos: f64, dt: f64) {
         let vel = (pos - self.pos_cmd) / dt;
         self.pos_cmd = pos;
         self.moving(vel, dt);
     }
 
-    /// Takes position and velocity of this cycle from its own planner. A velocity limit that was
-    /// lowered on the way holds: the joint brakes.
+    /// Sets position and velocity of this cycle from the joint's own planner. A velocity limit that was lowered during
+    /// the motion applies: the joint brakes.
     pub(crate) fn place_free(&mut self, dt: f64) {
         self.free.slow_to(self.config.max_velocity);
         self.free.step(dt);
@@ -150,7 +150,7 @@ impl Joint {
         self.vel_cmd = vel;
     }
 
-    /// Moves the backlash correction after the direction of movement.
+    /// Moves the backlash correction according to the direction of movement.
     pub(crate) fn correct(&mut self, dt: f64, enabled: bool) {
         let half = 0.5 * self.config.backlash;
         if self.vel_cmd > 0.0 {
@@ -169,7 +169,7 @@ impl Joint {
         self.backlash.step_exactly(dt);
     }
 
-    /// Calls the place where it stands `pos`; nothing moves.
+    /// Sets the current position to `pos` without motion.
     pub(crate) fn rename(&mut self, pos: f64) {
         let shift = pos - self.pos_fb;
         if !shift.is_finite() {
@@ -182,7 +182,7 @@ impl Joint {
         self.free.tp.target += shift;
     }
 
-    /// Adds to what the encoder tells from now on; nothing moves.
+    /// Adds an offset to the encoder's reading from now on, without motion.
     pub(crate) fn offset(&mut self, offset: f64) {
         let pos = self.senses.motor_pos_fb - self.backlash.pos + offset;
         if !pos.is_finite() {
@@ -195,7 +195,7 @@ impl Joint {
         self.free.tp.target = pos;
     }
 
-    /// The command for the motor, for the guard to judge.
+    /// Returns the motor command for the guard to check.
     pub(crate) fn command(&self, enabled: bool) -> MotorCommand {
         MotorCommand {
             position: self.pos_cmd + self.backlash.pos + self.motor_offset,
@@ -207,7 +207,7 @@ impl Joint {
         }
     }
 
-    /// Goes back to the command that was put out last, as the machine goes off.
+    /// Returns to the last command that was written, as the machine goes off.
     pub(crate) fn hold(&mut self) {
         self.step_guard.hold();
         let pos = self.step_guard.last() - self.backlash.pos - self.motor_offset;
@@ -254,10 +254,10 @@ impl Joint {
     }
 }
 
-/// What rounding may add to a position, in machine units.
+/// Tolerance for rounding of a position, in machine units.
 const SLACK: f64 = 1e-6;
 
-/// The wheel of a joint.
+/// Returns the jog-wheel pins of a joint.
 pub(crate) const fn wheel(pins: &JointPins) -> WheelPins {
     WheelPins {
         counts: pins.jog_counts,

@@ -1,10 +1,10 @@
-//! Realtime. The end of a machine whose command would jump: it holds the last good commands, goes
-//! off, and says which joint would have gone where, and what moved it.
+//! Realtime. Switch-off of a machine whose command would jump: it holds the last good commands, goes off, and reports
+//! the joint, its intended step, and the source of the motion.
 
 use crate::{command::Mode, jogger::By, refusal::rounded, state::State, step_guard::Jump};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
-/// The source of a joint's movement, in the order of [`WORDS`].
+/// Source of a joint's motion, in the order of [`WORDS`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Mover {
     Nothing,
@@ -20,7 +20,7 @@ pub(crate) enum Mover {
     Correction,
 }
 
-/// A source: for those who wait, for the operator, and by itself.
+/// Texts for a source: for tickets, for the operator, and by itself.
 struct Words {
     cause: &'static str,
     say: &'static str,
@@ -59,10 +59,10 @@ fn words(mover: usize) -> &'static Words {
     WORDS.get(mover).unwrap_or(&WORDS[0])
 }
 
-/// The jump that switched the machine off, kept until the machine is switched on again.
+/// Jump that switched the machine off, kept until the machine is switched on again.
 #[derive(Debug, Default)]
 pub(crate) struct LastJump {
-    /// The joint's number and 1; 0: none.
+    /// Number of the joint plus 1; 0 if there was no jump.
     joint: AtomicU32,
     mover: AtomicU32,
     from: AtomicU64,
@@ -70,7 +70,7 @@ pub(crate) struct LastJump {
     allowed: AtomicU64,
 }
 
-/// What a [`LastJump`] tells.
+/// Contents of a [`LastJump`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Told {
     pub(crate) joint: u32,
@@ -94,7 +94,7 @@ impl LastJump {
         self.joint.store(0, Ordering::Relaxed);
     }
 
-    /// Control side: the jump, if one switched the machine off.
+    /// Control side: returns the jump, if one switched the machine off.
     pub(crate) fn get(&self) -> Option<Told> {
         // Pairs with `set`.
         let joint = self.joint.load(Ordering::Acquire).checked_sub(1)?;
@@ -110,7 +110,7 @@ impl LastJump {
 }
 
 impl State {
-    /// Lets the commands of this cycle pass, or, where one would jump, none of them.
+    /// Writes the commands of this cycle, or none of them if one would jump.
     pub(crate) fn put_out(&mut self, dt: f64) {
         let mut cause = None;
         for n in 0..self.joints.len() {
@@ -143,7 +143,7 @@ impl State {
         }
     }
 
-    /// The source of the movement of a joint in this cycle.
+    /// Returns the source of a joint's motion in this cycle.
     fn mover(&self, n: usize) -> Mover {
         let Some(joint) = self.joints.get(n) else { return Mover::Nothing };
         if joint.extra && joint.homing.homed {

@@ -43,7 +43,7 @@ use pins::Pins;
 use setup::{MAX_JOINTS, Setup};
 use state::State;
 
-/// How many commands may wait for the realtime side.
+/// Capacity of the command queue to the realtime side.
 const ROOM: usize = 256;
 
 /// `loadrt motmod`.
@@ -117,7 +117,7 @@ getp joint.0.in-position # -> TRUE
     }
 }
 
-/// Declares everything but the two functions.
+/// Declares everything except the two functions.
 fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
     let setup = Setup::read(b)?;
     let kinematics = b.kinematics()?;

@@ -1,31 +1,31 @@
-//! Realtime. One straight move: how fast its joints let it go, and where it is.
+//! Realtime. One straight move: the speed that its joints permit, and positions along it.
 
 use crate::{axis::Axis, joint::Joint, refusal::Refusal, setup::MAX_JOINTS};
 use hal_component::{KinematicsKind, KinematicsRef, Pose, Unsolved};
 use libm::{fabs, sqrt};
 
-/// The parts into which a path is divided to see how its joints move.
+/// Number of parts into which a path is divided to sample the motion of its joints.
 const PARTS: u32 = 32;
 
-/// The positions of all joints.
+/// Positions of all joints.
 pub(crate) type Places = [f64; MAX_JOINTS];
 
-/// What a move asks for, and what it may have.
+/// Requested and permitted feed of a move.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wish {
     pub(crate) velocity: f64,
     pub(crate) acceleration: f64,
-    /// The limit that no override may pass.
+    /// Velocity limit that no override may exceed.
     pub(crate) max_velocity: f64,
 }
 
-/// What moves.
+/// Joints, axes and kinematics that a move uses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Machine<'m> {
     pub(crate) kinematics: &'m KinematicsRef,
     pub(crate) joints: &'m [Joint],
     pub(crate) axes: &'m [Axis],
-    /// What part of its velocity and acceleration each joint has for moves.
+    /// Share of velocity and acceleration that each joint has for moves.
     pub(crate) shares: &'m [f64; MAX_JOINTS],
 }
 
@@ -41,8 +41,8 @@ pub(crate) struct Line {
 }
 
 impl Line {
-    /// Plans a move. What is beyond a limit at its end, or on the way there when joints are not
-    /// axes, refuses it; so does a joint that was never configured.
+    /// Plans a move. Refuses it if its end, or with non-trivial kinematics any part of the path, is beyond a limit, or
+    /// if a joint was never configured.
     pub(crate) fn plan(
         start: Pose,
         end: Pose,
@@ -93,7 +93,7 @@ impl Line {
         for ((velocity, acceleration), m) in moving() {
             self.max_velocity = less(self.max_velocity, velocity / m.slope);
             if m.curve > 0.0 {
-                // Half the acceleration is for going round, half for going faster.
+                // Half of the acceleration is for the curve, half for the change of speed.
                 let round = sqrt(0.5 * acceleration / m.curve);
                 self.max_velocity = less(self.max_velocity, round);
             }
@@ -105,12 +105,12 @@ impl Line {
         }
     }
 
-    /// The velocity with an override, which may not pass the limit.
+    /// Returns the velocity with an override, clamped to the limit.
     pub(crate) fn scaled(&self, scale: f64) -> f64 {
         less(self.velocity * scale, self.max_velocity)
     }
 
-    /// Where it is after a distance.
+    /// Returns the pose at a distance along the move.
     pub(crate) fn at(&self, distance: f64) -> Pose {
         if distance >= self.length {
             return self.end;
@@ -123,7 +123,7 @@ impl Line {
         pose
     }
 
-    /// How the joints move along it.
+    /// Returns the motion of the joints along the move.
     fn moves(&self, machine: Machine<'_>) -> Result<[Move; MAX_JOINTS], Refusal> {
         let Machine { kinematics, joints, .. } = machine;
         let parts = if kinematics.kind() == KinematicsKind::Identity { 1 } else { PARTS };
@@ -164,7 +164,7 @@ impl Line {
     }
 }
 
-/// The kinematics have no answer somewhere on the way.
+/// Returns the refusal for a path on which the kinematics have no solution.
 const fn no_way(why: Unsolved) -> Refusal {
     Refusal::new(match why {
         Unsolved::Unreachable | Unsolved::NoNumber => "linear move: the kinematics cannot go there",
@@ -175,21 +175,21 @@ const fn no_way(why: Unsolved) -> Refusal {
     })
 }
 
-/// How one joint moves along a path.
+/// Bounds of one joint's motion along a path.
 #[derive(Clone, Copy, Debug, Default)]
 struct Move {
     last_way: f64,
     last_bend: f64,
-    /// Its way for a unit of path, at most.
+    /// Maximum displacement per unit of path.
     slope: f64,
-    /// How much that changes for a unit of path, at most.
+    /// Maximum change of `slope` per unit of path.
     curve: f64,
     starts_beyond: bool,
 }
 
 impl Move {
-    /// Takes the way of a part. Between two looks it may be steeper and more curved: by what
-    /// the differences of neighbours, and of their differences, can make.
+    /// Adds one sample's joint displacement. Between samples, slope and curvature are bounded by the second and third
+    /// finite differences.
     fn add(&mut self, part: u32, way: f64, step: f64) {
         if part == 0 || step <= 0.0 {
             return;
@@ -208,12 +208,12 @@ impl Move {
     }
 }
 
-/// Without what rounding makes.
+/// Returns a difference with rounding errors set to zero.
 fn flat(difference: f64) -> f64 {
     if fabs(difference) > ROUNDING { difference } else { 0.0 }
 }
 
-/// A change that small is none.
+/// Changes below this are rounding errors.
 const ROUNDING: f64 = 1e-11;
 
 fn check(n: usize, joint: &Joint, place: f64) -> Result<(), Refusal> {
@@ -239,7 +239,7 @@ fn less(a: f64, b: f64) -> f64 {
     if b < a { b } else { a }
 }
 
-/// The length that counts: of x y z; without these of u v w; without these of a b c.
+/// Returns the length that determines the feed: of x y z; if they do not move, of u v w; else of a b c.
 fn length(start: &Pose, end: &Pose) -> f64 {
     let part = |from: usize| {
         let ways = start.iter().zip(end).skip(from).take(3);

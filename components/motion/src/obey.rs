@@ -1,4 +1,4 @@
-//! Realtime. What each command does to the machine.
+//! Realtime. Execution of commands.
 
 use crate::{
     command::{
@@ -11,16 +11,16 @@ use crate::{
 };
 use hal_component::TicketHandle;
 
-/// Who answers the ticket.
+/// Time at which a ticket is completed.
 enum Answer {
-    /// It is carried out.
+    /// Now: the command is complete.
     Done,
-    /// Whoever carries it out has the ticket.
+    /// Later: the code that carries the command out holds the ticket.
     Later,
 }
 
 impl State {
-    /// Carries out a command, or begins to.
+    /// Executes a command, or begins to.
     pub(crate) fn obey(&mut self, command: Command) {
         match command {
             Command::Joint(n, config) => {
@@ -113,7 +113,7 @@ impl State {
         if self.enabled { Ok(()) } else { Err(Refusal::new(text)) }
     }
 
-    /// The joints of a set; every bit means all that are active.
+    /// Returns the joints of a set; a set of all bits means all active joints.
     pub(crate) fn wanted(&self, set: Joints) -> Result<Joints, Refusal> {
         let active = |n: &usize| self.joints.get(*n).is_some_and(|j| j.active);
         let actives = (0..self.joints.len()).filter(active).fold(0, |s, n| s | 1 << n);

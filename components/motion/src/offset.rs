@@ -1,4 +1,4 @@
-//! Realtime. External offsets: what pins add to the position of an axis, within a share of its limits.
+//! Realtime. External offsets, added by pins to the position of an axis within a share of its limits.
 
 use crate::{
     command::Mode, jogger::Room, pins::Pins, planner::SimpleTp, refusal::Refusal,
@@ -7,20 +7,20 @@ use crate::{
 use hal_component::{In, KinematicsKind, Out, Pose};
 use libm::fabs;
 
-/// The offset of one axis.
+/// External offset of one axis.
 #[derive(Debug, Default)]
 pub(crate) struct Offset {
     pub(crate) tp: SimpleTp,
-    /// Where it shall be, wherever the limits are.
+    /// Requested offset, regardless of limits.
     request: f64,
-    /// Where it was a cycle before.
+    /// Offset of the previous cycle.
     last: f64,
     counts: Option<i32>,
-    /// A limit keeps it from its request.
+    /// True if a limit keeps the offset from its request.
     is_limited: bool,
 }
 
-/// The pins that ask for it.
+/// Pins of an external offset.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OffsetPins {
     pub(crate) enable: In<bool>,
@@ -46,11 +46,11 @@ impl Offset {
         }
     }
 
-    /// One cycle on the way to where it shall be, or as far as there is room for.
+    /// Moves the offset one cycle towards its request, as far as the limits permit.
     fn step(&mut self, room: &Room, dt: f64) {
         self.last = self.tp.pos;
         let mut target = self.request;
-        // Of crossed limits none is kept to.
+        // Crossed limits are both ignored.
         if target > room.max && room.max >= room.min {
             target = room.max;
         } else if target < room.min && room.max >= room.min {
@@ -64,23 +64,23 @@ impl Offset {
         self.tp.step_exactly(dt);
     }
 
-    /// It goes only a part of its way in this cycle.
+    /// Reduces the motion of this cycle to a part.
     pub(crate) fn slow_down(&mut self, factor: f64) {
         self.tp.slow_down(self.last, factor);
     }
 
-    /// It cannot go on: it stays where it was a cycle before.
+    /// Stops the offset where it was in the previous cycle.
     pub(crate) fn stay(&mut self) {
         self.be_at(self.last);
     }
 
-    /// It stands still there, and that is what was asked for.
+    /// Sets the offset and its request to a value, at rest.
     fn be_at(&mut self, place: f64) {
         *self = Self { request: place, last: place, counts: self.counts, ..Self::default() };
         self.tp.reset(place);
     }
 
-    /// It went on in this cycle.
+    /// Returns whether the offset moved in this cycle.
     pub(crate) fn moves(&self) -> bool {
         self.tp.pos.to_bits() != self.last.to_bits()
     }
@@ -97,7 +97,7 @@ impl Offset {
 }
 
 impl State {
-    /// Reads what the pins ask for, and moves the offsets.
+    /// Reads the requests from the pins, and moves the offsets.
     pub(crate) fn offsets(&mut self, pins: &Pins, dt: f64) {
         let in_axes = self.enabled && self.mode != Mode::Free;
         let allowed = in_axes && self.is_all_homed();
@@ -109,21 +109,21 @@ impl State {
             let Some(axis) = self.axes.get_mut(n) else { continue };
             match room {
                 Some(room) => axis.offset.step(&room, dt),
-                // What is applied does not go away at once while the machine is on.
+                // An applied offset does not vanish at once while the machine is on.
                 None if in_axes => axis.offset.be_at(axis.offset.tp.pos),
                 None => axis.offset.be_at(0.0),
             }
         }
     }
 
-    /// Between which an offset may be, and how fast it goes: its share of what the axis may do.
+    /// Returns the limits of an offset: its travel, and its share of the axis's velocity and acceleration.
     fn offset_room(&self, n: usize) -> Option<Room> {
         let axis = self.axes.get(n)?;
         let share = axis.config.offset_share;
         if share <= 0.0 {
             return None;
         }
-        // Where it stands still, nothing is computed.
+        // At rest and without a request, nothing is computed.
         if axis.offset.request == 0.0 && !axis.offset.is_there() {
             return Some(Room::default());
         }
@@ -137,7 +137,7 @@ impl State {
         })
     }
 
-    /// The pose with the offsets.
+    /// Returns the pose with the offsets.
     pub(crate) fn whole_pose(&self) -> Pose {
         let mut pose = self.pose;
         for (place, axis) in pose.iter_mut().zip(&self.axes) {
@@ -146,13 +146,13 @@ impl State {
         pose
     }
 
-    /// Whether any is applied; and whether a limit keeps one from its request.
+    /// Returns whether any offset is applied, and whether a limit keeps one from its request.
     pub(crate) fn is_offset(&self) -> (bool, bool) {
         let any = |is: fn(&Offset) -> bool| self.axes.iter().any(|a| is(&a.offset));
         (any(Offset::is_there), any(|o| o.is_limited))
     }
 
-    /// Finds what the offsets leave to the moves of each joint, of its velocity and acceleration.
+    /// Computes the share of each joint's velocity and acceleration that the offsets leave to moves.
     pub(crate) fn share(&mut self) {
         let mut shares = [1.0; MAX_JOINTS];
         let identity = self.kinematics.kind() == KinematicsKind::Identity;
@@ -174,7 +174,7 @@ impl State {
         self.shares = shares;
     }
 
-    /// Refuses what cannot be with an offset.
+    /// Refuses commands that cannot be combined with an offset.
     pub(crate) fn needs_no_offset(&self) -> Result<(), Refusal> {
         if self.is_offset().0 {
             return Err(Refusal::new("joints cannot be moved while an external offset is applied"));

@@ -1,19 +1,19 @@
-//! Realtime. Movement in axes keeps to the velocity of every joint, however the kinematics turn it
-//! into movement of joints and however many axes move at once.
+//! Realtime. Reduction of axis movement to the velocity limits of all joints, for any kinematics and any number of
+//! moving axes.
 
 use crate::{command::Mode, line::Places, refusal::Refusal, state::State};
 use hal_component::Pose;
 use libm::fabs;
 
-/// A joint's step, as a part of the longest that it may make, that is left as it is.
+/// Tolerance of a joint's step, relative to its longest permitted step.
 const ROUNDING: f64 = 1e-7;
 
-/// How often a cycle is computed again: near singular places joints are not in proportion to axes.
+/// Maximum number of attempts per cycle: near singularities, joint motion is not proportional to axis motion.
 const TRIES: i32 = 5;
 
 impl State {
-    /// Finds the joints for the pose of this cycle. Where a joint would have to be faster than it
-    /// may, axes, path and offsets go the same part of their way from `before`.
+    /// Returns the joints for the pose of this cycle. If a joint would exceed its velocity limit, axes, path and
+    /// offsets are all reduced to the same part of their motion from `before`.
     pub(crate) fn paced(&mut self, before: &Pose, dt: f64) -> Result<Places, Refusal> {
         let mut places = self.solved()?;
         for n in 0..TRIES {
@@ -21,14 +21,14 @@ impl State {
             if excess <= 1.0 + ROUNDING {
                 break;
             }
-            // What did not suffice was too little by far.
+            // The previous reduction was not nearly enough.
             self.slow_down(libm::pow(excess, -f64::from(1 << n)), before);
             places = self.solved()?;
         }
         Ok(places)
     }
 
-    /// The joints for the pose with the offsets.
+    /// Returns the joints for the pose with the offsets.
     fn solved(&self) -> Result<Places, Refusal> {
         let mut places = self.places();
         if let Err(why) = self.kinematics.inverse(&self.whole_pose(), &mut places) {
@@ -41,8 +41,8 @@ impl State {
         Ok(places)
     }
 
-    /// The longest of the joints' steps, as a part of what each may make; a joint above a limit
-    /// that was lowered may keep its velocity while it brakes.
+    /// Returns the largest of the joints' steps, relative to its permitted step; a joint above a limit that was lowered
+    /// may keep its velocity while it brakes.
     fn excess(&self, places: &Places, dt: f64) -> f64 {
         let mut most = 0.0;
         for (joint, place) in self.joints.iter().zip(places) {
@@ -50,7 +50,7 @@ impl State {
                 continue;
             }
             let (limit, now) = (joint.config.max_velocity, fabs(joint.vel_cmd));
-            // Less than it is, so that rounding adds up to nothing.
+            // Slightly less, so that rounding does not accumulate.
             let braking = now * (1.0 - ROUNDING);
             let velocity = if braking > limit * (1.0 + ROUNDING) { braking } else { limit };
             let excess = fabs(place - joint.pos_cmd) / (velocity * dt);
@@ -82,7 +82,7 @@ impl State {
         }
     }
 
-    /// Lets what moves already brake to limits that were lowered.
+    /// Makes current motions brake to limits that were lowered.
     pub(crate) fn lower_limits(&mut self) {
         for n in 0..self.axes.len() {
             if self.axes.get(n).is_some_and(|a| a.teleop.tp.active)

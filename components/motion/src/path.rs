@@ -1,4 +1,4 @@
-//! Realtime. The coordinated moves that wait, and the one under way.
+//! Realtime. The current coordinated move, and the queue behind it.
 
 use crate::{
     line::{Line, Machine, Wish},
@@ -8,10 +8,10 @@ use crate::{
 use hal_component::{Pose, TicketHandle};
 use std::collections::VecDeque;
 
-/// How many moves may wait.
+/// Capacity of the move queue.
 pub(crate) const ROOM: usize = 200;
 
-/// A move that waits.
+/// A queued move.
 #[derive(Clone, Copy, Debug)]
 struct Segment {
     end: Pose,
@@ -24,13 +24,13 @@ struct Segment {
 pub(crate) struct Path {
     waiting: VecDeque<Segment>,
     current: Option<(Line, TicketHandle)>,
-    /// Along the current move.
+    /// Planner along the current move.
     tp: SimpleTp,
-    /// Braking to give up everything.
+    /// True while braking to abort the path.
     stopping: bool,
-    /// A move was under way in the last cycle.
+    /// True if a move was in progress in the last cycle.
     moved: bool,
-    /// Where along it that cycle began.
+    /// Distance along the move at the start of that cycle.
     from: f64,
 }
 
@@ -46,7 +46,7 @@ impl Path {
         }
     }
 
-    /// Appends a move; letters that are no number stay where the path ends.
+    /// Appends a move; letters that are NaN keep their position at the end of the path.
     pub(crate) fn push(
         &mut self,
         now: Pose,
@@ -74,7 +74,8 @@ impl Path {
         Ok(())
     }
 
-    /// One cycle: where the machine is now. No move begins unless `may_begin`. The limits are looked at when a move begins.
+    /// Runs one cycle and returns the current pose. No move begins unless `may_begin`. Limits are checked when a move
+    /// begins.
     pub(crate) fn step(
         &mut self,
         now: Pose,
@@ -123,16 +124,15 @@ impl Path {
         Ok(pose)
     }
 
-    /// Goes only a part of the way of this cycle: where the machine is then, unless a move has
-    /// just ended.
+    /// Reduces the motion of this cycle to a part; returns the resulting pose, unless a move has just ended.
     pub(crate) fn slow_down(&mut self, factor: f64) -> Option<Pose> {
         let (line, _) = self.current?;
         self.tp.slow_down(self.from, factor);
         Some(line.at(self.tp.pos))
     }
 
-    /// Lets the move under way brake to velocity limits that were lowered. Its acceleration stays:
-    /// with less it could not stop at its end.
+    /// Makes the current move brake to velocity limits that were lowered. Its acceleration stays: with less, it could
+    /// not stop at its end.
     pub(crate) fn lower_limits(&mut self, machine: Machine<'_>) {
         let Some((line, _)) = &mut self.current else { return };
         let Line { start, end, velocity, max_velocity, acceleration, .. } = *line;
@@ -150,7 +150,7 @@ impl Path {
         self.current = Some((line, ticket));
     }
 
-    /// Brakes along the path and forgets the rest.
+    /// Brakes along the path and discards the remaining moves.
     pub(crate) fn abort(&mut self) {
         for s in self.waiting.drain(..) {
             s.ticket.fail("aborted");
@@ -158,7 +158,7 @@ impl Path {
         self.stopping = self.current.is_some();
     }
 
-    /// Forgets everything at once.
+    /// Discards all moves at once.
     pub(crate) fn clear(&mut self, why: &'static str) {
         for s in self.waiting.drain(..) {
             s.ticket.fail(why);
@@ -170,12 +170,12 @@ impl Path {
         self.tp.reset(0.0);
     }
 
-    /// The last cycle went along a move.
+    /// Returns whether the last cycle moved along a move.
     pub(crate) const fn has_moved(&self) -> bool {
         self.moved
     }
 
-    /// A move is under way, and not being given up.
+    /// Returns whether a move is in progress and not being aborted.
     pub(crate) const fn goes_on(&self) -> bool {
         self.current.is_some() && !self.stopping
     }
@@ -184,7 +184,7 @@ impl Path {
         self.current.is_none() && self.waiting.is_empty()
     }
 
-    /// The move under way.
+    /// Returns the current move.
     pub(crate) const fn line(&self) -> Option<&Line> {
         match &self.current {
             Some((line, _)) => Some(line),
