@@ -16,7 +16,7 @@ use std::{
 ///
 /// - `test.hal`: the script.
 /// - `expected`: exit status, standard output, standard error, and the files that the run wrote. `<pid>` stands for any
-/// decimal number, `<hex>` for any hexadecimal one, `<dir>` for the folder in which the case runs.
+///   decimal number, `<hex>` for any hexadecimal one, `<dir>` for the folder in which the case runs.
 /// - `args`: arguments of halrun; `--virtual -f test.hal` by default.
 /// - Every other file is copied beside the script for the run.
 #[derive(Clone, Debug)]

@@ -1,4 +1,4 @@
-//! The pins and parameters of motion, by what they belong to.
+//! Pins and parameters of motion, grouped by the object that they belong to.
 
 mod axis;
 mod general;
@@ -34,7 +34,7 @@ macro_rules! pins {
         }
 
         impl $name {
-            /// Makes them under `prefix`; where there is an old prefix, old names begin with it.
+            /// Creates the pins under `prefix`; their old names begin with the old prefix, if there is one.
             pub(crate) fn make(
                 b: &mut hal_component::Builder<'_>,
                 prefix: &str,
@@ -58,7 +58,7 @@ macro_rules! pins {
 }
 pub(crate) use pins;
 
-/// Makes one pin. `old` is the old prefix and the old name, or the prefix alone when it has none.
+/// Creates one pin. `old` is the old prefix and the old name, or the prefix alone if the pin has no old name.
 pub(crate) fn make<F: Field>(
     b: &mut Builder<'_>,
     name: &[&str; 2],
@@ -76,7 +76,7 @@ pub(crate) fn make<F: Field>(
     F::make(b, if safety { decl.safety() } else { decl }, initial)
 }
 
-/// Everything that motion has.
+/// All pins and parameters of motion.
 #[derive(Clone, Debug, Touch)]
 pub(crate) struct Pins {
     pub(crate) general: GeneralPins,

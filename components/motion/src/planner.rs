@@ -1,29 +1,29 @@
-//! Realtime. One coordinate on its way to a target, within a velocity and an acceleration.
+//! Realtime. Planner of one coordinate that moves to a target, within a velocity and an acceleration limit.
 
 use libm::{fabs, sqrt};
 
-/// The planner. Its limits may change while it moves: it brakes and turns as fast as the
-/// acceleration allows, which may be beyond the target.
+/// The planner. Its limits and target may change in motion: it brakes and reverses within the acceleration limit, which
+/// may take it beyond the target.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SimpleTp {
-    /// Where to go; the position itself while the planner is switched off.
+    /// Target; equals the position while the planner is switched off.
     pub(crate) target: f64,
-    /// The velocity limit, not negative.
+    /// Velocity limit, not negative.
     pub(crate) max_vel: f64,
-    /// The acceleration limit, not negative.
+    /// Acceleration limit, not negative.
     pub(crate) max_acc: f64,
     /// FALSE brakes to a stop.
     pub(crate) enable: bool,
-    /// The position now.
+    /// Current position.
     pub(crate) pos: f64,
-    /// The velocity now.
+    /// Current velocity.
     pub(crate) vel: f64,
-    /// Moving, or not at the target.
+    /// True while moving, or away from the target.
     pub(crate) active: bool,
 }
 
 impl SimpleTp {
-    /// Stands still at a position, switched off.
+    /// Stops at a position and switches the planner off.
     pub(crate) const fn reset(&mut self, pos: f64) {
         self.pos = pos;
         self.target = pos;
@@ -32,8 +32,7 @@ impl SimpleTp {
         self.active = false;
     }
 
-    /// One cycle. The last bit of the way, a thousandth of what one cycle's acceleration makes,
-    /// is not gone.
+    /// Runs one cycle. Stops within a deadband of 0.001·a·dt² of the target.
     pub(crate) fn step(&mut self, dt: f64) {
         let max_dv = self.max_acc * dt;
         let mut want = 0.0;
@@ -65,8 +64,7 @@ impl SimpleTp {
         }
     }
 
-    /// Goes only a part of the way that the last cycle went from there, at that part of the
-    /// velocity.
+    /// Reduces the motion of the last cycle, which began at `from`, to a part; reduces the velocity to the same part.
     pub(crate) fn slow_down(&mut self, from: f64, factor: f64) {
         self.pos = from + (self.pos - from) * factor;
         self.vel *= factor;
@@ -75,7 +73,7 @@ impl SimpleTp {
         }
     }
 
-    /// One cycle that ends exactly at the target, by going the last bit too.
+    /// Runs one cycle; near the target, it ends exactly there instead of within the deadband.
     pub(crate) fn step_exactly(&mut self, dt: f64) {
         let max_dv = self.max_acc * dt;
         let error = self.target - self.pos;
@@ -94,7 +92,7 @@ impl SimpleTp {
     }
 }
 
-/// How close is close enough.
+/// Returns the deadband around the target.
 fn tiny(max_dv: f64, dt: f64) -> f64 {
     max_dv * dt * 0.001
 }
@@ -109,7 +107,7 @@ mod tests {
         SimpleTp { target, max_vel, max_acc, enable: true, ..SimpleTp::default() }
     }
 
-    /// Runs until it stands, checking both limits in every cycle: the cycles that took.
+    /// Runs until the planner is at rest, and checks both limits in every cycle; returns the number of cycles.
     fn run(tp: &mut SimpleTp, step: fn(&mut SimpleTp, f64)) -> usize {
         for n in 1..100_000 {
             let before = *tp;

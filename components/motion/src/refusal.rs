@@ -1,8 +1,8 @@
-//! Realtime. Why a command was not carried out.
+//! Realtime. Reasons for refusing a command.
 
 use hal_component::{Messages, TicketHandle};
 
-/// A reason: for whoever waits, and for the operator.
+/// A reason: for the ticket, and for the operator.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Refusal {
     text: &'static str,
@@ -15,13 +15,13 @@ impl Refusal {
         Self { text, say: text, numbers: [0.0; 3] }
     }
 
-    /// The operator is told which joint: it replaces `{}` in `say`.
+    /// Creates a refusal whose message to the operator names the joint: it replaces `{}` in `say`.
     pub(crate) const fn joint(text: &'static str, say: &'static str, n: usize) -> Self {
         Self { text, say, numbers: [n as f64, 0.0, 0.0] }
     }
 
-    /// A text whose `{}` stand for a joint, its place, and where the kinematics have it: both for
-    /// the one who waits and for the operator.
+    /// Creates a refusal, for the ticket and for the operator, whose text has `{}` for a joint, its position, and its
+    /// position according to the kinematics.
     pub(crate) fn at(text: &'static str, n: usize, place: f64, answer: f64) -> Self {
         Self { text, say: text, numbers: [n as f64, rounded(place, 1e6), rounded(answer, 1e6)] }
     }
@@ -40,7 +40,7 @@ impl Refusal {
     }
 }
 
-/// A number for a message, in parts of a unit: nobody reads the digits that rounding made.
+/// Rounds a number for a message to a fraction of a unit, without digits that are only rounding errors.
 pub(crate) fn rounded(number: f64, parts: f64) -> f64 {
     let rounded = libm::rint(number * parts) / parts;
     if rounded.is_finite() { rounded } else { number }

@@ -1,4 +1,4 @@
-//! Realtime. Homing of several joints: which begin when, and what ends all.
+//! Realtime. Homing of several joints: their order, and the end of all.
 
 use crate::{
     command::{Joints, Mode},
@@ -12,9 +12,9 @@ use hal_component::TicketHandle;
 /// Joints that are being homed.
 #[derive(Debug)]
 pub(crate) struct Round {
-    /// Those that are on their way.
+    /// Joints that are homing now.
     now: Joints,
-    /// Those whose turn is to come.
+    /// Joints that follow later.
     later: Joints,
     ticket: TicketHandle,
 }
@@ -26,7 +26,7 @@ impl Round {
 }
 
 impl State {
-    /// Begins to home joints; the ticket is done when all are.
+    /// Begins to home joints; the ticket is done when all are homed.
     pub(crate) fn home(&mut self, set: Joints, ticket: TicketHandle) -> Result<(), Refusal> {
         self.needs_enabled("cannot home: the machine is not enabled")?;
         if self.inputs.homing_inhibit {
@@ -47,7 +47,7 @@ impl State {
         Ok(())
     }
 
-    /// With those that are homed together with one of them.
+    /// Returns the set, with all joints that are homed together with one of them.
     fn with_partners(&self, set: Joints) -> Joints {
         let sequence = |n: usize| self.joints.get(n).map_or(0, |j| j.config.home.sequence);
         let together = |n: &usize| {
@@ -58,7 +58,7 @@ impl State {
         (0..self.joints.len()).filter(active).filter(together).fold(set, |set, n| set | 1 << n)
     }
 
-    /// Lets those begin whose turn it is; false when there are none.
+    /// Starts the next joints in the sequence; returns false if there are none.
     fn next_joints(&mut self) -> bool {
         let Some(round) = &mut self.round else { return false };
         let turn = |c: &HomeConfig| c.sequence.unsigned_abs();
@@ -76,7 +76,7 @@ impl State {
         true
     }
 
-    /// One cycle of all that are being homed.
+    /// Runs one cycle of all joints that are being homed.
     pub(crate) fn homing_cycle(&mut self, dt: f64) {
         let Some(round) = &self.round else { return };
         let now = round.now;
@@ -101,7 +101,7 @@ impl State {
         }
     }
 
-    /// Gives up homing, and brakes.
+    /// Aborts homing, and brakes.
     pub(crate) fn end_homing(&mut self, why: &'static str) {
         for joint in self.joints.iter_mut().filter(|j| j.homing.is_under_way()) {
             joint.homing.abort();
@@ -133,7 +133,7 @@ const fn has(set: Joints, n: usize) -> bool {
     set >> n & 1 == 1
 }
 
-/// Why a joint cannot be homed as it is configured, for whoever waits and for the operator.
+/// Returns the reasons, for the ticket and for the operator, why a joint cannot be homed with its configuration.
 fn cannot(c: &HomeConfig, is_on: bool) -> Option<(&'static str, &'static str)> {
     if c.search_vel != 0.0 && c.latch_vel == 0.0 {
         return Some((

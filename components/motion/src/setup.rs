@@ -1,13 +1,13 @@
-//! The arguments of `loadrt motmod`.
+//! Arguments of `loadrt motmod`.
 
 use hal_component::{Arg, Builder, Error, abi::ArgSpec};
 
-/// The most joints there can be.
+/// Maximum number of joints.
 pub(crate) const MAX_JOINTS: usize = 16;
 const MAX_SPINDLES: usize = 8;
 const MAX_LIST: usize = 64;
 
-/// The arguments, documented.
+/// The arguments, with their documentation.
 pub(crate) const ARGS: &[&ArgSpec] = &[
     &Arg::int("key", "Accepted for scripts that give it; there is no shared memory.").or("100"),
     &Arg::int(
@@ -52,9 +52,9 @@ pub(crate) const ARGS: &[&ArgSpec] = &[
 /// Numbered pins, or named ones.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Names {
-    /// So many, numbered from 00.
+    /// A number of pins, numbered from 00.
     Count(usize),
-    /// These.
+    /// A list of names.
     Given(Vec<String>),
 }
 
@@ -67,7 +67,7 @@ impl Names {
     }
 }
 
-/// The arguments, checked.
+/// The checked arguments.
 #[derive(Clone, Debug)]
 pub(crate) struct Setup {
     pub(crate) base_period_ns: i64,
@@ -113,7 +113,7 @@ impl Setup {
     }
 }
 
-/// A multiple of the base period, the nearest one.
+/// Returns the multiple of the base period that is nearest to the servo period.
 fn servo_period(servo: i64, base: i64) -> Result<i64, Error> {
     if servo <= 0 || servo < base {
         return Err(Error::new(if base > 0 {
@@ -144,7 +144,7 @@ fn named(what: &str, names: Vec<String>, count: usize) -> Result<Names, Error> {
     Ok(if names.is_empty() { Names::Count(count) } else { Names::Given(names) })
 }
 
-/// Inputs and outputs: as many numbered ones as the other side has names.
+/// Inputs and outputs: if only one side has names, the other has the same number of numbered pins.
 fn pair(
     b: &Builder<'_>,
     count: &str,

@@ -3,27 +3,27 @@
 use crate::pins::SpindlePins;
 use hal_component::{Messages, TicketHandle};
 
-/// A spindle as it was commanded.
+/// Commanded state of a spindle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Spindle {
-    /// Turns per minute, negative in reverse.
+    /// Speed in turns per minute, negative in reverse.
     speed: f64,
     on: bool,
     brake: bool,
     pub(crate) scale: f64,
     orient: Orient,
-    /// The angle and direction that were asked for last.
+    /// Angle and direction of the last orientation.
     angle: f64,
     mode: i32,
 }
 
-/// Whether it stands at an angle.
+/// State of an orientation.
 #[derive(Clone, Copy, Debug, Default)]
 enum Orient {
     #[default]
     Nowhere,
-    /// On its way. `is_again`: it was on its way to another angle, so that the pin `orient` must
-    /// fall for a cycle. For `late` seconds it has been said to stand there, and has turned.
+    /// In progress. `is_again`: it replaces an orientation to another angle, so the pin `orient` must fall for a cycle.
+    /// `late`: time in seconds for which is-oriented has been TRUE although the spindle turned.
     Turning {
         ticket: TicketHandle,
         is_again: bool,
@@ -32,10 +32,10 @@ enum Orient {
     Locked,
 }
 
-/// The highest speed of a spindle that stands, in turns per second: a degree in 28 ms.
+/// Maximum speed of a spindle that counts as at rest, in turns per second: a degree in 28 ms.
 const STANDSTILL: f64 = 0.1;
 
-/// How long, in seconds, a spindle may be said to stand and turn before the operator is told.
+/// Time in seconds for which is-oriented may be TRUE on a turning spindle before the operator is informed.
 const LATE: f64 = 1.0;
 
 impl Default for Spindle {
@@ -53,7 +53,7 @@ impl Default for Spindle {
 }
 
 impl Spindle {
-    /// Turns; zero stops.
+    /// Turns the spindle; zero stops it.
     pub(crate) fn turn(&mut self, speed: f64) {
         self.stop("the spindle was told to turn or to stop");
         if speed != 0.0 {
@@ -72,7 +72,7 @@ impl Spindle {
         *self = Self { speed: 0.0, on: false, brake: true, orient: Orient::Nowhere, ..*self };
     }
 
-    /// Stops, and is to stand at an angle; the ticket is done when it does.
+    /// Stops the spindle and orients it to an angle; the ticket is done when it is at rest there.
     pub(crate) fn orient(&mut self, angle: f64, mode: i32, ticket: TicketHandle) {
         let is_again = matches!(self.orient, Orient::Turning { .. });
         self.stop("the spindle was told to orient");
@@ -80,11 +80,11 @@ impl Spindle {
         *self = Self { brake: false, orient, angle, mode, ..*self };
     }
 
-    /// Reads the pins; `n` is its number.
+    /// Reads the pins; `n` is the number of the spindle.
     pub(crate) fn sense(&mut self, n: usize, pins: &SpindlePins, dt: f64, say: &Messages) {
         let Orient::Turning { ticket, is_again, late } = &mut self.orient else { return };
         if core::mem::take(is_again) {
-            // What is said of the last angle does not count.
+            // An is-oriented that belongs to the previous angle does not count.
             return;
         }
         let (fault, speed) = (pins.orient_fault.get(), pins.speed_in.get());
@@ -108,7 +108,7 @@ impl Spindle {
         }
     }
 
-    /// Whether moves need not wait for it.
+    /// Returns whether moves need not wait for the spindle.
     pub(crate) fn is_ready(&self, pins: &SpindlePins) -> bool {
         !self.on || pins.at_speed.get()
     }

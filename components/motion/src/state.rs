@@ -1,4 +1,4 @@
-//! Realtime. The machine as motion knows it, and its modes.
+//! Realtime. State of the machine, and its modes.
 
 use crate::{
     axis::Axis,
@@ -20,7 +20,7 @@ use hal_component::{KinematicsKind, KinematicsRef, Messages, Pose, TicketHandle}
 use libm::fabs;
 use std::sync::Arc;
 
-/// The inputs of this cycle that concern all.
+/// Inputs of this cycle that are common to all joints.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Inputs {
     pub(crate) lockout: Option<Lockout>,
@@ -31,17 +31,17 @@ pub(crate) struct Inputs {
     pub(crate) jog_stop_immediate: bool,
 }
 
-/// How the feed is scaled.
+/// Scaling of the feed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Feed {
     pub(crate) scale: f64,
     pub(crate) adaptive: bool,
     pub(crate) hold: bool,
-    /// All together, in this cycle.
+    /// Product of all factors in this cycle.
     pub(crate) net: f64,
 }
 
-/// Everything but the pins.
+/// State of motion, without the pins.
 #[derive(Debug)]
 pub(crate) struct State {
     pub(crate) kinematics: KinematicsRef,
@@ -49,24 +49,24 @@ pub(crate) struct State {
     pub(crate) say: Messages,
     pub(crate) joints: Vec<Joint>,
     pub(crate) axes: Vec<Axis>,
-    /// What part of its velocity and acceleration each joint has for moves.
+    /// Share of velocity and acceleration that each joint has for moves.
     pub(crate) shares: [f64; MAX_JOINTS],
     pub(crate) spindles: Vec<Spindle>,
     pub(crate) digital_out: Vec<bool>,
     pub(crate) analog_out: Vec<f64>,
-    /// All spindles that turn have their speed.
+    /// True if all spindles that turn are at speed.
     pub(crate) at_speed: bool,
     pub(crate) traj: TrajConfig,
     pub(crate) feed: Feed,
     pub(crate) path: Path,
     pub(crate) mode: Mode,
     pub(crate) enabled: bool,
-    /// The servo period in seconds.
+    /// Servo period in seconds.
     pub(crate) dt: f64,
-    /// Where the axes are commanded to be.
+    /// Commanded pose of the axes.
     pub(crate) pose: Pose,
     pub(crate) inputs: Inputs,
-    /// Limit switches switch nothing off until a jog has ended.
+    /// True if limit switches do not switch the machine off until a jog has ended.
     pub(crate) overriding: bool,
     pub(crate) override_moved: bool,
     pub(crate) coord_error: bool,
@@ -74,10 +74,10 @@ pub(crate) struct State {
     pub(crate) enabling: Option<TicketHandle>,
     /// Joints that are being homed.
     pub(crate) round: Option<Round>,
-    /// Done when everything stands still.
+    /// Ticket that is done when all motion has ended.
     pub(crate) standing: Option<TicketHandle>,
     pub(crate) last_jump: Arc<LastJump>,
-    /// Why the axes do not move, while that lasts.
+    /// Reason why the axes do not move, for as long as it applies.
     pub(crate) stays: Option<&'static str>,
 }
 
@@ -132,12 +132,12 @@ impl State {
         self.joints.iter().any(|j| j.free.tp.active) || self.axes.iter().any(|a| a.teleop.tp.active)
     }
 
-    /// Nothing moves, and nothing waits to move.
+    /// Returns whether nothing moves and nothing waits to move.
     pub(crate) fn is_idle(&self) -> bool {
         self.path.is_idle() && !self.is_jogging() && !self.is_homing()
     }
 
-    /// Changes the mode, which needs a machine that stands still.
+    /// Changes the mode, which requires a machine at rest.
     pub(crate) fn set_mode(&mut self, mode: Mode) -> Result<(), Refusal> {
         if mode == self.mode {
             return Ok(());
@@ -154,7 +154,7 @@ impl State {
         Ok(())
     }
 
-    /// Lets all planners begin where the joints are.
+    /// Resets all planners to the positions of the joints.
     pub(crate) fn sync(&mut self, why: &'static str) {
         for joint in &mut self.joints {
             joint.free.reset(joint.pos_cmd, why);
@@ -165,7 +165,7 @@ impl State {
         }
     }
 
-    /// Finds the pose that the joints make; false when there is none, and the last one stays.
+    /// Computes the pose of the joints; returns false if there is none, and then keeps the last one.
     pub(crate) fn find_pose(&mut self) -> bool {
         let places = self.places();
         let mut pose = self.pose;
@@ -180,7 +180,7 @@ impl State {
         found
     }
 
-    /// Where the joints are commanded to be.
+    /// Returns the commanded positions of the joints.
     pub(crate) fn places(&self) -> Places {
         let mut places = [0.0; MAX_JOINTS];
         for (place, joint) in places.iter_mut().zip(&self.joints) {
@@ -189,7 +189,7 @@ impl State {
         places
     }
 
-    /// Where an axis may be jogged to, and how: with what its offset leaves.
+    /// Returns the limits of a jog of an axis, reduced by its offset's share.
     pub(crate) fn jog_room(&self, letter: usize) -> Result<Room, Refusal> {
         let mut room = self.axis_room(letter)?;
         if let Some(axis) = self.axes.get(letter) {
@@ -199,7 +199,7 @@ impl State {
         Ok(room)
     }
 
-    /// Where an axis may be, and how it may move: within its own limits and those of its joints.
+    /// Returns the limits of an axis: its own, narrowed by those of its joints.
     pub(crate) fn axis_room(&self, letter: usize) -> Result<Room, Refusal> {
         let (Some(axis), Some(pos)) = (self.axes.get(letter), self.pose.get(letter)) else {
             return Err(NO_JOINT);
@@ -247,7 +247,7 @@ impl State {
     }
 }
 
-/// How far aside to look for how joints follow an axis, in units.
+/// Step of the numerical derivative of joints with respect to an axis, in units.
 const BESIDE: f64 = 1e-3;
 
 const NO_JOINT: Refusal = Refusal::new("cannot jog: no joint follows this axis");

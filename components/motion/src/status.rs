@@ -1,4 +1,4 @@
-//! `motion.status`: the machine in a few lines.
+//! `motion.status`: the state of the machine in a few lines.
 
 use crate::{
     jump::LastJump,

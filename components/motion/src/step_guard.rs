@@ -1,78 +1,75 @@
-//! Realtime. The last check of a motor's command: no joint steps farther in one cycle than its
-//! velocity limit allows.
+//! Realtime. The last check of a motor's command: no joint steps farther in one cycle than its velocity limit allows.
 //!
-//! The guard knows positions only. It shares no code with the planners, the kinematics or homing,
-//! so that an error in one of them cannot also be in the check. [`Joint::show`](crate::joint) writes
-//! nothing to `motor-pos-cmd` but what [`StepGuard::put_out`] or [`StepGuard::hold`] left here.
+//! The guard knows positions only. It shares no code with the planners, the kinematics or homing, so that an error in
+//! one of them cannot also be in the check. [`Joint::show`](crate::joint) writes only values to `motor-pos-cmd` that
+//! [`StepGuard::put_out`] or [`StepGuard::hold`] left here.
 //!
 //! While the amplifier is on, these must hold in each cycle of `dt` seconds:
 //!
-//! - **The command without its correction** moves by at most `max-velocity · dt`. Where homing gives
-//!   the position another name, position and offset change together and the motor's command stays.
-//! - **At an encoder's index** the feedback itself may jump, and the command with it. A step in a
-//!   cycle in which the offset changes is therefore also measured from the feedback of that cycle:
-//!   a command to the place where the motor is moves nothing.
-//! - **As the amplifier comes on** the step is measured from the feedback as well.
+//! - **The command without its correction** moves by at most `max-velocity · dt`. When homing redefines the position,
+//!   position and offset change together and the motor's command stays.
+//! - **At an encoder's index** the feedback itself may jump, and the command with it. A step in a cycle in which the
+//!   offset changes is therefore also measured from the feedback of that cycle: a command to the motor's own position
+//!   moves nothing.
+//! - **When the amplifier comes on** the step is measured from the feedback as well.
 //! - **The command is finite.**
 //! - **The correction** (backlash) moves by at most `max-velocity · dt`.
-//! - **A limit that is lowered in motion** does not make a jump of what was allowed before: a step
-//!   may be beyond the new limit as long as it is no longer than the one before. A machine that
-//!   brakes, however slowly, passes; one that goes faster is stopped.
+//! - **A limit that is lowered in motion** does not turn a previously permitted step into a jump: a step may exceed the
+//!   new limit as long as it is no longer than the previous step. A machine that brakes, however slowly, passes; a
+//!   machine that accelerates is stopped.
 //!
-//! The margin is for rounding alone: a millionth of what is allowed, and [`ROUNDING`] of the numbers
-//! from which the step is computed.
+//! The tolerance covers rounding alone: a millionth of the permitted step, and [`ROUNDING`] times the numbers from
+//! which the step is computed.
 
 use libm::fabs;
 
-/// A part of the largest position: what rounding makes of sums and of kinematics.
+/// Rounding error of sums and of kinematics, relative to the largest position.
 const ROUNDING: f64 = 1e-13;
 
-/// A part of the step that is allowed.
+/// Tolerance relative to the permitted step.
 const MARGIN: f64 = 1e-6;
 
-/// The command for one motor, in machine units and seconds.
+/// Command for one motor, in machine units and seconds.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct MotorCommand {
-    /// What goes to `motor-pos-cmd`.
+    /// Value for `motor-pos-cmd`.
     pub(crate) position: f64,
-    /// The part of it that homing found.
+    /// Part of the position that homing found.
     pub(crate) offset: f64,
-    /// The part of it that corrects the mechanics.
+    /// Part of the position that corrects the mechanics.
     pub(crate) correction: f64,
-    /// Where the motor is.
+    /// Measured position of the motor.
     pub(crate) feedback: f64,
     pub(crate) max_velocity: f64,
-    /// The amplifier is on in this cycle.
+    /// True if the amplifier is on in this cycle.
     pub(crate) is_on: bool,
 }
 
-/// A step that is not put out: positions of the joint, without offset and correction; or of the
-/// correction.
+/// A step that is not written: positions of the joint, without offset and correction, or positions of the correction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Jump {
     pub(crate) from: f64,
     pub(crate) to: f64,
-    /// The longest step that would have passed.
+    /// Length of the longest step that would have passed.
     pub(crate) allowed: f64,
     pub(crate) is_of_correction: bool,
 }
 
-/// The last command of one motor.
+/// Last command of one motor.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct StepGuard {
     last: MotorCommand,
-    /// The lengths of the last steps of command and correction, no longer than what was allowed
-    /// then.
+    /// Lengths of the last steps of command and correction, clamped to the lengths permitted at that time.
     last_steps: [f64; 2],
 }
 
 impl StepGuard {
-    /// The command that was put out last.
+    /// Returns the command that was written last.
     pub(crate) const fn last(&self) -> f64 {
         self.last.position
     }
 
-    /// Judges a command; changes nothing.
+    /// Checks a command; changes nothing.
     pub(crate) fn judge(&self, c: &MotorCommand, dt: f64) -> Result<(), Jump> {
         if !c.is_on {
             return Ok(());
@@ -81,7 +78,7 @@ impl StepGuard {
         let (step, corrected) = self.steps(c, from);
         let [of_step, of_correction] = self.allowed(c, dt);
         let size = fabs(from) + fabs(c.position) + fabs(c.offset) + fabs(c.correction);
-        // NaN is not within.
+        // NaN fails the comparison.
         let is_within =
             |step: f64, allowed: f64| fabs(step) <= allowed * (1.0 + MARGIN) + ROUNDING * size;
         if c.position.is_finite() && !is_within(corrected, of_correction)
@@ -107,7 +104,7 @@ impl StepGuard {
         })
     }
 
-    /// Puts a command out that was judged, or one of a motor whose amplifier is off.
+    /// Accepts a command that passed the check, or one for a motor whose amplifier is off.
     pub(crate) fn put_out(&mut self, c: &MotorCommand, dt: f64) {
         if !c.position.is_finite() {
             return self.hold();
@@ -127,24 +124,24 @@ impl StepGuard {
         self.last.is_on = false;
     }
 
-    /// How far the command and its correction may go: as far as the velocity limit allows in a
-    /// cycle, or as far as in the last one.
+    /// Returns the permitted steps of the command and its correction: the distance at the velocity limit in a cycle, or
+    /// the length of the last step if that is longer.
     fn allowed(&self, c: &MotorCommand, dt: f64) -> [f64; 2] {
         let limit = c.max_velocity * dt;
         self.last_steps.map(|last| if self.last.is_on && last > limit { last } else { limit })
     }
 
-    /// The command from which a step is measured.
+    /// Returns the command from which a step is measured.
     const fn start(&self, c: &MotorCommand) -> f64 {
         if self.last.is_on { self.last.position } else { c.feedback }
     }
 
-    /// Homing has found where the joint is.
+    /// Returns whether homing has changed the offset.
     const fn is_renamed(&self, c: &MotorCommand) -> bool {
         c.offset.to_bits() != self.last.offset.to_bits()
     }
 
-    /// The steps from there: of the command without its correction, and of the correction.
+    /// Returns the steps from `from`: of the command without its correction, and of the correction.
     fn steps(&self, c: &MotorCommand, from: f64) -> (f64, f64) {
         let corrected = c.correction - self.last.correction;
         (c.position - from - corrected, corrected)
@@ -188,7 +185,7 @@ mod tests {
             step *= 1.0 + 0.6 * MARGIN;
             passed += usize::from(passes(&mut guard, MotorCommand { position, ..ON }));
         }
-        // The first steps are within the margin, and the one that is not stays out for good.
+        // The first steps are within the tolerance, and the first one beyond it is never accepted.
         assert_eq!(passed, 2);
     }
 
@@ -215,7 +212,7 @@ mod tests {
             assert!(passes(&mut guard, MotorCommand { position, is_on: false, ..ON }));
             assert_eq!(guard.last(), if position.is_finite() { position } else { last });
         }
-        // On it begins where the motor is, wherever it was told to be.
+        // When switched on, it begins at the motor's position, whatever the last command was.
         let mut other = guard;
         assert!(!passes(&mut other, MotorCommand { position: 7.0, feedback: 8.0, ..ON }));
         assert!(passes(&mut guard, MotorCommand { position: 8.05, feedback: 8.0, ..ON }));
@@ -226,7 +223,7 @@ mod tests {
         let mut guard = StepGuard::default();
         let start = MotorCommand { position: 50.0, feedback: 50.0, ..ON };
         assert!(passes(&mut guard, start));
-        // Alone, it would take the motor along.
+        // Alone, it would move the motor.
         let alone = MotorCommand { position: 53.0, offset: 3.0, ..start };
         assert!(guard.judge(&alone, DT).is_err());
         let renamed = MotorCommand { offset: 3.0, ..start };
@@ -240,7 +237,7 @@ mod tests {
         assert!(guard.judge(&no_index, DT).is_err());
     }
 
-    /// Against the rules written down once more, for orders of commands that no planner gives.
+    /// Compares with a second implementation of the rules, for command sequences that no planner produces.
     #[test]
     fn random_commands() {
         let mut random = Random::new(7);

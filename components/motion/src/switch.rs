@@ -1,9 +1,9 @@
-//! Realtime. Switching between the types of kinematics that a machine has.
+//! Realtime. Switching between the kinematics types of a machine.
 
 use crate::{command::Mode, state::State};
 use hal_component::{Builder, Decl, Error, In, Touch};
 
-/// `motion.switchkins-type`, where there is something to switch.
+/// Pin `motion.switchkins-type`, if the kinematics have several types.
 #[derive(Clone, Debug, Touch)]
 pub(crate) struct SwitchPins {
     wanted: Vec<In<f64>>,
@@ -25,17 +25,17 @@ impl SwitchPins {
     }
 }
 
-/// The type in force.
+/// Current type.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Switch {
     is: u32,
-    /// What was refused last, so that it is said once.
+    /// Last refused request, so that it is reported only once.
     refused: Option<f64>,
 }
 
 impl State {
-    /// Switches to the type that the pin names, once nothing moves; from then on the pose is
-    /// what the new type makes of the joints.
+    /// Switches to the type that the pin names, once nothing moves; the pose is then computed from the joints with the
+    /// new type.
     pub(crate) fn switch_kinematics(&mut self, pins: &SwitchPins) {
         let Some(wanted) = pins.wanted.first().map(In::get) else { return };
         if self.switch.refused.is_some_and(|r| r.to_bits() == wanted.to_bits()) {
@@ -73,10 +73,10 @@ impl State {
     }
 }
 
-/// Without its fraction; none for what is below 0 then, or no number.
+/// Truncates a number to an integer; `None` for negative results and NaN.
 fn whole(wanted: f64) -> Option<u32> {
     (0..=MOST).find(|n| f64::from(*n) == libm::trunc(wanted))
 }
 
-/// No kinematics have more types.
+/// Largest number of a type in any kinematics.
 const MOST: u32 = 15;

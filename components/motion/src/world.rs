@@ -1,15 +1,15 @@
-//! Realtime. Where axes may move: the kinematics must have a pose for the joints, and for that pose
-//! the same joints. Otherwise the first cycle in axes would take a joint elsewhere at once.
+//! Realtime. Conditions for moving axes: the kinematics must have a pose for the joints, and for that pose the same
+//! joints. Otherwise the first cycle in axes would move a joint elsewhere at once.
 
 use crate::{command::Mode, line::Places, refusal::Refusal, state::State};
 use hal_component::KinematicsKind;
 use libm::fabs;
 
-/// What rounding makes of a position, as a part of it.
+/// Rounding error of a position, relative to it.
 const ROUNDING: f64 = 1e-9;
 
 impl State {
-    /// Refuses a mode in which axes move, where they cannot.
+    /// Refuses a mode in which axes move if they cannot.
     pub(crate) fn needs_world(&self, mode: Mode) -> Result<(), Refusal> {
         if mode == Mode::Free {
             return Ok(());
@@ -26,12 +26,12 @@ impl State {
         self.needs_pose()
     }
 
-    /// Refuses where forward and inverse kinematics do not lead back to the joints.
+    /// Refuses if forward and inverse kinematics do not lead back to the joints.
     pub(crate) fn needs_pose(&self) -> Result<(), Refusal> {
         let places = self.places();
         let mut pose = self.whole_pose();
         let found = match self.kinematics.kind() {
-            // Only the pose that was commanded last can be that of the joints.
+            // Only the last commanded pose can be that of the joints.
             KinematicsKind::InverseOnly => true,
             _ => self.kinematics.forward(&places, &mut pose).is_ok(),
         };
@@ -55,10 +55,10 @@ impl State {
         Ok(())
     }
 
-    /// Names the joint that is farthest from where the last pose has it, or the first.
+    /// Names the joint that is farthest from its position according to the last pose, or the first joint.
     fn no_pose(&self, places: &Places) -> Refusal {
         let mut last = *places;
-        // Without an answer they stay, and the first joint is named.
+        // Without a solution they stay, and the first joint is named.
         let _solved = self.kinematics.inverse(&self.whole_pose(), &mut last);
         let (mut n, mut place, mut way) = (0, 0.0, -1.0);
         for (i, (joint, (at, last))) in self.joints.iter().zip(places.iter().zip(&last)).enumerate()
@@ -76,8 +76,8 @@ impl State {
         )
     }
 
-    /// Goes back to free mode where the mode of a machine that goes on, or that a joint joins, is
-    /// one in which the axes cannot move.
+    /// Returns to free mode when a machine whose axes cannot move is switched on, or gains a joint, in a mode that
+    /// moves axes.
     pub(crate) fn leave_world(&mut self) {
         let Err(why) = self.needs_world(self.mode) else { return };
         why.say(&self.say);
@@ -86,7 +86,7 @@ impl State {
         self.sync(why.text());
     }
 
-    /// Whether a joint would have to go farther at once than it can from rest in one cycle.
+    /// Returns whether a joint would have to move farther at once than it can from rest in one cycle.
     fn is_elsewhere(&self, n: usize, place: f64, answer: f64) -> bool {
         let Some(joint) = self.joints.get(n).filter(|j| j.active && !j.extra) else {
             return false;

@@ -1,4 +1,4 @@
-//! The commands.
+//! Commands for users.
 
 use crate::{
     estop::{self, Shared},
@@ -9,7 +9,7 @@ use hal_component::{Arg, Builder, Call, Error, Gives, Sender, TicketHandle, abi:
 
 type To = Sender<(Ask, TicketHandle)>;
 
-/// A command that the task carries out.
+/// A command that the task executes.
 struct Row {
     name: &'static str,
     doc: &'static str,
@@ -87,7 +87,7 @@ pub(crate) fn open(
     b.command("iocontrol.estop", ESTOP, &[], move |call| {
         estop::command(&stopped, &pins);
         let reads = stopped.reads();
-        // Contacts that do not open at once may never do: the caller is to know.
+        // Contacts that do not open at once may never open: the caller waits for the result.
         let ticket = if pins.emc_enable_in.get() || stopped.is_unread() {
             call.awaited_ticket()?
         } else {

@@ -1,4 +1,4 @@
-//! The e-stop: commanded by users, and answered by the chain of contacts outside.
+//! The e-stop: users command it, and the external chain of contacts acknowledges it.
 
 use crate::pins::Pins;
 use hal_component::{Estop, Gives, In, Interlock, Takes, Touch};
@@ -7,20 +7,20 @@ use std::sync::atomic::{
     Ordering::{Acquire, Relaxed, Release},
 };
 
-/// What commands, the task and realtime threads share of the e-stop.
+/// State of the e-stop that commands, the task and realtime threads share.
 #[derive(Debug)]
 pub(crate) struct Shared {
     commanded: AtomicBool,
-    /// How often it was commanded, wrapping.
+    /// Number of e-stop commands, wrapping.
     stops: AtomicU32,
-    /// In how many cycles the interlock was read, wrapping past zero; 0: in none.
+    /// Number of cycles in which the interlock was read, wrapping but skipping 0; 0 if it was never read.
     reads: AtomicU32,
-    /// TRUE while a function that has read the interlock no longer does.
+    /// True if a function that has read the interlock no longer does.
     is_unread: AtomicBool,
 }
 
 impl Shared {
-    /// The machine comes up in e-stop.
+    /// Creates the initial state: the machine comes up in e-stop.
     pub(crate) const fn new() -> Self {
         Self {
             commanded: AtomicBool::new(true),
@@ -51,13 +51,13 @@ impl Shared {
     }
 
     fn read(&self) {
-        // One function reads it; a count that wraps is not 0, which means never.
+        // One function reads it; 0 means never, so a count that wraps skips it.
         let next = self.reads.load(Relaxed).wrapping_add(1);
         self.reads.store(if next == 0 { 1 } else { next }, Relaxed);
     }
 }
 
-/// Commands the e-stop: at once, because the task may be a whole cycle away.
+/// Commands the e-stop: at once, because the next run of the task may be a whole cycle later.
 pub(crate) fn command(shared: &Gives<Shared>, p: &Pins) {
     shared.stops.fetch_add(1, Relaxed);
     shared.commanded.store(true, Release); // Pairs with `is_commanded`.
@@ -74,19 +74,19 @@ pub(crate) fn command(shared: &Gives<Shared>, p: &Pins) {
     }
 }
 
-/// Takes the command back, and asks the outside to close its contacts.
+/// Withdraws the command, and requests the external contacts to close.
 pub(crate) fn release(shared: &Gives<Shared>, p: &Pins) {
     p.user_enable_out.set(true);
     p.user_request_enable.set(true);
     shared.commanded.store(false, Release); // Pairs with `is_commanded`.
 }
 
-/// Returns the state of the e-stop in this moment.
+/// Returns the current state of the e-stop.
 pub(crate) fn state(shared: &Shared, emc_enable_in: In<bool>) -> Estop {
     Estop { commanded: shared.is_commanded(), open: !emc_enable_in.get() }
 }
 
-/// Realtime. The service that motion reads in every cycle.
+/// Realtime. Service that motion reads in every cycle.
 #[derive(Debug, Touch)]
 pub(crate) struct Service {
     pub(crate) emc_enable_in: In<bool>,

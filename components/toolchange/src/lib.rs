@@ -1,4 +1,4 @@
-//! E-stop, coolant and tool changers: what a machine has beside its motion.
+//! E-stop, coolant and tool changers: the controls of a machine other than motion.
 #![forbid(unsafe_code)]
 
 mod carousel;
@@ -16,7 +16,7 @@ use pins::Pins;
 use std::time::Duration;
 use task::Task;
 
-/// What the component says of itself under one of its names.
+/// Documentation of the component under one of its names.
 macro_rules! doc {
     ($name:literal) => {
         concat!(
@@ -69,7 +69,7 @@ const ARGS: &[&ArgSpec] = &[
     .or("0"),
 ];
 
-/// How many commands may wait for the task.
+/// Capacity of the command queue to the task.
 const ROOM: usize = 64;
 
 macro_rules! names {

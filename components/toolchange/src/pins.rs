@@ -1,4 +1,4 @@
-//! The pins `iocontrol.0.*`.
+//! Pins `iocontrol.0.*`.
 
 use hal_component::{Builder, Decl, Error, Field, In, Out, Touch};
 
@@ -6,7 +6,7 @@ macro_rules! pins {
     ($($(#[doc = $doc:literal])+
         $field:ident: $ty:ty = $initial:expr, $pin:literal $([$safety:ident])?;)*
     ) => {
-        /// All of them.
+        /// All pins of iocontrol.
         #[derive(Clone, Copy, Debug, Touch)]
         pub(crate) struct Pins {
             $($(#[doc = $doc])+ pub(crate) $field: $ty,)*
@@ -29,34 +29,33 @@ macro_rules! pins {
 }
 
 pins! {
-    /// TRUE while no e-stop is commanded: enables the chain of e-stop contacts.
+    /// TRUE while no e-stop is commanded: enables the e-stop chain.
     user_enable_out: Out<bool> = false, "user-enable-out";
-    /// TRUE for one cycle when e-stop is reset: its edge resets a latch outside.
+    /// TRUE for one cycle when e-stop is reset: its edge resets an external latch.
     user_request_enable: Out<bool> = false, "user-request-enable";
-    /// FALSE while the machine is in e-stop, for whatever reason.
+    /// FALSE while the machine is in e-stop, for any reason.
     emc_enable_in: In<bool> = false, "emc-enable-in" [safety];
-    /// TRUE while mist coolant is wanted; FALSE in e-stop.
+    /// TRUE to switch mist coolant on; FALSE in e-stop.
     coolant_mist: Out<bool> = false, "coolant-mist";
-    /// TRUE while flood coolant is wanted; FALSE in e-stop.
+    /// TRUE to switch flood coolant on; FALSE in e-stop.
     coolant_flood: Out<bool> = false, "coolant-flood";
-    /// TRUE while lubrication is wanted; FALSE in e-stop.
+    /// TRUE to switch lubrication on; FALSE in e-stop.
     lube: Out<bool> = false, "lube";
-    /// FALSE when the lubricant runs low. Nothing follows from it.
+    /// FALSE when the lubricant runs low. Has no effect.
     lube_level: In<bool> = true, "lube_level";
-    /// TRUE asks the changer to prepare the tool of tool-prep-number, until tool-prepared.
+    /// TRUE requests the changer to prepare the tool of tool-prep-number, until tool-prepared.
     tool_prepare: Out<bool> = false, "tool-prepare";
     /// TRUE from the changer when the tool is prepared.
     tool_prepared: In<bool> = false, "tool-prepared";
-    /// TRUE asks the changer to put the prepared tool into the spindle, until tool-changed.
+    /// TRUE requests the changer to put the prepared tool into the spindle, until tool-changed.
     tool_change: Out<bool> = false, "tool-change";
     /// TRUE from the changer when the tool is in the spindle.
     tool_changed: In<bool> = false, "tool-changed";
-    /// Number of the tool being prepared or prepared; 0 for none, and after it was changed.
+    /// Number of the tool being prepared or prepared; 0 for none, and after the change.
     tool_prep_number: Out<i32> = 0, "tool-prep-number";
-    /// Pocket of the tool being prepared or prepared; 0 for none, and after it was changed.
+    /// Pocket of the tool being prepared or prepared; 0 for none, and after the change.
     tool_prep_pocket: Out<i32> = 0, "tool-prep-pocket";
-    /// Place in the tool table of the tool being prepared or prepared; 0 for none, and after it
-    /// was changed.
+    /// Index in the tool table of the tool being prepared or prepared; 0 for none, and after the change.
     tool_prep_index: Out<i32> = 0, "tool-prep-index";
     /// Pocket that the tool in the spindle came from.
     tool_from_pocket: Out<i32> = 0, "tool-from-pocket";

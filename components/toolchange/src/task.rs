@@ -13,7 +13,7 @@ use crate::{
 };
 use hal_component::{Gives, Messages, Period, Receiver, TicketHandle, Touch, Update};
 
-/// A tool as it was asked for.
+/// Requested tool.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tool {
     pub(crate) number: i32,
@@ -21,14 +21,14 @@ pub(crate) struct Tool {
     pub(crate) index: i32,
 }
 
-/// What commands ask.
+/// Requests of commands.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Ask {
-    /// The e-stop is in force already; `reads` is how often the interlock was read by then.
+    /// The e-stop is already active; `reads` is the number of reads of the interlock at that time.
     Estop {
         reads: u32,
     },
-    /// `stops` is how often an e-stop was commanded before it.
+    /// `stops` is the number of e-stop commands before it.
     EstopReset {
         stops: u32,
     },
@@ -43,7 +43,7 @@ pub(crate) enum Ask {
     Abort,
 }
 
-/// What the tool changer is doing.
+/// State of the tool changer.
 #[derive(Clone, Copy, Debug)]
 enum Changer {
     Idle,
@@ -51,20 +51,20 @@ enum Changer {
     Changing(Tool, TicketHandle),
 }
 
-/// How many cycles the outside has to follow user-enable-out, in both directions.
+/// Number of cycles for the external chain to follow user-enable-out, in both directions.
 const PATIENCE: u32 = 10;
 
-/// An e-stop whose effect is awaited.
+/// An e-stop that has not taken effect yet.
 #[derive(Clone, Copy, Debug)]
 struct Stopping {
     ticket: TicketHandle,
-    /// Cycles left.
+    /// Number of cycles left.
     left: u32,
-    /// How often the interlock had been read.
+    /// Number of reads of the interlock at the time of the command.
     reads: u32,
 }
 
-/// The task.
+/// State of the task.
 #[derive(Debug, Touch)]
 pub(crate) struct Task {
     pins: Pins,
@@ -75,14 +75,14 @@ pub(crate) struct Task {
     changer: Changer,
     #[state]
     prepared: Option<Tool>,
-    /// Who waits for the end of e-stop, and the cycles left.
+    /// Ticket that waits for the end of e-stop, and the cycles left.
     #[state]
     resetting: Option<(TicketHandle, u32)>,
     #[state]
     stopping: Vec<Stopping>,
     #[state]
     was_enabled: bool,
-    /// How often an e-stop was commanded, and the interlock read, in the last cycle.
+    /// Numbers of e-stop commands and of reads of the interlock, as of the last cycle.
     #[state]
     stops: u32,
     #[state]
@@ -157,7 +157,7 @@ impl Task {
         };
     }
 
-    /// Answers e-stops: the contacts outside follow, and motion has read the interlock.
+    /// Completes tickets of e-stops: the external contacts have opened, and motion has read the interlock.
     fn look_at_stopping(&mut self) {
         let is_open = !self.pins.emc_enable_in.get();
         let reads = self.shared.reads();
@@ -208,7 +208,7 @@ impl Task {
         }
     }
 
-    /// TRUE when it is carried out, FALSE when someone keeps the ticket.
+    /// Executes a request. Returns true if it is complete, false if the ticket is completed later.
     fn obey(&mut self, ask: Ask, ticket: TicketHandle) -> Result<bool, &'static str> {
         let p = self.pins;
         match ask {
@@ -295,7 +295,7 @@ impl Task {
         self.pins.tool_prep_index.set(tool.index);
     }
 
-    /// Coolant off, requests to the changer withdrawn. What was prepared stays prepared.
+    /// Switches coolant off and withdraws requests to the changer. A prepared tool stays prepared.
     fn quiet(&mut self, why: &'static str) {
         for pin in [
             self.pins.coolant_mist,

@@ -26,7 +26,7 @@ impl Rig {
         Self(bench)
     }
 
-    /// Out of e-stop, by the usual loop.
+    /// Out of e-stop, through the usual loop.
     fn enabled() -> Self {
         let rig = Self::new();
         rig.say("estop-reset");
@@ -55,7 +55,7 @@ impl Rig {
         self.0.ticket()
     }
 
-    /// The outputs that are TRUE.
+    /// Returns the outputs that are TRUE.
     fn on(&self) -> Vec<&'static str> {
         let is = |pin: &&str| self.0.get(&format!("iocontrol.0.{pin}"));
         BITS.into_iter().filter(is).collect()
@@ -119,14 +119,14 @@ fn comes_up_in_estop_and_leaves_it() {
     rig.say("estop-reset");
     assert_eq!(rig.on(), NONE);
     rig.cycle();
-    // One cycle long, whatever the outside does.
+    // One cycle long, whatever the external chain does.
     assert_eq!(rig.on(), ["user-enable-out", "user-request-enable"]);
     assert_eq!(rig.ticket(), Some(TicketState::Pending));
     rig.set("emc-enable-in", true);
     rig.cycle();
     assert_eq!(rig.on(), ["user-enable-out"]);
     assert_eq!(rig.ticket(), Some(TicketState::Done));
-    // Once more is nothing.
+    // A repeated command has no effect.
     rig.say("estop-reset");
     rig.cycle();
     assert_eq!(rig.ticket(), Some(TicketState::Done));
@@ -152,13 +152,13 @@ fn an_estop_outside_is_told() {
     let held = "emc-enable-in stays FALSE: something outside holds the e-stop";
     assert_eq!(rig.ticket(), Some(TicketState::Failed(held)));
     assert_eq!(rig.on(), ["user-enable-out"]);
-    // When it lets go, the machine is out of e-stop.
+    // When the chain closes, the machine is out of e-stop.
     rig.set("emc-enable-in", true);
     rig.cycle();
     rig.say("coolant flood=1");
     rig.cycle();
     assert_eq!(rig.ticket(), Some(TicketState::Done));
-    // And a new one takes everything with it but the enable.
+    // A new e-stop switches everything off except the enable.
     rig.say("coolant mist=1 lube=1");
     rig.say("prepare tool=2");
     rig.cycle();
@@ -204,7 +204,7 @@ fn a_tool_is_prepared_and_changed() {
     rig.cycle();
     assert_eq!((rig.on(), rig.numbers()), (vec![BITS[0]], [7, 17, 7, 17, 2]));
     assert_eq!(rig.ticket(), Some(TicketState::Done));
-    // No tool at all: the answer that is still there counts at once.
+    // No tool at all: an answer that is still TRUE counts at once.
     rig.say("prepare tool=0 pocket=5");
     rig.cycle();
     assert_eq!((rig.on(), rig.numbers()), (vec![BITS[0], "tool-prepare"], [7, 17, 0, 0, 0]));
@@ -242,7 +242,7 @@ fn abort_withdraws_the_request() {
     rig.say("abort");
     rig.cycle();
     assert_eq!(rig.on(), [BITS[0]]);
-    // What was prepared can be changed afterwards.
+    // A prepared tool can be changed afterwards.
     rig.say("change");
     rig.cycle();
     assert_eq!(rig.on(), [BITS[0], "tool-change"]);

@@ -1,13 +1,13 @@
-//! The pins and parameters that exist once.
+//! Pins and parameters that exist once.
 
 use super::pins;
 use hal_component::{In, Out, ParamRo};
 
 pins! {
-    /// What motion as a whole has.
+    /// Pins of motion as a whole.
     GeneralPins {
-        /// Factor for the feed of coordinated moves, when `motion.feed adaptive=1` switched it
-        /// on: 0 to the highest override. Negative or not a number counts as 0.
+        /// Factor for the feed of coordinated moves, if `motion.feed adaptive=1` switched it on: 0 to the highest
+        /// override. Negative numbers and NaN count as 0.
         adaptive_feed: In<f64> = 1.0, "adaptive-feed";
         /// TRUE stops coordinated moves along their path until it is FALSE, unless
         /// `motion.feed hold=0` switched it off.
@@ -45,17 +45,17 @@ pins! {
         jog_is_active: Out<bool> = false, "jog-is-active";
         /// TRUE while any external offset is applied.
         eoffset_active: Out<bool> = false, "eoffset-active";
-        /// TRUE while a soft limit keeps an external offset from what is asked for.
+        /// TRUE while a soft limit keeps an external offset from its requested value.
         eoffset_limited: Out<bool> = false, "eoffset-limited";
         /// TRUE while a path is run backwards. Not used yet: always FALSE.
         tp_reverse: Out<bool> = false, "tp-reverse";
-        /// Velocity now, in machine units per second: along the path in coordinated mode,
-        /// otherwise of all jogs together.
+        /// Current velocity, in machine units per second: along the path in coordinated mode, otherwise of all jogs
+        /// together.
         current_vel: Out<f64> = 0.0, "current-vel";
-        /// Velocity that the coordinated move asks for within the machine's limits, in machine
-        /// units per second, before feed override.
+        /// Requested velocity of the coordinated move within the machine's limits, in machine units per second, before
+        /// feed override.
         requested_vel: Out<f64> = 0.0, "requested-vel";
-        /// Distance left of the coordinated move under way, in machine units.
+        /// Remaining distance of the current coordinated move, in machine units.
         distance_to_go: Out<f64> = 0.0, "distance-to-go";
         /// Feed of the coordinated move, override applied, in machine units per minute.
         feed_upm: Out<f64> = 0.0, "feed-upm";
@@ -67,8 +67,8 @@ pins! {
         feed_mm_per_minute: Out<f64> = 0.0, "feed-mm-per-minute";
         /// Feed of the coordinated move in millimetres per second.
         feed_mm_per_second: Out<f64> = 0.0, "feed-mm-per-second";
-        /// What moves: 0 nothing, 1 rapid, 2 feed, 3 arc, 4 tool change, 5 probing, 6 rotary
-        /// index. Coordinated moves are feed.
+        /// Type of the current motion: 0 none, 1 rapid, 2 feed, 3 arc, 4 tool change, 5 probing, 6 rotary index.
+        /// Coordinated moves are feed.
         motion_type: Out<i32> = 0, "motion-type";
         /// Line of the program being run. Not used yet: always 0.
         program_line: Out<i32> = 0, "program-line";
@@ -102,7 +102,7 @@ pins! {
         interp_arc_center_z: Out<f64> = 0.0, "interp.arc-center-z";
         /// Radius of the arc. Not used yet: always 0.
         interp_arc_radius: Out<f64> = 0.0, "interp.arc-radius";
-        /// Feed that the program asks for. Not used yet: always 0.
+        /// Feed that the program requests. Not used yet: always 0.
         interp_feedrate: Out<f64> = 0.0, "interp.feedrate";
         /// Direction of the path in degrees. Not used yet: always 0.
         interp_heading: Out<f64> = 0.0, "interp.heading";
@@ -110,13 +110,13 @@ pins! {
         interp_normal_heading: Out<f64> = 0.0, "interp.normal-heading";
         /// Line of the program being interpreted. Not used yet: always 0.
         interp_line_number: Out<i32> = 0, "interp.line-number";
-        /// Kind of motion that the program asks for. Not used yet: always 0.
+        /// Kind of motion that the program requests. Not used yet: always 0.
         interp_motion_type: Out<i32> = 0, "interp.motion-type";
     }
 }
 
 pins! {
-    /// Parameters for those who look into motion itself; all stay at zero.
+    /// Parameters for debugging motion itself; all stay at zero.
     Traces {
         /// For experiments: always FALSE.
         debug_bit_0: ParamRo<bool> = false, "motion.debug-bit-0";
@@ -162,7 +162,7 @@ pins! {
         traj_pos_out: ParamRo<f64> = 0.0, "traj.pos_out";
         /// Velocity along the path. Not used yet: always 0.
         traj_vel_out: ParamRo<f64> = 0.0, "traj.vel_out";
-        /// Number of the segment under way. Not used yet: always 0.
+        /// Number of the current segment. Not used yet: always 0.
         traj_active_tc: ParamRo<u32> = 0, "traj.active_tc";
     }
 }

@@ -1,23 +1,21 @@
-//! The pins of a joint.
+//! Pins of a joint.
 
 use super::pins;
 use hal_component::{In, Io, Out};
 
 pins! {
-    /// What a joint has.
+    /// Pins of one joint.
     JointPins {
-        /// Position for the motor in machine units: pos-cmd with backlash-filt and motor-offset
-        /// added. While the machine is off it follows motor-pos-fb. A step that is longer than
-        /// max-velocity allows in one cycle is not put out: the machine goes off, with a message
-        /// about what moved the joint.
+        /// Position command for the motor in machine units: pos-cmd plus backlash-filt and motor-offset. While the
+        /// machine is off it follows motor-pos-fb. A step longer than max-velocity allows in one cycle is not written:
+        /// the machine goes off, with a message that names the source of the motion.
         motor_pos_cmd: Out<f64> = 0.0, "motor-pos-cmd" was "motor-pos-cmd";
-        /// Position that the motor has reached, in machine units. A value that is not a finite
-        /// number counts as a following error.
+        /// Position of the motor, measured, in machine units. NaN and infinity count as a following error.
         motor_pos_fb: In<f64> = 0.0, "motor-pos-fb" was "motor-pos-fb";
         /// Commanded position in machine units, before backlash and home offset.
         pos_cmd: Out<f64> = 0.0, "pos-cmd" was "joint-pos-cmd";
-        /// Measured position in machine units: motor-pos-fb without backlash-filt and
-        /// motor-offset. Stays as it is while the joint is not active.
+        /// Measured position in machine units: motor-pos-fb minus backlash-filt and motor-offset. Stays unchanged while
+        /// the joint is not active.
         pos_fb: Out<f64> = 0.0, "pos-fb" was "joint-pos-fb";
         /// Commanded velocity in machine units per second.
         vel_cmd: Out<f64> = 0.0, "vel-cmd" was "joint-vel-cmd";
@@ -28,28 +26,28 @@ pins! {
         /// Commanded position before interpolation in machine units. The planner runs in every
         /// servo cycle, so it equals pos-cmd.
         coarse_pos_cmd: Out<f64> = 0.0, "coarse-pos-cmd" was "coarse-pos-cmd";
-        /// What homing found: the motor's position in machine units where the joint is at zero.
+        /// Offset found by homing: the motor's position in machine units where the joint is at zero.
         motor_offset: Out<f64> = 0.0, "motor-offset" was "motor-offset";
-        /// Backlash correction wanted, in machine units: half the backlash, positive after
-        /// movement in positive direction.
+        /// Target of the backlash correction, in machine units: half the backlash, positive after movement in positive
+        /// direction.
         backlash_corr: Out<f64> = 0.0, "backlash-corr" was "backlash-corr";
         /// Backlash correction applied, in machine units: follows backlash-corr at half the
         /// joint's velocity and acceleration.
         backlash_filt: Out<f64> = 0.0, "backlash-filt" was "backlash-filt";
         /// Velocity of backlash-filt in machine units per second.
         backlash_vel: Out<f64> = 0.0, "backlash-vel" was "backlash-vel";
-        /// Following error in machine units: pos-cmd less pos-fb.
+        /// Following error in machine units: pos-cmd minus pos-fb.
         f_error: Out<f64> = 0.0, "f-error" was "f-error";
-        /// Following error allowed now, in machine units: the joint's ferror times its share of
-        /// the highest velocity, and never less than min-ferror.
+        /// Following error allowed at the current velocity, in machine units: the joint's ferror times velocity divided
+        /// by the highest velocity, and never less than min-ferror.
         f_error_lim: Out<f64> = 0.0, "f-error-lim" was "f-error-lim";
-        /// Where the joint's own planner goes, in machine units.
+        /// Target of the joint's own planner, in machine units.
         free_pos_cmd: Out<f64> = 0.0, "free-pos-cmd" was "free-pos-cmd";
         /// Velocity limit of the joint's own planner in machine units per second.
         free_vel_lim: Out<f64> = 0.0, "free-vel-lim" was "free-vel-lim";
         /// TRUE while the joint is configured and takes part.
         active: Out<bool> = false, "active" was "active";
-        /// TRUE when the amplifier shall be on: the machine is on and the joint active.
+        /// TRUE to switch the amplifier on: the machine is on and the joint active.
         amp_enable_out: Out<bool> = false, "amp-enable-out" was "amp-enable-out";
         /// TRUE from the amplifier when it has a fault: switches the machine off.
         amp_fault_in: In<bool> = false, "amp-fault-in" was "amp-fault-in" [safety];
@@ -57,36 +55,36 @@ pins! {
         error: Out<bool> = false, "error" was "error";
         /// TRUE when the following error is beyond its limit.
         f_errored: Out<bool> = false, "f-errored" was "f-errored";
-        /// TRUE while amp-fault-in is.
+        /// TRUE while amp-fault-in is TRUE.
         faulted: Out<bool> = false, "faulted" was "faulted";
         /// TRUE when the joint's position is known.
         homed: Out<bool> = false, "homed" was "homed";
         /// TRUE while the joint is being homed.
         homing: Out<bool> = false, "homing" was "homing";
-        /// Step of homing, 0 when none is under way.
+        /// Step of homing; 0 while the joint is not being homed.
         home_state: Out<i32> = 0, "home-state" was "home-state";
         /// TRUE from the home switch, for homing with home-search-vel.
         home_sw_in: In<bool> = false, "home-sw-in" was "home-sw-in";
-        /// TRUE when the joint's own planner stands still.
+        /// TRUE while the joint's own planner is at rest.
         in_position: Out<bool> = false, "in-position" was "in-position";
         /// TRUE from the limit switch at the positive end: switches the machine off unless the
         /// joint is homing or the limits are overridden.
         pos_lim_sw_in: In<bool> = false, "pos-lim-sw-in" was "pos-lim-sw-in" [safety];
-        /// TRUE from the limit switch at the negative end: as pos-lim-sw-in.
+        /// TRUE from the limit switch at the negative end: same effect as pos-lim-sw-in.
         neg_lim_sw_in: In<bool> = false, "neg-lim-sw-in" was "neg-lim-sw-in" [safety];
-        /// TRUE while pos-lim-sw-in of an active joint is.
+        /// TRUE while pos-lim-sw-in of an active joint is TRUE.
         pos_hard_limit: Out<bool> = false, "pos-hard-limit" was "pos-hard-limit";
-        /// TRUE while neg-lim-sw-in of an active joint is.
+        /// TRUE while neg-lim-sw-in of an active joint is TRUE.
         neg_hard_limit: Out<bool> = false, "neg-hard-limit" was "neg-hard-limit";
-        /// Homing with home-use-index sets it, and the encoder clears it at its index.
+        /// Index handshake: homing with home-use-index sets it, and the encoder clears it at its index.
         index_enable: Io<bool> = false, "index-enable" was "index-enable";
-        /// Counts of a jog wheel; only differences matter, and it may wrap.
+        /// Counts of a jog wheel; only differences matter, and the count may wrap.
         jog_counts: In<i32> = 0, "jog-counts" was "jog-counts";
         /// TRUE lets jog-counts move the joint, in free mode.
         jog_enable: In<bool> = false, "jog-enable" was "jog-enable";
-        /// Distance for one count of the wheel in machine units; not finite counts as zero.
+        /// Distance for one count of the wheel in machine units; NaN and infinity count as zero.
         jog_scale: In<f64> = 0.0, "jog-scale" was "jog-scale";
-        /// TRUE: the joint stops when the wheel does; FALSE: it goes the whole distance counted.
+        /// TRUE: the joint stops when the wheel does; FALSE: it travels the whole distance counted.
         jog_vel_mode: In<bool> = false, "jog-vel-mode" was "jog-vel-mode";
         /// Acceleration for the wheel as a fraction of the joint's, 0 to 1; anything else counts
         /// as 1, and 0 means that the wheel moves nothing.

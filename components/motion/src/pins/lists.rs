@@ -5,9 +5,9 @@ use crate::setup::{Names, Setup};
 use hal_component::{Builder, Error, Field, In, Out, Touch};
 
 pins! {
-    /// What a joint of `unlock_joints_mask` has.
+    /// Pins of a joint in `unlock_joints_mask`.
     UnlockPins {
-        /// TRUE when the joint's lock shall open for a move. Not used yet.
+        /// TRUE to open the joint's lock for a move. Not used yet.
         unlock: Out<bool> = false, "unlock" was "unlock";
         /// TRUE when the joint's lock is open. Not used yet.
         is_unlocked: In<bool> = false, "is-unlocked" was "is-unlocked";
@@ -15,11 +15,11 @@ pins! {
 }
 
 pins! {
-    /// What an extra joint has.
+    /// Pins of an extra joint.
     ExtraPins {
-        /// Position of the joint in machine units once it is homed; not finite: it stays. A step
-        /// beyond the joint's max-velocity, also from where the joint is as it is homed or as the
-        /// machine is switched on, switches the machine off and is not put out.
+        /// Position command of the joint in machine units once it is homed; NaN and infinity leave it unchanged. A step
+        /// longer than the joint's max-velocity allows in one cycle switches the machine off and is not written. That
+        /// includes the first step from the joint's position after it is homed or the machine is switched on.
         posthome_cmd: In<f64> = 0.0, "posthome-cmd";
     }
 }

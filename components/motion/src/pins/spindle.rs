@@ -1,25 +1,24 @@
-//! The pins of a spindle.
+//! Pins of a spindle.
 
 use super::pins;
 use hal_component::{In, Io, Out};
 
 pins! {
-    /// What a spindle has.
+    /// Pins of one spindle.
     SpindlePins {
-        /// TRUE while the spindle shall turn; FALSE while inhibit is TRUE.
+        /// TRUE to turn the spindle; FALSE while inhibit is TRUE.
         on: Out<bool> = false, "on" was "on";
         /// TRUE while speed-out is above zero.
         forward: Out<bool> = false, "forward" was "forward";
         /// TRUE while speed-out is below zero.
         reverse: Out<bool> = false, "reverse" was "reverse";
-        /// TRUE when the brake shall hold the spindle: after it was stopped, and whenever the
-        /// machine goes off.
+        /// TRUE to apply the spindle's brake: after the spindle was stopped, and whenever the machine goes off.
         brake: Out<bool> = false, "brake" was "brake";
-        /// TRUE while the spindle stands at orient-angle, until it is told to turn, stop or orient.
+        /// TRUE while the spindle is at rest at orient-angle, until a command turns, stops or orients it.
         locked: Out<bool> = false, "locked" was "locked";
-        /// TRUE when the spindle shall turn to orient-angle, until is-oriented or a fault.
+        /// TRUE to turn the spindle to orient-angle, until is-oriented or a fault.
         orient: Out<bool> = false, "orient" was "orient";
-        /// Speed wanted in turns per minute, negative in reverse, with the override applied.
+        /// Speed command in turns per minute, negative in reverse, with the override applied.
         speed_out: Out<f64> = 0.0, "speed-out" was "speed-out";
         /// Absolute value of speed-out, turns per minute.
         speed_out_abs: Out<f64> = 0.0, "speed-out-abs" was "speed-out-abs";
@@ -35,19 +34,18 @@ pins! {
         orient_mode: Out<i32> = 0, "orient-mode" was "orient-mode";
         /// Turns since the index, for movements tied to the spindle. Not used yet.
         revs: In<f64> = 0.0, "revs" was "revs";
-        /// Speed measured, in turns per second. A spindle that turns faster than 0.1 is not locked
-        /// by is-oriented.
+        /// Measured speed, in turns per second. A spindle that turns faster than 0.1 is not locked by is-oriented.
         speed_in: In<f64> = 0.0, "speed-in" was "speed-in";
-        /// TRUE when the spindle has its speed: no move begins while one that is on has it not.
+        /// TRUE when the spindle is at speed: no move begins while a spindle that is on is not at speed.
         at_speed: In<bool> = true, "at-speed" was "at-speed";
         /// TRUE from the spindle's amplifier when it has a fault: switches the machine off.
         amp_fault_in: In<bool> = false, "amp-fault-in" [safety];
-        /// TRUE stops the spindle and keeps it stopped; the commanded speed is not forgotten.
+        /// TRUE stops the spindle and keeps it stopped; the commanded speed is kept.
         inhibit: In<bool> = false, "inhibit" was "inhibit";
-        /// TRUE when the spindle stands at orient-angle, as `orient` says; it counts while orient is
+        /// TRUE when the spindle is at rest at orient-angle, as commanded by `orient`; the pin counts while orient is
         /// TRUE and speed-in is not above 0.1 turns per second, and then the spindle is locked.
         is_oriented: In<bool> = false, "is-oriented" was "is-oriented";
-        /// A number other than 0 while orient is TRUE gives it up, and is told to the operator.
+        /// A number other than 0 while orient is TRUE aborts the orientation, and is reported to the operator.
         orient_fault: In<i32> = 0, "orient-fault" was "orient-fault";
         /// Handshake with the spindle's encoder for its index. Not used yet.
         index_enable: Io<bool> = false, "index-enable" was "index-enable";

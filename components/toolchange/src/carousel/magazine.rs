@@ -3,7 +3,7 @@
 use super::pocket::Pocket;
 use hal_component::{Builder, Error, In, Io, Out, ParamRo, Period, Touch, Update};
 
-/// What a magazine does; the numbers are those of `state`.
+/// State of a magazine; the numbers are the values of the pin `state`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum State {
     Idle = 0,
@@ -20,7 +20,7 @@ enum State {
 }
 
 impl State {
-    /// Pockets go by.
+    /// Returns whether pockets pass the spindle.
     const fn turns(self) -> bool {
         matches!(self, Self::Turning | Self::Jogging | Self::Seeking | Self::Homing)
     }
@@ -54,7 +54,7 @@ pub(super) struct Magazine {
     target: ParamRo<i32>,
     #[state]
     state: State,
-    /// It turns both ways.
+    /// True if the magazine turns both ways.
     #[state]
     both: bool,
 }
@@ -170,7 +170,7 @@ impl Magazine {
         self.state_out.set(state as i32);
     }
 
-    /// Lets the motor run in the direction that is wanted.
+    /// Runs the motor in a direction.
     fn run(&self, dir: i32) {
         self.motor_dir.set(dir);
         self.motor_fwd.set(dir > 0);
@@ -184,7 +184,7 @@ impl Magazine {
         self.motor_vel.set(vel);
     }
 
-    /// Where the change leads, and which way.
+    /// Determines the target of the change, and the direction.
     fn aim(&self) {
         let n = self.pocket.pockets();
         let way = i64::from(self.wanted()) - i64::from(self.pocket.position());
@@ -194,21 +194,21 @@ impl Magazine {
         self.run(dir);
     }
 
-    /// Tells a position loop where to go.
+    /// Writes the target for a position loop.
     fn lead(&self, dir: i32) {
         if let Some(counts) = self.pocket.counts_at(self.target.get(), dir) {
             self.counts_target.set(counts);
         }
     }
 
-    /// The pocket that `pocket-number` means.
+    /// Returns the pocket that `pocket-number` means.
     fn wanted(&self) -> i32 {
         let target = self.pocket_number.get().max(1).wrapping_sub(1) % self.pocket.pockets();
         self.target.set(target.wrapping_add(1));
         self.target.get()
     }
 
-    /// The position is that of the target.
+    /// Sets the position to the target.
     fn arrived(&mut self) {
         if self.rev_pulse.get() > 0.0 {
             self.motor_fwd.set(false);
@@ -243,7 +243,7 @@ impl Magazine {
             }
             self.active.set(true);
             let (dir, n) = (if self.jog_rev.get() { -1 } else { 1 }, self.pocket.pockets());
-            // Both at once lead back to where it is.
+            // Both at once lead back to the current pocket.
             let by = i32::from(self.jog_fwd.get()) - i32::from(self.jog_rev.get());
             let target = self.pocket.position().wrapping_add(by);
             let target = if target < 1 {
@@ -297,7 +297,7 @@ impl Magazine {
         }
     }
 
-    /// Looks for home: whether it is found.
+    /// Searches for home; returns whether it is found.
     fn home(&mut self) {
         if !self.pocket.is_home(self.index_enable.get()) {
             return;
@@ -314,7 +314,7 @@ impl Magazine {
         }
     }
 
-    /// The time left runs: whether it is over.
+    /// Counts the remaining time down; returns whether it is over.
     fn waited(&self, period: Period) -> bool {
         self.timer.set(self.timer.get() - period.secs());
         self.timer.get() > 0.0

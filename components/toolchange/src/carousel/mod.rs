@@ -9,9 +9,9 @@ use hal_component::{
 use magazine::Magazine;
 use pocket::{Encoding, Pocket};
 
-/// How many tool changers one load can make.
+/// Maximum number of tool changers in one load.
 const MOST: u32 = 8;
-/// How many pins a list of sensors can have.
+/// Maximum number of pins in a list of sensors.
 const MOST_SENSORS: i64 = 32;
 
 /// A rotary tool magazine.
@@ -123,7 +123,7 @@ getp carousel.0.motor-rev # -> FALSE
     }
 }
 
-/// The value for the magazine of this number: the last one goes on.
+/// Returns the value for the magazine of this number; the last value applies to all further magazines.
 fn at<T: Clone>(list: &[T], i: usize, without: T) -> T {
     list.get(i).or(list.last()).cloned().unwrap_or(without)
 }

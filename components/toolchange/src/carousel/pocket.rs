@@ -1,11 +1,11 @@
-//! Realtime. Which pocket of a magazine is at the spindle, by its sensors.
+//! Realtime. Sensors that determine the pocket of a magazine at the spindle.
 
 use hal_component::{Builder, Error, In, Out, ParamRo, ParamRw, Touch};
 
-/// Counts beside the middle of a pocket that are still its mark.
+/// Distance from the middle of a pocket that still counts as its mark, in counts.
 const AT_MARK: i32 = 2;
 
-/// How sensors tell a pocket.
+/// Encoding of the pocket by sensors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Encoding {
     Gray,
@@ -18,7 +18,7 @@ pub(super) enum Encoding {
 }
 
 impl Encoding {
-    /// The one of this name.
+    /// Returns the encoding of this name.
     pub(super) fn named(name: &str) -> Option<Self> {
         Some(match name {
             "gray" => Self::Gray,
@@ -32,13 +32,13 @@ impl Encoding {
         })
     }
 
-    /// The position is counted from a home that must be found.
+    /// Returns whether the position is counted from a home that must be found.
     const fn counts_from_home(self) -> bool {
         matches!(self, Self::Index | Self::Edge | Self::Counts)
     }
 }
 
-/// The sensors of a magazine, and where it is.
+/// Sensors of a magazine, and its position.
 #[derive(Touch)]
 pub(super) struct Pocket {
     strobe: In<bool>,
@@ -61,19 +61,19 @@ pub(super) struct Pocket {
     pockets: i32,
     #[state]
     odd: bool,
-    /// `sense-1` when it was counted last.
+    /// Last value of `sense-1`.
     #[state]
     was: bool,
-    /// A position that waits until it has been there for long enough, and how long it has.
+    /// A position that must persist before it counts, and the time that it has persisted.
     #[state]
     waiting: (i32, u32),
-    /// `unhome` in the run before.
+    /// Value of `unhome` in the previous run.
     #[state]
     unhomed: bool,
-    /// The pulse that counted last, or home, has not ended yet.
+    /// True until the last counted pulse, or home, has ended.
     #[state]
     passed: bool,
-    /// The mark of the alignment.
+    /// Mark of the alignment.
     #[state]
     mark: bool,
 }
@@ -164,12 +164,12 @@ impl Pocket {
         self.current_position.get()
     }
 
-    /// Home must be found first.
+    /// Returns whether home must be found first.
     pub(super) fn is_lost(&self) -> bool {
         self.encoding.counts_from_home() && !self.homed.get()
     }
 
-    /// With `encoding=counts`, the counts at a pocket that is reached in this direction.
+    /// Returns, with `encoding=counts`, the counts at a pocket that is approached in this direction.
     pub(super) fn counts_at(&self, target: i32, dir: i32) -> Option<f64> {
         if self.encoding != Encoding::Counts {
             return None;
@@ -184,7 +184,7 @@ impl Pocket {
         )
     }
 
-    /// The mark of the alignment.
+    /// Returns the mark of the alignment.
     pub(super) fn mark(&self) -> bool {
         self.mark
     }
@@ -193,18 +193,18 @@ impl Pocket {
         self.sense.get(i).is_some_and(In::get)
     }
 
-    /// Whether it is at home.
+    /// Returns whether the magazine is at home.
     pub(super) fn is_home(&self, index_enable: bool) -> bool {
         let sensed = self.sense(0) && (self.encoding == Encoding::Counts || self.sense(1));
         (sensed && !self.passed) || !index_enable
     }
 
-    /// Both sensors are TRUE.
+    /// Returns whether both sensors are TRUE.
     fn both(&self) -> bool {
         self.sense(0) && self.sense(1)
     }
 
-    /// Notes, when pockets go by, what must end before it counts again.
+    /// Records, while pockets pass, the signal that must end before the next one counts.
     pub(super) fn note(&mut self, seeks: bool) {
         match self.encoding {
             _ if seeks => self.passed = self.both(),
@@ -213,14 +213,14 @@ impl Pocket {
         }
     }
 
-    /// It is at home.
+    /// Sets the position to home.
     pub(super) fn found(&mut self) {
         self.homed.set(true);
         self.current_position.set(1);
         self.base_counts.set(self.counts.get().wrapping_sub(self.home_offset.get()));
     }
 
-    /// Looks where it is, while it turns in this direction.
+    /// Updates the position, while the magazine turns in this direction.
     pub(super) fn look(&mut self, dir: i32, turns: bool) {
         let code = self.sense.iter().rev().fold(0_u32, |code, s| code << 1 | u32::from(s.get()));
         match self.encoding {
@@ -228,9 +228,9 @@ impl Pocket {
             Encoding::Binary => self.read(code),
             Encoding::Bcd => self.read(bcd(code)),
             Encoding::Single => {
-                // That of the pocket where it was: a mark is left and reached before its number.
+                // The mark of the previous pocket: a mark is left and reached before its number.
                 let pocket = usize::try_from(self.position()).unwrap_or(0);
-                // Between pockets LinuxCNC takes the pin before the first for it.
+                // Between pockets, LinuxCNC reads the pin before the first one instead.
                 let between = self.parity.get();
                 self.mark = pocket.checked_sub(1).map_or(between, |i| self.sense(i));
                 if self.strobe.get() {
@@ -250,7 +250,7 @@ impl Pocket {
         self.unhomed = self.unhome.get();
     }
 
-    /// A code.
+    /// Handles a code.
     fn read(&mut self, code: u32) {
         self.mark = self.strobe.get();
         if !self.strobe.get() {
@@ -267,7 +267,7 @@ impl Pocket {
         }
     }
 
-    /// A position, which counts if it stays.
+    /// Handles a position, which counts if it persists.
     fn steady(&mut self, position: i32) {
         let (before, runs) = self.waiting;
         let runs = if before == position { runs.saturating_add(1) } else { 0 };
@@ -277,7 +277,7 @@ impl Pocket {
         }
     }
 
-    /// A pulse, or an end of one.
+    /// Handles a pulse, or the end of a pulse.
     fn pulse(&mut self, dir: i32, turns: bool) {
         self.check(false);
         self.mark = self.encoding == Encoding::Edge || self.sense(1);
@@ -301,7 +301,7 @@ impl Pocket {
         }
     }
 
-    /// Counts of an encoder.
+    /// Handles the counts of an encoder.
     fn count(&mut self) {
         self.mark = false;
         if !self.homed.get() {
@@ -333,7 +333,7 @@ fn gray(code: u32) -> u32 {
     all
 }
 
-/// Each four bits are a digit.
+/// Decodes BCD: each four bits are a digit.
 fn bcd(code: u32) -> u32 {
     (0..8)
         .rev()

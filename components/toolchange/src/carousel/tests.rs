@@ -89,7 +89,7 @@ fn single_switches() {
     assert_eq!(replay::<Carousel>(rows), 6);
 }
 
-/// Looks for home first, then counts pulses; enable may fall while it looks.
+/// Searches for home first, then counts pulses; enable may fall during the search.
 #[test]
 fn home_and_pulses() {
     let rows = "load carousel pockets=4 encoding=index
@@ -129,7 +129,7 @@ fn edges() {
     assert_eq!(replay::<Carousel>(rows), 6);
 }
 
-/// An encoder: home at its index, offset, width, and what a position loop needs.
+/// An encoder: home at its index, offset, width, and the signals for a position loop.
 #[test]
 fn counts() {
     let rows = "load carousel pockets=6 encoding=counts
@@ -202,7 +202,7 @@ fn alignment() {
     assert_eq!(replay::<Carousel>(rows), 7);
 }
 
-/// One pocket on, round the end; the other way only where it turns both ways.
+/// Moves one pocket, across the end as well; backwards only if the magazine turns both ways.
 #[test]
 fn jogs() {
     let rows = "load carousel pockets=3 encoding=binary
@@ -222,7 +222,7 @@ fn jogs() {
     assert_eq!(replay::<Carousel>(rows), 6);
 }
 
-/// A code counts when it stayed.
+/// A code counts once it has persisted.
 #[test]
 fn bouncing() {
     let rows = "load carousel pockets=3 encoding=binary
@@ -254,7 +254,7 @@ fn lists() {
     assert!(b.names().iter().any(|n| n == "carousel.0.sense-3 bit IN"));
 }
 
-/// Each names the argument and its range, and leaves nothing behind.
+/// Each refusal names the argument and its range, and leaves nothing behind.
 #[test]
 fn refusals() {
     for (args, said) in [

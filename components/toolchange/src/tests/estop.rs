@@ -1,4 +1,4 @@
-//! The e-stop: at once, and aloud when the outside does not follow.
+//! The e-stop: immediate, and reported if the external chain does not follow.
 
 use super::Rig;
 use crate::Iocontrol;
@@ -46,7 +46,7 @@ impl Update for Read {
 }
 
 impl Rig {
-    /// With the interlock, and who reads it.
+    /// A rig with the interlock and a reader of it.
     fn read() -> Self {
         let mut bench = Bench::new();
         bench.load::<Iocontrol>(&["interlock=1"]).unwrap();
@@ -54,19 +54,19 @@ impl Rig {
         Self(bench)
     }
 
-    /// What the reader sees in a cycle of its own.
+    /// Returns the state that the reader sees in a cycle of its own.
     fn is_released(&self) -> bool {
         self.0.run("reader", 1_000_000);
         self.0.get("reader.released")
     }
 
-    /// The states of the last commands.
+    /// Returns the states of the last commands.
     fn last<const N: usize>(&self) -> [TicketState; N] {
         let all = self.0.tickets();
         core::array::from_fn(|n| all[all.len() - N + n])
     }
 
-    /// The end of the last command, ten cycles after the one that took it up.
+    /// Returns the result of the last command, ten cycles after the one that received it.
     fn at_last(&self, reads: bool) -> TicketState {
         for _ in 0..11 {
             assert_eq!(self.ticket(), Some(TicketState::Pending));
@@ -93,7 +93,7 @@ fn the_interlock_is_released_only_while_both_sides_are() {
     assert!(!rig.is_released());
     rig.set("emc-enable-in", true);
     assert!(rig.is_released());
-    // Before the task, and although the chain does not follow.
+    // Before the task runs, and although the chain does not follow.
     rig.say("estop");
     assert!(!rig.is_released());
     assert_eq!(rig.on(), [""; 0]);
@@ -152,7 +152,7 @@ fn a_chain_that_does_not_follow_is_told_aloud() {
     assert!(rig.0.is_awaited());
     assert_eq!(rig.at_last(false), TicketState::Failed(STAYS));
     assert_eq!(rig.0.said(), [STAYS]);
-    // With the interlock motion is off all the same.
+    // With the interlock, motion is off all the same.
     let rig = Rig::read();
     rig.set("emc-enable-in", true);
     rig.say("estop-reset");
@@ -167,7 +167,7 @@ fn a_chain_that_does_not_follow_is_told_aloud() {
     rig.cycle();
     assert_eq!(rig.ticket(), Some(TicketState::Failed("the machine is in e-stop")));
     assert!(!rig.is_released());
-    // An older one is answered as well.
+    // An older command is answered as well.
     rig.say("estop");
     rig.say("estop");
     assert_eq!(rig.at_last(true), TicketState::Failed(STAYS_LOCKED));
@@ -177,7 +177,7 @@ fn a_chain_that_does_not_follow_is_told_aloud() {
 #[test]
 fn motion_that_no_longer_reads_the_interlock_is_told_aloud() {
     let rig = Rig::read();
-    // Nobody has read it yet: nothing moves.
+    // No component has read it yet: nothing moves.
     rig.say("estop");
     rig.cycle();
     assert_eq!(rig.ticket(), Some(TicketState::Done));
@@ -187,7 +187,7 @@ fn motion_that_no_longer_reads_the_interlock_is_told_aloud() {
     assert!(!rig.0.is_awaited());
     assert_eq!(rig.at_last(false), TicketState::Failed(UNREAD));
     assert_eq!(rig.0.said(), [UNREAD]);
-    // By now it is known, and the caller waits.
+    // The reader is now known, and the caller waits.
     rig.say("estop");
     assert!(rig.0.is_awaited());
     rig.is_released();
@@ -211,7 +211,7 @@ fn an_estop_overtakes_what_waits() {
     assert_eq!(prepare, TicketState::Failed("the machine is in e-stop"));
     assert_eq!(reset, TicketState::Failed("e-stop"));
     assert_eq!(estop, TicketState::Pending);
-    // One that comes after it does, and the e-stop is no longer looked after.
+    // A reset after it does, and the task no longer monitors the e-stop.
     rig.say("estop-reset");
     rig.cycle();
     assert_eq!(rig.last::<2>()[0], TicketState::Failed("superseded by iocontrol.estop-reset"));
