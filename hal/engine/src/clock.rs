@@ -14,7 +14,7 @@ const LONGEST_SLEEP_NS: i64 = 10_000_000;
 /// Runs the virtual clock up to `until`, for at most `instants` instants at which a thread is due.
 /// Everything due at one instant runs, faster threads first. Returns early if a probe that must
 /// lose nothing has no room, if the control side should take messages, if a function fails, or if
-/// the control side is wanted elsewhere.
+/// the control side must return from its current work ([`ends::is_wanted`]).
 pub(crate) fn turn(shared: &Shared, probes: &Probes, until: i64, instants: u32) {
     let threads = shared.threads.load();
     let idle = !shared.boundary.is_running() || shared.fault.get().is_some();

@@ -284,7 +284,7 @@ impl Engine {
         Ok(info)
     }
 
-    /// Returns an error if `lock` is set.
+    /// Returns an error if a bit of `lock` is set in the instance's lock.
     pub(crate) const fn unlocked(&self, lock: Lock, what: &'static str) -> Result<(), Error> {
         if self.lock.0 & lock.0 == 0 { Ok(()) } else { Err(Error::Locked { what }) }
     }

@@ -34,7 +34,8 @@ pub(crate) fn reserve(bytes: usize) -> Option<NonNull<u8>> {
     Some(at)
 }
 
-/// Backs a part of a reservation with memory; locks and touches it if the system allows.
+/// Backs a part of a reservation with memory. If `lock` is true and the system allows it, also
+/// locks that memory, which makes its pages present.
 pub(crate) fn commit(at: NonNull<u8>, bytes: usize, lock: bool) -> bool {
     // SAFETY: within a reservation of ours.
     let status =
@@ -119,7 +120,7 @@ pub(crate) fn fifo_refusal(priority: i32) -> Option<String> {
 
 /// Ends this process at once, with this status.
 pub(crate) fn end_with(status: i32) -> ! {
-    // SAFETY: nothing of this process is left to look after.
+    // SAFETY: ends the process; no cleanup of this process is needed.
     unsafe { libc::_exit(status) }
 }
 

@@ -73,8 +73,8 @@ pub(crate) struct Probe {
     lost: AtomicU64,
 }
 
-// SAFETY: only `look` uses the producer, and it runs in one thread at a time; `has_room` is called
-// only while no cycle is in progress.
+// SAFETY: only `look` changes the producer, and it runs in one thread at a time; `has_room` reads
+// the producer only for probes that hold the virtual clock, while no cycle is in progress.
 unsafe impl Sync for Probe {}
 
 impl Probe {
@@ -133,11 +133,11 @@ impl Probe {
         }
     }
 
-    /// Returns whether the next reading can store everything, even if every value has changed.
-    /// Called only while no cycle is in progress.
+    /// Returns whether the next reading can store everything, even if every value has changed. For
+    /// a probe that puts records into a ring, call it only while no cycle is in progress.
     pub(crate) fn has_room(&self) -> bool {
         match &self.sink {
-            // SAFETY: no cycle is in progress, so `look` is not running.
+            // SAFETY: the caller ensures that no cycle is in progress, so `look` is not running.
             Sink::Records { producer, .. } => unsafe { &*producer.get() }.room() > 0,
             Sink::Changes { queue, .. } => queue.capacity() - queue.len() >= self.sources.len(),
         }

@@ -191,7 +191,8 @@ impl Engine {
     }
 
     /// Appends all channels that match a pattern: pins and parameters by name, then signals by
-    /// name.
+    /// name. Skips the engine's time items, simulated registers that the pattern does not spell
+    /// out, and nodes that `out` already has.
     fn matching(&self, word: &str, out: &mut Vec<Channel>) {
         let (pattern, signals_only) = match word.strip_prefix("sig:") {
             Some(pattern) => (pattern, true),

@@ -60,7 +60,7 @@ struct Case {
 enum Verdict {
     /// The call is new.
     Fine,
-    /// The thread was in the same call at the last look.
+    /// The thread was in the same call at the last observation.
     Suspect,
     /// The call has exceeded its limit.
     Stuck,

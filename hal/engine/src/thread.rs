@@ -117,8 +117,9 @@ pub(crate) struct Thread {
     /// Number of cycles that never began, because another cycle took their time or the process was
     /// stopped.
     pub(crate) missed: AtomicU64,
-    /// Data of the last overrun: the function that took longest (`NOBODY` if the cycle itself began
-    /// too late), how late the cycle began and how long it took, in nanoseconds.
+    /// Data of the last overrun: the function that took longest (`NOBODY` if the cycle began later
+    /// than it took, or if functions are not timed), how late the cycle began and how long it took,
+    /// in nanoseconds.
     pub(crate) guilty: AtomicU32,
     pub(crate) over_late: AtomicI64,
     pub(crate) over_took: AtomicI64,

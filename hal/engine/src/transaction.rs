@@ -58,7 +58,8 @@ pub(crate) struct Transaction {
     undo: Vec<Undo>,
     orders: BTreeMap<Ix, Order>,
     before: Option<Before>,
-    /// New places that threads see before the boundary, and memory of new components themselves.
+    /// `seen`: addresses of new slots and cells that threads see before the boundary. `own`:
+    /// addresses in the own memory of new components, which no thread uses yet.
     pub(crate) seen: BTreeSet<usize>,
     pub(crate) own: BTreeSet<usize>,
 }
