@@ -1,5 +1,5 @@
 //! Samples through shared rings: each cycle or each n-th, of every kind of item; samples that do not fit into a ring
-//! are counted exactly, and readers that exit, stop or overwrite the memory harm nobody.
+//! are counted exactly, and readers that exit, stop or overwrite the memory disturb no other program.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use hal_engine::{ClockKind, Engine};

@@ -1,4 +1,4 @@
-//! The controller on the bench: motors that follow, and eyes on every cycle.
+//! Test bench of the controller: motors that follow, and checks of every cycle.
 
 mod command;
 mod fault;
@@ -18,39 +18,39 @@ use crate::Motmod;
 use hal_component::{Component, abi::TicketState, bench::Bench};
 use trivkins::Trivkins;
 
-/// The servo period in nanoseconds, and in seconds.
+/// Servo period in nanoseconds, and in seconds.
 const PERIOD: i64 = 1_000_000;
 const DT: f64 = 1e-3;
 
-/// The limits of the joints: velocity, acceleration, lowest and highest position.
+/// Limits of the joints: velocity, acceleration, lowest and highest position.
 const LIMITS: [(f64, f64, f64, f64); 3] =
     [(90.0, 1350.0, -50.0, 200.0), (90.0, 1350.0, -50.0, 200.0), (10.0, 35.0, -100.0, 100.0)];
 
-/// A machine of three joints whose motors are where they were commanded to be.
+/// A machine of three joints whose motors are at their commanded positions.
 struct Rig {
     bench: Bench,
-    /// Motors that do not follow.
+    /// True for motors that do not follow.
     stuck: [bool; 3],
-    /// The last two commands and velocities of each joint.
+    /// Last two commands and velocities of each joint.
     seen: [(f64, f64); 3],
-    /// Whether velocity and acceleration are held against the limits.
+    /// True if velocity and acceleration are checked against the limits.
     strict: bool,
 }
 
 impl Rig {
-    /// Configured and off.
+    /// Returns a machine that is configured and off.
     fn off(kinematics: &[&str]) -> Self {
         let mut bench = Bench::new();
         bench.load::<Trivkins>(kinematics).unwrap();
         Self::with(bench)
     }
 
-    /// The same, with the kinematics that are on the bench.
+    /// Returns the same machine, with the kinematics that are on the bench.
     fn with(bench: Bench) -> Self {
         Self::of::<Motmod>(bench)
     }
 
-    /// The same, with a motion controller that tests have changed.
+    /// Returns the same machine, with a modified motion controller.
     fn of<M: Component>(mut bench: Bench) -> Self {
         bench.load::<M>(&["num_joints=3", "num_misc_error=2"]).unwrap();
         let rig = Self { bench, stuck: [false; 3], seen: [(0.0, 0.0); 3], strict: true };
@@ -64,21 +64,21 @@ impl Rig {
         rig
     }
 
-    /// Configured and on.
+    /// Returns a machine that is configured and on.
     fn on(kinematics: &[&str]) -> Self {
         let mut rig = Self::off(kinematics);
         rig.done("motion.enable");
         rig
     }
 
-    /// On, and every joint homed at zero.
+    /// Returns a machine that is on, with every joint homed at zero.
     fn homed(kinematics: &[&str]) -> Self {
         let mut rig = Self::on(kinematics);
         rig.done("motion.home joint=all");
         rig
     }
 
-    /// Commands; refused at once: the reason.
+    /// Sends a command; returns the reason if it is refused at once.
     fn try_say(&self, text: &str) -> Result<Vec<String>, String> {
         let mut words = text.split_whitespace();
         let name = words.next().unwrap();
@@ -89,7 +89,7 @@ impl Rig {
         self.try_say(text).unwrap_or_else(|e| panic!("{text}: {e}"))
     }
 
-    /// Commands and waits for the end of it: the reason when it was given up.
+    /// Sends a command and waits for its end; returns the reason if it fails.
     fn wait(&mut self, text: &str) -> Result<(), &'static str> {
         self.say(text);
         self.end()
@@ -115,7 +115,7 @@ impl Rig {
         self.wait(text).expect_err(text)
     }
 
-    /// One servo cycle; joints on the way are held against their limits.
+    /// Runs one servo cycle; checks the limits of joints that move.
     fn cycle(&mut self) {
         self.bench.pass(PERIOD);
         self.bench.run("motion-command-handler", PERIOD);
@@ -157,13 +157,13 @@ impl Rig {
         self.bench.get(pin)
     }
 
-    /// The bits out of a list that are TRUE.
+    /// Returns the bits of a list that are TRUE.
     fn which<'p>(&self, pins: &[&'p str]) -> Vec<&'p str> {
         pins.iter().copied().filter(|p| self.is(p)).collect()
     }
 }
 
-/// Asserts that two numbers are as close as the planner goes.
+/// Asserts that two numbers are equal within the planner's deadband.
 fn near(a: f64, b: f64) {
     assert!((a - b).abs() < 2e-6, "{a} is not {b}");
 }

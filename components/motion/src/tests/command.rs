@@ -1,4 +1,4 @@
-//! Commands: what they answer and refuse, modes, homing, spindles.
+//! Commands: replies and refusals, modes, homing, spindles.
 
 use super::{Rig, near};
 use crate::Motmod;
@@ -141,7 +141,7 @@ fn commands_wait_for_the_thread() {
     assert_eq!(bench.command("motion.enable", &[]).unwrap_err(), full);
     assert_eq!(bench.ticket(), Some(TicketState::Failed("too many commands wait")));
     assert_eq!(bench.command("motion.configure", &["joint=0", "home=2"]).unwrap_err(), full);
-    // Sixteen in a cycle.
+    // Sixteen commands per cycle.
     bench.run("motion-command-handler", 1_000_000);
     (0..16).for_each(|_| {
         bench.command("motion.configure", &["joint=0", "home=1"]).unwrap();
@@ -166,7 +166,7 @@ fn modes_change_when_the_machine_stands() {
     assert_eq!(rig.failed("motion.move x=0 velocity=9"), moving);
     rig.done("motion.jog-stop");
     let at = rig.joint(0, "pos-cmd");
-    // Moves and jogs change the mode themselves, and go on from where the machine is.
+    // Moves and jogs change the mode themselves, and continue from the current position.
     rig.say("motion.move y=20 velocity=50");
     rig.cycles(10);
     assert_eq!(rig.which(&modes), ["motion.coord-mode"]);
@@ -198,7 +198,7 @@ fn homing_names_the_place_and_goes_home() {
     rig.say("motion.home joint=0");
     rig.cycles(3);
     assert!(rig.is("joint.0.homing") && !rig.is("joint.0.homed"));
-    // The place has another name, and the motor has not moved.
+    // The position is redefined, and the motor has not moved.
     assert_eq!(rig.joint(0, "motor-pos-cmd"), motor);
     near(rig.joint(0, "pos-cmd"), 3.0);
     near(rig.joint(0, "motor-offset"), 4.0);
@@ -221,7 +221,7 @@ fn homing_names_the_place_and_goes_home() {
     assert_eq!(rig.which(&["joint.0.homed", "joint.1.homed"]), ["joint.0.homed"]);
 }
 
-/// The figure is LinuxCNC 2.9's, shown for the same joint on the same way.
+/// The figure is LinuxCNC 2.9's, displayed for the same joint on the same travel.
 #[test]
 fn the_bit_of_the_way_that_is_not_gone() {
     let mut rig = Rig::on(&[]);

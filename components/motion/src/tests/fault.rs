@@ -1,11 +1,11 @@
-//! What switches the machine off.
+//! Causes that switch the machine off.
 
 use super::{Rig, near};
 
 const AMPS: [&str; 3] =
     ["joint.0.amp-enable-out", "joint.1.amp-enable-out", "joint.2.amp-enable-out"];
 
-/// Everything is off, and commands follow the motors.
+/// Asserts that everything is off, and that commands follow the motors.
 fn is_off(rig: &mut Rig) {
     rig.strict = false;
     rig.cycles(2);
@@ -61,7 +61,7 @@ fn each_cause_switches_off_and_is_told_once() {
             assert_eq!(rig.which(&AMPS), AMPS);
             rig.bench.set(pin, value);
             if text.contains("home") && pin.ends_with("lim-sw-in") {
-                // Homing is allowed to stand on a switch.
+                // Homing may begin on a limit switch.
                 rig.cycles(1);
                 assert!(rig.is("motion.motion-enabled"));
                 continue;
@@ -116,7 +116,7 @@ fn feedback_that_is_no_number_is_a_following_error() {
             assert!(!rig.is("motion.motion-enabled"));
             assert_eq!(rig.bench.said(), ["joint 1 following error"]);
             assert!(rig.joint(1, "motor-pos-cmd").is_finite());
-            // It cannot be switched on like that.
+            // It cannot be switched on in this state.
             assert_eq!(rig.failed("motion.enable"), "joint following error");
             assert_eq!(rig.which(&AMPS), [""; 0]);
             rig.strict = false;

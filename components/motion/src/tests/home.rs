@@ -5,11 +5,12 @@ use super::{DT, LIMITS, Rig, near};
 /// Joint 0 on a rail, with a home switch and an encoder that has an index.
 struct Rail {
     rig: Rig,
-    /// Where the switch is closed.
+    /// Range in which the switch is closed.
     switch: (f64, f64),
-    /// How far apart the index pulses are; none without.
+    /// Distance between index pulses; infinite without an index.
     pitch: f64,
-    /// Where the encoder is zero, where the joint is and was, and whether its index sets it to zero.
+    /// Position of the encoder's zero on the rail, the joint's position and speed, and whether the index resets the
+    /// encoder.
     zero: f64,
     at: f64,
     speed: f64,
@@ -27,7 +28,7 @@ impl Rail {
             rig,
             switch,
             pitch: f64::INFINITY,
-            // Nobody knows where the joint is.
+            // The zero of the encoder is unrelated to the joint's position.
             zero: start - 5.0,
             at: start,
             speed: 0.0,
@@ -69,7 +70,7 @@ impl Rail {
         }
     }
 
-    /// Homes it: where the joint's zero is on the rail.
+    /// Homes the joint; returns the position of the joint's zero on the rail.
     fn home(&mut self) -> Result<f64, &'static str> {
         self.rig.say("motion.home joint=0");
         self.cycle();
@@ -83,14 +84,14 @@ impl Rail {
     }
 }
 
-/// The edge is found as exactly as the latch velocity goes in two cycles.
+/// The edge is found within the distance that the latch velocity covers in two cycles.
 #[test]
 fn on_a_switch() {
     let config = "home-offset=-3 home=2 home-final-vel=50 max-velocity=90";
     for (search, latch, switch, start, edge, states) in [
         // Onto the switch at the end, back, and slowly onto it.
         (-20.0, -1.0, (-99.0, -40.0), 7.0, -40.0, &[6, 7, 9, 10, 11, 12, 20, 21, 0][..]),
-        // The same with a slow way off it.
+        // The same with a slow search off the switch.
         (-20.0, 1.0, (-99.0, -40.0), 7.0, -40.0, &[6, 7, 13, 14, 20, 21, 0]),
         // It begins on the switch.
         (-20.0, 1.0, (-99.0, -40.0), -41.0, -40.0, &[4, 5, 6, 7, 13, 14, 20, 21, 0]),
@@ -107,7 +108,7 @@ fn on_a_switch() {
         assert!(off.abs() <= 2.0 * f64::abs(latch) * DT, "{off} of {search} {latch}");
         near(rail.rig.joint(0, "pos-cmd"), 2.0);
         assert_eq!(rail.states, states, "{search} {latch}");
-        // Again from where it is: the same place.
+        // A second homing finds the same position.
         let again = rail.home().unwrap();
         assert!((again - zero).abs() <= 2.0 * f64::abs(latch) * DT);
     }
@@ -119,14 +120,14 @@ fn on_the_index() {
     for (resets, reset) in [(true, ""), (false, " home-index-no-encoder-reset=1")] {
         for (search, edge, states) in [
             (" home-search-vel=20", 32.0, &[6, 7, 9, 10, 11, 12, 18, 20, 21, 0][..]),
-            // Without a switch: the first that comes.
+            // Without a switch: the first index pulse.
             ("", 8.0, &[16, 18, 20, 21, 0]),
         ] {
             let mut rail = Rail::new((30.5, 99.0), 7.0, &format!("{config}{search}{reset}"));
             rail.pitch = 2.0;
             rail.resets = resets;
             let zero = rail.home().unwrap();
-            // An encoder that is reset latches the place itself.
+            // An encoder that resets itself latches the exact position.
             let room = if resets { 1e-9 } else { 2.0 * 0.5 * DT };
             assert!((zero - 1.5 - edge).abs() <= room, "{zero} {edge}");
             near(rail.rig.joint(0, "pos-cmd"), 4.0);
@@ -141,12 +142,12 @@ fn with_an_absolute_encoder() {
     for (encoder, states, place) in [(1, &[15, 20, 21, 0][..], 2.0), (2, &[15, 20, 21, 0], 8.0)] {
         let config = format!("home-absolute-encoder={encoder} home-offset=3 home=2");
         let mut rail = Rail::new((90.0, 99.0), 7.0, &config);
-        // The encoder tells 5: the joint is at 8.
+        // The encoder reads 5: the joint is at 8.
         rail.home().unwrap();
         near(rail.rig.joint(0, "pos-cmd"), place);
         assert_eq!(rail.states, states);
         near(rail.rig.joint(0, "motor-offset"), -3.0);
-        // Once more does not shift it.
+        // A second homing does not shift it.
         rail.home().unwrap();
         near(rail.rig.joint(0, "pos-cmd"), place);
     }
@@ -177,7 +178,7 @@ fn what_ends_homing() {
     let said = ["j0 hit limit in home state 7", "joint 0 on limit switch error"];
     assert_eq!(rail.rig.bench.said(), said);
 
-    // Unless it is told to ignore it.
+    // Unless it is configured to ignore the limit switch.
     for ignores in [false, true] {
         let config = format!("{config} home-ignore-limits={}", u8::from(ignores));
         let mut rail = Rail::new((10.0, 99.0), 0.0, &config);
@@ -189,7 +190,7 @@ fn what_ends_homing() {
         }
     }
 
-    // The switch opens while it rests, and closes.
+    // The switch opens while the joint rests, and closes.
     for (start, flips, said) in [
         (11.0, false, "j0 home switch inactive before start of backoff move in home state 4"),
         (0.0, true, "j0 home switch active before start of search move in home state 6"),
@@ -204,7 +205,7 @@ fn what_ends_homing() {
         assert_eq!(rail.rig.bench.said(), [said]);
     }
 
-    // Whoever waits for the index no longer does.
+    // The wait for the index has ended.
     let mut rail = Rail::new((10.0, 99.0), 0.0, "home-latch-vel=1 home-use-index=1");
     rail.rig.say("motion.home joint=0");
     while !rail.rig.is("joint.0.index-enable") {
@@ -255,7 +256,7 @@ fn what_cannot_be_homed() {
     assert_eq!(rig.try_say("motion.configure axis=x home-use-index=1"), Err(alone.into()));
 }
 
-/// Which joints are homing, each time that it changes.
+/// Returns the sets of joints that are homing, one entry for each change.
 fn turns(rig: &mut Rig, text: &str) -> Vec<Vec<usize>> {
     rig.say(text);
     let mut out: Vec<Vec<usize>> = Vec::new();
@@ -280,11 +281,11 @@ fn one_after_the_other() {
     assert!(rig.is("motion.is-all-homed"));
     rig.say("motion.configure joint=2 home-sequence=2");
     assert_eq!(turns(&mut rig, "motion.home joint=all"), [vec![0], vec![1, 2]]);
-    // One alone.
+    // A single joint.
     assert_eq!(turns(&mut rig, "motion.home joint=1"), [[1]]);
 }
 
-/// Below zero: homed together, whichever is asked for, and both set out for home at once.
+/// Negative sequence: homed together, whichever joint is requested, and both begin the final move at once.
 #[test]
 fn together() {
     let mut rig = Rig::on(&[]);
@@ -315,7 +316,7 @@ fn together() {
     let [(1, a), (2, b)] = left[..] else { panic!("{left:?}") };
     assert_eq!(a, b);
     assert_eq!(rig.which(&["joint.0.homed", "joint.1.homed", "joint.2.homed"]).len(), 2);
-    // What ends one ends both.
+    // An abort of one aborts both.
     rig.say("motion.home joint=1");
     rig.cycles(5);
     rig.bench.set("joint.1.pos-lim-sw-in", true);

@@ -1,4 +1,4 @@
-//! The e-stop of iocontrol, which no wiring can go round.
+//! The e-stop of iocontrol, which no wiring can bypass.
 
 use super::{PERIOD, Rig, near};
 use hal_component::{abi::TicketState, bench::Bench};
@@ -36,7 +36,7 @@ impl Rig {
         assert_eq!(self.bench.ticket(), Some(TicketState::Done));
     }
 
-    /// A cycle of iocontrol's task.
+    /// Runs a cycle of iocontrol's task.
     fn task(&self) {
         self.bench.run("iocontrol", 100 * PERIOD);
     }
@@ -78,7 +78,7 @@ fn an_estop_stops_everything_in_the_cycle_in_which_it_comes() {
             assert!(rig.is("spindle.0.brake") && rig.is("motion.in-position"));
             assert_eq!(rig.bench.tickets()[waits], TicketState::Failed(cause), "{text}");
             assert_eq!(rig.bench.said(), [cause], "{text}");
-            // The end of the e-stop is no beginning of anything.
+            // The end of the e-stop starts nothing.
             let places = rig.places();
             rig.bench.set("iocontrol.0.emc-enable-in", false);
             rig.cycles(3);
@@ -101,7 +101,7 @@ fn enabling_in_estop_is_refused_with_what_ends_it() {
     let open = "can't enable motion, the machine is in e-stop: {iocontrol.0.emc-enable-in} is \
                 FALSE. It ends when that is TRUE; iocontrol.estop-reset resets a latch in the \
                 chain";
-    // As it comes up, with and without the chain.
+    // At startup, with and without the chain.
     for chain in [false, true] {
         rig.bench.set("iocontrol.0.emc-enable-in", chain);
         assert_eq!(rig.failed("motion.enable"), commanded);

@@ -28,7 +28,7 @@ fn goes_as_fast_as_it_is_told() {
     assert_eq!(rig.joint(0, "acc-cmd"), 0.0);
     assert_eq!(rig.joint(0, "free-vel-lim"), 50.0);
     assert_eq!(rig.float("motion.current-vel"), 50.0);
-    // Not homed: as far as the whole range from where it stood.
+    // Not homed: as far as the whole range from its starting position.
     near(rig.joint(0, "free-pos-cmd"), -250.0);
     let pins = ["joint.0.kb-jog-active", "joint.0.wheel-jog-active", "joint.0.free-tp-enable"];
     assert_eq!(rig.which(&pins), ["joint.0.kb-jog-active", "joint.0.free-tp-enable"]);
@@ -58,12 +58,12 @@ fn soft_limits_hold_when_homed() {
         rig.bench.said(),
         ["jog of joint 2 ends at its limit, 100", "jog of joint 2 ends at its limit, -100"]
     );
-    // At the limit, farther is nowhere, and back is free.
+    // At the limit, motion beyond is not possible, and motion back is.
     rig.done("motion.jog joint=0 velocity=90 distance=10");
     near(rig.joint(0, "pos-cmd"), 200.0);
     rig.done("motion.jog joint=0 velocity=90 distance=-10");
     near(rig.joint(0, "pos-cmd"), 190.0);
-    // A joint that is unhomed has none.
+    // A joint that is unhomed has no soft limits.
     rig.done("motion.unhome joint=0");
     rig.done("motion.jog joint=0 velocity=90 position=210");
     near(rig.joint(0, "pos-cmd"), 210.0);
@@ -137,12 +137,12 @@ fn an_axis_obeys_the_slowest_of_its_joints() {
     near(rig.joint(1, "pos-cmd"), 20.0);
     assert_eq!(rig.joint(1, "pos-cmd"), rig.joint(2, "pos-cmd"));
     assert_eq!(rig.float("axis.y.teleop-vel-lim"), 10.0);
-    // And the narrowest limits: y ends at 100 above, at -50 below.
+    // The narrowest limits apply as well: y ends at 100 above, at -50 below.
     rig.done("motion.jog axis=y velocity=90 position=500");
     near(rig.joint(1, "pos-cmd"), 100.0);
     rig.done("motion.jog axis=y velocity=90 position=-500");
     near(rig.joint(1, "pos-cmd"), -50.0);
-    // Its own limits, where they are narrower.
+    // The limits of the axis, where they are narrower.
     rig.say("motion.configure axis=y max-limit=30 max-velocity=4");
     rig.done("motion.jog axis=y velocity=90 position=500");
     near(rig.joint(1, "pos-cmd"), 30.0);
@@ -155,7 +155,7 @@ fn a_wheel_moves_a_joint() {
     rig.bench.set("joint.0.jog-scale", 0.1);
     rig.bench.set("joint.0.jog-counts", i32::MAX);
     rig.cycles(2);
-    // Not enabled: counts are forgotten. They may wrap.
+    // Not enabled: counts are discarded. They may wrap.
     assert_eq!(rig.joint(0, "pos-cmd"), 0.0);
     rig.bench.set("joint.0.jog-enable", true);
     rig.cycles(1);
@@ -164,7 +164,7 @@ fn a_wheel_moves_a_joint() {
     assert!(rig.is("joint.0.wheel-jog-active") && !rig.is("joint.0.kb-jog-active"));
     rig.cycles(1000);
     near(rig.joint(0, "pos-cmd"), 1.0);
-    // Slower acceleration; nonsense counts as one, zero moves nothing.
+    // Lower acceleration; values out of range count as 1, zero disables motion.
     rig.bench.set("joint.0.jog-accel-fraction", 0.5);
     rig.bench.set("joint.0.jog-counts", i32::MIN + 509);
     rig.cycles(2);
@@ -199,7 +199,7 @@ fn a_wheel_in_velocity_mode_stops_when_it_does() {
     rig.cycles(1);
     rig.bench.set("joint.0.jog-counts", 150_i32);
     rig.cycles(2000);
-    // Only the way that braking from full speed takes.
+    // Only the braking distance from full speed.
     near(rig.joint(0, "pos-cmd"), 90.0 * 90.0 / 2.0 / 1350.0);
 }
 
@@ -227,7 +227,7 @@ fn limits_that_change_on_the_way_are_obeyed_by_braking() {
     rig.cycles(500);
     rig.say("motion.configure joint=0 max-velocity=10");
     rig.cycles(100);
-    // The jog keeps the speed it was begun with; the next one obeys.
+    // The current jog keeps its speed; the next one uses the new speed.
     rig.done("motion.jog-stop joint=0");
     rig.say("motion.jog joint=0 velocity=90");
     rig.cycles(500);

@@ -1,4 +1,4 @@
-//! Commands that would jump: whatever is wrong in motion, the motor does not learn of it.
+//! Commands that would jump: no error inside motion reaches a motor.
 
 use super::{DT, LIMITS, Rig, near};
 use crate::{controller::Controller, joint::Joint, make};
@@ -8,10 +8,10 @@ use hal_component::{
     bench::{Bench, Random},
 };
 
-/// `motmod` in which something is wrong while `wrong.how` is not 0.
+/// `motmod` with an error while `wrong.how` is not 0.
 pub(super) struct Wrong;
 
-/// The controller, and something that spoils joint `wrong.joint` between planning and output.
+/// The controller, and code that corrupts joint `wrong.joint` between planning and output.
 #[derive(Touch)]
 struct Spoilt {
     controller: Controller,
@@ -59,7 +59,7 @@ impl Update for Spoilt {
             6 => joint.pos_cmd = f64::INFINITY,
             7 => joint.motor_offset = f64::NAN,
             8 => joint.backlash.pos = f64::NAN,
-            // Position and offset together: another name for the same place.
+            // Position and offset together: the position is redefined without motion.
             9 => rename(joint, by),
             how => panic!("wrong.how is {how}"),
         }
@@ -74,7 +74,7 @@ fn rename(joint: &mut Joint, by: f64) {
     joint.motor_offset -= by;
 }
 
-/// Homed, with a motion controller that can go wrong.
+/// Returns a homed machine whose motion controller can fail.
 fn rig() -> Rig {
     let mut bench = Bench::new();
     bench.load::<trivkins::Trivkins>(&["kinstype=b"]).unwrap();
@@ -96,7 +96,7 @@ fn rig() -> Rig {
     rig
 }
 
-/// Spoils one cycle.
+/// Corrupts one cycle.
 fn spoil(rig: &mut Rig, how: i32, joint: i32, by: f64) {
     rig.bench.set("wrong.how", how);
     rig.bench.set("wrong.joint", joint);
@@ -108,7 +108,7 @@ fn spoil(rig: &mut Rig, how: i32, joint: i32, by: f64) {
 const AMPS: [&str; 3] =
     ["joint.0.amp-enable-out", "joint.1.amp-enable-out", "joint.2.amp-enable-out"];
 
-/// The machine is off, the motors were told nothing new, and the cause is kept.
+/// Asserts that the machine is off, that no new command was written to the motors, and that the cause is kept.
 fn has_stopped(rig: &mut Rig, before: [f64; 3], by: &str) -> String {
     assert_eq!(rig.which(&AMPS), [""; 0], "{by}");
     assert!(!rig.is("motion.motion-enabled"), "{by}");
@@ -119,7 +119,7 @@ fn has_stopped(rig: &mut Rig, before: [f64; 3], by: &str) -> String {
     let status = rig.say("motion.status");
     assert!(status[1].starts_with("jump joint="), "{status:?}");
     assert!(status[1].ends_with(&format!(" by {by}")), "{status:?}");
-    // It stays where it is, and the cause is there until the machine is on again.
+    // The motor stays in place, and the cause is shown until the machine is on again.
     rig.cycles(50);
     (0..3).for_each(|n| near(rig.joint(n, "motor-pos-cmd"), before[n]));
     assert!(rig.bench.said().is_empty());
@@ -128,7 +128,7 @@ fn has_stopped(rig: &mut Rig, before: [f64; 3], by: &str) -> String {
     said[0].clone()
 }
 
-/// Brings a joint into motion, and names what moves it then.
+/// Sets a joint in motion, and returns the name of the source of the motion.
 type Begin = fn(&mut Rig) -> &'static str;
 
 const WAYS: [Begin; 9] = [
@@ -217,7 +217,7 @@ fn the_message_says_which_joint_from_where_to_where_and_how_far_it_may() {
     assert!(rest.starts_with("in one cycle, where at most 0.09 is allowed: "), "{said}");
     let status = rig.say("motion.status");
     assert!(status[1].starts_with("jump joint=1 from=3.000000 to=-446.99"), "{status:?}");
-    // It goes on once it is switched on again, and the cause is forgotten.
+    // The machine works again once it is switched on, and the cause is cleared.
     rig.cycle();
     rig.done("motion.enable");
     rig.done("motion.move x=1 y=1 velocity=40");
@@ -255,7 +255,7 @@ fn another_name_for_the_same_place_is_no_jump() {
     }
 }
 
-/// It starts at its full velocity from rest: not an error in the guard's eyes.
+/// A start at full velocity from rest is no error for the guard.
 #[test]
 fn as_far_as_the_velocity_allows_is_no_jump() {
     for by in [0.09, -0.09] {
@@ -294,13 +294,13 @@ fn a_limit_that_is_lowered_in_motion_is_no_jump() {
             rig.cycle();
             let now = rig.joint(0, "vel-cmd");
             assert!(rig.is("motion.motion-enabled"), "{begin} after {n}: {:?}", rig.bench.said());
-            // It brakes by its acceleration, and no faster.
+            // The joint brakes within its acceleration.
             assert!(last - now <= LIMITS[0].1 * DT * (1.0 + 1e-6), "{begin}: {last} {now}");
             assert!(now <= last * (1.0 + 1e-9) + 1e-9 || now <= 5.0 + 1e-9, "{begin}: {now}");
             last = now;
         }
         assert!((0.1..=5.0 + 1e-9).contains(&last), "{begin}: {last}");
-        // From then on the lower limit is the one that holds.
+        // From then on, the lower limit applies.
         let before = [0, 1, 2].map(|n| rig.joint(n, "motor-pos-cmd"));
         spoil(&mut rig, 1, 0, 0.006);
         assert!(!rig.is("motion.motion-enabled"), "{begin}");
@@ -308,7 +308,7 @@ fn a_limit_that_is_lowered_in_motion_is_no_jump() {
     }
 }
 
-/// Above a limit that was lowered a joint may not become faster.
+/// Above a limit that was lowered, a joint may not accelerate.
 #[test]
 fn a_lowered_limit_lets_nothing_new_pass() {
     let mut rig = rig();
@@ -367,7 +367,7 @@ fn a_jump_of_posthome_cmd_is_not_put_out() {
                  its posthome-cmd; the machine is switched off"
             )]
         );
-        // Nor is it as the machine is switched on again.
+        // The same applies when the machine is switched on again.
         follow(&bench, 5);
         bench.command("motion.enable", &[]).unwrap();
         follow(&bench, 3);
@@ -382,8 +382,8 @@ fn a_jump_of_posthome_cmd_is_not_put_out() {
     }
 }
 
-/// Whatever is commanded and whatever goes wrong: while the amplifier is on, no step is longer than
-/// the velocity allows, and an orderly machine is never stopped by the guard.
+/// For all commands and all faults: while the amplifier is on, no step is longer than the velocity allows, and the
+/// guard never stops a machine without faults.
 #[test]
 fn random_machines_that_go_wrong() {
     let mut random = Random::new(11);

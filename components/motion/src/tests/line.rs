@@ -6,7 +6,7 @@ use hal_component::{
     abi::component_flags, bench::Bench,
 };
 
-/// The distance of a point from the line between two others.
+/// Returns the distance of a point from the line between two others.
 fn off_line(p: [f64; 3], from: [f64; 3], to: [f64; 3]) -> f64 {
     let way = [0, 1, 2].map(|i| to[i] - from[i]);
     let at = [0, 1, 2].map(|i| p[i] - from[i]);
@@ -47,7 +47,7 @@ fn straight_within_limits_and_exactly_there() {
 }
 
 impl Rig {
-    /// One cycle while the last command is under way.
+    /// Runs one cycle while the last command is in progress.
     fn end_or_cycle(&mut self) -> bool {
         let pending = self.bench.ticket() == Some(hal_component::abi::TicketState::Pending);
         if pending {
@@ -66,7 +66,7 @@ fn as_fast_as_the_slowest_joint_lets_it() {
         ([30.0, 40.0, 0.0], 1000.0, 90.0 / 0.8, 1350.0 / 0.8),
         // z is slow.
         ([30.0, 0.0, 40.0], 1000.0, 10.0 / 0.8, 35.0 / 0.8),
-        // Slower when asked to be.
+        // Slower on request.
         ([30.0, 0.0, 40.0], 3.0, 3.0, 35.0 / 0.8),
     ] {
         let mut rig = Rig::homed(&[]);
@@ -113,7 +113,7 @@ fn moves_wait_and_stop_at_each_corner() {
     }
     corners.dedup();
     assert_eq!(corners, [(10.0, 0.0), (10.0, 10.0), (0.0, 10.0), (0.0, 0.0)]);
-    // A place where it is already, and one move after another.
+    // A move to the current position, and one move after another.
     rig.done("motion.move x=0 velocity=50");
     rig.done("motion.move x=1 velocity=50");
 }
@@ -169,7 +169,7 @@ fn feed_is_scaled_and_held() {
         assert!(!rig.is("motion.in-position"));
     };
     steady(&mut rig, 20.0);
-    // Adaptive feed counts only when it was switched on.
+    // Adaptive feed counts only if it is switched on.
     rig.bench.set("motion.adaptive-feed", 0.5);
     steady(&mut rig, 20.0);
     rig.say("motion.feed adaptive=1");
@@ -225,7 +225,7 @@ fn targets_beyond_a_limit_are_refused() {
     let why = "linear move would exceed X's positive limit";
     assert_eq!(rig.failed("motion.move x=160 velocity=1"), why);
     rig.done("motion.move x=150 velocity=100");
-    // A limit that comes closer while moves wait ends the path where it is.
+    // A limit that is moved inwards while moves wait ends the path at the current position.
     rig.say("motion.move x=0 velocity=90");
     rig.say("motion.move x=140 velocity=90");
     rig.cycles(100);
@@ -267,7 +267,7 @@ fn joints_that_share_a_letter_move_together() {
     assert_eq!(rig.places(), [5.0, 20.0, 20.0]);
 }
 
-/// An arm that turns (joint 1, in degrees) and reaches out (joint 0), and goes up (joint 2).
+/// An arm that turns (joint 1, in degrees), extends (joint 0), and rises (joint 2).
 struct Polar;
 
 #[derive(Touch)]
@@ -334,7 +334,7 @@ fn lines_are_straight_where_joints_are_not() {
             assert!((from[i] - to[i]).abs() < 1e-9);
         }
     }
-    // The joints' limits hold, not those of a box.
+    // The joints' limits apply, not those of a box.
     assert_eq!(
         rig.failed("motion.move x=20 y=199.5 velocity=9"),
         "linear move would exceed a joint's positive limit"
@@ -342,7 +342,7 @@ fn lines_are_straight_where_joints_are_not() {
     let unreachable = "linear move: the kinematics cannot go there";
     assert_eq!(rig.failed("motion.move x=0 y=0 velocity=9"), unreachable);
     rig.done("motion.move x=20 y=10 velocity=1000");
-    // Over the place that the arm cannot reach.
+    // Across a position that the arm cannot reach.
     assert_eq!(rig.failed("motion.move x=-20 y=-10 velocity=9"), unreachable);
     // Jogs of an axis move both.
     rig.done("motion.jog axis=x velocity=20 distance=10");

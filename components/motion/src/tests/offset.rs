@@ -2,7 +2,7 @@
 
 use super::{DT, Rig, near};
 
-/// Homed, with a tenth of a unit for each count of z's offset, which has half of the axis.
+/// Returns a homed machine with a tenth of a unit per count of z's offset, whose share of the axis is one half.
 fn rig() -> Rig {
     let mut rig = Rig::homed(&[]);
     rig.say("motion.configure axis=z offset-av-ratio=0.5 min-limit=-100 max-limit=100");
@@ -35,13 +35,13 @@ fn it_shifts_the_joint_and_not_the_axis() {
     assert_eq!(rig.float("axis.z.eoffset-request"), 30.0 * 0.1);
     assert_eq!(rig.float("axis.z.pos-cmd"), 0.0);
     assert_eq!(rig.which(&SHOWN), ["motion.eoffset-active"]);
-    // Its half of 10 units/s and 35 units/s².
+    // The offset's half of 10 units/s and 35 units/s².
     assert!(
         fastest <= 5.0 * (1.0 + 1e-9) && steepest <= 17.5 * (1.0 + 1e-9),
         "{fastest} {steepest}"
     );
     assert!(fastest > 4.9, "{fastest}");
-    // A move goes on from there, with the other half; x has no part in it.
+    // A move continues from there, with the other half; x is not affected.
     rig.say("motion.move x=20 z=-4 velocity=1000");
     rig.cycles(50);
     ask(&mut rig, -10);
@@ -56,7 +56,7 @@ fn it_shifts_the_joint_and_not_the_axis() {
     near(rig.joint(2, "pos-cmd"), -4.0);
     assert_eq!(rig.float("axis.z.eoffset"), 0.0);
     assert_eq!(rig.which(&SHOWN), [""; 0]);
-    // Cleared counts do not come back.
+    // Cleared counts do not return.
     ask(&mut rig, 50);
     rig.cycles(10);
     rig.bench.set("axis.z.eoffset-clear", false);
@@ -64,7 +64,7 @@ fn it_shifts_the_joint_and_not_the_axis() {
     assert_eq!(rig.float("axis.z.eoffset"), 0.0);
 }
 
-/// Without the axis in it, a move is as fast as ever; with it, it leaves the offset its share.
+/// A move without the axis has full speed; a move with it leaves the offset its share.
 #[test]
 fn moves_leave_it_its_share() {
     let mut rig = rig();
@@ -95,12 +95,12 @@ fn limits_hold_with_it() {
     near(rig.float("axis.z.eoffset-request"), 3.0);
     assert_eq!(rig.which(&SHOWN), SHOWN);
     assert!(!rig.is("motion.on-soft-limit"));
-    // There is room again.
+    // There is travel left again.
     rig.done("motion.move z=90 velocity=10");
     rig.cycles(2000);
     near(rig.joint(2, "pos-cmd"), 93.0);
     assert_eq!(rig.which(&SHOWN), ["motion.eoffset-active"]);
-    // A move that takes it there is ended where the offset cannot give way as fast.
+    // A move towards the limit ends where the offset cannot retract fast enough.
     rig.say("motion.move z=100 velocity=10");
     assert_eq!(rig.end(), Err("aborted"));
     rig.cycles(3000);
@@ -111,7 +111,7 @@ fn limits_hold_with_it() {
 
 #[test]
 fn when_it_does_not_count() {
-    // Not homed, not enabled, no share of the axis, no number.
+    // Not homed, not enabled, no share of the axis, no finite scale.
     for (home, enable, ratio, scale) in [
         (false, true, 0.5, 0.1),
         (true, false, 0.5, 0.1),
@@ -130,7 +130,7 @@ fn when_it_does_not_count() {
         assert_eq!(rig.joint(2, "pos-cmd"), 0.0, "{home} {enable} {ratio} {scale}");
         assert_eq!(rig.float("axis.z.eoffset-request"), 0.0);
     }
-    // In free mode, and what was counted meanwhile is not made up for.
+    // In free mode, and counts in the meantime are not applied later.
     let mut rig = rig();
     rig.done("motion.mode mode=free");
     ask(&mut rig, 30);
@@ -138,7 +138,7 @@ fn when_it_does_not_count() {
     rig.done("motion.mode mode=coord");
     rig.cycles(100);
     assert_eq!(rig.float("axis.z.eoffset-request"), 0.0);
-    // Joints alone cannot be moved with one, and a machine that goes off has none.
+    // An offset excludes moves of single joints, and a machine that goes off loses its offset.
     ask(&mut rig, 40);
     rig.cycles(2000);
     let why = "joints cannot be moved while an external offset is applied";
@@ -152,7 +152,7 @@ fn when_it_does_not_count() {
     near(rig.float("axis.z.pos-cmd"), 1.0);
     rig.done("motion.enable");
     rig.done("motion.jog joint=0 velocity=1 distance=1");
-    // Without a share it stays where it is, as long as the machine is on.
+    // Without a share, the offset stays as it is while the machine is on.
     rig.done("motion.mode mode=coord");
     ask(&mut rig, 50);
     rig.cycles(2000);
@@ -169,7 +169,7 @@ fn when_it_does_not_count() {
     assert_eq!(rig.try_say("motion.configure axis=z offset-av-ratio=0.95"), Err(most.into()));
 }
 
-/// Where joints are not axes, all leave their share, and what cannot be reached stays out.
+/// With non-trivial kinematics, all joints leave their share, and unreachable offsets are not applied.
 #[test]
 fn with_kinematics_of_their_own() {
     let mut rig = Rig::homed(&["kinstype=b"]);

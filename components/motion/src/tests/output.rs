@@ -1,4 +1,4 @@
-//! Spindles that orient and come to speed, and outputs for programs.
+//! Spindles that orient and reach their speed, and outputs for programs.
 
 use super::Rig;
 
@@ -16,13 +16,13 @@ fn a_spindle_orients() {
     rig.bench.set("spindle.0.is-oriented", true);
     assert_eq!(rig.end(), Ok(()));
     assert_eq!(rig.which(&BITS), ["spindle.0.locked", "spindle.0.brake"]);
-    // It stays so until it is told something else.
+    // The spindle stays locked until the next command.
     rig.bench.set("spindle.0.is-oriented", false);
     rig.cycles(5);
     assert_eq!(rig.which(&BITS), ["spindle.0.locked", "spindle.0.brake"]);
     rig.done("motion.spindle speed=-600");
     assert_eq!(rig.which(&BITS), ["spindle.0.on"]);
-    // What gives it up, or takes its place.
+    // Events that abort an orientation, or replace it.
     for (text, bits) in [
         ("motion.spindle speed=10", &["spindle.0.on"][..]),
         ("motion.spindle speed=0", &["spindle.0.brake"]),
@@ -44,7 +44,7 @@ fn a_spindle_orients() {
     }
 }
 
-/// Another angle while it is on its way: `orient` falls for a cycle, so that a new goal is chosen.
+/// Another angle during an orientation: `orient` falls for a cycle, so that the drive accepts the new angle.
 #[test]
 fn another_angle_begins_anew() {
     let mut rig = Rig::on(&[]);
@@ -54,7 +54,7 @@ fn another_angle_begins_anew() {
     rig.cycle();
     assert_eq!(rig.which(&BITS), [""; 0]);
     assert_eq!(rig.float("spindle.0.orient-angle"), 180.0);
-    // What is said of the angle before does not count.
+    // An is-oriented that belongs to the previous angle does not count.
     rig.bench.set("spindle.0.is-oriented", true);
     rig.cycle();
     assert_eq!(rig.which(&BITS), ["spindle.0.orient"]);
@@ -66,7 +66,7 @@ fn another_angle_begins_anew() {
     assert_eq!(rig.which(&BITS), ["spindle.0.locked", "spindle.0.brake"]);
 }
 
-/// Whatever is-oriented says: a spindle that turns is not locked.
+/// A spindle that turns is not locked, whatever is-oriented is.
 #[test]
 fn a_turning_spindle_is_not_locked() {
     for speed in [5.0, -0.11, f64::NAN, f64::INFINITY] {
@@ -77,7 +77,7 @@ fn a_turning_spindle_is_not_locked() {
         rig.cycles(900);
         assert_eq!(rig.which(&BITS), ["spindle.0.orient"], "{speed}");
         assert_eq!(rig.bench.said(), [""; 0]);
-        // After a second it is told, once.
+        // After a second the operator is informed, once.
         rig.cycles(3000);
         assert_eq!(rig.which(&BITS), ["spindle.0.orient"], "{speed}");
         assert_eq!(
@@ -89,7 +89,7 @@ fn a_turning_spindle_is_not_locked() {
         rig.bench.set("spindle.0.speed-in", 0.1);
         assert_eq!(rig.end(), Ok(()));
         assert_eq!(rig.which(&BITS), ["spindle.0.locked", "spindle.0.brake"]);
-        // Locked is locked: only a command ends it.
+        // Once locked, only a command unlocks the spindle.
         rig.bench.set("spindle.0.speed-in", speed);
         rig.cycles(5);
         assert_eq!(rig.which(&BITS), ["spindle.0.locked", "spindle.0.brake"]);
@@ -123,7 +123,7 @@ fn a_fault_ends_it() {
 fn moves_wait_for_the_speed() {
     let mut rig = Rig::homed(&[]);
     rig.bench.set("spindle.0.at-speed", false);
-    // A spindle that stands still is not waited for.
+    // Moves do not wait for a spindle at rest.
     rig.done("motion.move x=1 velocity=50");
     rig.done("motion.spindle speed=600");
     rig.say("motion.move x=2 velocity=50");
@@ -133,11 +133,11 @@ fn moves_wait_for_the_speed() {
     rig.bench.set("spindle.0.at-speed", true);
     rig.cycles(2);
     assert!(rig.joint(0, "pos-cmd") > 1.0);
-    // A move that has begun goes on.
+    // A move that has begun continues.
     rig.bench.set("spindle.0.at-speed", false);
     assert_eq!(rig.end(), Ok(()));
     assert_eq!(rig.joint(0, "pos-cmd"), 2.0);
-    // One that waits can be given up, and a jog does not wait.
+    // A waiting move can be aborted, and a jog does not wait.
     rig.say("motion.move x=3 velocity=50");
     rig.cycles(10);
     rig.done("motion.abort");

@@ -292,7 +292,7 @@ fn old_names_are_the_same_pins() {
         bench.set(new, true);
         assert!(bench.get::<bool>(old), "{old}");
     }
-    // The axis letters keep their own names beside the old joint names.
+    // The axis letters keep their own names in addition to the old joint names.
     bench.set("axis.x.jog-scale", 2.0);
     assert_eq!(bench.get::<f64>("axis.0.jog-scale"), 4.5);
 }

@@ -1,4 +1,4 @@
-//! Random machines: orderly ones that must keep every limit, and ones that are fed nonsense.
+//! Random machines: orderly ones, which must keep every limit, and ones that receive invalid input.
 
 use super::{LIMITS, Rig};
 use hal_component::bench::Random;
@@ -129,7 +129,7 @@ fn nonsense_is_survived() {
                 ),
                 _ => orderly(&mut random),
             };
-            // Refused or not: nothing breaks.
+            // Refused or not, nothing fails.
             drop(rig.try_say(&text));
             rig.stuck = [0; 3].map(|_: i32| random.below(4) == 0);
             rig.cycles(3);

@@ -7,7 +7,7 @@ use hal_component::{
 };
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-/// Straight, or with the axes the other way round; the third type has no pose.
+/// Straight kinematics, or with x and z swapped and y reversed; the third type has no pose.
 struct Lathe;
 
 #[derive(Touch)]

@@ -1,4 +1,4 @@
-//! Axes whose kinematics do not lead back to the joints: no mode in which they move, no jump.
+//! Axes whose kinematics do not lead back to the joints: no mode that moves axes, no jump.
 
 use super::*;
 use hal_component::{
@@ -6,18 +6,18 @@ use hal_component::{
     Unsolved, abi::component_flags,
 };
 
-/// Straight kinematics with pins that make them wrong.
+/// Trivial kinematics with pins that introduce errors.
 struct Leaps;
 
 #[derive(Touch)]
 struct Leap {
-    /// Forward kinematics have no answer.
+    /// TRUE if the forward kinematics have no solution.
     lost: In<bool>,
-    /// Inverse kinematics have no answer.
+    /// TRUE if the inverse kinematics have no solution.
     shut: In<bool>,
-    /// Inverse kinematics put joint 1 that far beside.
+    /// Error of joint 1 in the inverse kinematics.
     beside: In<f64>,
-    /// Joints 0 and 1 are the sum and the difference of X and Y.
+    /// TRUE if joints 0 and 1 are the sum and the difference of X and Y.
     is_crossed: In<bool>,
 }
 
@@ -71,7 +71,7 @@ impl Component for Leaps {
     }
 }
 
-/// Homed, with joint 1 at 7.5.
+/// Returns a homed machine with joint 1 at 7.5.
 fn rig() -> Rig {
     let mut bench = Bench::new();
     bench.load::<Leaps>(&[]).unwrap();
@@ -106,7 +106,7 @@ fn no_mode_in_which_axes_move() {
         ] {
             let mut rig = rig();
             spoil(&rig);
-            // The last known pose is not that of the joints any more.
+            // The last known pose is no longer that of the joints.
             if why == NO_POSE {
                 rig.bench.set("leaps.lost", false);
                 rig.done("motion.jog joint=1 velocity=50 position=0");
@@ -129,7 +129,7 @@ fn no_mode_in_which_axes_move() {
     }
 }
 
-/// A step that a joint can make from rest in one cycle is none.
+/// A step that a joint can make from rest in one cycle does not count as a jump.
 #[test]
 fn what_rounding_makes_is_the_same_place() {
     let (acc, v) = (LIMITS[1].1, LIMITS[1].0);
@@ -160,7 +160,7 @@ fn a_machine_that_is_switched_on_leaves_such_a_mode() {
             rig.done("motion.jog joint=1 velocity=10 distance=-1");
         }
     }
-    // Moved by hand while it was off: the mode stays, from the place where the joint is.
+    // Moved by hand while off: the mode stays, and continues from the joint's position.
     let mut rig = rig();
     rig.done("motion.mode mode=coord");
     rig.done("motion.disable");
@@ -175,7 +175,7 @@ fn a_machine_that_is_switched_on_leaves_such_a_mode() {
     rig.done("motion.move y=-19 velocity=10");
 }
 
-/// Kinematics that change while axes move, or while none does: the guard's, not the mode's.
+/// Kinematics that change, whether axes move or not, are stopped by the guard, not by a mode.
 #[test]
 fn kinematics_that_change_do_not_move_a_joint_at_once() {
     for (begin, by) in [
@@ -201,7 +201,7 @@ fn kinematics_that_change_do_not_move_a_joint_at_once() {
                  allowed: {by}; the machine is switched off"
             )]
         );
-        // As it goes on again, the mode is refused.
+        // When it is switched on again, the mode is refused.
         rig.cycles(3);
         rig.done("motion.enable");
         assert_eq!(rig.which(&BITS), ["motion.motion-enabled"]);
@@ -227,7 +227,7 @@ fn a_pose_that_cannot_be_reached_any_more_is_told_once() {
     }
 }
 
-/// A joint of a gantry that is not beside the other one.
+/// A gantry with one joint out of line.
 #[test]
 fn a_gantry_that_stands_askew_does_not_jump_straight() {
     for kind in ["kinstype=b", "kinstype=1"] {
@@ -270,7 +270,7 @@ fn a_joint_that_joins_does_not_jump() {
     assert_eq!(bench.said().len(), 2);
 }
 
-/// Two axes that one joint follows both: it goes no faster than it may, and nothing is stopped.
+/// Two axes that share a joint: the joint keeps its velocity limit, and nothing is stopped.
 #[test]
 fn several_axes_at_once_keep_to_the_velocity_of_each_joint() {
     let mut rig = rig();
