@@ -1,9 +1,9 @@
 //! Cost of each function of every component per call, and load time of each library.
 //!
-//! Instances of one component run together in one thread on the virtual clock, their inputs linked to values that
-//! change in every cycle; the time of an empty function is subtracted. Run it with `cargo bench -p hal-tests --bench
-//! components`; with
-//! `UPDATE_EXPECT=1` it writes `components/SPEED.md`. `COMPONENT=NAME` measures one.
+//! Instances of one component run beside each other in one thread on the virtual clock, their inputs
+//! linked to values that change in every cycle; the time of an empty function is taken off. Run it with
+//! `cargo bench -p hal-tests --bench components`; with `UPDATE_EXPECT=1` it writes `components/SPEED.md`.
+//! `COMPONENT=NAME` measures one; `LIBRARIES=1` prints how long the libraries take to load, and nothing else.
 #![expect(
     clippy::unwrap_used,
     clippy::panic,
@@ -60,22 +60,30 @@ fn table() -> String {
     }
     if std::env::var_os("COMPONENT").is_none() {
         assert!(refused.is_empty(), "{out}not measured: {refused:#?}");
-        out.push_str(
-            "\n| library | components | KiB | first load, ms | again, ms |\n|---|---|---|---|---|\n",
-        );
-        for l in loads::loads() {
-            let (library, n, kib) = (l.library, l.components, l.kib);
-            writeln!(out, "| `{library}` | {n} | {kib} | {:.2} | {:.2} |", l.first, l.again)
-                .unwrap();
-        }
+        out.push_str(&libraries());
     }
     out.push('\n');
+    out
+}
+
+/// Times to load the first component of each library.
+fn libraries() -> String {
+    let mut out = String::from(
+        "\n| library | components | KiB | first load, ms | again, ms |\n|---|---|---|---|---|\n",
+    );
+    for l in loads::loads() {
+        let (library, n, kib) = (l.library, l.components, l.kib);
+        writeln!(out, "| `{library}` | {n} | {kib} | {:.2} | {:.2} |", l.first, l.again).unwrap();
+    }
     out
 }
 
 fn main() {
     if std::env::args().any(|a| a == "--test" || a == "--list") || loads::child() {
         return;
+    }
+    if std::env::var_os("LIBRARIES").is_some() {
+        return println!("{}", libraries());
     }
     let table = table();
     println!("{table}");
