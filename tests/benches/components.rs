@@ -1,9 +1,9 @@
 //! Cost of each function of every component per call, and load time of each library.
 //!
-//! Instances of one component run beside each other in one thread on the virtual clock, their inputs
-//! linked to values that change in every cycle; the time of an empty function is taken off. Run it with
+//! Instances of one component run together in one thread on the virtual clock, their inputs linked to values that
+//! change in every cycle; the time of an empty function is subtracted. Run it with
 //! `cargo bench -p hal-tests --bench components`; with `UPDATE_EXPECT=1` it writes `components/SPEED.md`.
-//! `COMPONENT=NAME` measures one; `LIBRARIES=1` prints how long the libraries take to load, and nothing else.
+//! `COMPONENT=NAME` measures one; `LIBRARIES=1` prints only the load times of the libraries.
 #![expect(
     clippy::unwrap_used,
     clippy::panic,

@@ -100,8 +100,8 @@ fn is_time(name: &str) -> bool {
     [".time", ".tmax", ".tmax-increased"].iter().any(|end| name.ends_with(end))
 }
 
-/// Returns the source of a component `mine` with a bit that it toggles at each run. `globals` is inserted at file level, `main`
-/// into `rtapi_app_main`, and `function` into the component's function.
+/// Returns the source of a component `mine` with a bit that it toggles at each run. `globals` is inserted at file level,
+/// `main` into `rtapi_app_main`, and `function` into the component's function.
 pub fn component(globals: &str, main: &str, function: &str) -> String {
     format!(
         "#include \"rtapi.h\"\n#include \"rtapi_app.h\"\n#include \"hal.h\"\n\

@@ -2,8 +2,7 @@
 //! clock, with the same inputs; every pin and parameter is compared after every cycle.
 //!
 //! `cargo test -p hal-tests --test judge -- --ignored` judges all of them and compares with `tests/compat/judge.md`;
-//! with
-//! `UPDATE_EXPECT=1` it writes that file. A single component, with the inputs before its first difference:
+//! with `UPDATE_EXPECT=1` it writes that file. A single component, with the inputs before its first difference:
 //!
 //! ```sh
 //! JUDGE=pid cargo test -p hal-tests --test judge one_component -- --exact --nocapture

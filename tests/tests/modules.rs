@@ -2,8 +2,7 @@
 //! process of its own.
 //!
 //! `cargo test -p hal-tests --test modules -- --ignored` runs all of them and compares with `tests/compat/modules.md`;
-//! with
-//! `UPDATE_EXPECT=1` it writes that file. Without the package, the test is reported as skipped.
+//! with `UPDATE_EXPECT=1` it writes that file. Without the package, the test is reported as skipped.
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
 
 use hal_protocol::{Direction, Kind, Link, Request, Value};
