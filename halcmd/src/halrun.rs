@@ -71,7 +71,7 @@ fn stop(place: &Place, terminal: &mut dyn Terminal) -> u8 {
             return 1;
         }
     };
-    let fault = serve::fault(&mut client);
+    let wrong = serve::wrong(&mut client, place.name());
     // One that has ended meanwhile refuses it.
     drop(client.call(Request::Shutdown));
     drop(client);
@@ -82,12 +82,11 @@ fn stop(place: &Place, terminal: &mut dyn Terminal) -> u8 {
         }
     });
     let name = place.name();
-    match fault {
-        _ if !has_ended => terminal.err(&format!("halrun: instance '{name}' does not end\n")),
-        Some(fault) => terminal.err(&format!("halrun: instance '{name}' had a fault: {fault}\n")),
-        None => return 0,
+    if !has_ended {
+        terminal.err(&format!("halrun: instance '{name}' does not end\n"));
     }
-    1
+    wrong.iter().filter(|_| has_ended).for_each(|text| terminal.err(&format!("halrun: {text}\n")));
+    u8::from(!has_ended || !wrong.is_empty())
 }
 
 fn run(plan: &Plan, terminal: &mut dyn Terminal) -> u8 {
@@ -185,6 +184,10 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
     if let Some(said) = ends.said() {
         terminal.err(&format!("halrun: {said}\n"));
     }
+    // What is typed may fail without the session being a failure.
+    if plan.script == Script::Terminal && outcome == Outcome::Failed {
+        code = 0;
+    }
     if !engine.close_checked() {
         code = 1;
     }
@@ -195,9 +198,7 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
     if plan.detach == Detach::Child {
         detach::forget(&plan.options.place);
     }
-    // What is typed may fail without the session being a failure.
-    let typed = plan.script == Script::Terminal && outcome == Outcome::Failed;
-    ends.finish(if typed { 0 } else { code })
+    ends.finish(code)
 }
 
 fn script(

@@ -117,6 +117,9 @@ fn instance(text: &mut String, status: &StatusInfo, threads: &[ThreadInfo]) {
         let lost = if *lost > 0 { format!(" ({lost} records lost)") } else { String::new() };
         line("recording:", &format!("{file}{lost}"));
     }
+    if let Some(stopped) = &status.recording_stopped {
+        line("recording:", &stopped.to_string());
+    }
 }
 
 /// How much memory is locked.
@@ -214,6 +217,7 @@ pub(crate) mod samples {
             stuck: None,
             foreign: Vec::new(),
             recording: None,
+            recording_stopped: None,
         }
     }
 }

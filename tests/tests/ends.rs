@@ -37,8 +37,8 @@ enum By {
     Stuck(&'static str, &'static str),
     /// `halcmd shutdown`.
     Shutdown,
-    /// SIGTERM, after the disk was full for a while.
-    Full,
+    /// A signal from outside, after the disk was full for a while.
+    Full(Signal),
 }
 
 use By::{Component, Full, Realtime, Shutdown, Stuck};
@@ -113,7 +113,10 @@ const WAYS: &[(&str, By)] = &[
     ("a function sends its own process SIGKILL", Component("kill", "function")),
     ("a function makes the process another program (exec)", Component("execute", "function")),
     ("SIGKILL (`kill -9`)", By::Signal(Signal::KILL)),
-    ("the disk is full, then SIGTERM", Full),
+    ("the disk is full, then SIGTERM", Full(Signal::TERM)),
+    ("the disk is full, then SIGQUIT", Full(Signal::QUIT)),
+    ("the disk is full, then SIGSEGV from outside", Full(Signal::SEGV)),
+    ("the disk is full, then SIGKILL", Full(Signal::KILL)),
 ];
 
 /// What came of one.
@@ -133,7 +136,7 @@ fn start(scratch: &Scratch, by: By, virtually: bool) -> Running {
     let (how, at) = match by {
         Component(how, at) | Stuck(how, at) => (how, at),
         By::Command(how) => (how, "command"),
-        By::Signal(_) | Realtime | Shutdown | Full => ("nothing", "function"),
+        By::Signal(_) | Realtime | Shutdown | Full(_) => ("nothing", "function"),
     };
     let load = format!("loadrt quits how={how} where={at}\n");
     // What happens as it is loaded is to happen when the others run.
@@ -161,7 +164,7 @@ start
     scratch.write("m.hal", machine);
     // No file is longer than 8 blocks: a disk that is full.
     let limit: &[&str] = &["sh", "-c", "ulimit -f 8; exec \"$0\" \"$@\""];
-    let before = if matches!(by, Full) { limit } else { &[] };
+    let before = if matches!(by, Full(_)) { limit } else { &[] };
     let mut command: Command = scratch.command(before, "halrun");
     command.env("HAL_RTMOD_DIR", plugins());
     let clock: &[&str] = if virtually { &["--virtual", "--hold"] } else { &["--simulate"] };
@@ -212,13 +215,17 @@ fn finish(scratch: &Scratch, running: &mut Running, by: By, virtually: bool) -> 
         }
         Stuck(..) => running.signal(Signal::TERM),
         Shutdown => drop(scratch.halcmd(&["shutdown"])),
-        Full => {
-            if virtually {
-                scratch.halcmd(&["run", "2s"]);
-            }
+        Full(signal) => {
             let runs = || scratch.halcmd(&["getp", "quits.runs"]).stdout;
-            until("the disk is full", || runs().trim().parse::<u32>().is_ok_and(|n| n > 1500));
-            running.signal(Signal::TERM);
+            let more = |than: u32| runs().trim().parse::<u32>().is_ok_and(|n| n > than);
+            if virtually {
+                scratch.halcmd(&["run", "4s"]);
+            }
+            // At once, and not only when the recording ends; and the machine goes on.
+            until("that is said", || running.said().1.contains("the recording stopped at"));
+            let before = runs().trim().parse().unwrap();
+            until("it runs", || virtually || more(before));
+            running.signal(signal);
         }
     }
     if let By::Signal(Signal::PIPE | Signal::XFSZ) = by {
@@ -321,12 +328,19 @@ fn plain(scratch: &Scratch, stderr: &str) -> String {
         let (line, rest) = line.split_once(" (faulty/src").unwrap_or((line, ""));
         let rest = rest.split_once(')').map_or("", |r| r.1);
         let mut before = "";
+        let of_recording = line.contains(": the recording stopped at ");
         let words = line.split(' ').map(|word| {
             let number = word.trim_end_matches([':', ';', ',']);
+            // How much a write takes is a matter of the computer's speed.
+            let is_amount = of_recording && number.parse::<f64>().is_ok();
             let is_process = before == "process" && number.bytes().all(|b| b.is_ascii_digit());
             let is_address = number.starts_with("0x") && number.len() > 8;
             before = word;
-            if is_process || is_address { word.replace(number, "N") } else { word.to_owned() }
+            if is_process || is_address || is_amount {
+                word.replace(number, "N")
+            } else {
+                word.to_owned()
+            }
         });
         (words.collect::<Vec<_>>().join(" ") + rest).replace(&folder, "")
     });

@@ -248,7 +248,6 @@ fn output_goes_through_one_crate() {
         ("hal/engine/src/os/processors.rs", device),
         ("hal/engine/src/ends/apart.rs", device),
         ("hal/engine/src/ends/watcher.rs", "a lock, and a recording that a kill has cut"),
-        ("hal/engine/src/record.rs", "see the next change"),
         ("halcmd/src/halrun/detach.rs", device),
         ("halcmd/src/haltest/one.rs", scratch),
         ("halcmd/src/haltest/process.rs", scratch),

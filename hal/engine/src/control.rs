@@ -15,6 +15,8 @@ impl Engine {
         }
         self.instance.control.beat();
         self.hear();
+        // The guard writes as well: what it was refused is reported also while time stands still.
+        self.drain_recording();
         let moved = self.advance();
         self.notice_fault();
         self.reap();
@@ -33,7 +35,6 @@ impl Engine {
             self.tell_overruns(false);
             self.run_tasks(now);
             self.look_while_stopped(now);
-            self.drain_recording();
             self.refresh_flight();
             self.drain_flight();
             return false;

@@ -13,8 +13,9 @@ impl Engine {
         self.end();
     }
 
-    /// Closes the instance as [`Self::close`] does. Returns false if a function had failed, or if a
-    /// thread did not leave its function.
+    /// Closes the instance as [`Self::close`] does. Returns false if a function had failed, if a thread
+    /// did not leave its function, or if a recording or the file of an event could not be written
+    /// whole.
     #[must_use]
     pub fn close_checked(mut self) -> bool {
         self.end()
@@ -75,7 +76,7 @@ impl Engine {
         self.end_joins(None);
         self.instance.leave();
         self.server = None;
-        clean && !failed
+        clean && !failed && !self.unwritten
     }
 
     fn end_programs(&mut self) {

@@ -28,7 +28,7 @@ use crate::{
     watchdog::Watchdog,
 };
 use hal_abi::{Ticket, TicketState};
-use hal_protocol::{Failure, FaultInfo, Lock, Offer, Patterns, TicketInfo};
+use hal_protocol::{Failure, FaultInfo, Lock, Offer, Patterns, StoppedRecording, TicketInfo};
 use std::{
     collections::{BTreeMap, VecDeque},
     sync::Mutex,
@@ -100,6 +100,10 @@ pub struct Engine {
     pub(crate) finished: BTreeMap<u64, TicketInfo>,
     pub(crate) next_ticket: u64,
     pub(crate) recording: Option<Recording>,
+    /// The latest recording, if it could not be written and another `record` has not come yet.
+    pub(crate) stopped_recording: Option<StoppedRecording>,
+    /// Whether a recording, or the file of an event, could not be written whole.
+    pub(crate) unwritten: bool,
     pub(crate) flight: Option<Arc<Mutex<Flight>>>,
     pub(crate) probes: Probes,
     /// The samples, by the numbers of their probes.
@@ -179,6 +183,8 @@ impl Engine {
             finished: BTreeMap::new(),
             next_ticket: 1,
             recording: None,
+            stopped_recording: None,
+            unwritten: false,
             flight: None,
             probes: Probes::default(),
             samples: BTreeMap::new(),

@@ -66,6 +66,8 @@ pub(crate) struct Flight {
     at_once: bool,
     /// The recorder is being switched off: nothing stays in memory.
     ends: bool,
+    /// Whether the file of an event could not be written.
+    unwritten: bool,
     /// What there is to say.
     said: Vec<String>,
     /// How many changes its former probes have lost, and its present one as far as is known.
@@ -112,6 +114,7 @@ impl Engine {
             last: None,
             at_once: self.shared.is_virtual(),
             ends: false,
+            unwritten: false,
             said: Vec::new(),
             lost: (0, 0),
         }));
@@ -136,6 +139,7 @@ impl Engine {
         flight.ends = true;
         flight.finish(now);
         flight.look(true);
+        self.unwritten |= flight.unwritten;
         core::mem::take(&mut flight.said).into_iter().for_each(|text| self.notice(text));
         Ok(())
     }
@@ -178,7 +182,7 @@ impl Engine {
         let format = format_of(path)?;
         let file = create(path)?;
         let why = if last { "the last event, asked for" } else { "asked for" };
-        let mut kept = f.new_kept(now, why, Some(path.to_owned()));
+        let mut kept = f.new_kept(now, why, Some(path.to_owned()), false);
         kept.write(&snapshot, file, format, at_once);
         f.keep(kept);
         match f.kept.back().map(|k| &k.info.state) {
@@ -308,6 +312,7 @@ impl Engine {
             flight.finish(now);
         }
         flight.look(false);
+        self.unwritten |= flight.unwritten;
         core::mem::take(&mut flight.said).into_iter().for_each(|text| self.notice(text));
     }
 }
@@ -331,8 +336,12 @@ impl Flight {
     /// Looks what has been written.
     fn look(&mut self, wait: bool) {
         let ends = self.ends;
-        let written = self.kept.iter_mut().filter_map(|k| k.look(wait).then(|| k.words(ends)));
-        self.said.extend(written);
+        for k in &mut self.kept {
+            if k.look(wait) {
+                self.unwritten |= k.is_unwritten();
+                self.said.push(k.words(ends));
+            }
+        }
     }
 
     /// Keeps the event whose time is over.
@@ -348,7 +357,7 @@ impl Flight {
         self.events += 1;
         let wanted = self.spec.file.clone().filter(|_| self.events <= MOST_FILES);
         let file = wanted.map(|f| numbered(&f, self.events));
-        let mut kept = self.new_kept(at, &why, file.clone());
+        let mut kept = self.new_kept(at, &why, file.clone(), true);
         if let Some(path) = &file {
             match (format_of(path), create(path)) {
                 (Ok(format), Ok(file)) => kept.write(&snapshot, file, format, self.at_once),
@@ -360,6 +369,7 @@ impl Flight {
             }
         }
         if kept.info.state != KeptState::Writing {
+            self.unwritten |= kept.is_unwritten();
             self.said.push(kept.words(self.ends));
         }
         self.keep(kept);
@@ -373,9 +383,9 @@ impl Flight {
         Some(KeptInfo { number, time: *at, why, file: None, state })
     }
 
-    fn new_kept(&self, time: i64, why: &str, file: Option<String>) -> Kept {
+    fn new_kept(&self, time: i64, why: &str, file: Option<String>, is_event: bool) -> Kept {
         let (number, state) = (self.events, KeptState::InMemory);
-        Kept::new(KeptInfo { number, time, why: why.to_owned(), file, state })
+        Kept::new(KeptInfo { number, time, why: why.to_owned(), file, state }, is_event)
     }
 
     fn keep(&mut self, kept: Kept) {

@@ -235,6 +235,7 @@ impl Engine {
             stuck: self.shared.stuck.load().as_deref().cloned().or_else(|| self.stuck_still()),
             foreign: self.foreign_parts(),
             recording: self.recording.as_ref().map(|r| (r.path.clone(), r.lost())),
+            recording_stopped: self.stopped_recording.clone(),
         }
     }
 }

@@ -13,12 +13,12 @@ use crate::{
     watch_error::WatchError,
 };
 use file::WholeFile;
-use hal_protocol::{Patterns, Type};
+use hal_output::Growing;
+use hal_protocol::{Patterns, StoppedRecording, Type};
 use hal_trace::vcd::Column;
 use std::{
     collections::BTreeMap,
-    fs::File,
-    os::unix::fs::MetadataExt,
+    path::Path,
     sync::{Mutex, MutexGuard, PoisonError},
 };
 pub(crate) use tape::Tape;
@@ -31,12 +31,12 @@ const ROOM: usize = 1 << 16;
 pub(crate) struct Recording {
     pub(crate) path: String,
     patterns: Patterns,
-    /// The file, until time first moves; what is watched is settled then.
-    file: Option<WholeFile>,
+    /// A device or pipe, until time first moves. Another file is made then.
+    file: Option<Growing>,
+    /// None until time first moves; what is watched is settled then.
     tape: Option<Arc<Mutex<Tape>>>,
     /// The number of its probe, and the probe.
     probe: Option<(u64, Arc<Probe>)>,
-    failed: bool,
 }
 
 /// The guard looks after it as well.
@@ -44,10 +44,16 @@ fn lock(tape: &Mutex<Tape>) -> MutexGuard<'_, Tape> {
     tape.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// The error of what could not be written whole.
+fn unwritten(stopped: StoppedRecording) -> Error {
+    let why = stopped.words().into();
+    Error::File { path: stopped.file.into(), why }
+}
+
 impl Recording {
     /// Whether it is not settled yet what is recorded.
     pub(crate) const fn is_waiting(&self) -> bool {
-        self.probe.is_none()
+        self.tape.is_none()
     }
 
     /// Changes lost for want of room.
@@ -62,16 +68,16 @@ impl Engine {
         if let Some(r) = &self.recording {
             return Err(WatchError::Recording { path: r.path.as_str().into() }.into());
         }
-        let file =
-            File::create(path).map_err(|e| Error::File { path: path.into(), why: os::said(&e) })?;
-        ends::note_recording(path, file.metadata().map_or(0, |m| m.ino()));
+        let refused = |e: std::io::Error| Error::File { path: path.into(), why: os::said(&e) };
+        let file = Growing::create(Path::new(path)).map_err(refused)?;
+        self.stopped_recording = None;
         self.recording = Some(Recording {
             path: path.to_owned(),
             patterns: Patterns::new(patterns),
-            file: Some(WholeFile::new(file)),
+            // What stands there stays as it is, and nothing stands beside it, until there is a head.
+            file: file.is_there().then_some(file),
             tape: None,
             probe: None,
-            failed: false,
         });
         if self.shared.boundary.is_running() {
             self.begin_recording();
@@ -81,27 +87,75 @@ impl Engine {
 
     /// Settles what is recorded and writes the head of the file.
     pub(crate) fn begin_recording(&mut self) {
-        let Some(mut r) = self.recording.take() else { return };
-        if let Some(file) = r.file.take() {
-            let (nodes, columns) = self.watches(&r);
-            if nodes.is_empty() && !r.patterns.is_empty() {
-                self.notice(format!("{}: nothing matches what is to be recorded", r.path));
+        let Some(mut r) = self.recording.take_if(|r| r.is_waiting()) else { return };
+        let watching = match self.begin_tape(&mut r) {
+            Ok(watching) => watching,
+            Err(stopped) => return self.stop_recording(r, stopped),
+        };
+        let probe = watching.probe.clone();
+        match self.begin_watching(watching) {
+            Ok(id) => {
+                r.probe = Some((id, probe));
+                self.recording = Some(r);
             }
-            let sources: Box<[_]> = nodes.iter().filter_map(|ix| self.source(*ix)).collect();
-            let last = sources.iter().map(|s| AtomicU64::new(s.bits())).collect();
-            let probe = Arc::new(Probe::changes(sources, last, ROOM.max(nodes.len() * 4)));
-            let tape = Tape::begin(file, &columns, probe.clone(), self.shared.now()).ok();
-            r.tape = tape.map(|tape| Arc::new(Mutex::new(tape)));
-            self.instance.set_tape(r.tape.clone());
-            r.failed = r.tape.is_none();
-            let (at, nodes) = (At::Moments, nodes.into_iter().collect());
-            let watching = Watching { probe: probe.clone(), at, nodes, lossless: true };
-            match self.begin_watching(watching) {
-                Ok(id) => r.probe = Some((id, probe)),
-                Err(e) => self.notice(e.to_string()),
+            Err(e) => {
+                let stopped = self.not_begun(&r, &e.to_string());
+                self.stop_recording(r, stopped);
             }
         }
-        self.recording = Some(r);
+    }
+
+    /// Makes the file with its head; returns what is to be watched.
+    fn begin_tape(&mut self, r: &mut Recording) -> Result<Watching, StoppedRecording> {
+        let (nodes, columns) = self.watches(r);
+        if nodes.is_empty() && !r.patterns.is_empty() {
+            self.notice(format!("{}: nothing matches what is to be recorded", r.path));
+        }
+        let sources: Box<[_]> = nodes.iter().filter_map(|ix| self.source(*ix)).collect();
+        let last = sources.iter().map(|s| AtomicU64::new(s.bits())).collect();
+        let probe = Arc::new(Probe::changes(sources, last, ROOM.max(nodes.len() * 4)));
+        let file = r.file.take().map_or_else(|| Growing::create(Path::new(&r.path)), Ok);
+        let begun = file.and_then(|file| {
+            ends::note_recording(&r.path, file.inode().unwrap_or(0));
+            let file = WholeFile::new(file);
+            Tape::begin(&r.path, file, &columns, probe.clone(), self.shared.now())
+        });
+        let mut tape = begun.map_err(|e| self.not_begun(r, &os::said(&e)))?;
+        if let Some(stopped) = tape.stopped() {
+            return Err(stopped);
+        }
+        r.tape = Some(Arc::new(Mutex::new(tape)));
+        self.instance.set_tape(r.tape.clone());
+        let nodes = nodes.into_iter().collect();
+        Ok(Watching { probe, at: At::Moments, nodes, lossless: true })
+    }
+
+    /// A recording of which nothing could be written.
+    fn not_begun(&self, r: &Recording, reason: &str) -> StoppedRecording {
+        StoppedRecording {
+            file: r.path.clone(),
+            reason: reason.to_owned(),
+            time: self.shared.now().unsigned_abs(),
+            bytes: 0,
+            kept_to: None,
+        }
+    }
+
+    /// A recording cannot be written any further: reports it, once.
+    fn stop_recording(&mut self, r: Recording, stopped: StoppedRecording) {
+        self.leave_recording(r.probe.as_ref().map(|p| p.0));
+        self.notice(stopped.to_string());
+        self.unwritten = true;
+        self.stopped_recording = Some(stopped);
+    }
+
+    /// Nobody looks for a recording any more.
+    fn leave_recording(&mut self, probe: Option<u64>) {
+        if let Some(id) = probe {
+            self.end_watching(id);
+        }
+        self.instance.set_tape(None);
+        ends::note_recording("", 0);
     }
 
     /// What to watch, and under which names each value appears.
@@ -148,9 +202,15 @@ impl Engine {
     pub(crate) fn drain_recording(&mut self) {
         // Where no cycle is under way, no look is.
         let still = self.shared.is_virtual() || self.quiet;
-        let tape = self.recording.as_ref().and_then(|r| r.tape.as_ref());
-        if let Some(tape) = tape {
-            lock(tape).drain(still);
+        let Some(tape) = self.recording.as_ref().and_then(|r| r.tape.as_deref()) else { return };
+        let mut tape = lock(tape);
+        tape.drain(still, self.shared.now());
+        let stopped = tape.stopped();
+        drop(tape);
+        if let Some(stopped) = stopped
+            && let Some(r) = self.recording.take()
+        {
+            self.stop_recording(r, stopped);
         }
     }
 
@@ -166,21 +226,20 @@ impl Engine {
     pub(crate) fn end_recording(&mut self) -> Result<(), Error> {
         self.look_last();
         let Some(mut r) = self.recording.take() else {
-            return Err(WatchError::NotRecording.into());
+            let stopped = self.stopped_recording.take();
+            return Err(stopped.map_or_else(|| WatchError::NotRecording.into(), unwritten));
         };
-        if let Some((id, _)) = &r.probe {
-            self.end_watching(*id);
-        }
-        self.instance.set_tape(None);
-        ends::note_recording("", 0);
-        if let Some(tape) = &r.tape {
-            let mut tape = lock(tape);
+        // Time has not moved: what there is now is all of it.
+        let begun = if r.is_waiting() { self.begin_tape(&mut r).map(drop) } else { Ok(()) };
+        self.leave_recording(r.probe.as_ref().map(|p| p.0));
+        let stopped = begun.err().or_else(|| {
+            let mut tape = lock(r.tape.as_deref()?);
             tape.end(self.shared.now());
-            r.failed |= tape.has_failed();
-        }
-        if r.failed {
-            let why = "the recording could not be written whole".into();
-            return Err(Error::File { path: r.path.into(), why });
+            tape.stopped()
+        });
+        if let Some(stopped) = stopped {
+            self.unwritten = true;
+            return Err(unwritten(stopped));
         }
         let lost = r.lost();
         if lost > 0 {

@@ -4,6 +4,7 @@ use crate::target::Target;
 use std::{
     fs::File,
     io::{self, BufWriter, Error, ErrorKind, Write},
+    os::unix::fs::MetadataExt,
     path::Path,
 };
 
@@ -125,6 +126,12 @@ impl Growing {
     #[must_use]
     pub const fn bytes(&self) -> u64 {
         self.bytes
+    }
+
+    /// Returns the inode of the file, which the file keeps when it appears under its name.
+    #[must_use]
+    pub fn inode(&self) -> Option<u64> {
+        self.file.as_ref()?.metadata().ok().map(|m| m.ino())
     }
 
     /// Returns whether the file has appeared under its name.

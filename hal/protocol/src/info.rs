@@ -1,6 +1,7 @@
 //! Records that `show`, `list`, `save` and `status` print.
 
 use crate::{Direction, Lock, Type, Value};
+use core::fmt;
 use serde::{Deserialize, Serialize};
 
 /// Progress of a component's set-up.
@@ -315,4 +316,46 @@ pub struct StatusInfo {
     pub foreign: Vec<ForeignPart>,
     /// Recording in progress: the file, and the number of records lost because the queue was full.
     pub recording: Option<(String, u64)>,
+    /// The recording that has stopped because it could not be written, until `record` is given again.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recording_stopped: Option<StoppedRecording>,
+}
+
+/// A recording that could not be written any further.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StoppedRecording {
+    /// The file.
+    pub file: String,
+    /// Why the system refused to write.
+    pub reason: String,
+    /// When it did, in nanoseconds of machine time.
+    pub time: u64,
+    /// The size of what is kept in the file, in bytes: whole records.
+    pub bytes: u64,
+    /// The last instant in the file, in nanoseconds of machine time; none when nothing is kept.
+    pub kept_to: Option<u64>,
+}
+
+impl StoppedRecording {
+    /// Returns the message about it without the name of its file.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let kept = match self.kept_to {
+            Some(to) => format!("{} bytes are kept, up to {}", self.bytes, seconds(to)),
+            None => "nothing of it is kept".to_owned(),
+        };
+        format!("{}: the recording stopped at {}; {kept}", self.reason, seconds(self.time))
+    }
+}
+
+impl fmt::Display for StoppedRecording {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.file, self.words())
+    }
+}
+
+/// Returns a time in seconds, without needless zeros.
+fn seconds(ns: u64) -> String {
+    let text = format!("{}.{:09}", ns / 1_000_000_000, ns % 1_000_000_000);
+    format!("{} s", text.trim_end_matches('0').trim_end_matches('.'))
 }

@@ -34,8 +34,8 @@ pub use flight::{FlightInfo, FlightSpec, KeptInfo, KeptState};
 pub use folder::{Folder, FolderError, peer};
 pub use info::{
     AliasInfo, ArgInfo, CommandInfo, ComponentInfo, ComponentState, FaultInfo, ForeignInfo,
-    ForeignPart, FunctInfo, ItemInfo, Offer, RealtimeInfo, SignalInfo, StatusInfo, StreamInfo,
-    ThreadInfo, TicketInfo, Usage,
+    ForeignPart, FunctInfo, ItemInfo, Offer, RealtimeInfo, SignalInfo, StatusInfo,
+    StoppedRecording, StreamInfo, ThreadInfo, TicketInfo, Usage,
 };
 pub use kind::{Direction, Kind, Lock};
 pub use message::{Edit, LATEST, LONGEST, Request};

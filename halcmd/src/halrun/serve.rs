@@ -62,12 +62,19 @@ pub(super) fn was_broken_off(engine: &mut Engine) -> bool {
     engine.serve(Some(0)) == Ended::Signal
 }
 
-/// The function for which the threads of an instance have stopped, or that does not come back.
-pub(super) fn fault(link: &mut impl Link) -> Option<String> {
-    let Ok(Reply::Status(status)) = link.call(Request::Status) else { return None };
-    let f = status.fault.or(status.stuck)?;
-    let (component, funct, thread, cause) = (f.component, f.funct, f.thread, f.cause);
-    Some(format!("function '{funct}' of component '{component}' in thread '{thread}': {cause}"))
+/// What went wrong in an instance: the function for which its threads have stopped, or that does not
+/// come back, and the recording that could not be written.
+pub(super) fn wrong(link: &mut impl Link, name: &str) -> Vec<String> {
+    let Ok(Reply::Status(status)) = link.call(Request::Status) else { return Vec::new() };
+    let fault = status.fault.or(status.stuck).map(|f| {
+        let (component, funct, thread, cause) = (f.component, f.funct, f.thread, f.cause);
+        format!(
+            "instance '{name}' had a fault: function '{funct}' of component '{component}' in thread \
+             '{thread}': {cause}"
+        )
+    });
+    let stopped = status.recording_stopped.map(|s| format!("instance '{name}': {s}"));
+    fault.into_iter().chain(stopped).collect()
 }
 
 /// Serves clients until the instance's time is over.

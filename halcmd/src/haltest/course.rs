@@ -20,7 +20,7 @@ use crate::{
     units::duration,
 };
 use hal_engine::Engine;
-use hal_protocol::{Link, Request};
+use hal_protocol::{Link, Reply, Request};
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
@@ -330,14 +330,25 @@ impl Stand<'_> {
         Ok(())
     }
 
+    /// Ends the recording, if there is one. Without one there is nothing to look at: that is reported
+    /// by the expectations.
+    fn end_recording(&mut self) {
+        let Ok(Reply::Status(status)) = self.bench.ask(Request::Status) else { return };
+        if status.recording.is_none() && status.recording_stopped.is_none() {
+            return;
+        }
+        if let Err(failure) = self.bench.ask(Request::EndRecord) {
+            let spot = self.test.machine.clone().unwrap_or_default().spot;
+            self.course.complaints.push(Complaint::new(&spot, failure.to_string()));
+        }
+    }
+
     fn close(mut self) -> Course {
         let ended = self.bench.now();
         self.course.end = ended;
         self.course.reached.insert(END.to_owned(), ended);
         if !watch::recorded(self.test).is_empty() && !self.bench.is_ending() {
-            let ended = self.bench.ask(Request::EndRecord);
-            // Without a recording there is nothing to look at: that is told by whoever looks.
-            drop(ended);
+            self.end_recording();
         }
         self.course.recording = Some(PathBuf::from(RECORDING)).filter(|p| p.is_file());
         self.course.said = self.bench.close();

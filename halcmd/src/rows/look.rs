@@ -100,7 +100,9 @@ pub(super) const ROWS: &[Row] = &[
         usage: "FILE [PATTERN...]|off",
         args: (1, ANY),
         summary: "record pins, signals and parameters to a VCD file",
-        help: "Without patterns: all of them but functions' times. 'record off' closes the file.",
+        help: "Without patterns: all of them but functions' times. 'record off' closes the file. A \
+               recording that cannot be written stops with a message, and the machine goes on; \
+               'status' shows it. A file of that name stays until the new one has its head.",
         words: &[W::Any(&[W::One(&["off"]), W::File]), W::Many(&[W::Variable])],
         examples: &["record out.vcd stepgen.0", "record off"],
         related: &["run", "watch"],

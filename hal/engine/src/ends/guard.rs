@@ -186,7 +186,7 @@ impl Instance {
         if let Some(tape) = tape
             && let Ok(mut tape) = tape.try_lock()
         {
-            tape.drain(false);
+            tape.drain(false, self.shared.now());
         }
     }
 
@@ -232,6 +232,9 @@ impl Instance {
         crash::come_on();
         if let Some(mut tape) = tape.as_deref().and_then(soon) {
             tape.salvage(still, self.shared.now());
+            if let Some(stopped) = tape.stopped() {
+                sys::complain(&format!("{stopped}\n"));
+            }
         }
         crash::come_on();
         if let Some(mut flight) = flight.as_deref().and_then(soon) {

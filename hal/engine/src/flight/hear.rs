@@ -16,6 +16,8 @@ impl Flight {
         }
         self.event(now, &format!("crash: {why}"));
         self.at_once = true;
+        // What stays in memory is lost with it.
+        self.ends = true;
         self.finish(now);
         core::mem::take(&mut self.said)
     }

@@ -34,11 +34,13 @@ impl Snapshot {
 pub(super) struct Kept {
     pub(super) info: KeptInfo,
     writer: Option<JoinHandle<Result<(), Box<str>>>>,
+    /// Whether the recorder chose to write it, and not a user.
+    pub(super) is_event: bool,
 }
 
 impl Kept {
-    pub(super) const fn new(info: KeptInfo) -> Self {
-        Self { info, writer: None }
+    pub(super) const fn new(info: KeptInfo, is_event: bool) -> Self {
+        Self { info, writer: None, is_event }
     }
 
     /// Begins to write, in a thread of its own unless it is to be done at once.
@@ -60,6 +62,11 @@ impl Kept {
             Ok(writer) => self.writer = Some(writer),
             Err(e) => self.info.state = KeptState::Failed(os::said(&e).into()),
         }
+    }
+
+    /// Whether the file of an event could not be written.
+    pub(super) const fn is_unwritten(&self) -> bool {
+        self.is_event && matches!(self.info.state, KeptState::Failed(_))
     }
 
     /// Looks whether it is written; whether that is news.

@@ -1,32 +1,48 @@
 //! A file that holds whole records only, at any moment.
 
 use crate::ends;
+use hal_output::Growing;
 use std::{
-    fs::File,
-    io::{Result, Write},
+    collections::VecDeque,
+    io::{Error, ErrorKind, Result, Write},
 };
+
+/// How many bytes of whole records are written at once, or one record more: a write that is refused
+/// is taken back.
+const PIECE: usize = 1 << 13;
 
 /// The file of a recording. Records are collected here; only whole ones reach the file.
 #[derive(Debug)]
 pub(crate) struct WholeFile {
-    file: File,
+    /// None when it has ended.
+    file: Option<Growing>,
     buffer: Vec<u8>,
     /// How many bytes of `buffer` are whole records.
     whole: usize,
-    /// How many bytes are in the file.
+    /// Where pieces of whole records end in `buffer`, and their last instants.
+    pieces: VecDeque<(usize, Option<i64>)>,
+    /// How many bytes are in the file, and their last instant.
     written: u64,
+    kept_to: Option<i64>,
 }
 
 impl WholeFile {
     /// A file that was just created.
-    pub(crate) fn new(file: File) -> Self {
+    pub(crate) fn new(file: Growing) -> Self {
         ends::record(0, 0);
-        Self { file, buffer: Vec::new(), whole: 0, written: 0 }
+        let (buffer, pieces) = (Vec::new(), VecDeque::new());
+        Self { file: Some(file), buffer, whole: 0, pieces, written: 0, kept_to: None }
     }
 
-    /// Everything that was written so far belongs to whole records.
-    pub(crate) const fn end_record(&mut self) {
+    /// Everything that was written so far belongs to whole records, the last of this instant.
+    pub(crate) fn end_record(&mut self, at: Option<i64>) {
         self.whole = self.buffer.len();
+        let mut ends = self.pieces.iter().rev().map(|p| p.0);
+        let (last, before) = (ends.next(), ends.next().unwrap_or(0));
+        if last.is_some_and(|last| last - before < PIECE) {
+            self.pieces.pop_back();
+        }
+        self.pieces.push_back((self.whole, at));
     }
 
     /// How many bytes of whole records are not in the file yet.
@@ -34,26 +50,45 @@ impl WholeFile {
         self.whole
     }
 
+    /// Returns the number of bytes of whole records in the file, and their last instant.
+    pub(crate) const fn kept(&self) -> (u64, Option<i64>) {
+        (self.written, self.kept_to)
+    }
+
     /// Writes the whole records to the file.
     ///
     /// # Errors
     /// The system refuses. The file then ends at the last whole record that it took before.
     pub(crate) fn put(&mut self) -> Result<()> {
-        let whole = self.buffer.get(..self.whole).unwrap_or_default();
-        let then = self.written + whole.len() as u64;
-        // Should the process be killed while it writes, somebody else puts the file right.
-        ends::record(self.written, then);
-        if let Err(e) = self.file.write_all(whole) {
-            // A device and a pipe keep what they were given.
-            drop(self.file.set_len(self.written));
-            return Err(e);
+        let Some(file) = &mut self.file else { return Err(ended()) };
+        let mut from = 0;
+        while let Some((to, at)) = self.pieces.pop_front() {
+            let piece = self.buffer.get(from..to).unwrap_or_default();
+            // Should the process be killed while it writes, the watcher cuts the file.
+            ends::record(self.written, self.written + piece.len() as u64);
+            let appended = file.append(piece);
+            self.written = file.bytes();
+            ends::record(self.written, self.written);
+            appended?;
+            (self.kept_to, from) = (at, to);
         }
-        self.written = then;
-        ends::record(then, then);
-        self.buffer.drain(..self.whole);
+        self.buffer.drain(..from);
         self.whole = 0;
         Ok(())
     }
+
+    /// Writes the whole records and closes the file.
+    ///
+    /// # Errors
+    /// The system refuses. The file then ends at a whole record.
+    pub(crate) fn finish(&mut self) -> Result<()> {
+        self.put()?;
+        self.file.take().map_or_else(|| Err(ended()), Growing::finish)
+    }
+}
+
+fn ended() -> Error {
+    Error::new(ErrorKind::BrokenPipe, "the file has ended")
 }
 
 impl Write for WholeFile {
@@ -62,9 +97,7 @@ impl Write for WholeFile {
         Ok(bytes.len())
     }
 
-    /// The end: what there is is whole.
     fn flush(&mut self) -> Result<()> {
-        self.end_record();
         self.put()
     }
 }
@@ -72,24 +105,48 @@ impl Write for WholeFile {
 #[cfg(test)]
 mod tests {
     use super::WholeFile;
+    use hal_output::Growing;
     use std::{fs, io::Write};
 
     #[test]
     fn only_whole_records_reach_the_file() {
         let path = std::env::temp_dir().join(format!("hal-whole-{}", std::process::id()));
-        let mut file = WholeFile::new(fs::File::create(&path).unwrap());
+        fs::write(&path, "good").unwrap();
+        let mut file = WholeFile::new(Growing::create(&path).unwrap());
         let inside = || fs::read_to_string(&path).unwrap();
         file.write_all(b"#1\n1!\n").unwrap();
-        file.put().unwrap();
-        assert_eq!((inside().as_str(), file.waiting()), ("", 0));
-        file.end_record();
+        assert_eq!((inside().as_str(), file.waiting()), ("good", 0));
+        file.end_record(Some(1));
         file.write_all(b"#2\n0").unwrap();
-        assert_eq!(file.waiting(), 6);
+        assert_eq!((file.waiting(), file.kept()), (6, (0, None)));
         file.put().unwrap();
         assert_eq!((inside().as_str(), file.waiting()), ("#1\n1!\n", 0));
+        assert_eq!(file.kept(), (6, Some(1)));
+        file.put().unwrap();
+        assert_eq!(file.kept(), (6, Some(1)));
         file.write_all(b"!\n").unwrap();
-        file.flush().unwrap();
-        assert_eq!(inside(), "#1\n1!\n#2\n0!\n");
+        file.end_record(Some(2));
+        file.finish().unwrap();
+        assert_eq!((inside().as_str(), file.kept()), ("#1\n1!\n#2\n0!\n", (12, Some(2))));
+        assert!(file.finish().is_err());
+        fs::remove_file(&path).unwrap();
+    }
+
+    #[test]
+    fn pieces_are_whole_records_and_not_much_longer_than_they_must_be() {
+        let path = std::env::temp_dir().join(format!("hal-pieces-{}", std::process::id()));
+        let mut file = WholeFile::new(Growing::create(&path).unwrap());
+        for at in 1..=3000 {
+            file.write_all(b"#1234567\n1!\n").unwrap();
+            file.end_record(Some(at));
+        }
+        let ends: Vec<_> = file.pieces.iter().map(|p| p.0).collect();
+        let lengths: Vec<_> = ends.windows(2).map(|e| e[1] - e[0]).collect();
+        assert!(lengths.len() > 2 && ends.iter().all(|e| e % 12 == 0), "{ends:?}");
+        let full = lengths.split_last().unwrap().1;
+        assert!(full.iter().all(|n| (super::PIECE..super::PIECE + 12).contains(n)), "{lengths:?}");
+        file.finish().unwrap();
+        assert_eq!(file.kept(), (36_000, Some(3000)));
         fs::remove_file(&path).unwrap();
     }
 }

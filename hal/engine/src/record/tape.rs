@@ -2,11 +2,12 @@
 
 use super::file::WholeFile;
 use crate::{os, probe::Probe, sync::Arc};
+use hal_protocol::StoppedRecording;
 use hal_trace::{
     TimeBase,
     vcd::{Column, Writer},
 };
-use std::io::{Result, Write};
+use std::io::Result;
 
 /// How long whole records wait for the file at the most, in nanoseconds, and how many bytes.
 const LONGEST_WAIT_NS: i64 = 500_000_000;
@@ -15,14 +16,15 @@ const MOST_WAITING: usize = 1 << 16;
 /// A recording under way.
 #[derive(Debug)]
 pub(crate) struct Tape {
+    path: String,
     probe: Arc<Probe>,
     writer: Writer<WholeFile>,
     /// How often the probe had looked when its changes were last taken.
     looks: u64,
     /// When the file was last written.
     put_at: i64,
-    /// Whether a write has failed: nothing is written after that.
-    failed: bool,
+    /// Why a write was refused, and when: nothing is written after that.
+    failure: Option<(Box<str>, i64)>,
 }
 
 impl Tape {
@@ -31,6 +33,7 @@ impl Tape {
     /// # Errors
     /// The columns cannot be written as VCD.
     pub(super) fn begin(
+        path: &str,
         file: WholeFile,
         columns: &[Column],
         probe: Arc<Probe>,
@@ -39,43 +42,75 @@ impl Tape {
         let first: Vec<_> = probe.last().map(Some).collect();
         let mut writer = Writer::new(file, TimeBase::NANOSECONDS, columns, None)?;
         writer.all(now, &first)?;
-        let failed = writer.out().flush().is_err();
         let (looks, put_at) = (probe.looks(), os::monotonic_ns());
-        Ok(Self { probe, writer, looks, put_at, failed })
+        let path = path.to_owned();
+        let mut tape = Self { path, probe, writer, looks, put_at, failure: None };
+        tape.end_record();
+        tape.put(now);
+        Ok(tape)
     }
 
-    /// Whether a write has failed.
-    pub(super) const fn has_failed(&self) -> bool {
-        self.failed
+    /// Returns how the recording has stopped, once a write was refused.
+    pub(crate) fn stopped(&mut self) -> Option<StoppedRecording> {
+        let (reason, at) = self.failure.as_ref()?;
+        let (bytes, kept_to) = self.writer.out().kept();
+        Some(StoppedRecording {
+            file: self.path.clone(),
+            reason: reason.as_ref().into(),
+            time: at.unsigned_abs(),
+            bytes,
+            kept_to: kept_to.map(i64::unsigned_abs),
+        })
+    }
+
+    /// What was written so far is whole.
+    fn end_record(&mut self) {
+        let at = self.writer.at();
+        self.writer.out().end_record(at);
+    }
+
+    /// Has the whole records written.
+    fn put(&mut self, now: i64) {
+        let put = self.writer.out().put();
+        self.have_put(put, now);
+    }
+
+    fn have_put(&mut self, put: Result<()>, now: i64) {
+        if let Err(e) = put {
+            self.failure.get_or_insert_with(|| (os::said(&e), now));
+        }
     }
 
     /// Takes what has changed. `still`: no look is under way. Whole records reach the file now and
     /// then.
-    pub(crate) fn drain(&mut self, still: bool) {
+    pub(crate) fn drain(&mut self, still: bool, now: i64) {
         // Every look whose changes were taken before, in part perhaps, is over.
         let over = still || self.probe.looks() > self.looks;
         let mut begun = false;
         while let Some((time, which, bits)) = self.probe.change() {
-            if self.failed {
+            if self.failure.is_some() {
                 continue;
             }
             if self.writer.at() != Some(time) {
-                self.writer.out().end_record();
+                self.end_record();
                 begun = true;
             }
             // Into memory: that does not fail.
             let written = self.writer.time(time);
             drop(written.and_then(|()| self.writer.change(which as usize, Some(bits))));
         }
+        if self.failure.is_some() {
+            return;
+        }
         if still || (over && !begun) {
-            self.writer.out().end_record();
+            self.end_record();
         }
         self.looks = self.probe.looks();
         let waiting = self.writer.out().waiting();
-        let now = os::monotonic_ns();
-        if waiting >= MOST_WAITING || (waiting > 0 && now - self.put_at >= LONGEST_WAIT_NS) {
-            self.put_at = now;
-            self.failed |= self.writer.out().put().is_err();
+        let clock = os::monotonic_ns();
+        if waiting >= MOST_WAITING || (waiting > 0 && clock - self.put_at >= LONGEST_WAIT_NS) {
+            self.put_at = clock;
+            self.put(now);
         }
     }
 
@@ -87,19 +122,23 @@ impl Tape {
             self.end(now);
             return;
         }
-        self.drain(false);
-        self.failed |= self.writer.out().put().is_err();
+        self.drain(false, now);
+        if self.failure.is_none() {
+            self.put(now);
+        }
     }
 
     /// Ends the recording at `now`: all of it is in the file.
     pub(crate) fn end(&mut self, now: i64) {
-        self.drain(true);
-        if self.failed {
+        self.drain(true, now);
+        if self.failure.is_some() {
             return;
         }
         if self.writer.at() < Some(now) {
             drop(self.writer.time(now));
         }
-        self.failed |= self.writer.out().flush().is_err();
+        self.end_record();
+        let finished = self.writer.out().finish();
+        self.have_put(finished, now);
     }
 }
