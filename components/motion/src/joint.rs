@@ -38,7 +38,7 @@ pub(crate) struct Joint {
     pub(crate) motor_offset: f64,
     ferror: f64,
     ferror_limit: f64,
-    /// True if the following error exceeded its limit when it was measured; reactions to it reset the error to zero.
+    /// Value of the pin f-errored: the following error exceeded its limit when measured, before the reaction reset it.
     was_ferrored: bool,
     /// True if the joint switched the machine off.
     pub(crate) error: bool,

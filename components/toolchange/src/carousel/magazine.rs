@@ -184,7 +184,7 @@ impl Magazine {
         self.motor_vel.set(vel);
     }
 
-    /// Determines the target of the change, and the direction.
+    /// Starts the motor towards the wanted pocket; with both directions, along the shorter path.
     fn aim(&self) {
         let n = self.pocket.pockets();
         let way = i64::from(self.wanted()) - i64::from(self.pocket.position());
@@ -208,7 +208,7 @@ impl Magazine {
         self.target.get()
     }
 
-    /// Sets the position to the target.
+    /// Handles the arrival at the target: pulls back, begins the alignment, or finishes.
     fn arrived(&mut self) {
         if self.rev_pulse.get() > 0.0 {
             self.motor_fwd.set(false);
@@ -297,7 +297,7 @@ impl Magazine {
         }
     }
 
-    /// Searches for home; returns whether it is found.
+    /// Ends the search once home is found: stops the motor, and begins the alignment if there is one.
     fn home(&mut self) {
         if !self.pocket.is_home(self.index_enable.get()) {
             return;
@@ -314,7 +314,7 @@ impl Magazine {
         }
     }
 
-    /// Counts the remaining time down; returns whether it is over.
+    /// Counts the timer down by one cycle; returns whether time remains.
     fn waited(&self, period: Period) -> bool {
         self.timer.set(self.timer.get() - period.secs());
         self.timer.get() > 0.0
