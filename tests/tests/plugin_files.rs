@@ -368,10 +368,13 @@ fn root_opens_only_what_others_cannot_have_put_there() {
         assert_eq!(as_user(OTHER, || load(folder)), "ok");
         chown(path, Some(0), None).unwrap();
     }
-    // A link: what it leads to counts, and the folder where that is.
+    // A link: what it leads to counts, and the folder where that is, and the one of the link.
     fs::remove_file(so).unwrap();
     symlink(elsewhere.join("liblogic.so"), so).unwrap();
     assert_eq!(load(folder), "ok");
+    mode(folder, 0o777);
+    assert!(load(folder).contains(&format!("other users can change {}", shown(folder))));
+    mode(folder, 0o755);
     mode(elsewhere, 0o777);
     assert!(load(folder).contains(&format!("other users can change {}", shown(elsewhere))));
     mode(elsewhere, 0o755);
