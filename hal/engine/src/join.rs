@@ -335,6 +335,36 @@ mod tests {
         assert_eq!(lines, ["one: 7 lost", "one: 11 lost", "one: 1 lost"]);
     }
 
+    #[test]
+    fn a_line_names_eight_other_sets_of_numbers_or_none() {
+        for (last, want) in [
+            (9_u32, "one: at 9 (the last of 9 more; also with 1; 2; 3; 4; 5; 6; 7; 8)"),
+            (10, "one: at 10 (the last of 10 more)"),
+        ] {
+            let mut joiner = Joiner::default();
+            for n in 0..=last {
+                drop(say(&mut joiner, 1, 0, "at {}", &[f64::from(n)]));
+            }
+            assert_eq!(pass(&mut joiner, 1001), [want]);
+        }
+    }
+
+    #[test]
+    fn a_component_has_256_sites_and_one_for_the_others() {
+        let mut joiner = Joiner::default();
+        for n in 1..=256 {
+            let text = "x".repeat(n);
+            assert_eq!(say(&mut joiner, 0, 0, &text, &[]), [format!("one: {text}")]);
+        }
+        assert_eq!(
+            say(&mut joiner, 0, 0, "y", &[]),
+            ["one: 1 more messages, each of another kind"]
+        );
+        // Another component has its own, and those that are silent make room.
+        assert_eq!(say(&mut joiner, 0, 1, "y", &[]), ["two: y"]);
+        assert_eq!(say(&mut joiner, 5000, 0, "y", &[]), ["one: y"]);
+    }
+
     /// The number of lines is limited even for a component that sends a different text each time.
     #[test]
     fn sites_without_end_are_counted() {
