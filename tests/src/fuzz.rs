@@ -1,5 +1,5 @@
 //! Bodies of the fuzz targets: each takes arbitrary bytes. `tests/fuzz` calls them with a fuzzer's inputs, and
-//! `tests/tests/corpus.rs` calls them with the inputs that fuzzing has collected.
+//! `tests/tests/system/language/corpus.rs` calls them with the inputs that fuzzing has collected.
 //!
 //! Nothing here reaches beyond this process: no program is started, no file is written, no process is ended.
 

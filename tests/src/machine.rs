@@ -2,6 +2,7 @@
 
 use crate::{
     plugins::plugins,
+    programs::{own_test, passes},
     scratch::{REALTIME, Scratch},
 };
 use hal_engine::{ClockKind, Ended, Engine, Options, RealtimeOptions};
@@ -260,14 +261,14 @@ pub fn cycles(link: &mut impl Link, name: &str, n: u64) {
     wait(link, "cycles", |link| thread(link, name).cycles >= end);
 }
 
-/// Runs all other tests of this program once more without permission for `SCHED_FIFO`: a single system thread then
-/// runs all HAL threads.
-pub fn without_fifo(this_test: &str) {
+/// Runs all other tests of a module again in a process in which nobody may use `SCHED_FIFO`: one thread of the system
+/// then runs all threads. `module` is `module_path!()`.
+pub fn without_fifo(module: &str, this_test: &str) {
     let no_fifo = "HAL_NO_FIFO";
     if std::env::var_os(no_fifo).is_none() {
         let mut again = Command::new(std::env::current_exe().unwrap());
-        let output = again.args(["--skip", this_test]).env(no_fifo, "1").output().unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
+        again.arg(own_test(module, "")).args(["--skip", &own_test(module, this_test)]);
+        passes(again.env(no_fifo, "1"));
     }
 }
 

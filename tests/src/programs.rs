@@ -55,6 +55,23 @@ pub fn cargo(command: &str) -> Command {
     cargo
 }
 
+/// Returns the name of a test of this program as its command line takes it; `module` is `module_path!()`.
+/// Without a name, what the names of all tests of the module begin with.
+pub fn own_test(module: &str, name: &str) -> String {
+    let rooms = module.split_once("::").map_or("", |(_, rooms)| rooms);
+    if rooms.is_empty() { name.to_owned() } else { format!("{rooms}::{name}") }
+}
+
+/// Runs tests of this program in another process.
+///
+/// # Panics
+/// One of them fails, or there is none.
+pub fn passes(again: &mut Command) {
+    let output = again.output().unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && !said.contains("running 0 tests"), "{said}");
+}
+
 /// Returns the target folder of this test's build, and the name of the profile's folder in it.
 pub fn target() -> (PathBuf, String) {
     let exe = std::env::current_exe().unwrap();

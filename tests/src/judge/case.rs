@@ -11,7 +11,7 @@ pub fn folder() -> PathBuf {
     root().join("tests/judge")
 }
 
-/// Contents of a file. `tests/tests/judge.rs` documents the defaults of omitted entries.
+/// Contents of a file. `tests/tests/system/peer/judge.rs` documents the defaults of omitted entries.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Case {

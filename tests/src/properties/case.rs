@@ -17,7 +17,7 @@ pub fn folder() -> PathBuf {
     root().join("tests/properties")
 }
 
-/// Contents of a file. `tests/tests/properties.rs` documents the defaults of omitted entries.
+/// Contents of a file. `tests/tests/system/components/properties.rs` documents the defaults of omitted entries.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Case {
@@ -39,7 +39,7 @@ pub struct Case {
     pub open: Vec<Open>,
     /// Outputs that stay NaN or infinite after the inputs are finite again.
     pub stays: Vec<Stays>,
-    /// Arguments that look wrong and are accepted; see `tests/tests/arguments.rs`.
+    /// Arguments that look wrong and are accepted; see `tests/tests/system/components/arguments.rs`.
     pub takes: Vec<Takes>,
 }
 

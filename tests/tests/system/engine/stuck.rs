@@ -183,7 +183,7 @@ fn a_thread_that_waits_for_a_processor_is_not_stuck() {
 
 #[test]
 fn all_of_this_without_fifo() {
-    without_fifo("all_of_this_without_fifo");
+    without_fifo(module_path!(), "all_of_this_without_fifo");
 }
 
 #[test]

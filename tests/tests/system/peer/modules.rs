@@ -1,7 +1,7 @@
 //! Every C component of LinuxCNC's package: loaded, driven for 10,000 cycles, unloaded, and loaded again, each in a
 //! process of its own.
 //!
-//! `cargo test -p hal-tests --test modules -- --ignored` runs all of them and compares with `tests/compat/modules.md`;
+//! `cargo test -p hal-tests --test system peer::modules -- --ignored` runs all of them and compares with `tests/compat/modules.md`;
 //! with `UPDATE_EXPECT=1` it writes that file. Without the package, the test is reported as skipped.
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
 
@@ -188,7 +188,12 @@ fn one_module() {
 
 fn row(module: &str) -> (bool, String) {
     let mut me = Command::new(std::env::current_exe().unwrap());
-    me.args(["--exact", "one_module", "--nocapture"]).env("HAL_TEST_MODULE", module);
+    me.args([
+        "--exact",
+        &hal_tests::programs::own_test(module_path!(), "one_module"),
+        "--nocapture",
+    ])
+    .env("HAL_TEST_MODULE", module);
     let out = me.output().unwrap();
     let text = String::from_utf8_lossy(&out.stdout).into_owned();
     let found = text.lines().find_map(|l| l.strip_prefix("ROW "));
@@ -233,7 +238,7 @@ fn some_modules_run() {
 }
 
 #[test]
-#[ignore = "takes a minute, needs LinuxCNC's package: cargo test -p hal-tests --test modules -- --ignored"]
+#[ignore = "takes a minute, needs LinuxCNC's package: cargo test -p hal-tests --test system peer::modules -- --ignored"]
 fn all_modules() {
     if tools::linuxcnc().is_none() {
         return;
@@ -244,7 +249,7 @@ fn all_modules() {
         "# LinuxCNC's components in C, as they are in its package\n\n\
          Each is loaded, put into a thread of 1 ms, started with its inputs driven by chance, run\n\
          for {CYCLES} cycles, unloaded and loaded again, in a process of its own.\n\
-         `UPDATE_EXPECT=1 cargo test -p hal-tests --test modules -- --ignored` writes this file.\n\n\
+         `UPDATE_EXPECT=1 cargo test -p hal-tests --test system peer::modules -- --ignored` writes this file.\n\n\
          {running} of {} run.\n\n\
          | component | pins | parameters | functions | cycles | outputs that changed | again |\n\
          |---|---|---|---|---|---|---|\n",

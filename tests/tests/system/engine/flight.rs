@@ -235,7 +235,7 @@ fn failed_at(c: &mut impl Link, why: &str) -> bool {
 
 #[test]
 fn all_of_this_without_fifo() {
-    without_fifo("all_of_this_without_fifo");
+    without_fifo(module_path!(), "all_of_this_without_fifo");
 }
 
 #[test]

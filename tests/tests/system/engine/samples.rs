@@ -537,5 +537,5 @@ fn parameters_in_memory_of_a_component_in_c() {
 
 #[test]
 fn all_of_this_without_fifo() {
-    without_fifo("all_of_this_without_fifo");
+    without_fifo(module_path!(), "all_of_this_without_fifo");
 }

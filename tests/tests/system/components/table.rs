@@ -1,7 +1,7 @@
 //! The table of all components in `components/README.md`, and the page of each in `components/pages`, agree with the
 //! plugins' own declarations and with the test results.
 //!
-//! `UPDATE_EXPECT=1 cargo test -p hal-tests --test table` writes both. Cells come from the plugins, from
+//! `UPDATE_EXPECT=1 cargo test -p hal-tests --test system components::table` writes both. Cells come from the plugins, from
 //! `tests/compat/pins`, `judge.md` and `kinematics.md`, from the sources of the tests, and from `components/SPEED.md`;
 //! a cell without a source fails the test, which then names the remedy.
 #![expect(clippy::unwrap_used, reason = "tests")]
@@ -21,7 +21,7 @@ use std::{
 
 const BEGIN: &str = "<!-- table:begin -->";
 const END: &str = "<!-- table:end -->";
-const AGAIN: &str = "run `UPDATE_EXPECT=1 cargo test -p hal-tests --test table`";
+const AGAIN: &str = "run `UPDATE_EXPECT=1 cargo test -p hal-tests --test system components::table`";
 /// Text of a cell where LinuxCNC 2.9 has nothing to compare with.
 const NO_PEER: &str = "no peer";
 

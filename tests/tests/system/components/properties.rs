@@ -6,7 +6,7 @@
 //! are the outputs, and no integer stays at an end of its type. A second run gives the same bits. `realtime.rs` tests,
 //! with the same configurations, that no cycle allocates.
 //!
-//! `PROPERTIES=pid cargo test -p hal-tests --test properties one_component` tests one component.
+//! `PROPERTIES=pid cargo test -p hal-tests --test system components::properties::one_component` tests one component.
 //!
 //! Most components need no file here. Special needs of a component are listed in `tests/properties/NAME.toml`, those of
 //! all other components of a library in `lib-LIBRARY.toml`. All entries are optional:
@@ -23,7 +23,7 @@
 //! after = []
 //! threads = ["servo-thread"]
 //!
-//! # Sane inputs, in the format of tests/tests/judge.rs.
+//! # Sane inputs, in the format of tests/tests/system/peer/judge.rs.
 //! [[inputs]]
 //! pins = ["*.gain"]
 //! why = "its range is documented"

@@ -1,11 +1,11 @@
 //! The judge: each of our components compared with LinuxCNC's component of the same name, in one engine on the virtual
 //! clock, with the same inputs; every pin and parameter is compared after every cycle.
 //!
-//! `cargo test -p hal-tests --test judge -- --ignored` judges all of them and compares with `tests/compat/judge.md`;
+//! `cargo test -p hal-tests --test system peer::judge -- --ignored` judges all of them and compares with `tests/compat/judge.md`;
 //! with `UPDATE_EXPECT=1` it writes that file. A single component, with the inputs before its first difference:
 //!
 //! ```sh
-//! JUDGE=pid cargo test -p hal-tests --test judge one_component -- --exact --nocapture
+//! JUDGE=pid cargo test -p hal-tests --test system peer::judge::one_component -- --exact --nocapture
 //! ```
 //!
 //! Without LinuxCNC's package, the test is reported as skipped.
@@ -145,7 +145,12 @@ fn row(module: &str, rounds: usize) -> String {
         Err(e) => return format!("| `{module}` | | | | DIFFERS: {} |", e.replace('\n', " ")),
     }
     let mut me = Command::new(std::env::current_exe().unwrap());
-    me.args(["--exact", "one_component", "--nocapture"]).env_remove("JUDGE");
+    me.args([
+        "--exact",
+        &hal_tests::programs::own_test(module_path!(), "one_component"),
+        "--nocapture",
+    ])
+    .env_remove("JUDGE");
     me.env("HAL_TEST_MODULE", module).env("HAL_TEST_ROUNDS", rounds.to_string());
     let out = me.output().unwrap();
     let text = String::from_utf8_lossy(&out.stdout).into_owned();
@@ -252,7 +257,7 @@ fn rows_are_as_theirs() {
 }
 
 #[test]
-#[ignore = "takes a minute, needs LinuxCNC's package: cargo test -p hal-tests --test judge -- --ignored"]
+#[ignore = "takes a minute, needs LinuxCNC's package: cargo test -p hal-tests --test system peer::judge -- --ignored"]
 fn every_component_does_as_theirs() {
     if tools::linuxcnc().is_none() {
         return;
@@ -267,7 +272,7 @@ fn every_component_does_as_theirs() {
          after every cycle, bit for bit, but for the sign of zero: LinuxCNC's `.comp` modules add 0\n\
          to every number that they read, and have no -0. The components are loaded anew every {CYCLES} cycles.\n\
          What is known of one stands in `tests/judge/NAME.toml`; what is not, or is worse, fails.\n\
-         `UPDATE_EXPECT=1 cargo test -p hal-tests --test judge -- --ignored` writes this file.\n\n\
+         `UPDATE_EXPECT=1 cargo test -p hal-tests --test system peer::judge -- --ignored` writes this file.\n\n\
          Of {} that both have, {judged} are judged; {equal} are equal in all that is compared,\n\
          and the others but for what their rows tell.\n\n\
          | component | compared | moved | cycles | result |\n\

@@ -326,7 +326,7 @@ fn written(all: &[(String, Vec<(String, String)>)]) -> String {
     let mut text = format!(
         "# Bad arguments, and what is said of them\n\n\
          Every component that a plugin library offers is loaded with each of these, and nothing is\n\
-         left of it. Written and checked by `tests/tests/arguments.rs`.\n\n\
+         left of it. Written and checked by `tests/tests/system/components/arguments.rs`.\n\n\
          ## What many have in common\n\n```text\n{}```\n",
         rows(&first)
     );

@@ -349,7 +349,7 @@ fn plain(scratch: &Scratch, stderr: &str) -> String {
 
 const HEAD: &str = "# How an instance ends
 
-What becomes of an instance by the way in which its process ends, as `cargo test -p hal-tests --test ends` finds it. The
+What becomes of an instance by the way in which its process ends, as `cargo test -p hal-tests --test system faults::ends` finds it. The
 machine drives a port; `safe` says that a stop action put the port's register to its safe level before the process ended.
 Both clocks come to the same unless a row says which. `SIGSEGV` and others in the column *status* say that the process
 ended by that signal.
@@ -492,7 +492,7 @@ fn a_signal_is_heeded_while_a_script_waits_for_a_pipe() {
 
 /// Milliseconds from a signal until outputs are at their safe levels, in each state of the instance.
 #[test]
-#[ignore = "measures: cargo test -p hal-tests --test ends -- --ignored --nocapture"]
+#[ignore = "measures: cargo test -p hal-tests --test system faults::ends -- --ignored --nocapture"]
 fn how_soon_outputs_are_safe() {
     let states = [
         ("idle", By::Signal(Signal::TERM)),

@@ -306,7 +306,10 @@ fn is_alone(test: &str) -> bool {
         return true;
     }
     let mut again = Command::new(std::env::current_exe().unwrap());
-    again.args(["--exact", test]).env(ALONE, "1").env("HAL_TEST_PROGRAMS", programs());
+    again
+        .args(["--exact", &hal_tests::programs::own_test(module_path!(), test)])
+        .env(ALONE, "1")
+        .env("HAL_TEST_PROGRAMS", programs());
     let output = again.output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
     false

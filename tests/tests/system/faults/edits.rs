@@ -276,5 +276,5 @@ fn each_lock_refuses_its_own_and_changes_nothing() {
 
 #[test]
 fn all_of_this_on_one_thread_of_the_system() {
-    without_fifo("all_of_this_on_one_thread_of_the_system");
+    without_fifo(module_path!(), "all_of_this_on_one_thread_of_the_system");
 }

@@ -303,5 +303,5 @@ fn scribbling_while_the_machine_runs_on_the_real_clock() {
 
 #[test]
 fn all_of_this_without_fifo() {
-    without_fifo("all_of_this_without_fifo");
+    without_fifo(module_path!(), "all_of_this_without_fifo");
 }

@@ -1,11 +1,11 @@
 //! Arguments, functions, pins and parameters of our components, with types, directions and first values, compared with
 //! those of LinuxCNC's components of the same name.
 //!
-//! `cargo test -p hal-tests --test pins -- --ignored` loads the components of LinuxCNC's package and compares them with
+//! `cargo test -p hal-tests --test system components::pins -- --ignored` loads the components of LinuxCNC's package and compares them with
 //! `tests/compat/pins`; with `UPDATE_EXPECT=1` it writes those files (`PINS=NAME`: of one component). Without the
 //! package, that test is reported as skipped. Our components are always compared with the files.
 //!
-//! `tests/judge/NAME.toml` lists the intended differences; the head of `tests/tests/judge.rs` describes the format. The
+//! `tests/judge/NAME.toml` lists the intended differences; the head of `tests/tests/system/peer/judge.rs` describes the format. The
 //! records of components that LinuxCNC 2.9 lacks were taken from 2.10 and are written by hand.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 #![expect(clippy::print_stdout, reason = "one that is asked for is shown")]
@@ -80,7 +80,11 @@ fn measured(module: &str) -> Result<Version, String> {
     let mut loads = Vec::new();
     for line in pins::lines(module, &args)? {
         let mut me = Command::new(std::env::current_exe().unwrap());
-        me.args(["--exact", "one_load", "--nocapture"]);
+        me.args([
+            "--exact",
+            &hal_tests::programs::own_test(module_path!(), "one_load"),
+            "--nocapture",
+        ]);
         let out = me.env("HAL_TEST_LOAD", format!("{module} {line}")).output().unwrap();
         let text = String::from_utf8_lossy(&out.stdout).into_owned();
         match text.split("MADE\n").nth(1) {
@@ -95,7 +99,7 @@ fn measured(module: &str) -> Result<Version, String> {
 }
 
 #[test]
-#[ignore = "needs LinuxCNC's package: cargo test -p hal-tests --test pins -- --ignored"]
+#[ignore = "needs LinuxCNC's package: cargo test -p hal-tests --test system components::pins -- --ignored"]
 fn every_file_is_what_theirs_has() {
     let Some(folder) = tools::linuxcnc() else { return };
     let only = std::env::var("PINS").ok();

@@ -514,5 +514,5 @@ fn a_file_of_ten_thousand_lines_fits_and_a_longer_one_is_refused() {
 
 #[test]
 fn all_of_this_on_one_thread_of_the_system() {
-    without_fifo("all_of_this_on_one_thread_of_the_system");
+    without_fifo(module_path!(), "all_of_this_on_one_thread_of_the_system");
 }

@@ -18,7 +18,7 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("*: not opened as root: other users can change * (mode *)", PLUGIN_FILES),
     ("*: not opened: the instance is ending", PLUGIN_FILES),
     ("*: opened in a process of its own first, it *", PLUGIN_FILES),
-    ("function '*' has failed: threads stay stopped", "tests/tests/faults_running.rs"),
+    ("function '*' has failed: threads stay stopped", "tests/tests/system/faults/running.rs"),
     ("instance '*' is already running", REFUSALS),
     ("* belongs to user *, not to user *", FALSE_ENGINE),
     ("* can be written by other users (mode *)", FALSE_ENGINE),
@@ -30,13 +30,13 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("run 'chmod go-w *', or *", FALSE_ENGINE),
     ("the engine at * runs as user *, not as user *", FALSE_ENGINE),
     ("no command with ticket * is known", REFUSALS),
-    ("stream '*' is in use by another program", "tests/tests/rings.rs"),
+    ("stream '*' is in use by another program", "tests/tests/system/engine/rings.rs"),
     (
         "this change takes * stores at once; at most 256 are made while threads run",
-        "tests/tests/faults_edits.rs",
+        "tests/tests/system/faults/edits.rs",
     ),
-    ("this client has not joined as a component", "tests/tests/faults_clients.rs"),
-    ("thread '*' is stuck in its cycle, in function '*'", "tests/tests/faults_edits.rs"),
+    ("this client has not joined as a component", "tests/tests/system/faults/clients.rs"),
+    ("thread '*' is stuck in its cycle, in function '*'", "tests/tests/system/faults/edits.rs"),
     ("signal '*' is a port and cannot have I/O pin(s)", REFUSALS),
     ("signal '*' is a port and can only have one input pin", REFUSALS),
     ("there is no thread in whose cycles to sample", SAMPLES),
@@ -49,11 +49,11 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("* are loaded already, by component '*'", "two components offer the same service"),
     ("the engine answered something else than was asked", "never, or it is a defect"),
 ];
-const SAMPLES: &str = "tests/tests/samples.rs";
-const FAULTS: &str = "tests/tests/faults.rs";
-const PLUGIN_FILES: &str = "tests/tests/plugin_files.rs";
-const FALSE_ENGINE: &str = "tests/tests/false_engine.rs";
-const REFUSALS: &str = "tests/tests/refusals.rs";
+const SAMPLES: &str = "tests/tests/system/engine/samples.rs";
+const FAULTS: &str = "tests/tests/system/faults/libraries.rs";
+const PLUGIN_FILES: &str = "tests/tests/system/faults/plugin_files.rs";
+const FALSE_ENGINE: &str = "tests/tests/system/faults/false_engine.rs";
+const REFUSALS: &str = "tests/tests/system/language/refusals.rs";
 
 /// Commands of LinuxCNC's scripts.
 const COMMANDS: &str = "loadrt unloadrt loadusr waitusr unloadusr unload newsig delsig sets gets \
@@ -169,7 +169,7 @@ fn every_message_is_shown_by_a_case() {
     }
     let mut table = String::from(
         "# Messages\n\nWhich case shows which message; `*` stands for what varies. Written and \
-         checked by `tests/tests/messages.rs`.\n\n| about | message | shown by |\n|---|---|---|\n",
+         checked by `tests/tests/system/language/messages.rs`.\n\n| about | message | shown by |\n|---|---|---|\n",
     );
     let mut missing = Vec::new();
     for (about, message) in messages {

@@ -346,5 +346,5 @@ fn what_a_client_says_of_itself_is_not_believed() {
 
 #[test]
 fn all_of_this_without_fifo() {
-    without_fifo("all_of_this_without_fifo");
+    without_fifo(module_path!(), "all_of_this_without_fifo");
 }

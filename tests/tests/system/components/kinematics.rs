@@ -1,6 +1,6 @@
 //! Our kinematics compared with those of LinuxCNC's package, at the same positions.
 //!
-//! `cargo test -p hal-tests --test kinematics -- --ignored` queries both at seeded random positions, and compares with
+//! `cargo test -p hal-tests --test system components::kinematics -- --ignored` queries both at seeded random positions, and compares with
 //! `tests/compat/kinematics.md`; with `UPDATE_EXPECT=1` it writes that file. A small C program,
 //! `tests/compat/kinematics.c`, queries LinuxCNC's modules, each in a process of its own. Without the package or a C
 //! compiler, the test is reported as skipped.
@@ -446,7 +446,7 @@ fn places() -> Vec<Place> {
 const HEAD: &str = "\
 # Kinematics beside LinuxCNC's
 
-Written by `UPDATE_EXPECT=1 cargo test -p hal-tests --test kinematics -- --ignored`, where LinuxCNC's
+Written by `UPDATE_EXPECT=1 cargo test -p hal-tests --test system components::kinematics -- --ignored`, where LinuxCNC's
 package is installed: each module of it is asked at the same seeded random places as ours. Differences
 are parts of the machine's size, or radians; 0 is below 1e-13. A place that only one of both has an
 answer for is counted. `three21kins`, `matrixkins`, `xyzacb_trsrn` and `xyzbca_trsrn` are not in the
@@ -467,7 +467,7 @@ fn program() -> Option<PathBuf> {
 }
 
 #[test]
-#[ignore = "needs LinuxCNC's package and cc: cargo test -p hal-tests --test kinematics -- --ignored"]
+#[ignore = "needs LinuxCNC's package and cc: cargo test -p hal-tests --test system components::kinematics -- --ignored"]
 fn ours_and_theirs_at_the_same_places() {
     if tools::linuxcnc().is_none() {
         return;

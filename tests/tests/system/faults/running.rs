@@ -296,5 +296,5 @@ fn an_overrun_is_counted_with_the_guilty_function_and_stops_nothing() {
 
 #[test]
 fn all_of_this_without_fifo() {
-    hal_tests::machine::without_fifo("all_of_this_without_fifo");
+    hal_tests::machine::without_fifo(module_path!(), "all_of_this_without_fifo");
 }

@@ -1,0 +1,6 @@
+//! What is known before anything moves: `check`, `order`, `graph`, the dry run.
+
+mod check;
+mod graph;
+mod order;
+mod trial;

@@ -1,0 +1,15 @@
+//! What goes wrong: components, clients, files and processes that fail or attack.
+
+mod clients;
+mod crashes;
+mod edits;
+mod ends;
+mod false_engine;
+mod growth;
+mod instances;
+mod libraries;
+mod lost_machine;
+mod messages;
+mod plugin_files;
+mod recordings;
+mod running;

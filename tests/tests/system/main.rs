@@ -1,0 +1,10 @@
+//! The tests of whole programs and machines, in one program: it links once. `tests/README.md` has the map.
+
+mod analysis;
+mod components;
+mod engine;
+mod faults;
+mod language;
+mod machines;
+mod peer;
+mod tidy;

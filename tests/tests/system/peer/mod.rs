@@ -1,0 +1,8 @@
+//! Ferrule beside LinuxCNC: traces, modules, `.comp` files, messages.
+
+mod comp;
+mod compat;
+mod judge;
+mod language;
+mod modules;
+mod traces;
