@@ -120,7 +120,7 @@ pub fn component(globals: &str, main: &str, function: &str) -> String {
 pub fn compile(folder: &Path, name: &str, source: &str, options: &[&str]) -> Option<PathBuf> {
     let (from, to) = (folder.join(format!("{name}.c")), folder.join(format!("{name}.so")));
     std::fs::write(&from, source).unwrap();
-    let include = root().join("components/compat/include");
+    let include = root().join("components/foreign/compat/include");
     let mut cc = Command::new("cc");
     cc.args(["-std=gnu11", "-DRTAPI", "-O1", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared"]);
     cc.args(["-Wl,-Bsymbolic"]).args(options).arg("-I").arg(include);

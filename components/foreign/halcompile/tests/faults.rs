@@ -44,7 +44,7 @@ fn a_byte_that_is_no_text_is_named() {
 /// text, a page and Rust.
 #[test]
 fn damaged_files_never_panic() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/comp");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../tests/comp");
     let mut state = 0x9e37_79b9_u64;
     let mut random = move |below: usize| {
         // A Lehmer generator: any spread is sufficient.

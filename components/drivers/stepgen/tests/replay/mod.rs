@@ -35,7 +35,7 @@ pub(crate) fn check(name: &str, load: Load) {
 }
 
 fn read(name: &str, kind: &str) -> String {
-    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../tests/peer");
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../tests/peer");
     fs::read_to_string(root.join(format!("{name}.{kind}"))).unwrap()
 }
 

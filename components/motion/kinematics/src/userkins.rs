@@ -12,7 +12,7 @@ const DOC: &str = concat!(
     "\
 An example of kinematics to begin one's own with: joints 0 to 2 are X Y Z.
 
-Copy its file (`components/kinematics/src/userkins.rs`) into a library of your own, under another
+Copy its file (`components/motion/kinematics/src/userkins.rs`) into a library of your own, under another
 name; write what your joints do into `forward` and `inverse`, and the pins with your lengths beside
 them. Each of `count=` or `names=` has a pin and a function to show how those are made;
 `userkins.in` comes out of `userkins.out` whenever joints are computed.",

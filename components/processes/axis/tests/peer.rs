@@ -4,7 +4,7 @@ use axis::Steptest;
 use hal_component::bench::Bench;
 use stepgen::Stepgen;
 
-#[path = "../../stepgen/tests/replay/mod.rs"]
+#[path = "../../../drivers/stepgen/tests/replay/mod.rs"]
 mod replay;
 
 fn load(bench: &mut Bench, kind: &str, args: &[&str]) -> bool {

@@ -17,7 +17,7 @@ fn texts_are_as_expected() {
     ];
     let mut wrong = Vec::new();
     for (name, endings) in wanted {
-        let bytes = fs::read(here.join(format!("../../tests/comp/{name}.comp"))).unwrap();
+        let bytes = fs::read(here.join(format!("../../../tests/comp/{name}.comp"))).unwrap();
         let file = format!("{name}.comp");
         let (component, doubts) = halcompile::read(&file, &bytes).unwrap();
         assert!(doubts.faults().is_empty(), "{doubts}");

@@ -41,7 +41,7 @@ hal_component::export!(
 );
 
 #[cfg(doctest)]
-#[doc = include_str!("../../README.md")]
+#[doc = include_str!("../../../README.md")]
 mod readme {}
 
 #[cfg(test)]
