@@ -6,6 +6,8 @@
 //! both lead to `crash.rs`. The thread of `guard.rs` does what a signal handler must not, and ends
 //! the process when the control side does not come back.
 
+pub(crate) mod ending;
+
 mod apart;
 mod board;
 mod crash;
@@ -26,11 +28,11 @@ pub(crate) use sys::Stack;
 pub(crate) use who::{Control, Doing, Origin, What, begin_cycle, end_cycle, run_stop};
 
 use crate::{
-    code::Code,
-    flight::Flight,
+    load::code::Code,
     name::Name,
-    record::Tape,
-    shared::Shared,
+    observe::flight::Flight,
+    observe::record::Tape,
+    realtime::shared::Shared,
     sync::{Arc, AtomicBool, AtomicI32, AtomicPtr, Ordering},
 };
 use core::ptr::null_mut;

@@ -2,30 +2,31 @@
 
 use crate::{
     ClockKind, Error, Options,
-    apply::{PATIENCE_NS, Retired},
-    arena::Arena,
+    analyse::dry_run::Trial,
+    change::apply::{PATIENCE_NS, Retired},
+    change::transaction::Transaction,
     ends::{self, Instance},
-    flight::Flight,
+    graph::arena::Arena,
     graph::{Graph, Ix},
-    join::Joiner,
-    loader::Loader,
-    mailbox::Voice,
+    load::loader::Loader,
+    messages::join::Joiner,
+    messages::mailbox::Voice,
     name::Name,
-    os, polls,
-    realtime::Realtime,
-    record::Recording,
-    request::LONGEST_TIME_NS,
-    ring::SharedRing,
-    runners::{Runners, Scheduling},
-    sample::Sample,
-    server::Server,
-    shared::Shared,
+    observe::flight::Flight,
+    observe::record::Recording,
+    observe::ring::SharedRing,
+    observe::sample::Sample,
+    observe::watch::Probes,
+    os,
+    realtime::resources::Realtime,
+    realtime::runners::{Runners, Scheduling},
+    realtime::shared::Shared,
+    realtime::task::Task,
+    realtime::watchdog::Watchdog,
+    serve::polls,
+    serve::request::LONGEST_TIME_NS,
+    serve::server::Server,
     sync::Arc,
-    task::Task,
-    transaction::Transaction,
-    trial::Trial,
-    watch::Probes,
-    watchdog::Watchdog,
 };
 use hal_abi::{Ticket, TicketState};
 use hal_protocol::{Failure, FaultInfo, Lock, Offer, Patterns, StoppedRecording, TicketInfo};
@@ -279,7 +280,7 @@ impl Engine {
             TicketState::Failed(why) => {
                 let (numbers, count) = pending.ticket.numbers();
                 let numbers = numbers.get(..count).unwrap_or_default();
-                TicketInfo::Failed(self.with_wiring(&crate::join::filled(why, numbers)))
+                TicketInfo::Failed(self.with_wiring(&crate::messages::join::filled(why, numbers)))
             }
         };
         self.tickets.remove(&id);

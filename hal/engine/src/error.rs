@@ -1,5 +1,10 @@
 //! Every error of a request, in the user's words.
 
+pub(crate) mod hint;
+pub(crate) mod near;
+pub(crate) mod plugin;
+pub(crate) mod watch;
+
 use hal_protocol::Type;
 
 /// The reason why a request was refused. Messages that users know are worded as in LinuxCNC.
@@ -237,7 +242,7 @@ impl core::fmt::Display for Error {
             Self::NotFound { what, name, .. } => write!(f, "{what} '{name}' not found"),
             Self::NoItem { what, name, .. } => write!(f, "{what} '{name}': not found"),
             Self::NoPin { name, .. } => write!(f, "Pin '{name}' does not exist"),
-            Self::Locked { what } => f.write_str(&crate::hint::locked(what)),
+            Self::Locked { what } => f.write_str(&hint::locked(what)),
             Self::LinkedElsewhere { pin, signal, wanted } => {
                 write!(f, "pin '{pin}' is linked to '{signal}', cannot link to '{wanted}'")
             }

@@ -1,7 +1,17 @@
 //! The graph: components, pins, parameters, signals, functions and threads, and every edge between
 //! them. Names are indices into it; no other structure stores links.
 
-use crate::{Error, name::Name, near::nearest, sites::Sites, sync::Arc};
+pub(crate) mod arena;
+pub(crate) mod item;
+pub(crate) mod listing;
+pub(crate) mod node;
+pub(crate) mod schedule;
+pub(crate) mod sites;
+pub(crate) mod value;
+pub(crate) mod wired;
+pub(crate) mod wiring;
+
+use crate::{Error, error::near::nearest, graph::sites::Sites, name::Name, sync::Arc};
 use hal_abi::PortQueue;
 use hal_protocol::{Type, Value};
 use petgraph::{
@@ -11,7 +21,7 @@ use petgraph::{
 };
 use std::collections::BTreeMap;
 
-pub(crate) use crate::node::{
+pub(crate) use crate::graph::node::{
     Command, Component, Edge, Foreign, Funct, Item, Node, Queue, Service, Signal, Storage,
     ThreadNode,
 };

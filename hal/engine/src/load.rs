@@ -1,15 +1,27 @@
 //! `loadrt`: creates and opens a component, or refuses it with the reason.
 
+pub(crate) mod args;
+pub(crate) mod callback;
+pub(crate) mod code;
+pub(crate) mod create;
+pub(crate) mod elf;
+pub(crate) mod foreign;
+pub(crate) mod loader;
+pub(crate) mod offer;
+pub(crate) mod opening;
+pub(crate) mod plugin_file;
+pub(crate) mod unload;
+
 use crate::{
     Engine, Error,
-    args::{Args, Declared, Instances},
-    code::Keep,
-    create::Creating,
+    change::undo::Undo,
     ends::{self, Doing, What},
     graph::Ix,
-    loader::Found,
+    load::args::{Args, Declared, Instances},
+    load::code::Keep,
+    load::create::Creating,
+    load::loader::Found,
     name::Name,
-    undo::Undo,
 };
 use hal_abi::{Status, component_flags};
 use hal_protocol::Lock;

@@ -1,10 +1,13 @@
 //! Messages of components and of the engine: the control side takes them, joins those of the same
 //! site, logs them, and keeps them until they are read.
 
+pub(crate) mod join;
+pub(crate) mod mailbox;
+
 use crate::{
     Engine,
-    join::{Said, kind_of},
-    mailbox::{Message, Spoken, Voice},
+    messages::join::{Said, kind_of},
+    messages::mailbox::{Message, Spoken, Voice},
     name::Name,
     sync::Arc,
 };
@@ -120,7 +123,7 @@ impl Engine {
         self.log(lines);
     }
 
-    fn log(&mut self, lines: Vec<crate::join::Line>) {
+    fn log(&mut self, lines: Vec<join::Line>) {
         for line in lines {
             let text = line.text;
             match line.level {
@@ -150,7 +153,7 @@ const LOST: &str = "{} messages were lost: too many at once";
 pub(crate) fn worded(m: &Message, speaker: &str) -> String {
     // SAFETY: static in a library that is open: messages are read before it is closed.
     let text = unsafe { m.text.get() }.unwrap_or("?");
-    let said = crate::join::filled(text, m.numbers.get(..m.n).unwrap_or_default());
+    let said = join::filled(text, m.numbers.get(..m.n).unwrap_or_default());
     format!("{speaker}: {said}")
 }
 

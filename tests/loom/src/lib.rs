@@ -7,7 +7,7 @@
 //! not ordered.
 #![cfg(all(loom, test))]
 
-#[path = "../../../hal/engine/src/handover.rs"]
+#[path = "../../../hal/engine/src/change/handover.rs"]
 mod handover;
 mod models;
 mod retired;

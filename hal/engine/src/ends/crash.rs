@@ -9,8 +9,8 @@ use super::{
 };
 use crate::{
     os::progress::processor_time,
+    realtime::thread::Thread,
     sync::{AtomicBool, AtomicI32, AtomicPtr, AtomicU32, AtomicU64, Ordering},
-    thread::Thread,
 };
 use core::{ffi::c_int, ptr};
 

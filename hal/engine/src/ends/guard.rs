@@ -191,7 +191,7 @@ impl Instance {
     }
 
     /// The thread in whose cycle the control side is: on the virtual clock it runs them.
-    fn cycle_of_control(&self) -> Option<Arc<crate::thread::Thread>> {
+    fn cycle_of_control(&self) -> Option<Arc<crate::realtime::thread::Thread>> {
         let threads = self.shared.threads.load();
         let inside = threads.iter().find(|t| t.gate.is_inside()).cloned();
         inside.filter(|_| self.shared.is_virtual())

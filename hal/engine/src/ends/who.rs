@@ -8,11 +8,11 @@ use super::{
 };
 use crate::{
     Error,
-    args::Args,
-    code::Code,
+    load::args::Args,
+    load::code::Code,
     name::Name,
+    realtime::thread::Thread,
     sync::{Arc, AtomicU32, AtomicU64, Ordering},
-    thread::Thread,
 };
 use arc_swap::ArcSwapOption;
 use core::{cell::Cell, marker::PhantomData, ptr::null};

@@ -66,10 +66,10 @@ const SOURCES: &[&str] = &[
     "halcmd/src/error.rs",
     "hal/ini/src/error.rs",
     "hal/engine/src/error.rs",
-    "hal/engine/src/hint.rs",
-    "hal/engine/src/watch_error.rs",
+    "hal/engine/src/error/hint.rs",
+    "hal/engine/src/error/watch.rs",
     "hal/protocol/src/folder.rs",
-    "hal/engine/src/plugin_error.rs",
+    "hal/engine/src/error/plugin.rs",
 ];
 
 /// Returns the output of every case, by name.

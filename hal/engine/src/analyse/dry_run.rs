@@ -1,0 +1,81 @@
+//! An engine on trial: components are created but never opened, threads declared but never run.
+
+use crate::{ClockKind, Engine, Error, Options, graph::Ix, graph::item::NewItem, name::Name};
+use hal_protocol::{ComponentState, Failure, Reply, Request, TicketInfo};
+
+/// State that only a trial engine has.
+#[derive(Debug, Default)]
+pub(crate) struct Trial {
+    /// The program's component that is being created.
+    member: Option<Ix>,
+}
+
+impl Engine {
+    /// Creates an instance that executes a script and touches nothing outside: for `check`, `order`
+    /// and `graph`. It has no socket, its clock does not move, `loadrt` creates components and
+    /// never opens them, no stop action runs, nothing is recorded, and no process is ended. The
+    /// owner may join as a program and create that program's pins.
+    ///
+    /// # Errors
+    /// The system refuses.
+    pub fn trial(mut options: Options) -> Result<Self, Failure> {
+        options.clock = ClockKind::Virtual;
+        options.hold = true;
+        options.simulate = true;
+        let mut engine = Self::without_socket(options)?;
+        engine.trial = Some(Trial::default());
+        Ok(engine)
+    }
+
+    /// Handles a request that would reach outside or move the clock; returns `None` for all others.
+    pub(crate) fn tried(&mut self, request: &Request) -> Option<Result<Reply, Error>> {
+        let trial = self.trial.as_mut()?;
+        if let Request::Run { .. } = request {
+            self.graph.sites.has_run();
+        }
+        let done = match request {
+            Request::Run { .. }
+            | Request::Idle { .. }
+            | Request::Await { .. }
+            | Request::Adopt { .. }
+            | Request::EndProgram { .. }
+            | Request::Record { .. }
+            | Request::EndRecord
+            | Request::Flight(_)
+            | Request::EndFlight
+            | Request::SaveFlight { .. } => Ok(()),
+            Request::Ticket { .. } => return Some(Ok(Reply::Ticket(TicketInfo::Done))),
+            Request::Join { name, .. } => Name::parse("component", name)
+                .and_then(|name| self.new_component(name, None, None, false))
+                .map(|member| self.trial = Some(Trial { member: Some(member) })),
+            Request::NewPin { name, ty, direction } => {
+                let member = trial.member;
+                let what = if direction.is_pin() { "pin" } else { "parameter" };
+                member.ok_or(Error::NotAMember).and_then(|member| {
+                    let new = NewItem {
+                        name: Name::parse(what, name)?,
+                        other: None,
+                        ty: *ty,
+                        direction: *direction,
+                        initial: 0,
+                        storage: None,
+                        hidden: false,
+                        times: false,
+                        safety: false,
+                        doc: self.graph.doc(""),
+                    };
+                    self.new_item(member, new).map(|_| ())
+                })
+            }
+            Request::Ready => {
+                let member = trial.member.take();
+                if let Some(c) = member.and_then(|ix| self.graph.component_mut(ix)) {
+                    c.state = ComponentState::Ready;
+                }
+                Ok(())
+            }
+            _ => return None,
+        };
+        Some(done.map(|()| Reply::Done))
+    }
+}

@@ -1,0 +1,138 @@
+//! Creation of pins and parameters.
+
+use crate::{
+    Engine, Error,
+    graph::{Edge, Item, Ix, Node, Storage},
+    load::code::Ptr,
+    name::Name,
+    realtime::thread::Account,
+    sync::Arc,
+};
+use core::{ffi::c_void, ptr::NonNull};
+use hal_abi::{Cell, Slot};
+use hal_protocol::{Direction, Type};
+
+/// A pin or parameter to be created.
+pub(crate) struct NewItem {
+    pub(crate) name: Name,
+    pub(crate) other: Option<Name>,
+    pub(crate) ty: Type,
+    pub(crate) direction: Direction,
+    pub(crate) initial: u64,
+    pub(crate) storage: Option<NonNull<c_void>>,
+    pub(crate) hidden: bool,
+    pub(crate) times: bool,
+    pub(crate) safety: bool,
+    pub(crate) doc: Arc<str>,
+}
+
+impl Engine {
+    /// Creates a pin or parameter. An item with its own storage has no slot.
+    pub(crate) fn new_item(
+        &mut self,
+        owner: Ix,
+        new: NewItem,
+    ) -> Result<(Ix, Option<NonNull<Slot>>), Error> {
+        let param = !new.direction.is_pin();
+        let what = if param { "parameter" } else { "pin" };
+        let names = self.graph.names(param);
+        for name in [Some(&new.name), new.other.as_ref()].into_iter().flatten() {
+            if names.contains_key(name) {
+                return Err(Error::Duplicate { what, name: name.as_str().into() });
+            }
+        }
+        let (storage, slot) = match new.storage {
+            Some(own) if param => {
+                self.staged.own.insert(own.addr().get());
+                (Storage::Own(own), None)
+            }
+            _ => {
+                let slot = self.arena.slot(new.initial)?;
+                (Storage::Slot(Ptr(slot)), Some(slot))
+            }
+        };
+        let (name, other) = (new.name.clone(), new.other.clone());
+        self.flight_is_stale();
+        let item = Item {
+            name: new.name,
+            other: new.other,
+            alias: None,
+            ty: new.ty,
+            direction: new.direction,
+            storage,
+            pointer: None,
+            hidden: new.hidden,
+            times: new.times,
+            safety: new.safety,
+            doc: new.doc,
+        };
+        let ix = self.graph.g.add_node(Node::Item(item));
+        self.graph.g.add_edge(owner, ix, Edge::Owns);
+        let names = self.graph.names_mut(param);
+        names.insert(name, ix);
+        if let Some(other) = other {
+            names.insert(other, ix);
+        }
+        if param {
+            self.counts.params += 1;
+        } else {
+            self.counts.pins += 1;
+        }
+        Ok((ix, slot))
+    }
+
+    /// Creates the pins and parameters that show the run times of a function or thread.
+    pub(crate) fn new_account(
+        &mut self,
+        owner: Ix,
+        name: &Name,
+        funct: bool,
+    ) -> Result<Account, Error> {
+        let mut add = |suffix: &str, ty, direction, doc: &str| {
+            let what = if direction == Direction::Out { "pin" } else { "parameter" };
+            let name = Name::parse(what, &format!("{name}.{suffix}"))?;
+            let doc = self.graph.doc(doc);
+            let new = NewItem {
+                name,
+                other: None,
+                ty,
+                direction,
+                initial: 0,
+                storage: None,
+                hidden: false,
+                times: true,
+                safety: false,
+                doc,
+            };
+            let (_, slot) = self.new_item(owner, new)?;
+            slot.map(Ptr).ok_or(Error::OutOfMemory)
+        };
+        let time = add("time", Type::S32, Direction::Out, "Last run time, in ns.")?;
+        let doc = "Longest run time, in ns; write 0 to reset.";
+        let tmax = own_cell(add("tmax", Type::S32, Direction::Rw, doc)?);
+        let increased = if funct {
+            let doc = "Whether the longest run time grew in the last run.";
+            Some(own_cell(add("tmax-increased", Type::Bit, Direction::Ro, doc)?))
+        } else {
+            None
+        };
+        Ok(Account { time, tmax, increased })
+    }
+
+    /// Returns the item that owns a slot, of any component.
+    pub(crate) fn item_at(&self, slot: *const Slot) -> Option<Ix> {
+        let all = self.graph.pins.values().chain(self.graph.params.values());
+        all.copied().find(|ix| {
+            self.graph
+                .item(*ix)
+                .and_then(Item::slot)
+                .is_some_and(|s| s.as_ptr().cast_const() == slot)
+        })
+    }
+}
+
+/// Returns a slot's own cell, which holds the value of a parameter.
+pub(crate) fn own_cell(slot: Ptr<Slot>) -> Ptr<Cell> {
+    // SAFETY: the slot is a live slot of the arena.
+    Ptr(NonNull::from(unsafe { slot.0.as_ref() }.own()))
+}

@@ -1,0 +1,286 @@
+//! Nodes and edges of the graph.
+
+use crate::{
+    ends::{Doing, Origin},
+    load::args::Declared,
+    load::code::{Code, Keep, Ptr},
+    load::foreign::Pointer,
+    name::Name,
+    realtime::thread::{Account, Thread},
+    sync::Arc,
+};
+use core::{ffi::c_void, ptr::NonNull};
+use hal_abi::{Cell, CommandRun, PortQueue, Run, Slot, Use};
+use hal_protocol::{ComponentState, Direction, Type};
+
+/// A node of the graph.
+#[derive(Debug)]
+pub(crate) enum Node {
+    Component(Component),
+    Item(Item),
+    Signal(Signal),
+    Funct(Funct),
+    Thread(ThreadNode),
+}
+
+/// An edge of the graph.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Edge {
+    /// From a component to what it created.
+    Owns,
+    /// From a pin to its signal.
+    Links,
+    /// From a pin or parameter to a function that reads it.
+    Reads,
+    /// From a function to a pin or parameter that it writes.
+    Writes,
+    /// From a function to a function that takes its hidden state.
+    HandsOver,
+    /// From a thread to a function of every cycle, with its position.
+    Runs(u64),
+    /// From a thread to a function that runs once before all others, with its position.
+    Begins(u64),
+    /// From a component to a component whose service it uses.
+    Needs,
+}
+
+impl Edge {
+    /// Returns the position of a function in a thread, from 1.
+    pub(crate) const fn place(self) -> Option<u64> {
+        match self {
+            Self::Runs(at) | Self::Begins(at) => Some(at),
+            Self::Owns
+            | Self::Links
+            | Self::Reads
+            | Self::Writes
+            | Self::HandsOver
+            | Self::Needs => None,
+        }
+    }
+}
+
+/// A component: one load of a plugin, or a program.
+#[derive(Debug)]
+pub(crate) struct Component {
+    pub(crate) id: u32,
+    pub(crate) name: Name,
+    pub(crate) pid: Option<i32>,
+    pub(crate) realtime: bool,
+    pub(crate) state: ComponentState,
+    pub(crate) args: Option<String>,
+    pub(crate) commands: Vec<Command>,
+    pub(crate) stops: Vec<Arc<Code<CommandRun>>>,
+    /// File that contains its code.
+    pub(crate) origin: Option<Origin>,
+    pub(crate) services: Vec<Service>,
+    /// Origin of a component that is not a plugin.
+    pub(crate) foreign: Option<Foreign>,
+}
+
+/// A file that is not a plugin.
+#[derive(Debug)]
+pub(crate) struct Foreign {
+    pub(crate) kind: Box<str>,
+    pub(crate) module: Box<str>,
+    pub(crate) prefix: Box<str>,
+    pub(crate) file: Box<str>,
+    pub(crate) keep: Arc<Keep>,
+}
+
+/// A command that a component offers.
+#[derive(Debug)]
+pub(crate) struct Command {
+    pub(crate) name: Name,
+    pub(crate) doc: Box<str>,
+    pub(crate) args: Vec<Declared>,
+    pub(crate) code: Code<CommandRun>,
+    /// Description of the command for the report of a crash.
+    pub(crate) doing: Arc<Doing>,
+}
+
+/// A function table that a component offers to others.
+#[derive(Debug)]
+pub(crate) struct Service {
+    pub(crate) name: Box<str>,
+    pub(crate) version: u32,
+    pub(crate) table: *const c_void,
+    /// Pins, parameters and hidden state that its functions access.
+    pub(crate) uses: Vec<Use>,
+    #[expect(dead_code, reason = "held so that the table lives as long as its component")]
+    pub(crate) code: Code<()>,
+}
+
+/// Location of a value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Storage {
+    /// In the arena.
+    Slot(Ptr<Slot>),
+    /// In the component's own memory, as wide as its type.
+    Own(NonNull<c_void>),
+}
+
+/// A pin or parameter.
+#[derive(Debug)]
+pub(crate) struct Item {
+    pub(crate) name: Name,
+    /// Second name for look-ups: the old name, or the new name if the old one is shown.
+    pub(crate) other: Option<Name>,
+    pub(crate) alias: Option<Name>,
+    pub(crate) ty: Type,
+    pub(crate) direction: Direction,
+    pub(crate) storage: Storage,
+    /// Place where foreign code keeps the address of the pin's cell.
+    pub(crate) pointer: Option<Pointer>,
+    pub(crate) hidden: bool,
+    /// True for items that the engine creates: times of functions and threads.
+    pub(crate) times: bool,
+    /// True for a limit switch or e-stop input.
+    pub(crate) safety: bool,
+    pub(crate) doc: Arc<str>,
+}
+
+impl Item {
+    /// Returns the name under which the item is listed.
+    pub(crate) fn shown(&self) -> &Name {
+        self.alias.as_ref().unwrap_or(&self.name)
+    }
+
+    /// Returns the slot. Pins always have one.
+    pub(crate) const fn slot(&self) -> Option<NonNull<Slot>> {
+        match self.storage {
+            Storage::Slot(p) => Some(p.0),
+            Storage::Own(_) => None,
+        }
+    }
+
+    /// Returns the current value as bits of a cell.
+    pub(crate) fn bits(&self) -> u64 {
+        match self.storage {
+            // SAFETY: the slot is a live slot of the arena.
+            Storage::Slot(p) => unsafe { Slot::cell(p.0.as_ptr()) }.load(),
+            Storage::Own(p) => own::load(p, self.ty),
+        }
+    }
+
+    /// Sets the value.
+    pub(crate) fn put(&self, bits: u64) {
+        match self.storage {
+            // SAFETY: the slot is a live slot of the arena.
+            Storage::Slot(p) => unsafe { Slot::cell(p.0.as_ptr()) }.store(bits),
+            Storage::Own(p) => own::store(p, self.ty, bits),
+        }
+    }
+}
+
+/// Access to values in a component's own memory.
+pub(crate) mod own {
+    use crate::sync::{
+        AtomicU8, AtomicU32, AtomicU64,
+        Ordering::{Acquire, Release},
+    };
+    use core::{ffi::c_void, ptr::NonNull};
+    use hal_protocol::Type;
+
+    pub(crate) fn load(p: NonNull<c_void>, ty: Type) -> u64 {
+        match ty {
+            // SAFETY: the component provided storage of this type, which lives as long as the
+            // component.
+            Type::Bit => u64::from(unsafe { p.cast::<AtomicU8>().as_ref() }.load(Acquire)),
+            Type::S32 | Type::U32 | Type::Port => {
+                // SAFETY: as above.
+                u64::from(unsafe { p.cast::<AtomicU32>().as_ref() }.load(Acquire))
+            }
+            // SAFETY: as above.
+            _ => unsafe { p.cast::<AtomicU64>().as_ref() }.load(Acquire),
+        }
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "stored at exactly its width")]
+    pub(crate) fn store(p: NonNull<c_void>, ty: Type, bits: u64) {
+        match ty {
+            // SAFETY: the component provided storage of this type, which lives as long as the
+            // component.
+            Type::Bit => unsafe { p.cast::<AtomicU8>().as_ref() }.store(bits as u8, Release),
+            Type::S32 | Type::U32 | Type::Port => {
+                // SAFETY: as above.
+                unsafe { p.cast::<AtomicU32>().as_ref() }.store(bits as u32, Release);
+            }
+            // SAFETY: as above.
+            _ => unsafe { p.cast::<AtomicU64>().as_ref() }.store(bits, Release),
+        }
+    }
+}
+
+/// Queue of a signal of type `port`.
+#[derive(Debug)]
+pub(crate) struct Queue {
+    #[expect(dead_code, reason = "cells hold its address")]
+    pub(crate) queue: Box<PortQueue>,
+    #[expect(dead_code, reason = "the queue points into it")]
+    pub(crate) data: Box<[crate::sync::AtomicU8]>,
+}
+
+/// A signal.
+#[derive(Debug)]
+pub(crate) struct Signal {
+    pub(crate) name: Name,
+    pub(crate) ty: Type,
+    pub(crate) cell: Ptr<Cell>,
+    pub(crate) queue: Option<Queue>,
+    pub(crate) readers: u32,
+    pub(crate) writers: u32,
+    pub(crate) bidirs: u32,
+}
+
+impl Signal {
+    /// Returns the current value as bits of a cell.
+    pub(crate) fn bits(&self) -> u64 {
+        // SAFETY: the cell is a live cell of the arena.
+        unsafe { self.cell.0.as_ref() }.load()
+    }
+
+    /// Adds a pin to the signal's counts (`up`) or removes it.
+    pub(crate) const fn count(&mut self, direction: Direction, up: bool) {
+        match direction {
+            Direction::In => self.readers = add_one(self.readers, up),
+            Direction::Out => self.writers = add_one(self.writers, up),
+            Direction::Io => {
+                self.bidirs = add_one(self.bidirs, up);
+                self.readers = add_one(self.readers, up);
+            }
+            Direction::Ro | Direction::Rw => {}
+        }
+    }
+}
+
+const fn add_one(n: u32, up: bool) -> u32 {
+    if up { n + 1 } else { n.saturating_sub(1) }
+}
+
+/// A function.
+#[derive(Debug)]
+pub(crate) struct Funct {
+    pub(crate) name: Name,
+    pub(crate) reentrant: bool,
+    /// True if the pins that it reads and writes are unknown.
+    pub(crate) unknown: bool,
+    /// True if it belongs in a fast thread.
+    pub(crate) fast: bool,
+    pub(crate) doc: Box<str>,
+    /// True if it takes hidden state that no function produces: commands, or results of a
+    /// background task.
+    pub(crate) told: bool,
+    pub(crate) code: Arc<Code<Run>>,
+    pub(crate) account: Account,
+}
+
+/// A thread.
+#[derive(Debug)]
+pub(crate) struct ThreadNode {
+    pub(crate) name: Name,
+    pub(crate) thread: Arc<Thread>,
+    /// Highest position assigned so far.
+    pub(crate) next: u64,
+    /// True if the thread's function list is older than its edges.
+    pub(crate) stale: bool,
+}

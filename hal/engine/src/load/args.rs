@@ -1,0 +1,270 @@
+//! Arguments of `loadrt` and of commands: text, checked against the plugin's declarations.
+
+use crate::{Error, name::Name};
+use hal_abi::{ArgSpec, ArgValue, Str, arg};
+use hal_protocol::ArgInfo;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Declaration of one argument, copied from its plugin.
+#[derive(Clone, Debug)]
+pub(crate) struct Declared {
+    pub(crate) name: Box<str>,
+    pub(crate) doc: Box<str>,
+    pub(crate) default: Option<Box<str>>,
+    pub(crate) kind: u32,
+    pub(crate) most: u32,
+    pub(crate) required: bool,
+}
+
+impl Declared {
+    /// Copies a declaration; returns `None` if its strings are invalid.
+    pub(crate) fn copy(spec: &ArgSpec) -> Option<Self> {
+        let text = |s: Str| {
+            // SAFETY: a declaration's strings are static in its library, which is open.
+            unsafe { s.get() }
+        };
+        let default = text(spec.default)?;
+        Some(Self {
+            name: text(spec.name)?.into(),
+            doc: text(spec.doc)?.into(),
+            default: (!default.is_empty()).then(|| default.into()),
+            kind: spec.kind,
+            most: spec.most,
+            required: spec.required != 0,
+        })
+    }
+
+    /// Returns the name of the argument's type.
+    pub(crate) const fn ty(&self) -> &'static str {
+        match self.kind {
+            arg::INT => "int",
+            arg::FLOAT => "float",
+            arg::INTS => "ints",
+            arg::TEXTS => "texts",
+            arg::BIT => "bit",
+            _ => "text",
+        }
+    }
+}
+
+impl Declared {
+    /// Returns the declaration as clients see it.
+    pub(crate) fn info(&self) -> ArgInfo {
+        ArgInfo {
+            name: self.name.to_string(),
+            ty: self.ty().to_owned(),
+            doc: self.doc.to_string(),
+            required: self.required,
+            default: self.default.as_ref().map(ToString::to_string),
+        }
+    }
+}
+
+#[derive(Clone, Debug)]
+enum Given {
+    Int(i64),
+    Float(f64),
+    Text(Box<str>),
+    Ints(Box<[i64]>),
+    Texts(Box<[Box<str>]>),
+}
+
+/// Checked arguments.
+#[derive(Debug, Default)]
+pub(crate) struct Args {
+    given: Vec<(Box<str>, Given)>,
+    /// The lists of strings as passed to the plugin, by index into `given`: made once for all
+    /// instances.
+    shown: BTreeMap<usize, Box<[Str]>>,
+}
+
+impl Args {
+    /// Checks words of the form `NAME=VALUE`; every `"` is removed, as users expect. `also` holds
+    /// the names of arguments that the caller has already read.
+    pub(crate) fn parse(
+        declared: &[Declared],
+        also: &[&str],
+        words: &[String],
+    ) -> Result<Self, Error> {
+        let mut given: Vec<(Box<str>, Given)> = Vec::new();
+        for word in words {
+            let word = word.replace('"', "");
+            let (name, value) = word
+                .split_once('=')
+                .ok_or_else(|| Error::InvalidParameter { word: word.as_str().into() })?;
+            let Some(d) = declared.iter().find(|d| &*d.name == name) else {
+                let all: Vec<&str> =
+                    declared.iter().map(|d| &*d.name).chain(also.iter().copied()).collect();
+                let near = crate::error::near::nearest(name, all.iter().copied());
+                let takes: Vec<String> = all.iter().map(|name| format!("{name}=")).collect();
+                let takes = takes.join(" ").into();
+                return Err(Error::UnknownParameter { word: word.as_str().into(), near, takes });
+            };
+            let value = read(d, value, &word)?;
+            given.retain(|(n, _)| **n != *d.name);
+            given.push((d.name.clone(), value));
+        }
+        for d in declared {
+            if given.iter().any(|(n, _)| *n == d.name) {
+                continue;
+            }
+            if d.required {
+                return Err(Error::MissingArgument { name: d.name.clone(), doc: d.doc.clone() });
+            }
+            if let Some(default) = &d.default {
+                given.push((d.name.clone(), read(d, default, default)?));
+            }
+        }
+        Ok(Self { given, shown: BTreeMap::new() })
+    }
+
+    /// Returns an argument in the form of the binary interface.
+    pub(crate) fn get(&mut self, name: &str) -> ArgValue {
+        let none = ArgValue { size: hal_abi::size::<ArgValue>(), ..ArgValue::NONE };
+        let at = self.given.iter().position(|(n, _)| &**n == name);
+        let Some((at, (_, given))) = at.and_then(|at| Some((at, self.given.get(at)?))) else {
+            return none;
+        };
+        let mut value = ArgValue { given: 1, ..none };
+        match given {
+            Given::Int(i) => {
+                value.int = *i;
+                value.float = *i as f64;
+            }
+            Given::Float(f) => value.float = *f,
+            Given::Text(t) => value.text = Str::borrow(t),
+            Given::Ints(list) => (value.ints, value.len) = (list.as_ptr(), list.len()),
+            Given::Texts(list) => {
+                let show = || list.iter().map(|t| Str::borrow(t)).collect();
+                let shown = self.shown.entry(at).or_insert_with(show);
+                (value.texts, value.len) = (shown.as_ptr(), shown.len());
+            }
+        }
+        value
+    }
+}
+
+fn read(d: &Declared, value: &str, word: &str) -> Result<Given, Error> {
+    let invalid = |text: &str, expects: &'static str| Error::InvalidArgument {
+        value: text.into(),
+        word: word.into(),
+        expects,
+        doc: d.doc.trim_end_matches('.').into(),
+    };
+    let items = || -> Result<Vec<&str>, Error> {
+        if value.is_empty() && d.kind == arg::TEXTS {
+            return Err(invalid(value, "expected texts separated by commas"));
+        }
+        let items: Vec<&str> = value.split(',').collect();
+        if d.most > 0 && items.len() > d.most as usize {
+            return Err(Error::TooManyItems { name: d.name.clone(), most: d.most });
+        }
+        Ok(items)
+    };
+    Ok(match d.kind {
+        arg::INT => Given::Int(
+            integer(value)
+                .ok_or_else(|| invalid(value, "expected an integer such as 10 or 0x1f"))?,
+        ),
+        arg::BIT => match hal_protocol::Value::parse(hal_protocol::Type::Bit, value) {
+            Ok(v) => Given::Int(i64::from(v.bits() != 0)),
+            Err(_) => return Err(invalid(value, hal_protocol::Type::Bit.expects())),
+        },
+        arg::FLOAT => match hal_protocol::Value::parse(hal_protocol::Type::Float, value) {
+            Ok(hal_protocol::Value::Float(f)) => Given::Float(f),
+            _ => return Err(invalid(value, hal_protocol::Type::Float.expects())),
+        },
+        arg::INTS => {
+            let mut list = Vec::new();
+            for item in items()? {
+                list.push(integer(item).ok_or_else(|| {
+                    invalid(item, "expected integers separated by commas, such as 0,0,2")
+                })?);
+            }
+            Given::Ints(list.into())
+        }
+        arg::TEXTS if d.name.starts_with("names") => {
+            let names = items()?;
+            distinct(names.iter().copied())?;
+            Given::Texts(names.into_iter().map(Into::into).collect())
+        }
+        arg::TEXTS => Given::Texts(items()?.into_iter().map(Into::into).collect()),
+        _ => Given::Text(value.into()),
+    })
+}
+
+/// Checks names of instances: each must be valid and must occur once.
+fn distinct<'n>(names: impl Iterator<Item = &'n str>) -> Result<(), Error> {
+    let (what, mut seen) = ("component instance", BTreeSet::new());
+    for name in names {
+        Name::parse(what, name)?;
+        if !seen.insert(name) {
+            return Err(Error::Duplicate { what, name: name.into() });
+        }
+    }
+    Ok(())
+}
+
+/// Parses an integer in C's notation.
+fn integer(text: &str) -> Option<i64> {
+    match hal_protocol::Value::parse(hal_protocol::Type::S64, text) {
+        Ok(hal_protocol::Value::S64(i)) => Some(i),
+        _ => None,
+    }
+}
+
+/// Limit on the number of instances: a larger number is a typing error that would take all memory.
+const MOST_INSTANCES: u32 = 1_000_000;
+
+/// Arguments of `loadrt` for components with instances, apart from the component's own arguments.
+#[derive(Debug, Default)]
+pub(crate) struct Instances {
+    /// Number of instances.
+    pub(crate) count: Option<u32>,
+    /// Names of the instances.
+    pub(crate) names: Vec<String>,
+    /// Personality number of each instance; zero for instances beyond the list.
+    pub(crate) personality: Vec<i64>,
+    /// All other words.
+    pub(crate) rest: Vec<String>,
+}
+
+impl Instances {
+    /// Splits the words of a `loadrt` line.
+    pub(crate) fn parse(words: &[String], personality: bool) -> Result<Self, Error> {
+        let mut out = Self::default();
+        let invalid = |value: &str, word: &str, expects| Error::InvalidArgument {
+            value: value.into(),
+            word: word.into(),
+            expects,
+            doc: "".into(),
+        };
+        for word in words {
+            let plain = word.replace('"', "");
+            match plain.split_once('=') {
+                Some(("count", n)) => {
+                    let count = integer(n).and_then(|n| u32::try_from(n).ok());
+                    let count = count.filter(|n| *n <= MOST_INSTANCES);
+                    let expects = "expected a number from 0 to 1000000";
+                    out.count = Some(count.ok_or_else(|| invalid(n, &plain, expects))?);
+                }
+                Some(("names", list)) => {
+                    out.names = list.split(',').map(str::to_owned).collect();
+                    distinct(list.split(','))?;
+                }
+                Some(("personality", list)) if personality => {
+                    for item in list.split(',') {
+                        let expects = "expected integers separated by commas, such as 0,0,2";
+                        let number = integer(item);
+                        out.personality.push(number.ok_or_else(|| invalid(item, &plain, expects))?);
+                    }
+                }
+                _ => out.rest.push(word.clone()),
+            }
+        }
+        if out.count.is_some() && !out.names.is_empty() {
+            return Err(Error::CountAndNames);
+        }
+        Ok(out)
+    }
+}

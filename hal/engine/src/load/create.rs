@@ -1,0 +1,345 @@
+//! The declarations that a component makes while it is created, one call for each.
+
+use crate::{
+    Engine, Error,
+    ends::{self, Doing, What},
+    graph::item::NewItem,
+    graph::{Command, Edge, Funct, Graph, Ix, Node, Service},
+    load::args::{Args, Declared},
+    load::code::{Code, Keep},
+    name::Name,
+    observe::ring::SharedRing,
+    realtime::task::Task,
+    sync::Arc,
+};
+use core::{ffi::c_void, ptr::NonNull};
+use hal_abi::{
+    ActionSpec, CommandRun, CommandSpec, FunctSpec, ItemSpec, ServiceRef, ServiceSpec, Slot,
+    Status, Str, StreamRef, StreamSpec, TaskSpec, ThreadSpec, Use, access, funct_flags, item_flags,
+};
+use hal_protocol::{Direction, Type};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A load in progress.
+pub(crate) struct Creating<'e> {
+    pub(crate) engine: &'e mut Engine,
+    pub(crate) component: Ix,
+    pub(crate) keep: Arc<Keep>,
+    pub(crate) args: Args,
+    /// The error of a refused declaration.
+    pub(crate) refused: Option<Error>,
+    /// The component's own description of its failure.
+    pub(crate) failed: Option<String>,
+    pub(crate) opens: Vec<Code<CommandRun>>,
+    pub(crate) threads: Vec<Ix>,
+    /// Slots of this load, to resolve the uses of functions.
+    slots: BTreeMap<usize, Ix>,
+    /// Functions that write and read hidden state.
+    hidden: Vec<(Ix, u64, u32)>,
+    created: BTreeMap<Ix, Vec<Use>>,
+}
+
+impl<'e> Creating<'e> {
+    pub(crate) const fn new(
+        engine: &'e mut Engine,
+        component: Ix,
+        keep: Arc<Keep>,
+        args: Args,
+    ) -> Self {
+        Self {
+            engine,
+            component,
+            keep,
+            args,
+            refused: None,
+            failed: None,
+            opens: Vec::new(),
+            threads: Vec::new(),
+            slots: BTreeMap::new(),
+            hidden: Vec::new(),
+            created: BTreeMap::new(),
+        }
+    }
+
+    /// Draws the edges for everything that functions access, after the whole load is declared.
+    pub(crate) fn draw_edges(&mut self) {
+        for (funct, uses) in core::mem::take(&mut self.created) {
+            for u in uses {
+                if u.slot.is_null() {
+                    self.hidden.push((funct, u.token, u.access));
+                    continue;
+                }
+                let at = self.slots.get(&u.slot.addr()).copied();
+                let Some(item) = at.or_else(|| self.engine.item_at(u.slot)) else { continue };
+                let g = &mut self.engine.graph.g;
+                if u.access & access::READ != 0 {
+                    g.add_edge(item, funct, Edge::Reads);
+                }
+                if u.access & access::WRITE != 0 {
+                    g.add_edge(funct, item, Edge::Writes);
+                }
+            }
+        }
+        let hidden = core::mem::take(&mut self.hidden);
+        let mut takers: BTreeMap<u64, Vec<Ix>> = BTreeMap::new();
+        for (taker, token, _) in hidden.iter().filter(|h| h.2 & access::READ != 0) {
+            takers.entry(*token).or_default().push(*taker);
+        }
+        let given = hidden.iter().filter(|h| h.2 & access::WRITE != 0);
+        let given: BTreeSet<u64> = given.map(|h| h.1).collect();
+        for (_, told) in takers.iter().filter(|(token, _)| !given.contains(token)) {
+            for taker in told {
+                if let Some(funct) = self.engine.graph.funct_mut(*taker) {
+                    funct.told = true;
+                }
+            }
+        }
+        // In the order of the functions: a token is an address, whose order is random.
+        for (giver, token, _) in hidden.iter().filter(|h| h.2 & access::WRITE != 0) {
+            for taker in takers.get(token).into_iter().flatten().filter(|taker| *taker != giver) {
+                self.engine.graph.g.add_edge(*giver, *taker, Edge::HandsOver);
+            }
+        }
+    }
+
+    pub(crate) fn item(&mut self, spec: &ItemSpec) -> Result<Option<NonNull<Slot>>, Error> {
+        self.item_of(spec, self.component).map(|(_, slot)| slot)
+    }
+
+    /// Creates a pin or parameter of `owner`: this component, or another for which its code
+    /// declares it.
+    pub(crate) fn item_of(
+        &mut self,
+        spec: &ItemSpec,
+        owner: Ix,
+    ) -> Result<(Ix, Option<NonNull<Slot>>), Error> {
+        let ty = Type::from_code(spec.ty);
+        let direction = match spec.dir {
+            hal_abi::dir::IN => Some(Direction::In),
+            hal_abi::dir::OUT => Some(Direction::Out),
+            hal_abi::dir::IO => Some(Direction::Io),
+            hal_abi::dir::RO => Some(Direction::Ro),
+            hal_abi::dir::RW => Some(Direction::Rw),
+            _ => None,
+        };
+        let (Some(ty), Some(direction)) = (ty, direction) else {
+            return Err(self.odd("an item has no known type or direction"));
+        };
+        let (name, old) = (self.text(spec.name)?, self.text(spec.old_name)?);
+        let doc = self.text(spec.doc)?;
+        let what = if direction.is_pin() { "pin" } else { "parameter" };
+        let (name, other) = match (old.is_empty(), self.engine.options.old_names) {
+            (false, true) => (Name::parse(what, old)?, Some(Name::parse(what, name)?)),
+            _ => (Name::parse(what, name)?, None),
+        };
+        let doc = self.engine.graph.doc(doc);
+        let item = NewItem {
+            name,
+            other,
+            ty,
+            direction,
+            initial: spec.initial,
+            storage: NonNull::new(spec.storage),
+            hidden: spec.flags & item_flags::HIDDEN != 0,
+            times: false,
+            safety: spec.flags & item_flags::SAFETY != 0,
+            doc,
+        };
+        let (ix, slot) = self.engine.new_item(owner, item)?;
+        if let Some(slot) = slot {
+            self.slots.insert(slot.as_ptr().addr(), ix);
+        }
+        Ok((ix, slot))
+    }
+
+    fn odd(&self, why: &str) -> Error {
+        let name = self.engine.graph.component(self.component).map_or("", |c| c.name.as_str());
+        Error::InitFailed { name: name.into(), why: why.into(), code: Status::EINVAL.0 }
+    }
+
+    fn text<'t>(&self, s: Str) -> Result<&'t str, Error> {
+        // SAFETY: the component's strings live across its call.
+        unsafe { s.get() }.ok_or_else(|| self.odd("a text is not UTF-8"))
+    }
+
+    pub(crate) fn funct(&mut self, spec: &FunctSpec) -> Result<(), Error> {
+        let Some(run) = spec.run else { return Err(self.odd("a function has no code")) };
+        let code = Code::new(run, spec.state, spec.free, self.keep.clone());
+        let name = Name::parse("function", self.text(spec.name)?)?;
+        if self.engine.graph.functs.contains_key(&name) {
+            return Err(Error::Duplicate { what: "function", name: name.as_str().into() });
+        }
+        let account = self.engine.new_account(self.component, &name, true)?;
+        let funct = Funct {
+            name: name.clone(),
+            reentrant: spec.flags & funct_flags::REENTRANT != 0,
+            unknown: spec.flags & funct_flags::UNKNOWN != 0,
+            fast: spec.flags & funct_flags::FAST != 0,
+            doc: self.text(spec.doc)?.into(),
+            told: false,
+            code: Arc::new(code),
+            account,
+        };
+        let ix = self.engine.graph.g.add_node(Node::Funct(funct));
+        self.engine.graph.g.add_edge(self.component, ix, Edge::Owns);
+        if let Some(c) = self.engine.graph.component(self.component) {
+            ends::note_funct(u32::try_from(ix.index()).unwrap_or(u32::MAX), &c.name, &name);
+        }
+        self.engine.graph.functs.insert(name, ix);
+        // SAFETY: the component's list lives across its call.
+        let uses = unsafe { copied(spec.uses, spec.n_uses) };
+        if !uses.is_empty() {
+            self.created.insert(ix, uses);
+        }
+        Ok(())
+    }
+
+    pub(crate) fn thread(&mut self, spec: &ThreadSpec) -> Result<(), Error> {
+        let name = Name::parse("thread", self.text(spec.name)?)?;
+        let ix = self.engine.new_thread(name, spec.period_ns)?;
+        // The thread's pseudo component is removed with this one.
+        if let Some(pseudo) = self.engine.graph.owner_of(ix) {
+            self.engine.graph.g.add_edge(self.component, pseudo, Edge::Owns);
+        }
+        self.threads.push(ix);
+        Ok(())
+    }
+
+    pub(crate) fn task(&mut self, spec: &TaskSpec) -> Result<(), Error> {
+        let Some(run) = spec.run else { return Err(self.odd("a task has no code")) };
+        let code = Code::new(run, spec.state, spec.free, self.keep.clone());
+        let name = Name::parse("task", self.text(spec.name)?)?;
+        if spec.period_ns <= 0 {
+            return Err(self.odd("a task has no period"));
+        }
+        let due = self.engine.shared.now();
+        let owner = self.engine.graph.component(self.component).map_or("", |c| c.name.as_str());
+        let doing = Doing::new(owner, What::Task(name.clone()));
+        let by = (self.component, doing);
+        self.engine.tasks.push(Task::new(name, by, spec.period_ns, due, code));
+        Ok(())
+    }
+
+    pub(crate) fn command(&mut self, spec: &CommandSpec) -> Result<(), Error> {
+        let Some(run) = spec.run else { return Err(self.odd("a command has no code")) };
+        let code = Code::new(run, spec.state, spec.free, self.keep.clone());
+        let name = Name::parse("command", self.text(spec.name)?)?;
+        if self.engine.graph.commands.contains_key(&name) {
+            return Err(Error::Duplicate { what: "command", name: name.as_str().into() });
+        }
+        let mut args = Vec::new();
+        for i in 0..spec.args.len() {
+            // SAFETY: the component's static list.
+            let declared = unsafe { spec.args.get(i) }.and_then(|a| Declared::copy(&a));
+            args.push(declared.ok_or_else(|| self.odd("an argument is not well declared"))?);
+        }
+        let doc = self.text(spec.doc)?.into();
+        self.engine.graph.commands.insert(name.clone(), self.component);
+        if let Some(c) = self.engine.graph.component_mut(self.component) {
+            let doing = Doing::new(c.name.as_str(), What::Command(name.clone()));
+            c.commands.push(Command { name, doc, args, code, doing });
+        }
+        Ok(())
+    }
+
+    pub(crate) fn stream(&mut self, spec: &StreamSpec) -> Result<StreamRef, Error> {
+        let name = Name::parse("stream", self.text(spec.name)?)?;
+        if self.engine.rings.contains_key(&name) {
+            return Err(Error::Duplicate { what: "stream", name: name.as_str().into() });
+        }
+        let ring = SharedRing::new(self.component, spec).map_err(|why| self.odd(&why))?;
+        let made = ring.made();
+        self.engine.rings.insert(name, ring);
+        Ok(made)
+    }
+
+    pub(crate) fn offer(&mut self, spec: &ServiceSpec) -> Result<(), Error> {
+        let code = Code::new((), spec.state, spec.free, self.keep.clone());
+        let name = self.text(spec.name)?;
+        if let Some((by, _)) = self.engine.graph.service(name, None) {
+            let by = self.engine.graph.component(by).map_or("", |c| c.name.as_str()).into();
+            return Err(Error::ServiceTaken { name: name.into(), by });
+        }
+        // SAFETY: the component's list lives across its call.
+        let uses = unsafe { copied(spec.uses, spec.n_uses) };
+        let (name, version) = (name.into(), spec.version);
+        let service = Service { name, version, table: spec.table, uses, code };
+        if let Some(c) = self.engine.graph.component_mut(self.component) {
+            c.services.push(service);
+        }
+        Ok(())
+    }
+
+    pub(crate) fn find(&mut self, name: Str, version: u32) -> Result<*const c_void, Error> {
+        let name = self.text(name)?;
+        let found = self.found(name, version).map(|found| found.table);
+        found.ok_or_else(|| Error::NoService { name: name.into(), version })
+    }
+
+    /// Does the same as [`find`](Self::find), and also returns the items that the service accesses.
+    /// It is not an error if there is no service of that name.
+    pub(crate) fn bind(&mut self, name: Str, version: u32) -> Result<ServiceRef, Error> {
+        let name = self.text(name)?;
+        match self.found(name, version) {
+            Some(found) => Ok(found),
+            None if self.engine.graph.service(name, None).is_none() => {
+                Ok(ServiceRef { table: core::ptr::null(), uses: core::ptr::null(), n_uses: 0 })
+            }
+            None => Err(Error::NoService { name: name.into(), version }),
+        }
+    }
+
+    /// Finds a service, and keeps its provider loaded.
+    fn found(&mut self, name: &str, version: u32) -> Option<ServiceRef> {
+        let graph = &mut self.engine.graph;
+        let (by, service) = graph.service(name, Some(version))?;
+        let (uses, n_uses) = (service.uses.as_ptr(), service.uses.len());
+        let found = ServiceRef { table: service.table, uses, n_uses };
+        if by != self.component {
+            graph.g.add_edge(self.component, by, Edge::Needs);
+        }
+        Some(found)
+    }
+
+    pub(crate) fn action(&self, spec: &ActionSpec) -> Option<Code<CommandRun>> {
+        let run = spec.run?;
+        Some(Code::new(run, spec.state, spec.free, self.keep.clone()))
+    }
+
+    pub(crate) fn answer(&mut self, result: Result<(), Error>) -> Status {
+        match result {
+            Ok(()) => Status::OK,
+            Err(e) => {
+                let status = Status(e.errno());
+                self.refused.get_or_insert(e);
+                status
+            }
+        }
+    }
+}
+
+impl Graph {
+    /// Finds a service, and the component that offers it.
+    pub(crate) fn service(&self, name: &str, version: Option<u32>) -> Option<(Ix, &Service)> {
+        self.components.values().find_map(|ix| {
+            let service = self
+                .component(*ix)?
+                .services
+                .iter()
+                .find(|s| &*s.name == name && version.is_none_or(|v| v == s.version))?;
+            Some((*ix, service))
+        })
+    }
+}
+
+/// Copies a list of a component.
+///
+/// # Safety
+/// `list` is null, or holds `n` uses.
+unsafe fn copied(list: *const Use, n: usize) -> Vec<Use> {
+    if n == 0 || list.is_null() {
+        return Vec::new();
+    }
+    // SAFETY: the caller's promise.
+    unsafe { core::slice::from_raw_parts(list, n) }.to_vec()
+}

@@ -1,0 +1,307 @@
+//! Files that are not plugins: found by a symbol, loaded by the plugin that registered for it.
+
+use crate::{
+    Engine, Error,
+    change::undo::Undo,
+    ends::{self, Doing, What},
+    graph::{Component, Edge, Foreign, Ix},
+    load::args::Args,
+    load::code::{Keep, Ptr},
+    load::create::Creating,
+    load::loader::ForeignFound,
+    name::Name,
+    sync::Arc,
+};
+use core::{ffi::c_void, ptr::NonNull};
+use hal_abi::{Cell, ForeignFile, ItemSpec, Record, Status, Str, edit, ty};
+use hal_protocol::{ForeignPart, Lock, Type};
+use std::path::PathBuf;
+
+impl Engine {
+    /// `loadrt --c --prefix P MODULE ARGS…`.
+    pub(crate) fn load_foreign(
+        &mut self,
+        module: &str,
+        words: &[String],
+        prefix: &str,
+    ) -> Result<(), Error> {
+        self.unlocked(Lock::LOAD, "loading of programs")?;
+        let instance = self.instance.clone();
+        let _within = instance.control.run(Doing::new(module, What::Load));
+        let found = self.loader.find_foreign(module, &self.foreign_files())?;
+        self.load_file(module, words, prefix, &found)
+    }
+
+    /// Returns the loaded files that are not plugins, the oldest first.
+    pub(crate) fn foreign_files(&self) -> Vec<PathBuf> {
+        let components = self.graph.components_by_age().into_iter();
+        let components = components.filter_map(|ix| self.graph.component(ix)?.foreign.as_ref());
+        components.filter_map(|f| PathBuf::from(&*f.file).canonicalize().ok()).collect()
+    }
+
+    /// Loads a file that is not a plugin, completely or not at all.
+    pub(crate) fn load_file(
+        &mut self,
+        module: &str,
+        words: &[String],
+        prefix: &str,
+        found: &ForeignFound,
+    ) -> Result<(), Error> {
+        let name = Name::parse("component", &format!("{prefix}{module}"))?;
+        if self.graph.components.contains_key(&name) {
+            return Err(Error::ModuleExists { name: name.as_str().into() });
+        }
+        if self.staged.dry {
+            let why = "it touches its devices as it is loaded, so that cannot be tried".into();
+            return Err(Error::InitFailed { name: module.into(), why, code: Status::EBUSY.0 });
+        }
+        let component = self.new_component(name, None, Some(words.join(" ")), true)?;
+        self.staged.undo_by(Undo::Made(component));
+        let file = found.file.canonicalize().ok();
+        self.note_origin(component, file.and_then(|f| Some(f.to_str()?.into())));
+        let before = ends::threads();
+        let made = self.create_foreign(component, (module, prefix), words, found);
+        self.note_threads(component, &before);
+        // Log the component's messages before the result of the load.
+        self.hear();
+        self.renew_remains();
+        made
+    }
+
+    fn create_foreign(
+        &mut self,
+        component: Ix,
+        (module, prefix): (&str, &str),
+        words: &[String],
+        found: &ForeignFound,
+    ) -> Result<(), Error> {
+        let id = self.graph.component(component).map_or(0, |c| c.id);
+        let keep = Keep::new(id, self.shared.clone(), found.library.clone());
+        self.listen_to(id, keep.voice().clone());
+        let path = found.file.display().to_string();
+        if let Some(c) = self.graph.component_mut(component) {
+            c.foreign = Some(Foreign {
+                kind: found.kind.as_str().into(),
+                module: module.into(),
+                prefix: prefix.into(),
+                file: path.as_str().into(),
+                keep: keep.clone(),
+            });
+        }
+        let shared = self.shared.clone();
+        let shown: Vec<Str> = words.iter().map(|w| Str::borrow(w)).collect();
+        let mut creating = Creating::new(self, component, keep, Args::default());
+        let host = creating.host(module, 0, 0, true);
+        let file = ForeignFile {
+            size: hal_abi::size::<ForeignFile>(),
+            component: id,
+            instance: Arc::as_ptr(&shared).cast(),
+            path: Str::borrow(&path),
+            name: Str::borrow(module),
+            prefix: Str::borrow(prefix),
+            words: shown.as_ptr(),
+            n_words: shown.len(),
+            item: Some(item),
+            rename: Some(rename),
+            need: Some(need),
+            edit: Some(edit_graph),
+            say: Some(crate::load::code::say),
+            level: Some(crate::load::code::level),
+            account: Some(crate::load::code::account),
+        };
+        // SAFETY: the loader's code, called with records that live across the call.
+        let status = unsafe { (found.load)(&raw const host, &raw const file) };
+        if !status.is_ok() {
+            let why = creating.failed.take();
+            let why = why.unwrap_or_else(|| format!("it refused ({})", status.0));
+            return Err(Error::InitFailed { name: module.into(), why: why.into(), code: status.0 });
+        }
+        let threads = core::mem::take(&mut creating.threads);
+        self.staged.begins.extend(threads);
+        self.staged.undo_by(Undo::Opened(component));
+        Ok(())
+    }
+}
+
+impl Creating<'_> {
+    fn component_of(&self, number: u32) -> Option<Ix> {
+        let g = &self.engine.graph;
+        g.components.values().copied().find(|ix| g.component(*ix).is_some_and(|c| c.id == number))
+    }
+
+    fn foreign_item(
+        &mut self,
+        spec: &ItemSpec,
+        owner: u32,
+        place: *mut *mut c_void,
+    ) -> Result<(), Error> {
+        let owner = self.component_of(owner).unwrap_or(self.component);
+        let pointer = NonNull::new(place.cast());
+        let (ix, slot) = self.item_of(spec, owner)?;
+        if let (Some(pointer), Some(slot)) = (pointer, slot) {
+            let pointer = Ptr(pointer);
+            let cell = crate::graph::item::own_cell(Ptr(slot));
+            crate::change::stores::point(pointer, cell);
+            self.engine.staged.own.insert(pointer.0.addr().get());
+            if let Some(item) = self.engine.graph.item_mut(ix) {
+                item.pointer = Some(pointer);
+            }
+        }
+        Ok(())
+    }
+
+    fn rename(&mut self, name: &str) -> Result<(), Error> {
+        let name = Name::parse("component", name)?;
+        let e = &mut *self.engine;
+        let old = e.graph.component(self.component).map(|c| c.name.clone());
+        let Some(old) = old.filter(|old| *old != name) else { return Ok(()) };
+        if e.graph.components.contains_key(&name) {
+            return Err(Error::Duplicate { what: "component name", name: name.as_str().into() });
+        }
+        // Reverting removes a new component by its node, whatever its name is then.
+        e.graph.components.remove(&old);
+        e.graph.components.insert(name.clone(), self.component);
+        if let Some(c) = e.graph.component_mut(self.component) {
+            c.name = name;
+        }
+        Ok(())
+    }
+
+    fn need(&mut self, number: u32) -> Result<(), Error> {
+        if let Some(provider) = self.component_of(number).filter(|ix| *ix != self.component) {
+            self.engine.graph.g.add_edge(self.component, provider, Edge::Needs);
+        }
+        Ok(())
+    }
+
+    fn edit(&mut self, what: u32, a: &str, b: &str, number: i64) -> Result<(), Error> {
+        let e = &mut *self.engine;
+        let code = u8::try_from(number).unwrap_or_default();
+        match what {
+            edit::NEW_SIGNAL => {
+                let ty = Type::from_code(code).filter(|_| code <= ty::U64);
+                e.new_signal(a, ty.unwrap_or(Type::Bit)).map(drop)
+            }
+            edit::DELETE_SIGNAL => e.delete_signal(a),
+            edit::LINK => e.link(a, b),
+            edit::UNLINK => e.unlink(a),
+            edit::ADD | edit::ADD_INIT => e.add_funct(a, b, number, what == edit::ADD_INIT),
+            edit::REMOVE => e.remove_funct(a, Some(b)),
+            edit::START => e.start_threads(),
+            edit::STOP => e.stop_threads(),
+            edit::ALIAS_PIN | edit::ALIAS_PARAM => {
+                let param = what == edit::ALIAS_PARAM;
+                if b.is_empty() { e.unalias(param, a) } else { e.alias(param, a, b) }
+            }
+            edit::SET => e.set_item(a, b),
+            edit::LOCK => {
+                e.lock = Lock(code);
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Does the same as [`Self::answer`], but logs the error at once, since the file may continue
+    /// after it.
+    fn answer_said(&mut self, result: Result<(), Error>) -> Status {
+        match result {
+            Ok(()) => Status::OK,
+            Err(e) => {
+                let status = Status(e.errno());
+                let by = self.engine.graph.component(self.component);
+                let by = by.map_or_else(String::new, |c| c.name.as_str().to_owned());
+                self.engine.hear();
+                self.engine.notice(format!("{by}: {e}"));
+                status
+            }
+        }
+    }
+}
+
+fn creating<'c>(ctx: *mut c_void) -> &'c mut Creating<'c> {
+    // SAFETY: the `Creating` of the load in progress; loaders call back on this thread only.
+    unsafe { &mut *ctx.cast::<Creating<'c>>() }
+}
+
+/// # Safety
+/// Called by a loader while it loads, with the context and records of that call.
+unsafe extern "C" fn item(
+    ctx: *mut c_void,
+    spec: *const ItemSpec,
+    owner: u32,
+    place: *mut *mut c_void,
+) -> Status {
+    let c = creating(ctx);
+    // SAFETY: the loader's record lives across its call.
+    let Some(spec) = (unsafe { ItemSpec::read(spec) }) else { return Status::EINVAL };
+    let made = c.foreign_item(&spec, owner, place);
+    c.answer_said(made)
+}
+
+/// # Safety
+/// Called by a loader while it loads, with the context of that call and a live text.
+unsafe extern "C" fn rename(ctx: *mut c_void, name: Str) -> Status {
+    let c = creating(ctx);
+    // SAFETY: the loader's text lives across its call.
+    let Some(name) = (unsafe { name.get() }) else { return Status::EINVAL };
+    let renamed = c.rename(name);
+    c.answer_said(renamed)
+}
+
+/// # Safety
+/// Called by a loader while it loads, with the context of that call.
+unsafe extern "C" fn need(ctx: *mut c_void, number: u32) -> Status {
+    let c = creating(ctx);
+    let needed = c.need(number);
+    c.answer_said(needed)
+}
+
+/// # Safety
+/// Called by a loader while it loads, with the context of that call and live texts.
+unsafe extern "C" fn edit_graph(
+    ctx: *mut c_void,
+    what: u32,
+    a: Str,
+    b: Str,
+    number: i64,
+) -> Status {
+    let c = creating(ctx);
+    // SAFETY: the loader's text lives across its call.
+    let Some(a) = (unsafe { a.get() }) else { return Status::EINVAL };
+    // SAFETY: as above.
+    let Some(b) = (unsafe { b.get() }) else { return Status::EINVAL };
+    let done = c.edit(what, a, b, number);
+    c.answer_said(done)
+}
+
+/// A pointer of foreign code that follows a pin.
+pub(crate) type Pointer = Ptr<crate::sync::AtomicPtr<Cell>>;
+
+impl Engine {
+    /// Lists the loaded components that are not plugins, the oldest first.
+    pub(crate) fn foreign_parts(&self) -> Vec<ForeignPart> {
+        let components = self.graph.components_by_age().into_iter();
+        let components = components.filter_map(|ix| self.graph.component(ix));
+        components
+            .filter_map(|c| {
+                let f = c.foreign.as_ref()?;
+                let (component, kind) = (c.name.as_str().to_owned(), f.kind.to_string());
+                Some(ForeignPart { component, kind, memory: f.keep.memory() })
+            })
+            .collect()
+    }
+}
+
+impl Component {
+    /// Returns the description for the protocol.
+    pub(crate) fn foreign_info(&self) -> Option<hal_protocol::ForeignInfo> {
+        self.foreign.as_ref().map(|f| hal_protocol::ForeignInfo {
+            kind: f.kind.to_string(),
+            module: f.module.to_string(),
+            prefix: f.prefix.to_string(),
+            file: f.file.to_string(),
+            memory: f.keep.memory(),
+        })
+    }
+}

@@ -1,0 +1,10 @@
+//! Probes that sample values after a cycle, and what is made of them: samples for programs, recordings, the flight recorder.
+//!
+//! `probe.rs` is the only code that samples values in realtime, `watch.rs` adds and removes probes, `ring.rs` holds shared memory.
+
+pub(crate) mod flight;
+pub(crate) mod probe;
+pub(crate) mod record;
+pub(crate) mod ring;
+pub(crate) mod sample;
+pub(crate) mod watch;

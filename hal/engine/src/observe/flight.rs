@@ -1,0 +1,397 @@
+//! The flight recorder: every change of every pin and signal, as far back as memory goes, kept when
+//! something happens.
+
+mod condition;
+mod hear;
+mod history;
+mod keep;
+
+use crate::{
+    Engine, Error,
+    error::watch::WatchError,
+    graph::{Item, Ix, Storage},
+    name::Name,
+    observe::probe::Probe,
+    observe::watch::{At, Watching},
+    sync::{Arc, AtomicU64},
+};
+use condition::Condition;
+use hal_protocol::{FlightInfo, FlightSpec, KeptInfo, KeptState, Type};
+use history::{Group, History};
+use keep::{Kept, Snapshot, create, format_of, numbered};
+use std::{
+    collections::{BTreeMap, VecDeque},
+    sync::{Mutex, MutexGuard, PoisonError},
+};
+
+/// What changes take when the user does not say.
+const USUAL_BYTES: u64 = 16 << 20;
+/// The least and the most that they may take.
+const BYTES: core::ops::RangeInclusive<u64> = 1 << 12..=1 << 32;
+/// How many changes wait for the control side at the most.
+const ROOM: usize = 1 << 16;
+/// How many events are told of, and how many are written.
+const TOLD: usize = 20;
+const MOST_FILES: u32 = 100;
+
+/// An event whose time after it is not over.
+#[derive(Debug)]
+struct Awaited {
+    at: i64,
+    until: i64,
+    marks: Vec<(i64, String)>,
+}
+
+/// The recorder.
+#[derive(Debug)]
+pub(crate) struct Flight {
+    spec: FlightSpec,
+    history: History,
+    /// Its probe, the number of that, and the columns that it watches.
+    probe: Option<(u64, Arc<Probe>, Vec<u32>)>,
+    /// The column of each signal and of each pin without one.
+    columns: BTreeMap<Ix, u32>,
+    /// What is to be watched may have changed.
+    pub(crate) stale: bool,
+    conditions: Vec<Condition>,
+    /// What follows from a change of a column.
+    by_column: BTreeMap<u32, Vec<usize>>,
+    /// The sample that is not looked at yet: its time, and how often the probe had looked then.
+    open: Option<(i64, u64)>,
+    awaited: Option<Awaited>,
+    events: u32,
+    kept: VecDeque<Kept>,
+    last: Option<Arc<Snapshot>>,
+    /// Files are written before time moves on.
+    at_once: bool,
+    /// The recorder is being switched off: nothing stays in memory.
+    ends: bool,
+    /// Whether the file of an event could not be written.
+    unwritten: bool,
+    /// What there is to say.
+    said: Vec<String>,
+    /// How many changes its former probes have lost, and its present one as far as is known.
+    lost: (u64, u64),
+}
+
+impl Engine {
+    /// `flight on`: what was on before is replaced.
+    pub(crate) fn begin_flight(&mut self, mut spec: FlightSpec) -> Result<(), Error> {
+        if spec.bytes == 0 {
+            spec.bytes = USUAL_BYTES;
+        }
+        if !BYTES.contains(&spec.bytes) {
+            return Err(WatchError::FlightSize { bytes: spec.bytes }.into());
+        }
+        if let Some(file) = &spec.file {
+            format_of(file)?;
+        }
+        let type_of = |name: &str| {
+            let ix = self.watchable(name)?;
+            let item = self.graph.item(ix);
+            let ty = item.map(|i| i.ty).or_else(|| self.graph.signal(ix).map(|s| s.ty));
+            ty.filter(|t| *t != Type::Port)
+                .ok_or_else(|| WatchError::Port { name: name.into() }.into())
+        };
+        let own: Result<Vec<Condition>, Error> =
+            spec.when.iter().map(|text| Condition::check(text, type_of)).collect();
+        let conditions = own?;
+        if self.flight.is_some() {
+            self.end_flight()?;
+        }
+        let flight = Arc::new(Mutex::new(Flight {
+            history: History::new(spec.bytes, self.shared.now()),
+            spec,
+            probe: None,
+            columns: BTreeMap::new(),
+            stale: true,
+            conditions,
+            by_column: BTreeMap::new(),
+            open: None,
+            awaited: None,
+            events: 0,
+            kept: VecDeque::new(),
+            last: None,
+            at_once: self.shared.is_virtual(),
+            ends: false,
+            unwritten: false,
+            said: Vec::new(),
+            lost: (0, 0),
+        }));
+        self.instance.set_flight(Some(flight.clone()));
+        self.flight = Some(flight);
+        self.refresh_flight();
+        Ok(())
+    }
+
+    /// `flight off`: an event under way is kept first.
+    pub(crate) fn end_flight(&mut self) -> Result<(), Error> {
+        self.drain_flight();
+        let flight = self.flight.take().ok_or(WatchError::FlightOff)?;
+        self.instance.set_flight(None);
+        let mut flight = lock(&flight);
+        if let Some((id, _, _)) = &flight.probe {
+            self.end_watching(*id);
+        }
+        let now = self.shared.now();
+        flight.judge();
+        flight.at_once = true;
+        flight.ends = true;
+        flight.finish(now);
+        flight.look(true);
+        self.unwritten |= flight.unwritten;
+        core::mem::take(&mut flight.said).into_iter().for_each(|text| self.notice(text));
+        Ok(())
+    }
+
+    /// How it is.
+    pub(crate) fn flight_info(&mut self) -> Result<FlightInfo, Error> {
+        self.drain_flight();
+        let to = self.shared.now();
+        let f = lock(self.flight.as_ref().ok_or(WatchError::FlightOff)?);
+        let values = f.probe.as_ref().map_or(0, |p| p.2.len());
+        Ok(FlightInfo {
+            bytes: f.spec.bytes,
+            used: f.history.bytes(),
+            values: u32::try_from(values).unwrap_or(u32::MAX),
+            from: f.history.from(),
+            to,
+            lost: f.lost.0 + f.lost.1,
+            kept: f.kept.iter().map(|k| k.info.clone()).chain(f.awaits()).collect(),
+        })
+    }
+
+    /// `flight save`: what there is now, or the last event.
+    pub(crate) fn save_flight(&mut self, path: &str, last: bool) -> Result<(), Error> {
+        let now = self.shared.now();
+        if let Some(flight) = self.flight.as_deref().map(lock)
+            && let Some((_, probe, _)) = &flight.probe
+            && self.shared.is_virtual()
+        {
+            // What a script has changed while time stood still.
+            probe.look(now);
+        }
+        self.drain_flight();
+        let at_once = self.shared.is_virtual();
+        let mut f = lock(self.flight.as_ref().ok_or(WatchError::FlightOff)?);
+        let snapshot = if last {
+            f.last.clone().ok_or(WatchError::NoEvent)?
+        } else {
+            Arc::new(Snapshot { history: f.history.clone(), to: now, marks: Vec::new() })
+        };
+        let format = format_of(path)?;
+        let file = create(path)?;
+        let why = if last { "the last event, asked for" } else { "asked for" };
+        let mut kept = f.new_kept(now, why, Some(path.to_owned()), false);
+        kept.write(&snapshot, file, format, at_once);
+        f.keep(kept);
+        match f.kept.back().map(|k| &k.info.state) {
+            Some(KeptState::Failed(why)) => {
+                Err(Error::File { path: path.into(), why: why.as_str().into() })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Something has happened that the recorder is there for.
+    pub(crate) fn flight_event(&mut self, time: i64, why: &str) {
+        self.drain_flight();
+        if let Some(f) = &self.flight {
+            lock(f).event(time, why);
+        }
+    }
+
+    /// What there is to watch may have changed.
+    pub(crate) fn flight_is_stale(&mut self) {
+        if let Some(f) = &self.flight {
+            lock(f).stale = true;
+        }
+    }
+
+    /// Watches what there is now.
+    pub(crate) fn refresh_flight(&mut self) {
+        let Some(flight) = self.flight.clone() else { return };
+        let mut flight = lock(&flight);
+        if !core::mem::take(&mut flight.stale) {
+            return;
+        }
+        let (nodes, groups) = self.groups(&flight);
+        let sources: Box<[_]> = nodes.iter().filter_map(|ix| self.source(*ix)).collect();
+        let last = sources.iter().map(|_| AtomicU64::new(0)).collect();
+        let room = ROOM.max(sources.len() * 4);
+        let probe = Arc::new(Probe::changes(sources, last, room));
+        // One look tells all: nothing is missed between the old probe and the new one.
+        probe.tell_all();
+        let watching = Watching {
+            probe: probe.clone(),
+            at: At::Moments,
+            // In the arena nothing moves: watched until the next refresh, even if it goes.
+            nodes: nodes.iter().copied().filter(|ix| self.is_own(*ix)).collect(),
+            lossless: true,
+        };
+        let old = flight.probe.take();
+        match self.swap_watching(old.as_ref().map(|o| o.0), watching) {
+            Ok(id) => {
+                if let Some((_, old, columns)) = &old {
+                    flight.hear(old, columns, true);
+                    flight.lost.0 += old.lost();
+                    flight.lost.1 = 0;
+                }
+                let now = self.shared.now();
+                let columns = flight.history.regroup(now, &groups);
+                flight.columns = nodes.into_iter().zip(columns.iter().copied()).collect();
+                flight.probe = Some((id, probe, columns));
+                flight.look_out(now);
+            }
+            Err(e) => {
+                flight.probe = old;
+                flight.stale = true;
+                self.notice(e.to_string());
+            }
+        }
+    }
+
+    /// Whether a value lies in its component's own memory, and goes with it.
+    fn is_own(&self, ix: Ix) -> bool {
+        self.graph.item(ix).is_some_and(|i| matches!(i.storage, Storage::Own(_)))
+    }
+
+    /// Signals with their pins, pins without signal, and parameters that a condition names.
+    fn groups(&self, flight: &Flight) -> (Vec<Ix>, Vec<Group>) {
+        let mut nodes = Vec::new();
+        let mut groups: Vec<Group> = Vec::new();
+        // Which group a signal or a pin is in.
+        let mut group_of = BTreeMap::new();
+        let before = |ix: &Ix| flight.columns.get(ix).copied();
+        for (name, ix) in &self.graph.signals {
+            let Some(s) = self.graph.signal(*ix).filter(|s| s.ty != Type::Port) else { continue };
+            group_of.insert(*ix, groups.len());
+            nodes.push(*ix);
+            let names = vec![name.as_str().to_owned()];
+            groups.push(Group { ty: s.ty, names, before: before(ix) });
+        }
+        let named = |name: &Name| flight.conditions.iter().any(|c| c.names(name.as_str()));
+        let params = self.graph.params.iter().filter(|(name, _)| named(name));
+        for (name, ix) in self.graph.pins.iter().chain(params) {
+            // What a condition names is heard, by whichever of its names.
+            let wanted = |i: &&Item| {
+                let plain = !i.hidden && !i.times && i.shown() == name;
+                i.ty != Type::Port && (plain || named(name))
+            };
+            let Some(item) = self.graph.item(*ix).filter(wanted) else { continue };
+            let place = self.graph.signal_of(*ix).unwrap_or(*ix);
+            if let Some(group) = group_of.get(&place).and_then(|i: &usize| groups.get_mut(*i)) {
+                group.names.push(name.as_str().to_owned());
+                continue;
+            }
+            group_of.insert(place, groups.len());
+            nodes.push(*ix);
+            let names = vec![name.as_str().to_owned()];
+            groups.push(Group { ty: item.ty, names, before: before(ix) });
+        }
+        (nodes, groups)
+    }
+
+    /// Takes what has been queued, and keeps what is to be kept.
+    pub(crate) fn drain_flight(&mut self) {
+        // Where no cycle is under way, no look is.
+        let whole = self.shared.is_virtual() || !self.shared.boundary.is_running();
+        let Some(flight) = self.flight.clone() else { return };
+        let mut flight = lock(&flight);
+        if let Some((id, probe, columns)) = flight.probe.take() {
+            flight.hear(&probe, &columns, whole);
+            if probe.lost() != flight.lost.1 {
+                // Values are not what they were told to be: once more.
+                flight.lost.1 = probe.lost();
+                probe.tell_all();
+            }
+            flight.probe = Some((id, probe, columns));
+        }
+        let now = self.shared.now();
+        if flight.awaited.as_ref().is_some_and(|a| a.until <= now) {
+            flight.finish(now);
+        }
+        flight.look(false);
+        self.unwritten |= flight.unwritten;
+        core::mem::take(&mut flight.said).into_iter().for_each(|text| self.notice(text));
+    }
+}
+
+/// The guard keeps it when the process crashes.
+fn lock(flight: &Mutex<Flight>) -> MutexGuard<'_, Flight> {
+    flight.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Flight {
+    fn event(&mut self, time: i64, why: &str) {
+        let mark = (time, format!("trigger: {why}"));
+        if let Some(awaited) = &mut self.awaited {
+            awaited.marks.push(mark);
+            return;
+        }
+        let until = time.saturating_add(i64::try_from(self.spec.after_ns).unwrap_or(i64::MAX));
+        self.awaited = Some(Awaited { at: time, until, marks: vec![mark] });
+    }
+
+    /// Looks what has been written.
+    fn look(&mut self, wait: bool) {
+        let ends = self.ends;
+        for k in &mut self.kept {
+            if k.look(wait) {
+                self.unwritten |= k.is_unwritten();
+                self.said.push(k.words(ends));
+            }
+        }
+    }
+
+    /// Keeps the event whose time is over.
+    fn finish(&mut self, now: i64) {
+        let Some(Awaited { at, until: end, marks }) = self.awaited.take() else { return };
+        let mut history = self.history.clone();
+        if let Some(before) = self.spec.before_ns {
+            history.keep_from(at.saturating_sub(i64::try_from(before).unwrap_or(i64::MAX)));
+        }
+        let why = marks.first().map_or("", |m| m.1.trim_start_matches("trigger: ")).to_owned();
+        let snapshot = Arc::new(Snapshot { history, to: end.min(now), marks });
+        self.last = Some(snapshot.clone());
+        self.events += 1;
+        let wanted = self.spec.file.clone().filter(|_| self.events <= MOST_FILES);
+        let file = wanted.map(|f| numbered(&f, self.events));
+        let mut kept = self.new_kept(at, &why, file.clone(), true);
+        if let Some(path) = &file {
+            match (format_of(path), create(path)) {
+                (Ok(format), Ok(file)) => kept.write(&snapshot, file, format, self.at_once),
+                (Err(e), _) | (_, Err(e)) => {
+                    let text = e.to_string();
+                    let why = text.strip_prefix(&format!("{path}: ")).unwrap_or(&text).to_owned();
+                    kept.info.state = KeptState::Failed(why);
+                }
+            }
+        }
+        if kept.info.state != KeptState::Writing {
+            self.unwritten |= kept.is_unwritten();
+            self.said.push(kept.words(self.ends));
+        }
+        self.keep(kept);
+    }
+
+    /// The event whose time is not over.
+    fn awaits(&self) -> Option<KeptInfo> {
+        let Awaited { at, marks, .. } = self.awaited.as_ref()?;
+        let why = marks.first().map_or("", |m| m.1.trim_start_matches("trigger: ")).to_owned();
+        let (number, state) = (self.events + 1, KeptState::Awaited);
+        Some(KeptInfo { number, time: *at, why, file: None, state })
+    }
+
+    fn new_kept(&self, time: i64, why: &str, file: Option<String>, is_event: bool) -> Kept {
+        let (number, state) = (self.events, KeptState::InMemory);
+        Kept::new(KeptInfo { number, time, why: why.to_owned(), file, state }, is_event)
+    }
+
+    fn keep(&mut self, kept: Kept) {
+        if self.kept.len() >= TOLD {
+            self.kept.pop_front();
+        }
+        self.kept.push_back(kept);
+    }
+}

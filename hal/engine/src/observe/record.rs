@@ -1,0 +1,262 @@
+//! Recording to VCD: the file that the control side writes from what the probe saw. Changes only.
+
+mod file;
+mod tape;
+
+use crate::{
+    Engine, Error, ends,
+    error::watch::WatchError,
+    graph::Ix,
+    observe::probe::Probe,
+    observe::watch::{At, Watching},
+    os,
+    sync::{Arc, AtomicU64},
+};
+use file::WholeFile;
+use hal_output::Growing;
+use hal_protocol::{Patterns, StoppedRecording, Type};
+use hal_trace::vcd::Column;
+use std::{
+    collections::BTreeMap,
+    path::Path,
+    sync::{Mutex, MutexGuard, PoisonError},
+};
+pub(crate) use tape::Tape;
+
+/// How many changes wait for the file at the most.
+const ROOM: usize = 1 << 16;
+
+/// A recording under way.
+#[derive(Debug)]
+pub(crate) struct Recording {
+    pub(crate) path: String,
+    patterns: Patterns,
+    /// A device or pipe, until time first moves. Another file is made then.
+    file: Option<Growing>,
+    /// None until time first moves; what is watched is settled then.
+    tape: Option<Arc<Mutex<Tape>>>,
+    /// The number of its probe, and the probe.
+    probe: Option<(u64, Arc<Probe>)>,
+}
+
+/// The guard looks after it as well.
+fn lock(tape: &Mutex<Tape>) -> MutexGuard<'_, Tape> {
+    tape.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The error of what could not be written whole.
+fn unwritten(stopped: StoppedRecording) -> Error {
+    let why = stopped.words().into();
+    Error::File { path: stopped.file.into(), why }
+}
+
+impl Recording {
+    /// Whether it is not settled yet what is recorded.
+    pub(crate) const fn is_waiting(&self) -> bool {
+        self.tape.is_none()
+    }
+
+    /// Changes lost for want of room.
+    pub(crate) fn lost(&self) -> u64 {
+        self.probe.as_ref().map_or(0, |(_, p)| p.lost())
+    }
+}
+
+impl Engine {
+    /// `record FILE PATTERNS…`; what the patterns name is settled when time first moves.
+    pub(crate) fn record(&mut self, path: &str, patterns: &[String]) -> Result<(), Error> {
+        if let Some(r) = &self.recording {
+            return Err(WatchError::Recording { path: r.path.as_str().into() }.into());
+        }
+        let refused = |e: std::io::Error| Error::File { path: path.into(), why: os::said(&e) };
+        let file = Growing::create(Path::new(path)).map_err(refused)?;
+        self.stopped_recording = None;
+        self.recording = Some(Recording {
+            path: path.to_owned(),
+            patterns: Patterns::new(patterns),
+            // What stands there stays as it is, and nothing stands beside it, until there is a head.
+            file: file.is_there().then_some(file),
+            tape: None,
+            probe: None,
+        });
+        if self.shared.boundary.is_running() {
+            self.begin_recording();
+        }
+        Ok(())
+    }
+
+    /// Settles what is recorded and writes the head of the file.
+    pub(crate) fn begin_recording(&mut self) {
+        let Some(mut r) = self.recording.take_if(|r| r.is_waiting()) else { return };
+        let watching = match self.begin_tape(&mut r) {
+            Ok(watching) => watching,
+            Err(stopped) => return self.stop_recording(r, stopped),
+        };
+        let probe = watching.probe.clone();
+        match self.begin_watching(watching) {
+            Ok(id) => {
+                r.probe = Some((id, probe));
+                self.recording = Some(r);
+            }
+            Err(e) => {
+                let stopped = self.not_begun(&r, &e.to_string());
+                self.stop_recording(r, stopped);
+            }
+        }
+    }
+
+    /// Makes the file with its head; returns what is to be watched.
+    fn begin_tape(&mut self, r: &mut Recording) -> Result<Watching, StoppedRecording> {
+        let (nodes, columns) = self.watches(r);
+        if nodes.is_empty() && !r.patterns.is_empty() {
+            self.notice(format!("{}: nothing matches what is to be recorded", r.path));
+        }
+        let sources: Box<[_]> = nodes.iter().filter_map(|ix| self.source(*ix)).collect();
+        let last = sources.iter().map(|s| AtomicU64::new(s.bits())).collect();
+        let probe = Arc::new(Probe::changes(sources, last, ROOM.max(nodes.len() * 4)));
+        let file = r.file.take().map_or_else(|| Growing::create(Path::new(&r.path)), Ok);
+        let begun = file.and_then(|file| {
+            ends::note_recording(&r.path, file.inode().unwrap_or(0));
+            let file = WholeFile::new(file);
+            Tape::begin(&r.path, file, &columns, probe.clone(), self.shared.now())
+        });
+        let mut tape = begun.map_err(|e| self.not_begun(r, &os::said(&e)))?;
+        if let Some(stopped) = tape.stopped() {
+            return Err(stopped);
+        }
+        r.tape = Some(Arc::new(Mutex::new(tape)));
+        self.instance.set_tape(r.tape.clone());
+        let nodes = nodes.into_iter().collect();
+        Ok(Watching { probe, at: At::Moments, nodes, lossless: true })
+    }
+
+    /// A recording of which nothing could be written.
+    fn not_begun(&self, r: &Recording, reason: &str) -> StoppedRecording {
+        StoppedRecording {
+            file: r.path.clone(),
+            reason: reason.to_owned(),
+            time: self.shared.now().unsigned_abs(),
+            bytes: 0,
+            kept_to: None,
+        }
+    }
+
+    /// A recording cannot be written any further: reports it, once.
+    fn stop_recording(&mut self, r: Recording, stopped: StoppedRecording) {
+        self.leave_recording(r.probe.as_ref().map(|p| p.0));
+        self.notice(stopped.to_string());
+        self.unwritten = true;
+        self.stopped_recording = Some(stopped);
+    }
+
+    /// Nobody looks for a recording any more.
+    fn leave_recording(&mut self, probe: Option<u64>) {
+        if let Some(id) = probe {
+            self.end_watching(id);
+        }
+        self.instance.set_tape(None);
+        ends::note_recording("", 0);
+    }
+
+    /// What to watch, and under which names each value appears.
+    fn watches(&self, r: &Recording) -> (Vec<Ix>, Vec<Column>) {
+        let mut nodes = Vec::new();
+        let mut columns: Vec<Column> = Vec::new();
+        let mut of_signal = BTreeMap::new();
+        for (name, ix) in &self.graph.signals {
+            let Some(s) = self.graph.signal(*ix).filter(|s| s.ty != Type::Port) else { continue };
+            if r.patterns.matches(name.as_str()) {
+                of_signal.insert(*ix, nodes.len());
+                nodes.push(*ix);
+                columns.push(Column { ty: s.ty, names: vec![name.as_str().to_owned()] });
+            }
+        }
+        let items = self.graph.pins.iter().chain(&self.graph.params);
+        for (name, ix) in items {
+            let Some(item) = self.graph.item(*ix) else { continue };
+            let plain = !item.hidden && !item.times && item.direction.is_pin();
+            let wanted =
+                if r.patterns.is_empty() { plain } else { r.patterns.names(name.as_str()) };
+            if !wanted || item.shown() != name || item.ty == Type::Port {
+                continue;
+            }
+            // Who names a pin in full wants to see it when it is on another signal, too.
+            let apart = r.patterns.is_one(name.as_str());
+            let signal = self.graph.signal_of(*ix).filter(|_| !apart);
+            if let Some(at) =
+                signal.and_then(|s| of_signal.get(&s)).and_then(|i| columns.get_mut(*i))
+            {
+                at.names.push(name.as_str().to_owned());
+                continue;
+            }
+            if let Some(s) = signal {
+                of_signal.insert(s, nodes.len());
+            }
+            nodes.push(*ix);
+            columns.push(Column { ty: item.ty, names: vec![name.as_str().to_owned()] });
+        }
+        (nodes, columns)
+    }
+
+    /// Takes what has been queued.
+    pub(crate) fn drain_recording(&mut self) {
+        // Where no cycle is under way, no look is.
+        let still = self.shared.is_virtual() || self.quiet;
+        let Some(tape) = self.recording.as_ref().and_then(|r| r.tape.as_deref()) else { return };
+        let mut tape = lock(tape);
+        tape.drain(still, self.shared.now());
+        let stopped = tape.stopped();
+        drop(tape);
+        if let Some(stopped) = stopped
+            && let Some(r) = self.recording.take()
+        {
+            self.stop_recording(r, stopped);
+        }
+    }
+
+    /// While no cycle runs, nobody looks at what a script or a stop action changes.
+    fn look_last(&self) {
+        let probe = self.recording.as_ref().and_then(|r| r.probe.as_ref());
+        if let Some((_, probe)) = probe.filter(|_| self.shared.is_virtual() || self.quiet) {
+            probe.look(self.shared.now());
+        }
+    }
+
+    /// Ends the recording: the file is whole afterwards.
+    pub(crate) fn end_recording(&mut self) -> Result<(), Error> {
+        self.look_last();
+        let Some(mut r) = self.recording.take() else {
+            let stopped = self.stopped_recording.take();
+            return Err(stopped.map_or_else(|| WatchError::NotRecording.into(), unwritten));
+        };
+        // Time has not moved: what there is now is all of it.
+        let begun = if r.is_waiting() { self.begin_tape(&mut r).map(drop) } else { Ok(()) };
+        self.leave_recording(r.probe.as_ref().map(|p| p.0));
+        let stopped = begun.err().or_else(|| {
+            let mut tape = lock(r.tape.as_deref()?);
+            tape.end(self.shared.now());
+            tape.stopped()
+        });
+        if let Some(stopped) = stopped {
+            self.unwritten = true;
+            return Err(unwritten(stopped));
+        }
+        let lost = r.lost();
+        if lost > 0 {
+            self.notice(format!("{}: {lost} changes were lost for want of room", r.path));
+        }
+        Ok(())
+    }
+
+    /// A recording watches no pin of a component that goes: it ends, and that is said.
+    pub(crate) fn recording_parted(&mut self, id: u64) {
+        let probe = self.recording.as_ref().and_then(|r| r.probe.as_ref());
+        if probe.is_some_and(|p| p.0 == id) {
+            let path = self.recording.as_ref().map_or(String::new(), |r| r.path.clone());
+            self.notice(format!("{path}: the recording ends, because a component is unloaded"));
+            if let Err(e) = self.end_recording() {
+                self.notice(e.to_string());
+            }
+        }
+    }
+}

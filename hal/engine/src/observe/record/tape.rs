@@ -1,0 +1,144 @@
+//! A recording's file and the probe that fills it: records are whole as soon as their look is over.
+
+use super::file::WholeFile;
+use crate::{observe::probe::Probe, os, sync::Arc};
+use hal_protocol::StoppedRecording;
+use hal_trace::{
+    TimeBase,
+    vcd::{Column, Writer},
+};
+use std::io::Result;
+
+/// How long whole records wait for the file at the most, in nanoseconds, and how many bytes.
+const LONGEST_WAIT_NS: i64 = 500_000_000;
+const MOST_WAITING: usize = 1 << 16;
+
+/// A recording under way.
+#[derive(Debug)]
+pub(crate) struct Tape {
+    path: String,
+    probe: Arc<Probe>,
+    writer: Writer<WholeFile>,
+    /// How often the probe had looked when its changes were last taken.
+    looks: u64,
+    /// When the file was last written.
+    put_at: i64,
+    /// Why a write was refused, and when: nothing is written after that.
+    failure: Option<(Box<str>, i64)>,
+}
+
+impl Tape {
+    /// Begins the file: what the columns are, and what each is at `now`.
+    ///
+    /// # Errors
+    /// The columns cannot be written as VCD.
+    pub(super) fn begin(
+        path: &str,
+        file: WholeFile,
+        columns: &[Column],
+        probe: Arc<Probe>,
+        now: i64,
+    ) -> Result<Self> {
+        let first: Vec<_> = probe.last().map(Some).collect();
+        let mut writer = Writer::new(file, TimeBase::NANOSECONDS, columns, None)?;
+        writer.all(now, &first)?;
+        let (looks, put_at) = (probe.looks(), os::monotonic_ns());
+        let path = path.to_owned();
+        let mut tape = Self { path, probe, writer, looks, put_at, failure: None };
+        tape.end_record();
+        tape.put(now);
+        Ok(tape)
+    }
+
+    /// Returns how the recording has stopped, once a write was refused.
+    pub(crate) fn stopped(&mut self) -> Option<StoppedRecording> {
+        let (reason, at) = self.failure.as_ref()?;
+        let (bytes, kept_to) = self.writer.out().kept();
+        Some(StoppedRecording {
+            file: self.path.clone(),
+            reason: reason.as_ref().into(),
+            time: at.unsigned_abs(),
+            bytes,
+            kept_to: kept_to.map(i64::unsigned_abs),
+        })
+    }
+
+    /// What was written so far is whole.
+    fn end_record(&mut self) {
+        let at = self.writer.at();
+        self.writer.out().end_record(at);
+    }
+
+    /// Has the whole records written.
+    fn put(&mut self, now: i64) {
+        let put = self.writer.out().put();
+        self.have_put(put, now);
+    }
+
+    fn have_put(&mut self, put: Result<()>, now: i64) {
+        if let Err(e) = put {
+            self.failure.get_or_insert_with(|| (os::said(&e), now));
+        }
+    }
+
+    /// Takes what has changed. `still`: no look is under way. Whole records reach the file now and
+    /// then.
+    pub(crate) fn drain(&mut self, still: bool, now: i64) {
+        // Every look whose changes were taken before, in part perhaps, is over.
+        let over = still || self.probe.looks() > self.looks;
+        let mut begun = false;
+        while let Some((time, which, bits)) = self.probe.change() {
+            if self.failure.is_some() {
+                continue;
+            }
+            if self.writer.at() != Some(time) {
+                self.end_record();
+                begun = true;
+            }
+            // Into memory: that does not fail.
+            let written = self.writer.time(time);
+            drop(written.and_then(|()| self.writer.change(which as usize, Some(bits))));
+        }
+        if self.failure.is_some() {
+            return;
+        }
+        if still || (over && !begun) {
+            self.end_record();
+        }
+        self.looks = self.probe.looks();
+        let waiting = self.writer.out().waiting();
+        let clock = os::monotonic_ns();
+        if waiting >= MOST_WAITING || (waiting > 0 && clock - self.put_at >= LONGEST_WAIT_NS) {
+            self.put_at = clock;
+            self.put(now);
+        }
+    }
+
+    /// Before the process crashes: what was seen is kept, and what is there now if no cycle is
+    /// under way.
+    pub(crate) fn salvage(&mut self, still: bool, now: i64) {
+        if still {
+            self.probe.look(now);
+            self.end(now);
+            return;
+        }
+        self.drain(false, now);
+        if self.failure.is_none() {
+            self.put(now);
+        }
+    }
+
+    /// Ends the recording at `now`: all of it is in the file.
+    pub(crate) fn end(&mut self, now: i64) {
+        self.drain(true, now);
+        if self.failure.is_some() {
+            return;
+        }
+        if self.writer.at() < Some(now) {
+            drop(self.writer.time(now));
+        }
+        self.end_record();
+        let finished = self.writer.out().finish();
+        self.have_put(finished, now);
+    }
+}

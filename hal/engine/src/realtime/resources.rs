@@ -1,0 +1,221 @@
+//! Scheduling, processor and memory of an instance's threads, and messages about them.
+
+use crate::{
+    ClockKind, Engine, Error, Options, RealtimeOptions,
+    os::{self, memory, processors},
+    realtime::overruns::{Overran, Overruns},
+    realtime::runners::Scheduling,
+    realtime::stuck::StuckWatch,
+    realtime::thread::NOBODY,
+    sync::Ordering,
+};
+use hal_protocol::RealtimeInfo;
+
+/// Priority of the thread that looks for stuck threads: above all HAL threads.
+pub(crate) const WATCH_PRIORITY: i32 = 91;
+/// Priority of the fastest thread: below the kernel's own threads.
+pub(crate) const FASTEST_PRIORITY: i32 = 90;
+
+/// Extent of locked memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Locking {
+    /// No memory: nothing runs under `SCHED_FIFO`.
+    Nothing,
+    /// All present and future memory.
+    All,
+    /// As much as the limit allows.
+    Part,
+}
+
+/// Realtime properties of an instance.
+#[derive(Debug)]
+pub(crate) struct Realtime {
+    pub(crate) scheduling: Scheduling,
+    pub(crate) cpu: Option<usize>,
+    /// Description of the scheduling, as a sentence.
+    pub(crate) words: String,
+    locking: Locking,
+    /// Messages about missing rights, logged once when threads run.
+    notes: Vec<String>,
+    overruns: Overruns,
+    watch: Option<StuckWatch>,
+}
+
+impl Realtime {
+    /// Determines what the system allows.
+    pub(crate) fn find(options: &Options) -> Result<Self, Error> {
+        let mut found = Self {
+            scheduling: Scheduling::Timeline,
+            cpu: None,
+            words: "virtual clock: all threads in one place".to_owned(),
+            locking: Locking::Nothing,
+            notes: Vec::new(),
+            overruns: Overruns::default(),
+            watch: None,
+        };
+        if options.clock == ClockKind::Virtual {
+            return Ok(found);
+        }
+        let (cpu, isolated) = choose_cpu(options.place.name(), &options.realtime)?;
+        found.cpu = cpu;
+        let forbidden = std::env::var_os("HAL_NO_FIFO").is_some();
+        let refusal = if forbidden {
+            Some("HAL_NO_FIFO is set".to_owned())
+        } else {
+            os::fifo_refusal(WATCH_PRIORITY)
+        };
+        if let Some(why) = refusal {
+            found.words = format!(
+                "no SCHED_FIFO ({why}): one ordinary thread runs all threads in turn; expect late \
+                 wake-ups"
+            );
+            found.notes.push(format!(
+                "realtime: no SCHED_FIFO, threads may be late: {why}; see \"Real time\" in \
+                 README.md"
+            ));
+        } else {
+            found.scheduling = Scheduling::Fifo;
+            let cpu = cpu.map_or("any processor".into(), |c| format!("processor {c}"));
+            let isolated = if isolated { " (isolated)" } else { "" };
+            found.words = format!("SCHED_FIFO, all threads on {cpu}{isolated}");
+        }
+        Ok(found)
+    }
+}
+
+impl Engine {
+    /// Locks memory before the first system thread starts.
+    pub(crate) fn lock_memory(&mut self) {
+        if self.realtime.scheduling != Scheduling::Fifo || self.realtime.locking != Locking::Nothing
+        {
+            return;
+        }
+        if memory::may_lock_all() && memory::lock_all() {
+            self.realtime.locking = Locking::All;
+            // Address space that is only reserved must not count as locked.
+            self.arena.unlock_rest();
+        } else {
+            self.realtime.locking = Locking::Part;
+        }
+    }
+
+    /// Locks memory that was added since, if not all memory may be locked.
+    pub(crate) fn lock_more(&self) {
+        if self.realtime.locking == Locking::Part {
+            memory::lock_present();
+        }
+    }
+
+    /// Prepares for running threads: locks memory, starts the watch for stuck threads, and logs
+    /// once what is missing.
+    pub(crate) fn begin_realtime(&mut self) {
+        if self.shared.is_virtual() || self.trial.is_some() {
+            return;
+        }
+        self.lock_more();
+        if self.realtime.watch.is_some() {
+            return;
+        }
+        let fifo = self.realtime.scheduling == Scheduling::Fifo;
+        let watch = StuckWatch::begin(self.shared.clone(), fifo, self.realtime.cpu);
+        self.realtime.watch = watch;
+        if self.realtime.locking == Locking::Part {
+            self.realtime.notes.extend(partly_locked());
+        }
+        let notes = core::mem::take(&mut self.realtime.notes);
+        notes.into_iter().for_each(|note| self.notice(note));
+    }
+
+    /// Makes the watch check for new threads.
+    pub(crate) fn renew_watch(&self) {
+        if let Some(watch) = &self.realtime.watch {
+            watch.poke();
+        }
+    }
+
+    /// Ends the watch, and logs the overruns that have not been reported yet.
+    pub(crate) fn end_realtime(&mut self) {
+        self.realtime.watch = None;
+        self.tell_overruns(true);
+    }
+
+    /// Logs which threads have missed their time.
+    pub(crate) fn tell_overruns(&mut self, ends: bool) {
+        let threads = self.shared.threads.load_full();
+        let read = |n: &crate::sync::AtomicI64| n.load(Ordering::Relaxed);
+        let late = threads.iter().filter(|t| t.overruns.load(Ordering::Relaxed) > 0);
+        let late: Vec<Overran> = late
+            .map(|t| {
+                let guilty = t.guilty.load(Ordering::Relaxed);
+                Overran {
+                    id: t.id,
+                    thread: t.name.as_str().to_owned(),
+                    period_ns: t.period_ns,
+                    overruns: t.overruns.load(Ordering::Relaxed),
+                    missed: t.missed.load(Ordering::Relaxed),
+                    guilty: (guilty != NOBODY).then(|| self.funct_name(guilty)),
+                    late_ns: read(&t.over_late),
+                    took_ns: read(&t.over_took),
+                }
+            })
+            .collect();
+        let messages = self.realtime.overruns.look(self.shared.now(), &late, ends);
+        messages.into_iter().for_each(|text| self.notice(text));
+    }
+
+    /// Returns the realtime properties of the instance; `None` on the virtual clock.
+    pub(crate) fn realtime_info(&self) -> Option<RealtimeInfo> {
+        if self.shared.is_virtual() {
+            return None;
+        }
+        let (idle_us, idle_refusal) = self.runners.idle();
+        Some(RealtimeInfo {
+            memory: memory::locked_and_present().unwrap_or_default(),
+            idle_us,
+            idle_refusal,
+            stuck_ns: self.shared.stuck_limit().unsigned_abs(),
+        })
+    }
+}
+
+/// Returns the message that not all memory may be locked.
+fn partly_locked() -> Option<String> {
+    let (locked, present) = memory::locked_and_present()?;
+    let limit = memory::lock_limit().map_or_else(|| "exceeded".to_owned(), in_mib);
+    Some(format!(
+        "realtime: {} of {} of memory are locked, the rest may be pushed out: RLIMIT_MEMLOCK is \
+         {limit} and must be unlimited; see \"Real time\" in README.md",
+        in_mib(locked),
+        in_mib(present)
+    ))
+}
+
+fn in_mib(bytes: u64) -> String {
+    format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20))
+}
+
+/// Chooses the processor for all threads of an instance, and returns whether it is isolated: the
+/// requested one, else one of the isolated processors by the instance's name, or else one of all,
+/// the last first.
+fn choose_cpu(instance: &str, options: &RealtimeOptions) -> Result<(Option<usize>, bool), Error> {
+    let isolated = processors::isolated();
+    if let Some(cpu) = options.cpu {
+        if !processors::may_use(cpu) {
+            return Err(Error::System {
+                what: "the threads cannot run on the processor of --cpu (HAL_CPU)",
+                why: format!("processor {cpu} is not there; there are {}", processors::online())
+                    .into(),
+            });
+        }
+        return Ok((Some(cpu), isolated.contains(&cpu)));
+    }
+    let may: Vec<usize> = isolated.into_iter().filter(|c| processors::may_use(*c)).collect();
+    let is_isolated = !may.is_empty();
+    let cpus = if is_isolated { may } else { processors::cpus() };
+    let n = cpus.len();
+    if n < 2 && !is_isolated {
+        return Ok((None, false));
+    }
+    let spread = if instance == "default" { 0 } else { instance.bytes().map(usize::from).sum() };
+    Ok((cpus.get((n - 1 + n - spread % n) % n).copied(), is_isolated))
+}

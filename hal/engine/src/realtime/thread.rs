@@ -1,0 +1,280 @@
+//! Realtime. A thread and its cycle: run the functions, time them, count the heartbeat.
+
+use crate::{
+    change::handover::Gate,
+    ends::{self, Current},
+    load::code::{Code, Ptr},
+    name::Name,
+    observe::probe::Probe,
+    os,
+    realtime::shared::Shared,
+    sync::{Arc, AtomicBool, AtomicI32, AtomicI64, AtomicU32, AtomicU64, Ordering},
+};
+use arc_swap::ArcSwap;
+use core::ffi::c_void;
+use hal_abi::{Cell, Run, Slot};
+
+/// Pins and parameters that show the times of a function or thread.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Account {
+    /// A pin.
+    pub(crate) time: Ptr<Slot>,
+    /// A parameter, which is never linked.
+    pub(crate) tmax: Ptr<Cell>,
+    /// A parameter; functions only.
+    pub(crate) increased: Option<Ptr<Cell>>,
+}
+
+impl Account {
+    #[inline]
+    fn note(&self, ns: i32) {
+        // SAFETY: a slot of the arena, alive as long as its component.
+        unsafe { Slot::cell(self.time.0.as_ptr()) }.store(u64::from(ns.cast_unsigned()));
+        // SAFETY: as above.
+        let tmax = unsafe { self.tmax.0.as_ref() };
+        let longest = low(tmax.load());
+        let more = ns > longest;
+        if more {
+            tmax.store(u64::from(ns.cast_unsigned()));
+        }
+        if let Some(increased) = self.increased {
+            // SAFETY: as above.
+            unsafe { increased.0.as_ref() }.store(u64::from(more));
+        }
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "32-bit values live in the low half")]
+const fn low(bits: u64) -> i32 {
+    (bits as u32).cast_signed()
+}
+
+/// A function in a list.
+#[derive(Debug)]
+pub(crate) struct Entry {
+    run: Run,
+    state: *mut c_void,
+    account: Account,
+    /// The function's number, for reports.
+    pub(crate) id: u32,
+    /// Names of the function and its component, for reports.
+    pub(crate) name: Name,
+    pub(crate) component: Name,
+    #[expect(dead_code, reason = "held so that the state lives as long as the list")]
+    code: Arc<Code<Run>>,
+}
+
+// SAFETY: one thread walks a list; the state is only used by running the code.
+unsafe impl Send for Entry {}
+// SAFETY: as for `Send`.
+unsafe impl Sync for Entry {}
+
+impl Entry {
+    pub(crate) fn new(
+        id: u32,
+        (name, component): (Name, Name),
+        code: Arc<Code<Run>>,
+        account: Account,
+    ) -> Self {
+        Self { run: code.run, state: code.state, account, id, name, component, code }
+    }
+}
+
+/// The functions and probes of a thread.
+#[derive(Debug, Default)]
+pub(crate) struct List {
+    /// Functions that run once, in a cycle of their own, before all others.
+    pub(crate) init: Vec<Entry>,
+    /// Functions that run in every cycle.
+    pub(crate) entries: Vec<Entry>,
+    /// Probes that read after each cycle.
+    pub(crate) probes: Vec<Arc<Probe>>,
+    /// Probes that read even when no function runs: those of the fastest thread, on the real clock.
+    pub(crate) moments: Vec<Arc<Probe>>,
+}
+
+/// Number of wake-up latency bins: up to 1 µs, 2 µs, 4 µs, … and more.
+pub(crate) const BINS: usize = 16;
+
+pub(crate) use crate::ends::NOBODY;
+
+/// A thread.
+#[derive(Debug)]
+pub(crate) struct Thread {
+    pub(crate) id: u32,
+    pub(crate) name: Name,
+    pub(crate) period_ns: i64,
+    pub(crate) list: ArcSwap<List>,
+    pub(crate) gate: Gate,
+    pub(crate) account: Account,
+    pub(crate) beat: Ptr<Slot>,
+    /// Start of the next cycle, in nanoseconds: machine time on the virtual clock, monotonic time
+    /// on the real one.
+    pub(crate) due: AtomicI64,
+    pub(crate) cycles: AtomicU64,
+    /// Number of cycles that ended after the next one was due.
+    pub(crate) overruns: AtomicU64,
+    /// Number of cycles that never began, because another cycle took their time or the process was
+    /// stopped.
+    pub(crate) missed: AtomicU64,
+    /// Data of the last overrun: the function that took longest (`NOBODY` if the cycle began later
+    /// than it took, or if functions are not timed), how late the cycle began and how long it took,
+    /// in nanoseconds.
+    pub(crate) guilty: AtomicU32,
+    pub(crate) over_late: AtomicI64,
+    pub(crate) over_took: AtomicI64,
+    /// The kernel's number of the system thread that runs this thread.
+    pub(crate) tid: AtomicI32,
+    pub(crate) current: Current,
+    pub(crate) init_done: AtomicBool,
+    /// True if functions are timed.
+    pub(crate) timed: AtomicBool,
+    pub(crate) latest: AtomicI64,
+    pub(crate) latency: [AtomicU64; BINS],
+    pub(crate) end: AtomicBool,
+}
+
+impl Thread {
+    pub(crate) fn new(
+        (id, name): (u32, Name),
+        period_ns: i64,
+        account: Account,
+        beat: Ptr<Slot>,
+        timed: bool,
+        due: i64,
+    ) -> Self {
+        let current = Current::new(name.as_str());
+        Self {
+            id,
+            name,
+            period_ns,
+            list: ArcSwap::from_pointee(List::default()),
+            gate: Gate::new(),
+            account,
+            beat,
+            due: AtomicI64::new(due),
+            cycles: AtomicU64::new(0),
+            overruns: AtomicU64::new(0),
+            missed: AtomicU64::new(0),
+            guilty: AtomicU32::new(NOBODY),
+            over_late: AtomicI64::new(0),
+            over_took: AtomicI64::new(0),
+            tid: AtomicI32::new(0),
+            current,
+            init_done: AtomicBool::new(false),
+            timed: AtomicBool::new(timed),
+            latest: AtomicI64::new(0),
+            latency: [const { AtomicU64::new(0) }; BINS],
+            end: AtomicBool::new(false),
+        }
+    }
+
+    /// Runs one cycle at this machine time, if threads are started. Returns the function that took
+    /// longest, for the report of an overrun.
+    pub(crate) fn cycle(&self, shared: &Shared, time: i64) -> u32 {
+        if !shared.boundary.enter(&self.gate) {
+            return NOBODY;
+        }
+        ends::begin_cycle(self);
+        let mut longest = NOBODY;
+        let list = self.list.load();
+        if shared.fault.get().is_none() {
+            if self.init_done.load(Ordering::Relaxed) || list.init.is_empty() {
+                self.init_done.store(true, Ordering::Relaxed);
+                longest = if self.timed.load(Ordering::Relaxed) {
+                    self.run_timed(&list.entries, shared)
+                } else {
+                    self.run(&list.entries, shared)
+                };
+            } else {
+                self.run(&list.init, shared);
+                self.init_done.store(true, Ordering::Relaxed);
+            }
+            let n = self.cycles.load(Ordering::Relaxed).wrapping_add(1);
+            self.cycles.store(n, Ordering::Relaxed);
+            // SAFETY: a slot of the arena, alive as long as the thread.
+            unsafe { Slot::cell(self.beat.0.as_ptr()) }.store(n);
+            list.probes.iter().for_each(|p| p.look(time));
+        }
+        list.moments.iter().for_each(|p| p.look(time));
+        drop(list);
+        ends::end_cycle();
+        self.gate.leave();
+        longest
+    }
+
+    #[inline]
+    fn run(&self, entries: &[Entry], shared: &Shared) -> u32 {
+        for e in entries {
+            self.current.store(e.id, Ordering::Relaxed);
+            // SAFETY: only this thread runs the function, and the list keeps it alive.
+            if !unsafe { (e.run)(e.state, self.period_ns) }.is_ok() {
+                shared.fault.set(self.id, e.id, &shared.cause);
+                break;
+            }
+            if shared.fault.is_abandoned() {
+                break;
+            }
+        }
+        self.current.store(NOBODY, Ordering::Relaxed);
+        NOBODY
+    }
+
+    /// Runs the functions as `run` does, with one reading of the cycle counter between neighbours.
+    fn run_timed(&self, entries: &[Entry], shared: &Shared) -> u32 {
+        let tick_ns = shared.tick_ns();
+        let begin = os::ticks();
+        let (mut last, mut most, mut longest) = (begin, 0, NOBODY);
+        for e in entries {
+            self.current.store(e.id, Ordering::Relaxed);
+            // SAFETY: only this thread runs the function, and the list keeps it alive.
+            let status = unsafe { (e.run)(e.state, self.period_ns) };
+            let now = os::ticks();
+            let ns = in_ns(now.wrapping_sub(last), tick_ns);
+            last = now;
+            e.account.note(ns);
+            if ns > most {
+                (most, longest) = (ns, e.id);
+            }
+            if !status.is_ok() {
+                shared.fault.set(self.id, e.id, &shared.cause);
+                break;
+            }
+            if shared.fault.is_abandoned() {
+                break;
+            }
+        }
+        self.current.store(NOBODY, Ordering::Relaxed);
+        self.account.note(in_ns(last.wrapping_sub(begin), tick_ns));
+        longest
+    }
+
+    /// Records that a cycle ended after the next was due, and the number of cycles that were
+    /// skipped.
+    pub(crate) fn overran(&self, longest: u32, late_ns: i64, took_ns: i64, missed: i64) {
+        self.overruns.fetch_add(1, Ordering::Relaxed);
+        self.missed.fetch_add(missed.unsigned_abs(), Ordering::Relaxed);
+        let guilty = if late_ns > took_ns { NOBODY } else { longest };
+        self.guilty.store(guilty, Ordering::Relaxed);
+        self.over_late.store(late_ns, Ordering::Relaxed);
+        self.over_took.store(took_ns, Ordering::Relaxed);
+    }
+
+    /// Records how late a cycle began.
+    pub(crate) fn woke(&self, late_ns: i64) {
+        if late_ns > self.latest.load(Ordering::Relaxed) {
+            self.latest.store(late_ns, Ordering::Relaxed);
+        }
+        let us = u64::try_from(late_ns / 1000).unwrap_or(0);
+        let bin = (u64::BITS - us.leading_zeros()) as usize;
+        let bin = if bin < BINS { bin } else { BINS - 1 };
+        if let Some(count) = self.latency.get(bin) {
+            count.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a float saturates")]
+fn in_ns(ticks: u64, tick_ns: f64) -> i32 {
+    (ticks as f64 * tick_ns) as i32
+}

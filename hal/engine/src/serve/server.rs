@@ -1,0 +1,171 @@
+//! The socket: clients, their requests one at a time, and programs that are components.
+
+use crate::{
+    Engine, Error, ends, os,
+    serve::client::{Client, Waits},
+    serve::polls::{clients_target, next_poll_of, settle},
+    serve::session::{forget_left, leave, respond},
+};
+use hal_protocol::{Folder, FolderError, Place, peer};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use std::{
+    fs::File,
+    os::unix::net::{UnixListener, UnixStream},
+};
+
+/// Largest number of clients at once.
+const MOST_CLIENTS: usize = 256;
+/// Largest number of requests of one client that are executed before the next client's turn.
+const MOST_IN_TURN: usize = 16;
+
+/// The socket and its clients.
+#[derive(Debug)]
+pub(crate) struct Server {
+    listener: UnixListener,
+    place: Place,
+    folder: Folder,
+    #[expect(dead_code, reason = "locked as long as the instance lives")]
+    lock: File,
+    pub(crate) clients: Vec<Client>,
+    next: u64,
+}
+
+impl Server {
+    /// Takes the socket of an instance, even if a former owner has died and left it behind.
+    pub(crate) fn open(place: &Place) -> Result<Self, FolderError> {
+        let folder = Folder::make(place)?;
+        let lock = folder.lock(place)?;
+        let listener = folder.listen(place)?;
+        Ok(Self { listener, place: place.clone(), folder, lock, clients: Vec::new(), next: 1 })
+    }
+
+    /// Ends every connection: programs notice it and exit.
+    pub(crate) fn drop_clients(&mut self) {
+        self.clients.clear();
+    }
+
+    fn accept(&mut self) {
+        while let Ok((socket, _)) = self.listener.accept() {
+            if self.clients.len() >= MOST_CLIENTS || socket.set_nonblocking(true).is_err() {
+                continue;
+            }
+            let mut client = Client::new(self.next, socket);
+            if let Err(refusal) = admitted(&client.socket) {
+                client.closing = true;
+                client.answer(Err(refusal.into()));
+                continue;
+            }
+            self.clients.push(client);
+            self.next += 1;
+        }
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        self.folder.remove(&self.place);
+    }
+}
+
+/// Checks that the user at the other end may use this instance: its own user, or root.
+fn admitted(socket: &UnixStream) -> Result<(), Error> {
+    let me = rustix::process::geteuid().as_raw();
+    let peer = peer(socket).map_err(|e| Error::System {
+        what: "the user of this program cannot be found out",
+        why: os::said(&e),
+    })?;
+    if peer == me || peer == 0 {
+        return Ok(());
+    }
+    let why = format!(
+        "this instance belongs to user {me}, and is used by that user and root; this program runs \
+         as user {peer}"
+    );
+    Err(Error::Protocol { why: why.into() })
+}
+
+/// Checks the socket once: waits at most `ms` milliseconds for something to do, and does it.
+pub(crate) fn serve_once(engine: &mut Engine, ms: i32) {
+    let inside = || engine.shared.threads.load().iter().any(|t| t.gate.is_inside());
+    if !engine.left.is_empty() && !inside() {
+        forget_left(engine);
+    }
+    let Some(mut server) = engine.server.take() else {
+        if ms > 0 {
+            drop(wait(&mut [], ms));
+        }
+        return;
+    };
+    let now = os::monotonic_ns();
+    let mut ms = ms;
+    for c in &mut server.clients {
+        if c.is_served() && c.has_line() {
+            ms = 0;
+        }
+        if let Waits::Wall(t) = c.waits {
+            let left = i32::try_from((t - now) / 1_000_000 + 1).unwrap_or(i32::MAX);
+            ms = ms.min(left.max(0));
+        }
+    }
+    if !engine.shared.is_virtual() {
+        let due = engine.next_task().min(next_poll_of(&server)) - engine.shared.now();
+        ms = ms.min(i32::try_from(due / 1_000_000 + 1).unwrap_or(i32::MAX).max(0));
+        if server.clients.iter().any(|c| matches!(c.waits, Waits::Ticket(_))) {
+            ms = ms.min(1);
+        }
+        if engine.recording.is_some() || engine.flight.is_some() {
+            ms = ms.min(5);
+        }
+    }
+    let mut fds = vec![PollFd::new(&server.listener, PollFlags::IN)];
+    for c in &server.clients {
+        let mut flags = PollFlags::empty();
+        flags.set(PollFlags::IN, c.listens());
+        flags.set(PollFlags::OUT, c.has_output());
+        fds.push(PollFd::new(&c.socket, flags));
+    }
+    let wake = ends::wake();
+    fds.extend(wake.iter().map(|wake| PollFd::new(wake, PollFlags::IN)));
+    let ready = wait(&mut fds, ms).unwrap_or(false);
+    let events: Vec<PollFlags> = fds.iter().map(PollFd::revents).collect();
+    drop(fds);
+    if ready {
+        for (c, e) in server.clients.iter_mut().zip(events.iter().skip(1)) {
+            c.hung |= e.intersects(PollFlags::HUP | PollFlags::ERR);
+            if c.has_output() && (c.hung || e.contains(PollFlags::OUT)) {
+                c.write();
+            } else if c.hung || e.contains(PollFlags::IN) {
+                c.read();
+            }
+        }
+        server.accept();
+    }
+    for c in &mut server.clients {
+        settle(engine, c);
+        for _ in 0..MOST_IN_TURN {
+            let Some(line) = c.is_served().then(|| c.line()).flatten() else { break };
+            let reply = match line {
+                Ok(line) => respond(engine, c, &line),
+                Err(e) => Some(Err(e.into())),
+            };
+            if let Some(reply) = reply {
+                c.answer(reply);
+            }
+            // The condition that the request would wait for may already hold.
+            settle(engine, c);
+        }
+        c.part();
+    }
+    for c in server.clients.iter().filter(|c| c.gone) {
+        leave(engine, c);
+    }
+    server.clients.retain(|c| !c.gone);
+    engine.client_target = clients_target(&server);
+    engine.server = Some(server);
+}
+
+fn wait(fds: &mut [PollFd<'_>], ms: i32) -> std::io::Result<bool> {
+    let ms = i64::from(ms);
+    let limit = Timespec { tv_sec: ms / 1000, tv_nsec: ms % 1000 * 1_000_000 };
+    Ok(poll(fds, Some(&limit))? > 0)
+}

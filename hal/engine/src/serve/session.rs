@@ -1,0 +1,281 @@
+//! Requests of clients: greetings, waits, and the pins of programs that are components.
+
+use crate::{
+    Engine, Error,
+    change::stores::MOST_STORES,
+    graph::Ix,
+    graph::item::NewItem,
+    name::Name,
+    os,
+    serve::client::{Client, Waits},
+    serve::polls::{Hold, period},
+};
+use hal_protocol::{
+    ComponentState, Direction, Failure, LATEST, Reply, Request, TicketInfo, Type, Value,
+    WireRequest,
+};
+
+/// Executes the request of a line; returns `None` when the answer comes later.
+pub(crate) fn respond(
+    engine: &mut Engine,
+    c: &mut Client,
+    line: &[u8],
+) -> Option<Result<Reply, Failure>> {
+    let wire = match serde_json::from_slice::<WireRequest>(line) {
+        Ok(wire) => wire,
+        Err(e) => {
+            let why = format!("this is not a request: {e}").into();
+            return Some(Err(Error::Protocol { why }.into()));
+        }
+    };
+    let before = engine.graph.sites.visit(wire.at.as_ref());
+    let reply = answer(engine, c, wire.request);
+    engine.graph.sites.resume(before);
+    reply
+}
+
+fn answer(engine: &mut Engine, c: &mut Client, request: Request) -> Option<Result<Reply, Failure>> {
+    let done = match request {
+        Request::Hello { protocol, name, pid } => hello(engine, c, protocol, &name, pid),
+        Request::Run { ns } => match engine.run_end(ns) {
+            Ok(end) => {
+                has_started(engine, c);
+                c.waits = Waits::Time(end);
+                return None;
+            }
+            Err(e) => Err(e),
+        },
+        Request::Ticket { id, wait } => match engine.ticket(id) {
+            Ok(TicketInfo::Pending) if wait => {
+                has_started(engine, c);
+                c.waits = Waits::Ticket(id);
+                return None;
+            }
+            other => other.map(Reply::Ticket),
+        },
+        Request::Idle { ms, flow } => {
+            c.waits = Waits::Wall(os::monotonic_ns() + i64::from(ms) * 1_000_000);
+            c.flows = flow && !engine.options.hold;
+            return None;
+        }
+        Request::Await { ms, .. } => {
+            c.waits = Waits::Wall(os::monotonic_ns() + i64::from(ms) * 1_000_000);
+            c.flows = !engine.options.hold;
+            return None;
+        }
+        Request::Join { name, poll_ns } => join(engine, c, &name, poll_ns),
+        Request::NewPin { name, ty, direction } => new_pin(engine, c, &name, ty, direction),
+        Request::Ready => ready(engine, c),
+        Request::Poll { writes } => match checked(engine, c, &writes) {
+            Ok(writes) => {
+                // On the virtual clock a program's values are written at its poll, however fast the
+                // program was.
+                c.writes = writes;
+                if !engine.shared.is_virtual() {
+                    put_writes(engine, c);
+                }
+                let now = engine.shared.now();
+                let due = c.owes.take().unwrap_or(now.saturating_add(c.poll_ns));
+                (c.waits, c.hold) = (Waits::Poll(due.max(now)), Hold::NONE);
+                return None;
+            }
+            Err(e) => Err(e),
+        },
+        Request::Attach { name, count } => attach(engine, c, &name, count),
+        Request::Sample(spec) => engine.begin_sample(c.id, &spec).map(|(info, fd)| {
+            c.fd = Some(fd);
+            has_started(engine, c);
+            Reply::Sample(info)
+        }),
+        Request::SampleState { id } => engine.sample_state(c.id, id).map(Reply::SampleState),
+        Request::EndSample { id } => engine.end_sample(c.id, id).map(Reply::SampleState),
+        other => engine.carry(other),
+    };
+    Some(done.map_err(Failure::from))
+}
+
+fn hello(
+    engine: &mut Engine,
+    c: &mut Client,
+    protocol: u32,
+    name: &str,
+    pid: i32,
+) -> Result<Reply, Error> {
+    if protocol != LATEST {
+        c.closing = true;
+        let why = format!("this engine speaks version {LATEST} of the protocol, not {protocol}");
+        return Err(Error::Protocol { why: why.into() });
+    }
+    c.pid = pid;
+    if !name.is_empty() && c.component.is_none() {
+        let name = Name::parse("component", name)?;
+        let ix = engine.new_component(name, Some(pid), None, false)?;
+        if let Some(me) = engine.graph.component_mut(ix) {
+            me.state = ComponentState::Ready;
+        }
+        c.component = Some(ix);
+    }
+    let me = c.component.and_then(|ix| engine.graph.component(ix));
+    Ok(Reply::Hello {
+        protocol: LATEST,
+        instance: engine.options.place.name().to_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        id: me.map_or(0, |me| me.id),
+    })
+}
+
+fn join(engine: &mut Engine, c: &mut Client, name: &str, poll_ns: u64) -> Result<Reply, Error> {
+    let name = Name::parse("component", name)?;
+    let poll_ns = period(poll_ns)?;
+    if let Some(old) = c.component.take() {
+        engine.remove_component(old);
+    }
+    c.pins.clear();
+    c.writes.clear();
+    (c.owes, c.poll_ns) = (None, 0);
+    c.component = Some(engine.new_component(name, Some(c.pid), None, false)?);
+    c.poll_ns = poll_ns;
+    Ok(Reply::Done)
+}
+
+fn member(engine: &Engine, c: &Client) -> Result<Ix, Error> {
+    c.component.filter(|ix| engine.graph.component(*ix).is_some()).ok_or(Error::NotAMember)
+}
+
+fn new_pin(
+    engine: &mut Engine,
+    c: &mut Client,
+    name: &str,
+    ty: Type,
+    direction: Direction,
+) -> Result<Reply, Error> {
+    let owner = member(engine, c)?;
+    let what = if direction.is_pin() { "pin" } else { "parameter" };
+    let new = NewItem {
+        name: Name::parse(what, name)?,
+        other: None,
+        ty,
+        direction,
+        initial: 0,
+        storage: None,
+        hidden: false,
+        times: false,
+        safety: false,
+        doc: engine.graph.doc(""),
+    };
+    let (ix, _) = engine.new_item(owner, new)?;
+    c.pins.push(ix);
+    Ok(Reply::Done)
+}
+
+/// Ends the clock's wait for a program that has started its actual work.
+fn has_started(engine: &mut Engine, c: &Client) {
+    for p in &mut engine.programs {
+        p.joined |= p.pid == c.pid;
+    }
+}
+
+fn ready(engine: &mut Engine, c: &mut Client) -> Result<Reply, Error> {
+    let ix = member(engine, c)?;
+    if let Some(me) = engine.graph.component_mut(ix) {
+        me.state = ComponentState::Ready;
+    }
+    has_started(engine, c);
+    if c.poll_ns > 0 {
+        c.owes = Some(engine.shared.now().saturating_add(c.poll_ns));
+    }
+    Ok(Reply::Done)
+}
+
+/// Writes the values that a program has sent.
+pub(crate) fn put_writes(engine: &Engine, c: &mut Client) {
+    for (ix, bits) in c.writes.drain(..) {
+        if let Some(item) = engine.graph.item(ix) {
+            item.put(bits);
+        }
+    }
+}
+
+/// Checks the writes of a poll, and that this client may poll at all.
+fn checked(engine: &Engine, c: &Client, writes: &[(u32, Value)]) -> Result<Vec<(Ix, u64)>, Error> {
+    let odd = |why: &str| Error::Protocol { why: why.into() };
+    member(engine, c)?;
+    let mut all = Vec::new();
+    for (which, value) in writes {
+        let ix = c.pins.get(*which as usize).ok_or_else(|| odd("this client has no such pin"))?;
+        let item = engine.graph.item(*ix).ok_or_else(|| odd("this client has no such pin"))?;
+        if item.ty != value.ty() || item.ty == Type::Port {
+            return Err(odd("a value has not the type of its pin"));
+        }
+        if matches!(item.direction, Direction::In | Direction::Rw) {
+            return Err(odd("a program does not write its own input"));
+        }
+        all.push((*ix, value.bits()));
+    }
+    if c.poll_ns == 0 {
+        return Err(odd("this program has joined without a period for its polls (poll_ns is 0)"));
+    }
+    Ok(all)
+}
+
+fn attach(
+    engine: &mut Engine,
+    c: &mut Client,
+    name: &str,
+    count: Option<u64>,
+) -> Result<Reply, Error> {
+    let names = engine.rings.keys().map(Name::as_str);
+    let near = crate::error::near::nearest(name, names);
+    let ring = engine.rings.get_mut(name).ok_or_else(|| Error::NotFound {
+        what: "stream",
+        name: name.into(),
+        near,
+    })?;
+    if ring.attached.is_some_and(|by| by != c.id) {
+        return Err(Error::StreamTaken { name: name.into() });
+    }
+    c.fd = Some(ring.memory.file().map_err(|e| Error::System {
+        what: "the stream cannot be handed over",
+        why: os::said(&e),
+    })?);
+    ring.attach(c.id, c.pid, count);
+    let info = ring.info(name);
+    has_started(engine, c);
+    Ok(Reply::Stream(info))
+}
+
+/// Removes a disconnected client: its component, its pins and its streams.
+pub(crate) fn leave(engine: &mut Engine, c: &Client) {
+    for ring in engine.rings.values_mut() {
+        if ring.attached == Some(c.id) {
+            ring.attached = None;
+        }
+    }
+    engine.end_samples_of(c.id);
+    if let Some(ix) = c.component {
+        engine.left.push(ix);
+        forget_left(engine);
+    }
+}
+
+/// Removes components whose programs have disconnected; those that a stuck thread holds are kept
+/// for later.
+pub(crate) fn forget_left(engine: &mut Engine) {
+    for ix in core::mem::take(&mut engine.left) {
+        // A few pins at a time: within the limit of stores, so that running threads need not stop.
+        let pins: Vec<Ix> = engine.graph.owned(ix);
+        let unlinked = pins.chunks(MOST_STORES / 2).try_for_each(|some| {
+            let unlinked = engine.whole(|e| {
+                e.unlink_all(some);
+                Ok(())
+            });
+            unlinked.map(|_| ())
+        });
+        if unlinked.is_ok() {
+            engine.remove_component(ix);
+        }
+        if engine.graph.component(ix).is_some() && !engine.left.contains(&ix) {
+            engine.left.push(ix);
+        }
+    }
+}
