@@ -1,5 +1,7 @@
 //! `halcmd check`: reports errors and oddities of a machine before it moves.
 
+pub(crate) mod examine;
+
 mod allow;
 mod collect;
 mod joints;
@@ -15,9 +17,9 @@ pub use collect::{Checked, Texts, check, live};
 
 use crate::{
     Error, Terminal,
-    halrun::plan::plugin_path,
-    options::{Opt, options, usage},
-    profile::Profile,
+    programs::halrun::plan::plugin_path,
+    programs::options::{Opt, options, usage},
+    programs::profile::Profile,
 };
 use hal_protocol::{Finding, Level, Link, Reply};
 use render::Shown;

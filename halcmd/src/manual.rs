@@ -1,11 +1,16 @@
 //! The manual page of halcmd, from the tables of commands and options.
 
+pub mod complete;
+pub mod explain;
+pub mod help;
+pub mod man;
+
 use crate::{
-    halcmd,
-    help::{line, sentence},
-    options::Opt,
-    rows::GROUPS,
-    table::Row,
+    language::rows::GROUPS,
+    language::table::Row,
+    manual::help::{line, sentence},
+    programs::halcmd,
+    programs::options::Opt,
 };
 
 /// Returns the page in the format of `man`.

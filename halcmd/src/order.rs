@@ -1,7 +1,7 @@
 //! The output of `order`, as text and as lines of a script: the order of functions that the data
 //! flow implies, the delay of the user's order, and the paths of values.
 
-use crate::units::duration;
+use crate::language::units::duration;
 use hal_protocol::{DelayInfo, HopInfo, LateInfo, OrderInfo, PathInfo, ThreadOrder, WayInfo};
 
 /// Maximum number of paths, loops and crossings in the text; `--json` has more.

@@ -1,15 +1,24 @@
 //! The interpreter: executes lines over a link, one after the other.
 
+pub(crate) mod after;
+pub(crate) mod apply;
+pub mod dry_run;
+pub(crate) mod execute;
+pub(crate) mod program;
+pub(crate) mod prompt;
+pub mod remote;
+pub(crate) mod say;
+
 use crate::{
     Error, Fault, Lines, Terminal,
-    after::Last,
-    apply::Plan,
     ini::Ini,
-    lex::{Line, Reader, without_comment},
-    source::Bytes,
-    syntax::Statement,
-    trial::Attempt,
-    vars::{Values, mentioned},
+    language::lex::{Line, Reader, without_comment},
+    language::source::Bytes,
+    language::syntax::Statement,
+    language::vars::{Values, mentioned},
+    session::after::Last,
+    session::apply::Plan,
+    session::dry_run::Attempt,
 };
 use hal_output::Unwritten;
 use hal_protocol::{Link, Reply, Request};
@@ -347,7 +356,7 @@ impl<'a> Session<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Captured, show::samples, status};
+    use crate::{Captured, show::samples, show::status};
     use hal_protocol::{Answer, Failure, Kind, Lock, TicketInfo, Value};
 
     /// A link that answers like an engine and records its requests.

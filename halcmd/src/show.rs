@@ -1,5 +1,12 @@
 //! The output of `show`, with exact columns.
 
+pub(crate) mod flight;
+pub mod list;
+pub(crate) mod meter;
+pub mod save;
+pub(crate) mod status;
+pub(crate) mod watch;
+
 use hal_protocol::{
     AliasInfo, CommandInfo, ComponentInfo, ComponentState, Direction, FunctInfo, ItemInfo, Reply,
     SignalInfo, StreamInfo, ThreadInfo, Value,

@@ -1,5 +1,9 @@
 //! Output of text for people.
 
+pub(crate) mod colour;
+pub(crate) mod screen;
+pub mod termination;
+
 use hal_output::{Unwritten, print, reader_is_gone};
 use std::{io::Write, process::ExitCode};
 
@@ -46,11 +50,11 @@ impl Terminal for Stdio {
     }
 
     fn is_coloured(&self) -> bool {
-        crate::colour::wanted(std::io::stderr())
+        colour::wanted(std::io::stderr())
     }
 
     fn is_screen(&self) -> bool {
-        crate::colour::is_person()
+        colour::is_person()
     }
 }
 

@@ -6,7 +6,7 @@
 #![expect(clippy::disallowed_methods, reason = "a benchmark looks at the wall")]
 
 use divan::{Bencher, counter::ItemsCount};
-use halcmd::{ini::Ini, syntax::statements, vars::Values};
+use halcmd::{ini::Ini, language::syntax::statements, language::vars::Values};
 use std::time::Instant;
 
 const INI: &str = "[JOINT_0]\nSCALE = 80\nMAXACCEL = 1500\n[HAL]\nNAME = stepgen\n";

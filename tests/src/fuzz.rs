@@ -10,9 +10,9 @@ use hal_trace::Format;
 use halcmd::{
     Captured, Command, Outcome, Session, Style,
     ini::Ini,
-    lex,
-    table::understand,
-    vars::{Values, replace},
+    language::lex,
+    language::table::understand,
+    language::vars::{Values, replace},
 };
 use std::{
     io::{Read, Write},

@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    hal_output::program(halcmd::toolchange::main)
+    hal_output::program(halcmd::programs::hal_manualtoolchange::main)
 }

@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    hal_output::program(halcmd::halrun::main)
+    hal_output::program(halcmd::programs::halrun::main)
 }

@@ -1,7 +1,7 @@
 //! Collected and sorted findings.
 
 use super::{allow::Allowed, joints, refused, unused};
-use crate::{Error, trial::Trial};
+use crate::{Error, session::dry_run::Trial};
 use hal_protocol::{At, Code, Failure, Finding, Kind, Link, Reply, Request};
 use std::{
     collections::{BTreeMap, BTreeSet},

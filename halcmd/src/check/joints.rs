@@ -1,6 +1,6 @@
 //! Comparison of the joints in an INI file with the step generators that move them.
 
-use crate::{ini::Entry, trial::Trial};
+use crate::{ini::Entry, session::dry_run::Trial};
 use hal_protocol::{At, Code, Direction, Finding, Kind, Link, Reply, Request, SignalInfo, Value};
 
 /// The function that makes step pulses.

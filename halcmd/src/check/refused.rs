@@ -3,7 +3,7 @@
 use crate::{
     Error,
     ini::{Entry, Ini},
-    trial::Remark,
+    session::dry_run::Remark,
 };
 use hal_protocol::{At, Code, Finding};
 

@@ -1,6 +1,6 @@
 //! Findings as SARIF 2.1.0, which editors and CI systems read.
 
-use crate::{Error, explain};
+use crate::{Error, manual::explain};
 use hal_protocol::{At, Code, Finding};
 use serde_json::{Value, json};
 

@@ -1,6 +1,6 @@
 //! Findings for entries of joints and axes that nothing reads, often because they are misspelt.
 
-use crate::{hint::nearest, trial::Trial};
+use crate::{language::hint::nearest, session::dry_run::Trial};
 use hal_protocol::{At, Code, Finding, Kind, Link, Reply, Request};
 
 /// Entries that LinuxCNC's programs read from the section of a joint or axis.

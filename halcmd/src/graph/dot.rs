@@ -4,7 +4,7 @@ use super::{
     drawing::{Boxed, Drawing, Pin},
     svg::{NO_THREAD, colour, escape},
 };
-use crate::units::duration;
+use crate::language::units::duration;
 use hal_protocol::Type;
 use std::collections::BTreeMap;
 

@@ -4,7 +4,7 @@ use super::{
     drawing::{Boxed, Drawing},
     svg::{NO_THREAD, colour},
 };
-use crate::units::duration;
+use crate::language::units::duration;
 use hal_protocol::Type;
 use std::collections::BTreeMap;
 

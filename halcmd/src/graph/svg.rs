@@ -6,7 +6,7 @@ use super::{
     size::{GRID, IN, OUT, text_width},
     wires::Wire,
 };
-use crate::units::duration;
+use crate::language::units::duration;
 use hal_protocol::{Direction, Type};
 
 /// Colours of the threads, fastest first, and of components without a thread.

@@ -252,10 +252,10 @@ fn output_goes_through_one_crate() {
         ("hal/engine/src/os/processors.rs", device),
         ("hal/engine/src/ends/apart.rs", device),
         ("hal/engine/src/ends/watcher.rs", "a lock, and a recording that a kill has cut"),
-        ("halcmd/src/halrun/detach.rs", device),
-        ("halcmd/src/haltest/one.rs", scratch),
-        ("halcmd/src/haltest/process.rs", scratch),
-        ("halcmd/src/haltest/stage.rs", scratch),
+        ("halcmd/src/programs/halrun/detach.rs", device),
+        ("halcmd/src/programs/haltest/one.rs", scratch),
+        ("halcmd/src/programs/haltest/process.rs", scratch),
+        ("halcmd/src/programs/haltest/stage.rs", scratch),
     ]);
     for folder in ["hal", "halcmd", "components"] {
         for path in files(&root().join(folder), ".rs") {

@@ -9,7 +9,7 @@ use hal_tests::{
     programs::root,
     scratch::Scratch,
 };
-use halcmd::explain;
+use halcmd::manual::explain;
 use std::fmt::Write;
 
 /// Runs a function for each item, several at once; panics with the list of all failures.

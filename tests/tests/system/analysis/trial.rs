@@ -6,7 +6,7 @@ use hal_tests::{
     programs::{programs, root},
     scratch::Scratch,
 };
-use halcmd::trial::Trial;
+use halcmd::session::dry_run::Trial;
 
 /// Executes a script as a dry run; its file is called `m.hal`.
 fn trial(text: &str) -> (Scratch, Trial) {

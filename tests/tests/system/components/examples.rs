@@ -3,7 +3,7 @@
 #![expect(clippy::print_stdout, reason = "one that is asked for is shown")]
 
 use hal_tests::every::{engine, offers};
-use halcmd::{Bytes, Captured, Outcome, Session, Style, man};
+use halcmd::{Bytes, Captured, Outcome, Session, Style, manual::man};
 
 const SHOWS: &str = "# ->";
 

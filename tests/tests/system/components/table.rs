@@ -12,7 +12,7 @@ use hal_tests::{
     golden, pins,
     programs::{family, programs, root},
 };
-use halcmd::man::{self, Page};
+use halcmd::manual::man::{self, Page};
 use std::{
     collections::{BTreeMap, BTreeSet},
     fmt::Write,

@@ -2,7 +2,7 @@
 
 use hal_protocol::Type;
 use hal_tests::programs::programs;
-use halcmd::man;
+use halcmd::manual::man;
 
 /// Words that name a unit, or state that there is none.
 const WORDS: &str = "counts cycles degrees fraction hertz k microseconds milliseconds ms nanoseconds \

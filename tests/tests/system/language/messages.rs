@@ -7,7 +7,7 @@ use std::{collections::BTreeMap, fmt::Write, fs};
 
 /// Messages that no script produces, and the tests that produce them instead.
 const ELSEWHERE: &[(&str, &str)] = &[
-    ("Use 'help <command>' for more details about each command", "halcmd/src/help.rs"),
+    ("Use 'help <command>' for more details about each command", "halcmd/src/manual/help.rs"),
     ("Waiting for component '*' to become ready.", "halcmd/src/session.rs"),
     ("*: built for major version * of the plugin contract, this engine has *", FAULTS),
     ("*: built for minor version * of the plugin contract, this engine has only *", FAULTS),

@@ -1,7 +1,7 @@
 //! A machine test from Rust: its waveform is a text, here in the code itself.
 
 use hal_tests::programs::{programs, root};
-use halcmd::haltest::{Options, run_with};
+use halcmd::programs::haltest::{Options, run_with};
 
 const TURN: &str = "\
 xstep                 ‾\\_100_/‾400‾\\_500_/‾800‾\\_900_/‾1200‾\\_1300_/‾1500‾

@@ -1,0 +1,55 @@
+//! Remedies for errors.
+
+use crate::Error;
+
+impl Error {
+    /// Returns the remedy, if there is one.
+    #[must_use]
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::Engine(failure) => failure.hint.clone(),
+            Self::NoIniVariable { hint, .. } => Some(hint.to_string()),
+            Self::UnknownCommand { near, .. }
+            | Self::NoHelp { near, .. }
+            | Self::NoCode { near, .. }
+            | Self::NoManual { near, .. }
+            | Self::NotLoaded { near, .. } => {
+                near.as_ref().map(|near| format!("did you mean {near}?"))
+            }
+            Self::SignalType { .. } | Self::FilterType { .. } => {
+                Some("it is one of bit, float, s32, u32, s64, u64, port".to_owned())
+            }
+            Self::AliasKind { word, .. } => {
+                Some(format!("its first word is pin or param, not '{word}'"))
+            }
+            Self::Kind { kinds, .. } => Some(format!("it is one of {kinds}")),
+            Self::Time { .. } => {
+                Some("write a number and ns, us, ms or s, such as 20ms".to_owned())
+            }
+            Self::TooManyTokens => {
+                Some(format!("at most {} words", crate::language::lex::MAX_WORDS))
+            }
+            Self::NoDestination { why, .. }
+            | Self::Ini(hal_ini::Error::File { why, .. })
+            | Self::NoCommandFile { why, .. } => Some(why.to_string()),
+            Self::IniNotFound { folders, .. } => Some(format!("looked in {folders}")),
+            Self::NotApplied { why, .. } => Some((*why).to_owned()),
+            Self::NotYet { instead, .. } => Some((*instead).to_owned()),
+            _ => None,
+        }
+    }
+
+    /// Returns error and remedy in one line, for a program that ends with it.
+    #[must_use]
+    pub fn whole(&self) -> String {
+        self.hint().map_or_else(|| self.to_string(), |hint| format!("{self}; {hint}"))
+    }
+}
+
+/// Returns the name among `names` that `word` was probably meant to be.
+pub(crate) fn nearest<'a>(word: &str, names: impl Iterator<Item = &'a str>) -> Option<Box<str>> {
+    let lower = word.to_lowercase();
+    let near = |name: &str| strsim::damerau_levenshtein(&lower, &name.to_lowercase());
+    let best = names.map(|n| (near(n), n)).min()?;
+    (best.0 <= 2 && best.0 < word.len().max(2)).then(|| best.1.into())
+}

@@ -1,0 +1,267 @@
+//! Splitting of script lines into words.
+
+use crate::{
+    Error, Lines, Physical,
+    language::fault::{Fault, Span},
+    language::source::Bytes,
+};
+use hal_protocol::Link;
+use nom::{
+    IResult, Parser,
+    branch::alt,
+    bytes::complete::{is_not, tag, take_while1},
+    combinator::recognize,
+    multi::{many0, many1},
+    sequence::delimited,
+};
+
+/// Maximum number of words on a line.
+pub const MAX_WORDS: usize = 32;
+
+/// A line after joining: text and line number.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Line {
+    /// Number of its last physical line.
+    pub number: u32,
+    /// Text of the line.
+    pub text: Result<String, Error>,
+    /// Offsets in the text at which the second and each further physical line begins.
+    pub breaks: Vec<usize>,
+    /// True on the first line that ends with CR LF.
+    pub dos: bool,
+}
+
+impl Line {
+    /// Makes a line that consists of one physical line.
+    #[must_use]
+    pub fn single(number: u32, text: &str) -> Self {
+        Self { number, text: Ok(text.to_owned()), breaks: Vec::new(), dos: false }
+    }
+}
+
+/// Joins physical lines: a `\` before the end of line continues the line.
+#[derive(Debug)]
+pub struct Reader<L> {
+    lines: L,
+    joins: bool,
+    number: u32,
+    dos: bool,
+}
+
+impl<L: Lines> Reader<L> {
+    /// Reads a file or the terminal.
+    pub const fn new(lines: L) -> Self {
+        Self { lines, joins: true, number: 0, dos: false }
+    }
+
+    /// Reads a file that another one sources. No lines are joined.
+    pub const fn plain(lines: L) -> Self {
+        Self { lines, joins: false, number: 0, dos: false }
+    }
+
+    /// Returns the next line, or `None` at the end. An unfinished continued line at the end is
+    /// dropped.
+    pub fn next(&mut self, link: &mut dyn Link) -> Option<Line> {
+        let mut text = String::new();
+        let mut breaks = Vec::new();
+        let mut dos = false;
+        loop {
+            let Physical { mut bytes, ended } = self.lines.next(!text.is_empty(), link)?;
+            self.number += 1;
+            if ended && bytes.last() == Some(&b'\r') {
+                bytes.pop();
+                dos |= !self.dos;
+                self.dos = true;
+            }
+            if bytes.contains(&b'\r') {
+                let text = Err(Error::CarriageReturn);
+                return Some(Line { number: self.number, text, breaks, dos });
+            }
+            let continues = self.joins && bytes.last() == Some(&b'\\');
+            if continues {
+                bytes.pop();
+            }
+            text.push_str(&String::from_utf8_lossy(&bytes));
+            if !continues {
+                return Some(Line { number: self.number, text: Ok(text), breaks, dos });
+            }
+            breaks.push(text.len());
+        }
+    }
+}
+
+/// Returns all lines of a text.
+#[must_use]
+pub fn lines(text: &[u8]) -> Vec<Line> {
+    let mut reader = Reader::new(Bytes::new(text.to_vec()));
+    core::iter::from_fn(|| reader.next(&mut Nobody)).collect()
+}
+
+/// Removes a comment, which begins with a `#` outside quotes.
+///
+/// # Errors
+/// A quote is not closed.
+pub fn without_comment(line: &str) -> Result<&str, Error> {
+    uncomment(line).map_err(|fault| *fault.error)
+}
+
+/// Like [`without_comment`], with the position of an unclosed quote.
+pub(crate) fn uncomment(line: &str) -> Result<&str, Fault> {
+    let (rest, kept) = uncommented(line).unwrap_or((line, ""));
+    if rest.is_empty() || rest.starts_with('#') { Ok(kept) } else { Err(unclosed(line, rest)) }
+}
+
+/// Splits at whitespace. A quoted run keeps its whitespace and its quotes.
+///
+/// # Errors
+/// A quote is not closed, or there are more than [`MAX_WORDS`].
+pub fn words(line: &str) -> Result<Vec<String>, Error> {
+    let spans = spans(line).map_err(|fault| *fault.error)?;
+    Ok(spans.into_iter().filter_map(|span| line.get(span)).map(str::to_owned).collect())
+}
+
+/// Returns the positions of the words in a line.
+pub(crate) fn spans(line: &str) -> Result<Vec<Span>, Fault> {
+    let mut found = Vec::new();
+    let mut rest = line.trim_start_matches(blank);
+    while !rest.is_empty() {
+        let start = line.len() - rest.len();
+        if found.len() == MAX_WORDS {
+            return Err(Fault::at(Error::TooManyTokens, start..line.trim_end_matches(blank).len()));
+        }
+        let Ok((after, _)) = word(rest) else { return Err(unclosed(line, rest)) };
+        found.push(start..line.len() - after.len());
+        if after.starts_with(['"', '\'']) {
+            return Err(unclosed(line, after));
+        }
+        rest = after.trim_start_matches(blank);
+    }
+    Ok(found)
+}
+
+/// Returns the fault for an unclosed quote at the beginning of `rest`.
+fn unclosed(line: &str, rest: &str) -> Fault {
+    Fault::at(Error::UnterminatedQuote, line.len() - rest.len()..line.len())
+}
+
+/// Returns whether a word is an arrow, which has no effect.
+#[must_use]
+pub fn is_arrow(word: &str) -> bool {
+    matches!(word, "<=" | "=>" | "<=>")
+}
+
+const fn blank(c: char) -> bool {
+    matches!(c, ' ' | '\t' | '\r' | '\n' | '\x0b' | '\x0c')
+}
+
+fn quoted(text: &str) -> IResult<&str, &str> {
+    alt((
+        recognize(delimited(tag("\""), nom::combinator::opt(is_not("\"")), tag("\""))),
+        recognize(delimited(tag("'"), nom::combinator::opt(is_not("'")), tag("'"))),
+    ))
+    .parse(text)
+}
+
+fn word(text: &str) -> IResult<&str, &str> {
+    recognize(many1(alt((quoted, take_while1(|c| !blank(c) && c != '"' && c != '\''))))).parse(text)
+}
+
+fn uncommented(text: &str) -> IResult<&str, &str> {
+    recognize(many0(alt((quoted, is_not("#\"'"))))).parse(text)
+}
+
+/// A link for texts that are read without waiting, so that no client has to be served.
+struct Nobody;
+
+impl Link for Nobody {
+    fn call(
+        &mut self,
+        _: hal_protocol::Request,
+    ) -> Result<hal_protocol::Reply, hal_protocol::Failure> {
+        Ok(hal_protocol::Reply::Done)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Error, lines, without_comment, words};
+
+    fn shown(text: &[u8]) -> String {
+        let mut out = String::new();
+        for line in lines(text) {
+            let text = line.text.map_or_else(|e| format!("! {e}"), |t| format!("{t:?}"));
+            out.push_str(&format!(
+                "{}{} {text}\n",
+                line.number,
+                if line.dos { " dos" } else { "" }
+            ));
+        }
+        out
+    }
+
+    #[test]
+    fn physical_lines_become_lines() {
+        for (text, want) in [
+            ("a\nb", "1 \"a\"\n2 \"b\"\n"),
+            ("a\\\n,b\n", "2 \"a,b\"\n"),
+            ("a\\ \nb\n", "1 \"a\\\\ \"\n2 \"b\"\n"),
+            ("# c\\\nswallowed\nd\n", "2 \"# cswallowed\"\n3 \"d\"\n"),
+            ("\\\nd\n", "2 \"d\"\n"),
+            ("a\nb\\", "1 \"a\"\n"),
+            ("a\nb\\\n", "1 \"a\"\n"),
+            ("a\r\nb\r\n", "1 dos \"a\"\n2 \"b\"\n"),
+            ("a\\\r\nb\r\n", "2 dos \"ab\"\n"),
+            ("a\rb\nc\n", "1 ! File contains embedded carriage returns.\n2 \"c\"\n"),
+            ("\n\n", "1 \"\"\n2 \"\"\n"),
+            ("", ""),
+        ] {
+            assert_eq!(shown(text.as_bytes()), want, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn a_long_physical_line_is_cut() {
+        let text = format!("{}\nend\n", "x".repeat(2400));
+        let lengths: Vec<usize> =
+            lines(text.as_bytes()).iter().map(|l| l.text.as_ref().unwrap().len()).collect();
+        assert_eq!(lengths, [1023, 1023, 354, 3]);
+        let joined = format!("{}\\\n{}\n", "y".repeat(900), "z".repeat(900));
+        assert_eq!(lines(joined.as_bytes())[0].text.as_ref().unwrap().len(), 1800);
+    }
+
+    #[test]
+    fn comments_go_unless_quoted() {
+        for (line, want) in [
+            ("print x # c", Ok("print x ")),
+            ("print \"a#b\" # c", Ok("print \"a#b\" ")),
+            ("print 'a#b'#c", Ok("print 'a#b'")),
+            ("# all", Ok("")),
+            ("x#y", Ok("x")),
+            ("print \"abc", Err(Error::UnterminatedQuote)),
+            ("print 'a\"b", Err(Error::UnterminatedQuote)),
+            ("# it's fine", Ok("")),
+            ("", Ok("")),
+        ] {
+            assert_eq!(without_comment(line), want, "{line}");
+        }
+    }
+
+    #[test]
+    fn blanks_split_words_and_quotes_stay() {
+        for (line, want) in [
+            ("print \"abc#def\"", &["print", "\"abc#def\""][..]),
+            ("ab\"c d\"e", &["ab\"c d\"e"]),
+            ("a'b c'd e", &["a'b c'd", "e"]),
+            ("'a\"b' c", &["'a\"b'", "c"]),
+            (" \t a\x0bb\x0cc  ", &["a", "b", "c"]),
+            ("\"\" ''", &["\"\"", "''"]),
+            ("", &[]),
+            ("   ", &[]),
+        ] {
+            assert_eq!(words(line).unwrap(), want, "{line:?}");
+        }
+        assert_eq!(words("a \"b"), Err(Error::UnterminatedQuote));
+        assert_eq!(words(&"a ".repeat(32)).unwrap().len(), 32);
+        assert_eq!(words(&"a ".repeat(33)), Err(Error::TooManyTokens));
+    }
+}

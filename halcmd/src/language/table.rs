@@ -1,0 +1,337 @@
+//! The table of commands, which the parser, argument counts, help and the README's table read.
+
+use crate::{
+    Command, Error,
+    language::command::{SaveKind, StatusKind},
+    language::hint::nearest,
+    language::lex::is_arrow,
+    language::parse,
+    language::rows::rows,
+    language::word::Word,
+    manual::help::line,
+};
+use hal_protocol::Kind;
+
+/// A command.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Name of the command.
+    pub name: &'static str,
+    /// Arguments, as help shows them.
+    pub usage: &'static str,
+    /// Minimum and maximum number of arguments.
+    pub args: (usize, usize),
+    /// Description, in a line.
+    pub summary: &'static str,
+    /// Further description.
+    pub help: &'static str,
+    /// Possible values of each argument, for completion.
+    pub words: &'static [Word],
+    /// Example lines.
+    pub examples: &'static [&'static str],
+    /// Related commands.
+    pub related: &'static [&'static str],
+    /// Common errors: a part of the message, and the remedy.
+    pub errors: &'static [(&'static str, &'static str)],
+    /// Parser for words of the right number.
+    pub parse: fn(&[String]) -> Result<Command, Error>,
+}
+
+/// Kinds of `show` and `list`.
+pub const KINDS: &[(&str, Kind)] = &[
+    ("comp", Kind::Components),
+    ("pin", Kind::Pins),
+    ("sig", Kind::Signals),
+    ("signal", Kind::Signals),
+    ("param", Kind::Params),
+    ("parameter", Kind::Params),
+    ("funct", Kind::Functs),
+    ("function", Kind::Functs),
+    ("thread", Kind::Threads),
+];
+
+/// Kinds of `save`.
+pub const SAVES: &[(&str, SaveKind)] = &[
+    ("all", SaveKind::All),
+    ("allu", SaveKind::AllWithPins),
+    ("comp", SaveKind::Components),
+    ("alias", SaveKind::Aliases),
+    ("sig", SaveKind::Signals),
+    ("signal", SaveKind::Signals),
+    ("sigu", SaveKind::LoneSignals),
+    ("link", SaveKind::Links(false)),
+    ("linka", SaveKind::Links(true)),
+    ("net", SaveKind::Nets(false)),
+    ("neta", SaveKind::Nets(true)),
+    ("netl", SaveKind::NetLines(false)),
+    ("netla", SaveKind::NetLines(true)),
+    ("netal", SaveKind::NetLines(true)),
+    ("param", SaveKind::Params),
+    ("parameter", SaveKind::Params),
+    ("thread", SaveKind::Threads),
+    ("unconnectedinpins", SaveKind::LonePins),
+];
+
+/// Parts of `status`.
+pub const STATUSES: &[(&str, StatusKind)] = &[
+    ("all", StatusKind::All),
+    ("lock", StatusKind::Lock),
+    ("mem", StatusKind::Memory),
+    ("instance", StatusKind::Instance),
+];
+
+/// Returns the command of this name.
+#[must_use]
+pub fn find(name: &str) -> Option<&'static Row> {
+    rows().find(|row| row.name == name)
+}
+
+/// Parses the words of a line.
+///
+/// # Errors
+/// There is no such command, or its arguments are wrong.
+pub fn understand(words: &[String]) -> Result<Command, Error> {
+    if let [name, equals, value] = words
+        && equals == "="
+    {
+        return parse::setp(&[name.clone(), value.clone()]);
+    }
+    let Some((name, rest)) = words.split_first() else { return Err(Error::Unexpected) };
+    let Some(row) = find(name) else { return parse::component(name, rest) };
+    let rest: Vec<String> = if matches!(row.name, "net" | "linkps" | "linksp") {
+        rest.iter().filter(|w| !is_arrow(w)).cloned().collect()
+    } else {
+        rest.to_vec()
+    };
+    row.count(rest.len())?;
+    (row.parse)(&rest)
+}
+
+impl Row {
+    fn count(&self, given: usize) -> Result<(), Error> {
+        let (command, (least, most)) = (self.name, self.args);
+        if least == most && given != least {
+            Err(Error::Exactly { command, wanted: least, given })
+        } else if given < least {
+            Err(Error::AtLeast { command, wanted: least, given })
+        } else if given > most {
+            Err(Error::AtMost { command, wanted: most, given })
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// Returns the name of a command near `word`.
+#[must_use]
+pub fn near(word: &str) -> Option<Box<str>> {
+    nearest(word, rows().map(|row| row.name))
+}
+
+/// Returns the table for the README.
+#[must_use]
+pub fn markdown() -> String {
+    let mut text = String::from("| command | what it does |\n|---|---|\n");
+    for row in rows() {
+        let usage = line(row).replace('|', "\\|");
+        text.push_str(&format!("| `{usage}` | {} |\n", row.summary));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{markdown, understand};
+    use crate::{
+        ini::Ini,
+        language::lex::{without_comment, words},
+        language::vars::{Values, replace},
+    };
+
+    fn refusal(line: &str) -> String {
+        let words: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
+        understand(&words).map_or_else(|e| e.whole(), |c| format!("{c:?}"))
+    }
+
+    #[test]
+    fn arguments_are_counted() {
+        for (line, want) in [
+            ("setp foo", "setp requires 2 arguments, 1 given"),
+            ("unlinkp", "unlinkp requires 1 arguments, 0 given"),
+            ("list", "list requires at least 1 arguments, 0 given"),
+            ("net", "net requires at least 1 arguments, 0 given"),
+            ("net => <=", "net requires at least 1 arguments, 0 given"),
+            ("net x", "'net' requires at least one pin, none given"),
+            ("net x =>", "'net' requires at least one pin, none given"),
+            ("linkps a", "linkps requires 2 arguments, 1 given"),
+            ("linkps a <== b", "linkps requires 2 arguments, 3 given"),
+            ("print a b", "print requires at most 1 arguments, 2 given"),
+            ("help net foo", "help requires at most 1 arguments, 2 given"),
+            ("lock a b", "lock requires at most 1 arguments, 2 given"),
+            ("addf a", "addf requires at least 2 arguments, 1 given"),
+            ("start now", "start requires 0 arguments, 1 given"),
+            ("alias pin a", "alias requires 3 arguments, 2 given"),
+            ("loadrt", "loadrt requires at least 1 arguments, 0 given"),
+            ("delf", "missing function name"),
+            ("delf a", "missing thread name"),
+        ] {
+            assert_eq!(refusal(line), want, "{line}");
+        }
+    }
+
+    #[test]
+    fn words_that_mean_nothing_are_named() {
+        for (line, want) in [
+            ("PRINT x", "Unknown command 'PRINT'; did you mean print?"),
+            ("netx a b", "Unknown command 'netx'; did you mean net?"),
+            ("loadtr and2", "Unknown command 'loadtr'; did you mean loadrt?"),
+            ("quit", "Unknown command 'quit'"),
+            (
+                "newsig a foo",
+                "Unknown signal type 'foo'; it is one of bit, float, s32, u32, s64, u64, port",
+            ),
+            (
+                "show foo",
+                "Unknown 'show' type 'foo'; it is one of all, alias, comp, pin, sig, signal, param, \
+                 parameter, funct, function, thread",
+            ),
+            ("status foo", "Unknown 'status' type 'foo'; it is one of all, lock, mem, instance"),
+            ("debug 9", "Debug level must be >=0 and <= 5"),
+            ("run 20", "'20' is not a time; write a number and ns, us, ms or s, such as 20ms"),
+            ("loadusr", "execv(): No such file or directory"),
+            ("loadusr -x foo", "loadusr: invalid option -- 'x'"),
+            ("alias foo a b", "alias failed; its first word is pin or param, not 'foo'"),
+        ] {
+            assert_eq!(refusal(line), want, "{line}");
+        }
+    }
+
+    #[test]
+    fn lines_become_commands() {
+        for (line, want) in [
+            ("a.b = 5", "Ask(Set { name: \"a.b\", value: \"5\" }, None)"),
+            ("setp a.b 5", "Ask(Set { name: \"a.b\", value: \"5\" }, None)"),
+            (
+                "net s a => b <=",
+                "Ask(Net { signal: \"s\", pins: [\"a\", \"b\"] }, Some(\"Pin 'a' linked to signal \
+                 's'\\nPin 'b' linked to signal 's'\"))",
+            ),
+            (
+                "linksp s => p",
+                "Ask(Link { pin: \"p\", signal: \"s\" }, Some(\"Pin 'p' linked to signal 's'\"))",
+            ),
+            ("newsig a BOOL", "Ask(NewSignal { name: \"a\", ty: Bit }, None)"),
+            (
+                "addf f t -2",
+                "Ask(AddFunct { funct: \"f\", thread: \"t\", position: -2, init: false }, \
+                 Some(\"Function 'f' added to thread 't'\"))",
+            ),
+            ("delsig all", "Ask(DeleteSignal { name: None }, None)"),
+            ("unload all", "UnloadAll"),
+            ("unloadusr all", "Ask(EndProgram { name: None }, None)"),
+            ("show", "Show(None, None, [])"),
+            ("show pin -t bit x", "Show(Some(Of(Pins)), Some(Bit), [\"x\"])"),
+            ("show sig -treal", "Show(Some(Of(Signals)), Some(Float), [])"),
+            ("show comp -t", "Show(Some(Of(Components)), None, [\"-t\"])"),
+            ("list pin -t bit", "List(Pins, [\"-t\", \"bit\"])"),
+            ("lock tune", "Lock(Some(To(Lock(3))))"),
+            ("lock nonsense", "Lock(None)"),
+            ("unlock tune", "Lock(Some(Without(Lock(3))))"),
+            ("run 1.5ms", "Ask(Run { ns: 1500000 }, None)"),
+            ("record off", "Ask(EndRecord, None)"),
+            (
+                "motion.jog joint=0 --wait velocity=5",
+                "Component { name: \"motion.jog\", args: [\"joint=0\", \"velocity=5\"], wait: true \
+                 }",
+            ),
+        ] {
+            assert_eq!(refusal(line), want, "{line}");
+        }
+        let launch = refusal("loadusr -Wn comp prog.py -w x");
+        for part in ["until_ready: true", "Some(\"comp\")", "until_end: false", "[\"-w\", \"x\"]"] {
+            assert!(launch.contains(part), "{launch}");
+        }
+    }
+
+    #[test]
+    fn positions_are_read_as_c_reads_them() {
+        for (word, want) in [("+3", 3), ("1x", 1), ("0x1", 0), ("foo", 0), ("-1", -1)] {
+            let shown = refusal(&format!("addf f t {word}"));
+            assert!(shown.contains(&format!("position: {want},")), "{word}: {shown}");
+        }
+    }
+
+    /// Pseudo-random lines of the language's elements. All of them parse or give an error.
+    #[test]
+    fn no_line_is_beyond_understanding() {
+        const PIECES: &[&str] = &[
+            "net",
+            "setp",
+            "show",
+            "loadusr",
+            "record",
+            " ",
+            "  ",
+            "\t",
+            "=",
+            "=>",
+            "<=",
+            "a.b",
+            "$",
+            "$(",
+            ")",
+            "[",
+            "]",
+            "[A]",
+            "X",
+            "\"",
+            "'",
+            "#",
+            "\\",
+            "-t",
+            "-1",
+            "99999999999999999999",
+            "ü",
+            "\u{0}",
+            "run",
+            "1s",
+            "addf",
+            "x",
+            "all",
+            "save",
+            "(",
+            "delf",
+        ];
+        let ini = Ini::parse("m", b"[A]\nX = a \"b\n").unwrap();
+        let values = Values { environment: &|_| Some("v v".to_owned()), ini: Some(&ini) };
+        let mut seed = 1_u64;
+        let mut understood = 0;
+        for _ in 0..20_000 {
+            let mut line = String::new();
+            for _ in 0..seed % 12 {
+                seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                line.push_str(PIECES[usize::try_from(seed >> 33).unwrap() % PIECES.len()]);
+            }
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695);
+            let words = without_comment(&line)
+                .and_then(|text| replace(text, values))
+                .and_then(|text| words(&text));
+            understood += usize::from(words.is_ok_and(|w| understand(&w).is_ok()));
+            drop(Ini::parse("m", line.as_bytes()));
+        }
+        assert!(understood > 100, "{understood}");
+    }
+
+    #[test]
+    fn the_readme_has_this_table() {
+        let (readme, table) = (include_str!("../../README.md"), markdown());
+        if std::env::var_os("UPDATE_EXPECT").is_some() {
+            let (head, rest) = readme.split_once("| command |").unwrap();
+            let (_, tail) = rest.split_once("\n\n").unwrap();
+            let file = concat!(env!("CARGO_MANIFEST_DIR"), "/README.md");
+            std::fs::write(file, format!("{head}{table}\n{tail}")).unwrap();
+            return;
+        }
+        assert!(readme.contains(&table), "run this test once with UPDATE_EXPECT=1");
+    }
+}

@@ -1,0 +1,174 @@
+//! Completion for shells. The line comes in `COMP_LINE`; the words go to standard output.
+
+use super::{Candidate, Completion};
+use crate::{
+    language::rows::rows, programs::halcmd, programs::halrun, programs::options::Opt,
+    session::remote::Remote,
+};
+use hal_protocol::Place;
+
+/// Status of `halcmd -C` that says that a file name is possible as well.
+pub const COMPLETE_FILES: u8 = 3;
+
+const BASH: &str = include_str!("shell/halcmd.bash");
+const ZSH: &str = include_str!("shell/_halcmd");
+const FISH: &str = include_str!("shell/halcmd.fish");
+
+/// The supported shells and their files.
+pub(crate) const SHELLS: &[(&str, &str)] = &[("bash", BASH), ("zsh", ZSH), ("fish", FISH)];
+
+/// Returns the script with which a shell completes halcmd and halrun.
+#[must_use]
+pub fn script(shell: &str) -> Option<&'static str> {
+    SHELLS.iter().find(|(name, _)| *name == shell).map(|(_, text)| *text)
+}
+
+/// Completes the end of a shell's line. `current` is the word being typed as the shell sees it
+/// (some shells begin a new word after `=`); the candidates replace that word.
+pub fn for_shell(line: &str, current: Option<&str>) -> Completion {
+    let (words, word) = split(line);
+    let Some((program, rest)) = words.split_first() else { return Completion::default() };
+    let name = program.rsplit('/').next().unwrap_or(program);
+    let options = if name == "halrun" { halrun::options() } else { halcmd::completable() };
+    let mut found = program_words(name, &options, rest, &word);
+    let cut = current.and_then(|c| word.strip_suffix(c)).map_or(0, str::len);
+    for candidate in &mut found.candidates {
+        candidate.word = candidate.word.get(cut..).unwrap_or_default().to_owned();
+    }
+    found
+}
+
+/// Completes a program's words: options first, then a command or a file.
+fn program_words(name: &str, options: &[Opt<()>], rest: &[String], word: &str) -> Completion {
+    let (mut instance, mut file, mut help) = (None, name == "halrun", false);
+    let mut words = rest.iter();
+    loop {
+        let left = words.as_slice();
+        let Some(next) = words.next() else { break };
+        let Some(option) = option(options, next) else {
+            // In halrun, options may also follow the file.
+            if name == "halrun" {
+                continue;
+            }
+            return command(left, word, instance, file, help);
+        };
+        file |= option.short == Some('f');
+        help |= option.short == Some('h');
+        if option.value.is_none() {
+            continue;
+        }
+        let inline = next.split_once('=').map(|(_, value)| value);
+        let Some(value) = inline.or_else(|| words.next().map(String::as_str)) else {
+            return value_of(option, word);
+        };
+        if option.long == Some("instance") {
+            instance = Some(value.to_owned());
+        }
+    }
+    if word.starts_with('-') {
+        return Completion {
+            candidates: begun(option_words(options), word),
+            ..Completion::default()
+        };
+    }
+    command(&[], word, instance, file, help)
+}
+
+fn command(
+    before: &[String],
+    word: &str,
+    instance: Option<String>,
+    file: bool,
+    help: bool,
+) -> Completion {
+    if help && before.is_empty() {
+        let topics = rows().map(|row| Candidate::new(row.name, row.summary)).collect();
+        return Completion { candidates: begun(topics, word), ..Completion::default() };
+    }
+    if file {
+        return Completion { files: before.is_empty(), ..Completion::default() };
+    }
+    match Place::find(instance.as_deref()) {
+        Ok(place) => super::words(before, word, &mut Remote::new(place, "")),
+        Err(_) => Completion::default(),
+    }
+}
+
+/// Returns the option of a word. Of several letters in a word, the last one counts.
+fn option<'a>(options: &'a [Opt<()>], word: &str) -> Option<&'a Opt<()>> {
+    match (word.strip_prefix("--"), word.strip_prefix('-')) {
+        (Some(long), _) => {
+            let name = long.split('=').next();
+            options.iter().find(|o| o.long.is_some() && o.long == name)
+        }
+        (None, Some(letters)) => {
+            let last = letters.chars().next_back();
+            options.iter().find(|o| o.short.is_some() && o.short == last)
+        }
+        (None, None) => None,
+    }
+}
+
+fn option_words(options: &[Opt<()>]) -> Vec<Candidate> {
+    let word = |o: &Opt<()>| match (o.long, o.short) {
+        (Some(long), _) => format!("--{long}"),
+        (None, Some(short)) => format!("-{short}"),
+        (None, None) => String::new(),
+    };
+    options.iter().map(|o| Candidate::new(word(o), o.help)).collect()
+}
+
+/// Completes the value of an option.
+fn value_of(option: &Opt<()>, word: &str) -> Completion {
+    match option.value {
+        Some("FILE") => Completion { files: true, ..Completion::default() },
+        Some("NAME") => {
+            Completion { candidates: begun(instances(), word), ..Completion::default() }
+        }
+        _ => Completion::default(),
+    }
+}
+
+/// Returns the instances that have a socket.
+fn instances() -> Vec<Candidate> {
+    let Ok(place) = Place::find(None) else { return Vec::new() };
+    let entries = std::fs::read_dir(place.folder()).into_iter().flatten().flatten();
+    let names = entries.filter_map(|e| e.file_name().into_string().ok());
+    let mut found: Vec<Candidate> = names
+        .filter_map(|n| n.strip_suffix(".sock").map(|n| Candidate::new(n, "an instance")))
+        .collect();
+    found.sort();
+    found
+}
+
+fn begun(candidates: Vec<Candidate>, word: &str) -> Vec<Candidate> {
+    candidates.into_iter().filter(|c| c.word.starts_with(word)).collect()
+}
+
+/// Splits a shell's line into the words before the last and the last, which is empty after a space.
+fn split(line: &str) -> (Vec<String>, String) {
+    let (mut words, mut word, mut quote, mut escaped) = (Vec::new(), String::new(), None, false);
+    let mut begun = false;
+    for c in line.chars() {
+        match quote {
+            _ if escaped => {
+                word.push(c);
+                escaped = false;
+            }
+            Some(q) if c == q => quote = None,
+            None if c == '\'' || c == '"' => (quote, begun) = (Some(c), true),
+            Some('"') | None if c == '\\' => (escaped, begun) = (true, true),
+            None if c.is_ascii_whitespace() => {
+                if begun {
+                    words.push(core::mem::take(&mut word));
+                }
+                begun = false;
+            }
+            _ => {
+                word.push(c);
+                begun = true;
+            }
+        }
+    }
+    (words, word)
+}

@@ -1,0 +1,11 @@
+//! The programs, a module for each, and what they share: options and profiles of a run.
+
+pub mod hal_manualtoolchange;
+pub mod halcmd;
+pub mod halrun;
+pub mod halsampler;
+pub mod halscope;
+pub mod halstreamer;
+pub mod haltest;
+pub mod options;
+pub mod profile;

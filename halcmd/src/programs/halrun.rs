@@ -1,0 +1,243 @@
+//! The program halrun: an engine, and the script that makes a machine of it.
+
+mod detach;
+pub(crate) mod machine;
+pub(crate) mod plan;
+mod realtime;
+mod serve;
+
+use crate::{
+    Bytes, Error, Outcome, Session, Stdio, Terminal,
+    ini::Ini,
+    programs::options::Opt,
+    session::prompt,
+    session::remote::{is_gone, pause},
+    terminal::complain,
+};
+use hal_engine::{Ends, Engine, Options};
+use hal_protocol::{Client, Link, NOT_RUNNING, Place, Request};
+use plan::{Action, Detach, Plan, Script};
+use serve::{Local, stay};
+use std::{
+    path::Path,
+    process::{Child, ExitCode},
+};
+
+/// How long `-U` waits for the instance to end, in steps of 10 ms.
+const PATIENCE: u32 = 1000;
+
+/// Runs the program with these words.
+#[must_use]
+pub fn main(words: &[String]) -> ExitCode {
+    let mut terminal = Stdio;
+    let code = match plan::plan(words, &|name| std::env::var(name).ok()) {
+        Ok(Action::Help) => shown(&plan::help(), &mut terminal),
+        Ok(Action::Stop(place)) => stop(&place, &mut terminal),
+        Ok(Action::Run(plan)) if plan.detach == Detach::Parent => {
+            detach::parent(words, &mut terminal)
+        }
+        Ok(Action::Run(plan)) => run(&plan, &mut terminal),
+        Err(error) => {
+            terminal.err(&format!("{}\n\nFor usage try: halrun -h\n", error.whole()));
+            1
+        }
+    };
+    ExitCode::from(code)
+}
+
+/// Prints a text, and returns the status of the program.
+fn shown(text: &str, terminal: &mut dyn Terminal) -> u8 {
+    match terminal.out(text) {
+        Ok(()) => 0,
+        Err(unwritten) => {
+            complain(&format!("halrun: {unwritten}\n"));
+            1
+        }
+    }
+}
+
+/// Its options, for completion.
+pub(crate) fn options() -> Vec<Opt<()>> {
+    plan::table()
+}
+
+/// `-U`: asks the instance to end, and waits until it has.
+fn stop(place: &Place, terminal: &mut dyn Terminal) -> u8 {
+    let mut client = match Client::connect(place, "") {
+        Ok(client) => client,
+        Err(failure) if failure.code == NOT_RUNNING => return 0,
+        Err(failure) => {
+            terminal.err(&format!("halrun: {failure}\n"));
+            return 1;
+        }
+    };
+    let wrong = serve::wrong(&mut client, place.name());
+    // One that has ended meanwhile refuses it.
+    drop(client.call(Request::Shutdown));
+    drop(client);
+    let has_ended = (0..PATIENCE).any(|_| {
+        is_gone(place) || {
+            pause(10);
+            false
+        }
+    });
+    let name = place.name();
+    if !has_ended {
+        terminal.err(&format!("halrun: instance '{name}' does not end\n"));
+    }
+    wrong.iter().filter(|_| has_ended).for_each(|text| terminal.err(&format!("halrun: {text}\n")));
+    u8::from(!has_ended || !wrong.is_empty())
+}
+
+fn run(plan: &Plan, terminal: &mut dyn Terminal) -> u8 {
+    if Client::connect(&plan.options.place, "").is_ok() {
+        terminal.err(
+            "halrun: Realtime already running.  Use 'halrun -U' to stop existing realtime \
+             session.\n",
+        );
+        return 1;
+    }
+    match prepare(plan) {
+        Ok(files) => make(plan, &files, terminal),
+        Err(error @ (Error::NoCommandFile { .. } | Error::Ini(hal_ini::Error::File { .. }))) => {
+            terminal.err(&format!("{}\n", error.whole()));
+            255
+        }
+        Err(error) => {
+            terminal.err(&format!("{}\n", error.whole()));
+            1
+        }
+    }
+}
+
+/// What is read before there is an engine.
+pub(crate) struct Files {
+    pub(crate) ini: Option<Ini>,
+    pub(crate) script: Vec<u8>,
+}
+
+/// Reads them.
+pub(crate) fn prepare(plan: &Plan) -> Result<Files, Error> {
+    let mut script = Vec::new();
+    let ini_path = match &plan.script {
+        Script::Hal(path) => {
+            script = std::fs::read(path).map_err(|e| Error::NoCommandFile {
+                path: path.as_str().into(),
+                why: crate::ini::plain(&e),
+            })?;
+            plan.ini.as_ref()
+        }
+        Script::Ini(path) => Some(path),
+        Script::Terminal | Script::Nothing => plan.ini.as_ref(),
+    };
+    // A whole machine needs all of its INI file, a script what it looks up.
+    let read = if matches!(plan.script, Script::Ini(_)) { Ini::read } else { Ini::open };
+    let ini = ini_path.map(|path| read(Path::new(path))).transpose()?;
+    match (&plan.script, &ini) {
+        (Script::Ini(_), Some(ini)) => machine::refuse(ini)?,
+        (_, Some(ini)) => realtime::of_ini(ini).map(|_| ())?,
+        (_, None) => {}
+    }
+    Ok(Files { ini, script })
+}
+
+/// The options of the instance: the plan's, and those that follow from the INI file.
+pub(crate) fn instance_options(plan: &Plan, files: &Files) -> Options {
+    let mut options = plan.options.clone();
+    options.old_names = files.ini.as_ref().is_some_and(Ini::is_old);
+    options.interlock = matches!(plan.script, Script::Ini(_));
+    let stuck_ns = files.ini.as_ref().and_then(|ini| realtime::of_ini(ini).ok().flatten());
+    options.realtime.stuck_ns = options.realtime.stuck_ns.or(stuck_ns);
+    options
+}
+
+fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
+    serve::listen();
+    if plan.detach == Detach::Child {
+        detach::leave_terminal();
+    }
+    let ends = Ends::begin("halrun");
+    let mut engine = match Engine::new(instance_options(plan, files)) {
+        Ok(engine) => engine,
+        Err(failure) => {
+            terminal.err(&format!("halrun: {failure}\n"));
+            return 1;
+        }
+    };
+    let (outcome, programs) = script(plan, files, &mut engine, terminal);
+    let mut code = match outcome {
+        Outcome::Good => 0,
+        Outcome::Failed => 1,
+        // A script that was asked to end is not one that failed; one that was broken off is.
+        Outcome::Ended => u8::from(serve::was_broken_off(&mut engine)),
+    };
+    if plan.detach == Detach::Child && outcome == Outcome::Good {
+        // Where it prints is known when the other process returns.
+        let log = detach::leave_stderr(&plan.options.place);
+        ends.be_quiet(log.as_deref());
+        detach::tell();
+    }
+    let goes_on = outcome == Outcome::Good && !plan.interactive && plan.script != Script::Terminal;
+    if goes_on {
+        stay(plan, &mut engine);
+    }
+    if let Some(said) = ends.said() {
+        terminal.err(&format!("halrun: {said}\n"));
+    }
+    // What is typed may fail without the session being a failure.
+    if plan.script == Script::Terminal && outcome == Outcome::Failed {
+        code = 0;
+    }
+    if !engine.close_checked() {
+        code = 1;
+    }
+    // The engine has ended them; now they are collected.
+    for mut program in programs {
+        drop(program.wait());
+    }
+    if plan.detach == Detach::Child {
+        detach::forget(&plan.options.place);
+    }
+    ends.finish(code)
+}
+
+fn script(
+    plan: &Plan,
+    files: &Files,
+    engine: &mut Engine,
+    terminal: &mut dyn Terminal,
+) -> (Outcome, Vec<Child>) {
+    let mut link = Local::new(engine);
+    if let Some(level) = plan.level {
+        // The level is within range.
+        drop(link.call(Request::MessageLevel { level }));
+    }
+    let instance = plan.options.place.name();
+    let mut session = Session::new(&mut link, terminal, plan.style, instance);
+    if let Some(ini) = &files.ini {
+        session.set_ini(ini);
+        session.warn(ini.warnings());
+    }
+    if let Some(path) = &plan.record {
+        let path = path.display().to_string();
+        session.before_start(Request::Record { path, patterns: Vec::new() });
+    }
+    if let Some(spec) = &plan.flight {
+        session.before_start(Request::Flight(spec.clone()));
+    }
+    let typed = |session: &mut Session<'_>| {
+        session.style_mut().keep_going = true;
+        prompt::typed(session, plan.interactive)
+    };
+    let outcome = match (&plan.script, &files.ini) {
+        (Script::Hal(path), _) => session.file(path, Bytes::new(files.script.clone())),
+        (Script::Ini(path), Some(ini)) => machine::start(&mut session, ini, Path::new(path)),
+        (Script::Terminal, _) => typed(&mut session),
+        (Script::Nothing | Script::Ini(_), _) => Outcome::Good,
+    };
+    let outcome = if outcome == Outcome::Good { session.settle() } else { outcome };
+    if plan.interactive && outcome != Outcome::Ended && plan.script != Script::Terminal {
+        typed(&mut session);
+    }
+    (outcome, session.into_programs())
+}

@@ -1,0 +1,472 @@
+//! What the command line and the environment ask halrun to do.
+
+use super::realtime;
+use crate::{
+    Error, Style, nanoseconds,
+    programs::halcmd::{self, Id as Common},
+    programs::options::{Opt, from_environment, options, plain, usage},
+    programs::profile::{self, Profile},
+    session::remote::instance_option,
+    show::flight,
+};
+use hal_engine::{ClockKind, Options};
+use hal_protocol::{FlightSpec, Place};
+use std::path::{Path, PathBuf};
+
+/// What to do.
+#[derive(Clone, Debug)]
+pub(crate) enum Action {
+    /// Explain the options.
+    Help,
+    /// End the instance that runs there.
+    Stop(Place),
+    /// Make one.
+    Run(Box<Plan>),
+}
+
+/// Where the script is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Script {
+    /// A `.hal` file.
+    Hal(String),
+    /// A machine's INI file.
+    Ini(String),
+    /// Standard input.
+    Terminal,
+    /// Nowhere: clients do everything.
+    Nothing,
+}
+
+/// Whether the process is in the background.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Detach {
+    /// It is not.
+    No,
+    /// It is to start one that is.
+    Parent,
+    /// It is that one.
+    Child,
+}
+
+/// How to make and run an instance.
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    pub(crate) options: Options,
+    pub(crate) style: Style,
+    pub(super) level: Option<u8>,
+    pub(crate) script: Script,
+    pub(super) ini: Option<String>,
+    pub(super) batch: bool,
+    pub(super) interactive: bool,
+    pub(super) for_ns: Option<u64>,
+    pub(super) record: Option<PathBuf>,
+    /// How the flight recorder is switched on.
+    pub(super) flight: Option<FlightSpec>,
+    pub(super) detach: Detach,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Id {
+    Common(Common),
+    Interactive,
+    Stop,
+    Detach,
+    Detached,
+    Virtual,
+    Clock,
+    Hold,
+    Simulate,
+    For,
+    Record,
+    Modules,
+    Flight,
+    Linuxcnc,
+    Cpu,
+    DmaLatency,
+    StuckTime,
+    Instance,
+    Profile,
+    Help,
+}
+
+const OPTIONS: &[Opt<Id>] = &[
+    flag('f', Id::Common(Common::File), "end when the script ends (FILE follows)"),
+    flag('I', Id::Interactive, "after the script, take commands from standard input"),
+    flag('U', Id::Stop, "end the running instance"),
+    with("detach", Id::Detach, None, None, "go on in the background once the script is done"),
+    with("virtual", Id::Virtual, None, None, "run on the virtual clock: --clock virtual"),
+    with("for", Id::For, Some("TIME"), Some("HAL_FOR"), "end after TIME of the machine"),
+    with("clock", Id::Clock, Some("KIND"), Some("HAL_CLOCK"), "the clock: real or virtual"),
+    with("hold", Id::Hold, None, Some("HAL_HOLD"), "move the virtual clock only in 'run TIME'"),
+    with("simulate", Id::Simulate, None, Some("HAL_SIMULATE"), "simulate the hardware"),
+    with("record", Id::Record, Some("FILE"), Some("HAL_RECORD"), "record every pin to a VCD file"),
+    with("flight", Id::Flight, Some("'WORDS'"), Some("HAL_FLIGHT"), "'flight on' with these words"),
+    with(
+        "linuxcnc-modules",
+        Id::Linuxcnc,
+        None,
+        Some(LINUXCNC_MODULES),
+        "find LinuxCNC's own components in C too",
+    ),
+    with(
+        "rtmod-dir",
+        Id::Modules,
+        Some("FOLDERS"),
+        Some("HAL_RTMOD_DIR"),
+        "find plugins and components in C there, too",
+    ),
+    with("cpu", Id::Cpu, Some("N"), Some("HAL_CPU"), "run the threads on processor N"),
+    with(
+        "dma-latency",
+        Id::DmaLatency,
+        Some("US"),
+        Some("HAL_DMA_LATENCY"),
+        "let processors take US microseconds to wake (0 if not said), or off: as they like",
+    ),
+    with(
+        "stuck-time",
+        Id::StuckTime,
+        Some("TIME"),
+        Some("HAL_STUCK_TIME"),
+        "stop the machine when a function does not come back within TIME",
+    ),
+    instance_option(Id::Instance),
+    with(
+        "profile",
+        Id::Profile,
+        Some("FILE"),
+        Some(profile::VARIABLE),
+        "take from this file what neither options nor the environment say",
+    ),
+    Opt { long: Some("help"), ..flag('h', Id::Help, "print this") },
+];
+
+/// Not for people: what `--detach` gives the process it starts, and the clock's variable.
+const HIDDEN: &[Opt<Id>] = &[with("detached", Id::Detached, None, None, "")];
+
+const fn flag(letter: char, id: Id, help: &'static str) -> Opt<Id> {
+    Opt { id, short: Some(letter), long: None, value: None, variable: None, help }
+}
+
+const fn with(
+    name: &'static str,
+    id: Id,
+    value: Option<&'static str>,
+    variable: Option<&'static str>,
+    help: &'static str,
+) -> Opt<Id> {
+    Opt { id, short: None, long: Some(name), value, variable, help }
+}
+
+/// Reads the command line and the environment.
+pub(crate) fn plan(
+    words: &[String],
+    environment: &dyn Fn(&str) -> Option<String>,
+) -> Result<Action, Error> {
+    let mut table: Vec<Opt<Id>> = [OPTIONS, HIDDEN].concat();
+    table.extend(halcmd::COMMON.iter().map(common));
+    let (mut given, files) = all_words(&table, words)?;
+    from_environment(&table, environment, &mut given);
+    let profile = given.iter().rev().find(|(id, _)| *id == Id::Profile);
+    let profile = match profile.and_then(|(_, file)| file.as_deref()) {
+        Some(file) => Profile::read(Path::new(file))?,
+        None => Profile::default(),
+    };
+    let environment = |name: &str| profile.value(environment, name);
+    from_environment(&table, &environment, &mut given);
+    let has = |wanted| given.iter().any(|(id, _)| *id == wanted);
+    let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.clone();
+    if has(Id::Help) {
+        return Ok(Action::Help);
+    }
+    let bad = |option: &str, value: &str, why: &str| Error::OptionValue {
+        program: "halrun",
+        option: option.into(),
+        value: value.into(),
+        why: why.into(),
+    };
+    let name = value(Id::Instance);
+    let place = Place::find(name.as_deref())
+        .map_err(|why| bad("--instance", &name.clone().unwrap_or_default(), &why))?;
+    if has(Id::Stop) {
+        return Ok(Action::Stop(place));
+    }
+    let clock = match value(Id::Clock).as_deref() {
+        _ if has(Id::Virtual) => ClockKind::Virtual,
+        Some("virtual") => ClockKind::Virtual,
+        None | Some("real") => ClockKind::Real,
+        Some(other) => return Err(bad("--clock", other, "it is real or virtual")),
+    };
+    let for_ns =
+        match value(Id::For) {
+            Some(text) => Some(nanoseconds(&text).map_err(|_| {
+                bad("--for", &text, "it is a number and ns, us, ms or s, such as 2s")
+            })?),
+            None => None,
+        };
+    let mut style = Style::default();
+    for (id, _) in &given {
+        if let Id::Common(id) = id {
+            halcmd::apply(&mut style, *id);
+        }
+    }
+    let level = if has(Id::Common(Common::VeryVerbose)) {
+        Some(5)
+    } else {
+        has(Id::Common(Common::Silent)).then_some(0)
+    };
+    let detach = match (has(Id::Detached), has(Id::Detach)) {
+        (true, _) => Detach::Child,
+        (false, true) => Detach::Parent,
+        (false, false) => Detach::No,
+    };
+    let script = script(&files, detach)?;
+    let realtime = realtime::options(value(Id::Cpu), value(Id::DmaLatency), value(Id::StuckTime))?;
+    let interactive = has(Id::Interactive);
+    style.background = detach == Detach::Child;
+    style.reads_input = interactive || script == Script::Terminal || detach == Detach::Child;
+    let whole = |path: String| std::path::absolute(&path).unwrap_or_else(|_| path.into());
+    Ok(Action::Run(Box::new(Plan {
+        options: Options {
+            place,
+            clock,
+            hold: has(Id::Hold),
+            simulate: has(Id::Simulate) || clock == ClockKind::Virtual,
+            old_names: false,
+            interlock: false,
+            path: plugin_path(&|name| match name {
+                LINUXCNC_MODULES if has(Id::Linuxcnc) => Some("1".to_owned()),
+                "HAL_RTMOD_DIR" => value(Id::Modules),
+                _ => environment(name),
+            }),
+            realtime,
+        },
+        style,
+        level,
+        script,
+        ini: value(Id::Common(Common::Ini)),
+        batch: has(Id::Common(Common::File)),
+        interactive,
+        for_ns,
+        record: value(Id::Record).map(whole),
+        flight: value(Id::Flight)
+            .map(|words| {
+                let words: Vec<String> = words.split_whitespace().map(str::to_owned).collect();
+                flight::spec(&words)
+            })
+            .transpose()?,
+        detach,
+    })))
+}
+
+/// The options, for completion.
+pub(crate) fn table() -> Vec<Opt<()>> {
+    [plain(OPTIONS), plain(&halcmd::COMMON)].concat()
+}
+
+/// The usage text.
+pub(crate) fn help() -> String {
+    format!(
+        "\nUsage:   halrun [options] [FILE.hal|FILE.ini]\n         halrun [options] -f FILE\n         \
+         halrun -U\n\n\
+         Makes an instance, carries out the file, and stays up while a thread exists. Without a\n\
+         file, commands are taken from standard input.\n\noptions:\n{}{}",
+        usage(OPTIONS),
+        usage(&halcmd::COMMON)
+    )
+}
+
+/// Options may also follow the file, since no word of a file's name is one.
+fn all_words(
+    table: &[Opt<Id>],
+    words: &[String],
+) -> Result<crate::programs::options::Given<Id>, Error> {
+    let (mut given, mut rest) = options("halrun", table, words)?;
+    let mut files = Vec::new();
+    while let Some((file, after)) = rest.split_first() {
+        files.push(file.clone());
+        let (more, left) = options("halrun", table, after)?;
+        given.extend(more);
+        rest = left;
+    }
+    Ok((given, files))
+}
+
+const fn common(option: &Opt<Common>) -> Opt<Id> {
+    Opt {
+        id: Id::Common(option.id),
+        short: option.short,
+        long: option.long,
+        value: option.value,
+        variable: option.variable,
+        help: option.help,
+    }
+}
+
+fn script(files: &[String], detach: Detach) -> Result<Script, Error> {
+    let file = match files {
+        [] if detach == Detach::No => return Ok(Script::Terminal),
+        [] => return Ok(Script::Nothing),
+        [file] => file,
+        _ => return Err(Error::TooManyFiles { files: files.join(" ").into() }),
+    };
+    match Path::new(file).extension().and_then(|e| e.to_str()) {
+        Some("hal") => Ok(Script::Hal(file.clone())),
+        Some("ini") => Ok(Script::Ini(file.clone())),
+        Some("tcl") => Err(Error::NotYet {
+            what: format!("halrun: Tcl file '{file}'").into(),
+            instead: "write it as a .hal file",
+        }),
+        _ => Err(Error::Extension { file: file.as_str().into() }),
+    }
+}
+
+/// Says that components are also to be found where LinuxCNC's package has them.
+const LINUXCNC_MODULES: &str = "HAL_LINUXCNC_MODULES";
+/// There.
+const LINUXCNC_FOLDER: &str = "/usr/lib/linuxcnc/modules";
+
+/// Where plugins are: `HAL_RTMOD_DIR`, beside the program, installed with it, or just built; and
+/// LinuxCNC's components in C, if asked.
+pub(crate) fn plugin_path(environment: &dyn Fn(&str) -> Option<String>) -> Vec<PathBuf> {
+    let asked = environment("HAL_RTMOD_DIR").unwrap_or_default();
+    let mut path: Vec<PathBuf> = asked
+        .split(':')
+        .filter(|folder| !folder.is_empty())
+        .map(|folder| std::path::absolute(folder).unwrap_or_else(|_| folder.into()))
+        .collect();
+    if let Some(here) = std::env::current_exe().ok().as_deref().and_then(Path::parent) {
+        path.push(here.to_path_buf());
+        path.push(here.join("../lib/ferrule"));
+        path.push(here.join("deps"));
+    }
+    if environment(LINUXCNC_MODULES).is_some_and(|asked| !["", "0"].contains(&&*asked)) {
+        path.push(LINUXCNC_FOLDER.into());
+    }
+    path
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown(words: &str, variables: &[(&str, &str)]) -> String {
+        let words: Vec<String> = words.split_whitespace().map(str::to_owned).collect();
+        let environment = |name: &str| {
+            variables.iter().find(|(n, _)| *n == name).map(|(_, value)| (*value).to_owned())
+        };
+        match plan(&words, &environment) {
+            Err(error) => format!("! {}", error.whole()),
+            Ok(Action::Help) => "help".to_owned(),
+            Ok(Action::Stop(place)) => format!("stop {}", place.name()),
+            Ok(Action::Run(p)) => {
+                let o = &p.options;
+                let mut text = format!("{:?} {} {:?}", p.script, o.place.name(), o.clock);
+                for (on, word) in [
+                    (p.batch, " batch"),
+                    (p.interactive, " interactive"),
+                    (o.hold, " hold"),
+                    (o.simulate, " simulate"),
+                    (p.style.keep_going, " keep"),
+                    (p.detach == Detach::Parent, " detach"),
+                ] {
+                    text.push_str(if on { word } else { "" });
+                }
+                if let Some(ns) = p.for_ns {
+                    text.push_str(&format!(" for {ns}"));
+                }
+                if let Some(ini) = &p.ini {
+                    text.push_str(&format!(" ini {ini}"));
+                }
+                if let Some(file) = p.record.as_ref().and_then(|f| f.file_name()) {
+                    text.push_str(&format!(" record {}", file.to_string_lossy()));
+                }
+                text
+            }
+        }
+    }
+
+    #[test]
+    fn options_come_before_the_environment_and_that_before_the_profile() {
+        let file = std::env::temp_dir().join(format!("hal-plan-{}.toml", std::process::id()));
+        let text = "clock = \"virtual\"\nfor = \"2s\"\ninstance = \"a\"\nsimulate = true\n";
+        std::fs::write(&file, text).unwrap();
+        let file = file.display().to_string();
+        let (hal, variable) = ("Hal(\"m.hal\")", ("HAL_PROFILE", file.as_str()));
+        for (words, variables, want) in [
+            (format!("--profile {file} m.hal"), vec![], "a Virtual simulate for 2000000000"),
+            ("m.hal".into(), vec![variable], "a Virtual simulate for 2000000000"),
+            (
+                "m.hal".into(),
+                vec![variable, ("HAL_FOR", "3s")],
+                "a Virtual simulate for 3000000000",
+            ),
+            (
+                "m.hal --for 4s --clock real --instance b".into(),
+                vec![variable, ("HAL_FOR", "3s"), ("HAL_SIMULATE", "0")],
+                "b Real for 4000000000",
+            ),
+        ] {
+            assert_eq!(shown(&words, &variables), format!("{hal} {want}"), "{words}");
+        }
+        let refused = shown("--profile /none.toml m.hal", &[]);
+        assert_eq!(refused, "! /none.toml: No such file or directory");
+    }
+
+    #[test]
+    fn the_command_line() {
+        for (words, want) in [
+            ("m.hal", "Hal(\"m.hal\") default Real"),
+            ("-f m.hal", "Hal(\"m.hal\") default Real batch"),
+            ("-f m.hal -i m.ini", "Hal(\"m.hal\") default Real batch ini m.ini"),
+            ("-ki m.ini m.hal", "Hal(\"m.hal\") default Real keep ini m.ini"),
+            ("m.ini", "Ini(\"m.ini\") default Real"),
+            ("", "Terminal default Real"),
+            ("-I m.hal", "Hal(\"m.hal\") default Real interactive"),
+            ("-U", "stop default"),
+            ("-U --instance a", "stop a"),
+            ("-h", "help"),
+            (
+                "--virtual --for 2s --record out.vcd m.hal",
+                "Hal(\"m.hal\") default Virtual simulate for 2000000000 record out.vcd",
+            ),
+            ("--virtual --hold m.hal", "Hal(\"m.hal\") default Virtual hold simulate"),
+            ("--simulate m.ini", "Ini(\"m.ini\") default Real simulate"),
+            ("--detach", "Nothing default Real detach"),
+            ("--instance b m.hal", "Hal(\"m.hal\") b Real"),
+            ("foo.txt", "! halrun: Unknown file extension for filename=<foo.txt>"),
+            ("a.hal b.hal", "! halrun: too many arguments <a.hal b.hal>"),
+            ("a.tcl", "! halrun: Tcl file 'a.tcl' is not supported; write it as a .hal file"),
+            ("-z", "! halrun: invalid option -- 'z'"),
+            (
+                "--for 2 a.hal",
+                "! halrun: --for '2': it is a number and ns, us, ms or s, such as 2s",
+            ),
+            (
+                "--instance a/b a.hal",
+                "! halrun: --instance 'a/b': instance name 'a/b' is not usable: letters, digits, \
+                 '-' and '_', at most 32",
+            ),
+        ] {
+            assert_eq!(shown(words, &[]), want, "{words}");
+        }
+    }
+
+    #[test]
+    fn the_environment() {
+        let variables = [
+            ("HAL_CLOCK", "virtual"),
+            ("HAL_FOR", "5ms"),
+            ("HAL_HOLD", "1"),
+            ("HAL_INSTANCE", "z"),
+            ("HAL_RECORD", "r.vcd"),
+        ];
+        let want = "Hal(\"m.hal\") z Virtual hold simulate for 5000000 record r.vcd";
+        assert_eq!(shown("m.hal", &variables), want);
+        let want = "Hal(\"m.hal\") y Virtual simulate for 1000000";
+        assert_eq!(shown("--for 1ms --instance y m.hal", &[variables[0], variables[3]]), want);
+        let want = "! halrun: --clock 'sun': it is real or virtual";
+        assert_eq!(shown("m.hal", &[("HAL_CLOCK", "sun")]), want);
+        assert_eq!(shown("m.hal", &[("HAL_SIMULATE", "0")]), "Hal(\"m.hal\") default Real");
+    }
+}

@@ -1,0 +1,194 @@
+//! A machine on trial. For `check`, `order` and `graph`, its scripts run to the last line on an
+//! engine that affects nothing outside.
+
+mod attempt;
+mod unknown;
+
+pub use unknown::Unknown;
+
+use crate::{
+    Bytes, Captured, Error, Outcome, Session, Style,
+    check::placed,
+    ini::Ini,
+    programs::halrun::{machine, plan::plugin_path},
+    programs::profile::Profile,
+};
+use hal_engine::{ClockKind, Engine, Options, RealtimeOptions};
+use hal_protocol::{At, Finding, Place};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
+
+/// A refused line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refusal {
+    /// Place of the line.
+    pub at: At,
+    /// Error of the line.
+    pub error: Error,
+}
+
+/// A warning about a line that was not refused.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Remark {
+    /// Place of the line.
+    pub at: At,
+    /// Text of the warning.
+    pub text: String,
+}
+
+/// Result of lines that ran without affecting anything outside.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Attempt {
+    /// The refused lines, in order.
+    pub refusals: Vec<Refusal>,
+    /// Warnings.
+    pub remarks: Vec<Remark>,
+    /// Further findings.
+    pub found: Vec<Finding>,
+    /// INI entries that lines read: section and name.
+    pub entries: BTreeSet<(String, String)>,
+    /// Names that missing components or programs that were not started may provide.
+    pub unknown: Unknown,
+}
+
+/// A machine on trial.
+#[derive(Debug)]
+pub struct Trial {
+    engine: Engine,
+    attempt: Attempt,
+    ini: Option<Ini>,
+    starts_itself: bool,
+}
+
+impl Trial {
+    /// Runs `files`: scripts in order, with the values of an INI file if one is given, or one INI
+    /// file as halrun would start it. Scripts given with the INI file of a machine (it has a
+    /// section EMCIO) count as its HAL files. Plugins are looked for in halrun's folders.
+    ///
+    /// # Errors
+    /// A file cannot be read, or an INI file or a profile has an error in it.
+    pub fn of(files: &[String], ini: Option<&str>) -> Result<Self, Error> {
+        let profile = Profile::of_environment()?;
+        Self::with_plugins(files, ini, plugin_path(&|name| profile.system(name)))
+    }
+
+    /// Like [`Self::of`], with plugins from these folders.
+    ///
+    /// # Errors
+    /// A file cannot be read, or an INI file has an error in it.
+    pub fn with_plugins(
+        files: &[String],
+        ini: Option<&str>,
+        path: Vec<PathBuf>,
+    ) -> Result<Self, Error> {
+        let is_ini = |f: &String| Path::new(f).extension().is_some_and(|e| e == "ini");
+        let machine = files.iter().find(|f| is_ini(f)).map(String::as_str);
+        if let (Some(_), [_, other, ..]) = (machine, files) {
+            return Err(Error::TooManyFiles { files: other.as_str().into() });
+        }
+        let given = ini;
+        let ini = machine.or(ini).map(|path| Ini::read(Path::new(path))).transpose()?;
+        let mut scripts = Vec::new();
+        for file in files.iter().filter(|f| !is_ini(f)) {
+            let text = std::fs::read(file).map_err(|e| Error::NoCommandFile {
+                path: file.as_str().into(),
+                why: crate::ini::plain(&e),
+            })?;
+            scripts.push((file, text));
+        }
+        // Scripts that load `iocontrol` themselves are not HAL files of a machine.
+        let loads = scripts.iter().any(|(_, text)| loads_iocontrol(text));
+        let whole = match (given, &ini) {
+            (Some(path), Some(ini)) if machine.is_none() && ini.has_section("EMCIO") && !loads => {
+                Some((ini, Path::new(path)))
+            }
+            _ => None,
+        };
+        let mut engine = Engine::trial(Options {
+            place: Place::at(std::env::temp_dir(), "trial").map_err(|why| Error::OptionValue {
+                program: "halcmd",
+                option: "--instance".into(),
+                value: "trial".into(),
+                why: why.into(),
+            })?,
+            clock: ClockKind::Virtual,
+            hold: true,
+            simulate: true,
+            old_names: ini.as_ref().is_some_and(Ini::is_old),
+            interlock: machine.is_some() || whole.is_some(),
+            path,
+            realtime: RealtimeOptions::default(),
+        })?;
+        let mut terminal = Captured::default();
+        let style = Style { keep_going: true, ..Style::default() };
+        let mut session = Session::new(&mut engine, &mut terminal, style, "trial");
+        session.begin_trial();
+        if let Some(ini) = &ini {
+            session.set_ini(ini);
+        }
+        if let Some(ini) = &ini {
+            session.expect_interface(ini);
+        }
+        match (machine, &ini) {
+            (Some(path), Some(ini)) => {
+                for (at, text) in ini.warnings().iter().filter_map(|w| placed(w)) {
+                    session.stand_at(&at.file, at.line);
+                    session.complain(text);
+                }
+                if let Err(error) = machine::refuse(ini) {
+                    session.stand_at(path, 0);
+                    session.report(&error);
+                }
+                let _: Outcome = machine::start(&mut session, ini, Path::new(path));
+            }
+            _ => {
+                if let Some((ini, path)) = whole {
+                    machine::before_files(&mut session, ini, path);
+                }
+                for (file, text) in scripts {
+                    let _: Outcome = session.file(file, Bytes::new(text));
+                }
+                if let Some((ini, path)) = whole {
+                    machine::after_files(&mut session, ini, path);
+                }
+            }
+        }
+        let attempt = session.end_trial();
+        let starts_itself = ini.as_ref().is_some_and(|ini| ini.has_section("EMCIO"));
+        Ok(Self { engine, attempt, ini, starts_itself })
+    }
+
+    /// Returns the engine with everything that the lines could make.
+    pub const fn engine(&mut self) -> &mut Engine {
+        &mut self.engine
+    }
+
+    /// Returns the result of the lines.
+    #[must_use]
+    pub const fn attempt(&self) -> &Attempt {
+        &self.attempt
+    }
+
+    /// Returns whether the program that starts the machine also starts its threads, so that no line
+    /// has to.
+    #[must_use]
+    pub const fn starts_itself(&self) -> bool {
+        self.starts_itself
+    }
+
+    /// Returns the INI file, if there is one.
+    #[must_use]
+    pub const fn ini(&self) -> Option<&Ini> {
+        self.ini.as_ref()
+    }
+}
+
+/// Returns whether a script loads `iocontrol`, which a start from an INI file has always loaded.
+fn loads_iocontrol(text: &[u8]) -> bool {
+    String::from_utf8_lossy(text).lines().any(|line| {
+        let mut words = line.split_whitespace();
+        words.next() == Some("loadrt") && matches!(words.next(), Some("iocontrol" | "io" | "iov2"))
+    })
+}

@@ -1,0 +1,255 @@
+//! Execution of commands on trial: the same as otherwise, except for effects outside.
+
+use super::{Attempt, Unknown};
+use crate::{
+    Command, Error, Session,
+    ini::Ini,
+    language::command::{Apply, Launch},
+    language::hint::nearest,
+    programs::hal_manualtoolchange,
+    session::program,
+};
+use hal_protocol::{At, Code, Failure, Finding, Kind, Reply, Request};
+
+/// INI entries that start user interfaces, and further names of their components.
+const INTERFACES: [(&str, &str, &[&str]); 5] = [
+    ("DISPLAY", "DISPLAY", &["axisui", "gladevcp", "pyvcp", "qtvcp"]),
+    ("DISPLAY", "PYVCP", &["pyvcp"]),
+    ("DISPLAY", "GLADEVCP", &["gladevcp"]),
+    ("DISPLAY", "EMBED_TAB_COMMAND", &[]),
+    ("HAL", "HALUI", &["halui"]),
+];
+
+/// Failure code for a name that does not exist.
+const ENOENT: i32 = -2;
+
+impl Session<'_> {
+    /// Begins a trial: commands affect nothing outside, and refused lines are recorded instead of
+    /// reported.
+    pub(crate) fn begin_trial(&mut self) {
+        self.attempt = Some(Attempt::default());
+    }
+
+    /// Ends the trial and returns its result.
+    pub(crate) fn end_trial(mut self) -> Attempt {
+        self.attempt.take().unwrap_or_default()
+    }
+
+    /// Returns whether the session is on trial.
+    pub(crate) const fn is_trial(&self) -> bool {
+        self.attempt.is_some()
+    }
+
+    fn unknown_names(&mut self) -> &mut Unknown {
+        &mut self.attempt.get_or_insert_default().unknown
+    }
+
+    pub(crate) fn attempt(&mut self, command: Command) -> Result<(), Error> {
+        match command {
+            Command::Ask(request, _) | Command::Value(request) | Command::TypeOf(request) => {
+                self.try_request(request)
+            }
+            Command::Launch(launch) => self.expect_program(&launch),
+            Command::Component { name, args, .. } => self.try_component(&name, &args),
+            Command::AwaitEnd(_)
+            | Command::Show(..)
+            | Command::List(..)
+            | Command::Save(..)
+            | Command::Status(_)
+            | Command::Order(..)
+            | Command::Graph(..)
+            | Command::Flight(_)
+            | Command::Check(_)
+            | Command::Explain(_)
+            | Command::Man(_)
+            | Command::Print(_)
+            | Command::Echo(_)
+            | Command::Help(_)
+            | Command::Watch(_)
+            | Command::Meter(_)
+            | Command::Completion(_)
+            | Command::SetExact => Ok(()),
+            Command::Apply(Apply { file, .. }) => file.map_or(Ok(()), |file| self.source(&file)),
+            other @ (Command::Unload(_)
+            | Command::UnloadAll
+            | Command::Source(_)
+            | Command::Lock(_)) => self.execute(other),
+        }
+    }
+
+    fn try_request(&mut self, request: Request) -> Result<(), Error> {
+        match request {
+            Request::Net { signal, pins } => self.try_net(signal, pins),
+            Request::Link { pin, signal } => {
+                if self.is_unknown_pin(&pin) {
+                    self.unknown_names().signals.insert(signal);
+                    return Ok(());
+                }
+                let name = signal.clone();
+                let done = self.ask(Request::Link { pin, signal });
+                self.unless_unknown_signal(&name, done)
+            }
+            Request::SetSignal { ref name, .. } | Request::GetSignal { ref name } => {
+                let name = name.clone();
+                let done = self.ask(request);
+                self.unless_unknown_signal(&name, done)
+            }
+            Request::Load { ref module, ref args }
+            | Request::LoadForeign { ref module, ref args, .. } => {
+                let (module, args) = (module.clone(), args.clone());
+                self.ask(request).map(|_| ()).inspect_err(|_| self.expect_module(&module, &args))
+            }
+            other => {
+                let names = names_of(&other).map(str::to_owned);
+                match self.ask(other) {
+                    Err(Error::Engine(failure))
+                        if failure.code == ENOENT
+                            && names.is_some_and(|n| self.unknown_names().covers(&n)) =>
+                    {
+                        Ok(())
+                    }
+                    result => result.map(|_| ()),
+                }
+            }
+        }
+    }
+
+    /// Links the known pins. A signal with unknown pins is recorded.
+    fn try_net(&mut self, signal: String, pins: Vec<String>) -> Result<(), Error> {
+        let (unknown, known): (Vec<_>, Vec<_>) =
+            pins.into_iter().partition(|pin| self.is_unknown_pin(pin));
+        if !unknown.is_empty() {
+            self.unknown_names().signals.insert(signal.clone());
+        }
+        if known.is_empty() && !unknown.is_empty() {
+            return Ok(());
+        }
+        self.ask(Request::Net { signal, pins: known }).map(|_| ())
+    }
+
+    /// Returns whether a pin may exist on the machine but does not exist on trial.
+    fn is_unknown_pin(&mut self, name: &str) -> bool {
+        let asked = self.ask(Request::Get { name: name.to_owned() });
+        let missing = matches!(asked, Err(Error::Engine(failure)) if failure.code == ENOENT);
+        missing && self.unknown_names().covers(name)
+    }
+
+    /// Ignores the error for a missing signal if only unknown pins use that signal.
+    fn unless_unknown_signal(
+        &mut self,
+        name: &str,
+        done: Result<Reply, Error>,
+    ) -> Result<(), Error> {
+        match done {
+            Err(Error::Engine(Failure { code: ENOENT, .. }))
+                if self.unknown_names().signals.contains(name) =>
+            {
+                Ok(())
+            }
+            result => result.map(|_| ()),
+        }
+    }
+
+    /// Handles `loadusr`. The pins of our own programs are known; those of other programs are not.
+    fn expect_program(&mut self, launch: &Launch) -> Result<(), Error> {
+        let at = self.standing();
+        let base = launch.program.rsplit('/').next().unwrap_or_default().to_owned();
+        if base == hal_manualtoolchange::NAME {
+            return Ok(hal_manualtoolchange::join(self.link)?);
+        }
+        if !program::exists(&launch.program) {
+            let awaited = launch.until_ready || launch.until_end && !launch.ignore_status;
+            let code = if awaited { Code::NoProgramAwaited } else { Code::NoProgram };
+            let text = format!("program '{}' is not there", launch.program);
+            let remedy = "install it, or give its path; programs beside halcmd are found first, \
+                          then those in PATH";
+            let finding = Finding::new(code, &launch.program, text);
+            let found = finding.at(Some(at.clone())).remedy(remedy);
+            self.attempt.get_or_insert_default().found.push(found);
+        }
+        let unknown = self.unknown_names();
+        let program = Some(base.as_str());
+        unknown.expect(&launch.expected(), &at, program);
+        let stem = base.split('.').next().unwrap_or_default();
+        for name in [stem, stem.strip_prefix("hal_").unwrap_or(stem)] {
+            unknown.expect(name, &at, program);
+        }
+        // A program often gets the name for its component as an argument.
+        for word in &launch.args {
+            unknown.expect(word.rsplit('=').next().unwrap_or_default(), &at, program);
+        }
+        Ok(())
+    }
+
+    /// Expects the pins of the user interfaces that an INI file starts.
+    pub(super) fn expect_interface(&mut self, ini: &Ini) {
+        for (section, name, more) in INTERFACES {
+            for entry in ini.all(section, name) {
+                let at = At::new(&entry.file, entry.line);
+                let program = entry.value.split_whitespace().next().unwrap_or_default();
+                let unknown = self.unknown_names();
+                // Axes have pins with that name, and errors in their names should be found.
+                let words = entry.value.split_whitespace().filter(|word| *word != "axis");
+                // Screens of that kind start the tool change dialog themselves.
+                let own = program.starts_with("qtvcp").then_some(hal_manualtoolchange::NAME);
+                for word in words.chain(more.iter().copied()).chain(own) {
+                    unknown.expect(word, &at, Some(program));
+                }
+            }
+        }
+    }
+
+    /// Expects the names of a component that could not be loaded, so that they cause no further
+    /// errors.
+    fn expect_module(&mut self, module: &str, args: &[String]) {
+        let at = self.standing();
+        let unknown = self.unknown_names();
+        let name = module.replace('_', "-");
+        for word in [&name, module, name.strip_prefix("hal-").unwrap_or(&name)] {
+            unknown.expect(word, &at, None);
+        }
+        for names in args.iter().filter_map(|a| a.strip_prefix("names=")) {
+            names.split(',').for_each(|n| unknown.expect(n, &at, None));
+        }
+    }
+
+    /// Checks a component's command without executing it.
+    fn try_component(&mut self, name: &str, args: &[String]) -> Result<(), Error> {
+        let all = Request::List { kind: Kind::Commands, patterns: Vec::new(), ty: None };
+        let Reply::Commands(list) = self.ask(all)? else { return Err(Error::Unexpected) };
+        let Some(command) = list.iter().find(|c| c.name == name) else {
+            if self.unknown_names().covers(name) {
+                return Ok(());
+            }
+            let near = nearest(name, list.iter().map(|c| c.name.as_str()));
+            return Err(Error::UnknownCommand { word: name.into(), near });
+        };
+        for word in args {
+            let arg = word.split('=').next().unwrap_or_default();
+            if command.args.iter().all(|a| a.name != arg) {
+                let near = nearest(arg, command.args.iter().map(|a| a.name.as_str()));
+                let mut failure = Failure::new(-22, format!("Unknown parameter `{word}'"));
+                failure.finding = Some(Code::BadCall);
+                failure.hint = near.map(|n| format!("did you mean {n}?"));
+                return Err(failure.into());
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Returns the name to which a request refers.
+fn names_of(request: &Request) -> Option<&str> {
+    match request {
+        Request::Unlink { pin: name }
+        | Request::Set { name, .. }
+        | Request::Get { name }
+        | Request::AddFunct { funct: name, .. }
+        | Request::RemoveFunct { funct: name, .. }
+        | Request::Alias { name, .. }
+        | Request::Unalias { name, .. }
+        | Request::Unload { name }
+        | Request::Command { name, .. } => Some(name),
+        _ => None,
+    }
+}

@@ -1,0 +1,321 @@
+//! Execution of commands.
+
+use crate::{
+    Command, Error, Session, check,
+    language::command::{LockChange, SaveKind, ShowKind, StatusKind},
+    language::hint::nearest,
+    manual::explain,
+    manual::help,
+    manual::man,
+    show,
+    show::list,
+    show::save,
+    show::status,
+};
+use hal_output::{Unwritten, Whole};
+use hal_protocol::{Failure, Kind, Lock, Reply, Request, StatusInfo, TicketInfo, Type};
+use serde_json::{Value, json};
+use std::{
+    io::{self, Write},
+    path::Path,
+};
+
+/// Failure code for a name that does not exist.
+const ENOENT: i32 = -2;
+
+/// Reason why a command was not completed when the wait for it ends.
+const STOPPED: &str = "the threads have stopped before it was carried out";
+
+/// Sections of `show`, in order.
+const SECTIONS: &[(Kind, &str)] = &[
+    (Kind::Components, "Loaded HAL Components:"),
+    (Kind::Pins, "Component Pins:"),
+    (Kind::PinAliases, "Pin Aliases:"),
+    (Kind::Signals, "Signals:"),
+    (Kind::Params, "Parameters:"),
+    (Kind::ParamAliases, "Parameter Aliases:"),
+    (Kind::Functs, "Exported Functions:"),
+    (Kind::Threads, "Realtime Threads:"),
+];
+
+impl Session<'_> {
+    pub(crate) fn execute(&mut self, command: Command) -> Result<(), Error> {
+        match command {
+            Command::Ask(request, note) => {
+                let reply = self.ask(request)?;
+                self.done(&reply, note.as_deref());
+            }
+            Command::Value(request) => {
+                let reply = self.ask(request)?;
+                self.print(&reply, |reply| match reply {
+                    Reply::Value(value) => Some(format!("{value}\n")),
+                    _ => None,
+                })?;
+            }
+            Command::TypeOf(request) => {
+                let reply = self.ask(request)?;
+                self.print(&reply, |reply| match reply {
+                    Reply::Value(value) => Some(format!("{}\n", value.ty().name())),
+                    _ => None,
+                })?;
+            }
+            Command::Unload(name) => self.unload(name)?,
+            Command::UnloadAll => {
+                self.ask(Request::EndProgram { name: None })?;
+                self.ask(Request::UnloadAll)?;
+            }
+            Command::Launch(launch) => self.launch(&launch)?,
+            Command::AwaitEnd(name) => self.await_end(&name)?,
+            Command::Show(kind, ty, patterns) => self.show(kind, ty, &patterns)?,
+            Command::List(kind, patterns) => {
+                let reply = self.ask(Request::List { kind, patterns, ty: None })?;
+                self.listing(&reply, list::names)?;
+            }
+            Command::Save(kind, file) => self.save(kind, file.as_deref())?,
+            Command::Status(kind) => self.status(kind)?,
+            Command::Check(words) => {
+                let before = check::Before { ini: None, json: self.style.json };
+                if check::main(&words, before, self.link, self.terminal)? > 1 {
+                    return Err(Error::Told);
+                }
+            }
+            Command::Explain(words) => {
+                explain::main(&words, self.terminal)?;
+            }
+            Command::Flight(what) => self.flight(what)?,
+            Command::Man(words) => {
+                man::main(&words, self.terminal)?;
+            }
+            Command::Order(subject, script) => self.order(&subject, script)?,
+            Command::Graph(subject, wanted, format, file) => {
+                self.graph(&subject, &wanted, format, file.as_deref())?;
+            }
+            Command::Print(text) => {
+                let text = text.as_deref().unwrap_or("(null)");
+                self.complain(&format!("HALCMD MSG: {text}"));
+            }
+            Command::Echo(on) => {
+                let text = if on { "Echo on\n" } else { "Echo off\n" };
+                self.text(text, || json!({ "echo": on }))?;
+                self.style.echo = on;
+            }
+            Command::Source(path) => self.source(&path)?,
+            Command::Apply(apply) => self.apply(&apply)?,
+            Command::Help(about) => {
+                // As in LinuxCNC, missing help is a message and not an error.
+                let about = about.as_deref();
+                let text = help::help(about).unwrap_or_else(|e| format!("{}\n", e.whole()));
+                self.text(&text, || help::object(about))?;
+            }
+            Command::Watch(watch) => self.watch(&watch)?,
+            Command::Meter(name) => self.meter(name)?,
+            Command::Completion(text) => self.text(text, || json!({ "completion": text }))?,
+            Command::Lock(change) => self.lock(change)?,
+            Command::SetExact => self.set_exact()?,
+            Command::Component { name, args, wait } => self.component(name, args, wait)?,
+        }
+        Ok(())
+    }
+
+    /// Prints the `-v` message of a command: the engine's lines if there are any, or else `note`.
+    fn done(&mut self, reply: &Reply, note: Option<&str>) {
+        if let Reply::Noted(lines) = reply {
+            for line in lines {
+                self.note(line);
+            }
+        } else {
+            for line in note.unwrap_or_default().lines() {
+                self.note(line);
+            }
+        }
+    }
+
+    /// Prints a reply in words, or with `--json` as it is.
+    pub(crate) fn print(
+        &mut self,
+        reply: &Reply,
+        words: impl FnOnce(&Reply) -> Option<String>,
+    ) -> Result<(), Error> {
+        let text = if self.style.json {
+            format!("{}\n", serde_json::to_string(reply).map_err(|_| Error::Unexpected)?)
+        } else {
+            words(reply).ok_or(Error::Unexpected)?
+        };
+        Ok(self.terminal.out(&text)?)
+    }
+
+    /// Prints a text, or with `--json` an object.
+    fn text(&mut self, text: &str, object: impl FnOnce() -> Value) -> Result<(), Error> {
+        let text = if self.style.json { format!("{}\n", object()) } else { text.to_owned() };
+        Ok(self.terminal.out(&text)?)
+    }
+
+    /// Prints a listing like [`Self::print`], unless `-Q` suppresses it.
+    fn listing(
+        &mut self,
+        reply: &Reply,
+        words: impl FnOnce(&Reply) -> String,
+    ) -> Result<(), Error> {
+        if self.style.silent { Ok(()) } else { self.print(reply, |reply| Some(words(reply))) }
+    }
+
+    fn unload(&mut self, name: String) -> Result<(), Error> {
+        let Reply::Components(found) = self.ask(Request::Component { name: name.clone() })? else {
+            return Err(Error::Unexpected);
+        };
+        let Some(found) = found.first() else { return Err(self.not_loaded(&name)?) };
+        if found.realtime {
+            let note = format!("Realtime module '{name}' unloaded");
+            let reply = self.ask(Request::Unload { name })?;
+            self.done(&reply, Some(&note));
+        } else {
+            self.ask(Request::EndProgram { name: Some(name) })?;
+        }
+        Ok(())
+    }
+
+    /// Returns the error for an unknown component, with the nearest name.
+    fn not_loaded(&mut self, name: &str) -> Result<Error, Error> {
+        let all = Request::List { kind: Kind::Components, patterns: Vec::new(), ty: None };
+        let Reply::Components(list) = self.ask(all)? else { return Err(Error::Unexpected) };
+        let near = nearest(name, list.iter().map(|c| c.name.as_str()));
+        Ok(Error::NotLoaded { name: name.into(), near })
+    }
+
+    fn show(
+        &mut self,
+        wanted: Option<ShowKind>,
+        ty: Option<Type>,
+        patterns: &[String],
+    ) -> Result<(), Error> {
+        let aliases = |kind| matches!(kind, Kind::PinAliases | Kind::ParamAliases);
+        let mut sections: Vec<(Kind, &str)> = match wanted {
+            None => SECTIONS.to_vec(),
+            Some(ShowKind::Aliases) => SECTIONS.iter().copied().filter(|s| aliases(s.0)).collect(),
+            Some(ShowKind::Of(kind)) => SECTIONS.iter().copied().filter(|s| s.0 == kind).collect(),
+        };
+        if let (true, Some(ShowKind::Of(kind))) = (sections.is_empty(), wanted) {
+            sections.push((kind, "Commands:"));
+        }
+        let script = self.style.script;
+        for (kind, title) in sections {
+            let reply = self.ask(Request::List { kind, patterns: patterns.to_vec(), ty })?;
+            self.listing(&reply, |reply| match reply {
+                Reply::Commands(list) if patterns.is_empty() => show::summaries(list),
+                reply => show::section(reply, title, script),
+            })?;
+        }
+        Ok(())
+    }
+
+    fn save(&mut self, kind: SaveKind, file: Option<&str>) -> Result<(), Error> {
+        let text = save::write(kind, &mut |request| self.ask(request))?;
+        match file {
+            None if self.style.silent => {}
+            None => self.text(&text, || json!({ "save": text.lines().collect::<Vec<_>>() }))?,
+            Some(file) => written(file, &text)?,
+        }
+        Ok(())
+    }
+
+    fn status(&mut self, kind: StatusKind) -> Result<(), Error> {
+        let reply = self.ask(Request::Status)?;
+        let threads = if matches!(kind, StatusKind::All | StatusKind::Instance) && !self.style.json
+        {
+            let all = Request::List { kind: Kind::Threads, patterns: Vec::new(), ty: None };
+            match self.ask(all)? {
+                Reply::Threads(list) => list,
+                _ => return Err(Error::Unexpected),
+            }
+        } else {
+            Vec::new()
+        };
+        self.listing(&reply, |reply| match reply {
+            Reply::Status(status) => status::text(status, &threads, kind),
+            _ => String::new(),
+        })
+    }
+
+    fn lock(&mut self, change: Option<LockChange>) -> Result<(), Error> {
+        let (request, locks) = match change {
+            None => return Ok(()),
+            Some(LockChange::To(level)) => (Request::SetLock { level }, level != Lock::NONE),
+            Some(LockChange::Without(bits)) => (Request::ClearLock { bits }, false),
+        };
+        self.ask(request)?;
+        self.note(if locks { "Locking completed" } else { "Unlocking completed" });
+        Ok(())
+    }
+
+    /// Returns the state of the instance.
+    pub(crate) fn state(&mut self) -> Result<StatusInfo, Error> {
+        match self.ask(Request::Status)? {
+            Reply::Status(status) => Ok(*status),
+            _ => Err(Error::Unexpected),
+        }
+    }
+
+    fn set_exact(&mut self) -> Result<(), Error> {
+        if self.state()?.threads.active > 0 {
+            return Err(Error::ThreadsExist);
+        }
+        self.remark("Warning: setexact_for_test_suite_only is for test suites.");
+        self.remark("Warning: periods are exact here in any case.");
+        Ok(())
+    }
+
+    /// Returns the error that no component offers this command, or else the command's own failure.
+    fn unknown(&mut self, name: &str, failure: Failure) -> Error {
+        let all = Request::List { kind: Kind::Commands, patterns: Vec::new(), ty: None };
+        match self.ask(all) {
+            Ok(Reply::Commands(list)) if list.iter().all(|c| c.name != name) => {
+                let near = nearest(name, list.iter().map(|c| c.name.as_str()));
+                Error::UnknownCommand { word: name.into(), near }
+            }
+            _ => Error::Engine(failure),
+        }
+    }
+
+    fn component(&mut self, name: String, args: Vec<String>, wait: bool) -> Result<(), Error> {
+        let reply = match self.ask(Request::Command { name: name.clone(), args }) {
+            Err(Error::Engine(failure)) if failure.code == ENOENT => {
+                return Err(self.unknown(&name, failure));
+            }
+            other => other?,
+        };
+        self.print(&reply, |reply| match reply {
+            Reply::Answer(answer) => {
+                Some(answer.lines.iter().map(|line| format!("{line}\n")).collect())
+            }
+            _ => None,
+        })?;
+        let Reply::Answer(answer) = reply else { return Ok(()) };
+        let waits = wait || self.style.wait || answer.awaited;
+        let Some(id) = answer.ticket.filter(|_| waits) else { return Ok(()) };
+        match self.ask(Request::Ticket { id, wait: true })? {
+            Reply::Ticket(TicketInfo::Failed(why)) => {
+                Err(Error::GivenUp { command: name.into(), why: why.into() })
+            }
+            // The threads have stopped, so nothing will complete the command.
+            Reply::Ticket(TicketInfo::Pending) if !self.link.is_ending() => {
+                Err(Error::GivenUp { command: name.into(), why: STOPPED.into() })
+            }
+            Reply::Ticket(_) => Ok(()),
+            _ => Err(Error::Unexpected),
+        }
+    }
+}
+
+/// Writes a text to a file. The old content stays until the new one is complete.
+pub(crate) fn written(file: &str, text: &str) -> Result<(), Error> {
+    let why = |e: &io::Error| crate::ini::plain(e);
+    let mut out = Whole::create(Path::new(file))
+        .map_err(|e| Error::NoDestination { path: file.into(), why: why(&e) })?;
+    out.write_all(text.as_bytes()).and_then(|()| out.finish()).map_err(|e| {
+        if e.kind() == io::ErrorKind::BrokenPipe {
+            hal_output::lose_reader();
+            return Unwritten::ReaderGone.into();
+        }
+        Error::NotWritten { path: file.into(), why: why(&e) }
+    })
+}

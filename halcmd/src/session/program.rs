@@ -1,0 +1,227 @@
+//! Programs that a script starts.
+
+use crate::{Error, Session, language::command::Launch};
+use hal_protocol::{ComponentInfo, ComponentState, Kind, Lock, Reply, Request};
+use rustix::fs::FileType;
+use std::{
+    os::fd::AsFd,
+    path::{Path, PathBuf},
+    process::{Child, Command, ExitStatus, Stdio},
+};
+
+/// Number of polls after which a message says that the session is waiting for a component.
+const PATIENCE: u32 = 200;
+const POLL_MS: u32 = 10;
+
+impl Session<'_> {
+    /// Executes `loadusr`.
+    pub(crate) fn launch(&mut self, launch: &Launch) -> Result<(), Error> {
+        let program = launch.program.as_str();
+        if self.state()?.lock.0 & Lock::LOAD.0 != 0 {
+            return Err(Error::Locked);
+        }
+        self.reap();
+        let expected = launch.expected();
+        let before = if launch.until_ready { self.components()? } else { Vec::new() };
+        let mut child = match self.spawn(launch) {
+            Ok(child) => child,
+            Err(error) => {
+                let why = crate::ini::plain(&error);
+                self.complain(&Error::NotStarted { program: program.into(), why }.to_string());
+                return Self::not_started(launch, expected);
+            }
+        };
+        let pid = i32::try_from(child.id()).unwrap_or(0);
+        if let Err(error) = self.ask(Request::Adopt { pid, program: program.to_owned() }) {
+            // The instance does not know the program and would not end it.
+            if child.kill().is_ok() {
+                drop(child.wait());
+            }
+            return Err(error);
+        }
+        self.note(&format!("Program '{program}' started"));
+        let result = if launch.until_ready {
+            self.until_ready(&mut child, program, &expected, &before)
+        } else if launch.until_end {
+            self.until_end(&mut child, launch)
+        } else {
+            Ok(())
+        };
+        self.programs.push(child);
+        self.reap();
+        result
+    }
+
+    /// Executes `waitusr`.
+    pub(crate) fn await_end(&mut self, name: &str) -> Result<(), Error> {
+        let mut waited = false;
+        loop {
+            let wait = match self.component_of(name)? {
+                None if waited => {
+                    self.note(&format!("Component '{name}' finished"));
+                    return Ok(());
+                }
+                None => {
+                    self.note(&format!("component '{name}' not found or already exited"));
+                    return Ok(());
+                }
+                Some(found) if found.realtime => {
+                    return Err(Error::NotAProgram { name: name.into() });
+                }
+                Some(found) => {
+                    if !waited {
+                        self.note(&format!("Waiting for component '{name}'"));
+                    }
+                    Request::Await { ms: POLL_MS, pid: found.pid.unwrap_or(0) }
+                }
+            };
+            waited = true;
+            self.ask(wait)?;
+        }
+    }
+
+    /// Removes programs that have ended from the list.
+    pub(crate) fn reap(&mut self) {
+        self.programs.retain_mut(|child| matches!(child.try_wait(), Ok(None)));
+    }
+
+    fn spawn(&self, launch: &Launch) -> std::io::Result<Child> {
+        let program = beside(&launch.program).unwrap_or_else(|| PathBuf::from(&launch.program));
+        let mut command = Command::new(program);
+        command.args(&launch.args).env("HAL_INSTANCE", &self.instance);
+        if self.style.reads_input {
+            command.stdin(Stdio::null());
+        }
+        if self.style.background && !launch.until_end {
+            if !is_file(std::io::stdout()) {
+                command.stdout(Stdio::null());
+            }
+            if !is_file(std::io::stderr()) {
+                command.stderr(Stdio::null());
+            }
+        }
+        command.spawn()
+    }
+
+    /// Returns the result for a program that cannot be started: the same as for one that fails at
+    /// once.
+    fn not_started(launch: &Launch, component: String) -> Result<(), Error> {
+        let program: Box<str> = launch.program.as_str().into();
+        if launch.until_ready {
+            Err(Error::NotReady { program, component: component.into(), failed: true })
+        } else if launch.until_end && !launch.ignore_status {
+            Err(Error::ProgramFailed { program, status: 1 })
+        } else {
+            Ok(())
+        }
+    }
+
+    fn until_ready(
+        &mut self,
+        child: &mut Child,
+        program: &str,
+        component: &str,
+        before: &[ComponentInfo],
+    ) -> Result<(), Error> {
+        let mut polls = 0;
+        let result = loop {
+            let found = self.component_of(component)?;
+            if found.is_some_and(|c| c.state == ComponentState::Ready) {
+                self.note(&format!("Component '{component}' ready"));
+                break Ok(());
+            }
+            if let Some(status) = ended(child) {
+                break Err(Error::NotReady {
+                    program: program.into(),
+                    component: component.into(),
+                    failed: !status.is_some_and(|s| s.success()),
+                });
+            }
+            self.ask(Request::Idle { ms: POLL_MS, flow: false })?;
+            polls += 1;
+            if polls == PATIENCE {
+                self.complain(&format!("Waiting for component '{component}' to become ready."));
+                for other in self.components()?.iter().filter(|c| !before.contains(c)) {
+                    self.complain(&format!(
+                        "While waiting for component '{component}', component '{}' loaded",
+                        other.name
+                    ));
+                }
+            } else if polls > PATIENCE && polls % 10 == 0 && !self.style.json {
+                self.terminal.err(".");
+            }
+        };
+        if polls > PATIENCE && !self.style.json {
+            self.terminal.err("\n");
+        }
+        result
+    }
+
+    fn until_end(&mut self, child: &mut Child, launch: &Launch) -> Result<(), Error> {
+        let program = launch.program.as_str();
+        let pid = i32::try_from(child.id()).unwrap_or(0);
+        let status = loop {
+            match ended(child) {
+                Some(status) => break status,
+                None => self.ask(Request::Await { ms: POLL_MS, pid })?,
+            };
+        };
+        self.note(&format!("Program '{program}' finished"));
+        match status.and_then(|s| s.code()) {
+            _ if launch.ignore_status => Ok(()),
+            Some(0) => Ok(()),
+            Some(status) => Err(Error::ProgramFailed { program: program.into(), status }),
+            None => Err(Error::ProgramKilled { program: program.into() }),
+        }
+    }
+
+    pub(crate) fn component_of(&mut self, name: &str) -> Result<Option<ComponentInfo>, Error> {
+        match self.ask(Request::Component { name: name.to_owned() })? {
+            Reply::Components(list) => Ok(list.into_iter().next()),
+            _ => Err(Error::Unexpected),
+        }
+    }
+
+    fn components(&mut self) -> Result<Vec<ComponentInfo>, Error> {
+        let all = Request::List { kind: Kind::Components, patterns: Vec::new(), ty: None };
+        match self.ask(all)? {
+            Reply::Components(list) => Ok(list),
+            _ => Err(Error::Unexpected),
+        }
+    }
+}
+
+/// Returns the exit status of a child that has ended (`None` if another part of the process has
+/// collected it).
+fn ended(child: &mut Child) -> Option<Option<ExitStatus>> {
+    match child.try_wait() {
+        Ok(None) => None,
+        Ok(status) => Some(status),
+        Err(_) => Some(None),
+    }
+}
+
+/// Returns whether output goes to a regular file, not to a terminal or to a pipe with a waiting
+/// reader.
+pub(crate) fn is_file(fd: impl AsFd) -> bool {
+    rustix::fs::fstat(fd).is_ok_and(|s| FileType::from_raw_mode(s.st_mode) == FileType::RegularFile)
+}
+
+/// Returns whether a program exists: by its path, beside the running one, or in PATH.
+pub(crate) fn exists(program: &str) -> bool {
+    if program.contains('/') {
+        return Path::new(program).is_file();
+    }
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    beside(program).is_some() || std::env::split_paths(&path).any(|f| f.join(program).is_file())
+}
+
+/// Returns the program of this name beside the running one.
+fn beside(program: &str) -> Option<PathBuf> {
+    if program.contains('/') {
+        return None;
+    }
+    let here = std::env::current_exe().ok()?;
+    let found = here.parent()?.join(program);
+    found.is_file().then_some(found)
+}

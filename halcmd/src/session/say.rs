@@ -1,0 +1,155 @@
+//! Messages of a session on standard error: text for people, objects for programs (`--json`).
+
+use crate::{
+    Error, Fault, Session,
+    language::lex::Line,
+    language::syntax::excerpt,
+    session::dry_run::{Refusal, Remark},
+    terminal::colour,
+};
+use hal_protocol::At;
+use serde_json::{Value, json};
+
+impl Session<'_> {
+    /// Reports an error outside a script.
+    pub fn report(&mut self, error: &Error) {
+        self.accuse(&error.clone().into(), None);
+    }
+
+    /// Prints the warnings about a file. Each has its place already.
+    pub fn warn(&mut self, warnings: &[String]) {
+        for warning in warnings {
+            self.remark(warning);
+        }
+    }
+
+    /// Reports an error: preceding messages, error, following messages, remedy. A person also sees
+    /// the line with a mark under the wrong part.
+    pub(crate) fn accuse(&mut self, fault: &Fault, line: Option<&Line>) {
+        let error = &fault.error;
+        if **error == Error::Told {
+            return;
+        }
+        let (file, number) = self.place();
+        let at = At::new(file, number);
+        if let Some(attempt) = &mut self.attempt {
+            attempt.refusals.push(Refusal { at, error: Error::clone(error) });
+        } else if self.style.json {
+            self.object(&json!({ "error": object(fault, &at, line) }));
+        } else {
+            self.accuse_in_words(fault, line);
+        }
+    }
+
+    fn accuse_in_words(&mut self, fault: &Fault, line: Option<&Line>) {
+        let error = &fault.error;
+        let coloured = self.terminal.is_coloured();
+        if !self.style.silent {
+            for line in error.before() {
+                self.complain(&line);
+            }
+        }
+        if !self.style.silent || !fault.quiet {
+            let (file, line) = self.place();
+            let text = colour::error(&format!("{file}:{line}: {error}"), coloured);
+            self.terminal.err(&format!("{text}\n"));
+        }
+        for text in &fault.after {
+            self.complain(text);
+        }
+        let hint = error.hint();
+        if self.terminal.is_person() {
+            if let (Some(line), Some(at)) = (line, &fault.at)
+                && let Some(excerpt) = excerpt(line, at)
+            {
+                self.terminal.err(&colour::mark(&excerpt, coloured));
+            }
+            if let Some(hint) = hint {
+                self.terminal.err(&format!("{hint}\n"));
+            }
+        } else if let Some(hint) = hint.filter(|_| !self.style.silent) {
+            self.complain(&hint);
+        }
+    }
+
+    /// Reports a refused line of another file.
+    pub(crate) fn refuse(&mut self, at: &At, error: &Error) {
+        if self.style.json {
+            let fault = error.clone().into();
+            self.object(&json!({ "error": object(&fault, at, None) }));
+        } else {
+            let text = colour::error(&format!("{at}: {error}"), self.terminal.is_coloured());
+            self.terminal.err(&format!("{text}\n"));
+        }
+    }
+
+    /// Prints a message with the place of the line that is being executed.
+    pub(crate) fn complain(&mut self, text: &str) {
+        let (file, line) = self.place();
+        let at = At::new(file, line);
+        if let Some(attempt) = &mut self.attempt {
+            attempt.remarks.push(Remark { at, text: text.to_owned() });
+        } else if self.style.json {
+            let place = json!({ "file": at.file, "line": at.line, "text": text });
+            self.object(&json!({ "message": place }));
+        } else {
+            self.terminal.err(&format!("{}:{}: {text}\n", at.file, at.line));
+        }
+    }
+
+    /// Prints a message if `-v` was given.
+    pub(crate) fn note(&mut self, text: &str) {
+        if self.style.verbose {
+            self.complain(text);
+        }
+    }
+
+    /// Prints a message without a place, or with its own.
+    pub(crate) fn remark(&mut self, text: &str) {
+        if self.style.json {
+            self.object(&json!({ "message": { "text": text } }));
+        } else {
+            self.terminal.err(&format!("{text}\n"));
+        }
+    }
+
+    /// Prints a line for `echo`.
+    pub(crate) fn echo_line(&mut self, line: u32, text: &str) {
+        if self.style.json {
+            self.object(&json!({ "echo": { "line": line, "text": text } }));
+        } else {
+            self.terminal.err(&format!("({line})<echo>: {text}\n"));
+        }
+    }
+
+    fn object(&mut self, object: &Value) {
+        self.terminal.err(&format!("{object}\n"));
+    }
+}
+
+/// Returns an error as an object, for programs without a session.
+pub(crate) fn lone_object(error: &Error) -> String {
+    let text = json!({ "error": object(&error.clone().into(), &At::new("", 0), None) });
+    format!("{text}\n")
+}
+
+/// Returns an error as an object: place, text, remedy, preceding and following messages.
+fn object(fault: &Fault, at: &At, line: Option<&Line>) -> Value {
+    let error = &fault.error;
+    let source = line.and_then(|line| line.text.as_ref().ok());
+    let span = fault.at.as_ref().filter(|_| source.is_some());
+    let mut object = json!({
+        "file": at.file,
+        "line": at.line,
+        "text": error.to_string(),
+        "hint": error.hint(),
+        "before": error.before(),
+        "after": fault.after,
+        "source": source,
+        "span": span.map(|span| [span.start, span.end]),
+    });
+    if let (Error::Engine(failure), Some(fields)) = (&**error, object.as_object_mut()) {
+        fields.insert("code".to_owned(), failure.code.into());
+    }
+    object
+}
