@@ -1,67 +1,43 @@
 //! Kinematics of machines whose joints are not axes: arms, parallel machines and five-axis machines.
 #![forbid(unsafe_code)]
 
-mod arm;
-mod circles;
-mod corexykins;
-mod dh;
+mod arms;
 mod echo;
 #[cfg(test)]
 mod edges;
-mod fiveaxiskins;
-mod genhexkins;
-mod genhexpins;
-mod genserkins;
+mod five_axis;
 mod instances;
 mod letters;
-mod lineardeltakins;
-mod matrixkins;
-mod maxkins;
-mod millturn;
 mod model;
 mod names;
-mod pentakins;
-mod pumakins;
-mod rosekins;
-mod rotarydeltakins;
-mod rotatekins;
+mod parallel;
 mod rotation;
-mod scarakins;
-mod scorbotkins;
-mod search;
-mod struts;
 mod switch;
+mod tables;
 #[cfg(test)]
 mod testing;
-mod three21kins;
-mod tips;
-mod tripodkins;
-mod trsrnkins;
-mod trtkins;
-mod userkins;
-mod xyzab_tdr_kins;
 
-pub use corexykins::Corexykins;
-pub use fiveaxiskins::FiveAxiskins;
-pub use genhexkins::Genhexkins;
-pub use genserkins::Genserkins;
-pub use lineardeltakins::Lineardeltakins;
-pub use matrixkins::Matrixkins;
-pub use maxkins::Maxkins;
-pub use millturn::Millturn;
-pub use pentakins::Pentakins;
-pub use pumakins::Pumakins;
-pub use rosekins::Rosekins;
-pub use rotarydeltakins::Rotarydeltakins;
-pub use rotatekins::Rotatekins;
-pub use scarakins::Scarakins;
-pub use scorbotkins::{ScorbotKins, ScorbotPlain, Scorbotkins};
-pub use three21kins::Three21kins;
-pub use tripodkins::Tripodkins;
-pub use trsrnkins::{XyzacbTrsrn, XyzacbTrsrnDashed, XyzbcaTrsrn, XyzbcaTrsrnDashed};
-pub use trtkins::{XyzacTrt, XyzacTrtPlain, XyzbcTrt, XyzbcTrtPlain};
-pub use userkins::Userkins;
-pub use xyzab_tdr_kins::{XyzabTdr, XyzabTdrDashed};
+pub use arms::genserkins::Genserkins;
+pub use arms::pumakins::Pumakins;
+pub use arms::scarakins::Scarakins;
+pub use arms::scorbotkins::{ScorbotKins, ScorbotPlain, Scorbotkins};
+pub use arms::three21kins::Three21kins;
+pub use five_axis::fiveaxiskins::FiveAxiskins;
+pub use five_axis::maxkins::Maxkins;
+pub use five_axis::trsrnkins::{XyzacbTrsrn, XyzacbTrsrnDashed, XyzbcaTrsrn, XyzbcaTrsrnDashed};
+pub use five_axis::trtkins::{XyzacTrt, XyzacTrtPlain, XyzbcTrt, XyzbcTrtPlain};
+pub use five_axis::xyzab_tdr_kins::{XyzabTdr, XyzabTdrDashed};
+pub use parallel::genhexkins::Genhexkins;
+pub use parallel::lineardeltakins::Lineardeltakins;
+pub use parallel::pentakins::Pentakins;
+pub use parallel::rotarydeltakins::Rotarydeltakins;
+pub use parallel::tripodkins::Tripodkins;
+pub use tables::corexykins::Corexykins;
+pub use tables::matrixkins::Matrixkins;
+pub use tables::millturn::Millturn;
+pub use tables::rosekins::Rosekins;
+pub use tables::rotatekins::Rotatekins;
+pub use tables::userkins::Userkins;
 
 hal_component::export!(
     Corexykins,

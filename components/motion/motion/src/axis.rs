@@ -1,11 +1,11 @@
 //! Realtime. One axis: its limits, and its planner in teleop mode.
 
 use crate::{
-    config::AxisConfig,
+    commands::config::AxisConfig,
+    commands::refusal::Refusal,
     jogger::{By, Jogger, WheelPins},
     offset::{Offset, OffsetPins},
     pins::AxisPins,
-    refusal::Refusal,
 };
 
 /// State of one axis.

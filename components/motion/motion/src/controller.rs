@@ -1,8 +1,8 @@
 //! Realtime. The two functions: one receives commands, the other executes them and moves.
 
 use crate::{
-    command::{Command, Mode},
-    interlock::Interlock,
+    commands::command::{Command, Mode},
+    guards::interlock::Interlock,
     pins::{GeneralPins, Pins},
     state::State,
 };

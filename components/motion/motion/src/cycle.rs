@@ -2,12 +2,12 @@
 
 use crate::{
     axis,
-    command::Mode,
+    commands::command::Mode,
+    commands::refusal::Refusal,
     jogger::By,
     joint,
-    line::Machine,
+    path::line::Machine,
     pins::Pins,
-    refusal::Refusal,
     state::{Inputs, State},
 };
 use hal_component::Pose;

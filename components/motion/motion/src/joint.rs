@@ -1,12 +1,12 @@
 //! Realtime. One joint: its inputs, its position, and its motor command.
 
 use crate::{
-    config::JointConfig,
-    homing::Homing,
+    commands::config::JointConfig,
+    guards::step::{MotorCommand, StepGuard},
+    homing::one_joint::Homing,
     jogger::{Jogger, Room, WheelPins},
+    path::planner::SimpleTp,
     pins::JointPins,
-    planner::SimpleTp,
-    step_guard::{MotorCommand, StepGuard},
 };
 use libm::fabs;
 

@@ -2,43 +2,29 @@
 #![forbid(unsafe_code)]
 
 mod axis;
-mod command;
-mod config;
-mod configure;
+mod commands;
 mod controller;
 mod cycle;
-mod desk;
-mod guard;
+mod guards;
 mod homing;
 mod included;
-mod interlock;
 mod jogger;
 mod joint;
-mod jump;
-mod line;
-mod obey;
 mod offset;
-mod pace;
 mod path;
 mod pins;
-mod planner;
-mod refusal;
-mod round;
 mod setup;
 mod spindle;
 mod state;
-mod status;
-mod step_guard;
 mod switch;
-mod world;
 
+use commands::interface::Desk;
 use controller::{Controller, Handler};
-use desk::Desk;
+use guards::interlock::Interlock;
 use hal_component::{
     Builder, Component, Error,
     abi::{ArgSpec, component_flags},
 };
-use interlock::Interlock;
 use pins::Pins;
 use setup::{MAX_JOINTS, Setup};
 use state::State;
@@ -150,7 +136,7 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
         book: Default::default(),
     };
     desk.open(b)?;
-    status::open(b, pins.clone(), state.last_jump.clone())?;
+    commands::status::open(b, pins.clone(), state.last_jump.clone())?;
     let controller = Controller {
         from: from_handler,
         pins,

@@ -1,8 +1,8 @@
 //! Realtime. External offsets, added by pins to the position of an axis within a share of its limits.
 
 use crate::{
-    command::Mode, jogger::Room, pins::Pins, planner::SimpleTp, refusal::Refusal,
-    setup::MAX_JOINTS, state::State,
+    commands::command::Mode, commands::refusal::Refusal, jogger::Room, path::planner::SimpleTp,
+    pins::Pins, setup::MAX_JOINTS, state::State,
 };
 use hal_component::{In, KinematicsKind, Out, Pose};
 use libm::fabs;

@@ -1,9 +1,12 @@
 //! Realtime. The current coordinated move, and the queue behind it.
 
+pub(crate) mod line;
+pub(crate) mod planner;
+
 use crate::{
-    line::{Line, Machine, Wish},
-    planner::SimpleTp,
-    refusal::Refusal,
+    commands::refusal::Refusal,
+    path::line::{Line, Machine, Wish},
+    path::planner::SimpleTp,
 };
 use hal_component::{Pose, TicketHandle};
 use std::collections::VecDeque;

@@ -1,6 +1,6 @@
 //! Realtime. Switching between the kinematics types of a machine.
 
-use crate::{command::Mode, state::State};
+use crate::{commands::command::Mode, state::State};
 use hal_component::{Builder, Decl, Error, In, Touch};
 
 /// Pin `motion.switchkins-type`, if the kinematics have several types.

@@ -1,0 +1,10 @@
+//! Commands: declared and read on the control side (`interface.rs`, `configure.rs`, `status.rs`), executed on the realtime side
+//! (`execute.rs`), or refused with a reason (`refusal.rs`).
+
+pub(crate) mod command;
+pub(crate) mod config;
+pub(crate) mod configure;
+pub(crate) mod execute;
+pub(crate) mod interface;
+pub(crate) mod refusal;
+pub(crate) mod status;

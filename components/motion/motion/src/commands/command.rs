@@ -1,0 +1,109 @@
+//! Commands from the control side to the realtime side.
+
+use crate::commands::config::{AxisConfig, JointConfig, TrajConfig};
+use hal_component::{Pose, TicketHandle};
+
+/// Mode that determines the meaning of jogs and moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Mode {
+    /// Jogs move single joints.
+    #[default]
+    Free,
+    /// Jogs move axes.
+    Teleop,
+    /// Moves take the axes along a path.
+    Coord,
+}
+
+/// Target of a jog.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum What {
+    /// A joint.
+    Joint(usize),
+    /// An axis, by its index among the letters.
+    Axis(usize),
+}
+
+/// Extent of a jog.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Far {
+    /// Until it is stopped, in the direction of its velocity.
+    On,
+    /// By a distance, added to the current target.
+    By(f64),
+    /// To a position.
+    To(f64),
+}
+
+/// A jog.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Jog {
+    pub(crate) what: What,
+    pub(crate) velocity: f64,
+    pub(crate) far: Far,
+}
+
+/// A coordinated move.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Move {
+    /// Target pose; letters that do not move are NaN.
+    pub(crate) to: Pose,
+    pub(crate) velocity: Option<f64>,
+    pub(crate) acceleration: Option<f64>,
+}
+
+/// Settings that `motion.feed` changes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct FeedChange {
+    pub(crate) scale: Option<f64>,
+    pub(crate) adaptive: Option<bool>,
+    pub(crate) hold: Option<bool>,
+}
+
+/// Settings that `motion.spindle` changes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SpindleChange {
+    pub(crate) spindle: usize,
+    pub(crate) speed: Option<f64>,
+    pub(crate) scale: Option<f64>,
+    pub(crate) brake: Option<bool>,
+}
+
+/// New value of an output for programs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Output {
+    Digital(usize, bool),
+    Analog(usize, f64),
+}
+
+/// A set of joints, one bit each.
+pub(crate) type Joints = u32;
+
+/// Requests that take machine time or depend on the machine's state; the reply comes through a ticket.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Ask {
+    Enable,
+    Disable,
+    Mode(Mode),
+    Home(Joints),
+    Unhome(Joints),
+    Jog(Jog),
+    JogStop(Option<What>),
+    Move(Move),
+    Abort,
+    Spindle(SpindleChange),
+    /// A spindle, the angle in degrees, and the direction.
+    Orient(usize, f64, i32),
+    Output(Output),
+    Feed(FeedChange),
+    OverrideLimits,
+}
+
+/// A command in the queue to the realtime side.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Command {
+    Joint(usize, JointConfig),
+    Axis(usize, AxisConfig),
+    Traj(TrajConfig),
+    Ask(Ask, TicketHandle),
+}

@@ -1,0 +1,394 @@
+//! The control side: commands for users.
+
+use crate::{
+    commands::command::{
+        Ask, Command, Far, FeedChange, Jog, Joints, Mode, Move, Output, SpindleChange, What,
+    },
+    commands::configure::{self, Book},
+    pins::LETTERS,
+};
+use hal_component::{Arg, Builder, Call, Error, KinematicsRef, Sender, abi::ArgSpec};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Sender of commands to the realtime side.
+#[derive(Clone, Debug)]
+pub(crate) struct Desk {
+    pub(crate) to: Sender<Command>,
+    pub(crate) joints: usize,
+    pub(crate) spindles: usize,
+    pub(crate) digital_out: usize,
+    pub(crate) analog_out: usize,
+    pub(crate) kinematics: KinematicsRef,
+    pub(crate) book: Arc<Mutex<Book>>,
+}
+
+/// Parser of a command's arguments.
+type Read = fn(&Desk, &Call<'_>) -> Result<Ask, Error>;
+
+/// A command that takes a ticket.
+struct Row {
+    name: &'static str,
+    doc: &'static str,
+    args: &'static [&'static ArgSpec],
+    read: Read,
+}
+
+const JOINT: ArgSpec = Arg::int("joint", "Number of the joint, from 0.");
+const JOINTS: ArgSpec = Arg::text("joint", "Number of the joint, from 0, or all.").required();
+const AXIS: ArgSpec = Arg::text("axis", "Letter of the axis: x y z a b c u v w.");
+const SPINDLE: ArgSpec = Arg::int("spindle", "Number of the spindle, from 0.").or("0");
+const INDEX: ArgSpec = Arg::int("index", "Number of the output, from 0.").required();
+
+const ROWS: &[Row] = &[
+    Row {
+        name: "motion.enable",
+        doc: "Switches the machine on: forgets joint errors and sets amp-enable-out.",
+        args: &[],
+        read: |_, _| Ok(Ask::Enable),
+    },
+    Row {
+        name: "motion.disable",
+        doc: "Switches the machine off at once: amplifiers, moves and spindles.",
+        args: &[],
+        read: |_, _| Ok(Ask::Disable),
+    },
+    Row {
+        name: "motion.mode",
+        doc: "\
+Changes the mode, when the machine stands still.
+
+Jogs and moves change it by themselves.",
+        args: &[&Arg::text(
+            "mode",
+            "free (jogs move joints), teleop (jogs move axes) or coord (moves along a path).",
+        )
+        .required()],
+        read: |_, call| match call.text("mode").unwrap_or_default().as_str() {
+            "free" => Ok(Ask::Mode(Mode::Free)),
+            "teleop" => Ok(Ask::Mode(Mode::Teleop)),
+            "coord" => Ok(Ask::Mode(Mode::Coord)),
+            other => Err(Error::new(format!("mode '{other}' is none of free, teleop and coord"))),
+        },
+    },
+    Row {
+        name: "motion.home",
+        doc: "\
+Homes joints, in the order of their home-sequence.
+
+A joint with home-search-vel goes to its home switch, and with home-latch-vel to its edge: onto it when
+both have one sign, after it has gone back, and off it otherwise. With home-use-index it goes on to the
+encoder's index. Without a switch it is home where it stands. That place becomes home-offset, and the
+joint then goes to home, and its limits hold. What ends it: a limit switch, unless home-ignore-limits,
+and twice the way between the limits without a switch or an index.",
+        args: &[&JOINTS],
+        read: |desk, call| Ok(Ask::Home(desk.set(call)?)),
+    },
+    Row {
+        name: "motion.unhome",
+        doc: "Forgets where joints are: soft limits no longer hold.",
+        args: &[&JOINTS],
+        read: |desk, call| Ok(Ask::Unhome(desk.set(call)?)),
+    },
+    Row {
+        name: "motion.jog",
+        doc: "\
+Moves one joint, or one axis along the kinematics.
+
+Without distance= and position= it goes in the direction of its velocity until it is stopped or at
+a limit. A target beyond a limit ends at the limit.",
+        args: &[
+            &JOINT,
+            &AXIS,
+            &Arg::float("velocity", "Velocity in units/s; its sign is the direction.").required(),
+            &Arg::float("distance", "How far, in units: added to where it goes already."),
+            &Arg::float("position", "Where to, in units."),
+        ],
+        read: Desk::jog,
+    },
+    Row {
+        name: "motion.jog-stop",
+        doc: "Brakes the jog of a joint or axis; without either, all.",
+        args: &[&JOINT, &AXIS],
+        read: |desk, call| Ok(Ask::JogStop(desk.what(call)?)),
+    },
+    Row {
+        name: "motion.move",
+        doc: "\
+Moves in a straight line to a position of the axes, after the moves that wait already.
+
+Letters that are not given stay. Velocity and acceleration hold along the line (of x y z; without
+these of u v w; without these of a b c), less where a joint, an axis or the machine allows less. It
+waits while a spindle that is on has no at-speed.",
+        args: &[
+            &Arg::float("x", "Position of x in units."),
+            &Arg::float("y", "Position of y in units."),
+            &Arg::float("z", "Position of z in units."),
+            &Arg::float("a", "Position of a in degrees."),
+            &Arg::float("b", "Position of b in degrees."),
+            &Arg::float("c", "Position of c in degrees."),
+            &Arg::float("u", "Position of u in units."),
+            &Arg::float("v", "Position of v in units."),
+            &Arg::float("w", "Position of w in units."),
+            &Arg::float("velocity", "Velocity in units/s, above 0; default-velocity if missing."),
+            &Arg::float(
+                "acceleration",
+                "Acceleration in units/s², above 0; as allowed if missing.",
+            ),
+        ],
+        read: Desk::move_to,
+    },
+    Row {
+        name: "motion.abort",
+        doc: "Brakes everything, forgets the moves that wait, and stops the spindles.",
+        args: &[],
+        read: |_, _| Ok(Ask::Abort),
+    },
+    Row {
+        name: "motion.spindle",
+        doc: "Turns or stops a spindle.",
+        args: &[
+            &SPINDLE,
+            &Arg::float("speed", "Turns per minute, negative in reverse; 0 stops and brakes."),
+            &Arg::float("override", "Factor for the speed, 0 or more; at first 1."),
+            &Arg::bit("brake", "Closes or opens the brake."),
+        ],
+        read: Desk::spindle,
+    },
+    Row {
+        name: "motion.spindle-orient",
+        doc: "Stops a spindle and turns it to an angle, with orient and is-oriented.",
+        args: &[
+            &SPINDLE,
+            &Arg::float("angle", "Angle in degrees, 0 to 360.").required(),
+            &Arg::int("mode", "Direction: 0 the shorter, 1 clockwise, 2 counterclockwise.").or("0"),
+        ],
+        read: |desk, call| {
+            let angle = number(call, "angle")?.unwrap_or(0.0);
+            if !(0.0..=360.0).contains(&angle) {
+                return Err(Error::new(format!("angle is {angle}, must be 0 to 360")));
+            }
+            let mode = i32::try_from(within(call, "mode", "are 0, 1 and 2", 3)?).unwrap_or(0);
+            Ok(Ask::Orient(desk.number_of_spindle(call)?, angle, mode))
+        },
+    },
+    Row {
+        name: "motion.digital-out",
+        doc: "Sets a pin motion.digital-out-NN at once, as M64 and M65 do.",
+        args: &[&INDEX, &Arg::bit("value", "TRUE or FALSE.").required()],
+        read: |desk, call| {
+            let (n, value) = (output(call, desk.digital_out)?, call.bit("value"));
+            Ok(Ask::Output(Output::Digital(n, value.unwrap_or(false))))
+        },
+    },
+    Row {
+        name: "motion.analog-out",
+        doc: "Sets a pin motion.analog-out-NN at once, as M68 does.",
+        args: &[
+            &INDEX,
+            &Arg::float("value", "The value, in the output's unit; finite.").required(),
+        ],
+        read: |desk, call| {
+            let (n, value) = (output(call, desk.analog_out)?, number(call, "value")?);
+            Ok(Ask::Output(Output::Analog(n, value.unwrap_or(0.0))))
+        },
+    },
+    Row {
+        name: "motion.feed",
+        doc: "Changes how the feed of coordinated moves is scaled.",
+        args: &[
+            &Arg::float("override", "Factor for the feed, 0 or more; at first 1."),
+            &Arg::bit("adaptive", "Whether motion.adaptive-feed counts; at first it does not."),
+            &Arg::bit("hold", "Whether motion.feed-hold counts; at first it does."),
+        ],
+        read: |_, call| {
+            Ok(Ask::Feed(FeedChange {
+                scale: factor(call, "override")?,
+                adaptive: call.bit("adaptive"),
+                hold: call.bit("hold"),
+            }))
+        },
+    },
+    Row {
+        name: "motion.override-limits",
+        doc: "\
+Lets a joint be jogged off a limit switch.
+
+Closed limit switches do not switch the machine off until the next jog has ended.",
+        args: &[],
+        read: |_, _| Ok(Ask::OverrideLimits),
+    },
+];
+
+impl Desk {
+    /// Declares all commands.
+    pub(crate) fn open(self, b: &mut Builder<'_>) -> Result<(), Error> {
+        for row in ROWS {
+            let (desk, read) = (self.clone(), row.read);
+            b.command(row.name, row.doc, row.args, move |call| {
+                let ask = read(&desk, call)?;
+                desk.ask(ask, call)
+            })?;
+        }
+        b.command("motion.configure", configure::DOC, configure::ARGS, move |call| {
+            let mut book = self.book.lock().unwrap_or_else(PoisonError::into_inner);
+            let command = book.read(call, self.joints)?;
+            self.to.send(command).map_err(|_| full())?;
+            book.keep(&command);
+            Ok(())
+        })
+    }
+
+    fn ask(&self, ask: Ask, call: &Call<'_>) -> Result<(), Error> {
+        let ticket = call.ticket()?;
+        self.to.send(Command::Ask(ask, ticket)).map_err(|_| {
+            ticket.fail("too many commands wait");
+            full()
+        })
+    }
+
+    fn set(&self, call: &Call<'_>) -> Result<Joints, Error> {
+        let text = call.text("joint").unwrap_or_default();
+        if text == "all" {
+            return Ok(Joints::MAX);
+        }
+        let n = text
+            .parse()
+            .map_err(|_| Error::new(format!("joint '{text}' is neither a number nor all")))?;
+        joint(n, self.joints).map(|n| 1 << n)
+    }
+
+    fn what(&self, call: &Call<'_>) -> Result<Option<What>, Error> {
+        match (call.int("joint"), call.text("axis")) {
+            (Some(_), Some(_)) => Err(Error::new("joint= and axis= exclude each other")),
+            (Some(n), None) => joint(n, self.joints).map(|n| Some(What::Joint(n))),
+            (None, Some(text)) => {
+                let n = letter(&text)?;
+                self.has_joint(n)?;
+                Ok(Some(What::Axis(n)))
+            }
+            (None, None) => Ok(None),
+        }
+    }
+
+    fn jog(&self, call: &Call<'_>) -> Result<Ask, Error> {
+        let what = self.what(call)?.ok_or_else(|| Error::new("joint= or axis= is missing"))?;
+        let velocity = number(call, "velocity")?.unwrap_or(0.0);
+        let far = match (number(call, "distance")?, number(call, "position")?) {
+            (Some(_), Some(_)) => {
+                return Err(Error::new("distance= and position= exclude each other"));
+            }
+            (Some(d), None) => Far::By(d),
+            (None, Some(p)) => Far::To(p),
+            (None, None) => Far::On,
+        };
+        if velocity == 0.0 {
+            return Err(Error::new("velocity is 0, a jog needs one"));
+        }
+        if velocity < 0.0 && far != Far::On {
+            return Err(Error::new(format!(
+                "velocity is {velocity}, must be above 0: distance= or position= is the direction"
+            )));
+        }
+        Ok(Ask::Jog(Jog { what, velocity, far }))
+    }
+
+    fn move_to(&self, call: &Call<'_>) -> Result<Ask, Error> {
+        let mut to = [f64::NAN; 9];
+        for (n, (place, letter)) in to.iter_mut().zip(LETTERS).enumerate() {
+            if let Some(value) = number(call, letter.encode_utf8(&mut [0; 4]))? {
+                self.has_joint(n)?;
+                *place = value;
+            }
+        }
+        if to.iter().all(|p| p.is_nan()) {
+            return Err(Error::new("a move needs at least one of x= y= z= a= b= c= u= v= w="));
+        }
+        Ok(Ask::Move(Move {
+            to,
+            velocity: above(call, "velocity")?,
+            acceleration: above(call, "acceleration")?,
+        }))
+    }
+
+    /// Refuses an axis letter that no joint follows, if the kinematics declare their letters.
+    fn has_joint(&self, n: usize) -> Result<(), Error> {
+        let k = &self.kinematics;
+        let says = (0..LETTERS.len()).any(|l| k.joint_of(l).is_some());
+        if !says || k.joint_of(n).is_some_and(|j| j < self.joints) {
+            return Ok(());
+        }
+        let letter = LETTERS.get(n).copied().unwrap_or(' ');
+        Err(Error::new(format!("axis {letter} has no joint in these kinematics")))
+    }
+
+    fn number_of_spindle(&self, call: &Call<'_>) -> Result<usize, Error> {
+        within(call, "spindle", &format!("are {}", self.spindles), self.spindles)
+    }
+
+    fn spindle(&self, call: &Call<'_>) -> Result<Ask, Error> {
+        let spindle = self.number_of_spindle(call)?;
+        Ok(Ask::Spindle(SpindleChange {
+            spindle,
+            speed: number(call, "speed")?,
+            scale: factor(call, "override")?,
+            brake: call.bit("brake"),
+        }))
+    }
+}
+
+/// Returns an argument below `count`, or an error that states the number of objects.
+fn within(call: &Call<'_>, name: &str, are: &str, count: usize) -> Result<usize, Error> {
+    let given = call.int(name).unwrap_or(0);
+    usize::try_from(given)
+        .ok()
+        .filter(|n| *n < count)
+        .ok_or_else(|| Error::new(format!("there is no {name} {given}, there {are}")))
+}
+
+fn output(call: &Call<'_>, count: usize) -> Result<usize, Error> {
+    within(call, "index", &format!("are {count} outputs"), count)
+}
+
+fn full() -> Error {
+    Error::new("too many commands wait: is motion-command-handler in a running thread?")
+}
+
+/// Returns a joint number, checked against the number of joints.
+pub(crate) fn joint(given: i64, joints: usize) -> Result<usize, Error> {
+    usize::try_from(given).ok().filter(|n| *n < joints).ok_or_else(|| {
+        Error::new(format!("there is no joint {given}, they are 0 to {}", joints.saturating_sub(1)))
+    })
+}
+
+/// Returns the index of an axis letter.
+pub(crate) fn letter(text: &str) -> Result<usize, Error> {
+    let mut chars = text.chars();
+    let found = match (chars.next(), chars.next()) {
+        (Some(c), None) => LETTERS.iter().position(|l| *l == c.to_ascii_lowercase()),
+        _ => None,
+    };
+    found.ok_or_else(|| Error::new(format!("axis '{text}' is none of x y z a b c u v w")))
+}
+
+fn number(call: &Call<'_>, name: &str) -> Result<Option<f64>, Error> {
+    match call.float(name) {
+        Some(v) if !v.is_finite() => {
+            Err(Error::new(format!("{name} is {v}, must be a finite number")))
+        }
+        given => Ok(given),
+    }
+}
+
+fn above(call: &Call<'_>, name: &str) -> Result<Option<f64>, Error> {
+    match number(call, name)? {
+        Some(v) if v <= 0.0 => Err(Error::new(format!("{name} is {v}, must be above 0"))),
+        given => Ok(given),
+    }
+}
+
+fn factor(call: &Call<'_>, name: &str) -> Result<Option<f64>, Error> {
+    match number(call, name)? {
+        Some(v) if v < 0.0 => Err(Error::new(format!("{name} is {v}, must be 0 or more"))),
+        given => Ok(given),
+    }
+}

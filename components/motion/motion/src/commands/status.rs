@@ -1,0 +1,75 @@
+//! `motion.status`: the state of the machine in a few lines.
+
+use crate::{
+    guards::jump::LastJump,
+    pins::{JointPins, LETTERS, Pins},
+};
+use hal_component::{Builder, Call, Error};
+use std::sync::Arc;
+
+const DOC: &str = "\
+Tells how the machine is: one line for all, one per joint that takes part, one per axis that is not
+at zero. After a joint would have jumped, one line says where, how far and what moved it, until the
+machine is switched on again.";
+
+/// Declares the command.
+pub(crate) fn open(b: &mut Builder<'_>, pins: Pins, last_jump: Arc<LastJump>) -> Result<(), Error> {
+    b.command("motion.status", DOC, &[], move |call| {
+        tell(&pins, &last_jump, call);
+        Ok(())
+    })
+}
+
+fn tell(pins: &Pins, last_jump: &LastJump, call: &Call<'_>) {
+    let g = &pins.general;
+    let mode = match (g.coord_mode.get(), g.teleop_mode.get()) {
+        (true, _) => "coord",
+        (false, true) => "teleop",
+        (false, false) => "free",
+    };
+    call.reply(&format!(
+        "machine enabled={} mode={mode} in-position={} homed={} velocity={:.6} \
+         distance-to-go={:.6}",
+        bit(g.motion_enabled.get()),
+        bit(g.in_position.get()),
+        bit(g.is_all_homed.get()),
+        g.current_vel.get(),
+        g.distance_to_go.get(),
+    ));
+    if let Some(jump) = last_jump.get() {
+        call.reply(&format!(
+            "jump joint={} from={:.6} to={:.6} allowed={:.6} by {}",
+            jump.joint, jump.from, jump.to, jump.allowed, jump.mover
+        ));
+    }
+    for (n, joint) in pins.joints.iter().enumerate().filter(|(_, j)| j.active.get()) {
+        call.reply(&line(n, joint));
+    }
+    for (letter, axis) in LETTERS.iter().zip(&pins.axes).filter(|(_, a)| a.pos_cmd.get() != 0.0) {
+        call.reply(&format!("axis {letter} position={:.6}", axis.pos_cmd.get()));
+    }
+}
+
+fn line(n: usize, joint: &JointPins) -> String {
+    format!(
+        "joint {n} position={:.6} feedback={:.6} velocity={:.6} following-error={:.6} homed={} \
+         in-position={} limit={} error={}",
+        joint.pos_cmd.get(),
+        joint.pos_fb.get(),
+        joint.vel_cmd.get(),
+        joint.f_error.get(),
+        bit(joint.homed.get()),
+        bit(joint.in_position.get()),
+        match (joint.neg_hard_limit.get(), joint.pos_hard_limit.get()) {
+            (true, true) => "both",
+            (true, false) => "negative",
+            (false, true) => "positive",
+            (false, false) => "none",
+        },
+        bit(joint.error.get()),
+    )
+}
+
+const fn bit(value: bool) -> &'static str {
+    if value { "TRUE" } else { "FALSE" }
+}

@@ -1,0 +1,322 @@
+//! Realtime. Homing of one joint: it finds its switch and its encoder's index, or is homed in place.
+
+use crate::{
+    commands::config::{Encoder, HomeConfig},
+    jogger::{By, Room},
+    joint::Joint,
+};
+
+/// A search along the switch; the numbers are the values of `home-state` at its start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Leg {
+    /// Off the switch, if homing began on it.
+    InitialBackoff = 4,
+    /// Towards the switch.
+    Search = 6,
+    /// Off the switch again, before the slow approach.
+    FinalBackoff = 9,
+    /// Slowly onto the switch.
+    Rise = 11,
+    /// Slowly off the switch.
+    Fall = 13,
+}
+
+impl Leg {
+    const fn velocity(self, c: &HomeConfig) -> f64 {
+        match self {
+            Self::InitialBackoff | Self::FinalBackoff => -c.search_vel,
+            Self::Search => c.search_vel,
+            Self::Rise | Self::Fall => c.latch_vel,
+        }
+    }
+
+    /// Returns the switch state that ends the search.
+    const fn until(self) -> bool {
+        matches!(self, Self::Search | Self::Rise)
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Step {
+    #[default]
+    Idle,
+    /// Waits until the joint is at rest.
+    Start,
+    /// Rests before a search.
+    Before(Leg),
+    On(Leg),
+    /// Assigns the home offset to the current position.
+    Here,
+    /// Rests before searching for the index alone.
+    BeforeIndex,
+    OnIndex,
+    /// Rests before the final move.
+    BeforeFinal,
+    Final,
+}
+
+/// Reason why homing of a joint failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Trouble {
+    /// A limit switch closed.
+    Limit,
+    /// The search reached the end of its travel.
+    End,
+    /// The home switch opened unexpectedly.
+    Open,
+    /// The home switch closed unexpectedly.
+    Closed,
+}
+
+impl Trouble {
+    /// Returns the text for the command's ticket.
+    pub(crate) const fn text(self) -> &'static str {
+        match self {
+            Self::Limit => "hit limit while homing",
+            Self::End => "end of move while homing: no home switch or index was found",
+            Self::Open => "home switch inactive before start of backoff move",
+            Self::Closed => "home switch active before start of search move",
+        }
+    }
+
+    /// Returns the message for the operator; the numbers are those of the joint and of `home-state`.
+    pub(crate) const fn say(self) -> &'static str {
+        match self {
+            Self::Limit => "j{} hit limit in home state {}",
+            Self::End => "j{} end of move in home state {}",
+            Self::Open => "j{} home switch inactive before start of backoff move in home state {}",
+            Self::Closed => "j{} home switch active before start of search move in home state {}",
+        }
+    }
+}
+
+/// Rest before each move, in seconds.
+const REST: f64 = 0.1;
+
+/// State of a joint's homing.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Homing {
+    step: Step,
+    rest: f64,
+    pub(crate) homed: bool,
+    /// Pending value of index-enable.
+    index_enable: Option<bool>,
+}
+
+impl Homing {
+    pub(crate) fn is_under_way(&self) -> bool {
+        self.step != Step::Idle
+    }
+
+    /// Returns whether the joint is ready for its final move, on it, or has finished it.
+    pub(crate) fn is_at_final_move(&self) -> bool {
+        match self.step {
+            Step::BeforeFinal => self.rest >= REST,
+            step => matches!(step, Step::Final | Step::Idle),
+        }
+    }
+
+    /// Returns the value of `home-state`.
+    pub(crate) const fn code(&self) -> i32 {
+        match self.step {
+            Step::Idle => 0,
+            Step::Start => 1,
+            Step::Before(leg) => leg as i32,
+            Step::On(leg) => leg as i32 + 1,
+            Step::Here => 15,
+            Step::BeforeIndex => 16,
+            Step::OnIndex => 18,
+            Step::BeforeFinal => 20,
+            Step::Final => 21,
+        }
+    }
+
+    pub(crate) const fn begin(&mut self) {
+        self.step = Step::Start;
+        self.homed = false;
+    }
+
+    /// Aborts homing; a joint that was being homed becomes unhomed.
+    pub(crate) fn abort(&mut self) {
+        if self.step == Step::OnIndex {
+            self.index_enable = Some(false);
+        }
+        self.step = Step::Idle;
+    }
+
+    /// Returns whether the awaited index has arrived, so that the position may have jumped.
+    pub(crate) fn is_at_index(&self, index_enable: bool) -> bool {
+        self.step == Step::OnIndex && !index_enable
+    }
+
+    /// Returns the pending value of index-enable, and clears it.
+    pub(crate) const fn index_wish(&mut self) -> Option<bool> {
+        self.index_enable.take()
+    }
+
+    fn go_on(&mut self, step: Step) {
+        self.step = step;
+        self.rest = 0.0;
+    }
+}
+
+/// Returns the first step of a joint at rest.
+fn first(c: &HomeConfig, is_on: bool) -> Step {
+    if matches!(c.encoder, Encoder::Absolute | Encoder::AbsoluteStill) {
+        Step::Here
+    } else if c.search_vel != 0.0 {
+        Step::Before(if is_on { Leg::InitialBackoff } else { Leg::Search })
+    } else if c.latch_vel != 0.0 {
+        Step::BeforeIndex
+    } else {
+        Step::Here
+    }
+}
+
+/// Runs one cycle of homing. `may_finish`: the joints that make their final move together are ready.
+pub(crate) fn cycle(joint: &mut Joint, dt: f64, may_finish: bool) -> Result<(), Trouble> {
+    let c = joint.config.home;
+    let is_on = joint.senses.at_home;
+    match joint.homing.step {
+        Step::Idle => {}
+        Step::Start => {
+            if !joint.free.tp.active {
+                joint.homing.go_on(first(&c, is_on));
+            }
+        }
+        Step::Before(leg) => {
+            if is_rested(joint, dt) {
+                if is_on == leg.until() {
+                    return Err(if is_on { Trouble::Closed } else { Trouble::Open });
+                }
+                go(joint, leg.velocity(&c));
+                joint.homing.go_on(Step::On(leg));
+            }
+        }
+        Step::On(leg) => {
+            if is_on != leg.until() {
+                return way(joint);
+            }
+            reached(joint, leg);
+        }
+        Step::Here => {
+            match c.encoder {
+                Encoder::Resets | Encoder::Goes => joint.rename(c.offset),
+                Encoder::Absolute | Encoder::AbsoluteStill => joint.offset(c.offset),
+            }
+            joint.homing.go_on(Step::BeforeFinal);
+        }
+        Step::BeforeIndex => {
+            if is_rested(joint, dt) {
+                go(joint, c.latch_vel);
+                look_for_index(joint);
+            }
+        }
+        Step::OnIndex => {
+            if !joint.homing.is_at_index(joint.senses.index_enable) {
+                return way(joint);
+            }
+            if c.encoder == Encoder::Goes {
+                joint.rename(c.offset);
+            } else {
+                joint.offset(c.offset);
+            }
+            joint.free.brake();
+            joint.homing.go_on(Step::BeforeFinal);
+        }
+        Step::BeforeFinal => {
+            if is_rested(joint, dt) && may_finish {
+                if c.encoder != Encoder::AbsoluteStill {
+                    final_move(joint);
+                }
+                joint.homing.go_on(Step::Final);
+            }
+        }
+        Step::Final => {
+            if !joint.free.tp.active {
+                joint.homing.homed = true;
+                joint.homing.go_on(Step::Idle);
+            } else if is_at_limit(joint) {
+                return Err(Trouble::Limit);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Handles the switch reaching the state that ends the search.
+fn reached(joint: &mut Joint, leg: Leg) {
+    let c = joint.config.home;
+    let next = match leg {
+        Leg::InitialBackoff => Leg::Search,
+        Leg::Search => {
+            // Accurate enough for the remaining moves.
+            joint.rename(c.offset);
+            if c.search_vel * c.latch_vel > 0.0 { Leg::FinalBackoff } else { Leg::Fall }
+        }
+        Leg::FinalBackoff => Leg::Rise,
+        Leg::Rise | Leg::Fall if c.use_index => return look_for_index(joint),
+        Leg::Rise | Leg::Fall => {
+            joint.rename(c.offset);
+            joint.free.brake();
+            return joint.homing.go_on(Step::BeforeFinal);
+        }
+    };
+    joint.free.brake();
+    joint.homing.go_on(Step::Before(next));
+}
+
+fn look_for_index(joint: &mut Joint) {
+    joint.homing.index_enable = Some(true);
+    // Ignores an index pulse that arrives before it is armed.
+    joint.senses.index_enable = true;
+    joint.homing.go_on(Step::OnIndex);
+}
+
+/// Returns whether the joint has been at rest for long enough.
+fn is_rested(joint: &mut Joint, dt: f64) -> bool {
+    if joint.free.tp.active {
+        return false;
+    }
+    joint.homing.rest += dt;
+    joint.homing.rest >= REST
+}
+
+const fn is_at_limit(joint: &Joint) -> bool {
+    (joint.senses.at_max || joint.senses.at_min) && !joint.config.home.ignore_limits
+}
+
+/// Checks for events that end a search.
+fn way(joint: &Joint) -> Result<(), Trouble> {
+    if is_at_limit(joint) {
+        Err(Trouble::Limit)
+    } else if joint.free.tp.active {
+        Ok(())
+    } else {
+        Err(Trouble::End)
+    }
+}
+
+/// Starts a search with this velocity, over twice the distance between the limits, wherever they are.
+fn go(joint: &mut Joint, velocity: f64) {
+    let way = 2.0 * (joint.config.max_limit - joint.config.min_limit);
+    let way = if velocity > 0.0 { way } else { -way };
+    to(joint, joint.free.tp.pos + way, velocity.abs());
+}
+
+fn final_move(joint: &mut Joint) {
+    let c = joint.config;
+    let speed = if c.home.final_vel > 0.0 { c.home.final_vel } else { c.max_velocity };
+    to(joint, c.home.place, speed);
+}
+
+/// Moves to a target. HOME and the switch may lie beyond the limits, which apply only once the joint is homed.
+fn to(joint: &mut Joint, target: f64, speed: f64) {
+    let room = Room {
+        min: f64::NEG_INFINITY,
+        max: f64::INFINITY,
+        max_vel: joint.config.max_velocity,
+        max_acc: joint.config.max_acceleration,
+    };
+    joint.free.go(target, speed, &room, By::Homing, None);
+}
