@@ -15,6 +15,7 @@ pub mod faults;
 pub mod foreign;
 pub mod fuzz;
 pub mod golden;
+pub mod imports;
 pub mod judge;
 pub mod machine;
 pub mod pins;

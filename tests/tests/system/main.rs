@@ -1,6 +1,7 @@
 //! The tests of whole programs and machines, in one program: it links once. `tests/README.md` has the map.
 
 mod analysis;
+mod architecture;
 mod components;
 mod engine;
 mod faults;
@@ -8,3 +9,4 @@ mod language;
 mod machines;
 mod peer;
 mod tidy;
+mod words;

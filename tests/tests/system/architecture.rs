@@ -1,0 +1,121 @@
+//! The structure of the code: circles among modules, and the maps of its folders.
+#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "tests; the circles are shown")]
+
+use hal_tests::{
+    imports::{circles, imports},
+    programs::{families, root},
+};
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+};
+
+/// Most modules of a crate that may depend on each other in a circle.
+const MOST: usize = 6;
+
+/// Crates with a larger circle, and its size. A size may only shrink.
+const LARGER: &[(&str, usize)] =
+    &[("compat", 14), ("gcode", 10), ("hal-engine", 58), ("halcmd", 53), ("motion", 15)];
+
+#[test]
+fn no_circle_of_modules_is_large() {
+    let mut crates: BTreeMap<String, PathBuf> =
+        families().into_iter().map(|(name, path)| (name, path.join("src"))).collect();
+    for name in ["abi", "component", "derive", "engine", "ini", "output", "protocol", "trace"] {
+        crates.insert(format!("hal-{name}"), root().join("hal").join(name).join("src"));
+    }
+    crates.insert("halcmd".to_owned(), root().join("halcmd/src"));
+    crates.insert("hal-tests".to_owned(), root().join("tests/src"));
+    let mut larger = BTreeMap::new();
+    for (name, src) in crates {
+        let graph = imports(&src);
+        let found = circles(&graph);
+        let Some(largest) = found.first().filter(|c| c.len() > MOST) else { continue };
+        println!("{name}: {} of {} modules: {}", largest.len(), graph.len(), largest.join(" "));
+        larger.insert(name, largest.len());
+    }
+    let known = LARGER.iter().map(|(name, size)| ((*name).to_owned(), *size)).collect();
+    assert_eq!(larger, known, "crates with a circle of more than {MOST} modules, by its size");
+}
+
+/// Folders of source files, with the page that maps each.
+const MAPS: &[(&str, &str)] = &[
+    ("hal/engine/src", "hal/README.md"),
+    ("halcmd/src", "halcmd/README.md"),
+    ("components/motion/motion/src", "components/motion/README.md"),
+    ("components/motion/kinematics/src", "components/motion/README.md"),
+    ("tests/tests/system", "tests/README.md"),
+];
+
+#[test]
+fn every_room_is_on_a_map() {
+    for (folder, page) in MAPS {
+        let map = fs::read_to_string(root().join(page)).unwrap();
+        for entry in fs::read_dir(root().join(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            let known = match path.is_dir() {
+                true => name == "bin" || name == "tests" || map.contains(&format!("`{name}/`")),
+                false => {
+                    ["lib.rs", "tests.rs", "main.rs"].contains(&name.as_str()) || on(&map, &path)
+                }
+            };
+            assert!(known, "{page}: the map has no `{name}` of {folder}");
+        }
+    }
+}
+
+/// Returns whether a map names a file, or the room of the same name.
+fn on(map: &str, path: &Path) -> bool {
+    let stem = path.file_stem().unwrap().to_string_lossy();
+    map.contains(&format!("`{stem}.rs`")) || map.contains(&format!("`{stem}/`"))
+}
+
+#[test]
+fn every_file_of_a_room_is_on_a_map() {
+    for (folder, page) in MAPS.iter().filter(|(folder, _)| !folder.starts_with("tests/")) {
+        let map = fs::read_to_string(root().join(page)).unwrap();
+        for entry in fs::read_dir(root().join(folder)).unwrap() {
+            let room = entry.unwrap().path();
+            if !room.is_dir() || room.ends_with("bin") || room.ends_with("tests") {
+                continue;
+            }
+            for entry in fs::read_dir(room).unwrap() {
+                let path = entry.unwrap().path();
+                let known = on(&map, &path) || path.ends_with("tests.rs");
+                assert!(known, "{page}: the map has no {}", path.display());
+            }
+        }
+    }
+}
+
+#[test]
+fn every_crate_is_on_the_map_of_its_group() {
+    let mut groups = BTreeMap::new();
+    for (name, path) in families() {
+        let page = path.parent().unwrap().join("README.md");
+        let group = groups.entry(page.clone()).or_insert_with(|| match fs::read_to_string(&page) {
+            Ok(text) => text,
+            Err(_) => String::new(),
+        });
+        let manifest: toml::Table =
+            fs::read_to_string(path.join("Cargo.toml")).unwrap().parse().unwrap();
+        let description = manifest["package"]["description"].as_str().unwrap();
+        let folder = path.file_name().unwrap().to_string_lossy().into_owned();
+        let row = format!("| [`{folder}`]({folder}/) | {description} |");
+        let inside = page.ends_with("compat/README.md");
+        assert!(inside || group.contains(&row), "{}: no row {row} for {name}", page.display());
+    }
+}
+
+#[test]
+fn the_map_of_tests_names_every_folder() {
+    let map = fs::read_to_string(root().join("tests/README.md")).unwrap();
+    for entry in fs::read_dir(root().join("tests")).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        let known = !path.is_dir() || name == "tests" || map.contains(&format!("`{name}/`"));
+        assert!(known, "tests/README.md: the map has no `{name}/`");
+    }
+}
