@@ -1,10 +1,10 @@
-//! How a process ends that is an instance: by a signal, a crash, or a function of a component that
-//! ends it. Whatever it is, outputs go to their safe levels, who it was is said, what was seen is
-//! kept, and no socket is left.
+//! Termination of an instance's process by a signal, by a crash, or by a component that calls a
+//! function such as `exit`. In every case the outputs are driven to their safe levels, the cause is
+//! reported, recordings are kept, and the socket is removed.
 //!
-//! [`Ends`] begins it. `signals.rs` attends to signals and `exits.rs` to the C library's functions;
-//! both lead to `crash.rs`. The thread of `guard.rs` does what a signal handler must not, and ends
-//! the process when the control side does not come back.
+//! [`Ends`] is the entry point. `signals.rs` handles signals and `exits.rs` replaces the C
+//! library's functions; both lead to `crash.rs`. The thread of `guard.rs` does what a signal
+//! handler must not do, and ends the process when the control side does not respond.
 
 pub(crate) mod ending;
 
@@ -45,45 +45,47 @@ use std::{
 };
 use watcher::Watcher;
 
-/// The process whose end is attended to, by its number: not a copy that a component makes of it.
+/// Process ID of the process whose termination is handled; 0 if none. A forked copy of the process
+/// has another ID.
 static OURS: AtomicI32 = AtomicI32::new(0);
-/// The guard's thread of the system; 0: none.
+/// Thread ID of the guard; 0 if none.
 static GUARD: AtomicI32 = AtomicI32::new(0);
-/// Whether the control side is to come back from what it does.
+/// Set when the control side must return from what it is doing.
 static WANTED: AtomicBool = AtomicBool::new(false);
-/// What becomes readable then; -1: nothing.
+/// Event descriptor that becomes readable when [`WANTED`] is set; -1 if none.
 static WAKE: AtomicI32 = AtomicI32::new(-1);
 /// The instances of this process, for threads that may wait.
 static KNOWN: Mutex<Vec<Arc<Instance>>> = Mutex::new(Vec::new());
-/// The same for the thread that has claimed the end of the process: one, but for tests.
+/// The instances of this process, for the thread that has claimed the termination. Only tests have
+/// more than one.
 static INSTANCES: [AtomicPtr<Instance>; 32] = [const { AtomicPtr::new(null_mut()) }; 32];
 
-/// What is known of an instance when its process ends.
+/// Data of an instance that is needed when its process ends.
 #[derive(Debug)]
 pub(crate) struct Instance {
     name: Box<str>,
     shared: Arc<Shared>,
-    /// Its socket and its lock.
+    /// Paths of its socket and of its lock file.
     files: Vec<CString>,
-    /// The control side's thread of the system.
+    /// Thread ID of the control side.
     thread: AtomicI32,
     pub(crate) control: Control,
     remains: AtomicPtr<Remains>,
     saved: Mutex<Saved>,
 }
 
-/// What is loaded.
+/// Everything that is loaded.
 #[derive(Debug, Default)]
 pub(crate) struct Remains {
     /// Every stop action.
     pub(crate) stops: Vec<Arc<Code<CommandRun>>>,
-    /// Where components come from.
+    /// Origin of each component.
     pub(crate) origins: Vec<Origin>,
-    /// Components by their numbers.
+    /// Names of components, by their IDs.
     pub(crate) names: Vec<(u32, Name)>,
 }
 
-/// What is kept when the process ends.
+/// Recordings and programs that are attended to when the process ends.
 #[derive(Debug, Default)]
 struct Saved {
     tape: Option<Arc<Mutex<Tape>>>,
@@ -93,7 +95,7 @@ struct Saved {
 }
 
 impl Instance {
-    /// One that is not attended to yet.
+    /// Creates an instance that is not yet registered.
     pub(crate) fn new(shared: Arc<Shared>, place: &Place) -> Arc<Self> {
         let path = |p: std::path::PathBuf| CString::new(p.as_os_str().as_bytes()).ok();
         Arc::new(Self {
@@ -107,7 +109,7 @@ impl Instance {
         })
     }
 
-    /// Attends to it from now on: it has its socket.
+    /// Registers the instance once it has its socket.
     pub(crate) fn attend(self: &Arc<Self>) {
         all_known().push(self.clone());
         let mine = Arc::into_raw(self.clone()).cast_mut();
@@ -119,7 +121,7 @@ impl Instance {
                 return;
             }
         }
-        // SAFETY: made above, and nobody has seen it.
+        // SAFETY: made above and published nowhere.
         drop(unsafe { Arc::from_raw(mine) });
     }
 
@@ -133,7 +135,7 @@ impl Instance {
         }
     }
 
-    /// Attends to it no more.
+    /// Removes the instance from the register.
     pub(crate) fn leave(self: &Arc<Self>) {
         all_known().retain(|other| !Arc::ptr_eq(other, self));
         let mine = Arc::as_ptr(self).cast_mut();
@@ -143,31 +145,32 @@ impl Instance {
             if place.compare_exchange(mine, null_mut(), order.0, order.1).is_ok() {
                 wait_if_claimed();
                 have_told();
-                // SAFETY: made by `attend`; nobody looks at it any more.
+                // SAFETY: made by `attend`; no thread can reach it any more.
                 drop(unsafe { Arc::from_raw(mine) });
             }
         }
     }
 
-    /// What is loaded is this now.
+    /// Replaces the list of what is loaded.
     pub(crate) fn replace(&self, remains: Remains) {
         let new = Box::into_raw(Box::new(remains));
         // Pairs with `remains`.
         let old = self.remains.swap(new, Ordering::SeqCst);
         wait_if_claimed();
         if !old.is_null() {
-            // SAFETY: made by `Box::into_raw` here, and out of everybody's reach.
+            // SAFETY: made by `Box::into_raw` here; no thread can reach it any more.
             drop(unsafe { Box::from_raw(old) });
         }
     }
 
-    /// What is loaded; for the thread that has claimed the end of the process.
+    /// Returns what is loaded. Only the thread that has claimed the termination may call this.
     fn remains(&self) -> Option<&Remains> {
-        // SAFETY: what was replaced is freed only while nobody has claimed that: see `replace`.
+        // SAFETY: `replace` frees the previous list only while no thread has claimed the
+        // termination.
         unsafe { self.remains.load(Ordering::SeqCst).as_ref() }
     }
 
-    /// No cycle begins any more.
+    /// Prevents further cycles from beginning.
     fn stop_cycles(&self) {
         self.shared.boundary.stop();
     }
@@ -176,17 +179,17 @@ impl Instance {
         self.saved.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The recording is this one now.
+    /// Sets the current recording.
     pub(crate) fn set_tape(&self, tape: Option<Arc<Mutex<Tape>>>) {
         self.saved().tape = tape;
     }
 
-    /// The flight recorder is this one now.
+    /// Sets the current flight recorder.
     pub(crate) fn set_flight(&self, flight: Option<Arc<Mutex<Flight>>>) {
         self.saved().flight = flight;
     }
 
-    /// The programs are these now.
+    /// Sets the list of running programs.
     pub(crate) fn set_programs(&self, programs: Vec<i32>) {
         board::set_programs(&programs);
         self.saved().programs = programs;
@@ -197,7 +200,7 @@ impl Drop for Instance {
     fn drop(&mut self) {
         let last = *self.remains.get_mut();
         if !last.is_null() {
-            // SAFETY: made by `replace`; this was the last who knew it.
+            // SAFETY: made by `replace`; this was the last reference to it.
             drop(unsafe { Box::from_raw(last) });
         }
     }
@@ -207,92 +210,95 @@ fn all_known() -> MutexGuard<'static, Vec<Arc<Instance>>> {
     KNOWN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Every instance that is attended to, for a thread that has not claimed the end: each lives as
-/// long as it is held.
+/// Returns every registered instance, for a thread that has not claimed the termination. Each lives
+/// as long as the result holds it.
 fn known() -> Vec<Arc<Instance>> {
     all_known().clone()
 }
 
-/// Every instance that is attended to, for the thread that has claimed the end.
+/// Iterates over every registered instance, for the thread that has claimed the termination.
 fn instances() -> impl Iterator<Item = &'static Instance> {
-    // SAFETY: what has left is freed only while nobody has claimed the end: see `leave`.
+    // SAFETY: `leave` frees an instance only while no thread has claimed the termination.
     INSTANCES.iter().filter_map(|place| unsafe { place.load(Ordering::SeqCst).as_ref() })
 }
 
-/// What was taken out of reach may still be looked at by the thread that ends the process.
+/// Blocks for good if the termination has been claimed: the thread that ends the process may still
+/// read what was just unpublished.
 fn wait_if_claimed() {
     if is_claimed() {
         park();
     }
 }
 
-/// Whether this process is the one whose end is attended to.
+/// Returns whether this process is the one whose termination is handled, and not a copy that a
+/// component forked.
 fn is_ours() -> bool {
     let ours = OURS.load(Ordering::Relaxed);
     ours != 0 && ours == sys::process()
 }
 
-/// The control side is to come back.
+/// Asks the control side to return from what it is doing.
 fn want() {
     WANTED.store(true, Ordering::Relaxed);
     sys::wake(WAKE.load(Ordering::Relaxed));
 }
 
-/// Realtime. Whether the control side is to come back from what it does.
+/// Realtime. Returns whether the control side must return from what it is doing.
 #[inline]
 pub(crate) fn is_wanted() -> bool {
     WANTED.load(Ordering::Relaxed)
 }
 
-/// Whether a signal has asked this process to end.
+/// Returns whether a signal has asked this process to end.
 pub(crate) fn is_asked() -> bool {
     signals::asked().is_some()
 }
 
-/// What becomes readable when the control side is to come back, if anything does.
+/// Returns the descriptor that becomes readable when the control side must return from what it is
+/// doing, if there is one.
 pub(crate) fn wake() -> Option<std::os::fd::BorrowedFd<'static>> {
     let fd = WAKE.load(Ordering::Relaxed);
     // SAFETY: it is never closed.
     (fd >= 0).then(|| unsafe { std::os::fd::BorrowedFd::borrow_raw(fd) })
 }
 
-/// How this process ends has been said, or goes without saying.
+/// Notes that the watcher need not report the end of this process.
 fn have_told() {
     if let Some(board) = board::board() {
         board.untold.store(0, Ordering::Relaxed);
     }
 }
 
-/// Nothing of the instances is left in their folders, and the terminal is as it was found.
+/// Removes the files of all instances and restores the terminal.
 fn leave_nothing() {
     instances().flat_map(|i| &i.files).for_each(|file| sys::remove(file));
     terminal::restore();
 }
 
-/// Adds a line to what the watcher knows.
+/// Adds a line to the text that the watcher reads.
 fn note(line: core::fmt::Arguments<'_>) {
     if let Some(board) = board::board() {
         board.add(&line.to_string());
     }
 }
 
-/// A function of a component is known by this number.
+/// Tells the watcher the number of a component's function.
 pub(crate) fn note_funct(number: u32, component: &Name, funct: &Name) {
     note(format_args!("f {number} component '{component}', function '{funct}'"));
 }
 
-/// A component has begun threads of its own, or has gone with them.
+/// Tells the watcher that a component has begun threads of its own, or is gone together with them.
 pub(crate) fn note_own_threads(component: &Name, there: bool) {
     note(format_args!("o {} {component}", i32::from(there)));
 }
 
-/// A recording goes to this file.
+/// Tells the watcher the file of the recording.
 pub(crate) fn note_recording(path: &str, inode: u64) {
     let here = std::env::current_dir().unwrap_or_default().join(path);
     note(format_args!("r {inode} {}", here.display()));
 }
 
-/// The end of this process is attended to while this lives.
+/// Guard object: while it lives, the termination of this process is handled.
 #[derive(Debug)]
 pub struct Ends {
     #[expect(dead_code, reason = "the main thread attends to crashes on it")]
@@ -301,8 +307,8 @@ pub struct Ends {
 }
 
 impl Ends {
-    /// Begins to attend. For a program that is one instance and nothing else; from its main thread,
-    /// before there is another one.
+    /// Begins to handle the termination of the process. The program must be one instance and
+    /// nothing else, and must call this from its main thread before it starts another thread.
     #[must_use]
     pub fn begin(program: &str) -> Self {
         board::make();
@@ -317,8 +323,9 @@ impl Ends {
         Self { stack, watcher }
     }
 
-    /// The instance has ended in good order. Returns with the status that the process is to have,
-    /// unless a signal has asked for its end that nobody means an instance by: then that ends it.
+    /// Ends the handling after the instance has shut down in good order. Returns the exit status of
+    /// the process, unless the process was asked to end by a signal that is not meant for
+    /// instances; the process then ends by that signal.
     #[must_use]
     pub fn finish(self, status: u8) -> u8 {
         drop(self);
@@ -330,15 +337,15 @@ impl Ends {
         status
     }
 
-    /// Whoever waits for the end of what this process prints waits no more.
-    /// From now on the watcher prints to the file `log`.
+    /// Detaches the watcher from standard error, so that a reader of this process's output sees its
+    /// end. From now on the watcher prints to the file `log`.
     pub fn be_quiet(&self, log: Option<&std::path::Path>) {
         log.into_iter().for_each(|log| note(format_args!("l 0 {}", log.display())));
         self.watcher.iter().for_each(Watcher::be_quiet);
     }
 
-    /// What there is to say of the signal that has asked this process to end, if nobody means an
-    /// instance by it.
+    /// Returns the message about the signal that has asked this process to end, if that signal is
+    /// not meant for instances.
     #[must_use]
     pub fn said(&self) -> Option<String> {
         let (signal, sender) = signals::asked()?;

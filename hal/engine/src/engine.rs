@@ -103,7 +103,7 @@ pub struct Engine {
     pub(crate) recording: Option<Recording>,
     /// The latest recording, if it could not be written and another `record` has not come yet.
     pub(crate) stopped_recording: Option<StoppedRecording>,
-    /// Whether a recording, or the file of an event, could not be written whole.
+    /// True if a recording, or the file of an event, could not be written whole.
     pub(crate) unwritten: bool,
     pub(crate) flight: Option<Arc<Mutex<Flight>>>,
     pub(crate) probes: Probes,

@@ -31,7 +31,7 @@ pub struct Client {
     given_up: Option<Arc<AtomicBool>>,
 }
 
-/// How long an answer is waited for between two looks at whether it is still wanted.
+/// Interval between two checks whether a reply is still wanted, while waiting for it.
 const LOOK_NS: i64 = 50_000_000;
 const EINTR: i32 = -4;
 const EIO: i32 = -5;
@@ -151,7 +151,7 @@ impl Client {
         }
     }
 
-    /// Whether the engine has ended or closed this connection. Waits for nothing.
+    /// Returns whether the engine has ended or closed this connection. Does not wait.
     #[must_use]
     pub fn is_gone(&self) -> bool {
         let flags = RecvFlags::PEEK | RecvFlags::DONTWAIT;

@@ -326,7 +326,7 @@ pub struct StatusInfo {
 pub struct StoppedRecording {
     /// The file.
     pub file: String,
-    /// Why the system refused to write.
+    /// Reason for which the system refused to write.
     pub reason: String,
     /// When it did, in nanoseconds of machine time.
     pub time: u64,

@@ -1,4 +1,5 @@
-//! What the watcher asks of Linux: a process of its own, and how another one has ended.
+//! System calls of the watcher: forking a process of its own, and finding how another process has
+//! ended.
 
 use super::{sys, watcher::Status};
 use core::ffi::c_int;
@@ -9,43 +10,43 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Where a program goes on after [`fork_away`].
+/// Process in which a call of [`fork_away`] returns.
 pub(super) enum Fork {
     Here,
     There,
     Failed,
 }
 
-/// What the watcher has waited for.
+/// Event that the watcher waited for.
 pub(super) enum Came {
     Byte(u8),
-    /// Nobody holds the other end.
+    /// The other end of the pipe is closed.
     Closed,
     /// The process has ended.
     Ended,
 }
 
-/// The threads of this process, by the system's numbers; none where they are not known.
+/// Returns the thread IDs of this process; empty if they are unknown.
 pub(crate) fn threads() -> BTreeSet<c_int> {
     let Ok(all) = std::fs::read_dir("/proc/self/task") else { return BTreeSet::new() };
     all.filter_map(|entry| entry.ok()?.file_name().to_str()?.parse().ok()).collect()
 }
 
-/// What program a process runs; none for one that ends.
+/// Returns the program that a process runs; `None` if the process is ending.
 pub(super) fn program_of(process: c_int) -> Option<PathBuf> {
     std::fs::read_link(format!("/proc/{process}/exe")).ok()
 }
 
-/// What becomes readable when a process has ended.
+/// Opens a descriptor that becomes readable when a process has ended.
 pub(super) fn pidfd(process: c_int) -> Option<OwnedFd> {
     let process = rustix::process::Pid::from_raw(process)?;
     rustix::process::pidfd_open(process, rustix::process::PidfdFlags::empty()).ok()
 }
 
-/// Goes on in two processes. The new one is nobody's child: a component that waits for all of its
+/// Forks. The new process is not a child of this one, so that a component that waits for all of its
 /// own children does not wait for it.
 pub(super) fn fork_away() -> Fork {
-    // SAFETY: this process has one thread, so that nothing is left half done in the new one.
+    // SAFETY: this process has one thread, so that the fork interrupts no other.
     let child = unsafe { libc::fork() };
     if child < 0 {
         return Fork::Failed;
@@ -62,7 +63,8 @@ pub(super) fn fork_away() -> Fork {
     }
 }
 
-/// In the new process: it has no terminal, no signals, and no files but these and standard error.
+/// Detaches the new process: it has no terminal, no signals, and no files but the given ones and
+/// standard error.
 pub(super) fn be_apart(files: &[&OwnedFd]) {
     // SAFETY: always possible for a process that leads no group.
     unsafe { libc::setsid() };
@@ -90,7 +92,7 @@ fn close_between(first: c_int, last: c_int) {
     }
 }
 
-/// What is printed goes to this file or to nobody, unless it goes to a file already.
+/// Redirects standard error to the log file, or to nowhere, unless it is a regular file already.
 pub(super) fn print_elsewhere(log: Option<&Path>) {
     let is_file = rustix::fs::fstat(std::io::stderr()).is_ok_and(|s| {
         rustix::fs::FileType::from_raw_mode(s.st_mode) == rustix::fs::FileType::RegularFile
@@ -99,7 +101,7 @@ pub(super) fn print_elsewhere(log: Option<&Path>) {
         return;
     }
     match log.and_then(|log| File::options().append(true).open(log).ok()) {
-        // Where the system refuses, the terminal stays.
+        // If the system refuses, the terminal stays.
         Some(log) => rustix::stdio::dup2_stderr(&log).unwrap_or_default(),
         None => redirect(&[libc::STDERR_FILENO]),
     }
@@ -113,7 +115,7 @@ fn redirect(files: &[c_int]) {
     }
 }
 
-/// Waits until the process has ended, or something comes.
+/// Waits until the process has ended, a byte arrives, or the pipe is closed.
 pub(super) fn wait_for(pidfd: &OwnedFd, end: &OwnedFd, is_same: impl Fn() -> bool) -> Came {
     use rustix::event::{PollFd, PollFlags, poll};
     loop {
@@ -142,8 +144,8 @@ fn ends_soon(process: &OwnedFd) -> bool {
     poll(&mut [PollFd::new(process, PollFlags::IN)], Some(&limit)).is_ok_and(|n| n > 0)
 }
 
-/// How a process has ended that is nobody's child here. The system tells it of one that its parent
-/// has not asked about yet, and, if it is new enough, of one that its parent has.
+/// Returns the status of an ended process that is not a child of this one. Linux reports it while
+/// the parent has not yet collected the status and, if recent enough, also afterwards.
 pub(super) fn status_of(process: c_int, pidfd: &OwnedFd) -> Status {
     for _ in 0..100 {
         let code = left_behind(process).or_else(|| told_by(pidfd));
@@ -155,7 +157,8 @@ pub(super) fn status_of(process: c_int, pidfd: &OwnedFd) -> Status {
     Status::Unknown
 }
 
-/// Of a process whose parent has not asked: the last field of its state.
+/// Returns the status of a process whose parent has not collected it: the last field of its `stat`
+/// file.
 fn left_behind(process: c_int) -> Option<c_int> {
     let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
     let mut fields = stat.rsplit(')').next()?.split_whitespace();
@@ -163,11 +166,11 @@ fn left_behind(process: c_int) -> Option<c_int> {
     is_dead.then(|| fields.last()?.parse().ok())?
 }
 
-/// Of a process whose parent has asked: `PIDFD_GET_INFO`.
+/// Returns the status of a process whose parent has collected it, with `PIDFD_GET_INFO`.
 fn told_by(pidfd: &OwnedFd) -> Option<c_int> {
     const EXIT: u64 = 1 << 3;
     const GET_INFO: libc::c_ulong = 0xC040_FF0B;
-    /// As the system has it.
+    /// The kernel's record `pidfd_info`.
     #[repr(C)]
     #[derive(Default)]
     struct Info {

@@ -1,38 +1,38 @@
-//! Realtime. What an instance is at, in memory that outlives it: the watcher reads it when the
+//! Realtime. Shared memory that says what an instance is doing. The watcher reads it after the
 //! process has ended.
 
 use crate::sync::{AtomicI32, AtomicPtr, AtomicU8, AtomicU32, AtomicU64, Ordering};
 use core::{ffi::c_int, ptr::null_mut};
 
-/// How many threads of a machine have a row.
+/// Maximum number of threads that have a row.
 pub(super) const ROWS: usize = 64;
-/// How much text there is room for.
+/// Size of the text in bytes.
 const ROOM: usize = 1 << 20;
-/// No function, no piece of other code.
+/// Number that stands for no function and no other code.
 pub(crate) const NOBODY: u32 = u32::MAX;
 
-/// The memory.
+/// Layout of the shared memory.
 #[repr(C)]
 #[derive(Debug)]
 pub(super) struct Board {
-    /// Whether the end of the process is to be told of.
+    /// Nonzero while the watcher has to report the end of the process.
     pub(super) untold: AtomicU32,
-    /// The code that the control side runs, by its number.
+    /// Number of the component code that the control side runs.
     pub(super) doing: AtomicU32,
-    /// For each thread, the function that it is in; and whether the row is taken.
+    /// Current function of each thread, and whether the row is in use.
     pub(super) rows: [Row; ROWS],
-    /// How long the recording's file is at its last whole record, and how long it becomes by the
-    /// write that is under way.
+    /// Length of the recording's file in bytes up to its last whole record, and its length once the
+    /// write in progress is complete.
     pub(super) recorded: AtomicU64,
     pub(super) recording: AtomicU64,
-    /// Programs that the instance has started; 0: none.
+    /// Process IDs of programs that the instance has started; 0 if none.
     pub(super) programs: [AtomicI32; 64],
-    /// How much of the text counts.
+    /// Number of valid bytes of the text.
     len: AtomicU64,
     text: [AtomicU8; ROOM],
 }
 
-/// A thread's row.
+/// Row of one thread.
 #[repr(C)]
 #[derive(Debug)]
 pub(super) struct Row {
@@ -43,9 +43,9 @@ pub(super) struct Row {
 /// The board of this process, if it has one.
 static BOARD: AtomicPtr<Board> = AtomicPtr::new(null_mut());
 
-/// Has a board made, once.
+/// Creates the board. Called once.
 pub(super) fn make() {
-    // What is new is zero, as is a board on which nothing is written but its rows.
+    // New memory is zero, which is a valid empty board but for its function numbers.
     let board = super::sys::shared(size_of::<Board>()).cast::<Board>();
     // SAFETY: new memory of this size, or null; all zero is a valid board.
     if let Some(made) = unsafe { board.as_ref() } {
@@ -55,14 +55,15 @@ pub(super) fn make() {
     }
 }
 
-/// The board.
+/// Returns the board, if there is one.
 pub(super) fn board() -> Option<&'static Board> {
     // SAFETY: it is never unmapped.
     unsafe { BOARD.load(Ordering::Acquire).as_ref() } // Pairs with `make`.
 }
 
 impl Board {
-    /// Adds a line of text; control side only. A line that has no room is left out.
+    /// Adds a line of text. Only the control side may call this. A line that does not fit is left
+    /// out.
     pub(super) fn add(&self, line: &str) {
         let at = self.len.load(Ordering::Relaxed);
         let from = usize::try_from(at).unwrap_or(ROOM);
@@ -70,7 +71,7 @@ impl Board {
         if rest.len() <= line.len() {
             return;
         }
-        // What ends a line must not be in it.
+        // A newline must not occur inside a line.
         let bytes = line.bytes().map(|b| if b == b'\n' { b' ' } else { b }).chain([b'\n']);
         for (place, byte) in rest.iter().zip(bytes) {
             place.store(byte, Ordering::Relaxed);
@@ -78,7 +79,7 @@ impl Board {
         self.len.store(at + line.len() as u64 + 1, Ordering::Release); // Pairs with `byte`.
     }
 
-    /// A byte of the text; none behind its end.
+    /// Returns a byte of the text; `None` beyond its end.
     pub(super) fn byte(&self, at: usize) -> Option<u8> {
         let len = self.len.load(Ordering::Acquire); // Pairs with `add`.
         let byte = self.text.get(at).filter(|_| (at as u64) < len);
@@ -86,7 +87,7 @@ impl Board {
     }
 }
 
-/// Which function a thread is in, by its number: on the board if there is one.
+/// Number of the function that a thread is in, on the board if there is one.
 #[derive(Debug)]
 pub(crate) struct Current {
     row: Option<&'static Row>,
@@ -94,7 +95,8 @@ pub(crate) struct Current {
 }
 
 impl Current {
-    /// In no function. With the thread's name for those who look on.
+    /// Takes a row for a thread that is in no function yet, and tells the watcher the thread's
+    /// name.
     pub(crate) fn new(thread: &str) -> Self {
         let own = AtomicU32::new(NOBODY);
         let Some(board) = board() else { return Self { row: None, own } };
@@ -108,13 +110,13 @@ impl Current {
         Self { row: row.map(|r| r.1), own }
     }
 
-    /// It is in this one now.
+    /// Sets the current function.
     #[inline]
     pub(crate) fn store(&self, funct: u32, order: Ordering) {
         self.place().store(funct, order);
     }
 
-    /// The function that it is in.
+    /// Returns the current function.
     pub(crate) fn load(&self, order: Ordering) -> u32 {
         self.place().load(order)
     }
@@ -137,15 +139,16 @@ impl Drop for Current {
     }
 }
 
-/// The recording's file is so long at its last whole record, and is about to become so long.
+/// Publishes the length of the recording's file up to its last whole record, and its length once
+/// the write in progress is complete.
 pub(crate) fn record(recorded: u64, recording: u64) {
     if let Some(board) = board() {
         board.recorded.store(recorded, Ordering::Relaxed);
-        board.recording.store(recording, Ordering::Release); // Pairs with the process's end.
+        board.recording.store(recording, Ordering::Release); // The watcher reads it later.
     }
 }
 
-/// The programs of the instance.
+/// Publishes the programs of the instance.
 pub(super) fn set_programs(programs: &[c_int]) {
     let Some(board) = board() else { return };
     let all = programs.iter().copied().chain(core::iter::repeat(0));

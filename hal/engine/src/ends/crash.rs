@@ -1,6 +1,6 @@
-//! What a crash does before the process ends. It runs in signal handlers, whatever the process was
-//! at: it takes no memory from the heap and no lock. Each step is begun once: what crashes in one
-//! goes on with the next.
+//! Steps of a crash before the process ends. They run in a signal handler that may interrupt any
+//! code, so they take neither heap memory nor locks. Each step begins only once: if a step crashes,
+//! the handler continues with the next step.
 
 use super::{
     GUARD, Instance, guard, instances, signals, sys,
@@ -14,58 +14,60 @@ use crate::{
 };
 use core::{ffi::c_int, ptr};
 
-/// The thread of the system that ends this process, by its number; 0: none.
+/// Thread ID of the thread that ends this process; 0 if none.
 static CLAIM: AtomicI32 = AtomicI32::new(0);
-/// The thread of the machine that it was.
+/// Realtime thread that has crashed.
 static CRASHED: AtomicPtr<Thread> = AtomicPtr::new(ptr::null_mut());
-/// By which signal the process ends, or else with which status.
+/// Signal by which the process ends; 0 if it ends with a status.
 static SIGNAL: AtomicI32 = AtomicI32::new(0);
 static STATUS: AtomicI32 = AtomicI32::new(1);
-/// How many stop actions have been begun.
+/// Returns the number of stop actions that have begun.
 static BEGUN: AtomicU32 = AtomicU32::new(0);
-/// Steps that are over: what is said, all stop actions, and what the guard does.
+/// Flags of finished steps: the report, all stop actions, and what the guard saves.
 static TOLD: AtomicBool = AtomicBool::new(false);
 static STOPPED: AtomicBool = AtomicBool::new(false);
 static SAVED: AtomicBool = AtomicBool::new(false);
-/// Goes on while the guard comes on.
+/// Counter that increases while the guard makes progress.
 static PROGRESS: AtomicU64 = AtomicU64::new(0);
 
-/// In how many seconds the process ends even if all else fails.
+/// Time in seconds after which the process ends even if all else fails.
 const LAST_RESORT_S: u32 = 10;
-/// How near the end of a stack an address is that code missed because the stack is used up.
+/// Distance in bytes between the stack pointer and a faulting address below which a stack overflow
+/// is assumed.
 const NEAR: usize = 64 << 10;
-/// How many looks, a millisecond apart, the guard may take without coming on.
+/// Number of polls, a millisecond apart, for which the guard may make no progress.
 const PATIENCE: u32 = 2000;
 
-/// Why a process ends.
+/// Cause of the termination.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Cause<'d> {
-    /// A signal that code raised, or somebody sent.
+    /// A signal that code raised or a process sent.
     Signal { signal: c_int, said: &'static str, shot: Shot },
     /// Code called a function that ends the process, by its name.
     Exit { function: &'static str, status: Option<c_int> },
-    /// A signal asked for it, and the control side does not come back from what it does.
+    /// A signal asked for it, and the control side does not return from what it is doing.
     Asked { signal: c_int, doing: &'d Text },
 }
 
-/// What is known of a signal.
+/// Details of a signal.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Shot {
     /// A fault at this address.
     At(usize),
-    /// An instruction or address that the processor refuses, with no address to tell.
+    /// An instruction or address that the processor refuses, without a reported address.
     Protection,
     /// A port that may not be read or written.
     Port { port: u16, out: bool },
     /// Code of this thread raised it.
     Raised,
-    /// Another process sent it, or this one to itself.
+    /// A process sent it; the process may be this one.
     From(c_int),
 }
 
-/// Whether the process is about to end: nobody else is to do anything any more.
+/// Returns whether the process is about to end, in which case no other thread may do anything more.
 pub(crate) fn is_claimed() -> bool {
-    // Pairs with `claim`: who has taken something out of reach before sees who still looks for it.
+    // Pairs with `claim`: a thread that has unpublished something before sees whether another one
+    // may still read it.
     CLAIM.load(Ordering::SeqCst) != 0
 }
 
@@ -86,7 +88,8 @@ fn claim() -> bool {
     }
 }
 
-/// Ends this process: outputs go to their safe levels, who it was is said, what was seen is kept.
+/// Ends this process: drives the outputs to their safe levels, reports the cause and keeps
+/// recordings.
 pub(super) fn crash(cause: &Cause<'_>, place: Place) -> ! {
     let first = claim();
     sys::end_in(LAST_RESORT_S);
@@ -98,7 +101,7 @@ pub(super) fn crash(cause: &Cause<'_>, place: Place) -> ! {
             Cause::Exit { function: "abort", .. } => {
                 SIGNAL.store(libc::SIGABRT, Ordering::Relaxed);
             }
-            // It is no success that the machine has gone.
+            // A status of 0 would report success, although the machine is gone.
             Cause::Exit { status, .. } => {
                 let status = status.filter(|s| s & 0xff != 0).unwrap_or(1);
                 STATUS.store(status, Ordering::Relaxed);
@@ -126,7 +129,7 @@ pub(super) fn crash(cause: &Cause<'_>, place: Place) -> ! {
     finish()
 }
 
-/// Says on standard error why the process ends, once.
+/// Reports on standard error why the process ends, once.
 pub(super) fn tell() {
     if TOLD.swap(true, Ordering::Relaxed) {
         return;
@@ -137,7 +140,7 @@ pub(super) fn tell() {
     super::have_told();
 }
 
-/// Says who it was and what happened.
+/// Describes the code that has crashed, and the cause.
 fn describe(text: &mut Text, cause: &Cause<'_>, place: Place) {
     if let Cause::Signal { signal, shot: Shot::From(by), .. } = *cause {
         let name = signals::Named(signal);
@@ -153,7 +156,7 @@ fn describe(text: &mut Text, cause: &Cause<'_>, place: Place) {
         text.add(format_args!("{name}, but this does not return: {}", doing.as_str()));
         return;
     }
-    // The control side waits before it frees what is looked at here: see `is_claimed`.
+    // The control side waits before it frees what is read here: see `is_claimed`.
     let remains = instances().find_map(|i| i.remains());
     who::describe(text, place, remains.map_or(&[], |r| &r.origins));
     match *cause {
@@ -188,7 +191,7 @@ fn describe(text: &mut Text, cause: &Cause<'_>, place: Place) {
     }
 }
 
-/// Runs every stop action that nobody has begun yet.
+/// Runs every stop action that has not begun yet.
 pub(super) fn stop_outputs() {
     instances().for_each(Instance::stop_cycles);
     let mut number = 0;
@@ -196,7 +199,7 @@ pub(super) fn stop_outputs() {
         for stop in &remains.stops {
             let next = number + 1;
             let begun = BEGUN.compare_exchange(number, next, Ordering::Relaxed, Ordering::Relaxed);
-            // The process may end because of this one.
+            // This stop action itself may be what ends the process.
             if begun.is_ok() && !who::is_in(stop) {
                 stop.call_mute();
             }
@@ -205,28 +208,28 @@ pub(super) fn stop_outputs() {
     }
 }
 
-/// How many stop actions have been begun.
+/// Returns the number of stop actions that have begun.
 pub(super) fn begun() -> u32 {
     BEGUN.load(Ordering::Relaxed)
 }
 
-/// Whether all of them are over.
+/// Returns whether all stop actions are over.
 pub(super) fn outputs_are_safe() -> bool {
     STOPPED.load(Ordering::Acquire) // Pairs with `crash`.
 }
 
-/// Whether a thread is the one that has crashed: it stays inside its cycle.
+/// Returns whether a thread is the one that has crashed: it never leaves its cycle.
 pub(super) fn has_crashed(thread: &Thread) -> bool {
     ptr::eq(CRASHED.load(Ordering::Relaxed), thread)
 }
 
-/// From the guard: it has come on by a step.
+/// Notes that the guard has made progress. Called by the guard.
 pub(super) fn come_on() {
     PROGRESS.fetch_add(1, Ordering::Relaxed);
     sys::end_in(LAST_RESORT_S);
 }
 
-/// From the guard: what was seen is kept.
+/// Notes that recordings are kept. Called by the guard.
 pub(super) fn have_saved() {
     SAVED.store(true, Ordering::Release); // Pairs with `wait_for_guard`.
 }
@@ -250,7 +253,7 @@ fn wait_for_guard() {
     }
 }
 
-/// The end, as its cause wants it.
+/// Ends the process with the signal or status of its cause.
 pub(super) fn finish() -> ! {
     super::leave_nothing();
     match SIGNAL.load(Ordering::Relaxed) {

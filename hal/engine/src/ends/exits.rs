@@ -1,5 +1,6 @@
-//! The C library's functions that end a process. Ours come before them, in this program and for
-//! every library that it loads, so that a component that calls one is known.
+//! Replacements of the C library's functions that end a process. They take precedence in this
+//! program and in every library that it loads, so that the component that calls one can be
+//! identified.
 
 use super::{
     crash::{self, Cause},
@@ -49,7 +50,7 @@ macro_rules! replaced {
     };
 }
 
-/// How the C library does it.
+/// Method by which the C library's function ends the process.
 #[derive(Clone, Copy)]
 enum Way {
     /// By a function of its own, of this name.
@@ -85,7 +86,7 @@ fn attend(function: &'static str, way: Way, status: c_int, place: Place) -> ! {
     }
 }
 
-/// From now on, `exit` is also noticed where the C library itself calls it.
+/// Makes `exit` noticed also where the C library itself calls it.
 pub(super) fn watch() {
     unsafe extern "C" {
         safe fn on_exit(attends: extern "C" fn(c_int, *mut c_void), with: *mut c_void) -> c_int;
@@ -96,9 +97,9 @@ pub(super) fn watch() {
             crash::crash(&Cause::Exit { function: "exit", status: Some(status) }, place);
         }
     }
-    // Where there is no room for another one, the functions above are left.
+    // If `on_exit` has no room for another function, only the replacements above remain.
     on_exit(attends, core::ptr::null_mut());
-    // Named here, so that the linker takes them into the program.
+    // Named here so that the linker includes them in the program.
     core::hint::black_box(ours());
 }
 

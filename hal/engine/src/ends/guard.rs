@@ -1,6 +1,6 @@
-//! The guard: an ordinary thread that looks after recordings while the control side is busy, keeps
-//! what was seen when the process crashes, and ends the process when a signal asks for that and
-//! the control side does not come back.
+//! The guard: an ordinary thread that writes recordings while the control side is busy, keeps
+//! recordings when the process crashes, and ends the process when a signal asks for that and the
+//! control side does not respond.
 
 use super::{
     GUARD, Instance, WAKE,
@@ -15,44 +15,45 @@ use crate::{
 };
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
-/// How often it looks after recordings, in milliseconds.
+/// Period at which recordings are written, in milliseconds.
 const ROUND_MS: i32 = 500;
-/// How often it looks at the control side that is to come back, in milliseconds.
+/// Period at which the control side is observed once it has been asked to respond, in milliseconds.
 const LOOK_MS: i64 = 16;
-/// After how many looks that have seen the control side busy with the same, or waiting, it does not
-/// come back. Looks at which it had no turn on a processor do not count.
+/// Number of counted observations after which the control side is considered stuck. An observation
+/// counts if the control side is still busy with the same work or waits; if it had no processor
+/// time, the observation does not count.
 const LOOKS: u32 = 4;
-/// After how many looks in all, if none of these counts.
+/// Total number of observations after which the control side is considered stuck, counted or not.
 const MOST_LOOKS: u32 = 125;
-/// What the control side must have used of a processor between two looks, in nanoseconds.
+/// Processor time that the control side must have used between two observations, in nanoseconds.
 const TURN_NS: i64 = 5_000_000;
-/// How many looks a stop action may take.
+/// Number of observations that a stop action may take.
 const STOP_LOOKS: u32 = 32;
-/// How long it waits for threads to come out of their cycles, and for what another thread uses, in
+/// Time to wait for threads to leave their cycles, and for a lock that another thread holds, in
 /// milliseconds.
 const WAIT_MS: u32 = 100;
 
-/// How much stack it has, in bytes: all memory may be locked.
+/// Stack size in bytes; small because all memory may be locked.
 const STACK: usize = 512 << 10;
 
-/// Why the process crashes, for those who keep it.
+/// Cause of the crash, for recordings.
 static WHY: Mutex<Option<Text>> = Mutex::new(None);
 
-/// Keeps why the process crashes.
+/// Stores the cause of the crash.
 pub(super) fn keep(text: &Text) {
-    // Nobody else is there yet.
+    // No other thread uses it yet.
     if let Ok(mut why) = WHY.try_lock() {
         *why = Some(*text);
     }
 }
 
-/// Why the process crashes.
+/// Returns the cause of the crash.
 pub(super) fn why() -> Text {
-    // Its owner may be the thread that has crashed.
+    // The lock's owner may be the thread that has crashed.
     WHY.try_lock().ok().and_then(|why| *why).unwrap_or_else(Text::new)
 }
 
-/// Begins to look; nothing, where the system has no thread for it.
+/// Starts the guard. Does nothing if the system cannot create the thread.
 pub(super) fn begin() {
     let named = std::thread::Builder::new().name("hal-guard".into()).stack_size(STACK);
     drop(named.spawn(run));
@@ -84,28 +85,29 @@ fn run() {
     attend()
 }
 
-/// Ends the process, because the control side does not come back.
+/// Ends the process because the control side does not respond.
 fn end(doing: &Text) -> ! {
     let signal = signals::asked().map_or(libc::SIGTERM, |a| a.0);
     let place = Place { code: 0, stack: sys::stack() };
     crash::crash(&Cause::Asked { signal, doing }, place)
 }
 
-/// What was seen of the control side at the last look.
+/// State of the control side at the latest observation.
 #[derive(Debug, Default)]
 struct Look {
     beats: u64,
     used_ns: i64,
-    /// Looks that count, and looks in all.
+    /// Number of counted observations, and of all observations.
     counted: u32,
     all: u32,
 }
 
 impl Look {
-    /// Looks at the control side; what it does, once it does not come back from that.
+    /// Observes the control side. Returns a description of what it is doing once it is considered
+    /// stuck.
     fn take(&mut self) -> Option<Text> {
         let Some(instance) = known().into_iter().next() else {
-            // None is left, or none is there yet: there is no output to be safe.
+            // No instance is left or none exists yet, so there is no output to make safe.
             *self = Self::default();
             return None;
         };
@@ -135,8 +137,8 @@ impl Look {
     }
 }
 
-/// A crash is under way in another thread: keeps what was seen. Should the other thread not come
-/// through with stop actions, this one goes on with them.
+/// Keeps recordings while another thread handles a crash. If that thread gets stuck in a stop
+/// action, this thread runs the remaining ones.
 fn attend() -> ! {
     let (mut begun, mut looks) = (crash::begun(), 0);
     let mut alone = false;
@@ -159,7 +161,7 @@ fn attend() -> ! {
     crash::park()
 }
 
-/// Keeps what was seen, of every instance.
+/// Keeps the recordings of every instance.
 pub(super) fn save() {
     let why = why();
     for instance in instances() {
@@ -167,7 +169,7 @@ pub(super) fn save() {
     }
 }
 
-/// Takes a lock if that can be had in time: its owner may be the thread that has crashed.
+/// Takes a lock if it becomes free in time: its owner may be the thread that has crashed.
 fn soon<T>(lock: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
     for _ in 0..WAIT_MS {
         match lock.try_lock() {
@@ -180,7 +182,7 @@ fn soon<T>(lock: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
 }
 
 impl Instance {
-    /// The control side may be busy for long: recordings reach their files all the same.
+    /// Writes the recording to its file, also while the control side is busy for long.
     fn look_after_tape(&self) {
         let tape = self.saved().tape.clone();
         if let Some(tape) = tape
@@ -190,7 +192,7 @@ impl Instance {
         }
     }
 
-    /// The thread in whose cycle the control side is: on the virtual clock it runs them.
+    /// Returns the thread whose cycle the control side is running, on the virtual clock.
     fn cycle_of_control(&self) -> Option<Arc<crate::realtime::thread::Thread>> {
         let threads = self.shared.threads.load();
         let inside = threads.iter().find(|t| t.gate.is_inside()).cloned();
@@ -209,7 +211,8 @@ impl Instance {
         text
     }
 
-    /// Whether no cycle is under way but that which has crashed, or soon.
+    /// Waits a little for the cycles in progress to end. Returns whether only the crashed one is
+    /// left.
     fn is_still(&self) -> bool {
         let threads = self.shared.threads.load_full();
         (0..WAIT_MS).any(|_| {
@@ -244,7 +247,7 @@ impl Instance {
         crash::come_on();
     }
 
-    /// Says what components have said and the control side has not heard.
+    /// Prints messages of components that the control side has not yet read.
     fn say_rest(&self) {
         let name_of = |id: u32| {
             let names = self.remains().map_or(&[][..], |r| &r.names);
@@ -265,8 +268,9 @@ impl Instance {
 mod tests {
     use super::{LOOK_MS, LOOKS};
 
-    /// Within a tenth of a second. The first look counts nothing: it sees where the control side
-    /// is. The rest of the time is for the processor and the stop actions.
+    /// A signal is heeded within a tenth of a second. The first observation counts nothing, because
+    /// it only sees what the control side is doing. The rest of the time is for the processor and
+    /// the stop actions.
     #[test]
     fn a_signal_is_heeded_in_time() {
         assert!(LOOK_MS * i64::from(LOOKS + 1) <= 80);

@@ -1,16 +1,16 @@
-//! Which library an address belongs to, as `/proc/self/maps` has it; without memory from the heap.
+//! Lookup of the library that an address belongs to, in `/proc/self/maps` and without heap memory.
 
 use super::sys;
 
-/// The longest line of the file that is looked at.
+/// Longest line of the file that is read; the rest of a longer line is ignored.
 const LINE: usize = 512;
 
-/// A part of a library that holds code.
+/// Executable range of a library.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Code {
-    /// Its first address.
+    /// First address.
     from: usize,
-    /// The first address behind it.
+    /// First address behind the range.
     to: usize,
 }
 
@@ -20,7 +20,8 @@ impl Code {
     }
 }
 
-/// Hands every mapped file's code to `look`, until that says true: its addresses and its path.
+/// Passes the address range and the path of every executable mapping of a file to `look`, until it
+/// returns true.
 pub(super) fn each(mut look: impl FnMut(Code, &str) -> bool) {
     let Some(file) = sys::open_read(c"/proc/self/maps") else { return };
     let (mut line, mut used) = ([0_u8; LINE], 0);
@@ -48,7 +49,7 @@ pub(super) fn each(mut look: impl FnMut(Code, &str) -> bool) {
     sys::close(file);
 }
 
-/// A line of code that comes from a file.
+/// Parses a line, if it describes code that comes from a file.
 fn parsed(line: &str) -> Option<(Code, &str)> {
     let mut words = line.splitn(6, ' ');
     let (range, rights) = (words.next()?, words.next()?);
@@ -61,7 +62,7 @@ fn parsed(line: &str) -> Option<(Code, &str)> {
     Some((Code { from: number(from)?, to: number(to)? }, path))
 }
 
-/// The file that an address of code lies in.
+/// Returns the file that contains an address of code.
 pub(crate) fn file_of(address: usize) -> Option<Box<str>> {
     let mut found = None;
     each(|code, path| {

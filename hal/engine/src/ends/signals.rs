@@ -1,4 +1,4 @@
-//! The signals that end a process, and how each is attended to.
+//! Signals that end a process, and the handling of each.
 
 use super::{
     crash::{self, Cause, Shot},
@@ -7,18 +7,18 @@ use super::{
 use crate::sync::{AtomicI32, Ordering};
 use core::ffi::{c_int, c_void};
 
-/// What a signal does to an instance.
+/// Effect of a signal on an instance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Effect {
-    /// People and the system end an instance by it: it ends in good order, and its status tells of
-    /// its work.
+    /// The usual way to end an instance: the instance shuts down in good order, and its exit status
+    /// reports the result of its work.
     Ends,
-    /// Nobody means an instance by it, and it would end the process: the instance ends in good
-    /// order, and the process by the signal.
+    /// Not meant for an instance, but would end the process: the instance shuts down in good order,
+    /// and the process ends by the signal.
     Unmeant,
-    /// Code has failed: so it is called.
+    /// Code has failed; with the name of the failure.
     Crash(&'static str),
-    /// None: the write that it is about fails.
+    /// None; the write that caused it fails.
     Ignored,
 }
 
@@ -50,7 +50,7 @@ const SIGNALS: &[(c_int, &str, Effect)] = &[
     (libc::SIGXFSZ, "SIGXFSZ", Ignored),
 ];
 
-/// The first signal that asked this process to end, and who sent it; 0: none, nobody.
+/// First signal that asked this process to end, and the process that sent it; 0 if none.
 static ASKED: AtomicI32 = AtomicI32::new(0);
 static SENDER: AtomicI32 = AtomicI32::new(0);
 
@@ -69,34 +69,36 @@ impl core::fmt::Display for Named {
     }
 }
 
-/// The first signal that asked this process to end, and the process that sent it, if one did.
+/// Returns the first signal that asked this process to end, and the process that sent it, if one
+/// did.
 pub(super) fn asked() -> Option<(c_int, Option<c_int>)> {
     let signal = ASKED.load(Ordering::Relaxed);
     let sender = SENDER.load(Ordering::Relaxed);
     (signal != 0).then_some((signal, (sender != 0).then_some(sender)))
 }
 
-/// Whether a signal ends the process itself, when the instance has ended in good order.
+/// Returns whether the process ends by this signal after the instance has shut down in good order.
 pub(super) fn is_unmeant(signal: c_int) -> bool {
     !SIGNALS.iter().any(|s| s.0 == signal && s.2 == Ends)
 }
 
-/// Attends to all of them from now on.
+/// Installs the handlers of all signals.
 pub(super) fn watch() {
     let realtime = libc::SIGRTMIN()..=libc::SIGRTMAX();
     let all = SIGNALS.iter().map(|s| (s.0, s.2)).chain(realtime.map(|s| (s, Unmeant)));
     for (signal, effect) in all {
-        // A script's shell has SIGINT and SIGQUIT ignored for what it starts in the background: people
-        // send them all the same.
+        // A script's shell ignores SIGINT and SIGQUIT for what it starts in the background, but
+        // people send them all the same.
         let meant = [libc::SIGINT, libc::SIGTERM, libc::SIGQUIT].contains(&signal);
         match effect {
-            // Not ignored: programs that are started from here would be without it.
+            // Handled rather than ignored, because programs that are started from here would
+            // inherit that.
             Ignored => sys::attend(signal, on_nothing, libc::SA_SIGINFO | libc::SA_RESTART),
-            // Whoever started this process has it ignored: it ends nothing.
+            // The parent process has it ignored, so it ends nothing.
             Ends | Unmeant if !meant && sys::is_ignored(signal) => {}
-            // Waits of this process end when it comes.
+            // Without SA_RESTART, so that it interrupts waits of this process.
             Ends | Unmeant => sys::attend(signal, on_asked, libc::SA_SIGINFO),
-            // A component may have used up its stack, and what a crash does may crash.
+            // A component may have used up its stack, and the handling of a crash may itself crash.
             Crash(_) => {
                 let flags = libc::SA_SIGINFO | libc::SA_ONSTACK | libc::SA_NODEFER;
                 sys::attend(signal, on_crash, flags);
@@ -105,7 +107,7 @@ pub(super) fn watch() {
     }
 }
 
-/// Nothing is attended to any more: what comes now finds a process without an instance.
+/// Restores the default action of crash signals. No instance is left that they could affect.
 pub(super) fn unwatch() {
     for (signal, _, effect) in SIGNALS {
         if matches!(effect, Crash(_)) {
@@ -114,7 +116,8 @@ pub(super) fn unwatch() {
     }
 }
 
-/// In a thread of the engine's own: signals that ask go to the others.
+/// Blocks the signals that ask for the end in a thread of the engine, so that other threads receive
+/// them.
 pub(super) fn leave_to_others() {
     let mut set = sys::empty_set();
     let realtime = libc::SIGRTMIN()..=libc::SIGRTMAX();
@@ -127,12 +130,12 @@ pub(super) fn leave_to_others() {
 /// Called by the system.
 unsafe extern "C" fn on_asked(signal: c_int, info: *mut libc::siginfo_t, _: *mut c_void) {
     if !is_ours() {
-        // In a copy of this process that a component made.
+        // This is a copy of the process that a component forked.
         sys::die(signal);
     }
     // SAFETY: the system's record.
     let info = unsafe { info.as_ref() };
-    // Those of timers, and the system's own, have no sender.
+    // Signals of timers and of the kernel have no sender.
     let sent =
         info.filter(|i| [libc::SI_USER, libc::SI_QUEUE, libc::SI_TKILL].contains(&i.si_code));
     if ASKED.compare_exchange(0, signal, Ordering::Relaxed, Ordering::Relaxed).is_ok() {
@@ -178,7 +181,7 @@ unsafe extern "C" fn on_crash(signal: c_int, info: *mut libc::siginfo_t, context
     crash::crash(&Cause::Signal { signal, said, shot }, place);
 }
 
-/// The code of a fault that is about no address.
+/// `si_code` of a fault without an address.
 const SI_KERNEL: c_int = 0x80;
 
 fn sender_of(info: &libc::siginfo_t) -> c_int {
@@ -192,7 +195,7 @@ mod tests {
 
     #[test]
     fn every_signal_that_ends_a_process_is_here_once() {
-        // What stops, continues or does nothing by default, and what cannot be caught.
+        // Signals that stop, continue or do nothing by default, and those that cannot be caught.
         let others = [
             libc::SIGKILL,
             libc::SIGSTOP,

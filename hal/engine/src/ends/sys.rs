@@ -1,4 +1,4 @@
-//! What the end of a process asks of Linux. Everything here may be called in a signal handler.
+//! System calls for the end of a process. Every function here may be called in a signal handler.
 
 use super::who::Place;
 use core::{
@@ -13,7 +13,7 @@ pub(super) fn open_read(path: &CStr) -> Option<c_int> {
     (file >= 0).then_some(file)
 }
 
-/// Reads; 0 at the end and on an error.
+/// Reads into `bytes`. Returns the number of bytes, 0 at the end and on an error.
 pub(super) fn read(file: c_int, bytes: &mut [u8]) -> usize {
     loop {
         // SAFETY: a live buffer.
@@ -30,8 +30,8 @@ pub(super) fn close(file: c_int) {
     unsafe { libc::close(file) };
 }
 
-/// Writes to standard error. Nobody is left to be told that it failed, or to wait for a reader that
-/// does not read.
+/// Writes to standard error. Errors are ignored, and so is a reader that does not read: there is no
+/// one left to report them to.
 pub(crate) fn complain(text: &str) {
     let mut rest = text.as_bytes();
     while !rest.is_empty() {
@@ -57,7 +57,7 @@ fn errno() -> c_int {
     unsafe { place.read() }
 }
 
-/// Does something in a signal handler that the interrupted code is not to see by its error number.
+/// Runs `act` in a signal handler without changing the `errno` of the interrupted code.
 pub(super) fn unseen(act: impl FnOnce()) {
     let before = errno();
     act();
@@ -67,19 +67,19 @@ pub(super) fn unseen(act: impl FnOnce()) {
     unsafe { place.write(before) };
 }
 
-/// The number of this process.
+/// Returns the process ID.
 pub(super) fn process() -> c_int {
     // SAFETY: always answers.
     unsafe { libc::getpid() }
 }
 
-/// The number of this thread.
+/// Returns the thread ID.
 pub(super) fn thread() -> c_int {
     // SAFETY: always answers.
     unsafe { libc::gettid() }
 }
 
-/// The name of this thread.
+/// Returns the name of this thread.
 pub(super) fn thread_name(room: &mut [u8; 16]) -> &str {
     // SAFETY: 16 bytes are what the system wants.
     unsafe { libc::prctl(libc::PR_GET_NAME, room.as_mut_ptr()) };
@@ -87,7 +87,7 @@ pub(super) fn thread_name(room: &mut [u8; 16]) -> &str {
     core::str::from_utf8(room.get(..end).unwrap_or_default()).unwrap_or("?")
 }
 
-/// Sleeps for so many milliseconds, or less.
+/// Sleeps for at most `ms` milliseconds.
 pub(super) fn nap(ms: i64) {
     let time = libc::timespec { tv_sec: ms / 1000, tv_nsec: ms % 1000 * 1_000_000 };
     // SAFETY: `time` lives across the call.
@@ -100,18 +100,18 @@ pub(super) fn remove(path: &CStr) {
     unsafe { libc::unlink(path.as_ptr()) };
 }
 
-/// Copies words of this process's memory; how many could be read.
+/// Copies words of this process's memory. Returns the number of words that could be read.
 pub(super) fn peek(from: usize, words: &mut [usize]) -> usize {
     let local = libc::iovec { iov_base: words.as_mut_ptr().cast(), iov_len: size_of_val(words) };
     let base = core::ptr::without_provenance_mut(from);
     let remote = libc::iovec { iov_base: base, iov_len: size_of_val(words) };
-    // SAFETY: the system checks what it reads; the words are a live place.
+    // SAFETY: the system checks the address that it reads; the words are a live buffer.
     let n =
         unsafe { libc::process_vm_readv(process(), &raw const local, 1, &raw const remote, 1, 0) };
     usize::try_from(n).unwrap_or(0) / size_of::<usize>()
 }
 
-/// Ends this process at once, whatever its threads do.
+/// Ends this process at once, without regard to its other threads.
 pub(super) fn leave(status: c_int) -> ! {
     loop {
         // SAFETY: nothing of this process is left to look after.
@@ -119,7 +119,7 @@ pub(super) fn leave(status: c_int) -> ! {
     }
 }
 
-/// Ends this process by a signal, as if nobody had caught it.
+/// Ends this process by a signal with its default action.
 pub(super) fn die(signal: c_int) -> ! {
     set_default(signal);
     let mut only = empty_set();
@@ -128,24 +128,24 @@ pub(super) fn die(signal: c_int) -> ! {
     unsafe { libc::pthread_sigmask(libc::SIG_UNBLOCK, &raw const only, null_mut()) };
     // SAFETY: ends the process.
     unsafe { libc::raise(signal) };
-    // One whose default is to be ignored.
+    // The default action is to ignore this signal.
     leave(128 + signal)
 }
 
-/// Gives a signal its own effect back.
+/// Restores the default action of a signal.
 pub(super) fn set_default(signal: c_int) {
     // SAFETY: the default is always valid.
     unsafe { libc::signal(signal, libc::SIG_DFL) };
 }
 
-/// The process is ended in so many seconds, should it still be there.
+/// Arranges that the process ends after `seconds`, if it still exists then.
 pub(super) fn end_in(seconds: u32) {
     set_default(libc::SIGALRM);
     // SAFETY: a request to the system.
     unsafe { libc::alarm(seconds) };
 }
 
-/// No signals.
+/// Returns the empty set of signals.
 pub(super) fn empty_set() -> libc::sigset_t {
     // SAFETY: all zero is a valid set.
     let mut set = unsafe { core::mem::zeroed() };
@@ -154,7 +154,7 @@ pub(super) fn empty_set() -> libc::sigset_t {
     set
 }
 
-/// New memory that copies of this process share with it; null where there is none.
+/// Maps new memory that is shared with forked copies of this process; null if there is none.
 pub(super) fn shared(bytes: usize) -> *mut c_void {
     let (prot, flags) = (
         libc::PROT_READ | libc::PROT_WRITE,
@@ -165,10 +165,10 @@ pub(super) fn shared(bytes: usize) -> *mut c_void {
     if at == libc::MAP_FAILED { null_mut() } else { at }
 }
 
-/// What attends to a signal.
+/// Signal handler.
 pub(super) type Attends = unsafe extern "C" fn(c_int, *mut libc::siginfo_t, *mut c_void);
 
-/// Attends to a signal.
+/// Installs a handler for a signal.
 pub(super) fn attend(signal: c_int, attends: Attends, flags: c_int) {
     let mut action = no_action();
     action.sa_sigaction = attends as *const () as usize;
@@ -177,7 +177,7 @@ pub(super) fn attend(signal: c_int, attends: Attends, flags: c_int) {
     unsafe { libc::sigaction(signal, &raw const action, null_mut()) };
 }
 
-/// Whether a signal has no effect.
+/// Returns whether a signal is ignored.
 pub(super) fn is_ignored(signal: c_int) -> bool {
     let mut now = no_action();
     // SAFETY: a place for the action.
@@ -196,13 +196,13 @@ pub(super) fn add(set: &mut libc::sigset_t, signal: c_int) {
     unsafe { libc::sigaddset(set, signal) };
 }
 
-/// This thread gets none of these signals.
+/// Blocks these signals in this thread.
 pub(super) fn block(set: &libc::sigset_t) {
     // SAFETY: a live set.
     unsafe { libc::pthread_sigmask(libc::SIG_BLOCK, set, null_mut()) };
 }
 
-/// Where a thread was when a signal came, and what its register DX held.
+/// Returns where a thread was when a signal arrived, and the value of its register DX.
 #[cfg(target_arch = "x86_64")]
 pub(super) fn place(context: *mut c_void) -> (Place, u64) {
     // SAFETY: the system's record of the thread.
@@ -217,7 +217,7 @@ pub(super) fn place(context: *mut c_void) -> (Place, u64) {
     (place, register(libc::REG_RDX))
 }
 
-/// Where a thread was when a signal came.
+/// Returns where a thread was when a signal arrived.
 #[cfg(target_arch = "aarch64")]
 pub(super) fn place(context: *mut c_void) -> (Place, u64) {
     // SAFETY: the system's record of the thread.
@@ -227,13 +227,14 @@ pub(super) fn place(context: *mut c_void) -> (Place, u64) {
     (Place { code, stack: at(context.map(|c| c.uc_mcontext.sp)) }, 0)
 }
 
-/// Elsewhere it is not known.
+/// Unknown on other processors.
 #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
 pub(super) fn place(_: *mut c_void) -> (Place, u64) {
     (Place { code: 0, stack: 0 }, 0)
 }
 
-/// The port that the instruction at this address reads or writes, if it does either.
+/// Returns the port that the instruction at this address accesses, and whether it writes; `None`
+/// for other instructions.
 pub(super) fn port_at(code: usize, dx: u64) -> Option<(u16, bool)> {
     let mut bytes = [0];
     let read = peek(code, &mut bytes);
@@ -250,7 +251,7 @@ pub(super) fn port_at(code: usize, dx: u64) -> Option<(u16, bool)> {
     }
 }
 
-/// Gives up as the C library does: by SIGABRT, whoever attends to that.
+/// Raises SIGABRT as the C library does, with its current handler, and then ends by it.
 pub(super) fn abort() -> ! {
     let mut only = empty_set();
     add(&mut only, libc::SIGABRT);
@@ -261,40 +262,40 @@ pub(super) fn abort() -> ! {
     die(libc::SIGABRT)
 }
 
-/// About where this thread's stack ends.
+/// Returns an address near this thread's stack pointer.
 pub(super) fn stack() -> usize {
     let here = 0_u8;
     (&raw const here).addr()
 }
 
-/// A number that becomes readable by [`wake`], and stays so; -1 where there is none.
+/// Creates a descriptor that becomes readable by [`wake`] and stays so; -1 if the system refuses.
 pub(super) fn waker() -> c_int {
     // SAFETY: a request to the system.
     unsafe { libc::eventfd(0, libc::EFD_CLOEXEC | libc::EFD_NONBLOCK) }
 }
 
-/// Makes a waker readable.
+/// Makes the descriptor of [`waker`] readable.
 pub(super) fn wake(waker: c_int) {
     let one = 1_u64;
     // SAFETY: a live number.
     unsafe { libc::write(waker, (&raw const one).cast(), size_of::<u64>()) };
 }
 
-/// Waits until a waker is readable, or so many milliseconds.
+/// Waits until the descriptor of [`waker`] is readable, at most `ms` milliseconds.
 pub(super) fn wait(waker: c_int, ms: c_int) {
     let mut look = libc::pollfd { fd: waker, events: libc::POLLIN, revents: 0 };
     // SAFETY: a live record.
     unsafe { libc::poll(&raw mut look, 1, ms) };
 }
 
-/// A stack of its own for signals of a thread: what it runs may have used up its own.
+/// Separate signal stack of a thread, since code of the thread may have used up its normal stack.
 #[derive(Debug)]
 pub(crate) struct Stack(*mut c_void);
 
 impl Stack {
     const BYTES: usize = 64 << 10;
 
-    /// That of this thread, while it lives.
+    /// Installs a signal stack for this thread, until the value is dropped.
     pub(crate) fn new() -> Self {
         let (prot, flags) =
             (libc::PROT_READ | libc::PROT_WRITE, libc::MAP_PRIVATE | libc::MAP_ANONYMOUS);
@@ -304,7 +305,7 @@ impl Stack {
             return Self(null_mut());
         }
         let stack = libc::stack_t { ss_sp: at, ss_flags: 0, ss_size: Self::BYTES };
-        // SAFETY: memory that is nobody else's.
+        // SAFETY: memory that nothing else uses.
         unsafe { libc::sigaltstack(&raw const stack, null_mut()) };
         Self(at)
     }
@@ -316,9 +317,9 @@ impl Drop for Stack {
             return;
         }
         let none = libc::stack_t { ss_sp: null_mut(), ss_flags: libc::SS_DISABLE, ss_size: 0 };
-        // SAFETY: no signal is being attended to on it.
+        // SAFETY: no signal handler runs on it.
         unsafe { libc::sigaltstack(&raw const none, null_mut()) };
-        // SAFETY: mapped by `new`, and nobody's any more.
+        // SAFETY: mapped by `new`, and no longer in use.
         unsafe { libc::munmap(self.0, Self::BYTES) };
     }
 }

@@ -1,12 +1,13 @@
-//! The terminal as it was found: a process that ends while somebody edits a line leaves it so.
+//! The state of the terminal at the start. A process that ends while a user edits a line restores
+//! it.
 
 use crate::sync::{AtomicPtr, Ordering};
 use core::{mem::MaybeUninit, ptr::null_mut};
 
-/// How the terminal was found.
+/// State of the terminal at the start.
 static TERMINAL: AtomicPtr<libc::termios> = AtomicPtr::new(null_mut());
 
-/// Notes how the terminal is, if there is one.
+/// Saves the state of the terminal, if there is one.
 pub(super) fn keep() {
     let mut found = MaybeUninit::<libc::termios>::zeroed();
     // SAFETY: a place for the state.
@@ -17,7 +18,7 @@ pub(super) fn keep() {
     }
 }
 
-/// Puts the terminal right again, unless other programs have it.
+/// Restores the terminal, unless another program is in its foreground.
 pub(super) fn restore() {
     let found = TERMINAL.load(Ordering::Acquire); // Pairs with `keep`.
     // SAFETY: a request to the system.
@@ -25,7 +26,7 @@ pub(super) fn restore() {
     // SAFETY: as above.
     let ours = holder == unsafe { libc::getpgrp() };
     if !found.is_null() && ours {
-        // SAFETY: kept for good by `keep`.
+        // SAFETY: saved by `keep` and never freed.
         unsafe { libc::tcsetattr(libc::STDIN_FILENO, libc::TCSANOW, found) };
     }
 }

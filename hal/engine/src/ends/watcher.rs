@@ -1,5 +1,6 @@
-//! The watcher: a small process that outlives the instance's. It says how that has ended when it
-//! could not say so itself: by SIGKILL, or by a system call of a component's own.
+//! The watcher: a small process that outlives the instance's process. It reports how that process
+//! ended when that process could not: after SIGKILL, or after a component ended it by a direct
+//! system call.
 
 use super::{
     apart,
@@ -15,18 +16,19 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// What the instance's process holds: as long as it runs this program, the other end stays open.
+/// Handle in the instance's process. While that process runs this program, this end of the pipe
+/// stays open.
 #[derive(Debug)]
 pub(super) struct Watcher {
     leash: OwnedFd,
 }
 
-/// Said on the leash: what is printed belongs to nobody any more.
+/// Command on the pipe: detach from standard error.
 const QUIET: u8 = b'q';
 
 impl Watcher {
-    /// Begins to watch this process; nothing, where the system does not let it, or where this
-    /// process has more threads than this one.
+    /// Begins to watch this process. Returns `None` if the system refuses, or if the process has
+    /// more than one thread.
     pub(super) fn begin(program: &str) -> Option<Self> {
         if apart::threads().len() != 1 {
             return None;
@@ -46,25 +48,26 @@ impl Watcher {
         }
     }
 
-    /// Whoever waits for the end of what this process prints is to wait no more.
+    /// Detaches the watcher from standard error, so that a reader of this process's output sees its
+    /// end.
     pub(super) fn be_quiet(&self) {
-        // Where it has ended there is nobody to be quiet.
+        // If the watcher has ended, there is nothing to detach.
         rustix::io::write(&self.leash, &[QUIET]).unwrap_or_default();
     }
 }
 
-/// How a process has ended.
+/// Result of an ended process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Status {
     Exit(c_int),
     Signal(c_int),
-    /// It goes on as another program.
+    /// Continues as another program (exec).
     Replaced,
     Unknown,
 }
 
 impl Status {
-    /// As `wait` has it.
+    /// Decodes a status of `wait`.
     pub(super) const fn of(code: c_int) -> Self {
         match code & 0x7f {
             0 => Self::Exit((code >> 8) & 0xff),
@@ -73,10 +76,10 @@ impl Status {
     }
 }
 
-/// In the watcher: until the process has ended, and then what is left to do.
+/// Main function of the watcher: waits until the process has ended, then cleans up and reports.
 fn watch(program: &str, process: c_int, pidfd: &OwnedFd, end: &OwnedFd) {
     let own = apart::program_of(process);
-    // One that ends runs no program.
+    // A process that is ending runs no program.
     let is_same = || apart::program_of(process).is_none_or(|now| Some(now) == own);
     let status = loop {
         match apart::wait_for(pidfd, end, is_same) {
@@ -98,13 +101,13 @@ fn watch(program: &str, process: c_int, pidfd: &OwnedFd, end: &OwnedFd) {
     sys::complain(&format!("{program}: {}\n", known.say(board, status)));
 }
 
-/// What the text on the board says.
+/// Contents of the text on the board.
 #[derive(Debug, Default)]
 struct Known {
     instance: String,
     files: Vec<PathBuf>,
     recording: Option<(u64, PathBuf)>,
-    /// Where it prints in the background.
+    /// Log file of an instance in the background.
     log: Option<PathBuf>,
     threads: BTreeMap<usize, String>,
     functs: BTreeMap<u32, String>,
@@ -137,7 +140,8 @@ impl Known {
         known
     }
 
-    /// Ends the recording at its last whole record, the instance's programs, and its socket.
+    /// Truncates the recording after its last whole record, ends the instance's programs, and
+    /// removes its socket.
     fn leave_nothing(&self, board: &Board) {
         let programs = board.programs.iter().map(|p| p.load(Ordering::Relaxed));
         programs.filter(|p| *p > 1).for_each(|p| os::end_process(p, false));
@@ -151,26 +155,26 @@ impl Known {
             && found.len() > recorded
             && found.len() != recording
         {
-            // A system that refuses that leaves part of a record.
+            // If the system refuses, part of a record remains.
             drop(file.set_len(recorded));
         }
         self.remove_files();
     }
 
-    /// Removes socket and lock, unless another instance has taken them.
+    /// Removes the socket and the lock file, unless another instance has taken them.
     fn remove_files(&self) {
         let Some(lock) = self.files.last() else { return };
         let Ok(file) = File::options().read(true).write(true).open(lock) else { return };
         let flock = rustix::fs::FlockOperation::NonBlockingLockExclusive;
         if rustix::fs::flock(&file, flock).is_ok() && is_at(&file, lock) {
             for file in &self.files {
-                // What has gone already is as good.
+                // A file that is already gone is no error.
                 drop(std::fs::remove_file(file));
             }
         }
     }
 
-    /// How it ended, and what was under way.
+    /// Returns the message about how the process ended and which code was running.
     fn say(&self, board: &Board, status: Status) -> String {
         let how = match status {
             Status::Signal(signal) => format!("was ended by {}", signals::Named(signal)),
@@ -206,7 +210,7 @@ impl Known {
     }
 }
 
-/// Whether an open file is what its path leads to.
+/// Returns whether a path still leads to an open file.
 fn is_at(file: &File, path: &Path) -> bool {
     let (Ok(open), Ok(there)) = (file.metadata(), std::fs::metadata(path)) else { return false };
     (open.dev(), open.ino()) == (there.dev(), there.ino())

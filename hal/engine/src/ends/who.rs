@@ -1,5 +1,5 @@
-//! Which code of which component runs in a thread: noted as it begins, and found again by a signal
-//! handler.
+//! Identification of the component code that runs in a thread. It is recorded when the code begins
+//! and looked up by a signal handler.
 
 use super::{
     board::{NOBODY, board},
@@ -18,19 +18,19 @@ use arc_swap::ArcSwapOption;
 use core::{cell::Cell, marker::PhantomData, ptr::null};
 use hal_abi::CommandRun;
 
-/// Code of a component that the control side runs.
+/// Component code that the control side runs.
 #[derive(Debug)]
 pub(crate) struct Doing {
     component: Box<str>,
     what: What,
-    /// By which those who look on know it.
+    /// Number by which the watcher knows it.
     number: u32,
 }
 
-/// The kind of that code.
+/// Kind of component code.
 #[derive(Debug)]
 pub(crate) enum What {
-    /// All that a load runs: a library's own start, `create`, opening.
+    /// Everything that loading runs: a library's initialisation, `create`, opening.
     Load,
     /// A command, by its name.
     Command(Name),
@@ -38,7 +38,7 @@ pub(crate) enum What {
     Task(Name),
     /// A stop action.
     Stop,
-    /// What frees a component.
+    /// The code that frees a component.
     Unload,
 }
 
@@ -55,7 +55,7 @@ impl Doing {
         Arc::new(new)
     }
 
-    /// The component, and which code of it.
+    /// Appends the component and the kind of code.
     pub(crate) fn describe(&self, text: &mut Text) {
         text.add(format_args!("component '{}', ", self.component));
         match &self.what {
@@ -69,11 +69,11 @@ impl Doing {
 }
 
 thread_local! {
-    /// The thread whose cycle runs in this thread of the system.
+    /// Realtime thread whose cycle runs in this thread of the system.
     static CYCLE: Cell<*const Thread> = const { Cell::new(null()) };
-    /// The other code that runs in it.
+    /// Other component code that runs in this thread.
     static DOING: Cell<*const Doing> = const { Cell::new(null()) };
-    /// The stop action that runs in it.
+    /// Stop action that runs in this thread.
     static STOP: Cell<*const Code<CommandRun>> = const { Cell::new(null()) };
 }
 
@@ -83,13 +83,13 @@ pub(crate) fn begin_cycle(thread: &Thread) {
     CYCLE.set(thread);
 }
 
-/// Realtime. It has ended.
+/// Realtime. The cycle of this thread has ended.
 #[inline]
 pub(crate) fn end_cycle() {
     CYCLE.set(null());
 }
 
-/// Runs a stop action in this thread. If the process ends in it, it is not run once more.
+/// Runs a stop action in this thread. If it ends the process, it is not run a second time.
 pub(crate) fn run_stop(stop: &Code<CommandRun>) -> Result<(), Error> {
     STOP.set(stop);
     let result = stop.call(Args::default());
@@ -97,55 +97,56 @@ pub(crate) fn run_stop(stop: &Code<CommandRun>) -> Result<(), Error> {
     result.map(drop)
 }
 
-/// Whether this stop action runs in this thread.
+/// Returns whether this stop action runs in this thread.
 pub(super) fn is_in(stop: &Code<CommandRun>) -> bool {
     core::ptr::eq(STOP.get(), stop)
 }
 
-/// What the control side does, for those who look on.
+/// Activity of the control side, as the guard sees it.
 #[derive(Debug, Default)]
 pub(crate) struct Control {
-    /// Goes on with every step of the control side.
+    /// Counter that increases with every step of the control side.
     beats: AtomicU64,
     doing: ArcSwapOption<Doing>,
-    /// How many waits are under way that come to an end by themselves.
+    /// Number of waits in progress that end by themselves.
     patient: AtomicU32,
 }
 
 impl Control {
-    /// The control side has come on by a step.
+    /// Notes that the control side has made a step.
     pub(crate) fn beat(&self) {
         self.beats.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// How many steps it has made.
+    /// Returns the number of steps.
     pub(super) fn beats(&self) -> u64 {
         self.beats.load(Ordering::Relaxed)
     }
 
-    /// From here on it waits for something, and not for long.
+    /// Notes that the control side begins a wait that ends by itself soon.
     pub(crate) fn be_patient(&self) {
         self.patient.fetch_add(1, Ordering::Relaxed);
         self.beat();
     }
 
-    /// That wait is over.
+    /// Notes that such a wait is over.
     pub(crate) fn have_waited(&self) {
         self.beat();
         self.patient.fetch_sub(1, Ordering::Relaxed);
     }
 
-    /// Whether it waits so.
+    /// Returns whether the control side is in such a wait.
     pub(super) fn is_patient(&self) -> bool {
         self.patient.load(Ordering::Relaxed) > 0
     }
 
-    /// The code of a component that it runs now.
+    /// Returns the component code that the control side is running.
     pub(super) fn doing(&self) -> Option<Arc<Doing>> {
         self.doing.load_full()
     }
 
-    /// Code of a component runs in this thread, the control side's, until the answer is dropped.
+    /// Notes that component code runs in the control side's thread, this one, until the returned
+    /// value is dropped.
     pub(crate) fn run(&self, doing: Arc<Doing>) -> Within<'_> {
         self.beat();
         DOING.set(Arc::as_ptr(&doing));
@@ -155,7 +156,7 @@ impl Control {
     }
 }
 
-/// For the watcher.
+/// Publishes the running code for the watcher.
 fn show(doing: Option<&Doing>) {
     if let Some(board) = board() {
         let number = doing.map_or(NOBODY, |d| d.number);
@@ -163,12 +164,12 @@ fn show(doing: Option<&Doing>) {
     }
 }
 
-/// Code of a component runs while this lives, and what ran around it.
+/// Marks component code as running while it lives, and restores the code that ran around it.
 #[derive(Debug)]
 pub(crate) struct Within<'c> {
     control: &'c Control,
     before: Option<Arc<Doing>>,
-    /// It is the note of one thread.
+    /// Makes the type `!Send`: the mark belongs to one thread.
     thread: PhantomData<*const ()>,
 }
 
@@ -182,8 +183,7 @@ impl Drop for Within<'_> {
     }
 }
 
-/// Where a component comes from: its file, and the threads of its own that it began as it was
-/// loaded.
+/// Origin of a component: its file, and the threads of its own that it began while it was loaded.
 #[derive(Clone, Debug)]
 pub(crate) struct Origin {
     pub(crate) file: Box<str>,
@@ -191,20 +191,20 @@ pub(crate) struct Origin {
     pub(crate) threads: Vec<i32>,
 }
 
-/// Where code was when something happened: the address of the code, and where its stack ends.
+/// Code address and stack pointer at the moment of an event.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     pub(super) code: usize,
     pub(super) stack: usize,
 }
 
-/// The thread in whose cycle this thread of the system is.
+/// Returns the realtime thread whose cycle runs in this thread of the system.
 pub(super) fn cycle<'t>() -> Option<&'t Thread> {
     // SAFETY: set for the time of a cycle, which the thread outlives.
     unsafe { CYCLE.get().as_ref() }
 }
 
-/// Names who runs in this thread.
+/// Describes the code that runs in this thread.
 pub(super) fn describe(text: &mut Text, place: Place, origins: &[Origin]) {
     if let Some(thread) = cycle() {
         describe_cycle(text, thread);
@@ -234,7 +234,7 @@ pub(super) fn describe(text: &mut Text, place: Place, origins: &[Origin]) {
     }
 }
 
-/// Names the function that a thread is in.
+/// Describes the function that a thread is in.
 pub(super) fn describe_cycle(text: &mut Text, thread: &Thread) {
     let current = thread.current.load(Ordering::Relaxed);
     let list = thread.list.load();
@@ -248,8 +248,8 @@ pub(super) fn describe_cycle(text: &mut Text, thread: &Thread) {
     }
 }
 
-/// The library that code belongs to: that of the address, or that of the innermost caller that is
-/// still on the stack.
+/// Returns the library that code belongs to: that of the address, or that of the innermost caller
+/// on the stack.
 fn origin(place: Place, origins: &[Origin]) -> Option<&Origin> {
     const MOST_RANGES: usize = 64;
     const MOST_WORDS: usize = 4096;

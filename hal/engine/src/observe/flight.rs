@@ -1,5 +1,5 @@
-//! The flight recorder: every change of every pin and signal, as far back as memory goes, kept when
-//! something happens.
+//! The flight recorder: it holds the latest changes of all pins and signals in memory, and keeps
+//! them when an event occurs.
 
 mod condition;
 mod hear;
@@ -24,17 +24,17 @@ use std::{
     sync::{Mutex, MutexGuard, PoisonError},
 };
 
-/// What changes take when the user does not say.
+/// Default size of the memory for changes, in bytes.
 const USUAL_BYTES: u64 = 16 << 20;
-/// The least and the most that they may take.
+/// Permitted sizes of that memory, in bytes.
 const BYTES: core::ops::RangeInclusive<u64> = 1 << 12..=1 << 32;
-/// How many changes wait for the control side at the most.
+/// Minimum capacity of the queue of changes.
 const ROOM: usize = 1 << 16;
-/// How many events are told of, and how many are written.
+/// Maximum number of events in the list, and of events that are written to files.
 const TOLD: usize = 20;
 const MOST_FILES: u32 = 100;
 
-/// An event whose time after it is not over.
+/// Event whose time of recording is not over yet.
 #[derive(Debug)]
 struct Awaited {
     at: i64,
@@ -42,40 +42,40 @@ struct Awaited {
     marks: Vec<(i64, String)>,
 }
 
-/// The recorder.
+/// Flight recorder.
 #[derive(Debug)]
 pub(crate) struct Flight {
     spec: FlightSpec,
     history: History,
-    /// Its probe, the number of that, and the columns that it watches.
+    /// Number of its probe, the probe, and the columns that it watches.
     probe: Option<(u64, Arc<Probe>, Vec<u32>)>,
-    /// The column of each signal and of each pin without one.
+    /// Column of each signal and of each unlinked pin.
     columns: BTreeMap<Ix, u32>,
-    /// What is to be watched may have changed.
+    /// True if the set of watched values may have changed.
     pub(crate) stale: bool,
     conditions: Vec<Condition>,
-    /// What follows from a change of a column.
+    /// Indices of the conditions that depend on a column.
     by_column: BTreeMap<u32, Vec<usize>>,
-    /// The sample that is not looked at yet: its time, and how often the probe had looked then.
+    /// Sample that is not evaluated yet: its time, and the probe's number of samples then.
     open: Option<(i64, u64)>,
     awaited: Option<Awaited>,
     events: u32,
     kept: VecDeque<Kept>,
     last: Option<Arc<Snapshot>>,
-    /// Files are written before time moves on.
+    /// True if files are written before time moves on.
     at_once: bool,
-    /// The recorder is being switched off: nothing stays in memory.
+    /// True if the recorder is being switched off, after which nothing stays in memory.
     ends: bool,
-    /// Whether the file of an event could not be written.
+    /// True if the file of an event could not be written.
     unwritten: bool,
-    /// What there is to say.
+    /// Messages that are not yet reported.
     said: Vec<String>,
-    /// How many changes its former probes have lost, and its present one as far as is known.
+    /// Number of changes lost by former probes, and by the present one as far as known.
     lost: (u64, u64),
 }
 
 impl Engine {
-    /// `flight on`: what was on before is replaced.
+    /// Executes `flight on`. A recorder that is already on is replaced.
     pub(crate) fn begin_flight(&mut self, mut spec: FlightSpec) -> Result<(), Error> {
         if spec.bytes == 0 {
             spec.bytes = USUAL_BYTES;
@@ -124,7 +124,7 @@ impl Engine {
         Ok(())
     }
 
-    /// `flight off`: an event under way is kept first.
+    /// Executes `flight off`. An event in progress is kept first.
     pub(crate) fn end_flight(&mut self) -> Result<(), Error> {
         self.drain_flight();
         let flight = self.flight.take().ok_or(WatchError::FlightOff)?;
@@ -144,7 +144,7 @@ impl Engine {
         Ok(())
     }
 
-    /// How it is.
+    /// Returns the state of the recorder.
     pub(crate) fn flight_info(&mut self) -> Result<FlightInfo, Error> {
         self.drain_flight();
         let to = self.shared.now();
@@ -161,14 +161,14 @@ impl Engine {
         })
     }
 
-    /// `flight save`: what there is now, or the last event.
+    /// Executes `flight save`, for the present contents or the last event.
     pub(crate) fn save_flight(&mut self, path: &str, last: bool) -> Result<(), Error> {
         let now = self.shared.now();
         if let Some(flight) = self.flight.as_deref().map(lock)
             && let Some((_, probe, _)) = &flight.probe
             && self.shared.is_virtual()
         {
-            // What a script has changed while time stood still.
+            // A script may have changed values while time stood still.
             probe.look(now);
         }
         self.drain_flight();
@@ -193,7 +193,7 @@ impl Engine {
         }
     }
 
-    /// Something has happened that the recorder is there for.
+    /// Records an event that the engine has detected.
     pub(crate) fn flight_event(&mut self, time: i64, why: &str) {
         self.drain_flight();
         if let Some(f) = &self.flight {
@@ -201,14 +201,14 @@ impl Engine {
         }
     }
 
-    /// What there is to watch may have changed.
+    /// Notes that the set of watched values may have changed.
     pub(crate) fn flight_is_stale(&mut self) {
         if let Some(f) = &self.flight {
             lock(f).stale = true;
         }
     }
 
-    /// Watches what there is now.
+    /// Updates the set of watched values.
     pub(crate) fn refresh_flight(&mut self) {
         let Some(flight) = self.flight.clone() else { return };
         let mut flight = lock(&flight);
@@ -220,12 +220,14 @@ impl Engine {
         let last = sources.iter().map(|_| AtomicU64::new(0)).collect();
         let room = ROOM.max(sources.len() * 4);
         let probe = Arc::new(Probe::changes(sources, last, room));
-        // One look tells all: nothing is missed between the old probe and the new one.
+        // The first sample reports every value, so nothing is missed between the old probe and the
+        // new one.
         probe.tell_all();
         let watching = Watching {
             probe: probe.clone(),
             at: At::Moments,
-            // In the arena nothing moves: watched until the next refresh, even if it goes.
+            // Values in the arena never move, so they may be watched until the next refresh even
+            // after their removal.
             nodes: nodes.iter().copied().filter(|ix| self.is_own(*ix)).collect(),
             lossless: true,
         };
@@ -251,16 +253,17 @@ impl Engine {
         }
     }
 
-    /// Whether a value lies in its component's own memory, and goes with it.
+    /// Returns whether a value lies in its component's own memory, which is freed with the
+    /// component.
     fn is_own(&self, ix: Ix) -> bool {
         self.graph.item(ix).is_some_and(|i| matches!(i.storage, Storage::Own(_)))
     }
 
-    /// Signals with their pins, pins without signal, and parameters that a condition names.
+    /// Returns signals with their pins, unlinked pins, and parameters that a condition names.
     fn groups(&self, flight: &Flight) -> (Vec<Ix>, Vec<Group>) {
         let mut nodes = Vec::new();
         let mut groups: Vec<Group> = Vec::new();
-        // Which group a signal or a pin is in.
+        // Group of each signal and pin.
         let mut group_of = BTreeMap::new();
         let before = |ix: &Ix| flight.columns.get(ix).copied();
         for (name, ix) in &self.graph.signals {
@@ -273,7 +276,7 @@ impl Engine {
         let named = |name: &Name| flight.conditions.iter().any(|c| c.names(name.as_str()));
         let params = self.graph.params.iter().filter(|(name, _)| named(name));
         for (name, ix) in self.graph.pins.iter().chain(params) {
-            // What a condition names is heard, by whichever of its names.
+            // A value that a condition names is watched under any of its names.
             let wanted = |i: &&Item| {
                 let plain = !i.hidden && !i.times && i.shown() == name;
                 i.ty != Type::Port && (plain || named(name))
@@ -292,16 +295,16 @@ impl Engine {
         (nodes, groups)
     }
 
-    /// Takes what has been queued, and keeps what is to be kept.
+    /// Reads queued changes, and keeps an event whose time of recording is over.
     pub(crate) fn drain_flight(&mut self) {
-        // Where no cycle is under way, no look is.
+        // While no cycle is in progress, neither is a sample.
         let whole = self.shared.is_virtual() || !self.shared.boundary.is_running();
         let Some(flight) = self.flight.clone() else { return };
         let mut flight = lock(&flight);
         if let Some((id, probe, columns)) = flight.probe.take() {
             flight.hear(&probe, &columns, whole);
             if probe.lost() != flight.lost.1 {
-                // Values are not what they were told to be: once more.
+                // Recorded values are out of date, so all are reported again.
                 flight.lost.1 = probe.lost();
                 probe.tell_all();
             }
@@ -317,7 +320,7 @@ impl Engine {
     }
 }
 
-/// The guard keeps it when the process crashes.
+/// Locks the recorder, which the guard also uses when the process crashes.
 fn lock(flight: &Mutex<Flight>) -> MutexGuard<'_, Flight> {
     flight.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -333,7 +336,7 @@ impl Flight {
         self.awaited = Some(Awaited { at: time, until, marks: vec![mark] });
     }
 
-    /// Looks what has been written.
+    /// Checks which files have been written; waits for them if `wait`.
     fn look(&mut self, wait: bool) {
         let ends = self.ends;
         for k in &mut self.kept {
@@ -344,7 +347,7 @@ impl Flight {
         }
     }
 
-    /// Keeps the event whose time is over.
+    /// Keeps the event in progress.
     fn finish(&mut self, now: i64) {
         let Some(Awaited { at, until: end, marks }) = self.awaited.take() else { return };
         let mut history = self.history.clone();
@@ -375,7 +378,7 @@ impl Flight {
         self.keep(kept);
     }
 
-    /// The event whose time is not over.
+    /// Returns the event in progress.
     fn awaits(&self) -> Option<KeptInfo> {
         let Awaited { at, marks, .. } = self.awaited.as_ref()?;
         let why = marks.first().map_or("", |m| m.1.trim_start_matches("trigger: ")).to_owned();

@@ -1,4 +1,4 @@
-//! Recording to VCD: the file that the control side writes from what the probe saw. Changes only.
+//! Recording to VCD: the control side writes the changes that a probe has seen to a file.
 
 mod file;
 mod tape;
@@ -23,47 +23,47 @@ use std::{
 };
 pub(crate) use tape::Tape;
 
-/// How many changes wait for the file at the most.
+/// Minimum capacity of the queue of changes.
 const ROOM: usize = 1 << 16;
 
-/// A recording under way.
+/// Recording in progress.
 #[derive(Debug)]
 pub(crate) struct Recording {
     pub(crate) path: String,
     patterns: Patterns,
-    /// A device or pipe, until time first moves. Another file is made then.
+    /// Device or pipe, until time first moves. A regular file is created only then.
     file: Option<Growing>,
-    /// None until time first moves; what is watched is settled then.
+    /// None until time first moves, when the recorded values are determined.
     tape: Option<Arc<Mutex<Tape>>>,
-    /// The number of its probe, and the probe.
+    /// Probe and its number.
     probe: Option<(u64, Arc<Probe>)>,
 }
 
-/// The guard looks after it as well.
+/// Locks the tape, which the guard also uses.
 fn lock(tape: &Mutex<Tape>) -> MutexGuard<'_, Tape> {
     tape.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The error of what could not be written whole.
+/// Converts a stopped recording to an error.
 fn unwritten(stopped: StoppedRecording) -> Error {
     let why = stopped.words().into();
     Error::File { path: stopped.file.into(), why }
 }
 
 impl Recording {
-    /// Whether it is not settled yet what is recorded.
+    /// Returns whether the recorded values are not yet determined.
     pub(crate) const fn is_waiting(&self) -> bool {
         self.tape.is_none()
     }
 
-    /// Changes lost for want of room.
+    /// Returns the number of changes lost because the queue was full.
     pub(crate) fn lost(&self) -> u64 {
         self.probe.as_ref().map_or(0, |(_, p)| p.lost())
     }
 }
 
 impl Engine {
-    /// `record FILE PATTERNS…`; what the patterns name is settled when time first moves.
+    /// Executes `record FILE PATTERNS…`. The patterns are matched when time first moves.
     pub(crate) fn record(&mut self, path: &str, patterns: &[String]) -> Result<(), Error> {
         if let Some(r) = &self.recording {
             return Err(WatchError::Recording { path: r.path.as_str().into() }.into());
@@ -74,7 +74,8 @@ impl Engine {
         self.recording = Some(Recording {
             path: path.to_owned(),
             patterns: Patterns::new(patterns),
-            // What stands there stays as it is, and nothing stands beside it, until there is a head.
+            // An existing file stays as it is, and no temporary file appears beside it, until the
+            // head is written.
             file: file.is_there().then_some(file),
             tape: None,
             probe: None,
@@ -85,7 +86,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Settles what is recorded and writes the head of the file.
+    /// Determines the recorded values and writes the head of the file.
     pub(crate) fn begin_recording(&mut self) {
         let Some(mut r) = self.recording.take_if(|r| r.is_waiting()) else { return };
         let watching = match self.begin_tape(&mut r) {
@@ -105,7 +106,7 @@ impl Engine {
         }
     }
 
-    /// Makes the file with its head; returns what is to be watched.
+    /// Creates the file with its head and returns what the probe has to watch.
     fn begin_tape(&mut self, r: &mut Recording) -> Result<Watching, StoppedRecording> {
         let (nodes, columns) = self.watches(r);
         if nodes.is_empty() && !r.patterns.is_empty() {
@@ -130,7 +131,7 @@ impl Engine {
         Ok(Watching { probe, at: At::Moments, nodes, lossless: true })
     }
 
-    /// A recording of which nothing could be written.
+    /// Returns the description of a recording of which nothing could be written.
     fn not_begun(&self, r: &Recording, reason: &str) -> StoppedRecording {
         StoppedRecording {
             file: r.path.clone(),
@@ -141,7 +142,7 @@ impl Engine {
         }
     }
 
-    /// A recording cannot be written any further: reports it, once.
+    /// Ends a recording that cannot be written any further, and reports it once.
     fn stop_recording(&mut self, r: Recording, stopped: StoppedRecording) {
         self.leave_recording(r.probe.as_ref().map(|p| p.0));
         self.notice(stopped.to_string());
@@ -149,7 +150,7 @@ impl Engine {
         self.stopped_recording = Some(stopped);
     }
 
-    /// Nobody looks for a recording any more.
+    /// Ends the watching of a recording and withdraws it from the guard and the watcher.
     fn leave_recording(&mut self, probe: Option<u64>) {
         if let Some(id) = probe {
             self.end_watching(id);
@@ -158,7 +159,7 @@ impl Engine {
         ends::note_recording("", 0);
     }
 
-    /// What to watch, and under which names each value appears.
+    /// Returns the nodes to watch, and the names under which each value appears.
     fn watches(&self, r: &Recording) -> (Vec<Ix>, Vec<Column>) {
         let mut nodes = Vec::new();
         let mut columns: Vec<Column> = Vec::new();
@@ -180,7 +181,8 @@ impl Engine {
             if !wanted || item.shown() != name || item.ty == Type::Port {
                 continue;
             }
-            // Who names a pin in full wants to see it when it is on another signal, too.
+            // A pin that the user names in full is recorded by itself, also after it is linked to
+            // another signal.
             let apart = r.patterns.is_one(name.as_str());
             let signal = self.graph.signal_of(*ix).filter(|_| !apart);
             if let Some(at) =
@@ -198,9 +200,9 @@ impl Engine {
         (nodes, columns)
     }
 
-    /// Takes what has been queued.
+    /// Writes queued changes.
     pub(crate) fn drain_recording(&mut self) {
-        // Where no cycle is under way, no look is.
+        // While no cycle is in progress, neither is a sample.
         let still = self.shared.is_virtual() || self.quiet;
         let Some(tape) = self.recording.as_ref().and_then(|r| r.tape.as_deref()) else { return };
         let mut tape = lock(tape);
@@ -214,7 +216,8 @@ impl Engine {
         }
     }
 
-    /// While no cycle runs, nobody looks at what a script or a stop action changes.
+    /// Takes a last sample: while no cycle runs, the probe does not see changes by a script or a
+    /// stop action.
     fn look_last(&self) {
         let probe = self.recording.as_ref().and_then(|r| r.probe.as_ref());
         if let Some((_, probe)) = probe.filter(|_| self.shared.is_virtual() || self.quiet) {
@@ -222,14 +225,14 @@ impl Engine {
         }
     }
 
-    /// Ends the recording: the file is whole afterwards.
+    /// Ends the recording and completes the file.
     pub(crate) fn end_recording(&mut self) -> Result<(), Error> {
         self.look_last();
         let Some(mut r) = self.recording.take() else {
             let stopped = self.stopped_recording.take();
             return Err(stopped.map_or_else(|| WatchError::NotRecording.into(), unwritten));
         };
-        // Time has not moved: what there is now is all of it.
+        // Time has not moved, so the recording consists of the present values.
         let begun = if r.is_waiting() { self.begin_tape(&mut r).map(drop) } else { Ok(()) };
         self.leave_recording(r.probe.as_ref().map(|p| p.0));
         let stopped = begun.err().or_else(|| {
@@ -248,7 +251,8 @@ impl Engine {
         Ok(())
     }
 
-    /// A recording watches no pin of a component that goes: it ends, and that is said.
+    /// Ends the recording of probe `id`, with a message, because a component that it watches is
+    /// unloaded.
     pub(crate) fn recording_parted(&mut self, id: u64) {
         let probe = self.recording.as_ref().and_then(|r| r.probe.as_ref());
         if probe.is_some_and(|p| p.0 == id) {

@@ -1,10 +1,10 @@
-//! What makes the flight recorder keep what it has: conditions as a trigger has them.
+//! Conditions that make the flight recorder keep its contents; they have the syntax of triggers.
 
 use super::history::History;
 use hal_protocol::Type;
 use hal_trace::trigger::{Condition as Read, ConditionError, When};
 
-/// What is an event in every machine: how a bit's name ends, what it becomes, and what that is.
+/// Events in every machine: the end of a bit's name, the value that it changes to, and the meaning.
 const USUAL: &[(&str, bool, &str)] = &[
     (".f-errored", true, "following error"),
     (".amp-fault-in", true, "amplifier fault"),
@@ -12,33 +12,33 @@ const USUAL: &[(&str, bool, &str)] = &[
     ("motion.enable", false, "e-stop"),
 ];
 
-/// Becomes true: an event.
+/// Condition; an event occurs when it becomes true.
 #[derive(Clone, Debug)]
 pub(super) struct Condition {
     read: Read,
-    /// Why something was kept.
+    /// Reason to report for the event.
     pub(super) why: String,
-    /// The types that it was checked against; unchecked while something of it is not there.
+    /// Types of its values when it was checked; empty while one of them does not exist.
     types: Vec<Type>,
     when: Option<When>,
-    /// Where its values are.
+    /// Columns of its values.
     pub(super) columns: Vec<u32>,
-    /// The values at the last sample that had others, and those now; empty if not known.
+    /// Values at the previous evaluated sample, and now; empty if unknown.
     before: Vec<u64>,
     now: Vec<u64>,
-    /// Something of it has changed since then.
+    /// True if one of its values has changed since then.
     pub(super) stirred: bool,
 }
 
 impl Condition {
-    /// What a trigger's text says.
+    /// Creates a condition from a parsed trigger.
     pub(super) fn new(read: Read) -> Self {
         let why = read.text().to_owned();
         let (types, columns, before, now) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         Self { read, why, types, when: None, columns, before, now, stirred: false }
     }
 
-    /// Reads a text and checks it against the types that there are.
+    /// Parses a text and checks it against the existing types.
     pub(super) fn check<E: From<ConditionError>>(
         text: &str,
         type_of: impl Fn(&str) -> Result<Type, E>,
@@ -50,7 +50,7 @@ impl Condition {
         Ok(Self::new(read))
     }
 
-    /// One that every machine has, if this is such a name.
+    /// Creates the condition that every machine has for a bit with such a name, if there is one.
     pub(super) fn usual(name: &str, ty: Type) -> Option<Self> {
         let is_it = |(end, _, _): &&(&str, bool, &str)| name.ends_with(end);
         let (_, wanted, what) = USUAL.iter().find(is_it).filter(|_| ty == Type::Bit)?;
@@ -58,17 +58,17 @@ impl Condition {
         Some(Self { why: format!("{what}: {name}"), ..Self::new(read) })
     }
 
-    /// Whether it is about this name and no other.
+    /// Returns whether it refers to this name only.
     pub(super) fn is_of(&self, name: &str) -> bool {
         self.read.names() == [name]
     }
 
-    /// Whether it is about this name, too.
+    /// Returns whether it refers to this name.
     pub(super) fn names(&self, name: &str) -> bool {
         self.read.names().contains(&name)
     }
 
-    /// Finds its values; whether they are others than before.
+    /// Finds the columns of its values. Returns whether they have changed.
     pub(super) fn find(&mut self, history: &History) -> bool {
         let names = self.read.names();
         let found = names.iter().map(|n| history.column(n.strip_prefix("sig:").unwrap_or(n)));
@@ -76,7 +76,7 @@ impl Condition {
         let (columns, types): (Vec<u32>, Vec<Type>) = found.into_iter().unzip();
         if types != self.types {
             let channels = names.iter().map(|n| (*n).to_owned()).zip(types.iter().copied());
-            // Of other types than it was checked against, it may be impossible.
+            // With types other than those that it was checked against, it may be invalid.
             self.when = self.read.bind(&channels.collect::<Vec<_>>()).ok();
             self.types = types;
             self.before.clear();
@@ -86,7 +86,7 @@ impl Condition {
         others
     }
 
-    /// The sample is whole: whether the condition has become true with it.
+    /// Evaluates a complete sample. Returns whether the condition has become true with it.
     pub(super) fn sees(&mut self, history: &History) -> bool {
         self.stirred = false;
         self.now.clear();
@@ -98,7 +98,7 @@ impl Condition {
         let holds = |now: &Vec<u64>| {
             self.when.as_ref().is_some_and(|w| !before.is_empty() && w.holds(Some(before), now))
         };
-        // As long as nothing changes, every sample is like the one before.
+        // Samples in between were like the previous one, because nothing changed.
         let event = !holds(before) && holds(now);
         core::mem::swap(&mut self.before, &mut self.now);
         event
@@ -112,7 +112,8 @@ mod tests {
     use hal_protocol::{Type, Value};
     use hal_trace::trigger::ConditionError;
 
-    /// What a text sees in values of `p` and of the bit `q`.
+    /// Returns the samples at which a condition becomes true (`!`), for values of `p` and of the
+    /// bit `q`.
     fn seen(ty: Type, text: &str, p: &str, q: &str) -> String {
         let types = |name: &str| Ok::<_, ConditionError>(if name == "p" { ty } else { Type::Bit });
         let mut c = Condition::check(text, types).unwrap();
@@ -154,7 +155,7 @@ mod tests {
         }
         for (text, p, q, want) in [
             ("p > 5 and not q", "0 6 6 6 0 9", "0 1 0 1 1 0", "..!..!"),
-            // Both change in one sample: neither what was nor half of it counts.
+            // Both change in one sample, so no mixture of old and new values counts.
             ("p > 5 and not q", "0 6 0 6", "0 1 0 1", "...."),
             ("p > 5 and q rises", "0 6 6 0 6", "0 1 0 1 0", ".!..."),
             ("p > 5 or q", "0 6 6 0 0 6", "0 0 1 1 0 0", ".!...!"),

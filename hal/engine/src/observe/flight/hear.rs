@@ -1,11 +1,11 @@
-//! What the flight recorder hears: changes, sample by sample, and which of them are events.
+//! Input of the flight recorder: it reads changes sample by sample and detects events.
 
 use super::{Condition, Flight};
 use crate::observe::probe::Probe;
 
 impl Flight {
-    /// Before the process crashes: keeps what there is, with the cause as its event; `still` if no
-    /// cycle is under way. What there is to say of it.
+    /// Keeps the contents before the process crashes, with the crash as the event. `still` says
+    /// that no cycle is in progress. Returns the messages to report.
     pub(crate) fn salvage(&mut self, still: bool, now: i64, why: &str) -> Vec<String> {
         if let Some((id, probe, columns)) = self.probe.take() {
             if still {
@@ -16,13 +16,14 @@ impl Flight {
         }
         self.event(now, &format!("crash: {why}"));
         self.at_once = true;
-        // What stays in memory is lost with it.
+        // Memory is lost with the process.
         self.ends = true;
         self.finish(now);
         core::mem::take(&mut self.said)
     }
 
-    /// Takes what is queued; `whole` if no look is under way, whose other changes are to come.
+    /// Reads queued changes. `whole` says that no sample is in progress, so no more changes of the
+    /// latest one will come.
     pub(super) fn hear(&mut self, probe: &Probe, columns: &[u32], whole: bool) {
         let looks = probe.looks();
         while let Some((time, which, bits)) = probe.change() {
@@ -52,7 +53,7 @@ impl Flight {
         }
     }
 
-    /// All changes of a sample are here: whether it is an event.
+    /// Evaluates the conditions for a complete sample.
     pub(super) fn judge(&mut self) {
         let Some((time, _)) = self.open.take() else { return };
         let stirred = self.conditions.iter_mut().filter(|c| c.stirred);
@@ -61,7 +62,7 @@ impl Flight {
         events.iter().for_each(|why| self.event(time, why));
     }
 
-    /// Which columns conditions are about now, those included that every machine has.
+    /// Updates the columns of all conditions, and adds the conditions that every machine has.
     pub(super) fn look_out(&mut self, now: i64) {
         for (name, ty) in self.history.present() {
             if self.conditions.iter().all(|c| !c.is_of(&name))

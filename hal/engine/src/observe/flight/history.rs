@@ -1,10 +1,11 @@
-//! The memory of the flight recorder: the latest changes of all values, and whose they were.
+//! Memory of the flight recorder: the latest changes of all values, and the names of each value
+//! over time.
 
 use hal_protocol::Type;
 use hal_trace::{Refusal, TimeBase, Trace};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-/// A change.
+/// Change of a value.
 #[derive(Clone, Copy, Debug)]
 struct Change {
     time: i64,
@@ -12,53 +13,53 @@ struct Change {
     bits: u64,
 }
 
-/// What one change takes, in bytes.
+/// Size of one change in bytes.
 pub(super) const CHANGE_BYTES: u64 = size_of::<Change>() as u64;
 
-/// A value that may have several names: that of a signal and of its pins.
+/// Value that may have several names: those of a signal and of its pins.
 #[derive(Clone, Debug)]
 pub(super) struct Group {
     pub(super) ty: Type,
     pub(super) names: Vec<String>,
-    /// The column that it had before.
+    /// Previous column of the value.
     pub(super) before: Option<u32>,
 }
 
-/// One value over time.
+/// Column: one value over time.
 #[derive(Clone, Copy, Debug)]
 struct Column {
     ty: Type,
-    /// What it was when the history begins, and what it is.
+    /// Value at the begin of the history, and value now.
     base: Option<u64>,
     now: Option<u64>,
 }
 
-/// From when on something was which column.
+/// Columns of a name over time: the time from which each applies, in nanoseconds.
 type Turns = Vec<(i64, Option<u32>)>;
 
-/// The latest changes.
+/// Latest changes of all values.
 #[derive(Clone, Debug)]
 pub(super) struct History {
     changes: VecDeque<Change>,
     columns: Vec<Column>,
-    /// Columns that nothing refers to.
+    /// Unused columns.
     free: Vec<u32>,
-    /// From when on a name was that of which column.
+    /// Columns of each name over time.
     names: BTreeMap<String, Turns>,
-    /// Changes from then on are here.
+    /// Begin of the history, in nanoseconds.
     from: i64,
     most: usize,
 }
 
 impl History {
-    /// An empty one that takes so many bytes at the most.
+    /// Creates an empty history with room for `bytes` bytes of changes.
     pub(super) fn new(bytes: u64, now: i64) -> Self {
         let most = usize::try_from(bytes / CHANGE_BYTES).unwrap_or(usize::MAX).max(1);
         let (changes, columns, free) = (VecDeque::new(), Vec::new(), Vec::new());
         Self { changes, columns, free, names: BTreeMap::new(), from: now, most }
     }
 
-    /// From now on there are these values: their columns.
+    /// Sets the values that exist from `now` on. Returns their columns.
     pub(super) fn regroup(&mut self, now: i64, groups: &[Group]) -> Vec<u32> {
         self.forget();
         let mut columns = Vec::with_capacity(groups.len());
@@ -100,7 +101,7 @@ impl History {
         u32::try_from(self.columns.len() - 1).unwrap_or(u32::MAX)
     }
 
-    /// Forgets names that were over before the history begins, and columns without names.
+    /// Forgets names that ended before the history begins, and columns without names.
     fn forget(&mut self) {
         let from = self.from;
         self.names.retain(|_, was| {
@@ -115,18 +116,18 @@ impl History {
         self.free = all.filter(|c| !named.contains(c) && !changed.contains(c)).collect();
     }
 
-    /// The column that has a name now, and its type.
+    /// Returns the present column of a name, and its type.
     pub(super) fn column(&self, name: &str) -> Option<(u32, Type)> {
         let column = self.names.get(name)?.last()?.1?;
         Some((column, self.columns.get(column as usize)?.ty))
     }
 
-    /// What a column is now, if that is known.
+    /// Returns the present value of a column, if known.
     pub(super) fn now(&self, column: u32) -> Option<u64> {
         self.columns.get(column as usize)?.now
     }
 
-    /// A value is this now; whether that is new.
+    /// Adds the value of a column at a time. Returns whether it differs from the previous one.
     pub(super) fn push(&mut self, time: i64, column: u32, bits: u64) -> bool {
         let Some(place) = self.columns.get_mut(column as usize) else { return false };
         let bits = match place.ty {
@@ -137,7 +138,7 @@ impl History {
         if place.now.replace(bits) == Some(bits) {
             return false;
         }
-        // What is looked at while threads stand still may have been a moment later.
+        // A sample that was taken while threads are stopped may have a slightly later time.
         let time = time.max(self.latest());
         self.changes.push_back(Change { time, column, bits });
         while self.changes.len() > self.most {
@@ -154,7 +155,7 @@ impl History {
         }
     }
 
-    /// What was before this is not wanted.
+    /// Drops changes before `time`.
     pub(super) fn keep_from(&mut self, time: i64) {
         while self.changes.front().is_some_and(|c| c.time < time) {
             self.drop_oldest();
@@ -162,32 +163,32 @@ impl History {
         self.from = self.from.max(time);
     }
 
-    /// From when on changes are here.
+    /// Returns the begin of the history, in nanoseconds.
     pub(super) const fn from(&self) -> i64 {
         self.from
     }
 
-    /// When the latest change was.
+    /// Returns the time of the latest change, in nanoseconds.
     pub(super) fn latest(&self) -> i64 {
         self.changes.back().map_or(self.from, |c| c.time)
     }
 
-    /// The names that there are now, with their types.
+    /// Returns the present names, with their types.
     pub(super) fn present(&self) -> Vec<(String, Type)> {
         let all = self.names.keys();
         all.filter_map(|name| Some((name.clone(), self.column(name)?.1))).collect()
     }
 
-    /// How much memory the changes take.
+    /// Returns the size of the changes in bytes.
     pub(super) fn bytes(&self) -> u64 {
         self.changes.len() as u64 * CHANGE_BYTES
     }
 
-    /// What is here, as a trace that ends at `to`. Names that were always those of one value are
+    /// Returns the history as a trace that ends at `to`. Names that always had the same value share
     /// one channel.
     pub(super) fn trace(&self, to: i64) -> Result<Trace, Refusal> {
         let mut trace = Trace::new(TimeBase::NANOSECONDS);
-        // By type, and by when it was which column.
+        // Channels by type and columns over time.
         let mut channels: BTreeMap<(u8, Turns), usize> = BTreeMap::new();
         for (name, was) in &self.names {
             let over = was.iter().rposition(|(at, _)| *at <= self.from).unwrap_or(0);
@@ -196,7 +197,7 @@ impl History {
             let last =
                 was.iter().rev().find_map(|w| w.1).and_then(|c| self.columns.get(c as usize));
             let Some(ty) = last.map(|c| c.ty) else { continue };
-            // A name that became that of another kind of value: the last one counts.
+            // If a name was reused for a value of another type, only the latest type counts.
             let same = |c: u32| self.columns.get(c as usize).is_some_and(|c| c.ty == ty);
             was.iter_mut().for_each(|w| w.1 = w.1.filter(|c| same(*c)));
             match channels.get(&(ty.code(), was.clone())) {
@@ -217,10 +218,10 @@ impl History {
     }
 }
 
-/// Changes as they become those of channels.
+/// Conversion of changes of columns into changes of channels.
 struct Replay {
     values: Vec<Option<u64>>,
-    /// Which channels a column is now.
+    /// Present channels of each column.
     heard: Vec<Vec<usize>>,
     is: BTreeMap<usize, u32>,
 }
@@ -259,7 +260,7 @@ impl Replay {
                 }
             }
         }
-        // The end, unless something changed just then.
+        // Adds a sample at the end, unless the last change is at the end.
         if at < to { trace.sample(to) } else { Ok(()) }
     }
 
@@ -333,14 +334,14 @@ mod tests {
         let c = h.regroup(0, &[group(&["s", "p"], None), group(&["t", "q"], None)]);
         h.push(0, c[0], 1);
         h.push(0, c[1], 7);
-        // The pins change places, then one goes.
+        // The pins change places, then one is removed.
         let c = h.regroup(2, &[group(&["s", "q"], Some(c[0])), group(&["t", "p"], Some(c[1]))]);
         h.push(3, c[0], 2);
         let c = h.regroup(4, &[group(&["s"], Some(c[0])), group(&["t", "p"], Some(c[1]))]);
         assert_eq!(values(&h, "p", 4), [(0, n(1)), (1, n(1)), (2, n(7)), (3, n(7)), (4, n(7))]);
         assert_eq!(values(&h, "q", 4), [(0, n(7)), (1, n(7)), (2, n(1)), (3, n(2)), (4, None)]);
         assert_eq!(values(&h, "s", 4), [(0, n(1)), (1, n(1)), (2, n(1)), (3, n(2)), (4, n(2))]);
-        // What is over is forgotten, and its place is used again.
+        // A removed value is forgotten, and its column is reused.
         h.keep_from(10);
         h.regroup(10, &[group(&["t", "p"], Some(c[1]))]);
         h.keep_from(11);

@@ -1,4 +1,4 @@
-//! What the flight recorder has kept, and how it is written.
+//! Events that the flight recorder has kept, and the writing of their files.
 
 use super::history::History;
 use crate::{Error, error::watch::WatchError, os};
@@ -7,7 +7,7 @@ use hal_protocol::{KeptInfo, KeptState};
 use hal_trace::{FileError, Format, Refusal, Trace};
 use std::{path::Path, sync::Arc, thread::JoinHandle};
 
-/// What there was, with marks.
+/// Contents of the recorder at an event, with marks.
 #[derive(Debug)]
 pub(super) struct Snapshot {
     pub(super) history: History,
@@ -29,12 +29,12 @@ impl Snapshot {
     }
 }
 
-/// An event, kept.
+/// Event that has been kept.
 #[derive(Debug)]
 pub(super) struct Kept {
     pub(super) info: KeptInfo,
     writer: Option<JoinHandle<Result<(), Box<str>>>>,
-    /// Whether the recorder chose to write it, and not a user.
+    /// True if the recorder kept it because of an event, false if a user asked for it.
     pub(super) is_event: bool,
 }
 
@@ -43,7 +43,7 @@ impl Kept {
         Self { info, writer: None, is_event }
     }
 
-    /// Begins to write, in a thread of its own unless it is to be done at once.
+    /// Writes the file, in a separate thread unless `at_once`.
     pub(super) fn write(
         &mut self,
         snapshot: &Arc<Snapshot>,
@@ -64,12 +64,13 @@ impl Kept {
         }
     }
 
-    /// Whether the file of an event could not be written.
+    /// Returns whether this is an event whose file could not be written.
     pub(super) const fn is_unwritten(&self) -> bool {
         self.is_event && matches!(self.info.state, KeptState::Failed(_))
     }
 
-    /// Looks whether it is written; whether that is news.
+    /// Checks whether the file is written, waiting for it if `wait`. Returns whether the writing
+    /// has just ended.
     pub(super) fn look(&mut self, wait: bool) -> bool {
         let Some(writer) = self.writer.take_if(|w| wait || w.is_finished()) else { return false };
         let done = writer.join();
@@ -103,19 +104,19 @@ impl Kept {
     }
 }
 
-/// How a file is written, as its ending says.
+/// Returns the format of a file, according to the extension of its name.
 pub(super) fn format_of(path: &str) -> Result<Format, Error> {
     let path = Path::new(path);
     let ending = || WatchError::Ending { said: FileError::Ending(path.into()).to_string().into() };
     Format::of(path).ok_or_else(|| ending().into())
 }
 
-/// Begins a file that takes its place when all of the snapshot is written.
+/// Creates a file that replaces an existing one only when the snapshot is completely written.
 pub(super) fn create(path: &str) -> Result<Whole, Error> {
     Whole::create(Path::new(path)).map_err(|e| Error::File { path: path.into(), why: os::said(&e) })
 }
 
-/// `DIR/NAME-3.ENDING`.
+/// Returns the name of the file of an event: `DIR/NAME-3.ENDING`.
 pub(super) fn numbered(path: &str, number: u32) -> String {
     match path.rsplit_once('.') {
         Some((name, ending)) => format!("{name}-{number}.{ending}"),

@@ -1,4 +1,4 @@
-//! A file that holds whole records only, at any moment.
+//! A file that contains only whole records at any moment.
 
 use crate::ends;
 use hal_output::Growing;
@@ -7,34 +7,35 @@ use std::{
     io::{Error, ErrorKind, Result, Write},
 };
 
-/// How many bytes of whole records are written at once, or one record more: a write that is refused
-/// is taken back.
+/// Number of bytes of whole records that are written at once, exceeded by at most one record. A
+/// refused write is undone.
 const PIECE: usize = 1 << 13;
 
 /// The file of a recording. Records are collected here; only whole ones reach the file.
 #[derive(Debug)]
 pub(crate) struct WholeFile {
-    /// None when it has ended.
+    /// None once the file is finished.
     file: Option<Growing>,
     buffer: Vec<u8>,
-    /// How many bytes of `buffer` are whole records.
+    /// Number of bytes of `buffer` that are whole records.
     whole: usize,
-    /// Where pieces of whole records end in `buffer`, and their last instants.
+    /// Ends of pieces of whole records in `buffer`, and the time of the last record of each in
+    /// nanoseconds.
     pieces: VecDeque<(usize, Option<i64>)>,
-    /// How many bytes are in the file, and their last instant.
+    /// Number of bytes in the file, and the time of its last record in nanoseconds.
     written: u64,
     kept_to: Option<i64>,
 }
 
 impl WholeFile {
-    /// A file that was just created.
+    /// Wraps a file that was just created.
     pub(crate) fn new(file: Growing) -> Self {
         ends::record(0, 0);
         let (buffer, pieces) = (Vec::new(), VecDeque::new());
         Self { file: Some(file), buffer, whole: 0, pieces, written: 0, kept_to: None }
     }
 
-    /// Everything that was written so far belongs to whole records, the last of this instant.
+    /// Marks everything written so far as whole records, the last one with time `at`.
     pub(crate) fn end_record(&mut self, at: Option<i64>) {
         self.whole = self.buffer.len();
         let mut ends = self.pieces.iter().rev().map(|p| p.0);
@@ -45,12 +46,12 @@ impl WholeFile {
         self.pieces.push_back((self.whole, at));
     }
 
-    /// How many bytes of whole records are not in the file yet.
+    /// Returns the number of bytes of whole records that are not in the file yet.
     pub(crate) const fn waiting(&self) -> usize {
         self.whole
     }
 
-    /// Returns the number of bytes of whole records in the file, and their last instant.
+    /// Returns the number of bytes in the file, and the time of its last record in nanoseconds.
     pub(crate) const fn kept(&self) -> (u64, Option<i64>) {
         (self.written, self.kept_to)
     }
@@ -64,7 +65,7 @@ impl WholeFile {
         let mut from = 0;
         while let Some((to, at)) = self.pieces.pop_front() {
             let piece = self.buffer.get(from..to).unwrap_or_default();
-            // Should the process be killed while it writes, the watcher cuts the file.
+            // If the process is killed while it writes, the watcher truncates the file.
             ends::record(self.written, self.written + piece.len() as u64);
             let appended = file.append(piece);
             self.written = file.bytes();

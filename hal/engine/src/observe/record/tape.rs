@@ -1,4 +1,4 @@
-//! A recording's file and the probe that fills it: records are whole as soon as their look is over.
+//! A recording's file and the probe that fills it. A record is whole once its sample is over.
 
 use super::file::WholeFile;
 use crate::{observe::probe::Probe, os, sync::Arc};
@@ -9,26 +9,27 @@ use hal_trace::{
 };
 use std::io::Result;
 
-/// How long whole records wait for the file at the most, in nanoseconds, and how many bytes.
+/// Longest time in nanoseconds, and largest number of bytes, for which whole records wait to be
+/// written.
 const LONGEST_WAIT_NS: i64 = 500_000_000;
 const MOST_WAITING: usize = 1 << 16;
 
-/// A recording under way.
+/// Recording in progress.
 #[derive(Debug)]
 pub(crate) struct Tape {
     path: String,
     probe: Arc<Probe>,
     writer: Writer<WholeFile>,
-    /// How often the probe had looked when its changes were last taken.
+    /// Number of samples of the probe when its changes were last read.
     looks: u64,
-    /// When the file was last written.
+    /// Time of the last write, on the monotonic clock in nanoseconds.
     put_at: i64,
-    /// Why a write was refused, and when: nothing is written after that.
+    /// Reason and time of a refused write. Nothing is written after that.
     failure: Option<(Box<str>, i64)>,
 }
 
 impl Tape {
-    /// Begins the file: what the columns are, and what each is at `now`.
+    /// Begins the file with the declarations of the columns and their values at `now`.
     ///
     /// # Errors
     /// The columns cannot be written as VCD.
@@ -50,7 +51,7 @@ impl Tape {
         Ok(tape)
     }
 
-    /// Returns how the recording has stopped, once a write was refused.
+    /// Returns a description of how the recording stopped, once a write was refused.
     pub(crate) fn stopped(&mut self) -> Option<StoppedRecording> {
         let (reason, at) = self.failure.as_ref()?;
         let (bytes, kept_to) = self.writer.out().kept();
@@ -63,13 +64,13 @@ impl Tape {
         })
     }
 
-    /// What was written so far is whole.
+    /// Marks what was written so far as whole records.
     fn end_record(&mut self) {
         let at = self.writer.at();
         self.writer.out().end_record(at);
     }
 
-    /// Has the whole records written.
+    /// Writes the whole records to the file.
     fn put(&mut self, now: i64) {
         let put = self.writer.out().put();
         self.have_put(put, now);
@@ -81,10 +82,10 @@ impl Tape {
         }
     }
 
-    /// Takes what has changed. `still`: no look is under way. Whole records reach the file now and
-    /// then.
+    /// Reads changes from the probe; whole records are written from time to time. `still` says that
+    /// no sample is in progress.
     pub(crate) fn drain(&mut self, still: bool, now: i64) {
-        // Every look whose changes were taken before, in part perhaps, is over.
+        // Every sample whose changes were read before, at least in part, is over.
         let over = still || self.probe.looks() > self.looks;
         let mut begun = false;
         while let Some((time, which, bits)) = self.probe.change() {
@@ -95,7 +96,7 @@ impl Tape {
                 self.end_record();
                 begun = true;
             }
-            // Into memory: that does not fail.
+            // This writes to memory, which does not fail.
             let written = self.writer.time(time);
             drop(written.and_then(|()| self.writer.change(which as usize, Some(bits))));
         }
@@ -114,8 +115,8 @@ impl Tape {
         }
     }
 
-    /// Before the process crashes: what was seen is kept, and what is there now if no cycle is
-    /// under way.
+    /// Saves the recording before the process crashes: everything seen, and the present values if
+    /// no cycle is in progress.
     pub(crate) fn salvage(&mut self, still: bool, now: i64) {
         if still {
             self.probe.look(now);
@@ -128,7 +129,7 @@ impl Tape {
         }
     }
 
-    /// Ends the recording at `now`: all of it is in the file.
+    /// Ends the recording at `now` and writes all of it to the file.
     pub(crate) fn end(&mut self, now: i64) {
         self.drain(true, now);
         if self.failure.is_some() {
