@@ -1,4 +1,4 @@
-//! The program halrun: an engine, and the script that makes a machine of it.
+//! The program halrun: it runs an engine in its process and executes the script of a machine.
 
 mod detach;
 pub(crate) mod machine;
@@ -23,10 +23,10 @@ use std::{
     process::{Child, ExitCode},
 };
 
-/// How long `-U` waits for the instance to end, in steps of 10 ms.
+/// Time for which `-U` waits for the instance to end, in steps of 10 ms.
 const PATIENCE: u32 = 1000;
 
-/// Runs the program with these words.
+/// Runs the program with these command line arguments.
 #[must_use]
 pub fn main(words: &[String]) -> ExitCode {
     let mut terminal = Stdio;
@@ -45,7 +45,7 @@ pub fn main(words: &[String]) -> ExitCode {
     ExitCode::from(code)
 }
 
-/// Prints a text, and returns the status of the program.
+/// Prints a text. Returns the exit status of the program.
 fn shown(text: &str, terminal: &mut dyn Terminal) -> u8 {
     match terminal.out(text) {
         Ok(()) => 0,
@@ -56,12 +56,12 @@ fn shown(text: &str, terminal: &mut dyn Terminal) -> u8 {
     }
 }
 
-/// Its options, for completion.
+/// Returns the options for completion.
 pub(crate) fn options() -> Vec<Opt<()>> {
     plan::table()
 }
 
-/// `-U`: asks the instance to end, and waits until it has.
+/// Executes `-U`: asks the instance to end, and waits until it has.
 fn stop(place: &Place, terminal: &mut dyn Terminal) -> u8 {
     let mut client = match Client::connect(place, "") {
         Ok(client) => client,
@@ -72,7 +72,7 @@ fn stop(place: &Place, terminal: &mut dyn Terminal) -> u8 {
         }
     };
     let wrong = serve::wrong(&mut client, place.name());
-    // One that has ended meanwhile refuses it.
+    // An instance that has ended meanwhile refuses the request.
     drop(client.call(Request::Shutdown));
     drop(client);
     let has_ended = (0..PATIENCE).any(|_| {
@@ -110,13 +110,13 @@ fn run(plan: &Plan, terminal: &mut dyn Terminal) -> u8 {
     }
 }
 
-/// What is read before there is an engine.
+/// Files that are read before the engine is created.
 pub(crate) struct Files {
     pub(crate) ini: Option<Ini>,
     pub(crate) script: Vec<u8>,
 }
 
-/// Reads them.
+/// Reads the files of a plan.
 pub(crate) fn prepare(plan: &Plan) -> Result<Files, Error> {
     let mut script = Vec::new();
     let ini_path = match &plan.script {
@@ -130,7 +130,7 @@ pub(crate) fn prepare(plan: &Plan) -> Result<Files, Error> {
         Script::Ini(path) => Some(path),
         Script::Terminal | Script::Nothing => plan.ini.as_ref(),
     };
-    // A whole machine needs all of its INI file, a script what it looks up.
+    // A machine needs all of its INI file; a script needs only the entries that it refers to.
     let read = if matches!(plan.script, Script::Ini(_)) { Ini::read } else { Ini::open };
     let ini = ini_path.map(|path| read(Path::new(path))).transpose()?;
     match (&plan.script, &ini) {
@@ -141,7 +141,7 @@ pub(crate) fn prepare(plan: &Plan) -> Result<Files, Error> {
     Ok(Files { ini, script })
 }
 
-/// The options of the instance: the plan's, and those that follow from the INI file.
+/// Returns the options of the instance: those of the plan, and those that follow from the INI file.
 pub(crate) fn instance_options(plan: &Plan, files: &Files) -> Options {
     let mut options = plan.options.clone();
     options.old_names = files.ini.as_ref().is_some_and(Ini::is_old);
@@ -168,11 +168,11 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
     let mut code = match outcome {
         Outcome::Good => 0,
         Outcome::Failed => 1,
-        // A script that was asked to end is not one that failed; one that was broken off is.
+        // A script that ends on request has not failed; a script that a signal has interrupted has.
         Outcome::Ended => u8::from(serve::was_broken_off(&mut engine)),
     };
     if plan.detach == Detach::Child && outcome == Outcome::Good {
-        // Where it prints is known when the other process returns.
+        // The log must be known before the waiting process returns.
         let log = detach::leave_stderr(&plan.options.place);
         ends.be_quiet(log.as_deref());
         detach::tell();
@@ -184,14 +184,14 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
     if let Some(said) = ends.said() {
         terminal.err(&format!("halrun: {said}\n"));
     }
-    // What is typed may fail without the session being a failure.
+    // A typed command may fail without a failure of the session.
     if plan.script == Script::Terminal && outcome == Outcome::Failed {
         code = 0;
     }
     if !engine.close_checked() {
         code = 1;
     }
-    // The engine has ended them; now they are collected.
+    // The engine has ended the programs; this collects their statuses.
     for mut program in programs {
         drop(program.wait());
     }

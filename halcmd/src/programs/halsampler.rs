@@ -16,10 +16,10 @@ use std::{
     sync::atomic::{AtomicBool, Ordering::Relaxed},
 };
 
-/// How many channels there can be.
+/// Maximum number of channels.
 pub(crate) const CHANNELS: u32 = 8;
-/// How long to wait for data, in milliseconds, and how many such waits lie between looks at
-/// whether the engine is still there.
+/// Interval between two checks for data, in milliseconds, and number of these intervals between two
+/// checks whether the engine still runs.
 pub(crate) const WAIT_MS: u32 = 5;
 pub(crate) const LOOK_EVERY: u32 = 100;
 
@@ -43,13 +43,13 @@ const OPTIONS: &[Opt<Id>] = &[
     instance_option(Id::Instance),
 ];
 
-/// Runs the program with these words.
+/// Runs the program with these command line arguments.
 #[must_use]
 pub fn main(words: &[String]) -> ExitCode {
     ended(run(words))
 }
 
-/// Reads the number of a channel.
+/// Parses the number of a channel.
 pub(crate) fn channel(text: Option<&str>) -> Result<u32, String> {
     match text {
         None => Ok(0),
@@ -61,7 +61,7 @@ pub(crate) fn channel(text: Option<&str>) -> Result<u32, String> {
     }
 }
 
-/// What these programs say of an option that is wrong.
+/// Returns the message about a wrong option, as worded by LinuxCNC's programs.
 pub(crate) fn option_error(error: &crate::Error) -> String {
     match error {
         crate::Error::BadOption { option, .. } => format!("ERROR: unknown option '{option}'"),
@@ -69,7 +69,7 @@ pub(crate) fn option_error(error: &crate::Error) -> String {
     }
 }
 
-/// Opens the file that was named, or nothing when none was.
+/// Returns the file named on the command line, if any.
 pub(crate) fn one_file(rest: &[String]) -> Result<Option<&String>, String> {
     match rest {
         [] => Ok(None),
@@ -106,12 +106,12 @@ fn run(words: &[String]) -> Result<(), String> {
     print(stream, &mut remote, &place, printer, count, &ending)
 }
 
-/// Whether the engine answers.
+/// Returns whether the engine responds.
 fn answers(remote: &mut Remote) -> bool {
     remote.call(Request::Idle { ms: 0, flow: false }).is_ok()
 }
 
-/// Why a component's ring is closed.
+/// Returns the reason why a component's ring is closed.
 pub(crate) fn parted(remote: &mut Remote, place: &Place, component: &str) -> String {
     if answers(remote) {
         format!("the {component} has been unloaded")
@@ -148,7 +148,7 @@ fn print(
             return Err(format!("ERROR: {why}: {n} record{s} {place}"));
         }
         if stream.is_closed() {
-            // What has come meanwhile is taken first.
+            // Records that arrived meanwhile are read first.
             lost = Some(parted(remote, place, "sampler"));
             continue;
         }
@@ -162,7 +162,7 @@ fn print(
     printer.out.finish()
 }
 
-/// Where records go.
+/// Destination of records.
 enum Out<'a> {
     Stdout,
     File(&'a str, Growing),
@@ -175,7 +175,7 @@ impl<'a> Out<'a> {
         Ok(Self::File(path, file))
     }
 
-    /// Where they are, for a sentence that ends with it.
+    /// Returns the destination, as the end of a sentence.
     fn place(&self) -> String {
         match self {
             Self::Stdout => "were printed".to_owned(),
@@ -203,14 +203,14 @@ struct Printer<'a> {
     out: Out<'a>,
     tagged: bool,
     expected: u64,
-    /// Lines that are not written yet.
+    /// Lines not yet written.
     text: String,
-    /// How many records there were.
+    /// Number of records.
     records: u64,
 }
 
 impl Printer<'_> {
-    /// Writes the lines that there are.
+    /// Writes the pending lines.
     fn flush(&mut self) -> Result<(), String> {
         let text = core::mem::take(&mut self.text);
         if text.is_empty() {

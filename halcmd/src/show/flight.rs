@@ -1,28 +1,28 @@
-//! `flight`: the flight recorder, in words.
+//! The command `flight`: control of the flight recorder, and its state as text.
 
 use crate::{Command, Error, Session, language::units};
 use hal_protocol::{Failure, FlightInfo, FlightSpec, KeptInfo, KeptState, Reply, Request};
 use std::fmt::Write;
 
-/// The codes of failures that say that a word or a file is wrong.
+/// Error codes for a wrong word and for a file that cannot be written.
 const EINVAL: i32 = -22;
 const EIO: i32 = -5;
 
-/// What `flight` was told.
+/// Parsed arguments of `flight`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Flight {
-    /// Nothing: to say how it is.
+    /// Without arguments: show the state.
     State,
-    /// To write what there is, or the last event.
+    /// Write the present contents, or the last event.
     Save {
         /// The file.
         path: String,
-        /// The last event.
+        /// True for the last event.
         last: bool,
     },
 }
 
-/// `flight`, `flight on …`, `flight off`, `flight save FILE [last]`.
+/// Parses `flight`, `flight on …`, `flight off` and `flight save FILE [last]`.
 pub(crate) fn parse(words: &[String]) -> Result<Command, Error> {
     let rest = words.get(1..).unwrap_or_default();
     Ok(match (words.first().map(String::as_str), rest) {
@@ -45,13 +45,13 @@ fn bad(text: &str) -> Error {
     Error::Engine(failure)
 }
 
-/// A file by a path that does not depend on the folder.
+/// Returns the absolute path of a file.
 fn whole(file: &str) -> String {
     let file = file.trim_matches('"');
     std::path::absolute(file).map_or_else(|_| file.to_owned(), |p| p.display().to_string())
 }
 
-/// `NAME=VALUE` each. A word that is none belongs to the condition before it.
+/// Parses words of the form `NAME=VALUE`. Other words continue the condition before them.
 pub(crate) fn spec(words: &[String]) -> Result<FlightSpec, Error> {
     let mut spec = FlightSpec::default();
     for word in words {
@@ -104,7 +104,7 @@ impl Session<'_> {
             });
         };
         self.ask(Request::SaveFlight { path: path.clone(), last })?;
-        // On the real clock it is written beside all else.
+        // On the real clock, a separate thread writes the file.
         loop {
             let Reply::Flight(info) = self.ask(Request::FlightState)? else {
                 return Err(Error::Unexpected);
@@ -123,7 +123,7 @@ impl Session<'_> {
     }
 }
 
-/// How the recorder is, in lines.
+/// Returns the state of the recorder as lines of text.
 fn text(info: &FlightInfo) -> String {
     let ns = |t: i64| units::duration(u64::try_from(t).unwrap_or(0));
     let mut out = format!(
@@ -135,13 +135,13 @@ fn text(info: &FlightInfo) -> String {
         ns(info.to)
     );
     let mut line = |text: &str| {
-        // A String takes everything.
+        // Writing to a `String` cannot fail.
         let _: Result<(), std::fmt::Error> = writeln!(out, "  {text}");
     };
     if info.lost > 0 {
         line(&format!("{} changes were lost: they came too fast", info.lost));
     }
-    // Memory holds the last event alone.
+    // Memory holds the last event only.
     let events = info.kept.iter().filter(|k| k.state != KeptState::Awaited);
     let last = events.map(|k| k.number).max().unwrap_or(0);
     for k in &info.kept {

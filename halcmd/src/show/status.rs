@@ -1,4 +1,4 @@
-//! What `status` prints.
+//! The output of `status`.
 
 use crate::{language::command::StatusKind, language::units::duration};
 use hal_protocol::{Lock, RealtimeInfo, StatusInfo, ThreadInfo, Usage};
@@ -10,7 +10,7 @@ const LOCKS: &[(Lock, &str)] = &[
     (Lock::RUN, "  HAL_LOCK_RUN     - running/stopping HAL is locked\n"),
 ];
 
-/// The parts that a kind of `status` has.
+/// Returns the sections that a kind of `status` prints.
 #[must_use]
 pub(crate) fn text(status: &StatusInfo, threads: &[ThreadInfo], kind: StatusKind) -> String {
     let all = kind == StatusKind::All;
@@ -122,7 +122,7 @@ fn instance(text: &mut String, status: &StatusInfo, threads: &[ThreadInfo]) {
     }
 }
 
-/// How much memory is locked.
+/// Describes the amount of locked memory. Arguments in bytes.
 fn locked((locked, present): (u64, u64)) -> String {
     let mib = |bytes: u64| bytes as f64 / f64::from(1 << 20);
     let rest = present.saturating_sub(locked);
@@ -131,7 +131,7 @@ fn locked((locked, present): (u64, u64)) -> String {
     format!("{:.1} of {:.1} MiB locked{rest}", mib(locked), mib(present))
 }
 
-/// How deeply processors may sleep.
+/// Describes how deeply processors may sleep.
 fn idle(realtime: &RealtimeInfo) -> String {
     match (realtime.idle_us, &realtime.idle_refusal) {
         (Some(us), _) => format!("/dev/cpu_dma_latency is held: processors wake within {us} us"),
@@ -140,14 +140,14 @@ fn idle(realtime: &RealtimeInfo) -> String {
     }
 }
 
-/// How late a thread woke: upper bounds, as far as they were counted.
+/// Describes the wake-up latency of a thread by upper bounds; `None` if none was counted.
 fn wake_ups(t: &ThreadInfo) -> Option<String> {
     let all: u64 = t.latency.iter().fold(0, |sum, n| sum.saturating_add(*n));
     if all == 0 {
         return None;
     }
     let within = |thousandths: u64| {
-        // How many are late at most so much, rounded up.
+        // Number of wake-ups in this fraction, rounded up.
         let wanted = (u128::from(all) * u128::from(thousandths)).div_ceil(1000);
         let mut sum = 0_u128;
         let bin = t.latency.iter().position(|n| {
@@ -156,7 +156,7 @@ fn wake_ups(t: &ThreadInfo) -> Option<String> {
         });
         let latest = t.latency_max.max(0).unsigned_abs().div_ceil(1000);
         match bin {
-            // The last bin has no end of its own.
+            // The last bin has no upper bound.
             Some(bin) if bin + 1 < t.latency.len() => (1_u64 << bin.min(63)).min(latest),
             _ => latest,
         }
@@ -170,7 +170,7 @@ fn wake_ups(t: &ThreadInfo) -> Option<String> {
     ))
 }
 
-/// The kinds of what is no plugin, in order of appearance.
+/// Returns the kinds of foreign parts, in order of appearance.
 fn kinds(status: &StatusInfo) -> Vec<&str> {
     let mut kinds: Vec<&str> = Vec::new();
     for part in &status.foreign {
@@ -181,7 +181,7 @@ fn kinds(status: &StatusInfo) -> Vec<&str> {
     kinds
 }
 
-/// Nanoseconds as seconds, without a needless fraction.
+/// Writes nanoseconds as seconds, without trailing zeros.
 fn seconds(ns: u64) -> String {
     let (whole, part) = (ns / 1_000_000_000, ns % 1_000_000_000);
     let part = format!("{part:09}");
@@ -285,7 +285,8 @@ mod tests {
             idle_refusal: None,
             stuck_ns: 2_000_000,
         };
-        // Of 1000: 600 below 1 us, 380 below 16, 19 below 32, one beyond the last bin.
+        // Of 1000 wake-ups: 600 below 1 us, 380 below 16 us, 19 below 32 us, one beyond the last
+        // bin.
         let bins = [600, 0, 0, 0, 380, 19, 0, 1];
         assert_eq!(
             lines(good.clone(), &bins, 307_040),
@@ -314,7 +315,7 @@ mod tests {
         let off = RealtimeInfo { idle_refusal: None, ..bad };
         let off = lines(off, &[0, 0, 0, 3], 20_000_000);
         assert_eq!(off[1], "idle:       processors sleep as the system lets them");
-        // All in the last bin, which has no end.
+        // All wake-ups are in the last bin, which has no upper bound.
         let late = "half within 20000 us, 99 % within 20000 us, 99.9 % within 20000 us, the latest \
                     20000.0 us";
         assert_eq!(off[3], format!("wake-ups:   of thread 't': {late}"));

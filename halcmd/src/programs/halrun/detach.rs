@@ -1,4 +1,4 @@
-//! An instance in the background.
+//! Instances in the background (`--detach`).
 
 use crate::{Terminal, session::program::is_file, terminal::termination::ending_flag};
 use hal_protocol::{Folder, Place};
@@ -20,12 +20,12 @@ use std::{
 const DONE: u8 = b'.';
 const LOOK: Timespec = Timespec { tv_sec: 0, tv_nsec: 200_000_000 };
 
-/// Starts the same in the background and returns when its script is done, with its status.
+/// Starts the same program in the background. Returns the status of its script when that is done.
 pub(super) fn parent(words: &[String], terminal: &mut dyn Terminal) -> u8 {
     let started = || -> std::io::Result<u8> {
         let (reader, writer) = pipe_with(PipeFlags::CLOEXEC)?;
         let words = words.iter().map(|w| if w == "--detach" { "--detached" } else { w });
-        // Its standard input is the way in which it tells that the script is done.
+        // The child reports through its standard input that the script is done.
         let child = Command::new(std::env::current_exe()?)
             .args(words)
             .stdin(Stdio::from(writer))
@@ -38,7 +38,8 @@ pub(super) fn parent(words: &[String], terminal: &mut dyn Terminal) -> u8 {
     })
 }
 
-/// Until the other one says that its script is done, or ends. Who gives up waiting ends it.
+/// Waits until the child reports that its script is done, or ends. If the user interrupts the wait,
+/// the child is ended.
 fn wait(mut child: Child, reader: OwnedFd) -> std::io::Result<u8> {
     let ending = ending_flag();
     while poll(&mut [PollFd::new(&reader, PollFlags::IN)], Some(&LOOK)).unwrap_or(0) == 0 {
@@ -56,14 +57,14 @@ fn wait(mut child: Child, reader: OwnedFd) -> std::io::Result<u8> {
     }
 }
 
-/// In the background: what happens at the terminal does not reach this process and its programs.
+/// Separates this process and its programs from the terminal. Called by the background process.
 pub(super) fn leave_terminal() {
     // A process that leads a group already has none to leave.
     let _ = setsid();
 }
 
-/// In the background: what is said from now on goes to the instance's log, whose path this returns,
-/// and not to the terminal. Standard error that is a file stays what it is.
+/// Redirects standard error to the instance's log, whose path is returned, unless it is a regular
+/// file. Called by the background process.
 pub(super) fn leave_stderr(place: &Place) -> Option<PathBuf> {
     if is_file(std::io::stderr()) {
         return None;
@@ -76,7 +77,7 @@ pub(super) fn leave_stderr(place: &Place) -> Option<PathBuf> {
     None
 }
 
-/// Removes the log of an instance that has ended well and said nothing.
+/// Removes the log of an instance if it is empty.
 pub(super) fn forget(place: &Place) {
     let log = place.log();
     if std::fs::metadata(&log).is_ok_and(|log| log.len() == 0) {
@@ -84,10 +85,10 @@ pub(super) fn forget(place: &Place) {
     }
 }
 
-/// In the background: tells the process that waits that the script is done, and gives the terminal
-/// free. Standard output that is a file stays what it is.
+/// Reports to the waiting process that the script is done, and releases the terminal. Standard
+/// output is left alone if it is a regular file. Called by the background process.
 pub(super) fn tell() {
-    // Nobody may be waiting any more.
+    // The other process may have stopped waiting.
     let _ = rustix::io::write(std::io::stdin(), &[DONE]);
     let Some(null) = null() else { return };
     stdio::dup2_stdin(&null).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! A machine from its INI file.
+//! Start of a machine from its INI file.
 
 use crate::{
     Bytes, Error, Outcome, Session,
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 const TCL: &str = "write it as a .hal file";
 const TWOPASS: &str = "name each module in one loadrt line and take TWOPASS out";
 
-/// Refuses what an INI start cannot do, before anything is made.
+/// Returns an error for entries that an INI start does not support, before anything is created.
 pub(crate) fn refuse(ini: &Ini) -> Result<(), Error> {
     if let Some(entry) = ini.all("HAL", "TWOPASS").find(|e| !e.value.is_empty()) {
         let what = format!("{}:{}: [HAL]TWOPASS", entry.file, entry.line).into();
@@ -26,10 +26,10 @@ pub(crate) fn refuse(ini: &Ini) -> Result<(), Error> {
     super::realtime::of_ini(ini).map(|_| ())
 }
 
-/// Carries out what the INI file asks for, in order.
+/// Executes the INI file's requests in order.
 pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path) -> Outcome {
     let folders = Folders::of(path);
-    // Relative names in scripts are names beside the INI file.
+    // Relative file names in scripts are relative to the INI file's folder.
     if session.is_trial() {
         session.set_folder(&folders.named);
     } else if let Err(error) = std::env::set_current_dir(&folders.here) {
@@ -53,13 +53,13 @@ pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path) -> Outcom
     machine.outcome
 }
 
-/// What [`start`] does before the HAL files.
+/// Executes the part of [`start`] that comes before the HAL files.
 pub(crate) fn before_files(session: &mut Session<'_>, ini: &Ini, path: &Path) {
     Machine { session, ini, folders: Folders::of(path), outcome: Outcome::Good }.load();
     session.begin_machine();
 }
 
-/// What [`start`] does after them.
+/// Executes the part of [`start`] that comes after the HAL files.
 pub(crate) fn after_files(session: &mut Session<'_>, ini: &Ini, path: &Path) {
     Machine { session, ini, folders: Folders::of(path), outcome: Outcome::Good }.configure();
 }
@@ -72,7 +72,7 @@ struct Machine<'a, 's> {
 }
 
 impl Machine<'_, '_> {
-    /// Does one step, unless an earlier one has ended the start.
+    /// Runs a step, unless an earlier one has ended the start.
     fn then(&mut self, step: impl FnOnce(&mut Session<'_>) -> Outcome) {
         let goes_on = match self.outcome {
             Outcome::Good => true,
@@ -87,14 +87,14 @@ impl Machine<'_, '_> {
         }
     }
 
-    /// Loads what an INI start always has.
+    /// Loads the components that every INI start has.
     fn load(&mut self) {
         let module = "iocontrol".to_owned();
         let args = vec!["interlock=1".to_owned()];
         self.ask("EMCIO", Request::Load { module, args });
     }
 
-    /// Asks for what the INI file asks for in a section.
+    /// Sends a request; errors refer to the section's first line.
     fn ask(&mut self, section: &str, request: Request) {
         let place = self.ini.section(section).next();
         self.then(|session| {
@@ -137,7 +137,7 @@ impl Machine<'_, '_> {
         });
     }
 
-    /// Gives motion the machine's data, if motion is loaded.
+    /// Configures motion with the machine's data, if motion is loaded.
     fn configure(&mut self) {
         let ini = self.ini;
         self.then(|session| {
@@ -168,7 +168,7 @@ fn failed(session: &mut Session<'_>, error: &Error) -> Outcome {
     Outcome::Failed
 }
 
-/// The INI entries of coordinated moves, and the arguments they become; the first that is there
+/// INI entries of coordinated moves, and the corresponding arguments. The first entry that exists
 /// counts.
 const PATH: &[(&str, &str, &str)] = &[
     ("TRAJ", "MAX_LINEAR_VELOCITY", "max-velocity"),
@@ -181,9 +181,9 @@ const PATH: &[(&str, &str, &str)] = &[
     ("DISPLAY", "MAX_FEED_OVERRIDE", "max-feed-override"),
 ];
 
-/// The arguments of each `motion.configure`, and where they begin: one for coordinated moves, one
-/// for each joint, one for each axis that has limits of its own. What the command does not know is
-/// left out.
+/// Returns the arguments of each `motion.configure`, with the first INI entry of each: one call for
+/// coordinated moves, one for each joint, and one for each axis that has limits of its own.
+/// Arguments that the command does not have are left out.
 fn data<'a>(ini: &'a Ini, command: &CommandInfo) -> Vec<(&'a Entry, Vec<String>)> {
     let mut path = Args::new(command, None);
     for (section, name, arg) in PATH {
@@ -195,7 +195,7 @@ fn data<'a>(ini: &'a Ini, command: &CommandInfo) -> Vec<(&'a Entry, Vec<String>)
         let mut args = Args::new(command, Some(first));
         for entry in ini.section(section) {
             let arg = entry.name.to_ascii_lowercase().replace('_', "-");
-            // Which joint or axis it is about says the section; of an axis only its limits count.
+            // The section identifies the joint or axis. Of an axis, only its limits count.
             if arg != "joint" && arg != "axis" && (only.is_empty() || only.contains(&&*arg)) {
                 args.add(&arg, entry);
             }
@@ -214,18 +214,19 @@ fn data<'a>(ini: &'a Ini, command: &CommandInfo) -> Vec<(&'a Entry, Vec<String>)
     all.into_iter().flatten().collect()
 }
 
-/// What counts of an axis.
+/// Arguments that are read from an axis's section.
 const AXIS: &[&str] =
     &["min-limit", "max-limit", "max-velocity", "max-acceleration", "offset-av-ratio"];
 
-/// How many sections of joints count: as many as the machine says that it has joints.
+/// Returns the number of joint sections to read: the machine's number of joints, or 100 if it is
+/// not given.
 fn joint_count(ini: &Ini) -> u32 {
     let said = [("KINS", "JOINTS"), ("TRAJ", "JOINTS"), ("TRAJ", "AXES")];
     let mut given = said.iter().filter_map(|(section, name)| ini.get(section, name));
     given.find_map(|value| value.split_whitespace().next()?.parse().ok()).unwrap_or(100).min(100)
 }
 
-/// Arguments of one command, as entries give them.
+/// Arguments of one command, collected from INI entries.
 struct Args<'a, 'c> {
     command: &'c CommandInfo,
     place: Option<&'a Entry>,
@@ -237,7 +238,7 @@ impl<'a, 'c> Args<'a, 'c> {
         Self { command, place: None, words: first.into_iter().collect() }
     }
 
-    /// Takes the entry's value, if the command has this argument and it was not given yet.
+    /// Adds the entry's value, if the command has this argument and it is not yet set.
     fn add(&mut self, arg: &str, entry: &'a Entry) {
         let given = self.words.iter().any(|w| w.split('=').next() == Some(arg));
         let known = self.command.args.iter().any(|a| a.name == arg);
@@ -248,18 +249,18 @@ impl<'a, 'c> Args<'a, 'c> {
         self.place.get_or_insert(entry);
     }
 
-    /// Nothing when there was no entry.
+    /// Returns the arguments, or `None` without any entry.
     fn done(self) -> Option<(&'a Entry, Vec<String>)> {
         let place = self.place?;
         (!self.words.is_empty()).then_some((place, self.words))
     }
 }
 
-/// Where HAL files of a machine are.
+/// Folders that contain HAL files of a machine.
 struct Folders {
-    /// The INI file's own, as the user named it.
+    /// Folder of the INI file, as the user wrote it.
     named: PathBuf,
-    /// The same from the root.
+    /// Absolute path of that folder.
     here: PathBuf,
     /// Libraries of HAL files.
     libraries: Vec<PathBuf>,
@@ -282,8 +283,8 @@ impl Folders {
         Self { named, here, libraries }
     }
 
-    /// What to call the file, and where it is: beside the INI file, then in the libraries;
-    /// `LIB:name` is only in those.
+    /// Finds a file beside the INI file or else in the libraries; `LIB:name` is searched in the
+    /// libraries only. Returns the name for messages, and the path.
     fn find(&self, name: &str) -> Option<(String, PathBuf)> {
         let (name, library) = name.strip_prefix("LIB:").map_or((name, false), |n| (n, true));
         let own = self.here.join(name);

@@ -1,4 +1,4 @@
-//! What the command line and the environment ask halrun to do.
+//! Command line, environment and profile of halrun.
 
 use super::realtime;
 use crate::{
@@ -13,18 +13,18 @@ use hal_engine::{ClockKind, Options};
 use hal_protocol::{FlightSpec, Place};
 use std::path::{Path, PathBuf};
 
-/// What to do.
+/// Action that the user asks for.
 #[derive(Clone, Debug)]
 pub(crate) enum Action {
-    /// Explain the options.
+    /// Print the options.
     Help,
-    /// End the instance that runs there.
+    /// End the running instance.
     Stop(Place),
-    /// Make one.
+    /// Start an instance.
     Run(Box<Plan>),
 }
 
-/// Where the script is.
+/// Source of the script.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Script {
     /// A `.hal` file.
@@ -33,22 +33,22 @@ pub(crate) enum Script {
     Ini(String),
     /// Standard input.
     Terminal,
-    /// Nowhere: clients do everything.
+    /// No script; clients do everything.
     Nothing,
 }
 
-/// Whether the process is in the background.
+/// Role of the process with respect to `--detach`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Detach {
-    /// It is not.
+    /// An ordinary process in the foreground.
     No,
-    /// It is to start one that is.
+    /// The process that starts the background process.
     Parent,
-    /// It is that one.
+    /// The background process.
     Child,
 }
 
-/// How to make and run an instance.
+/// Parameters for creating and running an instance.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pub(crate) options: Options,
@@ -60,7 +60,7 @@ pub(crate) struct Plan {
     pub(super) interactive: bool,
     pub(super) for_ns: Option<u64>,
     pub(super) record: Option<PathBuf>,
-    /// How the flight recorder is switched on.
+    /// Settings of the flight recorder, if it is to be switched on.
     pub(super) flight: Option<FlightSpec>,
     pub(super) detach: Detach,
 }
@@ -141,7 +141,7 @@ const OPTIONS: &[Opt<Id>] = &[
     Opt { long: Some("help"), ..flag('h', Id::Help, "print this") },
 ];
 
-/// Not for people: what `--detach` gives the process it starts, and the clock's variable.
+/// Undocumented option that `--detach` passes to the process it starts.
 const HIDDEN: &[Opt<Id>] = &[with("detached", Id::Detached, None, None, "")];
 
 const fn flag(letter: char, id: Id, help: &'static str) -> Opt<Id> {
@@ -158,7 +158,7 @@ const fn with(
     Opt { id, short: None, long: Some(name), value, variable, help }
 }
 
-/// Reads the command line and the environment.
+/// Parses the command line, the environment and the profile.
 pub(crate) fn plan(
     words: &[String],
     environment: &dyn Fn(&str) -> Option<String>,
@@ -259,12 +259,12 @@ pub(crate) fn plan(
     })))
 }
 
-/// The options, for completion.
+/// Returns the options for completion.
 pub(crate) fn table() -> Vec<Opt<()>> {
     [plain(OPTIONS), plain(&halcmd::COMMON)].concat()
 }
 
-/// The usage text.
+/// Returns the usage text.
 pub(crate) fn help() -> String {
     format!(
         "\nUsage:   halrun [options] [FILE.hal|FILE.ini]\n         halrun [options] -f FILE\n         \
@@ -276,7 +276,7 @@ pub(crate) fn help() -> String {
     )
 }
 
-/// Options may also follow the file, since no word of a file's name is one.
+/// Parses options that may also follow the file.
 fn all_words(
     table: &[Opt<Id>],
     words: &[String],
@@ -321,13 +321,13 @@ fn script(files: &[String], detach: Detach) -> Result<Script, Error> {
     }
 }
 
-/// Says that components are also to be found where LinuxCNC's package has them.
+/// Environment variable that adds the folder of LinuxCNC's package to the search path.
 const LINUXCNC_MODULES: &str = "HAL_LINUXCNC_MODULES";
-/// There.
+/// Folder of LinuxCNC's components.
 const LINUXCNC_FOLDER: &str = "/usr/lib/linuxcnc/modules";
 
-/// Where plugins are: `HAL_RTMOD_DIR`, beside the program, installed with it, or just built; and
-/// LinuxCNC's components in C, if asked.
+/// Returns the search path of plugins: `HAL_RTMOD_DIR`, then beside the program, installed with it,
+/// or just built; and LinuxCNC's components in C if requested.
 pub(crate) fn plugin_path(environment: &dyn Fn(&str) -> Option<String>) -> Vec<PathBuf> {
     let asked = environment("HAL_RTMOD_DIR").unwrap_or_default();
     let mut path: Vec<PathBuf> = asked

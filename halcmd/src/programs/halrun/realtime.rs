@@ -1,9 +1,9 @@
-//! What halrun is told about realtime threads: options, and the machine's INI file.
+//! Settings of realtime threads: options of halrun, and the machine's INI file.
 
 use crate::{Error, ini::Ini, language::units::nanoseconds};
 use hal_engine::{RealtimeOptions, STUCK_NS};
 
-/// Reads the options: the number of a processor, microseconds or `off`, a time.
+/// Parses the options: the number of a processor, microseconds or `off`, and a time.
 pub(super) fn options(
     cpu: Option<String>,
     idle: Option<String>,

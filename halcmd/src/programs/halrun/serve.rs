@@ -1,4 +1,4 @@
-//! The engine while a script runs, and afterwards.
+//! Operation of the engine while a script runs and afterwards.
 
 use super::plan::{Plan, Script};
 use crate::{session::INTERRUPTED, session::prompt::Aside};
@@ -6,8 +6,8 @@ use hal_engine::{Ended, Engine};
 use hal_protocol::{Failure, Link, Reply, Request};
 use tracing::level_filters::LevelFilter;
 
-/// Shows on standard error what components and the engine have to say, as they say it. Which
-/// messages of components those are is the engine's matter (`debug LEVEL`).
+/// Prints messages of components and of the engine on standard error as they come. The engine
+/// selects which messages of components those are (`debug LEVEL`).
 pub(super) fn listen() {
     let plain = tracing_subscriber::fmt()
         .with_writer(Aside::default)
@@ -16,13 +16,13 @@ pub(super) fn listen() {
         .with_level(false)
         .with_target(false)
         .without_time()
-        // Standard error that cannot be written to would be told there, and end the machine.
+        // A failed write to standard error would be reported there as well, and end the machine.
         .log_internal_errors(false);
-    // Another one may have been installed by whoever uses this as a library.
+    // A program that uses this crate as a library may have installed another subscriber.
     drop(plain.try_init());
 }
 
-/// An engine in this process: once it is ending it carries out nothing more.
+/// Link to an engine in this process. Once the engine is ending, it executes no more requests.
 pub(super) struct Local<'a> {
     engine: &'a mut Engine,
 }
@@ -39,7 +39,7 @@ impl Link for Local<'_> {
             return Err(Failure::new(INTERRUPTED, "the instance is ending"));
         }
         let reply = self.engine.call(request);
-        // They were shown when they were logged.
+        // The messages were printed when they were logged.
         drop(self.engine.take_messages());
         reply
     }
@@ -57,13 +57,14 @@ impl Link for Local<'_> {
     }
 }
 
-/// Whether a script ended because of a signal, not because a line or a client asked for it.
+/// Returns whether a script ended because of a signal, and not because a line or a client asked for
+/// it.
 pub(super) fn was_broken_off(engine: &mut Engine) -> bool {
     engine.serve(Some(0)) == Ended::Signal
 }
 
-/// What went wrong in an instance: the function for which its threads have stopped, or that does not
-/// come back, and the recording that could not be written.
+/// Returns messages about the failures of an instance: the function for which its threads have
+/// stopped or that does not return, and the recording that could not be written.
 pub(super) fn wrong(link: &mut impl Link, name: &str) -> Vec<String> {
     let Ok(Reply::Status(status)) = link.call(Request::Status) else { return Vec::new() };
     let fault = status.fault.or(status.stuck).map(|f| {
@@ -77,10 +78,10 @@ pub(super) fn wrong(link: &mut impl Link, name: &str) -> Vec<String> {
     fault.into_iter().chain(stopped).collect()
 }
 
-/// Serves clients until the instance's time is over.
+/// Serves clients until the instance ends.
 pub(super) fn stay(plan: &Plan, engine: &mut Engine) {
     if plan.script == Script::Nothing && plan.for_ns.is_none() {
-        // There need not be a thread yet.
+        // No thread need exist yet.
         let wait = Request::Idle { ms: 100, flow: !plan.options.hold };
         while !engine.is_ending() && engine.call(wait.clone()).is_ok() {}
     } else if !plan.batch || plan.for_ns.is_some() {

@@ -1,4 +1,5 @@
-//! `halscope capture`: samples a machine at a trigger, into a file.
+//! The command `halscope capture`: captures samples of a machine around a trigger and writes them
+//! to a file.
 
 use super::{
     live::{End, Live},
@@ -12,12 +13,12 @@ use std::{
     process::ExitCode,
 };
 
-/// The status when no trigger came.
+/// Exit status when no trigger occurred.
 const NOT_TRIGGERED: u8 = 2;
-/// The status when a trigger came and the capture did not become whole.
+/// Exit status when a trigger occurred but the capture is incomplete.
 const NOT_WHOLE: u8 = 3;
 
-/// Runs the command with these words.
+/// Runs the command with these arguments.
 pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     run(words).map(ExitCode::from)
 }
@@ -30,7 +31,7 @@ fn run(words: &[String]) -> Result<u8, String> {
             return Ok(0);
         }
     };
-    // What is not as it was asked for is said in any case.
+    // An incomplete capture is reported even if quiet.
     let say = |is_whole: bool, text: String| {
         if !plan.is_quiet || !is_whole {
             Stdio.err(&format!("halscope: {text}\n"));
@@ -68,7 +69,8 @@ fn run(words: &[String]) -> Result<u8, String> {
     Ok(0)
 }
 
-/// `scope.vcd` is `scope-2.vcd` for the second of several.
+/// Returns the file name of capture `n`: `scope-2.vcd` for the second of several captures to
+/// `scope.vcd`.
 fn numbered(path: &Path, n: u64, of: u64) -> PathBuf {
     match (of, path.file_stem(), path.extension()) {
         (2.., Some(stem), Some(ending)) => {

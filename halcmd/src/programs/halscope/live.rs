@@ -1,4 +1,4 @@
-//! A capture of a machine that runs.
+//! Capture from a running machine.
 
 use super::plan::Plan;
 use crate::{
@@ -16,47 +16,47 @@ use std::{
     thread::JoinHandle,
 };
 
-/// How long to wait for samples, in milliseconds, and how many such waits lie between looks at
-/// whether the engine is still there.
+/// Interval between two checks for samples, in milliseconds, and number of these intervals between
+/// two checks whether the engine still runs.
 const WAIT_MS: u32 = 2;
 const LOOK_EVERY: u32 = 50;
 
-/// How a capture ended.
+/// Result of a capture.
 pub(super) enum End {
-    /// As it should.
+    /// The complete capture.
     Whole(Trace),
-    /// It was triggered, and something ended it too early.
+    /// A capture that was triggered but ended too early, and the reason.
     Part(Trace, String),
-    /// No trigger came. The trace is what was sampled before the machine ended, if it did.
+    /// No trigger occurred. The trace holds what was sampled before the machine ended, if it ended.
     Nothing(Option<Trace>, String),
 }
 
-/// What polling found.
+/// Result of a poll.
 pub(super) enum Polled {
-    /// Nothing yet.
+    /// No complete capture yet.
     Nothing,
-    /// A capture.
+    /// A complete capture.
     Whole(Trace),
-    /// Nothing more comes: what there is of a capture that is not complete, and why.
+    /// No more samples will come; with the incomplete capture, if any, and the reason.
     Over(Option<Trace>, String),
 }
 
-/// A connection that samples.
+/// Connection that captures samples.
 pub(super) struct Live {
     place: Place,
     client: Client,
     samples: Samples,
     capture: Capture,
-    /// The channels, by the names that were asked for.
+    /// Channels, under the names that the user wrote.
     asked: Vec<(String, Type)>,
     polls: u32,
     record: Vec<u64>,
-    /// Machine time when it began, and how long a trigger is waited for.
+    /// Machine time at the start, and the time to wait for a trigger, in nanoseconds.
     began: i64,
     timeout: Option<i64>,
-    /// Who moves the clock, on a connection of its own.
+    /// Thread that advances the clock, on a connection of its own.
     running: Option<JoinHandle<Result<(), String>>>,
-    /// Why the clock was not moved, if it was not.
+    /// Reason why the clock was not advanced, if it was not.
     not_run: Option<String>,
     run: Option<u64>,
     ending: Arc<AtomicBool>,
@@ -71,7 +71,7 @@ fn told(failure: &Failure) -> String {
 }
 
 impl Live {
-    /// Begins to sample.
+    /// Starts to sample.
     pub(super) fn begin(plan: &Plan) -> Result<Self, String> {
         let ending = ending_flag();
         let force = Arc::new(AtomicBool::new(false));
@@ -92,7 +92,7 @@ impl Live {
         let channels = info.channels.iter().map(|c| (c.name.clone(), c.ty));
         let channels: Vec<(String, Type)> = channels.collect();
         let setup = plan.setup(info.period.saturating_mul(i64::from(info.every)))?;
-        // The trigger calls a channel as it was asked for: `sig:x` as well.
+        // A trigger refers to a channel as the user wrote it, for example `sig:x`.
         let mut asked = channels.clone();
         for (channel, name) in asked.iter_mut().zip(plan.whole_names()) {
             name.clone_into(&mut channel.0);
@@ -127,13 +127,13 @@ impl Live {
         })
     }
 
-    /// What there is now, for whoever looks at other things as well: a capture that has become
-    /// whole, or that nothing more comes.
+    /// Polls without waiting. Returns a capture once it is complete, or that no more samples will
+    /// come.
     pub(super) fn poll(&mut self) -> Result<Polled, String> {
-        // In this order: what was sampled before the end is taken.
+        // Checked before the samples are read, so that none taken before the end is missed.
         let is_over = self.samples.is_over();
         self.polls = self.polls.wrapping_add(1);
-        // The view goes on while the engine does not answer.
+        // The view continues while the engine does not respond.
         let is_lost = self.polls.is_multiple_of(LOOK_EVERY) && self.client.is_gone();
         while let Some(stamp) = self.samples.take_bits(&mut self.record) {
             if let Some(trace) = self.capture.feed(stamp.time, &self.record, stamp.lost) {
@@ -148,17 +148,17 @@ impl Live {
         Ok(Polled::Over(rest, why))
     }
 
-    /// The capture: to arm, force, and give another trigger.
+    /// Returns the capture, in order to arm it, force it or change its trigger.
     pub(super) const fn capture(&mut self) -> &mut Capture {
         &mut self.capture
     }
 
-    /// The channels, as a trigger calls them.
+    /// Returns the channels, under the names that a trigger uses.
     pub(super) fn channels(&self) -> &[(String, Type)] {
         &self.asked
     }
 
-    /// The next capture.
+    /// Waits for the next capture.
     pub(super) fn next(&mut self) -> Result<End, String> {
         let mut empty = 0;
         let mut is_over = false;
@@ -183,7 +183,7 @@ impl Live {
             if is_over {
                 return self.over();
             }
-            // In this order: what was sampled before the end is taken.
+            // Checked before the samples are read, so that none taken before the end is missed.
             is_over = self.samples.is_over() || self.has_run();
             if is_over {
                 continue;
@@ -196,14 +196,15 @@ impl Live {
                         return Ok(End::Nothing(None, self.waited()));
                     }
                     Ok(_) => {}
-                    // What waits in the ring is still to be had.
+                    // Samples in the ring can still be read.
                     Err(_) => is_over = true,
                 }
             }
         }
     }
 
-    /// Lets the machine go on; what moves the clock comes to its end.
+    /// Ends the sampling, so that the machine continues, and waits until the clock has been
+    /// advanced.
     pub(super) fn leave(mut self) {
         let id = self.samples.info().id;
         drop(self.client.end_sample(id));
@@ -212,13 +213,13 @@ impl Live {
         }
     }
 
-    /// The same, without waiting for a machine that does not answer.
+    /// Ends the sampling without waiting for a machine that does not respond.
     pub(super) fn leave_at_once(self) {
         self.ending.store(true, Relaxed);
         self.leave();
     }
 
-    /// Whether no trigger has come for too long.
+    /// Returns whether the time to wait for a trigger has passed.
     fn is_late(&mut self, now: i64) -> bool {
         let waited = now.saturating_sub(self.began);
         self.capture.trigger().is_armed() && self.timeout.is_some_and(|t| waited >= t)
@@ -228,7 +229,7 @@ impl Live {
         format!("after {} s", self.timeout.unwrap_or(0) as f64 / 1e9)
     }
 
-    /// Whether the clock has come to where it was to be moved, or cannot be moved.
+    /// Returns whether the advance of the clock has finished or failed.
     fn has_run(&mut self) -> bool {
         if !self.running.as_ref().is_some_and(JoinHandle::is_finished) {
             return false;
@@ -253,7 +254,7 @@ impl Live {
         (why, false)
     }
 
-    /// How a capture ends when no more samples come.
+    /// Returns the result of the capture when no more samples will come.
     fn over(&mut self) -> Result<End, String> {
         let is_refused = self.not_run.is_some();
         let (why, is_lost) = self.why();
@@ -265,7 +266,7 @@ impl Live {
         })
     }
 
-    /// What was sampled before a trigger that did not come, if anything.
+    /// Returns what was sampled before the trigger, if anything.
     fn before(&self) -> Option<Trace> {
         Some(self.capture.so_far()).filter(|trace| !trace.is_empty())
     }

@@ -1,4 +1,4 @@
-//! The course of a test: the machine is made, and the steps are carried out.
+//! Course of a test: it creates the machine and executes the steps.
 
 use super::{
     bench::Bench,
@@ -27,35 +27,35 @@ use std::{
     process::Child,
 };
 
-/// Where the recording is, beside the machine's files.
+/// Name of the recording, in the machine's folder.
 const RECORDING: &str = ".haltest.vcd";
 
-/// What came of a course.
+/// Result of a run.
 #[derive(Debug, Default)]
 pub(super) struct Course {
     pub(super) complaints: Vec<Complaint>,
-    /// What was said, and when.
+    /// Messages and their times in nanoseconds.
     pub(super) said: Vec<(i64, String)>,
-    /// When marks were reached.
+    /// Times at which marks were reached, in nanoseconds.
     pub(super) reached: BTreeMap<String, i64>,
-    /// The recording.
+    /// Path of the recording.
     pub(super) recording: Option<PathBuf>,
     pub(super) end: i64,
 }
 
-/// Everything of a machine under way.
+/// State of a running test.
 struct Stand<'t> {
     test: &'t Test,
     plan: &'t Plan,
     files: &'t Files,
     bench: Bench,
     programs: Vec<Child>,
-    /// What the script and the steps printed and complained about.
+    /// Output and errors of the script and of the steps, with their times.
     printed: Vec<(i64, String)>,
     course: Course,
 }
 
-/// Runs a test in this process, whose folder is the machine's.
+/// Runs a test in this process, whose working folder must be the machine's.
 pub(super) fn run(test: &Test, script: &str) -> Course {
     let spot = test.machine.clone().unwrap_or_default().spot;
     let mut words = vec!["--virtual".to_owned()];
@@ -95,7 +95,7 @@ pub(super) fn run(test: &Test, script: &str) -> Course {
     stand.close()
 }
 
-/// A script or INI file that cannot be begun with.
+/// Returns the result for a script or INI file that cannot be read.
 fn refusal(test: &Test, spot: &Spot, error: &Error) -> Course {
     let mut course = Course::default();
     course.said.push((0, error.whole()));
@@ -103,7 +103,7 @@ fn refusal(test: &Test, spot: &Spot, error: &Error) -> Course {
     course
 }
 
-/// What is wrong with a script that was refused.
+/// Returns the complaint about a failed script, unless the test expects that failure.
 fn refused_as_expected(test: &Test, spot: &Spot, text: &str) -> Option<Complaint> {
     match &test.refused {
         Some(wanted) if text.contains(&wanted.name) => None,
@@ -145,7 +145,7 @@ impl Stand<'_> {
             }
             if let Err(complaint) = self.step(step, start) {
                 self.course.complaints.push(complaint);
-                // What comes after it would only be told about a machine that is elsewhere.
+                // Later steps would find the machine in an unexpected state.
                 break;
             }
         }
@@ -163,7 +163,7 @@ impl Stand<'_> {
         }
     }
 
-    /// Makes the machine.
+    /// Creates the machine by running its script.
     fn script(&mut self) -> (Outcome, String) {
         let mut terminal = Captured::default();
         let watched = watch::recorded(self.test);
@@ -251,7 +251,7 @@ impl Stand<'_> {
         Ok(())
     }
 
-    /// Time passes to the moment at which a step is due.
+    /// Advances time to the moment at which a step is due.
     fn run_to(&mut self, step: &Step, due: i64, start: i64) -> Result<(), Complaint> {
         let now = self.bench.now();
         if due < now {
@@ -330,8 +330,7 @@ impl Stand<'_> {
         Ok(())
     }
 
-    /// Ends the recording, if there is one. Without one there is nothing to look at: that is reported
-    /// by the expectations.
+    /// Ends the recording, if there is one. If there is none, the expectations report that.
     fn end_recording(&mut self) {
         let Ok(Reply::Status(status)) = self.bench.ask(Request::Status) else { return };
         if status.recording.is_none() && status.recording_stopped.is_none() {
@@ -361,7 +360,7 @@ impl Stand<'_> {
     }
 }
 
-/// Lines of a test, under the numbers that they have in its file.
+/// Returns lines of a test, preceded by empty lines so that they keep their line numbers.
 fn numbered(lines: &Named) -> Bytes {
     let before = "\n".repeat(lines.spot.line.saturating_sub(1) as usize);
     Bytes::new((before + &lines.name).into_bytes())
