@@ -1,6 +1,6 @@
 component width_of "As many inputs as its personality says.";
 pin in bit in-##[16 : personality];
-pin out unsigned number "Its inputs as a number, in-00 lowest.";
+pin out unsigned number "Inputs as a number, in-00 lowest.";
 function _;
 license "MIT";
 ;;

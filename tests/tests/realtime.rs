@@ -1,7 +1,7 @@
-//! No function allocates in a cycle. The C library's `malloc`, `calloc`, `realloc` and `free` are
-//! interposed, in which every library's own allocator ends, and the calls of realtime threads are
-//! counted while 10,000 cycles of every component run, with inputs, parameters and commands of
-//! every kind, and while the wiring changes.
+//! No function allocates in a cycle. The test interposes the C library's `malloc`, `calloc`,
+//! `realloc` and `free`, which every library's own allocator calls, and counts the calls of
+//! realtime threads while every component runs 10,000 cycles with inputs, parameters and commands
+//! of every kind, and while the wiring changes.
 #![expect(clippy::unwrap_used, clippy::panic, unsafe_code, reason = "tests")]
 
 use hal_engine::{ClockKind, Engine, Offer, Options};
@@ -20,13 +20,13 @@ use std::{path::Path, process::Command};
 
 const CYCLES: u64 = 10_000;
 
-/// The function that comes and goes while cycles are counted.
+/// The function that is added and removed while cycles are counted.
 const EDITED: &str = "and2.3";
 
-/// Names what a child is to run.
+/// Environment variable with the test that a child process runs.
 const CHILD: &str = "FERRULE_TEST_COUNTS";
 
-/// The library that counts, which was put before the C library.
+/// The counting library, which is loaded before the C library.
 mod counter {
     unsafe extern "C" {
         fn dlsym(
@@ -42,7 +42,7 @@ mod counter {
         found
     }
 
-    /// Counts from zero, or stops counting.
+    /// Resets and starts the counter, or stops it.
     pub(crate) fn count(on: bool) {
         let f = find(c"hal_interpose_count");
         // SAFETY: the library's function of that type.
@@ -50,7 +50,7 @@ mod counter {
         f(on);
     }
 
-    /// How many calls were counted.
+    /// Returns the number of counted calls.
     pub(crate) fn counted() -> u64 {
         let f = find(c"hal_interpose_counted");
         // SAFETY: the library's function of that type.
@@ -60,7 +60,7 @@ mod counter {
     }
 }
 
-/// A value as a user would write it: ordinary, or at the edge.
+/// Returns a value as a user would write it: ordinary, or at the edge of the range.
 fn value(random: &mut Random, ty: Type) -> String {
     let odd = random.word().is_multiple_of(4);
     let n = random.word();
@@ -107,7 +107,7 @@ fn functs(e: &mut Engine) -> Vec<FunctInfo> {
     }
 }
 
-/// What a user may set.
+/// Returns the items that a user may set.
 fn settable(e: &mut Engine) -> Vec<ItemInfo> {
     let mut all = Vec::new();
     for kind in [Kind::Pins, Kind::Params] {
@@ -129,7 +129,7 @@ fn commands(e: &mut Engine) -> Vec<CommandInfo> {
     }
 }
 
-/// Sets everything that can be set, and gives every command, with arguments of every kind.
+/// Sets everything that can be set, and sends every command, with arguments of every kind.
 fn poke(e: &mut Engine, random: &mut Random, items: &[ItemInfo], commands: &[CommandInfo]) {
     for i in items {
         let value = value(random, i.value.ty());
@@ -146,12 +146,12 @@ fn poke(e: &mut Engine, random: &mut Random, items: &[ItemInfo], commands: &[Com
             format!("{}={value}", a.name)
         };
         let args = c.args.iter().map(&mut arg).collect();
-        // Most are refused: that is nothing to the cycles.
+        // Most are refused, which does not affect the cycles.
         drop(e.call(Request::Command { name: c.name.clone(), args }));
     }
 }
 
-/// Waits until every thread runs: what one allocates as it begins is not of a cycle.
+/// Waits until every thread runs. Allocations of a starting thread do not belong to a cycle.
 fn begun(e: &mut Engine) {
     wait(e, "the first cycles", |e| match list(e, Kind::Threads) {
         Reply::Threads(all) => all.iter().all(|t| t.cycles > 5),
@@ -159,7 +159,10 @@ fn begun(e: &mut Engine) {
     });
 }
 
-/// Runs what is loaded for so many cycles and counts: the calls, and what went wrong.
+/// Runs everything loaded for `CYCLES` cycles. Returns the number of counted calls.
+///
+/// # Panics
+/// A function fails.
 fn counted(e: &mut Engine) -> u64 {
     let all: Vec<String> = functs(e).into_iter().map(|f| f.name).collect();
     for f in all.iter().filter(|f| *f != EDITED) {
@@ -175,7 +178,7 @@ fn counted(e: &mut Engine) -> u64 {
     counter::count(true);
     let mut rounds = 0;
     while thread(e, "fast").cycles < end || rounds < 100 {
-        // Changes to the wiring are carried out by the fastest thread.
+        // The fastest thread applies changes to the wiring.
         script(
             e,
             &format!(
@@ -196,17 +199,17 @@ fn counted(e: &mut Engine) -> u64 {
     calls
 }
 
-/// Everything on the path, in as many engines as it takes: some cannot be beside others.
+/// Runs every component on the path, in several engines, because some exclude each other.
 fn everything() {
     let mut wanted: Vec<String> = Vec::new();
     for Offer { component, library, .. } in every::offers() {
-        // Of kinematics there is one in an engine; what they do is seen when motion uses them.
+        // An engine has only one kinematics component; these run when motion uses them.
         if library == "kinematics" {
             continue;
         }
         wanted.extend(every::ways(&component).iter().map(|w| format!("{component} {w}")));
     }
-    // Kinematics come before who needs them.
+    // Kinematics are loaded before the components that need them.
     wanted.sort_by_key(|w| !w.starts_with("trivkins"));
     while !wanted.is_empty() {
         let mut e = engine(&[programs()]);
@@ -228,7 +231,8 @@ fn everything() {
     }
 }
 
-/// A machine that moves: homed, jogged, and along a line, its steps made and sampled.
+/// Runs a machine that is homed, jogged and moved along a line, with its steps generated and
+/// sampled.
 fn moving() {
     let mut e = engine(&[programs()]);
     script(
@@ -281,7 +285,7 @@ fn moving() {
     e.close();
 }
 
-/// Every kind of kinematics, as motion uses them: from joints to poses in each cycle, and back.
+/// Runs every kind of kinematics as motion uses it: from joints to poses and back in each cycle.
 fn kinematics() {
     for Offer { component, library, .. } in every::offers() {
         if library != "kinematics" {
@@ -328,8 +332,8 @@ fn kinematics() {
     }
 }
 
-/// A machine as an INI file makes it: stopped by each side of its interlock and by the step guard,
-/// its spindle oriented.
+/// Runs a machine as an INI file sets it up: stopped by each side of its interlock and by the step
+/// guard, with its spindle oriented.
 fn stopping() {
     let options = Options { interlock: true, ..options(&[programs()]) };
     let mut e = Engine::without_socket(options).unwrap();
@@ -358,7 +362,7 @@ fn stopping() {
     let is_on = |e: &mut Engine| bit(e, "motion.motion-enabled");
     let switch_on = |e: &mut Engine| {
         script(e, "setp iocontrol.0.emc-enable-in 1\niocontrol.estop-reset");
-        // The background task of iocontrol carries the reset out.
+        // The background task of iocontrol executes the reset.
         wait(e, "it is on", |e| {
             drop(says(e, "motion.enable"));
             cycles(e, "servo-thread", 10);
@@ -369,7 +373,7 @@ fn stopping() {
         assert!(!bit(e, "joint.0.in-position"), "it does not move");
     };
     counter::count(true);
-    // Refused: it is in e-stop.
+    // Refused, because the machine is in e-stop.
     drop(says(&mut e, "motion.enable"));
     cycles(&mut e, "servo-thread", 10);
     assert!(!is_on(&mut e), "on in e-stop");
@@ -397,7 +401,7 @@ fn stopping() {
     e.close();
 }
 
-/// Messages in realtime: joined, and more than there is room for.
+/// Sends messages in realtime: combined ones, and more than the ring holds.
 fn flooding() {
     let mut e = engine(&[plugins(), programs()]);
     script(&mut e, "loadrt threads name1=t period1=1000000\nloadrt chatty\naddf chatty t\nstart");
@@ -418,7 +422,7 @@ fn flooding() {
     e.close();
 }
 
-/// A plugin that allocates when it is told to.
+/// Runs a plugin that allocates on request, to prove the counter.
 fn planted() {
     let mut e = engine(&[plugins(), programs()]);
     script(
@@ -437,8 +441,8 @@ fn planted() {
     }
 }
 
-/// Samples that begin and end, full rings and read ones, a recording, and what is watched coming
-/// and going.
+/// Starts and ends samples, with full rings and with rings that are read, records, and adds and
+/// removes watched items.
 fn sampled() {
     let mut e = engine(&[programs()]);
     script(
@@ -480,13 +484,13 @@ fn sampled() {
     e.close();
 }
 
-/// Runs one of the above in a process with the counter, with `SCHED_FIFO` and without.
+/// Runs one of these functions in a process with the counter, with `SCHED_FIFO` and without.
 fn in_a_child(what: &str) {
     for fifo in [true, false] {
         let mut child = Command::new(std::env::current_exe().unwrap());
         child.args(["--exact", "child", "--ignored", "--nocapture"]);
         child.env(CHILD, what).env("LD_PRELOAD", interpose());
-        // Built before they are counted.
+        // Built before calls are counted.
         child.env("HAL_TEST_PROGRAMS", programs());
         plugins();
         if !fifo {

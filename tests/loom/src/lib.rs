@@ -1,10 +1,10 @@
-//! The hand-over between control and realtime sides, under a model checker: every interleaving
-//! of a few threads, and every value that their loads may see.
+//! The handover between control and realtime sides, under a model checker: every interleaving of a
+//! few threads, and every value that their loads may see.
 //!
 //! The engine's own `handover.rs` is compiled here with the checker's atomics. Each model has a
-//! control side, the fastest thread (which carries changes out) and one other thread. What a
-//! change writes and cycles read is an `UnsafeCell` of the checker: it finds any access that is
-//! not ordered.
+//! control side, the fastest thread (which applies changes) and one other thread. The data that
+//! changes write and cycles read is an `UnsafeCell` of the checker, which detects every unordered
+//! access.
 #![cfg(all(loom, test))]
 
 #[path = "../../../hal/engine/src/change/handover.rs"]
@@ -12,7 +12,7 @@ mod handover;
 mod models;
 mod retired;
 
-/// What the engine's `sync.rs` offers, from the checker.
+/// The contents of the engine's `sync.rs`, from the checker.
 mod sync {
     pub(crate) use loom::sync::atomic::{AtomicBool, AtomicPtr, Ordering, fence};
 

@@ -4,7 +4,7 @@ use crate::handover::{Boundary, Gate};
 use loom::{cell::UnsafeCell, model::Builder, sync::Arc, thread};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What stands for the arena and the lists: written by changes, read by cycles.
+/// Model of the arena and the lists: written by changes, read by cycles.
 #[derive(Debug)]
 struct World {
     boundary: Boundary<Change>,
@@ -47,8 +47,8 @@ impl World {
         self.value.with_mut(|v| unsafe { *v = value });
     }
 
-    /// A cycle of the thread behind a gate: what it read, if it ran. It reads twice: nothing may
-    /// change in between.
+    /// Runs a cycle of the thread behind a gate. Returns the value read, if the cycle ran. It reads
+    /// twice: nothing may change in between.
     fn cycle(&self, gate: &Gate) -> Option<u32> {
         self.boundary.enter(gate).then(|| {
             let value = self.read();
@@ -58,7 +58,7 @@ impl World {
         })
     }
 
-    /// What the fastest thread does before its cycle.
+    /// Does the work of the fastest thread before its cycle.
     fn take(&self) -> bool {
         self.boundary.take(|| self.other.is_inside(), |change| self.carry_out(change))
     }
@@ -78,7 +78,7 @@ impl Change {
         change
     }
 
-    /// Stands for its memory being freed.
+    /// Models the freeing of its memory.
     fn free(self) {
         // SAFETY: checked.
         self.0.with_mut(|v| unsafe { *v = u32::MAX });
@@ -87,15 +87,16 @@ impl Change {
 
 /// Runs a model: every interleaving with at most `switches` involuntary switches of thread.
 ///
-/// Models wait for nothing (a checker would try every length of the wait): where the engine waits
-/// until something is so, a model looks once and goes on when it is.
+/// Models never wait (a checker would try every length of the wait): where the engine waits for a
+/// condition, a model checks once and continues if the condition holds.
 fn check(switches: usize, model: impl Fn() + Sync + Send + 'static) {
     let mut builder = Builder::new();
     builder.preemption_bound = Some(switches);
     builder.check(model);
 }
 
-/// Counts in how many interleavings something was so: a model that never comes there shows nothing.
+/// Number of interleavings in which something occurred. A model that never gets there proves
+/// nothing.
 struct Seen(AtomicUsize);
 
 impl Seen {
@@ -136,7 +137,7 @@ fn a_change_is_carried_out_once_while_no_other_thread_is_inside() {
         let change = Change::new(7);
         w.boundary.offer(&change);
         let times = if w.boundary.is_taken() {
-            // From here on it is the control side's again.
+            // From here on, the change belongs to the control side again.
             change.free();
             fastest.join().unwrap()
         } else {
@@ -197,7 +198,7 @@ fn a_change_is_taken_or_withdrawn_and_never_both() {
         w.boundary.offer(&change);
         let withdrawn = w.boundary.withdraw();
         let taken = if withdrawn || w.boundary.is_taken() {
-            // Nobody looks at it any more, whoever won.
+            // No thread reads the change any more, whichever won.
             change.free();
             fastest.join().unwrap()
         } else {
@@ -231,7 +232,7 @@ fn after_a_stop_no_cycle_runs_until_the_next_start() {
         w.boundary.stop();
         assert!(!w.boundary.is_running());
         if !w.other.is_inside() {
-            // As the engine does while threads are stopped: directly.
+            // Written directly, as the engine does while threads are stopped.
             w.write(2);
             w.boundary.start();
             CALM.note(true);
@@ -243,8 +244,8 @@ fn after_a_stop_no_cycle_runs_until_the_next_start() {
 
 #[test]
 fn a_thread_that_is_added_is_not_overlooked() {
-    // The fastest thread may have looked at the list of threads before the other was added: what
-    // counts is how the list is when it asks who is inside.
+    // The fastest thread may have read the list of threads before the other was added. The list at
+    // the time when it asks which threads are inside counts.
     static ALONE: Seen = Seen::new();
     static KEPT_OUT: Seen = Seen::new();
     check(4, || {

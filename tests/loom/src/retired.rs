@@ -1,9 +1,9 @@
-//! When what threads may still use is freed.
+//! Freeing of lists that threads may still use.
 //!
-//! The engine keeps a list that it replaced until its strong count is one (`apply.rs`). The
-//! replacing itself is `arc-swap`'s, which promises that whoever loaded the old list before the
-//! swap holds a reference after it; here a lock stands for that promise. What is checked is the
-//! engine's own rule: the last reference is the control side's, and freeing happens after every use.
+//! The engine keeps a replaced list until its strong count is one (`apply.rs`). `arc-swap` does the
+//! replacement and guarantees that a thread that loaded the old list before the swap holds a
+//! reference after it; here a lock models that guarantee. This checks the engine's own rule: the
+//! last reference is the control side's, and freeing happens after every use.
 
 use loom::{
     cell::UnsafeCell,
@@ -12,7 +12,7 @@ use loom::{
 };
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// A list of functions: used by a thread, freed by whoever drops it last.
+/// A list of functions: used by a thread, freed with its last reference.
 struct List {
     entries: UnsafeCell<u32>,
     control: thread::ThreadId,
@@ -53,7 +53,7 @@ fn a_list_is_freed_by_the_control_side_after_its_last_use() {
         let old = std::mem::replace(&mut *current.lock().unwrap(), list(2));
         let free = Arc::strong_count(&old) == 1;
         AT_ONCE.fetch_add(usize::from(free), Ordering::Relaxed);
-        // As the engine does: it looks again later.
+        // Like the engine, check again later.
         let kept = if free { None } else { Some(old) };
         for t in threads {
             t.join().unwrap();

@@ -13,16 +13,16 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Makes components of .comp files and of C.
+/// Makes components from .comp and C files.
 ///
 /// Without an action, the C text of a .comp file is written.
 #[derive(Debug, Parser)]
 #[command(name = "halcompile", version, max_term_width = 100)]
 pub struct Args {
-    /// Compile: NAME.so in the current folder; a program stands beside its source.
+    /// Compile: NAME.so in the current folder; a program is written beside its source.
     #[arg(short, long)]
     compile: bool,
-    /// Compile, and put the result where `loadrt` or `loadusr` finds it.
+    /// Compile, and install the result where `loadrt` or `loadusr` finds it.
     #[arg(short, long)]
     install: bool,
     /// Write the C text of a .comp file: NAME.c.
@@ -34,37 +34,37 @@ pub struct Args {
     /// Write the manual page as `AsciiDoc`: NAME.adoc.
     #[arg(short, long)]
     adoc: bool,
-    /// Keep the `AsciiDoc` text in this file as well.
+    /// Write the `AsciiDoc` text to this file as well.
     #[arg(short, long, value_name = "FILE")]
     keep_adoc: Option<PathBuf>,
     /// Show the manual page.
     #[arg(short = 'J', long)]
     view_doc: bool,
-    /// Put the manual page where `man` finds it.
+    /// Install the manual page where `man` finds it.
     #[arg(short = 'j', long)]
     install_doc: bool,
-    /// Write the declaration in Rust: NAME.rs, the C text in it as comments to be translated.
+    /// Write the declaration in Rust: NAME.rs, with the C text as comments to be translated.
     #[arg(long)]
     rust: bool,
     /// The C or Python file is a program.
     #[arg(short, long)]
     userspace: bool,
-    /// Refuse lines that end as DOS writes them.
+    /// Refuse files with DOS line ends.
     #[arg(short = 'U', long)]
     unix: bool,
-    /// Refuse files without a license, which is always done.
+    /// Refuse files without a license. This is always done.
     #[arg(short = 'l', long)]
     require_license: bool,
-    /// Where to write.
+    /// Output file.
     #[arg(short, long, value_name = "FILE")]
     outfile: Option<PathBuf>,
-    /// How many personalities a module can be given.
+    /// Maximum number of personalities of a module.
     #[arg(short = 'P', long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     personalities: u32,
-    /// Further words for the compiler.
+    /// Additional arguments for the compiler.
     #[arg(long, value_name = "WORDS", allow_hyphen_values = true)]
     extra_compile_args: Vec<String>,
-    /// Further words for the linker.
+    /// Additional arguments for the linker.
     #[arg(long, value_name = "WORDS", allow_hyphen_values = true)]
     extra_link_args: Vec<String>,
     /// Print the path of the file that makefiles include.
@@ -77,7 +77,7 @@ pub struct Args {
     files: Vec<PathBuf>,
 }
 
-/// What a run has to say, beside what it made.
+/// Text output of a run.
 #[derive(Debug, Default)]
 pub struct Said {
     /// For standard output.
@@ -86,10 +86,10 @@ pub struct Said {
     pub doubts: String,
 }
 
-/// Carries out a command line.
+/// Executes a command line.
 ///
 /// # Errors
-/// The first file that cannot be made; those before it are.
+/// Returns the error of the first file that fails. Files before it have been written.
 pub fn run(args: &Args) -> Result<Said, Error> {
     let mut said = Said::default();
     if args.print_modinc {
@@ -174,7 +174,7 @@ fn compiled(args: &Args, file: &Path, component: &Component) -> Result<(), Error
     let userspace = component.options.on("userspace");
     let target = if userspace { Target::Program } else { Target::Module };
     let out = place(args, file, &component.name, target)?;
-    // The C file is the compiler's alone, and goes again.
+    // The C file is temporary and is removed after compilation.
     let c_file = out.with_file_name(format!(".{}.{}.c", component.name, std::process::id()));
     let shown = format!("{}.c", component.name);
     let text = c_text(args, file, Path::new(&shown), component);
@@ -206,7 +206,7 @@ fn job<'a>(
     }
 }
 
-/// A C file is compiled as it is.
+/// Compiles a C file as it is.
 fn plain(args: &Args, file: &Path) -> Result<(), Error> {
     if !args.compile && !args.install {
         return Err(not_for(file, "a C file", "--compile and --install"));
@@ -217,7 +217,7 @@ fn plain(args: &Args, file: &Path) -> Result<(), Error> {
     build(&job(args, file, file, &out, target))
 }
 
-/// Where the result goes.
+/// Returns the path of the result.
 fn place(args: &Args, file: &Path, name: &str, target: Target) -> Result<PathBuf, Error> {
     if let Some(out) = &args.outfile {
         return Ok(out.clone());

@@ -1,4 +1,4 @@
-//! Where results are put, so that they are found.
+//! Installation of results in folders where programs find them.
 
 use crate::error::{Error, at};
 use std::{
@@ -8,20 +8,22 @@ use std::{
     process::{Command, Stdio},
 };
 
-/// The folder of modules: the first of `HAL_RTMOD_DIR`, or beside this program, where `halrun` looks.
+/// Returns the folder of modules: the first of `HAL_RTMOD_DIR`, or beside this program, where
+/// `halrun` looks.
 ///
 /// # Errors
-/// There is none.
+/// No such folder is known, or it cannot be created.
 pub fn modules() -> Result<PathBuf, Error> {
     let asked = env::var("HAL_RTMOD_DIR").unwrap_or_default();
     let first = asked.split(':').find(|f| !f.is_empty()).map(PathBuf::from);
     made(first.or_else(here), "modules", "HAL_RTMOD_DIR")
 }
 
-/// The folder of programs: `USER_MODULE_DIR`, or beside this program, where `loadusr` looks first.
+/// Returns the folder of programs: `USER_MODULE_DIR`, or beside this program, where `loadusr` looks
+/// first.
 ///
 /// # Errors
-/// There is none.
+/// No such folder is known, or it cannot be created.
 pub fn programs() -> Result<PathBuf, Error> {
     let asked = env::var_os("USER_MODULE_DIR").filter(|v| !v.is_empty()).map(PathBuf::from);
     made(asked.or_else(here), "programs", "USER_MODULE_DIR")
@@ -30,7 +32,7 @@ pub fn programs() -> Result<PathBuf, Error> {
 /// Installs a Python program under its name without `.py`: its first line finds Python by PATH.
 ///
 /// # Errors
-/// It cannot be read or written.
+/// The file cannot be read or written.
 pub fn python(file: &Path) -> Result<(), Error> {
     let text = fs::read_to_string(file).map_err(at(file))?;
     let body = match text.strip_prefix("#!") {
@@ -42,10 +44,10 @@ pub fn python(file: &Path) -> Result<(), Error> {
     hal_output::install(&out, text.as_bytes(), 0o555).map_err(at(&out))
 }
 
-/// Puts a manual page where `man` looks: below `HAL_MAN_DIR`, or in the user's own folder.
+/// Installs a manual page where `man` looks: below `HAL_MAN_DIR`, or in the user's own folder.
 ///
 /// # Errors
-/// It cannot be written.
+/// The page cannot be written.
 pub fn page(name: &str, section: u32, roff: &str) -> Result<(), Error> {
     let given = |name| env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
     let base = given("HAL_MAN_DIR").or_else(|| given("HOME").map(|h| h.join(".local/share/man")));
@@ -54,9 +56,9 @@ pub fn page(name: &str, section: u32, roff: &str) -> Result<(), Error> {
     hal_output::write(&out, roff.as_bytes()).map_err(at(&out))
 }
 
-/// Shows a page as `man` shows it on a terminal, and returns nothing; elsewhere returns what `man` prints,
-/// or the page as it is where there is no `man`. `man` reads the page from a pipe: no file is made that
-/// another user could have put there first.
+/// Shows a page with `man` if standard output is a terminal, and returns an empty text. Otherwise
+/// returns the output of `man`, or the page as it is if there is no `man`. `man` reads the page
+/// from a pipe, so that no file is created that another user could have put there first.
 pub fn view(roff: &str) -> String {
     let is_terminal = std::io::stdout().is_terminal();
     let mut man = Command::new("man");

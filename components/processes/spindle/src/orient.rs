@@ -107,8 +107,8 @@ pub(crate) struct Orient {
     tolerance: In<f64>,
     #[state]
     was_enabled: bool,
-    /// Position at which the spindle came to rest, in turns; for how many runs and nanoseconds it
-    /// has been there.
+    /// Position at which the spindle came to rest, in turns, and the number of runs and nanoseconds
+    /// since then.
     #[state]
     rest: f64,
     #[state]
@@ -117,11 +117,12 @@ pub(crate) struct Orient {
     ns: i64,
 }
 
-/// More runs than these, and no less time in nanoseconds, must the spindle stand.
+/// Time at rest that is required: more than this number of runs, and at least this many
+/// nanoseconds.
 const RUNS: u32 = 100;
 const NS: i64 = 100_000_000;
 
-/// A spindle that stands moves by no more than this, in turns: a degree.
+/// Largest movement of a spindle at rest, in turns: one degree.
 const STILL: f64 = 1.0 / 360.0;
 
 impl Orient {
@@ -131,7 +132,7 @@ impl Orient {
         let part = turns - libm::trunc(turns);
         let mut turn = libm::trunc(position);
         let goal = |turn: f64| turn + part;
-        // The part of a turn is between -1 and 1, so that two steps lead to the turn.
+        // The fraction of a turn is between -1 and 1, so two steps are enough.
         for _ in 0..2 {
             let ahead = goal(turn) - position;
             turn += match self.mode.get() {
@@ -150,7 +151,7 @@ impl Orient {
 }
 
 impl Orient {
-    /// Whether the spindle has stood long enough where the error is.
+    /// Returns whether the spindle has been at rest near the goal for long enough.
     fn stands(&mut self, error: f64, period: Period) -> bool {
         let position = self.position.get();
         // NaN is neither near nor at rest.
@@ -227,7 +228,7 @@ mod tests {
         assert_eq!(replay::<Orient>(rows), 16);
     }
 
-    /// An orient whose goal is at 0.25 turns.
+    /// Returns an orient whose goal is at 0.25 turns.
     fn bench(tolerance: f64) -> Bench {
         let mut bench = Bench::new();
         bench.load::<Orient>(&[]).unwrap();
@@ -237,14 +238,14 @@ mod tests {
         bench
     }
 
-    /// Runs once with the spindle there.
+    /// Runs one cycle with the spindle at `position`.
     fn at(bench: &Bench, position: f64, period: i64) -> bool {
         bench.set("orient.0.position", position);
         bench.run("orient.0", period);
         bench.get("orient.0.is-oriented")
     }
 
-    /// From 3000 turns a minute down to one in a minute, through a narrow and a wide goal.
+    /// From 3000 rpm down to 1 rpm, through a narrow and a wide tolerance.
     #[test]
     fn a_turning_spindle_is_not_oriented() {
         for rpm in [3000.0, 300.0, -300.0, 60.0, 10.0, -3.0, 2.0] {
@@ -268,21 +269,21 @@ mod tests {
         for (period, runs) in [(1_000_000, 101), (4_000_000, 101), (50_000, 2001)] {
             for place in [0.25, 0.2512, 0.2488] {
                 let bench = bench(0.5);
-                // It comes from afar, and passes the goal once.
+                // The spindle approaches, and passes the goal once.
                 for n in 0..500 {
                     assert!(!at(&bench, f64::from(n) * 0.001, period));
                 }
                 let first = (1..).find(|_| at(&bench, place, period)).unwrap();
                 assert_eq!(first, runs);
-                // It holds it, by a count more or less.
+                // The spindle stays at the goal, plus or minus one count.
                 for n in 0..1000 {
                     assert!(at(&bench, place + f64::from(n % 2) * 1e-4, period));
                 }
-                // A push, and the count begins again.
+                // After a disturbance, counting starts again.
                 assert!(!at(&bench, 0.26, period));
                 let again = (1..).find(|_| at(&bench, place, period)).unwrap();
                 assert_eq!(again, runs);
-                // Without enable it is not oriented, and a new goal is not reached at once.
+                // Without enable it is not oriented, and a new goal takes time to reach.
                 bench.set("orient.0.enable", false);
                 assert!(!at(&bench, place, period));
                 bench.set("orient.0.enable", true);

@@ -6,7 +6,7 @@ use hal_component::{Component, In, Out, Period, Update};
 pub(crate) struct Alloc {
     /// While true each cycle allocates and frees.
     go: In<bool>,
-    /// How often it did.
+    /// Number of allocations.
     times: Out<u32>,
 }
 

@@ -1,7 +1,7 @@
 //! `boom`.
 use hal_component::{Builder, Component, Error, In, Io, Out, ParamRw, Period, Touch, Update};
 
-/// A driver that panics when it is told to.
+/// A driver that panics on request.
 #[derive(Debug)]
 pub(crate) struct Boom;
 
@@ -15,7 +15,7 @@ struct Drive {
     _dies: Dies,
 }
 
-/// What a panic says, and panics when it is dropped.
+/// Payload of a panic that panics again when it is dropped.
 struct Bomb;
 
 impl Drop for Bomb {
@@ -24,7 +24,7 @@ impl Drop for Bomb {
     }
 }
 
-/// Panics when it is dropped, if it was told to.
+/// Panics when it is dropped, if requested.
 #[derive(Debug)]
 struct Dies(In<bool>);
 

@@ -2,7 +2,7 @@
 use hal_component::{Builder, Clock, Component, Error, In, Out, Period, Touch, Update};
 use std::{thread::park_timeout, time::Duration};
 
-/// Takes as long as it is told to.
+/// Takes a requested time.
 #[derive(Debug)]
 pub(crate) struct Busy;
 
@@ -41,14 +41,14 @@ impl Update for Spin {
     }
 }
 
-/// Does not come back while it is told not to.
+/// Does not return while `hold` is true.
 #[derive(Component)]
 pub(crate) struct Stuck {
-    /// While true the function does not come back.
+    /// While true, the function does not return.
     hold: In<bool>,
-    /// Whether it is inside.
+    /// True while the function runs.
     inside: Out<bool>,
-    /// Cycles ended.
+    /// Number of completed cycles.
     cycles: Out<u32>,
 }
 
@@ -56,7 +56,7 @@ impl Update for Stuck {
     fn update(&mut self, _: Period) {
         self.inside.set(true);
         while self.hold.get() {
-            // As bad as spinning for the engine, and better for whoever else uses the processor.
+            // As bad for the engine as spinning, but leaves the processor to others.
             park_timeout(Duration::from_millis(1));
         }
         self.inside.set(false);

@@ -4,7 +4,7 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 
-/// Says things at every turn of its life.
+/// Sends messages at every stage of its life.
 #[derive(Debug)]
 pub(crate) struct Chatty;
 

@@ -2,12 +2,12 @@
 use hal_component::{Component, In, Out, Period, Update};
 use std::hint::black_box;
 
-/// Uses as much stack as it is told to.
+/// Uses a requested amount of stack.
 #[derive(Component)]
 pub(crate) struct Deep {
-    /// How many KiB of stack each cycle uses.
+    /// Stack that each cycle uses, in KiB.
     kib: In<u32>,
-    /// How many the last cycle used.
+    /// Stack that the last cycle used, in KiB.
     used: Out<u32>,
 }
 
@@ -17,7 +17,7 @@ impl Update for Deep {
     }
 }
 
-/// A frame of a KiB for each that is left.
+/// Uses a stack frame of 1 KiB for each remaining KiB.
 #[inline(never)]
 fn down(left: u32) -> u32 {
     let mut room = [0_u8; 1024];

@@ -3,7 +3,7 @@ use hal_component::{
     Builder, Component, Decl, Error, In, Out, Period, Touch, Update, abi::component_flags,
 };
 
-/// Uses names that do not begin with its own.
+/// Uses names that do not begin with its own name.
 #[derive(Debug)]
 pub(crate) struct Foreign;
 

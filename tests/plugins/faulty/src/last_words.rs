@@ -8,7 +8,7 @@ use std::{
     },
 };
 
-/// Says what its input is when the machine stops, and what it was when the machine ran.
+/// Reports its input when the machine stops, and the value that it had while the machine ran.
 #[derive(Debug)]
 pub(crate) struct LastWords;
 

@@ -3,7 +3,7 @@ use hal_component::{
     Builder, Component, Error, In, Out, Period, Touch, Update, abi::component_flags,
 };
 
-/// Works in the background, and offers commands: both panic when they are told to.
+/// Works in the background, and offers commands: both panic on request.
 #[derive(Debug)]
 pub(crate) struct Lazy;
 

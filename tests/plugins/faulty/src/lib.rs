@@ -1,4 +1,4 @@
-//! Components that go wrong when they are told to.
+//! Components that fail on request.
 
 mod alloc;
 mod boom;

@@ -1,14 +1,14 @@
 //! `person`.
 use hal_component::{Component, In, Out, Period, Update};
 
-/// Has as many inputs as its personality says.
+/// Has as many inputs as its personality.
 #[derive(Component)]
 #[hal(personality)]
 pub(crate) struct Person {
-    /// One of the inputs.
+    /// Input ##.
     #[hal(name = "in-##", count = b.personality())]
     inputs: Vec<In<bool>>,
-    /// How many of them are true.
+    /// Number of true inputs.
     count: Out<u32>,
 }
 

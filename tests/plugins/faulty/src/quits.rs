@@ -1,4 +1,4 @@
-//! `quits`: ends its process, or does not come back.
+//! `quits`: ends its process, or does not return.
 use hal_component::{
     Arg, Builder, Component, Error, Out, Period, Touch, Update,
     abi::{ArgSpec, component_flags},
@@ -12,10 +12,10 @@ use std::{
     time::Duration,
 };
 
-/// In which run a function does it.
+/// Run in which a function does it.
 const RUN: u32 = 3;
 
-/// Ends its process, or does not come back, as it is told to.
+/// Ends its process or does not return, as requested.
 #[derive(Debug)]
 pub(crate) struct Quits;
 
@@ -201,7 +201,7 @@ fn deeper(from: &[u8; 4096]) -> u8 {
     deeper(core::hint::black_box(&room)).wrapping_add(room[0])
 }
 
-/// Reads behind the end of a file.
+/// Reads beyond the end of a file.
 fn bus() {
     // SAFETY: an empty file of this function's.
     let file = unsafe { libc::memfd_create(c"empty".as_ptr(), 0) };

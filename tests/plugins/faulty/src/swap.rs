@@ -1,8 +1,8 @@
 //! `swap`.
 use hal_component::{Builder, Component, Error, In, Out, Period, Touch, Update};
 
-/// Sees whether a change to values, links and functions is whole. Its inputs are always the same,
-/// and of its functions `one` and `two` only one is in a thread: `one` while they are odd.
+/// Checks that a change to values, links and functions is applied as a whole. Its inputs are always
+/// equal, and only one of its functions `one` and `two` is in a thread: `one` while they are odd.
 #[derive(Debug)]
 pub(crate) struct Swap;
 

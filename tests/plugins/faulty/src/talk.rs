@@ -4,11 +4,11 @@ use hal_component::{Component, In, Out, Period, Port, Update};
 /// Sends one byte a cycle, counting.
 #[derive(Component)]
 pub(crate) struct Talker {
-    /// Where to.
+    /// Destination.
     line: Out<Port>,
-    /// How many bytes went.
+    /// Number of bytes sent.
     sent: Out<u32>,
-    /// How many found no room.
+    /// Number of bytes that did not fit into the queue.
     refused: Out<u32>,
 }
 
@@ -24,15 +24,15 @@ impl Update for Talker {
 /// Takes bytes two at a time.
 #[derive(Component)]
 pub(crate) struct Listener {
-    /// Where from.
+    /// Source.
     line: In<Port>,
-    /// Whether it listens.
+    /// Enables listening.
     on: In<bool>,
-    /// How many pairs came.
+    /// Number of pairs received.
     pairs: Out<u32>,
     /// The last pair, the first byte in the low half.
     last: Out<u32>,
-    /// How many bytes wait.
+    /// Number of waiting bytes.
     waiting: Out<u32>,
 }
 

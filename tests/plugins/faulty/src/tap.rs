@@ -3,7 +3,7 @@ use hal_component::{
     Builder, Component, Error, In, Out, Period, StreamIn, StreamOut, Touch, Update, abi::ty,
 };
 
-/// Writes a record of two values in every cycle: how many it wrote, and that times ten.
+/// Writes a record of two values in every cycle: the number of records written, and ten times that.
 #[derive(Debug)]
 pub(crate) struct Tap;
 

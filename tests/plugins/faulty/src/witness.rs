@@ -1,7 +1,8 @@
 //! `witness`.
 use hal_component::{Builder, Clock, Component, Error, In, Out, Period, Touch, Update};
 
-/// Sees whether a change to the wiring is whole: its two inputs are always linked together.
+/// Checks that a change to the wiring is applied as a whole: its two inputs are always linked
+/// together.
 #[derive(Debug)]
 pub(crate) struct Witness;
 

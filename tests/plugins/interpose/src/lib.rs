@@ -1,8 +1,9 @@
-//! Counts the calls of `malloc`, `calloc`, `realloc`, `free` and their kin by threads that run
-//! HAL threads, for every library of a process: each has an allocator of its own, and all end here.
+//! Counts the calls of `malloc`, `calloc`, `realloc`, `free` and related functions by threads that
+//! run HAL threads, for all libraries of a process, since every library's own allocator calls
+//! these.
 //!
-//! Put before the C library with `LD_PRELOAD`. Counting is switched by calling
-//! `hal_interpose_count`, and what was counted is read by calling `hal_interpose_counted`.
+//! Loaded before the C library with `LD_PRELOAD`. `hal_interpose_count` starts and stops counting,
+//! and `hal_interpose_counted` returns the count.
 
 use core::{
     cell::Cell,
@@ -34,11 +35,13 @@ enum Who {
 }
 
 thread_local! {
-    // No destructor, and in the memory that a thread has from its start: it allocates nothing.
+    // A variable without destructor, in the memory that a thread has from its start: it allocates
+    // nothing.
     static WHO: Cell<Who> = const { Cell::new(Who::Unknown) };
 }
 
-/// Whether this thread runs HAL threads. It has its name before it runs anything of the engine's.
+/// Returns whether this thread runs HAL threads. Such a thread has its name before it runs any code
+/// of the engine.
 fn is_realtime() -> bool {
     WHO.with(|who| {
         if matches!(who.get(), Who::Unknown) {
@@ -57,14 +60,14 @@ fn note() {
     }
 }
 
-/// Counts from zero, or stops counting.
+/// Resets and starts the counter, or stops it.
 #[unsafe(no_mangle)]
 pub extern "C" fn hal_interpose_count(on: bool) {
     CALLS.store(0, SeqCst);
     COUNTING.store(on, SeqCst);
 }
 
-/// How many calls were counted.
+/// Returns the number of counted calls.
 #[unsafe(no_mangle)]
 pub extern "C" fn hal_interpose_counted() -> u64 {
     CALLS.load(SeqCst)
@@ -72,10 +75,10 @@ pub extern "C" fn hal_interpose_counted() -> u64 {
 
 macro_rules! interpose {
     ($($name:ident($($arg:ident: $ty:ty),*) $(-> $out:ty)? = $code:expr;)*) => {$(
-        /// As the C library has it, and counted.
+        /// The C library's function, counted.
         ///
         /// # Safety
-        /// As the C library has it.
+        /// As for the C library's function.
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $name($($arg: $ty),*) $(-> $out)? {
             note();
@@ -96,10 +99,10 @@ interpose! {
 
 const ENOMEM: c_int = 12;
 
-/// As the C library has it, and counted.
+/// The C library's function, counted.
 ///
 /// # Safety
-/// As the C library has it.
+/// As for the C library's function.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn posix_memalign(out: *mut *mut c_void, align: usize, size: usize) -> c_int {
     note();

@@ -1,6 +1,6 @@
 //! A dynamic library that exports no descriptor.
 
-/// Something that is exported all the same.
+/// Another exported symbol.
 #[unsafe(no_mangle)]
 pub extern "C" fn nothing_of_interest() -> i32 {
     0

@@ -1,4 +1,4 @@
-//! What is known before anything moves: `check`, `order`, `graph`, the dry run.
+//! Analysis before anything moves: `check`, `order`, `graph`, the dry run.
 
 mod check;
 mod graph;

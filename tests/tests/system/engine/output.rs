@@ -1,5 +1,5 @@
-//! Output that cannot be written is an error in every program: its status, its one line, and the good
-//! file that stays as it was.
+//! Output that cannot be written is an error in every program: it sets the status, prints one line,
+//! and leaves an existing good file as it was.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use hal_tests::{programs::root, scratch::Scratch, tools::Tool};
@@ -17,7 +17,7 @@ use std::{
 
 const SIGPIPE: i32 = 13;
 
-/// A machine that waits for commands, and the files that commands work on.
+/// A machine that waits for commands, and the files that the commands use.
 struct Stand {
     scratch: Scratch,
     machine: Child,
@@ -31,7 +31,7 @@ addf siggen.0.update t
 addf sampler.0 t
 ";
 
-/// The machine of scripts.
+/// Machine of the scripts.
 const PLAIN: &str = "loadrt threads name1=t period1=1000000
 loadrt siggen
 net x siggen.0.sawtooth
@@ -67,7 +67,7 @@ impl Stand {
         Self { scratch, machine }
     }
 
-    /// A command of the table.
+    /// Creates a command of the table.
     fn command(&self, before: &[&str], words: &str) -> Command {
         if let Some(lines) = words.strip_prefix("@script ") {
             let lines: String = lines.split(';').map(|l| format!("{}\n", l.trim())).collect();
@@ -90,7 +90,7 @@ impl Drop for Stand {
     }
 }
 
-/// How a program ended: its status or signal, and what it said.
+/// Runs a program. Returns its status or signal, and its messages.
 fn ended(command: &mut Command, stdout: Stdio) -> (Result<i32, i32>, String) {
     let mut child = command.stdout(stdout).stderr(Stdio::piped()).spawn().unwrap();
     let mut said = String::new();
@@ -99,7 +99,7 @@ fn ended(command: &mut Command, stdout: Stdio) -> (Result<i32, i32>, String) {
     (status.code().ok_or_else(|| status.signal().unwrap()), said)
 }
 
-/// The groups of a table: their heads and their commands.
+/// Returns the groups of a table: headings and commands.
 fn groups(name: &str) -> Vec<(Vec<String>, Vec<String>)> {
     let text = fs::read_to_string(root().join("tests/output").join(name)).unwrap();
     let mut groups: Vec<(Vec<String>, Vec<String>)> = Vec::new();
@@ -116,7 +116,7 @@ fn groups(name: &str) -> Vec<(Vec<String>, Vec<String>)> {
     groups
 }
 
-/// What is wrong with a file that is to be written.
+/// Reason why a file cannot be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Wrong {
     Full,
@@ -135,12 +135,12 @@ impl Wrong {
         (Self::Readonly, "readonly", "Read-only file system"),
     ];
 
-    /// Whether a good file stands there.
+    /// Returns whether a good file exists there.
     fn has_good(self) -> bool {
         matches!(self, Self::Limit | Self::Readonly)
     }
 
-    /// Makes the folder and what stands at `out`.
+    /// Creates the folder and the file at `out`.
     fn set(self, out: &Path) {
         let folder = out.parent().unwrap();
         if self == Self::Missing {
@@ -157,7 +157,7 @@ impl Wrong {
         }
     }
 
-    /// The words before a command that is to meet it.
+    /// Returns the words before a command that make it meet this condition.
     fn before(self, folder: &str) -> Vec<String> {
         let script = match self {
             Self::Limit => "ulimit -f 0; exec \"$@\"".to_owned(),
@@ -175,19 +175,19 @@ impl Wrong {
     }
 }
 
-/// The option of unshare for mounts of its own.
+/// Returns the option of `unshare` for private mounts.
 fn unshared() -> &'static str {
     if rustix::process::geteuid().is_root() { "-m" } else { "-rm" }
 }
 
-/// Whether this user may mount where only the process sees it.
+/// Returns whether this user may create private mounts.
 fn may_mount() -> bool {
     let mut unshare = Command::new("unshare");
     unshare.args([unshared(), "mount", "-t", "tmpfs", "none", "/tmp"]);
     unshare.stderr(Stdio::null()).status().is_ok_and(|s| s.success())
 }
 
-/// A row of the table of files: what to run, and the file that it writes.
+/// Row of the table of files: the command, and the file that it writes.
 struct Writes<'a> {
     environment: Vec<(&'a str, String)>,
     words: String,
@@ -195,7 +195,7 @@ struct Writes<'a> {
 }
 
 impl<'a> Writes<'a> {
-    /// The row for a condition; none if that does not concern it.
+    /// Parses the row for a condition; `None` if the condition does not apply to it.
     fn new(row: &'a str, wrong: &str) -> Option<Self> {
         let (row, not) = row.split_once(" | not ").unwrap_or((row, ""));
         if not.split(' ').any(|n| n == wrong) {
@@ -220,7 +220,7 @@ impl<'a> Writes<'a> {
     }
 }
 
-/// Runs something for each row, several at once, each in a stand of its own; fails with all that went wrong.
+/// Calls `run` for each row, several at a time, each with its own files. Fails with all errors.
 fn for_each<T: Sync>(rows: &[T], run: impl Fn(&Stand, &T) -> Result<(), String> + Sync) {
     let (next, wrong) = (Mutex::new(rows.iter()), Mutex::new(Vec::new()));
     std::thread::scope(|scope| {
@@ -318,7 +318,7 @@ fn a_file_that_cannot_be_written_is_an_error_and_a_good_one_stays() {
     });
 }
 
-/// The names of all files below a folder.
+/// Returns the names of all files below a folder.
 fn names(folder: &Path) -> Vec<String> {
     let mut names = Vec::new();
     for entry in fs::read_dir(folder).into_iter().flatten() {
@@ -338,7 +338,7 @@ fn standard_error_that_cannot_be_written_to_disturbs_nothing() {
         ("halcmd -x", 255),
         ("halcmd -v setp siggen.0.offset 0", 0),
         ("halcmd check none.hal", 2),
-        // The engine has something to say, and a component, and the script.
+        // The engine, a component and the script each print a message.
         ("@script record none.vcd nothing*; start; run 1ms; record off; print x", 0),
         ("@script print x; getp nothing", 1),
         ("@script loadrt sampler; loadusr -w halcmd getp nothing", 1),

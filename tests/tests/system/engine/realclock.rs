@@ -177,7 +177,7 @@ fn in_the_background_it_says_in_its_log_how_it_ended() {
     let scratch = Scratch::new("log");
     scratch.write("blink.hal", BLINK);
     let detach = || {
-        // Standard error is a pipe, which a terminal is like: it is given free.
+        // Standard error is a pipe, which is released like a terminal.
         let shell = ["sh", "-c", "\"$0\" --detach \"$@\" 2>&1 | cat"];
         let output = scratch.run(scratch.command(&shell, "halrun").arg("blink.hal"));
         assert_eq!((output.stdout.as_str(), output.status), ("", Some(0)));
@@ -196,7 +196,7 @@ fn in_the_background_it_says_in_its_log_how_it_ended() {
         let place = format!("what it said in the background is in {}", log.display());
         assert!(output.stderr.contains(&place), "{}", output.stderr);
     }
-    // The next one goes on with it. An instance that has nothing to say leaves none.
+    // The next instance appends to the log. An instance without messages leaves no log.
     assert!(said().contains("SIGKILL") && said().contains("SIGSEGV"), "{}", said());
     fs::remove_file(&log).unwrap();
     detach();

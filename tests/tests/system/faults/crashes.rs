@@ -1,5 +1,5 @@
-//! Components in C that crash or never come back: who it was is said, and outputs are at their
-//! safe levels before the process ends.
+//! Components in C that crash or never return: the message names the culprit, and outputs are at
+//! their safe levels before the process ends.
 
 use hal_tests::{
     foreign::{compile, component},
@@ -9,7 +9,7 @@ use hal_tests::{
 use rustix::process::Signal;
 use std::process::Command;
 
-/// A port whose first line is high, watched by a plugin that says at the end what it saw; then the
+/// A port whose first line is high, with a plugin that reports the line at the end; then the
 /// component that crashes in its third cycle.
 const MACHINE: &str = "loadrt threads name1=t period1=1000000
 loadrt hal_parport cfg=\"0x378 out\"
@@ -23,7 +23,7 @@ addf mine.0 t
 start
 ";
 
-/// The same machine without the component, under way.
+/// The same machine, running, without the component.
 const DRIVEN: &str = "loadrt threads name1=t period1=1000000
 loadrt hal_parport cfg=\"0x378 out\"
 loadrt last_words
@@ -35,7 +35,7 @@ start
 run 5ms
 ";
 
-/// An access to a port as the processor has it, not as the headers have it.
+/// A port access by processor instruction, not through the headers.
 #[cfg(target_arch = "x86_64")]
 const OUTB: &str =
     "__asm__ volatile(\"outb %0, %1\" :: \"a\"((char)1), \"Nd\"((unsigned short)0x278));";
@@ -47,7 +47,8 @@ const GLOBALS: &str = "#include <err.h>\n#include <signal.h>\n#include <stdlib.h
      {\n volatile char room[4096]; room[0] = *from;\n \
      return zero ? 0 : deeper(room) + room[0];\n}";
 
-/// A folder with a component that does this in its third run, and the machine around it.
+/// Returns a folder with a component that executes `does` in its third run, and the machine around
+/// it.
 fn machine(name: &str, does: &str) -> Option<Scratch> {
     let scratch = Scratch::new(name);
     let main = "(void)deeper;";
@@ -89,7 +90,7 @@ fn a_crash_is_named_and_outputs_are_safe_before_the_process_ends() {
     }
 }
 
-/// The C library writes what `errx` says before it calls `exit` within itself.
+/// `errx` prints its message and then calls `exit` inside the C library.
 #[test]
 fn errx_is_named_as_the_exit_that_it_is() {
     let Some(scratch) = machine("errx", "errx(7, \"no device\");") else { return };
@@ -103,7 +104,7 @@ fn errx_is_named_as_the_exit_that_it_is() {
     }
 }
 
-/// Nobody has asked for the port, and nothing is simulated.
+/// Permission for the port was not requested, and nothing is simulated.
 #[cfg(target_arch = "x86_64")]
 #[test]
 fn a_port_that_may_not_be_used_is_named() {
@@ -128,7 +129,7 @@ fn a_port_that_may_not_be_used_is_named() {
     }
 }
 
-/// A folder with a component of this text, and a machine under way that then loads it.
+/// Returns a folder with a component of this source, and a running machine that then loads it.
 fn loads(name: &str, source: &str) -> Option<Scratch> {
     let scratch = Scratch::new(name);
     compile(scratch.path(), "mine", source, &["-Wno-unused"])?;
@@ -179,7 +180,7 @@ fn set_up_that_does_not_return_is_named_at_sigterm_and_outputs_are_safe() {
     }
 }
 
-/// What a library does as it is opened, it does in a process of its own first.
+/// A library is first opened in a separate process.
 #[test]
 fn a_constructor_that_ends_the_process_breaks_only_its_own_load() {
     let constructor = |does: &str| {
@@ -200,14 +201,14 @@ fn a_constructor_that_ends_the_process_breaks_only_its_own_load() {
             let line = output.stderr.lines().find(|line| line.contains(said));
             assert!(line.is_some_and(|line| line.contains(how)), "{does}: {}", output.stderr);
             assert!(output.stderr.contains("after"), "{clock} {does}: {}", output.stderr);
-            // It fails at that line alone, and ends in good order.
+            // Only that line fails, and the instance ends in good order.
             assert_eq!(output.stderr.matches("failed").count(), 1, "{does}: {}", output.stderr);
             let safe = "last words: it was 1 and is 0\n";
             assert!(output.stderr.contains(safe), "{clock} {does}: {}", output.stderr);
             assert_eq!(output.status, Some(1), "{clock} {does}: {}", output.stderr);
         }
     }
-    // Nor does one that never returns keep the machine from its end.
+    // A constructor that never returns does not keep the machine from ending either.
     let source = component(&constructor("for (;;) pause();"), "", "");
     let Some(scratch) = loads("constructor-hangs", &source) else { return };
     for clock in ["--virtual", "--simulate"] {
@@ -227,7 +228,7 @@ fn who_does_not_come_back_is_named_on_the_virtual_clock() {
     let running = scratch.start(halrun(&scratch).args(["--virtual", "--for", "1s", "m.hal"]));
     let said = "function 'mine.0' of component 'mine' does not come back: thread 't' is stuck";
     until(said, || running.said().1.contains(said));
-    // The control side is inside the function as well: it is ended all the same.
+    // The control side is inside the function as well, and the process is ended nevertheless.
     running.signal(Signal::TERM);
     let output = running.wait();
     assert!(output.stderr.contains("last words: it was 1 and is 0\n"), "{}", output.stderr);
@@ -261,7 +262,7 @@ fn who_does_not_come_back_is_named_on_the_real_clock_until_it_does() {
     assert!(refused.stderr.contains("thread 't' is stuck in its cycle, in function 'mine.0'"));
     assert_eq!(scratch.halcmd(&["setp", "mine.0.hold", "0"]).status, Some(0));
     until("it has come back", || !status().contains("stuck:"));
-    // Nothing begins again by itself.
+    // Nothing restarts by itself.
     assert!(status().contains(fault) && status().contains("threads:    stopped"), "{}", status());
     let start = scratch.halcmd(&["start"]);
     let said = "function 'mine.0' has failed: threads stay stopped";
@@ -274,8 +275,8 @@ fn who_does_not_come_back_is_named_on_the_real_clock_until_it_does() {
     assert_eq!(output.status, Some(1), "{}", output.stderr);
 }
 
-/// On trial, set-up runs in a copy of the process first: whatever it does there is a finding among
-/// the others.
+/// In a dry run, set-up runs first in a copy of the process. Anything that it does there is
+/// reported like other findings.
 #[test]
 fn set_up_that_ends_the_process_is_a_finding_of_check() {
     let scratch = Scratch::new("check-crash");
@@ -294,7 +295,7 @@ fn set_up_that_ends_the_process_is_a_finding_of_check() {
         let lines = "loadrt threads name1=t period1=1000000\nloadrt mine\naddf mine.0 t\n\
                      loadrt and2\nnet x mine.0.out and2.0.in0\nsetp and2.0.in2 1\nstart\n";
         scratch.write("m.hal", lines);
-        // Once is enough where it takes as long as patience lasts.
+        // Once is enough for a test that lasts until the timeout.
         let looks = if main.contains("pause") { 1 } else { 3 };
         for command in ["check", "order", "graph"].into_iter().take(looks) {
             let mut halcmd = scratch.command(&[], "halcmd");

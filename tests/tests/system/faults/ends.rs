@@ -1,6 +1,6 @@
-//! How an instance ends: what becomes of its outputs, recordings, socket and status.
+//! Termination of an instance: effects on its outputs, recordings, socket and status.
 //!
-//! `tests/ends/table.md` holds all of it, as this test finds it; `UPDATE_EXPECT=1` writes the file.
+//! `tests/ends/table.md` holds the results of this test; `UPDATE_EXPECT=1` writes the file.
 #![expect(
     clippy::unwrap_used,
     clippy::panic,
@@ -22,18 +22,18 @@ use std::{
     process::{Command, ExitStatus},
 };
 
-/// What makes a process end.
+/// Cause that makes a process end.
 #[derive(Clone, Copy, Debug)]
 enum By {
-    /// A function of a component, in its third run: how, and where else it does so.
+    /// Code of a component, in its third run: what it does, and in which code.
     Component(&'static str, &'static str),
-    /// A command of a component, which a client gives.
+    /// A command of a component, sent by a client.
     Command(&'static str),
     /// A signal from outside.
     Signal(Signal),
     /// The first real-time signal.
     Realtime,
-    /// SIGTERM, while a component does not come back: how, and where.
+    /// SIGTERM, while a component does not return: what it does, and in which code.
     Stuck(&'static str, &'static str),
     /// `halcmd shutdown`.
     Shutdown,
@@ -43,7 +43,7 @@ enum By {
 
 use By::{Component, Full, Realtime, Shutdown, Stuck};
 
-/// The rows: what people call them, and what happens.
+/// Rows of the table: description and cause.
 const WAYS: &[(&str, By)] = &[
     ("`halcmd shutdown`", Shutdown),
     ("SIGTERM", By::Signal(Signal::TERM)),
@@ -119,7 +119,7 @@ const WAYS: &[(&str, By)] = &[
     ("the disk is full, then SIGKILL", Full(Signal::KILL)),
 ];
 
-/// What came of one.
+/// Result of one row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct End {
     outputs: &'static str,
@@ -130,8 +130,8 @@ struct End {
     said: String,
 }
 
-/// The folder of a way, and the machine in it: a port whose first line is high, and a plugin that
-/// says at the end what the port's register was and is.
+/// Starts the machine for a cause: a port whose first line is high, and a plugin that reports at
+/// the end the present and the previous value of the port's register.
 fn start(scratch: &Scratch, by: By, virtually: bool) -> Running {
     let (how, at) = match by {
         Component(how, at) | Stuck(how, at) => (how, at),
@@ -139,7 +139,7 @@ fn start(scratch: &Scratch, by: By, virtually: bool) -> Running {
         By::Signal(_) | Realtime | Shutdown | Full(_) => ("nothing", "function"),
     };
     let load = format!("loadrt quits how={how} where={at}\n");
-    // What happens as it is loaded is to happen when the others run.
+    // A fault during loading must happen while the others run.
     let late = ["create", "open"].contains(&at);
     let (first, last) =
         if late { (String::new(), load) } else { (load + "addf quits.0 t\n", String::new()) };
@@ -162,7 +162,7 @@ start
 "
     );
     scratch.write("m.hal", machine);
-    // No file is longer than 8 blocks: a disk that is full.
+    // No file may exceed 8 blocks, as on a full disk.
     let limit: &[&str] = &["sh", "-c", "ulimit -f 8; exec \"$0\" \"$@\""];
     let before = if matches!(by, Full(_)) { limit } else { &[] };
     let mut command: Command = scratch.command(before, "halrun");
@@ -172,7 +172,8 @@ start
     scratch.start(&mut command)
 }
 
-/// Waits until it is in the state that a way is about. The client, if there is one, waits too.
+/// Waits until the machine is in the state that a cause requires. The client, if there is one,
+/// waits too.
 fn wait_until_up(
     scratch: &Scratch,
     running: &mut Running,
@@ -190,7 +191,7 @@ fn wait_until_up(
     let inside = "it does not return";
     let (what, text) = match by {
         Stuck("panic", _) => ("it has failed", "failed in thread"),
-        // Somebody else looks for those.
+        // The watchdog detects these.
         Stuck("hang" | "spin", "function") if !virtually => ("it is stuck", "failed in thread"),
         Stuck("hang" | "spin", "function" | "task" | "create" | "open") => ("it is inside", inside),
         _ => ("its script is done", "HALCMD MSG: ready"),
@@ -202,7 +203,7 @@ fn wait_until_up(
     client
 }
 
-/// Waits until it runs, and ends it.
+/// Waits until the machine runs, then ends it.
 fn finish(scratch: &Scratch, running: &mut Running, by: By, virtually: bool) -> ExitStatus {
     let client = wait_until_up(scratch, running, by, virtually);
     match by {
@@ -221,7 +222,8 @@ fn finish(scratch: &Scratch, running: &mut Running, by: By, virtually: bool) -> 
             if virtually {
                 scratch.halcmd(&["run", "4s"]);
             }
-            // At once, and not only when the recording ends; and the machine goes on.
+            // This must be reported at once, not only when the recording ends; and the machine
+            // continues.
             until("that is said", || running.said().1.contains("the recording stopped at"));
             let before = runs().trim().parse().unwrap();
             until("it runs", || virtually || more(before));
@@ -229,7 +231,7 @@ fn finish(scratch: &Scratch, running: &mut Running, by: By, virtually: bool) -> 
         }
     }
     if let By::Signal(Signal::PIPE | Signal::XFSZ) = by {
-        // It goes on.
+        // The machine continues.
         let answer = scratch.halcmd(&["getp", "quits.runs"]);
         assert!(answer.status == Some(0) && running.is_running(), "{by:?}");
         running.signal(Signal::TERM);
@@ -239,14 +241,14 @@ fn finish(scratch: &Scratch, running: &mut Running, by: By, virtually: bool) -> 
     ended.unwrap_or_else(|| panic!("{by:?} does not end"))
 }
 
-/// What comes of one way on one clock.
+/// Returns the result for one cause on one clock.
 fn end(by: By, virtually: bool) -> End {
     let scratch = Scratch::new("ends");
     let mut running = start(&scratch, by, virtually);
     let status = finish(&scratch, &mut running, by, virtually);
     let safe = running.said().1.contains("last words: it was 1 and is 0\n");
     if !safe {
-        // The watcher may be a moment later.
+        // The watcher may report slightly later.
         until("the watcher says it", || running.said().1.contains("instance 'default' was"));
     }
     End {
@@ -259,7 +261,7 @@ fn end(by: By, virtually: bool) -> End {
     }
 }
 
-/// A file, read; none where there is no such file.
+/// Reads a file; `None` if it does not exist.
 fn read(scratch: &Scratch, name: &str) -> Option<Result<Trace, String>> {
     let path = scratch.path().join(name);
     let bytes = std::fs::read(&path).ok()?;
@@ -318,20 +320,21 @@ fn shown(status: ExitStatus) -> String {
     }
 }
 
-/// What was said, without what differs between runs, and without what the test's own plugins say.
+/// Returns the messages without the parts that differ between runs, and without those of the test's
+/// own plugins.
 fn plain(scratch: &Scratch, stderr: &str) -> String {
     let own = ["last words: ", "third run", "it does not return"];
     let own = |line: &&str| !own.iter().any(|o| line.starts_with(o)) && !line.ends_with(": ready");
     let folder = format!("{}/", scratch.path().display());
     let lines = stderr.lines().filter(own).map(|line| {
-        // A place in a source file moves.
+        // Line numbers in source files change.
         let (line, rest) = line.split_once(" (faulty/src").unwrap_or((line, ""));
         let rest = rest.split_once(')').map_or("", |r| r.1);
         let mut before = "";
         let of_recording = line.contains(": the recording stopped at ");
         let words = line.split(' ').map(|word| {
             let number = word.trim_end_matches([':', ';', ',']);
-            // How much a write takes is a matter of the computer's speed.
+            // The size of a write depends on the computer's speed.
             let is_amount = of_recording && number.parse::<f64>().is_ok();
             let is_process = before == "process" && number.bytes().all(|b| b.is_ascii_digit());
             let is_address = number.starts_with("0x") && number.len() > 8;
@@ -388,7 +391,7 @@ fn every_way_to_end_comes_to_what_the_table_says() {
     }
 }
 
-/// A recording that a test may find cut off: its times in nanoseconds; it must be whole.
+/// Reads a recording, which must consist of whole records. Returns its times in nanoseconds.
 fn whole(scratch: &Scratch, name: &str) -> Vec<i64> {
     read(scratch, name).unwrap().unwrap().times().iter().collect()
 }
@@ -396,7 +399,7 @@ fn whole(scratch: &Scratch, name: &str) -> Vec<i64> {
 #[test]
 fn a_slow_recording_is_in_its_file_while_the_machine_runs() {
     let scratch = Scratch::new("recording");
-    // One change in 100 ms: it would take minutes to fill a buffer.
+    // With one change in 100 ms, it would take minutes to fill a buffer.
     let lines = "loadrt threads name1=t period1=100000000\nloadrt not\n\
                  net blink not.0.out => not.0.in\naddf not.0 t\nstart\n";
     scratch.write("m.hal", lines);
@@ -407,7 +410,7 @@ fn a_slow_recording_is_in_its_file_while_the_machine_runs() {
         text.lines().filter(|l| l.starts_with('#')).count()
     };
     until("its changes are in the file", || samples() > 5);
-    // What the machine has done so far reaches the file while it runs: all of it.
+    // All changes so far reach the file while the machine runs.
     let beats = scratch.halcmd(&["getp", "t.threadbeat"]).stdout.trim().parse::<usize>().unwrap();
     until("the changes so far are in the file", || samples() > beats);
     running.signal(Signal::KILL);
@@ -417,8 +420,8 @@ fn a_slow_recording_is_in_its_file_while_the_machine_runs() {
     let times: Vec<i64> = trace.times().iter().collect();
     let blink = trace.channels().get(trace.find("blink").unwrap()).unwrap();
     let values: Vec<_> = blink.changes().filter_map(|c| c.value).collect();
-    // One change at each time, and each is the opposite of the one before: none is lost. How far
-    // apart they are is the scheduler's affair.
+    // There is one change at each time, and each is the opposite of the previous one, so none is
+    // lost. The intervals depend on the scheduler.
     assert!(values.len() > beats && values.len() == times.len(), "{beats}: {values:?}, {times:?}");
     let alternating = (0..values.len()).map(|n| Value::Bit(n % 2 == 1));
     assert!(values.iter().copied().eq(alternating), "{values:?}");
@@ -438,7 +441,7 @@ fn a_recording_that_is_written_as_fast_as_possible_is_whole_after_a_kill() {
         until("it is being written", || size() > 1 << 20);
         running.signal(kill);
         running.ended().unwrap();
-        // After a kill the watcher puts right what a write left half done, then it removes the socket.
+        // After SIGKILL, the watcher truncates an incomplete record, then removes the socket.
         until("the watcher is done", || scratch.left().is_empty());
         let times = whole(&scratch, "out.vcd");
         let (first, last) = (times[0], *times.last().unwrap());
@@ -461,12 +464,12 @@ fn a_signal_is_heeded_between_two_cycles_of_a_slow_function_on_the_virtual_clock
     running.signal(Signal::TERM);
     let output = running.wait();
     assert_eq!(output.status, Some(0), "{}", output.stderr);
-    // One that was under way, and one that began as the signal was on its way.
+    // One cycle was in progress, and one began while the signal was being delivered.
     let after = runs(&output.stderr);
     assert!(after <= before + 2, "{before} runs before the signal, {after} in all");
 }
 
-/// The instance's own code may wait for somebody else.
+/// The instance's own code may wait for another process.
 #[test]
 fn a_signal_is_heeded_while_a_script_waits_for_a_pipe() {
     let scratch = Scratch::new("pipe");
@@ -490,7 +493,8 @@ fn a_signal_is_heeded_while_a_script_waits_for_a_pipe() {
     assert!(scratch.left().is_empty());
 }
 
-/// Milliseconds from a signal until outputs are at their safe levels, in each state of the instance.
+/// Prints the milliseconds from a signal until outputs are at their safe levels, in each state of
+/// the instance.
 #[test]
 #[ignore = "measures: cargo test -p hal-tests --test system faults::ends -- --ignored --nocapture"]
 fn how_soon_outputs_are_safe() {

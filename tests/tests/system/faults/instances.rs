@@ -75,7 +75,7 @@ fn sixty_four_instances_at_once_and_none_knows_of_another() {
         r.signal(Signal::KILL);
         assert_eq!(r.wait().status, None);
     }
-    // The watchers of those remove their files.
+    // Their watchers remove their files.
     until("nothing is left of those that were killed", || scratch.left().is_empty());
 
     // A new start of every name works.
@@ -116,7 +116,7 @@ fn of_many_that_start_under_one_name_one_comes_up() {
     }
 }
 
-/// A process that was killed holds its lock until it has gone, and its watcher holds it for a moment
+/// A killed process holds its lock until it is gone, and its watcher holds it for a moment
 /// afterwards.
 #[test]
 fn an_instance_starts_at_once_in_the_place_of_one_that_was_killed() {

@@ -151,7 +151,7 @@ fn names_ports_and_personalities_that_are_unusual_work() {
             "parameter or pin 'person.0.in-03': not found; did you mean person.0.in-00?",
         ),
         ("getp person.1.count", "1"),
-        // No queue yet: nothing is sent, and that is no fault.
+        // No queue exists yet: nothing is sent, which is no fault.
         ("getp talker.0.sent", "0"),
         ("getp talker.0.refused", "5"),
         ("sets line 4", "ok"),

@@ -1,4 +1,4 @@
-//! What clients keep and say when their machine ends, is killed, crashes, or stands still.
+//! Results and messages of clients whose machine ends, is killed, crashes, or stops responding.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use hal_tests::{
@@ -9,7 +9,7 @@ use hal_tests::{
 use hal_trace::{Format, Trace};
 use rustix::process::{Pid, Signal, kill_process};
 
-/// How a machine is lost.
+/// Manner in which a machine is lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum End {
     Kill,
@@ -67,7 +67,7 @@ fn read(scratch: &Scratch, name: &str) -> Trace {
     reading.trace
 }
 
-/// The status, and the last line of what was said.
+/// Returns the status and the last line of standard error.
 fn ended(output: &Output) -> (Option<i32>, &str) {
     (output.status, output.stderr.lines().last().unwrap_or(""))
 }
@@ -82,7 +82,7 @@ fn a_capture_keeps_what_was_sampled_before_the_machine_ended() {
             sampling(&scratch, "halscope", &words)
         };
         let seen = capture("n rises", "0", "seen.csv");
-        // Two do not run while the machine ends: what waits in the ring is theirs.
+        // Two are stopped while the machine ends: they still receive the samples in the ring.
         let late = capture("n rises", "0", "late.vcd");
         let stopped = [late, capture("n and not n", "50%", "never.fst")];
         stopped.iter().for_each(|p| p.signal(Signal::STOP));
@@ -94,7 +94,7 @@ fn a_capture_keeps_what_was_sampled_before_the_machine_ended() {
         let lost = format!("halscope: {ENDED}: the capture is not whole");
         for (output, file) in [(seen, "seen.csv"), (late, "late.vcd")] {
             assert_eq!(ended(&output), (Some(3), &*lost), "{how:?}, {file}");
-            // It is true, false, and then rises.
+            // The signal is true, false, and then rises.
             assert_eq!(read(&scratch, file).len(), 98, "{how:?}, {file}");
         }
         assert_eq!(never.status, Some(2), "{how:?}: {}", never.stderr);
@@ -118,7 +118,7 @@ fn halsampler_prints_every_record_that_the_machine_has_left() {
     }
 }
 
-/// It printed so many records, from the first, and said this.
+/// Checks that a sampler printed this number of records, from the first, and this message.
 fn check_printed(output: &Output, records: usize, why: &str) {
     let want = format!("ERROR: {why}: {records} records were printed");
     assert_eq!(ended(output), (Some(1), &*want));
@@ -142,7 +142,7 @@ fn programs_at_a_ring_end_when_its_component_is_unloaded() {
     check_printed(&sampler.wait(), 50, "the sampler has been unloaded");
     let want = (Some(1), "ERROR: the streamer has been unloaded");
     assert_eq!(ended(&streamer.wait()), want);
-    // What is loaded anew is another ring, which nobody has closed.
+    // A component that is loaded again has a new ring, which is not closed.
     let output = scratch.halcmd(&["loadrt", "sampler", "depth=10", "cfg=b"]);
     assert_eq!(output.status, Some(0), "{}", output.stderr);
     scratch.halcmd(&["addf", "sampler.0", "t"]);
@@ -196,7 +196,7 @@ fn ctrl_c_ends_the_clients_of_a_machine_that_stands_still() {
     run(&scratch, "20ms");
     machine.signal(Signal::STOP);
     let begun = scratch.start(scratch.command(&[], "halscope").args(["capture", "n"]));
-    // Each waits for an answer now, which a process does in a system call that reads.
+    // Each client now waits for a reply, in a system call that reads.
     for pid in captures.iter().chain([&sampler, &begun]).map(Running::pid) {
         until("it waits for an answer", || waits_for_socket(pid));
         kill_process(Pid::from_raw(pid.cast_signed()).unwrap(), Signal::INT).unwrap();
@@ -209,7 +209,7 @@ fn ctrl_c_ends_the_clients_of_a_machine_that_stands_still() {
     assert_eq!(sampler.wait().status, Some(0));
     assert_eq!(scratch.read("samples").lines().count(), 20);
     assert_eq!(ended(&begun.wait()), (Some(1), "halscope: interrupted"));
-    // Not only a signal: the view's keys are heeded too.
+    // The view responds to its keys, not only to a signal.
     view.keys("q");
     let (status, sane, shown) = view.end();
     assert!(sane && status == Some(0), "{status:?}, {shown:?}");
@@ -218,7 +218,7 @@ fn ctrl_c_ends_the_clients_of_a_machine_that_stands_still() {
     assert_eq!(time.status, Some(0), "the machine is as it was: {}", time.stderr);
 }
 
-/// Whether a process is in a system call that waits for a socket or a file.
+/// Returns whether a process is in a system call that waits for a socket or a file.
 fn waits_for_socket(pid: u32) -> bool {
     let text = std::fs::read_to_string(format!("/proc/{pid}/syscall")).unwrap();
     let number = text.split(' ').next().and_then(|n| n.parse().ok());

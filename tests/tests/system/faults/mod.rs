@@ -1,4 +1,4 @@
-//! What goes wrong: components, clients, files and processes that fail or attack.
+//! Faults: components, clients, files and processes that fail or attack.
 
 mod clients;
 mod crashes;

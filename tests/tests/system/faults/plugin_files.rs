@@ -1,5 +1,6 @@
-//! Files on the plugin path that are no libraries, that others can write, or that end the process that
-//! opens them: each is refused by name, none runs to be asked what it offers, and the machine goes on.
+//! Files on the plugin path that are not libraries, that other users can write, or that end the
+//! process that opens them: each is refused by name, none is executed in order to find out what it
+//! offers, and the machine continues.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_engine::{ClockKind, Engine};
@@ -30,7 +31,7 @@ const OTHER: u32 = 60_002;
 /// Set in a process that runs one test alone.
 const ALONE: &str = "HAL_TEST_ALONE";
 
-/// An engine that looks for plugins in these folders.
+/// Creates an engine that searches these folders for plugins.
 fn engine(clock: ClockKind, path: &[&Path]) -> Engine {
     let mut options = options(Place::at("/nonexistent", "test").unwrap(), clock);
     options.path = path.iter().map(|p| (*p).to_owned()).collect();
@@ -41,14 +42,14 @@ fn virtual_one(path: &[&Path]) -> Engine {
     engine(ClockKind::Virtual, path)
 }
 
-/// Puts a built plugin library into a folder.
+/// Copies a built plugin library into a folder.
 fn put(folder: &Path, library: &str) {
     let name = format!("lib{library}.so");
     symlink(programs().join(&name), folder.join(&name)).unwrap();
 }
 
-/// The text of a plugin library that says that it offers some components, and does something as it is
-/// opened: first it leaves a letter in a file of its name.
+/// Returns the source of a plugin library that declares some components and executes `does` when it
+/// is opened. It first appends a letter to a file of its name.
 fn plugin(folder: &Path, name: &str, offers: Option<&[&str]>, does: &str) -> String {
     let names = offers.map(|offers| {
         let all: String = offers.iter().map(|o| format!("\\0c\" \"{o}")).collect();
@@ -66,7 +67,7 @@ fn plugin(folder: &Path, name: &str, offers: Option<&[&str]>, does: &str) -> Str
     )
 }
 
-/// Compiles a library to `libNAME.so`; false, with a word, where there is no compiler.
+/// Compiles a library to `libNAME.so`. Returns false, with a message, if there is no compiler.
 fn make(folder: &Path, name: &str, source: &str) -> bool {
     let Some(made) = compile(folder, name, source, &["-Wno-unused", "-D_GNU_SOURCE"]) else {
         return false;
@@ -75,7 +76,7 @@ fn make(folder: &Path, name: &str, source: &str) -> bool {
     true
 }
 
-/// How often a library was opened.
+/// Returns the number of times that a library was opened.
 fn opened(folder: &Path, name: &str) -> usize {
     fs::read(folder.join(format!("{name}.ran"))).map_or(0, |bytes| bytes.len())
 }
@@ -84,7 +85,7 @@ fn file(folder: &Path, name: &str) -> String {
     folder.join(name).display().to_string()
 }
 
-/// Ways to end a process, or not to come back, and what is said of them.
+/// Code that ends a process or does not return, and the message about it.
 const ENDS: [(&str, &str); 9] = [
     ("abort();", "ended by an abort (SIGABRT)"),
     ("volatile int *volatile at = NULL; *at = 1;", "ended by a segmentation fault (SIGSEGV)"),
@@ -104,7 +105,7 @@ fn who_offers_a_component_is_found_without_opening_a_library() {
     let hostile = |name: &str, offers: Option<&[&str]>| {
         make(folder, name, &plugin(folder, name, offers, "exit(0);"))
     };
-    // Before the family in order, and after it.
+    // Names that sort before and after the intact family.
     if !hostile("a_first", Some(&["something", "and3"])) {
         return;
     }
@@ -114,17 +115,19 @@ fn who_offers_a_component_is_found_without_opening_a_library() {
     assert_eq!(says(&mut e, "loadrt and2"), "ok");
     let missing = says(&mut e, "loadrt something_else");
     assert!(missing.contains("no plugin library offers this component"), "{missing}");
-    // What a library does not say that it offers is not looked for in it, and its name is not enough.
+    // A component that a library does not declare is not looked for in it, even under the library's
+    // name.
     let said = says(&mut e, "loadrt a_first");
     assert!(said.contains("a_first: no plugin library offers this component"), "{said}");
     for name in ["a_first", "a_silent", "z_last"] {
         assert_eq!(opened(folder, name), 0, "{name}");
     }
-    // One that was built before libraries said what they offer is opened when it is asked for by name.
+    // A library built before libraries declared their components is opened when it is requested by
+    // name.
     let said = says(&mut e, "loadrt a_silent");
     assert!(said.contains("ended the process, with status 0"), "{said}");
     assert_eq!(opened(folder, "a_silent"), 1);
-    // The one that offers it is opened, and none other.
+    // Only the library that offers the component is opened.
     let said = says(&mut e, "loadrt something");
     let want = format!(
         "{}: opened in a process of its own first, it ended the process, with status 0",
@@ -148,7 +151,7 @@ fn a_library_that_ends_the_process_breaks_only_its_own_load() {
         if !make(folder, &family, &source) {
             return;
         }
-        // The same in a component in C.
+        // The same for a component in C.
         let constructor = format!("__attribute__((constructor)) static void go(void) {{ {does} }}");
         let globals =
             format!("#include <signal.h>\n#include <stdlib.h>\n#include <unistd.h>\n{constructor}");
@@ -170,10 +173,10 @@ fn a_library_that_ends_the_process_breaks_only_its_own_load() {
                 let want = format!("{so}: opened in a process of its own first, it {how}");
                 assert_eq!(said, want, "{line}");
             }
-            // It is known now, and not tried again: in no engine of this process.
+            // The failure is remembered and not tried again by any engine of this process.
             assert_eq!(opened(folder, &format!("family{n}")), 1);
         }
-        // The machine runs, and takes what is right.
+        // The machine runs, and loads an intact component.
         assert_eq!(says(&mut e, "loadrt or2"), "ok");
         if clock == ClockKind::Real {
             cycles(&mut e, "t", 3);
@@ -184,7 +187,7 @@ fn a_library_that_ends_the_process_breaks_only_its_own_load() {
         wait(&mut e, "the gate", |e| bit(e, "and2.0.out"));
         e.close();
     }
-    // `check` finds it at its line, and goes on.
+    // `check` reports it at its line, and continues.
     scratch.write("m.hal", "loadrt member0\nloadrt and2\nloadrt inc1\nsetp and2.0.nothing 1\n");
     let mut halcmd = scratch.command(&[], "halcmd");
     let output = scratch.run(halcmd.env("HAL_RTMOD_DIR", folder).args(["check", "m.hal"]));
@@ -207,15 +210,15 @@ fn a_library_is_tried_once_and_again_when_it_has_changed() {
     if !make("") {
         return;
     }
-    // Tried, then opened; its descriptor has nothing of that name.
+    // The library is tried, then opened; its descriptor lacks that name.
     let load = || says(&mut virtual_one(&[folder]), "loadrt once");
     let said = load();
     assert!(said.contains("not a plugin: its descriptor is cut"), "{said}");
     assert_eq!(opened(folder, "once"), 2);
-    // It is mapped now, and nothing is left to be tried.
+    // The library is mapped now, so it need not be tried again.
     assert_eq!(load(), said);
     assert_eq!(opened(folder, "once"), 2);
-    // Another file of that name is another library.
+    // A new file of that name is another library.
     fs::remove_file(folder.join("libonce.so")).unwrap();
     assert!(make("abort();"));
     assert!(load().contains("it ended by an abort"));
@@ -233,7 +236,7 @@ fn a_component_in_c_is_tried_with_those_whose_symbols_it_takes() {
     if compile(folder, "provider", &provider, &[]).is_none() {
         return;
     }
-    // Its constructor looks at what the other one defines, and calls the interface.
+    // Its constructor reads a variable of the other library, and calls the interface.
     let globals = "#include <stdlib.h>\nextern int shared_number;\n\
                    __attribute__((constructor)) static void look(void)\n\
                    { if (shared_number != 7 || hal_init(\"x\") >= 0) abort(); }";
@@ -275,7 +278,7 @@ fn what_is_no_file_is_refused_by_name_and_never_opened() {
         let so = file(folder, &format!("lib{name}.so"));
         let want = format!("{so}: not a plugin: it is {what}, not a regular file");
         assert_eq!(says(&mut e, &format!("loadrt {name}")), want);
-        // As a component in C as well.
+        // The same as a component in C.
         let request =
             Request::LoadForeign { module: name.into(), args: vec![], prefix: String::new() };
         assert_eq!(e.call(request).unwrap_err().to_string(), want);
@@ -285,11 +288,11 @@ fn what_is_no_file_is_refused_by_name_and_never_opened() {
         file(folder, "c_pipe.so")
     );
     assert_eq!(says(&mut e, "loadrt c_pipe"), want);
-    // They come before the family in order, and are passed over.
+    // They sort before the intact family, and are skipped.
     assert_eq!(says(&mut e, "loadrt and2"), "ok");
     assert!(e.catalogue().iter().any(|o| o.component == "and2"));
     drop(listener);
-    // A file that this user may not read is named as that.
+    // A file that this user may not read is reported as such.
     if !rustix::process::geteuid().is_root() {
         fs::write(at("liba_secret.so"), "").unwrap();
         fs::set_permissions(at("liba_secret.so"), fs::Permissions::from_mode(0o0)).unwrap();
@@ -299,8 +302,8 @@ fn what_is_no_file_is_refused_by_name_and_never_opened() {
     e.close();
 }
 
-/// Runs a test of this file in a process of its own, unless this is that process. There nobody has
-/// locked all memory, as an engine on the real clock does: another user may not map more of it.
+/// Runs a test of this file in a separate process, unless this is that process. No engine on the
+/// real clock has locked all memory there, which would keep another user from mapping more.
 fn is_alone(test: &str) -> bool {
     if std::env::var_os(ALONE).is_some() {
         return true;
@@ -332,7 +335,7 @@ fn root_opens_only_what_others_cannot_have_put_there() {
     let so = &folder.join("liblogic.so");
     let load = |path: &Path| {
         let mut e = virtual_one(&[path]);
-        // By the family's name, and by that of the file.
+        // By the name of the family, and by the name of the file.
         let said = says(&mut e, "loadrt and2");
         e.close();
         said
@@ -367,11 +370,11 @@ fn root_opens_only_what_others_cannot_have_put_there() {
              sudo, of the user's who called it: chown root {path_shown}"
         );
         assert_eq!(load(folder), want);
-        // Another user takes it as it is: what that user opens is that user's own affair.
+        // Another user may open the file: a user may open files of their own.
         assert_eq!(as_user(OTHER, || load(folder)), "ok");
         chown(path, Some(0), None).unwrap();
     }
-    // A link: what it leads to counts, and the folder where that is, and the one of the link.
+    // For a link, its target counts, the target's folder, and the folder of the link.
     fs::remove_file(so).unwrap();
     symlink(elsewhere.join("liblogic.so"), so).unwrap();
     assert_eq!(load(folder), "ok");
@@ -391,7 +394,7 @@ fn root_opens_only_what_others_cannot_have_put_there() {
         "{said}"
     );
 
-    // Under sudo, what belongs to the caller is as good as root's own.
+    // Under sudo, files of the calling user are trusted like root's own.
     chown(elsewhere, Some(OTHER), None).unwrap();
     scratch.write("m.hal", "loadrt and2\n");
     let run = |uid: &str| {
@@ -406,7 +409,7 @@ fn root_opens_only_what_others_cannot_have_put_there() {
         assert_ne!(output.status, Some(0));
         assert!(output.stderr.contains(&format!("belongs to user {OTHER}")), "{}", output.stderr);
     }
-    // Components in C as well, before anything of them runs.
+    // The same holds for components in C, before any of their code runs.
     let c = &scratch.path().join("c");
     fs::create_dir(c).unwrap();
     put(c, "compat");
@@ -454,7 +457,7 @@ fn a_signal_is_heeded_while_a_library_is_opened_and_one_that_hangs_is_given_up()
         "libhangs.so: opened in a process of its own first, it did not come back within 10 s";
     assert!(output.stderr.contains(want), "{}", output.stderr);
     assert_eq!((output.status, output.stdout.as_str()), (Some(1), ""));
-    // Neither is left behind.
+    // No process is left behind.
     until("they have ended", || {
         let all = fs::read_dir("/proc")
             .unwrap()

@@ -1,5 +1,5 @@
-//! Recordings that cannot be written: reported at once, with a status that is not 0; the file that
-//! stood there stays, and the new one ends at a whole record.
+//! Recordings that cannot be written are reported at once, with a status other than 0. An existing
+//! file stays as it was, and the new one ends at a whole record.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::scratch::{Output, Running, Scratch, until};
@@ -18,11 +18,11 @@ addf siggen.0.update t
 start
 ";
 
-/// A recording that was good before.
+/// An earlier, intact recording.
 const OLD: &str =
     "$timescale 1 ns $end\n$var wire 1 ! old $end\n$enddefinitions $end\n#0\n0!\n#5\n1!\n";
 
-/// halrun with files of at most so many blocks of 512 bytes.
+/// Returns a command for halrun that limits files to `blocks` blocks of 512 bytes.
 fn limited(scratch: &Scratch, blocks: &str, words: &[&str]) -> Command {
     let limit = format!("ulimit -f {blocks}; exec \"$0\" \"$@\"");
     let mut command = scratch.command(&["sh", "-c", &limit], "halrun");
@@ -30,14 +30,14 @@ fn limited(scratch: &Scratch, blocks: &str, words: &[&str]) -> Command {
     command
 }
 
-/// The same recording, written whole.
+/// Returns the same recording, complete.
 fn unlimited(scratch: &Scratch, run: &str) -> String {
     let words = ["--virtual", "--for", run, "--record", "all.vcd", "m.hal"];
     assert_eq!(scratch.halrun(&words).status, Some(0));
     scratch.read("all.vcd")
 }
 
-/// The one line about the recording, with the names of files in this folder.
+/// Returns the single line about the recording, with file names relative to this folder.
 fn line(scratch: &Scratch, stderr: &str) -> String {
     let mut lines = stderr.lines().filter(|l| l.contains("out.vcd"));
     let first = lines.next();
@@ -53,7 +53,7 @@ fn whole(bytes: &[u8]) -> Trace {
     Format::of(Path::new("a.vcd")).unwrap().read(bytes).whole().unwrap()
 }
 
-/// What the message must say about a file that ends like this, without when the write was refused.
+/// Returns the end of the message for a file with this content, without the time of the refusal.
 fn kept(text: &str) -> String {
     let last = whole(text.as_bytes()).times().iter().last().unwrap();
     let seconds = format!("{:.9}", last as f64 / 1e9);
@@ -61,7 +61,7 @@ fn kept(text: &str) -> String {
     format!("{} bytes are kept, up to {seconds} s", text.len())
 }
 
-/// A message in two parts: what is kept, and the rest with the time of the refusal.
+/// Splits a message into the part about the kept data and the rest with the time of the refusal.
 fn parts(line: &str) -> (&str, &str) {
     let (rest, kept) = line.split_once("; ").unwrap();
     (kept, rest)
@@ -77,7 +77,7 @@ fn a_disk_that_is_full_at_the_start_leaves_the_old_file() {
     scratch.write("m.hal", MACHINE);
     scratch.write("out.vcd", OLD);
     let words = ["--virtual", "--for", "100ms", "--record", "out.vcd", "m.hal"];
-    // Not into a file, which is limited as well.
+    // Output goes to a pipe, because a file would be limited as well.
     let output = limited(&scratch, "0", &words).output().unwrap();
     assert_eq!(scratch.read("out.vcd"), OLD);
     assert_eq!(
@@ -99,7 +99,7 @@ fn a_disk_that_fills_leaves_what_was_recorded() {
     let words = ["--virtual", "--for", "20s", "--record", "out.vcd", "m.hal"];
     let output = scratch.run(&mut limited(&scratch, "300", &words));
     let out = scratch.read("out.vcd");
-    // What reached the file is what the whole recording begins with.
+    // The file is a prefix of the complete recording.
     assert!(
         all.len() > 300 * 512 && out.len() > 300 * 512 - 10_000 && out.len() <= 300 * 512,
         "{}",
@@ -116,7 +116,7 @@ fn a_disk_that_fills_leaves_what_was_recorded() {
     assert_eq!(output.status, Some(1));
 }
 
-/// An instance whose recording has met a full disk.
+/// Starts an instance whose recording has met a full disk.
 fn stopped(scratch: &Scratch, before: &[&str]) -> Running {
     scratch.write("m.hal", format!("{MACHINE}run 10ms\nprint ready\n"));
     let words = [before, &["--virtual", "--hold", "--record", "out.vcd", "m.hal"]].concat();
@@ -130,7 +130,7 @@ fn stopped(scratch: &Scratch, before: &[&str]) -> Running {
 fn it_is_reported_once_and_at_once_and_status_has_it() {
     let scratch = Scratch::new("status");
     let running = stopped(&scratch, &[]);
-    // At once: before anything ends.
+    // The message comes at once, before anything ends.
     let said = line(&scratch, &running.said().1);
     let (about, rest) = parts(&said);
     let out = scratch.read("out.vcd");
@@ -149,10 +149,11 @@ fn it_is_reported_once_and_at_once_and_status_has_it() {
     assert_eq!(format!("{time} s"), at);
     assert_eq!(found["kept_to"], whole(out.as_bytes()).times().iter().last().unwrap());
     assert!(find(&json, "recording").unwrap().is_null(), "nothing is being recorded");
-    // More time, and no second message.
+    // Time advances without a second message.
     scratch.halcmd(&["run", "20s"]);
     assert_eq!(line(&scratch, &running.said().1), said);
-    // Whoever ends it learns of it, too; another one may begin, and the status stays.
+    // The client that ends the recording gets the error too. Another recording may begin, and the
+    // status stays.
     let off = scratch.halcmd(&["record", "off"]);
     assert_eq!(off.status, Some(1));
     assert!(plain(&scratch, &off.stderr).contains(&said), "{}", off.stderr);
@@ -167,7 +168,7 @@ fn it_is_reported_once_and_at_once_and_status_has_it() {
     assert_eq!(running.wait().status, Some(1));
 }
 
-/// The value under a name, wherever it is.
+/// Returns the value of a key anywhere in a JSON document.
 fn find<'v>(json: &'v serde_json::Value, name: &str) -> Option<&'v serde_json::Value> {
     json.get(name).or_else(|| {
         let parts: Box<dyn Iterator<Item = &serde_json::Value>> = match json {
@@ -246,7 +247,7 @@ fn a_session_that_is_typed_ends_with_it() {
 #[test]
 fn what_the_end_cannot_write_is_reported_at_the_end() {
     let scratch = Scratch::new("last");
-    // Less than is collected before it is written, more than the limit.
+    // Less than the write buffer, but more than the limit.
     scratch.write("m.hal", format!("{MACHINE}record out.vcd\nrun 1s\nrecord off\n"));
     let output = scratch.run(&mut limited(&scratch, "16", &["--virtual", "-f", "m.hal"]));
     let text = scratch.read("out.vcd");

@@ -45,7 +45,7 @@ fn without_line(text: &str) -> String {
 
 #[test]
 fn a_function_that_panics_stops_all_threads_and_says_who_and_why() {
-    // Its first 256 bytes end inside a letter.
+    // The first 256 bytes end inside a letter.
     let cut = format!("oh {}t…", "täterätä ".repeat(21));
     for clock in CLOCKS {
         for (how, cause) in [

@@ -10,7 +10,7 @@ struct WidthOf {
     /// Pin `in-##`; the C file does not say what it means.
     #[hal(name = "in-##", count = at_most(16, b.personality())?)]
     in_: Vec<In<bool>>,
-    /// Its inputs as a number, in-00 lowest.
+    /// Inputs as a number, in-00 lowest.
     number: Out<u32>,
 }
 
