@@ -30,7 +30,7 @@ pub struct Program {
     pub steps: Vec<Step>,
 }
 
-/// One move with its mode and feed.
+/// A move with its mode and feed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
     /// Shape of the move.
