@@ -4,7 +4,7 @@ use core::ops::{Add, Index, IndexMut, Sub};
 
 use serde::{Deserialize, Serialize};
 
-/// One of the nine axes.
+/// An axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Axis {
     /// First linear axis.
