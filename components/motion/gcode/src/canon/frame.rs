@@ -12,7 +12,7 @@ pub struct Frame {
     pub unit: Unit,
     /// The offset of the coordinate system.
     pub g5x: Position,
-    /// Its rotation about Z in degrees.
+    /// The rotation of the coordinate system about Z, in degrees.
     pub rotation: f64,
     /// The offset of G92.
     pub g92: Position,
