@@ -39,7 +39,7 @@ pub struct Issued {
     pub call: Call,
     /// The line, from 1.
     pub line: u32,
-    /// Its N number.
+    /// The N number of the line.
     pub number: Option<u32>,
 }
 
@@ -59,7 +59,7 @@ pub enum Step {
 pub(crate) enum TroubleAt {
     /// The whole line.
     Line,
-    /// So many bytes before the end of the cleaned line.
+    /// The number of bytes from the place to the end of the cleaned line.
     Left(Left),
     /// This byte of the raw line.
     Raw(usize),
