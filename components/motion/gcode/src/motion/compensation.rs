@@ -20,20 +20,20 @@ use crate::{
 pub enum Path {
     /// A line from this point in this direction.
     Line {
-        /// Its begin.
+        /// The start point.
         from: Point,
-        /// Its unit direction.
+        /// The unit direction.
         direction: Point,
     },
     /// An arc.
     Arc {
-        /// Its begin.
+        /// The start point.
         from: Point,
-        /// Its centre.
+        /// The centre.
         centre: Point,
-        /// Its radius.
+        /// The radius.
         radius: f64,
-        /// Its turns, negative for clockwise.
+        /// The number of turns, negative for clockwise.
         turns: i32,
     },
 }
