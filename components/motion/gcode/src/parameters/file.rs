@@ -9,7 +9,7 @@ pub const REQUIRED: [(i32, i32); 6] =
 /// Something wrong in a parameter file; the rest was read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Finding {
-    /// The line has no number and value.
+    /// The line lacks a number and a value.
     Malformed {
         /// The line, from 1.
         line: u32,
