@@ -28,9 +28,9 @@ pub struct Cursor {
 /// A loop or condition in progress.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Open {
-    /// Its label.
+    /// The label.
     pub label: Box<str>,
-    /// Its kind.
+    /// The kind.
     pub kind: OpenKind,
 }
 
