@@ -1,4 +1,4 @@
-//! One line of G-code: from bytes to words, expressions, comments and O-words, each with its column.
+//! A line of G-code: from bytes to words, expressions, comments and O-words, each with its column.
 
 pub mod clean;
 pub mod comment;
