@@ -22,7 +22,7 @@ pub enum Label {
     Computed(Box<Expr>),
 }
 
-/// What an O-word does.
+/// The keyword of an O-word, with its expressions.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(missing_docs, reason = "the names are the keywords")]
 pub enum Action {
