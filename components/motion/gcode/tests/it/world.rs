@@ -1,4 +1,4 @@
-//! What the world answers: probes, inputs, tools, values of INI and HAL, user codes; and the frame of the calls.
+//! Answers of the environment: probes, inputs, tools, values of INI and HAL, user codes; and the frame of the calls.
 
 use std::sync::Arc;
 
