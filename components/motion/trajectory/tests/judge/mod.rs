@@ -20,7 +20,7 @@ use hal_trajectory::{
 };
 use hal_watchman::{Limits as WatchLimits, PathWatch, Shape as WatchShape, Tolerance, Watchman};
 
-/// How a program is run.
+/// Schedule of a run: seed, override, direction, feeding of moves and abort.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conduct {
     /// Seed of the schedule.
