@@ -236,7 +236,7 @@ impl<'ast> Visit<'ast> for Names<'_> {
     fn visit_item_use(&mut self, item: &'ast ItemUse) {
         let mut paths = Vec::new();
         flatten(&item.tree, &mut Vec::new(), &mut |path, _| paths.push(path.to_vec()));
-        // A re-export is no use: whoever names it depends on its origin.
+        // A re-export does not count: a module that names it depends on its origin.
         if matches!(item.vis, syn::Visibility::Inherited) && !is_test(&item.attrs) {
             for path in paths {
                 self.name(&path);
