@@ -105,7 +105,7 @@ impl fmt::Display for Call {
                 write!(f, "RIGID_TAP({:.4}, {:.4}, {:.4})", end.x, end.y, end.z)
             }
             Self::ArcFeed { .. } | Self::NurbsFeed { .. } => curve(self, f),
-            Self::SetFeedRate(r) => write!(f, "SET_FEED_RATE({r:.4})"),
+            Self::SetFeedRate(r) => write!(f, "SET_FEED_RATE({})", Four(*r)),
             Self::SetFeedMode { spindle, per_revolution } => {
                 write!(f, "SET_FEED_MODE({spindle}, {})", u8::from(*per_revolution))
             }
@@ -191,9 +191,10 @@ fn curve(call: &Call, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     match call {
         Call::ArcFeed { plane, end, centre_first, centre_second, turns } => {
             let (first, second, along) = plane.axes();
-            write!(f, "ARC_FEED({:.4}, {:.4}, ", end[first], end[second])?;
-            write!(f, "{centre_first:.4}, {centre_second:.4}, {turns}, ")?;
-            write!(f, "{:.4}, {:.4}, {:.4}, {:.4})", end[along], end.a, end.b, end.c)
+            write!(f, "ARC_FEED({}, {}, ", Four(end[first]), Four(end[second]))?;
+            write!(f, "{}, {}, {turns}, ", Four(*centre_first), Four(*centre_second))?;
+            let [along, a, b, c] = [end[along], end.a, end.b, end.c].map(Four);
+            write!(f, "{along}, {a}, {b}, {c})")
         }
         Call::NurbsFeed { points, .. } => write!(f, "NURBS_FEED({}, ...)", points.len()),
         _ => Ok(()),

@@ -203,6 +203,13 @@ problems! {
     CompWith { code: &'static str }: "Cannot use {code} with cutter radius compensation on", "program G40 first";
     CompNoIntersection: "compensated moves do not meet", "use a tool with a smaller radius";
 
+    // Profiles.
+    ProfilePlane: "G7x requires the XZ plane", "program G18";
+    ProfileNeedsQ: "G7x requires a Q word", "Q is the number of the profile's subroutine";
+    ProfileIncrement: "G71 and G72 need an I above 0", "";
+    ProfileEmpty: "the profile has no motion", "";
+    ProfileGoesBack: "the profile is not monotonic", "Z must go one way for G71, X for G72, and each fillet must fit";
+
     // M codes.
     OutputP { code: &'static str }: "No valid P word with {code}", "";
     OutputQ { code: &'static str }: "Q word missing with {code}", "give the value";

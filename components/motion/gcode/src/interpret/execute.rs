@@ -28,6 +28,8 @@ pub(crate) enum Pause {
     Ask(Request),
     /// A remapped code, by its place in the settings.
     Remap(usize),
+    /// A cycle along a profile.
+    Profile,
 }
 
 /// A pause and the step that made it.
@@ -36,6 +38,7 @@ pub(crate) type Asked = Option<(Pause, u8)>;
 /// The part of a block that a step runs, for the place of its errors.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Part {
+    Remark,
     Word(u8),
     G(GGroup),
     M(MGroup),
@@ -45,7 +48,7 @@ type StepFn = fn(&mut Run<'_>, &mut Block) -> Result<Option<Request>, Problem>;
 
 /// The steps of a block in their order.
 const STEPS: [(Part, StepFn); 27] = [
-    (Part::Word(b'g'), |r, b| r.remark(b)),
+    (Part::Remark, |r, b| r.remark(b)),
     (Part::G(GGroup::SpindleMode), |r, b| r.spindle_mode(b)),
     (Part::G(GGroup::FeedMode), |r, b| r.feed_mode(b)),
     (Part::Word(b'f'), |r, b| r.feed_rate(b)),
@@ -88,13 +91,23 @@ impl<'a> Run<'a> {
     /// Runs the steps of a block from `first` on, until one asks.
     pub(crate) fn execute(&mut self, block: &mut Block, first: u8) -> Result<Asked, Problem> {
         for (index, (part, step)) in (0u8..).zip(STEPS).skip(usize::from(first)) {
-            self.focus = match part {
-                Part::Word(letter) => block.has(letter).then(|| block.place(letter)),
-                Part::G(group) => block.g_place(group),
-                Part::M(group) => block.m_place(group),
+            let place = match part {
+                Part::Remark => block.remark.is_some().then_some(None),
+                Part::Word(letter) => block.has(letter).then(|| Some(block.place(letter))),
+                // A motion may be modal.
+                Part::G(GGroup::Motion) => block.motion.map(|_| block.g_place(GGroup::Motion)),
+                Part::G(group) => block.g_place(group).map(Some),
+                Part::M(group) => block.m_place(group).map(Some),
             };
+            // A step without its word does nothing.
+            let Some(place) = place else { continue };
+            self.focus = place;
             if let Some(remap) = self.remap_of(part, block)? {
                 return Ok(Some((Pause::Remap(remap), index)));
+            }
+            let profile = matches!(block.motion, Some(700..=722));
+            if profile && part == Part::G(GGroup::Motion) {
+                return Ok(Some((Pause::Profile, index)));
             }
             if let Some(request) = step(self, block)? {
                 self.flush_compensation();

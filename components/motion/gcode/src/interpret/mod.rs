@@ -145,6 +145,11 @@ impl Interpreter {
         self.begin(Level::new(name.into(), Cursor::default(), LevelKind::Main { percent }));
     }
 
+    /// Gives the text of a file, such as that of the main program to an interpreter made of a saved state.
+    pub fn supply(&mut self, name: &str, text: Text) {
+        self.sources.put(name, text);
+    }
+
     /// Begins a line of MDI.
     pub fn mdi(&mut self, text: &str) {
         self.state.mdi = Some(text.into());

@@ -142,7 +142,7 @@ impl Interpreter {
     }
 
     /// Finishes a block: keeps it if it pauses, or follows M70 to M73, M98 and M99.
-    pub(super) fn after(
+    pub(crate) fn after(
         &mut self,
         block: &mut Block,
         asked: Asked,

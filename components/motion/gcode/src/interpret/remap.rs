@@ -39,7 +39,7 @@ impl Run<'_> {
             }
             Part::G(GGroup::Motion) => block.motion.map(Code::G),
             Part::M(group) => block.m(group).map(Code::M),
-            Part::Word(_) | Part::G(_) => None,
+            Part::Remark | Part::Word(_) | Part::G(_) => None,
         };
         let Some(code) = code else { return Ok(None) };
         let remaps = &self.state.settings.remaps;
@@ -175,6 +175,7 @@ impl Interpreter {
     ) -> Result<Step, Trouble> {
         match pause {
             Pause::Remap(index) => self.begin_remap(index, block.clone(), step, env, out),
+            Pause::Profile => self.profile(block, step, env, out),
             Pause::Ask(request) => {
                 let block = block.clone();
                 let pending = crate::state::Pending { request: request.clone(), block, step };

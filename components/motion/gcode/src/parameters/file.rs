@@ -3,8 +3,20 @@
 use super::{COUNT, Numbered};
 
 /// The parameters that a parameter file always has.
-pub const REQUIRED: [(i32, i32); 6] =
-    [(5161, 5169), (5181, 5189), (5210, 5219), (5220, 5230), (5241, 5250), (5261, 5390)];
+pub const REQUIRED: [(i32, i32); 12] = [
+    (5161, 5169),
+    (5181, 5189),
+    (5210, 5219),
+    (5220, 5230),
+    (5241, 5250),
+    (5261, 5270),
+    (5281, 5290),
+    (5301, 5310),
+    (5321, 5330),
+    (5341, 5350),
+    (5361, 5370),
+    (5381, 5390),
+];
 
 /// Something wrong in a parameter file; the rest was read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

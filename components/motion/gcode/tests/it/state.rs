@@ -4,8 +4,30 @@ use hal_gcode::{Environment, Interpreter, State, Step};
 
 use crate::support::{World, answer, interpreter, interpreter_of, run};
 
+/// Number of breaks at places of a kind.
+#[derive(Default)]
+struct Places {
+    all: u32,
+    subs: u32,
+    loops: u32,
+    remaps: u32,
+    questions: u32,
+    compensation: u32,
+}
+
+impl Places {
+    fn count(&mut self, state: &State) {
+        self.all += 1;
+        self.subs += u32::from(state.levels.len() > 1);
+        self.loops += u32::from(state.levels.iter().any(|l| !l.open.is_empty()));
+        self.remaps += u32::from(state.levels.iter().any(|l| l.remapped.is_some()));
+        self.questions += u32::from(state.pending.is_some());
+        self.compensation += u32::from(!state.compensation.queue.is_empty());
+    }
+}
+
 /// Runs a program; at step `at`, goes on with an interpreter made of the saved state.
-fn broken_run(name: &str, world: &World, at: u32) -> (Vec<String>, u32) {
+fn broken_run(name: &str, world: &World, at: u32, places: &mut Places) -> (Vec<String>, u32) {
     let mut running = interpreter_of(name);
     running.load(&format!("{name}.ngc"), world.open(name).unwrap());
     let mut out = Vec::new();
@@ -16,6 +38,7 @@ fn broken_run(name: &str, world: &World, at: u32) -> (Vec<String>, u32) {
             let saved = serde_json::to_string(&running.state).unwrap();
             let loaded: State = serde_json::from_str(&saved).unwrap();
             assert_eq!(loaded, running.state, "{name}: saved and loaded at step {at}");
+            places.count(&loaded);
             running = Interpreter::from_state(loaded);
         }
         step += 1;
@@ -43,20 +66,28 @@ fn broken_run(name: &str, world: &World, at: u32) -> (Vec<String>, u32) {
 fn a_saved_state_goes_on_as_the_unbroken_run() {
     let world = World::new();
     let mut seed = 12345u32;
-    let mut breaks = 0;
+    let mut places = Places::default();
     for name in world.files.keys().filter(|n| !n.starts_with("lib-")) {
-        let (whole, steps) = broken_run(name, &world, u32::MAX);
+        let (whole, steps) = broken_run(name, &world, u32::MAX, &mut places);
         let (calls, _) = run(name, &world);
         assert!(whole.len() >= calls.len());
-        for _ in 0..3.min(steps) {
+        // Every step of a short program, and random ones of a long one.
+        for n in 0..steps.min(24) {
             seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let at = (seed >> 8) % steps;
-            let (broken, _) = broken_run(name, &world, at);
+            let at = if steps <= 24 { n } else { (seed >> 8) % steps };
+            let (broken, _) = broken_run(name, &world, at, &mut places);
             assert_eq!(broken, whole, "{name}: broken at step {at} of {steps}");
-            breaks += 1;
         }
     }
-    assert!(breaks >= 500, "only {breaks} breaks");
+    let Places { all, subs, loops, remaps, questions, compensation } = places;
+    eprintln!(
+        "{all} breaks: {subs} in calls, {loops} in loops, {remaps} in remaps, {questions} at questions"
+    );
+    assert!(all >= 2000 && subs >= 200 && loops >= 100, "{all} {subs} {loops}");
+    assert!(
+        remaps >= 50 && questions >= 20 && compensation >= 50,
+        "{remaps} {questions} {compensation}"
+    );
 }
 
 #[test]
