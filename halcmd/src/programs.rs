@@ -2,10 +2,12 @@
 
 pub mod hal_manualtoolchange;
 pub mod halcmd;
+pub mod halgcode;
 pub mod halrun;
 pub mod halsampler;
 pub mod halscope;
 pub mod halstreamer;
 pub mod haltest;
 pub mod options;
+mod picture;
 pub mod profile;

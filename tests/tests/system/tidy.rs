@@ -75,7 +75,10 @@ fn arrows_point_only_downward() {
         ("hal-output", &[]),
         ("hal-trace", &["hal-output", "hal-protocol"]),
         ("hal-engine", &["hal-abi", "hal-output", "hal-protocol", "hal-trace"]),
-        ("halcmd", &["hal-engine", "hal-ini", "hal-output", "hal-protocol", "hal-trace"]),
+        (
+            "halcmd",
+            &["hal-engine", "hal-gcode", "hal-ini", "hal-output", "hal-protocol", "hal-trace"],
+        ),
         ("halcompile", &["hal-output"]),
         ("ferrule-client", &["hal-protocol"]),
     ]);

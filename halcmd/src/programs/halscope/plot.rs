@@ -6,7 +6,10 @@ mod lane;
 use super::{names, time, unwritten};
 use crate::{
     Stdio, Terminal,
-    programs::options::{Opt, options, usage},
+    programs::{
+        options::{Opt, options, usage},
+        picture::{Kind, size},
+    },
 };
 use draw::Plot;
 use hal_trace::{FileError, Trace};
@@ -55,9 +58,6 @@ const fn long(id: Id, name: &'static str, value: &'static str, help: &'static st
     Opt { id, short: None, long: Some(name), value: Some(value), variable: None, help }
 }
 
-/// Maximum size of a side in pixels.
-const LARGEST: u32 = 16_384;
-
 /// Runs `halscope plot [options] FILE [CHANNEL...]`.
 pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     let (given, rest) = options("halscope", OPTIONS, words).map_err(|e| e.to_string())?;
@@ -98,24 +98,6 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Format of a picture.
-#[derive(Clone, Copy)]
-enum Kind {
-    Svg,
-    Png,
-}
-
-impl Kind {
-    fn of(path: &Path) -> Result<Self, String> {
-        let ending = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-        match ending.as_deref() {
-            Some("svg") => Ok(Self::Svg),
-            Some("png") => Ok(Self::Png),
-            _ => Err(format!("{}: a picture ends in .svg or .png", path.display())),
-        }
-    }
-}
-
 fn ends(trace: &Trace, file: &str) -> Result<(i64, i64), String> {
     let nothing = || format!("{file}: there is no time in it to draw");
     let times = trace.times();
@@ -125,12 +107,6 @@ fn ends(trace: &Trace, file: &str) -> Result<(i64, i64), String> {
 
 fn stem(path: &Path) -> String {
     path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default()
-}
-
-fn size(text: &str) -> Result<(u32, u32), String> {
-    let side = |t: &str| t.trim().parse().ok().filter(|n| (100..=LARGEST).contains(n));
-    let sides = text.split_once('x').and_then(|(w, h)| side(w).zip(side(h)));
-    sides.ok_or_else(|| format!("'{text}' is no size: WIDTHxHEIGHT, each from 100 to {LARGEST}"))
 }
 
 #[cfg(test)]

@@ -1,37 +1,24 @@
 //! A picture of a trace: a lane for each channel above one time axis.
 
 use super::lane::Lane;
-use crate::programs::halscope::{
-    figures::{figures, unit_of},
-    names::Chosen,
+use crate::programs::{
+    halscope::{
+        figures::{figures, unit_of},
+        names::Chosen,
+    },
+    picture::{Area, COLOURS, INK, LARGEST, MARK, PALE, Painted, Picture, text},
 };
 use hal_trace::Trace;
 use plotters::{
-    backend::{BitMapBackend, DrawingBackend, SVGBackend},
+    backend::DrawingBackend,
     chart::ChartBuilder,
-    coord::Shift,
-    drawing::{DrawingArea, IntoDrawingArea},
     element::{PathElement, Rectangle},
     style::{
-        Color, FontStyle, IntoFont, RGBColor, ShapeStyle, TextStyle, WHITE, register_font,
+        Color, RGBColor, ShapeStyle, WHITE,
         text_anchor::{HPos, Pos, VPos},
     },
 };
 
-/// Colours that people with any colour vision can distinguish (Okabe and Ito, 2008), without
-/// yellow.
-const COLOURS: [RGBColor; 6] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(86, 180, 233),
-    RGBColor(230, 159, 0),
-];
-const INK: RGBColor = RGBColor(31, 41, 51);
-const PALE: RGBColor = RGBColor(107, 114, 128);
-const MARK: RGBColor = RGBColor(160, 30, 60);
-const FONT: &str = "DejaVu Sans";
 const TOP: u32 = 46;
 const BOTTOM: u32 = 54;
 /// Space for names, and for the numbers of a scale.
@@ -57,8 +44,6 @@ pub(super) struct Plot<'t> {
     /// Height in pixels; 0 for the height that the channels need.
     pub(super) height: u32,
 }
-
-type Area<'a, D> = DrawingArea<D, Shift>;
 
 impl<'t> Plot<'t> {
     /// Selects channels and a time window. The 0 of the axis is a trigger within the window, or
@@ -91,50 +76,27 @@ impl<'t> Plot<'t> {
     /// Returns the picture as SVG.
     pub(super) fn svg(&mut self) -> Result<String, String> {
         self.is_pixels = false;
-        let mut text = String::new();
-        self.draw(SVGBackend::with_string(&mut text, self.size()))?;
-        Ok(text)
+        self.to_svg()
     }
 
     /// Returns the picture as PNG.
     pub(super) fn png(&mut self) -> Result<Vec<u8>, String> {
         self.is_pixels = true;
-        let (width, height) = self.size();
-        let mut pixels = vec![0; width as usize * height as usize * 3];
-        self.draw(BitMapBackend::with_buffer(&mut pixels, (width, height)))?;
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, width, height);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        let written = encoder.write_header().and_then(|mut w| w.write_image_data(&pixels));
-        written.map_err(|e| e.to_string())?;
-        Ok(bytes)
+        self.to_png()
     }
+}
 
+impl Picture for Plot<'_> {
     fn size(&self) -> (u32, u32) {
         let is_bit = |c: &Chosen| {
             self.trace.channels().get(c.channel).is_some_and(|c| c.ty() == hal_protocol::Type::Bit)
         };
         let lanes = self.chosen.iter().map(|c| if is_bit(c) { BIT } else { NUMBER });
-        let needed = lanes.fold(TOP + BOTTOM, u32::saturating_add).min(super::LARGEST);
+        let needed = lanes.fold(TOP + BOTTOM, u32::saturating_add).min(LARGEST);
         (self.width, if self.height == 0 { needed } else { self.height })
     }
 
-    fn draw<D: DrawingBackend>(&self, backend: D) -> Result<(), String>
-    where
-        D::ErrorType: 'static,
-    {
-        register_font(FONT, FontStyle::Normal, dejavu::sans::regular())
-            .map_err(|_| "the font cannot be read")?;
-        let root = backend.into_drawing_area();
-        self.paint(&root).map_err(|e| e.to_string())?;
-        root.present().map_err(|e| e.to_string())
-    }
-
-    fn paint<D: DrawingBackend>(
-        &self,
-        root: &Area<'_, D>,
-    ) -> Result<(), plotters::drawing::DrawingAreaErrorKind<D::ErrorType>> {
+    fn paint<D: DrawingBackend>(&self, root: &Area<'_, D>) -> Painted<D> {
         let (width, height) = self.size();
         root.fill(&WHITE)?;
         let title = text(19, INK).pos(Pos::new(HPos::Left, VPos::Top));
@@ -161,7 +123,9 @@ impl<'t> Plot<'t> {
         }
         self.markers(root, room)
     }
+}
 
+impl Plot<'_> {
     fn lane<D: DrawingBackend>(
         &self,
         area: &Area<'_, D>,
@@ -169,7 +133,7 @@ impl<'t> Plot<'t> {
         colour: RGBColor,
         height: u32,
         is_last: bool,
-    ) -> Result<(), plotters::drawing::DrawingAreaErrorKind<D::ErrorType>> {
+    ) -> Painted<D> {
         let base = self.trace.base();
         let seconds = |ticks: i64| base.seconds(ticks.saturating_sub(self.zero));
         let (from, to) = (seconds(self.from), seconds(self.to));
@@ -223,7 +187,7 @@ impl<'t> Plot<'t> {
         lane: &Lane,
         colour: RGBColor,
         height: u32,
-    ) -> Result<(), plotters::drawing::DrawingAreaErrorKind<D::ErrorType>> {
+    ) -> Painted<D> {
         let mut lines = vec![(text(14, colour), lane.name.clone())];
         lines.extend(lane.other.iter().map(|other| (text(12, PALE), format!("= {other}"))));
         if self.measures {
@@ -262,11 +226,7 @@ impl<'t> Plot<'t> {
     }
 
     /// Draws markers: a line through all lanes, with the text above.
-    fn markers<D: DrawingBackend>(
-        &self,
-        root: &Area<'_, D>,
-        room: u32,
-    ) -> Result<(), plotters::drawing::DrawingAreaErrorKind<D::ErrorType>> {
+    fn markers<D: DrawingBackend>(&self, root: &Area<'_, D>, room: u32) -> Painted<D> {
         let (left, right) = (NAMES + SCALE, self.width.saturating_sub(RIGHT));
         let span = (self.to - self.from).max(1) as f64;
         let within = |at: i64| self.from <= at && at <= self.to;
@@ -293,12 +253,6 @@ fn share(room: u32, part: u32, total: u32) -> u32 {
 
 fn pixels(n: u32) -> i32 {
     i32::try_from(n).unwrap_or(i32::MAX)
-}
-
-fn text(size: i32, colour: RGBColor) -> TextStyle<'static> {
-    let mut style = TextStyle::from((FONT, size).into_font());
-    style.color = colour.to_backend_color();
-    style
 }
 
 /// Describes the measurements in a line.

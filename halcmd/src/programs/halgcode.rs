@@ -1,0 +1,119 @@
+//! The program halgcode: G-code without a machine.
+//!
+//! | module | subject |
+//! |---|---|
+//! | [`machine`] | the machine: its INI file, tool table, parameter file |
+//! | [`world`] | the files, tools and values that programs see |
+//! | [`run`] | a program from its begin to its end, with the answers of a machine that stands still |
+//! | [`filter`] | programs of `[FILTER]`, which turn other files into G-code |
+//! | [`canon`], [`printer`] | `canon`: the canonical calls, as `rs274` prints them |
+//! | [`check`] | `check`: errors, limits, tools, extents |
+//! | [`path`] | the way of the tool in machine coordinates |
+//! | [`plot`], [`views`] | `plot`: pictures of the way |
+//! | [`format`], [`tokens`], [`metric`] | `format`: tidy text, line numbers, millimetres for inches |
+//! | [`state`] | `state`: the interpreter's state at a line |
+
+mod canon;
+mod check;
+mod filter;
+mod format;
+mod machine;
+mod metric;
+mod path;
+mod plot;
+mod printer;
+mod run;
+mod state;
+mod tokens;
+mod views;
+mod world;
+
+use crate::{Stdio, Terminal, terminal::complain};
+use std::process::ExitCode;
+
+/// A command of the program.
+struct Command {
+    name: &'static str,
+    arguments: &'static str,
+    help: &'static str,
+    run: fn(&[String]) -> Result<ExitCode, String>,
+}
+
+const COMMANDS: [Command; 5] = [
+    Command {
+        name: "check",
+        arguments: "[options] FILE...",
+        help: "errors, limits, tools and extents, before anything moves",
+        run: check::main,
+    },
+    Command {
+        name: "canon",
+        arguments: "[options] FILE [OUTPUT]",
+        help: "the canonical calls, with the options of rs274",
+        run: canon::main,
+    },
+    Command {
+        name: "plot",
+        arguments: "[options] FILE",
+        help: "a picture of the way, SVG or PNG",
+        run: plot::main,
+    },
+    Command {
+        name: "format",
+        arguments: "[options] FILE",
+        help: "the same program, tidied, renumbered or in millimetres",
+        run: format::main,
+    },
+    Command {
+        name: "state",
+        arguments: "--line N [options] FILE",
+        help: "the interpreter's state before a line",
+        run: state::main,
+    },
+];
+
+/// Runs the program with these words.
+#[must_use]
+pub fn main(words: &[String]) -> ExitCode {
+    let Some((first, rest)) = words.split_first() else {
+        complain(&format!("halgcode: which command?\n{}", usage()));
+        return ExitCode::from(2);
+    };
+    if matches!(first.as_str(), "-h" | "--help" | "help") {
+        return match Stdio.out(&usage()) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(unwritten) => {
+                complain(&format!("halgcode: {unwritten}\n"));
+                ExitCode::from(2)
+            }
+        };
+    }
+    let Some(command) = COMMANDS.iter().find(|c| c.name == first) else {
+        complain(&format!("halgcode: unknown command '{first}'\n{}", usage()));
+        return ExitCode::from(2);
+    };
+    match (command.run)(rest) {
+        Ok(code) => code,
+        Err(text) => {
+            complain(&format!("halgcode: {text}\n"));
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn usage() -> String {
+    let mut text = String::from("Usage: halgcode COMMAND [options] FILE\n\ncommands:\n");
+    for c in &COMMANDS {
+        text.push_str(&format!("  {:<7} {:<24} {}\n", c.name, c.arguments, c.help));
+    }
+    text.push_str("\nhalgcode COMMAND -h lists the options of a command.\n");
+    text
+}
+
+/// Returns the usage of a command.
+fn usage_of(name: &str, options: &str) -> String {
+    let command = COMMANDS.iter().find(|c| c.name == name);
+    command.map_or_else(String::new, |c| {
+        format!("Usage: halgcode {} {}\n{}\n\noptions:\n{options}", c.name, c.arguments, c.help)
+    })
+}

@@ -1,0 +1,242 @@
+//! `halgcode canon`: the canonical calls, with the options and in the form of `rs274`.
+
+use super::{
+    filter,
+    machine::{Files, Machine},
+    printer::Printer,
+    run::{Answers, Stop, run, start, step},
+    usage_of,
+    world::World,
+};
+use crate::{
+    Stdio, Terminal,
+    programs::options::{Opt, options, usage},
+    terminal::complain,
+};
+use hal_gcode::{Call, Error, Interpreter, Settings, axis::AxisMask, canon::Unit};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Id {
+    Go,
+    Table,
+    Parameters,
+    Ini,
+    OnError,
+    BlockDelete,
+    Stack,
+    LogLevel,
+    Machine,
+    Lines,
+    Help,
+}
+
+const OPTIONS: &[Opt<Id>] = &[
+    Opt { help: "accepted; every run is a batch", ..Opt::flag(Id::Go, 'g') },
+    Opt { help: "the tool table", ..Opt::short_with(Id::Table, 't', "TABLE") },
+    Opt {
+        help: "the parameter file; it is written again at the end",
+        ..Opt::short_with(Id::Parameters, 'v', "FILE")
+    },
+    Opt {
+        help: "the INI file: subroutines, remapped codes, values",
+        ..Opt::short_with(Id::Ini, 'i', "INI")
+    },
+    Opt {
+        help: "after an error: 0 goes on with the next line, 2 stops (the default)",
+        ..Opt::short_with(Id::OnError, 'n', "0|2")
+    },
+    Opt { help: "lines that begin with / are not run", ..Opt::flag(Id::BlockDelete, 'b') },
+    Opt { help: "after an error, the calls that led there", ..Opt::flag(Id::Stack, 's') },
+    Opt { help: "accepted, without effect", ..Opt::short_with(Id::LogLevel, 'l', "LEVEL") },
+    Opt {
+        long: Some("machine"),
+        help: "units, axes, startup code, tool table and parameters of the INI file too",
+        ..Opt::flag(Id::Machine, 'm')
+    },
+    Opt {
+        long: Some("lines"),
+        help: "before each call its file, line, column of calls and pass",
+        ..Opt::flag(Id::Lines, 'L')
+    },
+    Opt { long: Some("help"), help: "print this", ..Opt::flag(Id::Help, 'h') },
+];
+
+/// Runs `canon` with these words.
+pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
+    let (given, rest) = options("halgcode", OPTIONS, words).map_err(|e| e.to_string())?;
+    let path = |wanted| {
+        let found = given.iter().rev().find(|(id, _)| *id == wanted)?;
+        found.1.as_deref().map(PathBuf::from)
+    };
+    let is_given = |wanted| given.iter().any(|(id, _)| *id == wanted);
+    if is_given(Id::Help) {
+        Stdio.out(&usage_of("canon", &usage(OPTIONS)))?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let goes_on = match path(Id::OnError).as_deref().and_then(Path::to_str) {
+        None | Some("2") => false,
+        Some("0") => true,
+        Some("1") => return Err("-n 1 asks a person; use 0 or 2".into()),
+        Some(other) => return Err(format!("-n '{other}': 0 or 2")),
+    };
+    let (file, output) = match rest.as_slice() {
+        [file] => (file, None),
+        [file, output] => (file, Some(PathBuf::from(output))),
+        _ => return Err("which file? halgcode canon [options] FILE [OUTPUT]".into()),
+    };
+    let (ini, table, parameters) = (path(Id::Ini), path(Id::Table), path(Id::Parameters));
+    let whole = is_given(Id::Machine);
+    let mut machine = Machine::read(&Files {
+        ini: ini.as_deref(),
+        table: table.as_deref(),
+        parameters: parameters.as_deref(),
+    })?;
+    for remark in &machine.remarks {
+        complain(&format!("{remark}\n"));
+    }
+    if !whole {
+        stand_in(&mut machine, parameters.is_some());
+    }
+    machine.settings.block_delete = is_given(Id::BlockDelete);
+    let world = World { machine, hal: BTreeMap::new() };
+    let mut printer = Printer::new(output.as_deref(), is_given(Id::Lines))?;
+    let job = Job {
+        file,
+        goes_on,
+        stack: is_given(Id::Stack),
+        // The reference resets once more when it had no INI file.
+        resets: if ini.is_some() { 1 } else { 2 },
+        whole,
+    };
+    job.run(&world, &mut printer)
+}
+
+/// Gives the machine the facts of the one that `rs274` stands in for.
+fn stand_in(machine: &mut Machine, keeps_parameters: bool) {
+    let remaps = core::mem::take(&mut machine.settings.remaps);
+    machine.settings = Settings {
+        axes: AxisMask::XYZABC,
+        unit: Unit::Inch,
+        program_unit: Unit::Millimetre,
+        remaps,
+        ..Settings::default()
+    };
+    machine.startup = None;
+    if !keeps_parameters {
+        machine.parameters = None;
+        machine.numbered = hal_gcode::Numbered::default();
+    }
+}
+
+/// A run with its options.
+struct Job<'a> {
+    file: &'a str,
+    goes_on: bool,
+    stack: bool,
+    resets: u32,
+    whole: bool,
+}
+
+impl Job<'_> {
+    fn run(&self, world: &World, printer: &mut Printer) -> Result<ExitCode, String> {
+        complain("executing\n");
+        let machine = &world.machine;
+        let mut it = Interpreter::new(machine.settings.clone(), machine.numbered.clone());
+        if self.whole {
+            start(&mut it, world)?;
+        }
+        for call in it.preamble() {
+            if !matches!(call, Call::UseToolLengthOffset(_)) {
+                printer.call(&call, None)?;
+            }
+        }
+        printer.text("SET_FEED_REFERENCE(CANON_XYZ)", None)?;
+        let text = match filter::load(Path::new(self.file), machine) {
+            Ok(text) => text,
+            Err(reason) => {
+                printer.finish()?;
+                complain(&format!("Unable to open file <{}>\n{reason}\n", self.file));
+                return Ok(ExitCode::FAILURE);
+            }
+        };
+        printer.text("ON_RESET()", None)?;
+        it.load(self.file, text);
+        let failed = self.lines(&mut it, world, printer)?;
+        for _ in 0..self.resets {
+            printer.text("ON_RESET()", None)?;
+        }
+        printer.finish()?;
+        if let Some((path, file)) = &machine.parameters {
+            let text = file.save(&it.state.numbered);
+            let written = hal_output::write(path, text.as_bytes());
+            written.map_err(|e| format!("{}: {}", path.display(), hal_output::reason(&e)))?;
+        }
+        Ok(if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+    }
+
+    /// Runs the program; returns whether it ended by an error.
+    fn lines(
+        &self,
+        it: &mut Interpreter,
+        world: &World,
+        printer: &mut Printer,
+    ) -> Result<bool, String> {
+        let answers = Answers { probe_trips: false };
+        let mut result = run(it, world, answers, |it, issued| printer.issued(it, issued));
+        loop {
+            let error = match result {
+                Ok(()) => return Ok(false),
+                Err(Stop::Output(reason)) => return Err(reason),
+                Err(Stop::Program(error)) => error,
+            };
+            printer.flush().map_err(|e| e.to_string())?;
+            self.report(&error, world);
+            if !self.goes_on || it.state.levels.is_empty() {
+                return Ok(true);
+            }
+            // Goes on with the line after the one that failed.
+            it.state.ended = false;
+            it.state.pending = None;
+            let mut out = Vec::new();
+            let end_of_file = matches!(error.problem, hal_gcode::error::Problem::NoProgramEnd);
+            if end_of_file {
+                return Ok(true);
+            }
+            result = match step(it, world, answers, &mut out) {
+                Ok(going) => {
+                    for issued in &out {
+                        printer.issued(it, issued).map_err(|_| "output".to_owned())?;
+                    }
+                    if going {
+                        run(it, world, answers, |it, i| printer.issued(it, i))
+                    } else {
+                        Ok(())
+                    }
+                }
+                Err(error) => Err(error.into()),
+            };
+        }
+    }
+
+    /// Tells an error as `rs274` does: the message, and the line.
+    fn report(&self, error: &Error, world: &World) {
+        use hal_gcode::Environment;
+        let text = world.open(&error.place.file);
+        let text =
+            text.or_else(|| filter::load(Path::new(&*error.place.file), &world.machine).ok());
+        let index = usize::try_from(error.place.line).unwrap_or(0).saturating_sub(1);
+        let line = text.and_then(|t| {
+            let line = (*t).as_ref().split(|b| *b == b'\n').nth(index)?;
+            Some(String::from_utf8_lossy(line).trim_end_matches('\r').to_owned())
+        });
+        complain(&format!("{}\n{}\n", error.problem, line.unwrap_or_default()));
+        if self.stack {
+            complain(&format!("{error}\n"));
+        }
+    }
+}

@@ -1,0 +1,355 @@
+//! `halgcode check`: the errors of a program, the places that the machine cannot reach, its tools and extents.
+
+use super::{
+    filter,
+    machine::{Files, Machine},
+    path::{Extents, Kind, Way},
+    run::{Answers, Stop, run, start},
+    usage_of,
+    world::World,
+};
+use crate::{
+    Stdio, Terminal,
+    programs::options::{Opt, options, usage},
+    terminal::complain,
+};
+use hal_gcode::{
+    Call, Error, Interpreter, Issued,
+    axis::{Axis, Position},
+    error::Problem,
+    state::FeedMode,
+};
+use std::{
+    collections::BTreeMap,
+    fmt::Write as _,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Id {
+    Ini,
+    Table,
+    Parameters,
+    Hal,
+    BlockDelete,
+    Errors,
+    Lines,
+    Quiet,
+    Help,
+}
+
+const OPTIONS: &[Opt<Id>] = &[
+    Opt { help: "the machine's INI file", ..Opt::short_with(Id::Ini, 'i', "INI") },
+    Opt { help: "the tool table", ..Opt::short_with(Id::Table, 't', "TABLE") },
+    Opt {
+        help: "the parameter file; it is only read",
+        ..Opt::short_with(Id::Parameters, 'v', "FILE")
+    },
+    Opt {
+        long: Some("hal"),
+        help: "the value of #<_hal[NAME]>; may be repeated",
+        ..Opt::short_with(Id::Hal, 'H', "NAME=VALUE")
+    },
+    Opt { help: "lines that begin with / are not run", ..Opt::flag(Id::BlockDelete, 'b') },
+    Opt {
+        long: Some("errors"),
+        help: "ends a file after so many errors (20)",
+        ..Opt::short_with(Id::Errors, 'e', "N")
+    },
+    Opt {
+        long: Some("max-lines"),
+        help: "ends a file after so many lines were run (100000000)",
+        ..Opt::short_with(Id::Lines, 'l', "N")
+    },
+    Opt { long: Some("quiet"), help: "findings only", ..Opt::flag(Id::Quiet, 'q') },
+    Opt { long: Some("help"), help: "print this", ..Opt::flag(Id::Help, 'h') },
+];
+
+/// Runs `check` with these words. The status is 1 if there is an error, and 2 if a file cannot be read.
+pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
+    let (given, files) = options("halgcode", OPTIONS, words).map_err(|e| e.to_string())?;
+    let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.as_deref();
+    let path = |wanted| value(wanted).map(PathBuf::from);
+    let is_given = |wanted| given.iter().any(|(id, _)| *id == wanted);
+    if is_given(Id::Help) {
+        Stdio.out(&usage_of("check", &usage(OPTIONS)))?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    if files.is_empty() {
+        return Err("which file? halgcode check [options] FILE...".into());
+    }
+    let number = |wanted, default: u64| match value(wanted) {
+        None => Ok(default),
+        Some(text) => text.parse().map_err(|_| format!("'{text}' is no number")),
+    };
+    let most = number(Id::Errors, 20)?;
+    let lines = number(Id::Lines, 100_000_000)?;
+    let mut hal = BTreeMap::new();
+    for (_, text) in given.iter().filter(|(id, _)| *id == Id::Hal) {
+        let text = text.as_deref().unwrap_or_default();
+        let pair = text.split_once('=').and_then(|(n, v)| Some((n, v.parse::<f64>().ok()?)));
+        let (name, value) = pair.ok_or_else(|| format!("'{text}': NAME=VALUE"))?;
+        hal.insert(name.to_ascii_lowercase(), value);
+    }
+    let (ini, table, parameters) = (path(Id::Ini), path(Id::Table), path(Id::Parameters));
+    let mut machine = Machine::read(&Files {
+        ini: ini.as_deref(),
+        table: table.as_deref(),
+        parameters: parameters.as_deref(),
+    })?;
+    machine.settings.block_delete = is_given(Id::BlockDelete);
+    machine.settings.limits.lines = lines;
+    let world = World { machine, hal };
+    let mut text = String::new();
+    for remark in &world.machine.remarks {
+        text.push_str(&format!("{}\n", remark.replacen(": ", ": warning: ", 1)));
+    }
+    if let Some(name) = &world.machine.kinematics {
+        text.push_str(&format!(
+            "{}: note: the limits of joints are not checked: [KINS]KINEMATICS is {name}\n",
+            ini.as_deref().unwrap_or(Path::new("")).display()
+        ));
+    }
+    Stdio.out(&text)?;
+    let mut wrong = false;
+    for file in &files {
+        wrong |= one(file, &world, most, is_given(Id::Quiet))?;
+    }
+    Ok(if wrong { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+}
+
+/// Checks one file; returns whether it has an error.
+fn one(file: &str, world: &World, most: u64, quiet: bool) -> Result<bool, String> {
+    let machine = &world.machine;
+    let text = filter::load(Path::new(file), machine)?;
+    let mut it = Interpreter::new(machine.settings.clone(), machine.numbered.clone());
+    start(&mut it, world)?;
+    it.load(file, text);
+    let mut check = Check::new(&it, world);
+    let mut result = run(&mut it, world, Answers { probe_trips: true }, |it, i| check.call(it, i));
+    while let Err(Stop::Program(error)) = result {
+        check.error(&error, world);
+        check.errors += 1;
+        let last = matches!(
+            error.problem,
+            Problem::NoProgramEnd
+                | Problem::LinesSpent { .. }
+                | Problem::RunAway { .. }
+                | Problem::NoFile { .. }
+        );
+        // The next lines show their own errors.
+        if last || check.errors >= most || it.state.levels.is_empty() {
+            result = Ok(());
+            break;
+        }
+        it.state.ended = false;
+        it.state.pending = None;
+        it.state.nurbs = None;
+        result = run(&mut it, world, Answers { probe_trips: true }, |it, i| check.call(it, i));
+    }
+    if let Err(Stop::Output(reason)) = result {
+        return Err(reason);
+    }
+    check.limits(file);
+    let wrong = check.errors > 0;
+    if !quiet {
+        check.summary(file);
+    }
+    Stdio.out(&check.text)?;
+    Ok(wrong)
+}
+
+/// The part of a program that one tool cuts.
+#[derive(Clone, Debug, Default)]
+struct Use {
+    line: u32,
+    way: f64,
+}
+
+/// A limit that moves go beyond: the first line, the number of moves, and the farthest place.
+#[derive(Clone, Debug)]
+struct Beyond {
+    file: Box<str>,
+    line: u32,
+    moves: u64,
+    farthest: f64,
+    limit: f64,
+}
+
+/// The findings of a file.
+struct Check<'a> {
+    world: &'a World,
+    way: Way,
+    text: String,
+    errors: u64,
+    all: Extents,
+    cut: Extents,
+    rapid: f64,
+    minutes: f64,
+    tools: BTreeMap<i32, Use>,
+    /// The limits of an axis that moves go beyond: lower, upper.
+    beyond: BTreeMap<(usize, bool), Beyond>,
+}
+
+impl<'a> Check<'a> {
+    fn new(it: &Interpreter, world: &'a World) -> Self {
+        Self {
+            world,
+            way: Way::new(it.state.frame, it.state.position),
+            text: String::new(),
+            errors: 0,
+            all: Extents::new(),
+            cut: Extents::new(),
+            rapid: 0.0,
+            minutes: 0.0,
+            tools: BTreeMap::new(),
+            beyond: BTreeMap::new(),
+        }
+    }
+
+    /// Takes a call into account.
+    fn call(&mut self, it: &Interpreter, issued: &Issued) -> Result<(), Stop> {
+        let state = &it.state;
+        let tool = state.tool.number;
+        // The line of the main program, also while a subroutine changes the tool.
+        let main = state.levels.first().map_or(issued.line, |l| l.cursor.line);
+        if let Call::ChangeTool(number) | Call::ChangeToolNumber(number) = issued.call {
+            self.tools.entry(number).or_insert(Use { line: main, way: 0.0 });
+        }
+        if matches!(issued.call, Call::StraightTraverse(_)) && !self.all.any {
+            self.all.add(self.way.at);
+        }
+        let mut from = self.way.at;
+        let mut moved = Vec::new();
+        self.way.follow(&issued.call, &mut |kind, point| moved.push((kind, point)));
+        for (kind, point) in moved {
+            let length = distance(from, point);
+            if self.cut.any || kind == Kind::Rapid {
+                self.all.add(point);
+            }
+            match kind {
+                Kind::Rapid => self.rapid += length,
+                Kind::Feed => {
+                    self.all.add(from);
+                    self.all.add(point);
+                    self.cut.add(from);
+                    self.cut.add(point);
+                    self.tools.entry(tool).or_insert(Use { line: main, way: 0.0 }).way += length;
+                    let feed = state.modal.feed * state.frame.unit.millimetres();
+                    let speed = state.modal.spindles.first().map_or(0.0, |s| s.speed);
+                    self.minutes += match state.modal.feed_mode {
+                        FeedMode::PerMinute if feed > 0.0 => length / feed,
+                        FeedMode::PerRevolution if feed * speed > 0.0 => length / (feed * speed),
+                        _ => 0.0,
+                    };
+                }
+            }
+            self.limit(it, issued.line, point);
+            from = point;
+        }
+        Ok(())
+    }
+
+    /// Notes the axes that are beyond their travel.
+    fn limit(&mut self, it: &Interpreter, line: u32, point: Position) {
+        for (index, axis) in Axis::ALL.into_iter().enumerate() {
+            let (low, high) = self.world.machine.limits.get(index).copied().unwrap_or_default();
+            let value = point[axis];
+            // Sums of offsets end in the last digits.
+            let below = low.filter(|l| value < l - 1e-6).map(|l| (false, l));
+            let above = high.filter(|l| value > l + 1e-6).map(|l| (true, l));
+            let Some((side, limit)) = below.or(above) else { continue };
+            let entry = self.beyond.entry((index, side)).or_insert_with(|| {
+                let file = it.state.levels.last().map(|l| l.file.clone()).unwrap_or_default();
+                Beyond { file, line, moves: 0, farthest: value, limit }
+            });
+            entry.moves += 1;
+            if (value > entry.farthest) == side {
+                entry.farthest = value;
+            }
+        }
+    }
+
+    /// Writes the error of a line, with the line and a caret for a person.
+    fn error(&mut self, error: &Error, world: &World) {
+        let message = error.to_string();
+        let place = error.place.to_string();
+        let rest =
+            message.strip_prefix(&place).and_then(|r| r.strip_prefix(": ")).unwrap_or(&message);
+        self.text.push_str(&format!("{place}: error: {rest}\n"));
+        if !Stdio.is_person() {
+            return;
+        }
+        use hal_gcode::Environment;
+        let Some(text) = world.open(&error.place.file) else { return };
+        let index = usize::try_from(error.place.line).unwrap_or(0).saturating_sub(1);
+        let Some(line) = (*text).as_ref().split(|b| *b == b'\n').nth(index) else { return };
+        let line: String =
+            String::from_utf8_lossy(line).chars().filter(|c| !c.is_control()).take(200).collect();
+        self.text.push_str(&format!("    {line}\n"));
+        if let Some(column) =
+            usize::try_from(error.place.column).ok().and_then(|c| c.checked_sub(1))
+        {
+            self.text.push_str(&format!("    {}^\n", " ".repeat(column.min(200))));
+        }
+    }
+
+    /// Writes the limits that moves go beyond; each is an error.
+    fn limits(&mut self, file: &str) {
+        for ((index, side), b) in &self.beyond {
+            let Some(axis) = Axis::ALL.get(*index) else { continue };
+            let letter = axis.letter().to_ascii_uppercase();
+            let name = if *side { "MAX_LIMIT" } else { "MIN_LIMIT" };
+            let file = if b.file.is_empty() { file } else { &b.file };
+            self.text.push_str(&format!(
+                "{file}:{}: error: {letter} {:.3} is beyond [AXIS_{letter}]{name} {:.3} ({} moves, this line first)\n",
+                b.line, b.farthest, b.limit, b.moves
+            ));
+            self.errors += 1;
+        }
+    }
+
+    fn summary(&mut self, file: &str) {
+        let mut out = format!("{file}: {} errors\n", self.errors);
+        for (name, extents) in [("moves", self.all), ("cuts", self.cut)] {
+            if extents.any {
+                out.push_str(&format!("  {name:<6}"));
+                for axis in Axis::ALL {
+                    let (low, high) = (extents.low[axis], extents.high[axis]);
+                    if low != 0.0 || high != 0.0 {
+                        let letter = axis.letter().to_ascii_uppercase();
+                        out.push_str(&format!("  {letter} {low:.3} to {high:.3}"));
+                    }
+                }
+                out.push('\n');
+            }
+        }
+        for (number, used) in self.tools.iter().filter(|(n, u)| **n != 0 || u.way > 0.0) {
+            let tool = self.world.machine.tools.find(*number);
+            let k = self.world.machine.settings.unit.millimetres();
+            let (diameter, remark) = tool.map_or((0.0, ""), |t| (t.diameter * k, &*t.remark));
+            let mut line =
+                format!("  tool {number}: from line {}, cuts {:.1}", used.line, used.way);
+            if diameter != 0.0 {
+                line.push_str(&format!(", diameter {diameter:.3}"));
+            }
+            if !remark.is_empty() {
+                line.push_str(&format!(", {remark}"));
+            }
+            out.push_str(&line);
+            out.push('\n');
+        }
+        let seconds = self.minutes * 60.0;
+        let added = writeln!(out, "  time at feed {seconds:.1} s, rapid way {:.1}", self.rapid);
+        added.unwrap_or_else(|e| complain(&e.to_string()));
+        self.text.push_str(&out);
+    }
+}
+
+fn distance(a: Position, b: Position) -> f64 {
+    let d = b - a;
+    let lines = (d.x * d.x + d.y * d.y + d.z * d.z + d.u * d.u + d.v * d.v + d.w * d.w).sqrt();
+    // Where only rotary axes move, degrees are what the feed counts.
+    if lines > 0.0 { lines } else { (d.a * d.a + d.b * d.b + d.c * d.c).sqrt() }
+}

@@ -1,0 +1,238 @@
+//! The machine that a program is for: its INI file, tool table and parameter file.
+
+use hal_gcode::{
+    Numbered, Settings,
+    axis::{Axis, AxisMask},
+    canon::Unit,
+    parameters::file::{Finding, ParameterFile},
+    remap::{Hook, Remap},
+    tool::{self, ToolTable},
+};
+use hal_ini::Ini;
+use std::{
+    fmt::Write as _,
+    path::{Path, PathBuf},
+};
+
+/// The end of an axis's travel in millimetres or degrees, either side if it is stated.
+pub(super) type Limit = (Option<f64>, Option<f64>);
+
+/// Facts of a machine.
+pub(super) struct Machine {
+    pub(super) settings: Settings,
+    pub(super) tools: ToolTable,
+    pub(super) numbered: Numbered,
+    /// The parameter file and its values, to be written again after a run.
+    pub(super) parameters: Option<(PathBuf, ParameterFile)>,
+    /// The folders of subroutines, in the order of the search.
+    pub(super) folders: Vec<PathBuf>,
+    /// The folders of user programs M100 to M199.
+    pub(super) codes: Vec<PathBuf>,
+    /// The ends of travel.
+    pub(super) limits: [Limit; 9],
+    /// The code that is run before the first program.
+    pub(super) startup: Option<String>,
+    pub(super) ini: Option<Ini>,
+    /// The folder of the INI file.
+    pub(super) folder: PathBuf,
+    /// Remarks about the files: `file:line: text`.
+    pub(super) remarks: Vec<String>,
+    /// The kinematics if joints are not axes: their limits are not those of a place.
+    pub(super) kinematics: Option<String>,
+}
+
+/// The files of a machine as the options name them.
+#[derive(Default)]
+pub(super) struct Files<'a> {
+    pub(super) ini: Option<&'a Path>,
+    pub(super) table: Option<&'a Path>,
+    pub(super) parameters: Option<&'a Path>,
+}
+
+impl Machine {
+    /// Reads the files. What can be read is read; the rest becomes a remark.
+    ///
+    /// # Errors
+    /// A file that an option names cannot be read, or the INI file has an error.
+    pub(super) fn read(files: &Files<'_>) -> Result<Self, String> {
+        let here = PathBuf::from(".");
+        let mut out = Self {
+            settings: Settings::default(),
+            tools: ToolTable::default(),
+            numbered: Numbered::default(),
+            parameters: None,
+            folders: vec![here.clone()],
+            codes: vec![here.clone()],
+            limits: [(None, None); 9],
+            startup: None,
+            ini: None,
+            folder: here,
+            remarks: Vec::new(),
+            kinematics: None,
+        };
+        let (mut table, mut parameters) = (None, None);
+        if let Some(path) = files.ini {
+            let ini = Ini::read(path).map_err(|e| e.to_string())?;
+            out.folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
+            out.apply(&ini, path)?;
+            let beside = |name: &str| out.folder.join(name);
+            table = ini.get("EMCIO", "TOOL_TABLE").map(beside);
+            parameters = ini.get("RS274NGC", "PARAMETER_FILE").map(beside);
+            out.ini = Some(ini);
+        }
+        let asked = files.table.map(Path::to_path_buf);
+        if let Some(path) = asked.or(table) {
+            out.read_table(&path)?;
+        }
+        let asked = files.parameters.map(Path::to_path_buf);
+        if let Some(path) = asked.or(parameters) {
+            out.read_parameters(path)?;
+        }
+        Ok(out)
+    }
+
+    fn apply(&mut self, ini: &Ini, path: &Path) -> Result<(), String> {
+        let unit = match ini.get("TRAJ", "LINEAR_UNITS").map(str::to_ascii_lowercase).as_deref() {
+            Some("inch" | "in" | "imperial") => Unit::Inch,
+            None | Some("mm" | "metric") => Unit::Millimetre,
+            Some(other) => return Err(format!("[TRAJ]LINEAR_UNITS '{other}': mm or inch")),
+        };
+        self.settings.unit = unit;
+        self.settings.program_unit = unit;
+        let letters = coordinates(ini);
+        self.settings.axes = mask(&letters);
+        let spindles = ini.get("TRAJ", "SPINDLES").and_then(|v| v.trim().parse().ok());
+        self.settings.spindles = spindles.unwrap_or(1);
+        self.settings.arc_tolerance = tolerance(ini);
+        let kinematics = ini.get("KINS", "KINEMATICS").unwrap_or("trivkins");
+        let name = kinematics.split_whitespace().next().unwrap_or("trivkins");
+        self.kinematics = (name != "trivkins").then(|| name.to_owned());
+        for axis in Axis::ALL {
+            self.axis(ini, axis, &letters);
+        }
+        let folder = |name: &str| self.folder.join(name);
+        let list = |value: &str| value.split(':').map(folder).collect::<Vec<_>>();
+        let prefix = ini.get("DISPLAY", "PROGRAM_PREFIX").unwrap_or("nc_files");
+        self.folders = vec![folder(prefix)];
+        self.codes = vec![folder(prefix)];
+        self.folders.extend(ini.get("RS274NGC", "SUBROUTINE_PATH").map(list).unwrap_or_default());
+        self.codes.extend(ini.get("RS274NGC", "USER_M_PATH").map(list).unwrap_or_default());
+        self.startup = ini.get("RS274NGC", "RS274NGC_STARTUP_CODE").map(str::to_owned);
+        if ini.get("EMCIO", "RANDOM_TOOLCHANGER").is_some_and(|v| v.trim() == "1") {
+            let file = path.display();
+            self.remarks.push(format!(
+                "{file}: [EMCIO]RANDOM_TOOLCHANGER: tools stay in their pockets here"
+            ));
+        }
+        for entry in ini.all("RS274NGC", "REMAP") {
+            let at = format!("{}:{}", entry.file, entry.line);
+            let remap = Remap::parse(&entry.value).map_err(|e| format!("{at}: {e}"))?;
+            for hook in [Hook::Body, Hook::Prolog, Hook::Epilog] {
+                if let Some(name) = remap.hook(hook) {
+                    let (code, option) = (remap.code, hook.option());
+                    self.remarks.push(format!(
+                        "{at}: REMAP {code}: {option}={name} is a function in Python, which cannot run here; {code} will be refused"
+                    ));
+                }
+            }
+            self.settings.remaps.push(remap);
+        }
+        Ok(())
+    }
+
+    /// Takes the travel of an axis from `[AXIS_X]`, or from `[AXIS_0]` of the old kind of file.
+    fn axis(&mut self, ini: &Ini, axis: Axis, letters: &[Axis]) {
+        let letter = axis.letter().to_ascii_uppercase();
+        let number = letters.iter().position(|a| *a == axis);
+        let section = match number {
+            Some(n) if ini.is_old() => format!("AXIS_{n}"),
+            _ => format!("AXIS_{letter}"),
+        };
+        let k = if axis.is_rotary() { 1.0 } else { self.settings.unit.millimetres() };
+        let value = |name: &str| -> Option<f64> {
+            ini.get(&section, name)?.trim().parse::<f64>().ok().map(|v| v * k)
+        };
+        let limit = (value("MIN_LIMIT"), value("MAX_LIMIT"));
+        if let Some(slot) = self.limits.get_mut(usize::from(axis.index())) {
+            *slot = limit;
+        }
+        if axis.is_rotary() && ini.get(&section, "WRAPPED_ROTARY").is_some_and(|v| v.trim() == "1")
+        {
+            self.settings.wrapped.0 |= 1 << axis.index();
+        }
+    }
+
+    fn read_table(&mut self, path: &Path) -> Result<(), String> {
+        let (table, findings) = ToolTable::parse(&text(path)?);
+        for finding in findings {
+            let (line, what) = match finding {
+                tool::Finding::Malformed { line } => {
+                    (line, "no tool: the line begins with T and a number")
+                }
+                tool::Finding::Duplicate { line } => {
+                    (line, "the tool's number came before; the first one counts")
+                }
+            };
+            self.remarks.push(format!("{}:{line}: {what}", path.display()));
+        }
+        self.tools = table;
+        Ok(())
+    }
+
+    fn read_parameters(&mut self, path: PathBuf) -> Result<(), String> {
+        // A parameter file that is not there yet is made at the end.
+        let file = if path.exists() {
+            ParameterFile::parse(&text(&path)?)
+        } else {
+            ParameterFile::default()
+        };
+        let name = path.display();
+        for finding in &file.findings {
+            let mut remark = format!("{name}");
+            let what = match finding {
+                Finding::Malformed { line } => (Some(line), "not a number and a value"),
+                Finding::OutOfRange { line } => {
+                    (Some(line), "there is no parameter of this number")
+                }
+                Finding::Duplicate { line } => {
+                    (Some(line), "the parameter came before; the last value counts")
+                }
+                Finding::NoLineEnd => {
+                    (None, "the last line has no end: the file may have been cut off")
+                }
+            };
+            if let Some(line) = what.0 {
+                write!(remark, ":{line}").map_err(|e| e.to_string())?;
+            }
+            self.remarks.push(format!("{remark}: {}", what.1));
+        }
+        file.apply(&mut self.numbered);
+        self.parameters = Some((path, file));
+        Ok(())
+    }
+}
+
+fn text(path: &Path) -> Result<String, String> {
+    let bytes = std::fs::read(path);
+    let bytes = bytes.map_err(|e| format!("{}: {}", path.display(), hal_output::reason(&e)))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// Returns the axes in the order of their joints.
+fn coordinates(ini: &Ini) -> Vec<Axis> {
+    let text = ini.get("TRAJ", "COORDINATES").unwrap_or("XYZ").to_ascii_lowercase();
+    let find = |c: char| Axis::ALL.into_iter().find(|a| a.letter() == c);
+    text.chars().filter_map(find).collect()
+}
+
+fn mask(axes: &[Axis]) -> AxisMask {
+    AxisMask(axes.iter().fold(0, |mask, a| mask | 1 << a.index()))
+}
+
+/// Returns the tolerance of an arc's radii in millimetres.
+fn tolerance(ini: &Ini) -> f64 {
+    let value = |name: &str| ini.get("RS274NGC", name)?.trim().parse::<f64>().ok();
+    let inch = value("CENTER_ARC_RADIUS_TOLERANCE_INCH").map(|v| v * 25.4);
+    let default = Settings::default().arc_tolerance;
+    value("CENTER_ARC_RADIUS_TOLERANCE_MM").or(inch).unwrap_or(default)
+}

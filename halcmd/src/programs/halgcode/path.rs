@@ -1,0 +1,255 @@
+//! The way of the tool in machine coordinates, in millimetres and degrees.
+
+use core::f64::consts::{PI, TAU};
+use hal_gcode::{
+    Call,
+    axis::{Axis, Position},
+    canon::{ControlPoint, Frame, Plane},
+};
+
+/// The kind of a move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// A rapid move.
+    Rapid,
+    /// A move at feed.
+    Feed,
+}
+
+/// The largest angle between two points of an arc, in radians.
+const STEP: f64 = PI / 90.0;
+/// The most points of one call.
+const MAX_POINTS: f64 = 100_000.0;
+/// The points of one control point of a curve.
+const CURVE_POINTS: usize = 12;
+
+/// Follows calls.
+pub(super) struct Way {
+    frame: Frame,
+    /// The place, in machine coordinates of millimetres and degrees.
+    pub(super) at: Position,
+}
+
+impl Way {
+    /// Begins at the place where the interpreter is.
+    pub(super) fn new(frame: Frame, position: Position) -> Self {
+        Self { frame, at: frame.machine_mm(position) }
+    }
+
+    /// Follows a call and hands out the points after the first of what it moves.
+    pub(super) fn follow(&mut self, call: &Call, each: &mut dyn FnMut(Kind, Position)) {
+        self.frame.apply(call);
+        match call {
+            Call::StraightTraverse(end) => self.straight(Kind::Rapid, *end, each),
+            Call::StraightFeed(end) | Call::StraightProbe { end, .. } => {
+                self.straight(Kind::Feed, *end, each);
+            }
+            Call::RigidTap { end, .. } => {
+                let back = self.at;
+                self.straight(Kind::Feed, *end, each);
+                self.at = back;
+                each(Kind::Feed, back);
+            }
+            Call::ArcFeed { plane, end, centre_first, centre_second, turns } => {
+                self.arc(*plane, *end, (*centre_first, *centre_second), *turns, each);
+            }
+            Call::NurbsFeed { order, points, end } => self.curve(*order, points, *end, each),
+            _ => {}
+        }
+    }
+
+    fn straight(&mut self, kind: Kind, end: Position, each: &mut dyn FnMut(Kind, Position)) {
+        self.at = self.frame.machine_mm(end);
+        each(kind, self.at);
+    }
+
+    /// Returns the place in program coordinates.
+    fn program(&self) -> Position {
+        self.frame.program(self.at.scaled(1.0 / self.frame.unit.millimetres()))
+    }
+
+    fn arc(
+        &mut self,
+        plane: Plane,
+        end: Position,
+        centre: (f64, f64),
+        turns: i32,
+        each: &mut dyn FnMut(Kind, Position),
+    ) {
+        let start = self.program();
+        let (first, second, _) = plane.axes();
+        let from = (start[first] - centre.0, start[second] - centre.1);
+        let to = (end[first] - centre.0, end[second] - centre.1);
+        let direction = if turns < 0 { -1.0 } else { 1.0 };
+        let mut sweep = direction * (to.1.atan2(to.0) - from.1.atan2(from.0));
+        while sweep <= 1e-9 {
+            sweep += TAU;
+        }
+        sweep += TAU * f64::from(turns.unsigned_abs().saturating_sub(1));
+        let begin = from.1.atan2(from.0);
+        let (r0, r1) = (from.0.hypot(from.1), to.0.hypot(to.1));
+        // The extremes of machine axes are points of their own.
+        let turn = if plane == Plane::Xy { -self.frame.rotation.to_radians() } else { 0.0 };
+        let mut angles = extremes(begin, direction, sweep, turn);
+        let count = (sweep / STEP).ceil();
+        let count = if count > MAX_POINTS { MAX_POINTS } else { count };
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "1 to MAX_POINTS"
+        )]
+        let whole = count as u32;
+        angles.extend((1..whole).map(|i| sweep * f64::from(i) / count));
+        angles.sort_by(f64::total_cmp);
+        for angle in angles {
+            let share = angle / sweep;
+            let mut at = start.map(|axis, v| v + (end[axis] - v) * share);
+            let radius = r0 + (r1 - r0) * share;
+            let (sin, cos) = (begin + direction * angle).sin_cos();
+            at[first] = centre.0 + radius * cos;
+            at[second] = centre.1 + radius * sin;
+            each(Kind::Feed, self.frame.machine_mm(at));
+        }
+        self.straight(Kind::Feed, end, each);
+    }
+
+    fn curve(
+        &mut self,
+        order: u32,
+        points: &[ControlPoint],
+        end: Position,
+        each: &mut dyn FnMut(Kind, Position),
+    ) {
+        let start = self.program();
+        let pieces = points.len().saturating_mul(CURVE_POINTS).min(100_000);
+        for i in 1..pieces {
+            let share = i as f64 / pieces as f64;
+            if let Some((x, y)) = nurbs(order, points, share) {
+                each(Kind::Feed, self.frame.machine_mm(Position { x, y, ..start }));
+            }
+        }
+        self.straight(Kind::Feed, end, each);
+    }
+}
+
+/// Returns the angles from the begin of an arc to the places where it is farthest along an axis.
+fn extremes(begin: f64, direction: f64, sweep: f64, turn: f64) -> Vec<f64> {
+    let mut out = Vec::new();
+    for quarter in 0..4_u8 {
+        let target = turn + f64::from(quarter) * PI / 2.0;
+        let angle = (direction * (target - begin)).rem_euclid(TAU);
+        // Later turns pass the same places.
+        if angle < sweep {
+            out.push(angle);
+        }
+    }
+    out
+}
+
+/// Returns a point of a rational B-spline with clamped uniform knots, at `share` of its length of parameters.
+fn nurbs(order: u32, points: &[ControlPoint], share: f64) -> Option<(f64, f64)> {
+    let degree = usize::try_from(order).ok()?.checked_sub(1)?;
+    let spans = points.len().checked_sub(degree)?;
+    let knot = |i: usize| (i.saturating_sub(degree)).min(spans) as f64;
+    let u = share * spans as f64;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "0 to the number of spans"
+    )]
+    let span = degree + (u as usize).min(spans.checked_sub(1)?);
+    let mut d: Vec<[f64; 3]> = points
+        .get(span - degree..=span)?
+        .iter()
+        .map(|p| [p.x * p.weight, p.y * p.weight, p.weight])
+        .collect();
+    for level in 1..=degree {
+        for j in (level..=degree).rev() {
+            let i = j + span - degree;
+            let (low, high) = (knot(i), knot(i + degree + 1 - level));
+            let a = if high > low { (u - low) / (high - low) } else { 0.0 };
+            let (before, here) = (*d.get(j - 1)?, d.get_mut(j)?);
+            for (h, b) in here.iter_mut().zip(before) {
+                *h = (1.0 - a) * b + a * *h;
+            }
+        }
+    }
+    let [x, y, w] = *d.last()?;
+    (w != 0.0).then(|| (x / w, y / w))
+}
+
+/// The smallest box that holds points.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extents {
+    pub(super) low: Position,
+    pub(super) high: Position,
+    pub(super) any: bool,
+}
+
+impl Extents {
+    pub(super) fn new() -> Self {
+        Self { low: Position::default(), high: Position::default(), any: false }
+    }
+
+    /// Widens the box to hold a point.
+    pub(super) fn add(&mut self, point: Position) {
+        if !self.any {
+            (self.low, self.high, self.any) = (point, point, true);
+            return;
+        }
+        for axis in Axis::ALL {
+            self.low[axis] = self.low[axis].min(point[axis]);
+            self.high[axis] = self.high[axis].max(point[axis]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hal_gcode::canon::Unit;
+
+    fn at(x: f64, y: f64) -> Position {
+        Position { x, y, ..Position::default() }
+    }
+
+    fn extents(frame: Frame, start: Position, call: &Call) -> Extents {
+        let mut way = Way::new(frame, start);
+        let mut out = Extents::new();
+        way.follow(call, &mut |_, p| out.add(p));
+        out
+    }
+
+    #[test]
+    fn an_arc_reaches_its_extremes_exactly() {
+        let arc = |end, turns| Call::ArcFeed {
+            plane: Plane::Xy,
+            end,
+            centre_first: 0.0,
+            centre_second: 0.0,
+            turns,
+        };
+        let mut frame = Frame::new(Unit::Inch);
+        let quarter = extents(frame, at(0.6, 0.8), &arc(at(-0.6, 0.8), 1));
+        assert!((quarter.high.y - 25.4).abs() < 1e-9 && (quarter.low.y - 20.32).abs() < 1e-9);
+        let far = extents(frame, at(0.6, 0.8), &arc(at(-0.6, 0.8), -1));
+        assert!((far.low.y + 25.4).abs() < 1e-9 && (far.high.y - 20.32).abs() < 1e-9);
+        frame.rotation = 30.0;
+        let whole = extents(frame, at(0.6, 0.8), &arc(at(0.6, 0.8), 3));
+        assert!((whole.high.x - 25.4).abs() < 1e-9 && (whole.low.y + 25.4).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_curve_of_weights_is_an_arc() {
+        let point = |x, y, weight| ControlPoint { x, y, weight };
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let points = [point(1.0, 0.0, 1.0), point(1.0, 1.0, half), point(0.0, 1.0, 1.0)];
+        for i in 0..=10 {
+            let (x, y) = nurbs(3, &points, f64::from(i) / 10.0).unwrap();
+            assert!((x.hypot(y) - 1.0).abs() < 1e-12, "{i}: {x} {y}");
+        }
+        let line: Vec<ControlPoint> = (0..6).map(|i| point(f64::from(i), 2.0, 1.0)).collect();
+        assert_eq!(nurbs(2, &line, 0.5), Some((2.5, 2.0)));
+        assert_eq!(nurbs(9, &line, 0.5), None);
+    }
+}

@@ -1,0 +1,156 @@
+//! `halgcode plot`: the way of the tool as a picture.
+
+use super::{
+    filter,
+    machine::{Files, Machine},
+    path::{Extents, Kind, Way},
+    run::{Answers, Stop, run, start},
+    usage_of,
+    views::{Move, Views},
+    world::World,
+};
+use crate::{
+    Stdio, Terminal,
+    programs::{
+        options::{Opt, options, usage},
+        picture,
+    },
+    terminal::complain,
+};
+use hal_gcode::{Interpreter, axis::Axis};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Id {
+    Output,
+    Title,
+    Size,
+    Ini,
+    Table,
+    Parameters,
+    BlockDelete,
+    Help,
+}
+
+const OPTIONS: &[Opt<Id>] = &[
+    Opt {
+        long: Some("output"),
+        help: "the picture, FILE.svg or FILE.png; the program's name with .svg if none is given",
+        ..Opt::short_with(Id::Output, 'o', "FILE")
+    },
+    Opt { long: Some("title"), help: "the title", ..Opt::short_with(Id::Title, 'T', "TEXT") },
+    Opt {
+        long: Some("size"),
+        help: "in pixels; 1400x1050 if none is given",
+        ..Opt::short_with(Id::Size, 'S', "WIDTHxHEIGHT")
+    },
+    Opt {
+        help: "the machine's INI file: its limits are drawn",
+        ..Opt::short_with(Id::Ini, 'i', "INI")
+    },
+    Opt { help: "the tool table", ..Opt::short_with(Id::Table, 't', "TABLE") },
+    Opt {
+        help: "the parameter file; it is only read",
+        ..Opt::short_with(Id::Parameters, 'v', "FILE")
+    },
+    Opt { help: "lines that begin with / are not run", ..Opt::flag(Id::BlockDelete, 'b') },
+    Opt { long: Some("help"), help: "print this", ..Opt::flag(Id::Help, 'h') },
+];
+
+/// The most points that are kept for a picture.
+const MAX_POINTS: usize = 20_000_000;
+
+/// Runs `plot` with these words. The status is 1 if the program has an error; what came before it is drawn.
+pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
+    let (given, rest) = options("halgcode", OPTIONS, words).map_err(|e| e.to_string())?;
+    let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.as_deref();
+    let path = |wanted| value(wanted).map(PathBuf::from);
+    let is_given = |wanted| given.iter().any(|(id, _)| *id == wanted);
+    if is_given(Id::Help) {
+        Stdio.out(&usage_of("plot", &usage(OPTIONS)))?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let [file] = rest.as_slice() else {
+        return Err("which file? halgcode plot [options] FILE".into());
+    };
+    let output = path(Id::Output).unwrap_or_else(|| Path::new(file).with_extension("svg"));
+    let kind = picture::Kind::of(&output)?;
+    let size = value(Id::Size).map(picture::size).transpose()?.unwrap_or((1400, 1050));
+    let (ini, table, parameters) = (path(Id::Ini), path(Id::Table), path(Id::Parameters));
+    let mut machine = Machine::read(&Files {
+        ini: ini.as_deref(),
+        table: table.as_deref(),
+        parameters: parameters.as_deref(),
+    })?;
+    machine.settings.block_delete = is_given(Id::BlockDelete);
+    let world = World { machine, hal: BTreeMap::new() };
+    let (moves, failed) = follow(file, &world)?;
+    let title = value(Id::Title).map_or_else(
+        || {
+            Path::new(file)
+                .file_name()
+                .map(|n| n.to_string_lossy().into_owned())
+                .unwrap_or_default()
+        },
+        str::to_owned,
+    );
+    let limit = |axis: Axis| {
+        let limit =
+            world.machine.limits.get(usize::from(axis.index())).copied().unwrap_or_default();
+        limit.0.zip(limit.1)
+    };
+    let limits = match (limit(Axis::X), limit(Axis::Y), limit(Axis::Z)) {
+        (None, None, None) => None,
+        (x, y, z) => Some([x, y, z].map(|l| l.unwrap_or((0.0, 0.0)))),
+    };
+    let views = Views::new(moves, limits, title, size)
+        .ok_or_else(|| format!("{file}: there is no move to draw"))?;
+    let bytes = kind.bytes(&views)?;
+    let written = hal_output::write(&output, &bytes);
+    written.map_err(|e| format!("{}: {}", output.display(), hal_output::reason(&e)))?;
+    Ok(if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+}
+
+/// Returns the moves of a program, and whether it has an error.
+fn follow(file: &str, world: &World) -> Result<(Vec<Move>, bool), String> {
+    let machine = &world.machine;
+    let text = filter::load(Path::new(file), machine)?;
+    let mut it = Interpreter::new(machine.settings.clone(), machine.numbered.clone());
+    start(&mut it, world)?;
+    it.load(file, text);
+    let mut way = Way::new(it.state.frame, it.state.position);
+    let mut moves: Vec<Move> = Vec::new();
+    let mut extents = Extents::new();
+    let mut points = 0usize;
+    let result = run(&mut it, world, Answers { probe_trips: true }, |_, issued| {
+        let from = way.at;
+        way.follow(&issued.call, &mut |kind, point| {
+            extents.add(point);
+            points += 1;
+            let point = [point.x, point.y, point.z];
+            match moves.last_mut() {
+                Some(last) if last.rapid == (kind == Kind::Rapid) => last.points.push(point),
+                _ => {
+                    let from = [from.x, from.y, from.z];
+                    moves.push(Move { rapid: kind == Kind::Rapid, points: vec![from, point] });
+                }
+            }
+        });
+        if points > MAX_POINTS {
+            return Err(Stop::Output(format!("{file}: more than {MAX_POINTS} points to draw")));
+        }
+        Ok(())
+    });
+    match result {
+        Ok(()) => Ok((moves, false)),
+        Err(Stop::Output(reason)) => Err(reason),
+        Err(Stop::Program(error)) => {
+            complain(&format!("{error}\n"));
+            Ok((moves, true))
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! A program from its begin to its end, with the answers of a machine that stands still.
+
+use super::world::World;
+use hal_gcode::{Answer, Error, Interpreter, Issued, Request, Step};
+
+/// Answers of the machine that is not there.
+#[derive(Clone, Copy)]
+pub(super) struct Answers {
+    /// Probes trip at the end of their move.
+    pub(super) probe_trips: bool,
+}
+
+impl Answers {
+    /// Returns the answer to a question.
+    pub(super) fn answer(self, request: &Request, interpreter: &Interpreter) -> Answer {
+        let state = &interpreter.state;
+        match request {
+            Request::Probe => {
+                let here = state.frame.machine_mm(state.position);
+                Answer::Probe { tripped_at: here, stopped_at: here, tripped: self.probe_trips }
+            }
+            Request::ToolChange { .. } => Answer::ToolChange { position: None },
+            Request::Input { .. } => Answer::Input(0.0),
+        }
+    }
+}
+
+/// Runs one step; a question is answered in the same step.
+pub(super) fn step(
+    interpreter: &mut Interpreter,
+    world: &World,
+    answers: Answers,
+    out: &mut Vec<Issued>,
+) -> Result<bool, Error> {
+    let mut step = interpreter.next(world, out)?;
+    while let Step::Ask(request) = step {
+        let answer = answers.answer(&request, interpreter);
+        step = interpreter.answer(&answer, world, out)?;
+    }
+    Ok(step != Step::Ended)
+}
+
+/// Runs to the end of the program and hands each call out.
+///
+/// # Errors
+/// The program has an error; or `each` returns one.
+pub(super) fn run(
+    interpreter: &mut Interpreter,
+    world: &World,
+    answers: Answers,
+    mut each: impl FnMut(&Interpreter, &Issued) -> Result<(), Stop>,
+) -> Result<(), Stop> {
+    let mut out = Vec::new();
+    loop {
+        let going = step(interpreter, world, answers, &mut out);
+        for issued in out.drain(..) {
+            each(interpreter, &issued)?;
+        }
+        if !going? {
+            return Ok(());
+        }
+    }
+}
+
+/// The reason why a run stopped before its end.
+#[derive(Debug)]
+pub(super) enum Stop {
+    /// An error of the program.
+    Program(Box<Error>),
+    /// The output could not be written.
+    Output(String),
+}
+
+impl From<Error> for Stop {
+    fn from(error: Error) -> Self {
+        Self::Program(Box::new(error))
+    }
+}
+
+/// Runs the code that the INI file asks for before the first program.
+///
+/// # Errors
+/// The code has an error.
+pub(super) fn start(interpreter: &mut Interpreter, world: &World) -> Result<(), String> {
+    let Some(code) = world.machine.startup.as_deref() else { return Ok(()) };
+    interpreter.mdi(code);
+    let answers = Answers { probe_trips: false };
+    let mut out = Vec::new();
+    loop {
+        match step(interpreter, world, answers, &mut out) {
+            Ok(true) => out.clear(),
+            Ok(false) => return Ok(()),
+            Err(error) => {
+                return Err(format!("[RS274NGC]RS274NGC_STARTUP_CODE: {}", error.problem));
+            }
+        }
+    }
+}
+
+impl core::fmt::Display for Stop {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Program(error) => error.fmt(f),
+            Self::Output(reason) => f.write_str(reason),
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! The program halgcode: what its commands print, and what its texts mean.
+#![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::print_stderr, reason = "the report of a comparison")]
+
+use std::{
+    fmt::Write as _,
+    path::{Path, PathBuf},
+    process::{Command, Output, Stdio},
+};
+
+fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/gcode")
+}
+
+fn halgcode(at: &Path, words: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_halgcode"));
+    command.args(words).current_dir(at).stdin(Stdio::null()).output().unwrap()
+}
+
+fn scratch(name: &str) -> PathBuf {
+    let path = std::env::temp_dir().join(format!("halgcode-{name}-{}", std::process::id()));
+    std::fs::create_dir_all(&path).unwrap();
+    path
+}
+
+#[test]
+fn commands_print_what_they_should() {
+    // The parameter file of the machine is written by `canon`: work on a copy.
+    let at = scratch("commands");
+    let copied = Command::new("cp").arg("-r").arg(folder().join(".")).arg(&at).status().unwrap();
+    assert!(copied.success());
+    let commands = std::fs::read_to_string(folder().join("commands")).unwrap();
+    let mut text = String::new();
+    for line in commands.lines() {
+        let words: Vec<&str> = line.split_whitespace().skip(1).collect();
+        let output = halgcode(&at, &words);
+        writeln!(text, "$ {line}").unwrap();
+        text.push_str(&String::from_utf8_lossy(&output.stdout));
+        for error in String::from_utf8_lossy(&output.stderr).lines() {
+            writeln!(text, "! {error}").unwrap();
+        }
+        writeln!(text, "= {}\n", output.status.code().unwrap()).unwrap();
+    }
+    std::fs::remove_dir_all(&at).unwrap();
+    let path = folder().join("expected");
+    if std::env::var_os("UPDATE_EXPECT").is_some() {
+        std::fs::write(&path, &text).unwrap();
+    }
+    let expected = std::fs::read_to_string(&path).unwrap();
+    let first = expected.lines().zip(text.lines()).find(|(a, b)| a != b);
+    assert!(expected == text, "first difference: {first:?}; UPDATE_EXPECT=1 accepts it");
+}
+
+/// Returns the programs of the interpreter's tests.
+fn corpus() -> Vec<PathBuf> {
+    let folder = folder().join("../../../components/motion/gcode/tests/programs");
+    let mut paths: Vec<PathBuf> =
+        std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
+    paths.sort();
+    assert!(paths.len() > 400);
+    paths
+}
+
+/// Returns the calls of a program without the line numbers of its text.
+fn calls(at: &Path, file: &Path) -> (Vec<String>, String) {
+    let output = halgcode(at, &["canon", "-g", file.to_str().unwrap()]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let error = String::from_utf8_lossy(&output.stderr).lines().nth(1).unwrap_or_default().into();
+    (text.lines().map(str::to_owned).collect(), error)
+}
+
+#[test]
+fn a_formatted_program_makes_the_same_calls() {
+    let at = scratch("format");
+    let programs = corpus();
+    for path in &programs {
+        std::fs::copy(path, at.join(path.file_name().unwrap())).unwrap();
+    }
+    let mut compared = 0;
+    for path in programs.iter().step_by(2) {
+        let (before, error) = calls(&at, path);
+        let output = at.join("formatted.ngc");
+        let formatted =
+            halgcode(&at, &["format", "-o", output.to_str().unwrap(), path.to_str().unwrap()]);
+        assert!(matches!(formatted.status.code(), Some(0 | 1)), "{}", path.display());
+        let (after, error_after) = calls(&at, &output);
+        // Names of files are in messages about files only.
+        assert_eq!((after, error_after), (before, error), "{}", path.display());
+        compared += 1;
+    }
+    std::fs::remove_dir_all(&at).unwrap();
+    assert!(compared > 200);
+}
+
+#[test]
+fn a_program_in_millimetres_moves_to_the_same_places() {
+    let at = scratch("metric");
+    let machine = |file: &str| {
+        let output = halgcode(&at, &["check", file]);
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    let mut compared = 0;
+    for path in corpus() {
+        let text = std::fs::read_to_string(&path).unwrap_or_default();
+        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+        // Tool tables and parameters of the machine keep their unit; this machine has none.
+        let skipped = ["lib-", "remap-", "lang-", "m70", "m72", "m73", "mixed3", "mixed6-p"];
+        let begins = text.lines().next().unwrap_or_default().to_lowercase().contains("g20");
+        if !begins || skipped.iter().any(|s| name.starts_with(s)) {
+            continue;
+        }
+        let metric = at.join("metric.ngc");
+        let done = halgcode(
+            &at,
+            &["format", "--mm", "-o", metric.to_str().unwrap(), path.to_str().unwrap()],
+        );
+        if done.status.code() != Some(0) {
+            continue;
+        }
+        let (before, after) = (machine(path.to_str().unwrap()), machine("metric.ngc"));
+        let lines = |text: &str| -> Vec<String> {
+            let wanted = |l: &&str| l.starts_with("  moves") || l.starts_with("  cuts");
+            text.lines().filter(wanted).map(str::to_owned).collect()
+        };
+        assert_eq!(lines(&after), lines(&before), "{name}");
+        compared += 1;
+    }
+    std::fs::remove_dir_all(&at).unwrap();
+    eprintln!("{compared} programs");
+    assert!(compared >= 5, "only {compared} programs");
+}
+
+#[test]
+fn pictures_are_drawn() {
+    let at = scratch("plot");
+    let part = folder().join("part.ngc");
+    let ini = folder().join("mill.ini");
+    for name in ["part.svg", "part.png"] {
+        let words = ["plot", "-i", ini.to_str().unwrap(), "-o", name, part.to_str().unwrap()];
+        let output = halgcode(&at, &words);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(std::fs::metadata(at.join(name)).unwrap().len() > 10_000, "{name}");
+    }
+    std::fs::remove_dir_all(&at).unwrap();
+}
