@@ -3,6 +3,8 @@
 //!
 //! Nothing here reaches beyond this process: no program is started, no file is written, no process is ended.
 
+pub mod gcode;
+
 use crate::machine::{bare, plain, with_libraries};
 use hal_engine::{ClockKind, Engine};
 use hal_protocol::{Kind, LATEST, Link, Place, Reply, Request, WireRequest};
