@@ -41,7 +41,7 @@ impl Component for Bitmerge {
             })
             .collect();
         let number = b.item("out", "The number.", 0)?;
-        b.function("", "Puts the number together.", Self { bits: bits?, number })
+        b.function("", "Combines the bits into the number.", Self { bits: bits?, number })
     }
 }
 

@@ -40,12 +40,12 @@ impl Component for Bitslice {
             .map(|i| {
                 b.item(
                     &format!("out-{i:02}"),
-                    "The bit of the number with this place, 00 the lowest.",
+                    "Bit of the number at this position; 00 is the lowest.",
                     false,
                 )
             })
             .collect();
-        b.function("", "Takes the number apart.", Self { number, bits: bits? })
+        b.function("", "Splits the number into bits.", Self { number, bits: bits? })
     }
 }
 

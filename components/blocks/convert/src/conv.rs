@@ -18,14 +18,13 @@ where
     const FLAGS: u32 = component_flags::PARALLEL;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let input = b.item("in", "The value as it is, in any unit.", A::default())?;
-        let output =
-            b.item("out", "The value in the other type, in the same unit.", B::default())?;
+        let input = b.item("in", "Value to convert, in any unit.", A::default())?;
+        let output = b.item("out", "Converted value, in the same unit.", B::default())?;
         let range = if A::CAN_FAIL {
-            let clamp = "Whether a value that does not fit becomes the nearest that does; otherwise \
-                it wraps.";
-            let out = "Whether a value did not fit; without `clamp`, whether one ever became \
-                another, be it by losing its fraction.";
+            let clamp =
+                "True limits a value that does not fit to the nearest one; otherwise it wraps.";
+            let out = "With `clamp`, true if the value did not fit; without it, true once any \
+                value has changed, even by losing its fraction.";
             Some(Range {
                 clamp: b.item("clamp", clamp, false)?,
                 out: b.item("out-of-range", out, false)?,

@@ -53,19 +53,19 @@ impl Component for FilterKalman {
     const FLAGS: u32 = component_flags::PARALLEL;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let doc = "Whether each run prints what was measured and what was estimated.";
+        let doc = "True prints the measured and the estimated value in each run.";
         let debug = b.item("debug", doc, false)?;
-        let doc = "Whether the measured number goes through as it is; the filter then rests.";
+        let doc = "True passes the measured number unfiltered; the filter then pauses.";
         let passthrough = b.item("passthrough", doc, false)?;
         let doc = "While true, the estimate is 0 and the filter as at the beginning; it goes \
             before `passthrough`.";
         let reset = b.item("reset", doc, false)?;
         let measured = b.item("zk", "The measured number, in units.", 0.0)?;
         let estimated = b.item("xk-out", "The estimated number, in units.", 0.0)?;
-        let doc = "Variance of what is measured, in units squared.";
+        let doc = "Variance of the measurement, in units squared.";
         let noise = b.item("Rk", doc, LEAST)?;
-        let doc = "Variance of the change between two runs, in units squared. 0 for both makes the \
-            estimate no number.";
+        let doc = "Variance of the change between two runs, in units squared. If both variances \
+            are 0, the estimate becomes NaN.";
         let change = b.item("Qk", doc, LEAST)?;
         let messages = b.messages();
         let run = Self {

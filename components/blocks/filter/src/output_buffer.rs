@@ -18,7 +18,8 @@ pub(crate) struct OutputBuffer {
 
 impl Component for OutputBuffer {
     const NAME: &'static str = "output_buffer";
-    const DOC: &'static str = "Bits that go through while enabled, and to a level otherwise.\n\n\
+    const DOC: &'static str = "Passes bits while enabled; otherwise sets the outputs to a \
+        level.\n\n\
         `personality=` is how many bits, 1 to 10; 1 without it.\n\n\
         # Example\n\n\
         ```hal\n\
@@ -40,14 +41,14 @@ impl Component for OutputBuffer {
         let n = b.size("Pin in-#", USUAL, MOST)?;
         let mut bits = Vec::new();
         for i in 0..n {
-            let input = b.item(&format!("in-{i}"), "A bit that goes through.", false)?;
+            let input = b.item(&format!("in-{i}"), "Bit to pass.", false)?;
             let doc = "The bit while enabled, otherwise `off-level`.";
             bits.push((input, b.item(&format!("out-{i}"), doc, false)?));
         }
-        let enable = b.item("enable", "Whether the bits go through.", false)?;
-        let doc = "What all outputs are while not enabled.";
+        let enable = b.item("enable", "True passes the bits.", false)?;
+        let doc = "Level of all outputs while not enabled.";
         let off_level = b.item("off-level", doc, false)?;
-        b.function("", "Lets the bits through.", Self { bits, enable, off_level })
+        b.function("", "Passes the bits.", Self { bits, enable, off_level })
     }
 }
 

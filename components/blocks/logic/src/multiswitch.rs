@@ -38,7 +38,7 @@ impl Component for Multiswitch {
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = &[
         &Arg::ints("cfg", "Number of positions of each switch, 1 to 32.").at_most(INSTANCES),
-        &Arg::ints("personality", "Accepted for scripts that give it: cfg= is what counts."),
+        &Arg::ints("personality", "Accepted for compatibility and ignored: cfg= counts."),
     ];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {

@@ -28,7 +28,7 @@ struct Button {
 
 impl Component for Radiobutton {
     const NAME: &'static str = "radiobutton";
-    const DOC: &'static str = "Buttons of which one is down: pressing one releases the others.\n\n\
+    const DOC: &'static str = "Radio buttons: pressing one releases the others.\n\n\
         Each button has a number that goes to `value` while the button is down, such as the size \
         of a step of a hand wheel. The first button is down from the start.\n\n\
         `personality=` is the number of buttons, 1 to 32; 4 without it.\n\n\
@@ -59,12 +59,12 @@ impl Component for Radiobutton {
             let sel = b.item(&format!("sel-{i:02}"), sel, false)?;
             let input = "The number that goes to `value` while this button is down, in any unit.";
             let input = b.item(&format!("input-{i:02}"), input, 0.0)?;
-            let out = b.item(&format!("out-{i:02}"), "Whether this button is down.", false)?;
+            let out = b.item(&format!("out-{i:02}"), "True while this button is down.", false)?;
             buttons.push(Button { sel, input, out, was: false });
         }
         let selected = b.item("selected", "The number of the button that is down, from 0.", 0)?;
         let value = b.item("value", "The number of the button that is down, in its unit.", 0.0)?;
-        b.function("", "Looks which button is down.", Self { buttons, selected, value })
+        b.function("", "Determines which button is down.", Self { buttons, selected, value })
     }
 }
 

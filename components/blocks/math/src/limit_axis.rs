@@ -37,7 +37,7 @@ struct Range {
 
 impl Component for LimitAxis {
     const NAME: &'static str = "limit_axis";
-    const DOC: &'static str = "Limits of an axis that depend on where another one is.\n\n\
+    const DOC: &'static str = "Limits of an axis that depend on the position of another.\n\n\
         Each range has an interval of `fb` and limits. The first range that is enabled, whose \
         values are in order and that holds `fb` gives its limits to the outputs. A sticky range, \
         once chosen, keeps its limits until it is no longer sticky, not enabled, or wrong. Where \
@@ -72,20 +72,20 @@ impl Component for LimitAxis {
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let n = b.size("Pin enable-##", USUAL, MOST)?;
-        let feedback = b.item("fb", "Where it is, in units.", 0.0)?;
+        let feedback = b.item("fb", "Position that selects the range, in units.", 0.0)?;
         let mut ranges = Vec::new();
         for i in 0..n {
             let mut pin = |pin: &str, doc: &str| b.item(&format!("{pin}-{i:02}"), doc, 0.0);
             let min_range = pin("min-range", "Lowest `fb` of this range, in units.")?;
             let max_range = pin("max-range", "Highest `fb` of this range, in units.")?;
-            let min_limit = pin("min-limit", "The lower limit that holds there, in units.")?;
-            let max_limit = pin("max-limit", "The upper limit that holds there, in units.")?;
-            let enable = b.item(&format!("enable-{i:02}"), "Whether this range counts.", false)?;
-            let doc = "Whether the limits of this range stay when `fb` leaves it.";
+            let min_limit = pin("min-limit", "Lower limit in this range, in units.")?;
+            let max_limit = pin("max-limit", "Upper limit in this range, in units.")?;
+            let enable = b.item(&format!("enable-{i:02}"), "True enables this range.", false)?;
+            let doc = "True keeps the limits of this range when `fb` leaves it.";
             let sticky = b.item(&format!("sticky-{i:02}"), doc, false)?;
-            let doc = "True while the ends of this range are not in order.";
+            let doc = "True while the bounds of this range are in the wrong order.";
             let error_range = b.item(&format!("error-range-{i:02}"), doc, true)?;
-            let doc = "True while the limits of this range are not in order.";
+            let doc = "True while the limits of this range are in the wrong order.";
             let error_limit = b.item(&format!("error-limit-{i:02}"), doc, true)?;
             ranges.push(Range {
                 min_range,
@@ -100,12 +100,12 @@ impl Component for LimitAxis {
         }
         let min_output = b.item("min-output", "The lower limit, in units.", 0.0)?;
         let max_output = b.item("max-output", "The upper limit, in units.", 0.0)?;
-        let doc = "True while no range holds.";
+        let doc = "True while no range applies.";
         let no_range = b.item("error-no-range", doc, false)?;
-        let current = b.item("current-range", "The number of the range that holds.", 0)?;
+        let current = b.item("current-range", "Number of the range that applies.", 0)?;
         let run =
             Self { feedback, ranges, min_output, max_output, no_range, current, chosen: false };
-        b.function("", "Chooses the limits.", run)
+        b.function("", "Selects the limits.", run)
     }
 }
 

@@ -51,27 +51,27 @@ impl Component for Lincurve {
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let n = b.size("Parameter x-val-##", USUAL, MOST)?;
-        let input = b.item("in", "Where on the curve, in the unit of the points' x.", 0.0)?;
-        let out =
-            b.item("out", "How high the curve is there, in the unit of the points' y.", 0.0)?;
-        let doc = "As `out`, in its unit, to be linked to what is bidirectional, such as a gain.";
+        let input = b.item("in", "Position x on the curve, in the unit of the points' x.", 0.0)?;
+        let out = b.item(
+            "out",
+            "Value y of the curve at this position, in the unit of the points' y.",
+            0.0,
+        )?;
+        let doc = "Same as `out`, in its unit, for linking to a bidirectional pin, such as a gain.";
         let out_io = b.item("out-io", doc, 0.0)?;
         let mut points = Vec::new();
         for i in 0..n {
-            let x = "Where this point is, in the unit of `in`; not less than the one before.";
+            let x = "Position x of this point, in the unit of `in`; not less than that of the \
+                previous point.";
             let x = b.item(&format!("x-val-{i:02}"), x, 0.0)?;
             let y = b.item(
                 &format!("y-val-{i:02}"),
-                "How high this point is, in the unit of `out`.",
+                "Value y of this point, in the unit of `out`.",
                 0.0,
             )?;
             points.push((x, y));
         }
-        b.function(
-            "",
-            "Finds the place on the curve.",
-            Self { input, out, out_io, points, line: 0 },
-        )
+        b.function("", "Evaluates the curve.", Self { input, out, out_io, points, line: 0 })
     }
 }
 

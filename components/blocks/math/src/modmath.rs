@@ -12,7 +12,8 @@ pub(crate) struct Modmath;
 
 impl Component for Modmath {
     const NAME: &'static str = "modmath";
-    const DOC: &'static str = "The shorter way round: whether a tool turret or dial turns up or down.\n\n\
+    const DOC: &'static str = "Shorter direction to a position on a tool turret or dial: up or \
+        down.\n\n\
         `mod_dir=2` makes `mod-dir.0` and `mod-dir.1`. Positions are counted from `min-num` to \
         `max-num`, and `min-num` follows `max-num`; when both ways are equally long, it is the way \
         that does not cross the ends. Whole rounds do not count.\n\n\
@@ -44,18 +45,18 @@ impl Component for Modmath {
         for i in 0..n {
             let name = format!("mod-dir.{i}");
             let pin = |pin: &str| format!("{name}.{pin}");
-            let actual = b.item(&pin("actual"), "Where it is.", 0)?;
-            let desired = b.item(&pin("desired"), "Where it is to go.", 0)?;
-            let up = b.item(&pin("up"), "Whether it is to count up.", false)?;
-            let down = b.item(&pin("down"), "Whether it is to count down.", false)?;
-            let doc = "Whether it is there.";
+            let actual = b.item(&pin("actual"), "Current position.", 0)?;
+            let desired = b.item(&pin("desired"), "Target position.", 0)?;
+            let up = b.item(&pin("up"), "True while the position must count up.", false)?;
+            let down = b.item(&pin("down"), "True while the position must count down.", false)?;
+            let doc = "True while the position is at the target.";
             let on_target = b.item(&pin("on-target"), doc, true)?;
             let min = b.item(&pin("min-num"), "The lowest position.", 0)?;
             let max = b.item(&pin("max-num"), "The highest position.", 15)?;
-            let doc = "Whether the lowest position follows the highest.";
+            let doc = "True if the lowest position follows the highest.";
             let wrap = b.item(&pin("wrap"), doc, true)?;
             let dir = Direction { actual, desired, up, down, on_target, min, max, wrap };
-            b.function(&name, "Chooses the way.", dir)?;
+            b.function(&name, "Selects the direction.", dir)?;
         }
         Ok(())
     }

@@ -15,7 +15,7 @@ pub(crate) struct Offset;
 
 impl Component for Offset {
     const NAME: &'static str = "offset";
-    const DOC: &'static str = "Adds an offset to a number, and takes it off the feedback.\n\n\
+    const DOC: &'static str = "Adds an offset to a number, and subtracts it from the feedback.\n\n\
         Two functions: `update-output` on the way out, `update-feedback` on the way back.\n\n\
         # Example\n\n\
         ```hal\n\
@@ -46,7 +46,7 @@ impl Component for Offset {
         let feedback =
             Feedback { offset, from: b.declare(FB_IN, 0.0)?, to: b.declare(FB_OUT, 0.0)? };
         b.function("update-output", "Adds the offset.", output)?;
-        b.function("update-feedback", "Takes the offset off the feedback.", feedback)
+        b.function("update-feedback", "Subtracts the offset from the feedback.", feedback)
     }
 }
 

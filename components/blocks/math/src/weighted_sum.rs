@@ -12,7 +12,7 @@ pub(crate) struct WeightedSum;
 
 impl Component for WeightedSum {
     const NAME: &'static str = "weighted_sum";
-    const DOC: &'static str = "A number from bits that each have a weight.\n\n\
+    const DOC: &'static str = "Sum of the weights of the bits that are true.\n\n\
         `wsum_sizes=3,8` makes `wsum.0` of three bits and `wsum.1` of eight. The weights are 1, 2, \
         4, 8 and so on, so that the bits are a binary number, until they are changed. One function \
         computes all sums.\n\n\
@@ -48,13 +48,14 @@ impl Component for WeightedSum {
             let mut bits = Vec::new();
             for k in 0..n {
                 let pin = |pin: &str| format!("wsum.{i}.bit.{k}.{pin}");
-                let bit = b.item(&pin("in"), "Whether its weight is in the sum.", false)?;
-                let weight = b.item(&pin("weight"), "What this bit is worth.", 1_i32 << k)?;
+                let bit =
+                    b.item(&pin("in"), "True adds the weight of this bit to the sum.", false)?;
+                let weight = b.item(&pin("weight"), "Weight of this bit.", 1_i32 << k)?;
                 bits.push((bit, weight));
             }
             let doc = "While true, the sum stays.";
             let hold = b.item(&format!("wsum.{i}.hold"), doc, false)?;
-            let doc = "What the sum is when no bit is true.";
+            let doc = "Sum when no bit is true.";
             let offset = b.item(&format!("wsum.{i}.offset"), doc, 0)?;
             let doc = "The offset and the weights of all bits that are true; it wraps at 32 bits.";
             let sum = b.item(&format!("wsum.{i}.sum"), doc, 0)?;

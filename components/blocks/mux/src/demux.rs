@@ -19,7 +19,7 @@ pub(crate) struct Demux {
 
 impl Component for Demux {
     const NAME: &'static str = "demux";
-    const DOC: &'static str = "One of up to 32 bits, by number, or all up to it.\n\n\
+    const DOC: &'static str = "Sets one of up to 32 bits by number, or all bits up to it.\n\n\
         `personality=` is the number of outputs; 32 without it. The selector bits, worth 1 to 16, and \
         `sel-u32` together are the number; the last output stands for all beyond it,\n\
          and numbers of 2^31 and more choose none.\n\n\
@@ -51,11 +51,11 @@ impl Component for Demux {
         for i in 0..n {
             outputs.push(b.item(
                 &format!("out-{i:02}"),
-                "Whether this number is chosen; see `bargraph`.",
+                "True while this output is selected; see `bargraph`.",
                 false,
             )?);
         }
-        let bar = "Whether all outputs below the chosen one are true, instead of that one.";
+        let bar = "True sets all outputs below the selected one, instead of that one.";
         let bargraph = b.item("bargraph", bar, false)?;
         b.function("", "Chooses.", Self { bits, number, outputs, bargraph })
     }

@@ -14,7 +14,8 @@ pub(crate) struct DemuxGeneric;
 
 impl Component for DemuxGeneric {
     const NAME: &'static str = "demux_generic";
-    const DOC: &'static str = "A value to one of several outputs, of any type; the others are 0.\n\n\
+    const DOC: &'static str = "Passes a value to one of several outputs, of any type; the others \
+        are 0.\n\n\
         `config=ff4,bu12` makes `demux-gen.00`, a float to one of four floats, and `demux-gen.01`, a \
         bit to one of twelve unsigned numbers. The letters are `b` bit, `f` float, `s` s32, `u` u32; \
         one alone stands for both. Each has 2 to 1024 outputs. Bits that select are there when \
@@ -38,7 +39,7 @@ impl Component for DemuxGeneric {
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = &[&Arg::texts(
         "config",
-        "For each: the letters of its types, and how many outputs it has, such as ff4.",
+        "For each instance: the letters of its types, and the number of outputs, such as ff4.",
     )
     .required()
     .at_most(100)];
@@ -57,7 +58,7 @@ impl Component for DemuxGeneric {
                 outputs.push(to.output(
                     b,
                     &pin,
-                    "The value while this is chosen, in its unit; otherwise 0.",
+                    "The value while this output is selected, in its unit; otherwise 0.",
                 )?);
             }
             b.function(&name, "Chooses.", Demux { selector, input, outputs })?;

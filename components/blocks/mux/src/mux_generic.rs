@@ -14,7 +14,7 @@ pub(crate) struct MuxGeneric;
 
 impl Component for MuxGeneric {
     const NAME: &'static str = "mux_generic";
-    const DOC: &'static str = "One of several values, of any type, as any other.\n\n\
+    const DOC: &'static str = "Selects one of several values, and converts it to any type.\n\n\
         `config=ff4,bu12` makes `mux-gen.00`, one of four floats as a float, and `mux-gen.01`, one \
         of twelve bits as an unsigned number. The letters are `b` bit, `f` float, `s` s32, `u` u32; \
         one alone stands for both. Each has 2 to 1024 inputs. Bits that select are there when \
@@ -41,7 +41,7 @@ impl Component for MuxGeneric {
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = &[&Arg::texts(
         "config",
-        "For each: the letters of its types, and how many inputs it has, such as ff4.",
+        "For each instance: the letters of its types, and the number of inputs, such as ff4.",
     )
     .required()
     .at_most(100)];
@@ -55,9 +55,9 @@ impl Component for MuxGeneric {
             let mut inputs = Vec::new();
             for i in 0..size {
                 let pin = format!("{name}.in-{}-{i:02}", from.word());
-                inputs.push(from.input(b, &pin, "A value to choose, in any unit.")?);
+                inputs.push(from.input(b, &pin, "Selectable value, in any unit.")?);
             }
-            let doc = "The chosen value, in its unit, as this type can have it.";
+            let doc = "The selected value, in its unit, converted to this type.";
             let output = to.output(b, &format!("{name}.out-{}", to.word()), doc)?;
             b.function(&name, "Chooses.", Mux { selector, inputs, output })?;
         }

@@ -26,16 +26,17 @@ impl Selector {
             let doc = format!("Adds {} to `sel-int`.", 1_u32 << i);
             bits.push(b.item(&format!("{name}.sel-bit-{i:02}"), &doc, false)?);
         }
-        let doc = "The number of what is chosen, from 0; beyond the last it is the last.";
+        let doc = "Number to select, from 0; a number beyond the last selects the last.";
         let number = b.item(&format!("{name}.sel-int"), doc, 0)?;
-        let doc = "Whether nothing changes while all selectors are 0.";
+        let doc = "True keeps the selection while all selectors are 0.";
         let suppress = b.item(&format!("{name}.suppress-no-input"), doc, false)?;
-        let doc = "For how long the selectors must stay before they count, in microseconds.";
-        let debounce = b.item(&format!("{name}.debounce-us"), doc, 0)?;
-        let doc = "For how long the selectors have said something else than what was chosen, in \
+        let doc = "Time for which the selectors must stay the same before they take effect, in \
             microseconds.";
+        let debounce = b.item(&format!("{name}.debounce-us"), doc, 0)?;
+        let doc = "Time for which the selectors have differed from the selection, in microseconds.";
         let elapsed = b.item(&format!("{name}.elapsed"), doc, 0)?;
-        let selected = b.item(&format!("{name}.selected"), "What they chose.", 0)?;
+        let selected =
+            b.item(&format!("{name}.selected"), "Number of the current selection.", 0)?;
         Ok(Self { number, bits, suppress, debounce, elapsed, selected })
     }
 

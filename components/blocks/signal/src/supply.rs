@@ -20,7 +20,7 @@ pub(crate) struct Supply {
 
 impl Component for Supply {
     const NAME: &'static str = "supply";
-    const DOC: &'static str = "A bit and a number that are set by hand, for trying things out.\n\n\
+    const DOC: &'static str = "A bit and a number set by hand, for experiments.\n\n\
         `num_chan=2` makes `supply.0` and `supply.1`; one without it. `setp` and `sets` do the same \
         without it.\n\n\
         # Example\n\n\
@@ -58,12 +58,8 @@ impl Component for Supply {
                     "The number, with the other sign, in the same unit.",
                     0.0,
                 )?,
-                d: b.item(&pin("d"), "What `q` is.", false)?,
-                value: b.item(
-                    &pin("value"),
-                    "The number that `variable` is, in whatever unit.",
-                    0.0,
-                )?,
+                d: b.item(&pin("d"), "Value of `q`.", false)?,
+                value: b.item(&pin("value"), "Value of `variable`, in any unit.", 0.0)?,
             };
             b.function(&pin("update"), "Sets the outputs.", run)?;
         }

@@ -10,7 +10,7 @@ pub(crate) struct Sampler;
 
 impl Component for Sampler {
     const NAME: &'static str = "sampler";
-    const DOC: &'static str = "Takes samples of pins at every run, for a program to read.\n\n\
+    const DOC: &'static str = "Samples pins in every run, for a program to read.\n\n\
         `depth=1000 cfg=fb` makes a channel `sampler.0` with a float pin `pin.0` and a bit pin \
         `pin.1`, and room for 999 records; further channels follow after commas. Its function \
         `sampler.0` copies all pins at the same moment. `halsampler` prints the records.\n\n\
@@ -61,22 +61,22 @@ impl Sampling {
                 b,
                 *ty,
                 &name(&format!("pin.{i}")),
-                "What is sampled, in any unit.",
+                "Value to sample, in any unit.",
             )?);
         }
         let _: Io<i32> = b.item(&name("sample-num"), "Kept for old scripts; stays as set.", 0)?;
         let sampling = Self {
             pins,
-            enable: b.item(&name("enable"), "Whether samples are taken.", true)?,
-            full: b.item(&name("full"), "True when there is no room, or was none.", false)?,
+            enable: b.item(&name("enable"), "True enables sampling.", true)?,
+            full: b.item(&name("full"), "True when the ring is full, or was full.", false)?,
             curr_depth: b.item(
                 &name("curr-depth"),
-                "How many records wait; after one that was lost, the depth.",
+                "Number of waiting records; the depth after a lost record.",
                 0,
             )?,
             overruns: b.item(
                 &name("overruns"),
-                "How many records were lost for want of room; may be set back.",
+                "Number of records lost because the ring was full; can be reset.",
                 0,
             )?,
             ring,

@@ -30,7 +30,7 @@ getp threadtest.0.count # -> 3
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = &[&Arg::int(
         "num_samples",
-        "Accepted for old scripts; halscope takes as many as it is asked for.",
+        "Accepted for old scripts; halscope takes as many samples as requested.",
     )];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {

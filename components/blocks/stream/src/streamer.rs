@@ -60,23 +60,23 @@ impl Streaming {
         }
         let streaming = Self {
             pins,
-            enable: b.item(&name("enable"), "Whether records are taken.", true)?,
+            enable: b.item(&name("enable"), "True enables reading of records.", true)?,
             empty: b.item(&name("empty"), "True when no record waited for this run.", true)?,
             curr_depth: b.item(
                 &name("curr-depth"),
-                "How many records waited when this run began.",
+                "Number of records that waited when this run began.",
                 0,
             )?,
             underruns: b.item(
                 &name("underruns"),
-                "How many times a record was due and none was there; may be set back.",
+                "Number of times that no record was available when due; can be reset.",
                 0,
             )?,
-            clock: b.item(&name("clock"), "The clock, where `clock-mode` asks for one.", false)?,
+            clock: b.item(&name("clock"), "Clock, if `clock-mode` requires one.", false)?,
             clock_mode: b.item(
                 &name("clock-mode"),
-                "When a record is due: 1 at the falling edge of `clock`, 2 at the rising edge, 3 \
-                 at both, otherwise at every run.",
+                "Time at which a record is due: 1 falling edge of `clock`, 2 rising edge, 3 both \
+                edges, otherwise every run.",
                 0,
             )?,
             ring,

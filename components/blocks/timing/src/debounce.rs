@@ -46,8 +46,8 @@ impl Component for Debounce {
         for (g, size) in sizes.iter().enumerate() {
             let delay = b.item(
                 &format!("debounce.{g}.delay"),
-                "How many runs an input must hold, beyond the first, for its output to follow; \
-                 negative: taken as 1.",
+                "Number of runs after the first for which an input must hold before its output \
+                follows; a negative number counts as 1.",
                 5,
             )?;
             let mut filters = Vec::new();

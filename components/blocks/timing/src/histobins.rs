@@ -85,39 +85,38 @@ impl Component for Histobins {
     const FLAGS: u32 = component_flags::PARALLEL;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let doc = "Which input is counted: 0 `input`, 1 `input-s32`, 2 `input-u32`, 3 `input-bit`; \
-            others: `input`.";
+        let doc = "Input to evaluate: 0 `input`, 1 `input-s32`, 2 `input-u32`, 3 `input-bit`; any \
+            other number: `input`.";
         let pintype = b.item("pintype", doc, 0)?;
-        let doc = "The value, in any unit; what is not a number is passed over.";
+        let doc = "The value, in any unit; NaN is skipped.";
         let float = b.item("input", doc, 0.0)?;
         let s32 = b.item("input-s32", "The value, if `pintype` is 1.", 0)?;
         let u32 = b.item("input-u32", "The value, if `pintype` is 2.", 0)?;
         let bit = b.item("input-bit", "The value, if `pintype` is 3: 0 or 1.", false)?;
-        let nbins = b.item("nbins", "How many bins are used, 1 to `availablebins`.", 20)?;
+        let nbins = b.item("nbins", "Number of bins to use, 1 to `availablebins`.", 20)?;
         let binsize = b.item("binsize", "Width of a bin, in units.", 1.0)?;
-        let minvalue = b.item("minvalue", "Where the first bin begins, in units.", 0.0)?;
-        let index = b.item("index", "The bin that is read, from 0.", 0)?;
-        let doc = "While true, each run begins anew.";
+        let minvalue = b.item("minvalue", "Lower end of the first bin, in units.", 0.0)?;
+        let index = b.item("index", "Bin to read, from 0.", 0)?;
+        let doc = "While true, every run restarts the histogram.";
         let reset = b.item("reset", doc, false)?;
-        let doc = "Whether mean and variance come from sums of all values and of their squares; \
-            otherwise they are corrected with each value, which is more exact.";
+        let doc = "True computes mean and variance from the sums of all values and of their \
+            squares; false updates them with each value, which is more accurate.";
         let method = b.item("method", doc, false)?;
-        let doc = "The bin that `binvalue` is of: `index` at the last run.";
+        let doc = "Bin to which `binvalue` belongs: `index` at the last run.";
         let check = b.item("check", doc, 0)?;
-        let doc = "True while `nbins` cannot be; nothing is counted then.";
+        let doc = "True while `nbins` is invalid; nothing is counted then.";
         let input_error = b.item("input-error", doc, false)?;
         let mut pin = |name: &str, doc: &str| b.item(name, doc, 0.0);
-        let binvalue =
-            pin("binvalue", "How many values are in this bin; -1 for one that is not used.")?;
-        let pextra = pin("pextra", "How many values are beyond the last bin.")?;
-        let nextra = pin("nextra", "How many values are before the first bin.")?;
+        let binvalue = pin("binvalue", "Number of values in this bin; -1 for an unused bin.")?;
+        let pextra = pin("pextra", "Number of values above the last bin.")?;
+        let nextra = pin("nextra", "Number of values below the first bin.")?;
         let input_min = pin("input-min", "The lowest value, in units.")?;
         let input_max = pin("input-max", "The highest value, in units.")?;
-        let nsamples = b.item("nsamples", "How many values there were.", 0)?;
+        let nsamples = b.item("nsamples", "Number of values.", 0)?;
         let mut pin = |name: &str, doc: &str| b.item(name, doc, 0.0);
         let variance = pin("variance", "Variance of the values, in units squared.")?;
         let mean = pin("mean", "Mean of the values, in units.")?;
-        let _: Out<i32> = b.item("availablebins", "How many bins there are.", BINS)?;
+        let _: Out<i32> = b.item("availablebins", "Number of available bins.", BINS)?;
         let run = Self {
             source: Source { pintype, float, s32, u32, bit },
             nbins,

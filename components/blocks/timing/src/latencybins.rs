@@ -41,7 +41,7 @@ pub(crate) struct Latencybins {
 
 impl Component for Latencybins {
     const NAME: &'static str = "latencybins";
-    const DOC: &'static str = "A histogram of how late a thread runs.\n\n\
+    const DOC: &'static str = "Histogram of the latency of a thread.\n\n\
         Each run counts its latency, the time since the run before less the period, in one of \
         `availablebins` bins on each side, `nsbinsize` wide. A program reads them one at a time: it \
         sets `index`, waits until `check` is equal, and reads `pbinvalue` and `nbinvalue`. \
@@ -61,29 +61,28 @@ impl Component for Latencybins {
     const FLAGS: u32 = component_flags::PARALLEL;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let doc = "The last bin that is used, on each side; what is beyond goes to `pextra` and \
-            `nextra`.";
-        let maxbinnumber = b.item("maxbinnumber", doc, BINS)?;
-        let index = b.item("index", "The bin that is read, from 0.", 0)?;
-        let doc = "While true, nothing is counted, and what was is forgotten.";
-        let reset = b.item("reset", doc, false)?;
         let doc =
-            "Width of a bin, in nanoseconds; 0: nothing is counted, and what was is forgotten.";
+            "Last bin to use on each side; runs beyond it are counted in `pextra` and `nextra`.";
+        let maxbinnumber = b.item("maxbinnumber", doc, BINS)?;
+        let index = b.item("index", "Bin to read, from 0.", 0)?;
+        let doc = "While true, all counts are cleared and nothing is counted.";
+        let reset = b.item("reset", doc, false)?;
+        let doc = "Width of a bin, in nanoseconds; 0 clears all counts and counts nothing.";
         let nsbinsize = b.item("nsbinsize", doc, 0)?;
         let mut pin = |name: &str, doc: &str| b.item(name, doc, 0);
-        let check = pin("check", "The bin that the values are of: `index` at the last run.")?;
-        let latency = pin("latency", "How late this run was, in nanoseconds; below 0: early.")?;
+        let check = pin("check", "Bin to which the values belong: `index` at the last run.")?;
+        let latency = pin("latency", "Latency of this run, in nanoseconds; negative if early.")?;
         let latency_max = pin("latency-max", "The latest run, in nanoseconds.")?;
         let latency_min = pin("latency-min", "The earliest run, in nanoseconds.")?;
-        let doc = "Runs that were late by this bin; -1 for a bin that is not used.";
+        let doc = "Number of late runs in this bin; -1 for an unused bin.";
         let pbinvalue = pin("pbinvalue", doc)?;
-        let doc = "Runs that were early by this bin; -1 for a bin that is not used.";
+        let doc = "Number of early runs in this bin; -1 for an unused bin.";
         let nbinvalue = pin("nbinvalue", doc)?;
         let pextra = pin("pextra", "Runs later than the last bin.")?;
         let nextra = pin("nextra", "Runs earlier than the last bin.")?;
         let doc = "Variance of the latency, in nanoseconds squared; it wraps at 32 bits.";
         let variance = pin("variance", doc)?;
-        let doc = "How many bins there are on each side, without bin 0.";
+        let doc = "Number of bins on each side, without bin 0.";
         let _: Out<i32> = b.item("availablebins", doc, BINS)?;
         let bins = || (0..=BINS).map(|_| 0).collect();
         let run = Self {

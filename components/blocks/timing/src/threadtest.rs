@@ -9,7 +9,7 @@ pub(crate) struct Threadtest {
 
 impl Component for Threadtest {
     const NAME: &'static str = "threadtest";
-    const DOC: &'static str = "Counts how often a thread runs while another does once.\n\n\
+    const DOC: &'static str = "Counts the runs of a thread during one period of another.\n\n\
         `threadtest.0.increment` counts in a fast thread, and `threadtest.0.reset` begins anew in a \
         slower one.\n\n\
         # Example\n\n\
@@ -27,7 +27,7 @@ impl Component for Threadtest {
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let count = b.item("count", "Runs since the last reset; it wraps at 32 bits.", 0)?;
         b.function("increment", "Counts.", Self { count })?;
-        b.function("reset", "Begins anew.", Reset { count })
+        b.function("reset", "Resets the count.", Reset { count })
     }
 }
 

@@ -29,7 +29,7 @@ pub(crate) struct Timedelta {
 
 impl Component for Timedelta {
     const NAME: &'static str = "timedelta";
-    const DOC: &'static str = "How regularly a thread runs.\n\n\
+    const DOC: &'static str = "Regularity of a thread: periods and jitter.\n\n\
         Under the virtual clock it runs exactly at its period.\n\n\
         # Example\n\n\
         ```hal\n\
@@ -56,7 +56,7 @@ impl Component for Timedelta {
         let doc = "Error of this run, in nanoseconds: above 0 when it came late.";
         let current_error = pin("current-error", doc)?;
         let avg_err = b.item("avg-err", "Mean error, in nanoseconds.", 0.0)?;
-        let doc = "While true, nothing is measured; `jitter`, `min` and `max` then begin anew.";
+        let doc = "While true, nothing is measured, and `jitter`, `min` and `max` are reset.";
         let reset = b.item("reset", doc, false)?;
         let clock = b.clock();
         let run = Self {

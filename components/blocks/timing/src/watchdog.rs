@@ -16,7 +16,7 @@ pub(crate) struct Watchdog;
 
 impl Component for Watchdog {
     const NAME: &'static str = "watchdog";
-    const DOC: &'static str = "Tells whether several bits keep changing, such as heartbeats.\n\n\
+    const DOC: &'static str = "Checks that several bits, such as heartbeats, keep changing.\n\n\
         `num_inputs=2` makes `watchdog.input-0` and `watchdog.input-1`, each with a timeout. \
         `watchdog.process` looks at them and belongs in a fast thread; `watchdog.set-timeouts` takes \
         over the timeouts and watches `enable-in`, in a slower one.\n\n\
@@ -60,7 +60,8 @@ impl Component for Watchdog {
         let (mut beats, mut times) = (Vec::new(), Vec::new());
         for i in 0..n {
             let input = b.item(&format!("watchdog.input-{i}"), "A bit that must change.", false)?;
-            let doc = "For how long it may stay the same, in seconds; below 0: taken as 0. A new one holds from the next change on.";
+            let doc = "Longest time without a change, in seconds; a negative time counts as 0. A \
+                new value applies from the next change on.";
             let timeout = b.item(&format!("watchdog.timeout-{i}"), doc, 0.0)?;
             let (gives, takes) = b.shared(Limit::default());
             beats.push(Beat { input, limit: takes, was: false, left: 0 });
@@ -69,8 +70,8 @@ impl Component for Watchdog {
         let (start, starts) = b.shared(AtomicU32::new(0));
         let process = Process { enable, ok, beats, starts, seen: 0 };
         let set = SetTimeouts { enable, ok, times, start, was_enabled: false };
-        b.fast_function("watchdog.process", "Looks at the inputs.", process)?;
-        b.function("watchdog.set-timeouts", "Takes over the timeouts.", set)
+        b.fast_function("watchdog.process", "Checks the inputs.", process)?;
+        b.function("watchdog.set-timeouts", "Applies new timeouts.", set)
     }
 }
 

@@ -11,7 +11,8 @@ pub(crate) struct EncoderRatio;
 
 impl Component for EncoderRatio {
     const NAME: &'static str = "encoder_ratio";
-    const DOC: &'static str = "An electronic gear: how far a slave axis is from where its master says.\n\n\
+    const DOC: &'static str = "Electronic gear: the error of a slave axis relative to its \
+        master.\n\n\
         `num_chan=2` makes `encoder-ratio.0` and `encoder-ratio.1`, `names=x,y` makes `x` and `y`; 1 to 8. \
         The error goes to a position loop that moves the slave: it grows as the slave turns, and, while \
         enabled, shrinks as the master does, in the ratio of the teeth. What changes in the numbers of \

@@ -16,7 +16,8 @@ pub enum Pwmgen {}
 
 impl Component for Pwmgen {
     const NAME: &'static str = "pwmgen";
-    const DOC: &'static str = "Pulses whose width, or density, is a number: PWM and PDM.\n\n\
+    const DOC: &'static str = "Generates pulses whose width or density follows a number: PWM and \
+        PDM.\n\n\
         `output_type=0,1,2` makes three channels: type 0 has one output `pwm`, which is false for \
         negative values; type 1 `pwm` and `dir`, which is true for them; type 2 `up` and `down`. At \
         most 8. `pwmgen.make-pulses` belongs in the fastest thread, `pwmgen.update` in a slower \

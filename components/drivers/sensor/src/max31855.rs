@@ -103,7 +103,7 @@ impl Sensor {
                 0.0,
             )?,
             kelvin: b.item(&format!("temp-kelvin.{i}"), "Temperature of the tip, in K.", 0.0)?,
-            fault: b.item(&format!("fault.{i}"), "Whether the last word told a fault.", false)?,
+            fault: b.item(&format!("fault.{i}"), "True if the last word reported a fault.", false)?,
             flags: b.item(
                 &format!("fault-flags.{i}"),
                 "The faults of the last word: 1 the thermocouple is open, 2 it touches ground, 4 it touches \

@@ -10,7 +10,8 @@ const AXES: [&str; 8] = ["X", "X2", "Y", "Y2", "Z", "A", "U", "V"];
 
 impl Component for SimAxisHardware {
     const NAME: &'static str = "sim_axis_hardware";
-    const DOC: &'static str = "Home and limit switches where a machine's joints are.\n\n\
+    const DOC: &'static str = "Simulated home and limit switches, pressed by the positions of a \
+        machine's joints.\n\n\
         For each of X, X2, Y, Y2, Z, A, U and V there are switches on their own and in every way they \
         may be wired together; X2 and Y2 are the second motors of a gantry. \
         As in LinuxCNC, `Amaxsw-homesw-out`, `Aminsw-homesw-out` and `Abothsw-homesw-out` stay false.\n\n\
@@ -36,7 +37,7 @@ impl Component for SimAxisHardware {
             axes,
             limit_offset: b.item(
                 "limit-offset",
-                "How many units further out the limit switches are than their inner ends say.",
+                "Distance of the limit switches outside their inner ends, in units.",
                 0.01,
             )?,
             homesw_all: b.item(
@@ -49,9 +50,13 @@ impl Component for SimAxisHardware {
                 "True at a limit switch of any joint, while none homes.",
                 false,
             )?,
-            both_all: b.item("limitsw-homesw-all", "True when one of those two is.", false)?,
+            both_all: b.item(
+                "limitsw-homesw-all",
+                "True when either of these two is true.",
+                false,
+            )?,
         };
-        b.function("update", "Finds out which switches are pressed.", all)
+        b.function("update", "Determines which switches are pressed.", all)
     }
 }
 

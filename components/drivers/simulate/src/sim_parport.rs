@@ -11,7 +11,7 @@ const INPUTS: [u8; 13] = [2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 15];
 
 impl Component for SimParport {
     const NAME: &'static str = "sim_parport";
-    const DOC: &'static str = "Pins with the names of a parallel port's, where there is none.\n\n\
+    const DOC: &'static str = "Simulated parallel port: pins with the names of a real one.\n\n\
         With `names=parport.0` a script that was written for `hal_parport` finds its pins, those of all \
         its modes. Each has a partner whose name ends with `-fake`: what is written to an output \
         comes out there, and an input shows what its partner is given.\n\n\
@@ -34,30 +34,30 @@ impl Component for SimParport {
         let mut write = Write { outputs: Vec::new() };
         for n in OUTPUTS {
             write.outputs.push(Output {
-                out: b.item(&format!("pin-{n:02}-out"), "What the line shall be.", false)?,
-                fake: b.item(&format!("pin-{n:02}-out-fake"), "What the line is.", false)?,
+                out: b.item(&format!("pin-{n:02}-out"), "Level to output on the line.", false)?,
+                fake: b.item(&format!("pin-{n:02}-out-fake"), "Level of the line.", false)?,
                 invert: b.item(
                     &format!("pin-{n:02}-out-invert"),
-                    "Whether the line is the opposite of the pin.",
+                    "True inverts the line.",
                     false,
                 )?,
             });
             let _: ParamRw<bool> = b.item(
                 &format!("pin-{n:02}-out-reset"),
-                "Without effect; here for scripts that set it.",
+                "Without effect; exists only for scripts that set it.",
                 false,
             )?;
         }
         let mut read = Read { inputs: Vec::new() };
         for n in INPUTS {
             read.inputs.push(Input {
-                fake: b.item(&format!("pin-{n:02}-in-fake"), "What the line is.", false)?,
-                is: b.item(&format!("pin-{n:02}-in"), "What the line is.", false)?,
-                not: b.item(&format!("pin-{n:02}-in-not"), "What the line is not.", false)?,
+                fake: b.item(&format!("pin-{n:02}-in-fake"), "Level of the line.", false)?,
+                is: b.item(&format!("pin-{n:02}-in"), "Level of the line.", false)?,
+                not: b.item(&format!("pin-{n:02}-in-not"), "Inverted level of the line.", false)?,
             });
         }
         let _: In<f64> =
-            b.item("reset-time", "Without effect; here for scripts that set it.", 0.0)?;
+            b.item("reset-time", "Without effect; exists only for scripts that set it.", 0.0)?;
         b.fast_function("read", "Reads the lines.", read)?;
         b.fast_function("write", "Writes the lines.", write)?;
         b.fast_function("reset", "Does nothing.", Reset {})

@@ -9,12 +9,12 @@ use hal_component::{
 /// Permitted values of `iscale-factor` while the component runs.
 const FACTORS: core::ops::RangeInclusive<i32> = 10..=100_000;
 
-/// Jogs two axes at once, at an angle, with one hand wheel.
+/// Jogs two axes together along an angle, with one hand wheel.
 pub(crate) struct Anglejog;
 
 impl Component for Anglejog {
     const NAME: &'static str = "anglejog";
-    const DOC: &'static str = "Jogs two axes at once, at an angle, with one hand wheel.\n\n\
+    const DOC: &'static str = "Jogs two axes together along an angle, with one hand wheel.\n\n\
         While `enable-in` is true, each count of the wheel moves a point by `scale-in` along a line at \
         `angle-degrees-in`, with limits of speed and acceleration. `coscounts` and `sincounts` are where \
         the point is along the two axes, in counts for `axis.L.jog-counts`; `current-scale-out` is \
@@ -52,7 +52,7 @@ impl Component for Anglejog {
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let jog = Jog {
-            enable_in: b.item("enable-in", "Whether the wheel moves the axes.", false)?,
+            enable_in: b.item("enable-in", "True lets the wheel move the axes.", false)?,
             counts_in: b.item("counts-in", "Counts of the wheel; they may wrap.", 0)?,
             angle_degrees_in: b.item(
                 "angle-degrees-in",
@@ -61,12 +61,17 @@ impl Component for Anglejog {
             )?,
             iscale_factor: b.item(
                 "iscale-factor",
-                "Counts of the outputs for one of the wheel: the finer, the nearer to the line. While \
-                 it runs, what is not 10 to 100000 is not taken; what is there at first is.",
+                "Counts of the outputs per count of the wheel: the higher, the closer to the line. \
+                While running, a value outside 10 to 100000 is ignored; the initial value is \
+                always accepted.",
                 10_000,
             )?,
-            scale_in: b.item("scale-in", "What a count of the wheel is worth, in units.", 0.0)?,
-            max_vel: b.item("max-vel", "Highest speed along the line, in units per second.", 0.0)?,
+            scale_in: b.item("scale-in", "Distance per count of the wheel, in units.", 0.0)?,
+            max_vel: b.item(
+                "max-vel",
+                "Highest speed along the line, in units per second.",
+                0.0,
+            )?,
             max_accel: b.item(
                 "max-accel",
                 "Highest acceleration along the line, in units per second squared.",
@@ -74,26 +79,27 @@ impl Component for Anglejog {
             )?,
             accel_fraction_in: b.item(
                 "accel-fraction-in",
-                "The part of the axes' acceleration that jogs may use; 0 to 1.",
+                "Fraction of the axes' acceleration that jogs may use, 0 to 1.",
                 1.0,
             )?,
             enable_out: b.item("enable-out", "`enable-in`.", false)?,
             current_scale: b.item("current-scale", "The scale in use, in units per count.", 0.0)?,
             current_scale_out: b.item(
                 "current-scale-out",
-                "What a count of the outputs is worth, in units: the scale by the factor.",
+                "Distance per count of the outputs, in units: the scale divided by the factor.",
                 0.0,
             )?,
             coscounts: b.item("coscounts", "Counts for the first axis.", 0)?,
             sincounts: b.item("sincounts", "Counts for the second axis.", 0)?,
             cos_accel_fraction: b.item(
                 "cos-accel-fraction",
-                "`accel-fraction-in` by the cosine, for the first axis; it has the cosine's sign.",
+                "`accel-fraction-in` times the cosine, for the first axis; it has the cosine's \
+                sign.",
                 0.0,
             )?,
             sin_accel_fraction: b.item(
                 "sin-accel-fraction",
-                "`accel-fraction-in` by the sine, for the second axis; it has the sine's sign.",
+                "`accel-fraction-in` times the sine, for the second axis; it has the sine's sign.",
                 0.0,
             )?,
             active: b.item("active", "True while a jog is under way.", false)?,
@@ -102,12 +108,16 @@ impl Component for Anglejog {
                 "The angle in use, in degrees.",
                 0.0,
             )?,
-            current_mag: b.item("current-mag", "Where the point is along the line, in units.", 0.0)?,
-            current_vel: b.item("current-vel", "How fast it is, in units per second.", 0.0)?,
+            current_mag: b.item(
+                "current-mag",
+                "Position of the point along the line, in units.",
+                0.0,
+            )?,
+            current_vel: b.item("current-vel", "Speed of the point, in units per second.", 0.0)?,
             messages: b.messages(),
             state: State::default(),
         };
-        b.function("", "Takes the wheel's counts and moves the point.", jog)
+        b.function("", "Reads the wheel's counts and moves the point.", jog)
     }
 }
 

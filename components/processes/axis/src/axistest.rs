@@ -8,7 +8,7 @@ pub(crate) struct Axistest;
 impl Component for Axistest {
     const NAME: &'static str = "axistest";
     const DOC: &'static str = concat!(
-        "Moves an axis back and forth, or jogs it, to see how fast it can be.\n\n\
+        "Moves an axis back and forth, or jogs it, to find its highest speed.\n\n\
          The commanded position jumps from end to end: the speed of a move is what whoever follows \
          the command allows. It is `steptest` without an acceleration.\n\n",
         runs!(),
@@ -35,12 +35,12 @@ impl Component for Axistest {
         let ahead = Ahead {
             maxvel: b.item(
                 "maxvel",
-                "Highest speed, in units per second; for whoever follows the command.",
+                "Highest speed, in units per second; for the component that follows the command.",
                 0.0,
             )?,
         };
         let trips = Trips::new(b, ahead)?;
-        b.function("update", "Sends the axis to and fro.", trips)
+        b.function("update", "Moves the axis back and forth.", trips)
     }
 }
 

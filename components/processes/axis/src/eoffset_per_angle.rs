@@ -58,34 +58,47 @@ impl Component for EoffsetPerAngle {
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let offset = Offset {
-            active: b.item("active", "Whether the axis has an offset.", false)?,
-            is_on: b.item("is-on", "Whether the machine is on.", false)?,
-            enable_in: b.item("enable-in", "Whether the axis shall follow the angle.", false)?,
+            active: b.item("active", "True while the axis has an offset.", false)?,
+            is_on: b.item("is-on", "True while the machine is on.", false)?,
+            enable_in: b.item("enable-in", "True makes the axis follow the angle.", false)?,
             radius_ref: b.item("radius-ref", "The radius r, in units.", 1.0)?,
             angle: b.item("angle", "The angle, in degrees; any number of turns.", 0.0)?,
-            start_angle: b.item("start-angle", "What the angle counts from, in degrees.", 0.0)?,
-            fnum: b.item("fnum", "What the offset is: 0 to 3; any other is as 0.", 0)?,
-            rfraction: b.item("rfraction", "The size a of the offset, as a part of the radius.", 0.1)?,
-            fmult: b.item("fmult", "How many sides a polygon has, or waves a turn.", 6.0)?,
+            start_angle: b.item(
+                "start-angle",
+                "Angle from which the offset is computed, in degrees.",
+                0.0,
+            )?,
+            fnum: b.item(
+                "fnum",
+                "Function of the offset, 0 to 3; any other number counts as 0.",
+                0,
+            )?,
+            rfraction: b.item(
+                "rfraction",
+                "Size a of the offset, as a fraction of the radius.",
+                0.1,
+            )?,
+            fmult: b.item("fmult", "Number of sides of a polygon, or of waves per turn.", 6.0)?,
             k: b.item(
                 "k",
-                "Counts in a unit; 0 is 10000, and what is above 2147483647 is 4294967296 less.",
+                "Counts per unit; 0 counts as 10000, and a value above 2147483647 as 4294967296 \
+                less.",
                 10_000,
             )?,
-            is_off: b.item("is-off", "Whether the machine is off.", false)?,
-            enable_out: b.item("enable-out", "Whether the axis may have an offset.", false)?,
-            clear: b.item("clear", "Whether the offset shall go back to 0.", false)?,
+            is_off: b.item("is-off", "True while the machine is off.", false)?,
+            enable_out: b.item("enable-out", "True while the axis may have an offset.", false)?,
+            clear: b.item("clear", "True returns the offset to 0.", false)?,
             kcounts: b.item("kcounts", "The offset, in counts.", 0)?,
             kreciprocal: b.item(
                 "kreciprocal",
-                "What a count is worth, in units: 1 / k, in single precision.",
+                "Distance per count, in units: 1 / k, in single precision.",
                 0.0,
             )?,
-            eoffset_dbg: b.item("eoffset-dbg", "The offset, in units, for looking at.", 0.0)?,
+            eoffset_dbg: b.item("eoffset-dbg", "The offset, in units, for diagnosis.", 0.0)?,
             state_dbg: b.item(
                 "state-dbg",
-                "What was done at the beginning of the last run, for looking at: 0 the machine is off, \
-                 1 waits for `enable-in`, 2 follows, 3 goes back, 4 is back.",
+                "State at the beginning of the last run, for diagnosis: 0 machine off, 1 waiting \
+                for `enable-in`, 2 following, 3 returning, 4 returned.",
                 0,
             )?,
             messages: b.messages(),

@@ -15,7 +15,7 @@ pub(crate) struct Gantry;
 
 impl Component for Gantry {
     const NAME: &'static str = "gantry";
-    const DOC: &'static str = "One axis that several motors drive, each homed to a switch of its own.\n\n\
+    const DOC: &'static str = "One axis driven by several motors, each homed to its own switch.\n\n\
         `personality=` is the number of joints, 0 to 7. All follow the command, less an offset of \
         their own. While the command moves as `search-vel` does, and some but not all of the switches \
         are pressed, each joint whose switch is pressed stands still: its offset grows instead. \
@@ -43,14 +43,15 @@ impl Component for Gantry {
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let n = b.size("Pin joint.##.pos-cmd", 0, MOST)?;
-        let home = b.item("home", "Whether the axis is at its switches.", false)?;
-        let limit = b.item("limit", "Whether any switch is pressed.", false)?;
+        let home = b.item("home", "True while the axis is at its switches.", false)?;
+        let limit = b.item("limit", "True while any switch is pressed.", false)?;
         let (gives, takes) = b.shared(AtomicBool::new(true));
         let mut read = Read {
             joints: Vec::new(),
             position_fb: b.item(
                 "position-fb",
-                "Where the axis is, in units: the joint that homes last, with its offset.",
+                "Position feedback of the axis, in units: that of the joint that homes last, with \
+                its offset.",
                 0.0,
             )?,
             home,
@@ -60,7 +61,7 @@ impl Component for Gantry {
         };
         let mut write = Write {
             joints: Vec::new(),
-            position_cmd: b.item("position-cmd", "Where the axis shall be, in units.", 0.0)?,
+            position_cmd: b.item("position-cmd", "Position command of the axis, in units.", 0.0)?,
             search_vel: b.item(
                 "search-vel",
                 "Speed of the search for the switches; only its sign counts.",
@@ -72,20 +73,23 @@ impl Component for Gantry {
         for i in 0..n {
             let offset: Out<f64> = b.item(
                 &format!("joint.{i:02}.offset"),
-                "What this joint's command is less than the axis's, in units.",
+                "Difference of the axis's command minus this joint's, in units.",
                 0.0,
             )?;
             let home = b.item(
                 &format!("joint.{i:02}.home"),
-                "Whether this joint's home switch is pressed.",
+                "True while this joint's home switch is pressed.",
                 false,
             )?;
-            let pos_fb =
-                b.item(&format!("joint.{i:02}.pos-fb"), "Where the joint is, in units.", 0.0)?;
+            let pos_fb = b.item(
+                &format!("joint.{i:02}.pos-fb"),
+                "Position feedback of the joint, in units.",
+                0.0,
+            )?;
             read.joints.push(Told { home, pos_fb, offset });
             let pos_cmd = b.item(
                 &format!("joint.{i:02}.pos-cmd"),
-                "Where the joint shall be, in units.",
+                "Position command of the joint, in units.",
                 0.0,
             )?;
             write.joints.push(Led { home, pos_cmd, offset, sum: 0.0 });

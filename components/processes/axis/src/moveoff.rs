@@ -34,42 +34,48 @@ impl Component for Moveoff {
             })?,
         };
         let (gives, takes) = b.shared(Order::default());
-        let epsilon = "How near to 0 an offset is none, in units; 0.0001 or more.";
+        let epsilon = "Largest offset that counts as 0, in units; at least 0.0001.";
         let epsilon: In<f64> = b.item("epsilon", epsilon, 0.0005)?;
-        let applied = "Whether an offset is beyond `epsilon`.";
+        let applied = "True while an offset exceeds `epsilon`.";
         let offset_applied: Out<bool> = b.item("offset-applied", applied, false)?;
-        let full = "Whether there is no room for another waypoint: the offsets stand still. True until one is passed on the way back, or none is applied.";
+        let full = "True while no more waypoints fit, so that the offsets stop; until a waypoint \
+            is passed on return, or no offset is applied.";
         let waypoint_limit: Out<bool> = b.item("waypoint-limit", full, false)?;
         let mut read = Read {
-            power_on: b.item("power-on", "Whether the machine is on; else all is 0.", false)?,
-            move_enable: b.item("move-enable", "Whether offsets are wanted.", false)?,
-            apply_offsets: b.item("apply-offsets", "Whether offsets are allowed.", false)?,
+            power_on: b.item(
+                "power-on",
+                "True while the machine is on; otherwise all outputs are 0.",
+                false,
+            )?,
+            move_enable: b.item("move-enable", "True requests offsets.", false)?,
+            apply_offsets: b.item("apply-offsets", "True permits offsets.", false)?,
             backtrack_enable: b.item(
                 "backtrack-enable",
-                "Whether the way back goes by the waypoints.",
+                "True returns along the waypoints.",
                 true,
             )?,
             epsilon,
             waypoint_threshold: b.item(
                 "waypoint-threshold",
-                "How far a joint goes from one waypoint to the next, in units.",
+                "Distance of a joint from one waypoint to the next, in units.",
                 0.02,
             )?,
             waypoint_sample_secs: b.item(
                 "waypoint-sample-secs",
-                "Least time from one waypoint to the next, in seconds; what is no number is none.",
+                "Shortest time from one waypoint to the next, in seconds; NaN counts as no \
+                minimum.",
                 0.02,
             )?,
             warning: b.item(
                 "warning",
-                "Whether `apply-offsets` became false before the offsets were back.",
+                "True if `apply-offsets` became false before the offsets had returned to 0.",
                 false,
             )?,
             offset_applied,
             waypoint_limit,
             dbg_waypoint_limit_test: b.item(
                 "dbg-waypoint-limit-test",
-                "Leaves room for 50 waypoints instead of 1000.",
+                "Reserves memory for 50 waypoints instead of 1000.",
                 false,
             )?,
             inputs: Vec::new(),
@@ -83,15 +89,16 @@ impl Component for Moveoff {
             joints: Vec::new(),
             offset_applied,
             waypoint_limit,
-            waypoint_ct: b.item("waypoint-ct", "How many waypoints there are.", 0)?,
+            waypoint_ct: b.item("waypoint-ct", "Number of waypoints.", 0)?,
             waypoint_percent_used: b.item(
                 "waypoint-percent-used",
-                "How much of their room is used, in per cent.",
+                "Percentage of the waypoints' memory in use.",
                 0,
             )?,
             dbg_state: b.item(
                 "dbg-state",
-                "What was done at the beginning of the last run: 0 waits, 1 offsets, 2 goes back.",
+                "State at the beginning of the last run: 0 waiting, 1 applying offsets, 2 \
+                returning.",
                 0,
             )?,
             order: takes,
@@ -101,23 +108,23 @@ impl Component for Moveoff {
                 b.item(&format!("offset-current-{i}"), "The joint's offset, in units.", 0.0)?;
             let wanted = b.item(
                 &format!("offset-in-{i}"),
-                "The offset that is wanted, in units; what is no number leaves it where it is.",
+                "Requested offset, in units; NaN leaves the offset as it is.",
                 0.0,
             )?;
             read.inputs.push(wanted);
             read.offsets.push(offset);
             write.joints.push(Joint {
-                pos: b.item(&format!("pos-{i}"), "Where the joint shall be, in units.", 0.0)?,
-                fb: b.item(&format!("fb-{i}"), "Where the joint is, in units.", 0.0)?,
+                pos: b.item(&format!("pos-{i}"), "Position command of the joint, in units.", 0.0)?,
+                fb: b.item(&format!("fb-{i}"), "Position feedback of the joint, in units.", 0.0)?,
                 offset,
                 pos_plus: b.item(
                     &format!("pos-plusoffset-{i}"),
-                    "Where it shall be with its offset, in units.",
+                    "Position command with the offset, in units.",
                     0.0,
                 )?,
                 fb_minus: b.item(
                     &format!("fb-minusoffset-{i}"),
-                    "Where it is without the offset that it had a run before, in units.",
+                    "Position feedback minus the offset of the previous run, in units.",
                     0.0,
                 )?,
                 vel: b.item(
@@ -131,11 +138,12 @@ impl Component for Moveoff {
                     100.0,
                 )?,
                 min: b.item(&format!("offset-min-{i}"), "Lowest offset, in units.", -1e20)?,
-                max: b.item(&format!("offset-max-{i}"), "Highest offset, in units; it goes before `offset-min`.", 1e20)?,
+                max: b.item(&format!("offset-max-{i}"), "Highest offset, in units; takes \
+                    precedence over `offset-min`.", 1e20)?,
                 follower: Follower::default(),
             });
         }
-        b.function("read-inputs", "Decides where the offsets go.", read)?;
+        b.function("read-inputs", "Decides on the targets of the offsets.", read)?;
         b.function("write-outputs", "Moves the offsets, and adds them.", write)
     }
 }

@@ -2,14 +2,14 @@
 use crate::trips::{Jog, Trips, runs};
 use hal_component::{Builder, Component, Error, In, Touch, abi::component_flags};
 
-/// Moves an axis back and forth, or jogs it, to find the speed and acceleration it can bear.
+/// Moves an axis back and forth, or jogs it, to find its highest speed and acceleration.
 #[derive(Debug)]
 pub struct Steptest;
 
 impl Component for Steptest {
     const NAME: &'static str = "steptest";
     const DOC: &'static str = concat!(
-        "Moves an axis back and forth, or jogs it, to find the speed and acceleration it can bear.\n\n\
+        "Moves an axis back and forth, or jogs it, to find its highest speed and acceleration.\n\n\
          The commanded position jumps from end to end: the speed and acceleration of a move are those \
          that whoever follows the command allows, such as `stepgen.N.maxvel` and \
          `stepgen.N.maxaccel`.\n\n",
@@ -41,13 +41,13 @@ impl Component for Steptest {
             maxvel: b.item("maxvel", "Speed of a jog, in units per second.", 0.0)?,
             maxaccel: b.item(
                 "maxaccel",
-                "Acceleration of the test, in units per second squared; for whoever follows the \
-                 command.",
+                "Acceleration of the test, in units per second squared; for the component that \
+                follows the command.",
                 0.0,
             )?,
         };
         let trips = Trips::new(b, by_speed)?;
-        b.function("", "Sends the axis to and fro.", trips)
+        b.function("", "Moves the axis back and forth.", trips)
     }
 }
 

@@ -26,7 +26,7 @@ impl Component for Bldc {
         )
         .required()
         .at_most(MOST),
-        &Arg::ints("personality", "Accepted for scripts that give it: cfg= is what counts."),
+        &Arg::ints("personality", "Accepted for compatibility and ignored: cfg= counts."),
     ];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
@@ -105,14 +105,16 @@ impl Motor {
         Ok(Self {
             halls: has("h").then(|| Halls::declare(b, name)).transpose()?,
             gray: has("f").then(|| gray(b, name)).transpose()?,
-            value: b.item(&pin("value"), "How much to drive, in any unit, such as volts; below 0 the other way round.", 0.0)?,
+            value: b.item(&pin("value"), "Commanded drive level, in any unit, such as volts; \
+                negative for the reverse direction.", 0.0)?,
             counter: has("aq").then(|| Counter::declare(b, name)).transpose()?,
-            rev: b.item(&pin("rev"), "Drives the other way round.", false)?,
+            rev: b.item(&pin("rev"), "Reverses the direction.", false)?,
             frequency: (!has("haqi"))
                 .then(|| b.item(&pin("frequency"), "Electrical turns per second.", 0.0))
                 .transpose()?,
             initvalue: has("q")
-                .then(|| b.item(&pin("initvalue"), "How much to drive while it aligns, in the unit of value.", 0.2))
+                .then(|| b.item(&pin("initvalue"), "Drive level during an alignment, in the unit \
+                    of value.", 0.2))
                 .transpose()?,
             index_enable: has("i")
                 .then(|| {
@@ -125,17 +127,19 @@ impl Motor {
             outputs: Outputs::declare(b, name, letters)?,
             phase_angle: b.item(
                 &pin("phase-angle"),
-                "Where the field shall be, in electrical turns from 0 to 1.",
+                "Commanded angle of the field, in electrical turns from 0 to 1.",
                 0.0,
             )?,
             rotor_angle: b.item(
                 &pin("rotor-angle"),
-                "Where the rotor is, in electrical turns from 0 to 1.",
+                "Angle of the rotor, in electrical turns from 0 to 1.",
                 0.0,
             )?,
-            out: b.item(&pin("out"), "How much is driven, in the unit of value; below 0 the other way round.", 0.0)?,
-            out_dir: b.item(&pin("out-dir"), "Whether that is below 0.", false)?,
-            out_abs: b.item(&pin("out-abs"), "How much is driven, in the unit of value, without a sign.", 0.0)?,
+            out: b.item(&pin("out"), "Drive level, in the unit of value; negative for the reverse \
+                direction.", 0.0)?,
+            out_dir: b.item(&pin("out-dir"), "True if the drive level is below 0.", false)?,
+            out_abs: b.item(&pin("out-abs"), "Magnitude of the drive level, in the unit of \
+                value.", 0.0)?,
             in_type: b.item(
                 &pin("in-type"),
                 "The feedback in use, once it runs: 0 none, 1 Hall, 2 counts, 4 waits for or does an \
@@ -163,8 +167,8 @@ impl Motor {
                 .transpose()?,
             drive_offset: b.item(
                 &pin("drive-offset"),
-                "What the drive adds to the rotor's angle, in degrees; taken off it during an \
-                 alignment.",
+                "Angle that the drive adds to the rotor's, in degrees; subtracted during an \
+                alignment.",
                 0.0,
             )?,
             messages: b.messages(),
@@ -188,11 +192,11 @@ impl Halls {
         let sensors = [sensor(1)?, sensor(2)?, sensor(3)?];
         let error = b.item(
             &format!("{name}.hall-error"),
-            "Whether the sensors have said what the pattern does not have, or have left out a step; \
-             until there is another pattern.",
+            "True after a sensor state that is not in the pattern, or a skipped step; until the \
+            pattern changes.",
             false,
         )?;
-        let doc = "The pattern of the Hall sensors, 0 to 47; one beyond becomes 0.";
+        let doc = "Pattern of the Hall sensors, 0 to 47; a higher one becomes 0.";
         Ok(Self { sensors, error, pattern: b.item(&format!("{name}.pattern"), doc, 25)? })
     }
 
@@ -207,7 +211,7 @@ impl Counter {
         Ok(Self {
             lead_angle: b.item(
                 &pin("lead-angle"),
-                "How far the field is before the rotor, in electrical degrees.",
+                "Lead of the field ahead of the rotor, in electrical degrees.",
                 90.0,
             )?,
             rawcounts: b.item(
@@ -235,9 +239,9 @@ fn gray(b: &mut Builder<'_>, name: &str) -> Result<[In<bool>; 4], Error> {
 }
 
 fn init(b: &mut Builder<'_>, name: &str) -> Result<(In<bool>, Out<bool>), Error> {
-    let doc = "Begins the alignment as it becomes true, and goes on with it while it is.";
+    let doc = "Starts the alignment when it becomes true, and continues while it is true.";
     let begin = b.item(&format!("{name}.init"), doc, false)?;
-    let done = b.item(&format!("{name}.init-done"), "Whether the motor is aligned.", false)?;
+    let done = b.item(&format!("{name}.init-done"), "True when the motor is aligned.", false)?;
     Ok((begin, done))
 }
 

@@ -27,7 +27,8 @@ pub(crate) struct Lcd;
 
 impl Component for Lcd {
     const NAME: &'static str = "lcd";
-    const DOC: &'static str = "A text with values for a character display, sent one character each run.\n\n\
+    const DOC: &'static str = "Text with values for a character display, sent one character per \
+        run.\n\n\
         It was made for the display at a Mesa 7I73. `fmt_strings=` has a text for each display, \
         separated by commas, and `|` between its pages; `page_num` selects one, and one that is not there \
         stops the stream. After 100 runs, or 50 with two displays, a display is cleared; then the page is sent again \
@@ -170,7 +171,7 @@ impl Display {
         let page_num = b.item(&format!("{name}.page_num"), doc, 0)?;
         let doc = "The display's contrast, from 0 to 1; it is sent when it changes, as ESC, C, and 32 to 191.";
         let contrast = b.item(&format!("{name}.contrast"), doc, 0.0)?;
-        let doc = "What stands before the decimals, by its code: 46, a point.";
+        let doc = "Code of the decimal separator; 46 is a point.";
         let separator = b.item(&format!("{name}.decimal-separator"), doc, u32::from(b'.'))?;
         Ok(Self {
             out,

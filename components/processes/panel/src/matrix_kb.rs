@@ -18,7 +18,7 @@ pub(crate) struct MatrixKb;
 
 impl Component for MatrixKb {
     const NAME: &'static str = "matrix_kb";
-    const DOC: &'static str = "A keyboard of rows and columns: a bit for each key.\n\n\
+    const DOC: &'static str = "Matrix keyboard of rows and columns, with a bit for each key.\n\n\
         `config=4x8,8x8s` makes `matrix_kb.0` with four rows of eight columns, and `matrix_kb.1` with \
         eight, which scans. There are 1 to 256 rows and 1 to 32 columns; `names=a,b` gives other names. \
         Keys are `key.r1c0` and so on, with numbers in hexadecimal, from 0.\n\n\
@@ -84,10 +84,10 @@ fn keyboard(b: &mut Builder<'_>, name: &str, size: &Size) -> Result<(), Error> {
     }
     let keycode = format!("{name}.keycode");
     if !size.scans {
-        let keycode = b.item(&keycode, "What the device tells, in its code.", 0)?;
-        return b.function(name, "Hears one code.", Told { keycode, keys });
+        let keycode = b.item(&keycode, "Code received from the device.", 0)?;
+        return b.function(name, "Receives one code.", Told { keycode, keys });
     }
-    let doc = "What was told of a key in this run, the last if there were several; 64 if there was nothing.";
+    let doc = "Key event of this run, the last if there were several; 64 without an event.";
     let keycode = b.item(&keycode, doc, 0)?;
     let (mut rows, mut columns) = (Vec::new(), Vec::new());
     for i in 0..size.rows {

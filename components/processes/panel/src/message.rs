@@ -13,7 +13,7 @@ pub(crate) struct Message;
 
 impl Component for Message {
     const NAME: &'static str = "message";
-    const DOC: &'static str = "Messages that bits give, such as that oil is low.\n\n\
+    const DOC: &'static str = "Messages triggered by bits, such as a low oil level.\n\n\
         `messages=` has a text for each of `count=` or `names=`, separated by commas; more are not used. \
         The text comes as an error of the instance, in `halcmd` and in the log, as soon as the bit \
         becomes what `edge` says. LinuxCNC shows it in its user interface as well. A text stays in \
@@ -42,19 +42,19 @@ impl Component for Message {
             return Err(Error::new(format!("messages= has no text number {}", number + 1)));
         };
         let run = Run {
-            trigger: b.item("trigger", "The bit that gives the message.", false)?,
+            trigger: b.item("trigger", "Bit that causes the message.", false)?,
             force: b.item(
                 "force",
-                "As it rises, the message is given again while it holds.",
+                "A rising edge repeats the message while its condition holds.",
                 false,
             )?,
-            edge: b.item("edge", "For which `trigger` the message is.", true)?,
+            edge: b.item("edge", "State of `trigger` that causes the message.", true)?,
             text: lasting(text),
             messages: b.messages(),
             held: false,
             forced: false,
         };
-        b.function("", "Gives the message when it is due.", run)
+        b.function("", "Prints the message when it is due.", run)
     }
 }
 

@@ -147,11 +147,7 @@ getp plasmac.stop-type-out # -> 2
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let machine = Machine::new(b)?;
-        b.function(
-            "plasmac",
-            "Reads the arc and the switches, and does what is to be done.",
-            machine,
-        )
+        b.function("plasmac", "Reads the arc and the switches, and controls the torch.", machine)
     }
 }
 
