@@ -22,7 +22,7 @@ mod watcher;
 mod who;
 
 pub(crate) use apart::threads;
-pub(crate) use board::{Current, NOBODY, record};
+pub(crate) use board::{Current, NOBODY, lost, record};
 pub(crate) use crash::{is_claimed, park};
 pub(crate) use sys::Stack;
 pub(crate) use who::{Control, Doing, Origin, What, begin_cycle, end_cycle, run_stop};
@@ -292,8 +292,9 @@ pub(crate) fn note_own_threads(component: &Name, there: bool) {
     note(format_args!("o {} {component}", i32::from(there)));
 }
 
-/// Tells the watcher the file of the recording.
+/// Tells the watcher the file of the recording, which has lost nothing yet.
 pub(crate) fn note_recording(path: &str, inode: u64) {
+    lost().into_iter().for_each(|lost| lost.store(0, Ordering::Relaxed));
     let here = std::env::current_dir().unwrap_or_default().join(path);
     note(format_args!("r {inode} {}", here.display()));
 }

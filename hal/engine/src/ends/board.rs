@@ -25,6 +25,8 @@ pub(super) struct Board {
     /// write in progress is complete.
     pub(super) recorded: AtomicU64,
     pub(super) recording: AtomicU64,
+    /// Number of changes that the recording has lost for want of room and that are not reported yet.
+    pub(super) lost: AtomicU64,
     /// Process IDs of programs that the instance has started; 0 if none.
     pub(super) programs: [AtomicI32; 64],
     /// Number of valid bytes of the text.
@@ -146,6 +148,11 @@ pub(crate) fn record(recorded: u64, recording: u64) {
         board.recorded.store(recorded, Ordering::Relaxed);
         board.recording.store(recording, Ordering::Release); // The watcher reads it later.
     }
+}
+
+/// Returns the count of changes that the recording loses, if this process has a board.
+pub(crate) fn lost() -> Option<&'static AtomicU64> {
+    board().map(|board| &board.lost)
 }
 
 /// Publishes the programs of the instance.

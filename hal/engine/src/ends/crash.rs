@@ -253,8 +253,19 @@ fn wait_for_guard() {
     }
 }
 
+/// Reports changes that the recording has lost, once.
+fn tell_lost() {
+    let lost = super::lost().map_or(0, |lost| lost.swap(0, Ordering::Relaxed));
+    if lost > 0 {
+        let mut text = Text::new();
+        text.add(format_args!("the recording: {lost} changes were lost for want of room\n"));
+        sys::complain(text.as_str());
+    }
+}
+
 /// Ends the process with the signal or status of its cause.
 pub(super) fn finish() -> ! {
+    tell_lost();
     super::leave_nothing();
     match SIGNAL.load(Ordering::Relaxed) {
         0 => sys::leave(STATUS.load(Ordering::Relaxed)),

@@ -93,6 +93,11 @@ fn watch(program: &str, process: c_int, pidfd: &OwnedFd, end: &OwnedFd) {
         }
     };
     let Some(board) = board::board() else { return };
+    let lost = board.lost.load(Ordering::Relaxed);
+    if let (true, Some((_, path))) = (lost > 0, Known::read(board).recording) {
+        let path = path.display();
+        sys::complain(&format!("{program}: {path}: {lost} changes were lost for want of room\n"));
+    }
     if board.untold.load(Ordering::Relaxed) == 0 {
         return;
     }

@@ -71,6 +71,8 @@ pub(crate) struct Probe {
     /// Number of readings, and of records or changes lost because the ring or queue was full.
     looks: AtomicU64,
     lost: AtomicU64,
+    /// A second count of what was lost, which outlives the process.
+    noted: Option<&'static AtomicU64>,
 }
 
 // SAFETY: only `look` changes the producer, and it runs in one thread at a time; `has_room` reads
@@ -96,7 +98,12 @@ impl Probe {
 
     const fn new(sources: Box<[Source]>, every: u32, sink: Sink) -> Self {
         let (looks, lost) = (AtomicU64::new(0), AtomicU64::new(0));
-        Self { sources, sink, every, left: AtomicU32::new(0), looks, lost }
+        Self { sources, sink, every, left: AtomicU32::new(0), looks, lost, noted: None }
+    }
+
+    /// Also counts in `noted` what is lost.
+    pub(crate) fn noting(self, noted: Option<&'static AtomicU64>) -> Self {
+        Self { noted, ..self }
     }
 
     /// Reads the values if a reading is due. Runs in one thread at a time.
@@ -114,7 +121,7 @@ impl Probe {
                 // SAFETY: `look` runs in one thread at a time.
                 let producer = unsafe { &mut *producer.get() };
                 if !producer.put_all(core::iter::once(time.cast_unsigned()).chain(values)) {
-                    add_one(&self.lost);
+                    self.lose();
                 }
             }
             Sink::Changes { last, queue, all } => {
@@ -125,11 +132,19 @@ impl Probe {
                         last.store(bits, Ordering::Relaxed);
                         let which = u32::try_from(i).unwrap_or(u32::MAX);
                         if queue.push((time, which, bits)).is_err() {
-                            add_one(&self.lost);
+                            self.lose();
                         }
                     }
                 }
             }
+        }
+    }
+
+    /// Counts a record or change that was lost.
+    fn lose(&self) {
+        add_one(&self.lost);
+        if let Some(noted) = self.noted {
+            add_one(noted);
         }
     }
 

@@ -114,7 +114,8 @@ impl Engine {
         }
         let sources: Box<[_]> = nodes.iter().filter_map(|ix| self.source(*ix)).collect();
         let last = sources.iter().map(|s| AtomicU64::new(s.bits())).collect();
-        let probe = Arc::new(Probe::changes(sources, last, ROOM.max(nodes.len() * 4)));
+        let probe = Probe::changes(sources, last, ROOM.max(nodes.len() * 4));
+        let probe = Arc::new(probe.noting(ends::lost()));
         let file = r.file.take().map_or_else(|| Growing::create(Path::new(&r.path)), Ok);
         let begun = file.and_then(|file| {
             ends::note_recording(&r.path, file.inode().unwrap_or(0));
@@ -226,6 +227,9 @@ impl Engine {
     }
 
     /// Ends the recording and completes the file.
+    ///
+    /// # Errors
+    /// It could not be written whole, or changes were lost.
     pub(crate) fn end_recording(&mut self) -> Result<(), Error> {
         self.look_last();
         let Some(mut r) = self.recording.take() else {
@@ -244,11 +248,14 @@ impl Engine {
             self.unwritten = true;
             return Err(unwritten(stopped));
         }
-        let lost = r.lost();
-        if lost > 0 {
-            self.notice(format!("{}: {lost} changes were lost for want of room", r.path));
+        match r.lost() {
+            0 => Ok(()),
+            lost => {
+                self.unwritten = true;
+                let why = format!("{lost} changes were lost for want of room").into();
+                Err(Error::File { path: r.path.into(), why })
+            }
         }
-        Ok(())
     }
 
     /// Ends the recording of probe `id`, with a message, because a component that it watches is

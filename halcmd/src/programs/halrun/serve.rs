@@ -64,7 +64,7 @@ pub(super) fn was_broken_off(engine: &mut Engine) -> bool {
 }
 
 /// Returns messages about the failures of an instance: the function for which its threads have
-/// stopped or that does not return, and the recording that could not be written.
+/// stopped or that does not return, and the recording that could not be written or has gaps.
 pub(super) fn wrong(link: &mut impl Link, name: &str) -> Vec<String> {
     let Ok(Reply::Status(status)) = link.call(Request::Status) else { return Vec::new() };
     let fault = status.fault.or(status.stuck).map(|f| {
@@ -75,7 +75,10 @@ pub(super) fn wrong(link: &mut impl Link, name: &str) -> Vec<String> {
         )
     });
     let stopped = status.recording_stopped.map(|s| format!("instance '{name}': {s}"));
-    fault.into_iter().chain(stopped).collect()
+    let lost = status.recording.filter(|(_, lost)| *lost > 0).map(|(file, lost)| {
+        format!("instance '{name}': {file}: {lost} changes were lost for want of room")
+    });
+    fault.into_iter().chain(stopped).chain(lost).collect()
 }
 
 /// Serves clients until the instance ends.

@@ -1,11 +1,16 @@
 //! Recordings that cannot be written are reported at once, with a status other than 0. An existing
 //! file stays as it was, and the new one ends at a whole record.
-#![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
-use hal_tests::scratch::{Output, Running, Scratch, until};
+use hal_tests::{
+    plugins::plugins,
+    scratch::{Output, Running, Scratch, until},
+};
 use hal_trace::{Format, Trace};
 use rustix::process::Signal;
 use std::{
+    fs::File,
+    io::Read,
     os::unix::fs::symlink,
     path::Path,
     process::{Command, Stdio},
@@ -266,6 +271,76 @@ fn a_device_that_is_full_is_told_of() {
     let said =
         "out.vcd: No space left on device: the recording stopped at 0 s; nothing of it is kept";
     assert_eq!((line(&scratch, &output.stderr).as_str(), output.status), (said, Some(1)));
+}
+
+/// A machine that records more than a pipe takes which nobody reads: 500 changes in each cycle, and
+/// `quits` runs three times in a slower thread.
+fn losing(scratch: &Scratch, how: &str) -> (Running, File) {
+    let mut lines = format!(
+        "loadrt threads name1=t period1=1000000 name2=late period2=500000000
+loadrt not count=500
+loadrt quits how={how}
+"
+    );
+    for n in 0..500 {
+        lines += &format!("net x{n} not.{n}.out => not.{n}.in\naddf not.{n} t\n");
+    }
+    scratch.write("m.hal", lines + "addf quits.0 late\nstart\n");
+    assert_eq!(scratch.run(scratch.command(&[], "mkfifo").arg("out.vcd")).status, Some(0));
+    let mut halrun = scratch.command(&[], "halrun");
+    halrun.env("HAL_RTMOD_DIR", plugins());
+    let running = scratch.start(halrun.args(["--simulate", "--record", "out.vcd", "m.hal"]));
+    let pipe = File::open(scratch.path().join("out.vcd")).unwrap();
+    (running, pipe)
+}
+
+/// The number of lost changes in the one line about them, which is this one otherwise.
+fn lost(scratch: &Scratch, stderr: &str, line: &str) -> u64 {
+    let mut lines = stderr.lines().filter(|l| l.contains("lost for want of room"));
+    let first = plain(scratch, lines.next().unwrap_or_else(|| panic!("{stderr}")));
+    assert!(lines.next().is_none(), "{stderr}");
+    let (before, after) = line.split_once("N").unwrap();
+    let count = first.strip_prefix(before).and_then(|rest| rest.strip_suffix(after));
+    count.and_then(|n| n.parse().ok()).unwrap_or_else(|| panic!("{first}"))
+}
+
+#[test]
+fn lost_changes_are_reported_however_the_process_ends() {
+    let from_crash = "the recording: N changes were lost for want of room";
+    let from_watcher = "halrun: out.vcd: N changes were lost for want of room";
+    for (how, signal, line) in [
+        ("segv", None, from_crash),
+        ("exit", None, from_crash),
+        ("nothing", Some(Signal::QUIT), from_crash),
+        ("nothing", Some(Signal::KILL), from_watcher),
+    ] {
+        let scratch = Scratch::new("lost");
+        let (mut running, pipe) = losing(&scratch, how);
+        until("it has run", || running.said().1.contains("third run"));
+        signal.into_iter().for_each(|signal| running.signal(signal));
+        running.ended().unwrap();
+        until("that is said", || running.said().1.contains("for want of room"));
+        assert!(lost(&scratch, &running.said().1, line) > 0);
+        drop(pipe);
+    }
+}
+
+#[test]
+fn a_recording_with_gaps_is_a_failure_of_the_run() {
+    let scratch = Scratch::new("gaps");
+    let (running, mut pipe) = losing(&scratch, "nothing");
+    until("it has run", || running.said().1.contains("third run"));
+    // The reader comes late: nothing is refused, but there are gaps.
+    let reader = std::thread::spawn(move || {
+        let mut all = Vec::new();
+        pipe.read_to_end(&mut all).map(|_| all)
+    });
+    assert_eq!(scratch.halcmd(&["shutdown"]).status, Some(0));
+    let output = running.wait();
+    let line = "out.vcd: N changes were lost for want of room";
+    assert!(lost(&scratch, &output.stderr, line) > 0);
+    assert_eq!(output.status, Some(1), "{}", output.stderr);
+    assert!(whole(&reader.join().unwrap().unwrap()).times().iter().count() > 100);
 }
 
 #[test]
