@@ -1,6 +1,7 @@
 //! Comments that allow a finding: `# check: allow H403 why`, on the same line or above it.
 
 use super::collect::Texts;
+use crate::language::lex::without_comment;
 use hal_protocol::{At, Code, Finding, Level};
 
 const MARK: &str = "check: allow ";
@@ -29,7 +30,10 @@ impl Allowed {
         let mut list = Vec::new();
         for (file, lines) in texts {
             for (line, text) in (1..).zip(lines) {
-                let Some((before, comment)) = text.split_once('#') else { continue };
+                // A line of an INI file may have half a quote: then at the first '#'.
+                let before = without_comment(text);
+                let before = before.unwrap_or_else(|_| text.split('#').next().unwrap_or_default());
+                let Some(comment) = text.get(before.len() + 1..) else { continue };
                 let Some(rest) = comment.trim_start().strip_prefix(MARK) else { continue };
                 let alone = before.trim().is_empty();
                 let about = if alone { next_line(lines, line) } else { line };
@@ -98,7 +102,8 @@ mod tests {
     fn comments_allow_their_own_line_or_the_next() {
         let text = "setp a 1 # check: allow H403 tried out by hand\n\
                     # check: allow H306,h307 nobody is there yet\n\
-                    \n# more\nnet b c\n# check: allow X1\n# check: allow H301 no\n";
+                    \n# more\nnet b c\n# check: allow X1\n# check: allow H301 no\n\
+                    print \"a # check: allow H306\" # check: allow H403 both are meant\n";
         let lines = text.lines().map(str::to_owned).collect();
         let mut allowed = Allowed::of(&Texts::from([("f".to_owned(), lines)]));
         let at = |code, line| Finding::new(code, "x", String::new()).at(Some(At::new("f", line)));
@@ -106,6 +111,9 @@ mod tests {
         assert!(!allowed.takes(&at(Code::SetTwice, 5)));
         assert!(allowed.takes(&at(Code::NoReader, 5)));
         assert!(!allowed.takes(&at(Code::TypeMismatch, 7)));
+        // A '#' in quotes begins no comment.
+        assert!(allowed.takes(&at(Code::SetTwice, 8)));
+        assert!(!allowed.takes(&at(Code::NoReader, 8)));
         let idle: Vec<String> =
             allowed.idle().map(|f| format!("{} {}", f.at.unwrap().line, f.text)).collect();
         assert_eq!(

@@ -10,7 +10,7 @@ use hal_trace::{
     Format,
     trigger::{Condition, HoldOff, Mode, Setup},
 };
-use std::path::PathBuf;
+use std::{collections::BTreeSet, path::PathBuf};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Id {
@@ -212,7 +212,9 @@ impl Plan {
         let (patterns, mut names): (Vec<_>, Vec<_>) =
             plan.names.drain(..).partition(|n| is_pattern(n));
         names.extend(more);
-        names.dedup();
+        // A name that is given twice is one channel, at its first place.
+        let mut known = BTreeSet::new();
+        names.retain(|name| known.insert(name.clone()));
         plan.names = names.into_iter().chain(patterns).collect();
         if plan.auto.is_some() && plan.condition.is_none() {
             return Err("--auto is for a trigger: say one with -t".to_owned());
