@@ -33,8 +33,9 @@ pub struct Client {
 
 /// Interval between two checks whether a reply is still wanted, while waiting for it.
 const LOOK_NS: i64 = 50_000_000;
-const EINTR: i32 = -4;
 const EIO: i32 = -5;
+/// Error code (EINTR) of a request whose answer is not wanted any more.
+pub const INTERRUPTED: i32 = -4;
 /// Error code (ECONNREFUSED) of a connection attempt when no such instance runs.
 pub const NOT_RUNNING: i32 = -111;
 const EMSGSIZE: i32 = -90;
@@ -162,15 +163,18 @@ impl Client {
     }
 
     /// Waits until there is something to read, or nobody wants it any more.
-    fn wait(&self) -> Result<(), Failure> {
-        let Some(given_up) = &self.given_up else { return Ok(()) };
+    fn wait(&self, wanted: &mut Option<&mut dyn FnMut() -> bool>) -> Result<(), Failure> {
+        if self.given_up.is_none() && wanted.is_none() {
+            return Ok(());
+        }
         loop {
             // In this order: what is there is read.
-            let is_given_up = given_up.load(Relaxed);
+            let is_given_up = self.given_up.as_ref().is_some_and(|flag| flag.load(Relaxed))
+                || wanted.as_mut().is_some_and(|wanted| !wanted());
             let mut fds = [PollFd::new(&self.socket, PollFlags::IN)];
             let time = Timespec { tv_sec: 0, tv_nsec: LOOK_NS };
             match poll(&mut fds, Some(&time)) {
-                Ok(0) if is_given_up => return Err(Failure::new(EINTR, "interrupted")),
+                Ok(0) if is_given_up => return Err(Failure::new(INTERRUPTED, "interrupted")),
                 Ok(0) | Err(Errno::INTR) => {}
                 // The read says what is wrong.
                 Ok(_) | Err(_) => return Ok(()),
@@ -178,7 +182,7 @@ impl Client {
         }
     }
 
-    fn line(&mut self) -> Result<Vec<u8>, Failure> {
+    fn line(&mut self, mut wanted: Option<&mut dyn FnMut() -> bool>) -> Result<Vec<u8>, Failure> {
         let gone = || Failure::new(EIO, "the engine has gone");
         let (mut searched, mut chunk) = (0, vec![0; 65536]);
         loop {
@@ -188,7 +192,7 @@ impl Client {
                 return Ok(core::mem::replace(&mut self.buffer, rest));
             }
             searched = self.buffer.len();
-            self.wait()?;
+            self.wait(&mut wanted)?;
             let mut space = [core::mem::MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
             let mut control = RecvAncillaryBuffer::new(&mut space);
             let got = rustix::net::recvmsg(
@@ -213,10 +217,12 @@ impl Client {
             self.buffer.extend_from_slice(chunk.get(..n).unwrap_or_default());
         }
     }
-}
 
-impl Link for Client {
-    fn call(&mut self, request: Request) -> Result<Reply, Failure> {
+    fn exchange(
+        &mut self,
+        request: Request,
+        wanted: Option<&mut dyn FnMut() -> bool>,
+    ) -> Result<Reply, Failure> {
         let bad = |e: serde_json::Error| Failure::new(EIO, format!("unreadable answer: {e}"));
         let mut line =
             serde_json::to_vec(&WireRequest { request, at: self.at.clone() }).map_err(bad)?;
@@ -228,10 +234,24 @@ impl Link for Client {
         }
         line.push(b'\n');
         self.socket.write_all(&line).map_err(|_| Failure::new(EIO, "the engine has gone"))?;
-        match serde_json::from_slice(&self.line()?).map_err(bad)? {
+        match serde_json::from_slice(&self.line(wanted)?).map_err(bad)? {
             WireReply::Ok(reply) => Ok(reply),
             WireReply::Error(failure) => Err(failure),
         }
+    }
+}
+
+impl Link for Client {
+    fn call(&mut self, request: Request) -> Result<Reply, Failure> {
+        self.exchange(request, None)
+    }
+
+    fn call_while(
+        &mut self,
+        request: Request,
+        wanted: &mut dyn FnMut() -> bool,
+    ) -> Result<Reply, Failure> {
+        self.exchange(request, Some(wanted))
     }
 
     fn at(&mut self, file: &str, line: u32) {

@@ -26,7 +26,7 @@ mod value;
 mod wire;
 
 pub use at::At;
-pub use client::{Client, NOT_RUNNING};
+pub use client::{Client, INTERRUPTED, NOT_RUNNING};
 pub use code::Code;
 pub use failure::Failure;
 pub use finding::{Finding, Level, Related};
@@ -59,6 +59,21 @@ pub trait Link {
     /// # Errors
     /// The reason why the request failed, in the user's words.
     fn call(&mut self, request: Request) -> Result<Reply, Failure>;
+
+    /// Executes one request. A link to another process fails once `wanted` returns false; it asks
+    /// every 50 ms while there is no answer, and cannot be used afterwards.
+    ///
+    /// # Errors
+    /// As [`Self::call`]; or the answer is not wanted any more.
+    fn call_while(
+        &mut self,
+        request: Request,
+        wanted: &mut dyn FnMut() -> bool,
+    ) -> Result<Reply, Failure> {
+        // A link that does not wait for another process always answers.
+        let _: &mut dyn FnMut() -> bool = wanted;
+        self.call(request)
+    }
 
     /// Sets the script position for the requests that follow. The engine stores it with everything
     /// that these requests create, so that findings can name it.

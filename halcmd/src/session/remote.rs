@@ -1,7 +1,9 @@
 //! A connection to an engine in another process.
 
 use crate::programs::options::Opt;
-use hal_protocol::{At, Client, Failure, Folder, FolderError, Link, Place, Reply, Request};
+use hal_protocol::{
+    At, Client, Failure, Folder, FolderError, INTERRUPTED, Link, Place, Reply, Request,
+};
 use rustix::{thread::NanosleepRelativeResult, time::Timespec};
 use std::sync::{Arc, atomic::AtomicBool};
 
@@ -44,16 +46,34 @@ impl Remote {
         };
         Ok(self.client.insert(client))
     }
-}
 
-impl Link for Remote {
-    fn call(&mut self, request: Request) -> Result<Reply, Failure> {
+    /// Returns the connection, with the script position for its next request.
+    fn placed(&mut self) -> Result<&mut Client, Failure> {
         let at = self.at.take();
         let client = self.client()?;
         if let Some(at) = at {
             client.at(&at.file, at.line);
         }
-        client.call(request)
+        Ok(client)
+    }
+}
+
+impl Link for Remote {
+    fn call(&mut self, request: Request) -> Result<Reply, Failure> {
+        self.placed()?.call(request)
+    }
+
+    fn call_while(
+        &mut self,
+        request: Request,
+        wanted: &mut dyn FnMut() -> bool,
+    ) -> Result<Reply, Failure> {
+        let reply = self.placed()?.call_while(request, wanted);
+        if reply.as_ref().is_err_and(|failure| failure.code == INTERRUPTED) {
+            // The answer may still come; the next request has a connection of its own.
+            self.client = None;
+        }
+        reply
     }
 
     fn at(&mut self, file: &str, line: u32) {

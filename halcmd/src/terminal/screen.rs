@@ -6,20 +6,28 @@ mod pick;
 mod values;
 
 use crate::{Error, session::prompt, terminal::termination::Held};
+use hal_protocol::{Failure, Link, Reply, Request};
 use ratatui::{
     DefaultTerminal, Frame,
     crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers},
     style::{Color, Modifier, Style},
 };
-use std::time::Duration;
+use std::{cell::RefCell, collections::VecDeque, time::Duration};
 
 pub(crate) use meter::meter;
 pub(crate) use values::watch;
+
+/// Number of looks, 50 ms apart, for which a view waits for an answer before it heeds the keyboard.
+const PATIENT_LOOKS: u32 = 5;
+/// Maximum number of keys that are read at once.
+const MOST_KEYS: usize = 256;
 
 /// The terminal while a view uses it.
 pub(crate) struct Screen {
     terminal: DefaultTerminal,
     held: Held,
+    /// Keys that were read and not handled yet.
+    pressed: RefCell<VecDeque<Key>>,
     /// Messages wait until the terminal is restored.
     _kept: prompt::Kept,
 }
@@ -28,7 +36,7 @@ impl Screen {
     pub(crate) fn new() -> Result<Self, Error> {
         let (held, kept) = (Held::new(), prompt::Kept::new());
         let terminal = ratatui::try_init().map_err(|_| Error::NoScreen)?;
-        Ok(Self { terminal, held, _kept: kept })
+        Ok(Self { terminal, held, pressed: RefCell::default(), _kept: kept })
     }
 
     pub(crate) fn draw(&mut self, view: impl FnOnce(&mut Frame<'_>)) -> Result<(), Error> {
@@ -37,6 +45,24 @@ impl Screen {
 
     /// Returns the pressed key, if any. Ctrl-C and a signal are [`Key::Quit`].
     pub(crate) fn key(&self) -> Option<Key> {
+        let earlier = self.pressed.borrow_mut().pop_front();
+        earlier.or_else(|| self.read())
+    }
+
+    /// Returns a link for requests that fail if the engine does not answer for a quarter of a
+    /// second, as when it is stopped by SIGSTOP, and the user wants to leave.
+    pub(crate) fn leaving<'s>(&'s self, link: &'s mut dyn Link) -> Leaving<'s> {
+        Leaving { screen: self, link }
+    }
+
+    /// Returns whether the user has pressed a key that leaves a view.
+    pub(crate) fn is_left(&self) -> bool {
+        let mut pressed = self.pressed.borrow_mut();
+        pressed.extend(core::iter::from_fn(|| self.read()).take(MOST_KEYS));
+        pressed.iter().any(|key| matches!(key, Key::Quit | Key::Escape | Key::Letter('q')))
+    }
+
+    fn read(&self) -> Option<Key> {
         if self.held.has_come() {
             return Some(Key::Quit);
         }
@@ -53,6 +79,30 @@ impl Drop for Screen {
     fn drop(&mut self) {
         // If the terminal is gone, there is nothing to restore and no reader for an error.
         ratatui::try_restore().unwrap_or_default();
+    }
+}
+
+/// A link whose requests the user can interrupt by leaving the view.
+pub(crate) struct Leaving<'s> {
+    screen: &'s Screen,
+    link: &'s mut dyn Link,
+}
+
+impl Link for Leaving<'_> {
+    fn call(&mut self, request: Request) -> Result<Reply, Failure> {
+        let mut looks = 0_u32;
+        self.link.call_while(request, &mut || {
+            looks = looks.saturating_add(1);
+            looks <= PATIENT_LOOKS || !self.screen.is_left()
+        })
+    }
+
+    fn is_local(&self) -> bool {
+        self.link.is_local()
+    }
+
+    fn is_ending(&self) -> bool {
+        self.link.is_ending()
     }
 }
 

@@ -36,8 +36,19 @@ struct Meter {
 
 /// Shows a value until the user leaves. Without a name, the user chooses one first.
 pub(crate) fn meter(link: &mut dyn Link, name: Option<String>) -> Result<(), Error> {
+    let (view, looks) = first(link, name)?;
+    let mut screen = Screen::new()?;
+    match run(link, view, looks, &mut screen) {
+        Err(e) if !screen.is_left() => Err(e),
+        // The user left while the machine did not answer.
+        Ok(()) | Err(_) => Ok(()),
+    }
+}
+
+/// Returns the view to begin with.
+fn first(link: &mut dyn Link, name: Option<String>) -> Result<(View, Looks), Error> {
     let looks = Looks::new();
-    let mut view = match name {
+    let view = match name {
         None => View::Pick(pick(link, looks)?),
         Some(name) => {
             let found = look(link, core::slice::from_ref(&name))?;
@@ -49,11 +60,19 @@ pub(crate) fn meter(link: &mut dyn Link, name: Option<String>) -> Result<(), Err
             }
         }
     };
-    let mut screen = Screen::new()?;
+    Ok((view, looks))
+}
+
+fn run(
+    link: &mut dyn Link,
+    mut view: View,
+    looks: Looks,
+    screen: &mut Screen,
+) -> Result<(), Error> {
     let mut last = None;
     loop {
         if let View::Meter(meter) = &mut view {
-            meter.take(look(link, core::slice::from_ref(&meter.name))?);
+            meter.take(look(&mut screen.leaving(link), core::slice::from_ref(&meter.name))?);
         }
         screen.draw(|frame| match &mut view {
             View::Meter(meter) => meter.draw(frame),
@@ -78,19 +97,19 @@ pub(crate) fn meter(link: &mut dyn Link, name: Option<String>) -> Result<(), Err
                 }
                 (View::Meter(meter), Key::Left | Key::Right | Key::Letter('n' | 'p')) => {
                     let back = matches!(key, Key::Left | Key::Letter('p'));
-                    let (name, of) = neighbour(link, meter, back)?;
+                    let (name, of) = neighbour(&mut screen.leaving(link), meter, back)?;
                     Meter::new(name, of, looks)
                 }
                 (View::Meter(meter), Key::Enter | Key::Tab | Key::Letter('/' | 's')) => {
                     last = Some((meter.name.clone(), meter.of));
-                    view = View::Pick(pick(link, looks)?);
+                    view = View::Pick(pick(&mut screen.leaving(link), looks)?);
                     continue;
                 }
                 (View::Meter(_), _) => continue,
             };
             view = View::Meter(next);
         }
-        if !wait(link, STEP_MS)? {
+        if !wait(&mut screen.leaving(link), STEP_MS)? {
             return Ok(());
         }
     }

@@ -59,8 +59,10 @@ pub(crate) fn watch(
                 }
             }
             let ms = left.min(STEP_MS);
-            if !wait(link, ms)? {
-                return Ok(view.now);
+            match wait(&mut screen.leaving(link), ms) {
+                Ok(true) => {}
+                Err(e) if !screen.is_left() => return Err(e),
+                Ok(false) | Err(_) => return Ok(view.now),
             }
             left -= ms;
         }
@@ -71,7 +73,11 @@ pub(crate) fn watch(
             return Ok(view.now);
         }
         looks += 1;
-        view.take(look(link, &watch.patterns)?);
+        match look(&mut screen.leaving(link), &watch.patterns) {
+            Ok(next) => view.take(next),
+            Err(e) if !screen.is_left() => return Err(e),
+            Err(_) => return Ok(view.now),
+        }
     }
 }
 

@@ -193,8 +193,21 @@ fn ctrl_c_ends_the_clients_of_a_machine_that_stands_still() {
     let sampler = sampling(&scratch, "halsampler", &["samples"]);
     let mut view = Terminal::start(&scratch, "halscope", &["view", "n"]);
     view.until("triggers");
+    let watches = [["watch", "n"], ["watch", "n"], ["meter", "n"]];
+    let mut watches = watches.map(|words| Terminal::start(&scratch, "halcmd", &words));
+    for view in &mut watches {
+        view.until("quit");
+    }
     run(&scratch, "20ms");
     machine.signal(Signal::STOP);
+    // A key that is pressed when the machine has stopped to answer.
+    for (view, keys) in watches.iter_mut().zip(["q", "\u{3}", "q"]) {
+        view.keys(keys);
+    }
+    for view in watches {
+        let (_, sane, shown) = view.end();
+        assert!(sane, "{shown:?}");
+    }
     let begun = scratch.start(scratch.command(&[], "halscope").args(["capture", "n"]));
     // Each client now waits for a reply, in a system call that reads.
     for pid in captures.iter().chain([&sampler, &begun]).map(Running::pid) {
