@@ -428,6 +428,31 @@ fn a_slow_recording_is_in_its_file_while_the_machine_runs() {
     assert!(times.windows(2).all(|t| t[0] < t[1]), "{times:?}");
 }
 
+/// The guard writes what the control thread does not come to write.
+#[test]
+fn a_recording_grows_while_a_command_does_not_return() {
+    let scratch = Scratch::new("busy");
+    let lines = "loadrt threads name1=t period1=10000000\nloadrt not\nloadrt quits how=hang \
+                 where=command\nnet blink not.0.out => not.0.in\naddf not.0 t\nstart\nprint ready\n";
+    scratch.write("m.hal", lines);
+    let mut halrun = scratch.command(&[], "halrun");
+    halrun.env("HAL_RTMOD_DIR", plugins());
+    let running = scratch.start(halrun.args(["--simulate", "--record", "out.vcd", "m.hal"]));
+    until("it runs", || running.said().1.contains("ready"));
+    let client = scratch.start(scratch.command(&[], "halcmd").arg("quits.go"));
+    until("the command runs", || running.said().1.contains("it does not return"));
+    let size = || std::fs::metadata(scratch.path().join("out.vcd")).map_or(0, |m| m.len());
+    for _ in 0..2 {
+        let before = size();
+        until("more is in the file", || size() > before);
+    }
+    running.signal(Signal::KILL);
+    drop(client);
+    running.wait();
+    until("the watcher is done", || scratch.left().is_empty());
+    assert!(whole(&scratch, "out.vcd").len() > 10);
+}
+
 #[test]
 fn a_recording_that_is_written_as_fast_as_possible_is_whole_after_a_kill() {
     for kill in [Signal::KILL, Signal::SEGV, Signal::TERM] {
@@ -491,6 +516,53 @@ fn a_signal_is_heeded_while_a_script_waits_for_a_pipe() {
     assert!(output.stderr.contains("last words: it was 1 and is 0\n"), "{}", output.stderr);
     assert_eq!(output.status, Some(1));
     assert!(scratch.left().is_empty());
+}
+
+/// `-i` gives a script the INI file, whose time holds for it.
+#[test]
+fn outputs_are_safe_after_the_time_of_the_ini_file_and_halrun_u_reports_it() {
+    let scratch = Scratch::new("time");
+    let lines = "loadrt threads name1=t period1=1000000\nloadrt hal_parport cfg=\"0x378 out\"\n\
+                 loadrt last_words\nnet register parport.0.sim.data last-words.0.in\n\
+                 setp parport.0.pin-02-out 1\naddf parport.0.write t\naddf last-words.0 t\n\
+                 loadrt quits how=hang\naddf quits.0 t\nstart\n";
+    scratch.write("m.hal", lines);
+    scratch.write("m.ini", "[HAL]\nSTUCK_TIME = 70ms\n");
+    let mut halrun = scratch.command(&[], "halrun");
+    halrun.env("HAL_RTMOD_DIR", plugins());
+    let running = scratch.start(halrun.args(["--simulate", "-i", "m.ini", "m.hal"]));
+    until("it is stuck", || running.said().1.contains("failed in thread"));
+    let fault = "function 'quits.0' of component 'quits' failed in thread 't': it did not come back \
+                 within 70 ms; all threads are stopped and outputs are at their safe levels";
+    assert!(running.said().1.contains(fault), "{}", running.said().1);
+    let stopped = scratch.halrun(&["-U"]);
+    let said = "halrun: instance 'default' had a fault: function 'quits.0' of component 'quits' in \
+                thread 't': it did not come back within 70 ms\n";
+    assert_eq!((stopped.status, stopped.stderr.as_str()), (Some(1), said));
+    let output = running.wait();
+    assert!(output.stderr.contains("last words: it was 1 and is 0\n"), "{}", output.stderr);
+    assert_eq!(output.status, Some(1));
+}
+
+#[test]
+fn the_programs_of_an_instance_end_with_it() {
+    for signal in [Signal::TERM, Signal::SEGV, Signal::KILL] {
+        let scratch = Scratch::new("programs");
+        scratch.write("program.sh", "echo $$ > pid.part\nmv pid.part pid\nexec sleep 1000\n");
+        scratch.write(
+            "m.hal",
+            "loadrt threads name1=t period1=1000000\nloadusr sh program.sh\nstart\n",
+        );
+        let mut halrun = scratch.command(&[], "halrun");
+        let running = scratch.start(halrun.args(["--simulate", "m.hal"]));
+        let pid = || std::fs::read_to_string(scratch.path().join("pid")).unwrap_or_default();
+        until("the program runs", || !pid().is_empty());
+        running.signal(signal);
+        running.wait();
+        // One that has ended and whose parent has not asked has no words.
+        let words = || std::fs::read(format!("/proc/{}/cmdline", pid().trim())).unwrap_or_default();
+        until("the program has ended", || words().is_empty());
+    }
 }
 
 /// Prints the milliseconds from a signal until outputs are at their safe levels, in each state of

@@ -242,7 +242,7 @@ fn a_session_that_is_typed_ends_with_it() {
         let text = format!("{MACHINE}record out.vcd\nrun 20s\n{typed}");
         scratch.write("typed", text);
         let mut command = limited(&scratch, "300", &["--virtual"]);
-        let file = std::fs::File::open(scratch.path().join("typed")).unwrap();
+        let file = File::open(scratch.path().join("typed")).unwrap();
         let output = scratch.run(command.stdin(Stdio::from(file)));
         assert_eq!(output.status, Some(1), "{typed}: {}", output.stderr);
     }
@@ -335,7 +335,10 @@ fn a_recording_with_gaps_is_a_failure_of_the_run() {
         let mut all = Vec::new();
         pipe.read_to_end(&mut all).map(|_| all)
     });
-    assert_eq!(scratch.halcmd(&["shutdown"]).status, Some(0));
+    let stopped = scratch.halrun(&["-U"]);
+    let line = "halrun: instance 'default': out.vcd: N changes were lost for want of room";
+    assert!(lost(&scratch, &stopped.stderr, line) > 0);
+    assert_eq!(stopped.status, Some(1), "{}", stopped.stderr);
     let output = running.wait();
     let line = "out.vcd: N changes were lost for want of room";
     assert!(lost(&scratch, &output.stderr, line) > 0);
