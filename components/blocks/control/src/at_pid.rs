@@ -11,9 +11,9 @@ pub(crate) struct AtPid;
 impl Component for AtPid {
     const NAME: &'static str = "at_pid";
     const DOC: &'static str = "Closed loop with automatic tuning: the old name of `pid`.\n\n\
-        `pid` has had the tuning since LinuxCNC 2.9, and `at_pid` is gone there; it is here for scripts \
-        that have it. Pins and functions are those of `pid`, `pid.0` and so on, and only one of the two \
-        can be loaded with numbers.\n\n\
+        Since LinuxCNC 2.9, `pid` includes the tuning and `at_pid` no longer exists; this is for \
+        scripts that use it. Pins and functions are those of `pid`, `pid.0` and so on, and only \
+        one of the two can be loaded with numbers.\n\n\
         # Example\n\n\
         ```hal\n\
         loadrt at_pid num_chan=1\n\

@@ -28,11 +28,12 @@ impl Component for Pid {
         integral and the derivatives.\n\n\
         The output is `bias`, plus each gain times what it belongs to, within ±`maxoutput`: `Pgain` \
         the error, `Igain` its integral, `Dgain` its rate of change, `FF0` the command, and `FF1` to \
-        `FF3` the command's first to third derivative. A limit of 0 is none. The integral waits \
-        while the output is limited.\n\n\
+        `FF3` the command's first to third derivative. A limit of 0 means no limit. The integral \
+        is held while the output is limited.\n\n\
         Tuning: with `enable` and `tune-mode` true, `tune-start` lets the output switch between \
         `bias` plus and minus `tune-effort` as the error changes sign; after `tune-cycles` half \
-        cycles the gains are set from what was seen, and `tune-start` becomes false.\n\n\
+        cycles the gains are computed from the measured oscillation, and `tune-start` becomes \
+        false.\n\n\
         # Pins\n\n\
         ```hal\n\
         loadrt pid num_chan=1 debug=1\n\

@@ -18,8 +18,8 @@ pub(crate) struct Bitmerge {
 impl Component for Bitmerge {
     const NAME: &'static str = "bitmerge";
     const DOC: &'static str = "A number from its bits.\n\n\
-        `personality=` is how many of them, from the lowest: 1 to 32; 16 without it. `bitslice` is \
-        the way back.\n\n\
+        `personality=` is how many of them, from the lowest: 1 to 32; 16 without it. `bitslice` \
+        is the inverse.\n\n\
         # Example\n\n\
         ```hal\n\
         loadrt bitmerge personality=4\n\

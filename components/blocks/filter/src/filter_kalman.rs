@@ -33,9 +33,9 @@ pub(crate) struct FilterKalman {
 impl Component for FilterKalman {
     const NAME: &'static str = "filter_kalman";
     const DOC: &'static str = "Kalman filter of one number, such as a noisy temperature.\n\n\
-        The smaller `Qk` is beside `Rk`, the smoother and the slower is the estimate. Useful values \
-        are found by measuring: `Rk` is the variance of the sensor's noise, `Qk` that of what \
-        changes between two runs.\n\n\
+        The smaller `Qk` is relative to `Rk`, the smoother and slower the estimate. Measure to \
+        find useful values: `Rk` is the variance of the sensor's noise, `Qk` that of the change \
+        between two runs.\n\n\
         # Example\n\n\
         ```hal\n\
         loadrt filter_kalman\n\

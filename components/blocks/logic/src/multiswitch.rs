@@ -17,8 +17,8 @@ pub(crate) struct Multiswitch;
 impl Component for Multiswitch {
     const NAME: &'static str = "multiswitch";
     const DOC: &'static str = "A switch with several positions, moved by two buttons.\n\n\
-        One of its outputs is true: that of its position. The buttons move it, and from the last \
-        position it goes on to the first.\n\n\
+        The output of its position is true. The buttons move the switch, and from the last \
+        position it continues at the first.\n\n\
         `cfg=4,6` makes `multiswitch.0` with four positions and `multiswitch.1` with six; without \
         it there is one with four.\n\n\
         # Example\n\n\

@@ -38,10 +38,10 @@ struct Range {
 impl Component for LimitAxis {
     const NAME: &'static str = "limit_axis";
     const DOC: &'static str = "Limits of an axis that depend on the position of another.\n\n\
-        Each range has an interval of `fb` and limits. The first range that is enabled, whose \
-        values are in order and that holds `fb` gives its limits to the outputs. A sticky range, \
-        once chosen, keeps its limits until it is no longer sticky, not enabled, or wrong. Where \
-        no range holds, the outputs keep their values and `error-no-range` says so.\n\n\
+        Each range has an interval of `fb` and limits. The first range that is enabled, has its \
+        values in order and contains `fb` sets the output limits. A sticky range, once selected, \
+        keeps its limits until it is no longer sticky, is disabled, or is invalid. If no range \
+        applies, the outputs keep their values and `error-no-range` is true.\n\n\
         `personality=` is the number of ranges, 1 to 10; 2 without it.\n\n\
         # Example\n\n\
         ```hal\n\

@@ -23,8 +23,9 @@ pub(crate) struct Lincurve {
 impl Component for Lincurve {
     const NAME: &'static str = "lincurve";
     const DOC: &'static str = "A curve through points, with straight lines between them.\n\n\
-        It makes a sensor linear, or a gain depend on something. Before the first point and after \
-        the last the output is theirs. The `x-val-##` must not fall.\n\n\
+        It linearises a sensor, or makes a gain depend on another value. Before the first point \
+        and after the last, the output is that of the first and last point. The `x-val-##` must \
+        not decrease.\n\n\
         `personality=` is the number of points, 1 to 16; 2 without it.\n\n\
         # Example\n\n\
         ```hal\n\

@@ -15,8 +15,8 @@ impl Component for Modmath {
     const DOC: &'static str = "Shorter direction to a position on a tool turret or dial: up or \
         down.\n\n\
         `mod_dir=2` makes `mod-dir.0` and `mod-dir.1`. Positions are counted from `min-num` to \
-        `max-num`, and `min-num` follows `max-num`; when both ways are equally long, it is the way \
-        that does not cross the ends. Whole rounds do not count.\n\n\
+        `max-num`, and `min-num` follows `max-num`; if both directions are equally long, the one \
+        that does not cross the ends is selected. Whole turns do not count.\n\n\
         # Example\n\n\
         ```hal\n\
         # A turret with 8 tools, 1 to 8: from 7 to 2 it is shorter over 8.\n\

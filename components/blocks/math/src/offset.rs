@@ -16,7 +16,7 @@ pub(crate) struct Offset;
 impl Component for Offset {
     const NAME: &'static str = "offset";
     const DOC: &'static str = "Adds an offset to a number, and subtracts it from the feedback.\n\n\
-        Two functions: `update-output` on the way out, `update-feedback` on the way back.\n\n\
+        Two functions: `update-output` for the command, `update-feedback` for the feedback.\n\n\
         # Example\n\n\
         ```hal\n\
         loadrt offset\n\

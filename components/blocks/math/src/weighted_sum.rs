@@ -13,8 +13,8 @@ pub(crate) struct WeightedSum;
 impl Component for WeightedSum {
     const NAME: &'static str = "weighted_sum";
     const DOC: &'static str = "Sum of the weights of the bits that are true.\n\n\
-        `wsum_sizes=3,8` makes `wsum.0` of three bits and `wsum.1` of eight. The weights are 1, 2, \
-        4, 8 and so on, so that the bits are a binary number, until they are changed. One function \
+        `wsum_sizes=3,8` makes `wsum.0` of three bits and `wsum.1` of eight. The weights are \
+        initially 1, 2, 4, 8 and so on, so that the bits form a binary number. One function \
         computes all sums.\n\n\
         # Example\n\n\
         ```hal\n\

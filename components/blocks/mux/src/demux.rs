@@ -21,7 +21,7 @@ impl Component for Demux {
     const NAME: &'static str = "demux";
     const DOC: &'static str = "Sets one of up to 32 bits by number, or all bits up to it.\n\n\
         `personality=` is the number of outputs; 32 without it. The selector bits, worth 1 to 16, and \
-        `sel-u32` together are the number; the last output stands for all beyond it,\n\
+        `sel-u32` together are the number; the last output also stands for all higher numbers,\n\
          and numbers of 2^31 and more choose none.\n\n\
         # Example\n\n\
         ```hal\n\

@@ -18,9 +18,9 @@ impl Component for DemuxGeneric {
         are 0.\n\n\
         `config=ff4,bu12` makes `demux-gen.00`, a float to one of four floats, and `demux-gen.01`, a \
         bit to one of twelve unsigned numbers. The letters are `b` bit, `f` float, `s` s32, `u` u32; \
-        one alone stands for both. Each has 2 to 1024 outputs. Bits that select are there when \
-        the number of outputs is a power of two, or one more; `sel-int` is added to them.\n\n\
-        A value that an output cannot have becomes the nearest, as in `mux_generic`.\n\n\
+        one alone stands for both. Each has 2 to 1024 outputs. Selector bits exist if the number \
+        of outputs is a power of two, or one more; `sel-int` is added to them.\n\n\
+        A value out of an output's range becomes the nearest one, as in `mux_generic`.\n\n\
         # Example\n\n\
         ```hal\n\
         loadrt demux_generic config=ff4\n\

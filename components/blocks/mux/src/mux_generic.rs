@@ -17,11 +17,11 @@ impl Component for MuxGeneric {
     const DOC: &'static str = "Selects one of several values, and converts it to any type.\n\n\
         `config=ff4,bu12` makes `mux-gen.00`, one of four floats as a float, and `mux-gen.01`, one \
         of twelve bits as an unsigned number. The letters are `b` bit, `f` float, `s` s32, `u` u32; \
-        one alone stands for both. Each has 2 to 1024 inputs. Bits that select are there when \
-        the number of inputs is a power of two, or one more; `sel-int` is added to them.\n\n\
-        A value that its output cannot have becomes the nearest; a float beyond 2e-7 is a true bit, \
-        what is no number is false, 0, or as s32 -2147483648. Floats are kept at -2147483647 or \
-        more.\n\n\
+        one alone stands for both. Each has 2 to 1024 inputs. Selector bits exist if the number \
+        of inputs is a power of two, or one more; `sel-int` is added to them.\n\n\
+        A value out of its output's range becomes the nearest one; a float beyond 2e-7 becomes a \
+        true bit, and NaN becomes false, 0, or, as s32, -2147483648. Floats are kept at \
+        -2147483647 or more.\n\n\
         # Example\n\n\
         ```hal\n\
         loadrt mux_generic config=fs3\n\

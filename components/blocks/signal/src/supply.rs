@@ -21,8 +21,8 @@ pub(crate) struct Supply {
 impl Component for Supply {
     const NAME: &'static str = "supply";
     const DOC: &'static str = "A bit and a number set by hand, for experiments.\n\n\
-        `num_chan=2` makes `supply.0` and `supply.1`; one without it. `setp` and `sets` do the same \
-        without it.\n\n\
+        `num_chan=2` makes `supply.0` and `supply.1`; without it there is one. `setp` and `sets` \
+        do the same without this component.\n\n\
         # Example\n\n\
         ```hal\n\
         loadrt supply\n\

@@ -14,8 +14,8 @@ impl Component for Threads {
     const DOC: &'static str = "Creates up to three realtime threads.\n\n\
         `name1=fast period1=100000 name2=slow period2=1000000` creates two, the first with the \
         highest priority. A thread is created when it has a name and a period above zero; no \
-        period may be shorter than that of the thread before. They go when the component is \
-        unloaded.\n\n\
+        period may be shorter than that of the thread before. They are removed when the component \
+        is unloaded.\n\n\
         # Example\n\n\
         ```hal\n\
         loadrt threads name1=base period1=100000 name2=servo period2=1000000\n\

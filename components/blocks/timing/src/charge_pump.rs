@@ -22,9 +22,9 @@ pub(crate) struct ChargePump {
 impl Component for ChargePump {
     const NAME: &'static str = "charge_pump";
     const DOC: &'static str = "Square wave that stops when the machine stops.\n\n\
-        A charge pump outside keeps a relay closed only while it is fed: link `out` to a port's \
-        pin and put the function `charge-pump` in the thread that must not stop. There is one of \
-        it, without a number in its names.\n\n\
+        An external charge pump keeps a relay closed only while it gets this square wave: link \
+        `out` to a port's pin and put the function `charge-pump` in the thread that must not \
+        stop. There is only one instance, without a number in its names.\n\n\
         # Example\n\n\
         ```hal\n\
         loadrt charge_pump\n\

@@ -67,8 +67,9 @@ impl Component for Histobins {
     const DOC: &'static str = "A histogram of a value, with mean and variance.\n\n\
         Each run counts the value in one of `nbins` bins, the first of which begins at `minvalue`. \
         A program reads them one at a time: it sets `index`, waits until `check` is equal, and reads \
-        `binvalue`. The first run, and one that finds `nbins`, `binsize` or `minvalue` changed, \
-        begins anew: it is counted as a sample, but with the value 0 for the mean, and in no bin.\n\n\
+        `binvalue`. The first run, and a run after a change of `nbins`, `binsize` or `minvalue`, \
+        restarts the histogram: it counts as a sample, but with the value 0 for the mean, and in \
+        no bin.\n\n\
         # Example\n\n\
         ```hal\n\
         loadrt histobins\n\

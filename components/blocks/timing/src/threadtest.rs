@@ -10,8 +10,8 @@ pub(crate) struct Threadtest {
 impl Component for Threadtest {
     const NAME: &'static str = "threadtest";
     const DOC: &'static str = "Counts the runs of a thread during one period of another.\n\n\
-        `threadtest.0.increment` counts in a fast thread, and `threadtest.0.reset` begins anew in a \
-        slower one.\n\n\
+        `threadtest.0.increment` counts in a fast thread, and `threadtest.0.reset` restarts the \
+        count in a slower one.\n\n\
         # Example\n\n\
         ```hal\n\
         loadrt threadtest\n\

@@ -30,7 +30,7 @@ pub(crate) struct Timedelta {
 impl Component for Timedelta {
     const NAME: &'static str = "timedelta";
     const DOC: &'static str = "Regularity of a thread: periods and jitter.\n\n\
-        Under the virtual clock it runs exactly at its period.\n\n\
+        On the virtual clock a thread runs exactly at its period.\n\n\
         # Example\n\n\
         ```hal\n\
         loadrt timedelta\n\

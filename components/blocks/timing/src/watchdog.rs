@@ -18,8 +18,8 @@ impl Component for Watchdog {
     const NAME: &'static str = "watchdog";
     const DOC: &'static str = "Checks that several bits, such as heartbeats, keep changing.\n\n\
         `num_inputs=2` makes `watchdog.input-0` and `watchdog.input-1`, each with a timeout. \
-        `watchdog.process` looks at them and belongs in a fast thread; `watchdog.set-timeouts` takes \
-        over the timeouts and watches `enable-in`, in a slower one.\n\n\
+        `watchdog.process` checks them and belongs in a fast thread; `watchdog.set-timeouts` \
+        applies the timeouts and reads `enable-in`, in a slower one.\n\n\
         # Example\n\n\
         ```hal\n\
         loadrt watchdog num_inputs=1\n\

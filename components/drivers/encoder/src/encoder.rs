@@ -27,12 +27,12 @@ impl Component for Encoder {
     const NAME: &'static str = "encoder";
     const DOC: &'static str = "Counts the pulses of encoders: position and speed.\n\n\
         `num_chan=2` makes `encoder.0` and `encoder.1`, `names=x,z` makes `x` and `z`, nothing makes \
-        three; at most 8. `encoder.update-counters` looks at the phases and belongs in the fastest \
-        thread: what changes twice between two runs is lost. `encoder.capture-position` computes \
-        positions and speeds, in a slower one.\n\n\
-        A before B counts up, four counts to a cycle. With `index-enable` true, the next rising edge \
-        of Z makes the position zero there and `index-enable` false. The speed comes from the time \
-        between counts, not from how many there were in a period.\n\n\
+        three; at most 8. `encoder.update-counters` reads the phases and belongs in the fastest \
+        thread: a phase that changes twice between two runs loses counts. \
+        `encoder.capture-position` computes positions and speeds, in a slower one.\n\n\
+        If A leads B it counts up, with four counts per cycle. With `index-enable` true, the next \
+        rising edge of Z makes the position zero there and `index-enable` false. The speed is \
+        computed from the time between counts, not from the number of counts in a period.\n\n\
         # Example\n\n\
         ```hal\n\
         loadrt encoder num_chan=1\n\

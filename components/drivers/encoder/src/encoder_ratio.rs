@@ -15,8 +15,8 @@ impl Component for EncoderRatio {
         master.\n\n\
         `num_chan=2` makes `encoder-ratio.0` and `encoder-ratio.1`, `names=x,y` makes `x` and `y`; 1 to 8. \
         The error goes to a position loop that moves the slave: it grows as the slave turns, and, while \
-        enabled, shrinks as the master does, in the ratio of the teeth. What changes in the numbers of \
-        pulses and teeth counts from the next run of `update` on, for the whole error; where one of them is 0, \
+        enabled, shrinks as the master does, in the ratio of the teeth. New numbers of pulses and \
+        teeth apply from the next run of `update` on, to the whole error; if one of them is 0, \
         the error is 0.\n\n\
         # Example\n\n\
         The master turns by one of 100 pulses, at a ratio of 3 to 2.\n\n\

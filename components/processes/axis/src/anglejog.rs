@@ -16,17 +16,18 @@ impl Component for Anglejog {
     const NAME: &'static str = "anglejog";
     const DOC: &'static str = "Jogs two axes together along an angle, with one hand wheel.\n\n\
         While `enable-in` is true, each count of the wheel moves a point by `scale-in` along a line at \
-        `angle-degrees-in`, with limits of speed and acceleration. `coscounts` and `sincounts` are where \
-        the point is along the two axes, in counts for `axis.L.jog-counts`; `current-scale-out` is \
-        what one of them is worth, and goes to `axis.L.jog-scale` of both. `enable-out` goes to \
-        `jog-enable`, the two fractions to `jog-accel-fraction`. `max-vel` and `max-accel` should be no \
-        more than the slower of the two axes can do. A machine that jogs joints as well needs the same \
-        links for them.\n\n\
-        Angle, scale and `iscale-factor` are taken while `enable-in` is false. Then the point slows \
-        down and stands; what the wheel does meanwhile does not count. As it becomes true, the \
-        point stands still at once until the wheel turns, and then goes on with the speed that it had. \
-        Until the wheel has turned once since, a new angle has no effect on the counts.\n\n\
-        A scale of 0, or one that is no number, makes counts of -2147483648.\n\n\
+        `angle-degrees-in`, with limits of speed and acceleration. `coscounts` and `sincounts` \
+        are the positions of the point along the two axes, in counts for `axis.L.jog-counts`; \
+        `current-scale-out` is the distance per count, and goes to `axis.L.jog-scale` of both. \
+        `enable-out` goes to `jog-enable`, the two fractions to `jog-accel-fraction`. `max-vel` \
+        and `max-accel` should be no more than the slower of the two axes can do. A machine that \
+        jogs joints as well needs the same links for them.\n\n\
+        Angle, scale and `iscale-factor` are read while `enable-in` is false. Meanwhile the point \
+        slows down and stops, and movements of the wheel are ignored. When `enable-in` becomes \
+        true, the point stops at once until the wheel turns, and then continues with the speed \
+        that it had. Until the wheel has turned once since, a new angle has no effect on the \
+        counts.\n\n\
+        A scale of 0 or NaN makes counts of -2147483648.\n\n\
         # Example\n\n\
         One count of 0.1 at 30 degrees: 0.0866 along the first axis, 0.05 along the second.\n\n\
         ```hal\n\

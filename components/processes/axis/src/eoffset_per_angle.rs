@@ -14,8 +14,8 @@ pub(crate) struct EoffsetPerAngle;
 impl Component for EoffsetPerAngle {
     const NAME: &'static str = "eoffset_per_angle";
     const DOC: &'static str = "An offset of an axis that follows an angle, such as to turn polygons.\n\n\
-        The angle is that of a spindle or of a rotary axis, the offset an external one of the axis that \
-        stands across it: `kcounts` goes to `axis.L.eoffset-counts`, `kreciprocal` to \
+        The angle is that of a spindle or of a rotary axis, the offset an external offset of the \
+        axis perpendicular to it: `kcounts` goes to `axis.L.eoffset-counts`, `kreciprocal` to \
         `axis.L.eoffset-scale`, `enable-out` to `axis.L.eoffset-enable`, `clear` to \
         `axis.L.eoffset-clear`, and `active` comes from `motion.eoffset-active`.\n\n\
         With r = `radius-ref`, a = `rfraction`, n = `fmult` and the angle φ since `start-angle`, `fnum` \
@@ -26,12 +26,12 @@ impl Component for EoffsetPerAngle {
         | 1 | polygon of n sides within a circle: (1 + a)·r·cos(180°/n) / cos θ - r |\n\
         | 2 | wave: a·r·(1 - cos nφ) / 2 |\n\
         | 3 | steps: a·r where cos nφ is not above 0, else 0 |\n\n\
-        θ is how far φ is from the middle of its side. A polygon needs n above 2; with less the offset \
-        goes back to 0, a message says so, and `enable-in` must become false and true again. As \
-        `enable-in` becomes false the offset goes back to 0 as fast as the axis allows for it, and \
-        `clear` is true until it is there. A machine that is off has none.\n\n\
-        Parts of a count are cut off. An offset that does not fit in them, or is no number, makes \
-        -2147483648 of them.\n\n\
+        θ is the angle from the middle of the side to φ. A polygon needs n above 2; with less the \
+        offset goes back to 0, a message says so, and `enable-in` must become false and true \
+        again. As `enable-in` becomes false the offset goes back to 0 as fast as the axis allows \
+        for it, and `clear` is true until it is there. A machine that is off has no offset.\n\n\
+        Fractions of a count are cut off. An offset that does not fit, or is NaN, becomes \
+        -2147483648 counts.\n\n\
         LinuxCNC 2.9 takes θ up to 1.5 sides from the middle for angles below `start-angle`, where its \
         polygons have spikes. Here they are polygons at every angle.\n\n\
         # Example\n\n\

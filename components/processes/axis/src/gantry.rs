@@ -17,9 +17,10 @@ impl Component for Gantry {
     const NAME: &'static str = "gantry";
     const DOC: &'static str = "One axis driven by several motors, each homed to its own switch.\n\n\
         `personality=` is the number of joints, 0 to 7. All follow the command, less an offset of \
-        their own. While the command moves as `search-vel` does, and some but not all of the switches \
-        are pressed, each joint whose switch is pressed stands still: its offset grows instead. \
-        `gantry.N.read` belongs before the motion controller, `gantry.N.write` after it.\n\n\
+        their own. While the command moves in the direction of `search-vel`, and some but not all \
+        of the switches are pressed, each joint whose switch is pressed stops: its offset grows \
+        instead. `gantry.N.read` belongs before the motion controller, `gantry.N.write` after \
+        it.\n\n\
         As measured on LinuxCNC 2.9: `home` and what is fed back are those of the first two joints; \
         `home` becomes true when both their switches are pressed, and false when neither is. The \
         offsets are kept in single precision.\n\n\

@@ -15,9 +15,10 @@ impl Component for Message {
     const NAME: &'static str = "message";
     const DOC: &'static str = "Messages triggered by bits, such as a low oil level.\n\n\
         `messages=` has a text for each of `count=` or `names=`, separated by commas; more are not used. \
-        The text comes as an error of the instance, in `halcmd` and in the log, as soon as the bit \
-        becomes what `edge` says. LinuxCNC shows it in its user interface as well. A text stays in \
-        memory when its component is unloaded, once however often it is loaded.\n\n\
+        The text is printed as an error of the instance, in `halcmd` and in the log, as soon as \
+        the bit reaches the state that `edge` selects. LinuxCNC shows it in its user interface as \
+        well. A text stays in memory when its component is unloaded, but only once, however often \
+        it is loaded.\n\n\
         # Example\n\n\
         ```hal\n\
         loadrt message names=oil messages=\"Slideway oil low\"\n\

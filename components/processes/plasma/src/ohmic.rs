@@ -46,7 +46,7 @@ pub(crate) struct Ohmic {
     /// Volts at the torch for one volt at the card.
     #[hal(default = 4.9)]
     volt_divider: In<f64>,
-    /// Selects the contact threshold while probing: 0 V if this is 0, else 1 V.
+    /// Contact threshold while probing, in volts: 0 V if this is 0, else 1 V.
     #[hal(default = 22.0)]
     ohmic_threshold: In<f64>,
     /// Voltage at the torch, in volts, below which contact ends while not probing.

@@ -15,10 +15,10 @@ impl Component for Spindle {
     const NAME: &'static str = "spindle";
     const DOC: &'static str = "Speed of a spindle with gears, with limits of speed and acceleration.\n\n\
         It is for drives with an input for each direction, such as inverters. `numgears=3` makes pins for \
-        three gears, 1 to 16; with several instances, `numgears=3,2` for each of them. With an encoder, the output is the speed that is measured plus `accel` \
-        or less `decel`, no further than the command; with `simulate-encoder` the speed itself \
-        changes by so much per second. A limit of 0 or less is none. The spindle stops \
-        before it turns the other way.\n\n\
+        three gears, 1 to 16; with several instances, `numgears=3,2` for each of them. With an \
+        encoder, the output is the measured speed plus `accel` or minus `decel`, limited by the \
+        command; with `simulate-encoder` the speed itself changes by that amount per second. A \
+        limit of 0 or less means no limit. The spindle stops before it turns the other way.\n\n\
         # Example\n\n\
         Without an encoder, 1000 turns per minute are reached after half a second.\n\n\
         ```hal\n\

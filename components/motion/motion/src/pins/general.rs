@@ -6,8 +6,8 @@ use hal_component::{In, Out, ParamRo};
 pins! {
     /// Pins of motion as a whole.
     GeneralPins {
-        /// Factor for the feed of coordinated moves, if `motion.feed adaptive=1` switched it on: 0 to the highest
-        /// override. Negative numbers and NaN count as 0.
+        /// Factor (a ratio) for the feed of coordinated moves, if `motion.feed adaptive=1` switched it on: 0 to the
+        /// highest override. Negative numbers and NaN count as 0.
         adaptive_feed: In<f64> = 1.0, "adaptive-feed";
         /// TRUE stops coordinated moves along their path until it is FALSE, unless
         /// `motion.feed hold=0` switched it off.
