@@ -11,10 +11,11 @@
 mod handover;
 mod models;
 mod retired;
+mod slots;
 
 /// The contents of the engine's `sync.rs`, from the checker.
 mod sync {
-    pub(crate) use loom::sync::atomic::{AtomicBool, AtomicPtr, Ordering, fence};
+    pub(crate) use loom::sync::atomic::{AtomicBool, AtomicPtr, AtomicU64, Ordering, fence};
 
     pub(crate) fn relax() {
         loom::thread::yield_now();

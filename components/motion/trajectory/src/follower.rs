@@ -15,11 +15,14 @@ mod event;
 use crate::{
     pose::Pose,
     speed::MAX_SAMPLES,
-    track::{Cell, Track},
+    track::{Cell, Path},
 };
 
 /// Largest number of changes of acceleration in a period. A cell border is one.
-const MAX_EVENTS: u32 = 64;
+const MAX_EVENTS: u32 = 96;
+
+/// A way that is rounding: nothing moves for it.
+const NO_WAY: f64 = 1e-13;
 
 /// Periods of rest, beyond the length of the filter, before motion leaves an exact stop.
 const REST: u32 = 3;
@@ -36,6 +39,8 @@ pub struct Follower {
     speed: f64,
     back: bool,
     output: Place,
+    /// Rounding of the output's place that is still to be made good.
+    carry: f64,
     ring: Box<[f64]>,
     samples: usize,
     next: usize,
@@ -45,6 +50,8 @@ pub struct Follower {
     since_up: f64,
     since_down: f64,
     recheck: u8,
+    /// True if reverse motion was asked for.
+    asked: bool,
     events: u32,
     position: Pose,
     line: u32,
@@ -82,6 +89,7 @@ impl Follower {
             speed: 0.0,
             back: false,
             output: Place::default(),
+            carry: 0.0,
             ring: vec![0.0; usize::from(MAX_SAMPLES)].into_boxed_slice(),
             samples: 1,
             next: 0,
@@ -90,6 +98,7 @@ impl Follower {
             since_up: f64::INFINITY,
             since_down: f64::INFINITY,
             recheck: 0,
+            asked: false,
             events: 0,
             position: start,
             line: 0,
@@ -97,11 +106,12 @@ impl Follower {
     }
 
     /// Advances by one period. `scale` is the feed override; 0 holds. `reverse` moves back along the path.
-    pub fn step(&mut self, track: &Track, scale: f64, reverse: bool) -> Step {
+    pub fn step(&mut self, track: &impl Path, scale: f64, reverse: bool) -> Step {
         let scale = if scale > 0.0 { scale.min(1e6) } else { 0.0 };
         let moved = self.walk(track, scale, reverse);
         let travel = self.filter(moved);
         self.advance(track, travel);
+        track.release(self.oldest());
         Step {
             pose: self.position,
             line: self.line,
@@ -111,10 +121,10 @@ impl Follower {
     }
 
     /// Returns true if the follower rests at the end of the track and the filter is flat.
-    pub fn is_done(&self, track: &Track) -> bool {
+    pub fn is_done(&self, track: &impl Path) -> bool {
         let last = track.cell(self.cell);
         let after = track.cell(self.cell + 1).is_none();
-        after && self.is_flat() && last.is_none_or(|c| self.place(c).x >= c.length)
+        after && self.is_flat() && last.is_none_or(|c| self.place(&c).x >= c.length)
     }
 
     /// Returns the largest number of events in a period so far.
@@ -143,12 +153,16 @@ impl Follower {
     }
 
     /// Walks the input for one period and returns its travel.
-    fn walk(&mut self, track: &Track, scale: f64, reverse: bool) -> f64 {
+    fn walk(&mut self, track: &impl Path, scale: f64, reverse: bool) -> f64 {
         let mut left = self.period;
         let mut moved = 0.0;
         let mut still = true;
         let mut events = 0;
         self.recheck = self.recheck.saturating_sub(1);
+        if self.asked && !reverse && !self.back {
+            self.asked = false;
+            let _ = track.may_turn(false);
+        }
         while left > 0.0 && events < MAX_EVENTS {
             events += 1;
             let Some(cell) = track.cell(self.cell) else { break };
@@ -157,24 +171,32 @@ impl Follower {
                 self.to_go = cell.length;
             }
             if self.speed == 0.0 && self.back != reverse {
+                self.asked = reverse;
+                if !track.may_turn(reverse) {
+                    break;
+                }
                 self.back = reverse;
                 self.to_go = cell.length - self.to_go;
             }
-            if usize::from(cell.samples) != self.samples && !self.change_filter(cell) {
+            if usize::from(cell.samples) != self.samples && !self.change_filter(&cell) {
                 break;
             }
-            if self.to_go <= 0.0 {
-                if !self.cross(track, cell) {
+            if self.to_go <= 0.0 || self.speed == 0.0 && self.to_go <= NO_WAY {
+                self.to_go = 0.0;
+                if !self.cross(track, &cell) {
                     break;
                 }
                 continue;
             }
             let cap = if self.back == reverse { cell.feed * scale } else { 0.0 };
-            let Some((time, distance)) = self.event(track, cell, cap, left) else { break };
+            let Some((time, distance)) = self.event(track, &cell, cap, left) else { break };
             left -= time;
             self.since_up += time;
             self.since_down += time;
+            // The travel is what the place has really moved, rounding included, so that input and output agree in the end.
+            let before = self.to_go;
             self.to_go -= distance;
+            let distance = before - self.to_go;
             // A stop that is reached in this period needs its full time of rest.
             self.flat = 0;
             still = false;
@@ -193,7 +215,7 @@ impl Follower {
     }
 
     /// Goes to the next cell, or waits at a stop. Returns false if the input stays.
-    fn cross(&mut self, track: &Track, cell: &Cell) -> bool {
+    fn cross(&mut self, track: &impl Path, cell: &Cell) -> bool {
         let (number, floor) = if self.back {
             let Some(number) = self.cell.checked_sub(1) else {
                 self.speed = 0.0;
@@ -208,6 +230,8 @@ impl Follower {
             self.speed = 0.0;
             return false;
         };
+        // A planner in another thread may have made the cell a stop before it added the next one.
+        let cell = track.cell(self.cell).unwrap_or(*cell);
         if if self.back { next.stop } else { cell.stop } {
             self.speed = 0.0;
             if !self.has_rested() {
@@ -258,14 +282,19 @@ impl Follower {
     }
 
     /// Moves the output along the track.
-    fn advance(&mut self, track: &Track, travel: f64) {
+    fn advance(&mut self, track: &impl Path, travel: f64) {
         if self.is_flat() {
             // Input and output agree but for rounding.
             if let Some(cell) = track.cell(self.cell) {
-                self.output = self.place(cell);
+                self.output = self.place(&cell);
+                self.carry = 0.0;
             }
         } else {
-            self.output.x += travel;
+            // Compensated summation: a crawl of hours must end where the input does.
+            let more = travel - self.carry;
+            let x = self.output.x + more;
+            self.carry = (x - self.output.x) - more;
+            self.output.x = x;
             while let Some(cell) = track.cell(self.output.cell) {
                 if self.output.x > cell.length {
                     if track.cell(self.output.cell + 1).is_none() {
@@ -288,9 +317,9 @@ impl Follower {
             }
         }
         if let Some(cell) = track.cell(self.output.cell)
-            && let Some(curve) = track.curve(cell.curve)
+            && let Some(pose) = track.pose(cell.curve, cell.from + self.output.x)
         {
-            self.position = curve.pose(cell.from + self.output.x);
+            self.position = pose;
             self.line = cell.line;
         }
     }

@@ -33,6 +33,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod axis;
 mod blend;
 mod bounds;
 mod certificate;
@@ -46,9 +47,13 @@ mod moves;
 mod plan;
 mod pose;
 mod segment;
+mod share;
+mod slots;
 mod speed;
+mod sync;
 mod track;
 
+pub use axis::{Axis, Goal};
 pub use bounds::Bounds;
 pub use certificate::{Rejection, Rule};
 pub use curve::{Curve, Derivatives};
@@ -59,4 +64,5 @@ pub use machine::{JOINTS, Limits, Machine};
 pub use moves::{Mode, Move, SHORTEST, Shape};
 pub use plan::{CAPACITY, Planner};
 pub use pose::{AXES, FARTHEST, Group, Pose};
-pub use track::{Cell, Track};
+pub use share::{Publisher, Reader, share};
+pub use track::{Cell, Path, Track};

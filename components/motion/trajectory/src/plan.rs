@@ -38,6 +38,7 @@ pub struct Planner<K> {
     position: Pose,
     /// Last segment, whose end depends on the next one, and the coordinate up to which it is used.
     held: Option<(Segment, f64)>,
+    window: Window,
 }
 
 /// A piece of a curve of the path, between two coordinates of it.
@@ -74,6 +75,7 @@ impl<K: Kinematics> Planner<K> {
             certificate: Certificate::default(),
             position: start,
             held: None,
+            window: Window::default(),
         })
     }
 
@@ -114,7 +116,7 @@ impl<K: Kinematics> Planner<K> {
 
     /// Forgets cells before this number. Call it while the follower moves forward or rests.
     pub fn forget(&mut self, number: u64) {
-        self.track.forget(number);
+        let _ = self.track.forget(number);
     }
 
     /// Returns the end of the last accepted move.
@@ -269,8 +271,10 @@ impl<K: Kinematics> Planner<K> {
         let (time, longest) = (self.law.reach(), self.law.longest_reach());
         let samples = self.law.samples;
         let shortest = 0.1 * self.machine.period;
-        let Self { erosion, certificate, track, .. } = self;
+        let Self { erosion, certificate, track, window, machine, .. } = self;
         let mut give = |mut raw: Raw| {
+            // The follower passes a bounded number of cells in a period.
+            raw.allowed.speed = raw.allowed.speed.min(window.add(raw.length) / machine.period);
             if time > 0.0 {
                 certificate.admit(&mut raw, time, longest);
             }
@@ -307,7 +311,34 @@ impl<K: Kinematics> Planner<K> {
     }
 
     fn publish(&mut self) {
-        self.track.sweep();
+        let _ = self.track.sweep();
+    }
+}
+
+/// Lengths of the last cells.
+#[derive(Clone, Copy, Debug)]
+struct Window {
+    lengths: [f64; Self::CELLS],
+    next: usize,
+}
+
+impl Default for Window {
+    fn default() -> Self {
+        Self { lengths: [1e9; Self::CELLS], next: 0 }
+    }
+}
+
+impl Window {
+    /// Largest number of cells that the follower passes in one period.
+    const CELLS: usize = 8;
+
+    /// Adds a cell and returns the length of the last cells together.
+    fn add(&mut self, length: f64) -> f64 {
+        if let Some(slot) = self.lengths.get_mut(self.next) {
+            *slot = length;
+        }
+        self.next = (self.next + 1) % Self::CELLS;
+        self.lengths.iter().sum()
     }
 }
 

@@ -8,7 +8,24 @@
 
 use std::collections::VecDeque;
 
-use crate::curve::Curve;
+use crate::{curve::Curve, pose::Pose};
+
+/// Path of a follower: the [`Track`] itself, or the [`Reader`](crate::Reader) of a planner in another thread.
+pub trait Path {
+    /// Returns a cell by its number.
+    fn cell(&self, number: u64) -> Option<Cell>;
+
+    /// Returns the pose on a curve at a path coordinate.
+    fn pose(&self, curve: u64, s: f64) -> Option<Pose>;
+
+    /// Returns true if the motion, which rests, may begin in this direction.
+    fn may_turn(&self, _reverse: bool) -> bool {
+        true
+    }
+
+    /// Reports the oldest cell that the follower still uses.
+    fn release(&self, _oldest: u64) {}
+}
 
 /// A piece of the path with constant limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,6 +85,16 @@ pub struct Track {
     swept: u64,
 }
 
+impl Path for Track {
+    fn cell(&self, number: u64) -> Option<Cell> {
+        Self::cell(self, number).copied()
+    }
+
+    fn pose(&self, curve: u64, s: f64) -> Option<Pose> {
+        self.curve(curve).map(|c| c.pose(s))
+    }
+}
+
 impl Track {
     /// Returns a cell by its number.
     pub fn cell(&self, number: u64) -> Option<&Cell> {
@@ -84,6 +111,11 @@ impl Track {
     /// Number of the oldest cell that is kept.
     pub const fn oldest(&self) -> u64 {
         self.first_cell
+    }
+
+    /// Number of the oldest curve that is kept.
+    pub(crate) const fn oldest_curve(&self) -> u64 {
+        self.first_curve
     }
 
     /// Number of cells kept.
@@ -106,8 +138,12 @@ impl Track {
         self.cells.capacity() * size_of::<Cell>() + self.curves.capacity() * size_of::<Curve>()
     }
 
-    /// Forgets cells before `number`, and their curves. Reverse motion can then return to the start of that cell.
-    pub fn forget(&mut self, number: u64) {
+    /// Forgets cells before `number`, and their curves. Reverse motion can then return to the start of that cell. Returns
+    /// the number of the first cell whose `begin` has not changed.
+    pub fn forget(&mut self, number: u64) -> u64 {
+        if number <= self.first_cell {
+            return self.first_cell;
+        }
         while self.first_cell < number && self.cells.len() > 1 {
             self.cells.pop_front();
             self.first_cell += 1;
@@ -120,13 +156,16 @@ impl Track {
         }
         // Reverse motion must come to rest at the new start.
         let mut begin = 0.0;
+        let mut same = self.first_cell;
         for cell in &mut self.cells {
             if cell.begin <= begin {
                 break;
             }
             cell.begin = begin;
             begin = if cell.stop { 0.0 } else { cell.reach(begin) };
+            same += 1;
         }
+        same
     }
 
     pub(crate) fn add_curve(&mut self, curve: &Curve) -> u64 {
@@ -150,9 +189,11 @@ impl Track {
         }
     }
 
-    /// Backward sweep: raises `end` of every cell as far as the cells after it allow.
-    pub(crate) fn sweep(&mut self) {
+    /// Backward sweep: raises `end` of every cell as far as the cells after it allow. Returns the number of the first cell
+    /// that has changed.
+    pub(crate) fn sweep(&mut self) -> u64 {
         let mut next = 0.0;
+        let mut changed = self.first_cell + self.cells.len() as u64;
         let total = self.first_cell + self.cells.len() as u64;
         let old = self.cells.len()
             - usize::try_from(total - self.swept.max(self.first_cell)).unwrap_or(0);
@@ -164,7 +205,9 @@ impl Track {
             }
             cell.end = end;
             next = cell.reach(end);
+            changed = self.first_cell + k as u64;
         }
         self.swept = total;
+        changed
     }
 }

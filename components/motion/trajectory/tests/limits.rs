@@ -58,6 +58,7 @@ fn many(seeds: core::ops::Range<u64>, count: usize) {
     );
     assert_eq!(bad, 0);
     assert_eq!(rejected, 0);
+    assert!(events < 96, "a period was cut short");
 }
 
 #[test]
@@ -83,6 +84,16 @@ fn programs_by_name_keep_every_limit() {
                 out.place
             );
         }
+    }
+}
+
+/// Cases that a million random segments found: a rest a rounding away from a stop, and crawls whose output had drifted
+/// away from the input.
+#[test]
+fn cases_of_the_past_keep_every_limit() {
+    for seed in [2853, 12_170, 12_337, 12_739, 16_049] {
+        let (out, _) = judged(seed, 60);
+        assert_eq!((out.violations, out.rejected), (0, 0), "seed {seed}");
     }
 }
 

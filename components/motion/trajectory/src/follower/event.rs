@@ -1,7 +1,7 @@
 //! Realtime. One step of the follower's input: up to the next change of its acceleration.
 
 use super::Follower;
-use crate::track::{Cell, Track};
+use crate::track::{Cell, Path};
 
 /// Periods of the pause beyond the length of the filter: the second difference of the input spans two.
 const PAUSE: usize = 2;
@@ -17,7 +17,7 @@ impl Follower {
     /// nothing moves.
     pub(super) fn event(
         &mut self,
-        track: &Track,
+        track: &impl Path,
         cell: &Cell,
         cap: f64,
         left: f64,
@@ -29,7 +29,8 @@ impl Follower {
         let curve = |to_go: f64| (floor + 2.0 * braking * to_go).min(top);
         let here = curve(to_go);
         let highest = here.sqrt();
-        if self.speed > highest {
+        // A speed within rounding of the curve is on it.
+        if self.speed > highest * (1.0 - 1e-13) {
             self.speed = highest;
         }
         let v = self.speed;
@@ -41,10 +42,12 @@ impl Follower {
         let mut following = false;
         let mut goal = f64::INFINITY;
         let pause = self.pause();
+        // Rounding of times.
+        let over = pause - 1e-12;
         // Time until a wanted change of acceleration may begin.
         let mut wait = f64::INFINITY;
-        let a = if v > cap && (self.since_up >= pause || on_curve && falling) {
-            let own = if self.since_up >= pause { allowed(v) } else { braking };
+        let a = if v > cap && (self.since_up >= over || on_curve && falling) {
+            let own = if self.since_up >= over { allowed(v) } else { braking };
             -(if falling { own.max(braking) } else { own })
         } else if on_curve && falling {
             following = true;
@@ -61,7 +64,7 @@ impl Follower {
             let up = allowed((v + allowed(v) * left).min(goal).min(cap).min(cell.speed));
             if pause == 0.0 {
                 up
-            } else if self.since_down < pause {
+            } else if self.since_down < over {
                 wait = pause - self.since_down;
                 0.0
             } else {
@@ -132,7 +135,7 @@ impl Follower {
 
     /// Returns the highest speed up to `target` at which the input could move on for `time` below the curve of highest
     /// speeds; the present speed if there is none above it.
-    fn climb(&mut self, track: &Track, cell: &Cell, target: f64, time: f64) -> f64 {
+    fn climb(&mut self, track: &impl Path, cell: &Cell, target: f64, time: f64) -> f64 {
         let v = self.speed;
         if self.recheck > 0 {
             return v;
@@ -164,10 +167,10 @@ impl Follower {
     }
 
     /// Returns true if the input can move on at this speed for this time below the curve of highest speeds.
-    fn is_clear(&self, track: &Track, cell: &Cell, speed: f64, time: f64) -> bool {
+    fn is_clear(&self, track: &impl Path, cell: &Cell, speed: f64, time: f64) -> bool {
         let square = speed * speed;
         let mut rest = speed * time;
-        let (mut cell, mut number, mut to_go) = (cell, self.cell, self.to_go);
+        let (mut cell, mut number, mut to_go) = (*cell, self.cell, self.to_go);
         for _ in 0..AHEAD {
             let (floor, braking) = if self.back {
                 (cell.begin, cell.braking_back())

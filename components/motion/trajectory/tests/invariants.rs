@@ -1,0 +1,315 @@
+//! Properties of plans that hold for every program.
+#![expect(clippy::unwrap_used, reason = "tests")]
+
+mod judge;
+
+use hal_corpus::{Kind, Mode, Motion, Options, Program, Rng, Step, random};
+use hal_trajectory::{Cell, Follower, Limits, Machine, Planner, Pose, Track, Trivial};
+use judge::{Conduct, PLAIN, convert, run};
+
+fn machine(jerk: f64) -> Machine {
+    Machine::uniform(Limits { velocity: 200.0, acceleration: 1750.0, jerk })
+}
+
+fn programs() -> impl Iterator<Item = (Program, Machine)> {
+    let kinds = [Kind::Lines, Kind::Arcs, Kind::Reversals, Kind::Tiny, Kind::Mixed];
+    kinds.into_iter().enumerate().flat_map(|(k, kind)| {
+        [(0.0, 1e5), (0.1, 1e5), (0.1, f64::INFINITY), (2.0, 1e4)].map(move |(p, jerk)| {
+            let options = Options {
+                count: 40,
+                axes: 3,
+                mode: Mode::Blend(p),
+                feed: 120.0,
+                stops: 0.02,
+                area: 150.0,
+            };
+            (random(kind, 10 + k as u64, &options), machine(jerk))
+        })
+    })
+}
+
+fn planned(program: &Program, machine: &Machine) -> Planner<Trivial> {
+    let mut planner = Planner::new(*machine, Trivial, Pose(program.start)).unwrap();
+    for m in &convert(program, machine).0 {
+        planner.push(m).unwrap();
+    }
+    planner.finish();
+    planner
+}
+
+/// Poses at a constant override.
+fn poses(track: &Track, machine: &Machine, start: Pose, scale: f64) -> Vec<Pose> {
+    let mut follower = Follower::new(machine.period, start);
+    let mut out = Vec::new();
+    while !follower.is_done(track) {
+        let step = follower.step(track, scale, false);
+        assert!(step.travel >= -1e-12, "forward motion goes back by {}", step.travel);
+        out.push(step.pose);
+    }
+    out
+}
+
+fn cycles(program: &Program, machine: &Machine) -> f64 {
+    let out = run(program, machine, &Trivial, &PLAIN);
+    assert_eq!((out.violations, out.rejected, out.refused), (0, 0, 0), "{}", out.place);
+    out.cycles as f64
+}
+
+/// The same program with each displacement changed.
+fn mapped(program: &Program, line: impl Fn(&Motion) -> Motion, k: f64) -> Program {
+    let mut out = program.clone();
+    for step in &mut out.steps {
+        step.motion = line(&step.motion);
+        step.feed *= k;
+    }
+    out
+}
+
+#[test]
+fn published_speeds_only_rise_and_nothing_else_changes() {
+    for (program, machine) in programs() {
+        let mut planner = Planner::new(machine, Trivial, Pose(program.start)).unwrap();
+        let mut old: Vec<Cell> = Vec::new();
+        for m in &convert(&program, &machine).0 {
+            planner.push(m).unwrap();
+            let new: Vec<Cell> = planner.track().cells().copied().collect();
+            for (k, (a, b)) in old.iter().zip(&new).enumerate() {
+                assert!(b.end >= a.end, "cell {k} of {} falls", program.name);
+                let last = k + 1 == old.len();
+                assert_eq!(*a, Cell { end: a.end, stop: if last { a.stop } else { b.stop }, ..*b });
+            }
+            assert_eq!(new.last().map_or(0.0, |c| c.end), 0.0, "the path ends at rest");
+            old = new;
+        }
+    }
+}
+
+#[test]
+fn two_runs_are_the_same_bits_on_every_machine() {
+    let mut hash: u64 = 0xcbf2_9ce4_8422_2325;
+    for (program, machine) in programs() {
+        let one = poses(planned(&program, &machine).track(), &machine, Pose::ZERO, 1.0);
+        let two = poses(planned(&program, &machine).track(), &machine, Pose::ZERO, 1.0);
+        assert_eq!(one, two);
+        for x in one.iter().flat_map(|p| p.0) {
+            hash = (hash ^ x.to_bits()).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+    assert_eq!(hash, HASH, "0x{hash:016x}");
+}
+
+/// Hash of all poses of the programs above. It changes with the planner, never with the machine.
+const HASH: u64 = 0x697d_24cb_3e10_6072;
+
+#[test]
+fn mirrored_and_permuted_programs_take_the_same_time() {
+    for (program, machine) in programs() {
+        let time = cycles(&program, &machine);
+        let mirrored = mapped(
+            &program,
+            |m| match *m {
+                Motion::Line { by: [x, y, z, ..] } => line([-x, y, z]),
+                Motion::Arc { center: [x, y, z], normal: [a, b, c], angle, rise, others } => {
+                    // A mirror turns the sense of the arc.
+                    let (center, normal) = ([-x, y, z], [-a, b, c]);
+                    Motion::Arc { center, normal, angle: -angle, rise, others }
+                }
+            },
+            1.0,
+        );
+        assert_eq!(cycles(&mirrored, &machine), time, "mirror of {}", program.name);
+        let turned = mapped(
+            &program,
+            |m| match *m {
+                Motion::Line { by: [x, y, z, ..] } => line([y, z, x]),
+                Motion::Arc { center: [x, y, z], normal: [a, b, c], angle, rise, others } => {
+                    Motion::Arc { center: [y, z, x], normal: [b, c, a], angle, rise, others }
+                }
+            },
+            1.0,
+        );
+        let other = cycles(&turned, &machine);
+        assert!((other - time).abs() <= 1.0, "{}: {time} and {other}", program.name);
+    }
+}
+
+fn line([x, y, z]: [f64; 3]) -> Motion {
+    Motion::Line { by: [x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0] }
+}
+
+#[test]
+fn time_scales_with_the_limits() {
+    for (program, machine) in programs() {
+        // Twice as slow in time: the same periods, each twice as long.
+        let mut slow = machine;
+        slow.period *= 2.0;
+        for l in &mut slow.axes {
+            l.velocity /= 2.0;
+            l.acceleration /= 4.0;
+            l.jerk /= 8.0;
+        }
+        let program_slow = mapped(&program, |m| *m, 0.5);
+        let (a, b) = (cycles(&program, &machine), cycles(&program_slow, &slow));
+        assert!((a - b).abs() <= 1.0, "{}: {a} and {b}", program.name);
+    }
+}
+
+#[test]
+fn higher_limits_take_no_more_time() {
+    for (program, machine) in programs() {
+        let time = cycles(&program, &machine);
+        for which in 0..2 {
+            let mut better = machine;
+            for l in &mut better.axes {
+                match which {
+                    0 => l.velocity *= 1.5,
+                    _ => {
+                        // Acceleration with jerk, so that the filter keeps its length.
+                        l.acceleration *= 1.5;
+                        l.jerk *= 1.5;
+                    }
+                }
+            }
+            let other = cycles(&program, &better);
+            assert!(other <= time * 1.005 + 2.0, "{} {which}: {time} and {other}", program.name);
+        }
+    }
+}
+
+#[test]
+fn a_line_in_a_thousand_pieces_takes_no_more_time() {
+    for jerk in [1e5, f64::INFINITY] {
+        let machine = machine(jerk);
+        let whole = Step { motion: line([100.0, 40.0, 0.0]), mode: Mode::Exact, feed: 150.0 };
+        let part = Step { motion: line([0.1, 0.04, 0.0]), ..whole };
+        let program = |steps| Program { name: "split", seed: 0, start: [0.0; 9], steps };
+        let one = cycles(&program(vec![whole]), &machine);
+        let many = cycles(&program(vec![part; 1000]), &machine);
+        assert!((one - many).abs() <= 1.0, "{one} and {many}");
+    }
+}
+
+#[test]
+fn a_constant_override_is_as_fast_as_a_lower_feed() {
+    for (program, machine) in programs() {
+        let half = mapped(&program, |m| *m, 0.5);
+        // A lower feed may have a shorter filter.
+        let filter = |p: &Program| planned(p, &machine).track().cells().map(|c| c.samples).max();
+        if filter(&half) != filter(&program) {
+            continue;
+        }
+        let by_override =
+            poses(planned(&program, &machine).track(), &machine, Pose::ZERO, 0.5).len() as f64;
+        let by_feed =
+            poses(planned(&half, &machine).track(), &machine, Pose::ZERO, 1.0).len() as f64;
+        assert!(by_override <= 1.03 * by_feed + 40.0, "{}: {by_override} {by_feed}", program.name);
+    }
+}
+
+#[test]
+fn holds_and_reversals_change_no_place_on_the_path() {
+    for (program, machine) in programs() {
+        let planner = planned(&program, &machine);
+        let track = planner.track();
+        let length: f64 = track.cells().map(|c| c.length).sum();
+        let mut rng = Rng::new(3);
+        let mut follower = Follower::new(machine.period, Pose::ZERO);
+        let (mut sum, mut scale, mut reverse, mut cycle) = (0.0, 1.0, false, 0);
+        while !follower.is_done(track) {
+            cycle += 1;
+            if cycle < 20_000 && rng.chance(0.01) {
+                scale = rng.pick(&[0.0, 0.2, 1.0], 1.0);
+                reverse = rng.chance(0.3);
+            } else if cycle >= 20_000 {
+                (scale, reverse) = (1.0, false);
+            }
+            sum += follower.step(track, scale, reverse).travel;
+        }
+        assert!((sum - length).abs() < 1e-9 * length.max(1.0), "{sum} of {length}");
+        // Back to the start.
+        let mut pose = Pose([1.0; 9]);
+        let mut idle = 0;
+        while idle < 3000 {
+            let step = follower.step(track, 1.0, true);
+            idle = if step.moving { 0 } else { idle + 1 };
+            pose = step.pose;
+        }
+        assert!(pose.dot_all(&pose).sqrt() < 1e-9, "{}: reverse ends at {pose:?}", program.name);
+    }
+}
+
+#[test]
+fn exact_stops_pass_their_point_and_rest_there() {
+    for jerk in [1e5, f64::INFINITY] {
+        let machine = machine(jerk);
+        let options = Options {
+            count: 30,
+            axes: 9,
+            mode: Mode::ExactStop,
+            feed: 200.0,
+            stops: 0.0,
+            area: 150.0,
+        };
+        let program = random(Kind::Lines, 4, &options);
+        let seen = poses(planned(&program, &machine).track(), &machine, Pose::ZERO, 1.0);
+        let corners = program.poses();
+        for corner in &corners[1..corners.len() - 1] {
+            let near = |p: &&Pose| {
+                let by = **p - Pose(*corner);
+                by.dot_all(&by).sqrt() < 1e-9
+            };
+            assert!(seen.iter().filter(near).count() >= 3, "{corner:?}");
+        }
+    }
+}
+
+/// From any state, a hold is at rest within the time that braking, the filter and the pause before it take.
+#[test]
+fn a_hold_stops_in_time() {
+    for (program, machine) in programs() {
+        let planner = planned(&program, &machine);
+        let track = planner.track();
+        if machine.axes.iter().any(|l| l.jerk == f64::INFINITY) {
+            // The acceleration that is left at full speed may be none.
+            continue;
+        }
+        for moment in 1..20 {
+            let mut follower = Follower::new(machine.period, Pose::ZERO);
+            for _ in 0..moment * 97 {
+                let _ = follower.step(track, 1.0, false);
+            }
+            let least = track.cells().map(|c| c.rest).fold(f64::INFINITY, f64::min);
+            let filter = f64::from(track.cells().map(|c| c.samples).max().unwrap());
+            let pause = filter + 3.0;
+            let brake = follower.speed() / least / machine.period;
+            let mut count = 0.0;
+            while follower.step(track, 0.0, false).moving {
+                count += 1.0;
+            }
+            assert!(count <= brake + filter + pause + 4.0, "{count} periods, {brake} of braking");
+        }
+    }
+}
+
+/// Lines of a hundredth of a micrometre to ten: the follower has time for every cell.
+#[test]
+fn specks_are_followed_inside_the_limits() {
+    for length in [1e-6, 1e-5, 1e-4, 1e-3] {
+        for jerk in [1e5, f64::INFINITY] {
+            let mut steps = Vec::new();
+            for k in 0..3000 {
+                let (s, c) = libm::sincos(length * f64::from(k));
+                steps.push(Step {
+                    motion: line([length * c, length * s, 0.0]),
+                    mode: Mode::Blend(0.01),
+                    feed: 100.0,
+                });
+            }
+            let program = Program { name: "specks", seed: 0, start: [0.0; 9], steps };
+            let conduct = Conduct { change: 0.003, ..PLAIN };
+            let out = run(&program, &machine(jerk), &Trivial, &conduct);
+            assert_eq!((out.violations, out.rejected), (0, 0), "{length}: {}", out.place);
+            assert!(out.events < 96, "{length} {jerk}: {} events", out.events);
+        }
+    }
+}
