@@ -111,10 +111,14 @@ macro_rules! to_bit {
     )*};
 }
 to_bit! {
-    i32, "conv_s32_bit", "Whether a 32-bit number is not 0.", "setp conv.in 7\nrun 1ms\ngetp conv.out # -> TRUE\ngetp conv.out-of-range # -> TRUE\n";
-    i64, "conv_s64_bit", "Whether a 64-bit number is not 0.", "setp conv.in 7\nrun 1ms\ngetp conv.out # -> TRUE\ngetp conv.out-of-range # -> TRUE\n";
-    u32, "conv_u32_bit", "Whether an unsigned 32-bit number is not 0.", "setp conv.in 7\nrun 1ms\ngetp conv.out # -> TRUE\ngetp conv.out-of-range # -> TRUE\n";
-    u64, "conv_u64_bit", "Whether an unsigned 64-bit number is not 0.", "setp conv.in 7\nrun 1ms\ngetp conv.out # -> TRUE\ngetp conv.out-of-range # -> TRUE\n";
+    i32, "conv_s32_bit", "Tests whether a 32-bit number is not 0.",
+        "setp conv.in 7\nrun 1ms\ngetp conv.out # -> TRUE\ngetp conv.out-of-range # -> TRUE\n";
+    i64, "conv_s64_bit", "Tests whether a 64-bit number is not 0.",
+        "setp conv.in 7\nrun 1ms\ngetp conv.out # -> TRUE\ngetp conv.out-of-range # -> TRUE\n";
+    u32, "conv_u32_bit", "Tests whether an unsigned 32-bit number is not 0.",
+        "setp conv.in 7\nrun 1ms\ngetp conv.out # -> TRUE\ngetp conv.out-of-range # -> TRUE\n";
+    u64, "conv_u64_bit", "Tests whether an unsigned 64-bit number is not 0.",
+        "setp conv.in 7\nrun 1ms\ngetp conv.out # -> TRUE\ngetp conv.out-of-range # -> TRUE\n";
 }
 
 macro_rules! from_float {

@@ -59,8 +59,8 @@ impl Component for Multiswitch {
 
 /// Declares one switch.
 fn switch(b: &mut Builder<'_>, name: &str, n: i64) -> Result<(), Error> {
-    let up = b.item(&format!("{name}.up"), "Its rising edge moves to the next position.", false)?;
-    let back = "Its rising edge moves to the position before.";
+    let up = b.item(&format!("{name}.up"), "A rising edge moves to the next position.", false)?;
+    let back = "A rising edge moves to the previous position.";
     let down = b.item(&format!("{name}.down"), back, false)?;
     let mut bits = Vec::new();
     for i in 0..n {

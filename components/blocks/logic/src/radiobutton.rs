@@ -55,7 +55,7 @@ impl Component for Radiobutton {
         let n = b.size("Pin sel-##", USUAL, MOST)?;
         let mut buttons = Vec::new();
         for i in 0..n {
-            let sel = "Its rising edge presses this button; of several at once the last counts.";
+            let sel = "A rising edge presses this button; of several at once, the last counts.";
             let sel = b.item(&format!("sel-{i:02}"), sel, false)?;
             let input = "The number that goes to `value` while this button is down, in any unit.";
             let input = b.item(&format!("input-{i:02}"), input, 0.0)?;

@@ -63,8 +63,9 @@ impl Freq {
         (wanted, made): (Gives<Wanted>, Takes<Made>),
     ) -> Result<Self, Error> {
         const FREQUENCY: &str = "Current rate, in steps per second; negative: backward";
-        const MAXVEL: &str = "Speed limit, in length units per second; 0: what the pulses allow. \
-            A negative value becomes 0, one that the pulses do not allow what they do";
+        const MAXVEL: &str = "Speed limit, in length units per second; 0 means the highest speed \
+            that the pulses allow. A negative value becomes 0, and a value above that speed \
+            becomes that speed";
         const MAXACCEL: &str = "Acceleration limit, in length units per second squared; 0: none. \
             A negative value becomes 0, one that changes nothing the largest that does";
         let (name, doc) = control.pin();

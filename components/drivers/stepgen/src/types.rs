@@ -111,7 +111,7 @@ impl Control {
         match self {
             Self::Position => (
                 "position-cmd",
-                "Commanded position, in length units; while it is not finite, the last one stands",
+                "Commanded position, in length units; while it is not finite, the last one remains",
             ),
             Self::Velocity => (
                 "velocity-cmd",

@@ -38,16 +38,18 @@ impl Outputs {
             Self { values: Vec::new(), bits: Vec::new(), pattern: None, drive: letters.drive };
         let (mut values, mut bits) = (Vec::new(), Vec::new());
         match letters.drive {
-            Drive::Values => values
-                .push(("value", "What phase {} gets, in the unit of value; below 0 downwards.")),
-            Drive::Bits => bits.push(("on", "Whether phase {} is driven high, else low.")),
+            Drive::Values => values.push((
+                "value",
+                "Drive level of phase {}, in the unit of value; negative for low.",
+            )),
+            Drive::Bits => bits.push(("on", "True drives phase {} high, false drives it low.")),
             Drive::SixValues => {
-                values.push(("high", "How much phase {} is driven high, in the unit of value."));
-                values.push(("low", "How much phase {} is driven low, in the unit of value."));
+                values.push(("high", "High drive level of phase {}, in the unit of value."));
+                values.push(("low", "Low drive level of phase {}, in the unit of value."));
             }
             Drive::SixBits => {
-                bits.push(("high-on", "Whether phase {} is driven high."));
-                bits.push(("low-on", "Whether phase {} is driven low."));
+                bits.push(("high-on", "True drives phase {} high."));
+                bits.push(("low-on", "True drives phase {} low."));
             }
             Drive::Hall | Drive::Gray => {}
         }
@@ -65,7 +67,7 @@ impl Outputs {
         }
         if letters.any("H") {
             for i in 1..=3 {
-                let doc = format!("What Hall sensor {i} of the drive's motor would say.");
+                let doc = format!("Simulated state of Hall sensor {i} of the drive's motor.");
                 out.bits.push(b.item(&format!("{name}.hall{i}-out"), &doc, false)?);
             }
             let doc =

@@ -108,7 +108,8 @@ fn keyboard(b: &mut Builder<'_>, name: &str, size: &Size) -> Result<(), Error> {
         )?,
         rollover: b.item(
             &format!("{name}.key_rollover"),
-            "How many keys may be held at once, from 0; more only where the keyboard can tell them apart.",
+            "Number of keys that may be held at once, from 0; more than the default only if the \
+            keyboard can distinguish the keys.",
             ROLLOVER,
         )?,
         rows,

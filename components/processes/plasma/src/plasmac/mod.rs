@@ -32,7 +32,7 @@ A plasma cutter: finds the surface, pierces, cuts, and keeps the torch at its he
 The program is a motion program: `cutting-start` comes from `spindle.0.on` and begins a cut. Z, and X and Y in
 pauses, are moved by external offsets: `z-offset-counts` goes to `axis.z.eoffset-counts`, `offset-scale` to
 `axis.z.eoffset-scale`, `z-offset-enable` to `axis.z.eoffset-enable`, and `feed-hold` to `motion.feed-hold`
-holds the program's feed until the torch cuts. `mode` says what an arc is: 0 a steady voltage between
+holds the program's feed until the torch cuts. `mode` selects how an arc is detected: 0 a steady voltage between
 `arc-ok-low` and `arc-ok-high`, 1 `arc-ok-in`, 2 the same with `move-up` and `move-down` for the height.
 
 | `state-out` | what it does | and then |
@@ -49,19 +49,19 @@ holds the program's feed until the torch cuts. `mode` says what an arc is: 0 a s
 | 9 | jumps over the puddle | 10 |
 | 10 | moves to the height of the cut | 11, or 12 with `mode` 2; 26 in a recovery |
 | 11, 12 | cuts | 13, 14 or 15 |
-| 13 | stands with the torch on for `pause-at-end` | 14 |
+| 13 | waits with the torch on for `pause-at-end` | 14 |
 | 14 | moves to `safe-height` | 16 |
-| 15 | takes back the offset of Z, after a fault, a pause or the program's end | 16 |
+| 15 | removes the offset of Z, after a fault, a pause or the program's end | 16 |
 | 16, 17 | ends the cut, ends the job | 0 |
 | 18 | lights the torch for `torch-pulse-time` | 0 |
 | 19 | moves along the path while paused | 25 |
 | 20, 21 | tests the contact, tests the probe | 0, 16 |
 | 22 | scribes | 0 |
-| 23, 24 | moves to where consumables are changed, and back | 0 |
-| 25, 26 | moves to where a cut goes on, and back to the path | 0, 11 |
+| 23, 24 | moves to the position for changing consumables, and back | 0 |
+| 25, 26 | moves to the position where a cut continues, and back to the path | 0, 11 |
 
-`stop-type-out` tells why a cut ended: 1 the program did, 2 the cut did, 3 a fault or a pause. A fault
-sets `program-pause` and says in a message what it was: the lowest Z without a contact, no arc after all
+`stop-type-out` is the reason for the end of a cut: 1 the program ended, 2 the cut ended, 3 a fault or a pause. A fault
+sets `program-pause` and reports its cause in a message: the lowest Z without a contact, no arc after all
 starts, an arc that is lost, a voltage below `low-cut-volts`, a sensor, heights or volts that are not above 0, no room. A sensor is the
 `float-switch`, the tip (`ohmic-probe`) or `breakaway`.
 
@@ -78,13 +78,13 @@ torch goes off in state 7, and Z to `safe-height`. With `cutting-start` as well 
 
 A surface above which there is less room than `pierce-height` and 1 mm is a fault, at the contact and, with a
 `safe-height`, where contact ends; Z goes no higher than `axis-z-max-limit` less `max-offset`. A `safe-height` beyond
-that is told in a message, and Z ends there.
+that is reported in a message, and Z stops at that height.
 
-With `ohmic-probe-enable` and an `offset-probe-x` or `offset-probe-y`, X and Y move to where that probe is above the
-torch's place, at `setup-feed-rate` along the line, while Z goes to its start height, and back in state 5. Z goes down
+With `ohmic-probe-enable` and an `offset-probe-x` or `offset-probe-y`, X and Y move until that probe is above the
+torch's previous position, at `setup-feed-rate` along the line, while Z goes to its start height, and back in state 5. Z goes down
 no sooner than `offset-probe-delay` after the begin, and up as long after state 5 began. A place beyond the limits of
 X and Y, and contact on the way there, are faults. A cut that ends at once leaves X and Y where they are, as LinuxCNC
-does; a pause takes them back. With both distances 0 there is no delay; LinuxCNC with a delay then waits on and on.
+does; a pause takes them back. With both distances 0 there is no delay; LinuxCNC with a delay then waits forever.
 After contact in state 1 LinuxCNC waits a cycle more in state 2.
 
 A spot without a program ends as its input falls; LinuxCNC lights on and cuts. Known to differ from LinuxCNC 2.9:
