@@ -41,6 +41,7 @@ mod curve;
 mod erosion;
 mod error;
 mod follower;
+mod join;
 mod kinematics;
 mod machine;
 mod moves;

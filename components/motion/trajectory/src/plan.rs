@@ -6,6 +6,7 @@ use crate::{
     curve::Curve,
     erosion::{Erosion, Raw},
     error::Error,
+    join::Join,
     kinematics::{CELL, Kinematics, joint_bounds},
     machine::{Limits, Machine},
     moves::{Mode, Move},
@@ -38,6 +39,8 @@ pub struct Planner<K> {
     position: Pose,
     /// Last segment, whose end depends on the next one, and the coordinate up to which it is used.
     held: Option<(Segment, f64)>,
+    /// Lines that wait to be joined to a spline.
+    join: Join,
     window: Window,
 }
 
@@ -75,6 +78,7 @@ impl<K: Kinematics> Planner<K> {
             certificate: Certificate::default(),
             position: start,
             held: None,
+            join: Join::default(),
             window: Window::default(),
         })
     }
@@ -87,6 +91,7 @@ impl<K: Kinematics> Planner<K> {
         let Some(segment) = next.segment(&self.position)? else {
             // Too short to be a move: its length becomes part of the next one.
             if next.mode == Mode::ExactStop
+                && !self.join.stop()
                 && let Some((held, _)) = &mut self.held
             {
                 held.mode = Mode::ExactStop;
@@ -97,13 +102,41 @@ impl<K: Kinematics> Planner<K> {
             self.check_reach(&segment)?;
         }
         self.position = segment.curve.pose(segment.length);
-        self.place(Some(&segment));
+        self.add(&segment);
         self.publish();
         Ok(())
     }
 
+    /// Joins the segment to the lines before it, or adds it as it is.
+    fn add(&mut self, segment: &Segment) {
+        if self.join.continues(segment) {
+            if self.join.is_full() {
+                self.flush(Some(segment));
+            }
+            self.join.push(segment);
+            return;
+        }
+        self.flush(None);
+        if Join::is_dense(segment) {
+            self.join.push(segment);
+        } else {
+            self.place(Some(segment));
+        }
+    }
+
+    /// Adds the lines that wait to be joined.
+    fn flush(&mut self, next: Option<&Segment>) {
+        let mut join = core::mem::take(&mut self.join);
+        if let Some(first) = join.first() {
+            let tolerances = self.tolerances(&first, &first);
+            join.flush(next, &tolerances, |segment| self.place(Some(segment)));
+        }
+        self.join = join;
+    }
+
     /// Ends the path for now: publishes everything, with a stop at the end.
     pub fn finish(&mut self) {
+        self.flush(None);
         self.place(None);
         self.stop();
         self.publish();

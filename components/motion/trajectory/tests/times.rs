@@ -144,3 +144,24 @@ fn times_are_near_the_bounds() {
     println!("mean: {means:.4?}");
     assert!(means[0] <= 1.03 && means[1] <= 1.08 && means[2] <= 1.40, "{means:?}");
 }
+
+/// A circle of radius 10 in lines of 0.1, with and without noise of 1 um, at a tolerance of 0.01.
+#[test]
+fn dense_code_is_joined() {
+    let circle = hal_corpus::named("circle-in-lines", 0.01, 150.0).unwrap();
+    let mut noisy = circle.clone();
+    let mut rng = hal_corpus::Rng::new(5);
+    let mut last = [0.0; 2];
+    for step in &mut noisy.steps {
+        if let hal_corpus::Motion::Line { by } = &mut step.motion {
+            let next = [rng.between(-1e-3, 1e-3), rng.between(-1e-3, 1e-3)];
+            by[0] += next[0] - last[0];
+            by[1] += next[1] - last[1];
+            last = next;
+        }
+    }
+    let [a, b, c] = [(&circle, 1e5), (&noisy, 1e5), (&circle, f64::INFINITY)]
+        .map(|(p, jerk)| taken(p, &machine(jerk)));
+    println!("circle in lines: {a:.3} s, with noise {b:.3} s, without a limit of jerk {c:.3} s");
+    assert!(a <= 1.1 && b <= 1.35 * a, "{a} {b}");
+}

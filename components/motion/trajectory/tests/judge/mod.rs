@@ -137,7 +137,7 @@ pub fn run<K: Kinematics + Clone>(
     let mut joints =
         Watchman::<JOINTS>::new(machine.joints.map(|l| watch_limits(&l)), machine.period, size);
     joints.rest_at(&kinematics.inverse(&start).unwrap());
-    let mut path = PathWatch::new(shapes.into_boxed_slice(), size, 4);
+    let mut path = PathWatch::new(shapes.into_boxed_slice(), size, 12);
     let mut out = Outcome::default();
     let (mut given, mut finished, mut scale, mut reverse) = (0, false, 1.0, false);
     let (mut flat_cycles, mut stuck, mut aborted) = (0, false, false);

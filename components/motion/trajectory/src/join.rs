@@ -1,0 +1,287 @@
+//! Joining of dense code: runs of short lines become a spline inside the tolerance.
+//!
+//! Up to [`WINDOW`] lines are sampled at equal distances; the samples are the control points of a uniform cubic
+//! B-spline. At the ends of a window the spline passes the vertex with a given direction and without curvature, so that
+//! the next window continues it with the same two derivatives. The largest distance between samples whose deviation
+//! bound is inside the tolerance is taken; if there is none, the lines stay as they are.
+//!
+//! The bound: between two neighbouring vertices or knots, D, the difference between the spline and the line at the same
+//! path coordinate, is a cubic and lies in the hull of its Bernstein points. The part of D along the line is taken off by
+//! moving along the line; where that passes the end of the line by e, the distance to the next line is at most e times
+//! the difference of their directions.
+
+use crate::{
+    curve::Curve,
+    moves::Mode,
+    pose::{Group, Pose},
+    segment::{Segment, Tolerances},
+};
+
+/// Largest number of lines that are joined at once.
+const WINDOW: usize = 64;
+
+/// Longest line that is joined.
+const LONGEST: f64 = 1.0;
+
+/// Smallest cosine of the angle between neighbouring lines of a run: 30°.
+const STRAIGHT: f64 = 0.866;
+
+/// Lines that wait to be joined.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Join {
+    lines: Vec<Segment>,
+    /// Direction at the start, if the window before ends with it.
+    tangent: Option<Pose>,
+    /// Distance between samples in the window before.
+    spacing: f64,
+}
+
+impl Join {
+    /// Returns true if a segment can be part of a run.
+    pub(crate) fn is_dense(segment: &Segment) -> bool {
+        segment.length <= LONGEST
+            && segment.mode != Mode::ExactStop
+            && matches!(segment.curve, Curve::Line { .. })
+    }
+
+    /// Returns true if a segment continues the run.
+    pub(crate) fn continues(&self, next: &Segment) -> bool {
+        let Some(last) = self.lines.last() else { return false };
+        let cos = slope(last).dot(&slope(next), next.main);
+        Self::is_dense(next)
+            && last.mode == next.mode
+            && last.feed == next.feed
+            && (last.lead, last.main) == (next.lead, next.main)
+            && cos >= STRAIGHT
+    }
+
+    /// Returns the first line that waits.
+    pub(crate) fn first(&self) -> Option<Segment> {
+        self.lines.first().copied()
+    }
+
+    pub(crate) fn is_full(&self) -> bool {
+        self.lines.len() >= WINDOW
+    }
+
+    pub(crate) fn push(&mut self, line: &Segment) {
+        self.lines.push(*line);
+    }
+
+    /// Changes the end of the run to an exact stop.
+    pub(crate) fn stop(&mut self) -> bool {
+        if let Some(last) = self.lines.last_mut() {
+            last.mode = Mode::ExactStop;
+            return true;
+        }
+        false
+    }
+
+    /// Gives out the window, as a spline or as the lines that it was. `next` is the line that continues the run.
+    pub(crate) fn flush(
+        &mut self,
+        next: Option<&Segment>,
+        tolerances: &Tolerances,
+        mut give: impl FnMut(&Segment),
+    ) {
+        let smooth = self.tangent.is_some();
+        let (Some(first), Some(last)) = (self.lines.first(), self.lines.last()) else { return };
+        let last = *last;
+        let end = next.map(|n| {
+            let sum = slope(&last) + slope(n);
+            sum * (1.0 / sum.norm(last.main))
+        });
+        let from = self.tangent.unwrap_or(slope(first));
+        let to = end.unwrap_or(slope(&last));
+        match self.spline(&from, &to, tolerances) {
+            Some(spline) => {
+                let count = spline.pieces();
+                for k in 0..count {
+                    let Some(curve) = spline.piece(k) else { break };
+                    let middle = spline.spacing * (float(k) + 0.5);
+                    let (mut line, mut s) = (last.line, 0.0);
+                    for l in &self.lines {
+                        s += l.length;
+                        if s >= middle {
+                            line = l.line;
+                            break;
+                        }
+                    }
+                    let mode = if k + 1 == count { last.mode } else { first.mode };
+                    let smooth = k > 0 || smooth;
+                    give(&Segment { curve, length: spline.spacing, line, mode, smooth, ..*first });
+                }
+                self.spacing = spline.spacing;
+                self.tangent = end;
+            }
+            None => {
+                for line in &self.lines {
+                    give(line);
+                }
+                self.tangent = None;
+            }
+        }
+        self.lines.clear();
+    }
+
+    /// Finds the smoothest spline inside the tolerance.
+    fn spline(&self, from: &Pose, to: &Pose, tolerances: &Tolerances) -> Option<Spline> {
+        let count = self.lines.len();
+        if count < 4 {
+            return None;
+        }
+        let length: f64 = self.lines.iter().map(|l| l.length).sum();
+        let guess = 1.7 * self.spacing;
+        let mut pieces = if guess > 0.0 { (length / guess).ceil().max(4.0) } else { 4.0 };
+        while pieces <= 2.0 * float(count) {
+            let spline = self.sampled(length, pieces, from, to);
+            if self.deviation(&spline, tolerances) <= 1.0 - 1e-9 {
+                return Some(spline);
+            }
+            pieces = (1.25 * pieces).ceil();
+        }
+        None
+    }
+
+    /// Samples the lines at equal distances.
+    fn sampled(&self, length: f64, pieces: f64, from: &Pose, to: &Pose) -> Spline {
+        let h = length / pieces;
+        let mut points = Vec::new();
+        let (mut s, mut k) = (0.0, 2.0);
+        let mut ends = None;
+        for line in &self.lines {
+            let (a, b) = (line.curve.pose(0.0), line.curve.pose(line.length));
+            let (start, _) = *ends.get_or_insert((a, b));
+            ends = Some((start, b));
+            while k <= pieces - 2.0 && k * h <= s + line.length {
+                points.push(line.curve.pose(k * h - s));
+                k += 1.0;
+            }
+            s += line.length;
+        }
+        let (start, end) = ends.unwrap_or_default();
+        // Rounding of sums must not lose a sample.
+        while k <= pieces - 2.0 {
+            points.push(end);
+            k += 1.0;
+        }
+        let mut control = vec![start - *from * h, start, start + *from * h];
+        control.extend(points);
+        control.extend([end - *to * h, end, end + *to * h]);
+        Spline { control, spacing: h }
+    }
+
+    /// Bounds the largest ratio of the spline's distance from the lines to the tolerance.
+    fn deviation(&self, spline: &Spline, tolerances: &Tolerances) -> f64 {
+        let h = spline.spacing;
+        let mut worst: f64 = 0.0;
+        let (mut begin, mut knot) = (0.0, 0);
+        let last = spline.pieces().saturating_sub(1);
+        for (k, line) in self.lines.iter().enumerate() {
+            let near = |k: Option<usize>| k.and_then(|k| self.lines.get(k));
+            let neighbours = [near(k.checked_sub(1)), near(Some(k + 1))];
+            let end = begin + line.length;
+            let mut a = begin;
+            loop {
+                let border = float(knot + 1) * h;
+                let is_end = knot == last || border >= end;
+                let b = if is_end { end } else { border };
+                worst = worst.max(part(spline, knot, a, b, begin, line, neighbours, tolerances));
+                a = b;
+                if is_end {
+                    if border <= end && knot < last {
+                        knot += 1;
+                    }
+                    break;
+                }
+                knot += 1;
+            }
+            if worst > 1.0 {
+                break;
+            }
+            begin = end;
+        }
+        worst
+    }
+}
+
+/// Bounds the deviation of one piece of a spline between the path coordinates `a` and `b`, beside one line.
+#[expect(clippy::too_many_arguments, reason = "one place")]
+fn part(
+    spline: &Spline,
+    knot: usize,
+    a: f64,
+    b: f64,
+    begin: f64,
+    line: &Segment,
+    neighbours: [Option<&Segment>; 2],
+    tolerances: &Tolerances,
+) -> f64 {
+    let Some(curve) = spline.piece(knot) else { return f64::INFINITY };
+    let start = float(knot) * spline.spacing;
+    let (p, q) = (curve.at(a - start), curve.at(b - start));
+    let u = slope(line);
+    let third = (b - a) / 3.0;
+    let (d0, d3) = (p.pose - line.curve.pose(a - begin), q.pose - line.curve.pose(b - begin));
+    let points = [d0, d0 + (p.first - u) * third, d3 - (q.first - u) * third, d3];
+    let (mut before, mut after) = (0.0_f64, 0.0_f64);
+    let mut off = [0.0_f64; 3];
+    for (k, d) in points.iter().enumerate() {
+        let along = d.dot(&u, line.main);
+        let x = a - begin + third * float(k) + along;
+        before = before.max(-x);
+        after = after.max(x - line.length);
+        let across = *d - u * along;
+        for (o, group) in off.iter_mut().zip(Group::ALL) {
+            *o = o.max(across.norm(group));
+        }
+    }
+    let mut worst: f64 = 0.0;
+    for (o, group) in off.iter().zip(Group::ALL) {
+        let mut more: f64 = 0.0;
+        for (past, neighbour) in [before, after].into_iter().zip(neighbours) {
+            let by = match neighbour {
+                Some(n) if past <= n.length => (slope(n) - u).norm(group),
+                _ => u.norm(group),
+            };
+            more = more.max(past * by);
+        }
+        worst = worst.max((o + more) / tolerances.of(group));
+    }
+    worst
+}
+
+/// A uniform cubic B-spline.
+#[derive(Clone, Debug)]
+struct Spline {
+    control: Vec<Pose>,
+    spacing: f64,
+}
+
+impl Spline {
+    fn pieces(&self) -> usize {
+        self.control.len().saturating_sub(3)
+    }
+
+    /// Returns a piece as a polynomial.
+    fn piece(&self, number: usize) -> Option<Curve> {
+        let mut points = self.control.iter().skip(number).copied();
+        let (a, b, c, d) = (points.next()?, points.next()?, points.next()?, points.next()?);
+        let sixth = 1.0 / 6.0;
+        let c0 = (a + b * 4.0 + c) * sixth;
+        let c1 = (c - a) * 0.5;
+        let c2 = (a - b * 2.0 + c) * 0.5;
+        let c3 = (d - a + (b - c) * 3.0) * sixth;
+        Some(Curve::Poly { c: [c0, c1, c2, c3, Pose::ZERO, Pose::ZERO], length: self.spacing })
+    }
+}
+
+/// Returns the derivative of a line.
+fn slope(line: &Segment) -> Pose {
+    line.curve.at(0.0).first
+}
+
+#[expect(clippy::cast_precision_loss, reason = "small numbers")]
+const fn float(k: usize) -> f64 {
+    k as f64
+}
