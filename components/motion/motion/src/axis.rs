@@ -28,7 +28,7 @@ impl Axis {
     }
 
     /// Writes the pins.
-    pub(crate) fn show(&self, pins: &AxisPins, pos: f64) {
+    pub(crate) fn write_pins(&self, pins: &AxisPins, pos: f64) {
         let tp = &self.teleop.tp;
         pins.pos_cmd.set(pos);
         pins.teleop_pos_cmd.set(tp.target);
@@ -37,7 +37,7 @@ impl Axis {
         pins.teleop_tp_enable.set(tp.enable);
         pins.kb_jog_active.set(self.teleop.by == By::Command);
         pins.wheel_jog_active.set(self.teleop.by == By::Wheel);
-        self.offset.show(&offset(pins));
+        self.offset.write_pins(&offset(pins));
     }
 }
 

@@ -71,11 +71,11 @@ impl Controller {
         let last = self.last_ns.replace(now).map_or(0, |last| now.wrapping_sub(last));
         self.pins.general.last_period.set(u32::try_from(last).unwrap_or(u32::MAX));
         self.state.dt = dt;
-        self.state.sense(&self.pins);
+        self.state.read_pins(&self.pins);
         self.state.inputs.lockout = self.interlock.read();
         self.state.switch_kinematics(&self.pins.switch);
         while let Some(command) = self.from.take() {
-            self.state.obey(command);
+            self.state.execute(command);
         }
         self.state.guard(&self.pins);
         self.state.advance(&self.pins, dt);
@@ -84,19 +84,19 @@ impl Controller {
     /// Writes the pins.
     pub(crate) fn put_out(&mut self, dt: f64) {
         self.state.put_out(dt);
-        show(&mut self.state, &self.pins);
+        write_pins(&mut self.state, &self.pins);
     }
 }
 
-fn show(s: &mut State, pins: &Pins) {
+fn write_pins(s: &mut State, pins: &Pins) {
     for (joint, pins) in s.joints.iter_mut().zip(&pins.joints) {
-        joint.show(pins, s.enabled);
+        joint.write_pins(pins, s.enabled);
     }
     for ((axis, pins), pos) in s.axes.iter().zip(&pins.axes).zip(s.pose) {
-        axis.show(pins, pos);
+        axis.write_pins(pins, pos);
     }
     for (spindle, pins) in s.spindles.iter().zip(&pins.spindles) {
-        spindle.show(pins);
+        spindle.write_pins(pins);
     }
     for (pin, value) in pins.lists.digital_out.iter().zip(&s.digital_out) {
         pin.set(*value);
@@ -123,10 +123,10 @@ fn show(s: &mut State, pins: &Pins) {
     let requested = line.map_or(0.0, |line| line.velocity);
     g.requested_vel.set(requested);
     let feed = line.map_or(0.0, |line| line.scaled(s.feed.net));
-    show_feed(g, feed, s.traj.units_per_mm);
+    write_feed(g, feed, s.traj.units_per_mm);
 }
 
-fn show_feed(g: &GeneralPins, feed: f64, units_per_mm: f64) {
+fn write_feed(g: &GeneralPins, feed: f64, units_per_mm: f64) {
     let mm = feed / units_per_mm;
     let inches = mm / 25.4;
     g.feed_upm.set(feed * 60.0);

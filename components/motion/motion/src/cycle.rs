@@ -9,12 +9,13 @@ use crate::{
     path::line::Machine,
     pins::Pins,
     state::{Inputs, State},
+    switch::SwitchPins,
 };
 use hal_component::Pose;
 
 impl State {
     /// Reads the pins.
-    pub(crate) fn sense(&mut self, pins: &Pins) {
+    pub(crate) fn read_pins(&mut self, pins: &Pins) {
         let g = &pins.general;
         let before = self.inputs;
         self.inputs = Inputs {
@@ -26,10 +27,10 @@ impl State {
             jog_stop_immediate: g.jog_stop_immediate.get(),
         };
         for (joint, pins) in self.joints.iter_mut().zip(&pins.joints) {
-            joint.sense(pins);
+            joint.read_pins(pins);
         }
         for (n, (spindle, pins)) in self.spindles.iter_mut().zip(&pins.spindles).enumerate() {
-            spindle.sense(n, pins, self.dt, &self.say);
+            spindle.read_pins(n, pins, self.dt, &self.say);
         }
         self.at_speed =
             self.spindles.iter().zip(&pins.spindles).all(|(spindle, pins)| spindle.is_ready(pins));
@@ -67,6 +68,33 @@ impl State {
         scale
     }
 
+    /// Switches to the kinematics type that the pin names, once nothing moves; the pose is then computed from the joints
+    /// with the new type.
+    pub(crate) fn switch_kinematics(&mut self, pins: &SwitchPins) {
+        let requested = self.switch.requested(pins, self.kinematics.types(), &self.say);
+        let Some((to, wanted)) = requested else { return };
+        if to == self.switch.is || !self.is_idle() {
+            return;
+        }
+        let before = self.switch.is;
+        if !self.kinematics.switch(to) || !self.find_pose() {
+            self.kinematics.switch(before);
+            self.find_pose();
+            let why = "the kinematics of type {} have no pose for these joints";
+            return self.switch.refuse(wanted, why, &self.say);
+        }
+        if self.mode != Mode::Free
+            && let Err(why) = self.needs_pose()
+        {
+            self.kinematics.switch(before);
+            self.find_pose();
+            self.switch.refuse(wanted, "cannot switch to kinematics of type {}", &self.say);
+            return why.say(&self.say);
+        }
+        self.switch.is = to;
+        self.sync("the kinematics have changed");
+    }
+
     /// Updates jog wheels and homing, then the position of every joint.
     pub(crate) fn advance(&mut self, pins: &Pins, dt: f64) {
         self.wheels(pins);
@@ -82,7 +110,7 @@ impl State {
             self.extras(pins, dt);
         } else {
             for joint in &mut self.joints {
-                joint.follow("the machine is off");
+                joint.track_feedback("the machine is off");
             }
             self.sync("the machine is off");
         }
@@ -91,7 +119,7 @@ impl State {
         }
         self.end_override();
         if self.is_idle()
-            && let Some(ticket) = self.standing.take()
+            && let Some(ticket) = self.stop_ticket.take()
         {
             ticket.done();
         }
@@ -101,28 +129,28 @@ impl State {
         let ready = self.enabled && !self.inputs.jog_inhibit && !self.is_homing();
         let allowed = ready && self.mode == Mode::Free;
         for (joint, pins) in self.joints.iter_mut().zip(&pins.joints) {
-            let room = joint.room();
+            let limits = joint.jog_limits();
             let allowed = allowed && joint.active && !(joint.extra && joint.homing.homed);
-            let senses = joint.senses;
+            let inputs = joint.inputs;
             joint.free.wheel(&joint::wheel(pins), allowed, || {
                 // A joint may not move farther onto a limit switch that is overridden.
-                let mut room = room;
-                if senses.at_max {
-                    room.max = f64::NEG_INFINITY;
+                let mut limits = limits;
+                if inputs.at_max {
+                    limits.max = f64::NEG_INFINITY;
                 }
-                if senses.at_min {
-                    room.min = f64::INFINITY;
+                if inputs.at_min {
+                    limits.min = f64::INFINITY;
                 }
-                room
+                limits
             });
         }
         let allowed = ready && self.mode == Mode::Teleop;
         for (n, pins) in pins.axes.iter().enumerate() {
             let wheel = axis::wheel(pins);
             let turned = self.axes.get(n).is_some_and(|a| a.teleop.is_turned(&wheel));
-            let room = if allowed && turned { self.jog_room(n).ok() } else { None };
+            let limits = if allowed && turned { self.jog_limits(n).ok() } else { None };
             if let Some(axis) = self.axes.get_mut(n) {
-                axis.teleop.wheel(&wheel, room.is_some(), || room.unwrap_or_default());
+                axis.teleop.wheel(&wheel, limits.is_some(), || limits.unwrap_or_default());
             }
         }
     }
@@ -146,7 +174,7 @@ impl State {
             for (axis, pos) in self.axes.iter_mut().zip(before) {
                 axis.teleop.reset(pos, why.text());
             }
-            self.stay(before, why, dt);
+            self.hold(before, why, dt);
         }
         if self.on_soft_limit {
             self.stop_jogs("a joint is beyond its limit");
@@ -154,8 +182,10 @@ impl State {
     }
 
     fn coord(&mut self, dt: f64) {
-        let Self { path, pose, kinematics, joints, axes, shares, feed, at_speed, .. } = self;
-        let machine = Machine { kinematics, joints, axes, shares };
+        let Self {
+            path, pose, kinematics, joints, axes, planning_fractions, feed, at_speed, ..
+        } = self;
+        let machine = Machine { kinematics, joints, axes, planning_fractions };
         let before = *pose;
         let stepped = path.step(before, dt, feed.net, *at_speed, machine);
         let placed = stepped.and_then(|pose| {
@@ -165,7 +195,7 @@ impl State {
         if let Err(why) = placed {
             self.path.clear(why.text());
             self.coord_error = true;
-            self.stay(before, why, dt);
+            self.hold(before, why, dt);
         } else if self.on_soft_limit && self.is_offset().0 && self.path.goes_on() {
             self.path.abort();
             self.say.error("an external offset takes a joint beyond its limit: the move ends", &[]);
@@ -187,10 +217,10 @@ impl State {
     }
 
     /// Keeps joints, axes and offsets where they are. The operator receives the reason once, for as long as it lasts.
-    fn stay(&mut self, before: Pose, why: Refusal, dt: f64) {
+    fn hold(&mut self, before: Pose, why: Refusal, dt: f64) {
         self.pose = before;
         for axis in &mut self.axes {
-            axis.offset.stay();
+            axis.offset.hold();
         }
         for joint in &mut self.joints {
             joint.place(joint.pos_cmd, dt);

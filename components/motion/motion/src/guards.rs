@@ -1,8 +1,10 @@
-//! Guards: they switch the machine off (`switch_off.rs`, `interlock.rs`), keep joints within their velocity (`pace.rs`, `step.rs`, `jump.rs`),
+//! Guards: they switch the machine off (`switch_off.rs`, `interlock.rs`), keep joints within their velocity (`pace.rs`, `step.rs`, `jump.rs`,
+//! `last_jump.rs`),
 //! and axes where the kinematics have an answer (`world.rs`).
 
 pub(crate) mod interlock;
 pub(crate) mod jump;
+pub(crate) mod last_jump;
 pub(crate) mod pace;
 pub(crate) mod step;
 pub(crate) mod switch_off;

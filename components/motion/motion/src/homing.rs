@@ -1,4 +1,5 @@
-//! Homing: of one joint (`one_joint.rs`), and of several in their sequence (`sequence.rs`).
+//! Homing: of one joint (`one_joint.rs`), of several in their sequence (`sequence.rs`), and of the machine (`control.rs`).
 
+pub(crate) mod control;
 pub(crate) mod one_joint;
 pub(crate) mod sequence;

@@ -6,14 +6,14 @@ use libm::fabs;
 
 /// Limits of a jog: travel, velocity and acceleration.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Room {
+pub(crate) struct TravelLimits {
     pub(crate) min: f64,
     pub(crate) max: f64,
     pub(crate) max_vel: f64,
     pub(crate) max_acc: f64,
 }
 
-impl Room {
+impl TravelLimits {
     /// Narrows the limits of an axis at `pos` to those of a joint at `joint_pos` that moves by `slope` per unit of the
     /// axis.
     pub(crate) fn narrow(&mut self, joint: &Self, joint_pos: f64, pos: f64, slope: f64) {
@@ -98,14 +98,14 @@ impl Jogger {
         &mut self,
         target: f64,
         speed: f64,
-        room: &Room,
+        limits: &TravelLimits,
         by: By,
         ticket: Option<TicketHandle>,
     ) {
-        self.give_up("another jog took its place");
-        self.tp.target = room.bound(target, self.tp.pos);
-        self.tp.max_vel = if speed < room.max_vel { speed } else { room.max_vel };
-        self.tp.max_acc = room.max_acc;
+        self.fail_ticket("superseded by another jog");
+        self.tp.target = limits.bound(target, self.tp.pos);
+        self.tp.max_vel = if speed < limits.max_vel { speed } else { limits.max_vel };
+        self.tp.max_acc = limits.max_acc;
         self.tp.enable = true;
         self.tp.active = true;
         self.by = by;
@@ -115,7 +115,7 @@ impl Jogger {
     /// Brakes; the ticket is done at rest.
     pub(crate) fn stop(&mut self, why: &'static str, ticket: Option<TicketHandle>) {
         self.tp.enable = false;
-        self.give_up(why);
+        self.fail_ticket(why);
         if self.tp.active {
             self.ticket = ticket;
         } else if let Some(ticket) = ticket {
@@ -139,10 +139,10 @@ impl Jogger {
     pub(crate) fn reset(&mut self, pos: f64, why: &'static str) {
         self.tp.reset(pos);
         self.by = By::Nobody;
-        self.give_up(why);
+        self.fail_ticket(why);
     }
 
-    fn give_up(&mut self, why: &'static str) {
+    fn fail_ticket(&mut self, why: &'static str) {
         if let Some(ticket) = self.ticket.take() {
             ticket.fail(why);
         }
@@ -165,7 +165,12 @@ impl Jogger {
     }
 
     /// Reads the wheel, and moves by its counts if that is allowed.
-    pub(crate) fn wheel(&mut self, pins: &WheelPins, allowed: bool, room: impl Fn() -> Room) {
+    pub(crate) fn wheel(
+        &mut self,
+        pins: &WheelPins,
+        allowed: bool,
+        limits: impl Fn() -> TravelLimits,
+    ) {
         let counts = pins.counts.get();
         let old = self.old_counts.replace(counts).unwrap_or(counts);
         let distance = f64::from(counts.wrapping_sub(old)) * pins.scale.get();
@@ -175,25 +180,25 @@ impl Jogger {
         }
         let fraction = pins.accel_fraction.get();
         let fraction = if (0.0..=1.0).contains(&fraction) { fraction } else { 1.0 };
-        let room = room();
-        let mut room = Room { max_acc: room.max_acc * fraction, ..room };
-        if room.max_acc <= 0.0 {
+        let limits = limits();
+        let mut limits = TravelLimits { max_acc: limits.max_acc * fraction, ..limits };
+        if limits.max_acc <= 0.0 {
             return;
         }
-        if self.tp.active && room.max_acc < self.tp.max_acc {
+        if self.tp.active && limits.max_acc < self.tp.max_acc {
             // The axis must still be able to brake before a limit.
-            room.max_acc = self.tp.max_acc;
+            limits.max_acc = self.tp.max_acc;
         }
         let mut target = self.tp.target + distance;
         if pins.vel_mode.get() {
             // The target leads by at most the braking distance from full speed.
-            let lead = room.max_vel * room.max_vel / (2.0 * room.max_acc);
+            let lead = limits.max_vel * limits.max_vel / (2.0 * limits.max_acc);
             let way = target - self.tp.pos;
             if fabs(way) > lead {
                 target = self.tp.pos + if way > 0.0 { lead } else { -lead };
             }
         }
-        self.go(target, room.max_vel, &room, By::Wheel, None);
+        self.go(target, limits.max_vel, &limits, By::Wheel, None);
     }
 }
 
@@ -216,8 +221,8 @@ mod tests {
             (f64::NAN, f64::NAN, 0.0, 10.0, 0.0),
             (-50.0, 200.0, 0.0, f64::NAN, 0.0),
         ] {
-            let room = Room { min, max, max_vel: 1.0, max_acc: 1.0 };
-            assert_eq!(room.bound(target, from), expected, "{min} {max} {from} {target}");
+            let limits = TravelLimits { min, max, max_vel: 1.0, max_acc: 1.0 };
+            assert_eq!(limits.bound(target, from), expected, "{min} {max} {from} {target}");
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::{
     commands::config::JointConfig,
     guards::step::{MotorCommand, StepGuard},
     homing::one_joint::Homing,
-    jogger::{Jogger, Room, WheelPins},
+    jogger::{Jogger, TravelLimits, WheelPins},
     path::planner::SimpleTp,
     pins::JointPins,
 };
@@ -12,7 +12,7 @@ use libm::fabs;
 
 /// Inputs of this cycle.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Senses {
+pub(crate) struct JointInputs {
     pub(crate) motor_pos_fb: f64,
     pub(crate) amp_fault: bool,
     pub(crate) at_max: bool,
@@ -29,7 +29,7 @@ pub(crate) struct Joint {
     pub(crate) active: bool,
     /// True if the joint follows posthome-cmd once homed, instead of the kinematics.
     pub(crate) extra: bool,
-    pub(crate) senses: Senses,
+    pub(crate) inputs: JointInputs,
     pub(crate) pos_cmd: f64,
     pub(crate) vel_cmd: f64,
     acc_cmd: f64,
@@ -56,8 +56,8 @@ impl Joint {
     }
 
     /// Reads the pins, and computes the following error of the last command.
-    pub(crate) fn sense(&mut self, pins: &JointPins) {
-        self.senses = Senses {
+    pub(crate) fn read_pins(&mut self, pins: &JointPins) {
+        self.inputs = JointInputs {
             motor_pos_fb: pins.motor_pos_fb.get(),
             amp_fault: pins.amp_fault_in.get(),
             at_max: pins.pos_lim_sw_in.get(),
@@ -75,17 +75,17 @@ impl Joint {
         if joins {
             self.active = true;
             self.measure();
-            self.follow("the joint was configured");
+            self.track_feedback("the joint was configured");
         }
         joins
     }
 
     fn measure(&mut self) {
-        if self.homing.is_at_index(self.senses.index_enable) && self.config.home.encoder.resets() {
+        if self.homing.is_at_index(self.inputs.index_enable) && self.config.home.encoder.resets() {
             // The encoder's reading has jumped, not the joint.
             self.pos_fb = self.pos_cmd;
         } else if self.active {
-            self.pos_fb = self.senses.motor_pos_fb - (self.backlash.pos + self.motor_offset);
+            self.pos_fb = self.inputs.motor_pos_fb - (self.backlash.pos + self.motor_offset);
         }
         let on_its_own = self.extra && self.homing.homed;
         self.ferror = if on_its_own { 0.0 } else { self.pos_cmd - self.pos_fb };
@@ -99,7 +99,7 @@ impl Joint {
     }
 
     /// Sets the command to the joint's actual position, while the machine is off.
-    pub(crate) fn follow(&mut self, why: &'static str) {
+    pub(crate) fn track_feedback(&mut self, why: &'static str) {
         if self.pos_fb.is_finite() {
             self.pos_cmd = self.pos_fb;
             self.ferror = 0.0;
@@ -110,7 +110,7 @@ impl Joint {
 
     /// Returns the limits of a jog: the soft limits if the joint is homed, otherwise the full distance between them in
     /// both directions from here.
-    pub(crate) fn room(&self) -> Room {
+    pub(crate) fn jog_limits(&self) -> TravelLimits {
         let c = &self.config;
         let (min, max) = if self.homing.homed {
             (c.min_limit, c.max_limit)
@@ -118,7 +118,7 @@ impl Joint {
             let range = c.max_limit - c.min_limit;
             (self.pos_fb - range, self.pos_fb + range)
         };
-        Room { min, max, max_vel: c.max_velocity, max_acc: c.max_acceleration }
+        TravelLimits { min, max, max_vel: c.max_velocity, max_acc: c.max_acceleration }
     }
 
     /// Returns whether a position is beyond a soft limit of a homed joint, by more than rounding.
@@ -184,7 +184,7 @@ impl Joint {
 
     /// Adds an offset to the encoder's reading from now on, without motion.
     pub(crate) fn offset(&mut self, offset: f64) {
-        let pos = self.senses.motor_pos_fb - self.backlash.pos + offset;
+        let pos = self.inputs.motor_pos_fb - self.backlash.pos + offset;
         if !pos.is_finite() {
             return;
         }
@@ -201,7 +201,7 @@ impl Joint {
             position: self.pos_cmd + self.backlash.pos + self.motor_offset,
             offset: self.motor_offset,
             correction: self.backlash.pos,
-            feedback: self.senses.motor_pos_fb,
+            feedback: self.inputs.motor_pos_fb,
             max_velocity: self.config.max_velocity,
             is_on: enabled && self.active,
         }
@@ -217,9 +217,9 @@ impl Joint {
     }
 
     /// Writes the pins.
-    pub(crate) fn show(&mut self, pins: &JointPins, enabled: bool) {
-        if let Some(wish) = self.homing.index_wish() {
-            pins.index_enable.set(wish);
+    pub(crate) fn write_pins(&mut self, pins: &JointPins, enabled: bool) {
+        if let Some(value) = self.homing.take_index_enable() {
+            pins.index_enable.set(value);
         }
         let tp = &self.free.tp;
         pins.motor_pos_cmd.set(self.step_guard.last());
@@ -242,13 +242,13 @@ impl Joint {
         pins.amp_enable_out.set(enabled && self.active);
         pins.error.set(self.error);
         pins.f_errored.set(self.was_ferrored);
-        pins.faulted.set(self.active && self.senses.amp_fault);
+        pins.faulted.set(self.active && self.inputs.amp_fault);
         pins.homed.set(self.homing.homed);
         pins.homing.set(self.homing.is_under_way());
         pins.home_state.set(self.homing.code());
         pins.in_position.set(!tp.active);
-        pins.pos_hard_limit.set(self.active && self.senses.at_max);
-        pins.neg_hard_limit.set(self.active && self.senses.at_min);
+        pins.pos_hard_limit.set(self.active && self.inputs.at_max);
+        pins.neg_hard_limit.set(self.active && self.inputs.at_min);
         pins.kb_jog_active.set(self.free.by == crate::jogger::By::Command);
         pins.wheel_jog_active.set(self.free.by == crate::jogger::By::Wheel);
     }

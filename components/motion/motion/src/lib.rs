@@ -11,6 +11,7 @@ mod included;
 mod jogger;
 mod joint;
 mod offset;
+mod offsets;
 mod path;
 mod pins;
 mod setup;
@@ -18,7 +19,7 @@ mod spindle;
 mod state;
 mod switch;
 
-use commands::interface::Desk;
+use commands::interface::CommandInterface;
 use controller::{Controller, Handler};
 use guards::interlock::Interlock;
 use hal_component::{
@@ -30,7 +31,7 @@ use setup::{MAX_JOINTS, Setup};
 use state::State;
 
 /// Capacity of the command queue to the realtime side.
-const ROOM: usize = 256;
+const QUEUE_LEN: usize = 256;
 
 /// `loadrt motmod`.
 #[derive(Debug)]
@@ -123,19 +124,19 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
     }
     b.thread("servo-thread", setup.servo_period_ns)?;
 
-    let (to_handler, from_desk) = b.queue(ROOM);
-    let (to_controller, from_handler) = b.queue(ROOM);
+    let (to_handler, from_interface) = b.queue(QUEUE_LEN);
+    let (to_controller, from_handler) = b.queue(QUEUE_LEN);
     let state = State::new(&setup, kinematics, b.messages());
-    let desk = Desk {
+    let interface = CommandInterface {
         to: to_handler,
         joints: setup.joints,
         spindles: setup.spindles,
         digital_out: setup.digital_out.len(),
         analog_out: setup.analog_out.len(),
         kinematics,
-        book: Default::default(),
+        cache: Default::default(),
     };
-    desk.open(b)?;
+    interface.open(b)?;
     commands::status::open(b, pins.clone(), state.last_jump.clone())?;
     let controller = Controller {
         from: from_handler,
@@ -146,7 +147,7 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
         last_ns: None,
         state,
     };
-    Ok((Handler::new(from_desk, to_controller), controller))
+    Ok((Handler::new(from_interface, to_controller), controller))
 }
 
 hal_component::export!(Motmod, included::Homemod, included::Tpmod);

@@ -5,20 +5,20 @@ pub(crate) mod planner;
 
 use crate::{
     commands::refusal::Refusal,
-    path::line::{Line, Machine, Wish},
+    path::line::{Line, Machine, MoveRequest},
     path::planner::SimpleTp,
 };
 use hal_component::{Pose, TicketHandle};
 use std::collections::VecDeque;
 
 /// Capacity of the move queue.
-pub(crate) const ROOM: usize = 200;
+pub(crate) const QUEUE_LEN: usize = 200;
 
 /// A queued move.
 #[derive(Clone, Copy, Debug)]
 struct Segment {
     end: Pose,
-    wish: Wish,
+    request: MoveRequest,
     ticket: TicketHandle,
 }
 
@@ -40,7 +40,7 @@ pub(crate) struct Path {
 impl Path {
     pub(crate) fn new() -> Self {
         Self {
-            waiting: VecDeque::with_capacity(ROOM),
+            waiting: VecDeque::with_capacity(QUEUE_LEN),
             current: None,
             tp: SimpleTp::default(),
             stopping: false,
@@ -54,14 +54,14 @@ impl Path {
         &mut self,
         now: Pose,
         to: Pose,
-        wish: Wish,
+        request: MoveRequest,
         machine: Machine<'_>,
         ticket: TicketHandle,
     ) -> Result<(), Refusal> {
         if self.stopping {
             return Err(Refusal::new("the machine is still coming to a stop"));
         }
-        if self.waiting.len() >= ROOM {
+        if self.waiting.len() >= QUEUE_LEN {
             return Err(Refusal::new("200 moves are waiting already"));
         }
         let last = self.waiting.back().map(|s| s.end);
@@ -72,8 +72,8 @@ impl Path {
                 *place = wanted;
             }
         }
-        Line::plan(start, end, wish, machine)?;
-        self.waiting.push_back(Segment { end, wish, ticket });
+        Line::plan(start, end, request, machine)?;
+        self.waiting.push_back(Segment { end, request, ticket });
         Ok(())
     }
 
@@ -92,7 +92,7 @@ impl Path {
             && may_begin
             && let Some(next) = self.waiting.pop_front()
         {
-            match Line::plan(now, next.end, next.wish, machine) {
+            match Line::plan(now, next.end, next.request, machine) {
                 Ok(line) => self.begin(line, next.ticket),
                 Err(why) => {
                     next.ticket.fail(why.text());
@@ -139,8 +139,8 @@ impl Path {
     pub(crate) fn lower_limits(&mut self, machine: Machine<'_>) {
         let Some((line, _)) = &mut self.current else { return };
         let Line { start, end, velocity, max_velocity, acceleration, .. } = *line;
-        let wish = Wish { velocity, acceleration, max_velocity };
-        if let Ok(new) = Line::plan(start, end, wish, machine) {
+        let request = MoveRequest { velocity, acceleration, max_velocity };
+        if let Ok(new) = Line::plan(start, end, request, machine) {
             (line.velocity, line.max_velocity) = (new.velocity, new.max_velocity);
         }
     }

@@ -81,7 +81,7 @@ impl Spindle {
     }
 
     /// Reads the pins; `n` is the number of the spindle.
-    pub(crate) fn sense(&mut self, n: usize, pins: &SpindlePins, dt: f64, say: &Messages) {
+    pub(crate) fn read_pins(&mut self, n: usize, pins: &SpindlePins, dt: f64, say: &Messages) {
         let Orient::Turning { ticket, is_again, late } = &mut self.orient else { return };
         if core::mem::take(is_again) {
             // An is-oriented that belongs to the previous angle does not count.
@@ -114,7 +114,7 @@ impl Spindle {
     }
 
     /// Writes the pins.
-    pub(crate) fn show(&self, pins: &SpindlePins) {
+    pub(crate) fn write_pins(&self, pins: &SpindlePins) {
         let runs = self.on && !pins.inhibit.get();
         let speed = if runs { self.speed * self.scale } else { 0.0 };
         pins.on.set(runs);

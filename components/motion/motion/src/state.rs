@@ -6,9 +6,9 @@ use crate::{
     commands::config::TrajConfig,
     commands::refusal::Refusal,
     guards::interlock::Lockout,
-    guards::jump::LastJump,
-    homing::sequence::Round,
-    jogger::Room,
+    guards::last_jump::LastJump,
+    homing::sequence::HomingSequence,
+    jogger::TravelLimits,
     joint::Joint,
     path::Path,
     path::line::Places,
@@ -49,8 +49,8 @@ pub(crate) struct State {
     pub(crate) say: Messages,
     pub(crate) joints: Vec<Joint>,
     pub(crate) axes: Vec<Axis>,
-    /// Share of velocity and acceleration that each joint has for moves.
-    pub(crate) shares: [f64; MAX_JOINTS],
+    /// Fraction of velocity and acceleration that each joint has for moves.
+    pub(crate) planning_fractions: [f64; MAX_JOINTS],
     pub(crate) spindles: Vec<Spindle>,
     pub(crate) digital_out: Vec<bool>,
     pub(crate) analog_out: Vec<f64>,
@@ -71,11 +71,11 @@ pub(crate) struct State {
     pub(crate) override_moved: bool,
     pub(crate) coord_error: bool,
     pub(crate) on_soft_limit: bool,
-    pub(crate) enabling: Option<TicketHandle>,
+    pub(crate) enable_ticket: Option<TicketHandle>,
     /// Joints that are being homed.
-    pub(crate) round: Option<Round>,
+    pub(crate) homing: Option<HomingSequence>,
     /// Ticket that is done when all motion has ended.
-    pub(crate) standing: Option<TicketHandle>,
+    pub(crate) stop_ticket: Option<TicketHandle>,
     pub(crate) last_jump: Arc<LastJump>,
     /// Reason why the axes do not move, for as long as it applies.
     pub(crate) stays: Option<&'static str>,
@@ -91,7 +91,7 @@ impl State {
             say,
             joints: (0..setup.joints).map(joint).collect(),
             axes: (0..9).map(|_| Axis::default()).collect(),
-            shares: [1.0; MAX_JOINTS],
+            planning_fractions: [1.0; MAX_JOINTS],
             spindles: vec![Spindle::default(); setup.spindles],
             digital_out: vec![false; setup.digital_out.len()],
             analog_out: vec![0.0; setup.analog_out.len()],
@@ -108,9 +108,9 @@ impl State {
             override_moved: false,
             coord_error: false,
             on_soft_limit: false,
-            enabling: None,
-            round: None,
-            standing: None,
+            enable_ticket: None,
+            homing: None,
+            stop_ticket: None,
             last_jump: Arc::default(),
             stays: None,
         }
@@ -189,23 +189,23 @@ impl State {
         places
     }
 
-    /// Returns the limits of a jog of an axis, reduced by its offset's share.
-    pub(crate) fn jog_room(&self, letter: usize) -> Result<Room, Refusal> {
-        let mut room = self.axis_room(letter)?;
+    /// Returns the limits of a jog of an axis, reduced by its offset's fraction.
+    pub(crate) fn jog_limits(&self, letter: usize) -> Result<TravelLimits, Refusal> {
+        let mut limits = self.axis_limits(letter)?;
         if let Some(axis) = self.axes.get(letter) {
-            room.max_vel *= 1.0 - axis.config.offset_share;
-            room.max_acc *= 1.0 - axis.config.offset_share;
+            limits.max_vel *= 1.0 - axis.config.offset_fraction;
+            limits.max_acc *= 1.0 - axis.config.offset_fraction;
         }
-        Ok(room)
+        Ok(limits)
     }
 
     /// Returns the limits of an axis: its own, narrowed by those of its joints.
-    pub(crate) fn axis_room(&self, letter: usize) -> Result<Room, Refusal> {
+    pub(crate) fn axis_limits(&self, letter: usize) -> Result<TravelLimits, Refusal> {
         let (Some(axis), Some(pos)) = (self.axes.get(letter), self.pose.get(letter)) else {
             return Err(NO_JOINT);
         };
         let c = &axis.config;
-        let mut room = Room {
+        let mut limits = TravelLimits {
             min: c.min_limit,
             max: c.max_limit,
             max_vel: c.max_velocity,
@@ -241,9 +241,9 @@ impl State {
                     n,
                 ));
             }
-            room.narrow(&joint.room(), *here, *pos, slope);
+            limits.narrow(&joint.jog_limits(), *here, *pos, slope);
         }
-        if moves { Ok(room) } else { Err(NO_JOINT) }
+        if moves { Ok(limits) } else { Err(NO_JOINT) }
     }
 }
 

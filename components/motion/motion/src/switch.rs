@@ -1,7 +1,6 @@
-//! Realtime. Switching between the kinematics types of a machine.
+//! Realtime. The pin that selects the kinematics type of a machine, and the type in force.
 
-use crate::{commands::command::Mode, state::State};
-use hal_component::{Builder, Decl, Error, In, Touch};
+use hal_component::{Builder, Decl, Error, In, Messages, Touch};
 
 /// Pin `motion.switchkins-type`, if the kinematics have several types.
 #[derive(Clone, Debug, Touch)]
@@ -28,55 +27,42 @@ impl SwitchPins {
 /// Current type.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Switch {
-    is: u32,
+    pub(crate) is: u32,
     /// Last refused request, so that it is reported only once.
     refused: Option<f64>,
 }
 
-impl State {
-    /// Switches to the type that the pin names, once nothing moves; the pose is then computed from the joints with the
-    /// new type.
-    pub(crate) fn switch_kinematics(&mut self, pins: &SwitchPins) {
-        let Some(wanted) = pins.wanted.first().map(In::get) else { return };
-        if self.switch.refused.is_some_and(|r| r.to_bits() == wanted.to_bits()) {
-            return;
+impl Switch {
+    /// Returns the type that the pin names, and the pin's value. Reports a type that does not exist, once.
+    pub(crate) fn requested(
+        &mut self,
+        pins: &SwitchPins,
+        types: u32,
+        say: &Messages,
+    ) -> Option<(u32, f64)> {
+        let wanted = pins.wanted.first().map(In::get)?;
+        if self.refused.is_some_and(|r| r.to_bits() == wanted.to_bits()) {
+            return None;
         }
-        let Some(to) = whole(wanted).filter(|to| *to < self.kinematics.types()) else {
-            self.switch.refused = Some(wanted);
-            self.say.error("there are no kinematics of type {}", &[wanted]);
-            return;
+        let Some(to) = whole(wanted).filter(|to| *to < types) else {
+            self.refuse(wanted, "there are no kinematics of type {}", say);
+            return None;
         };
-        self.switch.refused = None;
-        if to == self.switch.is || !self.is_idle() {
-            return;
-        }
-        let before = self.switch.is;
-        if !self.kinematics.switch(to) || !self.find_pose() {
-            self.kinematics.switch(before);
-            self.find_pose();
-            self.switch.refused = Some(wanted);
-            self.say.error("the kinematics of type {} have no pose for these joints", &[wanted]);
-            return;
-        }
-        if self.mode != Mode::Free
-            && let Err(why) = self.needs_pose()
-        {
-            self.kinematics.switch(before);
-            self.find_pose();
-            self.switch.refused = Some(wanted);
-            self.say.error("cannot switch to kinematics of type {}", &[wanted]);
-            why.say(&self.say);
-            return;
-        }
-        self.switch.is = to;
-        self.sync("the kinematics have changed");
+        self.refused = None;
+        Some((to, wanted))
+    }
+
+    /// Refuses a request, and reports the reason.
+    pub(crate) fn refuse(&mut self, wanted: f64, why: &'static str, say: &Messages) {
+        self.refused = Some(wanted);
+        say.error(why, &[wanted]);
     }
 }
 
 /// Truncates a number to an integer; `None` for negative results and NaN.
 fn whole(wanted: f64) -> Option<u32> {
-    (0..=MOST).find(|n| f64::from(*n) == libm::trunc(wanted))
+    (0..=MAX_TYPE).find(|n| f64::from(*n) == libm::trunc(wanted))
 }
 
 /// Largest number of a type in any kinematics.
-const MOST: u32 = 15;
+const MAX_TYPE: u32 = 15;

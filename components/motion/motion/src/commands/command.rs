@@ -17,7 +17,7 @@ pub(crate) enum Mode {
 
 /// Target of a jog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum What {
+pub(crate) enum JogTarget {
     /// A joint.
     Joint(usize),
     /// An axis, by its index among the letters.
@@ -26,21 +26,21 @@ pub(crate) enum What {
 
 /// Extent of a jog.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Far {
+pub(crate) enum JogDistance {
     /// Until it is stopped, in the direction of its velocity.
-    On,
+    Continuous,
     /// By a distance, added to the current target.
-    By(f64),
+    Incremental(f64),
     /// To a position.
-    To(f64),
+    Absolute(f64),
 }
 
 /// A jog.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Jog {
-    pub(crate) what: What,
+    pub(crate) target: JogTarget,
     pub(crate) velocity: f64,
-    pub(crate) far: Far,
+    pub(crate) distance: JogDistance,
 }
 
 /// A coordinated move.
@@ -81,14 +81,14 @@ pub(crate) type Joints = u32;
 
 /// Requests that take machine time or depend on the machine's state; the reply comes through a ticket.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Ask {
+pub(crate) enum Request {
     Enable,
     Disable,
     Mode(Mode),
     Home(Joints),
     Unhome(Joints),
     Jog(Jog),
-    JogStop(Option<What>),
+    JogStop(Option<JogTarget>),
     Move(Move),
     Abort,
     Spindle(SpindleChange),
@@ -105,5 +105,5 @@ pub(crate) enum Command {
     Joint(usize, JointConfig),
     Axis(usize, AxisConfig),
     Traj(TrajConfig),
-    Ask(Ask, TicketHandle),
+    Request(Request, TicketHandle),
 }

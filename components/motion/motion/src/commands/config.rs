@@ -71,8 +71,8 @@ impl JointConfig {
     /// Returns the following error allowed at a velocity.
     pub(crate) fn ferror_limit(&self, velocity: f64) -> f64 {
         let least = self.min_ferror.unwrap_or(self.ferror);
-        let share = self.ferror * velocity.abs() / self.max_velocity;
-        if share > least { share } else { least }
+        let fraction = self.ferror * velocity.abs() / self.max_velocity;
+        if fraction > least { fraction } else { least }
     }
 }
 
@@ -83,8 +83,8 @@ pub(crate) struct AxisConfig {
     pub(crate) max_limit: f64,
     pub(crate) max_velocity: f64,
     pub(crate) max_acceleration: f64,
-    /// External offset's share of velocity and acceleration; 0 if there is no offset.
-    pub(crate) offset_share: f64,
+    /// External offset's fraction of velocity and acceleration; 0 if there is no offset.
+    pub(crate) offset_fraction: f64,
 }
 
 impl Default for AxisConfig {
@@ -94,7 +94,7 @@ impl Default for AxisConfig {
             max_limit: f64::INFINITY,
             max_velocity: f64::INFINITY,
             max_acceleration: f64::INFINITY,
-            offset_share: 0.0,
+            offset_fraction: 0.0,
         }
     }
 }

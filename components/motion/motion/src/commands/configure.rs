@@ -91,7 +91,7 @@ pub(crate) const ARGS: &[&ArgSpec] = &[
 
 /// Configuration so far.
 #[derive(Debug, Default)]
-pub(crate) struct Book {
+pub(crate) struct ConfigCache {
     joints: BTreeMap<usize, JointConfig>,
     axes: BTreeMap<usize, AxisConfig>,
     traj: TrajConfig,
@@ -124,7 +124,7 @@ const AXIS: &[&str] =
 const TRAJ: &[&str] =
     &["max-velocity", "max-acceleration", "default-velocity", "linear-units", "max-feed-override"];
 
-impl Book {
+impl ConfigCache {
     /// Returns the command to send. The cache itself is unchanged, also on an error; [`Self::keep`] stores the
     /// settings.
     pub(crate) fn read(&self, call: &Call<'_>, joints: usize) -> Result<Command, Error> {
@@ -157,7 +157,7 @@ impl Book {
                 self.axes.insert(n, config);
             }
             Command::Traj(config) => self.traj = config,
-            Command::Ask(..) => {}
+            Command::Request(..) => {}
         }
     }
 
@@ -187,7 +187,7 @@ impl Book {
         above(call, "max-velocity", &mut c.max_velocity)?;
         above(call, "max-acceleration", &mut c.max_acceleration)?;
         let legal = |v: f64| (0.0..=0.9).contains(&v);
-        take(call, "offset-av-ratio", &mut c.offset_share, legal, "0 to 0.9")?;
+        take(call, "offset-av-ratio", &mut c.offset_fraction, legal, "0 to 0.9")?;
         Ok(Command::Axis(n, c))
     }
 

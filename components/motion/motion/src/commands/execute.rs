@@ -2,11 +2,12 @@
 
 use crate::{
     commands::command::{
-        Ask, Command, Far, FeedChange, Jog, Joints, Mode, Move, Output, SpindleChange, What,
+        Command, FeedChange, Jog, JogDistance, JogTarget, Joints, Mode, Move, Output, Request,
+        SpindleChange,
     },
     commands::refusal::Refusal,
-    jogger::{By, Jogger, Room},
-    path::line::Wish,
+    jogger::{By, Jogger, TravelLimits},
+    path::line::MoveRequest,
     state::State,
 };
 use hal_component::TicketHandle;
@@ -21,7 +22,7 @@ enum Answer {
 
 impl State {
     /// Executes a command, or begins to.
-    pub(crate) fn obey(&mut self, command: Command) {
+    pub(crate) fn execute(&mut self, command: Command) {
         match command {
             Command::Joint(n, config) => {
                 if self.joints.get_mut(n).is_some_and(|j| j.configure(config))
@@ -37,11 +38,11 @@ impl State {
                 if let Some(axis) = self.axes.get_mut(n) {
                     axis.config = config;
                 }
-                self.share();
+                self.update_planning_fractions();
                 self.lower_limits();
             }
             Command::Traj(config) => self.traj = config,
-            Command::Ask(ask, ticket) => match self.ask(ask, ticket) {
+            Command::Request(request, ticket) => match self.request(request, ticket) {
                 Ok(Answer::Done) => ticket.done(),
                 Ok(Answer::Later) => {}
                 Err(why) => why.report(&self.say, ticket),
@@ -49,32 +50,32 @@ impl State {
         }
     }
 
-    fn ask(&mut self, ask: Ask, ticket: TicketHandle) -> Result<Answer, Refusal> {
-        match ask {
-            Ask::Enable => return self.enable(ticket),
-            Ask::Disable => self.turn_off("the machine was switched off"),
-            Ask::Mode(mode) => self.set_mode(mode)?,
-            Ask::Home(set) => {
+    fn request(&mut self, request: Request, ticket: TicketHandle) -> Result<Answer, Refusal> {
+        match request {
+            Request::Enable => return self.enable(ticket),
+            Request::Disable => self.turn_off("the machine was switched off"),
+            Request::Mode(mode) => self.set_mode(mode)?,
+            Request::Home(set) => {
                 self.home(set, ticket)?;
                 return Ok(Answer::Later);
             }
-            Ask::Unhome(set) => self.unhome(set)?,
-            Ask::Jog(jog) => return self.jog(jog, ticket),
-            Ask::JogStop(what) => return Ok(self.jog_stop(what, ticket)),
-            Ask::Move(m) => return self.move_to(m, ticket),
-            Ask::Abort => return Ok(self.abort(ticket)),
-            Ask::Spindle(change) => self.change_spindle(change)?,
-            Ask::Orient(n, angle, mode) => {
+            Request::Unhome(set) => self.unhome(set)?,
+            Request::Jog(jog) => return self.jog(jog, ticket),
+            Request::JogStop(target) => return Ok(self.jog_stop(target, ticket)),
+            Request::Move(m) => return self.move_to(m, ticket),
+            Request::Abort => return Ok(self.abort(ticket)),
+            Request::Spindle(change) => self.change_spindle(change)?,
+            Request::Orient(n, angle, mode) => {
                 self.needs_enabled("the spindle cannot turn: the machine is not enabled")?;
                 if let Some(spindle) = self.spindles.get_mut(n) {
                     spindle.orient(angle, mode, ticket);
                 }
                 return Ok(Answer::Later);
             }
-            Ask::Output(output) => self.put(output),
-            Ask::Feed(change) => self.change_feed(change),
-            Ask::OverrideLimits => {
-                let at_switch = self.active().any(|j| j.senses.at_max || j.senses.at_min);
+            Request::Output(output) => self.set_output(output),
+            Request::Feed(change) => self.change_feed(change),
+            Request::OverrideLimits => {
+                let at_switch = self.active().any(|j| j.inputs.at_max || j.inputs.at_min);
                 self.overriding = at_switch;
                 self.override_moved = false;
             }
@@ -99,13 +100,13 @@ impl State {
         }
         for joint in &mut self.joints {
             joint.error = false;
-            joint.follow("the machine was off");
+            joint.track_feedback("the machine was off");
         }
         self.sync("the machine was off");
         self.leave_world();
         self.last_jump.clear();
         self.enabled = true;
-        self.enabling = Some(ticket);
+        self.enable_ticket = Some(ticket);
         Ok(Answer::Later)
     }
 
@@ -134,77 +135,77 @@ impl State {
         if self.is_homing() {
             return Err(Refusal::new("cannot jog while homing"));
         }
-        let room = match jog.what {
-            What::Joint(n) => self.joint_room(n)?,
-            What::Axis(letter) => {
+        let limits = match jog.target {
+            JogTarget::Joint(n) => self.joint_limits(n)?,
+            JogTarget::Axis(letter) => {
                 self.set_mode(Mode::Teleop)?;
-                self.jog_room(letter)?
+                self.jog_limits(letter)?
             }
         };
-        let Some(jogger) = self.jogger(jog.what) else {
+        let Some(jogger) = self.jogger(jog.target) else {
             return Err(Refusal::new("cannot jog: no such joint or axis"));
         };
         let tp = jogger.tp;
-        let target = match jog.far {
-            Far::On if jog.velocity > 0.0 => f64::INFINITY,
-            Far::On => f64::NEG_INFINITY,
-            Far::By(distance) => tp.target + distance,
-            Far::To(position) => position,
+        let target = match jog.distance {
+            JogDistance::Continuous if jog.velocity > 0.0 => f64::INFINITY,
+            JogDistance::Continuous => f64::NEG_INFINITY,
+            JogDistance::Incremental(by) => tp.target + by,
+            JogDistance::Absolute(position) => position,
         };
-        if let What::Joint(n) = jog.what
-            && let Some(senses) = self.joints.get(n).map(|j| j.senses)
+        if let JogTarget::Joint(n) = jog.target
+            && let Some(inputs) = self.joints.get(n).map(|j| j.inputs)
         {
             let up = target > tp.pos;
-            if (up && senses.at_max) || (target < tp.pos && senses.at_min) {
+            if (up && inputs.at_max) || (target < tp.pos && inputs.at_min) {
                 return Err(past_switch(n, up));
             }
         }
-        let held = (jog.far != Far::On).then_some(ticket);
+        let held = (jog.distance != JogDistance::Continuous).then_some(ticket);
         let mut goes = target;
-        if let Some(jogger) = self.jogger(jog.what) {
-            jogger.go(target, jog.velocity.abs(), &room, By::Command, held);
+        if let Some(jogger) = self.jogger(jog.target) {
+            jogger.go(target, jog.velocity.abs(), &limits, By::Command, held);
             goes = jogger.tp.target;
         }
         if held.is_none() {
             return Ok(Answer::Done);
         }
         if goes != target {
-            match jog.what {
-                What::Joint(n) => {
+            match jog.target {
+                JogTarget::Joint(n) => {
                     self.say.warn("jog of joint {} ends at its limit, {}", &[n as f64, goes]);
                 }
-                What::Axis(_) => self.say.warn("jog ends at the axis's limit, {}", &[goes]),
+                JogTarget::Axis(_) => self.say.warn("jog ends at the axis's limit, {}", &[goes]),
             }
         }
         Ok(Answer::Later)
     }
 
-    fn jogger(&mut self, what: What) -> Option<&mut Jogger> {
-        match what {
-            What::Joint(n) => self.joints.get_mut(n).map(|j| &mut j.free),
-            What::Axis(n) => self.axes.get_mut(n).map(|a| &mut a.teleop),
+    fn jogger(&mut self, target: JogTarget) -> Option<&mut Jogger> {
+        match target {
+            JogTarget::Joint(n) => self.joints.get_mut(n).map(|j| &mut j.free),
+            JogTarget::Axis(n) => self.axes.get_mut(n).map(|a| &mut a.teleop),
         }
     }
 
-    fn joint_room(&mut self, n: usize) -> Result<Room, Refusal> {
+    fn joint_limits(&mut self, n: usize) -> Result<TravelLimits, Refusal> {
         let Some(joint) = self.joints.get(n).filter(|j| j.active) else {
             return Err(not_configured(n));
         };
         if joint.extra && joint.homing.homed {
             return Err(Refusal::new("cannot jog: a homed extra joint follows posthome-cmd"));
         }
-        let room = joint.room();
+        let limits = joint.jog_limits();
         self.set_mode(Mode::Free)?;
-        Ok(room)
+        Ok(limits)
     }
 
-    fn jog_stop(&mut self, what: Option<What>, ticket: TicketHandle) -> Answer {
+    fn jog_stop(&mut self, target: Option<JogTarget>, ticket: TicketHandle) -> Answer {
         let why = "the jog was stopped";
-        let Some(what) = what else {
+        let Some(target) = target else {
             self.stop_jogs(why);
-            return self.stand(ticket);
+            return self.await_stop(ticket);
         };
-        match self.jogger(what) {
+        match self.jogger(target) {
             Some(jogger) if matches!(jogger.by, By::Command | By::Wheel) => {
                 jogger.stop(why, Some(ticket));
                 Answer::Later
@@ -234,14 +235,14 @@ impl State {
         self.set_mode(Mode::Coord)?;
         let traj = &self.traj;
         let most = traj.max_acceleration;
-        let wish = Wish {
+        let request = MoveRequest {
             velocity: m.velocity.unwrap_or(traj.default_velocity),
             acceleration: m.acceleration.filter(|a| *a < most).unwrap_or(most),
             max_velocity: traj.max_velocity,
         };
-        let Self { path, pose, kinematics, joints, axes, shares, .. } = self;
-        let machine = crate::path::line::Machine { kinematics, joints, axes, shares };
-        path.push(*pose, m.to, wish, machine, ticket)
+        let Self { path, pose, kinematics, joints, axes, planning_fractions, .. } = self;
+        let machine = crate::path::line::Machine { kinematics, joints, axes, planning_fractions };
+        path.push(*pose, m.to, request, machine, ticket)
     }
 
     fn abort(&mut self, ticket: TicketHandle) -> Answer {
@@ -251,12 +252,12 @@ impl State {
         for spindle in &mut self.spindles {
             spindle.stop("aborted");
         }
-        self.stand(ticket)
+        self.await_stop(ticket)
     }
 
-    fn stand(&mut self, ticket: TicketHandle) -> Answer {
-        if let Some(earlier) = self.standing.replace(ticket) {
-            earlier.fail("another stop took its place");
+    fn await_stop(&mut self, ticket: TicketHandle) -> Answer {
+        if let Some(earlier) = self.stop_ticket.replace(ticket) {
+            earlier.fail("superseded by another stop command");
         }
         Answer::Later
     }
@@ -280,7 +281,7 @@ impl State {
         Ok(())
     }
 
-    fn put(&mut self, output: Output) {
+    fn set_output(&mut self, output: Output) {
         match output {
             Output::Digital(n, value) => {
                 if let Some(place) = self.digital_out.get_mut(n) {

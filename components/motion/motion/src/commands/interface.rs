@@ -2,9 +2,10 @@
 
 use crate::{
     commands::command::{
-        Ask, Command, Far, FeedChange, Jog, Joints, Mode, Move, Output, SpindleChange, What,
+        Command, FeedChange, Jog, JogDistance, JogTarget, Joints, Mode, Move, Output, Request,
+        SpindleChange,
     },
-    commands::configure::{self, Book},
+    commands::configure::{self, ConfigCache},
     pins::LETTERS,
 };
 use hal_component::{Arg, Builder, Call, Error, KinematicsRef, Sender, abi::ArgSpec};
@@ -12,18 +13,18 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// Sender of commands to the realtime side.
 #[derive(Clone, Debug)]
-pub(crate) struct Desk {
+pub(crate) struct CommandInterface {
     pub(crate) to: Sender<Command>,
     pub(crate) joints: usize,
     pub(crate) spindles: usize,
     pub(crate) digital_out: usize,
     pub(crate) analog_out: usize,
     pub(crate) kinematics: KinematicsRef,
-    pub(crate) book: Arc<Mutex<Book>>,
+    pub(crate) cache: Arc<Mutex<ConfigCache>>,
 }
 
 /// Parser of a command's arguments.
-type Read = fn(&Desk, &Call<'_>) -> Result<Ask, Error>;
+type Read = fn(&CommandInterface, &Call<'_>) -> Result<Request, Error>;
 
 /// A command that takes a ticket.
 struct Row {
@@ -44,13 +45,13 @@ const ROWS: &[Row] = &[
         name: "motion.enable",
         doc: "Switches the machine on: forgets joint errors and sets amp-enable-out.",
         args: &[],
-        read: |_, _| Ok(Ask::Enable),
+        read: |_, _| Ok(Request::Enable),
     },
     Row {
         name: "motion.disable",
         doc: "Switches the machine off at once: amplifiers, moves and spindles.",
         args: &[],
-        read: |_, _| Ok(Ask::Disable),
+        read: |_, _| Ok(Request::Disable),
     },
     Row {
         name: "motion.mode",
@@ -64,9 +65,9 @@ Jogs and moves change it by themselves.",
         )
         .required()],
         read: |_, call| match call.text("mode").unwrap_or_default().as_str() {
-            "free" => Ok(Ask::Mode(Mode::Free)),
-            "teleop" => Ok(Ask::Mode(Mode::Teleop)),
-            "coord" => Ok(Ask::Mode(Mode::Coord)),
+            "free" => Ok(Request::Mode(Mode::Free)),
+            "teleop" => Ok(Request::Mode(Mode::Teleop)),
+            "coord" => Ok(Request::Mode(Mode::Coord)),
             other => Err(Error::new(format!("mode '{other}' is none of free, teleop and coord"))),
         },
     },
@@ -81,13 +82,13 @@ encoder's index. Without a switch it is home where it stands. That place becomes
 joint then goes to home, and its limits hold. What ends it: a limit switch, unless home-ignore-limits,
 and twice the way between the limits without a switch or an index.",
         args: &[&JOINTS],
-        read: |desk, call| Ok(Ask::Home(desk.set(call)?)),
+        read: |interface, call| Ok(Request::Home(interface.set(call)?)),
     },
     Row {
         name: "motion.unhome",
         doc: "Forgets where joints are: soft limits no longer hold.",
         args: &[&JOINTS],
-        read: |desk, call| Ok(Ask::Unhome(desk.set(call)?)),
+        read: |interface, call| Ok(Request::Unhome(interface.set(call)?)),
     },
     Row {
         name: "motion.jog",
@@ -103,13 +104,13 @@ a limit. A target beyond a limit ends at the limit.",
             &Arg::float("distance", "How far, in units: added to where it goes already."),
             &Arg::float("position", "Where to, in units."),
         ],
-        read: Desk::jog,
+        read: CommandInterface::jog,
     },
     Row {
         name: "motion.jog-stop",
         doc: "Brakes the jog of a joint or axis; without either, all.",
         args: &[&JOINT, &AXIS],
-        read: |desk, call| Ok(Ask::JogStop(desk.what(call)?)),
+        read: |interface, call| Ok(Request::JogStop(interface.jog_target(call)?)),
     },
     Row {
         name: "motion.move",
@@ -135,13 +136,13 @@ waits while a spindle that is on has no at-speed.",
                 "Acceleration in units/s², above 0; as allowed if missing.",
             ),
         ],
-        read: Desk::move_to,
+        read: CommandInterface::move_to,
     },
     Row {
         name: "motion.abort",
         doc: "Brakes everything, forgets the moves that wait, and stops the spindles.",
         args: &[],
-        read: |_, _| Ok(Ask::Abort),
+        read: |_, _| Ok(Request::Abort),
     },
     Row {
         name: "motion.spindle",
@@ -152,7 +153,7 @@ waits while a spindle that is on has no at-speed.",
             &Arg::float("override", "Factor for the speed, 0 or more; at first 1."),
             &Arg::bit("brake", "Closes or opens the brake."),
         ],
-        read: Desk::spindle,
+        read: CommandInterface::spindle,
     },
     Row {
         name: "motion.spindle-orient",
@@ -162,22 +163,22 @@ waits while a spindle that is on has no at-speed.",
             &Arg::float("angle", "Angle in degrees, 0 to 360.").required(),
             &Arg::int("mode", "Direction: 0 the shorter, 1 clockwise, 2 counterclockwise.").or("0"),
         ],
-        read: |desk, call| {
+        read: |interface, call| {
             let angle = number(call, "angle")?.unwrap_or(0.0);
             if !(0.0..=360.0).contains(&angle) {
                 return Err(Error::new(format!("angle is {angle}, must be 0 to 360")));
             }
             let mode = i32::try_from(within(call, "mode", "are 0, 1 and 2", 3)?).unwrap_or(0);
-            Ok(Ask::Orient(desk.number_of_spindle(call)?, angle, mode))
+            Ok(Request::Orient(interface.number_of_spindle(call)?, angle, mode))
         },
     },
     Row {
         name: "motion.digital-out",
         doc: "Sets a pin motion.digital-out-NN at once, as M64 and M65 do.",
         args: &[&INDEX, &Arg::bit("value", "TRUE or FALSE.").required()],
-        read: |desk, call| {
-            let (n, value) = (output(call, desk.digital_out)?, call.bit("value"));
-            Ok(Ask::Output(Output::Digital(n, value.unwrap_or(false))))
+        read: |interface, call| {
+            let (n, value) = (output(call, interface.digital_out)?, call.bit("value"));
+            Ok(Request::Output(Output::Digital(n, value.unwrap_or(false))))
         },
     },
     Row {
@@ -187,9 +188,9 @@ waits while a spindle that is on has no at-speed.",
             &INDEX,
             &Arg::float("value", "The value, in the output's unit; finite.").required(),
         ],
-        read: |desk, call| {
-            let (n, value) = (output(call, desk.analog_out)?, number(call, "value")?);
-            Ok(Ask::Output(Output::Analog(n, value.unwrap_or(0.0))))
+        read: |interface, call| {
+            let (n, value) = (output(call, interface.analog_out)?, number(call, "value")?);
+            Ok(Request::Output(Output::Analog(n, value.unwrap_or(0.0))))
         },
     },
     Row {
@@ -201,7 +202,7 @@ waits while a spindle that is on has no at-speed.",
             &Arg::bit("hold", "Whether motion.feed-hold counts; at first it does."),
         ],
         read: |_, call| {
-            Ok(Ask::Feed(FeedChange {
+            Ok(Request::Feed(FeedChange {
                 scale: factor(call, "override")?,
                 adaptive: call.bit("adaptive"),
                 hold: call.bit("hold"),
@@ -215,32 +216,32 @@ Lets a joint be jogged off a limit switch.
 
 Closed limit switches do not switch the machine off until the next jog has ended.",
         args: &[],
-        read: |_, _| Ok(Ask::OverrideLimits),
+        read: |_, _| Ok(Request::OverrideLimits),
     },
 ];
 
-impl Desk {
+impl CommandInterface {
     /// Declares all commands.
     pub(crate) fn open(self, b: &mut Builder<'_>) -> Result<(), Error> {
         for row in ROWS {
-            let (desk, read) = (self.clone(), row.read);
+            let (interface, read) = (self.clone(), row.read);
             b.command(row.name, row.doc, row.args, move |call| {
-                let ask = read(&desk, call)?;
-                desk.ask(ask, call)
+                let request = read(&interface, call)?;
+                interface.send(request, call)
             })?;
         }
         b.command("motion.configure", configure::DOC, configure::ARGS, move |call| {
-            let mut book = self.book.lock().unwrap_or_else(PoisonError::into_inner);
-            let command = book.read(call, self.joints)?;
+            let mut cache = self.cache.lock().unwrap_or_else(PoisonError::into_inner);
+            let command = cache.read(call, self.joints)?;
             self.to.send(command).map_err(|_| full())?;
-            book.keep(&command);
+            cache.keep(&command);
             Ok(())
         })
     }
 
-    fn ask(&self, ask: Ask, call: &Call<'_>) -> Result<(), Error> {
+    fn send(&self, request: Request, call: &Call<'_>) -> Result<(), Error> {
         let ticket = call.ticket()?;
-        self.to.send(Command::Ask(ask, ticket)).map_err(|_| {
+        self.to.send(Command::Request(request, ticket)).map_err(|_| {
             ticket.fail("too many commands wait");
             full()
         })
@@ -257,42 +258,43 @@ impl Desk {
         joint(n, self.joints).map(|n| 1 << n)
     }
 
-    fn what(&self, call: &Call<'_>) -> Result<Option<What>, Error> {
+    fn jog_target(&self, call: &Call<'_>) -> Result<Option<JogTarget>, Error> {
         match (call.int("joint"), call.text("axis")) {
             (Some(_), Some(_)) => Err(Error::new("joint= and axis= exclude each other")),
-            (Some(n), None) => joint(n, self.joints).map(|n| Some(What::Joint(n))),
+            (Some(n), None) => joint(n, self.joints).map(|n| Some(JogTarget::Joint(n))),
             (None, Some(text)) => {
                 let n = letter(&text)?;
                 self.has_joint(n)?;
-                Ok(Some(What::Axis(n)))
+                Ok(Some(JogTarget::Axis(n)))
             }
             (None, None) => Ok(None),
         }
     }
 
-    fn jog(&self, call: &Call<'_>) -> Result<Ask, Error> {
-        let what = self.what(call)?.ok_or_else(|| Error::new("joint= or axis= is missing"))?;
+    fn jog(&self, call: &Call<'_>) -> Result<Request, Error> {
+        let target =
+            self.jog_target(call)?.ok_or_else(|| Error::new("joint= or axis= is missing"))?;
         let velocity = number(call, "velocity")?.unwrap_or(0.0);
-        let far = match (number(call, "distance")?, number(call, "position")?) {
+        let distance = match (number(call, "distance")?, number(call, "position")?) {
             (Some(_), Some(_)) => {
                 return Err(Error::new("distance= and position= exclude each other"));
             }
-            (Some(d), None) => Far::By(d),
-            (None, Some(p)) => Far::To(p),
-            (None, None) => Far::On,
+            (Some(d), None) => JogDistance::Incremental(d),
+            (None, Some(p)) => JogDistance::Absolute(p),
+            (None, None) => JogDistance::Continuous,
         };
         if velocity == 0.0 {
             return Err(Error::new("velocity is 0, a jog needs one"));
         }
-        if velocity < 0.0 && far != Far::On {
+        if velocity < 0.0 && distance != JogDistance::Continuous {
             return Err(Error::new(format!(
                 "velocity is {velocity}, must be above 0: distance= or position= is the direction"
             )));
         }
-        Ok(Ask::Jog(Jog { what, velocity, far }))
+        Ok(Request::Jog(Jog { target, velocity, distance }))
     }
 
-    fn move_to(&self, call: &Call<'_>) -> Result<Ask, Error> {
+    fn move_to(&self, call: &Call<'_>) -> Result<Request, Error> {
         let mut to = [f64::NAN; 9];
         for (n, (place, letter)) in to.iter_mut().zip(LETTERS).enumerate() {
             if let Some(value) = number(call, letter.encode_utf8(&mut [0; 4]))? {
@@ -303,7 +305,7 @@ impl Desk {
         if to.iter().all(|p| p.is_nan()) {
             return Err(Error::new("a move needs at least one of x= y= z= a= b= c= u= v= w="));
         }
-        Ok(Ask::Move(Move {
+        Ok(Request::Move(Move {
             to,
             velocity: above(call, "velocity")?,
             acceleration: above(call, "acceleration")?,
@@ -325,9 +327,9 @@ impl Desk {
         within(call, "spindle", &format!("are {}", self.spindles), self.spindles)
     }
 
-    fn spindle(&self, call: &Call<'_>) -> Result<Ask, Error> {
+    fn spindle(&self, call: &Call<'_>) -> Result<Request, Error> {
         let spindle = self.number_of_spindle(call)?;
-        Ok(Ask::Spindle(SpindleChange {
+        Ok(Request::Spindle(SpindleChange {
             spindle,
             speed: number(call, "speed")?,
             scale: factor(call, "override")?,

@@ -1,7 +1,7 @@
 //! `motion.status`: the state of the machine in a few lines.
 
 use crate::{
-    guards::jump::LastJump,
+    guards::last_jump::LastJump,
     pins::{JointPins, LETTERS, Pins},
 };
 use hal_component::{Builder, Call, Error};

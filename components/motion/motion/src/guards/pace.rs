@@ -88,14 +88,19 @@ impl State {
     pub(crate) fn lower_limits(&mut self) {
         for n in 0..self.axes.len() {
             if self.axes.get(n).is_some_and(|a| a.teleop.tp.active)
-                && let Ok(room) = self.jog_room(n)
+                && let Ok(limits) = self.jog_limits(n)
                 && let Some(axis) = self.axes.get_mut(n)
             {
-                axis.teleop.slow_to(room.max_vel);
+                axis.teleop.slow_to(limits.max_vel);
             }
         }
-        let Self { path, kinematics, joints, axes, shares, .. } = self;
-        path.lower_limits(crate::path::line::Machine { kinematics, joints, axes, shares });
+        let Self { path, kinematics, joints, axes, planning_fractions, .. } = self;
+        path.lower_limits(crate::path::line::Machine {
+            kinematics,
+            joints,
+            axes,
+            planning_fractions,
+        });
     }
 }
 

@@ -1,7 +1,7 @@
 //! Realtime. The last check of a motor's command: no joint steps farther in one cycle than its velocity limit allows.
 //!
 //! The guard knows positions only. It shares no code with the planners, the kinematics or homing, so that an error in
-//! one of them cannot also be in the check. [`Joint::show`](crate::joint) writes only values to `motor-pos-cmd` that
+//! one of them cannot also be in the check. [`Joint::write_pins`](crate::joint) writes only values to `motor-pos-cmd` that
 //! [`StepGuard::put_out`] or [`StepGuard::hold`] left here.
 //!
 //! While the amplifier is on, these must hold in each cycle of `dt` seconds:

@@ -10,7 +10,7 @@ impl State {
         {
             self.turn_off(cause);
         }
-        if let Some(ticket) = self.enabling.take() {
+        if let Some(ticket) = self.enable_ticket.take() {
             ticket.done();
         }
     }
@@ -30,7 +30,7 @@ impl State {
             cause.get_or_insert("spindle amplifier fault");
         }
         for (n, joint) in self.joints.iter_mut().enumerate().filter(|(_, j)| j.active) {
-            let on_switch = joint.senses.at_max || joint.senses.at_min;
+            let on_switch = joint.inputs.at_max || joint.inputs.at_min;
             let mut trip = |text, why| {
                 self.say.error(text, &[n as f64]);
                 joint.error = true;
@@ -39,7 +39,7 @@ impl State {
             if on_switch && !self.overriding && !joint.homing.is_under_way() {
                 trip("joint {} on limit switch error", "joint on limit switch error");
             }
-            if joint.senses.amp_fault {
+            if joint.inputs.amp_fault {
                 trip("joint {} amplifier fault", "joint amplifier fault");
             }
         }
@@ -62,7 +62,7 @@ impl State {
         self.end_homing(cause);
         for joint in &mut self.joints {
             joint.homing.homed &= !joint.config.home.is_volatile;
-            joint.follow(cause);
+            joint.track_feedback(cause);
         }
         for axis in &mut self.axes {
             axis.teleop.reset(axis.teleop.tp.pos, cause);
@@ -70,7 +70,7 @@ impl State {
         for spindle in &mut self.spindles {
             spindle.stop(cause);
         }
-        if let Some(ticket) = self.enabling.take() {
+        if let Some(ticket) = self.enable_ticket.take() {
             ticket.fail(cause);
         }
         self.override_moved = false;

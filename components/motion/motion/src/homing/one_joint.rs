@@ -2,7 +2,7 @@
 
 use crate::{
     commands::config::{Encoder, HomeConfig},
-    jogger::{By, Room},
+    jogger::{By, TravelLimits},
     joint::Joint,
 };
 
@@ -57,7 +57,7 @@ enum Step {
 
 /// Reason why homing of a joint failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Trouble {
+pub(crate) enum HomingError {
     /// A limit switch closed.
     Limit,
     /// The search reached the end of its travel.
@@ -68,7 +68,7 @@ pub(crate) enum Trouble {
     Closed,
 }
 
-impl Trouble {
+impl HomingError {
     /// Returns the text for the command's ticket.
     pub(crate) const fn text(self) -> &'static str {
         match self {
@@ -150,11 +150,11 @@ impl Homing {
     }
 
     /// Returns the pending value of index-enable, and clears it.
-    pub(crate) const fn index_wish(&mut self) -> Option<bool> {
+    pub(crate) const fn take_index_enable(&mut self) -> Option<bool> {
         self.index_enable.take()
     }
 
-    fn go_on(&mut self, step: Step) {
+    fn advance(&mut self, step: Step) {
         self.step = step;
         self.rest = 0.0;
     }
@@ -174,28 +174,28 @@ fn first(c: &HomeConfig, is_on: bool) -> Step {
 }
 
 /// Runs one cycle of homing. `may_finish`: the joints that make their final move together are ready.
-pub(crate) fn cycle(joint: &mut Joint, dt: f64, may_finish: bool) -> Result<(), Trouble> {
+pub(crate) fn cycle(joint: &mut Joint, dt: f64, may_finish: bool) -> Result<(), HomingError> {
     let c = joint.config.home;
-    let is_on = joint.senses.at_home;
+    let is_on = joint.inputs.at_home;
     match joint.homing.step {
         Step::Idle => {}
         Step::Start => {
             if !joint.free.tp.active {
-                joint.homing.go_on(first(&c, is_on));
+                joint.homing.advance(first(&c, is_on));
             }
         }
         Step::Before(leg) => {
-            if is_rested(joint, dt) {
+            if has_rested(joint, dt) {
                 if is_on == leg.until() {
-                    return Err(if is_on { Trouble::Closed } else { Trouble::Open });
+                    return Err(if is_on { HomingError::Closed } else { HomingError::Open });
                 }
-                go(joint, leg.velocity(&c));
-                joint.homing.go_on(Step::On(leg));
+                start_search(joint, leg.velocity(&c));
+                joint.homing.advance(Step::On(leg));
             }
         }
         Step::On(leg) => {
             if is_on != leg.until() {
-                return way(joint);
+                return check_search(joint);
             }
             reached(joint, leg);
         }
@@ -204,17 +204,17 @@ pub(crate) fn cycle(joint: &mut Joint, dt: f64, may_finish: bool) -> Result<(), 
                 Encoder::Resets | Encoder::Goes => joint.rename(c.offset),
                 Encoder::Absolute | Encoder::AbsoluteStill => joint.offset(c.offset),
             }
-            joint.homing.go_on(Step::BeforeFinal);
+            joint.homing.advance(Step::BeforeFinal);
         }
         Step::BeforeIndex => {
-            if is_rested(joint, dt) {
-                go(joint, c.latch_vel);
-                look_for_index(joint);
+            if has_rested(joint, dt) {
+                start_search(joint, c.latch_vel);
+                search_index(joint);
             }
         }
         Step::OnIndex => {
-            if !joint.homing.is_at_index(joint.senses.index_enable) {
-                return way(joint);
+            if !joint.homing.is_at_index(joint.inputs.index_enable) {
+                return check_search(joint);
             }
             if c.encoder == Encoder::Goes {
                 joint.rename(c.offset);
@@ -222,22 +222,22 @@ pub(crate) fn cycle(joint: &mut Joint, dt: f64, may_finish: bool) -> Result<(), 
                 joint.offset(c.offset);
             }
             joint.free.brake();
-            joint.homing.go_on(Step::BeforeFinal);
+            joint.homing.advance(Step::BeforeFinal);
         }
         Step::BeforeFinal => {
-            if is_rested(joint, dt) && may_finish {
+            if has_rested(joint, dt) && may_finish {
                 if c.encoder != Encoder::AbsoluteStill {
                     final_move(joint);
                 }
-                joint.homing.go_on(Step::Final);
+                joint.homing.advance(Step::Final);
             }
         }
         Step::Final => {
             if !joint.free.tp.active {
                 joint.homing.homed = true;
-                joint.homing.go_on(Step::Idle);
+                joint.homing.advance(Step::Idle);
             } else if is_at_limit(joint) {
-                return Err(Trouble::Limit);
+                return Err(HomingError::Limit);
             }
         }
     }
@@ -255,26 +255,26 @@ fn reached(joint: &mut Joint, leg: Leg) {
             if c.search_vel * c.latch_vel > 0.0 { Leg::FinalBackoff } else { Leg::Fall }
         }
         Leg::FinalBackoff => Leg::Rise,
-        Leg::Rise | Leg::Fall if c.use_index => return look_for_index(joint),
+        Leg::Rise | Leg::Fall if c.use_index => return search_index(joint),
         Leg::Rise | Leg::Fall => {
             joint.rename(c.offset);
             joint.free.brake();
-            return joint.homing.go_on(Step::BeforeFinal);
+            return joint.homing.advance(Step::BeforeFinal);
         }
     };
     joint.free.brake();
-    joint.homing.go_on(Step::Before(next));
+    joint.homing.advance(Step::Before(next));
 }
 
-fn look_for_index(joint: &mut Joint) {
+fn search_index(joint: &mut Joint) {
     joint.homing.index_enable = Some(true);
     // Ignores an index pulse that arrives before it is armed.
-    joint.senses.index_enable = true;
-    joint.homing.go_on(Step::OnIndex);
+    joint.inputs.index_enable = true;
+    joint.homing.advance(Step::OnIndex);
 }
 
 /// Returns whether the joint has been at rest for long enough.
-fn is_rested(joint: &mut Joint, dt: f64) -> bool {
+fn has_rested(joint: &mut Joint, dt: f64) -> bool {
     if joint.free.tp.active {
         return false;
     }
@@ -283,40 +283,40 @@ fn is_rested(joint: &mut Joint, dt: f64) -> bool {
 }
 
 const fn is_at_limit(joint: &Joint) -> bool {
-    (joint.senses.at_max || joint.senses.at_min) && !joint.config.home.ignore_limits
+    (joint.inputs.at_max || joint.inputs.at_min) && !joint.config.home.ignore_limits
 }
 
 /// Checks for events that end a search.
-fn way(joint: &Joint) -> Result<(), Trouble> {
+fn check_search(joint: &Joint) -> Result<(), HomingError> {
     if is_at_limit(joint) {
-        Err(Trouble::Limit)
+        Err(HomingError::Limit)
     } else if joint.free.tp.active {
         Ok(())
     } else {
-        Err(Trouble::End)
+        Err(HomingError::End)
     }
 }
 
 /// Starts a search with this velocity, over twice the distance between the limits, wherever they are.
-fn go(joint: &mut Joint, velocity: f64) {
-    let way = 2.0 * (joint.config.max_limit - joint.config.min_limit);
-    let way = if velocity > 0.0 { way } else { -way };
-    to(joint, joint.free.tp.pos + way, velocity.abs());
+fn start_search(joint: &mut Joint, velocity: f64) {
+    let distance = 2.0 * (joint.config.max_limit - joint.config.min_limit);
+    let distance = if velocity > 0.0 { distance } else { -distance };
+    move_to(joint, joint.free.tp.pos + distance, velocity.abs());
 }
 
 fn final_move(joint: &mut Joint) {
     let c = joint.config;
     let speed = if c.home.final_vel > 0.0 { c.home.final_vel } else { c.max_velocity };
-    to(joint, c.home.place, speed);
+    move_to(joint, c.home.place, speed);
 }
 
 /// Moves to a target. HOME and the switch may lie beyond the limits, which apply only once the joint is homed.
-fn to(joint: &mut Joint, target: f64, speed: f64) {
-    let room = Room {
+fn move_to(joint: &mut Joint, target: f64, speed: f64) {
+    let limits = TravelLimits {
         min: f64::NEG_INFINITY,
         max: f64::INFINITY,
         max_vel: joint.config.max_velocity,
         max_acc: joint.config.max_acceleration,
     };
-    joint.free.go(target, speed, &room, By::Homing, None);
+    joint.free.go(target, speed, &limits, By::Homing, None);
 }

@@ -1,17 +1,15 @@
-//! Realtime. Homing of several joints: their order, and the end of all.
+//! Realtime. The joints that are being homed, in their sequence.
 
 use crate::{
-    commands::command::{Joints, Mode},
-    commands::config::HomeConfig,
-    commands::refusal::Refusal,
-    homing::one_joint,
-    state::State,
+    commands::{command::Joints, config::HomeConfig, refusal::Refusal},
+    homing::one_joint::{self, HomingError},
+    joint::Joint,
 };
 use hal_component::TicketHandle;
 
 /// Joints that are being homed.
 #[derive(Debug)]
-pub(crate) struct Round {
+pub(crate) struct HomingSequence {
     /// Joints that are homing now.
     now: Joints,
     /// Joints that follow later.
@@ -19,117 +17,93 @@ pub(crate) struct Round {
     ticket: TicketHandle,
 }
 
-impl Round {
+/// Progress of a homing sequence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Progress {
+    UnderWay,
+    Done,
+    /// A joint could not be homed.
+    Failed(usize, HomingError),
+}
+
+impl HomingSequence {
+    /// Begins to home the joints of a set; the ticket is done when all are homed.
+    pub(crate) fn begin(joints: &mut [Joint], set: Joints, ticket: TicketHandle) -> Self {
+        let mut sequence = Self { now: 0, later: set, ticket };
+        sequence.next_joints(joints);
+        sequence
+    }
+
+    pub(crate) fn done(self) {
+        self.ticket.done();
+    }
+
     pub(crate) fn fail(self, why: &'static str) {
         self.ticket.fail(why);
     }
-}
-
-impl State {
-    /// Begins to home joints; the ticket is done when all are homed.
-    pub(crate) fn home(&mut self, set: Joints, ticket: TicketHandle) -> Result<(), Refusal> {
-        self.needs_enabled("cannot home: the machine is not enabled")?;
-        if self.inputs.homing_inhibit {
-            return Err(Refusal::new("homing denied by motion.homing-inhibit"));
-        }
-        if self.round.is_some() {
-            return Err(Refusal::new("cannot home: homing is under way"));
-        }
-        let set = self.with_partners(self.wanted(set)?);
-        for (n, joint) in self.joints.iter().enumerate().filter(|(n, _)| has(set, *n)) {
-            if let Some(why) = cannot(&joint.config.home, joint.senses.at_home) {
-                return Err(Refusal::joint(why.0, why.1, n));
-            }
-        }
-        self.set_mode(Mode::Free)?;
-        self.round = Some(Round { now: 0, later: set, ticket });
-        self.next_joints();
-        Ok(())
-    }
-
-    /// Returns the set, with all joints that are homed together with one of them.
-    fn with_partners(&self, set: Joints) -> Joints {
-        let sequence = |n: usize| self.joints.get(n).map_or(0, |j| j.config.home.sequence);
-        let together = |n: &usize| {
-            let own = sequence(*n);
-            own < 0 && (0..self.joints.len()).any(|m| has(set, m) && sequence(m) == own)
-        };
-        let active = |n: &usize| self.joints.get(*n).is_some_and(|j| j.active);
-        (0..self.joints.len()).filter(active).filter(together).fold(set, |set, n| set | 1 << n)
-    }
 
     /// Starts the next joints in the sequence; returns false if there are none.
-    fn next_joints(&mut self) -> bool {
-        let Some(round) = &mut self.round else { return false };
+    fn next_joints(&mut self, joints: &mut [Joint]) -> bool {
         let turn = |c: &HomeConfig| c.sequence.unsigned_abs();
-        let waiting = self.joints.iter().enumerate().filter(|(n, _)| has(round.later, *n));
+        let waiting = joints.iter().enumerate().filter(|(n, _)| has(self.later, *n));
         let Some(first) = waiting.map(|(_, j)| turn(&j.config.home)).min() else { return false };
-        round.now = 0;
-        for (n, joint) in self.joints.iter_mut().enumerate() {
-            if has(round.later, n) && turn(&joint.config.home) == first {
+        self.now = 0;
+        for (n, joint) in joints.iter_mut().enumerate() {
+            if has(self.later, n) && turn(&joint.config.home) == first {
                 joint.free.stop("homing began", None);
                 joint.homing.begin();
-                round.now |= 1 << n;
+                self.now |= 1 << n;
             }
         }
-        round.later &= !round.now;
+        self.later &= !self.now;
         true
     }
 
     /// Runs one cycle of all joints that are being homed.
-    pub(crate) fn homing_cycle(&mut self, dt: f64) {
-        let Some(round) = &self.round else { return };
-        let now = round.now;
+    pub(crate) fn cycle(&mut self, joints: &mut [Joint], dt: f64) -> Progress {
+        let now = self.now;
         let is_together = |n: usize, c: &HomeConfig| has(now, n) && c.sequence < 0;
         let mut together =
-            self.joints.iter().enumerate().filter(|(n, j)| is_together(*n, &j.config.home));
+            joints.iter().enumerate().filter(|(n, j)| is_together(*n, &j.config.home));
         let ready = together.all(|(_, j)| j.homing.is_at_final_move());
-        for (n, joint) in self.joints.iter_mut().enumerate().filter(|(n, _)| has(now, *n)) {
+        for (n, joint) in joints.iter_mut().enumerate().filter(|(n, _)| has(now, *n)) {
             let may_finish = ready || !is_together(n, &joint.config.home);
             if let Err(why) = one_joint::cycle(joint, dt, may_finish) {
-                self.say.error(why.say(), &[n as f64, f64::from(joint.homing.code())]);
-                return self.end_homing(why.text());
+                return Progress::Failed(n, why);
             }
         }
-        let is_over =
-            |(n, j): (usize, &crate::joint::Joint)| !has(now, n) || !j.homing.is_under_way();
-        if self.joints.iter().enumerate().all(is_over)
-            && !self.next_joints()
-            && let Some(round) = self.round.take()
-        {
-            round.ticket.done();
+        let is_over = |(n, j): (usize, &Joint)| !has(now, n) || !j.homing.is_under_way();
+        if joints.iter().enumerate().all(is_over) && !self.next_joints(joints) {
+            Progress::Done
+        } else {
+            Progress::UnderWay
         }
-    }
-
-    /// Aborts homing, and brakes.
-    pub(crate) fn end_homing(&mut self, why: &'static str) {
-        for joint in self.joints.iter_mut().filter(|j| j.homing.is_under_way()) {
-            joint.homing.abort();
-            joint.free.stop(why, None);
-        }
-        if let Some(round) = self.round.take() {
-            round.fail(why);
-        }
-    }
-
-    pub(crate) fn unhome(&mut self, set: Joints) -> Result<(), Refusal> {
-        let set = self.wanted(set)?;
-        if !self.is_idle() {
-            return Err(Refusal::new("cannot unhome while the machine moves"));
-        }
-        if self.enabled {
-            self.set_mode(Mode::Free)?;
-        }
-        for (n, joint) in self.joints.iter_mut().enumerate() {
-            if has(set, n) {
-                joint.homing.homed = false;
-            }
-        }
-        Ok(())
     }
 }
 
-const fn has(set: Joints, n: usize) -> bool {
+/// Returns the set, with all joints that are homed together with one of them.
+pub(crate) fn with_partners(joints: &[Joint], set: Joints) -> Joints {
+    let sequence = |n: usize| joints.get(n).map_or(0, |j| j.config.home.sequence);
+    let together = |n: &usize| {
+        let own = sequence(*n);
+        own < 0 && (0..joints.len()).any(|m| has(set, m) && sequence(m) == own)
+    };
+    let active = |n: &usize| joints.get(*n).is_some_and(|j| j.active);
+    (0..joints.len()).filter(active).filter(together).fold(set, |set, n| set | 1 << n)
+}
+
+/// Refuses a set with a joint that cannot be homed.
+pub(crate) fn check(joints: &[Joint], set: Joints) -> Result<(), Refusal> {
+    for (n, joint) in joints.iter().enumerate().filter(|(n, _)| has(set, *n)) {
+        if let Some(why) = cannot(&joint.config.home, joint.inputs.at_home) {
+            return Err(Refusal::joint(why.0, why.1, n));
+        }
+    }
+    Ok(())
+}
+
+/// Returns whether a set contains a joint.
+pub(crate) const fn has(set: Joints, n: usize) -> bool {
     set >> n & 1 == 1
 }
 

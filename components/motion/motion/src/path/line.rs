@@ -12,7 +12,7 @@ pub(crate) type Places = [f64; MAX_JOINTS];
 
 /// Requested and permitted feed of a move.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Wish {
+pub(crate) struct MoveRequest {
     pub(crate) velocity: f64,
     pub(crate) acceleration: f64,
     /// Velocity limit that no override may exceed.
@@ -25,8 +25,8 @@ pub(crate) struct Machine<'m> {
     pub(crate) kinematics: &'m KinematicsRef,
     pub(crate) joints: &'m [Joint],
     pub(crate) axes: &'m [Axis],
-    /// Share of velocity and acceleration that each joint has for moves.
-    pub(crate) shares: &'m [f64; MAX_JOINTS],
+    /// Fraction of velocity and acceleration that each joint has for moves.
+    pub(crate) planning_fractions: &'m [f64; MAX_JOINTS],
 }
 
 /// A move with its limits: velocity and acceleration are along its length.
@@ -46,16 +46,16 @@ impl Line {
     pub(crate) fn plan(
         start: Pose,
         end: Pose,
-        wish: Wish,
+        request: MoveRequest,
         machine: Machine<'_>,
     ) -> Result<Self, Refusal> {
         let mut line = Self {
             start,
             end,
             length: length(&start, &end),
-            velocity: wish.velocity,
-            max_velocity: wish.max_velocity,
-            acceleration: wish.acceleration,
+            velocity: request.velocity,
+            max_velocity: request.max_velocity,
+            acceleration: request.acceleration,
         };
         for (n, (axis, end)) in machine.axes.iter().zip(&end).enumerate() {
             axis.check(n, *end)?;
@@ -65,37 +65,37 @@ impl Line {
             line.length = 0.0;
             return Ok(line);
         }
-        line.obey_axes(machine.axes);
-        line.obey_joints(machine, &moves);
+        line.limit_by_axes(machine.axes);
+        line.limit_by_joints(machine, &moves);
         if line.velocity > line.max_velocity {
             line.velocity = line.max_velocity;
         }
         Ok(line)
     }
 
-    fn obey_axes(&mut self, axes: &[Axis]) {
+    fn limit_by_axes(&mut self, axes: &[Axis]) {
         for ((axis, start), end) in axes.iter().zip(&self.start).zip(&self.end) {
             let slope = fabs(end - start) / self.length;
             if slope > 0.0 {
-                let (c, share) = (&axis.config, 1.0 - axis.config.offset_share);
-                self.max_velocity = less(self.max_velocity, c.max_velocity * share / slope);
-                self.acceleration = less(self.acceleration, c.max_acceleration * share / slope);
+                let (c, fraction) = (&axis.config, 1.0 - axis.config.offset_fraction);
+                self.max_velocity = less(self.max_velocity, c.max_velocity * fraction / slope);
+                self.acceleration = less(self.acceleration, c.max_acceleration * fraction / slope);
             }
         }
     }
 
-    fn obey_joints(&mut self, machine: Machine<'_>, moves: &[Move]) {
-        let of = |(joint, share): (&Joint, &f64)| {
-            (joint.config.max_velocity * share, joint.config.max_acceleration * share)
+    fn limit_by_joints(&mut self, machine: Machine<'_>, moves: &[Move]) {
+        let of = |(joint, fraction): (&Joint, &f64)| {
+            (joint.config.max_velocity * fraction, joint.config.max_acceleration * fraction)
         };
-        let limits = || machine.joints.iter().zip(machine.shares).map(of);
+        let limits = || machine.joints.iter().zip(machine.planning_fractions).map(of);
         let moving = || limits().zip(moves).filter(|(_, m)| m.slope > 0.0);
         for ((velocity, acceleration), m) in moving() {
             self.max_velocity = less(self.max_velocity, velocity / m.slope);
             if m.curve > 0.0 {
                 // Half of the acceleration is for the curve, half for the change of speed.
-                let round = sqrt(0.5 * acceleration / m.curve);
-                self.max_velocity = less(self.max_velocity, round);
+                let cornering = sqrt(0.5 * acceleration / m.curve);
+                self.max_velocity = less(self.max_velocity, cornering);
             }
         }
         let fastest = self.max_velocity;
@@ -115,10 +115,10 @@ impl Line {
         if distance >= self.length {
             return self.end;
         }
-        let share = distance / self.length;
+        let fraction = distance / self.length;
         let mut pose = self.start;
         for (p, end) in pose.iter_mut().zip(&self.end) {
-            *p += (end - *p) * share;
+            *p += (end - *p) * fraction;
         }
         pose
     }

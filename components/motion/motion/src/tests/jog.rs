@@ -1,6 +1,7 @@
 //! Jogs: by command and by wheel, of joints and of axes.
 
 use super::{LIMITS, Rig, near};
+use hal_component::abi::TicketState;
 
 #[test]
 fn reaches_its_target_within_its_limits() {
@@ -251,4 +252,22 @@ fn backlash_is_taken_up_softly() {
     assert_eq!(rig.joint(0, "backlash-corr"), -0.1);
     near(rig.joint(0, "backlash-filt"), -0.1);
     near(rig.joint(0, "motor-pos-cmd"), -0.1);
+}
+
+#[test]
+fn a_later_jog_or_stop_supersedes_an_earlier_one() {
+    let mut rig = Rig::on(&[]);
+    rig.say("motion.jog joint=0 velocity=50 distance=100");
+    let jog = rig.bench.tickets().len() - 1;
+    rig.cycles(100);
+    rig.say("motion.jog joint=0 velocity=50 distance=-100");
+    rig.cycles(5);
+    assert_eq!(rig.bench.tickets()[jog], TicketState::Failed("superseded by another jog"));
+    rig.say("motion.jog-stop");
+    let stop = rig.bench.tickets().len() - 1;
+    rig.cycles(1);
+    assert_eq!(rig.bench.tickets()[stop], TicketState::Pending);
+    rig.done("motion.abort");
+    let why = "superseded by another stop command";
+    assert_eq!(rig.bench.tickets()[stop], TicketState::Failed(why));
 }

@@ -1,0 +1,99 @@
+//! Realtime. External offsets of all axes: their limits, and the limits that they leave to moves.
+
+use crate::{
+    axis, commands::command::Mode, commands::refusal::Refusal, jogger::TravelLimits,
+    offset::Offset, pins::Pins, setup::MAX_JOINTS, state::State,
+};
+use hal_component::{KinematicsKind, Pose};
+use libm::fabs;
+
+impl State {
+    /// Reads the requests from the pins, and moves the offsets.
+    pub(crate) fn offsets(&mut self, pins: &Pins, dt: f64) {
+        let in_axes = self.enabled && self.mode != Mode::Free;
+        let allowed = in_axes && self.is_all_homed();
+        for n in 0..self.axes.len() {
+            let Some(pins) = pins.axes.get(n).map(axis::offset) else { continue };
+            let Some(axis) = self.axes.get_mut(n) else { continue };
+            axis.offset.ask(&pins, allowed && axis.config.offset_fraction > 0.0);
+            let limits = if in_axes { self.offset_limits(n) } else { None };
+            let Some(axis) = self.axes.get_mut(n) else { continue };
+            match limits {
+                Some(limits) => axis.offset.step(&limits, dt),
+                // An applied offset does not vanish at once while the machine is on.
+                None if in_axes => axis.offset.set(axis.offset.tp.pos),
+                None => axis.offset.set(0.0),
+            }
+        }
+    }
+
+    /// Returns the limits of an offset: its travel, and its fraction of the axis's velocity and acceleration.
+    fn offset_limits(&self, n: usize) -> Option<TravelLimits> {
+        let axis = self.axes.get(n)?;
+        let fraction = axis.config.offset_fraction;
+        if fraction <= 0.0 {
+            return None;
+        }
+        // At rest and without a request, nothing is computed.
+        if axis.offset.is_unused() {
+            return Some(TravelLimits::default());
+        }
+        let at = *self.pose.get(n)?;
+        let limits = self.axis_limits(n).ok()?;
+        Some(TravelLimits {
+            min: limits.min - at,
+            max: limits.max - at,
+            max_vel: limits.max_vel * fraction,
+            max_acc: limits.max_acc * fraction,
+        })
+    }
+
+    /// Returns the pose with the offsets.
+    pub(crate) fn whole_pose(&self) -> Pose {
+        let mut pose = self.pose;
+        for (place, axis) in pose.iter_mut().zip(&self.axes) {
+            *place += axis.offset.tp.pos;
+        }
+        pose
+    }
+
+    /// Returns whether any offset is applied, and whether a limit keeps one from its request.
+    pub(crate) fn is_offset(&self) -> (bool, bool) {
+        let any = |is: fn(&Offset) -> bool| self.axes.iter().any(|a| is(&a.offset));
+        (any(Offset::is_there), any(Offset::is_limited))
+    }
+
+    /// Computes the fraction of each joint's velocity and acceleration that the offsets leave to moves.
+    pub(crate) fn update_planning_fractions(&mut self) {
+        let mut planning_fractions = [1.0; MAX_JOINTS];
+        let identity = self.kinematics.kind() == KinematicsKind::Identity;
+        for (n, axis) in
+            self.axes.iter().enumerate().filter(|(_, a)| a.config.offset_fraction > 0.0)
+        {
+            let (mut here, mut there) = (self.places(), self.places());
+            let mut beside = self.pose;
+            if let Some(place) = beside.get_mut(n) {
+                *place += 1.0;
+            }
+            let known = identity
+                && self.kinematics.inverse(&self.pose, &mut here).is_ok()
+                && self.kinematics.inverse(&beside, &mut there).is_ok();
+            for (fraction, (here, there)) in
+                planning_fractions.iter_mut().zip(here.iter().zip(&there))
+            {
+                if !known || fabs(there - here) > 0.5 {
+                    *fraction *= 1.0 - axis.config.offset_fraction;
+                }
+            }
+        }
+        self.planning_fractions = planning_fractions;
+    }
+
+    /// Refuses commands that cannot be combined with an offset.
+    pub(crate) fn needs_no_offset(&self) -> Result<(), Refusal> {
+        if self.is_offset().0 {
+            return Err(Refusal::new("joints cannot be moved while an external offset is applied"));
+        }
+        Ok(())
+    }
+}
