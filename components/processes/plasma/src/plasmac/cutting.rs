@@ -39,7 +39,7 @@ impl Machine {
         }
         if self.cut.torch_enable.get() {
             self.starts = self.starts.saturating_add(1);
-            self.told.pierce_count.set(self.told.pierce_count.get().wrapping_add(1));
+            self.status.pierce_count.set(self.status.pierce_count.get().wrapping_add(1));
             self.drive.torch_on.set(true);
         }
         self.spot = None;
@@ -56,7 +56,7 @@ impl Machine {
             self.drive.torch_on.set(false);
             self.restart = short(self.arc.restart_delay.get());
             self.go(State::TorchOn);
-        } else if !spots && (self.told.arc_ok.get() || self.ignores_arc()) {
+        } else if !spots && (self.status.arc_ok.get() || self.ignores_arc()) {
             self.go(State::PierceDelay);
         }
     }
@@ -81,7 +81,7 @@ impl Machine {
         let ignores = self.ignores_arc() || self.cut.mesh_enable.get();
         let needs = self.cut.torch_enable.get() && !ignores && !self.is_manual();
         let cuts = (State::PierceDelay..=State::CutByHand).contains(&self.state);
-        cuts && needs && !self.told.arc_ok.get() && !self.cut.torch_off.get()
+        cuts && needs && !self.status.arc_ok.get() && !self.cut.torch_off.get()
     }
 
     pub(super) fn pierce_delay(&mut self, period: Period) {
@@ -125,16 +125,16 @@ impl Machine {
         let most = self.speed(self.thc.feed_rate.get());
         let auto = self.thc.auto.get() && self.thc.use_auto_volts.get();
         let steady = (auto && self.control.waits()).then(|| self.steady.mean(&self.thc));
-        let wants = (&self.thc, &self.cut);
+        let settings = (&self.thc, &self.cut);
         let meshes = self.cut.mesh_enable.get();
         let ignores = self.arc.ignore_ok_0.get() || self.arc.ignore_ok_1.get();
         if !self.drive.torch_on.get() || meshes || ignores {
             return;
         }
-        let may = self.told.thc_enabled.get();
+        let may = self.status.thc_enabled.get();
         let now = (self.now, f64::from(most), may, period);
         let moves = (self.drive.offset_scale.get(), self.setup());
-        let by = self.control.step(wants, &self.at, &self.told, moves, steady, now);
+        let by = self.control.step(settings, &self.at, &self.status, moves, steady, now);
         if by != 0.0 {
             let now = sum(self.drive.z_counts.get(), by);
             self.drift = self.drift.max(now.saturating_sub(self.goal));
@@ -148,19 +148,19 @@ impl Machine {
         let feed = if (10.0..100.0).contains(&reduced) { reduced / 100.0 } else { 1.0 };
         self.drive.adaptive_feed.set(feed);
         let wanted = self.at.feed_upm.get() / self.at.gcode_scale.get() / feed;
-        self.told.requested_feed_rate.set(wanted);
+        self.status.requested_feed_rate.set(wanted);
     }
 
     pub(super) fn by_hand(&mut self) {
         self.ask_feed();
-        let active = self.told.thc_enabled.get() && self.drive.torch_on.get();
+        let active = self.status.thc_enabled.get() && self.drive.torch_on.get();
         self.control.active = active;
-        self.told.thc_active.set(active);
+        self.status.thc_active.set(active);
         let (down, up) = (self.thc.move_down.get(), self.thc.move_up.get());
         let down = active && down;
         let up = active && up && !down;
-        self.told.led_up.set(up);
-        self.told.led_down.set(down);
+        self.status.led_up.set(up);
+        self.status.led_down.set(down);
         let most = f64::from(self.speed(self.thc.feed_rate.get()));
         #[expect(clippy::cast_possible_truncation, reason = "what does not fit is at its end")]
         let by = (most * self.thc.p_gain.get() / 100.0) as i32;

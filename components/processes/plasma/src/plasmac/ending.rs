@@ -9,7 +9,7 @@ impl Machine {
     /// Ends a cut with this stop reason and enters this state.
     pub(super) fn end(&mut self, stop: Stop, state: State) {
         self.stops(stop);
-        self.dark();
+        self.torch_off();
         self.drive.feed_hold.set(true);
         self.go(state);
     }
@@ -37,7 +37,7 @@ impl Machine {
             && !self.at.is_idle.get();
         let shorted = self.tip_touches() && self.state == State::Cut;
         let low = f64::from(self.thc.low_cut_volts.get());
-        let dim = low > 0.0 && self.told.thc_active.get() && self.now < low;
+        let dim = low > 0.0 && self.status.thc_active.get() && self.now < low;
         let broken = self.probe.breakaway.get() && !self.at.is_idle.get();
         if broken || touched || shorted {
             self.tripped = true;
@@ -85,7 +85,7 @@ impl Machine {
     }
 
     pub(super) fn safe_height(&mut self) {
-        self.told.cornerlock.set(false);
+        self.status.cornerlock.set(false);
         if self.known && self.entered {
             let safe = self.cut.safe_height.get();
             #[expect(clippy::cast_possible_truncation, reason = "what does not fit is at its end")]
@@ -103,7 +103,7 @@ impl Machine {
     }
 
     pub(super) fn max_height(&mut self) {
-        self.told.cornerlock.set(false);
+        self.status.cornerlock.set(false);
         self.goal = 0;
         let up = self.toward(self.setup());
         let back = up && self.along((0, 0), f64::from(self.setup()));
@@ -123,11 +123,11 @@ impl Machine {
     }
 
     pub(super) fn end_cut(&mut self) {
-        self.told.target_volts.set(0.0);
-        self.told.probe_test_error.set(false);
+        self.status.target_volts.set(0.0);
+        self.status.probe_test_error.set(false);
         self.control.begin();
-        self.told.led_up.set(false);
-        self.told.led_down.set(false);
+        self.status.led_up.set(false);
+        self.status.led_down.set(false);
         self.drive.cutting_stop.set(false);
         self.drive.ohmic_enable.set(false);
         self.go(if self.at.is_idle.get() { State::EndJob } else { State::Idle });

@@ -12,7 +12,7 @@ impl Machine {
         }
         let first = core::mem::take(&mut self.entered);
         let paused = self.at.is_paused.get();
-        let sensor = self.told.sensor_active.get();
+        let sensor = self.status.sensor_active.get();
         let trips = sensor && self.stop == Stop::Fault && !self.at.is_idle.get();
         if self.tripped || trips {
             self.tripped = true;
@@ -31,7 +31,7 @@ impl Machine {
                 return;
             }
             let ends = self.at.is_idle.get();
-            if self.told.consumable_changing.get() {
+            if self.status.consumable_changing.get() {
                 self.go(State::ConsumablesBack);
                 if ends {
                     self.consumables_back();
@@ -50,7 +50,11 @@ impl Machine {
             self.entered = core::mem::take(&mut self.eases);
             return;
         }
-        if !self.at.homed.get() || self.laser_leaves() {
+        if !self.at.homed.get() {
+            return;
+        }
+        let has_left = self.laser_leaves();
+        if has_left {
             return;
         }
         if sensor && !self.at.is_idle.get() {
@@ -67,8 +71,15 @@ impl Machine {
         if matches!(self.stop, Stop::Job | Stop::Cut) && self.at.is_idle.get() {
             self.end(Stop::Job, State::MaxHeight);
             self.max_height();
-        } else if self.stop == Stop::None && !self.drive.program_pause.get() && self.begin_job() {
-        } else if self.wanted() && self.stop != Stop::Job {
+            return;
+        }
+        if self.stop == Stop::None && !self.drive.program_pause.get() {
+            let has_begun = self.begin_job();
+            if has_begun {
+                return;
+            }
+        }
+        if self.wanted() && self.stop != Stop::Job {
             self.stops(Stop::None);
             self.drive.feed_hold.set(true);
             if self.drive.program_pause.get() || paused {
@@ -103,7 +114,7 @@ impl Machine {
             if self.drive.x_counts.get() == 0 && self.drive.y_counts.get() == 0 {
                 self.go(State::MaxHeight);
             }
-        } else if self.told.consumable_changing.get() {
+        } else if self.status.consumable_changing.get() {
             self.go(State::ConsumablesBack);
         } else if self.jobs.cut_recovery.get() {
             self.go(State::RecoveryOut);

@@ -14,7 +14,7 @@ impl Machine {
             self.tests = true;
             self.attempts = 0;
             let touched = self.tip_touches();
-            self.told.probe_test_error.set(touched);
+            self.status.probe_test_error.set(touched);
             if touched {
                 self.go(State::ProbeTest);
             } else if self.aim_probe() {

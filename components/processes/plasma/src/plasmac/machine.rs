@@ -1,30 +1,29 @@
 //! Realtime. State of a plasma cutter, and one cycle of it.
 
 use super::{
-    ins,
+    inputs,
     numbers::{at_most, later, short, sooner},
     offset::Offset,
-    outs,
+    outputs, settings,
     state::{State, Stop},
     steady::Steady,
     thc::Thc,
     times::Times,
     volts::Volts,
-    wants,
 };
 use hal_component::{Builder, Error, Messages, Period, Touch, Update};
 
 /// State of a plasma cutter.
 #[derive(Touch)]
 pub(super) struct Machine {
-    pub(super) arc: ins::Arc,
-    pub(super) at: ins::Machine,
-    pub(super) probe: ins::Probe,
-    pub(super) cut: wants::Cut,
-    pub(super) thc: wants::Thc,
-    pub(super) jobs: wants::Jobs,
-    pub(super) drive: outs::Drive,
-    pub(super) told: outs::Told,
+    pub(super) arc: inputs::Arc,
+    pub(super) at: inputs::Machine,
+    pub(super) probe: inputs::Probe,
+    pub(super) cut: settings::Cut,
+    pub(super) thc: settings::Thc,
+    pub(super) jobs: settings::Jobs,
+    pub(super) drive: outputs::Drive,
+    pub(super) status: outputs::Status,
     pub(super) messages: Messages,
     pub(super) volts: Volts,
     pub(super) control: Thc,
@@ -117,14 +116,14 @@ pub(super) struct Machine {
 impl Machine {
     pub(super) fn new(b: &mut Builder<'_>) -> Result<Self, Error> {
         Ok(Self {
-            arc: ins::Arc::make(b, "plasmac")?,
-            at: ins::Machine::make(b, "plasmac")?,
-            probe: ins::Probe::make(b, "plasmac")?,
-            cut: wants::Cut::make(b, "plasmac")?,
-            thc: wants::Thc::make(b, "plasmac")?,
-            jobs: wants::Jobs::make(b, "plasmac")?,
-            drive: outs::Drive::make(b, "plasmac")?,
-            told: outs::Told::make(b, "plasmac")?,
+            arc: inputs::Arc::make(b, "plasmac")?,
+            at: inputs::Machine::make(b, "plasmac")?,
+            probe: inputs::Probe::make(b, "plasmac")?,
+            cut: settings::Cut::make(b, "plasmac")?,
+            thc: settings::Thc::make(b, "plasmac")?,
+            jobs: settings::Jobs::make(b, "plasmac")?,
+            drive: outputs::Drive::make(b, "plasmac")?,
+            status: outputs::Status::make(b, "plasmac")?,
             messages: b.messages(),
             volts: Volts::default(),
             control: Thc::default(),
@@ -167,20 +166,20 @@ impl Machine {
         self.state = state;
         self.entered = true;
         self.timer = 0.0;
-        self.told.state.set(state as i32);
+        self.status.state.set(state as i32);
     }
 
     /// Records the stop reason and publishes it.
     pub(super) fn stops(&mut self, stop: Stop) {
         self.stop = stop;
-        self.told.stop_type.set(stop as i32);
+        self.status.stop_type.set(stop as i32);
     }
 
     /// Turns the torch off and clears arc OK.
-    pub(super) fn dark(&mut self) {
+    pub(super) fn torch_off(&mut self) {
         self.drive.torch_on.set(false);
-        self.told.arc_ok.set(false);
-        self.volts.dark();
+        self.status.arc_ok.set(false);
+        self.volts.torch_off();
     }
 
     /// Returns whether the time has passed, counting this cycle.
@@ -264,20 +263,20 @@ impl Machine {
         let resolution = f64::from(self.resolution());
         self.drive.offset_scale.set(self.at.units_per_mm.get() * period.secs() / resolution);
         self.now = self.volts.read(&self.arc, period);
-        self.told.arc_voltage.set(self.now);
-        self.told.current_feed_rate.set(self.at.velocity.get() * 60.0);
+        self.status.arc_voltage.set(self.now);
+        self.status.current_feed_rate.set(self.at.velocity.get() * 60.0);
         let enabled = self.thc.enable.get()
             && !self.thc.disable.get()
             && !self.arc.ignore_ok_0.get()
             && !self.arc.ignore_ok_1.get()
             && !self.cut.mesh_enable.get()
             && self.left == short(self.arc.lost_delay.get());
-        self.told.thc_enabled.set(enabled);
+        self.status.thc_enabled.set(enabled);
         let cuts = matches!(self.state, State::Cut | State::CutByHand);
-        self.told.thc_active.set(self.control.active && enabled && cuts);
+        self.status.thc_active.set(self.control.active && enabled && cuts);
         self.sense();
         let sensor = self.probe.float_switch.get() || self.tip || self.probe.breakaway.get();
-        self.told.sensor_active.set(sensor);
+        self.status.sensor_active.set(sensor);
         if self.at.is_paused.get() {
             self.drive.program_pause.set(false);
         }
@@ -291,10 +290,10 @@ impl Machine {
         let lit = self.drive.torch_on.get();
         if !lit || self.volts.arc(&self.arc, self.cut.mode.get(), self.now) {
             self.left = short(self.arc.lost_delay.get());
-            self.told.arc_ok.set(lit);
-        } else if self.told.arc_ok.get() {
+            self.status.arc_ok.set(lit);
+        } else if self.status.arc_ok.get() {
             if self.left <= 0.0 {
-                self.told.arc_ok.set(false);
+                self.status.arc_ok.set(false);
             } else {
                 self.left = sooner(self.left, period);
             }
@@ -366,7 +365,7 @@ impl Machine {
 impl Update for Machine {
     fn update(&mut self, period: Period) {
         self.read(period);
-        self.told.z_height.set(if self.known {
+        self.status.z_height.set(if self.known {
             self.at.z_offset_current.get() - self.units(self.surface)
         } else {
             self.at.z.get() - self.at.z_min.get()
@@ -378,7 +377,7 @@ impl Update for Machine {
         let acts = is_on && !self.interrupted();
         let stands = !matches!(self.state, State::ProbeDown | State::ProbeUp);
         let may = self.at.is_idle.get() && stands && !self.jobs.override_jog.get();
-        self.drive.jog_inhibit.set(self.told.sensor_active.get() && may);
+        self.drive.jog_inhibit.set(self.status.sensor_active.get() && may);
         self.look(period);
         let lit = self.drive.torch_on.get();
         self.steady.keep(lit, self.now);

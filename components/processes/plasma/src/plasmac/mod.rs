@@ -2,21 +2,21 @@
 mod cutting;
 mod ending;
 mod idle;
-mod ins;
+mod inputs;
 mod jobs;
 mod machine;
 mod numbers;
 mod offset;
-mod outs;
+mod outputs;
 mod paused;
 mod probing;
 mod recovery;
+mod settings;
 mod state;
 mod steady;
 mod thc;
 mod times;
 mod volts;
-mod wants;
 
 use hal_component::{Builder, Component, Error, abi::component_flags};
 use machine::Machine;

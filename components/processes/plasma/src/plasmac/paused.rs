@@ -10,11 +10,11 @@ impl Machine {
         let speed = self.jobs.paused_motion_speed.get();
         let drive = &self.drive;
         if self.at.is_idle.get() {
-            self.told.paused_motion.set(false);
+            self.status.paused_motion.set(false);
             drive.program_resume.set(false);
             self.end(Stop::Job, State::EndCut);
         } else if speed != 0.0 {
-            self.told.paused_motion.set(true);
+            self.status.paused_motion.set(true);
             drive.program_resume.set(true);
             drive.feed_hold.set(false);
             drive.adaptive_feed.set(speed);
@@ -24,7 +24,7 @@ impl Machine {
             drive.program_resume.set(false);
             drive.program_pause.set(true);
         } else if !drive.program_resume.get() {
-            self.told.paused_motion.set(false);
+            self.status.paused_motion.set(false);
             drive.program_pause.set(false);
             self.go(State::RecoveryOut);
         }
@@ -32,7 +32,7 @@ impl Machine {
 
     pub(super) fn consumables_out(&mut self) {
         if self.entered {
-            self.told.consumable_changing.set(true);
+            self.status.consumable_changing.set(true);
             self.drive.xy_enable.set(true);
             self.entered = false;
             return;
@@ -57,7 +57,7 @@ impl Machine {
 
     pub(super) fn consumables_back(&mut self) {
         if self.along((0, 0), self.pace(self.jobs.xy_feed_rate.get())) {
-            self.told.consumable_changing.set(false);
+            self.status.consumable_changing.set(false);
             self.drive.feed_hold.set(false);
             self.go(State::Idle);
         }

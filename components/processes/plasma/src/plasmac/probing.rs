@@ -83,7 +83,7 @@ impl Machine {
         } else if self.entered {
             self.entered = false;
         } else if self.tests {
-            self.told.probe_test_error.set(true);
+            self.status.probe_test_error.set(true);
             self.go(State::ProbeTest);
         } else {
             self.messages.error("plasmac: Z is at its lowest, and no surface was found", &[]);

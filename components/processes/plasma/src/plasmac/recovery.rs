@@ -8,7 +8,7 @@ use super::{
 
 impl Machine {
     pub(super) fn recovery_out(&mut self) {
-        self.told.cut_recovering.set(true);
+        self.status.cut_recovering.set(true);
         self.drive.xy_enable.set(true);
         self.recovers = true;
         if !self.at.is_paused.get() && self.at.is_running.get() {
@@ -25,15 +25,15 @@ impl Machine {
             return;
         }
         let mut goal = (self.jobs.x_offset.get(), self.jobs.y_offset.get());
-        let state = self.told.laser_recovery_state.get();
+        let state = self.status.laser_recovery_state.get();
         if state == 3 {
             goal = self.by_laser(goal);
         } else if self.jobs.laser_recovery_start.get() >= 1 {
             if state < 2 {
-                self.told.laser_recovery_state.set(state + 1);
+                self.status.laser_recovery_state.set(state + 1);
                 self.laser = self.by_laser((self.drive.x_counts.get(), self.drive.y_counts.get()));
             } else if self.along(self.laser, self.pace(self.cut.cut_feed_rate.get())) {
-                self.told.laser_recovery_state.set(3);
+                self.status.laser_recovery_state.set(3);
             }
             return;
         }
@@ -54,15 +54,15 @@ impl Machine {
 
     /// Removes the laser offset before the cut resumes. Returns whether the laser was in use.
     pub(super) fn laser_leaves(&mut self) -> bool {
-        let state = self.told.laser_recovery_state.get();
+        let state = self.status.laser_recovery_state.get();
         if state == 3 {
-            self.told.laser_recovery_state.set(4);
+            self.status.laser_recovery_state.set(4);
         } else if state == 4 {
-            self.told.laser_recovery_state.set(5);
+            self.status.laser_recovery_state.set(5);
         } else if state == 5 {
             let goal = (self.jobs.x_offset.get(), self.jobs.y_offset.get());
             if self.along(goal, self.pace(self.cut.cut_feed_rate.get())) {
-                self.told.laser_recovery_state.set(0);
+                self.status.laser_recovery_state.set(0);
             }
         }
         state > 2
@@ -72,8 +72,8 @@ impl Machine {
         let cuts = self.drive.torch_on.get();
         let speed = self.pace(self.cut.cut_feed_rate.get());
         if self.along((0, 0), if cuts { speed } else { speed / 2.0 }) {
-            self.told.cut_recovering.set(false);
-            self.told.laser_recovery_state.set(0);
+            self.status.cut_recovering.set(false);
+            self.status.laser_recovery_state.set(0);
             self.recovers = false;
             if self.at.is_paused.get() {
                 self.go(State::Idle);

@@ -2,7 +2,7 @@
 
 use super::{
     numbers::{at_most, short},
-    wants,
+    settings,
 };
 use hal_component::Touch;
 
@@ -44,8 +44,8 @@ impl Steady {
 
     /// Returns the mean of the last `thc-sample-counts` voltages if there are as many and they differ by no more than
     /// the threshold.
-    pub(super) fn mean(&self, wants: &wants::Thc) -> Option<f64> {
-        let wanted = usize::try_from(at_most(wants.sample_counts.get(), 1000)).unwrap_or(MOST);
+    pub(super) fn mean(&self, settings: &settings::Thc) -> Option<f64> {
+        let wanted = usize::try_from(at_most(settings.sample_counts.get(), 1000)).unwrap_or(MOST);
         if self.count < wanted {
             return None;
         }
@@ -56,7 +56,7 @@ impl Steady {
             high = high.max(volts);
             sum += volts;
         }
-        let near = f64::from(high - low) <= wants.sample_threshold.get();
+        let near = f64::from(high - low) <= settings.sample_threshold.get();
         near.then(|| f64::from(short(f64::from(sum) / wanted as f64)))
     }
 }

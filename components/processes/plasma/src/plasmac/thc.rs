@@ -1,10 +1,10 @@
 //! Realtime. Torch height control.
 
 use super::{
-    ins,
+    inputs,
     numbers::{at_most, later, short},
-    outs::Told,
-    wants,
+    outputs::Status,
+    settings,
 };
 use hal_component::{Period, Touch};
 
@@ -58,7 +58,7 @@ impl Thc {
     /// Determines the target voltage. Returns whether it is known.
     fn aim(
         &mut self,
-        wants: (&wants::Thc, &wants::Cut),
+        settings: (&settings::Thc, &settings::Cut),
         speed: (f64, f64),
         steady: Option<Option<f64>>,
         volts: f64,
@@ -76,50 +76,50 @@ impl Thc {
                 self.target = steady.unwrap_or(self.target);
                 return self.aims;
             }
-            if f64::from(self.since) < wants.0.delay.get() {
+            if f64::from(self.since) < settings.0.delay.get() {
                 self.since = later(self.since, period);
                 return false;
             }
         }
-        if wants.0.use_auto_volts.get() {
+        if settings.0.use_auto_volts.get() {
             self.sum = short(f64::from(self.sum) + volts);
             self.samples += 1;
-            if self.samples < wants.0.target_samples.get() {
+            if self.samples < settings.0.target_samples.get() {
                 return false;
             }
             self.target = f64::from(short(f64::from(self.sum) / f64::from(self.samples)));
         } else {
-            self.target = wants.1.cut_volts.get();
+            self.target = settings.1.cut_volts.get();
         }
         self.aims = true;
         true
     }
 
     /// Returns whether the torch is over a void.
-    fn is_void(&mut self, wants: &wants::Thc, volts: f64, period: Period) -> bool {
+    fn is_void(&mut self, settings: &settings::Thc, volts: f64, period: Period) -> bool {
         let slope = (volts - self.volts.unwrap_or(volts)) / period.secs();
-        let steep = f64::from(wants.voidlock_slope.get());
+        let steep = f64::from(settings.voidlock_slope.get());
         self.volts = Some(volts);
         self.rising = if slope > steep { self.rising.saturating_add(1) } else { 0 };
         self.level = if slope.abs() <= steep { self.level.saturating_add(1) } else { 0 };
-        if self.rising > wants.voidlock_on_cycles.get() {
+        if self.rising > settings.voidlock_on_cycles.get() {
             self.void = true;
         }
-        if self.level >= wants.voidlock_off_cycles.get() {
+        if self.level >= settings.voidlock_off_cycles.get() {
             self.void = false;
         }
-        self.void && wants.voidlock_enable.get()
+        self.void && settings.voidlock_enable.get()
     }
 
     /// Returns the counts of a move for a changed height override: up in one cycle, down at the setup speed. The
     /// control loop pauses meanwhile.
     #[expect(clippy::cast_possible_truncation, reason = "what does not fit is at its end")]
-    fn overrides(&mut self, wants: &wants::Thc, scale: f64, setup: i32) -> Option<i32> {
-        let wanted = wants.height_override.get();
+    fn overrides(&mut self, settings: &settings::Thc, scale: f64, setup: i32) -> Option<i32> {
+        let wanted = settings.height_override.get();
         if wanted != self.overridden {
             let change = wanted - self.overridden;
             self.left =
-                self.left.saturating_add((change * wants.height_per_volt.get() / scale) as i32);
+                self.left.saturating_add((change * settings.height_per_volt.get() / scale) as i32);
             self.overridden = wanted;
             return Some(0);
         }
@@ -134,55 +134,55 @@ impl Thc {
     /// Determines the target if needed. Returns the counts by which to move the torch.
     pub(super) fn step(
         &mut self,
-        wants: (&wants::Thc, &wants::Cut),
-        machine: &ins::Machine,
-        told: &Told,
+        settings: (&settings::Thc, &settings::Cut),
+        machine: &inputs::Machine,
+        status: &Status,
         (scale, setup): (f64, i32),
         steady: Option<Option<f64>>,
         (volts, most, may, period): (f64, f64, bool, Period),
     ) -> f64 {
-        let wanted = told.requested_feed_rate.get();
+        let wanted = status.requested_feed_rate.get();
         let speed = machine.velocity.get() * 60.0;
         if !self.aims {
-            told.cornerlock.set(true);
-            if self.aim(wants, (speed, wanted), steady, volts, period) {
-                told.target_volts.set(self.target);
+            status.cornerlock.set(true);
+            if self.aim(settings, (speed, wanted), steady, volts, period) {
+                status.target_volts.set(self.target);
             }
             return 0.0;
         }
-        if let Some(by) = self.overrides(wants.0, scale, setup) {
-            told.led_up.set(false);
-            told.led_down.set(false);
+        if let Some(by) = self.overrides(settings.0, scale, setup) {
+            status.led_up.set(false);
+            status.led_down.set(false);
             return f64::from(by);
         }
-        let void = self.is_void(wants.0, volts, period);
+        let void = self.is_void(settings.0, volts, period);
         if !may {
-            told.led_up.set(false);
-            told.led_down.set(false);
+            status.led_up.set(false);
+            status.led_down.set(false);
             return 0.0;
         }
-        let slow = wants.0.cornerlock_enable.get()
-            && speed < wanted * wants.0.cornerlock_threshold.get() / 100.0;
-        told.cornerlock.set(slow);
-        told.voidlock.set(void);
+        let slow = settings.0.cornerlock_enable.get()
+            && speed < wanted * settings.0.cornerlock_threshold.get() / 100.0;
+        status.cornerlock.set(slow);
+        status.voidlock.set(void);
         self.active = !slow && !void;
-        let error = self.target + wants.0.height_override.get() - volts;
-        let error = if error.abs() < wants.0.threshold.get() { 0.0 } else { error };
+        let error = self.target + settings.0.height_override.get() - volts;
+        let error = if error.abs() < settings.0.threshold.get() { 0.0 } else { error };
         if !self.active {
             self.error = 0.0;
-            told.led_up.set(false);
-            told.led_down.set(false);
+            status.led_up.set(false);
+            status.led_down.set(false);
             return 0.0;
         }
         let change = (error - self.error) / period.secs();
         self.error = error;
-        let by = wants.0.p_gain.get() * error
-            + wants.0.i_gain.get() * error * period.secs()
-            + wants.0.d_gain.get() * change;
+        let by = settings.0.p_gain.get() * error
+            + settings.0.i_gain.get() * error * period.secs()
+            + settings.0.d_gain.get() * change;
         // Each LED stays on until the voltage is within the threshold.
-        told.led_up.set(by != 0.0 && (told.led_up.get() || by > 0.0));
-        told.led_down.set(by != 0.0 && (told.led_down.get() || by < 0.0));
-        let resolution = f64::from(at_most(wants.1.resolution.get(), 1000));
+        status.led_up.set(by != 0.0 && (status.led_up.get() || by > 0.0));
+        status.led_down.set(by != 0.0 && (status.led_down.get() || by < 0.0));
+        let resolution = f64::from(at_most(settings.1.resolution.get(), 1000));
         (by * resolution / 10.0).max(-most).min(most)
     }
 }

@@ -18,44 +18,44 @@ fn add(pin: &Out<f64>, by: f64) {
 impl Machine {
     /// Adds this cycle to the times of the job.
     pub(super) fn count(&mut self, period: Period) {
-        let (told, secs) = (&self.told, period.secs());
+        let (status, secs) = (&self.status, period.secs());
         if self.at.is_running.get() {
             self.ran = true;
             if !self.times.begun {
                 self.times.begun = true;
                 let pins = [
-                    &told.run_time,
-                    &told.rapid_time,
-                    &told.probe_time,
-                    &told.torch_time,
-                    &told.cut_time,
-                    &told.paused_time,
-                    &told.cut_length,
+                    &status.run_time,
+                    &status.rapid_time,
+                    &status.probe_time,
+                    &status.torch_time,
+                    &status.cut_time,
+                    &status.paused_time,
+                    &status.cut_length,
                 ];
                 for pin in pins {
                     pin.set(0.0);
                 }
-                told.pierce_count.set(0);
+                status.pierce_count.set(0);
                 return self.count_acts(period);
             }
         }
         if self.times.begun && (self.at.is_running.get() || self.at.is_paused.get()) {
-            add(&told.run_time, secs);
+            add(&status.run_time, secs);
             if self.at.motion_type.get() == 1 {
-                add(&told.rapid_time, secs);
+                add(&status.rapid_time, secs);
             }
         }
         if self.at.is_paused.get() {
-            add(&told.paused_time, secs);
+            add(&status.paused_time, secs);
         }
         self.count_acts(period);
     }
 
     /// Adds this cycle to the times of the present activity.
     fn count_acts(&self, period: Period) {
-        let (told, secs) = (&self.told, period.secs());
+        let (status, secs) = (&self.status, period.secs());
         if self.drive.torch_on.get() {
-            add(&told.torch_time, secs);
+            add(&status.torch_time, secs);
         }
         if !self.at.is_on.get() {
             return;
@@ -63,11 +63,11 @@ impl Machine {
         let rises = self.state == State::ProbeUp && (self.touches() || !self.early);
         let falls = self.state == State::ProbeDown && !self.swings();
         if rises || falls || self.state == State::ProbeHeight {
-            add(&told.probe_time, secs);
+            add(&status.probe_time, secs);
         }
         if matches!(self.state, State::Cut | State::CutByHand) {
-            add(&told.cut_time, secs);
-            add(&told.cut_length, self.at.velocity.get() * secs);
+            add(&status.cut_time, secs);
+            add(&status.cut_length, self.at.velocity.get() * secs);
         }
     }
 }

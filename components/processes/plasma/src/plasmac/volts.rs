@@ -1,6 +1,6 @@
 //! Realtime. Arc voltage, and detection of the arc.
 
-use super::{ins::Arc, numbers::short};
+use super::{inputs::Arc, numbers::short};
 use hal_component::{Period, Touch};
 
 /// Filtered arc voltage, and the number of cycles for which it has been steady.
@@ -41,7 +41,7 @@ impl Volts {
             return arc.ok_in.get();
         }
         if !(arc.ok_low.get()..=arc.ok_high.get()).contains(&volts) {
-            self.dark();
+            self.torch_off();
         } else if !self.ok {
             let near = (volts - self.before).abs() <= arc.ok_sample_threshold.get();
             self.steady = if near || self.steady == 0 { self.steady + 1 } else { 0 };
@@ -52,7 +52,7 @@ impl Volts {
     }
 
     /// Resets the detection when the torch is off.
-    pub(super) fn dark(&mut self) {
+    pub(super) fn torch_off(&mut self) {
         self.steady = 0;
         self.ok = false;
     }

@@ -48,7 +48,7 @@ pins! {
 
 pins! {
     /// Status for the operator.
-    pub(super) struct Told {
+    pub(super) struct Status {
         /// True while there is an arc (arc OK).
         arc_ok: Out<bool> = "arc-ok-out", false;
         /// Arc voltage in volts, rounded to three decimals.
