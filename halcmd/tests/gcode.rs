@@ -133,13 +133,27 @@ fn a_program_in_millimetres_moves_to_the_same_places() {
 #[test]
 fn pictures_are_drawn() {
     let at = scratch("plot");
-    let part = folder().join("part.ngc");
-    let ini = folder().join("mill.ini");
-    for name in ["part.svg", "part.png"] {
-        let words = ["plot", "-i", ini.to_str().unwrap(), "-o", name, part.to_str().unwrap()];
-        let output = halgcode(&at, &words);
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        assert!(std::fs::metadata(at.join(name)).unwrap().len() > 10_000, "{name}");
+    let pictures = folder().join("pictures");
+    let ini = pictures.join("mill.ini");
+    let ini = ini.to_str().unwrap();
+    for name in ["pocket", "engraving", "spiral", "lathe", "five", "pedal"] {
+        let program = pictures.join(format!("{name}.ngc"));
+        let program = program.to_str().unwrap();
+        let checked = halgcode(&at, &["check", "-i", ini, program]);
+        assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stdout));
+        for ending in ["svg", "png"] {
+            let picture = format!("{name}.{ending}");
+            let output = halgcode(&at, &["plot", "-i", ini, "-o", &picture, program]);
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+            let bytes = std::fs::read(at.join(&picture)).unwrap();
+            assert!(bytes.len() > 10_000, "{picture}");
+        }
+        // Feed, rapid moves and limits are there.
+        let svg = std::fs::read_to_string(at.join(format!("{name}.svg"))).unwrap();
+        for colour in ["#0072B2", "#D55E00", "#A01E3C"] {
+            let lines = svg.lines().filter(|l| l.contains("polyline") && l.contains(colour));
+            assert!(lines.count() > 4, "{name}: {colour}");
+        }
     }
     std::fs::remove_dir_all(&at).unwrap();
 }
