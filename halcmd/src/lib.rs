@@ -24,5 +24,6 @@ pub use language::fault::{Fault, Span};
 pub use language::source::{Bytes, Lines, MAX_PHYSICAL, Physical, Stdin};
 pub use language::units::{UnitError, nanoseconds};
 pub use language::word::Word;
+pub use programs::haltest;
 pub use session::{Outcome, Session, Style};
 pub use terminal::{Captured, Stdio, Terminal};

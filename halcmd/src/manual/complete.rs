@@ -281,8 +281,8 @@ mod tests {
             ("show th", (5, "thread", false)),
             ("net x ", (6, "", false)),
             ("a.b ", (4, "", false)),
-            ("source src/complete/f", (7, "src/complete/files.rs", true)),
-            ("save all src/scr", (9, "src/screen.rs src/screen/", true)),
+            ("source src/manual/complete/f", (7, "src/manual/complete/files.rs", true)),
+            ("save all src/terminal/scr", (9, "src/terminal/screen.rs src/terminal/screen/", true)),
             ("source /no/such/folder/", (7, "", true)),
             ("ü", (0, "", false)),
         ] {

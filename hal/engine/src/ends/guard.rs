@@ -4,7 +4,7 @@
 
 use super::{
     GUARD, Instance, WAKE,
-    crash::{self, Cause},
+    crash::{self, Cause, Shot},
     instances, is_asked, known, signals, sys,
     text::Text,
     who::{self, Doing, Place},
@@ -32,6 +32,10 @@ const STOP_LOOKS: u32 = 32;
 /// Time to wait for threads to leave their cycles, and for a lock that another thread holds, in
 /// milliseconds.
 const WAIT_MS: u32 = 100;
+
+/// Message for a crash in the code that records: its data may be inconsistent.
+const INTERRUPTED: &str = "the crash came in the middle of the recorder's own work: the recording ends at its last write, and the \
+                           flight recorder keeps no file\n";
 
 /// Stack size in bytes; small because all memory may be locked.
 const STACK: usize = 512 << 10;
@@ -64,18 +68,23 @@ fn run() {
     let _stack = sys::Stack::new();
     GUARD.store(sys::thread(), Ordering::Relaxed);
     let waker = WAKE.load(Ordering::Relaxed);
-    while !crash::is_claimed() && !is_asked() {
+    while !crash::is_claimed() && !is_asked() && signals::handed().is_none() {
         known().iter().for_each(|instance| instance.look_after_tape());
         sys::wait(waker, ROUND_MS);
     }
     let mut look = Look::default();
     while !crash::is_claimed() {
-        sys::nap(LOOK_MS);
-        if let Some(text) = look.take() {
+        let doing = if signals::handed().is_none() {
+            sys::nap(LOOK_MS);
+            look.take()
+        } else {
+            None
+        };
+        if doing.is_some() || signals::handed().is_some() {
             // In a thread of its own: a stop action may not return either.
             let named = std::thread::Builder::new().name("hal-end".into()).stack_size(STACK);
-            if named.spawn(move || end(&text)).is_err() {
-                end(&text);
+            if named.spawn(move || end(doing.as_ref())).is_err() {
+                end(doing.as_ref());
             }
             while !crash::is_claimed() {
                 sys::nap(1);
@@ -85,11 +94,15 @@ fn run() {
     attend()
 }
 
-/// Ends the process because the control side does not respond.
-fn end(doing: &Text) -> ! {
-    let signal = signals::asked().map_or(libc::SIGTERM, |a| a.0);
+/// Ends the process because another process sent it a crash signal, or because the control side does not respond.
+fn end(doing: Option<&Text>) -> ! {
     let place = Place { code: 0, stack: sys::stack() };
-    crash::crash(&Cause::Asked { signal, doing }, place)
+    if let Some((signal, by)) = signals::handed() {
+        let (said, shot) = (signals::said(signal), Shot::From(by));
+        crash::crash(&Cause::Signal { signal, said, shot }, place)
+    }
+    let signal = signals::asked().map_or(libc::SIGTERM, |a| a.0);
+    crash::crash(&Cause::Asked { signal, doing: doing.unwrap_or(&Text::new()) }, place)
 }
 
 /// State of the control side at the latest observation.
@@ -228,19 +241,21 @@ impl Instance {
         crash::come_on();
         let still = self.is_still();
         self.say_rest();
-        let Some(saved) = soon(&self.saved) else { return };
+        let Some(saved) = soon(&self.saved) else { return sys::complain(INTERRUPTED) };
         saved.programs.iter().for_each(|pid| crate::os::end_process(*pid, false));
         let (tape, flight) = (saved.tape.clone(), saved.flight.clone());
         drop(saved);
         crash::come_on();
-        if let Some(mut tape) = tape.as_deref().and_then(soon) {
+        if let Some(tape) = tape.as_deref() {
+            let Some(mut tape) = soon(tape) else { return sys::complain(INTERRUPTED) };
             tape.salvage(still, self.shared.now());
             if let Some(stopped) = tape.stopped() {
                 sys::complain(&format!("{stopped}\n"));
             }
         }
         crash::come_on();
-        if let Some(mut flight) = flight.as_deref().and_then(soon) {
+        if let Some(flight) = flight.as_deref() {
+            let Some(mut flight) = soon(flight) else { return sys::complain(INTERRUPTED) };
             let said = flight.salvage(still, self.shared.now(), why);
             said.iter().for_each(|text| sys::complain(&format!("{text}\n")));
         }

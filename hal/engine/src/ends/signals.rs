@@ -1,6 +1,7 @@
 //! Signals that end a process, and the handling of each.
 
 use super::{
+    GUARD,
     crash::{self, Cause, Shot},
     is_ours, sys,
 };
@@ -53,6 +54,12 @@ const SIGNALS: &[(c_int, &str, Effect)] = &[
 /// First signal that asked this process to end, and the process that sent it; 0 if none.
 static ASKED: AtomicI32 = AtomicI32::new(0);
 static SENDER: AtomicI32 = AtomicI32::new(0);
+
+/// Value of [`HANDED_BY`] before a crash signal was left to the guard.
+const UNKNOWN: c_int = -1;
+/// Crash signal that was left to the guard, and the process that sent it.
+static HANDED: AtomicI32 = AtomicI32::new(0);
+static HANDED_BY: AtomicI32 = AtomicI32::new(UNKNOWN);
 
 /// A signal, shown by its name.
 #[derive(Clone, Copy, Debug)]
@@ -172,13 +179,42 @@ unsafe extern "C" fn on_crash(signal: c_int, info: *mut libc::siginfo_t, context
         let by = info.map_or(0, sender_of);
         // `raise` and `abort` name the thread, `kill` does not.
         let own = by == sys::process();
+        if !own && hand_over(signal, by) {
+            return;
+        }
         if own && code == libc::SI_TKILL { Shot::Raised } else { Shot::From(by) }
     };
-    let said = SIGNALS.iter().find(|s| s.0 == signal).map_or("fault", |s| match s.2 {
+    crash::crash(&Cause::Signal { signal, said: said(signal), shot }, place);
+}
+
+/// Returns the description of a crash signal.
+pub(super) fn said(signal: c_int) -> &'static str {
+    SIGNALS.iter().find(|s| s.0 == signal).map_or("fault", |s| match s.2 {
         Crash(said) => said,
         Ends | Unmeant | Ignored => "fault",
-    });
-    crash::crash(&Cause::Signal { signal, said, shot }, place);
+    })
+}
+
+/// Leaves a crash signal that another process sent to the guard. The thread that received it did nothing wrong and may hold
+/// a lock that the guard needs, so it goes on. Returns false if this thread must handle the signal: there is no guard, this
+/// is the guard, or the guard has not acted on an earlier signal.
+fn hand_over(signal: c_int, by: c_int) -> bool {
+    let guard = GUARD.load(Ordering::Relaxed);
+    if guard == 0 || guard == sys::thread() || crash::is_claimed() {
+        return false;
+    }
+    if HANDED.compare_exchange(0, signal, Ordering::Relaxed, Ordering::Relaxed).is_err() {
+        return false;
+    }
+    HANDED_BY.store(by, Ordering::Release); // Pairs with `handed`.
+    sys::unseen(super::want);
+    true
+}
+
+/// Returns the crash signal that was left to the guard, and the process that sent it.
+pub(super) fn handed() -> Option<(c_int, c_int)> {
+    let by = HANDED_BY.load(Ordering::Acquire); // Pairs with `hand_over`.
+    (by != UNKNOWN).then(|| (HANDED.load(Ordering::Relaxed), by))
 }
 
 /// `si_code` of a fault without an address.
