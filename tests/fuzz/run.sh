@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs one target: run.sh script|ini|protocol|trace [libFuzzer options]. Needs a nightly toolchain and nothing else.
+# Runs one target: run.sh script|ini|protocol|trace|gcode-line|gcode-program [libFuzzer options]. Needs a nightly toolchain and nothing else.
 # `run.sh TARGET -pack` minimises what the last runs left in found/corpus/TARGET, and packs it as corpus/TARGET.tar.gz.
 set -euo pipefail
 cd "$(dirname "$0")"

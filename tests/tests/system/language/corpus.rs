@@ -45,3 +45,13 @@ fn what_clients_write() {
 fn recordings() {
     replay("trace", fuzz::trace);
 }
+
+#[test]
+fn lines_of_g_code() {
+    replay("gcode-line", fuzz::gcode::lines);
+}
+
+#[test]
+fn g_code_programs() {
+    replay("gcode-program", fuzz::gcode::program);
+}
