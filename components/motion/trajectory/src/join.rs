@@ -1,8 +1,8 @@
 //! Joining of dense code: runs of short lines become a spline inside the tolerance.
 //!
 //! Up to [`WINDOW`] lines are sampled at equal distances; the samples are the control points of a uniform cubic
-//! B-spline. At the ends of a window the spline passes the vertex with a given direction and without curvature, so that
-//! the next window continues it with the same two derivatives. The largest distance between samples whose deviation
+//! B-spline. Where a run goes on, the spline passes a vertex with the direction and curvature of the lines around it, and
+//! the next window continues it with the same two derivatives; at the ends of the run it is straight. The largest distance between samples whose deviation
 //! bound is inside the tolerance is taken; if there is none, the lines stay as they are.
 //!
 //! The bound: between two neighbouring vertices or knots, D, the difference between the spline and the line at the same
@@ -20,6 +20,12 @@ use crate::{
 /// Largest number of lines that are joined at once.
 const WINDOW: usize = 64;
 
+/// Number of lines that are kept for the next window where a run goes on.
+const KEPT: usize = 16;
+
+/// Number of lines on either side of a vertex that give its direction and curvature.
+const AROUND: usize = 8;
+
 /// Longest line that is joined.
 const LONGEST: f64 = 1.0;
 
@@ -30,8 +36,8 @@ const STRAIGHT: f64 = 0.866;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Join {
     lines: Vec<Segment>,
-    /// Direction at the start, if the window before ends with it.
-    tangent: Option<Pose>,
+    /// Two derivatives at the start, if the window before ends with them.
+    end: Option<[Pose; 2]>,
     /// Distance between samples in the window before.
     spacing: f64,
 }
@@ -77,22 +83,22 @@ impl Join {
         false
     }
 
-    /// Gives out the window, as a spline or as the lines that it was. `next` is the line that continues the run.
+    /// Gives out the window, as a spline or as the lines that it was; if the run goes on, without its last lines.
     pub(crate) fn flush(
         &mut self,
-        next: Option<&Segment>,
+        goes_on: bool,
         tolerances: &Tolerances,
         mut give: impl FnMut(&Segment),
     ) {
-        let smooth = self.tangent.is_some();
+        let kept = if goes_on { KEPT.min(self.lines.len() / 2) } else { 0 };
+        let count = self.lines.len() - kept;
+        let end = if goes_on { self.derivatives(count) } else { None };
+        let rest = self.lines.split_off(count);
+        let smooth = self.end.is_some();
         let (Some(first), Some(last)) = (self.lines.first(), self.lines.last()) else { return };
         let last = *last;
-        let end = next.map(|n| {
-            let sum = slope(&last) + slope(n);
-            sum * (1.0 / sum.norm(last.main))
-        });
-        let from = self.tangent.unwrap_or(slope(first));
-        let to = end.unwrap_or(slope(&last));
+        let from = self.end.unwrap_or([slope(first), Pose::ZERO]);
+        let to = end.unwrap_or([slope(&last), Pose::ZERO]);
         match self.spline(&from, &to, tolerances) {
             Some(spline) => {
                 let count = spline.pieces();
@@ -112,20 +118,38 @@ impl Join {
                     give(&Segment { curve, length: spline.spacing, line, mode, smooth, ..*first });
                 }
                 self.spacing = spline.spacing;
-                self.tangent = end;
+                self.end = end;
             }
             None => {
                 for line in &self.lines {
                     give(line);
                 }
-                self.tangent = None;
+                self.end = None;
             }
         }
-        self.lines.clear();
+        self.lines = rest;
+    }
+
+    /// Returns the first two derivatives that the lines around the start of a line suggest.
+    fn derivatives(&self, number: usize) -> Option<[Pose; 2]> {
+        let before = self.lines.get(number.checked_sub(AROUND)?..number)?;
+        let after = self.lines.get(number..number + AROUND)?;
+        let chord = |lines: &[Segment]| {
+            let (first, last) = (lines.first()?, lines.last()?);
+            let length: f64 = lines.iter().map(|l| l.length).sum();
+            let by = last.curve.pose(last.length) - first.curve.pose(0.0);
+            Some((by * (1.0 / length), length))
+        };
+        let ((a, x), (b, y)) = (chord(before)?, chord(after)?);
+        let main = self.lines.first()?.main;
+        let mean = (a * y + b * x) * (1.0 / (x + y));
+        let tangent = mean * (1.0 / mean.norm(main));
+        let bend = (b - a) * (2.0 / (x + y));
+        Some([tangent, bend - tangent * bend.dot(&tangent, main)])
     }
 
     /// Finds the smoothest spline inside the tolerance.
-    fn spline(&self, from: &Pose, to: &Pose, tolerances: &Tolerances) -> Option<Spline> {
+    fn spline(&self, from: &[Pose; 2], to: &[Pose; 2], tolerances: &Tolerances) -> Option<Spline> {
         let count = self.lines.len();
         if count < 4 {
             return None;
@@ -144,7 +168,7 @@ impl Join {
     }
 
     /// Samples the lines at equal distances.
-    fn sampled(&self, length: f64, pieces: f64, from: &Pose, to: &Pose) -> Spline {
+    fn sampled(&self, length: f64, pieces: f64, from: &[Pose; 2], to: &[Pose; 2]) -> Spline {
         let h = length / pieces;
         let mut points = Vec::new();
         let (mut s, mut k) = (0.0, 2.0);
@@ -165,9 +189,14 @@ impl Join {
             points.push(end);
             k += 1.0;
         }
-        let mut control = vec![start - *from * h, start, start + *from * h];
+        // Three control points give a point and its first two derivatives.
+        let three = |p: Pose, [first, second]: &[Pose; 2]| {
+            let (a, b) = (*first * h, *second * (h * h / 3.0));
+            [p - a + b, p - b * 0.5, p + a + b]
+        };
+        let mut control = three(start, from).to_vec();
         control.extend(points);
-        control.extend([end - *to * h, end, end + *to * h]);
+        control.extend(three(end, to));
         Spline { control, spacing: h }
     }
 

@@ -111,12 +111,12 @@ impl<K: Kinematics> Planner<K> {
     fn add(&mut self, segment: &Segment) {
         if self.join.continues(segment) {
             if self.join.is_full() {
-                self.flush(Some(segment));
+                self.flush(true);
             }
             self.join.push(segment);
             return;
         }
-        self.flush(None);
+        self.flush(false);
         if Join::is_dense(segment) {
             self.join.push(segment);
         } else {
@@ -125,18 +125,18 @@ impl<K: Kinematics> Planner<K> {
     }
 
     /// Adds the lines that wait to be joined.
-    fn flush(&mut self, next: Option<&Segment>) {
+    fn flush(&mut self, goes_on: bool) {
         let mut join = core::mem::take(&mut self.join);
         if let Some(first) = join.first() {
             let tolerances = self.tolerances(&first, &first);
-            join.flush(next, &tolerances, |segment| self.place(Some(segment)));
+            join.flush(goes_on, &tolerances, |segment| self.place(Some(segment)));
         }
         self.join = join;
     }
 
     /// Ends the path for now: publishes everything, with a stop at the end.
     pub fn finish(&mut self) {
-        self.flush(None);
+        self.flush(false);
         self.place(None);
         self.stop();
         self.publish();

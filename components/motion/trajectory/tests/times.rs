@@ -163,5 +163,5 @@ fn dense_code_is_joined() {
     let [a, b, c] = [(&circle, 1e5), (&noisy, 1e5), (&circle, f64::INFINITY)]
         .map(|(p, jerk)| taken(p, &machine(jerk)));
     println!("circle in lines: {a:.3} s, with noise {b:.3} s, without a limit of jerk {c:.3} s");
-    assert!(a <= 1.1 && b <= 1.35 * a, "{a} {b}");
+    assert!(a <= 0.9 && b <= 1.35 * a, "{a} {b}");
 }
