@@ -89,7 +89,7 @@ fn a_jog_that_is_replaced_or_stopped_says_so() {
     rig.say("motion.jog joint=0 velocity=10 position=100");
     rig.cycles(50);
     let first = rig.bench.ticket();
-    assert_eq!(first, Some(hal_component::abi::TicketState::Pending));
+    assert_eq!(first, Some(TicketState::Pending));
     rig.bench.set("motion.jog-stop", true);
     assert_eq!(rig.end(), Err("stopped by motion.jog-stop"));
     rig.cycles(100);
