@@ -8,12 +8,13 @@ mod joints;
 mod refused;
 mod render;
 mod sarif;
+mod texts;
 mod unused;
 
 pub use allow::Allowed;
-pub(crate) use refused::placed;
 
-pub use collect::{Checked, Texts, check, live};
+pub use collect::{Checked, check, live};
+pub use texts::Texts;
 
 use crate::{
     Error, Terminal,

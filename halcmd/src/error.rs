@@ -299,7 +299,6 @@ impl Error {
     #[must_use]
     pub fn before(&self) -> Vec<String> {
         match self {
-            Self::Engine(failure) => failure.before.clone(),
             Self::NotReady { program, component, failed: true } => {
                 vec![format!("waitpid failed {program} {component}")]
             }

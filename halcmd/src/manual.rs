@@ -4,11 +4,12 @@ pub mod complete;
 pub mod explain;
 pub mod help;
 pub mod man;
+pub(crate) mod wrap;
 
 use crate::{
     language::rows::GROUPS,
-    language::table::Row,
-    manual::help::{line, sentence},
+    language::table::{Row, line},
+    manual::wrap::sentence,
     programs::halcmd,
     programs::options::Opt,
 };

@@ -1,5 +1,6 @@
 //! The programs, a module for each, and what they share: options and profiles of a run.
 
+pub mod common;
 pub mod hal_manualtoolchange;
 pub mod halcmd;
 pub mod halgcode;

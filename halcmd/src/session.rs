@@ -378,11 +378,9 @@ mod tests {
                     let mut failure = Failure::new(-2, "parameter or pin 'bad': not found");
                     failure.hint = Some("did you mean bed?".to_owned());
                     failure.word = Some("bad".to_owned());
-                    failure.before = vec!["something led to it".to_owned()];
                     Err(failure)
                 }
                 Request::Get { .. } => Ok(Reply::Value(Value::U32(31))),
-                Request::Net { .. } => Ok(Reply::Noted(vec!["linked two pins".to_owned()])),
                 Request::Status => {
                     Ok(Reply::Status(Box::new(status::samples::status(Lock(self.lock)))))
                 }
@@ -452,8 +450,7 @@ mod tests {
     #[test]
     fn errors_carry_file_and_line() {
         let failing = "getp bad";
-        let said = "f.hal:1: something led to it\n\
-                    f.hal:1: parameter or pin 'bad': not found\nf.hal:1: did you mean bed?\n";
+        let said = "f.hal:1: parameter or pin 'bad': not found\nf.hal:1: did you mean bed?\n";
         check(failing, Style::default(), &format!("!{said}"));
         check("foo\nprint x\n", Style::default(), "!f.hal:1: Unknown command 'foo'\n");
         check(
@@ -497,7 +494,6 @@ mod tests {
         assert_eq!(
             terminal.all,
             "f.hal:1: HALCMD MSG: x\n\
-             f.hal:4: something led to it\n\
              f.hal:4: parameter or pin 'bad': not found\n    \
                  4 |  bad\n      |  ^^^\n\
              did you mean bed?\n\
@@ -505,7 +501,6 @@ mod tests {
                  5 | foo [A]X\n      |     ^^^^\n\
              no INI file was given: -i names one\n\
              f.hal: 2 lines failed\n\
-             f.hal:5: something led to it\n\
              f.hal:5: parameter or pin 'bad': not found\n      \
                  | getp bad\n      |      ^^^\n\
              did you mean bed?\n"
@@ -583,7 +578,8 @@ mod tests {
         check(
             "net s a b\naddf f t\nstart\nloadrt m\nunload not\nlock tune\n",
             Style { verbose: true, ..KEEP },
-            "f.hal:1: linked two pins\nf.hal:2: Function 'f' added to thread 't'\n\
+            "f.hal:1: Pin 'a' linked to signal 's'\nf.hal:1: Pin 'b' linked to signal 's'\n\
+             f.hal:2: Function 'f' added to thread 't'\n\
              f.hal:3: Realtime threads started\nf.hal:4: Realtime module 'm' loaded\n\
              f.hal:5: Realtime module 'not' unloaded\nf.hal:6: Locking completed\n",
         );

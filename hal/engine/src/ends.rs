@@ -165,6 +165,7 @@ impl Instance {
 
     /// Returns what is loaded. Only the thread that has claimed the termination may call this.
     fn remains(&self) -> Option<&Remains> {
+        // Pairs with the swap in `replace`.
         // SAFETY: `replace` frees the previous list only while no thread has claimed the
         // termination.
         unsafe { self.remains.load(Ordering::SeqCst).as_ref() }
@@ -218,6 +219,7 @@ fn known() -> Vec<Arc<Instance>> {
 
 /// Iterates over every registered instance, for the thread that has claimed the termination.
 fn instances() -> impl Iterator<Item = &'static Instance> {
+    // Pairs with the exchanges in `attend` and `leave`.
     // SAFETY: `leave` frees an instance only while no thread has claimed the termination.
     INSTANCES.iter().filter_map(|place| unsafe { place.load(Ordering::SeqCst).as_ref() })
 }

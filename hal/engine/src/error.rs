@@ -1,6 +1,7 @@
 //! Every error of a request, in the user's words.
 
 pub(crate) mod hint;
+pub(crate) mod loading;
 pub(crate) mod near;
 pub(crate) mod plugin;
 pub(crate) mod watch;

@@ -4,7 +4,9 @@
 pub(crate) mod arena;
 pub(crate) mod item;
 pub(crate) mod listing;
+pub(crate) mod new_item;
 pub(crate) mod node;
+pub(crate) mod ptr;
 pub(crate) mod schedule;
 pub(crate) mod sites;
 pub(crate) mod value;

@@ -25,10 +25,10 @@ mod sync;
 pub use ends::Ends;
 pub use engine::{Ended, Engine};
 pub use error::Error;
+pub use error::loading::Loading;
 pub use error::plugin::PluginError;
 pub use error::watch::WatchError;
 pub use hal_protocol::Offer;
-pub use load::Loading;
 
 use hal_protocol::Place;
 use std::path::PathBuf;

@@ -16,6 +16,7 @@ use crate::{
     Engine, Error,
     change::undo::Undo,
     ends::{self, Doing, What},
+    error::loading::Loading,
     graph::Ix,
     load::args::{Args, Declared, Instances},
     load::code::Keep,
@@ -25,93 +26,6 @@ use crate::{
 };
 use hal_abi::{Status, component_flags};
 use hal_protocol::Lock;
-
-/// The error of a failed load, with the component's name and its arguments' descriptions.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Loading {
-    pub(crate) component: Box<str>,
-    pub(crate) error: Error,
-    /// The argument with the instance names, if a name is the cause.
-    pub(crate) word: Option<Box<str>>,
-    /// Descriptions of the arguments that the component may have refused.
-    about: Option<Box<str>>,
-}
-
-impl Loading {
-    fn of(component: &str, words: &[String], error: Error) -> Error {
-        let named = matches!(
-            error,
-            Error::Duplicate { .. } | Error::BadName { .. } | Error::NameTooLong { .. }
-        );
-        let word = words.iter().find(|w| named && w.starts_with("names"));
-        let word = word.map(|w| w.replace('"', "").into());
-        Error::Loading(Box::new(Self { component: component.into(), error, word, about: None }))
-    }
-
-    /// Wraps an error of creating the component, with the descriptions of the arguments that the
-    /// error names, or else of those that were given, or else of all.
-    fn own(component: &str, declared: &[Declared], words: &[String], error: Error) -> Error {
-        let why = match &error {
-            Error::InitFailed { why, code, .. } if *code == Status::EINVAL.0 => &**why,
-            // Arguments do not cause a panic or a missing device.
-            Error::InitFailed { .. } | Error::OpenFailed { .. } => return error,
-            _ => "",
-        };
-        let named = |d: &&Declared| {
-            let letter = |c: char| c.is_alphanumeric() || c == '_';
-            why.split(|c| !letter(c)).any(|word| word == &*d.name)
-        };
-        let given = |d: &&Declared| {
-            let of = |w: &String| w.split_once('=').is_some_and(|(name, _)| name == &*d.name);
-            words.iter().any(of)
-        };
-        let mut about: Vec<&Declared> = declared.iter().filter(named).collect();
-        if about.is_empty() {
-            about = declared.iter().filter(given).collect();
-        }
-        if about.is_empty() && !why.is_empty() {
-            about = declared.iter().collect();
-        }
-        let said = about.iter().map(|d| format!("{}=: {}", d.name, d.doc.trim_end_matches('.')));
-        let said = said.collect::<Vec<_>>().join("; ");
-        let about = (!said.is_empty()).then(|| said.into());
-        match Self::of(component, words, error) {
-            Error::Loading(loading) => Error::Loading(Box::new(Self { about, ..*loading })),
-            other => other,
-        }
-    }
-
-    /// Returns a suggested correction.
-    pub(crate) fn hint(&self) -> Option<String> {
-        match (&self.error, &self.word) {
-            (Error::Duplicate { .. } | Error::BadName { .. }, Some(_)) => {
-                Some("expected names that are not taken, each once, such as names=a,b".to_owned())
-            }
-            _ => {
-                let about = self.about.as_deref().map(str::to_owned);
-                let all: Vec<String> = self.error.hint().into_iter().chain(about).collect();
-                (!all.is_empty()).then(|| all.join("; "))
-            }
-        }
-    }
-}
-
-impl core::fmt::Display for Loading {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match &self.error {
-            // The message already names the component.
-            Error::InitFailed { .. } | Error::OpenFailed { .. } => return self.error.fmt(f),
-            other => write!(f, "{}: {other}", self.component)?,
-        }
-        match &self.word {
-            Some(word) if word.len() <= 80 => write!(f, ", with `{word}'"),
-            Some(word) => {
-                write!(f, ", with {}=", word.split_once('=').map_or("names", |(name, _)| name))
-            }
-            None => Ok(()),
-        }
-    }
-}
 
 impl Engine {
     /// `loadrt MODULE ARGS…`.
@@ -159,7 +73,7 @@ impl Engine {
         let component = self.new_component(name, None, Some(words.join(" ")), true)?;
         self.staged.undo_by(Undo::Made(component));
         self.create(component, module, &found, &instances, args)
-            .map_err(|e| Loading::own(module, &declared, words, e))
+            .map_err(|e| own_error(module, &declared, words, e))
     }
 
     fn create(
@@ -231,5 +145,38 @@ impl Engine {
         self.note_threads(component, &before);
         self.staged.undo_by(Undo::Opened(component));
         Ok(())
+    }
+}
+
+/// Wraps an error of creating the component, with the descriptions of the arguments that the
+/// error names, or else of those that were given, or else of all.
+fn own_error(component: &str, declared: &[Declared], words: &[String], error: Error) -> Error {
+    let why = match &error {
+        Error::InitFailed { why, code, .. } if *code == Status::EINVAL.0 => &**why,
+        // Arguments do not cause a panic or a missing device.
+        Error::InitFailed { .. } | Error::OpenFailed { .. } => return error,
+        _ => "",
+    };
+    let named = |d: &&Declared| {
+        let letter = |c: char| c.is_alphanumeric() || c == '_';
+        why.split(|c| !letter(c)).any(|word| word == &*d.name)
+    };
+    let given = |d: &&Declared| {
+        let of = |w: &String| w.split_once('=').is_some_and(|(name, _)| name == &*d.name);
+        words.iter().any(of)
+    };
+    let mut about: Vec<&Declared> = declared.iter().filter(named).collect();
+    if about.is_empty() {
+        about = declared.iter().filter(given).collect();
+    }
+    if about.is_empty() && !why.is_empty() {
+        about = declared.iter().collect();
+    }
+    let said = about.iter().map(|d| format!("{}=: {}", d.name, d.doc.trim_end_matches('.')));
+    let said = said.collect::<Vec<_>>().join("; ");
+    let about = (!said.is_empty()).then(|| said.into());
+    match Loading::of(component, words, error) {
+        Error::Loading(loading) => Error::Loading(Box::new(Loading { about, ..*loading })),
+        other => other,
     }
 }

@@ -4,6 +4,7 @@
 //! control thread and the realtime threads share. `fault.rs`, `stuck.rs`, `watchdog.rs` and `overruns.rs` deal with functions that fail,
 //! hang or are late, `resources.rs` with what the system grants (scheduling, processor, memory), `task.rs` with background tasks.
 
+pub(crate) mod account;
 pub(crate) mod clock;
 pub(crate) mod fault;
 pub(crate) mod overruns;

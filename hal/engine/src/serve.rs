@@ -1,10 +1,11 @@
 //! Clients of the instance: the socket, requests, and the turns of the control thread while it waits.
 //!
 //! `server.rs` listens, `client.rs` is one connection, `session.rs` the requests of a client, `request.rs` all others,
-//! `polls.rs` the waits of clients, `control.rs` one turn of the control thread.
+//! `polls.rs` the waits of clients, `hold.rs` how long one has held the clock, `control.rs` one turn of the control thread.
 
 pub(crate) mod client;
 pub(crate) mod control;
+pub(crate) mod hold;
 pub(crate) mod polls;
 pub(crate) mod request;
 pub(crate) mod server;

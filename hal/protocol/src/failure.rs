@@ -15,8 +15,6 @@ pub struct Failure {
     /// Wrong word of the request, if a single word is wrong.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub word: Option<String>,
-    /// Events that led to the failure, one sentence each, printed before `text`.
-    pub before: Vec<String>,
     /// Finding about which `explain` says more.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub finding: Option<Code>,
@@ -27,7 +25,7 @@ impl Failure {
     #[must_use]
     pub fn new(code: i32, text: impl Into<String>) -> Self {
         let text = text.into();
-        Self { code, text, hint: None, word: None, before: Vec::new(), finding: None }
+        Self { code, text, hint: None, word: None, finding: None }
     }
 }
 

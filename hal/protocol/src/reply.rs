@@ -13,8 +13,6 @@ use serde::{Deserialize, Serialize};
 pub enum Reply {
     /// Done.
     Done,
-    /// Done, with warnings or with notes for users who asked for them (`-v`).
-    Noted(Vec<String>),
     /// The engine's side of [`crate::Request::Hello`].
     Hello {
         /// Protocol version of the engine, [`crate::LATEST`].

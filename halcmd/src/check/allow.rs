@@ -1,6 +1,6 @@
 //! Comments that allow a finding: `# check: allow H403 why`, on the same line or above it.
 
-use super::collect::Texts;
+use super::texts::Texts;
 use crate::language::lex::without_comment;
 use hal_protocol::{At, Code, Finding, Level};
 

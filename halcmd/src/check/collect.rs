@@ -1,16 +1,9 @@
 //! Collected and sorted findings.
 
-use super::{allow::Allowed, joints, refused, unused};
+use super::{allow::Allowed, joints, refused, texts::Texts, unused};
 use crate::{Error, session::dry_run::Trial};
 use hal_protocol::{At, Code, Failure, Finding, Kind, Link, Reply, Request};
-use std::{
-    collections::{BTreeMap, BTreeSet},
-    path::PathBuf,
-};
-
-/// Lines of the files that can be read, by name. They are needed for lines with a caret, and for
-/// allowances.
-pub type Texts = BTreeMap<String, Vec<String>>;
+use std::{collections::BTreeSet, path::PathBuf};
 
 /// Result of a check.
 #[derive(Clone, Debug, Default)]

@@ -2,7 +2,7 @@
 
 use crate::{
     Error,
-    ini::{Entry, Ini},
+    ini::{Entry, Ini, placed},
     session::dry_run::Remark,
 };
 use hal_protocol::{At, Code, Finding};
@@ -44,13 +44,6 @@ pub(super) fn at_entry(mut finding: Finding, ini: &Ini) -> Finding {
         finding.at = Some(At::new(&e.file, e.line));
     }
     finding
-}
-
-/// Splits `file:line: text` into place and text.
-pub(crate) fn placed(line: &str) -> Option<(At, &str)> {
-    let (place, text) = line.split_once(": ")?;
-    let (file, number) = place.rsplit_once(':')?;
-    Some((At::new(file, number.parse().ok()?), text))
 }
 
 /// Converts a warning about a line to a finding.

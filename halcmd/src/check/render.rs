@@ -1,6 +1,6 @@
 //! Findings as text: `file:line: level[code]: text`, remedy, and the source line for a person.
 
-use super::collect::Texts;
+use super::texts::Texts;
 use hal_protocol::{At, Finding, Level};
 use std::fmt::Write;
 

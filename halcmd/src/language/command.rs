@@ -1,10 +1,6 @@
 //! Parsed commands.
 
-use crate::{
-    graph::{Format, Wanted},
-    show::flight::Flight,
-    show::watch::Watch,
-};
+use crate::graph::{Format, Wanted};
 use hal_protocol::{Kind, Lock, Request, Type};
 
 /// A parsed line.
@@ -82,6 +78,31 @@ pub struct Subject {
     pub files: Vec<String>,
     /// INI file with the values that the files use.
     pub ini: Option<String>,
+}
+
+/// Arguments of `flight` that take more than a single request.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Flight {
+    /// Without arguments: show the state.
+    State,
+    /// Write the present contents, or the last event.
+    Save {
+        /// The file.
+        path: String,
+        /// True for the last event.
+        last: bool,
+    },
+}
+
+/// Selection of values, and the interval.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Watch {
+    /// Names, or patterns as in `show`.
+    pub patterns: Vec<String>,
+    /// Wall-clock interval between two readings, in milliseconds.
+    pub every_ms: u32,
+    /// Number of readings; `None` to continue until the user stops.
+    pub count: Option<u64>,
 }
 
 /// Arguments of `apply`.

@@ -3,7 +3,7 @@
 use crate::{
     Command, Error,
     language::command::{Apply, Launch, SaveKind, ShowKind, StatusKind},
-    language::table::{self, KINDS, SAVES, STATUSES},
+    language::row::{KINDS, SAVES, STATUSES},
     language::units::nanoseconds,
     programs::options::{Opt, options},
 };
@@ -272,16 +272,6 @@ pub(crate) fn timing(words: &[String]) -> Result<Command, Error> {
         _ => return Err(Error::Switch { word: first(words).into() }),
     };
     Ok(Command::Ask(Request::Timing { thread: words.get(1).cloned(), on }, None))
-}
-
-/// Parses `COMPONENT.VERB NAME=VALUE…`: a first word with a dot that is not in the table.
-pub(crate) fn component(name: &str, words: &[String]) -> Result<Command, Error> {
-    if !name.contains('.') {
-        return Err(Error::UnknownCommand { word: name.into(), near: table::near(name) });
-    }
-    let wait = words.iter().any(|w| w == "--wait");
-    let args = words.iter().filter(|w| *w != "--wait").cloned().collect();
-    Ok(Command::Component { name: name.to_owned(), args, wait })
 }
 
 fn filter(word: &str) -> Result<Type, Error> {

@@ -1,6 +1,6 @@
 //! Rows of the table of commands, grouped by purpose.
 
-use crate::{Error, language::table::Row};
+use crate::language::row::Row;
 
 mod change;
 mod checking;
@@ -11,23 +11,6 @@ mod look;
 mod people;
 mod time;
 mod wire;
-
-/// Any number of words.
-const ANY: usize = usize::MAX;
-
-/// Defaults for the fields that a row omits.
-const PLAIN: Row = Row {
-    name: "",
-    usage: "",
-    args: (0, 0),
-    summary: "",
-    help: "",
-    words: &[],
-    examples: &[],
-    related: &[],
-    errors: &[],
-    parse: |_| Err(Error::Unexpected),
-};
 
 /// Groups of commands with their titles, in the order of `help`.
 pub(crate) const GROUPS: &[(&str, &[Row])] = &[

@@ -1,84 +1,12 @@
 //! The table of commands, which the parser, argument counts, help and the README's table read.
 
 use crate::{
-    Command, Error,
-    language::command::{SaveKind, StatusKind},
-    language::hint::nearest,
-    language::lex::is_arrow,
-    language::parse,
+    Command, Error, language::hint::nearest, language::lex::is_arrow, language::parse,
     language::rows::rows,
-    language::word::Word,
-    manual::help::line,
 };
-use hal_protocol::Kind;
 
-/// A command.
-#[derive(Clone, Copy, Debug)]
-pub struct Row {
-    /// Name of the command.
-    pub name: &'static str,
-    /// Arguments, as help shows them.
-    pub usage: &'static str,
-    /// Minimum and maximum number of arguments.
-    pub args: (usize, usize),
-    /// Description, in a line.
-    pub summary: &'static str,
-    /// Further description.
-    pub help: &'static str,
-    /// Possible values of each argument, for completion.
-    pub words: &'static [Word],
-    /// Example lines.
-    pub examples: &'static [&'static str],
-    /// Related commands.
-    pub related: &'static [&'static str],
-    /// Common errors: a part of the message, and the remedy.
-    pub errors: &'static [(&'static str, &'static str)],
-    /// Parser for words of the right number.
-    pub parse: fn(&[String]) -> Result<Command, Error>,
-}
-
-/// Kinds of `show` and `list`.
-pub const KINDS: &[(&str, Kind)] = &[
-    ("comp", Kind::Components),
-    ("pin", Kind::Pins),
-    ("sig", Kind::Signals),
-    ("signal", Kind::Signals),
-    ("param", Kind::Params),
-    ("parameter", Kind::Params),
-    ("funct", Kind::Functs),
-    ("function", Kind::Functs),
-    ("thread", Kind::Threads),
-];
-
-/// Kinds of `save`.
-pub const SAVES: &[(&str, SaveKind)] = &[
-    ("all", SaveKind::All),
-    ("allu", SaveKind::AllWithPins),
-    ("comp", SaveKind::Components),
-    ("alias", SaveKind::Aliases),
-    ("sig", SaveKind::Signals),
-    ("signal", SaveKind::Signals),
-    ("sigu", SaveKind::LoneSignals),
-    ("link", SaveKind::Links(false)),
-    ("linka", SaveKind::Links(true)),
-    ("net", SaveKind::Nets(false)),
-    ("neta", SaveKind::Nets(true)),
-    ("netl", SaveKind::NetLines(false)),
-    ("netla", SaveKind::NetLines(true)),
-    ("netal", SaveKind::NetLines(true)),
-    ("param", SaveKind::Params),
-    ("parameter", SaveKind::Params),
-    ("thread", SaveKind::Threads),
-    ("unconnectedinpins", SaveKind::LonePins),
-];
-
-/// Parts of `status`.
-pub const STATUSES: &[(&str, StatusKind)] = &[
-    ("all", StatusKind::All),
-    ("lock", StatusKind::Lock),
-    ("mem", StatusKind::Memory),
-    ("instance", StatusKind::Instance),
-];
+pub(crate) use crate::language::row::line;
+pub use crate::language::row::{KINDS, Row, SAVES, STATUSES};
 
 /// Returns the command of this name.
 #[must_use]
@@ -97,7 +25,7 @@ pub fn understand(words: &[String]) -> Result<Command, Error> {
         return parse::setp(&[name.clone(), value.clone()]);
     }
     let Some((name, rest)) = words.split_first() else { return Err(Error::Unexpected) };
-    let Some(row) = find(name) else { return parse::component(name, rest) };
+    let Some(row) = find(name) else { return component(name, rest) };
     let rest: Vec<String> = if matches!(row.name, "net" | "linkps" | "linksp") {
         rest.iter().filter(|w| !is_arrow(w)).cloned().collect()
     } else {
@@ -107,19 +35,14 @@ pub fn understand(words: &[String]) -> Result<Command, Error> {
     (row.parse)(&rest)
 }
 
-impl Row {
-    fn count(&self, given: usize) -> Result<(), Error> {
-        let (command, (least, most)) = (self.name, self.args);
-        if least == most && given != least {
-            Err(Error::Exactly { command, wanted: least, given })
-        } else if given < least {
-            Err(Error::AtLeast { command, wanted: least, given })
-        } else if given > most {
-            Err(Error::AtMost { command, wanted: most, given })
-        } else {
-            Ok(())
-        }
+/// Parses `COMPONENT.VERB NAME=VALUE…`: a first word with a dot that is not in the table.
+fn component(name: &str, words: &[String]) -> Result<Command, Error> {
+    if !name.contains('.') {
+        return Err(Error::UnknownCommand { word: name.into(), near: near(name) });
     }
+    let wait = words.iter().any(|w| w == "--wait");
+    let args = words.iter().filter(|w| *w != "--wait").cloned().collect();
+    Ok(Command::Component { name: name.to_owned(), args, wait })
 }
 
 /// Returns the name of a command near `word`.

@@ -2,6 +2,7 @@
 
 mod files;
 mod live;
+pub(crate) mod scripts;
 mod shell;
 
 use crate::{
@@ -13,8 +14,8 @@ use crate::{
 use hal_protocol::{Link, Type};
 use live::Live;
 
-pub(crate) use shell::SHELLS;
-pub use shell::{COMPLETE_FILES, for_shell, script};
+pub use scripts::script;
+pub use shell::{COMPLETE_FILES, for_shell};
 
 /// A possible word.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]

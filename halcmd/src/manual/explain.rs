@@ -4,6 +4,7 @@ mod functs;
 mod ini;
 mod links;
 mod loading;
+mod row;
 mod script;
 mod steps;
 mod values;
@@ -11,23 +12,7 @@ mod values;
 use crate::{Error, Terminal, language::hint::nearest};
 use hal_protocol::Code;
 
-/// Explanation of a code. Tests run its two examples.
-#[derive(Clone, Copy, Debug)]
-pub struct Row {
-    /// Code of the finding.
-    pub code: Code,
-    /// Meaning, in whole sentences.
-    pub means: &'static str,
-    /// Consequences.
-    pub matters: &'static str,
-    /// Remedy.
-    pub remedy: &'static str,
-    /// A script with the finding on the line that ends in `# <--`. Files begin with `--- NAME`; the
-    /// first file is `m.hal`.
-    pub wrong: &'static str,
-    /// The corrected script, without errors and warnings.
-    pub right: &'static str,
-}
+pub use row::Row;
 
 const GROUPS: &[&[Row]] =
     &[script::ROWS, loading::ROWS, links::ROWS, values::ROWS, functs::ROWS, steps::ROWS, ini::ROWS];
@@ -84,7 +69,7 @@ fn explained(code: Code) -> String {
     for (title, body) in
         [("", row.means), ("Why it matters: ", row.matters), ("What to do: ", row.remedy)]
     {
-        text.push_str(&format!("\n{}", crate::manual::help::wrapped(&format!("{title}{body}"), 0)));
+        text.push_str(&format!("\n{}", crate::manual::wrap::wrapped(&format!("{title}{body}"), 0)));
     }
     for (title, script) in [("This shows it:", row.wrong), ("This is right:", row.right)] {
         text.push_str(&format!("\n{title}\n"));

@@ -3,13 +3,11 @@
 use crate::{
     Error,
     language::rows::{GROUPS, rows},
-    language::table::{Row, find, near},
+    language::table::{Row, find, line, near},
+    manual::wrap::{sentence, wrapped},
 };
 
 use serde_json::{Value, json};
-
-/// Assumed width of a terminal in columns.
-pub(crate) const WIDTH: usize = 78;
 
 /// Returns the output of `help`, for all commands or for the named one.
 ///
@@ -86,44 +84,10 @@ fn explained(row: &Row) -> String {
     text
 }
 
-/// Returns the command with its arguments.
-pub(crate) fn line(row: &Row) -> String {
-    format!("{} {}", row.name, row.usage).trim_end().to_owned()
-}
-
-/// Makes a sentence: a capital letter at the beginning (unless the text begins with a quotation),
-/// and a full stop at the end if there is none.
-pub(crate) fn sentence(text: &str) -> String {
-    let mut rest = text.chars();
-    let first = rest.next().map(|c| c.to_ascii_uppercase());
-    let stop = if text.ends_with(['.', '?']) { "" } else { "." };
-    format!("{}{}{stop}", first.unwrap_or_default(), rest.as_str())
-}
-
-/// Wraps a text to the width of a terminal, indented by `by`.
-pub(crate) fn wrapped(text: &str, by: usize) -> String {
-    let mut out = " ".repeat(by);
-    let mut at = by;
-    for word in text.split(' ') {
-        let length = word.chars().count();
-        if at > by && at + 1 + length > WIDTH {
-            out.push('\n');
-            out.push_str(&" ".repeat(by));
-            at = by;
-        } else if at > by {
-            out.push(' ');
-            at += 1;
-        }
-        out.push_str(word);
-        at += length;
-    }
-    out + "\n"
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{WIDTH, help, rows};
-    use crate::language::table::find;
+    use super::{help, rows};
+    use crate::{language::table::find, manual::wrap::WIDTH};
 
     #[test]
     fn every_command_is_listed_and_explained() {

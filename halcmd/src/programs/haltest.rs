@@ -18,6 +18,7 @@ mod compare;
 mod condition;
 mod course;
 mod expectation;
+mod failure;
 mod file;
 mod inject;
 mod judge;
@@ -37,6 +38,8 @@ mod step;
 mod test;
 mod watch;
 
+use failure::Failure;
+
 pub use outcome::{Complaint, Outcome, Picture, Spot};
 pub use process::{Options, run, run_with};
 
@@ -45,10 +48,7 @@ use crate::{
     programs::options::{Opt, options, usage},
     terminal::complain,
 };
-use std::{
-    path::{Path, PathBuf},
-    process::ExitCode,
-};
+use std::{path::PathBuf, process::ExitCode};
 
 const NAME: &str = "haltest";
 
@@ -120,28 +120,6 @@ struct Wanted {
     record: Option<PathBuf>,
     patience_ns: u64,
     paths: Vec<String>,
-}
-
-/// Reason why no test could run or no result could be reported.
-#[derive(Debug)]
-enum Failure {
-    /// The command line is invalid.
-    Asked(String),
-    /// The results could not be written.
-    Unwritten(String),
-}
-
-impl From<hal_output::Unwritten> for Failure {
-    fn from(unwritten: hal_output::Unwritten) -> Self {
-        Self::Unwritten(unwritten.to_string())
-    }
-}
-
-impl Failure {
-    /// Error for a file that could not be written.
-    fn file(path: &Path, error: &std::io::Error) -> Self {
-        Self::Unwritten(format!("{}: {}", path.display(), hal_output::reason(error)))
-    }
 }
 
 /// Runs the program with these command line arguments.

@@ -164,6 +164,24 @@ fn letters_of<T: Copy>(
     Ok(())
 }
 
+/// Parses options before, between and after other words.
+pub(crate) fn mixed<T: Copy>(
+    command: &'static str,
+    table: &[Opt<T>],
+    words: &[String],
+) -> Result<Given<T>, Error> {
+    let (mut given, mut others) = (Vec::new(), Vec::new());
+    let mut rest = words.to_vec();
+    while !rest.is_empty() {
+        let (options, words) = options(command, table, &rest)?;
+        given.extend(options);
+        let mut words = words.into_iter();
+        others.extend(words.next());
+        rest = words.collect();
+    }
+    Ok((given, others))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,8 +8,7 @@ pub use unknown::Unknown;
 
 use crate::{
     Bytes, Captured, Error, Outcome, Session, Style,
-    check::placed,
-    ini::Ini,
+    ini::{Ini, placed},
     programs::halrun::{machine, plan::plugin_path},
     programs::profile::Profile,
 };

@@ -42,8 +42,8 @@ impl Session<'_> {
     pub(crate) fn execute(&mut self, command: Command) -> Result<(), Error> {
         match command {
             Command::Ask(request, note) => {
-                let reply = self.ask(request)?;
-                self.done(&reply, note.as_deref());
+                self.ask(request)?;
+                self.done(note.as_deref());
             }
             Command::Value(request) => {
                 let reply = self.ask(request)?;
@@ -117,16 +117,10 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// Prints the `-v` message of a command: the engine's lines if there are any, or else `note`.
-    fn done(&mut self, reply: &Reply, note: Option<&str>) {
-        if let Reply::Noted(lines) = reply {
-            for line in lines {
-                self.note(line);
-            }
-        } else {
-            for line in note.unwrap_or_default().lines() {
-                self.note(line);
-            }
+    /// Prints the `-v` message of a command.
+    fn done(&mut self, note: Option<&str>) {
+        for line in note.unwrap_or_default().lines() {
+            self.note(line);
         }
     }
 
@@ -166,8 +160,8 @@ impl Session<'_> {
         let Some(found) = found.first() else { return Err(self.not_loaded(&name)?) };
         if found.realtime {
             let note = format!("Realtime module '{name}' unloaded");
-            let reply = self.ask(Request::Unload { name })?;
-            self.done(&reply, Some(&note));
+            self.ask(Request::Unload { name })?;
+            self.done(Some(&note));
         } else {
             self.ask(Request::EndProgram { name: Some(name) })?;
         }

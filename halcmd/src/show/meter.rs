@@ -1,10 +1,6 @@
 //! `meter`: a large display of one value, or the selection of one.
 
-use crate::{
-    Error, Session,
-    show::watch::{Watch, look},
-    terminal::screen,
-};
+use crate::{Error, Session, language::command::Watch, show::watch::look, terminal::screen};
 
 impl Session<'_> {
     /// Executes `meter`. Without a screen it does the same as `watch`.

@@ -1,8 +1,8 @@
 //! `watch`: values as they change, in lines or on a screen.
 
 use crate::{
-    Error, Session, check::examine::mixed, language::hint::nearest, language::units::nanoseconds,
-    programs::options::Opt, show::from_signal, terminal::screen,
+    Error, Session, language::command::Watch, language::hint::nearest, show::from_signal,
+    terminal::screen,
 };
 use hal_protocol::{Direction, Failure, Kind, Link, Patterns, Reply, Request, Value};
 use serde::Serialize;
@@ -12,17 +12,6 @@ use std::collections::BTreeMap;
 const ENOENT: i32 = -2;
 /// Maximum wait between two checks of the keyboard or of the end of the instance, in milliseconds.
 const STEP_MS: u32 = 50;
-
-/// Selection of values, and the interval.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Watch {
-    /// Names, or patterns as in `show`.
-    pub patterns: Vec<String>,
-    /// Wall-clock interval between two readings, in milliseconds.
-    pub every_ms: u32,
-    /// Number of readings; `None` to continue until the user stops.
-    pub count: Option<u64>,
-}
 
 /// Kind of item to which a value belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -66,39 +55,6 @@ pub(crate) struct Look {
     /// Machine time in nanoseconds.
     pub(crate) time: u64,
     pub(crate) seen: Vec<Seen>,
-}
-
-const OPTIONS: &[Opt<char>] = &[
-    Opt::short_with('n', 'n', "TIME"),
-    Opt { short: None, long: Some("count"), ..Opt::short_with('c', 'c', "N") },
-];
-
-/// Parses the arguments of `watch`.
-pub(crate) fn parse(words: &[String]) -> Result<Watch, Error> {
-    let mut watch = Watch { patterns: Vec::new(), every_ms: 200, count: None };
-    let (given, patterns) = mixed("watch", OPTIONS, words)?;
-    watch.patterns = patterns;
-    for (option, value) in given {
-        let value = value.unwrap_or_default();
-        let bad = |why: &str| Error::OptionValue {
-            program: "watch",
-            option: if option == 'n' { "-n" } else { "--count" }.into(),
-            value: value.as_str().into(),
-            why: why.into(),
-        };
-        if option == 'n' {
-            let ms = nanoseconds(&value).ok().map(|ns| ns / 1_000_000);
-            let ms = ms.and_then(|ms| u32::try_from(ms).ok()).filter(|ms| *ms > 0);
-            watch.every_ms = ms.ok_or_else(|| bad("it is a time from 1ms, such as 200ms"))?;
-        } else {
-            let n = value.parse().ok().filter(|n| *n > 0);
-            watch.count = Some(n.ok_or_else(|| bad("it is a number from 1"))?);
-        }
-    }
-    if watch.patterns.is_empty() {
-        return Err(Error::AtLeast { command: "watch", wanted: 1, given: 0 });
-    }
-    Ok(watch)
 }
 
 /// Reads every item that a pattern names exactly, or else matches.
@@ -234,8 +190,10 @@ fn line(time: u64, seen: &Seen) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{parse, seconds};
-    use crate::{Captured, Outcome, Session, Style, show::samples::item, show::status};
+    use super::seconds;
+    use crate::{
+        Captured, Outcome, Session, Style, language::arguments, show::samples::item, show::status,
+    };
     use hal_protocol::{Direction, Failure, Kind, Link, Lock, Reply, Request, SignalInfo, Value};
 
     /// Counts its readings: it has a pin that counts along, one that is constant, and a signal of
@@ -311,7 +269,7 @@ mod tests {
     fn options_stand_anywhere() {
         let shown = |line: &str| {
             let words: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
-            parse(&words).map_or_else(
+            arguments::watch(&words).map_or_else(
                 |e| format!("! {e}"),
                 |w| format!("{} {} {:?}", w.patterns.join(" "), w.every_ms, w.count),
             )

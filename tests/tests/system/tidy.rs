@@ -2,9 +2,10 @@
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
 };
+use syn::visit::{self, Visit};
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
@@ -44,8 +45,7 @@ fn members() -> BTreeMap<String, toml::Table> {
     let mut out = BTreeMap::new();
     for path in files(&root(), "Cargo.toml") {
         let at = short(&path);
-        let own =
-            ["Cargo.toml", "tests/fuzz/", "tests/plugins/", "tests/loom/", "tests/compile-fail/"];
+        let own = ["Cargo.toml", "tests/fuzz/", "tests/plugins/", "tests/loom/"];
         if at == "Cargo.toml" || own.iter().skip(1).any(|o| at.starts_with(o)) {
             continue;
         }
@@ -176,24 +176,6 @@ fn files_have_one_subject() {
 
 #[test]
 fn realtime_files_do_nothing_that_realtime_must_not() {
-    let words = [
-        "format!(",
-        "println!",
-        "Mutex",
-        "RwLock",
-        "Box::new",
-        "vec!",
-        ".to_owned()",
-        ".to_string()",
-        "String",
-        "Vec::new",
-        ".collect",
-        "panic!(",
-        ".unwrap()",
-        ".expect(",
-        "std::fs",
-        "std::io",
-    ];
     let mut seen = 0;
     for path in files(&root().join("hal"), ".rs") {
         let text = code(&path);
@@ -207,12 +189,229 @@ fn realtime_files_do_nothing_that_realtime_must_not() {
             if line.starts_with("//") {
                 continue;
             }
-            for w in words {
+            for w in NOT_REALTIME {
                 assert!(!line.contains(w), "{}:{}: {w} in a realtime file", short(&path), i + 1);
             }
         }
     }
     assert!(seen >= 12, "only {seen} realtime files: are their first lines as they should be?");
+}
+
+/// Words that a realtime file must not contain.
+const NOT_REALTIME: &[&str] = &[
+    "format!(",
+    "println!",
+    "Mutex",
+    "RwLock",
+    "Box::new",
+    "vec!",
+    ".to_owned()",
+    ".to_string()",
+    "String",
+    "Vec::new",
+    ".collect",
+    "panic!(",
+    ".unwrap()",
+    ".expect(",
+    "std::fs",
+    "std::io",
+];
+
+/// Functions in components' realtime files that allocate or lock, because they run while a component is created, opened
+/// or closed. `-` stands for declarations outside of functions. Each must be used.
+const BEFORE_THREADS: &[(&str, &[&str])] = &[
+    ("components/drivers/parport/src/device.rs", &["open", "simulated"]),
+    ("components/drivers/parport/src/hardware.rs", &["claim", "find"]),
+    ("components/drivers/parport/src/lines.rs", &["inputs", "outputs"]),
+    (
+        "components/drivers/port/src/simulated.rs",
+        &["-", "config", "drive", "drive_bits", "new", "show"],
+    ),
+    ("components/drivers/speaker/src/device.rs", &["lost", "open"]),
+    ("components/drivers/stepgen/src/pulses.rs", &["new"]),
+    ("components/drivers/viagpio/src/device.rs", &["simulated"]),
+    ("components/drivers/viagpio/src/hardware.rs", &["ask"]),
+    ("components/drivers/viagpio/src/lines.rs", &["inputs", "outputs"]),
+    (
+        "components/foreign/compat/src/registers.rs",
+        &["claim", "item", "keep", "new", "show", "word_at"],
+    ),
+    ("components/foreign/compat/src/stream.rs", &["-", "give", "hal_stream_create", "named"]),
+    ("components/foreign/compat/src/trap.rs", &["watch"]),
+    ("components/motion/kinematics/src/switch.rs", &["make", "usual"]),
+    ("components/motion/motion/src/state.rs", &["new"]),
+    ("components/motion/motion/src/switch.rs", &["make"]),
+    ("components/motion/toolchange/src/carousel/magazine.rs", &["new"]),
+    ("components/motion/toolchange/src/carousel/pocket.rs", &["new"]),
+    ("components/motion/trajectory/src/axis.rs", &["new"]),
+    ("components/motion/trajectory/src/follower.rs", &["new"]),
+    ("components/motion/trajectory/src/slots.rs", &["new"]),
+    ("components/motion/trivkins/src/map.rs", &["parse"]),
+    ("components/processes/axis/src/waypoints.rs", &["default"]),
+    ("components/processes/motor/src/drive.rs", &["declare"]),
+    ("components/processes/plasma/src/plasmac/steady.rs", &["default"]),
+];
+
+#[test]
+fn realtime_files_of_components_allocate_only_before_threads_run() {
+    let mut found: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for path in files(&root().join("components"), ".rs") {
+        let text = code(&path);
+        if !text.starts_with("//! Realtime.") {
+            continue;
+        }
+        let mut function = "-".to_owned();
+        for line in text.lines().filter(|l| !l.trim_start().starts_with("//")) {
+            if line.starts_with('}') {
+                function = "-".to_owned();
+            }
+            if let Some((_, name)) = line.split_once("fn ").filter(|_| !line.contains("fn(")) {
+                function =
+                    name.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap().into();
+            }
+            if NOT_REALTIME.iter().any(|w| line.contains(w)) {
+                found.entry(short(&path)).or_default().insert(function.clone());
+            }
+        }
+    }
+    let known: BTreeMap<String, BTreeSet<String>> = BEFORE_THREADS
+        .iter()
+        .map(|(file, names)| ((*file).to_owned(), names.iter().map(|n| (*n).to_owned()).collect()))
+        .collect();
+    assert_eq!(found, known, "functions of realtime files that allocate or lock");
+}
+
+#[test]
+fn orderings_name_their_partners() {
+    for path in files(&root().join("hal"), ".rs") {
+        let at = short(&path);
+        if at.contains("/tests/") || at.contains("/benches/") || at.ends_with("/tests.rs") {
+            continue;
+        }
+        let text = code(&path);
+        let lines: Vec<&str> = text.lines().collect();
+        for (i, line) in lines.iter().enumerate() {
+            let code = line.split("//").next().unwrap();
+            let mut words = code.split(|c: char| !c.is_alphanumeric());
+            let strong = words.any(|w| ["Acquire", "Release", "AcqRel", "SeqCst"].contains(&w));
+            // An import names orderings without using them.
+            if !strong || code.contains("Ordering::{") {
+                continue;
+            }
+            let near = &lines[i.saturating_sub(3)..=i];
+            let named = near.iter().filter_map(|l| l.split_once("//")).any(|(_, comment)| {
+                comment.split(|c: char| !c.is_alphabetic()).any(|w| w.eq_ignore_ascii_case("pairs"))
+            });
+            assert!(named, "{at}:{}: which access does this pair with?", i + 1);
+        }
+    }
+}
+
+/// Places in `hal/` that know the operating system's interface, with the word for it. Each must be used.
+const SYSTEM: &[(&str, &str)] = &[
+    ("hal/engine/src/ends/", "libc"),
+    ("hal/engine/src/ends/", "rustix"),
+    ("hal/engine/src/load/code.rs", "libloading"),
+    ("hal/engine/src/load/loader.rs", "libloading"),
+    ("hal/engine/src/load/opening.rs", "rustix"),
+    ("hal/engine/src/load/plugin_file.rs", "rustix"),
+    ("hal/engine/src/observe/ring.rs", "rustix"),
+    ("hal/engine/src/os.rs", "libc"),
+    ("hal/engine/src/os.rs", "rustix"),
+    ("hal/engine/src/os/", "libc"),
+    ("hal/engine/src/os/", "rustix"),
+    ("hal/engine/src/serve/client.rs", "rustix"),
+    ("hal/engine/src/serve/server.rs", "rustix"),
+    ("hal/output/src/", "nix"),
+    ("hal/output/src/", "rustix"),
+    ("hal/protocol/src/client.rs", "rustix"),
+    ("hal/protocol/src/folder.rs", "libc"),
+    ("hal/protocol/src/folder.rs", "rustix"),
+    ("hal/protocol/src/place.rs", "rustix"),
+    ("hal/protocol/src/stream.rs", "rustix"),
+];
+
+#[test]
+fn few_files_know_the_system() {
+    let mut used = BTreeSet::new();
+    for path in files(&root().join("hal"), ".rs") {
+        let at = short(&path);
+        if at.contains("/tests/") || at.contains("/benches/") || at.ends_with("/tests.rs") {
+            continue;
+        }
+        let text = code(&path);
+        for line in text.lines().map(str::trim_start).filter(|l| !l.starts_with("//")) {
+            for word in ["libc", "libloading", "nix", "rustix"] {
+                let path_of = format!("{word}::");
+                let is_used = line.match_indices(&path_of).any(|(n, _)| {
+                    !line[..n].ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == ':')
+                });
+                if is_used {
+                    let known =
+                        SYSTEM.iter().find(|(place, w)| *w == word && at.starts_with(place));
+                    used.insert(*known.unwrap_or_else(|| panic!("{at}: {word} has its places")));
+                }
+            }
+        }
+    }
+    let all: BTreeSet<_> = SYSTEM.iter().copied().collect();
+    assert_eq!(used, all, "places of which some no longer need the system");
+}
+
+/// Error enums with texts, and the reason.
+const TEXTS: &[(&str, &str, &str)] = &[(
+    "halcmd/src/programs/haltest/failure.rs",
+    "Failure",
+    "what the program prints before it ends; no other code reads it",
+)];
+
+#[test]
+fn errors_are_enums_without_strings() {
+    let mut found = BTreeSet::new();
+    for folder in ["hal", "halcmd", "components"] {
+        for path in files(&root().join(folder), ".rs") {
+            let at = short(&path);
+            if at.contains("/tests/") || at.contains("/benches/") || at.ends_with("/tests.rs") {
+                continue;
+            }
+            let file = syn::parse_file(&code(&path)).unwrap_or_else(|e| panic!("{at}: {e}"));
+            let mut enums = Enums::default();
+            enums.visit_file(&file);
+            found.extend(enums.found.into_iter().map(|name| (at.clone(), name)));
+        }
+    }
+    let known = TEXTS.iter().map(|(at, name, _)| ((*at).to_owned(), (*name).to_owned())).collect();
+    assert_eq!(found, known, "error enums that carry a String");
+}
+
+/// Collects the enums that are errors by their names and carry a `String`.
+#[derive(Default)]
+struct Enums {
+    found: BTreeSet<String>,
+}
+
+impl<'ast> Visit<'ast> for Enums {
+    fn visit_item_enum(&mut self, item: &'ast syn::ItemEnum) {
+        let name = item.ident.to_string();
+        let is_error = ["Error", "Failure", "Fault", "Refusal", "Trouble"]
+            .iter()
+            .any(|word| name.ends_with(word));
+        let mut strings = Strings(false);
+        strings.visit_item_enum(item);
+        if is_error && strings.0 {
+            self.found.insert(name);
+        }
+    }
+}
+
+/// Visitor that is true after a `String`.
+struct Strings(bool);
+
+impl<'ast> Visit<'ast> for Strings {
+    fn visit_path_segment(&mut self, segment: &'ast syn::PathSegment) {
+        self.0 |= segment.ident == "String";
+        visit::visit_path_segment(self, segment);
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! An engine on trial: components are created but never opened, threads declared but never run.
 
-use crate::{ClockKind, Engine, Error, Options, graph::Ix, graph::item::NewItem, name::Name};
+use crate::{ClockKind, Engine, Error, Options, graph::Ix, graph::new_item::NewItem, name::Name};
 use hal_protocol::{ComponentState, Failure, Reply, Request, TicketInfo};
 
 /// State that only a trial engine has.

@@ -154,7 +154,7 @@ impl Engine {
 #[cfg(test)]
 mod tests {
     use super::part;
-    use crate::{change::stores::Store, graph::arena::Arena, load::code::Ptr};
+    use crate::{change::stores::Store, graph::arena::Arena, graph::ptr::Ptr};
     use std::collections::BTreeSet;
 
     #[test]
@@ -162,7 +162,7 @@ mod tests {
         let mut arena = Arena::new(false).unwrap();
         let (shown, new) = (Ptr(arena.slot(0).unwrap()), Ptr(arena.slot(0).unwrap()));
         let (signal, other) = (Ptr(arena.cell(0).unwrap()), Ptr(arena.cell(0).unwrap()));
-        let own = crate::graph::item::own_cell(new);
+        let own = crate::graph::ptr::own_cell(new);
         let fresh = BTreeSet::from([new.0.addr().get(), own.0.addr().get(), other.0.addr().get()]);
         let stores = vec![
             Store::Put { cell: own, bits: 1 },

@@ -1,10 +1,10 @@
 //! Realtime. A change to the graph: a list of stores that is carried out as a whole.
 
 use crate::{
-    graph::item::own_cell,
     graph::node::own,
-    load::code::Ptr,
-    load::foreign::Pointer,
+    graph::ptr::Pointer,
+    graph::ptr::Ptr,
+    graph::ptr::own_cell,
     realtime::thread::{List, Thread},
     sync::{Arc, Ordering},
 };

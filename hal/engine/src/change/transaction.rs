@@ -10,7 +10,7 @@ use crate::{
     engine::Counts,
     graph::Ix,
     graph::arena::Mark,
-    load::code::Ptr,
+    graph::ptr::Ptr,
     name::Name,
     sync::Arc,
 };
@@ -249,7 +249,7 @@ impl Engine {
 
     /// Marks a new slot as visible, because its own thread writes it from the first cycle on.
     pub(crate) fn sees(&mut self, slot: Ptr<Slot>) {
-        let cell: Ptr<Cell> = crate::graph::item::own_cell(slot);
+        let cell: Ptr<Cell> = crate::graph::ptr::own_cell(slot);
         self.staged.seen.extend([slot.0.addr().get(), cell.0.addr().get()]);
     }
 

@@ -146,7 +146,8 @@ impl Drop for Current {
 pub(crate) fn record(recorded: u64, recording: u64) {
     if let Some(board) = board() {
         board.recorded.store(recorded, Ordering::Relaxed);
-        board.recording.store(recording, Ordering::Release); // The watcher reads it later.
+        // Pairs with the load of the watcher, which reads it after the end of this process.
+        board.recording.store(recording, Ordering::Release);
     }
 }
 

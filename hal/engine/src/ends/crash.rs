@@ -3,9 +3,10 @@
 //! the handler continues with the next step.
 
 use super::{
-    GUARD, Instance, guard, instances, signals, sys,
+    GUARD, Instance, guard, instances, signals,
+    sys::{self, Place},
     text::Text,
-    who::{self, Place},
+    who,
 };
 use crate::{
     os::progress::processor_time,

@@ -4,8 +4,8 @@
 
 use super::{
     crash::{self, Cause},
-    is_ours, sys,
-    who::Place,
+    is_ours,
+    sys::{self, Place},
 };
 use core::ffi::{CStr, c_int, c_void};
 

@@ -5,9 +5,10 @@
 use super::{
     GUARD, Instance, WAKE,
     crash::{self, Cause, Shot},
-    instances, is_asked, known, signals, sys,
+    instances, is_asked, known, signals,
+    sys::{self, Place},
     text::Text,
-    who::{self, Doing, Place},
+    who::{self, Doing},
 };
 use crate::{
     os::progress::{self, processor_time},
@@ -269,11 +270,11 @@ impl Instance {
             names.iter().find(|n| n.0 == id).map_or("?", |n| n.1.as_str())
         };
         while let Some(message) = self.shared.mailbox.message() {
-            let text = crate::messages::worded(&message, name_of(message.component));
+            let text = crate::messages::text::worded(&message, name_of(message.component));
             sys::complain(&(text + "\n"));
         }
         while let Some(message) = self.shared.mailbox.text() {
-            let text = crate::messages::spoken(&message, name_of(message.component));
+            let text = crate::messages::text::spoken(&message, name_of(message.component));
             sys::complain(&(text + "\n"));
         }
     }

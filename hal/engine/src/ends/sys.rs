@@ -1,10 +1,16 @@
 //! System calls for the end of a process. Every function here may be called in a signal handler.
 
-use super::who::Place;
 use core::{
     ffi::{CStr, c_int, c_void},
     ptr::{null, null_mut},
 };
+
+/// Code address and stack pointer at the moment of an event.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub(super) code: usize,
+    pub(super) stack: usize,
+}
 
 /// Opens a file for reading.
 pub(super) fn open_read(path: &CStr) -> Option<c_int> {

@@ -3,7 +3,8 @@
 
 use super::{
     board::{NOBODY, board},
-    maps, sys,
+    maps,
+    sys::{self, Place},
     text::Text,
 };
 use crate::{
@@ -189,13 +190,6 @@ pub(crate) struct Origin {
     pub(crate) file: Box<str>,
     pub(crate) component: Name,
     pub(crate) threads: Vec<i32>,
-}
-
-/// Code address and stack pointer at the moment of an event.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
-    pub(super) code: usize,
-    pub(super) stack: usize,
 }
 
 /// Returns the realtime thread whose cycle runs in this thread of the system.

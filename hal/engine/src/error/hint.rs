@@ -204,7 +204,6 @@ impl From<Error> for Failure {
             text: e.to_string(),
             hint: e.hint(),
             word: e.word().map(str::to_owned),
-            before: Vec::new(),
             finding: e.finding(),
         }
     }

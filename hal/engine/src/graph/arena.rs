@@ -1,6 +1,6 @@
 //! Memory for slots and signal cells: 2 GiB of address space, committed in chunks and never moved.
 
-use crate::{Error, load::code::Ptr, os};
+use crate::{Error, graph::ptr::Ptr, os};
 use core::ptr::NonNull;
 use hal_abi::{Cell, Slot};
 use std::collections::BTreeSet;
@@ -76,7 +76,7 @@ impl Arena {
         let base = self.base.addr().get();
         let mut again: BTreeSet<usize> = self.taken_cells.iter().map(|c| c.addr().get()).collect();
         for slot in &self.taken_slots {
-            let own = crate::graph::item::own_cell(Ptr(*slot));
+            let own = crate::graph::ptr::own_cell(Ptr(*slot));
             again.extend([slot.addr().get(), own.0.addr().get()]);
         }
         (base + mark.used..base + self.used, again)

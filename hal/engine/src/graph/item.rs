@@ -2,29 +2,16 @@
 
 use crate::{
     Engine, Error,
+    graph::new_item::NewItem,
+    graph::ptr::Ptr,
+    graph::ptr::own_cell,
     graph::{Edge, Item, Ix, Node, Storage},
-    load::code::Ptr,
     name::Name,
-    realtime::thread::Account,
-    sync::Arc,
+    realtime::account::Account,
 };
-use core::{ffi::c_void, ptr::NonNull};
-use hal_abi::{Cell, Slot};
+use core::ptr::NonNull;
+use hal_abi::Slot;
 use hal_protocol::{Direction, Type};
-
-/// A pin or parameter to be created.
-pub(crate) struct NewItem {
-    pub(crate) name: Name,
-    pub(crate) other: Option<Name>,
-    pub(crate) ty: Type,
-    pub(crate) direction: Direction,
-    pub(crate) initial: u64,
-    pub(crate) storage: Option<NonNull<c_void>>,
-    pub(crate) hidden: bool,
-    pub(crate) times: bool,
-    pub(crate) safety: bool,
-    pub(crate) doc: Arc<str>,
-}
 
 impl Engine {
     /// Creates a pin or parameter. An item with its own storage has no slot.
@@ -129,10 +116,4 @@ impl Engine {
                 .is_some_and(|s| s.as_ptr().cast_const() == slot)
         })
     }
-}
-
-/// Returns a slot's own cell, which holds the value of a parameter.
-pub(crate) fn own_cell(slot: Ptr<Slot>) -> Ptr<Cell> {
-    // SAFETY: the slot is a live slot of the arena.
-    Ptr(NonNull::from(unsafe { slot.0.as_ref() }.own()))
 }

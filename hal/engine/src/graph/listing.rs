@@ -213,7 +213,7 @@ impl Engine {
         };
         StatusInfo {
             instance: self.options.place.name().to_owned(),
-            pid: rustix::process::getpid().as_raw_nonzero().get(),
+            pid: std::process::id().cast_signed(),
             lock: self.lock,
             memory: self.arena.usage(),
             components: usage(count(self.graph.components.len())),

@@ -41,7 +41,7 @@ impl Engine {
 
     fn furnish_thread(&mut self, component: Ix, name: &Name, period: i64) -> Result<Ix, Error> {
         let account = self.new_account(component, name, false)?;
-        let beat = crate::graph::item::NewItem {
+        let beat = crate::graph::new_item::NewItem {
             name: Name::parse("pin", &format!("{name}.threadbeat"))?,
             other: None,
             ty: Type::S64,
@@ -62,7 +62,7 @@ impl Engine {
             self.shared.origin() + (soon / period + 1) * period
         };
         let timed = !self.shared.is_virtual();
-        let beat = beat.map(crate::load::code::Ptr).ok_or(Error::OutOfMemory)?;
+        let beat = beat.map(crate::graph::ptr::Ptr).ok_or(Error::OutOfMemory)?;
         self.sees(beat);
         self.sees(account.time);
         let id = self.next_thread;

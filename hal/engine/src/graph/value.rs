@@ -4,9 +4,9 @@ use crate::{
     Engine, Error,
     change::stores::Store,
     change::undo::{Index, Undo},
-    graph::item::own_cell,
+    graph::ptr::Ptr,
+    graph::ptr::own_cell,
     graph::{Graph, Ix, Queue, Storage},
-    load::code::Ptr,
     name::Name,
 };
 use hal_abi::PortQueue;

@@ -6,9 +6,9 @@ use crate::{
     change::transaction::Going,
     change::undo::{Index, Undo},
     graph::arena::Arena,
-    graph::item::own_cell,
+    graph::ptr::Ptr,
+    graph::ptr::own_cell,
     graph::{Ix, Node, Signal},
-    load::code::Ptr,
     name::Name,
 };
 use hal_abi::Slot;

@@ -8,10 +8,7 @@ use crate::{
 };
 use core::ffi::c_void;
 use hal_abi::{ArgValue, CallHost, CommandRun, Free, Run, Status, Str, Ticket, host_flags};
-use std::{
-    cell::{Cell, RefCell},
-    ptr::NonNull,
-};
+use std::cell::{Cell, RefCell};
 
 /// A plugin library, open as long as anything from it is alive.
 #[derive(Debug)]
@@ -321,22 +318,3 @@ unsafe extern "C" fn frame_ticket(ctx: *const c_void) -> *const Ticket {
 unsafe extern "C" fn frame_awaited(ctx: *const c_void) {
     frame(ctx).awaited.set(true);
 }
-
-/// A pointer that the binary interface lets other threads use.
-#[derive(Debug)]
-pub(crate) struct Ptr<T>(pub(crate) NonNull<T>);
-impl<T> Clone for Ptr<T> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-impl<T> Copy for Ptr<T> {}
-impl<T> PartialEq for Ptr<T> {
-    fn eq(&self, other: &Self) -> bool {
-        self.0 == other.0
-    }
-}
-// SAFETY: only for slots and cells, which are atomic and live in the arena.
-unsafe impl<T> Send for Ptr<T> {}
-// SAFETY: as for `Send`.
-unsafe impl<T> Sync for Ptr<T> {}

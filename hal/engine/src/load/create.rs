@@ -3,7 +3,7 @@
 use crate::{
     Engine, Error,
     ends::{self, Doing, What},
-    graph::item::NewItem,
+    graph::new_item::NewItem,
     graph::{Command, Edge, Funct, Graph, Ix, Node, Service},
     load::args::{Args, Declared},
     load::code::{Code, Keep},

@@ -4,16 +4,17 @@ use crate::{
     Engine, Error,
     change::undo::Undo,
     ends::{self, Doing, What},
+    graph::ptr::Ptr,
     graph::{Component, Edge, Foreign, Ix},
     load::args::Args,
-    load::code::{Keep, Ptr},
+    load::code::Keep,
     load::create::Creating,
     load::loader::ForeignFound,
     name::Name,
     sync::Arc,
 };
 use core::{ffi::c_void, ptr::NonNull};
-use hal_abi::{Cell, ForeignFile, ItemSpec, Record, Status, Str, edit, ty};
+use hal_abi::{ForeignFile, ItemSpec, Record, Status, Str, edit, ty};
 use hal_protocol::{ForeignPart, Lock, Type};
 use std::path::PathBuf;
 
@@ -140,7 +141,7 @@ impl Creating<'_> {
         let (ix, slot) = self.item_of(spec, owner)?;
         if let (Some(pointer), Some(slot)) = (pointer, slot) {
             let pointer = Ptr(pointer);
-            let cell = crate::graph::item::own_cell(Ptr(slot));
+            let cell = crate::graph::ptr::own_cell(Ptr(slot));
             crate::change::stores::point(pointer, cell);
             self.engine.staged.own.insert(pointer.0.addr().get());
             if let Some(item) = self.engine.graph.item_mut(ix) {
@@ -274,9 +275,6 @@ unsafe extern "C" fn edit_graph(
     let done = c.edit(what, a, b, number);
     c.answer_said(done)
 }
-
-/// A pointer of foreign code that follows a pin.
-pub(crate) type Pointer = Ptr<crate::sync::AtomicPtr<Cell>>;
 
 impl Engine {
     /// Lists the loaded components that are not plugins, the oldest first.

@@ -5,6 +5,7 @@ mod condition;
 mod hear;
 mod history;
 mod keep;
+mod recorder;
 
 use crate::{
     Engine, Error,
@@ -16,9 +17,11 @@ use crate::{
     sync::{Arc, AtomicU64},
 };
 use condition::Condition;
-use hal_protocol::{FlightInfo, FlightSpec, KeptInfo, KeptState, Type};
+use hal_protocol::{FlightInfo, FlightSpec, KeptState, Type};
 use history::{Group, History};
-use keep::{Kept, Snapshot, create, format_of, numbered};
+use keep::{Snapshot, create, format_of};
+pub(crate) use recorder::Flight;
+
 use std::{
     collections::{BTreeMap, VecDeque},
     sync::{Mutex, MutexGuard, PoisonError},
@@ -30,50 +33,6 @@ const USUAL_BYTES: u64 = 16 << 20;
 const BYTES: core::ops::RangeInclusive<u64> = 1 << 12..=1 << 32;
 /// Minimum capacity of the queue of changes.
 const ROOM: usize = 1 << 16;
-/// Maximum number of events in the list, and of events that are written to files.
-const TOLD: usize = 20;
-const MOST_FILES: u32 = 100;
-
-/// Event whose time of recording is not over yet.
-#[derive(Debug)]
-struct Awaited {
-    at: i64,
-    until: i64,
-    marks: Vec<(i64, String)>,
-}
-
-/// Flight recorder.
-#[derive(Debug)]
-pub(crate) struct Flight {
-    spec: FlightSpec,
-    history: History,
-    /// Number of its probe, the probe, and the columns that it watches.
-    probe: Option<(u64, Arc<Probe>, Vec<u32>)>,
-    /// Column of each signal and of each unlinked pin.
-    columns: BTreeMap<Ix, u32>,
-    /// True if the set of watched values may have changed.
-    pub(crate) stale: bool,
-    conditions: Vec<Condition>,
-    /// Indices of the conditions that depend on a column.
-    by_column: BTreeMap<u32, Vec<usize>>,
-    /// Sample that is not evaluated yet: its time, and the probe's number of samples then.
-    open: Option<(i64, u64)>,
-    awaited: Option<Awaited>,
-    events: u32,
-    kept: VecDeque<Kept>,
-    last: Option<Arc<Snapshot>>,
-    /// True if files are written before time moves on.
-    at_once: bool,
-    /// True if the recorder is being switched off, after which nothing stays in memory.
-    ends: bool,
-    /// True if the file of an event could not be written.
-    unwritten: bool,
-    /// Messages that are not yet reported.
-    said: Vec<String>,
-    /// Number of changes lost by former probes, and by the present one as far as known.
-    lost: (u64, u64),
-}
-
 impl Engine {
     /// Executes `flight on`. A recorder that is already on is replaced.
     pub(crate) fn begin_flight(&mut self, mut spec: FlightSpec) -> Result<(), Error> {
@@ -323,78 +282,4 @@ impl Engine {
 /// Locks the recorder, which the guard also uses when the process crashes.
 fn lock(flight: &Mutex<Flight>) -> MutexGuard<'_, Flight> {
     flight.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-impl Flight {
-    fn event(&mut self, time: i64, why: &str) {
-        let mark = (time, format!("trigger: {why}"));
-        if let Some(awaited) = &mut self.awaited {
-            awaited.marks.push(mark);
-            return;
-        }
-        let until = time.saturating_add(i64::try_from(self.spec.after_ns).unwrap_or(i64::MAX));
-        self.awaited = Some(Awaited { at: time, until, marks: vec![mark] });
-    }
-
-    /// Checks which files have been written; waits for them if `wait`.
-    fn look(&mut self, wait: bool) {
-        let ends = self.ends;
-        for k in &mut self.kept {
-            if k.look(wait) {
-                self.unwritten |= k.is_unwritten();
-                self.said.push(k.words(ends));
-            }
-        }
-    }
-
-    /// Keeps the event in progress.
-    fn finish(&mut self, now: i64) {
-        let Some(Awaited { at, until: end, marks }) = self.awaited.take() else { return };
-        let mut history = self.history.clone();
-        if let Some(before) = self.spec.before_ns {
-            history.keep_from(at.saturating_sub(i64::try_from(before).unwrap_or(i64::MAX)));
-        }
-        let why = marks.first().map_or("", |m| m.1.trim_start_matches("trigger: ")).to_owned();
-        let snapshot = Arc::new(Snapshot { history, to: end.min(now), marks });
-        self.last = Some(snapshot.clone());
-        self.events += 1;
-        let wanted = self.spec.file.clone().filter(|_| self.events <= MOST_FILES);
-        let file = wanted.map(|f| numbered(&f, self.events));
-        let mut kept = self.new_kept(at, &why, file.clone(), true);
-        if let Some(path) = &file {
-            match (format_of(path), create(path)) {
-                (Ok(format), Ok(file)) => kept.write(&snapshot, file, format, self.at_once),
-                (Err(e), _) | (_, Err(e)) => {
-                    let text = e.to_string();
-                    let why = text.strip_prefix(&format!("{path}: ")).unwrap_or(&text).to_owned();
-                    kept.info.state = KeptState::Failed(why);
-                }
-            }
-        }
-        if kept.info.state != KeptState::Writing {
-            self.unwritten |= kept.is_unwritten();
-            self.said.push(kept.words(self.ends));
-        }
-        self.keep(kept);
-    }
-
-    /// Returns the event in progress.
-    fn awaits(&self) -> Option<KeptInfo> {
-        let Awaited { at, marks, .. } = self.awaited.as_ref()?;
-        let why = marks.first().map_or("", |m| m.1.trim_start_matches("trigger: ")).to_owned();
-        let (number, state) = (self.events + 1, KeptState::Awaited);
-        Some(KeptInfo { number, time: *at, why, file: None, state })
-    }
-
-    fn new_kept(&self, time: i64, why: &str, file: Option<String>, is_event: bool) -> Kept {
-        let (number, state) = (self.events, KeptState::InMemory);
-        Kept::new(KeptInfo { number, time, why: why.to_owned(), file, state }, is_event)
-    }
-
-    fn keep(&mut self, kept: Kept) {
-        if self.kept.len() >= TOLD {
-            self.kept.pop_front();
-        }
-        self.kept.push_back(kept);
-    }
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     graph::node::own,
-    load::code::Ptr,
+    graph::ptr::Ptr,
     observe::ring::Memory,
     sync::{Arc, AtomicBool, AtomicU32, AtomicU64, Ordering},
 };
@@ -184,6 +184,7 @@ impl Probe {
 
     /// Returns the number of readings.
     pub(crate) fn looks(&self) -> u64 {
+        // Pairs with `add_one` in `look`: what the readings before the last one queued is seen.
         self.looks.load(Ordering::Acquire)
     }
 
@@ -195,5 +196,6 @@ impl Probe {
 
 /// Increments a count that only one thread at a time writes.
 fn add_one(count: &AtomicU64) {
+    // Pairs with the load in `Probe::looks`.
     count.store(count.load(Ordering::Relaxed).wrapping_add(1), Ordering::Release);
 }

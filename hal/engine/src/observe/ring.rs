@@ -1,6 +1,6 @@
 //! Rings that components share with programs: memory that no program can shrink.
 
-use crate::{graph::Ix, serve::polls::Hold};
+use crate::{graph::Ix, serve::hold::Hold};
 use core::ptr::null_mut;
 use hal_abi::{MAX_WIDTH, Producer, Ring, StreamRef, StreamSpec, stream_direction};
 use hal_protocol::{StreamInfo, Type};

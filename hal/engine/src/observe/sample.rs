@@ -10,7 +10,7 @@ use crate::{
     observe::ring::Memory,
     observe::watch::{At, Watching},
     os,
-    serve::polls::Hold,
+    serve::hold::Hold,
     sync::Arc,
 };
 use hal_abi::Ring;

@@ -1,6 +1,6 @@
 //! Connection of a client: request lines in, answers out.
 
-use crate::{Error, graph::Ix, serve::polls::Hold};
+use crate::{Error, graph::Ix, serve::hold::Hold};
 use hal_protocol::{Failure, LONGEST, Reply, WireReply};
 use rustix::net::{SendAncillaryBuffer, SendAncillaryMessage, SendFlags};
 use std::{

@@ -4,11 +4,12 @@ use crate::{
     Engine, Error,
     change::stores::MOST_STORES,
     graph::Ix,
-    graph::item::NewItem,
+    graph::new_item::NewItem,
     name::Name,
     os,
     serve::client::{Client, Waits},
-    serve::polls::{Hold, period},
+    serve::hold::Hold,
+    serve::polls::period,
 };
 use hal_protocol::{
     ComponentState, Direction, Failure, LATEST, Reply, Request, TicketInfo, Type, Value,

@@ -1,6 +1,6 @@
 //! The command that changes a running machine in one transaction.
 
-use crate::{language::parse, language::table::Row, language::word::Word as W};
+use crate::{language::parse, language::row::Row, language::word::Word as W};
 
 pub(super) const ROWS: &[Row] = &[Row {
     name: "apply",

@@ -2,8 +2,8 @@
 
 use crate::{
     Command,
-    language::rows::{ANY, PLAIN},
-    language::table::Row,
+    language::row::Row,
+    language::row::{ANY, PLAIN},
     language::word::Word as W,
 };
 

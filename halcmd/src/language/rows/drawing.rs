@@ -1,9 +1,9 @@
 //! Commands that examine a machine as a whole.
 
 use crate::{
-    check::examine,
-    language::rows::{ANY, PLAIN},
-    language::table::Row,
+    language::arguments,
+    language::row::Row,
+    language::row::{ANY, PLAIN},
     language::word::Word as W,
 };
 
@@ -21,7 +21,7 @@ pub(super) const ROWS: &[Row] = &[
         words: &[W::Many(&[W::One(&["--script", "-i"]), W::File])],
         examples: &["order", "order machine.ini", "order --script -i machine.ini wiring.hal"],
         related: &["addf", "delf", "graph"],
-        parse: examine::order,
+        parse: arguments::order,
         ..PLAIN
     },
     Row {
@@ -46,7 +46,7 @@ pub(super) const ROWS: &[Row] = &[
             "graph --dot stepgen",
         ],
         related: &["show", "order"],
-        parse: examine::graph,
+        parse: arguments::graph,
         ..PLAIN
     },
 ];

@@ -1,7 +1,7 @@
 //! Commands about the input itself.
 
 use crate::{
-    Command, Error, language::parse, language::rows::PLAIN, language::table::Row,
+    Command, Error, language::parse, language::row::PLAIN, language::row::Row,
     language::word::Word as W,
 };
 use hal_protocol::Request;

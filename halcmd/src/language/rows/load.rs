@@ -4,8 +4,8 @@ use crate::{
     Command,
     language::command::LockChange,
     language::parse,
-    language::rows::{ANY, PLAIN},
-    language::table::Row,
+    language::row::Row,
+    language::row::{ANY, PLAIN},
     language::word::Word as W,
 };
 use hal_protocol::Lock;

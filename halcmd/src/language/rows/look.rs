@@ -1,8 +1,8 @@
 //! Commands that display the state.
 
 use crate::{
-    Command, language::command::ShowKind, language::parse, language::rows::ANY,
-    language::table::Row, language::word::Word as W, show::flight,
+    Command, language::command::ShowKind, language::flight, language::parse, language::row::ANY,
+    language::row::Row, language::word::Word as W,
 };
 use hal_protocol::Kind;
 

@@ -2,12 +2,12 @@
 
 use crate::{
     Command,
+    language::arguments,
     language::parse::{first, unknown_kind},
-    language::rows::{ANY, PLAIN},
-    language::table::Row,
+    language::row::Row,
+    language::row::{ANY, PLAIN},
     language::word::Word as W,
-    manual::complete,
-    show::watch,
+    manual::complete::scripts::{self, SHELLS},
 };
 
 pub(super) const ROWS: &[Row] = &[
@@ -24,7 +24,7 @@ pub(super) const ROWS: &[Row] = &[
         examples: &["watch x-pos stepgen.0.position-fb", "watch -n 1s --count 10 pid.0"],
         related: &["meter", "show", "getp", "record"],
         errors: &[("not found", "'list pin', 'list sig' and 'list param' name all")],
-        parse: |words| watch::parse(words).map(Command::Watch),
+        parse: |words| arguments::watch(words).map(Command::Watch),
     },
     Row {
         name: "meter",
@@ -68,9 +68,9 @@ pub(super) const ROWS: &[Row] = &[
         related: &["help"],
         parse: |words| {
             let shell = first(words);
-            match complete::script(&shell) {
+            match scripts::script(&shell) {
                 Some(text) => Ok(Command::Completion(text)),
-                None => Err(unknown_kind("completion", &shell, complete::SHELLS)),
+                None => Err(unknown_kind("completion", &shell, SHELLS)),
             }
         },
         ..PLAIN

@@ -1,7 +1,7 @@
 //! Commands for threads and time.
 
 use crate::{
-    Command, language::parse, language::rows::ANY, language::table::Row, language::word::Word as W,
+    Command, language::parse, language::row::ANY, language::row::Row, language::word::Word as W,
 };
 use hal_protocol::Request;
 

@@ -10,19 +10,6 @@ use hal_protocol::Place;
 /// Status of `halcmd -C` that says that a file name is possible as well.
 pub const COMPLETE_FILES: u8 = 3;
 
-const BASH: &str = include_str!("shell/halcmd.bash");
-const ZSH: &str = include_str!("shell/_halcmd");
-const FISH: &str = include_str!("shell/halcmd.fish");
-
-/// The supported shells and their files.
-pub(crate) const SHELLS: &[(&str, &str)] = &[("bash", BASH), ("zsh", ZSH), ("fish", FISH)];
-
-/// Returns the script with which a shell completes halcmd and halrun.
-#[must_use]
-pub fn script(shell: &str) -> Option<&'static str> {
-    SHELLS.iter().find(|(name, _)| *name == shell).map(|(_, text)| *text)
-}
-
 /// Completes the end of a shell's line. `current` is the word being typed as the shell sees it
 /// (some shells begin a new word after `=`); the candidates replace that word.
 pub fn for_shell(line: &str, current: Option<&str>) -> Completion {

@@ -1,6 +1,6 @@
 //! Explanations of findings about functions and threads.
 
-use super::Row;
+use super::row::Row;
 use hal_protocol::Code;
 
 pub(super) const ROWS: &[Row] = &[

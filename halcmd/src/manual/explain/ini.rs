@@ -1,6 +1,6 @@
 //! Explanations of findings about INI files.
 
-use super::Row;
+use super::row::Row;
 use hal_protocol::Code;
 
 /// A machine with one joint. The arguments are the entries of `[HAL]` and of `[JOINT_0]`.

@@ -1,6 +1,6 @@
 //! Explanations of findings about signals and pins.
 
-use super::Row;
+use super::row::Row;
 use hal_protocol::Code;
 
 pub(super) const ROWS: &[Row] = &[

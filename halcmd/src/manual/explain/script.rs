@@ -1,6 +1,6 @@
 //! Explanations of findings about lines of scripts, and about the programs that they start.
 
-use super::Row;
+use super::row::Row;
 use hal_protocol::Code;
 
 pub(super) const ROWS: &[Row] = &[

@@ -1,6 +1,6 @@
 //! Explanations of findings about step pulses.
 
-use super::Row;
+use super::row::Row;
 use hal_protocol::Code;
 
 /// A script with a step generator and a driver, each in a thread of its own. `$more` is appended.

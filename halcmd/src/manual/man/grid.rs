@@ -1,6 +1,6 @@
 //! A Markdown table in columns for a terminal.
 
-use crate::manual::help::{WIDTH, wrapped};
+use crate::manual::wrap::{WIDTH, wrapped};
 
 /// Number of spaces between two columns.
 const GAP: usize = 2;

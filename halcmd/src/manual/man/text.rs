@@ -1,7 +1,7 @@
 //! A manual page as terminal text.
 
 use super::{Entry, Function, Page, grid::grid, prose::Doc};
-use crate::manual::help::wrapped;
+use crate::manual::wrap::wrapped;
 use hal_protocol::{ArgInfo, Direction};
 
 /// Indentation of text.

@@ -2,12 +2,13 @@
 
 use super::realtime;
 use crate::{
-    Error, Style, nanoseconds,
-    programs::halcmd::{self, Id as Common},
+    Error, Style,
+    language::flight,
+    nanoseconds,
+    programs::common::{COMMON, Id as Common, apply},
     programs::options::{Opt, from_environment, options, plain, usage},
     programs::profile::{self, Profile},
     session::remote::instance_option,
-    show::flight,
 };
 use hal_engine::{ClockKind, Options};
 use hal_protocol::{FlightSpec, Place};
@@ -164,7 +165,7 @@ pub(crate) fn plan(
     environment: &dyn Fn(&str) -> Option<String>,
 ) -> Result<Action, Error> {
     let mut table: Vec<Opt<Id>> = [OPTIONS, HIDDEN].concat();
-    table.extend(halcmd::COMMON.iter().map(common));
+    table.extend(COMMON.iter().map(common));
     let (mut given, files) = all_words(&table, words)?;
     from_environment(&table, environment, &mut given);
     let profile = given.iter().rev().find(|(id, _)| *id == Id::Profile);
@@ -207,7 +208,7 @@ pub(crate) fn plan(
     let mut style = Style::default();
     for (id, _) in &given {
         if let Id::Common(id) = id {
-            halcmd::apply(&mut style, *id);
+            apply(&mut style, *id);
         }
     }
     let level = if has(Id::Common(Common::VeryVerbose)) {
@@ -261,7 +262,7 @@ pub(crate) fn plan(
 
 /// Returns the options for completion.
 pub(crate) fn table() -> Vec<Opt<()>> {
-    [plain(OPTIONS), plain(&halcmd::COMMON)].concat()
+    [plain(OPTIONS), plain(&COMMON)].concat()
 }
 
 /// Returns the usage text.
@@ -272,7 +273,7 @@ pub(crate) fn help() -> String {
          Makes an instance, carries out the file, and stays up while a thread exists. Without a\n\
          file, commands are taken from standard input.\n\noptions:\n{}{}",
         usage(OPTIONS),
-        usage(&halcmd::COMMON)
+        usage(&COMMON)
     )
 }
 

@@ -1,7 +1,10 @@
 //! `halscope convert`: converts a trace to another file format.
 
 use super::{plan::usage_of, unwritten};
-use crate::{Stdio, Terminal, check::examine::mixed, programs::options::Opt};
+use crate::{
+    Stdio, Terminal,
+    programs::options::{Opt, mixed},
+};
 use hal_trace::{load, save};
 use std::{path::Path, process::ExitCode};
 

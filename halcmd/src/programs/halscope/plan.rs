@@ -1,9 +1,8 @@
 //! The parsed options of `halscope capture`.
 
 use crate::{
-    check::examine::mixed,
     language::units::nanoseconds,
-    programs::options::{Opt, from_environment, usage},
+    programs::options::{Opt, from_environment, mixed, usage},
     session::remote::instance_option,
 };
 use hal_trace::{

@@ -1,6 +1,6 @@
 //! All requested tests, several at a time.
 
-use super::{Failure, NAME, Wanted, junit, outcome::Outcome, picture, process, report};
+use super::{NAME, Wanted, failure::Failure, junit, outcome::Outcome, picture, process, report};
 use crate::{Terminal, ini::plain};
 use std::{
     fs,

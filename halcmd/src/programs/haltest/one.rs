@@ -1,8 +1,8 @@
 //! A single test, in its own process.
 
 use super::{
-    Failure,
     course::{self, Course},
+    failure::Failure,
     judge,
     outcome::{Complaint, Outcome, Spot},
     process::{OUTCOME, RECORDING},

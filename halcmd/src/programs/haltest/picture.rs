@@ -1,7 +1,7 @@
 //! Waveforms that are kept in files beside their test.
 
 use super::{
-    Failure,
+    failure::Failure,
     outcome::{Complaint, Outcome, Picture},
 };
 use crate::ini::plain;

@@ -2,7 +2,7 @@
 //! thread.
 
 use super::{Event, Order, aside, history};
-use crate::{language::table, manual::complete::Completion, manual::help, terminal::colour};
+use crate::{language::table, manual::complete::Completion, terminal::colour};
 use rustyline::{
     Cmd, CompletionType, ConditionalEventHandler, Config, Context, Editor, EventContext,
     EventHandler, Helper, KeyEvent, RepeatCount,
@@ -162,7 +162,7 @@ impl Hinter for Assistant {
         }
         let name = line.strip_suffix(' ').filter(|_| self.coloured && at == line.len())?;
         let row = table::find(name).filter(|row| !row.usage.is_empty())?;
-        Some(Usage(help::line(row).split_off(name.len() + 1)))
+        Some(Usage(table::line(row).split_off(name.len() + 1)))
     }
 }
 

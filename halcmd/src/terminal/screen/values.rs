@@ -2,8 +2,10 @@
 
 use super::{Key, Look as Looks, Screen};
 use crate::{
-    Error, show,
-    show::watch::{Look, Of, Seen, Watch, about_seconds, look, wait},
+    Error,
+    language::command::Watch,
+    show,
+    show::watch::{Look, Of, Seen, about_seconds, look, wait},
 };
 use hal_protocol::{Link, Value};
 use ratatui::{

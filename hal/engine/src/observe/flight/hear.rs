@@ -1,6 +1,6 @@
 //! Input of the flight recorder: it reads changes sample by sample and detects events.
 
-use super::{Condition, Flight};
+use super::{condition::Condition, recorder::Flight};
 use crate::observe::probe::Probe;
 
 impl Flight {
