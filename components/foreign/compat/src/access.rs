@@ -1,7 +1,7 @@
 //! Port I/O: simulated ports access registers whose bits are pins; real ports access the hardware, as far as the system
 //! permits this process.
 
-use crate::{elf::Elf, load::loading, module::Module, running, system};
+use crate::{elf::Elf, loading::loading, module::Module, running, system};
 use core::ffi::{c_char, c_int, c_uchar, c_uint, c_ulong, c_ushort, c_void};
 use std::sync::Arc;
 

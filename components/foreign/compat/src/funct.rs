@@ -1,7 +1,7 @@
 //! Functions of the interface for components, functs, threads, signals and links.
 
 use crate::{
-    load::loading,
+    loading::loading,
     module::Module,
     pin::{change, refuse, text},
     running::{self, State, ferrule_run},

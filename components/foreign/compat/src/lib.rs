@@ -12,6 +12,7 @@ mod board;
 mod elf;
 mod funct;
 mod load;
+mod loading;
 mod memory;
 mod message;
 mod module;

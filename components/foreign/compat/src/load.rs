@@ -4,14 +4,12 @@ use crate::{
     arguments, board,
     elf::Elf,
     funct,
+    loading::{self, Loading},
     module::{self, Exit, Main, Module},
     rehearsal::rehearse,
     running, system, trap,
 };
-use core::{
-    cell::Cell,
-    ffi::{CStr, c_int, c_void},
-};
+use core::ffi::{CStr, c_int, c_void};
 use hal_component::abi::{
     ActionSpec, CallHost, ForeignFile, Host, Record, Status, Str, host_flags, size,
 };
@@ -20,24 +18,6 @@ use std::{
     path::PathBuf,
     sync::{Arc, atomic::Ordering::Relaxed},
 };
-
-/// Load in progress.
-#[derive(Debug)]
-pub(crate) struct Loading {
-    pub(crate) host: Host,
-    pub(crate) file: ForeignFile,
-    pub(crate) module: Arc<Module>,
-}
-
-thread_local! {
-    static LOADING: Cell<*const Loading> = const { Cell::new(core::ptr::null()) };
-}
-
-/// Returns the load in progress on this thread; only during a load can items be made.
-pub(crate) fn loading<'l>() -> Option<&'l Loading> {
-    // SAFETY: set only while the load lives, on this thread.
-    unsafe { LOADING.get().as_ref() }
-}
 
 /// Loads a file; the entry point for the engine.
 ///
@@ -100,11 +80,11 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
 
     let on_trial = host.flags & host_flags::TRIAL != 0;
     let loading = Loading { host, file, module: module.clone() };
-    LOADING.set(&raw const loading);
-    let code = prepared(&module, &path)
-        .and_then(|()| if on_trial { rehearse(&loading, main, exit) } else { Ok(()) })
-        .map(|()| running::within(Arc::as_ptr(&module), || main()));
-    LOADING.set(core::ptr::null());
+    let code = loading::within(&loading, || {
+        prepared(&module, &path)
+            .and_then(|()| if on_trial { rehearse(&loading, main, exit) } else { Ok(()) })
+            .map(|()| running::within(Arc::as_ptr(&module), || main()))
+    });
     let code = code.map_err(refuse(Status::EINVAL))?;
     if code < 0 {
         let why = format!("rtapi_app_main: {} ({code})", explained(code));

@@ -1,7 +1,7 @@
 //! Functions `hal_pin_…` and `hal_param_…`: C pins are ordinary pins.
 
 use crate::{
-    load::{Loading, loading},
+    loading::{Loading, loading},
     module::Module,
 };
 use core::ffi::{CStr, c_char, c_double, c_int, c_long, c_ulong, c_void};

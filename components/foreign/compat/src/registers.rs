@@ -6,7 +6,7 @@
 //! the PCI configuration: `COMPONENT.sim.config-RR` is the double word at RR, of any device. `COMPONENT.sim.reads` and
 //! `.writes` count accesses. The initial contents come from the file beside the component's (see `board.rs`).
 
-use crate::load::{Loading, loading};
+use crate::loading::{Loading, loading};
 use core::ptr;
 use hal_component::abi::{ItemSpec, Slot, Str, dir, item_flags, size, ty};
 use std::sync::atomic::{

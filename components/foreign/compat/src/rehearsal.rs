@@ -2,7 +2,7 @@
 //! returns, only the copy ends, and the failure becomes a finding.
 
 use crate::{
-    load::Loading,
+    loading::Loading,
     module::{Exit, Main},
     running, trap,
 };

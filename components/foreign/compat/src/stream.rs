@@ -1,6 +1,6 @@
 //! Realtime. Functions `hal_stream_…`: rings of records that a component shares with programs.
 
-use crate::{load::loading, pin::text};
+use crate::{loading::loading, pin::text};
 use core::{
     cell::UnsafeCell,
     ffi::{c_char, c_int, c_uint, c_void},

@@ -99,7 +99,9 @@ pub(crate) fn belongs(handle: *mut c_void, address: *const c_void) -> bool {
 /// Makes the symbols of this library global, so that modules find them.
 pub(crate) fn offer_symbols() -> Result<(), String> {
     let mut found = core::mem::MaybeUninit::<libc::Dl_info>::zeroed();
-    let here = (&raw const crate::HAL_LIBRARY).cast();
+    /// An object of this library.
+    static HERE: u8 = 0;
+    let here = (&raw const HERE).cast();
     // SAFETY: an address of this library, and memory for the result.
     if unsafe { libc::dladdr(here, found.as_mut_ptr()) } == 0 {
         return Err(said());

@@ -1,0 +1,40 @@
+//! Load in progress: the engine's functions, and the module that is being set up.
+
+use crate::module::Module;
+use core::cell::Cell;
+use hal_component::abi::{ForeignFile, Host};
+use std::sync::Arc;
+
+/// Load in progress.
+#[derive(Debug)]
+pub(crate) struct Loading {
+    pub(crate) host: Host,
+    pub(crate) file: ForeignFile,
+    pub(crate) module: Arc<Module>,
+}
+
+thread_local! {
+    static LOADING: Cell<*const Loading> = const { Cell::new(core::ptr::null()) };
+}
+
+/// Returns the load in progress on this thread; only during a load can items be made.
+pub(crate) fn loading<'l>() -> Option<&'l Loading> {
+    // SAFETY: `within` sets the pointer on this thread, and only while it borrows the load.
+    unsafe { LOADING.get().as_ref() }
+}
+
+/// Runs the setup of a load, during which [`loading`] returns it.
+pub(crate) fn within<T>(load: &Loading, setup: impl FnOnce() -> T) -> T {
+    /// Ends the load, also when its setup panics.
+    struct End;
+
+    impl Drop for End {
+        fn drop(&mut self) {
+            LOADING.set(core::ptr::null());
+        }
+    }
+
+    LOADING.set(&raw const *load);
+    let _end = End;
+    setup()
+}
