@@ -1,7 +1,7 @@
 //! Realtime. Slots of words that one thread writes and another reads, without locks.
 //!
 //! The writer fills slots in the order of their numbers and raises `count`. It fills a slot again only when the reader has
-//! reported that it uses no number as low as the old one. Single words of slots that the reader may see can be raised
+//! reported that it no longer uses the old number or any lower one. Single words of slots that the reader may see can be raised
 //! meanwhile; the writer raises later slots first, so that a reader that sees a raised word sees all after it raised.
 
 use crate::sync::{AtomicU64, Ordering};
