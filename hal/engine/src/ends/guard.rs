@@ -33,6 +33,8 @@ const STOP_LOOKS: u32 = 32;
 /// Time to wait for threads to leave their cycles, and for a lock that another thread holds, in
 /// milliseconds.
 const WAIT_MS: u32 = 100;
+/// Longest wait for the recording, in milliseconds: another thread may be writing to a busy disk.
+const TAPE_WAIT_MS: u32 = 1000;
 
 /// Message for a crash in the code that records: its data may be inconsistent.
 const INTERRUPTED: &str = "the crash came in the middle of the recorder's own work: the recording ends at its last write, and the \
@@ -184,8 +186,8 @@ pub(super) fn save() {
 }
 
 /// Takes a lock if it becomes free in time: its owner may be the thread that has crashed.
-fn soon<T>(lock: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
-    for _ in 0..WAIT_MS {
+fn soon<T>(lock: &Mutex<T>, ms: u32) -> Option<MutexGuard<'_, T>> {
+    for _ in 0..ms {
         match lock.try_lock() {
             Ok(guard) => return Some(guard),
             Err(TryLockError::Poisoned(poisoned)) => return Some(poisoned.into_inner()),
@@ -242,13 +244,15 @@ impl Instance {
         crash::come_on();
         let still = self.is_still();
         self.say_rest();
-        let Some(saved) = soon(&self.saved) else { return sys::complain(INTERRUPTED) };
+        let Some(saved) = soon(&self.saved, WAIT_MS) else { return sys::complain(INTERRUPTED) };
         saved.programs.iter().for_each(|pid| crate::os::end_process(*pid, false));
         let (tape, flight) = (saved.tape.clone(), saved.flight.clone());
         drop(saved);
         crash::come_on();
         if let Some(tape) = tape.as_deref() {
-            let Some(mut tape) = soon(tape) else { return sys::complain(INTERRUPTED) };
+            let Some(mut tape) = soon(tape, TAPE_WAIT_MS) else {
+                return sys::complain(INTERRUPTED);
+            };
             tape.salvage(still, self.shared.now());
             if let Some(stopped) = tape.stopped() {
                 sys::complain(&format!("{stopped}\n"));
@@ -256,7 +260,7 @@ impl Instance {
         }
         crash::come_on();
         if let Some(flight) = flight.as_deref() {
-            let Some(mut flight) = soon(flight) else { return sys::complain(INTERRUPTED) };
+            let Some(mut flight) = soon(flight, WAIT_MS) else { return sys::complain(INTERRUPTED) };
             let said = flight.salvage(still, self.shared.now(), why);
             said.iter().for_each(|text| sys::complain(&format!("{text}\n")));
         }

@@ -12,7 +12,10 @@ use core::ffi::c_int;
 use std::{
     collections::{BTreeMap, BTreeSet},
     fs::File,
-    os::{fd::OwnedFd, unix::fs::MetadataExt},
+    os::{
+        fd::OwnedFd,
+        unix::fs::{MetadataExt, OpenOptionsExt},
+    },
     path::{Path, PathBuf},
 };
 
@@ -93,15 +96,17 @@ fn watch(program: &str, process: c_int, pidfd: &OwnedFd, end: &OwnedFd) {
         }
     };
     let Some(board) = board::board() else { return };
+    let known = Known::read(board);
+    // A crash may end the process while one of its threads writes.
+    known.cut_recording(board);
     let lost = board.lost.load(Ordering::Relaxed);
-    if let (true, Some((_, path))) = (lost > 0, Known::read(board).recording) {
+    if let (true, Some((_, path))) = (lost > 0, &known.recording) {
         let path = path.display();
         sys::complain(&format!("{program}: {path}: {lost} changes were lost for want of room\n"));
     }
     if board.untold.load(Ordering::Relaxed) == 0 {
         return;
     }
-    let known = Known::read(board);
     known.leave_nothing(board);
     sys::complain(&format!("{program}: {}\n", known.say(board, status)));
 }
@@ -145,25 +150,19 @@ impl Known {
         known
     }
 
-    /// Truncates the recording after its last whole record, ends the instance's programs, and
-    /// removes its socket.
+    /// Ends the instance's programs, and removes its socket.
     fn leave_nothing(&self, board: &Board) {
         let programs = board.programs.iter().map(|p| p.load(Ordering::Relaxed));
         programs.filter(|p| *p > 1).for_each(|p| os::end_process(p, false));
-        let (recorded, recording) =
-            (board.recorded.load(Ordering::Relaxed), board.recording.load(Ordering::Relaxed));
-        if let Some((inode, path)) = &self.recording
-            && let Ok(file) = File::options().write(true).open(path)
-            && let Ok(found) = file.metadata()
-            && found.ino() == *inode
-            && found.is_file()
-            && found.len() > recorded
-            && found.len() != recording
-        {
-            // If the system refuses, part of a record remains.
-            drop(file.set_len(recorded));
-        }
         self.remove_files();
+    }
+
+    /// Ends the recording at its last whole record.
+    fn cut_recording(&self, board: &Board) {
+        if let Some((inode, path)) = &self.recording {
+            let recorded = board.recorded.load(Ordering::Relaxed);
+            cut(path, *inode, recorded, board.recording.load(Ordering::Relaxed));
+        }
     }
 
     /// Removes the socket and the lock file, unless another instance has taken them.
@@ -215,6 +214,22 @@ impl Known {
     }
 }
 
+/// Truncates a file to `recorded` bytes, unless it is another one or the write that was to make it
+/// `recording` bytes long is complete.
+fn cut(path: &Path, inode: u64, recorded: u64, recording: u64) {
+    // A pipe without a reader is refused at once.
+    if let Ok(file) = File::options().write(true).custom_flags(libc::O_NONBLOCK).open(path)
+        && let Ok(found) = file.metadata()
+        && found.ino() == inode
+        && found.is_file()
+        && found.len() > recorded
+        && found.len() != recording
+    {
+        // If the system refuses, part of a record remains.
+        drop(file.set_len(recorded));
+    }
+}
+
 /// Returns whether a path still leads to an open file.
 fn is_at(file: &File, path: &Path) -> bool {
     let (Ok(open), Ok(there)) = (file.metadata(), std::fs::metadata(path)) else { return false };
@@ -223,12 +238,33 @@ fn is_at(file: &File, path: &Path) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::Status;
+    use super::{Status, cut};
+    use std::{fs, os::unix::fs::MetadataExt};
 
     #[test]
     fn a_status_is_that_of_wait() {
         assert_eq!(Status::of(0x300), Status::Exit(3));
         assert_eq!(Status::of(9), Status::Signal(9));
         assert_eq!(Status::of(0x8b), Status::Signal(11));
+    }
+
+    #[test]
+    fn a_recording_ends_at_a_whole_record() {
+        let path = std::env::temp_dir().join(format!("hal-cut-{}", std::process::id()));
+        for (length, is_same, want) in [
+            // Nothing of the write has come, part of it, all of it.
+            (10, true, 10),
+            (13, true, 10),
+            (16, true, 16),
+            (7, true, 7),
+            // Another file has its name now.
+            (13, false, 13),
+        ] {
+            fs::write(&path, vec![b' '; length]).unwrap();
+            let inode = fs::metadata(&path).unwrap().ino();
+            cut(&path, if is_same { inode } else { inode + 1 }, 10, 16);
+            assert_eq!(fs::metadata(&path).unwrap().len(), want, "{length}");
+        }
+        fs::remove_file(&path).unwrap();
     }
 }
