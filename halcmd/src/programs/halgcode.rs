@@ -2,16 +2,16 @@
 //!
 //! | module | subject |
 //! |---|---|
-//! | [`machine`] | the machine: its INI file, tool table, parameter file |
-//! | [`world`] | the files, tools and values that programs see |
-//! | [`run`] | a program from its begin to its end, with the answers of a machine that stands still |
-//! | [`filter`] | programs of `[FILTER]`, which turn other files into G-code |
-//! | [`canon`], [`printer`] | `canon`: the canonical calls, as `rs274` prints them |
-//! | [`check`] | `check`: errors, limits, tools, extents |
-//! | [`path`] | the way of the tool in machine coordinates |
-//! | [`plot`], [`views`] | `plot`: pictures of the way |
-//! | [`format`], [`tokens`], [`metric`] | `format`: tidy text, line numbers, millimetres for inches |
-//! | [`state`] | `state`: the interpreter's state at a line |
+//! | `machine` | the machine: its INI file, tool table, parameter file |
+//! | `world` | the files, tools and values that programs see |
+//! | `run` | a program from its begin to its end, with the answers of a machine that stands still |
+//! | `filter` | programs of `[FILTER]`, which turn other files into G-code |
+//! | `canon`, `printer` | `canon`: the canonical calls, as `rs274` prints them |
+//! | `check` | `check`: errors, limits, tools, extents |
+//! | `path` | the way of the tool in machine coordinates |
+//! | `plot`, `views` | `plot`: pictures of the way |
+//! | `format`, `tokens`, `metric` | `format`: tidy text, line numbers, millimetres for inches |
+//! | `state` | `state`: the interpreter's state at a line |
 
 mod canon;
 mod check;

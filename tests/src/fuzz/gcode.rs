@@ -27,7 +27,7 @@ impl Values for Own {
     }
 
     fn exists(&self, name: &str) -> bool {
-        name.len() % 2 == 0
+        name.len().is_multiple_of(2)
     }
 }
 

@@ -94,10 +94,9 @@ fn every_crate_is_on_the_map_of_its_group() {
     let mut groups = BTreeMap::new();
     for (name, path) in families() {
         let page = path.parent().unwrap().join("README.md");
-        let group = groups.entry(page.clone()).or_insert_with(|| match fs::read_to_string(&page) {
-            Ok(text) => text,
-            Err(_) => String::new(),
-        });
+        let group = groups
+            .entry(page.clone())
+            .or_insert_with(|| fs::read_to_string(&page).unwrap_or_default());
         let manifest: toml::Table =
             fs::read_to_string(path.join("Cargo.toml")).unwrap().parse().unwrap();
         let description = manifest["package"]["description"].as_str().unwrap();

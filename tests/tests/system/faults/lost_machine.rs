@@ -1,5 +1,5 @@
 //! Results and messages of clients whose machine ends, is killed, crashes, or stops responding.
-#![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{
     plugins::plugins,
