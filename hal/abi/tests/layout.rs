@@ -14,10 +14,10 @@ macro_rules! layout {
 
 fn table() -> Result<String, std::fmt::Error> {
     use hal_abi::{
-        ActionSpec, ArgSpec, ArgValue, CallHost, Cell, CommandSpec, ComponentType, ForeignFile,
-        ForeignLoader, FunctSpec, Host, Interlock, ItemSpec, Kinematics, Library, List, PortQueue,
-        Ring, ServiceRef, ServiceSpec, Slot, Status, Str, StreamRef, StreamSpec, TaskSpec,
-        ThreadSpec, Ticket, Use,
+        ActionSpec, ArgSpec, ArgValue, CallHost, Cell, CommandSpec, ComponentType, FieldSpec,
+        ForeignFile, ForeignLoader, FunctSpec, Host, Interlock, ItemSpec, Kinematics, Library,
+        List, PortQueue, Ring, ServiceRef, ServiceSpec, Slot, Status, Str, StreamRef, StreamSpec,
+        TaskSpec, ThreadSpec, Ticket, Use,
     };
     let mut out = String::new();
     layout! { out,
@@ -49,6 +49,7 @@ fn table() -> Result<String, std::fmt::Error> {
         ServiceRef { table uses n_uses }
         CallHost { size flags ctx message now fail arg reply ticket awaited }
         Host { size abi_minor flags index personality prefix ctx calls fail arg item funct thread task command open stop stream offer find bind }
+        FieldSpec { size count name doc ty }
         Ring { magic depth width types lost }
     }
     Ok(out)

@@ -37,17 +37,21 @@ mod builder;
 mod call;
 mod channels;
 mod decl;
+mod exchange;
 mod interlock;
 mod item;
 mod kinematics;
 mod number;
 mod outside;
 mod pins;
+mod plain;
 mod port;
+mod ring;
 mod share;
 mod shim;
 mod solved;
 mod stream;
+mod sync;
 pub mod trace;
 
 pub use args::Arg;
@@ -55,9 +59,10 @@ pub use builder::Builder;
 pub use call::{Call, Clock, Messages, TicketHandle};
 pub use channels::Channels;
 pub use decl::{Decl, Error};
+pub use exchange::{RingReader, RingWriter, SeqReader, SeqWriter};
 #[doc(hidden)]
 pub use hal_abi as abi;
-pub use hal_derive::{Component, Touch};
+pub use hal_derive::{Component, Plain, Touch};
 pub use interlock::{Estop, Interlock, InterlockRef};
 #[doc(hidden)]
 pub use item::Begins;
@@ -66,6 +71,9 @@ pub use kinematics::{Kinematics, KinematicsKind, KinematicsRef, Pose};
 pub use number::to_s32;
 #[doc(hidden)]
 pub use pins::{pin_doc, pin_name};
+#[doc(hidden)]
+pub use plain::field as plain_field;
+pub use plain::{Plain, PlainField};
 pub use port::Port;
 pub use share::{Gives, Receiver, Sender, Takes, Touch, Uses};
 #[doc(hidden)]

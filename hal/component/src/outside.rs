@@ -15,7 +15,7 @@ use std::sync::Arc;
 type Ring = abi::StreamRef;
 
 impl Builder<'_> {
-    fn ring(
+    fn stream(
         &mut self,
         name: &str,
         direction: u32,
@@ -49,7 +49,7 @@ impl Builder<'_> {
     /// # Errors
     /// The name is taken, the shape is invalid, or the engine is out of memory.
     pub fn stream_out(&mut self, name: &str, depth: u32, types: &[u8]) -> Result<StreamOut, Error> {
-        let r = self.ring(name, abi::stream_direction::OUT, depth, types)?;
+        let r = self.stream(name, abi::stream_direction::OUT, depth, types)?;
         // SAFETY: the engine created the ring in this shape for this component alone.
         Ok(StreamOut(unsafe { abi::Producer::new(r.ring, r.depth, r.width) }))
     }
@@ -59,7 +59,7 @@ impl Builder<'_> {
     /// # Errors
     /// As [`Self::stream_out`].
     pub fn stream_in(&mut self, name: &str, depth: u32, types: &[u8]) -> Result<StreamIn, Error> {
-        let r = self.ring(name, abi::stream_direction::IN, depth, types)?;
+        let r = self.stream(name, abi::stream_direction::IN, depth, types)?;
         // SAFETY: the engine created the ring in this shape for this component alone.
         Ok(StreamIn(unsafe { abi::Consumer::new(r.ring, r.depth, r.width) }))
     }

@@ -14,7 +14,7 @@ impl Uses {
         self.0.push(Use { slot, token: 0, access });
     }
 
-    fn hidden<T>(&mut self, shared: &Arc<T>, access: u32) {
+    pub(crate) fn hidden<T>(&mut self, shared: &Arc<T>, access: u32) {
         let token = Arc::as_ptr(shared).cast::<u8>().addr() as u64;
         self.0.push(Use { slot: core::ptr::null(), token, access });
     }

@@ -2,6 +2,7 @@
 
 mod component;
 mod field;
+mod plain;
 
 use proc_macro::TokenStream;
 
@@ -23,6 +24,15 @@ pub fn component(input: TokenStream) -> TokenStream {
 #[proc_macro_derive(Touch, attributes(hal, state))]
 pub fn touch(input: TokenStream) -> TokenStream {
     component::touch(&syn::parse_macro_input!(input as syn::DeriveInput))
+        .unwrap_or_else(|e| e.to_compile_error())
+        .into()
+}
+
+/// Implements `Plain` for a struct of pin values and arrays of them. Every field needs a doc
+/// comment, which is shown to users of a snapshot.
+#[proc_macro_derive(Plain)]
+pub fn plain(input: TokenStream) -> TokenStream {
+    plain::plain(&syn::parse_macro_input!(input as syn::DeriveInput))
         .unwrap_or_else(|e| e.to_compile_error())
         .into()
 }

@@ -7,6 +7,7 @@
 //! access.
 #![cfg(all(loom, test))]
 
+mod exchange;
 #[path = "../../../hal/engine/src/change/handover.rs"]
 mod handover;
 mod models;

@@ -1,0 +1,47 @@
+//! The derive macro `Plain`.
+
+use crate::field::{doc, fields};
+use proc_macro2::TokenStream;
+use quote::{quote, quote_spanned};
+use syn::{DeriveInput, spanned::Spanned};
+
+pub(crate) fn plain(ast: &DeriveInput) -> syn::Result<TokenStream> {
+    let ty = &ast.ident;
+    let (mut counts, mut specs) = (Vec::new(), Vec::new());
+    let (mut stores, mut loads) = (Vec::new(), Vec::new());
+    for f in fields(ast)? {
+        let Some(id) = &f.ident else { continue };
+        let about = doc(&f.attrs);
+        if about.is_empty() {
+            return Err(syn::Error::new(
+                id.span(),
+                format!("field `{id}` needs a doc comment: what it means, with unit and range"),
+            ));
+        }
+        let t = &f.ty;
+        let name = id.to_string();
+        let name = name.trim_start_matches("r#");
+        counts.push(quote_spanned!(t.span()=> <#t as ::hal_component::PlainField>::COUNT));
+        specs.push(quote_spanned!(t.span()=> &::hal_component::plain_field::<#t>(#name, #about)));
+        stores.push(quote_spanned!(t.span()=>
+            ::hal_component::PlainField::store(&self.#id, put);));
+        loads.push(quote_spanned!(t.span()=>
+            #id: <#t as ::hal_component::PlainField>::load(take)));
+    }
+    Ok(quote! {
+        impl ::hal_component::Plain for #ty {
+            const WORDS: usize = 0 #(+ #counts)*;
+            const FIELDS: &'static [&'static ::hal_component::abi::FieldSpec] = &[#(#specs),*];
+            #[inline]
+            fn store(&self, put: &mut impl FnMut(u64)) {
+                let _ = &put;
+                #(#stores)*
+            }
+            #[inline]
+            fn load(take: &mut impl FnMut() -> u64) -> Self {
+                let _ = &take;
+                Self { #(#loads),* }
+            }
+        }
+    })
+}
