@@ -27,14 +27,16 @@ impl Curve {
             }
             Self::Arc { arm, side, rate, drift, .. } => {
                 let mut out = Bounds { first: drift.abs(), ..Bounds::default() };
-                let (low, high) = (rate * from, rate * to);
+                let (sin, cos) = libm::sincos(rate * (0.5 * (from + to)));
+                let half = Half::new((rate * (0.5 * (to - from))).abs());
+                let (k1, k2) = (rate.abs(), rate * rate);
                 let rows = out.first.0.iter_mut().zip(&mut out.second.0).zip(&mut out.third.0);
                 for (((first, second), third), (a, b)) in rows.zip(arm.iter().zip(side)) {
-                    let wave = largest(*a, *b, low, high);
-                    let slope = largest(*b, -*a, low, high);
-                    *first += rate.abs() * slope;
-                    *second = rate * rate * wave;
-                    *third = (rate * rate * rate).abs() * slope;
+                    let (radial, along) = (a * cos + b * sin, b * cos - a * sin);
+                    let slope = half.largest(along, radial);
+                    *first += k1 * slope;
+                    *second = k2 * half.largest(radial, along);
+                    *third = k1 * k2 * slope;
                 }
                 let radius = arm.iter().map(|x| x * x).sum::<f64>().sqrt();
                 let turning = (rate * radius).abs();
@@ -56,16 +58,10 @@ impl Curve {
 
 /// Bounds of a polynomial in `u` by the Bernstein coefficients of its derivatives over `from <= u <= to`.
 fn poly(c: &[Pose; 6], length: f64, from: f64, to: f64, lead: Group) -> Bounds {
-    let [_, c1, c2, c3, c4, c5] = shifted(c, from, to - from);
-    // First derivative over the interval, of degree 4.
-    let d = [c1, c2 * 2.0, c3 * 3.0, c4 * 4.0, c5 * 5.0];
-    let first = [
-        d[0],
-        d[0] + d[1] * 0.25,
-        d[0] + d[1] * 0.5 + d[2] * (1.0 / 6.0),
-        d[0] + d[1] * 0.75 + d[2] * 0.5 + d[3] * 0.25,
-        d[0] + d[1] + d[2] + d[3] + d[4],
-    ];
+    let c = shifted(c, from, to - from);
+    let k = 1.0 / (length * (to - from));
+    let (first, speed) = slope(&c, k, lead);
+    let [_, _, c2, c3, c4, c5] = c;
     let d = [c2 * 2.0, c3 * 6.0, c4 * 12.0, c5 * 20.0];
     let third_part = 1.0 / 3.0;
     let second = [
@@ -76,16 +72,32 @@ fn poly(c: &[Pose; 6], length: f64, from: f64, to: f64, lead: Group) -> Bounds {
     ];
     let d = [c3 * 6.0, c4 * 24.0, c5 * 60.0];
     let third = [d[0], d[0] + d[1] * 0.5, d[0] + d[1] + d[2]];
-    let k = 1.0 / (length * (to - from));
-    let most = |list: &[Pose], k: f64| {
-        list.iter().fold(Pose::ZERO, |m, p| m.max(&p.abs())) * (k * (1.0 + 1e-12))
-    };
-    Bounds {
-        first: most(&first, k),
-        second: most(&second, k * k),
-        third: most(&third, k * k * k),
-        speed: first.iter().map(|p| p.norm(lead)).fold(0.0, f64::max) * k * (1.0 + 1e-12),
-    }
+    Bounds { first, second: largest(&second, k * k), third: largest(&third, k * k * k), speed }
+}
+
+/// Bounds the first derivative of a polynomial in `u` over `from <= u <= to`.
+pub(crate) fn poly_slope(c: &[Pose; 6], length: f64, from: f64, to: f64) -> Pose {
+    slope(&shifted(c, from, to - from), 1.0 / (length * (to - from)), Group::Xyz).0
+}
+
+/// Bounds the first derivative by its Bernstein coefficients, of degree 4.
+fn slope(c: &[Pose; 6], k: f64, lead: Group) -> (Pose, f64) {
+    let [_, c1, c2, c3, c4, c5] = *c;
+    let d = [c1, c2 * 2.0, c3 * 3.0, c4 * 4.0, c5 * 5.0];
+    let first = [
+        d[0],
+        d[0] + d[1] * 0.25,
+        d[0] + d[1] * 0.5 + d[2] * (1.0 / 6.0),
+        d[0] + d[1] * 0.75 + d[2] * 0.5 + d[3] * 0.25,
+        d[0] + d[1] + d[2] + d[3] + d[4],
+    ];
+    let square = first.iter().map(|p| p.dot(p, lead)).fold(0.0, f64::max);
+    (largest(&first, k), square.sqrt() * k * (1.0 + 1e-12))
+}
+
+/// Returns the largest absolute value of each axis, times `k`, rounded up.
+fn largest(list: &[Pose], k: f64) -> Pose {
+    list.iter().fold(Pose::ZERO, |m, p| m.max(&p.abs())) * (k * (1.0 + 1e-12))
 }
 
 /// Coefficients of the polynomial in `t`, with `u = from + width · t`.
@@ -112,21 +124,25 @@ fn shifted(c: &[Pose; 6], from: f64, width: f64) -> [Pose; 6] {
     out
 }
 
-/// Returns the largest |a·cos t + b·sin t| for t between two angles.
-fn largest(a: f64, b: f64, low: f64, high: f64) -> f64 {
-    let (low, high) = if low <= high { (low, high) } else { (high, low) };
-    let size = (a * a + b * b).sqrt();
-    let peak = libm::atan2(b, a);
-    let pi = core::f64::consts::PI;
-    let next = ((low - peak) / pi).ceil() * pi + peak;
-    if next <= high + 1e-9 {
-        return size;
+/// Half of an interval of angles.
+struct Half {
+    sin: f64,
+    cos: f64,
+}
+
+impl Half {
+    fn new(angle: f64) -> Self {
+        let (sin, cos) = libm::sincos(angle.min(core::f64::consts::FRAC_PI_2));
+        Self { sin, cos }
     }
-    let at = |t: f64| {
-        let (sin, cos) = libm::sincos(t);
-        (a * cos + b * sin).abs()
-    };
-    at(low).max(at(high)).min(size) * (1.0 + 1e-12) + size * 1e-12
+
+    /// Returns the largest |m·cos t + n·sin t| for t up to this angle to either side. The peak is at tan t = n/m.
+    fn largest(&self, m: f64, n: f64) -> f64 {
+        let (m, n) = (m.abs(), n.abs());
+        let size = (m * m + n * n).sqrt();
+        let at = if n * self.cos <= m * self.sin { size } else { m * self.cos + n * self.sin };
+        at * (1.0 + 1e-12) + size * 1e-12
+    }
 }
 
 pub(crate) const fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {

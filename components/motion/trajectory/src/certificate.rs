@@ -7,11 +7,11 @@
 use std::collections::VecDeque;
 
 use crate::{
-    bounds::Bounds,
+    bounds::{Bounds, poly_slope},
     curve::Curve,
     erosion::Raw,
-    pose::{Group, Pose},
-    speed::{JointBounds, Law},
+    pose::Pose,
+    speed::{Allowed, JointBounds, Law},
 };
 
 /// Reason for which a cell was rejected.
@@ -34,10 +34,60 @@ pub struct Rejection {
     pub speed: f64,
 }
 
+/// Limits and the interval of the run in which they act.
+#[derive(Clone, Copy, Debug)]
+struct Acting {
+    from: f64,
+    to: f64,
+    /// End of the cell.
+    end: f64,
+    speed: f64,
+    rest: f64,
+}
+
+/// Neighbouring cells, and the lowest limits and the widest interval of them all.
+#[derive(Clone, Debug)]
+struct Block {
+    cells: Vec<Acting>,
+    all: Acting,
+}
+
+impl Block {
+    const CELLS: usize = 16;
+
+    fn clear(&mut self) {
+        self.cells.clear();
+        self.all = Self::default().all;
+    }
+
+    fn add(&mut self, acts: &Acting) {
+        self.all = Acting {
+            from: self.all.from.min(acts.from),
+            to: self.all.to.max(acts.to),
+            end: self.all.end.max(acts.end),
+            speed: self.all.speed.min(acts.speed),
+            rest: self.all.rest.min(acts.rest),
+        };
+        self.cells.push(*acts);
+    }
+}
+
+impl Default for Block {
+    fn default() -> Self {
+        let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
+        Self {
+            cells: Vec::new(),
+            all: Acting { from: high, to: low, end: low, speed: high, rest: high },
+        }
+    }
+}
+
 /// The check of one run.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Certificate {
-    raws: VecDeque<Raw>,
+    blocks: VecDeque<Block>,
+    /// A block that is over, with its memory.
+    spare: Option<Block>,
     pub(crate) rejections: u64,
     pub(crate) last: Option<Rejection>,
 }
@@ -48,11 +98,10 @@ impl Certificate {
         &mut self,
         law: &Law,
         curve: &Curve,
-        lead: Group,
         joints: Option<&JointBounds>,
         raw: &mut Raw,
     ) {
-        let bounds = exact(curve, raw.from, raw.from + raw.length, lead);
+        let bounds = exact(curve, raw.from, raw.from + raw.length);
         for round in 0..64 {
             let a = &raw.allowed;
             let top = a.rest - a.fade * a.speed * a.speed;
@@ -71,38 +120,58 @@ impl Certificate {
         }
     }
 
-    /// Remembers a cell of the run, so that its neighbours can be compared with it.
-    pub(crate) fn remember(&mut self, raw: &Raw) {
-        self.raws.push_back(*raw);
+    /// Remembers a cell of the run, so that its neighbours can be compared with it. `time` is the reach in seconds.
+    pub(crate) fn remember(&mut self, raw: &Raw, time: f64) {
+        let Allowed { speed, rest, .. } = raw.allowed;
+        let acts = Acting {
+            from: raw.start - speed * time,
+            to: raw.end() + speed * time,
+            end: raw.end(),
+            speed,
+            rest,
+        };
+        match self.blocks.back_mut() {
+            Some(block) if block.cells.len() < Block::CELLS => block.add(&acts),
+            _ => {
+                // A block that is over gives its memory to the new one.
+                let mut block = self.spare.take().unwrap_or_default();
+                block.clear();
+                block.add(&acts);
+                self.blocks.push_back(block);
+            }
+        }
     }
 
-    /// Compares an eroded cell with the limits of every cell in reach. `time` is the reach in seconds, `longest` the
-    /// longest reach as a length.
-    pub(crate) fn admit(&mut self, cell: &mut Raw, time: f64, longest: f64) {
-        while self.raws.front().is_some_and(|r| r.end() < cell.start - longest - 1.0) {
-            self.raws.pop_front();
+    /// Compares an eroded cell with the limits of every cell in reach. `longest` is the longest reach as a length.
+    pub(crate) fn admit(&mut self, cell: &mut Raw, longest: f64) {
+        let (from, to) = (cell.start, cell.end());
+        while self.blocks.front().is_some_and(|b| b.all.end < from - longest - 1.0) {
+            self.spare = self.blocks.pop_front();
         }
-        let (mut speed, mut rest) = (cell.allowed.speed, cell.allowed.rest);
-        for raw in &self.raws {
-            if raw.start > cell.end() + longest {
-                break;
+        let Allowed { speed: mut least, mut rest, .. } = cell.allowed;
+        for block in &self.blocks {
+            // A block that as a whole is higher, or out of reach, needs no look at its cells.
+            let Acting { from: first, to: last, speed, rest: low, .. } = block.all;
+            if least <= speed && rest <= low || last <= from || to <= first {
+                continue;
             }
-            let distance = (raw.start - cell.end()).max(cell.start - raw.end());
-            if distance < raw.allowed.speed * time {
-                speed = speed.min(raw.allowed.speed);
-                rest = rest.min(raw.allowed.rest);
+            for acts in &block.cells {
+                if acts.from < to && from < acts.to {
+                    least = least.min(acts.speed);
+                    rest = rest.min(acts.rest);
+                }
             }
         }
-        if speed < cell.allowed.speed || rest < cell.allowed.rest {
+        if least < cell.allowed.speed || rest < cell.allowed.rest {
             self.reject(Rule::Neighbour, cell);
-            cell.allowed.speed = speed;
+            cell.allowed.speed = least;
             cell.allowed.rest = rest;
         }
     }
 
     /// Forgets the run.
     pub(crate) fn restart(&mut self) {
-        self.raws.clear();
+        self.blocks.clear();
     }
 
     fn reject(&mut self, rule: Rule, raw: &Raw) {
@@ -111,14 +180,21 @@ impl Certificate {
     }
 }
 
-/// Bounds of the derivatives: extrema of the second and third, and a subdivided hull of the first.
-fn exact(curve: &Curve, from: f64, to: f64, lead: Group) -> Bounds {
-    let Curve::Poly { c, length } = curve else {
-        return curve.bounds(from, to, lead);
+/// Bounds of the derivatives of a polynomial: extrema of the second and third, and a subdivided hull of the first. Bounds
+/// of an arc: the values at both ends, and the radius where a derivative changes its sign between them.
+fn exact(curve: &Curve, from: f64, to: f64) -> Bounds {
+    let (c, length) = match curve {
+        Curve::Line { slope, .. } => return Bounds { first: slope.abs(), ..Bounds::default() },
+        Curve::Arc { arm, side, rate, drift, .. } => {
+            let mut out = arc(arm, side, *rate, from, to);
+            out.first = out.first + drift.abs();
+            return out;
+        }
+        Curve::Poly { c, length } => (c, length),
     };
-    let middle = 0.5 * (from + to);
-    let (a, b) = (curve.bounds(from, middle, lead), curve.bounds(middle, to, lead));
     let (u0, u1) = (from / length, to / length);
+    let middle = 0.5 * (u0 + u1);
+    let (a, b) = (poly_slope(c, *length, u0, middle), poly_slope(c, *length, middle, u1));
     let (k2, k3) = (1.0 / (length * length), 1.0 / (length * length * length));
     let (mut second, mut third) = (Pose::ZERO, Pose::ZERO);
     let [_, _, c2, c3, c4, c5] = *c;
@@ -147,5 +223,27 @@ fn exact(curve: &Curve, from: f64, to: f64, lead: Group) -> Bounds {
         *second = high * k2;
         *third = steep * k3;
     }
-    Bounds { first: a.first.max(&b.first), second, third, speed: a.speed.max(b.speed) }
+    Bounds { first: a.max(&b), second, third, speed: 0.0 }
+}
+
+/// Bounds of the derivatives of a circle.
+fn arc(arm: &[f64; 3], side: &[f64; 3], rate: f64, from: f64, to: f64) -> Bounds {
+    let mut out = Bounds::default();
+    let ((s0, c0), (s1, c1)) = (libm::sincos(rate * from), libm::sincos(rate * to));
+    let wide = (rate * (to - from)).abs() >= core::f64::consts::PI;
+    let k = rate.abs();
+    let rows = out.first.0.iter_mut().zip(&mut out.second.0).zip(&mut out.third.0);
+    for (((first, second), third), (a, b)) in rows.zip(arm.iter().zip(side)) {
+        let (r0, r1) = (a * c0 + b * s0, a * c1 + b * s1);
+        let (t0, t1) = (b * c0 - a * s0, b * c1 - a * s1);
+        let radius = (a * a + b * b).sqrt();
+        let peak = |x0: f64, x1: f64, slope0: f64, slope1: f64| {
+            let turns = wide || slope0 * slope1 <= 0.0;
+            if turns { radius } else { x0.abs().max(x1.abs()) }
+        };
+        *first = k * peak(t0, t1, r0, r1);
+        *second = k * k * peak(r0, r1, t0, t1);
+        *third = k * *first * k;
+    }
+    out
 }

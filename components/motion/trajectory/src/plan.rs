@@ -231,8 +231,8 @@ impl<K: Kinematics> Planner<K> {
         let mut pieces = span.pieces;
         if !self.direct {
             pieces = pieces.max(count(length / CELL));
-        } else if self.law.has_jerk() && b.is_some() {
-            // A blend that is short against the reach of the filter has one speed anyway.
+        } else if self.law.has_jerk() && matches!(span.curve, Curve::Poly { .. }) {
+            // A polynomial that is short against the reach of the filter has one speed anyway.
             let whole = span.curve.bounds(span.from, span.to, a.lead);
             let speed = self.law.allowed(&whole, None, a.feed * self.machine.max_override).speed;
             if length < speed * self.law.reach() {
@@ -288,11 +288,11 @@ impl<K: Kinematics> Planner<K> {
         }
         let mut raw =
             Raw { curve: number, from, length: to - from, allowed, feed, line: a.line, start: 0.0 };
-        self.certificate.judge(&self.law, curve, a.lead, joints.as_ref(), &mut raw);
+        self.certificate.judge(&self.law, curve, joints.as_ref(), &mut raw);
         let time = self.law.reach();
         let raw = self.erosion.push(raw, time);
         if time > 0.0 {
-            self.certificate.remember(&raw);
+            self.certificate.remember(&raw, time);
             self.drain(raw.end() - self.law.longest_reach());
         } else {
             self.drain(f64::INFINITY);
@@ -309,7 +309,7 @@ impl<K: Kinematics> Planner<K> {
             // The follower passes a bounded number of cells in a period.
             raw.allowed.speed = raw.allowed.speed.min(window.add(raw.length) / machine.period);
             if time > 0.0 {
-                certificate.admit(&mut raw, time, longest);
+                certificate.admit(&mut raw, longest);
             }
             track.add_cell(Cell {
                 curve: raw.curve,

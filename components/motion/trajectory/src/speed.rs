@@ -44,6 +44,9 @@ pub(crate) struct Allowed {
 pub(crate) struct Law {
     axes: [Limits; AXES],
     joints: [Limits; JOINTS],
+    /// One divided by each limit.
+    per_axis: [Limits; AXES],
+    per_joint: [Limits; JOINTS],
     top: f64,
     jerk: bool,
     period: f64,
@@ -64,9 +67,17 @@ impl Law {
             jerk: l.jerk * RESERVE[2],
         };
         let jerk = axes.iter().chain(&machine.joints).any(|l| l.jerk.is_finite());
+        let (axes, joints) = (axes.map(reserved), machine.joints.map(reserved));
+        let inverse = |l: Limits| Limits {
+            velocity: 1.0 / l.velocity,
+            acceleration: 1.0 / l.acceleration,
+            jerk: 1.0 / l.jerk,
+        };
         Self {
-            axes: axes.map(reserved),
-            joints: machine.joints.map(reserved),
+            axes,
+            joints,
+            per_axis: axes.map(inverse),
+            per_joint: joints.map(inverse),
             top: machine.top_speed(),
             jerk,
             period: machine.period,
@@ -130,16 +141,16 @@ impl Law {
         joints: Option<&JointBounds>,
         feed: f64,
     ) -> Allowed {
-        let axes = rows(&self.axes, &bounds.first.0, &bounds.second.0, &bounds.third.0);
+        let (first, second, third) = (&bounds.first.0, &bounds.second.0, &bounds.third.0);
         let (mut r1, mut r2, mut r3) = (0.0_f64, 0.0_f64, 0.0_f64);
         let mut widen = |(l, a1, a2, a3): (&Limits, f64, f64, f64)| {
-            r1 = r1.max(a1 / l.velocity);
-            r2 = r2.max(a2 / l.acceleration);
-            r3 = r3.max(a3 / l.jerk);
+            r1 = r1.max(a1 * l.velocity);
+            r2 = r2.max(a2 * l.acceleration);
+            r3 = r3.max(a3 * l.jerk);
         };
-        axes.clone().for_each(&mut widen);
+        rows(&self.per_axis, first, second, third).for_each(&mut widen);
         if let Some(j) = joints {
-            rows(&self.joints, &j.first, &j.second, &j.third).for_each(&mut widen);
+            rows(&self.per_joint, &j.first, &j.second, &j.third).for_each(&mut widen);
         }
         let mut speed = feed.min(self.top);
         if r1 * speed > 1.0 {
@@ -167,7 +178,7 @@ impl Law {
                 }
             }
         };
-        axes.for_each(&mut narrow);
+        rows(&self.axes, first, second, third).for_each(&mut narrow);
         if let Some(j) = joints {
             rows(&self.joints, &j.first, &j.second, &j.third).for_each(&mut narrow);
         }

@@ -29,8 +29,9 @@ pub struct PathWatch {
 const FAR: usize = 2048;
 
 impl PathWatch {
-    /// Judge for these shapes. Each step examines `reach` shapes on either side of the hint, and more of them before it
-    /// reports a violation. `size` has the meaning that it has in [`crate::Watchman::new`].
+    /// Judge for these shapes. Each step examines the shape of the hint, and only if the pose is too far from it, its
+    /// neighbours, `reach` shapes on either side, and more of them before it reports a violation. `size` has the meaning
+    /// that it has in [`crate::Watchman::new`].
     pub fn new(shapes: Box<[(Shape, Tolerance)]>, size: f64, reach: usize) -> Self {
         Self { shapes, size, reach, worst: Worst::default(), violations: 0, cycles: 0 }
     }
@@ -38,13 +39,15 @@ impl PathWatch {
     /// Judges one pose; `near` is the number of a shape in its neighbourhood. A wrong hint can only enlarge the
     /// distance that is found. Returns false if the pose is too far from the path.
     pub fn step(&mut self, pose: &[f64; AXES], near: usize) -> bool {
-        // The cheap value is an upper bound of the exact one.
-        let mut ratio = self.least(pose, near, self.reach, false);
-        if ratio > 1.0 {
-            ratio = ratio.min(self.least(pose, near, self.reach, true));
-        }
-        if ratio > 1.0 {
-            ratio = ratio.min(self.least(pose, near, FAR, true));
+        // Every search finds an upper bound of the true ratio; the first one inside the tolerance suffices.
+        let searches =
+            [(0, false), (1, false), (self.reach, false), (self.reach, true), (FAR, true)];
+        let mut ratio = f64::INFINITY;
+        for (reach, exact) in searches {
+            ratio = ratio.min(self.least(pose, near, reach, exact));
+            if ratio <= 1.0 {
+                break;
+            }
         }
         let line = u32::try_from(near).unwrap_or(u32::MAX);
         self.worst.raise(Worst { ratio, cycle: self.cycles, joint: 0, line });
@@ -56,7 +59,8 @@ impl PathWatch {
         good
     }
 
-    /// Returns the largest ratio of distance to tolerance so far, and its place.
+    /// Returns the largest ratio of distance to tolerance that was found so far, and its place. A value up to 1 may be
+    /// larger than the true one, because the search ends at the first shape that is near enough.
     pub const fn worst(&self) -> &Worst {
         &self.worst
     }

@@ -59,6 +59,8 @@ pub struct Outcome {
     pub end: Pose,
     /// Moves that were refused.
     pub refused: usize,
+    /// Moves that the motion has reached.
+    pub reached: usize,
     /// Runs that still moved when their time was over.
     pub unfinished: usize,
 }
@@ -202,6 +204,7 @@ pub fn run<K: Kinematics + Clone>(
             }
         }
         out.end = step.pose;
+        out.reached = out.reached.max(usize::try_from(step.line).unwrap() + 1);
         if finished && !reverse && follower.is_done(planner.track()) || aborted && !step.moving {
             break;
         }
