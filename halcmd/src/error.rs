@@ -10,7 +10,7 @@ pub enum Error {
     /// The engine refused the request.
     Engine(Failure),
     /// The error has been reported already, with its own place.
-    Told,
+    AlreadyReported,
     /// The output of a command could not be written.
     Output(Unwritten),
     UnterminatedQuote,
@@ -193,7 +193,7 @@ impl core::fmt::Display for Error {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Engine(failure) => f.write_str(&failure.text),
-            Self::Told => Ok(()),
+            Self::AlreadyReported => Ok(()),
             Self::Output(unwritten) => unwritten.fmt(f),
             Self::UnterminatedQuote => f.write_str("unterminated quoted string"),
             Self::TooManyTokens => f.write_str("too many tokens on line"),
@@ -287,7 +287,7 @@ impl core::fmt::Display for Error {
                 f.write_str("HAL_LIB: Cannot run 'setexact' after a thread has been created")
             }
             Self::NoScreen => f.write_str("this view needs a terminal"),
-            Self::Unexpected => f.write_str("the engine answered something else than was asked"),
+            Self::Unexpected => f.write_str("the engine's answer does not match the request"),
         }
     }
 }

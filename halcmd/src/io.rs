@@ -49,14 +49,14 @@ impl Session<'_> {
         };
         let text = format!("{module} is loaded already, by the start from the INI file{arguments}");
         let at = self.standing();
-        if let Some(attempt) = &mut self.attempt {
+        if let Some(dry_run) = &mut self.dry_run {
             let finding = Finding::new(Code::LoadedAlready, module, text).at(Some(at));
             let remedy = "take the line out, or leave it for other programs that need it";
-            attempt.found.push(finding.remedy(remedy));
+            dry_run.found.push(finding.remedy(remedy));
         } else if args.is_empty() {
             self.note(&text);
         } else {
-            self.complain(&format!("Warning: {text}"));
+            self.warn_at(&format!("Warning: {text}"));
         }
     }
 

@@ -1,13 +1,13 @@
 //! The interpreter: executes lines over a link, one after the other.
 
-pub(crate) mod after;
 pub(crate) mod apply;
 pub mod dry_run;
 pub(crate) mod execute;
+pub(crate) mod messages;
 pub(crate) mod program;
 pub(crate) mod prompt;
 pub mod remote;
-pub(crate) mod say;
+pub(crate) mod trailer;
 
 use crate::{
     Error, Fault, Lines, Terminal,
@@ -16,9 +16,9 @@ use crate::{
     language::source::Bytes,
     language::syntax::Statement,
     language::vars::{Values, mentioned},
-    session::after::Last,
     session::apply::Plan,
-    session::dry_run::Attempt,
+    session::dry_run::DryRunResult,
+    session::trailer::Trailer,
 };
 use hal_output::Unwritten;
 use hal_protocol::{Link, Reply, Request};
@@ -90,7 +90,7 @@ pub struct Session<'a> {
     pub(crate) own_ini: Option<Ini>,
     pub(crate) plan: Option<Plan>,
     /// Set when nothing outside may be affected.
-    pub(crate) attempt: Option<Attempt>,
+    pub(crate) dry_run: Option<DryRunResult>,
     /// Set when the lines are those of a machine started from an INI file.
     pub(crate) is_machine: bool,
 }
@@ -129,7 +129,7 @@ impl<'a> Session<'a> {
             folder: None,
             own_ini: None,
             plan: None,
-            attempt: None,
+            dry_run: None,
             is_machine: false,
         }
     }
@@ -230,7 +230,7 @@ impl<'a> Session<'a> {
         let outcome = self.read(path, Reader::plain(Bytes::new(text)), true);
         self.depth -= 1;
         self.stand_at(&before.0, before.1);
-        if outcome == Outcome::Good { Ok(()) } else { Err(Error::Told) }
+        if outcome == Outcome::Good { Ok(()) } else { Err(Error::AlreadyReported) }
     }
 
     pub(crate) fn read<L: Lines>(
@@ -247,16 +247,16 @@ impl<'a> Session<'a> {
             }
             self.stand_at(name, line.number);
             if line.dos {
-                self.complain("Warning: File contains DOS-style line endings.");
+                self.warn_at("Warning: File contains DOS-style line endings.");
             }
             match self.line(&line, nested) {
                 Ok(Step::On) => {}
                 Ok(Step::Quit) => break,
                 Err(_) if self.ended => return Outcome::Ended,
                 Err(fault) => {
-                    self.accuse(&fault, Some(&line));
+                    self.error(&fault, Some(&line));
                     failed += 1;
-                    if self.attempt.is_none() && (nested || !self.style.keep_going) {
+                    if self.dry_run.is_none() && (nested || !self.style.keep_going) {
                         break;
                     }
                 }
@@ -265,7 +265,7 @@ impl<'a> Session<'a> {
         let told = self.style.verbose || self.terminal.is_person();
         if failed > 0 && !nested && self.style.keep_going && name != STDIN && told {
             let lines = if failed == 1 { "line" } else { "lines" };
-            self.remark(&format!("{name}: {failed} {lines} failed"));
+            self.info(&format!("{name}: {failed} {lines} failed"));
         }
         if failed == 0 { Outcome::Good } else { Outcome::Failed }
     }
@@ -278,8 +278,8 @@ impl<'a> Session<'a> {
             self.echo_line(line.number, &text);
         }
         self.plan.iter_mut().for_each(|plan| plan.stand_on(line));
-        if let Some(attempt) = &mut self.attempt {
-            attempt.entries.extend(mentioned(text));
+        if let Some(dry_run) = &mut self.dry_run {
+            dry_run.entries.extend(mentioned(text));
         }
         let values =
             Values { environment: self.environment, ini: self.own_ini.as_ref().or(self.ini) };
@@ -294,12 +294,12 @@ impl<'a> Session<'a> {
             return Ok(Step::Quit);
         }
         let command = statement.command()?;
-        let last = Last::of(&command);
+        let trailer = Trailer::of(&command);
         let done = if self.plan.is_some() {
             self.plan(statement, command)
         } else {
             match self.with_own_io(command) {
-                Ok(Some(command)) if self.attempt.is_some() => self.attempt(command),
+                Ok(Some(command)) if self.dry_run.is_some() => self.dry_run_command(command),
                 Ok(Some(command)) => self.execute(command),
                 Ok(None) => Ok(()),
                 Err(error) => Err(error),
@@ -308,8 +308,8 @@ impl<'a> Session<'a> {
         // No reader is left for further output.
         self.ended |= done == Err(Error::Output(Unwritten::ReaderGone));
         done.map(|()| Step::On).map_err(|error| {
-            let after = last.lines(&error);
-            let quiet = last.is_enough();
+            let after = trailer.lines(&error);
+            let quiet = trailer.is_enough();
             Fault { after, quiet, ..statement.blame(error) }
         })
     }
@@ -320,7 +320,7 @@ impl<'a> Session<'a> {
             Ok(()) => Outcome::Good,
             Err(_) if self.ended => Outcome::Ended,
             Err(fault) => {
-                self.accuse(&fault, Some(line));
+                self.error(&fault, Some(line));
                 Outcome::Failed
             }
         }
@@ -346,7 +346,7 @@ impl<'a> Session<'a> {
         self.link.call(request).map_err(|failure| {
             if failure.code == INTERRUPTED {
                 self.ended = true;
-                return Error::Told;
+                return Error::AlreadyReported;
             }
             Error::Engine(failure)
         })

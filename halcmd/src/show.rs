@@ -87,7 +87,7 @@ fn components(text: &mut String, list: &[ComponentInfo], script: bool) {
     // Only for people, below the rows, because programs parse the columns.
     for (c, f) in list.iter().filter(|_| !script).filter_map(|c| Some((c, c.foreign.as_ref()?))) {
         text.push_str(&format!(
-            "# {} is a {}, whose flow is not known: {}, {} bytes of memory\n",
+            "# {} is a {}, whose reads and writes are not known: {}, {} bytes of memory\n",
             c.name, f.kind, f.file, f.memory
         ));
     }

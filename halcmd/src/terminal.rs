@@ -63,14 +63,14 @@ pub(crate) fn ended(result: Result<(), String>) -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(text) => {
-            complain(&format!("{text}\n"));
+            print_error(&format!("{text}\n"));
             ExitCode::FAILURE
         }
     }
 }
 
 /// Prints the error of a program, unless the error is only that the reader of its output is gone.
-pub(crate) fn complain(text: &str) {
+pub(crate) fn print_error(text: &str) {
     if !reader_is_gone() {
         Stdio.err(text);
     }

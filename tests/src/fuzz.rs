@@ -13,7 +13,7 @@ use halcmd::{
     Captured, Command, Outcome, Session, Style,
     ini::Ini,
     language::lex,
-    language::table::understand,
+    language::table::parse_command,
     language::vars::{Values, replace},
 };
 use std::{
@@ -22,9 +22,9 @@ use std::{
 };
 
 /// Length of the longest input that is processed, in bytes.
-const LONGEST: usize = 2048;
+const MAX_LEN: usize = 2048;
 /// Maximum number of lines that are executed.
-const MOST_LINES: usize = 32;
+const MAX_LINES: usize = 32;
 /// Longest step of the clock, in nanoseconds.
 const FURTHEST: u64 = 1_000_000;
 /// Variables of the INI file.
@@ -37,14 +37,14 @@ fn environment(name: &str) -> Option<String> {
 /// Executes lines of a script with an engine on a held virtual clock, and checks that a line that fails changes
 /// nothing.
 pub fn script(bytes: &[u8]) {
-    let bytes = bytes.get(..LONGEST).unwrap_or(bytes);
+    let bytes = bytes.get(..MAX_LEN).unwrap_or(bytes);
     let mut engine = plain(ClockKind::Virtual);
     let ini = Ini::parse("fuzz.ini", INI.as_bytes()).unwrap();
     // Error messages quote the line and mark a position in it.
     let mut terminal = Captured { person: true, ..Captured::default() };
     let style = Style { verbose: true, ..Style::default() };
     let mut before = None;
-    for line in lex::lines(bytes).into_iter().take(MOST_LINES) {
+    for line in lex::lines(bytes).into_iter().take(MAX_LINES) {
         let Ok(text) = line.text else { continue };
         if !stays_inside(&text, &ini) {
             continue;
@@ -79,7 +79,7 @@ fn stays_inside(text: &str, ini: &Ini) -> bool {
     if words.is_empty() {
         return true;
     }
-    match understand(&words) {
+    match parse_command(&words) {
         // The last two run until they are interrupted.
         Ok(
             Command::Launch(_)
@@ -113,7 +113,7 @@ fn is_small(arg: &str) -> bool {
 
 /// Parses an INI file; after a zero byte, the input is a line whose variables are looked up in that file.
 pub fn ini(bytes: &[u8]) {
-    let bytes = bytes.get(..LONGEST).unwrap_or(bytes);
+    let bytes = bytes.get(..MAX_LEN).unwrap_or(bytes);
     let (text, line) = match bytes.iter().position(|b| *b == 0) {
         Some(at) => bytes.split_at(at),
         None => (bytes, &b"[A]X [](Y) $Z"[..]),
@@ -151,7 +151,7 @@ pub fn protocol(bytes: &[u8]) {
     let hello = Request::Hello { protocol: LATEST, name: "fuzz".to_owned(), pid: 0 };
     let mut said = serde_json::to_vec(&WireRequest { request: hello, at: None }).unwrap();
     said.push(b'\n');
-    for line in bytes.get(..LONGEST).unwrap_or(bytes).split_inclusive(|b| *b == b'\n') {
+    for line in bytes.get(..MAX_LEN).unwrap_or(bytes).split_inclusive(|b| *b == b'\n') {
         let outward = |wire: WireRequest| !is_harmless(&wire.request);
         if !serde_json::from_slice(line).is_ok_and(outward) {
             said.extend_from_slice(line);

@@ -252,7 +252,7 @@ pub fn wait<L: Link>(link: &mut L, what: &str, mut look: impl FnMut(&mut L) -> b
         }
         link.call(Request::Idle { ms: 1, flow: false }).unwrap();
     }
-    panic!("given up: {what}");
+    panic!("aborted: {what}");
 }
 
 /// Waits until a thread has run this many more cycles.

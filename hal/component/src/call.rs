@@ -119,7 +119,7 @@ impl Call<'_> {
         // SAFETY: the engine keeps a ticket until it is no longer pending.
         unsafe { ticket.as_ref() }
             .map(TicketHandle)
-            .ok_or_else(|| Error::new("too many commands are under way"))
+            .ok_or_else(|| Error::new("too many commands are in progress"))
     }
 
     /// As [`ticket`](Self::ticket), but the caller waits for the ticket even if it did not ask to.

@@ -37,7 +37,7 @@ impl Unsolved {
     #[must_use]
     pub const fn text(self) -> &'static str {
         match self {
-            Self::NoNumber => "a position is no number",
+            Self::NoNumber => "a position is NaN",
             Self::Geometry => "the lengths of the machine make no sense",
             Self::Unreachable => "the kinematics cannot go there",
             Self::Limits => "a joint of the arm cannot go that far",

@@ -3,7 +3,7 @@
 use crate::{
     ClockKind, Error, Options,
     analyse::dry_run::Trial,
-    change::apply::{PATIENCE_NS, Retired},
+    change::apply::{Retired, TIMEOUT_NS},
     change::transaction::Transaction,
     ends::{self, Instance},
     graph::arena::Arena,
@@ -24,7 +24,7 @@ use crate::{
     realtime::task::Task,
     realtime::watchdog::Watchdog,
     serve::polls,
-    serve::request::LONGEST_TIME_NS,
+    serve::request::MAX_TIME_NS,
     serve::server::Server,
     sync::Arc,
 };
@@ -209,7 +209,7 @@ impl Engine {
             staged: Transaction::default(),
             shared,
             instance,
-            settle_ns: PATIENCE_NS,
+            settle_ns: TIMEOUT_NS,
             options,
         })
     }
@@ -228,7 +228,7 @@ impl Engine {
     pub fn serve(&mut self, for_ns: Option<u64>) -> Ended {
         let limit = for_ns
             .map(|ns| self.shared.now().saturating_add(i64::try_from(ns).unwrap_or(i64::MAX)))
-            .map(|limit| limit.min(LONGEST_TIME_NS));
+            .map(|limit| limit.min(MAX_TIME_NS));
         let before = self.target;
         let ended = loop {
             if self.shutdown {

@@ -352,7 +352,9 @@ impl core::fmt::Display for Error {
             Self::CommandFailed { why, .. } | Self::Protocol { why } => f.write_str(why),
             Self::NoTicket { id } => write!(f, "no command with ticket {id} is known"),
             Self::NotVirtual => f.write_str("'run' moves the virtual clock; this one is real"),
-            Self::NotStarted => f.write_str("nothing runs that could carry this command out"),
+            Self::NotStarted => {
+                f.write_str("the threads are not running, so the command cannot execute")
+            }
             Self::NotAMember => f.write_str("this client has not joined as a component"),
             Self::StreamTaken { name } => {
                 write!(f, "stream '{name}' is in use by another program")

@@ -90,7 +90,7 @@ impl Reader {
                 })?;
                 let section = section
                     .clone()
-                    .ok_or_else(|| wrong(line, "this entry stands before the first [SECTION]"))?;
+                    .ok_or_else(|| wrong(line, "this entry is before the first [SECTION]"))?;
                 let value =
                     syntax::decoded(value).ok_or_else(|| wrong(line, "no such character"))?;
                 let name = name.to_owned();

@@ -50,7 +50,7 @@ fn escapes() {
 #[test]
 fn what_is_wrong_names_its_line() {
     for (text, want) in [
-        ("X = 1\n", "! m.ini:1: this entry stands before the first [SECTION]"),
+        ("X = 1\n", "! m.ini:1: this entry is before the first [SECTION]"),
         ("[A\n", "! m.ini:1: a section is [NAME]: letters, digits and _"),
         (
             "[A]\n\nnonsense\n",

@@ -26,7 +26,7 @@ pub enum Unwritten {
 impl core::fmt::Display for Unwritten {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::ReaderGone => f.write_str("standard output: its reader has gone"),
+            Self::ReaderGone => f.write_str("standard output: its reader has closed it"),
             Self::Refused(why) => write!(f, "standard output: {why}"),
         }
     }

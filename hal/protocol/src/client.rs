@@ -1,7 +1,7 @@
 //! The client's end of the engine's socket.
 
 use crate::{
-    At, Failure, Folder, FolderError, LATEST, LONGEST, Link, Place, Reply, Request, SampleSpec,
+    At, Failure, Folder, FolderError, LATEST, Link, MAX_LEN, Place, Reply, Request, SampleSpec,
     SampleState, Samples, Stream, WireReply, WireRequest,
 };
 use rustix::{
@@ -109,7 +109,7 @@ impl Client {
             (Reply::Stream(info), Some(fd)) => {
                 Stream::map(&fd, info).map_err(|e| Failure::new(EIO, e))
             }
-            _ => Err(Failure::new(EIO, format!("no ring came for '{name}'"))),
+            _ => Err(Failure::new(EIO, format!("the engine sent no ring for '{name}'"))),
         }
     }
 
@@ -123,7 +123,7 @@ impl Client {
             (Reply::Sample(info), Some(fd)) => {
                 Samples::map(&fd, info).map_err(|e| Failure::new(EIO, e))
             }
-            _ => Err(Failure::new(EIO, "no ring came for what is to be sampled")),
+            _ => Err(Failure::new(EIO, "the engine sent no ring for the sample")),
         }
     }
 
@@ -148,7 +148,7 @@ impl Client {
     fn state(&mut self, request: Request) -> Result<SampleState, Failure> {
         match self.call(request)? {
             Reply::SampleState(state) => Ok(state),
-            _ => Err(Failure::new(EIO, "the engine answered something else than was asked")),
+            _ => Err(Failure::new(EIO, "the engine's answer does not match the request")),
         }
     }
 
@@ -183,7 +183,7 @@ impl Client {
     }
 
     fn line(&mut self, mut wanted: Option<&mut dyn FnMut() -> bool>) -> Result<Vec<u8>, Failure> {
-        let gone = || Failure::new(EIO, "the engine has gone");
+        let gone = || Failure::new(EIO, "the engine has closed the connection");
         let (mut searched, mut chunk) = (0, vec![0; 65536]);
         loop {
             let new = self.buffer.get(searched..).unwrap_or_default();
@@ -226,14 +226,16 @@ impl Client {
         let bad = |e: serde_json::Error| Failure::new(EIO, format!("unreadable answer: {e}"));
         let mut line =
             serde_json::to_vec(&WireRequest { request, at: self.at.clone() }).map_err(bad)?;
-        if line.len() > LONGEST {
-            let text = format!("this takes {} bytes at once, {LONGEST} are read", line.len());
+        if line.len() > MAX_LEN {
+            let text = format!("this takes {} bytes at once, {MAX_LEN} are read", line.len());
             let mut failure = Failure::new(EMSGSIZE, text);
             failure.hint = Some("divide it".to_owned());
             return Err(failure);
         }
         line.push(b'\n');
-        self.socket.write_all(&line).map_err(|_| Failure::new(EIO, "the engine has gone"))?;
+        self.socket
+            .write_all(&line)
+            .map_err(|_| Failure::new(EIO, "the engine has closed the connection"))?;
         match serde_json::from_slice(&self.line(wanted)?).map_err(bad)? {
             WireReply::Ok(reply) => Ok(reply),
             WireReply::Error(failure) => Err(failure),

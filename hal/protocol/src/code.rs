@@ -65,7 +65,7 @@ codes! {
     BadCall = "H208" Error "a component's command with wrong arguments";
     AliasShadows = "H209" Warning "a second name that hides another thing";
     Unused = "H210" Note "a component that nothing uses";
-    Foreign = "H211" Note "a component whose flow is not known";
+    Foreign = "H211" Note "a component whose reads and writes are not known";
     LoadedAlready = "H212" Note "a component that the start has loaded already";
 
     TypeMismatch = "H301" Error "a pin and a signal of different types";

@@ -28,7 +28,7 @@ const OTHERS_WRITE: u32 = 0o022;
 const LOCK_TRIES: u32 = 100;
 const LOCK_WAIT_NS: i64 = 5_000_000;
 /// The length in bytes from which a log is emptied.
-const LONGEST_LOG: i64 = 1 << 20;
+const MAX_LOG: i64 = 1 << 20;
 
 /// Reason why the files of an instance are not used.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -52,14 +52,14 @@ impl core::fmt::Display for FolderError {
             Self::Link { path } => {
                 write!(f, "{} is a symbolic link, which leads anywhere", path.display())
             }
-            Self::NoFolder { path } => write!(f, "{} is no folder", path.display()),
+            Self::NoFolder { path } => write!(f, "{} is not a folder", path.display()),
             Self::Owner { path, owner, expected } => {
                 write!(f, "{} belongs to user {owner}, not to user {expected}", path.display())
             }
             Self::Writable { path, mode } => {
                 write!(f, "{} can be written by other users (mode {mode:04o})", path.display())
             }
-            Self::NoSocket { path } => write!(f, "{} is no socket", path.display()),
+            Self::NoSocket { path } => write!(f, "{} is not a socket", path.display()),
             Self::Peer { path, peer, expected } => write!(
                 f,
                 "the engine at {} runs as user {peer}, not as user {expected}",
@@ -243,7 +243,7 @@ impl Folder {
         let fd = opened.map_err(|e| self.system(&name, &e.into()))?;
         let stat = rustix::fs::fstat(&fd).map_err(|e| self.system(&name, &e.into()))?;
         self.own(&name, &stat, FileType::RegularFile)?;
-        if stat.st_size > LONGEST_LOG {
+        if stat.st_size > MAX_LOG {
             rustix::fs::ftruncate(&fd, 0).map_err(|e| self.system(&name, &e.into()))?;
         }
         Ok(fd.into())
@@ -312,7 +312,7 @@ impl Folder {
             found if found == ty => {}
             _ if ty == FileType::Socket => return Err(FolderError::NoSocket { path: path() }),
             _ => {
-                let why = "it is no regular file".into();
+                let why = "it is not a regular file".into();
                 return Err(FolderError::System { path: path(), why });
             }
         }

@@ -38,7 +38,7 @@ pub use info::{
     StoppedRecording, StreamInfo, ThreadInfo, TicketInfo, Usage,
 };
 pub use kind::{Direction, Kind, Lock};
-pub use message::{Edit, LATEST, LONGEST, Request};
+pub use message::{Edit, LATEST, MAX_LEN, Request};
 pub use order::{
     AddedInfo, DelayInfo, HopInfo, LateInfo, LoopInfo, MoveInfo, OrderInfo, PathInfo, ThreadOrder,
     WayInfo,
@@ -46,7 +46,7 @@ pub use order::{
 pub use pattern::Patterns;
 pub use place::{Place, valid_instance};
 pub use reply::{Answer, Reply};
-pub use sample::{ChannelInfo, MOST_CHANNELS, SampleInfo, SampleSpec, SampleState};
+pub use sample::{ChannelInfo, MAX_CHANNELS, SampleInfo, SampleSpec, SampleState};
 pub use samples::{Samples, Stamp};
 pub use stream::Stream;
 pub use value::{Type, Value, ValueError};

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 pub const LATEST: u32 = 1;
 
 /// Maximum length of a request on a socket, in bytes.
-pub const LONGEST: usize = 4 << 20;
+pub const MAX_LEN: usize = 4 << 20;
 
 /// A line of an applied file, with its request.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

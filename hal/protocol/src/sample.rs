@@ -4,7 +4,7 @@ use crate::Type;
 use serde::{Deserialize, Serialize};
 
 /// Maximum number of channels of a sample.
-pub const MOST_CHANNELS: usize = 1024;
+pub const MAX_CHANNELS: usize = 1024;
 
 /// Specification of a sample: values, thread and ring size.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -87,7 +87,7 @@ impl core::fmt::Display for FileError {
                 write!(f, "{}: a file ends in .vcd, .fst, .csv or .json", path.display())
             }
             Self::System(path, why) => write!(f, "{}: {why}", path.display()),
-            Self::ReaderGone(path) => write!(f, "{}: its reader has gone", path.display()),
+            Self::ReaderGone(path) => write!(f, "{}: its reader has closed it", path.display()),
             Self::Flaw(path, place, flaw) => {
                 write!(f, "{}:", path.display())?;
                 match place {

@@ -71,7 +71,7 @@ impl Allowed {
     pub fn idle(&self) -> impl Iterator<Item = Finding> {
         self.list.iter().filter(|a| !a.used).map(|a| {
             let text = match a.code {
-                None => format!("'{}' is no code of a finding", a.word),
+                None => format!("'{}' is not the code of a finding", a.word),
                 Some(code) if code.level() == Level::Error => {
                     format!("{code} is an error, and cannot be allowed")
                 }
@@ -120,7 +120,7 @@ mod tests {
             idle,
             [
                 "2 there is no H307 on line 5",
-                "6 'X1' is no code of a finding",
+                "6 'X1' is not the code of a finding",
                 "7 H301 is an error, and cannot be allowed"
             ]
         );

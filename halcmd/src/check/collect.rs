@@ -1,7 +1,7 @@
 //! Collected and sorted findings.
 
 use super::{allow::Allowed, joints, refused, texts::Texts, unused};
-use crate::{Error, session::dry_run::Trial};
+use crate::{Error, session::dry_run::DryRun};
 use hal_protocol::{At, Code, Failure, Finding, Kind, Link, Reply, Request};
 use std::{collections::BTreeSet, path::PathBuf};
 
@@ -19,8 +19,8 @@ pub struct Checked {
 #[must_use]
 pub fn check(files: &[String], ini: Option<&str>, plugins: Vec<PathBuf>) -> Checked {
     let mut findings = Vec::new();
-    match Trial::with_plugins(files, ini, plugins) {
-        Ok(mut trial) => collect(&mut trial, &mut findings),
+    match DryRun::with_plugins(files, ini, plugins) {
+        Ok(mut dry_run) => collect(&mut dry_run, &mut findings),
         Err(error) => {
             let file = files.first().map_or("", String::as_str);
             let at = refused::place(&error).unwrap_or_else(|| At::new(file, 0));
@@ -46,25 +46,25 @@ fn asked(link: &mut dyn Link) -> Result<Vec<Finding>, Failure> {
     }
 }
 
-fn collect(trial: &mut Trial, findings: &mut Vec<Finding>) {
-    let attempt = trial.attempt().clone();
-    let refusals = attempt.refusals.iter().map(|r| refused::finding(r.at.clone(), &r.error));
-    findings.extend(refusals.map(|f| match trial.ini() {
+fn collect(dry_run: &mut DryRun, findings: &mut Vec<Finding>) {
+    let result = dry_run.result().clone();
+    let refusals = result.refusals.iter().map(|r| refused::finding(r.at.clone(), &r.error));
+    findings.extend(refusals.map(|f| match dry_run.ini() {
         Some(ini) if f.code == Code::MotionRefuses => refused::at_entry(f, ini),
         _ => f,
     }));
-    findings.extend(attempt.remarks.iter().map(refused::remark));
-    findings.extend(attempt.found.iter().cloned());
-    findings.extend(attempt.unknown.notes());
-    let starts = trial.starts_itself();
-    let wired_unknown = estop_is_unknown(trial.engine(), &attempt.unknown.signals);
-    let engine = match asked(trial.engine()) {
+    findings.extend(result.notices.iter().map(refused::notice));
+    findings.extend(result.found.iter().cloned());
+    findings.extend(result.unknown.notes());
+    let starts = dry_run.starts_itself();
+    let wired_unknown = estop_is_unknown(dry_run.engine(), &result.unknown.signals);
+    let engine = match asked(dry_run.engine()) {
         Ok(list) => list,
         Err(failure) => vec![refused::finding(At::new("", 0), &failure.into())],
     };
     let known = |f: &Finding| match f.code {
         Code::NoReader | Code::NoWriter | Code::NoPins | Code::SetThenWritten => {
-            !attempt.unknown.signals.contains(&f.subject)
+            !result.unknown.signals.contains(&f.subject)
         }
         Code::EstopNotReturned | Code::EstopNotJoined => !wired_unknown,
         // The program that starts such a machine also starts its threads.
@@ -72,8 +72,8 @@ fn collect(trial: &mut Trial, findings: &mut Vec<Finding>) {
         _ => true,
     };
     findings.extend(engine.into_iter().filter(known));
-    findings.extend(joints::findings(trial));
-    findings.extend(unused::findings(trial));
+    findings.extend(joints::findings(dry_run));
+    findings.extend(unused::findings(dry_run));
 }
 
 /// Returns whether the e-stop is wired to unknown pins, in which case its further path is unknown.

@@ -1,11 +1,11 @@
-//! `order` and `graph`: examination of the running machine, or of one on trial.
+//! `order` and `graph`: examination of the running machine, or of one in a dry run.
 
 use crate::{
     Error, Session,
     graph::{self, Drawing, Format, Wanted},
     language::command::Subject,
     order,
-    session::dry_run::Trial,
+    session::dry_run::DryRun,
     session::execute::written,
 };
 use hal_protocol::{Link, Reply, Request};
@@ -22,7 +22,7 @@ impl Session<'_> {
             Reply::Order(info) => Some(order::text(info)),
             _ => None,
         })?;
-        if refused { Err(Error::Told) } else { Ok(()) }
+        if refused { Err(Error::AlreadyReported) } else { Ok(()) }
     }
 
     /// Executes `graph`.
@@ -50,7 +50,7 @@ impl Session<'_> {
             None => self.terminal.out(&text)?,
             Some(file) => written(file, &text)?,
         }
-        if refused { Err(Error::Told) } else { Ok(()) }
+        if refused { Err(Error::AlreadyReported) } else { Ok(()) }
     }
 
     /// Examines the running machine, or a machine made from files. Reports refused lines of the
@@ -63,12 +63,12 @@ impl Session<'_> {
         if subject.files.is_empty() {
             return Ok((look(&mut |request| self.ask(request))?, false));
         }
-        let mut trial = Trial::of(&subject.files, subject.ini.as_deref())?;
-        for refusal in &trial.attempt().refusals {
+        let mut dry_run = DryRun::of(&subject.files, subject.ini.as_deref())?;
+        for refusal in &dry_run.result().refusals {
             self.refuse(&refusal.at, &refusal.error);
         }
-        let refused = !trial.attempt().refusals.is_empty();
-        let seen = look(&mut |request| trial.engine().call(request).map_err(Error::Engine))?;
+        let refused = !dry_run.result().refusals.is_empty();
+        let seen = look(&mut |request| dry_run.engine().call(request).map_err(Error::Engine))?;
         Ok((seen, refused))
     }
 }

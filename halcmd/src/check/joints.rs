@@ -1,15 +1,15 @@
 //! Comparison of the joints in an INI file with the step generators that move them.
 
-use crate::{ini::Entry, session::dry_run::Trial};
+use crate::{ini::Entry, session::dry_run::DryRun};
 use hal_protocol::{At, Code, Direction, Finding, Kind, Link, Reply, Request, SignalInfo, Value};
 
 /// The function that makes step pulses.
 const MAKER: &str = "stepgen.make-pulses";
 
-pub(super) fn findings(trial: &mut Trial) -> Vec<Finding> {
-    let Some(ini) = trial.ini().cloned() else { return Vec::new() };
+pub(super) fn findings(dry_run: &mut DryRun) -> Vec<Finding> {
+    let Some(ini) = dry_run.ini().cloned() else { return Vec::new() };
     let kind = if ini.is_old() { "axis" } else { "joint" };
-    let mut machine = Machine { link: trial.engine() };
+    let mut machine = Machine { link: dry_run.engine() };
     let Some(period) = machine.period() else { return Vec::new() };
     let signals = machine.signals();
     let mut found = Vec::new();

@@ -3,7 +3,7 @@
 use crate::{
     Error,
     ini::{Entry, Ini, placed},
-    session::dry_run::Remark,
+    session::dry_run::Notice,
 };
 use hal_protocol::{At, Code, Finding};
 
@@ -47,8 +47,8 @@ pub(super) fn at_entry(mut finding: Finding, ini: &Ini) -> Finding {
 }
 
 /// Converts a warning about a line to a finding.
-pub(super) fn remark(remark: &Remark) -> Finding {
-    let text = remark.text.strip_prefix("Warning: ").unwrap_or(&remark.text);
+pub(super) fn notice(notice: &Notice) -> Finding {
+    let text = notice.text.strip_prefix("Warning: ").unwrap_or(&notice.text);
     let code = if text.contains("POSTGUI_HALFILE") {
         Code::NoPostgui
     } else if text.contains("DOS-style") {
@@ -63,7 +63,7 @@ pub(super) fn remark(remark: &Remark) -> Finding {
         Code::DosLines => "save the file with lines that end in a line feed alone",
         _ => "",
     };
-    Finding::new(code, quoted(text), text.to_owned()).at(Some(remark.at.clone())).remedy(remedy)
+    Finding::new(code, quoted(text), text.to_owned()).at(Some(notice.at.clone())).remedy(remedy)
 }
 
 /// Returns the place that an error contains.

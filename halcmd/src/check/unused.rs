@@ -1,6 +1,6 @@
 //! Findings for entries of joints and axes that nothing reads, often because they are misspelt.
 
-use crate::{language::hint::nearest, session::dry_run::Trial};
+use crate::{language::hint::nearest, session::dry_run::DryRun};
 use hal_protocol::{At, Code, Finding, Kind, Link, Reply, Request};
 
 /// Entries that LinuxCNC's programs read from the section of a joint or axis.
@@ -35,15 +35,15 @@ const KNOWN: &[&str] = &[
     "DISABLE_JOG",
 ];
 
-pub(super) fn findings(trial: &mut Trial) -> Vec<Finding> {
-    let Some(ini) = trial.ini().cloned() else { return Vec::new() };
-    let read = trial.attempt().entries.clone();
+pub(super) fn findings(dry_run: &mut DryRun) -> Vec<Finding> {
+    let Some(ini) = dry_run.ini().cloned() else { return Vec::new() };
+    let read = dry_run.result().entries.clone();
     let list = Request::List {
         kind: Kind::Commands,
         patterns: vec!["motion.configure".to_owned()],
         ty: None,
     };
-    let told: Vec<String> = match trial.engine().call(list) {
+    let told: Vec<String> = match dry_run.engine().call(list) {
         Ok(Reply::Commands(list)) => {
             list.into_iter().flat_map(|c| c.args).map(|a| a.name).collect()
         }

@@ -74,7 +74,7 @@ impl Statement {
     /// # Errors
     /// There is no such command, or its arguments are wrong.
     pub fn command(&self) -> Result<Command, Fault> {
-        table::understand(&self.words).map_err(|error| self.blame(error))
+        table::parse_command(&self.words).map_err(|error| self.blame(error))
     }
 
     /// Makes a fault for an error, with the position of the words to which it refers.

@@ -18,7 +18,7 @@ pub fn find(name: &str) -> Option<&'static Row> {
 ///
 /// # Errors
 /// There is no such command, or its arguments are wrong.
-pub fn understand(words: &[String]) -> Result<Command, Error> {
+pub fn parse_command(words: &[String]) -> Result<Command, Error> {
     if let [name, equals, value] = words
         && equals == "="
     {
@@ -64,7 +64,7 @@ pub fn markdown() -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{markdown, understand};
+    use super::{markdown, parse_command};
     use crate::{
         ini::Ini,
         language::lex::{without_comment, words},
@@ -73,7 +73,7 @@ mod tests {
 
     fn refusal(line: &str) -> String {
         let words: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
-        understand(&words).map_or_else(|e| e.whole(), |c| format!("{c:?}"))
+        parse_command(&words).map_or_else(|e| e.whole(), |c| format!("{c:?}"))
     }
 
     #[test]
@@ -239,7 +239,7 @@ mod tests {
             let words = without_comment(&line)
                 .and_then(|text| replace(text, values))
                 .and_then(|text| words(&text));
-            understood += usize::from(words.is_ok_and(|w| understand(&w).is_ok()));
+            understood += usize::from(words.is_ok_and(|w| parse_command(&w).is_ok()));
             drop(Ini::parse("m", line.as_bytes()));
         }
         assert!(understood > 100, "{understood}");

@@ -135,7 +135,7 @@ mod tests {
         for row in rows() {
             for example in row.examples {
                 let words = crate::language::lex::words(example).unwrap();
-                let command = crate::language::table::understand(&words);
+                let command = crate::language::table::parse_command(&words);
                 assert!(command.is_ok(), "{example}: {}", command.unwrap_err());
             }
             assert_eq!(row.args.1 > 0, !row.words.is_empty(), "{}: words", row.name);

@@ -136,10 +136,10 @@ impl Page {
             let mut engine = engine(path)?;
             let mut terminal = Captured::default();
             let mut session = Session::new(&mut engine, &mut terminal, Style::default(), "manual");
-            session.begin_trial();
+            session.begin_dry_run();
             let _: Outcome = session.file("manual", Bytes::new(lines.join("\n").into_bytes()));
-            let attempt = session.end_trial();
-            if let Some(refusal) = attempt.refusals.first() {
+            let result = session.end_dry_run();
+            if let Some(refusal) = result.refusals.first() {
                 page.refused.get_or_insert_with(|| refusal.error.whole());
             }
             let name = &page.offer.component;

@@ -10,10 +10,10 @@ use crate::{
     programs::common::{COMMON, Id, apply, short},
     programs::options::{Opt, from_environment, options, plain, usage},
     programs::profile::Profile,
+    session::messages,
     session::prompt,
     session::remote::{Remote, instance_option},
-    session::say,
-    terminal::complain,
+    terminal::print_error,
     terminal::termination::leave_on_signals,
 };
 use hal_protocol::Place;
@@ -52,8 +52,9 @@ pub fn main(words: &[String]) -> ExitCode {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
             let json = words.iter().take_while(|w| w.starts_with('-')).any(|w| w == "--json");
-            let text = if json { say::lone_object(&error) } else { format!("{}\n", error.whole()) };
-            complain(&text);
+            let text =
+                if json { messages::lone_object(&error) } else { format!("{}\n", error.whole()) };
+            print_error(&text);
             ExitCode::from(255)
         }
     }

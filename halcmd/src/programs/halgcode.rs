@@ -28,7 +28,7 @@ mod tokens;
 mod views;
 mod world;
 
-use crate::{Stdio, Terminal, terminal::complain};
+use crate::{Stdio, Terminal, terminal::print_error};
 use std::process::ExitCode;
 
 /// A command of the program.
@@ -76,26 +76,26 @@ const COMMANDS: [Command; 5] = [
 #[must_use]
 pub fn main(words: &[String]) -> ExitCode {
     let Some((first, rest)) = words.split_first() else {
-        complain(&format!("halgcode: which command?\n{}", usage()));
+        print_error(&format!("halgcode: which command?\n{}", usage()));
         return ExitCode::from(2);
     };
     if matches!(first.as_str(), "-h" | "--help" | "help") {
         return match Stdio.out(&usage()) {
             Ok(()) => ExitCode::SUCCESS,
             Err(unwritten) => {
-                complain(&format!("halgcode: {unwritten}\n"));
+                print_error(&format!("halgcode: {unwritten}\n"));
                 ExitCode::from(2)
             }
         };
     }
     let Some(command) = COMMANDS.iter().find(|c| c.name == first) else {
-        complain(&format!("halgcode: unknown command '{first}'\n{}", usage()));
+        print_error(&format!("halgcode: unknown command '{first}'\n{}", usage()));
         return ExitCode::from(2);
     };
     match (command.run)(rest) {
         Ok(code) => code,
         Err(text) => {
-            complain(&format!("halgcode: {text}\n"));
+            print_error(&format!("halgcode: {text}\n"));
             ExitCode::from(2)
         }
     }

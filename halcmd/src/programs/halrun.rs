@@ -12,7 +12,7 @@ use crate::{
     programs::options::Opt,
     session::prompt,
     session::remote::{is_gone, pause},
-    terminal::complain,
+    terminal::print_error,
 };
 use hal_engine::{Ends, Engine, Options};
 use hal_protocol::{Client, Link, NOT_RUNNING, Place, Request};
@@ -24,7 +24,7 @@ use std::{
 };
 
 /// Time for which `-U` waits for the instance to end, in steps of 10 ms.
-const PATIENCE: u32 = 1000;
+const TIMEOUT: u32 = 1000;
 
 /// Runs the program with these command line arguments.
 #[must_use]
@@ -50,7 +50,7 @@ fn shown(text: &str, terminal: &mut dyn Terminal) -> u8 {
     match terminal.out(text) {
         Ok(()) => 0,
         Err(unwritten) => {
-            complain(&format!("halrun: {unwritten}\n"));
+            print_error(&format!("halrun: {unwritten}\n"));
             1
         }
     }
@@ -75,7 +75,7 @@ fn stop(place: &Place, terminal: &mut dyn Terminal) -> u8 {
     // An instance that has ended meanwhile refuses the request.
     drop(client.call(Request::Shutdown));
     drop(client);
-    let has_ended = (0..PATIENCE).any(|_| {
+    let has_ended = (0..TIMEOUT).any(|_| {
         is_gone(place) || {
             pause(10);
             false

@@ -10,7 +10,7 @@ mod plot;
 mod view;
 
 use crate::{
-    Stdio, Terminal, language::hint::nearest, language::units::nanoseconds, terminal::complain,
+    Stdio, Terminal, language::hint::nearest, language::units::nanoseconds, terminal::print_error,
 };
 use hal_trace::{FileError, Trace};
 use std::{path::Path, process::ExitCode};
@@ -56,7 +56,7 @@ pub fn main(words: &[String]) -> ExitCode {
     match run(words) {
         Ok(status) => status,
         Err(text) => {
-            complain(&format!("halscope: {text}\n"));
+            print_error(&format!("halscope: {text}\n"));
             ExitCode::FAILURE
         }
     }
@@ -75,7 +75,7 @@ fn run(words: &[String]) -> Result<ExitCode, String> {
     }
     let near = nearest(name, ROWS.iter().map(|r| r.name));
     let near = near.map_or_else(String::new, |near| format!("; did you mean {near}?"));
-    Err(format!("'{name}' is no command{near}\n{}", usage()))
+    Err(format!("'{name}' is not a command{near}\n{}", usage()))
 }
 
 fn usage() -> String {
@@ -116,6 +116,6 @@ fn time(trace: &Trace, text: &str) -> Result<i64, String> {
     let (is_negative, span) = text.strip_prefix('-').map_or((false, text), |t| (true, t));
     let ns = nanoseconds(span).ok().and_then(|ns| i64::try_from(ns).ok());
     let ns =
-        ns.ok_or_else(|| format!("'{text}' is no time; write a number and ns, us, ms or s"))?;
+        ns.ok_or_else(|| format!("'{text}' is not a time; write a number and ns, us, ms or s"))?;
     Ok(trace.base().ticks(if is_negative { -ns } else { ns }))
 }

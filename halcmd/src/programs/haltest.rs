@@ -16,12 +16,11 @@
 mod bench;
 mod compare;
 mod condition;
-mod course;
+mod evaluate;
 mod expectation;
 mod failure;
 mod file;
 mod inject;
-mod judge;
 mod junit;
 mod list;
 mod moment;
@@ -31,6 +30,7 @@ mod picture;
 mod process;
 mod pulses;
 mod report;
+mod run;
 mod settings;
 mod source;
 mod stage;
@@ -46,14 +46,14 @@ pub use process::{Options, run, run_with};
 use crate::{
     Error, Stdio, Terminal, nanoseconds,
     programs::options::{Opt, options, usage},
-    terminal::complain,
+    terminal::print_error,
 };
 use std::{path::PathBuf, process::ExitCode};
 
 const NAME: &str = "haltest";
 
 /// Default limit on the wall-clock time of a test.
-const PATIENCE_NS: u64 = 60_000_000_000;
+const TIMEOUT_NS: u64 = 60_000_000_000;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Id {
@@ -78,21 +78,21 @@ const OPTIONS: &[Opt<Id>] = &[
     },
     with("filter", Id::Filter, Some("TEXT"), "only tests whose name has TEXT in it"),
     with("list", Id::List, None, "print which tests there are"),
-    with(
-        "accept",
-        Id::Accept,
-        None,
-        "keep waveforms as they are now, where all else is as it should be",
-    ),
-    with("junit", Id::Junit, Some("FILE"), "write what came of it as JUnit XML"),
-    with("json", Id::Json, None, "print what came of each test as an object"),
+    with("accept", Id::Accept, None, "accept the present waveforms of tests that pass otherwise"),
+    with("junit", Id::Junit, Some("FILE"), "write the results as JUnit XML"),
+    with("json", Id::Json, None, "print the result of each test as an object"),
     with(
         "record",
         Id::Record,
         Some("FOLDER"),
         "keep the recording of each test there, as NAME.vcd",
     ),
-    with("timeout", Id::Timeout, Some("TIME"), "give a test up after TIME on the wall; else 60s"),
+    with(
+        "timeout",
+        Id::Timeout,
+        Some("TIME"),
+        "abort a test after TIME of wall-clock time; else 60s",
+    ),
     Opt { help: "print this", long: Some("help"), ..Opt::flag(Id::Help, 'h') },
 ];
 
@@ -128,7 +128,7 @@ pub fn main(words: &[String]) -> ExitCode {
     match run_program(words) {
         Ok(code) => ExitCode::from(code),
         Err(failure) => {
-            complain(&match failure {
+            print_error(&match failure {
                 Failure::Asked(text) => format!("{text}\n\nFor usage try: {NAME} -h\n"),
                 Failure::Unwritten(text) => format!("{NAME}: {text}\n"),
             });
@@ -191,7 +191,7 @@ fn wanted(given: &[(Id, Option<String>)], paths: Vec<String>) -> Result<Wanted, 
     let patience_ns = match value(Id::Timeout) {
         Some(text) => nanoseconds(&text)
             .map_err(|_| bad("--timeout", &text, "it is a number and ms or s, such as 60s"))?,
-        None => PATIENCE_NS,
+        None => TIMEOUT_NS,
     };
     Ok(Wanted {
         jobs,

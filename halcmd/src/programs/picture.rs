@@ -127,7 +127,7 @@ impl Kind {
 pub(crate) fn size(text: &str) -> Result<(u32, u32), String> {
     let side = |t: &str| t.trim().parse().ok().filter(|n| (100..=LARGEST).contains(n));
     let sides = text.split_once('x').and_then(|(w, h)| side(w).zip(side(h)));
-    sides.ok_or_else(|| format!("'{text}' is no size: WIDTHxHEIGHT, each from 100 to {LARGEST}"))
+    sides.ok_or_else(|| format!("'{text}' is not a size: WIDTHxHEIGHT, each from 100 to {LARGEST}"))
 }
 
 /// Returns the style of a text.

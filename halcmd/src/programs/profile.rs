@@ -57,7 +57,7 @@ const KEYS: &[Key] = &[
         name: "for",
         form: Form::Text,
         variable: "HAL_FOR",
-        help: "end after so much machine time, such as `\"2s\"`",
+        help: "end after this much machine time, such as `\"2s\"`",
     },
     Key {
         name: "record",
@@ -93,13 +93,13 @@ const KEYS: &[Key] = &[
         name: "dma-latency",
         form: Form::Text,
         variable: "HAL_DMA_LATENCY",
-        help: "how many microseconds processors may take to wake, or `\"off\"`",
+        help: "longest wake-up time of processors, in microseconds, or `\"off\"`",
     },
     Key {
         name: "stuck-time",
         form: Form::Text,
         variable: "HAL_STUCK_TIME",
-        help: "stop the machine when a function does not come back for so long, such as `\"5ms\"`",
+        help: "stop the machine when a function does not return for this long, such as `\"5ms\"`",
     },
 ];
 

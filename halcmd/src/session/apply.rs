@@ -6,7 +6,7 @@ use crate::{
     language::command::{Apply, LockChange},
     language::lex::{Line, Reader},
     language::syntax::Statement,
-    session::after::Last,
+    session::trailer::Trailer,
 };
 use hal_protocol::{Edit, Reply, Request};
 use std::{
@@ -35,7 +35,7 @@ pub(crate) struct Plan {
 struct Text {
     line: Option<Line>,
     statement: Statement,
-    last: Last,
+    trailer: Trailer,
 }
 
 impl Plan {
@@ -59,7 +59,7 @@ impl Session<'_> {
         self.own_ini = ini_before;
         let done = match read {
             Outcome::Good => self.give(plan, &name, apply.dry),
-            Outcome::Failed | Outcome::Ended => Err(Error::Told),
+            Outcome::Failed | Outcome::Ended => Err(Error::AlreadyReported),
         };
         if done.is_err() && read != Outcome::Ended {
             self.say_of(&name, "nothing was changed");
@@ -101,19 +101,19 @@ impl Session<'_> {
                 {
                     self.stand_at(file, *line);
                 }
-                if let Some(Text { line, statement, last }) = plan.texts.get(edit as usize) {
+                if let Some(Text { line, statement, trailer }) = plan.texts.get(edit as usize) {
                     let error = Error::Engine(failure);
-                    let (after, quiet) = (last.lines(&error), last.is_enough());
+                    let (after, quiet) = (trailer.lines(&error), trailer.is_enough());
                     let fault = Fault { after, quiet, ..statement.blame(error) };
-                    self.accuse(&fault, line.as_ref());
+                    self.error(&fault, line.as_ref());
                 }
-                return Err(Error::Told);
+                return Err(Error::AlreadyReported);
             }
             Err(Error::Engine(failure)) => {
                 for text in [Some(failure.text), failure.hint].into_iter().flatten() {
                     self.say_of(name, &text);
                 }
-                return Err(Error::Told);
+                return Err(Error::AlreadyReported);
             }
             other => other?,
         };
@@ -143,7 +143,7 @@ impl Session<'_> {
 
     /// Adds a line to the plan, or returns the reason why it cannot be part of a plan.
     pub(crate) fn plan(&mut self, statement: &Statement, command: Command) -> Result<(), Error> {
-        let last = Last::of(&command);
+        let trailer = Trailer::of(&command);
         let request = match command {
             Command::Ask(request, _) if is_edit(&request) => request,
             Command::Unload(name) => Request::Unload { name },
@@ -165,7 +165,7 @@ impl Session<'_> {
         };
         let (name, line) = (self.place().0.to_owned(), self.place().1);
         let plan = self.plan.get_or_insert_default();
-        plan.texts.push(Text { line: plan.line.clone(), statement: statement.clone(), last });
+        plan.texts.push(Text { line: plan.line.clone(), statement: statement.clone(), trailer });
         // The file is nearly always the last one.
         let file = plan.files.iter().rposition(|f| *f == name).unwrap_or_else(|| {
             plan.files.push(name);
@@ -212,7 +212,7 @@ const fn why_not(command: &Command) -> &'static str {
         Command::UnloadAll => {
             "programs that were ended cannot be taken back; 'unloadrt all' unloads the rest"
         }
-        Command::Component { .. } => "what a component was told cannot be taken back",
+        Command::Component { .. } => "a command to a component cannot be reverted",
         Command::Apply(_) => "'source' takes another file in",
         Command::Ask(request, _) => match request {
             Request::EndProgram { .. } => "a program that was ended cannot be taken back",
@@ -220,7 +220,7 @@ const fn why_not(command: &Command) -> &'static str {
             Request::Run { .. } => "it moves the clock, and all of this is one moment",
             Request::Shutdown => "it would end what is to be changed",
             Request::Record { .. } | Request::EndRecord => "a file cannot be taken back",
-            Request::Flight(_) | Request::EndFlight => "what was kept cannot be taken back",
+            Request::Flight(_) | Request::EndFlight => "an event that was kept cannot be reverted",
             _ => "it changes neither wiring nor values",
         },
         Command::Flight(_) => "a file cannot be taken back",

@@ -1,7 +1,7 @@
-//! A machine on trial. For `check`, `order` and `graph`, its scripts run to the last line on an
+//! A machine in a dry run. For `check`, `order` and `graph`, its scripts run to the last line on an
 //! engine that affects nothing outside.
 
-mod attempt;
+mod lines;
 mod unknown;
 
 pub use unknown::Unknown;
@@ -30,7 +30,7 @@ pub struct Refusal {
 
 /// A warning about a line that was not refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Remark {
+pub struct Notice {
     /// Place of the line.
     pub at: At,
     /// Text of the warning.
@@ -39,11 +39,11 @@ pub struct Remark {
 
 /// Result of lines that ran without affecting anything outside.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Attempt {
+pub struct DryRunResult {
     /// The refused lines, in order.
     pub refusals: Vec<Refusal>,
     /// Warnings.
-    pub remarks: Vec<Remark>,
+    pub notices: Vec<Notice>,
     /// Further findings.
     pub found: Vec<Finding>,
     /// INI entries that lines read: section and name.
@@ -52,16 +52,16 @@ pub struct Attempt {
     pub unknown: Unknown,
 }
 
-/// A machine on trial.
+/// A machine in a dry run.
 #[derive(Debug)]
-pub struct Trial {
+pub struct DryRun {
     engine: Engine,
-    attempt: Attempt,
+    result: DryRunResult,
     ini: Option<Ini>,
     starts_itself: bool,
 }
 
-impl Trial {
+impl DryRun {
     /// Runs `files`: scripts in order, with the values of an INI file if one is given, or one INI
     /// file as halrun would start it. Scripts given with the INI file of a machine (it has a
     /// section EMCIO) count as its HAL files. Plugins are looked for in halrun's folders.
@@ -123,7 +123,7 @@ impl Trial {
         let mut terminal = Captured::default();
         let style = Style { keep_going: true, ..Style::default() };
         let mut session = Session::new(&mut engine, &mut terminal, style, "trial");
-        session.begin_trial();
+        session.begin_dry_run();
         if let Some(ini) = &ini {
             session.set_ini(ini);
         }
@@ -134,7 +134,7 @@ impl Trial {
             (Some(path), Some(ini)) => {
                 for (at, text) in ini.warnings().iter().filter_map(|w| placed(w)) {
                     session.stand_at(&at.file, at.line);
-                    session.complain(text);
+                    session.warn_at(text);
                 }
                 if let Err(error) = machine::refuse(ini) {
                     session.stand_at(path, 0);
@@ -154,9 +154,9 @@ impl Trial {
                 }
             }
         }
-        let attempt = session.end_trial();
+        let result = session.end_dry_run();
         let starts_itself = ini.as_ref().is_some_and(|ini| ini.has_section("EMCIO"));
-        Ok(Self { engine, attempt, ini, starts_itself })
+        Ok(Self { engine, result, ini, starts_itself })
     }
 
     /// Returns the engine with everything that the lines could make.
@@ -166,8 +166,8 @@ impl Trial {
 
     /// Returns the result of the lines.
     #[must_use]
-    pub const fn attempt(&self) -> &Attempt {
-        &self.attempt
+    pub const fn result(&self) -> &DryRunResult {
+        &self.result
     }
 
     /// Returns whether the program that starts the machine also starts its threads, so that no line

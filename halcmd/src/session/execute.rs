@@ -76,7 +76,7 @@ impl Session<'_> {
             Command::Check(words) => {
                 let before = check::Before { ini: None, json: self.style.json };
                 if check::main(&words, before, self.link, self.terminal)? > 1 {
-                    return Err(Error::Told);
+                    return Err(Error::AlreadyReported);
                 }
             }
             Command::Explain(words) => {
@@ -92,7 +92,7 @@ impl Session<'_> {
             }
             Command::Print(text) => {
                 let text = text.as_deref().unwrap_or("(null)");
-                self.complain(&format!("HALCMD MSG: {text}"));
+                self.warn_at(&format!("HALCMD MSG: {text}"));
             }
             Command::Echo(on) => {
                 let text = if on { "Echo on\n" } else { "Echo off\n" };
@@ -253,8 +253,8 @@ impl Session<'_> {
         if self.state()?.threads.active > 0 {
             return Err(Error::ThreadsExist);
         }
-        self.remark("Warning: setexact_for_test_suite_only is for test suites.");
-        self.remark("Warning: periods are exact here in any case.");
+        self.info("Warning: setexact_for_test_suite_only is for test suites.");
+        self.info("Warning: periods are exact here in any case.");
         Ok(())
     }
 

@@ -10,7 +10,7 @@ use std::{
 };
 
 /// Number of polls after which a message says that the session is waiting for a component.
-const PATIENCE: u32 = 200;
+const TIMEOUT: u32 = 200;
 const POLL_MS: u32 = 10;
 
 impl Session<'_> {
@@ -27,7 +27,7 @@ impl Session<'_> {
             Ok(child) => child,
             Err(error) => {
                 let why = crate::ini::plain(&error);
-                self.complain(&Error::NotStarted { program: program.into(), why }.to_string());
+                self.warn_at(&Error::NotStarted { program: program.into(), why }.to_string());
                 return Self::not_started(launch, expected);
             }
         };
@@ -139,19 +139,19 @@ impl Session<'_> {
             }
             self.ask(Request::Idle { ms: POLL_MS, flow: false })?;
             polls += 1;
-            if polls == PATIENCE {
-                self.complain(&format!("Waiting for component '{component}' to become ready."));
+            if polls == TIMEOUT {
+                self.warn_at(&format!("Waiting for component '{component}' to become ready."));
                 for other in self.components()?.iter().filter(|c| !before.contains(c)) {
-                    self.complain(&format!(
+                    self.warn_at(&format!(
                         "While waiting for component '{component}', component '{}' loaded",
                         other.name
                     ));
                 }
-            } else if polls > PATIENCE && polls % 10 == 0 && !self.style.json {
+            } else if polls > TIMEOUT && polls % 10 == 0 && !self.style.json {
                 self.terminal.err(".");
             }
         };
-        if polls > PATIENCE && !self.style.json {
+        if polls > TIMEOUT && !self.style.json {
             self.terminal.err("\n");
         }
         result

@@ -64,7 +64,7 @@ fn text(info: &FlightInfo) -> String {
             KeptState::InMemory if k.number == last => {
                 "in memory: 'flight save FILE.vcd last'".to_owned()
             }
-            KeptState::InMemory => "no longer in memory: a later event took its place".to_owned(),
+            KeptState::InMemory => "no longer in memory: replaced by a later event".to_owned(),
             KeptState::Writing => format!("being written to {file}"),
             KeptState::Written => file.to_owned(),
             KeptState::Failed(why) => format!("{file}: {why}"),
@@ -119,7 +119,7 @@ mod tests {
             ],
         };
         let want = "Flight recorder: 3 values, 24 bytes of 4.0 KiB, from 0 ns to 5 ms\n\
-             \x20 1  at 1 ms  a  no longer in memory: a later event took its place\n\
+             \x20 1  at 1 ms  a  no longer in memory: replaced by a later event\n\
              \x20 2  at 2 ms  b  in memory: 'flight save FILE.vcd last'\n\
              \x20 2  at 2 ms  asked for  /x.vcd\n\
              \x20 3  at 3 ms  c  what comes after it is awaited\n";

@@ -90,7 +90,7 @@ fn instance(text: &mut String, status: &StatusInfo, threads: &[ThreadInfo]) {
         line(
             "foreign:",
             &format!(
-                "{}: {each}a {kind}, whose flow is not known; {bytes} bytes of memory",
+                "{}: {each}a {kind}, whose reads and writes are not known; {bytes} bytes of memory",
                 names.join(", ")
             ),
         );
@@ -350,7 +350,7 @@ mod tests {
              \x20 threads:    running; all in one place\n\
              \x20 hardware:   simulated\n\
              \x20 overruns:   3 of thread 'fast', 1012 cycles missed, the last by 'adder'\n\
-             \x20 foreign:    probe, laser: each a component in C, whose flow is not known; 192 \
+             \x20 foreign:    probe, laser: each a component in C, whose reads and writes are not known; 192 \
              bytes of memory\n\
              \x20 stuck:      component 'siggen', function 'siggen.0.update' in thread 'fast': \
              why\n\

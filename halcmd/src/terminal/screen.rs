@@ -20,7 +20,7 @@ pub(crate) use values::watch;
 /// Number of looks, 50 ms apart, for which a view waits for an answer before it heeds the keyboard.
 const PATIENT_LOOKS: u32 = 5;
 /// Maximum number of keys that are read at once.
-const MOST_KEYS: usize = 256;
+const MAX_KEYS: usize = 256;
 
 /// The terminal while a view uses it.
 pub(crate) struct Screen {
@@ -58,7 +58,7 @@ impl Screen {
     /// Returns whether the user has pressed a key that leaves a view.
     pub(crate) fn is_left(&self) -> bool {
         let mut pressed = self.pressed.borrow_mut();
-        pressed.extend(core::iter::from_fn(|| self.read()).take(MOST_KEYS));
+        pressed.extend(core::iter::from_fn(|| self.read()).take(MAX_KEYS));
         pressed.iter().any(|key| matches!(key, Key::Quit | Key::Escape | Key::Letter('q')))
     }
 

@@ -4,9 +4,9 @@ use hal_component::{
 };
 
 /// Maximum number of bits.
-const MOST: i64 = 32;
+const MAX: i64 = 32;
 /// Default number of bits.
-const USUAL: i64 = 16;
+const DEFAULT: i64 = 16;
 
 /// Bits of a number.
 #[derive(Touch)]
@@ -34,7 +34,7 @@ impl Component for Bitslice {
     const FLAGS: u32 = component_flags::PERSONALITY | component_flags::PARALLEL;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let n = b.size("Pin out-##", USUAL, MOST)?;
+        let n = b.size("Pin out-##", DEFAULT, MAX)?;
         let number = b.item("in", "The number.", 0)?;
         let bits: Result<Vec<_>, _> = (0..n)
             .map(|i| {

@@ -4,9 +4,9 @@ use hal_component::{
 };
 
 /// Maximum number of bits.
-const MOST: i64 = 10;
+const MAX: i64 = 10;
 /// Default number of bits.
-const USUAL: i64 = 1;
+const DEFAULT: i64 = 1;
 
 /// Bits that can be switched off.
 #[derive(Touch)]
@@ -38,7 +38,7 @@ impl Component for OutputBuffer {
     const FLAGS: u32 = component_flags::PERSONALITY | component_flags::PARALLEL;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let n = b.size("Pin in-#", USUAL, MOST)?;
+        let n = b.size("Pin in-#", DEFAULT, MAX)?;
         let mut bits = Vec::new();
         for i in 0..n {
             let input = b.item(&format!("in-{i}"), "Bit to pass.", false)?;

@@ -8,7 +8,7 @@ const OR: i64 = 0x200;
 const XOR: i64 = 0x400;
 const NAND: i64 = 0x800;
 const NOR: i64 = 0x1000;
-const MOST: i64 = 16;
+const MAX: i64 = 16;
 
 /// Pins that the personality selects.
 #[derive(Touch)]
@@ -53,8 +53,8 @@ impl Component for Logic {
         let wanted = b.personality();
         let n = wanted & 0xff;
         let form = "personality= is 0 to 16 for the inputs, with 0x100 to 0x1000 for each output";
-        if n > MOST {
-            let text = format!("Pin in-##: Requested size {n} exceeds max size {MOST}: {form}");
+        if n > MAX {
+            let text = format!("Pin in-##: Requested size {n} exceeds max size {MAX}: {form}");
             return Err(Error::new(text));
         }
         let mut inputs = Vec::new();

@@ -5,9 +5,9 @@ use hal_component::{
 };
 
 /// Maximum number of outputs.
-const MOST: i64 = 32;
+const MAX: i64 = 32;
 /// Default number of outputs.
-const USUAL: i64 = 4;
+const DEFAULT: i64 = 4;
 /// Maximum number of instances.
 const INSTANCES: u32 = 16;
 
@@ -44,10 +44,10 @@ impl Component for Multiswitch {
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let mut sizes = b.arg_ints("cfg");
         if sizes.is_empty() {
-            sizes.push(USUAL);
+            sizes.push(DEFAULT);
         }
-        if let Some(n) = sizes.iter().find(|n| !(1..=MOST).contains(*n)) {
-            let text = format!("cfg={n} is not a number of positions, 1 to {MOST}");
+        if let Some(n) = sizes.iter().find(|n| !(1..=MAX).contains(*n)) {
+            let text = format!("cfg={n} is not a number of positions, 1 to {MAX}");
             return Err(Error::new(text));
         }
         for (i, n) in sizes.into_iter().enumerate() {

@@ -4,9 +4,9 @@ use hal_component::{
 };
 
 /// Maximum number of buttons.
-const MOST: i64 = 32;
+const MAX: i64 = 32;
 /// Default number of buttons.
-const USUAL: i64 = 4;
+const DEFAULT: i64 = 4;
 
 /// Group of buttons of which one is selected.
 #[derive(Touch)]
@@ -52,7 +52,7 @@ impl Component for Radiobutton {
     const FLAGS: u32 = component_flags::PERSONALITY | component_flags::PARALLEL;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let n = b.size("Pin sel-##", USUAL, MOST)?;
+        let n = b.size("Pin sel-##", DEFAULT, MAX)?;
         let mut buttons = Vec::new();
         for i in 0..n {
             let sel = "A rising edge presses this button; of several at once, the last counts.";

@@ -4,9 +4,9 @@ use hal_component::{
 };
 
 /// Maximum number of ranges.
-const MOST: i64 = 10;
+const MAX: i64 = 10;
 /// Default number of ranges.
-const USUAL: i64 = 2;
+const DEFAULT: i64 = 2;
 
 /// Limits that depend on a position.
 #[derive(Touch)]
@@ -71,7 +71,7 @@ impl Component for LimitAxis {
     const FLAGS: u32 = component_flags::PERSONALITY | component_flags::PARALLEL;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let n = b.size("Pin enable-##", USUAL, MOST)?;
+        let n = b.size("Pin enable-##", DEFAULT, MAX)?;
         let feedback = b.item("fb", "Position that selects the range, in units.", 0.0)?;
         let mut ranges = Vec::new();
         for i in 0..n {

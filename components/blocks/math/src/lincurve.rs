@@ -4,9 +4,9 @@ use hal_component::{
 };
 
 /// Maximum number of points.
-const MOST: i64 = 16;
+const MAX: i64 = 16;
 /// Default number of points.
-const USUAL: i64 = 2;
+const DEFAULT: i64 = 2;
 
 /// Curve of straight lines.
 #[derive(Touch)]
@@ -51,7 +51,7 @@ impl Component for Lincurve {
     const FLAGS: u32 = component_flags::PERSONALITY | component_flags::PARALLEL;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let n = b.size("Parameter x-val-##", USUAL, MOST)?;
+        let n = b.size("Parameter x-val-##", DEFAULT, MAX)?;
         let input = b.item("in", "Position x on the curve, in the unit of the points' x.", 0.0)?;
         let out = b.item(
             "out",

@@ -5,7 +5,7 @@ use hal_component::{
 };
 
 /// Maximum number of channels.
-const MOST: i64 = 16;
+const MAX: i64 = 16;
 
 /// Shorter direction of rotation.
 pub(crate) struct Modmath;
@@ -39,8 +39,8 @@ impl Component for Modmath {
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let n = b.arg_int("mod_dir").unwrap_or(0);
-        if !(1..=MOST).contains(&n) {
-            return Err(Error::new(format!("mod_dir={n} is not a number from 1 to {MOST}")));
+        if !(1..=MAX).contains(&n) {
+            return Err(Error::new(format!("mod_dir={n} is not a number from 1 to {MAX}")));
         }
         for i in 0..n {
             let name = format!("mod-dir.{i}");

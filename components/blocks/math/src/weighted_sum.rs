@@ -5,7 +5,7 @@ use hal_component::{
 };
 
 /// Maximum number of bits of a sum.
-const MOST: i64 = 16;
+const MAX: i64 = 16;
 
 /// Sums of weighted bits.
 pub(crate) struct WeightedSum;
@@ -39,8 +39,8 @@ impl Component for WeightedSum {
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let sizes = b.arg_ints("wsum_sizes");
-        if let Some(n) = sizes.iter().find(|n| !(1..=MOST).contains(*n)) {
-            let text = format!("wsum_sizes={n} is not a number of bits, 1 to {MOST}");
+        if let Some(n) = sizes.iter().find(|n| !(1..=MAX).contains(*n)) {
+            let text = format!("wsum_sizes={n} is not a number of bits, 1 to {MAX}");
             return Err(Error::new(text));
         }
         let mut sums = Vec::new();

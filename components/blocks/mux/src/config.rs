@@ -3,7 +3,7 @@ use crate::kind::Kind;
 use hal_component::Error;
 
 /// Maximum number of inputs or outputs.
-const MOST: u32 = 1024;
+const MAX: u32 = 1024;
 
 /// Entry of the list: types, and number of inputs or outputs.
 #[derive(Debug, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub(crate) fn read(text: &str) -> Result<Config, Error> {
     let refused = |why: &str| {
         let text = format!(
             "config={text}: {why}; a config is two letters of b, f, s, u and a number \
-             from 2 to {MOST}, such as bf4"
+             from 2 to {MAX}, such as bf4"
         );
         Error::new(text)
     };
@@ -28,7 +28,7 @@ pub(crate) fn read(text: &str) -> Result<Config, Error> {
             size = Some(size.unwrap_or(0).saturating_mul(10).saturating_add(digit));
         } else {
             let kind = Kind::by_letter(letter);
-            kinds.push(kind.ok_or_else(|| refused(&format!("'{letter}' is no type")))?);
+            kinds.push(kind.ok_or_else(|| refused(&format!("'{letter}' is not a type")))?);
         }
     }
     let (from, to) = match *kinds.as_slice() {
@@ -40,7 +40,7 @@ pub(crate) fn read(text: &str) -> Result<Config, Error> {
     match size {
         None | Some(0) => Err(refused("no number is given")),
         Some(1) => Err(refused("one place makes no sense")),
-        Some(size) if size > MOST => Err(refused(&format!("{size} is too many"))),
+        Some(size) if size > MAX => Err(refused(&format!("{size} is too many"))),
         Some(size) => Ok(Config { from, to, size }),
     }
 }
@@ -58,7 +58,7 @@ mod tests {
         assert_eq!(is("4s"), Config { from: S32, to: S32, size: 4 });
         assert_eq!(is("f1024b"), Config { from: Float, to: Bit, size: 1024 });
         for (wrong, why) in [
-            ("xx4", "'x' is no type"),
+            ("xx4", "'x' is not a type"),
             ("ff", "no number is given"),
             ("ff0", "no number is given"),
             ("4", "no type is given"),
@@ -67,8 +67,8 @@ mod tests {
             ("ff1", "one place makes no sense"),
             ("ff1025", "1025 is too many"),
             ("ff99999999999999999999", "4294967295 is too many"),
-            ("ff-3", "'-' is no type"),
-            ("ff\u{0664}", "'\u{0664}' is no type"),
+            ("ff-3", "'-' is not a type"),
+            ("ff\u{0664}", "'\u{0664}' is not a type"),
         ] {
             let said = read(wrong).unwrap_err();
             let said = said.text().unwrap().to_owned();

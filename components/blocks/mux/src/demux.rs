@@ -4,7 +4,7 @@ use hal_component::{
 };
 
 /// Maximum number of outputs, which is also the default.
-const MOST: i64 = 32;
+const MAX: i64 = 32;
 /// Number of selector bits.
 const BITS: u32 = 5;
 
@@ -40,7 +40,7 @@ impl Component for Demux {
     const FLAGS: u32 = component_flags::PERSONALITY | component_flags::PARALLEL;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let n = b.size("Pin out-##", MOST, MOST)?;
+        let n = b.size("Pin out-##", MAX, MAX)?;
         let mut bits = Vec::new();
         for i in 0..BITS {
             let doc = format!("Selector worth {}.", 1 << i);

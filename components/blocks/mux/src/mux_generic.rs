@@ -172,7 +172,7 @@ mod tests {
     fn a_wrong_config_makes_nothing() {
         let mut bench = Bench::new();
         let said = bench.load::<MuxGeneric>(&["config=ff4,fx4"]).unwrap_err();
-        assert!(said.starts_with("config=fx4: 'x' is no type"), "{said}");
+        assert!(said.starts_with("config=fx4: 'x' is not a type"), "{said}");
         assert!(bench.names().is_empty());
     }
 }

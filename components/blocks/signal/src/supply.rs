@@ -5,7 +5,7 @@ use hal_component::{
 };
 
 /// Maximum number of channels.
-const MOST: i64 = 8;
+const MAX: i64 = 8;
 
 /// Source of values for tests.
 #[derive(Touch)]
@@ -43,8 +43,8 @@ impl Component for Supply {
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let n = b.arg_int("num_chan").unwrap_or(1);
-        if !(1..=MOST).contains(&n) {
-            let text = format!("SUPPLY: ERROR: invalid num_chan: {n}, and it must be 1 to {MOST}");
+        if !(1..=MAX).contains(&n) {
+            let text = format!("SUPPLY: ERROR: invalid num_chan: {n}, and it must be 1 to {MAX}");
             return Err(Error::new(text));
         }
         for i in 0..n {

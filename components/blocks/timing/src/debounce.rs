@@ -4,7 +4,7 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 
-const MOST_FILTERS: i64 = 50;
+const MAX_FILTERS: i64 = 50;
 
 /// Groups of debounce filters.
 pub(crate) struct Debounce;
@@ -40,7 +40,7 @@ impl Component for Debounce {
         if sizes.is_empty() {
             return Err(Error::new("DEBOUNCE: ERROR: no channels configured"));
         }
-        if let Some(bad) = sizes.iter().find(|n| !(1..=MOST_FILTERS).contains(*n)) {
+        if let Some(bad) = sizes.iter().find(|n| !(1..=MAX_FILTERS).contains(*n)) {
             return Err(Error::new(format!("DEBOUNCE: ERROR: bad group size '{bad}'")));
         }
         for (g, size) in sizes.iter().enumerate() {

@@ -9,7 +9,7 @@ use std::sync::atomic::{
 };
 
 /// Maximum number of inputs.
-const MOST: i64 = 32;
+const MAX: i64 = 32;
 
 /// Watchdog for heartbeats.
 pub(crate) struct Watchdog;
@@ -43,8 +43,8 @@ impl Component for Watchdog {
         if n < 1 {
             return Err(Error::new("WATCHDOG: ERROR: must specify at least one input"));
         }
-        if n > MOST {
-            let text = format!("WATCHDOG: ERROR: too many inputs requested ({n} > {MOST})");
+        if n > MAX {
+            let text = format!("WATCHDOG: ERROR: too many inputs requested ({n} > {MAX})");
             return Err(Error::new(text));
         }
         let enable = b.item(

@@ -10,7 +10,7 @@ use std::sync::atomic::{
 };
 
 /// Maximum number of channels.
-const MOST: i64 = 8;
+const MAX: i64 = 8;
 
 /// Pulse counters.
 pub(crate) struct Counter;
@@ -45,7 +45,7 @@ impl Component for Counter {
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let channels = b.arg_int("num_chan").unwrap_or(1);
-        if !(1..=MOST).contains(&channels) {
+        if !(1..=MAX).contains(&channels) {
             return Err(Error::new(format!("COUNTER: ERROR: invalid num_chan: {channels}")));
         }
         let (mut counts, mut captures) = (Vec::new(), Vec::new());

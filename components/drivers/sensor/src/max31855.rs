@@ -5,7 +5,7 @@ use hal_component::{
 };
 
 /// Maximum number of chips.
-const MOST: i64 = 15;
+const MAX: i64 = 15;
 /// Cycles per conversion: the first half reads a word, the second waits for the chip's next one.
 const LAST: u32 = 130;
 /// Cycle that reads the last bit.
@@ -73,8 +73,8 @@ impl Component for Max31855 {
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let n = b.personality();
-        if !(0..=MOST).contains(&n) {
-            let text = format!("personality={n} is not a number of chips, 0 to {MOST}");
+        if !(0..=MAX).contains(&n) {
+            let text = format!("personality={n} is not a number of chips, 0 to {MAX}");
             return Err(Error::new(text));
         }
         let chips = Self {

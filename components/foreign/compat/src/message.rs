@@ -79,14 +79,14 @@ extern "C" fn rtapi_get_clocks() -> c_longlong {
 }
 
 /// Longest busy wait, in nanoseconds.
-const LONGEST_DELAY_NS: c_long = 10_000;
+const MAX_DELAY_NS: c_long = 10_000;
 
 #[unsafe(no_mangle)]
 extern "C" fn rtapi_delay(ns: c_long) {
     if running::module().is_some_and(crate::module::Module::is_virtual) {
         return;
     }
-    let end = monotonic() + if ns < LONGEST_DELAY_NS { ns } else { LONGEST_DELAY_NS };
+    let end = monotonic() + if ns < MAX_DELAY_NS { ns } else { MAX_DELAY_NS };
     while monotonic() < end {
         core::hint::spin_loop();
     }
@@ -94,5 +94,5 @@ extern "C" fn rtapi_delay(ns: c_long) {
 
 #[unsafe(no_mangle)]
 extern "C" fn rtapi_delay_max() -> c_long {
-    LONGEST_DELAY_NS
+    MAX_DELAY_NS
 }

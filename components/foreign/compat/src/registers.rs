@@ -15,7 +15,7 @@ use std::sync::atomic::{
 };
 
 /// Maximum number of port blocks that a component claims, and of double words of configuration.
-const MOST: usize = 64;
+const MAX: usize = 64;
 /// Ports of the PCI configuration's address and value.
 const CONFIG_ADDRESS: u16 = 0xCF8;
 const CONFIG_VALUE: u16 = 0xCFC;
@@ -23,8 +23,8 @@ const CONFIG_VALUE: u16 = 0xCFC;
 /// Claimed ports of one component.
 #[derive(Debug)]
 pub(crate) struct Registers {
-    blocks: [AtomicPtr<Block>; MOST],
-    config: [AtomicPtr<Word>; MOST],
+    blocks: [AtomicPtr<Block>; MAX],
+    config: [AtomicPtr<Word>; MAX],
     /// Address of the next access to the configuration.
     chosen: AtomicU32,
     reads: Count,
@@ -66,8 +66,8 @@ struct Word {
 impl Default for Registers {
     fn default() -> Self {
         Self {
-            blocks: [const { AtomicPtr::new(ptr::null_mut()) }; MOST],
-            config: [const { AtomicPtr::new(ptr::null_mut()) }; MOST],
+            blocks: [const { AtomicPtr::new(ptr::null_mut()) }; MAX],
+            config: [const { AtomicPtr::new(ptr::null_mut()) }; MAX],
             chosen: AtomicU32::new(0),
             reads: Count::default(),
             writes: Count::default(),

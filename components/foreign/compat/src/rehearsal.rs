@@ -14,7 +14,7 @@ use std::{
 };
 
 /// Time limit of setup and exit, in milliseconds.
-const PATIENCE_MS: c_int = 5000;
+const TIMEOUT_MS: c_int = 5000;
 
 /// Progress of the copy, which it reports as a byte at each step.
 const IN_MAIN: u8 = b'm';
@@ -58,7 +58,7 @@ pub(crate) fn rehearse(loading: &Loading, main: Main, exit: Option<Exit>) -> Res
         return Ok(());
     }
     if !came_back {
-        return Err(format!("{entry} does not return: given up after {} s", PATIENCE_MS / 1000));
+        return Err(format!("{entry} does not return: aborted after {} s", TIMEOUT_MS / 1000));
     }
     if libc::WIFSIGNALED(status) {
         let signal = libc::WTERMSIG(status);
@@ -104,7 +104,7 @@ fn follow(mut from: File) -> (u8, bool) {
     loop {
         let mut wait = libc::pollfd { fd: from.as_raw_fd(), events: libc::POLLIN, revents: 0 };
         // SAFETY: a record of this function's.
-        let ready = unsafe { libc::poll(&raw mut wait, 1, PATIENCE_MS) };
+        let ready = unsafe { libc::poll(&raw mut wait, 1, TIMEOUT_MS) };
         if ready == 0 {
             return (far, false);
         }

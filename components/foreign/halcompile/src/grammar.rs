@@ -11,7 +11,7 @@ use crate::{
 use nom::{Parser, combinator::opt};
 
 /// Maximum number of faults reported for one file.
-const MOST_FAULTS: usize = 20;
+const MAX_FAULTS: usize = 20;
 
 /// Parses a file; after a fault, it continues after the next `;`.
 ///
@@ -60,7 +60,7 @@ fn declared(head: &str) -> Result<Head, Vec<Fault>> {
             faults.push(file.fault(e));
         }
     }
-    while !rest.is_empty() && faults.len() < MOST_FAULTS {
+    while !rest.is_empty() && faults.len() < MAX_FAULTS {
         match file.declaration(rest) {
             Ok((after, found)) => {
                 declarations.push(found);

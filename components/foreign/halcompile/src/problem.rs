@@ -94,7 +94,7 @@ impl fmt::Display for Problem {
             Self::OutOfRange { value, kind, least, most } => {
                 write!(f, "{value} does not fit {kind}, which holds {least} to {most}")
             }
-            Self::WrongValue { kind } => write!(f, "this is no value of {kind}"),
+            Self::WrongValue { kind } => write!(f, "this is not a value of {kind}"),
             Self::NoDefault { kind } => write!(f, "{kind} takes no value to start with"),
             Self::PortParam => f.write_str("a parameter cannot be a port"),
             Self::UnknownOption { name, near } => {

@@ -100,7 +100,7 @@ fn gather(joints: &[f64], n: usize) -> Result<Joints, Unsolved> {
 
 /// Returns whether every number is finite and small enough that squares and products of a few do not overflow.
 pub(crate) fn is_finite(numbers: &[f64]) -> bool {
-    numbers.iter().all(|x| x.is_finite() && libm::fabs(*x) < MOST)
+    numbers.iter().all(|x| x.is_finite() && libm::fabs(*x) < MAX)
 }
 
 /// Returns whether all lengths are finite and above 0.
@@ -109,7 +109,7 @@ pub(crate) fn are_lengths(lengths: &[f64]) -> bool {
 }
 
 /// Largest magnitude of a number.
-const MOST: f64 = 1e30;
+const MAX: f64 = 1e30;
 /// Smallest length.
 const LEAST: f64 = 1e-30;
 

@@ -55,7 +55,7 @@ impl Default for Spindle {
 impl Spindle {
     /// Turns the spindle; zero stops it.
     pub(crate) fn turn(&mut self, speed: f64) {
-        self.stop("the spindle was told to turn or to stop");
+        self.stop("the spindle was commanded to turn or to stop");
         if speed != 0.0 {
             *self = Self { speed, on: true, brake: false, ..*self };
         }
@@ -75,7 +75,7 @@ impl Spindle {
     /// Stops the spindle and orients it to an angle; the ticket is done when it is at rest there.
     pub(crate) fn orient(&mut self, angle: f64, mode: i32, ticket: TicketHandle) {
         let is_again = matches!(self.orient, Orient::Turning { .. });
-        self.stop("the spindle was told to orient");
+        self.stop("the spindle was commanded to orient");
         let orient = Orient::Turning { ticket, is_again, late: 0.0 };
         *self = Self { brake: false, orient, angle, mode, ..*self };
     }

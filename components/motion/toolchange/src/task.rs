@@ -52,7 +52,7 @@ enum Changer {
 }
 
 /// Number of cycles for the external chain to follow user-enable-out, in both directions.
-const PATIENCE: u32 = 10;
+const TIMEOUT: u32 = 10;
 
 /// An e-stop that has not taken effect yet.
 #[derive(Clone, Copy, Debug)]
@@ -213,7 +213,7 @@ impl Task {
         let p = self.pins;
         match ask {
             Ask::Estop { reads } => {
-                self.stopping.push(Stopping { ticket, left: PATIENCE, reads });
+                self.stopping.push(Stopping { ticket, left: TIMEOUT, reads });
                 self.look_at_stopping();
                 return Ok(false);
             }
@@ -228,8 +228,8 @@ impl Task {
                     stopping.ticket.fail("superseded by iocontrol.estop-reset");
                 }
                 estop::release(&self.shared, &p);
-                if let Some((earlier, _)) = self.resetting.replace((ticket, PATIENCE)) {
-                    earlier.fail("another reset took its place");
+                if let Some((earlier, _)) = self.resetting.replace((ticket, TIMEOUT)) {
+                    earlier.fail("superseded by another reset");
                 }
                 return Ok(false);
             }

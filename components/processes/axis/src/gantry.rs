@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 mod closed;
 
 /// Maximum number of joints.
-const MOST: i64 = 7;
+const MAX: i64 = 7;
 
 /// Axis that several motors drive.
 pub(crate) struct Gantry;
@@ -43,7 +43,7 @@ impl Component for Gantry {
     const FLAGS: u32 = component_flags::PERSONALITY | component_flags::PARALLEL;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let n = b.size("Pin joint.##.pos-cmd", 0, MOST)?;
+        let n = b.size("Pin joint.##.pos-cmd", 0, MAX)?;
         let home = b.item("home", "True while the axis is at its switches.", false)?;
         let limit = b.item("limit", "True while any switch is pressed.", false)?;
         let (gives, takes) = b.shared(AtomicBool::new(true));

@@ -2,7 +2,7 @@
 
 use crate::{
     follower::Follower,
-    waypoints::{EPSILON, MOST, Path, Phase, ROOM, TEST_ROOM},
+    waypoints::{EPSILON, MAX, Path, Phase, ROOM, TEST_ROOM},
 };
 use hal_component::{
     Builder, Clock, Component, Error, Gives, In, Messages, Out, Period, Takes, Touch, Update,
@@ -11,7 +11,7 @@ use hal_component::{
 use std::sync::atomic::{AtomicI32, AtomicU8, AtomicU64, Ordering::Relaxed};
 
 /// Default number of joints.
-const USUAL: usize = 3;
+const DEFAULT: usize = 3;
 
 /// Values of the order to `write-outputs`.
 const FOLLOW: u8 = 2;
@@ -28,9 +28,9 @@ impl Component for Moveoff {
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let n = match b.personality() {
-            0 => USUAL,
-            n => usize::try_from(n).ok().filter(|n| *n <= MOST).ok_or_else(|| {
-                Error::new(format!("personality is {n}, and must be 1 to {MOST} joints"))
+            0 => DEFAULT,
+            n => usize::try_from(n).ok().filter(|n| *n <= MAX).ok_or_else(|| {
+                Error::new(format!("personality is {n}, and must be 1 to {MAX} joints"))
             })?,
         };
         let (gives, takes) = b.shared(Order::default());
@@ -156,7 +156,7 @@ struct Order {
     epsilon: AtomicU64,
     count: AtomicI32,
     room: AtomicI32,
-    targets: [AtomicU64; MOST],
+    targets: [AtomicU64; MAX],
 }
 
 #[derive(Touch)]
@@ -187,7 +187,7 @@ impl Update for Read {
         self.warn();
         if !self.offset_applied.get() {
             self.path.count = 0;
-            self.path.noted.1 = [0.0; MOST];
+            self.path.noted.1 = [0.0; MAX];
         }
         let what = if self.power_on.get() { self.step() } else { self.clear() };
         for (to, target) in self.order.targets.iter().zip(self.path.target) {
@@ -215,7 +215,7 @@ impl Read {
     fn clear(&mut self) -> u8 {
         self.path.phase = Phase::Waits;
         self.path.count = 0;
-        self.path.target = [0.0; MOST];
+        self.path.target = [0.0; MAX];
         self.warning.set(false);
         self.offset_applied.set(false);
         CLEAR
@@ -236,7 +236,7 @@ impl Read {
                     return CLEAR;
                 }
                 p.phase = Phase::Offsets;
-                p.noted = (self.clock.now_ns(), [0.0; MOST]);
+                p.noted = (self.clock.now_ns(), [0.0; MAX]);
                 self.aim();
                 FOLLOW
             }
@@ -263,7 +263,7 @@ impl Read {
             return CLEAR;
         }
         if self.path.count == 0 || !self.backtrack_enable.get() {
-            self.path.target = [0.0; MOST];
+            self.path.target = [0.0; MAX];
         } else if self.is_there() {
             self.take();
             self.path.count -= 1;
@@ -273,7 +273,7 @@ impl Read {
 
     fn turn_back(&mut self) {
         self.path.phase = Phase::GoesBack;
-        self.path.target = [0.0; MOST];
+        self.path.target = [0.0; MAX];
         if self.backtrack_enable.get() && self.path.count > 0 {
             self.path.count -= 1;
             self.take();
@@ -303,7 +303,7 @@ impl Read {
     fn note(&mut self) {
         let now = self.clock.now_ns();
         let p = &mut self.path;
-        let mut here = [0.0; MOST];
+        let mut here = [0.0; MAX];
         for (to, offset) in here.iter_mut().zip(&self.offsets) {
             *to = offset.get();
         }

@@ -1,7 +1,7 @@
 //! Realtime. Waypoints of `moveoff`.
 
 /// Maximum number of joints.
-pub(crate) const MOST: usize = 9;
+pub(crate) const MAX: usize = 9;
 
 /// Number of waypoints that can be stored, normally and in tests.
 pub(crate) const ROOM: usize = 1000;
@@ -11,7 +11,7 @@ pub(crate) const TEST_ROOM: usize = 50;
 pub(crate) const EPSILON: f64 = 0.0001;
 
 /// Offsets of all joints.
-pub(crate) type Place = [f64; MOST];
+pub(crate) type Place = [f64; MAX];
 
 /// Recorded path of the offsets, and their target.
 #[derive(Debug)]
@@ -33,10 +33,10 @@ impl Default for Path {
     fn default() -> Self {
         Self {
             phase: Phase::Waits,
-            waypoints: Box::new([[0.0; MOST]; ROOM]),
+            waypoints: Box::new([[0.0; MAX]; ROOM]),
             count: 0,
-            noted: (0, [0.0; MOST]),
-            target: [0.0; MOST],
+            noted: (0, [0.0; MAX]),
+            target: [0.0; MAX],
             epsilon: EPSILON,
             seconds: 0.0,
             threshold: 0.0,

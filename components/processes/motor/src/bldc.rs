@@ -10,7 +10,7 @@ use hal_component::{
 };
 
 /// Maximum number of motors.
-const MOST: u32 = 8;
+const MAX: u32 = 8;
 
 /// Commutation of three-phase motors.
 pub(crate) struct Bldc;
@@ -25,7 +25,7 @@ impl Component for Bldc {
             "For each motor the letters of its feedback (n h a q i f) and of its drive (B 6 H F T), such as hH.",
         )
         .required()
-        .at_most(MOST),
+        .at_most(MAX),
         &Arg::ints("personality", "Accepted for compatibility and ignored: cfg= counts."),
     ];
 

@@ -10,7 +10,7 @@ use hal_component::{
 };
 
 /// Maximum number of displays.
-const MOST: u32 = 16;
+const MAX: u32 = 16;
 /// Number of turns over the displays before the first character.
 const WAIT: u32 = 100;
 /// First characters for a display: four empty lines, and cursor off.
@@ -62,7 +62,7 @@ impl Component for Lcd {
         "A text for each display, separated by commas, such as `X%6.2f`.",
     )
     .required()
-    .at_most(MOST)];
+    .at_most(MAX)];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let texts = b.arg_texts("fmt_strings");

@@ -143,7 +143,7 @@ impl Size {
             })
             .ok_or_else(|| {
                 Error::new(format!(
-                    "config={text} is no size: it is rows (1 to {ROWS}), x, columns \
+                    "config={text} is not a size: it is rows (1 to {ROWS}), x, columns \
                      (1 to {COLUMNS}), and s if it shall scan, such as 4x8s"
                 ))
             })
@@ -475,7 +475,7 @@ mod tests {
             let mut bench = Bench::new();
             let said = bench.load::<MatrixKb>(&[&format!("config=4x4,{wrong}")]).unwrap_err();
             let wanted = format!(
-                "config={wrong} is no size: it is rows (1 to 256), x, columns (1 to 32), \
+                "config={wrong} is not a size: it is rows (1 to 256), x, columns (1 to 32), \
                  and s if it shall scan, such as 4x8s"
             );
             assert_eq!(said, wanted);

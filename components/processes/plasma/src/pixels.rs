@@ -3,7 +3,7 @@
 use hal_component::Port;
 
 /// Maximum number of bytes in a field of the header.
-const LONGEST: usize = 32;
+const MAX_LEN: usize = 32;
 
 /// Faults of a line; the numbers are the values of `fault-code`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +37,7 @@ pub(crate) struct Reader {
     program: Program,
     /// Number of header fields that are complete.
     fields: u8,
-    text: [u8; LONGEST],
+    text: [u8; MAX_LEN],
     len: usize,
 }
 

@@ -6,7 +6,7 @@ use hal_component::{
 };
 
 /// Maximum number of gears.
-const MOST: i64 = 16;
+const MAX: i64 = 16;
 
 /// Speed control of a spindle with gears.
 pub(crate) struct Spindle;
@@ -46,8 +46,8 @@ impl Component for Spindle {
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let all = b.arg_ints("numgears");
         let n = usize::try_from(b.index()).ok().and_then(|i| all.get(i).copied()).unwrap_or(1);
-        if !(1..=MOST).contains(&n) {
-            return Err(Error::new(format!("numgears is {n}, and must be 1 to {MOST}")));
+        if !(1..=MAX).contains(&n) {
+            return Err(Error::new(format!("numgears is {n}, and must be 1 to {MAX}")));
         }
         let pins = Pins::make(b, "")?;
         let gears = (0..n).map(|i| Gear::make_number(b, i)).collect::<Result<_, _>>()?;

@@ -197,15 +197,15 @@ impl<'g> Look<'g> {
 
 /// Returns the first few names for a sentence, and how many more there are.
 fn names<'n>(all: impl IntoIterator<Item = &'n str>) -> String {
-    const MOST: usize = 6;
+    const MAX: usize = 6;
     let all: Vec<&str> = all.into_iter().collect();
     let mut text = String::new();
-    for (i, name) in all.iter().take(MOST).enumerate() {
+    for (i, name) in all.iter().take(MAX).enumerate() {
         text.push_str(if i == 0 { "'" } else { ", '" });
         text.push_str(name);
         text.push('\'');
     }
-    match all.len().checked_sub(MOST) {
+    match all.len().checked_sub(MAX) {
         Some(more) if more > 0 => format!("{text} and {more} more"),
         _ => text,
     }

@@ -12,7 +12,7 @@ use hal_protocol::Lock;
 use std::collections::BTreeSet;
 
 /// Longest time that a change may wait for a boundary, in nanoseconds of wall-clock time.
-pub(crate) const PATIENCE_NS: i64 = 2_000_000_000;
+pub(crate) const TIMEOUT_NS: i64 = 2_000_000_000;
 
 /// Data that threads may still be using.
 #[derive(Debug)]

@@ -13,7 +13,7 @@ use hal_abi::{Cell, Slot};
 use hal_protocol::Type;
 
 /// Largest number of stores that are carried out at once while threads run.
-pub(crate) const MOST_STORES: usize = 256;
+pub(crate) const MAX_STORES: usize = 256;
 
 /// A single store.
 #[derive(Clone, Copy, Debug)]

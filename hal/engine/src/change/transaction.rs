@@ -5,7 +5,7 @@
 use crate::{
     Engine, Error,
     change::apply::part,
-    change::stores::{Change, MOST_STORES, Store},
+    change::stores::{Change, MAX_STORES, Store},
     change::undo::{Index, Order, Undo},
     engine::Counts,
     graph::Ix,
@@ -137,7 +137,7 @@ impl Engine {
                     e.graph.sites.stand(file, edit.line);
                 }
                 e.stage(&edit.request).unwrap_or_else(|| {
-                    Err(Error::Protocol { why: "this is no change to the graph".into() })
+                    Err(Error::Protocol { why: "this does not change the graph".into() })
                 })?;
             }
             refused = false;
@@ -334,7 +334,7 @@ impl Engine {
             is_new && !self.staged.seen.contains(&place) || self.staged.own.contains(&place)
         };
         let (early, late) = part(change.stores, fresh);
-        if late.len() > MOST_STORES {
+        if late.len() > MAX_STORES {
             return Err(Error::TooManyStores { stores: late.len() });
         }
         Ok((early, Change { stores: late, lists: change.lists }))

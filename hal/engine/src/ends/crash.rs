@@ -37,7 +37,7 @@ const LAST_RESORT_S: u32 = 10;
 /// is assumed.
 const NEAR: usize = 64 << 10;
 /// Number of polls, a millisecond apart, for which the guard may make no progress.
-const PATIENCE: u32 = 2000;
+const TIMEOUT: u32 = 2000;
 
 /// Cause of the termination.
 #[derive(Clone, Copy, Debug)]
@@ -175,7 +175,7 @@ fn describe(text: &mut Text, cause: &Cause<'_>, place: Place) {
             Shot::Port { port, out } => {
                 let done = if out { "written" } else { "read" };
                 text.add(format_args!(
-                    ": port {port:#06x} may not be {done}: this process has no right to use it \
+                    ": port {port:#06x} may not be {done}: this process has no permission to use it \
                      (run as root, or with CAP_SYS_RAWIO)"
                 ));
             }
@@ -242,7 +242,7 @@ fn wait_for_guard() {
     }
     let (mut last, mut looks) = ((0, 0), 0);
     // Pairs with `have_saved`.
-    while !SAVED.load(Ordering::Acquire) && looks < PATIENCE {
+    while !SAVED.load(Ordering::Acquire) && looks < TIMEOUT {
         let used = processor_time(guard).unwrap_or(0);
         let progress = (PROGRESS.load(Ordering::Relaxed), used);
         looks = if progress == last { looks + 1 } else { 0 };

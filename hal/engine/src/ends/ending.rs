@@ -1,7 +1,7 @@
 //! Orderly shutdown of an instance: outputs first, then recordings, programs, components, the
 //! socket.
 
-use crate::{Engine, change::apply::PATIENCE_NS, os, sync::Ordering};
+use crate::{Engine, change::apply::TIMEOUT_NS, os, sync::Ordering};
 
 /// Time that the outputs wait for a cycle in progress when an instance ends, in nanoseconds.
 const OUTPUTS_NS: i64 = 50_000_000;
@@ -84,7 +84,7 @@ impl Engine {
         for p in &self.programs {
             os::end_process(p.pid, false);
         }
-        let limit = os::monotonic_ns() + PATIENCE_NS;
+        let limit = os::monotonic_ns() + TIMEOUT_NS;
         while self.programs.iter().any(|p| os::alive(p.pid)) && os::monotonic_ns() < limit {
             if let Some(server) = &mut self.server {
                 server.drop_clients();

@@ -25,7 +25,7 @@ const LOOK_MS: i64 = 16;
 /// time, the observation does not count.
 const LOOKS: u32 = 4;
 /// Total number of observations after which the control side is considered stuck, counted or not.
-const MOST_LOOKS: u32 = 125;
+const MAX_LOOKS: u32 = 125;
 /// Processor time that the control side must have used between two observations, in nanoseconds.
 const TURN_NS: i64 = 5_000_000;
 /// Number of observations that a stop action may take.
@@ -37,7 +37,7 @@ const WAIT_MS: u32 = 100;
 const TAPE_WAIT_MS: u32 = 1000;
 
 /// Message for a crash in the code that records: its data may be inconsistent.
-const INTERRUPTED: &str = "the crash came in the middle of the recorder's own work: the recording ends at its last write, and the \
+const INTERRUPTED: &str = "the crash happened inside the recorder: the recording ends at its last write, and the \
                            flight recorder keeps no file\n";
 
 /// Stack size in bytes; small because all memory may be locked.
@@ -148,7 +148,7 @@ impl Look {
             self.counted += 1;
         }
         self.all += 1;
-        (self.counted >= LOOKS || self.all >= MOST_LOOKS)
+        (self.counted >= LOOKS || self.all >= MAX_LOOKS)
             .then(|| instance.describe_control(doing.as_deref()))
     }
 }

@@ -203,7 +203,7 @@ impl Known {
         let own = self.own.iter();
         under_way.extend(own.map(|name| format!("component '{name}' in threads of its own")));
         let under_way = match under_way.as_slice() {
-            [] => "no code of a component was under way".to_owned(),
+            [] => "no component's code was running".to_owned(),
             list => format!("under way: {}", list.join("; ")),
         };
         format!(

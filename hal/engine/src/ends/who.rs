@@ -245,10 +245,10 @@ pub(super) fn describe_cycle(text: &mut Text, thread: &Thread) {
 /// Returns the library that code belongs to: that of the address, or that of the innermost caller
 /// on the stack.
 fn origin(place: Place, origins: &[Origin]) -> Option<&Origin> {
-    const MOST_RANGES: usize = 64;
-    const MOST_WORDS: usize = 4096;
+    const MAX_RANGES: usize = 64;
+    const MAX_WORDS: usize = 4096;
     const AT_ONCE: usize = 64;
-    let mut ranges = [(maps::Code::default(), 0_usize); MOST_RANGES];
+    let mut ranges = [(maps::Code::default(), 0_usize); MAX_RANGES];
     let mut used = 0;
     maps::each(|code, path| {
         if let Some(i) = origins.iter().position(|o| *o.file == *path)
@@ -257,7 +257,7 @@ fn origin(place: Place, origins: &[Origin]) -> Option<&Origin> {
             *range = (code, i);
             used += 1;
         }
-        used == MOST_RANGES
+        used == MAX_RANGES
     });
     let ranges = ranges.get(..used).unwrap_or_default();
     let found = |address: usize| {
@@ -269,7 +269,7 @@ fn origin(place: Place, origins: &[Origin]) -> Option<&Origin> {
     }
     let mut words = [0_usize; AT_ONCE];
     let mut at = place.stack & !(align_of::<usize>() - 1);
-    for _ in 0..MOST_WORDS / AT_ONCE {
+    for _ in 0..MAX_WORDS / AT_ONCE {
         let n = sys::peek(at, &mut words);
         let read = words.get(..n).unwrap_or_default();
         if let Some(origin) = read.iter().find_map(|word| found(*word)) {

@@ -1,6 +1,6 @@
 //! Errors of samples, recordings and the flight recorder.
 
-use hal_protocol::MOST_CHANNELS;
+use hal_protocol::MAX_CHANNELS;
 
 /// The reason why something cannot be sampled or recorded.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,15 +26,15 @@ pub enum WatchError {
 impl core::fmt::Display for WatchError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::NoThread => f.write_str("there is no thread in whose cycles to sample"),
-            Self::NoNames => f.write_str("nothing is named that is to be sampled"),
+            Self::NoThread => f.write_str("there is no thread to sample in"),
+            Self::NoNames => f.write_str("no pin to sample is named"),
             Self::NoMatch { pattern } => write!(f, "nothing matches '{pattern}'"),
             Self::Port { name } => write!(f, "'{name}' is a port and has no value to sample"),
             Self::TooMany { channels } => {
-                write!(f, "{channels} channels at once; at most {MOST_CHANNELS} are possible")
+                write!(f, "{channels} channels at once; at most {MAX_CHANNELS} are possible")
             }
             Self::TooDeep { depth, most } => {
-                write!(f, "there is no memory for {depth} samples of this kind, only for {most}")
+                write!(f, "not enough memory for {depth} samples of this kind: at most {most} fit")
             }
             Self::NoSample { id } => write!(f, "this client has no sample {id}"),
             Self::Here => f.write_str("samples go to programs: ask for them on the socket"),

@@ -2,7 +2,7 @@
 
 use crate::{
     Engine, Error,
-    change::apply::PATIENCE_NS,
+    change::apply::TIMEOUT_NS,
     graph::{Component, Edge, Ix, Node, ThreadNode},
     name::Name,
     os,
@@ -156,14 +156,14 @@ impl Engine {
     /// Waits until no system thread runs any of these threads or uses the old list. Returns false
     /// on timeout.
     fn have_left(&mut self, old: &Arc<Vec<Arc<Thread>>>, ids: &[u32]) -> bool {
-        let limit = os::monotonic_ns() + PATIENCE_NS;
+        let limit = os::monotonic_ns() + TIMEOUT_NS;
         while Arc::strong_count(old) > 1 {
             if os::monotonic_ns() > limit {
                 return false;
             }
             os::sleep_until(os::monotonic_ns() + 20_000);
         }
-        self.runners.end(ids, false, PATIENCE_NS)
+        self.runners.end(ids, false, TIMEOUT_NS)
     }
 
     /// Switches the timing of functions on or off, for one thread or for all.

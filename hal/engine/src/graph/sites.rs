@@ -6,8 +6,8 @@ use petgraph::stable_graph::EdgeIndex;
 use std::collections::BTreeMap;
 
 /// Maximum number of files that are recorded, and maximum length of a file name in bytes.
-const MOST_FILES: usize = 4096;
-const LONGEST_NAME: usize = 4096;
+const MAX_FILES: usize = 4096;
+const MAX_NAME: usize = 4096;
 
 /// A line of a script.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -77,7 +77,7 @@ impl Sites {
         if let Some(n) = self.numbers.get(file) {
             return Some(*n);
         }
-        if self.files.len() >= MOST_FILES || file.len() > LONGEST_NAME {
+        if self.files.len() >= MAX_FILES || file.len() > MAX_NAME {
             return None;
         }
         let n = u32::try_from(self.files.len()).ok()?;
@@ -254,12 +254,12 @@ mod tests {
     #[test]
     fn names_of_files_are_bounded() {
         let mut sites = Sites::default();
-        sites.stand(&"x".repeat(LONGEST_NAME + 1), 1);
+        sites.stand(&"x".repeat(MAX_NAME + 1), 1);
         assert_eq!(sites.now, None);
-        for n in 0..MOST_FILES + 10 {
+        for n in 0..MAX_FILES + 10 {
             sites.stand(&n.to_string(), 1);
         }
-        assert_eq!((sites.files.len(), sites.now), (MOST_FILES, None));
+        assert_eq!((sites.files.len(), sites.now), (MAX_FILES, None));
         sites.stand("0", 2);
         assert!(sites.now.is_some());
     }

@@ -214,7 +214,7 @@ fn integer(text: &str) -> Option<i64> {
 }
 
 /// Limit on the number of instances: a larger number is a typing error that would take all memory.
-const MOST_INSTANCES: u32 = 1_000_000;
+const MAX_INSTANCES: u32 = 1_000_000;
 
 /// Arguments of `loadrt` for components with instances, apart from the component's own arguments.
 #[derive(Debug, Default)]
@@ -244,7 +244,7 @@ impl Instances {
             match plain.split_once('=') {
                 Some(("count", n)) => {
                     let count = integer(n).and_then(|n| u32::try_from(n).ok());
-                    let count = count.filter(|n| *n <= MOST_INSTANCES);
+                    let count = count.filter(|n| *n <= MAX_INSTANCES);
                     let expects = "expected a number from 0 to 1000000";
                     out.count = Some(count.ok_or_else(|| invalid(n, &plain, expects))?);
                 }

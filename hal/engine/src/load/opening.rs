@@ -36,7 +36,7 @@ const LOCAL: u8 = b'l';
 const OPENED: u8 = b'o';
 const REFUSED: u8 = b'r';
 /// Longest time that opening may take, in nanoseconds.
-const PATIENCE_NS: i64 = 10_000_000_000;
+const TIMEOUT_NS: i64 = 10_000_000_000;
 /// Interval at which this process checks for a termination signal meanwhile, in nanoseconds.
 const LOOK_NS: i64 = 20_000_000;
 
@@ -148,7 +148,7 @@ fn tried(libraries: &[ToOpen]) -> std::io::Result<Tried> {
         Heard::End(Some(REFUSED)) => Tried::Refused,
         Heard::End(_) => Tried::Ended(ended(status)),
         Heard::Nothing => {
-            let seconds = PATIENCE_NS / 1_000_000_000;
+            let seconds = TIMEOUT_NS / 1_000_000_000;
             Tried::Ended(format!("did not come back within {seconds} s").into())
         }
         Heard::Signalled => Tried::Signalled,
@@ -163,7 +163,7 @@ enum Heard {
 }
 
 fn listen(mut from: File) -> Heard {
-    let limit = os::monotonic_ns().saturating_add(PATIENCE_NS);
+    let limit = os::monotonic_ns().saturating_add(TIMEOUT_NS);
     loop {
         if crate::ends::is_asked() {
             return Heard::Signalled;

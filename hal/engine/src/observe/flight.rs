@@ -28,7 +28,7 @@ use std::{
 };
 
 /// Default size of the memory for changes, in bytes.
-const USUAL_BYTES: u64 = 16 << 20;
+const DEFAULT_BYTES: u64 = 16 << 20;
 /// Permitted sizes of that memory, in bytes.
 const BYTES: core::ops::RangeInclusive<u64> = 1 << 12..=1 << 32;
 /// Minimum capacity of the queue of changes.
@@ -37,7 +37,7 @@ impl Engine {
     /// Executes `flight on`. A recorder that is already on is replaced.
     pub(crate) fn begin_flight(&mut self, mut spec: FlightSpec) -> Result<(), Error> {
         if spec.bytes == 0 {
-            spec.bytes = USUAL_BYTES;
+            spec.bytes = DEFAULT_BYTES;
         }
         if !BYTES.contains(&spec.bytes) {
             return Err(WatchError::FlightSize { bytes: spec.bytes }.into());
@@ -140,7 +140,7 @@ impl Engine {
         };
         let format = format_of(path)?;
         let file = create(path)?;
-        let why = if last { "the last event, asked for" } else { "asked for" };
+        let why = if last { "the last event, on request" } else { "asked for" };
         let mut kept = f.new_kept(now, why, Some(path.to_owned()), false);
         kept.write(&snapshot, file, format, at_once);
         f.keep(kept);

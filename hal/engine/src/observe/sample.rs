@@ -15,15 +15,15 @@ use crate::{
 };
 use hal_abi::Ring;
 use hal_protocol::{
-    ChannelInfo, Failure, MOST_CHANNELS, Patterns, SampleInfo, SampleSpec, SampleState, Samples,
+    ChannelInfo, Failure, MAX_CHANNELS, Patterns, SampleInfo, SampleSpec, SampleState, Samples,
     Type,
 };
 use std::os::fd::OwnedFd;
 
 /// Largest memory of the rings of all samples together, in bytes.
-const MOST_BYTES: usize = 1 << 30;
+const MAX_BYTES: usize = 1 << 30;
 /// Largest default size of a sample's ring, in bytes.
-const USUAL_BYTES: usize = 16 << 20;
+const DEFAULT_BYTES: usize = 16 << 20;
 /// Smallest default number of samples that a ring holds.
 const FEWEST: u32 = 64;
 /// Client number of this process itself.
@@ -116,11 +116,11 @@ impl Engine {
     fn depth(&self, asked: u32, channels: usize, every_ns: i64) -> Result<u32, Error> {
         let one = (channels + 2) * 8;
         let used: usize = self.samples.values().map(|s| s.bytes).sum();
-        let most = MOST_BYTES.saturating_sub(used) / one;
+        let most = MAX_BYTES.saturating_sub(used) / one;
         let most = u32::try_from(most).unwrap_or(u32::MAX).saturating_sub(2).min(1 << 26);
         if asked == 0 {
             let second = u32::try_from(1_000_000_000 / every_ns.max(1)).unwrap_or(u32::MAX);
-            let usual = u32::try_from(USUAL_BYTES / one).unwrap_or(u32::MAX);
+            let usual = u32::try_from(DEFAULT_BYTES / one).unwrap_or(u32::MAX);
             let depth = second.min(usual).max(FEWEST);
             return if depth <= most {
                 Ok(depth)
@@ -152,7 +152,7 @@ impl Engine {
         if channels.is_empty() {
             return Err(WatchError::NoNames.into());
         }
-        if channels.len() > MOST_CHANNELS {
+        if channels.len() > MAX_CHANNELS {
             return Err(WatchError::TooMany { channels: channels.len() }.into());
         }
         Ok(channels)

@@ -10,7 +10,7 @@ use crate::{
 };
 
 /// Longest single sleep, so that even a slow thread soon sees a request to end.
-const LONGEST_SLEEP_NS: i64 = 10_000_000;
+const MAX_SLEEP_NS: i64 = 10_000_000;
 
 /// Runs the virtual clock up to `until`, for at most `instants` instants at which a thread is due.
 /// Everything due at one instant runs, faster threads first. Returns early if a probe that must
@@ -131,7 +131,7 @@ pub(crate) fn run_all(shared: &Shared) {
 
 /// Sleeps until `due` and returns true, or sleeps for a part of a long wait and returns false.
 fn slept_until(due: i64) -> bool {
-    let far = os::monotonic_ns().saturating_add(LONGEST_SLEEP_NS);
+    let far = os::monotonic_ns().saturating_add(MAX_SLEEP_NS);
     os::sleep_until(if due <= far { due } else { far });
     due <= far
 }

@@ -30,7 +30,7 @@ const STEPS_NS: (i64, i64) = (500_000, 100_000_000);
 const LOOKS: u32 = 3;
 /// Least limit, in nanoseconds, for a function that sets up hardware (`initf`), or that waits for a
 /// disk or a device that cannot be interrupted.
-const PATIENCE_NS: i64 = 1_000_000_000;
+const TIMEOUT_NS: i64 = 1_000_000_000;
 /// Number of threads for which memory is reserved at the start.
 const ROOM: usize = 64;
 
@@ -84,7 +84,7 @@ impl Case {
         self.patient |= waits && now.doing == Doing::WaitsForDevice;
         self.looks = self.looks.saturating_add(1);
         self.seen = now;
-        let limit = if self.patient { limit_ns.max(PATIENCE_NS) } else { limit_ns };
+        let limit = if self.patient { limit_ns.max(TIMEOUT_NS) } else { limit_ns };
         if self.looks >= LOOKS && self.had_ns >= limit { Verdict::Stuck } else { Verdict::Suspect }
     }
 }

@@ -1,7 +1,7 @@
 //! Connection of a client: request lines in, answers out.
 
 use crate::{Error, graph::Ix, serve::hold::Hold};
-use hal_protocol::{Failure, LONGEST, Reply, WireReply};
+use hal_protocol::{Failure, MAX_LEN, Reply, WireReply};
 use rustix::net::{SendAncillaryBuffer, SendAncillaryMessage, SendFlags};
 use std::{
     io::{ErrorKind, IoSlice, Read, Write},
@@ -87,7 +87,7 @@ impl Client {
     /// Returns whether more input is wanted. The server reads nothing more from a client that does
     /// not read its answers.
     pub(crate) const fn listens(&self) -> bool {
-        let room = self.input.len() - self.taken <= LONGEST;
+        let room = self.input.len() - self.taken <= MAX_LEN;
         room && !self.has_output() && !self.ended && !self.closing && !self.gone
     }
 
@@ -106,7 +106,7 @@ impl Client {
         self.searched -= self.taken;
         self.taken = 0;
         let mut chunk = [0; 65536];
-        while self.input.len() <= LONGEST {
+        while self.input.len() <= MAX_LEN {
             match self.socket.read(&mut chunk) {
                 Ok(0) => {
                     self.ended = true;
@@ -130,7 +130,7 @@ impl Client {
             Some(at) => self.searched += at,
             None => self.searched = self.input.len(),
         }
-        self.searched < self.input.len() || self.input.len() - self.taken > LONGEST
+        self.searched < self.input.len() || self.input.len() - self.taken > MAX_LEN
     }
 
     /// Returns the next whole line, or an error if the line is too long.
@@ -140,7 +140,7 @@ impl Client {
         }
         if self.searched == self.input.len() {
             self.closing = true;
-            let why = format!("a request is longer than {LONGEST} bytes").into();
+            let why = format!("a request is longer than {MAX_LEN} bytes").into();
             return Some(Err(Error::Protocol { why }));
         }
         let line = self.input.get(self.taken..self.searched).unwrap_or_default().to_vec();

@@ -12,7 +12,7 @@ use crate::{
 use hal_protocol::{Answer, Failure, LATEST, Link, Reply, Request, TicketInfo};
 
 /// End of the virtual clock, in nanoseconds: 146 years. Sums of times stay representable.
-pub(crate) const LONGEST_TIME_NS: i64 = i64::MAX / 2;
+pub(crate) const MAX_TIME_NS: i64 = i64::MAX / 2;
 
 impl Engine {
     /// Executes a request that needs no client and no waiting.
@@ -150,7 +150,7 @@ impl Engine {
         }
         let now = self.shared.now();
         let end = i64::try_from(ns).ok().and_then(|ns| now.checked_add(ns));
-        end.filter(|end| *end <= LONGEST_TIME_NS).ok_or_else(|| Error::OutOfRange {
+        end.filter(|end| *end <= MAX_TIME_NS).ok_or_else(|| Error::OutOfRange {
             what: "time",
             name: format!("{ns} ns").into(),
             expects: "the virtual clock ends after 146 years",

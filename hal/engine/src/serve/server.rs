@@ -14,9 +14,9 @@ use std::{
 };
 
 /// Largest number of clients at once.
-const MOST_CLIENTS: usize = 256;
+const MAX_CLIENTS: usize = 256;
 /// Largest number of requests of one client that are executed before the next client's turn.
-const MOST_IN_TURN: usize = 16;
+const MAX_IN_TURN: usize = 16;
 
 /// The socket and its clients.
 #[derive(Debug)]
@@ -46,7 +46,7 @@ impl Server {
 
     fn accept(&mut self) {
         while let Ok((socket, _)) = self.listener.accept() {
-            if self.clients.len() >= MOST_CLIENTS || socket.set_nonblocking(true).is_err() {
+            if self.clients.len() >= MAX_CLIENTS || socket.set_nonblocking(true).is_err() {
                 continue;
             }
             let mut client = Client::new(self.next, socket);
@@ -142,7 +142,7 @@ pub(crate) fn serve_once(engine: &mut Engine, ms: i32) {
     }
     for c in &mut server.clients {
         settle(engine, c);
-        for _ in 0..MOST_IN_TURN {
+        for _ in 0..MAX_IN_TURN {
             let Some(line) = c.is_served().then(|| c.line()).flatten() else { break };
             let reply = match line {
                 Ok(line) => respond(engine, c, &line),

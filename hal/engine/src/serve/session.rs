@@ -2,7 +2,7 @@
 
 use crate::{
     Engine, Error,
-    change::stores::MOST_STORES,
+    change::stores::MAX_STORES,
     graph::Ix,
     graph::new_item::NewItem,
     name::Name,
@@ -206,7 +206,7 @@ fn checked(engine: &Engine, c: &Client, writes: &[(u32, Value)]) -> Result<Vec<(
         let ix = c.pins.get(*which as usize).ok_or_else(|| odd("this client has no such pin"))?;
         let item = engine.graph.item(*ix).ok_or_else(|| odd("this client has no such pin"))?;
         if item.ty != value.ty() || item.ty == Type::Port {
-            return Err(odd("a value has not the type of its pin"));
+            return Err(odd("the value's type does not match its pin"));
         }
         if matches!(item.direction, Direction::In | Direction::Rw) {
             return Err(odd("a program does not write its own input"));
@@ -265,7 +265,7 @@ pub(crate) fn forget_left(engine: &mut Engine) {
     for ix in core::mem::take(&mut engine.left) {
         // A few pins at a time: within the limit of stores, so that running threads need not stop.
         let pins: Vec<Ix> = engine.graph.owned(ix);
-        let unlinked = pins.chunks(MOST_STORES / 2).try_for_each(|some| {
+        let unlinked = pins.chunks(MAX_STORES / 2).try_for_each(|some| {
             let unlinked = engine.whole(|e| {
                 e.unlink_all(some);
                 Ok(())

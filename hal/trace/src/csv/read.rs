@@ -92,7 +92,7 @@ impl<'a> Table<'a> {
                 Ok(true) => each(&row).map_err(|flaw| (line, flaw))?,
                 Err(e) => {
                     let what = match e.kind() {
-                        ErrorKind::Utf8 { .. } => "this is no text".to_owned(),
+                        ErrorKind::Utf8 { .. } => "this is not text".to_owned(),
                         _ => e.to_string(),
                     };
                     return Err((line, Flaw::Unreadable(what.into())));
@@ -217,7 +217,7 @@ impl<'a> Table<'a> {
             } else {
                 self.cell(cell)
             };
-            text.ok_or_else(|| Flaw::Unreadable("this is no text".into()))
+            text.ok_or_else(|| Flaw::Unreadable("this is not text".into()))
         });
         let texts: Vec<String> = texts.collect::<Result<_, _>>()?;
         let time = row.get(0).and_then(|cell| self.cell(cell)).unwrap_or_default();
@@ -384,7 +384,7 @@ mod tests {
             (b"time [ns],x (bit)\n1.5,0\n", "2: 'time' cannot be '1.5'"),
             (b"time [ns],x (bit)\n1,0\n2,1", "3: the file ends too early"),
             (b"time [ns],x (bit)\n1,0\n2,\"1\n2,0\n", "3: 'x' cannot be '1"),
-            (b"t,x\n1,\xff\n", "2: this is no text"),
+            (b"t,x\n1,\xff\n", "2: this is not text"),
             (b"t,x\ninf,1\n", "2: 'time' cannot be 'inf'"),
         ] {
             let (place, flaw) = read(text).flaw.unwrap();

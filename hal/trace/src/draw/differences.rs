@@ -56,7 +56,7 @@ pub fn differences(expected: &str, found: &str) -> Vec<String> {
     let (expected, found) = (lines(expected), lines(found));
     let mut said = Vec::new();
     let unread = expected.iter().filter_map(|l| l.as_ref().err());
-    said.extend(unread.map(|l| format!("this line of what was kept is no waveform: {l}")));
+    said.extend(unread.map(|l| format!("this line of what was kept is not a waveform: {l}")));
     let old: Vec<&Line> = expected.iter().flatten().collect();
     let new: Vec<&Line> = found.iter().flatten().collect();
     for line in &old {

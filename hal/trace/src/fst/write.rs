@@ -12,7 +12,7 @@ use std::io::{Cursor, Error, ErrorKind, Result, Write};
 /// Size in bytes at which a block is written.
 const BLOCK: usize = 1 << 22;
 /// Maximum length in bytes of a name and of a piece of notes.
-const LONGEST: usize = 512;
+const MAX_LEN: usize = 512;
 
 /// Writes a trace.
 ///
@@ -49,7 +49,7 @@ fn packed(trace: &Trace) -> core::result::Result<Result<Vec<u8>>, FstWriteError>
     for (n, c) in trace.channels().iter().enumerate() {
         vars.extend(c.names().iter().map(|name| (path(name), n)));
     }
-    if let Some((long, _)) = vars.iter().find(|(p, _)| p.iter().any(|n| n.len() > LONGEST)) {
+    if let Some((long, _)) = vars.iter().find(|(p, _)| p.iter().any(|n| n.len() > MAX_LEN)) {
         let start: String = long.concat().chars().take(20).collect();
         return Ok(Err(refused(&format!("FST has no names as long as '{start}…'"))));
     }
@@ -121,7 +121,7 @@ fn notes(
     let mut piece = String::new();
     for c in text.chars().map(Some).chain([None]) {
         piece.extend(c);
-        if c.is_none() || piece.len() > LONGEST - 4 {
+        if c.is_none() || piece.len() > MAX_LEN - 4 {
             head.scope(SCOPE, &piece, FstScopeType::Begin)?;
             head.up_scope()?;
             piece.clear();

@@ -87,13 +87,13 @@ impl<'de> Visitor<'de> for &mut File {
                 "tick" => {
                     let tick: String = map.next_value()?;
                     let base = TimeBase::parse(&tick);
-                    let wrong = || A::Error::custom(format!("'{tick}' is no unit of time"));
+                    let wrong = || A::Error::custom(format!("'{tick}' is not a unit of time"));
                     self.trace.set_base(base.ok_or_else(wrong)?);
                 }
                 "channels" => {
                     for row in map.next_value::<Vec<ChannelRow>>()? {
                         let ty = Type::parse(&row.r#type).ok_or_else(|| {
-                            A::Error::custom(format!("'{}' is no type", row.r#type))
+                            A::Error::custom(format!("'{}' is not a type", row.r#type))
                         })?;
                         let mut names = row.names.iter();
                         let n = self.trace.add(names.next().map_or("", String::as_str), ty);
@@ -232,7 +232,7 @@ mod tests {
             ("HEAD\"samples\": [[1, \"y\"]]}", "3: 'x' cannot be 'y'"),
             ("HEAD\"samples\": [[1]]}", "3: a sample without a value for 'x'"),
             ("HEAD\"samples\": [[1, 2, 3]]}", "3: a sample with more values than channels"),
-            ("HEAD\"tick\": \"week\", \"samples\": []}", "3: 'week' is no unit of time"),
+            ("HEAD\"tick\": \"week\", \"samples\": []}", "3: 'week' is not a unit of time"),
             ("HEAD\"version\": 2}", "3: version 2; 1 is known"),
             ("HEAD\"gaps\": []}", "3: there are no 'samples'"),
         ] {

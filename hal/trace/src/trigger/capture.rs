@@ -98,7 +98,7 @@ impl Capture {
             }
             (Cause::Condition, None) => {}
             (Cause::Force, _) => trace.mark(time, "trigger: forced"),
-            (Cause::Auto, _) => trace.mark(time, "trigger: none came, so this is as it was"),
+            (Cause::Auto, _) => trace.mark(time, "trigger: none came; captured without one"),
         }
         self.current = Some(trace);
     }

@@ -117,7 +117,7 @@ mod tests {
             body.push_str(&format!("{value}{code}\n"));
             match is {
                 Some(is) => want.push(format!("v{n} {is}")),
-                None => notes.push(format!("'v{n}' is no number and left out")),
+                None => notes.push(format!("'v{n}' is not a number and left out")),
             }
         }
         assert_eq!(channels(&format!("{head}$enddefinitions $end\n{body}")), (want, notes));

@@ -359,7 +359,7 @@ mod tests {
         assert_eq!(
             got.notes,
             [
-                "'top.why' is no number and left out",
+                "'top.why' is not a number and left out",
                 "'top.wide' is wider than 64 bits and left out"
             ]
         );

@@ -6,7 +6,7 @@ pub(super) const ROWS: &[Row] = &[Row {
     name: "apply",
     usage: "[--dry-run] [-i INI] FILE|-",
     args: (1, 5),
-    summary: "carry out all lines of a file at once, or none",
+    summary: "apply all lines of a file at once, or none",
     help: "The lines are checked first, in order, each with what those before it do. Then all \
            stores, values and lists of functions change at one boundary between cycles: no \
            function sees half of it, and no cycle is lost. If any line is refused, nothing is \
@@ -18,7 +18,7 @@ pub(super) const ROWS: &[Row] = &[Row {
     errors: &[
         ("cannot be part of what is applied", "such a line stands in a script of its own"),
         ("are made while threads run", "make it in parts, or 'stop' before and 'start' after"),
-        ("is stuck in its cycle", "nothing changed; what that function waits for is to be found"),
+        ("is stuck in its cycle", "nothing changed; find out what that function waits for"),
     ],
     parse: parse::apply,
 }];

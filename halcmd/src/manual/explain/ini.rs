@@ -70,7 +70,7 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         code: Code::SectionRepeated,
-        means: "The section stands in the file more than once.",
+        means: "The section is in the file more than once.",
         matters: "Its entries are added to the first; of an entry that is in both, the first \
                   counts.",
         remedy: "Put the entries together.",
@@ -88,7 +88,7 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         code: Code::MotionRefuses,
-        means: "An entry of the INI file is no value that the motion controller accepts.",
+        means: "An entry of the INI file is not a value that the motion controller accepts.",
         matters: "halrun stops there.",
         remedy: "The sentence says what is wrong.",
         wrong: machine!("", "MIN_LIMIT = 100\n# <--\nMAX_LIMIT = 0\n"),

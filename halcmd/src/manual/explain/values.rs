@@ -16,7 +16,7 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         code: Code::BadValue,
-        means: "The value is no value of the type, or does not fit into it.",
+        means: "The value is not a value of the type, or does not fit into it.",
         matters: "halrun stops at this line.",
         remedy: "The sentence says what the type takes; 'halcmd ptype NAME' says the type.",
         wrong: "loadrt or2\nsetp or2.0.in0 maybe # <--\n",

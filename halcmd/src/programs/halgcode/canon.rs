@@ -11,7 +11,7 @@ use super::{
 use crate::{
     Stdio, Terminal,
     programs::options::{Opt, options, usage},
-    terminal::complain,
+    terminal::print_error,
 };
 use hal_gcode::{Call, Error, Interpreter, Settings, axis::AxisMask, canon::Unit};
 use std::{
@@ -97,7 +97,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
         parameters: parameters.as_deref(),
     })?;
     for remark in &machine.remarks {
-        complain(&format!("{remark}\n"));
+        print_error(&format!("{remark}\n"));
     }
     if !whole {
         stand_in(&mut machine, parameters.is_some());
@@ -144,7 +144,7 @@ struct Job<'a> {
 
 impl Job<'_> {
     fn run(&self, world: &World, printer: &mut Printer) -> Result<ExitCode, String> {
-        complain("executing\n");
+        print_error("executing\n");
         let machine = &world.machine;
         let mut it = Interpreter::new(machine.settings.clone(), machine.numbered.clone());
         if self.whole {
@@ -160,7 +160,7 @@ impl Job<'_> {
             Ok(text) => text,
             Err(reason) => {
                 printer.finish()?;
-                complain(&format!("Unable to open file <{}>\n{reason}\n", self.file));
+                print_error(&format!("Unable to open file <{}>\n{reason}\n", self.file));
                 return Ok(ExitCode::FAILURE);
             }
         };
@@ -234,9 +234,9 @@ impl Job<'_> {
             let line = (*t).as_ref().split(|b| *b == b'\n').nth(index)?;
             Some(String::from_utf8_lossy(line).trim_end_matches('\r').to_owned())
         });
-        complain(&format!("{}\n{}\n", error.problem, line.unwrap_or_default()));
+        print_error(&format!("{}\n{}\n", error.problem, line.unwrap_or_default()));
         if self.stack {
-            complain(&format!("{error}\n"));
+            print_error(&format!("{error}\n"));
         }
     }
 }

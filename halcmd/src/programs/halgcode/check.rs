@@ -11,7 +11,7 @@ use super::{
 use crate::{
     Stdio, Terminal,
     programs::options::{Opt, options, usage},
-    terminal::complain,
+    terminal::print_error,
 };
 use hal_gcode::{
     Call, Error, Interpreter, Issued,
@@ -81,7 +81,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     }
     let number = |wanted, default: u64| match value(wanted) {
         None => Ok(default),
-        Some(text) => text.parse().map_err(|_| format!("'{text}' is no number")),
+        Some(text) => text.parse().map_err(|_| format!("'{text}' is not a number")),
     };
     let most = number(Id::Errors, 20)?;
     let lines = number(Id::Lines, 100_000_000)?;
@@ -342,7 +342,7 @@ impl<'a> Check<'a> {
         }
         let seconds = self.minutes * 60.0;
         let added = writeln!(out, "  time at feed {seconds:.1} s, rapid way {:.1}", self.rapid);
-        added.unwrap_or_else(|e| complain(&e.to_string()));
+        added.unwrap_or_else(|e| print_error(&e.to_string()));
         self.text.push_str(&out);
     }
 }

@@ -1,7 +1,7 @@
 //! Filters: programs of `[FILTER]` that turn other files into G-code.
 
 use super::{machine::Machine, world};
-use crate::{Stdio, Terminal, terminal::complain};
+use crate::{Stdio, Terminal, terminal::print_error};
 use hal_gcode::Text;
 use std::{
     io::{BufRead, BufReader, Read},
@@ -89,7 +89,7 @@ fn follow(errors: std::process::ChildStderr) {
                     shown = true;
                 }
             }
-            _ => complain(&text),
+            _ => print_error(&text),
         }
         line.clear();
     }

@@ -8,7 +8,7 @@ use super::{
 use crate::{
     Stdio, Terminal,
     programs::options::{Opt, options, usage},
-    terminal::complain,
+    terminal::print_error,
 };
 use hal_gcode::text::{
     expression::{FUNCTIONS, OPERATORS},
@@ -83,7 +83,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
         None => write(&out)?,
     }
     for line in &unread {
-        complain(&format!(
+        print_error(&format!(
             "{file}:{line}: kept as it was; halgcode check {} says why\n",
             Path::new(file).display()
         ));

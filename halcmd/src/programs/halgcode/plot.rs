@@ -15,7 +15,7 @@ use crate::{
         options::{Opt, options, usage},
         picture,
     },
-    terminal::complain,
+    terminal::print_error,
 };
 use hal_gcode::{Interpreter, axis::Axis};
 use std::{
@@ -149,7 +149,7 @@ fn follow(file: &str, world: &World) -> Result<(Vec<Move>, bool), String> {
         Ok(()) => Ok((moves, false)),
         Err(Stop::Output(reason)) => Err(reason),
         Err(Stop::Program(error)) => {
-            complain(&format!("{error}\n"));
+            print_error(&format!("{error}\n"));
             Ok((moves, true))
         }
     }

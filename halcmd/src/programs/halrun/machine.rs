@@ -110,7 +110,7 @@ impl Machine<'_, '_> {
         let Some(name) = entry.value.split_whitespace().next() else {
             return self.then(|session| {
                 session.stand_at(&entry.file, entry.line);
-                session.complain(&format!("Warning: {} names no file", entry.name));
+                session.warn_at(&format!("Warning: {} names no file", entry.name));
                 Outcome::Good
             });
         };
@@ -131,7 +131,7 @@ impl Machine<'_, '_> {
             }
             None => {
                 session.stand_at(&entry.file, entry.line);
-                session.complain(&format!("Warning: POSTGUI_HALFILE '{name}' is missing"));
+                session.warn_at(&format!("Warning: POSTGUI_HALFILE '{name}' is missing"));
                 Outcome::Good
             }
         });

@@ -137,7 +137,7 @@ const OPTIONS: &[Opt<Id>] = &[
         Id::Profile,
         Some("FILE"),
         Some(profile::VARIABLE),
-        "take from this file what neither options nor the environment say",
+        "settings that neither options nor the environment give",
     ),
     Opt { long: Some("help"), ..flag('h', Id::Help, "print this") },
 ];

@@ -87,8 +87,7 @@ fn write(path: Option<&Path>, trace: &Trace) -> Result<(), String> {
         csv::write(&mut text, trace).map_err(|e| e.to_string())?;
         return Ok(Stdio.out(&String::from_utf8_lossy(&text))?);
     };
-    save(path, trace)
-        .map_err(|e| format!("{}: nothing of the capture could be written", unwritten(&e)))
+    save(path, trace).map_err(|e| format!("{}: the capture could not be written", unwritten(&e)))
 }
 
 fn told(path: Option<&Path>, trace: &Trace) -> String {

@@ -283,7 +283,7 @@ impl Live {
 fn machine_time(client: &mut Client) -> Result<i64, String> {
     match client.call(Request::Status) {
         Ok(Reply::Status(status)) => Ok(i64::try_from(status.time).unwrap_or(i64::MAX)),
-        Ok(_) => Err("the engine answered something else than was asked".to_owned()),
+        Ok(_) => Err("the engine's answer does not match the request".to_owned()),
         Err(f) => Err(told(&f)),
     }
 }

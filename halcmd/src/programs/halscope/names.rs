@@ -29,7 +29,7 @@ pub(super) fn chosen(trace: &Trace, words: &[String], file: &str) -> Result<Vec<
             let names = trace.channels().iter().flat_map(hal_trace::Channel::names);
             let near = nearest(word, names.map(String::as_str));
             let near = near.map_or_else(String::new, |near| format!("; did you mean {near}?"));
-            return Err(format!("{file}: nothing in it is called '{word}'{near}"));
+            return Err(format!("{file}: it has no '{word}'{near}"));
         }
         for one in found {
             if chosen.iter().all(|c| c.channel != one.channel) {
@@ -73,7 +73,7 @@ mod tests {
         assert_eq!(channels(&["y", "x.step"]), Ok(vec![3, 0]), "a name is not a beginning");
         assert_eq!(channels(&["*.step", "xdir", "x."]), Ok(vec![0, 3, 2, 1]));
         assert_eq!(names(&["xd", "x.step"]), ["xdir", "x.step"]);
-        let unknown = "a.vcd: nothing in it is called 'y.stp'; did you mean y.step?";
+        let unknown = "a.vcd: it has no 'y.stp'; did you mean y.step?";
         assert_eq!(channels(&["y.stp"]), Err(unknown.to_owned()));
     }
 }

@@ -55,17 +55,17 @@ const OPTIONS: &[Opt<Id>] = &[
         help: "how much of it before the trigger, as in 25% (0)",
         ..with(Id::Before, 'b', "before", "SHARE|N|TIME")
     },
-    Opt {
-        help: "in whose cycles to sample (the fastest thread's)",
-        ..long(Id::Thread, "thread", "NAME")
-    },
+    Opt { help: "thread to sample in (the fastest)", ..long(Id::Thread, "thread", "NAME") },
     Opt { help: "sample at each N-th cycle (1)", ..with(Id::Every, 'e', "every", "N") },
     Opt {
         help: "so many captures, at one trigger each: FILE-1, FILE-2, ... (1)",
         ..with(Id::Count, 'n', "count", "N")
     },
-    Opt { help: "no trigger for so long after one (0)", ..long(Id::HoldOff, "hold-off", "N|TIME") },
-    Opt { help: "capture anyway if none triggers for so long", ..long(Id::Auto, "auto", "TIME") },
+    Opt {
+        help: "shortest time between two triggers (0)",
+        ..long(Id::HoldOff, "hold-off", "N|TIME")
+    },
+    Opt { help: "capture without a trigger after this time", ..long(Id::Auto, "auto", "TIME") },
     Opt {
         help: "give up after so long without a trigger, in machine time",
         ..long(Id::Timeout, "timeout", "TIME")
@@ -74,8 +74,8 @@ const OPTIONS: &[Opt<Id>] = &[
         help: "move a virtual clock that is held by so much meanwhile",
         ..long(Id::Run, "run", "TIME")
     },
-    Opt { help: "how many samples the ring holds", ..long(Id::Depth, "depth", "N") },
-    Opt { help: "say nothing but errors", long: Some("quiet"), ..Opt::flag(Id::Quiet, 'q') },
+    Opt { help: "number of samples that the ring holds", ..long(Id::Depth, "depth", "N") },
+    Opt { help: "print errors only", long: Some("quiet"), ..Opt::flag(Id::Quiet, 'q') },
     instance_option(Id::Instance),
     Opt { help: "print this", long: Some("help"), ..Opt::flag(Id::Help, 'h') },
 ];
@@ -201,7 +201,7 @@ impl Plan {
             plan.option(id, value.unwrap_or_default())?;
         }
         if plan.names.is_empty() && plan.condition.is_none() {
-            return Err("nothing is named that is to be captured".to_owned());
+            return Err("no pin to capture is named".to_owned());
         }
         let of_trigger = plan.condition.iter().flat_map(|c| c.names()).map(str::to_owned);
         let of_trigger: Vec<String> = of_trigger.collect();

@@ -39,7 +39,7 @@ const OPTIONS: &[Opt<Id>] = &[
     long(Id::From, "from", "TIME", "where the picture begins, as 1.5ms in machine time"),
     long(Id::To, "to", "TIME", "where it ends"),
     long(Id::Zero, "zero", "TIME", "where the axis has its 0; a trigger's place if there is one"),
-    long(Id::Title, "title", "TEXT", "what stands above it"),
+    long(Id::Title, "title", "TEXT", "its title"),
     long(
         Id::Size,
         "size",
@@ -121,7 +121,7 @@ mod tests {
         assert!(no_kind("a").is_some() && no_kind("a.SVG").is_none());
         assert_eq!(size("800x600"), Ok((800, 600)));
         for wrong in ["", "800", "x", "800x", "800x99", "20000x600", "-1x600", "8e2x600"] {
-            assert!(size(wrong).is_err_and(|e| e.starts_with(&format!("'{wrong}' is no size"))));
+            assert!(size(wrong).is_err_and(|e| e.starts_with(&format!("'{wrong}' is not a size"))));
         }
     }
 }

@@ -245,7 +245,7 @@ impl Kinds<'_> {
             Some(v) => match v.get_ref() {
                 Value::Integer(i) => Ok(*i as f64),
                 Value::Float(f) => Ok(*f),
-                _ => Err(Complaint::new(&self.source.spot(&v.span()), "this is no number")),
+                _ => Err(Complaint::new(&self.source.spot(&v.span()), "this is not a number")),
             },
         };
         Ok(Bounds::Within(number(least, f64::NEG_INFINITY)?, number(most, f64::INFINITY)?))
@@ -274,7 +274,7 @@ impl Kinds<'_> {
             let Some(value) = value else { return Ok(or) };
             let ns = value.get_ref().as_str().and_then(|t| nanoseconds(t).ok());
             ns.ok_or_else(|| {
-                let text = format!("{} is no time", value.get_ref());
+                let text = format!("{} is not a time", value.get_ref());
                 Complaint::new(&self.source.spot(&value.span()), text).with(super::source::TIMES)
             })
         };
@@ -322,7 +322,7 @@ fn left_over(source: &Source<'_>, expect: &file::Expect, key: &str) -> Result<()
     ];
     for (name, span, owners) in left {
         if let Some(span) = span {
-            let text = format!("'{name}' means nothing with '{key}'");
+            let text = format!("'{name}' has no meaning with '{key}'");
             return Err(
                 Complaint::new(&source.spot(&span), text).with(format!("it belongs to {owners}"))
             );

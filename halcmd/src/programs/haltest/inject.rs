@@ -125,7 +125,7 @@ impl Faults {
     /// Keeps the next pulses of a signal from its readers.
     pub(super) fn drop(bench: &mut Bench, named: &Named, pulses: u32) -> Result<(), Complaint> {
         let Value::Bit(_) = value(bench, named)? else {
-            let text = format!("'{}' is no bit: it has no pulses", named.name);
+            let text = format!("'{}' is not a bit: it has no pulses", named.name);
             return Err(Complaint::new(&named.spot, text));
         };
         let target = target(bench, named)?;

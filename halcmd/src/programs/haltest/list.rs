@@ -116,8 +116,7 @@ fn told(
         terminal.out(&format!("  accepted: {}\n", path.display()))?;
     }
     if wanted.accept && !outcome.passed() && outcome.pictures.iter().any(|p| !p.same) {
-        terminal
-            .out("  its waveforms are not accepted: something else is not as it should be\n")?;
+        terminal.out("  its waveforms are not accepted: the test fails otherwise, too\n")?;
     }
     Ok(outcome)
 }

@@ -32,7 +32,7 @@ impl Moment {
     /// Parses `20ms`, `turn`, `turn + 20ms`, `end - 1s`.
     pub(super) fn parse(text: &str, spot: &Spot) -> Result<Self, Complaint> {
         let wrong = |what: &str| {
-            Complaint::new(spot, format!("'{what}' is no time"))
+            Complaint::new(spot, format!("'{what}' is not a time"))
                 .with(TIMES)
                 .with("a moment is a time after the start, a mark, or a mark + or - a time")
         };

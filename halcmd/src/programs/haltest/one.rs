@@ -1,11 +1,11 @@
 //! A single test, in its own process.
 
 use super::{
-    course::{self, Course},
+    evaluate,
     failure::Failure,
-    judge,
     outcome::{Complaint, Outcome, Spot},
     process::{OUTCOME, RECORDING},
+    run::{self, Run},
     stage,
     test::Test,
 };
@@ -48,16 +48,16 @@ fn outcome(shown: &str, folder: &Path) -> Outcome {
         outcome.complaints.push(Complaint::new(&spot, crate::ini::plain(&error)));
         return outcome;
     }
-    let course = course::run(&test, &script);
-    outcome.machine_ns = course.end.unsigned_abs();
-    outcome.said = course.said.iter().map(|(_, text)| text.clone()).collect();
-    judge(&test, &course, shown, folder, &mut outcome);
+    let run = run::run(&test, &script);
+    outcome.machine_ns = run.end.unsigned_abs();
+    outcome.said = run.said.iter().map(|(_, text)| text.clone()).collect();
+    evaluate(&test, &run, shown, folder, &mut outcome);
     outcome
 }
 
-fn judge(test: &Test, course: &Course, shown: &str, folder: &Path, outcome: &mut Outcome) {
-    outcome.complaints.extend(course.complaints.iter().cloned());
-    if let Some(recording) = &course.recording
+fn evaluate(test: &Test, run: &Run, shown: &str, folder: &Path, outcome: &mut Outcome) {
+    outcome.complaints.extend(run.complaints.iter().cloned());
+    if let Some(recording) = &run.recording
         && let Err(error) = std::fs::copy(recording, folder.join(RECORDING))
     {
         let spot = Spot { file: shown.to_owned(), line: 1 };
@@ -65,7 +65,7 @@ fn judge(test: &Test, course: &Course, shown: &str, folder: &Path, outcome: &mut
         outcome.complaints.push(Complaint::new(&spot, text));
     }
     // Expectations do not apply to a run that was aborted.
-    if course.complaints.is_empty() {
-        judge::judge(test, course, shown, outcome);
+    if run.complaints.is_empty() {
+        evaluate::evaluate(test, run, shown, outcome);
     }
 }

@@ -36,7 +36,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { program: None, patience_ns: super::PATIENCE_NS, recording: None }
+        Self { program: None, patience_ns: super::TIMEOUT_NS, recording: None }
     }
 }
 
@@ -97,7 +97,7 @@ fn begun(shown: &str, options: &Options) -> io::Result<Outcome> {
     let text = match status {
         None => {
             let limit = crate::language::units::duration(options.patience_ns);
-            format!("given up: the test did not end within {limit} on the wall")
+            format!("aborted: the test did not end within {limit} on the wall")
         }
         Some(status) => match status.signal() {
             Some(signal) => format!("the process of the test was ended by signal {signal}"),

@@ -2,8 +2,8 @@
 
 use super::{
     condition::Condition,
+    evaluate::Record,
     expectation::{Pulses, Times},
-    judge::Record,
     outcome::{Complaint, Spot},
     test::Named,
 };
@@ -19,7 +19,7 @@ fn edges(
 ) -> Result<Vec<(i64, bool)>, Complaint> {
     let channel = record.channel(of)?;
     let Some(Value::Bit(mut level)) = record.trace.at(channel, from) else {
-        let text = format!("'{}' is no bit: it has no pulses", of.name);
+        let text = format!("'{}' is not a bit: it has no pulses", of.name);
         return Err(Complaint::new(&of.spot, text));
     };
     let times = record.times(from, to).into_iter();
@@ -31,7 +31,7 @@ fn edges(
 }
 
 /// Checks the pulses of a bit.
-pub(super) fn judge(
+pub(super) fn evaluate(
     record: &Record<'_>,
     spot: &Spot,
     wanted: &Pulses,

@@ -16,7 +16,7 @@ pub(super) fn change(test: &Test, ini: Option<&mut Ini>) -> Result<(), Complaint
         let name = &entry.name;
         let parts = name.strip_prefix('[').and_then(|rest| rest.split_once(']'));
         let Some((section, key)) = parts else {
-            let text = format!("'{name}' is no entry of an INI file");
+            let text = format!("'{name}' is not an entry of an INI file");
             let form = "an entry is written \"[SECTION]NAME\" = value";
             return Err(Complaint::new(&entry.spot, text).with(form));
         };

@@ -84,7 +84,7 @@ impl<'t> Source<'t> {
     /// Parses a duration.
     pub(super) fn time(&self, text: &Text) -> Result<u64, Complaint> {
         nanoseconds(text.get_ref()).map_err(|_| {
-            let what = format!("'{}' is no time", text.get_ref());
+            let what = format!("'{}' is not a time", text.get_ref());
             Complaint::new(&self.spot(&text.span()), what).with(TIMES)
         })
     }
@@ -120,7 +120,7 @@ impl<'t> Source<'t> {
                     let kind = KINDS.iter().find(|(kind, _)| *kind == wanted);
                     let kind = kind.map_or(wanted, |(_, name)| name);
                     let found = found.unwrap_or_else(|| message.to_owned()).replace('`', "");
-                    Complaint::new(&spot, format!("{found} stands where {kind} is wanted"))
+                    Complaint::new(&spot, format!("expected {kind}, found {found}"))
                 }
                 None => Complaint::new(&spot, message.replace('\n', "; ")),
             },

@@ -83,7 +83,7 @@ pub(super) fn set(test: &Test, stage: &Path) -> Result<(PathBuf, String), Compla
     for (file, text) in &test.replace {
         let plain = Path::new(&file.name).components().all(|c| matches!(c, Component::Normal(_)));
         if !plain || Path::new(&file.name).components().count() != 1 {
-            let text = format!("'{}' is no file beside '{name}'", file.name);
+            let text = format!("'{}' is not a file beside '{name}'", file.name);
             return Err(Complaint::new(&file.spot, text));
         }
         fs::write(copy.join(&file.name), text).map_err(wrong)?;

@@ -11,7 +11,7 @@ use super::{
 use toml::{Spanned, Value};
 
 /// Default time limit of a `wait`.
-const PATIENCE_NS: u64 = 10_000_000_000;
+const TIMEOUT_NS: u64 = 10_000_000_000;
 
 /// The keys of which a step has exactly one.
 const KEYS: &str = "do, run, wait, set, ramp, force, stuck, unlink, drop, release or expect";
@@ -83,7 +83,7 @@ pub(super) fn checked(source: &Source<'_>, step: Spanned<file::Step>) -> Result<
     if let Some(text) = &step.wait {
         let within = step.within.as_ref().map(|t| source.time(t)).transpose()?;
         let until = Condition::parse(source.named(text))?;
-        actions.push(Action::Wait { until, within: within.unwrap_or(PATIENCE_NS) });
+        actions.push(Action::Wait { until, within: within.unwrap_or(TIMEOUT_NS) });
     }
     actions.extend(step.set.map(|v| Action::Set(source.entries(v))));
     if let Some(ramps) = step.ramp {
@@ -192,6 +192,6 @@ pub(super) fn text_of(value: &Value) -> String {
 
 /// Returns the error for something that is not a value of a pin.
 pub(super) fn no_value(spot: &Spot, name: &str) -> Complaint {
-    Complaint::new(spot, format!("this is no value for '{name}'"))
+    Complaint::new(spot, format!("this is not a value for '{name}'"))
         .with("a value is true, false or a number")
 }

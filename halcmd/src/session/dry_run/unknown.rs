@@ -1,14 +1,14 @@
-//! Names that a trial cannot know: pins of programs that it does not start.
+//! Names that a dry run cannot know: pins of programs that it does not start.
 
 use hal_protocol::{At, Code, Finding};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Names that may exist on the machine but do not exist on trial.
+/// Names that may exist on the machine but do not exist in a dry run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Unknown {
     prefixes: BTreeMap<String, Source>,
     used: BTreeMap<Source, BTreeSet<String>>,
-    /// Signals with unknown ends, including signals that do not exist on trial.
+    /// Signals with unknown ends, including signals that do not exist in a dry run.
     pub signals: BTreeSet<String>,
 }
 

@@ -167,7 +167,7 @@ impl Meter {
         frame.render_widget(Line::styled(keys, self.looks.dim), foot);
 
         let Some(seen) = self.seen() else {
-            frame.render_widget(Line::raw("it is there no more"), value);
+            frame.render_widget(Line::raw("it no longer exists"), value);
             return;
         };
         let text = seen.value.to_string();

@@ -1,6 +1,6 @@
 //! Analysis before anything moves: `check`, `order`, `graph`, the dry run.
 
 mod check;
+mod dry_run;
 mod graph;
 mod order;
-mod trial;

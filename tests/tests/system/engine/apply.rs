@@ -505,7 +505,7 @@ fn a_file_of_ten_thousand_lines_fits_and_a_longer_one_is_refused() {
     };
     match client.call(nested) {
         Ok(Reply::Refused { edit: 0, failure }) => {
-            assert_eq!(failure.text, "this is no change to the graph");
+            assert_eq!(failure.text, "this does not change the graph");
         }
         other => panic!("{other:?}"),
     }

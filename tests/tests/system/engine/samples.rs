@@ -317,10 +317,10 @@ fn what_cannot_be_sampled_is_refused_and_leaves_nothing() {
     let mut m = Machine::new(ClockKind::Virtual);
     let said = |m: &mut Machine, spec: &SampleSpec| m.engine.sample(spec).unwrap_err().to_string();
     m.script("newsig x bit\nnewsig p port");
-    assert_eq!(said(&mut m, &spec(&["x"])), "there is no thread in whose cycles to sample");
+    assert_eq!(said(&mut m, &spec(&["x"])), "there is no thread to sample in");
     m.script(MACHINE);
     for (names, want) in [
-        (&[][..], "nothing is named that is to be sampled"),
+        (&[][..], "no pin to sample is named"),
         (
             &["x", "and2.0.otu"],
             "pin, parameter or signal 'and2.0.otu' not found; did you mean and2.0.out?",

@@ -329,7 +329,7 @@ fn what_a_client_says_of_itself_is_not_believed() {
     }
     for (writes, why) in [
         (vec![(9, hal_protocol::Value::Bit(true))], "this client has no such pin"),
-        (vec![(0, hal_protocol::Value::Float(1.0))], "a value has not the type of its pin"),
+        (vec![(0, hal_protocol::Value::Float(1.0))], "the value's type does not match its pin"),
         (vec![(0, hal_protocol::Value::Bit(true))], "a program does not write its own input"),
     ] {
         assert_eq!(refused(&mut client, Request::Poll { writes }), why);

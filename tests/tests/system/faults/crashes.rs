@@ -108,7 +108,7 @@ fn errx_is_named_as_the_exit_that_it_is() {
 #[cfg(target_arch = "x86_64")]
 #[test]
 fn a_port_that_may_not_be_used_is_named() {
-    let what = "port 0x0278 may not be written: this process has no right to use it";
+    let what = "port 0x0278 may not be written: this process has no permission to use it";
     let ran = component(GLOBALS, "(void)deeper;", &format!("if (++runs == 3) {{ {OUTB} }}"));
     let set_up = component(GLOBALS, &format!("(void)deeper; {OUTB}"), "");
     for (source, whose) in [
@@ -284,7 +284,7 @@ fn set_up_that_ends_the_process_is_a_finding_of_check() {
         ("*(int *volatile)0 = 1;", "", "rtapi_app_main crashes: segmentation fault"),
         ("abort();", "", "rtapi_app_main crashes: it gave up (abort)"),
         ("exit(3);", "", "rtapi_app_main ends the process, with status 3"),
-        ("for (;;) pause();", "", "rtapi_app_main does not return: given up after 5 s"),
+        ("for (;;) pause();", "", "rtapi_app_main does not return: aborted after 5 s"),
         ("", "*(int *volatile)0 = 1;", "rtapi_app_exit crashes: segmentation fault"),
     ] {
         let source = component("#include <stdlib.h>\n#include <unistd.h>", main, "");

@@ -101,7 +101,7 @@ fn a_client_passes_by_what_another_user_has_made() {
     // A file instead of a folder.
     let (place, folder) = at("file");
     as_user(USER, || File::create(&folder)).unwrap();
-    let want = format!("{} is no folder; remove it, or {own}", shown(&folder));
+    let want = format!("{} is not a folder; remove it, or {own}", shown(&folder));
     assert_eq!(refusal(USER, &place), want);
 
     // Modes: other users may read the folder, but not write to it.
@@ -143,7 +143,7 @@ fn a_client_passes_by_what_another_user_has_made() {
     assert_eq!(refusal(USER, &place), want);
     fs::remove_file(place.socket()).unwrap();
     File::create(place.socket()).unwrap();
-    assert_eq!(refusal(USER, &place), format!("{socket} is no socket; remove it, or {own}"));
+    assert_eq!(refusal(USER, &place), format!("{socket} is not a socket; remove it, or {own}"));
 }
 
 #[test]
@@ -209,7 +209,7 @@ fn an_engine_is_not_made_where_another_user_could_be_in_its_place() {
     let lock = place.lock();
     let shown = lock.display();
     mknodat(CWD, &lock, FileType::Fifo, Mode::from_raw_mode(0o600), 0).unwrap();
-    assert_eq!(made(&place), Err(format!("{shown}: it is no regular file")));
+    assert_eq!(made(&place), Err(format!("{shown}: it is not a regular file")));
     assert!(Folder::open(&place).unwrap().is_free(&place), "looking does not hang either");
     fs::remove_file(&lock).unwrap();
     symlink(tmp.join("elsewhere"), &lock).unwrap();

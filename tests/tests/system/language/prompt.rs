@@ -132,7 +132,7 @@ fn the_terminal_is_put_right_whatever_ends_the_program() {
     assert_eq!(scratch.halcmd(&["shutdown"]).status, Some(0));
     let (status, sane, shown) = t.end();
     assert_eq!((status, sane), (Some(1), true), "{shown:?}");
-    assert!(shown.contains("the engine has gone"), "{shown:?}");
+    assert!(shown.contains("the engine has closed the connection"), "{shown:?}");
 }
 
 #[test]

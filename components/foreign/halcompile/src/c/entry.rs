@@ -242,7 +242,7 @@ pub(crate) fn program(component: &Component, w: &mut Writer<'_>) {
         w.line("            counted = 1;");
         w.line("            count = strtol(words[i] + 6, &end, 0);");
         w.line("            if (*end || end == words[i] + 6 || count < 0) {");
-        w.line("                rtapi_print_msg(RTAPI_MSG_ERR, \"%s is no number of instances\\n\", words[i]);");
+        w.line("                rtapi_print_msg(RTAPI_MSG_ERR, \"%s is not a number of instances\\n\", words[i]);");
         w.line("                return 1;");
         w.line("            }");
         w.line("        } else if (strncmp(words[i], \"names=\", 6) == 0) {");

@@ -99,20 +99,20 @@ fn step(jacobian: &Matrix6<f64>, gap: &Vector6<f64>, size: f64, far: f64) -> Opt
     Some(step)
 }
 
-/// Calls `take` once with every solution that searches from many starts find, at most [`MOST`].
+/// Calls `take` once with every solution that searches from many starts find, at most [`MAX`].
 pub(crate) fn every_way(
     chain: &Chain,
     place: &Vector,
     turned: &Matrix,
     mut take: impl FnMut(&[f64; 6]),
 ) -> usize {
-    let mut found = [[0.0; 6]; MOST];
+    let mut found = [[0.0; 6]; MAX];
     let mut count = 0;
     let mut in_vain = 0;
     for n in 1..=STARTS {
         let Ok((way, _)) = search(chain, place, turned, &start(n), STEPS) else {
             in_vain += 1;
-            if in_vain > PATIENCE && count == 0 {
+            if in_vain > TIMEOUT && count == 0 {
                 break;
             }
             continue;
@@ -123,7 +123,7 @@ pub(crate) fn every_way(
         };
         if found.iter().take(count).any(is_known) {
             in_vain += 1;
-            if in_vain > PATIENCE {
+            if in_vain > TIMEOUT {
                 break;
             }
             continue;
@@ -138,11 +138,11 @@ pub(crate) fn every_way(
 }
 
 /// Maximum number of solutions of a six-joint arm for one pose (Primrose, 1986; Raghavan and Roth, 1993).
-pub(crate) const MOST: usize = 16;
+pub(crate) const MAX: usize = 16;
 /// Maximum number of starts.
 const STARTS: u32 = 1500;
 /// Maximum number of searches in a row that find nothing new.
-const PATIENCE: u32 = 250;
+const TIMEOUT: u32 = 250;
 /// Maximum number of steps of a search from such a start.
 const STEPS: u32 = 60;
 /// Largest difference of solutions that count as the same.

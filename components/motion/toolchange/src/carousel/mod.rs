@@ -10,9 +10,9 @@ use magazine::Magazine;
 use pocket::{Encoding, Pocket};
 
 /// Maximum number of tool changers in one load.
-const MOST: u32 = 8;
+const MAX: u32 = 8;
 /// Maximum number of pins in a list of sensors.
-const MOST_SENSORS: i64 = 32;
+const MAX_SENSORS: i64 = 32;
 
 /// A rotary tool magazine.
 pub(crate) struct Carousel;
@@ -67,19 +67,19 @@ getp carousel.0.motor-rev # -> FALSE
 ```";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = &[
-        &Arg::ints("pockets", "Pockets of each magazine, 1 or more; 8 without it.").at_most(MOST),
+        &Arg::ints("pockets", "Pockets of each magazine, 1 or more; 8 without it.").at_most(MAX),
         &Arg::texts(
             "encoding",
             "One of `gray`, `binary`, `bcd`, `single`, `index`, `edge` or `counts`; `gray` without it.",
         )
-        .at_most(MOST),
+        .at_most(MAX),
         &Arg::ints(
             "num_sense",
             "Sensors, 1 to 32; 4 without it. `single` has at least one for each pocket, `index` two.",
         )
-        .at_most(MOST),
-        &Arg::ints("dir", "1: turns forwards alone, 2: both ways; 2 without it.").at_most(MOST),
-        &Arg::ints("parity", "What the parity of a code must be, 0 even or 1 odd.").at_most(MOST),
+        .at_most(MAX),
+        &Arg::ints("dir", "1: turns forwards alone, 2: both ways; 2 without it.").at_most(MAX),
+        &Arg::ints("parity", "What the parity of a code must be, 0 even or 1 odd.").at_most(MAX),
         &Arg::ints("personality", "Accepted for scripts that give it: the others are what counts."),
     ];
 
@@ -101,13 +101,13 @@ getp carousel.0.motor-rev # -> FALSE
             let given = at(&b.arg_ints("num_sense"), i, 4);
             let sensors = match encoding {
                 Encoding::Single => {
-                    let given = within("num_sense", given, 1, MOST_SENSORS)?;
-                    within("pockets with encoding=single", pockets.into(), 1, MOST_SENSORS)?
+                    let given = within("num_sense", given, 1, MAX_SENSORS)?;
+                    within("pockets with encoding=single", pockets.into(), 1, MAX_SENSORS)?
                         .max(given)
                 }
                 Encoding::Index => 2,
-                Encoding::Edge => within("num_sense with encoding=edge", given, 2, MOST_SENSORS)?,
-                _ => within("num_sense", given, 1, MOST_SENSORS)?,
+                Encoding::Edge => within("num_sense with encoding=edge", given, 2, MAX_SENSORS)?,
+                _ => within("num_sense", given, 1, MAX_SENSORS)?,
             };
             let both = within("dir", at(&b.arg_ints("dir"), i, 2), 1, 2)? == 2;
             let odd = within("parity", at(&b.arg_ints("parity"), i, 0), 0, 1)? == 1;

@@ -1,7 +1,7 @@
 //! Realtime. Conversion of numbers to fields of characters, and the queue of characters to send.
 
 /// Maximum width of a field.
-pub(super) const LONGEST: usize = 20;
+pub(super) const MAX_LEN: usize = 20;
 
 /// 2 to the power of 64.
 const TOO_LARGE: f64 = (1_u128 << 64) as f64;
@@ -22,7 +22,7 @@ pub(super) struct Field {
 /// Characters waiting to be sent.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Line {
-    bytes: [u8; LONGEST],
+    bytes: [u8; MAX_LEN],
     len: usize,
     sent: usize,
 }
@@ -43,7 +43,7 @@ impl Line {
 
     /// Makes a line of one character, repeated.
     pub(super) fn repeated(byte: u8, times: usize) -> Self {
-        Self { bytes: [byte; LONGEST], len: times.min(LONGEST), sent: 0 }
+        Self { bytes: [byte; MAX_LEN], len: times.min(MAX_LEN), sent: 0 }
     }
 
     /// Takes the next character.
@@ -92,8 +92,8 @@ impl Field {
         is_float: bool,
     ) -> Line {
         let sign = if negative { Some(b'-') } else { Some(b'+').filter(|_| self.plus) };
-        let room = if self.width == 0 { LONGEST } else { self.width.min(LONGEST) };
-        let mut field = [b' '; LONGEST];
+        let room = if self.width == 0 { MAX_LEN } else { self.width.min(MAX_LEN) };
+        let mut field = [b' '; MAX_LEN];
         // Leftmost character written so far, and the leftmost position of a digit.
         let (mut at, first) = (room, usize::from(sign.is_some()).min(room));
         let mut put = |byte: u8| {

@@ -1,6 +1,6 @@
 //! Parser of `fmt_strings=`: text, escapes and formats of values, by pages.
 
-use super::field::{Field, LONGEST};
+use super::field::{Field, MAX_LEN};
 
 /// Part of a page.
 #[derive(Debug, PartialEq, Eq)]
@@ -91,8 +91,8 @@ fn value(mut rest: &[u8]) -> Result<(Part, &[u8]), String> {
         rest = after;
     }
     if let Some(width) = number(&mut rest) {
-        if !(1..=LONGEST).contains(&width) {
-            return Err(format!("a width is 1 to {LONGEST}, and {width} is not"));
+        if !(1..=MAX_LEN).contains(&width) {
+            return Err(format!("a width is 1 to {MAX_LEN}, and {width} is not"));
         }
         field.width = width;
     }
@@ -106,7 +106,7 @@ fn value(mut rest: &[u8]) -> Result<(Part, &[u8]), String> {
     };
     let kind = match letter {
         b'f' | b'F' => {
-            let most = if field.width == 0 { LONGEST } else { field.width } - 1;
+            let most = if field.width == 0 { MAX_LEN } else { field.width } - 1;
             field.decimals = given.unwrap_or(DECIMALS);
             if field.decimals > most {
                 let n = field.decimals;

@@ -7,7 +7,7 @@ use super::{
 use hal_component::Touch;
 
 /// Capacity of the ring of voltages, and the maximum of `thc-sample-counts`.
-const MOST: usize = 1000;
+const MAX: usize = 1000;
 
 /// Voltages since the torch was lit.
 #[derive(Touch)]
@@ -24,7 +24,7 @@ pub(super) struct Steady {
 
 impl Default for Steady {
     fn default() -> Self {
-        Self { volts: vec![0.0; MOST].into(), next: 0, count: 0 }
+        Self { volts: vec![0.0; MAX].into(), next: 0, count: 0 }
     }
 }
 
@@ -38,20 +38,20 @@ impl Steady {
         if let Some(place) = self.volts.get_mut(self.next) {
             *place = short(volts);
         }
-        self.next = (self.next + 1) % MOST;
-        self.count = (self.count + 1).min(MOST);
+        self.next = (self.next + 1) % MAX;
+        self.count = (self.count + 1).min(MAX);
     }
 
     /// Returns the mean of the last `thc-sample-counts` voltages if there are as many and they differ by no more than
     /// the threshold.
     pub(super) fn mean(&self, settings: &settings::Thc) -> Option<f64> {
-        let wanted = usize::try_from(at_most(settings.sample_counts.get(), 1000)).unwrap_or(MOST);
+        let wanted = usize::try_from(at_most(settings.sample_counts.get(), 1000)).unwrap_or(MAX);
         if self.count < wanted {
             return None;
         }
         let (mut low, mut high, mut sum) = (f32::INFINITY, f32::NEG_INFINITY, 0.0_f32);
         for back in (1..=wanted).rev() {
-            let volts = self.volts.get((self.next + MOST - back) % MOST).copied()?;
+            let volts = self.volts.get((self.next + MAX - back) % MAX).copied()?;
             low = low.min(volts);
             high = high.max(volts);
             sum += volts;

@@ -17,7 +17,7 @@ impl Look<'_> {
             let mut way: Vec<&str> = feedback.way.hops.iter().map(|h| h.from.as_str()).collect();
             way.push(&first.from);
             let text = format!(
-                "a loop: {}; what goes round comes back after {}",
+                "a loop: {}; a value returns after {}",
                 way.join(" → "),
                 time(feedback.way.delay.most)
             );

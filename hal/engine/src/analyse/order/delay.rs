@@ -12,7 +12,7 @@ use core::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
 /// Maximum number of loops and of paths that are reported, and maximum number of search steps.
-const MOST: usize = 200;
+const MAX: usize = 200;
 const STEPS: usize = 1_000_000;
 /// Length of a flow that carries only bits, in functions. Among paths of equal delay, those with
 /// such flows therefore come last.
@@ -155,7 +155,7 @@ impl<'m> Timed<'m> {
             if covered.at(i) || circle.at(flow.from) != circle.at(flow.to) {
                 continue;
             }
-            if steps > STEPS || seen.len() >= MOST {
+            if steps > STEPS || seen.len() >= MAX {
                 more = true;
                 break;
             }
@@ -192,7 +192,7 @@ impl<'m> Timed<'m> {
                 let quickest = self.way(&quickest, from, to);
                 let slowest = self.way(&slowest, from, to);
                 let (Some(quickest), Some(slowest)) = (quickest, slowest) else { continue };
-                if list.len() >= MOST {
+                if list.len() >= MAX {
                     more = true;
                     break 'sources;
                 }

@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximum number of writer-reader pairs of a signal. Beyond it, the functions are connected in a
 /// ring instead of each with each.
-const MOST_PAIRS: usize = 4096;
+const MAX_PAIRS: usize = 4096;
 
 impl Machine {
     /// Returns the functions in threads and their flows.
@@ -145,7 +145,7 @@ fn flows(graph: &Graph, known: &BTreeMap<Ix, usize>) -> Vec<Flow> {
 
 /// Adds a flow from each writer to each reader.
 fn between(pairs: &mut Vec<(usize, usize, By)>, from: &[usize], to: &[usize], by: By) {
-    if from.len() > 1 && from.len().saturating_mul(to.len()) > MOST_PAIRS {
+    if from.len() > 1 && from.len().saturating_mul(to.len()) > MAX_PAIRS {
         let all: BTreeSet<usize> = from.iter().chain(to).copied().collect();
         let next = all.iter().cycle().skip(1);
         pairs.extend(all.iter().zip(next).map(|(a, b)| (*a, *b, by)));

@@ -5,7 +5,7 @@ use hal_protocol::Type;
 use hal_trace::trigger::{Condition as Read, ConditionError, When};
 
 /// Events in every machine: the end of a bit's name, the value that it changes to, and the meaning.
-const USUAL: &[(&str, bool, &str)] = &[
+const DEFAULT: &[(&str, bool, &str)] = &[
     (".f-errored", true, "following error"),
     (".amp-fault-in", true, "amplifier fault"),
     (".emc-enable-in", false, "e-stop"),
@@ -53,7 +53,7 @@ impl Condition {
     /// Creates the condition that every machine has for a bit with such a name, if there is one.
     pub(super) fn usual(name: &str, ty: Type) -> Option<Self> {
         let is_it = |(end, _, _): &&(&str, bool, &str)| name.ends_with(end);
-        let (_, wanted, what) = USUAL.iter().find(is_it).filter(|_| ty == Type::Bit)?;
+        let (_, wanted, what) = DEFAULT.iter().find(is_it).filter(|_| ty == Type::Bit)?;
         let read = Read::parse(&format!("{}'{name}'", if *wanted { "" } else { "not " })).ok()?;
         Some(Self { why: format!("{what}: {name}"), ..Self::new(read) })
     }

@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 /// Maximum number of events in the list, and of events that are written to files.
 const TOLD: usize = 20;
-const MOST_FILES: u32 = 100;
+const MAX_FILES: u32 = 100;
 
 /// Event whose time of recording is not over yet.
 #[derive(Debug)]
@@ -86,7 +86,7 @@ impl Flight {
         let snapshot = Arc::new(Snapshot { history, to: end.min(now), marks });
         self.last = Some(snapshot.clone());
         self.events += 1;
-        let wanted = self.spec.file.clone().filter(|_| self.events <= MOST_FILES);
+        let wanted = self.spec.file.clone().filter(|_| self.events <= MAX_FILES);
         let file = wanted.map(|f| numbered(&f, self.events));
         let mut kept = self.new_kept(at, &why, file.clone(), true);
         if let Some(path) = &file {

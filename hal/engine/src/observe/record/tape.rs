@@ -11,8 +11,8 @@ use std::io::Result;
 
 /// Longest time in nanoseconds, and largest number of bytes, for which whole records wait to be
 /// written.
-const LONGEST_WAIT_NS: i64 = 500_000_000;
-const MOST_WAITING: usize = 1 << 16;
+const MAX_WAIT_NS: i64 = 500_000_000;
+const MAX_WAITING: usize = 1 << 16;
 
 /// Recording in progress.
 #[derive(Debug)]
@@ -109,7 +109,7 @@ impl Tape {
         self.looks = self.probe.looks();
         let waiting = self.writer.out().waiting();
         let clock = os::monotonic_ns();
-        if waiting >= MOST_WAITING || (waiting > 0 && clock - self.put_at >= LONGEST_WAIT_NS) {
+        if waiting >= MAX_WAITING || (waiting > 0 && clock - self.put_at >= MAX_WAIT_NS) {
             self.put_at = clock;
             self.put(now);
         }

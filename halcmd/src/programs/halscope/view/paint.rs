@@ -53,7 +53,7 @@ pub(super) fn paint(state: &mut State, status: &str, look: &Look, frame: &mut Fr
         for (line, row) in HELP.lines().zip(lanes.rows()) {
             frame.render_widget(Line::raw(line), row);
         }
-        frame.render_widget(Line::styled("any key goes back", look.dim), foot);
+        frame.render_widget(Line::styled("press any key to return", look.dim), foot);
         return;
     }
     frame.render_widget(rule(state, look), ruler);

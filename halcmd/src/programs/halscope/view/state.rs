@@ -270,7 +270,7 @@ impl State {
             let names = self.trace.channels().iter().flat_map(hal_trace::Channel::names);
             let near = nearest(part, names.map(String::as_str));
             let near = near.map_or_else(String::new, |near| format!("; did you mean {near}?"));
-            self.said = format!("nothing is called '{part}'{near}");
+            self.said = format!("there is no '{part}'{near}");
         }
     }
 

@@ -179,7 +179,7 @@ fn lanes_are_found_moved_and_hidden() {
     keys(&mut state, "nz,/position\n");
     assert_eq!(names(&state), "stepgen.0.position-fb");
     keys(&mut state, "/xstpe\n");
-    assert_eq!(state.said, "nothing is called 'xstpe'; did you mean xstep?");
+    assert_eq!(state.said, "there is no 'xstpe'; did you mean xstep?");
     keys(&mut state, "u");
     assert_eq!(state.lanes.len(), 2);
     assert_eq!(state.press(Key::Letter('q')), Asked::Leave);

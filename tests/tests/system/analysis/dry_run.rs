@@ -6,35 +6,35 @@ use hal_tests::{
     programs::{programs, root},
     scratch::Scratch,
 };
-use halcmd::session::dry_run::Trial;
+use halcmd::session::dry_run::DryRun;
 
 /// Executes a script as a dry run; its file is called `m.hal`.
-fn trial(text: &str) -> (Scratch, Trial) {
-    let scratch = Scratch::new("trial-names");
+fn dry_run(text: &str) -> (Scratch, DryRun) {
+    let scratch = Scratch::new("dry_run-names");
     scratch.write("m.hal", text);
     let file = scratch.path().join("m.hal").display().to_string();
-    let trial = Trial::with_plugins(&[file], None, vec![programs().to_owned()]).unwrap();
-    (scratch, trial)
+    let dry_run = DryRun::with_plugins(&[file], None, vec![programs().to_owned()]).unwrap();
+    (scratch, dry_run)
 }
 
 /// Returns the refusals, without the folder.
-fn refusals(scratch: &Scratch, trial: &Trial) -> Vec<String> {
+fn refusals(scratch: &Scratch, dry_run: &DryRun) -> Vec<String> {
     let folder = format!("{}/", scratch.path().display());
-    let said = trial.attempt().refusals.iter().map(|r| format!("{}: {}", r.at, r.error.whole()));
+    let said = dry_run.result().refusals.iter().map(|r| format!("{}: {}", r.at, r.error.whole()));
     said.map(|text| text.replace(&folder, "")).collect()
 }
 
 #[test]
 fn the_printer_is_made_whole() {
     let ini = root().join("configs/printer/printer.ini").display().to_string();
-    let mut trial = Trial::with_plugins(&[ini], None, vec![programs().to_owned()]).unwrap();
-    assert_eq!(trial.attempt().refusals, []);
-    assert_eq!(trial.attempt().remarks, []);
+    let mut dry_run = DryRun::with_plugins(&[ini], None, vec![programs().to_owned()]).unwrap();
+    assert_eq!(dry_run.result().refusals, []);
+    assert_eq!(dry_run.result().notices, []);
     let list = Request::List { kind: Kind::Signals, patterns: Vec::new(), ty: None };
-    let Reply::Signals(signals) = trial.engine().call(list).unwrap() else { panic!() };
+    let Reply::Signals(signals) = dry_run.engine().call(list).unwrap() else { panic!() };
     assert_eq!(signals.len(), 27);
     let list = Request::List { kind: Kind::Threads, patterns: Vec::new(), ty: None };
-    let Reply::Threads(threads) = trial.engine().call(list).unwrap() else { panic!() };
+    let Reply::Threads(threads) = dry_run.engine().call(list).unwrap() else { panic!() };
     let functs: Vec<usize> = threads.iter().map(|t| t.functs.len()).collect();
     assert_eq!(functs, [4, 3]);
 }
@@ -54,13 +54,13 @@ fn every_line_is_carried_out_and_refusals_are_kept() {
                 net a and2.0.out\n\
                 shutdown\n\
                 nonsense\n";
-    let scratch = Scratch::new("trial-lines");
+    let scratch = Scratch::new("dry_run-lines");
     scratch.write("m.hal", text);
     scratch.write("more.hal", "setp and2.0.in0 2\nloadrt and2\nnewsig b bit\n");
     scratch.write("m.ini", "[HAL]\nHALFILE = m.hal\nHALFILE = none.hal\n[EMCIO]\nA = 1\n");
     let files = [scratch.path().join("m.ini").display().to_string()];
-    let mut trial = Trial::with_plugins(&files, None, vec![programs().to_owned()]).unwrap();
-    let said = refusals(&scratch, &trial);
+    let mut dry_run = DryRun::with_plugins(&files, None, vec![programs().to_owned()]).unwrap();
+    let said = refusals(&scratch, &dry_run);
     let want = [
         "m.hal:2: parameter or pin 'and2.0.in9': not found; did you mean and2.0.in0?",
         "more.hal:1: pin 'and2.0.in0': invalid argument; ",
@@ -76,13 +76,13 @@ fn every_line_is_carried_out_and_refusals_are_kept() {
         assert!(!scratch.path().join(file).exists(), "{file} was made");
     }
     let list = Request::List { kind: Kind::Signals, patterns: Vec::new(), ty: None };
-    let Reply::Signals(signals) = trial.engine().call(list).unwrap() else { panic!() };
+    let Reply::Signals(signals) = dry_run.engine().call(list).unwrap() else { panic!() };
     assert_eq!(signals.iter().map(|s| s.name.as_str()).collect::<Vec<_>>(), ["a", "b"]);
 }
 
 #[test]
 fn names_of_programs_and_missing_components_are_unknown_not_wrong() {
-    let (scratch, trial) = trial(
+    let (scratch, dry_run) = dry_run(
         "loadrt and2\n\
          loadrt no_such_card names=card.0\n\
          loadusr -Wn panel gladevcp -c other panel.xml\n\
@@ -99,7 +99,7 @@ fn names_of_programs_and_missing_components_are_unknown_not_wrong() {
          net e hal_manualtoolchange.changed => and2.0.in1\n\
          net e hal_manualtoolchange.chang\n",
     );
-    let said = refusals(&scratch, &trial);
+    let said = refusals(&scratch, &dry_run);
     let want = [
         "m.hal:2: no_such_card: no plugin library offers this component",
         "m.hal:11: Pin 'pane.button' does not exist",
@@ -111,6 +111,6 @@ fn names_of_programs_and_missing_components_are_unknown_not_wrong() {
     for (said, want) in said.iter().zip(want) {
         assert!(said.starts_with(want), "{said}");
     }
-    let unknown: Vec<&String> = trial.attempt().unknown.signals.iter().collect();
+    let unknown: Vec<&String> = dry_run.result().unknown.signals.iter().collect();
     assert_eq!(unknown, ["a", "b"]);
 }

@@ -3,11 +3,11 @@
 use super::{
     compare,
     condition::Condition,
-    course::Course,
     expectation::{Expectation, What},
     moment::{Moment, START},
     outcome::{Complaint, Outcome, Picture, Spot},
     picture, pulses,
+    run::Run,
     test::{Named, Test},
 };
 use crate::language::units::duration;
@@ -16,17 +16,17 @@ use hal_trace::{Channel, Trace, draw, vcd};
 use std::path::Path;
 
 /// Adds failed expectations and the waveforms to the outcome.
-pub(super) fn judge(test: &Test, course: &Course, shown: &str, outcome: &mut Outcome) {
-    let trace = match trace(course) {
+pub(super) fn evaluate(test: &Test, run: &Run, shown: &str, outcome: &mut Outcome) {
+    let trace = match trace(run) {
         Ok(trace) => trace,
         Err(text) => {
             let spot = Spot { file: shown.to_owned(), line: 1 };
             return outcome.complaints.push(Complaint::new(&spot, text));
         }
     };
-    let record = Record { trace: &trace, course };
+    let record = Record { trace: &trace, run };
     for e in &test.expectations {
-        if let Err(mut complaint) = record.judge(e) {
+        if let Err(mut complaint) = record.evaluate(e) {
             if !e.about.is_empty() {
                 complaint.text = format!("{}: {}", e.about, complaint.text);
             }
@@ -52,8 +52,8 @@ pub(super) fn judge(test: &Test, course: &Course, shown: &str, outcome: &mut Out
     }
 }
 
-fn trace(course: &Course) -> Result<Trace, String> {
-    let Some(path) = &course.recording else { return Ok(Trace::default()) };
+fn trace(run: &Run) -> Result<Trace, String> {
+    let Some(path) = &run.recording else { return Ok(Trace::default()) };
     let bytes = std::fs::read(path).map_err(|e| crate::ini::plain(&e).to_string())?;
     let trace = vcd::read(&bytes).whole().map_err(|(_, flaw)| format!("the recording: {flaw}"))?;
     match trace.lost() {
@@ -65,19 +65,19 @@ fn trace(course: &Course) -> Result<Trace, String> {
 /// The recording, and the times of the moments.
 pub(super) struct Record<'r> {
     pub(super) trace: &'r Trace,
-    course: &'r Course,
+    run: &'r Run,
 }
 
 impl Record<'_> {
     /// Writes a time relative to the start.
     pub(super) fn told(&self, time: i64) -> String {
-        let start = self.course.reached.get(START).copied().unwrap_or(0);
+        let start = self.run.reached.get(START).copied().unwrap_or(0);
         let text = duration(time.saturating_sub(start).unsigned_abs());
         if time < start { format!("{text} before the start") } else { text }
     }
 
     fn moment(&self, moment: &Moment, spot: &Spot) -> Result<i64, Complaint> {
-        let time = moment.on(&self.course.reached);
+        let time = moment.on(&self.run.reached);
         time.ok_or_else(|| Complaint::new(spot, "its moment was not reached"))
     }
 
@@ -86,7 +86,7 @@ impl Record<'_> {
         if from < to {
             return Ok((from, to));
         }
-        let text = "its part of the course is empty";
+        let text = "its part of the run is empty";
         let times = format!("from {} to {}", self.told(from), self.told(to));
         Err(Complaint::new(spot, text).with(times))
     }
@@ -99,7 +99,7 @@ impl Record<'_> {
         })
     }
 
-    fn judge(&self, e: &Expectation) -> Result<(), Complaint> {
+    fn evaluate(&self, e: &Expectation) -> Result<(), Complaint> {
         let spot = &e.spot;
         match &e.what {
             What::Message(text) => return self.message(text, true),
@@ -154,7 +154,7 @@ impl Record<'_> {
                 let (firsts, thens) = (self.events(first, from, to)?, self.events(then, from, to)?);
                 pulses::between(self, spot, (first, &firsts), (then, &thens), *time)
             }
-            What::Pulses(wanted) => pulses::judge(self, spot, wanted, from, to),
+            What::Pulses(wanted) => pulses::evaluate(self, spot, wanted, from, to),
             What::Motor { step, direction, bounds } => {
                 let found = pulses::steps(self, step, direction, from, to)?;
                 let found = Value::S64(found);
@@ -171,7 +171,7 @@ impl Record<'_> {
     }
 
     fn message(&self, text: &Named, wanted: bool) -> Result<(), Complaint> {
-        let said = &self.course.said;
+        let said = &self.run.said;
         let found: Vec<_> = said.iter().filter(|(_, s)| s.contains(&text.name)).collect();
         if wanted != found.is_empty() {
             return Ok(());
@@ -264,7 +264,7 @@ impl Record<'_> {
         let counts = |n: usize| whens.as_ref().is_none_or(|w| w.get(n).is_some_and(|(_, t)| *t));
         if whens.is_some() && !(0..truths.len()).any(counts) {
             let name = when.map_or("", |w| w.named.name.as_str());
-            let text = format!("'{name}' is never so: nothing was looked at");
+            let text = format!("'{name}' is never true: nothing was checked");
             return Err(Complaint::new(spot, text));
         }
         let bad = truths.iter().enumerate().find(|(n, (_, is))| *is != wanted && counts(*n));

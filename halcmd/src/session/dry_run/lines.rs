@@ -1,6 +1,6 @@
-//! Execution of commands on trial: the same as otherwise, except for effects outside.
+//! Execution of commands in a dry run: the same as otherwise, except for effects outside.
 
-use super::{Attempt, Unknown};
+use super::{DryRunResult, Unknown};
 use crate::{
     Command, Error, Session,
     ini::Ini,
@@ -24,27 +24,27 @@ const INTERFACES: [(&str, &str, &[&str]); 5] = [
 const ENOENT: i32 = -2;
 
 impl Session<'_> {
-    /// Begins a trial: commands affect nothing outside, and refused lines are recorded instead of
+    /// Begins a dry run: commands affect nothing outside, and refused lines are recorded instead of
     /// reported.
-    pub(crate) fn begin_trial(&mut self) {
-        self.attempt = Some(Attempt::default());
+    pub(crate) fn begin_dry_run(&mut self) {
+        self.dry_run = Some(DryRunResult::default());
     }
 
-    /// Ends the trial and returns its result.
-    pub(crate) fn end_trial(mut self) -> Attempt {
-        self.attempt.take().unwrap_or_default()
+    /// Ends the dry run and returns its result.
+    pub(crate) fn end_dry_run(mut self) -> DryRunResult {
+        self.dry_run.take().unwrap_or_default()
     }
 
-    /// Returns whether the session is on trial.
+    /// Returns whether the session is in a dry run.
     pub(crate) const fn is_trial(&self) -> bool {
-        self.attempt.is_some()
+        self.dry_run.is_some()
     }
 
     fn unknown_names(&mut self) -> &mut Unknown {
-        &mut self.attempt.get_or_insert_default().unknown
+        &mut self.dry_run.get_or_insert_default().unknown
     }
 
-    pub(crate) fn attempt(&mut self, command: Command) -> Result<(), Error> {
+    pub(crate) fn dry_run_command(&mut self, command: Command) -> Result<(), Error> {
         match command {
             Command::Ask(request, _) | Command::Value(request) | Command::TypeOf(request) => {
                 self.try_request(request)
@@ -127,7 +127,7 @@ impl Session<'_> {
         self.ask(Request::Net { signal, pins: known }).map(|_| ())
     }
 
-    /// Returns whether a pin may exist on the machine but does not exist on trial.
+    /// Returns whether a pin may exist on the machine but does not exist in a dry run.
     fn is_unknown_pin(&mut self, name: &str) -> bool {
         let asked = self.ask(Request::Get { name: name.to_owned() });
         let missing = matches!(asked, Err(Error::Engine(failure)) if failure.code == ENOENT);
@@ -165,7 +165,7 @@ impl Session<'_> {
                           then those in PATH";
             let finding = Finding::new(code, &launch.program, text);
             let found = finding.at(Some(at.clone())).remedy(remedy);
-            self.attempt.get_or_insert_default().found.push(found);
+            self.dry_run.get_or_insert_default().found.push(found);
         }
         let unknown = self.unknown_names();
         let program = Some(base.as_str());

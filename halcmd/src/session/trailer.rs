@@ -5,7 +5,7 @@ use hal_protocol::Request;
 
 /// Messages at the end of a failed command.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Last {
+pub(crate) enum Trailer {
     /// No message.
     Nothing,
     /// `newsig failed` and the like.
@@ -18,7 +18,7 @@ pub(crate) enum Last {
     Net(String),
 }
 
-impl Last {
+impl Trailer {
     pub(crate) fn of(command: &Command) -> Self {
         let Command::Ask(request, _) = command else { return Self::Nothing };
         match request {

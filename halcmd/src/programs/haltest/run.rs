@@ -1,4 +1,4 @@
-//! Course of a test: it creates the machine and executes the steps.
+//! Run of a test: it creates the machine and executes the steps.
 
 use super::{
     bench::Bench,
@@ -32,7 +32,7 @@ const RECORDING: &str = ".haltest.vcd";
 
 /// Result of a run.
 #[derive(Debug, Default)]
-pub(super) struct Course {
+pub(super) struct Run {
     pub(super) complaints: Vec<Complaint>,
     /// Messages and their times in nanoseconds.
     pub(super) said: Vec<(i64, String)>,
@@ -44,7 +44,7 @@ pub(super) struct Course {
 }
 
 /// State of a running test.
-struct Stand<'t> {
+struct Fixture<'t> {
     test: &'t Test,
     plan: &'t Plan,
     files: &'t Files,
@@ -52,18 +52,18 @@ struct Stand<'t> {
     programs: Vec<Child>,
     /// Output and errors of the script and of the steps, with their times.
     printed: Vec<(i64, String)>,
-    course: Course,
+    run: Run,
 }
 
 /// Runs a test in this process, whose working folder must be the machine's.
-pub(super) fn run(test: &Test, script: &str) -> Course {
+pub(super) fn run(test: &Test, script: &str) -> Run {
     let spot = test.machine.clone().unwrap_or_default().spot;
     let mut words = vec!["--virtual".to_owned()];
     words.extend(test.arguments.iter().cloned());
     words.push(script.to_owned());
     let failed = |text: String| {
         let complaints = vec![Complaint::new(&spot, text)];
-        Course { complaints, ..Course::default() }
+        Run { complaints, ..Run::default() }
     };
     let environment = |name: &str| std::env::var(name).ok();
     let plan = match plan::plan(&words, &environment) {
@@ -76,31 +76,31 @@ pub(super) fn run(test: &Test, script: &str) -> Course {
         Err(error) => return refusal(test, &spot, &error),
     };
     if let Err(complaint) = settings::change(test, files.ini.as_mut()) {
-        return Course { complaints: vec![complaint], ..Course::default() };
+        return Run { complaints: vec![complaint], ..Run::default() };
     }
     let engine = match Engine::new(instance_options(&plan, &files)) {
         Ok(engine) => engine,
         Err(failure) => return failed(failure.to_string()),
     };
-    let mut stand = Stand {
+    let mut fixture = Fixture {
         test,
         plan: &plan,
         files: &files,
         bench: Bench::new(engine, test.limit_ns()),
         programs: Vec::new(),
         printed: Vec::new(),
-        course: Course::default(),
+        run: Run::default(),
     };
-    stand.go(&spot);
-    stand.close()
+    fixture.go(&spot);
+    fixture.close()
 }
 
 /// Returns the result for a script or INI file that cannot be read.
-fn refusal(test: &Test, spot: &Spot, error: &Error) -> Course {
-    let mut course = Course::default();
-    course.said.push((0, error.whole()));
-    course.complaints.extend(refused_as_expected(test, spot, &error.whole()));
-    course
+fn refusal(test: &Test, spot: &Spot, error: &Error) -> Run {
+    let mut run = Run::default();
+    run.said.push((0, error.whole()));
+    run.complaints.extend(refused_as_expected(test, spot, &error.whole()));
+    run
 }
 
 /// Returns the complaint about a failed script, unless the test expects that failure.
@@ -119,32 +119,32 @@ fn refused_as_expected(test: &Test, spot: &Spot, text: &str) -> Option<Complaint
     }
 }
 
-impl Stand<'_> {
+impl Fixture<'_> {
     fn go(&mut self, spot: &Spot) {
         let (outcome, text) = self.script();
         if outcome != Outcome::Good {
-            self.course.complaints.extend(refused_as_expected(self.test, spot, &text));
+            self.run.complaints.extend(refused_as_expected(self.test, spot, &text));
             return self.check_exit(1);
         }
         if let Some(wanted) = &self.test.refused {
             let complaint = Complaint::new(&wanted.spot, "the machine is not refused");
-            self.course.complaints.push(complaint.with(format!("expected: {}", wanted.name)));
+            self.run.complaints.push(complaint.with(format!("expected: {}", wanted.name)));
             return;
         }
-        self.course.complaints.extend(watch::unknown(self.test, &mut self.bench));
-        if !self.course.complaints.is_empty() {
+        self.run.complaints.extend(watch::unknown(self.test, &mut self.bench));
+        if !self.run.complaints.is_empty() {
             return;
         }
         let start = self.bench.now();
-        self.course.reached.insert(START.to_owned(), start);
+        self.run.reached.insert(START.to_owned(), start);
         for step in &self.test.steps {
             if self.bench.is_ending() {
                 let text = "the machine has ended before this step";
-                self.course.complaints.push(Complaint::new(&step.spot, text));
+                self.run.complaints.push(Complaint::new(&step.spot, text));
                 break;
             }
             if let Err(complaint) = self.step(step, start) {
-                self.course.complaints.push(complaint);
+                self.run.complaints.push(complaint);
                 // Later steps would find the machine in an unexpected state.
                 break;
             }
@@ -159,7 +159,7 @@ impl Stand<'_> {
         {
             let text = format!("halrun would end with status {found}");
             let complaint = Complaint::new(spot, text).with(format!("expected: {wanted}"));
-            self.course.complaints.push(complaint);
+            self.run.complaints.push(complaint);
         }
     }
 
@@ -246,7 +246,7 @@ impl Stand<'_> {
             Action::Expect(entries, tolerance) => self.expect(entries, *tolerance)?,
         }
         if let Some(mark) = &step.mark {
-            self.course.reached.insert(mark.clone(), self.bench.now());
+            self.run.reached.insert(mark.clone(), self.bench.now());
         }
         Ok(())
     }
@@ -338,25 +338,25 @@ impl Stand<'_> {
         }
         if let Err(failure) = self.bench.ask(Request::EndRecord) {
             let spot = self.test.machine.clone().unwrap_or_default().spot;
-            self.course.complaints.push(Complaint::new(&spot, failure.to_string()));
+            self.run.complaints.push(Complaint::new(&spot, failure.to_string()));
         }
     }
 
-    fn close(mut self) -> Course {
+    fn close(mut self) -> Run {
         let ended = self.bench.now();
-        self.course.end = ended;
-        self.course.reached.insert(END.to_owned(), ended);
+        self.run.end = ended;
+        self.run.reached.insert(END.to_owned(), ended);
         if !watch::recorded(self.test).is_empty() && !self.bench.is_ending() {
             self.end_recording();
         }
-        self.course.recording = Some(PathBuf::from(RECORDING)).filter(|p| p.is_file());
-        self.course.said = self.bench.close();
-        self.course.said.extend(self.printed);
-        self.course.said.sort_by_key(|(time, _)| *time);
+        self.run.recording = Some(PathBuf::from(RECORDING)).filter(|p| p.is_file());
+        self.run.said = self.bench.close();
+        self.run.said.extend(self.printed);
+        self.run.said.sort_by_key(|(time, _)| *time);
         for mut program in self.programs {
             drop(program.wait());
         }
-        self.course
+        self.run
     }
 }
 

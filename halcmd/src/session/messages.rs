@@ -4,7 +4,7 @@ use crate::{
     Error, Fault, Session,
     language::lex::Line,
     language::syntax::excerpt,
-    session::dry_run::{Refusal, Remark},
+    session::dry_run::{Notice, Refusal},
     terminal::colour,
 };
 use hal_protocol::At;
@@ -13,40 +13,40 @@ use serde_json::{Value, json};
 impl Session<'_> {
     /// Reports an error outside a script.
     pub fn report(&mut self, error: &Error) {
-        self.accuse(&error.clone().into(), None);
+        self.error(&error.clone().into(), None);
     }
 
     /// Prints the warnings about a file. Each has its place already.
     pub fn warn(&mut self, warnings: &[String]) {
         for warning in warnings {
-            self.remark(warning);
+            self.info(warning);
         }
     }
 
     /// Reports an error: preceding messages, error, following messages, remedy. A person also sees
     /// the line with a mark under the wrong part.
-    pub(crate) fn accuse(&mut self, fault: &Fault, line: Option<&Line>) {
+    pub(crate) fn error(&mut self, fault: &Fault, line: Option<&Line>) {
         let error = &fault.error;
-        if **error == Error::Told {
+        if **error == Error::AlreadyReported {
             return;
         }
         let (file, number) = self.place();
         let at = At::new(file, number);
-        if let Some(attempt) = &mut self.attempt {
-            attempt.refusals.push(Refusal { at, error: Error::clone(error) });
+        if let Some(dry_run) = &mut self.dry_run {
+            dry_run.refusals.push(Refusal { at, error: Error::clone(error) });
         } else if self.style.json {
             self.object(&json!({ "error": object(fault, &at, line) }));
         } else {
-            self.accuse_in_words(fault, line);
+            self.print_error(fault, line);
         }
     }
 
-    fn accuse_in_words(&mut self, fault: &Fault, line: Option<&Line>) {
+    fn print_error(&mut self, fault: &Fault, line: Option<&Line>) {
         let error = &fault.error;
         let coloured = self.terminal.is_coloured();
         if !self.style.silent {
             for line in error.before() {
-                self.complain(&line);
+                self.warn_at(&line);
             }
         }
         if !self.style.silent || !fault.quiet {
@@ -55,7 +55,7 @@ impl Session<'_> {
             self.terminal.err(&format!("{text}\n"));
         }
         for text in &fault.after {
-            self.complain(text);
+            self.warn_at(text);
         }
         let hint = error.hint();
         if self.terminal.is_person() {
@@ -68,7 +68,7 @@ impl Session<'_> {
                 self.terminal.err(&format!("{hint}\n"));
             }
         } else if let Some(hint) = hint.filter(|_| !self.style.silent) {
-            self.complain(&hint);
+            self.warn_at(&hint);
         }
     }
 
@@ -84,11 +84,11 @@ impl Session<'_> {
     }
 
     /// Prints a message with the place of the line that is being executed.
-    pub(crate) fn complain(&mut self, text: &str) {
+    pub(crate) fn warn_at(&mut self, text: &str) {
         let (file, line) = self.place();
         let at = At::new(file, line);
-        if let Some(attempt) = &mut self.attempt {
-            attempt.remarks.push(Remark { at, text: text.to_owned() });
+        if let Some(dry_run) = &mut self.dry_run {
+            dry_run.notices.push(Notice { at, text: text.to_owned() });
         } else if self.style.json {
             let place = json!({ "file": at.file, "line": at.line, "text": text });
             self.object(&json!({ "message": place }));
@@ -100,12 +100,12 @@ impl Session<'_> {
     /// Prints a message if `-v` was given.
     pub(crate) fn note(&mut self, text: &str) {
         if self.style.verbose {
-            self.complain(text);
+            self.warn_at(text);
         }
     }
 
     /// Prints a message without a place, or with its own.
-    pub(crate) fn remark(&mut self, text: &str) {
+    pub(crate) fn info(&mut self, text: &str) {
         if self.style.json {
             self.object(&json!({ "message": { "text": text } }));
         } else {
