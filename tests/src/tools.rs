@@ -32,6 +32,7 @@ const PROGRAMS: &[Tool] = &[
     Tool { name: "vcd2fst", what: "vcd2fst", remedy: "apt-get install gtkwave" },
     Tool { name: "fst2vcd", what: "fst2vcd", remedy: "apt-get install gtkwave" },
     Tool { name: "sigrok-cli", what: "sigrok-cli", remedy: "apt-get install sigrok-cli" },
+    Tool { name: "dot", what: "Graphviz", remedy: "apt-get install graphviz" },
     Tool { name: "python3", what: "python3", remedy: "apt-get install python3" },
     Tool { name: "ssconvert", what: "ssconvert", remedy: "apt-get install gnumeric" },
     Tool { name: "unshare", what: "unshare, with the right to mount", remedy: "run it as root" },

@@ -208,22 +208,22 @@ const fn is_edit(request: &Request) -> bool {
 /// Returns the reason why a command cannot be part of an all-or-nothing change.
 const fn why_not(command: &Command) -> &'static str {
     match command {
-        Command::Launch(_) => "a program that was started cannot be taken back",
+        Command::Launch(_) => "a program that was started cannot be undone",
         Command::UnloadAll => {
-            "programs that were ended cannot be taken back; 'unloadrt all' unloads the rest"
+            "programs that were ended cannot be undone; 'unloadrt all' unloads the rest"
         }
-        Command::Component { .. } => "a command to a component cannot be reverted",
+        Command::Component { .. } => "a command to a component cannot be undone",
         Command::Apply(_) => "'source' takes another file in",
         Command::Ask(request, _) => match request {
-            Request::EndProgram { .. } => "a program that was ended cannot be taken back",
+            Request::EndProgram { .. } => "a program that was ended cannot be undone",
             Request::Stop => "threads that stop lose cycles, and this is to lose none",
             Request::Run { .. } => "it moves the clock, and all of this is one moment",
             Request::Shutdown => "it would end what is to be changed",
-            Request::Record { .. } | Request::EndRecord => "a file cannot be taken back",
-            Request::Flight(_) | Request::EndFlight => "an event that was kept cannot be reverted",
+            Request::Record { .. } | Request::EndRecord => "a file cannot be undone",
+            Request::Flight(_) | Request::EndFlight => "an event that was kept cannot be undone",
             _ => "it changes neither wiring nor values",
         },
-        Command::Flight(_) => "a file cannot be taken back",
+        Command::Flight(_) => "a file cannot be undone",
         Command::AwaitEnd(_) => "it waits, and all of this is one moment",
         _ => "it changes nothing",
     }

@@ -337,7 +337,7 @@ fn what_cannot_be_sampled_is_refused_and_leaves_nothing() {
         "1025 channels at once; at most 1024 are possible"
     );
     let text = said(&mut m, &SampleSpec { depth: u32::MAX, ..spec(&["x"]) });
-    assert!(text.starts_with("there is no memory for 4294967295 samples"), "{text}");
+    assert!(text.starts_with("not enough memory for 4294967295 samples"), "{text}");
     let here = m.call(Request::Sample(spec(&["x"]))).unwrap_err().to_string();
     assert_eq!(here, "samples go to programs: ask for them on the socket");
     assert!(said(&mut m, &in_thread("quick", &["x"])).contains("'quick' not found"));
