@@ -7,8 +7,8 @@
 //!   x = s/half, so the deviation is at most 3/16·half times the part of w − u at right angles to the line.
 //! - Between other curves, each half is split into pieces. On a piece, D is the difference between the blend and the
 //!   curve of degree five through the programmed curve's ends (with two derivatives). D lies in the hull of its
-//!   Bernstein coefficients. The part of D along the path is taken off by moving along the path, which costs the terms
-//!   `slip·turn` and `curvature·slip²/2`; the programmed curve itself deviates from its interpolant by at most
+//!   Bernstein coefficients. The part of D along the path is taken off by moving along the path by the coordinate `slip`,
+//!   which costs the terms `slip·turn` and `curvature·slip²/2`; the programmed curve itself deviates from its interpolant by at most
 //!   R·(ωh)⁶/46080.
 
 use crate::{
@@ -161,6 +161,66 @@ pub(crate) fn deviation(blend: &Blend, a: &Segment, b: &Segment, t: &Tolerances)
     first.max(second).max(t.ratio(&corner) / CORNER_MISS)
 }
 
+/// Bounds the ratio again, by other means than [`joint`], for the certificate. The distance from a line is convex, so over
+/// the hull of a half it is largest at a Bernstein point. Beside other curves the pieces are half as long.
+pub(crate) fn deviation_again(blend: &Blend, a: &Segment, b: &Segment, t: &Tolerances) -> f64 {
+    let d = blend.half;
+    let (Curve::Line { .. }, Curve::Line { .. }) = (&a.curve, &b.curve) else {
+        let halves = [(0.0, a, a.length - d), (d, b, 0.0)];
+        let worst = halves.map(|(at, segment, from)| {
+            let (one, two) = (0.5 * d, from + 0.5 * d);
+            half_deviation(&blend.curve, at, segment, from, one, t).max(half_deviation(
+                &blend.curve,
+                at + one,
+                segment,
+                two,
+                one,
+                t,
+            ))
+        });
+        let again = worst[0].max(worst[1]);
+        // Both are bounds; the finer one is not always the lower.
+        return if again <= 1.0 { again } else { again.min(deviation(blend, a, b, t)) };
+    };
+    let Curve::Poly { c, .. } = &blend.curve else { return f64::INFINITY };
+    let mut worst: f64 = 0.0;
+    for (points, segment) in halves(c).iter().zip([a, b]) {
+        let (start, end) = (segment.curve.pose(0.0), segment.curve.pose(segment.length));
+        let by = end - start;
+        let square = by.dot(&by, segment.main);
+        for point in points {
+            let share = (*point - start).dot(&by, segment.main) / square;
+            let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
+            worst = worst.max(t.ratio(&(*point - start - by * share)));
+        }
+    }
+    worst
+}
+
+/// Bernstein points of both halves of a polynomial of degree five, by de Casteljau's construction.
+fn halves(c: &[Pose; 6]) -> [[Pose; 6]; 2] {
+    let [c0, c1, c2, c3, c4, c5] = *c;
+    let mut points = [
+        c0,
+        c0 + c1 * 0.2,
+        c0 + c1 * 0.4 + c2 * 0.1,
+        c0 + c1 * 0.6 + c2 * 0.3 + c3 * 0.1,
+        c0 + c1 * 0.8 + c2 * 0.6 + c3 * 0.4 + c4 * 0.2,
+        c0 + c1 + c2 + c3 + c4 + c5,
+    ];
+    let mut first = [c0; 6];
+    for (k, slot) in first.iter_mut().enumerate().skip(1) {
+        // After k rounds, the first points that are left are those of the second half.
+        for i in 0..6 - k {
+            if let Some([a, b]) = points.get_mut(i..i + 2) {
+                *a = (*a + *b) * 0.5;
+            }
+        }
+        *slot = points[0];
+    }
+    [first, points]
+}
+
 /// Bounds the deviation over one half: the blend from `at`, beside the segment from `from`.
 fn half_deviation(
     blend: &Curve,
@@ -172,6 +232,8 @@ fn half_deviation(
 ) -> f64 {
     let h = d / f64::from(PIECES);
     let main = segment.main;
+    // Bounds on a piece: of the second derivative; of the distance between the curve and its interpolant; of the change of
+    // the first derivative from the mean of both ends.
     let (curvature, rest, turn) = match &segment.curve {
         Curve::Line { .. } => (0.0, 0.0, 0.0),
         Curve::Arc { arm, rate, .. } => {
@@ -182,11 +244,11 @@ fn half_deviation(
             (
                 radius * w * w,
                 radius * wh * wh * wh * wh * wh * wh / 46080.0,
-                radius * w * half + half * half,
+                radius * w * (half + half * half),
             )
         }
         Curve::Poly { .. } => {
-            // A cubic piece is its own interpolant.
+            // A polynomial of degree five is its own interpolant.
             let bounds = segment.curve.bounds(from, from + d, segment.lead);
             let k = bounds.second.dot_all(&bounds.second).sqrt();
             (k, 0.0, k * h)
@@ -208,7 +270,11 @@ fn half_deviation(
     for k in 1..=PIECES {
         let right = difference(k);
         let u = left.1 + right.1;
-        let u = u * (1.0 / u.norm(main));
+        let mean = 0.5 * u.norm(main);
+        let u = u * (0.5 / mean);
+        if mean.is_nan() || mean <= 0.0 {
+            return f64::INFINITY;
+        }
         let (g, z) = (&left.0, &right.0);
         let hull = [
             g.pose,
@@ -221,12 +287,12 @@ fn half_deviation(
         let (mut slip, mut past) = (0.0_f64, 0.0_f64);
         let mut off = [0.0_f64; 3];
         for (i, point) in hull.iter().enumerate() {
-            let along = point.dot(&u, main);
+            let along = point.dot(&u, main) / mean;
             #[expect(clippy::cast_precision_loss, reason = "below 6")]
             let x = from + h * (f64::from(k - 1) + i as f64 / 5.0) + along;
             past = past.max(x - segment.length).max(-x);
             slip = slip.max(along.abs());
-            let across = *point - u * along;
+            let across = *point - u * point.dot(&u, main);
             for (o, group) in off.iter_mut().zip(Group::ALL) {
                 *o = o.max(across.norm(group));
             }
@@ -235,7 +301,8 @@ fn half_deviation(
             // Only XYZ of an arc turns; a polynomial may turn in every group.
             let turns = group == Group::Xyz || matches!(segment.curve, Curve::Poly { .. });
             let bent = slip * turn + 0.5 * curvature * slip * slip + rest;
-            let bound = o + past * u.norm(group) + if turns { bent } else { 0.0 };
+            let fast = u.norm(group) * mean + if turns { turn } else { 0.0 };
+            let bound = o + past * fast + if turns { bent } else { 0.0 };
             worst = worst.max(bound * (1.0 + 1e-9) / t.of(group));
         }
         left = right;

@@ -1,16 +1,18 @@
 //! The certificate: a check of every cell before the follower may see it.
 //!
 //! The check repeats no step of the plan. It bounds the derivatives of a polynomial by its extrema instead of its hull,
-//! tests the three conditions of the limits instead of solving them, and compares each cell with every neighbour in
-//! reach instead of sweeping. A cell that fails gets the limits that the check itself found, and counts as a rejection.
+//! tests the three conditions of the limits instead of solving them, compares each cell with every neighbour in
+//! reach instead of sweeping, and bounds the deviation of blends by the distance of their hull from the lines. A cell that fails gets the limits that the check itself found, and counts as a rejection.
 
 use std::collections::VecDeque;
 
 use crate::{
+    blend::{Blend, deviation_again},
     bounds::{Bounds, poly_slope},
     curve::Curve,
     erosion::Raw,
     pose::Pose,
+    segment::{Segment, Tolerances},
     speed::{Allowed, JointBounds, Law},
 };
 
@@ -21,6 +23,8 @@ pub enum Rule {
     Limits,
     /// The limits of a neighbour in reach of the jerk filter are lower than those of the cell.
     Neighbour,
+    /// A blend would leave its tolerance; the joint becomes a stop.
+    Deviation,
 }
 
 /// A rejected cell.
@@ -118,6 +122,22 @@ impl Certificate {
             raw.allowed.rest *= 0.5;
             raw.allowed.fade = 0.0;
         }
+    }
+
+    /// Checks the deviation of a blend. Returns false if it must not be used.
+    pub(crate) fn allows(
+        &mut self,
+        blend: &Blend,
+        a: &Segment,
+        b: &Segment,
+        t: &Tolerances,
+    ) -> bool {
+        let good = deviation_again(blend, a, b, t) <= 1.0 + 1e-9;
+        if !good {
+            self.rejections = self.rejections.saturating_add(1);
+            self.last = Some(Rejection { rule: Rule::Deviation, line: a.line, speed: 0.0 });
+        }
+        good
     }
 
     /// Remembers a cell of the run, so that its neighbours can be compared with it. `time` is the reach in seconds.

@@ -199,7 +199,13 @@ impl<K: Kinematics> Planner<K> {
         let joint = match next {
             Some(b) if a.mode != Mode::ExactStop => {
                 let room = 0.5 * a.length.min(b.length);
-                blend::joint(&a, b, room, &self.tolerances(&a, b), self.law.has_jerk())
+                let tolerances = self.tolerances(&a, b);
+                match blend::joint(&a, b, room, &tolerances, self.law.has_jerk()) {
+                    Joint::Blend(blend) if !self.certificate.allows(&blend, &a, b, &tolerances) => {
+                        Joint::Stop
+                    }
+                    joint => joint,
+                }
             }
             _ => Joint::Stop,
         };

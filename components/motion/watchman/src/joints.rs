@@ -45,8 +45,8 @@ pub struct Report {
 /// Judge of `J` joints. It assumes that the joints were at rest before the first position.
 #[derive(Clone, Debug)]
 pub struct Watchman<const J: usize> {
-    limits: [Limits; J],
-    period: f64,
+    /// Limits of the differences of one cycle: of first, second and third order.
+    limits: [[f64; 3]; J],
     size: f64,
     past: [Past; J],
     report: Report,
@@ -64,12 +64,14 @@ struct Past {
 impl<const J: usize> Watchman<J> {
     /// Judge for a period in seconds. `size` is the largest coordinate, radius or length in the computation of the
     /// positions; larger positions count by themselves.
-    pub const fn new(limits: [Limits; J], period: f64, size: f64) -> Self {
+    pub fn new(limits: [Limits; J], period: f64, size: f64) -> Self {
+        let h = period;
+        let limits = limits.map(|l| [l.velocity * h, l.acceleration * h * h, l.jerk * h * h * h]);
         let past = [Past { position: 0.0, first: 0.0, second: 0.0 }; J];
         let zero = Worst { ratio: 0.0, cycle: 0, joint: 0, line: 0 };
         let report =
             Report { velocity: zero, acceleration: zero, jerk: zero, violations: 0, cycles: 0 };
-        Self { limits, period, size, past, report, started: false }
+        Self { limits, size, past, report, started: false }
     }
 
     /// Sets the position at which the joints are at rest, for example after a reset.
@@ -102,14 +104,10 @@ impl<const J: usize> Watchman<J> {
             let largest = self.size.max(position.abs()).max(past.position.abs());
             let error = ROUNDINGS * (f64::EPSILON / 2.0) * largest;
             *past = Past { position: *position, first, second };
-            let h = self.period;
-            let v = ratio(first, 2.0 * error, limits.velocity * h);
-            let a = ratio(second, 4.0 * error, limits.acceleration * h * h);
-            let j = ratio(third, 8.0 * error, limits.jerk * h * h * h);
-            self.report.velocity.raise(at(v));
-            self.report.acceleration.raise(at(a));
-            self.report.jerk.raise(at(j));
-            good &= v <= 1.0 && a <= 1.0 && j <= 1.0;
+            let [v, a, j] = *limits;
+            good &= self.report.velocity.judge(first, 2.0 * error, v, at);
+            good &= self.report.acceleration.judge(second, 4.0 * error, a, at);
+            good &= self.report.jerk.judge(third, 8.0 * error, j, at);
         }
         self.report.cycles = cycle.wrapping_add(1);
         if !good {
@@ -125,22 +123,22 @@ impl<const J: usize> Watchman<J> {
 }
 
 impl Worst {
+    /// Judges a difference; returns true if it is inside its limit. A limit of zero allows nothing but rounding.
+    fn judge(&mut self, difference: f64, error: f64, limit: f64, at: impl Fn(f64) -> Self) -> bool {
+        let value = difference.abs() - error;
+        // Most values are below the worst so far, which needs no division to be seen.
+        if value <= 0.0 || value <= limit * self.ratio && self.ratio <= 1.0 {
+            return true;
+        }
+        let ratio = if limit > 0.0 { value / limit } else { f64::INFINITY };
+        self.raise(at(ratio));
+        ratio <= 1.0
+    }
+
     /// Keeps the larger ratio.
     pub(crate) fn raise(&mut self, other: Self) {
         if other.ratio > self.ratio {
             *self = other;
         }
-    }
-}
-
-/// Returns the excess ratio of a difference to its limit; a limit of zero allows nothing but rounding.
-fn ratio(difference: f64, error: f64, limit: f64) -> f64 {
-    let value = difference.abs() - error;
-    if value <= 0.0 {
-        0.0
-    } else if limit > 0.0 {
-        value / limit
-    } else {
-        f64::INFINITY
     }
 }

@@ -12,6 +12,10 @@ const AHEAD: u32 = 256;
 /// Periods between two examinations, after one that allowed no acceleration.
 const RECHECK: u8 = 4;
 
+/// Share of the speed that an acceleration must gain; a smaller gain must last for so many pauses.
+const GAIN: f64 = 0.1;
+const LONG: f64 = 10.0;
+
 impl Follower {
     /// Moves up to the next change of acceleration. Returns the time and the distance, and sets the speed; `None` if
     /// nothing moves.
@@ -67,9 +71,11 @@ impl Follower {
             } else if self.since_down < over {
                 wait = pause - self.since_down;
                 0.0
-            } else {
+            } else if self.since_up < self.period || self.is_worth_it(track, cell, target, pause) {
                 goal = self.climb(track, cell, (v + up * left).min(target), left + pause);
                 if goal > v { up } else { 0.0 }
+            } else {
+                0.0
             }
         } else {
             0.0
@@ -131,6 +137,25 @@ impl Follower {
         #[expect(clippy::cast_precision_loss, reason = "at most 2002")]
         let periods = (self.samples + PAUSE) as f64;
         if self.samples > 1 { periods * self.period * (1.0 + 1e-9) } else { 0.0 }
+    }
+
+    /// Returns true if an acceleration that has not begun gains enough: a higher speed by a share, or a little for long.
+    /// Without this rule the input would follow every small rise of the limits along a curve, and the jerk would be noise.
+    fn is_worth_it(&mut self, track: &impl Path, cell: &Cell, target: f64, pause: f64) -> bool {
+        let v = self.speed;
+        if self.recheck > 0 {
+            return false;
+        }
+        let higher = v * (1.0 + GAIN);
+        let worth = if higher < target {
+            self.is_clear(track, cell, higher, pause)
+        } else {
+            self.is_clear(track, cell, target, LONG * pause)
+        };
+        if !worth {
+            self.recheck = RECHECK;
+        }
+        worth
     }
 
     /// Returns the highest speed up to `target` at which the input could move on for `time` below the curve of highest
