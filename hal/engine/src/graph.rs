@@ -6,6 +6,7 @@ pub(crate) mod item;
 pub(crate) mod listing;
 pub(crate) mod new_item;
 pub(crate) mod node;
+pub(crate) mod own;
 pub(crate) mod ptr;
 pub(crate) mod schedule;
 pub(crate) mod sites;

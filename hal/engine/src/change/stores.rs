@@ -1,7 +1,7 @@
 //! Realtime. A change to the graph: a list of stores that is carried out as a whole.
 
 use crate::{
-    graph::node::own,
+    graph::own,
     graph::ptr::Pointer,
     graph::ptr::Ptr,
     graph::ptr::own_cell,

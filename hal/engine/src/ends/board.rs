@@ -107,7 +107,7 @@ impl Current {
         let row = board.rows.iter().position(|r| take(&r));
         let row = row.and_then(|i| Some((i, board.rows.get(i)?)));
         if let Some((i, _)) = row {
-            super::note(format_args!("t {i} {thread}"));
+            super::notes::note(format_args!("t {i} {thread}"));
         }
         Self { row: row.map(|r| r.1), own }
     }

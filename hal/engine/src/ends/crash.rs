@@ -3,8 +3,13 @@
 //! the handler continues with the next step.
 
 use super::{
-    GUARD, Instance, guard, instances, signals,
+    board, doing, guard,
+    instance::{Instance, instances},
+    notes,
+    process::{self, GUARD, claim},
+    signals,
     sys::{self, Place},
+    terminal,
     text::Text,
     who,
 };
@@ -15,8 +20,6 @@ use crate::{
 };
 use core::{ffi::c_int, ptr};
 
-/// Thread ID of the thread that ends this process; 0 if none.
-static CLAIM: AtomicI32 = AtomicI32::new(0);
 /// Realtime thread that has crashed.
 static CRASHED: AtomicPtr<Thread> = AtomicPtr::new(ptr::null_mut());
 /// Signal by which the process ends; 0 if it ends with a status.
@@ -65,37 +68,13 @@ pub(super) enum Shot {
     From(c_int),
 }
 
-/// Returns whether the process is about to end, in which case no other thread may do anything more.
-pub(crate) fn is_claimed() -> bool {
-    // Pairs with `claim`: a thread that has unpublished something before sees whether another one
-    // may still read it.
-    CLAIM.load(Ordering::SeqCst) != 0
-}
-
-/// Waits for the end of the process.
-pub(crate) fn park() -> ! {
-    loop {
-        sys::nap(1000);
-    }
-}
-
-fn claim() -> bool {
-    let me = sys::thread();
-    // Pairs with `is_claimed`.
-    match CLAIM.compare_exchange(0, me, Ordering::SeqCst, Ordering::SeqCst) {
-        Ok(_) => true,
-        Err(other) if other == me => false,
-        Err(_) => park(),
-    }
-}
-
 /// Ends this process: drives the outputs to their safe levels, reports the cause and keeps
 /// recordings.
 pub(super) fn crash(cause: &Cause<'_>, place: Place) -> ! {
     let first = claim();
     sys::end_in(LAST_RESORT_S);
     if first {
-        let thread = who::cycle().map_or(ptr::null(), ptr::from_ref);
+        let thread = doing::cycle().map_or(ptr::null(), ptr::from_ref);
         CRASHED.store(thread.cast_mut(), Ordering::Relaxed);
         match *cause {
             Cause::Signal { signal, .. } => SIGNAL.store(signal, Ordering::Relaxed),
@@ -112,7 +91,7 @@ pub(super) fn crash(cause: &Cause<'_>, place: Place) -> ! {
             }
             Cause::Asked { .. } => {}
         }
-        super::want();
+        process::want();
         let mut text = Text::new();
         describe(&mut text, cause, place);
         guard::keep(&text);
@@ -138,7 +117,7 @@ pub(super) fn tell() {
     let mut text = guard::why();
     text.add(format_args!("; outputs are at their safe levels, and this process ends\n"));
     sys::complain(text.as_str());
-    super::have_told();
+    notes::have_told();
 }
 
 /// Describes the code that has crashed, and the cause.
@@ -201,7 +180,7 @@ pub(super) fn stop_outputs() {
             let next = number + 1;
             let begun = BEGUN.compare_exchange(number, next, Ordering::Relaxed, Ordering::Relaxed);
             // This stop action itself may be what ends the process.
-            if begun.is_ok() && !who::is_in(stop) {
+            if begun.is_ok() && !doing::is_in(stop) {
                 stop.call_mute();
             }
             number = next;
@@ -256,7 +235,7 @@ fn wait_for_guard() {
 
 /// Reports changes that the recording has lost, once.
 fn tell_lost() {
-    let lost = super::lost().map_or(0, |lost| lost.swap(0, Ordering::Relaxed));
+    let lost = board::lost().map_or(0, |lost| lost.swap(0, Ordering::Relaxed));
     if lost > 0 {
         let mut text = Text::new();
         text.add(format_args!("the recording: {lost} changes were lost for want of room\n"));
@@ -267,9 +246,15 @@ fn tell_lost() {
 /// Ends the process with the signal or status of its cause.
 pub(super) fn finish() -> ! {
     tell_lost();
-    super::leave_nothing();
+    leave_nothing();
     match SIGNAL.load(Ordering::Relaxed) {
         0 => sys::leave(STATUS.load(Ordering::Relaxed)),
         signal => sys::die(signal),
     }
+}
+
+/// Removes the files of all instances and restores the terminal.
+fn leave_nothing() {
+    instances().flat_map(|i| &i.files).for_each(|file| sys::remove(file));
+    terminal::restore();
 }

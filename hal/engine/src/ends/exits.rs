@@ -4,7 +4,7 @@
 
 use super::{
     crash::{self, Cause},
-    is_ours,
+    process::is_ours,
     sys::{self, Place},
 };
 use core::ffi::{CStr, c_int, c_void};

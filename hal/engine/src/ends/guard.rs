@@ -3,12 +3,14 @@
 //! control side does not respond.
 
 use super::{
-    GUARD, Instance, WAKE,
     crash::{self, Cause, Shot},
-    instances, is_asked, known, signals,
+    doing::Doing,
+    instance::{Instance, instances, known},
+    process::{GUARD, WAKE, is_claimed, park},
+    signals::{self, is_asked},
     sys::{self, Place},
     text::Text,
-    who::{self, Doing},
+    who,
 };
 use crate::{
     os::progress::{self, processor_time},
@@ -71,12 +73,12 @@ fn run() {
     let _stack = sys::Stack::new();
     GUARD.store(sys::thread(), Ordering::Relaxed);
     let waker = WAKE.load(Ordering::Relaxed);
-    while !crash::is_claimed() && !is_asked() && signals::handed().is_none() {
+    while !is_claimed() && !is_asked() && signals::handed().is_none() {
         known().iter().for_each(|instance| instance.look_after_tape());
         sys::wait(waker, ROUND_MS);
     }
     let mut look = Look::default();
-    while !crash::is_claimed() {
+    while !is_claimed() {
         let doing = if signals::handed().is_none() {
             sys::nap(LOOK_MS);
             look.take()
@@ -89,7 +91,7 @@ fn run() {
             if named.spawn(move || end(doing.as_ref())).is_err() {
                 end(doing.as_ref());
             }
-            while !crash::is_claimed() {
+            while !is_claimed() {
                 sys::nap(1);
             }
         }
@@ -174,7 +176,7 @@ fn attend() -> ! {
     if alone {
         crash::finish();
     }
-    crash::park()
+    park()
 }
 
 /// Keeps the recordings of every instance.

@@ -1,9 +1,9 @@
 //! Signals that end a process, and the handling of each.
 
 use super::{
-    GUARD,
     crash::{self, Cause, Shot},
-    is_ours, sys,
+    process::{GUARD, is_claimed, is_ours, want},
+    sys,
 };
 use crate::sync::{AtomicI32, Ordering};
 use core::ffi::{c_int, c_void};
@@ -84,6 +84,11 @@ pub(super) fn asked() -> Option<(c_int, Option<c_int>)> {
     (signal != 0).then_some((signal, (sender != 0).then_some(sender)))
 }
 
+/// Returns whether a signal has asked this process to end.
+pub(crate) fn is_asked() -> bool {
+    asked().is_some()
+}
+
 /// Returns whether the process ends by this signal after the instance has shut down in good order.
 pub(super) fn is_unmeant(signal: c_int) -> bool {
     !SIGNALS.iter().any(|s| s.0 == signal && s.2 == Ends)
@@ -148,7 +153,7 @@ unsafe extern "C" fn on_asked(signal: c_int, info: *mut libc::siginfo_t, _: *mut
     if ASKED.compare_exchange(0, signal, Ordering::Relaxed, Ordering::Relaxed).is_ok() {
         SENDER.store(sent.map_or(0, sender_of), Ordering::Relaxed);
     }
-    sys::unseen(super::want);
+    sys::unseen(want);
 }
 
 /// # Safety
@@ -200,14 +205,14 @@ pub(super) fn said(signal: c_int) -> &'static str {
 /// is the guard, or the guard has not acted on an earlier signal.
 fn hand_over(signal: c_int, by: c_int) -> bool {
     let guard = GUARD.load(Ordering::Relaxed);
-    if guard == 0 || guard == sys::thread() || crash::is_claimed() {
+    if guard == 0 || guard == sys::thread() || is_claimed() {
         return false;
     }
     if HANDED.compare_exchange(0, signal, Ordering::Relaxed, Ordering::Relaxed).is_err() {
         return false;
     }
     HANDED_BY.store(by, Ordering::Release); // Pairs with `handed`.
-    sys::unseen(super::want);
+    sys::unseen(want);
     true
 }
 

@@ -2,6 +2,7 @@
 
 use crate::{
     ends::{Doing, Origin},
+    graph::own,
     graph::ptr::Pointer,
     graph::ptr::Ptr,
     load::args::Declared,
@@ -170,46 +171,6 @@ impl Item {
             // SAFETY: the slot is a live slot of the arena.
             Storage::Slot(p) => unsafe { Slot::cell(p.0.as_ptr()) }.store(bits),
             Storage::Own(p) => own::store(p, self.ty, bits),
-        }
-    }
-}
-
-/// Access to values in a component's own memory.
-pub(crate) mod own {
-    use crate::sync::{AtomicU8, AtomicU32, AtomicU64, Ordering};
-    use core::{ffi::c_void, ptr::NonNull};
-    use hal_protocol::Type;
-
-    pub(crate) fn load(p: NonNull<c_void>, ty: Type) -> u64 {
-        // Each load pairs with the stores of the component's functions, and with `store`.
-        const LOAD: Ordering = Ordering::Acquire;
-        match ty {
-            // SAFETY: the component provided storage of this type, which lives as long as the
-            // component.
-            Type::Bit => u64::from(unsafe { p.cast::<AtomicU8>().as_ref() }.load(LOAD)),
-            Type::S32 | Type::U32 | Type::Port => {
-                // SAFETY: as above.
-                u64::from(unsafe { p.cast::<AtomicU32>().as_ref() }.load(LOAD))
-            }
-            // SAFETY: as above.
-            _ => unsafe { p.cast::<AtomicU64>().as_ref() }.load(LOAD),
-        }
-    }
-
-    #[expect(clippy::cast_possible_truncation, reason = "stored at exactly its width")]
-    pub(crate) fn store(p: NonNull<c_void>, ty: Type, bits: u64) {
-        // Each store pairs with the loads of the component's functions, and with `load`.
-        const STORE: Ordering = Ordering::Release;
-        match ty {
-            // SAFETY: the component provided storage of this type, which lives as long as the
-            // component.
-            Type::Bit => unsafe { p.cast::<AtomicU8>().as_ref() }.store(bits as u8, STORE),
-            Type::S32 | Type::U32 | Type::Port => {
-                // SAFETY: as above.
-                unsafe { p.cast::<AtomicU32>().as_ref() }.store(bits as u32, STORE);
-            }
-            // SAFETY: as above.
-            _ => unsafe { p.cast::<AtomicU64>().as_ref() }.store(bits, STORE),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Realtime. Probes: values that are read after a cycle, and where they are put.
 
 use crate::{
-    graph::node::own,
+    graph::own,
     graph::ptr::Ptr,
     observe::ring::Memory,
     sync::{Arc, AtomicBool, AtomicU32, AtomicU64, Ordering},

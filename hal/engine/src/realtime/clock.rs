@@ -1,7 +1,7 @@
 //! Realtime. The loops that run the threads: one for the virtual clock, two for the real one.
 
 use crate::{
-    ends,
+    ends::is_wanted,
     observe::watch::Probes,
     os,
     realtime::shared::Shared,
@@ -15,7 +15,7 @@ const MAX_SLEEP_NS: i64 = 10_000_000;
 /// Runs the virtual clock up to `until`, for at most `instants` instants at which a thread is due.
 /// Everything due at one instant runs, faster threads first. Returns early if a probe that must
 /// lose nothing has no room, if the control side should take messages, if a function fails, or if
-/// the control side must return from its current work ([`ends::is_wanted`]).
+/// the control side must return from its current work ([`is_wanted`]).
 pub(crate) fn turn(shared: &Shared, probes: &Probes, until: i64, instants: u32) {
     let threads = shared.threads.load();
     let idle = !shared.boundary.is_running() || shared.fault.get().is_some();
@@ -32,7 +32,7 @@ pub(crate) fn turn(shared: &Shared, probes: &Probes, until: i64, instants: u32) 
         return;
     }
     for _ in 0..instants {
-        if ends::is_wanted() || !probes.have_room() || shared.mailbox.is_filling() {
+        if is_wanted() || !probes.have_room() || shared.mailbox.is_filling() {
             return;
         }
         let next = threads.iter().map(|t| t.due.load(Ordering::Relaxed)).min().unwrap_or(until);

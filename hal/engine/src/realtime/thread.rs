@@ -2,7 +2,7 @@
 
 use crate::{
     change::handover::Gate,
-    ends::{self, Current},
+    ends::{Current, begin_cycle, end_cycle},
     graph::ptr::Ptr,
     load::code::Code,
     name::Name,
@@ -142,7 +142,7 @@ impl Thread {
         if !shared.boundary.enter(&self.gate) {
             return NOBODY;
         }
-        ends::begin_cycle(self);
+        begin_cycle(self);
         let mut longest = NOBODY;
         let list = self.list.load();
         if shared.fault.get().is_none() {
@@ -165,7 +165,7 @@ impl Thread {
         }
         list.moments.iter().for_each(|p| p.look(time));
         drop(list);
-        ends::end_cycle();
+        end_cycle();
         self.gate.leave();
         longest
     }

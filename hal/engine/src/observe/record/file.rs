@@ -1,6 +1,6 @@
 //! A file that contains only whole records at any moment.
 
-use crate::ends;
+use crate::ends::record;
 use hal_output::Growing;
 use std::{
     collections::VecDeque,
@@ -30,7 +30,7 @@ pub(crate) struct WholeFile {
 impl WholeFile {
     /// Wraps a file that was just created.
     pub(crate) fn new(file: Growing) -> Self {
-        ends::record(0, 0);
+        record(0, 0);
         let (buffer, pieces) = (Vec::new(), VecDeque::new());
         Self { file: Some(file), buffer, whole: 0, pieces, written: 0, kept_to: None }
     }
@@ -66,10 +66,10 @@ impl WholeFile {
         while let Some((to, at)) = self.pieces.pop_front() {
             let piece = self.buffer.get(from..to).unwrap_or_default();
             // If the process is killed while it writes, the watcher truncates the file.
-            ends::record(self.written, self.written + piece.len() as u64);
+            record(self.written, self.written + piece.len() as u64);
             let appended = file.append(piece);
             self.written = file.bytes();
-            ends::record(self.written, self.written);
+            record(self.written, self.written);
             appended?;
             (self.kept_to, from) = (at, to);
         }
