@@ -5,6 +5,7 @@
 
 pub(crate) mod apply;
 pub(crate) mod handover;
+pub(crate) mod staged;
 pub(crate) mod stores;
 pub(crate) mod transaction;
 pub(crate) mod undo;

@@ -4,18 +4,22 @@
 pub(crate) mod arena;
 pub(crate) mod item;
 pub(crate) mod listing;
+pub(crate) mod model;
 pub(crate) mod new_item;
 pub(crate) mod node;
 pub(crate) mod own;
 pub(crate) mod ptr;
+pub(crate) mod removal;
 pub(crate) mod schedule;
 pub(crate) mod sites;
+mod staging;
 pub(crate) mod value;
 pub(crate) mod wired;
 pub(crate) mod wiring;
 
 use crate::{Error, error::near::nearest, graph::sites::Sites, name::Name, sync::Arc};
-use hal_abi::PortQueue;
+use core::ptr::NonNull;
+use hal_abi::{PortQueue, Slot};
 use hal_protocol::{Type, Value};
 use petgraph::{
     Direction::{Incoming, Outgoing},
@@ -123,6 +127,31 @@ impl Graph {
     /// Finds the thread with this name.
     pub(crate) fn find_thread(&self, name: &str) -> Result<Ix, Error> {
         find(&self.threads, "thread", name)
+    }
+
+    /// Returns the name of a function by its number.
+    pub(crate) fn funct_name(&self, id: u32) -> String {
+        let funct = self.funct(Ix::from(id));
+        funct.map_or_else(|| "?".to_owned(), |f| f.name.as_str().to_owned())
+    }
+
+    /// Returns the item that owns a slot, of any component.
+    pub(crate) fn item_at(&self, slot: *const Slot) -> Option<Ix> {
+        let all = self.pins.values().chain(self.params.values());
+        let is_its = |s: NonNull<Slot>| s.as_ptr().cast_const() == slot;
+        all.copied().find(|ix| self.item(*ix).and_then(Item::slot).is_some_and(is_its))
+    }
+
+    /// Finds a service, and the component that offers it.
+    pub(crate) fn service(&self, name: &str, version: Option<u32>) -> Option<(Ix, &Service)> {
+        self.components.values().find_map(|ix| {
+            let service = self
+                .component(*ix)?
+                .services
+                .iter()
+                .find(|s| &*s.name == name && version.is_none_or(|v| v == s.version))?;
+            Some((*ix, service))
+        })
     }
 
     /// Returns the signal that a pin is linked to.

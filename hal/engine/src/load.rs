@@ -30,17 +30,18 @@ use hal_protocol::Lock;
 impl Engine {
     /// `loadrt MODULE ARGS…`.
     pub(crate) fn load(&mut self, module: &str, words: &[String]) -> Result<(), Error> {
-        self.unlocked(Lock::LOAD, "loading of programs")?;
-        let instance = self.instance.clone();
+        self.model.unlocked(Lock::LOAD, "loading of programs")?;
+        let instance = self.runtime.instance().clone();
         let _within = instance.control.run(Doing::new(module, What::Load));
-        if let Some(found) = self.loader.find_only_foreign(module, &self.foreign_files())? {
+        let foreign = self.foreign_files();
+        if let Some(found) = self.model.loader().find_only_foreign(module, &foreign)? {
             return self.load_file(module, words, "", &found);
         }
         let name = Name::parse("component", module)?;
-        if self.graph.components.contains_key(&name) {
+        if self.model.graph().components.contains_key(&name) {
             return Err(Error::ModuleExists { name: module.into() });
         }
-        let found = self.loader.find(module)?;
+        let found = self.model.loader().find(module)?;
         let mut declared = Vec::new();
         for i in 0..found.ty.args.len() {
             // SAFETY: a list of an open library's descriptor.
@@ -70,8 +71,8 @@ impl Engine {
             instances
         };
         let args = Args::parse(&declared, also, &instances.rest).map_err(refused)?;
-        let component = self.new_component(name, None, Some(words.join(" ")), true)?;
-        self.staged.undo_by(Undo::Made(component));
+        let component = self.model.new_component(name, None, Some(words.join(" ")), true)?;
+        self.model.staged_mut().undo_by(Undo::Made(component));
         self.create(component, module, &found, &instances, args)
             .map_err(|e| own_error(module, &declared, words, e))
     }
@@ -84,9 +85,9 @@ impl Engine {
         instances: &Instances,
         args: Args,
     ) -> Result<(), Error> {
-        let id = self.graph.component(component).map_or(0, |c| c.id);
-        let keep = Keep::new(id, self.shared.clone(), found.library.clone());
-        self.listen_to(id, keep.voice().clone());
+        let id = self.model.graph().component(component).map_or(0, |c| c.id);
+        let keep = Keep::new(id, self.runtime.shared().clone(), found.library.clone());
+        self.log.listen_to(id, keep.voice().clone());
         let base = module.replace('_', "-");
         let once = found.is_once();
         let names: Vec<String> = if once {
@@ -129,9 +130,9 @@ impl Engine {
         creating.draw_edges();
         let (opens, threads) =
             (core::mem::take(&mut creating.opens), core::mem::take(&mut creating.threads));
-        self.staged.begins.extend(threads);
+        self.model.staged_mut().begin_threads(threads);
         // A trial is dropped without opening.
-        if self.staged.dry || self.trial.is_some() {
+        if self.model.staged().is_dry() || self.runtime.is_trial() {
             return Ok(());
         }
         // From here on, stop actions cover everything that opening drives.
@@ -143,7 +144,7 @@ impl Engine {
             }
         }
         self.note_threads(component, &before);
-        self.staged.undo_by(Undo::Opened(component));
+        self.model.staged_mut().undo_by(Undo::Opened(component));
         Ok(())
     }
 }

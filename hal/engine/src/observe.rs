@@ -3,7 +3,9 @@
 //! `probe.rs` is the only code that samples values in realtime, `watch.rs` adds and removes probes, `ring.rs` holds shared memory.
 
 pub(crate) mod flight;
+pub(crate) mod observers;
 pub(crate) mod probe;
+pub(crate) mod probes;
 pub(crate) mod record;
 pub(crate) mod ring;
 pub(crate) mod sample;

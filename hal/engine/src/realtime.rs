@@ -10,6 +10,7 @@ pub(crate) mod fault;
 pub(crate) mod overruns;
 pub(crate) mod resources;
 pub(crate) mod runners;
+pub(crate) mod runtime;
 pub(crate) mod shared;
 pub(crate) mod stuck;
 pub(crate) mod task;

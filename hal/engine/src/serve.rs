@@ -4,9 +4,12 @@
 //! `polls.rs` the waits of clients, `hold.rs` how long one has held the clock, `control.rs` one turn of the control thread.
 
 pub(crate) mod client;
+pub(crate) mod clients;
 pub(crate) mod control;
 pub(crate) mod hold;
 pub(crate) mod polls;
 pub(crate) mod request;
 pub(crate) mod server;
 pub(crate) mod session;
+pub(crate) mod status;
+pub(crate) mod turn;

@@ -24,7 +24,7 @@ impl Engine {
     /// order.
     pub(crate) fn check(&self) -> Vec<Finding> {
         let mut look =
-            Look { graph: &self.graph, runs: self.shared.boundary.is_running(), found: Vec::new() };
+            Look { graph: self.model.graph(), runs: self.runtime.is_running(), found: Vec::new() };
         look.signals();
         look.values();
         look.functs();

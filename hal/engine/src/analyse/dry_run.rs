@@ -1,14 +1,7 @@
 //! An engine on trial: components are created but never opened, threads declared but never run.
 
-use crate::{ClockKind, Engine, Error, Options, graph::Ix, graph::new_item::NewItem, name::Name};
+use crate::{ClockKind, Engine, Error, Options, graph::new_item::NewItem, name::Name};
 use hal_protocol::{ComponentState, Failure, Reply, Request, TicketInfo};
-
-/// State that only a trial engine has.
-#[derive(Debug, Default)]
-pub(crate) struct Trial {
-    /// The program's component that is being created.
-    member: Option<Ix>,
-}
 
 impl Engine {
     /// Creates an instance that executes a script and touches nothing outside: for `check`, `order`
@@ -23,15 +16,17 @@ impl Engine {
         options.hold = true;
         options.simulate = true;
         let mut engine = Self::without_socket(options)?;
-        engine.trial = Some(Trial::default());
+        engine.runtime.only_try();
         Ok(engine)
     }
 
     /// Handles a request that would reach outside or move the clock; returns `None` for all others.
-    pub(crate) fn tried(&mut self, request: &Request) -> Option<Result<Reply, Error>> {
-        let trial = self.trial.as_mut()?;
+    pub(crate) fn try_only(&mut self, request: &Request) -> Option<Result<Reply, Error>> {
+        if !self.runtime.is_trial() {
+            return None;
+        }
         if let Request::Run { .. } = request {
-            self.graph.sites.has_run();
+            self.model.has_run();
         }
         let done = match request {
             Request::Run { .. }
@@ -46,10 +41,10 @@ impl Engine {
             | Request::SaveFlight { .. } => Ok(()),
             Request::Ticket { .. } => return Some(Ok(Reply::Ticket(TicketInfo::Done))),
             Request::Join { name, .. } => Name::parse("component", name)
-                .and_then(|name| self.new_component(name, None, None, false))
-                .map(|member| self.trial = Some(Trial { member: Some(member) })),
+                .and_then(|name| self.model.new_component(name, None, None, false))
+                .map(|member| self.tried = Some(member)),
             Request::NewPin { name, ty, direction } => {
-                let member = trial.member;
+                let member = self.tried;
                 let what = if direction.is_pin() { "pin" } else { "parameter" };
                 member.ok_or(Error::NotAMember).and_then(|member| {
                     let new = NewItem {
@@ -62,14 +57,14 @@ impl Engine {
                         hidden: false,
                         times: false,
                         safety: false,
-                        doc: self.graph.doc(""),
+                        doc: self.model.doc(""),
                     };
-                    self.new_item(member, new).map(|_| ())
+                    self.model.new_item(member, new).map(|_| ())
                 })
             }
             Request::Ready => {
-                let member = trial.member.take();
-                if let Some(c) = member.and_then(|ix| self.graph.component_mut(ix)) {
+                let member = self.tried.take();
+                if let Some(c) = member.and_then(|ix| self.model.component_mut(ix)) {
                     c.state = ComponentState::Ready;
                 }
                 Ok(())

@@ -1,7 +1,8 @@
 //! Creation of pins and parameters.
 
 use crate::{
-    Engine, Error,
+    Error,
+    graph::model::Model,
     graph::new_item::NewItem,
     graph::ptr::Ptr,
     graph::ptr::own_cell,
@@ -13,7 +14,7 @@ use core::ptr::NonNull;
 use hal_abi::Slot;
 use hal_protocol::{Direction, Type};
 
-impl Engine {
+impl Model {
     /// Creates a pin or parameter. An item with its own storage has no slot.
     pub(crate) fn new_item(
         &mut self,
@@ -30,7 +31,7 @@ impl Engine {
         }
         let (storage, slot) = match new.storage {
             Some(own) if param => {
-                self.staged.own.insert(own.addr().get());
+                self.staged.owns(own.addr().get());
                 (Storage::Own(own), None)
             }
             _ => {
@@ -39,7 +40,6 @@ impl Engine {
             }
         };
         let (name, other) = (new.name.clone(), new.other.clone());
-        self.flight_is_stale();
         let item = Item {
             name: new.name,
             other: new.other,
@@ -61,9 +61,9 @@ impl Engine {
             names.insert(other, ix);
         }
         if param {
-            self.counts.params += 1;
+            self.counters.params += 1;
         } else {
-            self.counts.pins += 1;
+            self.counters.pins += 1;
         }
         Ok((ix, slot))
     }
@@ -104,16 +104,5 @@ impl Engine {
             None
         };
         Ok(Account { time, tmax, increased })
-    }
-
-    /// Returns the item that owns a slot, of any component.
-    pub(crate) fn item_at(&self, slot: *const Slot) -> Option<Ix> {
-        let all = self.graph.pins.values().chain(self.graph.params.values());
-        all.copied().find(|ix| {
-            self.graph
-                .item(*ix)
-                .and_then(Item::slot)
-                .is_some_and(|s| s.as_ptr().cast_const() == slot)
-        })
     }
 }

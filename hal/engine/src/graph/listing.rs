@@ -1,7 +1,7 @@
 //! Data for `show`, `list`, `save` and `status`.
 
 use crate::{
-    ClockKind, Engine,
+    graph::model::Model,
     graph::{Graph, Ix, Node},
     load::args::Declared,
     name::Name,
@@ -10,10 +10,24 @@ use crate::{
 use hal_abi::Slot;
 use hal_protocol::{
     AliasInfo, CommandInfo, ComponentInfo, FunctInfo, ItemInfo, Kind, Patterns, Reply, SignalInfo,
-    StatusInfo, StreamInfo, ThreadInfo, Type, Usage,
+    StreamInfo, ThreadInfo, Type, Usage,
 };
 
-impl Engine {
+/// Numbers of what is loaded, for `status`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sizes {
+    /// Memory in use and memory reserved, in bytes.
+    pub(crate) memory: (u64, u64),
+    pub(crate) components: Usage,
+    pub(crate) pins: Usage,
+    pub(crate) params: Usage,
+    pub(crate) aliases: Usage,
+    pub(crate) signals: Usage,
+    pub(crate) functs: Usage,
+    pub(crate) threads: Usage,
+}
+
+impl Model {
     /// Returns the answer to `show KIND PATTERNS…`.
     pub(crate) fn list(&mut self, kind: Kind, patterns: &[String], ty: Option<Type>) -> Reply {
         let p = Patterns::new(patterns);
@@ -28,7 +42,7 @@ impl Engine {
             Kind::ParamAliases => Reply::Aliases(self.aliases(true, &p)),
             Kind::Commands => Reply::Commands(self.commands(&p)),
             Kind::Streams => Reply::Streams(self.streams(&p)),
-            Kind::Offers => Reply::Offers(self.loader.catalogue(&p)),
+            Kind::Offers => Reply::Offers(self.loader().catalogue(&p)),
         }
     }
 
@@ -157,7 +171,7 @@ impl Engine {
                 overruns: t.overruns.load(Ordering::Relaxed),
                 missed: t.missed.load(Ordering::Relaxed),
                 overrun_by: (guilty != crate::realtime::thread::NOBODY)
-                    .then(|| self.funct_name(guilty)),
+                    .then(|| self.graph.funct_name(guilty)),
                 latency_max: t.latest.load(Ordering::Relaxed),
                 latency: t.latency.iter().map(|n| n.load(Ordering::Relaxed)).collect(),
             });
@@ -199,8 +213,8 @@ impl Engine {
         named.map(|(name, ring)| ring.info(name.as_str())).collect()
     }
 
-    /// Returns the answer to `status`.
-    pub(crate) fn status(&self) -> StatusInfo {
+    /// Returns the numbers of what is loaded.
+    pub(crate) fn sizes(&self) -> Sizes {
         let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         let usage = |active: u32| Usage { active, recycled: 0 };
         let (free_slots, free_cells) = self.arena.recycled();
@@ -211,32 +225,15 @@ impl Engine {
             };
             names.iter().filter(item).count()
         };
-        StatusInfo {
-            instance: self.options.place.name().to_owned(),
-            pid: std::process::id().cast_signed(),
-            lock: self.lock,
+        Sizes {
             memory: self.arena.usage(),
             components: usage(count(self.graph.components.len())),
-            pins: Usage { active: self.counts.pins, recycled: count(free_slots) },
-            params: usage(self.counts.params),
+            pins: Usage { active: self.counters.pins, recycled: count(free_slots) },
+            params: usage(self.counters.params),
             aliases: usage(count(aliased(&self.graph.pins) + aliased(&self.graph.params))),
             signals: Usage { active: count(self.graph.signals.len()), recycled: count(free_cells) },
             functs: usage(count(self.graph.functs.len())),
             threads: usage(count(self.graph.threads.len())),
-            clock: match self.options.clock {
-                ClockKind::Real => "real".to_owned(),
-                ClockKind::Virtual => "virtual".to_owned(),
-            },
-            time: u64::try_from(self.shared.now()).unwrap_or(0),
-            scheduling: self.realtime.words.clone(),
-            realtime: self.realtime_info(),
-            simulated: self.options.simulate,
-            running: self.shared.boundary.is_running() && self.shared.fault.get().is_none(),
-            fault: self.fault.clone(),
-            stuck: self.shared.stuck.load().as_deref().cloned().or_else(|| self.stuck_still()),
-            foreign: self.foreign_parts(),
-            recording: self.recording.as_ref().map(|r| (r.path.clone(), r.lost())),
-            recording_stopped: self.stopped_recording.clone(),
         }
     }
 }

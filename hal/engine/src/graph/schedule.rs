@@ -1,11 +1,11 @@
 //! Threads and the functions in them.
 
 use crate::{
-    Engine, Error,
-    change::apply::TIMEOUT_NS,
+    Error,
+    graph::model::Model,
     graph::{Component, Edge, Ix, Node, ThreadNode},
     name::Name,
-    os,
+    realtime::shared::Shared,
     realtime::thread::{Entry, List, Thread},
     sync::{Arc, Ordering},
 };
@@ -18,10 +18,15 @@ use petgraph::{
 /// Shortest and longest period, in nanoseconds.
 const PERIODS: core::ops::RangeInclusive<i64> = 1_000..=1_000_000_000_000;
 
-impl Engine {
-    /// Creates a thread and its pseudo component. The thread starts to run in
-    /// [`Self::begin_thread`].
-    pub(crate) fn new_thread(&mut self, name: Name, period: i64) -> Result<Ix, Error> {
+impl Model {
+    /// Creates a thread and its pseudo component. The thread starts to run at the end of the
+    /// transaction.
+    pub(crate) fn new_thread(
+        &mut self,
+        name: Name,
+        period: i64,
+        shared: &Shared,
+    ) -> Result<Ix, Error> {
         if self.graph.threads.contains_key(&name) {
             return Err(Error::Duplicate { what: "thread", name: name.as_str().into() });
         }
@@ -36,10 +41,16 @@ impl Engine {
         }
         let pseudo = Name::parse("component", &format!("__{name}"))?;
         let component = self.new_component(pseudo, None, None, true)?;
-        self.furnish_thread(component, &name, period)
+        self.furnish_thread(component, &name, period, shared)
     }
 
-    fn furnish_thread(&mut self, component: Ix, name: &Name, period: i64) -> Result<Ix, Error> {
+    fn furnish_thread(
+        &mut self,
+        component: Ix,
+        name: &Name,
+        period: i64,
+        shared: &Shared,
+    ) -> Result<Ix, Error> {
         let account = self.new_account(component, name, false)?;
         let beat = crate::graph::new_item::NewItem {
             name: Name::parse("pin", &format!("{name}.threadbeat"))?,
@@ -54,19 +65,13 @@ impl Engine {
             doc: self.graph.doc("Cycles run."),
         };
         let (_, beat) = self.new_item(component, beat)?;
-        let due = if self.shared.is_virtual() {
-            (self.shared.now() / period + 1) * period
-        } else {
-            // Leaves one millisecond for the thread to start.
-            let soon = self.shared.now() + 1_000_000;
-            self.shared.origin() + (soon / period + 1) * period
-        };
-        let timed = !self.shared.is_virtual();
+        let due = shared.first_due(period);
+        let timed = !shared.is_virtual();
         let beat = beat.map(crate::graph::ptr::Ptr).ok_or(Error::OutOfMemory)?;
-        self.sees(beat);
-        self.sees(account.time);
-        let id = self.next_thread;
-        self.next_thread += 1;
+        self.staged.sees(beat);
+        self.staged.sees(account.time);
+        let id = self.counters.next_thread;
+        self.counters.next_thread += 1;
         let thread = Arc::new(Thread::new((id, name.clone()), period, account, beat, timed, due));
         let node = ThreadNode { name: name.clone(), thread, next: 0, stale: false };
         let ix = self.graph.g.add_node(Node::Thread(node));
@@ -88,7 +93,7 @@ impl Engine {
             return Err(Error::Duplicate { what: "component name", name: name.as_str().into() });
         }
         let component = Component {
-            id: self.next_component,
+            id: self.counters.next_component,
             name: name.clone(),
             pid,
             realtime,
@@ -100,70 +105,11 @@ impl Engine {
             services: Vec::new(),
             foreign: None,
         };
-        self.next_component += 1;
+        self.counters.next_component += 1;
         let ix = self.graph.g.add_node(Node::Component(component));
         self.graph.components.insert(name, ix);
         self.graph.sites.made(ix);
         Ok(ix)
-    }
-
-    /// Starts the cycles of a thread.
-    pub(crate) fn begin_thread(&mut self, ix: Ix) -> Result<(), Error> {
-        let Some(thread) = self.graph.thread(ix).map(|t| t.thread.clone()) else { return Ok(()) };
-        if self.trial.is_some() {
-            return Ok(());
-        }
-        let mut all = self.shared.threads.load().to_vec();
-        let rank = all.len();
-        all.push(thread.clone());
-        let old = self.shared.threads.swap(Arc::new(all));
-        self.retire_threads(old);
-        if self.shared.is_virtual() {
-            return Ok(());
-        }
-        self.lock_memory();
-        self.runners.begin(&thread, rank)?;
-        self.renew_watch();
-        Ok(())
-    }
-
-    /// Ends threads. They run no more cycles when this returns. If it fails, no thread has ended.
-    pub(crate) fn end_threads(&mut self, nodes: &[Ix]) -> Result<(), Error> {
-        let ids: Vec<u32> =
-            nodes.iter().filter_map(|ix| self.graph.thread(*ix)).map(|t| t.thread.id).collect();
-        let old = self.shared.threads.load_full();
-        let stay = old.iter().filter(|t| !ids.contains(&t.id)).cloned().collect();
-        drop(self.shared.threads.swap(Arc::new(stay)));
-        let leaving: Vec<_> = old.iter().filter(|t| ids.contains(&t.id)).collect();
-        let tell = |end| leaving.iter().for_each(|t| t.end.store(end, Ordering::Relaxed));
-        tell(true);
-        if self.shared.is_virtual() || self.have_left(&old, &ids) {
-            self.retire_threads(old);
-            return Ok(());
-        }
-        let stuck = self.stuck();
-        tell(false);
-        let without = self.shared.threads.swap(old.clone());
-        self.retire_threads(without);
-        for (rank, t) in old.iter().enumerate() {
-            if ids.contains(&t.id) {
-                self.runners.begin_again(t, rank)?;
-            }
-        }
-        Err(stuck)
-    }
-
-    /// Waits until no system thread runs any of these threads or uses the old list. Returns false
-    /// on timeout.
-    fn have_left(&mut self, old: &Arc<Vec<Arc<Thread>>>, ids: &[u32]) -> bool {
-        let limit = os::monotonic_ns() + TIMEOUT_NS;
-        while Arc::strong_count(old) > 1 {
-            if os::monotonic_ns() > limit {
-                return false;
-            }
-            os::sleep_until(os::monotonic_ns() + 20_000);
-        }
-        self.runners.end(ids, false, TIMEOUT_NS)
     }
 
     /// Switches the timing of functions on or off, for one thread or for all.
@@ -178,7 +124,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Returns the function list that a thread has to run.
+    /// Returns the functions that a thread has to run, without probes.
     pub(crate) fn list_of(&self, thread: Ix) -> List {
         let entries = |init: bool| {
             let functs = self.graph.runs(thread, init);
@@ -193,8 +139,7 @@ impl Engine {
                 })
                 .collect()
         };
-        let list = List { init: entries(true), entries: entries(false), ..List::default() };
-        self.with_probes(thread, list)
+        List { init: entries(true), entries: entries(false), ..List::default() }
     }
 
     /// Executes `addf` and `initf`.

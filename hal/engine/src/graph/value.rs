@@ -1,9 +1,10 @@
 //! Values and aliases: `setp`, `sets`, `getp`, `gets`, `alias`.
 
 use crate::{
-    Engine, Error,
+    Error,
     change::stores::Store,
     change::undo::{Index, Undo},
+    graph::model::Model,
     graph::ptr::Ptr,
     graph::ptr::own_cell,
     graph::{Graph, Ix, Queue, Storage},
@@ -12,7 +13,7 @@ use crate::{
 use hal_abi::PortQueue;
 use hal_protocol::{Direction, Lock, Type, Value, ValueError};
 
-impl Engine {
+impl Model {
     /// Executes `setp`.
     pub(crate) fn set_item(&mut self, name: &str, text: &str) -> Result<(), Error> {
         let ix = self.graph.find_item(name)?;
@@ -31,7 +32,7 @@ impl Engine {
         let value = parse(what, name, item.ty, text)?;
         let (storage, ty) = (item.storage, item.ty);
         self.assigned(ix, value.bits());
-        self.staged.stores.push(match storage {
+        self.staged.store(match storage {
             // An unlinked item uses its own cell, now or after the earlier stores of this
             // transaction.
             Storage::Slot(slot) => Store::Put { cell: own_cell(slot), bits: value.bits() },
@@ -80,7 +81,7 @@ impl Engine {
             }
             self.staged.undo_by(Undo::Queued(ix));
         }
-        self.staged.stores.push(Store::Put { cell, bits });
+        self.staged.store(Store::Put { cell, bits });
         Ok(())
     }
 

@@ -1,9 +1,12 @@
 //! Messages of components: a pin that a message names as `{NAME}` is shown with its wiring.
 
-use crate::{Engine, graph::Item, name::Name};
+use crate::{
+    graph::{Graph, Item},
+    name::Name,
+};
 use hal_protocol::Direction;
 
-impl Engine {
+impl Graph {
     /// Replaces each `{NAME}` of a pin by that name and the pin's wiring.
     pub(crate) fn with_wiring(&self, text: &str) -> String {
         let mut shown = String::new();
@@ -28,7 +31,7 @@ impl Engine {
     /// Describes a pin: its name, its signal, and the pins at the other end of the signal. These
     /// are the pins that write the signal or, for an output, the pins that read it.
     fn pin_with_wiring(&self, name: &str) -> Option<String> {
-        let graph = &self.graph;
+        let graph = self;
         let pin = *graph.pins.get(name)?;
         let item = graph.item(pin)?;
         let signal = graph.signal_of(pin);

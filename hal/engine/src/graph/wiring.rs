@@ -1,11 +1,12 @@
 //! Signals and links: their rules, and the stores that carry them out.
 
 use crate::{
-    Engine, Error,
+    Error,
+    change::staged::Going,
     change::stores::Store,
-    change::transaction::Going,
     change::undo::{Index, Undo},
     graph::arena::Arena,
+    graph::model::Model,
     graph::ptr::Ptr,
     graph::ptr::own_cell,
     graph::{Ix, Node, Signal},
@@ -14,7 +15,7 @@ use crate::{
 use hal_abi::Slot;
 use hal_protocol::{Direction, Lock, Type};
 
-impl Engine {
+impl Model {
     /// Executes `newsig`.
     pub(crate) fn new_signal(&mut self, name: &str, ty: Type) -> Result<Ix, Error> {
         self.unlocked(Lock::CONFIG, "signal_new")?;
@@ -43,13 +44,12 @@ impl Engine {
     pub(crate) fn delete_signal(&mut self, name: &str) -> Result<(), Error> {
         self.unlocked(Lock::CONFIG, "signal_delete")?;
         let ix = self.graph.find_signal(name)?;
-        self.part_probes(&[ix]);
         self.unlink_all(&self.graph.pins_of(ix));
         if let Some(s) = self.graph.signal(ix) {
             let name = s.name.clone();
             self.unname(Index::Signals, &name, ix);
         }
-        self.staged.going.push(Going::Signal(ix));
+        self.staged.remove(Going::Signal(ix));
         Ok(())
     }
 
@@ -126,10 +126,10 @@ impl Engine {
                 s.writers == 0 && s.bidirs == 0 && (p.direction != Direction::In || s.readers == 0);
             let cell = s.cell;
             if first && s.ty != Type::Port {
-                self.staged.stores.push(Store::Bring { slot: Ptr(slot), cell });
+                self.staged.store(Store::Bring { slot: Ptr(slot), cell });
             }
             let distance = Arena::distance(slot, cell.0);
-            self.staged.stores.extend(Store::aimed(slot, distance, p.pointer, cell));
+            self.staged.stores(Store::aimed(slot, distance, p.pointer, cell));
             let link = self.graph.draw_link(*pin, signal);
             self.graph.sites.joined(link);
             self.staged.undo_by(Undo::Linked(*pin));
@@ -151,13 +151,13 @@ impl Engine {
             let item = self.graph.item(*pin);
             let slot = item.and_then(crate::graph::Item::slot);
             let (Some(signal), Some(slot)) = (signal, slot) else { continue };
-            self.staged.stores.push(if signal.ty == Type::Port {
+            self.staged.store(if signal.ty == Type::Port {
                 Store::Put { cell: own_cell(Ptr(slot)), bits: 0 }
             } else {
                 Store::Keep { cell: signal.cell, slot: Ptr(slot) }
             });
             let (cell, pointer) = (own_cell(Ptr(slot)), item.and_then(|i| i.pointer));
-            self.staged.stores.extend(Store::aimed(slot, Slot::OWN, pointer, cell));
+            self.staged.stores(Store::aimed(slot, Slot::OWN, pointer, cell));
             if let Some((signal, site)) = self.graph.remove_link(*pin) {
                 self.staged.undo_by(Undo::Unlinked(*pin, signal, site));
             }

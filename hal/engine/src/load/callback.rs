@@ -20,7 +20,7 @@ impl Creating<'_> {
         if self.engine.options.simulate {
             flags |= host_flags::SIMULATED;
         }
-        if self.engine.trial.is_some() {
+        if self.engine.runtime.is_trial() {
             flags |= host_flags::TRIAL;
         }
         if self.engine.options.interlock {
@@ -88,7 +88,7 @@ declare!(open, ActionSpec, |c, s| {
 });
 declare!(stop, ActionSpec, |c, s| {
     let code = c.action(&s);
-    if let Some(component) = c.engine.graph.component_mut(c.component) {
+    if let Some(component) = c.engine.model.component_mut(c.component) {
         component.stops.extend(code.map(Arc::new));
     }
     Ok(())

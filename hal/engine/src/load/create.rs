@@ -4,7 +4,7 @@ use crate::{
     Engine, Error,
     ends::{self, Doing, What},
     graph::new_item::NewItem,
-    graph::{Command, Edge, Funct, Graph, Ix, Node, Service},
+    graph::{Command, Edge, Funct, Ix, Service},
     load::args::{Args, Declared},
     load::code::{Code, Keep},
     name::Name,
@@ -70,13 +70,15 @@ impl<'e> Creating<'e> {
                     continue;
                 }
                 let at = self.slots.get(&u.slot.addr()).copied();
-                let Some(item) = at.or_else(|| self.engine.item_at(u.slot)) else { continue };
-                let g = &mut self.engine.graph.g;
+                let Some(item) = at.or_else(|| self.engine.model.graph().item_at(u.slot)) else {
+                    continue;
+                };
+                let model = &mut self.engine.model;
                 if u.access & access::READ != 0 {
-                    g.add_edge(item, funct, Edge::Reads);
+                    model.connect(item, funct, Edge::Reads);
                 }
                 if u.access & access::WRITE != 0 {
-                    g.add_edge(funct, item, Edge::Writes);
+                    model.connect(funct, item, Edge::Writes);
                 }
             }
         }
@@ -89,15 +91,13 @@ impl<'e> Creating<'e> {
         let given: BTreeSet<u64> = given.map(|h| h.1).collect();
         for (_, told) in takers.iter().filter(|(token, _)| !given.contains(token)) {
             for taker in told {
-                if let Some(funct) = self.engine.graph.funct_mut(*taker) {
-                    funct.told = true;
-                }
+                self.engine.model.takes_hidden_state(*taker);
             }
         }
         // In the order of the functions: a token is an address, whose order is random.
         for (giver, token, _) in hidden.iter().filter(|h| h.2 & access::WRITE != 0) {
             for taker in takers.get(token).into_iter().flatten().filter(|taker| *taker != giver) {
-                self.engine.graph.g.add_edge(*giver, *taker, Edge::HandsOver);
+                self.engine.model.connect(*giver, *taker, Edge::HandsOver);
             }
         }
     }
@@ -132,7 +132,7 @@ impl<'e> Creating<'e> {
             (false, true) => (Name::parse(what, old)?, Some(Name::parse(what, name)?)),
             _ => (Name::parse(what, name)?, None),
         };
-        let doc = self.engine.graph.doc(doc);
+        let doc = self.engine.model.doc(doc);
         let item = NewItem {
             name,
             other,
@@ -145,7 +145,7 @@ impl<'e> Creating<'e> {
             safety: spec.flags & item_flags::SAFETY != 0,
             doc,
         };
-        let (ix, slot) = self.engine.new_item(owner, item)?;
+        let (ix, slot) = self.engine.model.new_item(owner, item)?;
         if let Some(slot) = slot {
             self.slots.insert(slot.as_ptr().addr(), ix);
         }
@@ -153,7 +153,8 @@ impl<'e> Creating<'e> {
     }
 
     fn odd(&self, why: &str) -> Error {
-        let name = self.engine.graph.component(self.component).map_or("", |c| c.name.as_str());
+        let name =
+            self.engine.model.graph().component(self.component).map_or("", |c| c.name.as_str());
         Error::InitFailed { name: name.into(), why: why.into(), code: Status::EINVAL.0 }
     }
 
@@ -166,10 +167,10 @@ impl<'e> Creating<'e> {
         let Some(run) = spec.run else { return Err(self.odd("a function has no code")) };
         let code = Code::new(run, spec.state, spec.free, self.keep.clone());
         let name = Name::parse("function", self.text(spec.name)?)?;
-        if self.engine.graph.functs.contains_key(&name) {
+        if self.engine.model.graph().functs.contains_key(&name) {
             return Err(Error::Duplicate { what: "function", name: name.as_str().into() });
         }
-        let account = self.engine.new_account(self.component, &name, true)?;
+        let account = self.engine.model.new_account(self.component, &name, true)?;
         let funct = Funct {
             name: name.clone(),
             reentrant: spec.flags & funct_flags::REENTRANT != 0,
@@ -180,12 +181,10 @@ impl<'e> Creating<'e> {
             code: Arc::new(code),
             account,
         };
-        let ix = self.engine.graph.g.add_node(Node::Funct(funct));
-        self.engine.graph.g.add_edge(self.component, ix, Edge::Owns);
-        if let Some(c) = self.engine.graph.component(self.component) {
+        let ix = self.engine.model.new_funct(self.component, funct);
+        if let Some(c) = self.engine.model.graph().component(self.component) {
             ends::note_funct(u32::try_from(ix.index()).unwrap_or(u32::MAX), &c.name, &name);
         }
-        self.engine.graph.functs.insert(name, ix);
         // SAFETY: the component's list lives across its call.
         let uses = unsafe { copied(spec.uses, spec.n_uses) };
         if !uses.is_empty() {
@@ -196,10 +195,11 @@ impl<'e> Creating<'e> {
 
     pub(crate) fn thread(&mut self, spec: &ThreadSpec) -> Result<(), Error> {
         let name = Name::parse("thread", self.text(spec.name)?)?;
-        let ix = self.engine.new_thread(name, spec.period_ns)?;
+        let shared = self.engine.runtime.shared();
+        let ix = self.engine.model.new_thread(name, spec.period_ns, shared)?;
         // The thread's pseudo component is removed with this one.
-        if let Some(pseudo) = self.engine.graph.owner_of(ix) {
-            self.engine.graph.g.add_edge(self.component, pseudo, Edge::Owns);
+        if let Some(pseudo) = self.engine.model.graph().owner_of(ix) {
+            self.engine.model.connect(self.component, pseudo, Edge::Owns);
         }
         self.threads.push(ix);
         Ok(())
@@ -212,11 +212,12 @@ impl<'e> Creating<'e> {
         if spec.period_ns <= 0 {
             return Err(self.odd("a task has no period"));
         }
-        let due = self.engine.shared.now();
-        let owner = self.engine.graph.component(self.component).map_or("", |c| c.name.as_str());
+        let due = self.engine.runtime.now();
+        let owner =
+            self.engine.model.graph().component(self.component).map_or("", |c| c.name.as_str());
         let doing = Doing::new(owner, What::Task(name.clone()));
         let by = (self.component, doing);
-        self.engine.tasks.push(Task::new(name, by, spec.period_ns, due, code));
+        self.engine.runtime.add_task(Task::new(name, by, spec.period_ns, due, code));
         Ok(())
     }
 
@@ -224,7 +225,7 @@ impl<'e> Creating<'e> {
         let Some(run) = spec.run else { return Err(self.odd("a command has no code")) };
         let code = Code::new(run, spec.state, spec.free, self.keep.clone());
         let name = Name::parse("command", self.text(spec.name)?)?;
-        if self.engine.graph.commands.contains_key(&name) {
+        if self.engine.model.graph().commands.contains_key(&name) {
             return Err(Error::Duplicate { what: "command", name: name.as_str().into() });
         }
         let mut args = Vec::new();
@@ -234,37 +235,37 @@ impl<'e> Creating<'e> {
             args.push(declared.ok_or_else(|| self.odd("an argument is not well declared"))?);
         }
         let doc = self.text(spec.doc)?.into();
-        self.engine.graph.commands.insert(name.clone(), self.component);
-        if let Some(c) = self.engine.graph.component_mut(self.component) {
-            let doing = Doing::new(c.name.as_str(), What::Command(name.clone()));
-            c.commands.push(Command { name, doc, args, code, doing });
-        }
+        let owner = self.engine.model.graph().component(self.component);
+        let owner = owner.map_or("", |c| c.name.as_str());
+        let doing = Doing::new(owner, What::Command(name.clone()));
+        let command = Command { name, doc, args, code, doing };
+        self.engine.model.new_command(self.component, command);
         Ok(())
     }
 
     pub(crate) fn stream(&mut self, spec: &StreamSpec) -> Result<StreamRef, Error> {
         let name = Name::parse("stream", self.text(spec.name)?)?;
-        if self.engine.rings.contains_key(&name) {
+        if self.engine.model.rings().contains_key(&name) {
             return Err(Error::Duplicate { what: "stream", name: name.as_str().into() });
         }
         let ring = SharedRing::new(self.component, spec).map_err(|why| self.odd(&why))?;
         let made = ring.made();
-        self.engine.rings.insert(name, ring);
+        self.engine.model.new_ring(name, ring);
         Ok(made)
     }
 
     pub(crate) fn offer(&mut self, spec: &ServiceSpec) -> Result<(), Error> {
         let code = Code::new((), spec.state, spec.free, self.keep.clone());
         let name = self.text(spec.name)?;
-        if let Some((by, _)) = self.engine.graph.service(name, None) {
-            let by = self.engine.graph.component(by).map_or("", |c| c.name.as_str()).into();
+        if let Some((by, _)) = self.engine.model.graph().service(name, None) {
+            let by = self.engine.model.graph().component(by).map_or("", |c| c.name.as_str()).into();
             return Err(Error::ServiceTaken { name: name.into(), by });
         }
         // SAFETY: the component's list lives across its call.
         let uses = unsafe { copied(spec.uses, spec.n_uses) };
         let (name, version) = (name.into(), spec.version);
         let service = Service { name, version, table: spec.table, uses, code };
-        if let Some(c) = self.engine.graph.component_mut(self.component) {
+        if let Some(c) = self.engine.model.component_mut(self.component) {
             c.services.push(service);
         }
         Ok(())
@@ -282,7 +283,7 @@ impl<'e> Creating<'e> {
         let name = self.text(name)?;
         match self.found(name, version) {
             Some(found) => Ok(found),
-            None if self.engine.graph.service(name, None).is_none() => {
+            None if self.engine.model.graph().service(name, None).is_none() => {
                 Ok(ServiceRef { table: core::ptr::null(), uses: core::ptr::null(), n_uses: 0 })
             }
             None => Err(Error::NoService { name: name.into(), version }),
@@ -291,12 +292,11 @@ impl<'e> Creating<'e> {
 
     /// Finds a service, and keeps its provider loaded.
     fn found(&mut self, name: &str, version: u32) -> Option<ServiceRef> {
-        let graph = &mut self.engine.graph;
-        let (by, service) = graph.service(name, Some(version))?;
+        let (by, service) = self.engine.model.graph().service(name, Some(version))?;
         let (uses, n_uses) = (service.uses.as_ptr(), service.uses.len());
         let found = ServiceRef { table: service.table, uses, n_uses };
         if by != self.component {
-            graph.g.add_edge(self.component, by, Edge::Needs);
+            self.engine.model.connect(self.component, by, Edge::Needs);
         }
         Some(found)
     }
@@ -315,20 +315,6 @@ impl<'e> Creating<'e> {
                 status
             }
         }
-    }
-}
-
-impl Graph {
-    /// Finds a service, and the component that offers it.
-    pub(crate) fn service(&self, name: &str, version: Option<u32>) -> Option<(Ix, &Service)> {
-        self.components.values().find_map(|ix| {
-            let service = self
-                .component(*ix)?
-                .services
-                .iter()
-                .find(|s| &*s.name == name && version.is_none_or(|v| v == s.version))?;
-            Some((*ix, service))
-        })
     }
 }
 

@@ -26,17 +26,19 @@ impl Engine {
         words: &[String],
         prefix: &str,
     ) -> Result<(), Error> {
-        self.unlocked(Lock::LOAD, "loading of programs")?;
-        let instance = self.instance.clone();
+        self.model.unlocked(Lock::LOAD, "loading of programs")?;
+        let instance = self.runtime.instance().clone();
         let _within = instance.control.run(Doing::new(module, What::Load));
-        let found = self.loader.find_foreign(module, &self.foreign_files())?;
+        let foreign = self.foreign_files();
+        let found = self.model.loader().find_foreign(module, &foreign)?;
         self.load_file(module, words, prefix, &found)
     }
 
     /// Returns the loaded files that are not plugins, the oldest first.
     pub(crate) fn foreign_files(&self) -> Vec<PathBuf> {
-        let components = self.graph.components_by_age().into_iter();
-        let components = components.filter_map(|ix| self.graph.component(ix)?.foreign.as_ref());
+        let components = self.model.graph().components_by_age().into_iter();
+        let components =
+            components.filter_map(|ix| self.model.graph().component(ix)?.foreign.as_ref());
         components.filter_map(|f| PathBuf::from(&*f.file).canonicalize().ok()).collect()
     }
 
@@ -49,15 +51,15 @@ impl Engine {
         found: &ForeignFound,
     ) -> Result<(), Error> {
         let name = Name::parse("component", &format!("{prefix}{module}"))?;
-        if self.graph.components.contains_key(&name) {
+        if self.model.graph().components.contains_key(&name) {
             return Err(Error::ModuleExists { name: name.as_str().into() });
         }
-        if self.staged.dry {
+        if self.model.staged().is_dry() {
             let why = "it touches its devices as it is loaded, so that cannot be tried".into();
             return Err(Error::InitFailed { name: module.into(), why, code: Status::EBUSY.0 });
         }
-        let component = self.new_component(name, None, Some(words.join(" ")), true)?;
-        self.staged.undo_by(Undo::Made(component));
+        let component = self.model.new_component(name, None, Some(words.join(" ")), true)?;
+        self.model.staged_mut().undo_by(Undo::Made(component));
         let file = found.file.canonicalize().ok();
         self.note_origin(component, file.and_then(|f| Some(f.to_str()?.into())));
         let before = ends::threads();
@@ -76,11 +78,11 @@ impl Engine {
         words: &[String],
         found: &ForeignFound,
     ) -> Result<(), Error> {
-        let id = self.graph.component(component).map_or(0, |c| c.id);
-        let keep = Keep::new(id, self.shared.clone(), found.library.clone());
-        self.listen_to(id, keep.voice().clone());
+        let id = self.model.graph().component(component).map_or(0, |c| c.id);
+        let keep = Keep::new(id, self.runtime.shared().clone(), found.library.clone());
+        self.log.listen_to(id, keep.voice().clone());
         let path = found.file.display().to_string();
-        if let Some(c) = self.graph.component_mut(component) {
+        if let Some(c) = self.model.component_mut(component) {
             c.foreign = Some(Foreign {
                 kind: found.kind.as_str().into(),
                 module: module.into(),
@@ -89,7 +91,7 @@ impl Engine {
                 keep: keep.clone(),
             });
         }
-        let shared = self.shared.clone();
+        let shared = self.runtime.shared().clone();
         let shown: Vec<Str> = words.iter().map(|w| Str::borrow(w)).collect();
         let mut creating = Creating::new(self, component, keep, Args::default());
         let host = creating.host(module, 0, 0, true);
@@ -118,15 +120,15 @@ impl Engine {
             return Err(Error::InitFailed { name: module.into(), why: why.into(), code: status.0 });
         }
         let threads = core::mem::take(&mut creating.threads);
-        self.staged.begins.extend(threads);
-        self.staged.undo_by(Undo::Opened(component));
+        self.model.staged_mut().begin_threads(threads);
+        self.model.staged_mut().undo_by(Undo::Opened(component));
         Ok(())
     }
 }
 
 impl Creating<'_> {
     fn component_of(&self, number: u32) -> Option<Ix> {
-        let g = &self.engine.graph;
+        let g = self.engine.model.graph();
         g.components.values().copied().find(|ix| g.component(*ix).is_some_and(|c| c.id == number))
     }
 
@@ -143,34 +145,19 @@ impl Creating<'_> {
             let pointer = Ptr(pointer);
             let cell = crate::graph::ptr::own_cell(Ptr(slot));
             crate::change::stores::point(pointer, cell);
-            self.engine.staged.own.insert(pointer.0.addr().get());
-            if let Some(item) = self.engine.graph.item_mut(ix) {
-                item.pointer = Some(pointer);
-            }
+            self.engine.model.set_pointer(ix, pointer);
         }
         Ok(())
     }
 
     fn rename(&mut self, name: &str) -> Result<(), Error> {
         let name = Name::parse("component", name)?;
-        let e = &mut *self.engine;
-        let old = e.graph.component(self.component).map(|c| c.name.clone());
-        let Some(old) = old.filter(|old| *old != name) else { return Ok(()) };
-        if e.graph.components.contains_key(&name) {
-            return Err(Error::Duplicate { what: "component name", name: name.as_str().into() });
-        }
-        // Reverting removes a new component by its node, whatever its name is then.
-        e.graph.components.remove(&old);
-        e.graph.components.insert(name.clone(), self.component);
-        if let Some(c) = e.graph.component_mut(self.component) {
-            c.name = name;
-        }
-        Ok(())
+        self.engine.model.rename(self.component, name)
     }
 
     fn need(&mut self, number: u32) -> Result<(), Error> {
         if let Some(provider) = self.component_of(number).filter(|ix| *ix != self.component) {
-            self.engine.graph.g.add_edge(self.component, provider, Edge::Needs);
+            self.engine.model.connect(self.component, provider, Edge::Needs);
         }
         Ok(())
     }
@@ -181,22 +168,22 @@ impl Creating<'_> {
         match what {
             edit::NEW_SIGNAL => {
                 let ty = Type::from_code(code).filter(|_| code <= ty::U64);
-                e.new_signal(a, ty.unwrap_or(Type::Bit)).map(drop)
+                e.model.new_signal(a, ty.unwrap_or(Type::Bit)).map(drop)
             }
-            edit::DELETE_SIGNAL => e.delete_signal(a),
-            edit::LINK => e.link(a, b),
-            edit::UNLINK => e.unlink(a),
-            edit::ADD | edit::ADD_INIT => e.add_funct(a, b, number, what == edit::ADD_INIT),
-            edit::REMOVE => e.remove_funct(a, Some(b)),
+            edit::DELETE_SIGNAL => e.model.delete_signal(a),
+            edit::LINK => e.model.link(a, b),
+            edit::UNLINK => e.model.unlink(a),
+            edit::ADD | edit::ADD_INIT => e.model.add_funct(a, b, number, what == edit::ADD_INIT),
+            edit::REMOVE => e.model.remove_funct(a, Some(b)),
             edit::START => e.start_threads(),
-            edit::STOP => e.stop_threads(),
+            edit::STOP => e.runtime.stop(),
             edit::ALIAS_PIN | edit::ALIAS_PARAM => {
                 let param = what == edit::ALIAS_PARAM;
-                if b.is_empty() { e.unalias(param, a) } else { e.alias(param, a, b) }
+                if b.is_empty() { e.model.unalias(param, a) } else { e.model.alias(param, a, b) }
             }
-            edit::SET => e.set_item(a, b),
+            edit::SET => e.model.set_item(a, b),
             edit::LOCK => {
-                e.lock = Lock(code);
+                e.model.set_lock(Lock(code));
                 Ok(())
             }
             _ => Ok(()),
@@ -210,7 +197,7 @@ impl Creating<'_> {
             Ok(()) => Status::OK,
             Err(e) => {
                 let status = Status(e.errno());
-                let by = self.engine.graph.component(self.component);
+                let by = self.engine.model.graph().component(self.component);
                 let by = by.map_or_else(String::new, |c| c.name.as_str().to_owned());
                 self.engine.hear();
                 self.engine.notice(format!("{by}: {e}"));
@@ -279,8 +266,8 @@ unsafe extern "C" fn edit_graph(
 impl Engine {
     /// Lists the loaded components that are not plugins, the oldest first.
     pub(crate) fn foreign_parts(&self) -> Vec<ForeignPart> {
-        let components = self.graph.components_by_age().into_iter();
-        let components = components.filter_map(|ix| self.graph.component(ix));
+        let components = self.model.graph().components_by_age().into_iter();
+        let components = components.filter_map(|ix| self.model.graph().component(ix));
         components
             .filter_map(|c| {
                 let f = c.foreign.as_ref()?;

@@ -13,7 +13,7 @@ use crate::{
     graph::{Item, Ix, Storage},
     name::Name,
     observe::probe::Probe,
-    observe::watch::{At, Watching},
+    observe::probes::{At, Watching},
     sync::{Arc, AtomicU64},
 };
 use condition::Condition;
@@ -47,19 +47,19 @@ impl Engine {
         }
         let type_of = |name: &str| {
             let ix = self.watchable(name)?;
-            let item = self.graph.item(ix);
-            let ty = item.map(|i| i.ty).or_else(|| self.graph.signal(ix).map(|s| s.ty));
+            let item = self.model.graph().item(ix);
+            let ty = item.map(|i| i.ty).or_else(|| self.model.graph().signal(ix).map(|s| s.ty));
             ty.filter(|t| *t != Type::Port)
                 .ok_or_else(|| WatchError::Port { name: name.into() }.into())
         };
         let own: Result<Vec<Condition>, Error> =
             spec.when.iter().map(|text| Condition::check(text, type_of)).collect();
         let conditions = own?;
-        if self.flight.is_some() {
+        if self.observers.flight.is_some() {
             self.end_flight()?;
         }
         let flight = Arc::new(Mutex::new(Flight {
-            history: History::new(spec.bytes, self.shared.now()),
+            history: History::new(spec.bytes, self.runtime.now()),
             spec,
             probe: None,
             columns: BTreeMap::new(),
@@ -71,14 +71,14 @@ impl Engine {
             events: 0,
             kept: VecDeque::new(),
             last: None,
-            at_once: self.shared.is_virtual(),
+            at_once: self.runtime.is_virtual(),
             ends: false,
             unwritten: false,
             said: Vec::new(),
             lost: (0, 0),
         }));
-        self.instance.set_flight(Some(flight.clone()));
-        self.flight = Some(flight);
+        self.runtime.instance().set_flight(Some(flight.clone()));
+        self.observers.flight = Some(flight);
         self.refresh_flight();
         Ok(())
     }
@@ -86,19 +86,19 @@ impl Engine {
     /// Executes `flight off`. An event in progress is kept first.
     pub(crate) fn end_flight(&mut self) -> Result<(), Error> {
         self.drain_flight();
-        let flight = self.flight.take().ok_or(WatchError::FlightOff)?;
-        self.instance.set_flight(None);
+        let flight = self.observers.flight.take().ok_or(WatchError::FlightOff)?;
+        self.runtime.instance().set_flight(None);
         let mut flight = lock(&flight);
         if let Some((id, _, _)) = &flight.probe {
             self.end_watching(*id);
         }
-        let now = self.shared.now();
+        let now = self.runtime.now();
         flight.judge();
         flight.at_once = true;
         flight.ends = true;
         flight.finish(now);
         flight.look(true);
-        self.unwritten |= flight.unwritten;
+        self.observers.unwritten |= flight.unwritten;
         core::mem::take(&mut flight.said).into_iter().for_each(|text| self.notice(text));
         Ok(())
     }
@@ -106,8 +106,8 @@ impl Engine {
     /// Returns the state of the recorder.
     pub(crate) fn flight_info(&mut self) -> Result<FlightInfo, Error> {
         self.drain_flight();
-        let to = self.shared.now();
-        let f = lock(self.flight.as_ref().ok_or(WatchError::FlightOff)?);
+        let to = self.runtime.now();
+        let f = lock(self.observers.flight.as_ref().ok_or(WatchError::FlightOff)?);
         let values = f.probe.as_ref().map_or(0, |p| p.2.len());
         Ok(FlightInfo {
             bytes: f.spec.bytes,
@@ -122,17 +122,17 @@ impl Engine {
 
     /// Executes `flight save`, for the present contents or the last event.
     pub(crate) fn save_flight(&mut self, path: &str, last: bool) -> Result<(), Error> {
-        let now = self.shared.now();
-        if let Some(flight) = self.flight.as_deref().map(lock)
+        let now = self.runtime.now();
+        if let Some(flight) = self.observers.flight.as_deref().map(lock)
             && let Some((_, probe, _)) = &flight.probe
-            && self.shared.is_virtual()
+            && self.runtime.is_virtual()
         {
             // A script may have changed values while time stood still.
             probe.look(now);
         }
         self.drain_flight();
-        let at_once = self.shared.is_virtual();
-        let mut f = lock(self.flight.as_ref().ok_or(WatchError::FlightOff)?);
+        let at_once = self.runtime.is_virtual();
+        let mut f = lock(self.observers.flight.as_ref().ok_or(WatchError::FlightOff)?);
         let snapshot = if last {
             f.last.clone().ok_or(WatchError::NoEvent)?
         } else {
@@ -155,21 +155,21 @@ impl Engine {
     /// Records an event that the engine has detected.
     pub(crate) fn flight_event(&mut self, time: i64, why: &str) {
         self.drain_flight();
-        if let Some(f) = &self.flight {
+        if let Some(f) = &self.observers.flight {
             lock(f).event(time, why);
         }
     }
 
     /// Notes that the set of watched values may have changed.
     pub(crate) fn flight_is_stale(&mut self) {
-        if let Some(f) = &self.flight {
+        if let Some(f) = &self.observers.flight {
             lock(f).stale = true;
         }
     }
 
     /// Updates the set of watched values.
     pub(crate) fn refresh_flight(&mut self) {
-        let Some(flight) = self.flight.clone() else { return };
+        let Some(flight) = self.observers.flight.clone() else { return };
         let mut flight = lock(&flight);
         if !core::mem::take(&mut flight.stale) {
             return;
@@ -198,7 +198,7 @@ impl Engine {
                     flight.lost.0 += old.lost();
                     flight.lost.1 = 0;
                 }
-                let now = self.shared.now();
+                let now = self.runtime.now();
                 let columns = flight.history.regroup(now, &groups);
                 flight.columns = nodes.into_iter().zip(columns.iter().copied()).collect();
                 flight.probe = Some((id, probe, columns));
@@ -215,7 +215,7 @@ impl Engine {
     /// Returns whether a value lies in its component's own memory, which is freed with the
     /// component.
     fn is_own(&self, ix: Ix) -> bool {
-        self.graph.item(ix).is_some_and(|i| matches!(i.storage, Storage::Own(_)))
+        self.model.graph().item(ix).is_some_and(|i| matches!(i.storage, Storage::Own(_)))
     }
 
     /// Returns signals with their pins, unlinked pins, and parameters that a condition names.
@@ -225,23 +225,25 @@ impl Engine {
         // Group of each signal and pin.
         let mut group_of = BTreeMap::new();
         let before = |ix: &Ix| flight.columns.get(ix).copied();
-        for (name, ix) in &self.graph.signals {
-            let Some(s) = self.graph.signal(*ix).filter(|s| s.ty != Type::Port) else { continue };
+        for (name, ix) in &self.model.graph().signals {
+            let Some(s) = self.model.graph().signal(*ix).filter(|s| s.ty != Type::Port) else {
+                continue;
+            };
             group_of.insert(*ix, groups.len());
             nodes.push(*ix);
             let names = vec![name.as_str().to_owned()];
             groups.push(Group { ty: s.ty, names, before: before(ix) });
         }
         let named = |name: &Name| flight.conditions.iter().any(|c| c.names(name.as_str()));
-        let params = self.graph.params.iter().filter(|(name, _)| named(name));
-        for (name, ix) in self.graph.pins.iter().chain(params) {
+        let params = self.model.graph().params.iter().filter(|(name, _)| named(name));
+        for (name, ix) in self.model.graph().pins.iter().chain(params) {
             // A value that a condition names is watched under any of its names.
             let wanted = |i: &&Item| {
                 let plain = !i.hidden && !i.times && i.shown() == name;
                 i.ty != Type::Port && (plain || named(name))
             };
-            let Some(item) = self.graph.item(*ix).filter(wanted) else { continue };
-            let place = self.graph.signal_of(*ix).unwrap_or(*ix);
+            let Some(item) = self.model.graph().item(*ix).filter(wanted) else { continue };
+            let place = self.model.graph().signal_of(*ix).unwrap_or(*ix);
             if let Some(group) = group_of.get(&place).and_then(|i: &usize| groups.get_mut(*i)) {
                 group.names.push(name.as_str().to_owned());
                 continue;
@@ -257,8 +259,8 @@ impl Engine {
     /// Reads queued changes, and keeps an event whose time of recording is over.
     pub(crate) fn drain_flight(&mut self) {
         // While no cycle is in progress, neither is a sample.
-        let whole = self.shared.is_virtual() || !self.shared.boundary.is_running();
-        let Some(flight) = self.flight.clone() else { return };
+        let whole = self.runtime.is_virtual() || !self.runtime.is_running();
+        let Some(flight) = self.observers.flight.clone() else { return };
         let mut flight = lock(&flight);
         if let Some((id, probe, columns)) = flight.probe.take() {
             flight.hear(&probe, &columns, whole);
@@ -269,12 +271,12 @@ impl Engine {
             }
             flight.probe = Some((id, probe, columns));
         }
-        let now = self.shared.now();
+        let now = self.runtime.now();
         if flight.awaited.as_ref().is_some_and(|a| a.until <= now) {
             flight.finish(now);
         }
         flight.look(false);
-        self.unwritten |= flight.unwritten;
+        self.observers.unwritten |= flight.unwritten;
         core::mem::take(&mut flight.said).into_iter().for_each(|text| self.notice(text));
     }
 }

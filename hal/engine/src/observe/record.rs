@@ -1,6 +1,7 @@
 //! Recording to VCD: the control side writes the changes that a probe has seen to a file.
 
 mod file;
+mod recording;
 mod tape;
 
 use crate::{
@@ -8,7 +9,7 @@ use crate::{
     error::watch::WatchError,
     graph::Ix,
     observe::probe::Probe,
-    observe::watch::{At, Watching},
+    observe::probes::{At, Watching},
     os,
     sync::{Arc, AtomicU64},
 };
@@ -16,6 +17,7 @@ use file::WholeFile;
 use hal_output::Growing;
 use hal_protocol::{Patterns, StoppedRecording, Type};
 use hal_trace::vcd::Column;
+pub(crate) use recording::Recording;
 use std::{
     collections::BTreeMap,
     path::Path,
@@ -25,19 +27,6 @@ pub(crate) use tape::Tape;
 
 /// Minimum capacity of the queue of changes.
 const ROOM: usize = 1 << 16;
-
-/// Recording in progress.
-#[derive(Debug)]
-pub(crate) struct Recording {
-    pub(crate) path: String,
-    patterns: Patterns,
-    /// Device or pipe, until time first moves. A regular file is created only then.
-    file: Option<Growing>,
-    /// None until time first moves, when the recorded values are determined.
-    tape: Option<Arc<Mutex<Tape>>>,
-    /// Probe and its number.
-    probe: Option<(u64, Arc<Probe>)>,
-}
 
 /// Locks the tape, which the guard also uses.
 fn lock(tape: &Mutex<Tape>) -> MutexGuard<'_, Tape> {
@@ -50,28 +39,16 @@ fn unwritten(stopped: StoppedRecording) -> Error {
     Error::File { path: stopped.file.into(), why }
 }
 
-impl Recording {
-    /// Returns whether the recorded values are not yet determined.
-    pub(crate) const fn is_waiting(&self) -> bool {
-        self.tape.is_none()
-    }
-
-    /// Returns the number of changes lost because the queue was full.
-    pub(crate) fn lost(&self) -> u64 {
-        self.probe.as_ref().map_or(0, |(_, p)| p.lost())
-    }
-}
-
 impl Engine {
     /// Executes `record FILE PATTERNS…`. The patterns are matched when time first moves.
     pub(crate) fn record(&mut self, path: &str, patterns: &[String]) -> Result<(), Error> {
-        if let Some(r) = &self.recording {
+        if let Some(r) = &self.observers.recording {
             return Err(WatchError::Recording { path: r.path.as_str().into() }.into());
         }
         let refused = |e: std::io::Error| Error::File { path: path.into(), why: os::said(&e) };
         let file = Growing::create(Path::new(path)).map_err(refused)?;
-        self.stopped_recording = None;
-        self.recording = Some(Recording {
+        self.observers.stopped_recording = None;
+        self.observers.recording = Some(Recording {
             path: path.to_owned(),
             patterns: Patterns::new(patterns),
             // An existing file stays as it is, and no temporary file appears beside it, until the
@@ -80,7 +57,7 @@ impl Engine {
             tape: None,
             probe: None,
         });
-        if self.shared.boundary.is_running() {
+        if self.runtime.is_running() {
             self.begin_recording();
         }
         Ok(())
@@ -88,7 +65,7 @@ impl Engine {
 
     /// Determines the recorded values and writes the head of the file.
     pub(crate) fn begin_recording(&mut self) {
-        let Some(mut r) = self.recording.take_if(|r| r.is_waiting()) else { return };
+        let Some(mut r) = self.observers.recording.take_if(|r| r.is_waiting()) else { return };
         let watching = match self.begin_tape(&mut r) {
             Ok(watching) => watching,
             Err(stopped) => return self.stop_recording(r, stopped),
@@ -97,7 +74,7 @@ impl Engine {
         match self.begin_watching(watching) {
             Ok(id) => {
                 r.probe = Some((id, probe));
-                self.recording = Some(r);
+                self.observers.recording = Some(r);
             }
             Err(e) => {
                 let stopped = self.not_begun(&r, &e.to_string());
@@ -120,14 +97,14 @@ impl Engine {
         let begun = file.and_then(|file| {
             ends::note_recording(&r.path, file.inode().unwrap_or(0));
             let file = WholeFile::new(file);
-            Tape::begin(&r.path, file, &columns, probe.clone(), self.shared.now())
+            Tape::begin(&r.path, file, &columns, probe.clone(), self.runtime.now())
         });
         let mut tape = begun.map_err(|e| self.not_begun(r, &os::said(&e)))?;
         if let Some(stopped) = tape.stopped() {
             return Err(stopped);
         }
         r.tape = Some(Arc::new(Mutex::new(tape)));
-        self.instance.set_tape(r.tape.clone());
+        self.runtime.instance().set_tape(r.tape.clone());
         let nodes = nodes.into_iter().collect();
         Ok(Watching { probe, at: At::Moments, nodes, lossless: true })
     }
@@ -137,7 +114,7 @@ impl Engine {
         StoppedRecording {
             file: r.path.clone(),
             reason: reason.to_owned(),
-            time: self.shared.now().unsigned_abs(),
+            time: self.runtime.now().unsigned_abs(),
             bytes: 0,
             kept_to: None,
         }
@@ -147,8 +124,8 @@ impl Engine {
     fn stop_recording(&mut self, r: Recording, stopped: StoppedRecording) {
         self.leave_recording(r.probe.as_ref().map(|p| p.0));
         self.notice(stopped.to_string());
-        self.unwritten = true;
-        self.stopped_recording = Some(stopped);
+        self.observers.unwritten = true;
+        self.observers.stopped_recording = Some(stopped);
     }
 
     /// Ends the watching of a recording and withdraws it from the guard and the watcher.
@@ -156,7 +133,7 @@ impl Engine {
         if let Some(id) = probe {
             self.end_watching(id);
         }
-        self.instance.set_tape(None);
+        self.runtime.instance().set_tape(None);
         ends::note_recording("", 0);
     }
 
@@ -165,17 +142,19 @@ impl Engine {
         let mut nodes = Vec::new();
         let mut columns: Vec<Column> = Vec::new();
         let mut of_signal = BTreeMap::new();
-        for (name, ix) in &self.graph.signals {
-            let Some(s) = self.graph.signal(*ix).filter(|s| s.ty != Type::Port) else { continue };
+        for (name, ix) in &self.model.graph().signals {
+            let Some(s) = self.model.graph().signal(*ix).filter(|s| s.ty != Type::Port) else {
+                continue;
+            };
             if r.patterns.matches(name.as_str()) {
                 of_signal.insert(*ix, nodes.len());
                 nodes.push(*ix);
                 columns.push(Column { ty: s.ty, names: vec![name.as_str().to_owned()] });
             }
         }
-        let items = self.graph.pins.iter().chain(&self.graph.params);
+        let items = self.model.graph().pins.iter().chain(&self.model.graph().params);
         for (name, ix) in items {
-            let Some(item) = self.graph.item(*ix) else { continue };
+            let Some(item) = self.model.graph().item(*ix) else { continue };
             let plain = !item.hidden && !item.times && item.direction.is_pin();
             let wanted =
                 if r.patterns.is_empty() { plain } else { r.patterns.names(name.as_str()) };
@@ -185,7 +164,7 @@ impl Engine {
             // A pin that the user names in full is recorded by itself, also after it is linked to
             // another signal.
             let apart = r.patterns.is_one(name.as_str());
-            let signal = self.graph.signal_of(*ix).filter(|_| !apart);
+            let signal = self.model.graph().signal_of(*ix).filter(|_| !apart);
             if let Some(at) =
                 signal.and_then(|s| of_signal.get(&s)).and_then(|i| columns.get_mut(*i))
             {
@@ -204,14 +183,16 @@ impl Engine {
     /// Writes queued changes.
     pub(crate) fn drain_recording(&mut self) {
         // While no cycle is in progress, neither is a sample.
-        let still = self.shared.is_virtual() || self.quiet;
-        let Some(tape) = self.recording.as_ref().and_then(|r| r.tape.as_deref()) else { return };
+        let still = self.runtime.is_virtual() || self.runtime.is_quiet();
+        let Some(tape) = self.observers.recording.as_ref().and_then(|r| r.tape.as_deref()) else {
+            return;
+        };
         let mut tape = lock(tape);
-        tape.drain(still, self.shared.now());
+        tape.drain(still, self.runtime.now());
         let stopped = tape.stopped();
         drop(tape);
         if let Some(stopped) = stopped
-            && let Some(r) = self.recording.take()
+            && let Some(r) = self.observers.recording.take()
         {
             self.stop_recording(r, stopped);
         }
@@ -220,9 +201,11 @@ impl Engine {
     /// Takes a last sample: while no cycle runs, the probe does not see changes by a script or a
     /// stop action.
     fn look_last(&self) {
-        let probe = self.recording.as_ref().and_then(|r| r.probe.as_ref());
-        if let Some((_, probe)) = probe.filter(|_| self.shared.is_virtual() || self.quiet) {
-            probe.look(self.shared.now());
+        let probe = self.observers.recording.as_ref().and_then(|r| r.probe.as_ref());
+        if let Some((_, probe)) =
+            probe.filter(|_| self.runtime.is_virtual() || self.runtime.is_quiet())
+        {
+            probe.look(self.runtime.now());
         }
     }
 
@@ -232,8 +215,8 @@ impl Engine {
     /// It could not be written whole, or changes were lost.
     pub(crate) fn end_recording(&mut self) -> Result<(), Error> {
         self.look_last();
-        let Some(mut r) = self.recording.take() else {
-            let stopped = self.stopped_recording.take();
+        let Some(mut r) = self.observers.recording.take() else {
+            let stopped = self.observers.stopped_recording.take();
             return Err(stopped.map_or_else(|| WatchError::NotRecording.into(), unwritten));
         };
         // Time has not moved, so the recording consists of the present values.
@@ -241,17 +224,17 @@ impl Engine {
         self.leave_recording(r.probe.as_ref().map(|p| p.0));
         let stopped = begun.err().or_else(|| {
             let mut tape = lock(r.tape.as_deref()?);
-            tape.end(self.shared.now());
+            tape.end(self.runtime.now());
             tape.stopped()
         });
         if let Some(stopped) = stopped {
-            self.unwritten = true;
+            self.observers.unwritten = true;
             return Err(unwritten(stopped));
         }
         match r.lost() {
             0 => Ok(()),
             lost => {
-                self.unwritten = true;
+                self.observers.unwritten = true;
                 let why = format!("{lost} changes were lost for want of room").into();
                 Err(Error::File { path: r.path.into(), why })
             }
@@ -261,9 +244,9 @@ impl Engine {
     /// Ends the recording of probe `id`, with a message, because a component that it watches is
     /// unloaded.
     pub(crate) fn recording_parted(&mut self, id: u64) {
-        let probe = self.recording.as_ref().and_then(|r| r.probe.as_ref());
+        let probe = self.observers.recording.as_ref().and_then(|r| r.probe.as_ref());
         if probe.is_some_and(|p| p.0 == id) {
-            let path = self.recording.as_ref().map_or(String::new(), |r| r.path.clone());
+            let path = self.observers.recording.as_ref().map_or(String::new(), |r| r.path.clone());
             self.notice(format!("{path}: the recording ends, because a component is unloaded"));
             if let Err(e) = self.end_recording() {
                 self.notice(e.to_string());

@@ -1,5 +1,7 @@
 //! Samples: records of pins, signals and parameters that a client receives through a shared ring.
 
+mod reading;
+
 use crate::{
     Engine, Error,
     error::near::nearest,
@@ -7,8 +9,8 @@ use crate::{
     graph::Ix,
     name::Name,
     observe::probe::{Probe, Source},
+    observe::probes::{At, Watching},
     observe::ring::Memory,
-    observe::watch::{At, Watching},
     os,
     serve::hold::Hold,
     sync::Arc,
@@ -18,6 +20,7 @@ use hal_protocol::{
     ChannelInfo, Failure, MAX_CHANNELS, Patterns, SampleInfo, SampleSpec, SampleState, Samples,
     Type,
 };
+pub(crate) use reading::Sample;
 use std::os::fd::OwnedFd;
 
 /// Largest memory of the rings of all samples together, in bytes.
@@ -28,20 +31,6 @@ const DEFAULT_BYTES: usize = 16 << 20;
 const FEWEST: u32 = 64;
 /// Client number of this process itself.
 const NOBODY: u64 = 0;
-
-/// A sample of a client.
-#[derive(Debug)]
-pub(crate) struct Sample {
-    client: u64,
-    probe: Arc<Probe>,
-    memory: Arc<Memory>,
-    bytes: usize,
-    /// Number of samples that the reader had taken, and the time that the virtual clock has waited
-    /// for it to take more.
-    hold: (u64, Hold),
-    /// The reason why the sample has ended.
-    ended: Option<&'static str>,
-}
 
 /// A channel of a sample.
 struct Channel {
@@ -69,10 +58,10 @@ impl Engine {
         spec: &SampleSpec,
     ) -> Result<(SampleInfo, OwnedFd), Error> {
         let thread = match &spec.thread {
-            Some(name) => self.graph.find_thread(name)?,
+            Some(name) => self.model.graph().find_thread(name)?,
             None => self.fastest().ok_or(WatchError::NoThread)?,
         };
-        let Some(node) = self.graph.thread(thread) else {
+        let Some(node) = self.model.graph().thread(thread) else {
             return Err(WatchError::NoThread.into());
         };
         let (thread_name, period) = (node.name.as_str().to_owned(), node.thread.period_ns);
@@ -88,7 +77,7 @@ impl Engine {
         })?;
         let sources = channels.iter().map(|c| c.source).collect();
         let probe = Arc::new(Probe::records(sources, every, memory.clone()));
-        let lossless = spec.wait && self.shared.is_virtual();
+        let lossless = spec.wait && self.runtime.is_virtual();
         let id = self.begin_watching(Watching {
             probe: probe.clone(),
             at: At::Thread(thread),
@@ -96,7 +85,7 @@ impl Engine {
             lossless,
         })?;
         let bytes = Ring::bytes(depth + 1, width);
-        self.samples.insert(
+        self.observers.samples.insert(
             id,
             Sample { client, probe, memory, bytes, hold: (0, Hold::NONE), ended: None },
         );
@@ -107,15 +96,16 @@ impl Engine {
 
     /// Returns the fastest thread.
     fn fastest(&self) -> Option<Ix> {
-        let threads = self.graph.threads.values().copied();
-        let key = |ix: &Ix| self.graph.thread(*ix).map(|t| (t.thread.period_ns, t.thread.id));
+        let threads = self.model.graph().threads.values().copied();
+        let key =
+            |ix: &Ix| self.model.graph().thread(*ix).map(|t| (t.thread.period_ns, t.thread.id));
         threads.min_by_key(key)
     }
 
     /// Returns the number of samples that a ring is to hold.
     fn depth(&self, asked: u32, channels: usize, every_ns: i64) -> Result<u32, Error> {
         let one = (channels + 2) * 8;
-        let used: usize = self.samples.values().map(|s| s.bytes).sum();
+        let used: usize = self.observers.samples.values().map(|s| s.bytes).sum();
         let most = MAX_BYTES.saturating_sub(used) / one;
         let most = u32::try_from(most).unwrap_or(u32::MAX).saturating_sub(2).min(1 << 26);
         if asked == 0 {
@@ -167,15 +157,22 @@ impl Engine {
     /// Finds the pin, parameter or signal of this name.
     pub(crate) fn watchable(&self, word: &str) -> Result<Ix, Error> {
         let found = match word.strip_prefix("sig:") {
-            Some(name) => self.graph.signals.get(name),
+            Some(name) => self.model.graph().signals.get(name),
             None => {
-                let pins = self.graph.pins.get(word).or_else(|| self.graph.params.get(word));
-                pins.or_else(|| self.graph.signals.get(word))
+                let pins = self
+                    .model
+                    .graph()
+                    .pins
+                    .get(word)
+                    .or_else(|| self.model.graph().params.get(word));
+                pins.or_else(|| self.model.graph().signals.get(word))
             }
         };
         found.copied().ok_or_else(|| {
-            let (signals, items) = (self.graph.signals.keys(), self.graph.pins.keys());
-            let all = items.chain(self.graph.params.keys()).chain(signals).map(Name::as_str);
+            let (signals, items) =
+                (self.model.graph().signals.keys(), self.model.graph().pins.keys());
+            let all =
+                items.chain(self.model.graph().params.keys()).chain(signals).map(Name::as_str);
             let (what, near) = ("pin, parameter or signal", nearest(word, all));
             Error::NotFound { what, name: word.into(), near }
         })
@@ -183,8 +180,8 @@ impl Engine {
 
     /// Makes a channel of this name from a node; `None` for ports, which have no values.
     fn open_channel(&self, node: Ix, name: &str) -> Option<Channel> {
-        let item = self.graph.item(node).map(|i| i.ty);
-        let ty = item.or_else(|| self.graph.signal(node).map(|s| s.ty))?;
+        let item = self.model.graph().item(node).map(|i| i.ty);
+        let ty = item.or_else(|| self.model.graph().signal(node).map(|s| s.ty))?;
         let source = self.source(node)?;
         let info = ChannelInfo { name: name.to_owned(), ty };
         (ty != Type::Port).then_some(Channel { info, source, node })
@@ -201,14 +198,14 @@ impl Engine {
         let pattern = Patterns::new(&[pattern.to_owned()]);
         let wanted = |name: &Name, ix: Ix| {
             // An item with two names must not occur twice.
-            self.graph.item(ix).is_none_or(|item| {
+            self.model.graph().item(ix).is_none_or(|item| {
                 let simulated = item.hidden && !pattern.spell(".sim", name.as_str());
                 item.shown() == name && !item.times && !simulated
             }) && pattern.names(name.as_str())
         };
-        let pins = self.graph.pins.iter().chain(&self.graph.params);
+        let pins = self.model.graph().pins.iter().chain(&self.model.graph().params);
         let pins = pins.filter(|_| !signals_only);
-        let all = pins.chain(&self.graph.signals);
+        let all = pins.chain(&self.model.graph().signals);
         for (name, ix) in all.filter(|(name, ix)| wanted(name, **ix)) {
             let known = out.iter().any(|c| c.node == *ix);
             out.extend(self.open_channel(*ix, name.as_str()).filter(|_| !known));
@@ -216,7 +213,7 @@ impl Engine {
     }
 
     fn sample_of(&self, client: u64, id: u64) -> Result<&Sample, Error> {
-        let own = self.samples.get(&id).filter(|s| s.client == client);
+        let own = self.observers.samples.get(&id).filter(|s| s.client == client);
         own.ok_or_else(|| WatchError::NoSample { id }.into())
     }
 
@@ -233,43 +230,24 @@ impl Engine {
         self.end_watching(id);
         let mut state = self.sample_state(client, id)?;
         state.ended.get_or_insert_with(|| "its reader has ended it".to_owned());
-        if let Some(s) = self.samples.remove(&id) {
+        if let Some(s) = self.observers.samples.remove(&id) {
             s.memory.ring().close();
         }
         Ok(state)
     }
 
-    /// Returns the samples without room whose reader has kept the virtual clock waiting for too
-    /// long.
-    pub(crate) fn unread_samples(&mut self, too_long: impl Fn(&mut Hold) -> bool) -> Vec<u64> {
-        let mut unread = Vec::new();
-        for (id, sample) in &mut self.samples {
-            if !self.probes.is_lossless(*id) || sample.probe.has_room() {
-                continue;
-            }
-            let taken = sample.memory.ring().taken();
-            if sample.hold.0 != taken {
-                sample.hold = (taken, Hold::NONE);
-            }
-            if too_long(&mut sample.hold.1) {
-                unread.push(*id);
-            }
-        }
-        unread
-    }
-
     /// Ends the samples of a client that has disconnected.
     pub(crate) fn end_samples_of(&mut self, client: u64) {
-        let its = self.samples.iter().filter(|(_, s)| s.client == client);
+        let its = self.observers.samples.iter().filter(|(_, s)| s.client == client);
         for id in its.map(|(id, _)| *id).collect::<Vec<_>>() {
             self.end_watching(id);
-            self.samples.remove(&id);
+            self.observers.samples.remove(&id);
         }
     }
 
     /// Ends a sample because something that it watched has been removed, and informs its reader.
     pub(crate) fn sample_parted(&mut self, id: u64) {
-        if let Some(s) = self.samples.get_mut(&id) {
+        if let Some(s) = self.observers.samples.get_mut(&id) {
             s.ended = Some("something that was sampled has been unloaded or deleted");
             s.memory.ring().close();
         }

@@ -2,7 +2,7 @@
 
 use crate::{
     ends::is_wanted,
-    observe::watch::Probes,
+    observe::probes::Probes,
     os,
     realtime::shared::Shared,
     realtime::thread::Thread,
@@ -47,7 +47,7 @@ pub(crate) fn turn(shared: &Shared, probes: &Probes, until: i64, instants: u32) 
                 t.cycle(shared, next);
             }
         }
-        probes.moments.iter().for_each(|p| p.look(next));
+        probes.moments().iter().for_each(|p| p.look(next));
         if shared.fault.get().is_some() {
             return;
         }

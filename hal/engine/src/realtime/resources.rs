@@ -1,15 +1,17 @@
 //! Scheduling, processor and memory of an instance's threads, and messages about them.
 
 use crate::{
-    ClockKind, Engine, Error, Options, RealtimeOptions,
+    ClockKind, Error, Options, RealtimeOptions,
+    graph::Graph,
+    graph::arena::Arena,
     os::{self, memory, processors},
     realtime::overruns::{Overran, Overruns},
     realtime::runners::Scheduling,
+    realtime::shared::Shared,
     realtime::stuck::StuckWatch,
     realtime::thread::NOBODY,
-    sync::Ordering,
+    sync::{Arc, Ordering},
 };
-use hal_protocol::RealtimeInfo;
 
 /// Priority of the thread that looks for stuck threads: above all HAL threads.
 pub(crate) const WATCH_PRIORITY: i32 = 91;
@@ -81,67 +83,58 @@ impl Realtime {
         }
         Ok(found)
     }
-}
 
-impl Engine {
     /// Locks memory before the first system thread starts.
-    pub(crate) fn lock_memory(&mut self) {
-        if self.realtime.scheduling != Scheduling::Fifo || self.realtime.locking != Locking::Nothing
-        {
+    pub(crate) fn lock_memory(&mut self, arena: &Arena) {
+        if self.scheduling != Scheduling::Fifo || self.locking != Locking::Nothing {
             return;
         }
         if memory::may_lock_all() && memory::lock_all() {
-            self.realtime.locking = Locking::All;
+            self.locking = Locking::All;
             // Address space that is only reserved must not count as locked.
-            self.arena.unlock_rest();
+            arena.unlock_rest();
         } else {
-            self.realtime.locking = Locking::Part;
+            self.locking = Locking::Part;
         }
     }
 
     /// Locks memory that was added since, if not all memory may be locked.
     pub(crate) fn lock_more(&self) {
-        if self.realtime.locking == Locking::Part {
+        if self.locking == Locking::Part {
             memory::lock_present();
         }
     }
 
-    /// Prepares for running threads: locks memory, starts the watch for stuck threads, and logs
-    /// once what is missing.
-    pub(crate) fn begin_realtime(&mut self) {
-        if self.shared.is_virtual() || self.trial.is_some() {
-            return;
-        }
+    /// Prepares for running threads: locks memory and starts the watch for stuck threads. Returns
+    /// once the messages about what is missing.
+    pub(crate) fn begin(&mut self, shared: &Arc<Shared>) -> Vec<String> {
         self.lock_more();
-        if self.realtime.watch.is_some() {
-            return;
+        if self.watch.is_some() {
+            return Vec::new();
         }
-        let fifo = self.realtime.scheduling == Scheduling::Fifo;
-        let watch = StuckWatch::begin(self.shared.clone(), fifo, self.realtime.cpu);
-        self.realtime.watch = watch;
-        if self.realtime.locking == Locking::Part {
-            self.realtime.notes.extend(partly_locked());
+        let fifo = self.scheduling == Scheduling::Fifo;
+        self.watch = StuckWatch::begin(shared.clone(), fifo, self.cpu);
+        if self.locking == Locking::Part {
+            self.notes.extend(partly_locked());
         }
-        let notes = core::mem::take(&mut self.realtime.notes);
-        notes.into_iter().for_each(|note| self.notice(note));
+        core::mem::take(&mut self.notes)
     }
 
     /// Makes the watch check for new threads.
     pub(crate) fn renew_watch(&self) {
-        if let Some(watch) = &self.realtime.watch {
+        if let Some(watch) = &self.watch {
             watch.poke();
         }
     }
 
-    /// Ends the watch, and logs the overruns that have not been reported yet.
-    pub(crate) fn end_realtime(&mut self) {
-        self.realtime.watch = None;
-        self.tell_overruns(true);
+    /// Ends the watch.
+    pub(crate) fn end_watch(&mut self) {
+        self.watch = None;
     }
 
-    /// Logs which threads have missed their time.
-    pub(crate) fn tell_overruns(&mut self, ends: bool) {
-        let threads = self.shared.threads.load_full();
+    /// Returns messages about threads that have missed their time; `ends` reports all that is left.
+    pub(crate) fn overruns(&mut self, shared: &Shared, graph: &Graph, ends: bool) -> Vec<String> {
+        let threads = shared.threads.load_full();
         let read = |n: &crate::sync::AtomicI64| n.load(Ordering::Relaxed);
         let late = threads.iter().filter(|t| t.overruns.load(Ordering::Relaxed) > 0);
         let late: Vec<Overran> = late
@@ -153,28 +146,13 @@ impl Engine {
                     period_ns: t.period_ns,
                     overruns: t.overruns.load(Ordering::Relaxed),
                     missed: t.missed.load(Ordering::Relaxed),
-                    guilty: (guilty != NOBODY).then(|| self.funct_name(guilty)),
+                    guilty: (guilty != NOBODY).then(|| graph.funct_name(guilty)),
                     late_ns: read(&t.over_late),
                     took_ns: read(&t.over_took),
                 }
             })
             .collect();
-        let messages = self.realtime.overruns.look(self.shared.now(), &late, ends);
-        messages.into_iter().for_each(|text| self.notice(text));
-    }
-
-    /// Returns the realtime properties of the instance; `None` on the virtual clock.
-    pub(crate) fn realtime_info(&self) -> Option<RealtimeInfo> {
-        if self.shared.is_virtual() {
-            return None;
-        }
-        let (idle_us, idle_refusal) = self.runners.idle();
-        Some(RealtimeInfo {
-            memory: memory::locked_and_present().unwrap_or_default(),
-            idle_us,
-            idle_refusal,
-            stuck_ns: self.shared.stuck_limit().unsigned_abs(),
-        })
+        self.overruns.look(shared.now(), &late, ends)
     }
 }
 

@@ -103,13 +103,24 @@ impl Cause {
         self.len.store(from.len.load(Ordering::Relaxed), Ordering::Release); // Pairs with `bytes`.
     }
 
+    /// Control side: returns the text.
+    pub(crate) fn text(&self) -> String {
+        let (bytes, n) = self.bytes();
+        let text = String::from_utf8_lossy(bytes.get(..n).unwrap_or_default());
+        // A longer text was cut, perhaps inside a character.
+        let whole = n < bytes.len();
+        if whole { text.into_owned() } else { format!("{}…", text.trim_end_matches('\u{fffd}')) }
+    }
+
     /// Control side: returns the stored bytes and the number of valid ones.
-    pub(crate) fn bytes(&self) -> ([u8; 256], usize) {
+    fn bytes(&self) -> ([u8; 256], usize) {
         let n = self.len.load(Ordering::Acquire) as usize; // Pairs with `store`.
         (core::array::from_fn(|i| self.bytes.get(i).map_or(0, |b| b.load(Ordering::Relaxed))), n)
     }
 }
 
+/// End of the virtual clock, in nanoseconds: 146 years. Sums of times stay representable.
+pub(crate) const MAX_TIME_NS: i64 = i64::MAX / 2;
 /// Longest time that a thread waits for another thread's stop actions, in nanoseconds.
 const STOPS_NS: i64 = 2_000_000_000;
 
@@ -184,6 +195,17 @@ impl Shared {
         match self.clock {
             ClockKind::Virtual => t,
             ClockKind::Real => os::monotonic_ns() - t,
+        }
+    }
+
+    /// Returns the start of the first cycle of a new thread, on the clock of [`Thread::due`].
+    pub(crate) fn first_due(&self, period_ns: i64) -> i64 {
+        if self.is_virtual() {
+            (self.now() / period_ns + 1) * period_ns
+        } else {
+            // Leaves one millisecond for the thread to start.
+            let soon = self.now() + 1_000_000;
+            self.origin() + (soon / period_ns + 1) * period_ns
         }
     }
 

@@ -216,6 +216,15 @@ impl Thread {
         longest
     }
 
+    /// Returns the component and the function that the thread runs now.
+    pub(crate) fn running(&self) -> Option<(Name, Name)> {
+        let current = self.current.load(Ordering::Relaxed);
+        let list = self.list.load();
+        let mut entries = list.init.iter().chain(&list.entries);
+        let entry = entries.find(|e| e.id == current && current != NOBODY)?;
+        Some((entry.component.clone(), entry.name.clone()))
+    }
+
     /// Records that a cycle ended after the next was due, and the number of cycles that were
     /// skipped.
     pub(crate) fn overran(&self, longest: u32, late_ns: i64, took_ns: i64, missed: i64) {

@@ -109,12 +109,10 @@ fn look(shared: &Shared, seen: &mut Vec<Seen>) {
 
 /// Names the function that a thread is in, with its component.
 fn named(thread: &Thread) -> Option<FaultInfo> {
-    let current = thread.current.load(Ordering::Relaxed);
-    let list = thread.list.load();
-    let entry = list.init.iter().chain(&list.entries).find(|e| e.id == current)?;
+    let (component, funct) = thread.running()?;
     Some(FaultInfo {
-        component: entry.component.as_str().to_owned(),
-        funct: entry.name.as_str().to_owned(),
+        component: component.as_str().to_owned(),
+        funct: funct.as_str().to_owned(),
         thread: thread.name.as_str().to_owned(),
         cause: "it does not come back".to_owned(),
     })

@@ -1,19 +1,50 @@
 //! Work of the control side while it waits: messages, the virtual clock, clients, freeing of
 //! memory.
 
-use crate::{Engine, ends, observe::record::Recording, os, realtime::clock};
+use crate::{Ended, Engine, ends, realtime::clock, realtime::shared::MAX_TIME_NS};
 
 /// Largest number of instants of machine time that run between two checks of the socket.
 const SLICE: u32 = 4096;
 
 impl Engine {
+    /// Serves clients until an [`Ended`] condition holds; `for_ns` limits machine time.
+    pub fn serve(&mut self, for_ns: Option<u64>) -> Ended {
+        let limit = for_ns
+            .map(|ns| self.runtime.now().saturating_add(i64::try_from(ns).unwrap_or(i64::MAX)))
+            .map(|limit| limit.min(MAX_TIME_NS));
+        let before = self.clients.target;
+        let ended = loop {
+            if self.clients.shutdown {
+                break Ended::Shutdown;
+            }
+            if ends::is_asked() {
+                break Ended::Signal;
+            }
+            if limit.is_some_and(|l| self.runtime.now() >= l) {
+                break Ended::Time;
+            }
+            if self.model.graph().threads.is_empty() && limit.is_none() {
+                break Ended::NoThreads;
+            }
+            self.clients.target = match limit {
+                Some(l) => l,
+                None if self.options.hold => self.clients.target,
+                None => i64::MAX,
+            };
+            let left = limit.map_or(100, |l| (l - self.runtime.now()) / 1_000_000 + 1);
+            self.pump(i32::try_from(left).unwrap_or(100).min(100));
+        };
+        self.clients.target = before.min(self.runtime.now());
+        ended
+    }
+
     /// Makes one pass of the control side: messages, faults, the clock, the socket. Waits at most
     /// `ms` milliseconds of wall-clock time when there is nothing to do.
     pub(crate) fn pump(&mut self, ms: i32) {
         if ends::is_claimed() {
             ends::park();
         }
-        self.instance.control.beat();
+        self.runtime.control().beat();
         self.hear();
         // The guard writes as well: what it was refused is reported also while time stands still.
         self.drain_recording();
@@ -21,89 +52,76 @@ impl Engine {
         self.notice_fault();
         self.reap();
         // A reader that empties a full ring sends no notification, so look again soon.
-        let ms = if self.probes.have_room() { ms } else { ms.min(1) };
+        let ms = if self.observers.probes().have_room() { ms } else { ms.min(1) };
         let ms = if moved { 0 } else { ms };
-        crate::serve::server::serve_once(self, ms);
+        crate::serve::turn::serve_once(self, ms);
     }
 
     /// Moves the virtual clock if it may move, or runs the tasks that are due on the real clock.
     /// Returns whether the virtual clock was advanced.
     fn advance(&mut self) -> bool {
-        self.measure_ticks();
-        let now = self.shared.now();
-        if !self.shared.is_virtual() {
-            self.tell_overruns(false);
-            self.run_tasks(now);
+        self.runtime.measure_ticks();
+        let now = self.runtime.now();
+        if !self.runtime.is_virtual() {
+            let late = self.runtime.overruns(self.model.graph(), false);
+            self.notices(late);
+            let failed = self.runtime.run_tasks(now);
+            self.notices(failed);
             self.look_while_stopped(now);
             self.refresh_flight();
             self.drain_flight();
             return false;
         }
-        let target = self.target.max(self.client_target);
+        let target = self.clients.target.max(self.clients.client_target);
         if now >= target || self.held_back() {
             return false;
         }
-        if self.recording.as_ref().is_some_and(Recording::is_waiting) {
+        if self.observers.recording_waits() {
             self.begin_recording();
         }
         self.refresh_flight();
         let poll = crate::serve::polls::next_poll(self);
         let mut until = target.min(poll);
         let waits = crate::serve::polls::waits_for_ticket(self);
-        let task_answers = waits && !self.tasks.is_empty();
-        if until == i64::MAX && self.is_idle() && !task_answers {
+        let task_answers = waits && self.runtime.has_tasks();
+        if until == i64::MAX && self.runtime.is_idle() && !task_answers {
             // Without a target the clock does not move while nothing runs: a script that waits for
             // a program before `start` finds the clock unchanged. A command that a task answers
             // still proceeds.
             return false;
         }
-        until = until.min(self.next_task());
+        until = until.min(self.runtime.next_task());
         // A client or script that waits for a ticket or a ring must see it as soon as it changes.
-        let looks = self.script_waits && !self.rings.is_empty();
+        let looks = self.clients.script_waits && !self.model.rings().is_empty();
         let instants = if looks || waits { 1 } else { SLICE };
-        clock::turn(&self.shared, &self.probes, until.max(now), instants);
+        clock::turn(self.runtime.shared(), self.observers.probes(), until.max(now), instants);
         self.drain_recording();
         self.drain_flight();
-        let now = self.shared.now();
-        self.run_tasks(now);
+        let now = self.runtime.now();
+        let failed = self.runtime.run_tasks(now);
+        self.notices(failed);
         true
-    }
-
-    /// Returns whether no function runs: threads are stopped or absent, or a function has failed.
-    pub(crate) fn is_idle(&self) -> bool {
-        let running = self.shared.boundary.is_running() && self.shared.fault.get().is_none();
-        !running || self.shared.threads.load().is_empty()
     }
 
     /// Moves the virtual clock by one instant of machine time, for a script that waits. Returns
     /// false if the clock did not move and the script must wait itself.
     pub(crate) fn advance_one(&mut self) -> bool {
-        let now = self.shared.now();
+        let now = self.runtime.now();
         if self.held_back() {
             return false;
         }
-        if self.shared.mailbox.is_filling() {
+        if self.runtime.shared().mailbox.is_filling() {
             self.hear();
         }
         self.refresh_flight();
-        let until = self.next_task().min(crate::serve::polls::next_poll(self));
+        let until = self.runtime.next_task().min(crate::serve::polls::next_poll(self));
         let until = until.min(now.saturating_add(1_000_000_000));
-        clock::turn(&self.shared, &self.probes, until.max(now), 1);
+        clock::turn(self.runtime.shared(), self.observers.probes(), until.max(now), 1);
         self.drain_recording();
         self.drain_flight();
-        let then = self.shared.now();
-        self.run_tasks(then);
+        let then = self.runtime.now();
+        let failed = self.runtime.run_tasks(then);
+        self.notices(failed);
         then > now
-    }
-
-    /// Measures the length of a tick of the cycle counter.
-    pub(crate) fn measure_ticks(&mut self) {
-        let (ticks, ns) =
-            (os::ticks().wrapping_sub(self.ticks.0), os::monotonic_ns() - self.ticks.1);
-        if ns > 1_000_000 && ticks > 0 && self.shared.tick_ns().to_bits() == 1_f64.to_bits()
-            || ns > 100_000_000
-        {
-            self.shared.set_tick_ns(ns as f64 / ticks as f64);
-        }
     }
 }

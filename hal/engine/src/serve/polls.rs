@@ -13,15 +13,6 @@ use hal_protocol::{Failure, Reply, TicketInfo, Value};
 
 /// Shortest and longest period of a program's polls, in nanoseconds; 0 means that it never polls.
 const PERIODS: core::ops::RangeInclusive<u64> = 1_000..=1_000_000_000_000;
-/// Time that the virtual clock waits for one client, in nanoseconds of wall-clock time, unless
-/// `HAL_PATIENCE_MS` sets another.
-const DEFAULT_PATIENCE_NS: i64 = 10_000_000_000;
-/// Returns how long the virtual clock waits for one client, in nanoseconds of wall-clock time.
-pub(crate) fn patience_ns() -> i64 {
-    let asked = std::env::var("HAL_PATIENCE_MS").ok().and_then(|ms| ms.parse::<u32>().ok());
-    asked.map_or(DEFAULT_PATIENCE_NS, |ms| i64::from(ms) * 1_000_000)
-}
-
 /// Returns the period of a program's polls if it is within limits: a program that polls too rarely
 /// or too often would hold the virtual clock.
 pub(crate) fn period(poll_ns: u64) -> Result<i64, Error> {
@@ -38,13 +29,13 @@ pub(crate) fn period(poll_ns: u64) -> Result<i64, Error> {
 
 /// Returns whether a client waits for the end of a command.
 pub(crate) fn waits_for_ticket(engine: &Engine) -> bool {
-    let clients = engine.server.iter().flat_map(|s| &s.clients);
+    let clients = engine.clients.server.iter().flat_map(|s| &s.clients);
     clients.into_iter().any(|c| matches!(c.waits, Waits::Ticket(_)))
 }
 
 /// Returns the time of the next poll that is due, in machine time.
 pub(crate) fn next_poll(engine: &Engine) -> i64 {
-    let clients = engine.server.iter().flat_map(|s| &s.clients);
+    let clients = engine.clients.server.iter().flat_map(|s| &s.clients);
     let times = clients.filter_map(|c| match c.waits {
         Waits::Poll(t) | Waits::Time(t) => Some(t),
         // The program must have polled by then.
@@ -57,10 +48,10 @@ pub(crate) fn next_poll(engine: &Engine) -> i64 {
 /// Returns whether a program that the clock waits for is overdue with its poll. A program that
 /// holds the clock for too long is not waited for again until it polls.
 pub(crate) fn owes_poll(engine: &mut Engine) -> bool {
-    let (now, wall) = (engine.shared.now(), os::monotonic_ns());
-    let patience_ns = engine.patience_ns;
+    let (now, wall) = (engine.runtime.now(), os::monotonic_ns());
+    let patience_ns = engine.clients.patience_ns;
     let (mut owes, mut late) = (false, Vec::new());
-    for c in engine.server.iter_mut().flat_map(|s| &mut s.clients) {
+    for c in engine.clients.server.iter_mut().flat_map(|s| &mut s.clients) {
         if c.waits != Waits::No || c.owes.is_none_or(|t| t > now) {
             continue;
         }
@@ -72,7 +63,8 @@ pub(crate) fn owes_poll(engine: &mut Engine) -> bool {
         }
     }
     for (component, pid) in late {
-        let name = component.and_then(|ix| engine.graph.component(ix)).map(|c| c.name.clone());
+        let name =
+            component.and_then(|ix| engine.model.graph().component(ix)).map(|c| c.name.clone());
         let name = name.as_ref().map_or("?", |name| name.as_str());
         engine.notice(format!(
             "program '{name}' (process {pid}) has not polled for {}: the virtual clock waits for \
@@ -85,8 +77,8 @@ pub(crate) fn owes_poll(engine: &mut Engine) -> bool {
 
 /// Returns whether no program still has a poll due at this machine time or before.
 pub(crate) fn has_polled(engine: &mut Engine) -> bool {
-    let now = engine.shared.now();
-    let clients = engine.server.iter().flat_map(|s| &s.clients);
+    let now = engine.runtime.now();
+    let clients = engine.clients.server.iter().flat_map(|s| &s.clients);
     let is_due = |c: &Client| matches!(c.waits, Waits::Poll(t) if t <= now);
     !clients.into_iter().any(is_due) && !owes_poll(engine)
 }
@@ -113,7 +105,7 @@ pub(crate) fn next_poll_of(server: &Server) -> i64 {
 
 /// Answers a client whose wait is over.
 pub(crate) fn settle(engine: &mut Engine, c: &mut Client) {
-    let now = engine.shared.now();
+    let now = engine.runtime.now();
     let reply = match c.waits {
         Waits::Wall(t) if os::monotonic_ns() >= t => Ok(Reply::Done),
         Waits::Time(t) if now >= t => Ok(Reply::Done),
@@ -122,8 +114,8 @@ pub(crate) fn settle(engine: &mut Engine, c: &mut Client) {
             c.owes = Some(now.saturating_add(c.poll_ns));
             Ok(values(engine, c))
         }
-        Waits::Ticket(id) => match engine.ticket(id) {
-            Ok(TicketInfo::Pending) if engine.fault.is_none() => return,
+        Waits::Ticket(id) => match engine.result(id) {
+            Ok(TicketInfo::Pending) if engine.runtime.fault().is_none() => return,
             other => other.map(Reply::Ticket).map_err(Failure::from),
         },
         Waits::No | Waits::Wall(_) | Waits::Time(_) | Waits::Poll(_) => return,
@@ -134,9 +126,9 @@ pub(crate) fn settle(engine: &mut Engine, c: &mut Client) {
 }
 
 fn values(engine: &Engine, c: &Client) -> Reply {
-    let value = |ix: &Ix| engine.graph.item(*ix).map(|i| Graph::value(i.ty, i.bits()));
+    let value = |ix: &Ix| engine.model.graph().item(*ix).map(|i| Graph::value(i.ty, i.bits()));
     let values = c.pins.iter().map(|ix| value(ix).unwrap_or(Value::Bit(false))).collect();
-    Reply::Values { time: u64::try_from(engine.shared.now()).unwrap_or(0), values }
+    Reply::Values { time: u64::try_from(engine.runtime.now()).unwrap_or(0), values }
 }
 
 impl Engine {
@@ -144,44 +136,48 @@ impl Engine {
     /// reads or writes.
     pub(crate) fn held_back(&mut self) -> bool {
         let now = os::monotonic_ns();
-        let before = self.programs.len();
-        self.programs.retain(|p| os::alive(p.pid));
-        if self.programs.len() != before {
-            self.programs_have_changed();
+        let before = self.clients.programs.len();
+        self.clients.programs.retain(|p| os::alive(p.pid));
+        if self.clients.programs.len() != before {
+            self.clients.publish_programs(self.runtime.instance());
         }
-        let starting = self.programs.iter().any(|p| !p.joined && now - p.since < 1_000_000_000);
+        let starting =
+            self.clients.programs.iter().any(|p| !p.joined && now - p.since < 1_000_000_000);
         // Evaluate every condition: each measures for how long it has held the clock.
         let for_samples = self.held_by_samples(now);
         let for_polls = owes_poll(self);
-        let for_rings = self.script_waits && self.held_by_rings(now);
+        let for_rings = self.clients.script_waits && self.held_by_rings(now);
         starting
             || for_samples
             || for_polls
             || for_rings
-            || self.waits_for.is_some_and(|pid| self.rings.values().any(|r| r.is_enough_for(pid)))
+            || self
+                .clients
+                .waits_for
+                .is_some_and(|pid| self.model.rings().values().any(|r| r.is_enough_for(pid)))
     }
 
     /// Returns whether a reader or the recorder has left no room for data that must not be lost.
     fn held_by_samples(&mut self, now: i64) -> bool {
-        if self.probes.have_room() {
+        if self.observers.probes().have_room() {
             return false;
         }
-        let patience_ns = self.patience_ns;
-        for id in self.unread_samples(|hold| hold.outlasts(patience_ns, now)) {
-            self.probes.lose(id);
+        let patience_ns = self.clients.patience_ns;
+        for id in self.observers.unread_samples(|hold| hold.outlasts(patience_ns, now)) {
+            self.observers.lose(id);
             self.notice(format!(
                 "sample {id} has not been read for {}: the virtual clock waits for its reader no \
                  longer, and samples without room are lost",
                 seconds(patience_ns)
             ));
         }
-        !self.probes.have_room()
+        !self.observers.probes().have_room()
     }
 
     /// Returns whether the virtual clock would overrun a stream while a script waits.
     fn held_by_rings(&mut self, now: i64) -> bool {
-        let (patience_ns, mut held, mut late) = (self.patience_ns, false, Vec::new());
-        for (name, ring) in &mut self.rings {
+        let (patience_ns, mut held, mut late) = (self.clients.patience_ns, false, Vec::new());
+        for (name, ring) in self.model.rings_mut() {
             if ring.holds_back(patience_ns, now, || late.push(name.clone())) {
                 held = true;
             }

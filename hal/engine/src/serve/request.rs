@@ -1,18 +1,10 @@
 //! Execution of requests, one by one.
 
 use crate::{
-    Engine, Error,
-    engine::{Pending, Program},
-    error::watch::WatchError,
-    load::args::Args,
-    name::Name,
-    os,
-    sync::Ordering,
+    Engine, Error, error::watch::WatchError, load::args::Args, name::Name, os,
+    realtime::shared::MAX_TIME_NS, serve::clients::Program, sync::Ordering,
 };
 use hal_protocol::{Answer, Failure, LATEST, Link, Reply, Request, TicketInfo};
-
-/// End of the virtual clock, in nanoseconds: 146 years. Sums of times stay representable.
-pub(crate) const MAX_TIME_NS: i64 = i64::MAX / 2;
 
 impl Engine {
     /// Executes a request that needs no client and no waiting.
@@ -21,38 +13,40 @@ impl Engine {
         match request {
             // One after the other, each as a transaction: together they may be too many stores.
             Request::UnloadAll => {
-                while let Some(name) = self.newest() {
-                    self.whole(|e| e.unload(name.as_str()))?;
+                while let Some(name) = self.model.newest() {
+                    self.whole(|e| e.model.unload(name.as_str()))?;
                 }
             }
             Request::DeleteSignal { name: None } => {
-                let names: Vec<Name> = self.graph.signals.keys().cloned().collect();
+                let names: Vec<Name> = self.model.graph().signals.keys().cloned().collect();
                 if names.is_empty() {
                     return Err(Error::NoSignals);
                 }
                 for name in names {
-                    self.whole(|e| e.delete_signal(name.as_str()))?;
+                    self.whole(|e| e.model.delete_signal(name.as_str()))?;
                 }
             }
             Request::Apply { files, edits, dry } => return self.apply(&files, &edits, dry),
-            Request::Get { name } => return Ok(Reply::Value(self.get_item(&name)?)),
-            Request::GetSignal { name } => return Ok(Reply::Value(self.get_signal(&name)?)),
+            Request::Get { name } => return Ok(Reply::Value(self.model.get_item(&name)?)),
+            Request::GetSignal { name } => return Ok(Reply::Value(self.model.get_signal(&name)?)),
             Request::Stop => {
-                self.unlocked(hal_protocol::Lock::RUN, "stop_threads")?;
-                self.stop_threads()?;
+                self.model.unlocked(hal_protocol::Lock::RUN, "stop_threads")?;
+                self.runtime.stop()?;
             }
-            Request::List { kind, patterns, ty } => return Ok(self.list(kind, &patterns, ty)),
+            Request::List { kind, patterns, ty } => {
+                return Ok(self.model.list(kind, &patterns, ty));
+            }
             Request::Order => return Ok(Reply::Order(Box::new(self.order()))),
             Request::Check => return Ok(Reply::Findings(self.check())),
             Request::Status => return Ok(Reply::Status(Box::new(self.status()))),
             Request::Component { name } => {
-                let ix = self.graph.components.get(name.as_str()).copied();
-                let info = ix.and_then(|ix| self.component_info(ix));
+                let ix = self.model.graph().components.get(name.as_str()).copied();
+                let info = ix.and_then(|ix| self.model.component_info(ix));
                 return Ok(Reply::Components(info.into_iter().collect()));
             }
-            Request::Timing { thread, on } => self.time_functs(thread.as_deref(), on)?,
+            Request::Timing { thread, on } => self.model.time_functs(thread.as_deref(), on)?,
             Request::MessageLevel { level } => {
-                self.shared.mailbox.level.store(level, Ordering::Relaxed);
+                self.runtime.shared().mailbox.level.store(level, Ordering::Relaxed);
             }
             Request::Command { name, args } => return self.command(&name, &args),
             Request::Adopt { pid, .. } if pid <= 1 || pid == os::own_pid() => {
@@ -60,16 +54,14 @@ impl Engine {
                 return Err(Error::Protocol { why });
             }
             // The virtual clock waits for the start of a program once.
-            Request::Adopt { pid, .. } if self.programs.iter().any(|p| p.pid == pid) => {}
+            Request::Adopt { pid, .. } if self.clients.programs.iter().any(|p| p.pid == pid) => {}
             Request::Adopt { pid, program } => {
                 let since = os::monotonic_ns();
-                let joined = self
-                    .graph
-                    .components
-                    .values()
-                    .any(|ix| self.graph.component(*ix).is_some_and(|c| c.pid == Some(pid)));
-                self.programs.push(Program { pid, name: program, since, joined });
-                self.programs_have_changed();
+                let joined = self.model.graph().components.values().any(|ix| {
+                    self.model.graph().component(*ix).is_some_and(|c| c.pid == Some(pid))
+                });
+                self.clients.programs.push(Program { pid, name: program, since, joined });
+                self.clients.publish_programs(self.runtime.instance());
             }
             Request::EndProgram { name } => self.end_program(name.as_deref())?,
             Request::Record { path, patterns } => self.record(&path, &patterns)?,
@@ -83,7 +75,7 @@ impl Engine {
                 return Ok(Reply::SampleState(self.sample_state(0, id)?));
             }
             Request::EndSample { id } => return Ok(Reply::SampleState(self.end_sample(0, id)?)),
-            Request::Shutdown => self.shutdown = true,
+            Request::Shutdown => self.clients.shutdown = true,
             edit => {
                 self.whole(|e| e.stage(&edit).unwrap_or(Err(Error::NotAMember)))?;
             }
@@ -93,8 +85,8 @@ impl Engine {
 
     /// `COMPONENT.VERB name=value …`.
     fn command(&mut self, name: &str, words: &[String]) -> Result<Reply, Error> {
-        let owner = crate::graph::find(&self.graph.commands, "command", name)?;
-        let component = self.graph.component(owner);
+        let owner = crate::graph::find(&self.model.graph().commands, "command", name)?;
+        let component = self.model.graph().component(owner);
         let command = component
             .and_then(|c| c.commands.iter().find(|c| c.name.as_str() == name))
             .ok_or_else(|| Error::NotFound {
@@ -104,15 +96,10 @@ impl Engine {
         })?;
         let args = Args::parse(&command.args, &[], words)?;
         let outcome = {
-            let _within = self.instance.control.run(command.doing.clone());
+            let _within = self.runtime.control().run(command.doing.clone());
             command.code.call(args)?
         };
-        let ticket = outcome.ticket.map(|ticket| {
-            let id = self.next_ticket;
-            self.next_ticket += 1;
-            self.tickets.insert(id, Pending { owner, ticket });
-            id
-        });
+        let ticket = outcome.ticket.map(|ticket| self.clients.await_result(owner, ticket));
         let awaited = outcome.awaited && ticket.is_some();
         Ok(Reply::Answer(Answer { lines: outcome.lines, ticket, awaited }))
     }
@@ -120,17 +107,18 @@ impl Engine {
     /// `unloadusr`.
     fn end_program(&mut self, name: Option<&str>) -> Result<(), Error> {
         let programs: Vec<(String, i32)> = self
-            .graph
+            .model
+            .graph()
             .components
             .values()
-            .filter_map(|ix| self.graph.component(*ix))
+            .filter_map(|ix| self.model.graph().component(*ix))
             .filter_map(|c| Some((c.name.as_str().to_owned(), c.pid?)))
             .filter(|(n, _)| !n.starts_with("halcmd"))
             .collect();
         match name {
             Some(name) => {
-                if let Some(ix) = self.graph.components.get(name)
-                    && self.graph.component(*ix).is_some_and(|c| c.realtime)
+                if let Some(ix) = self.model.graph().components.get(name)
+                    && self.model.graph().component(*ix).is_some_and(|c| c.realtime)
                 {
                     return Err(Error::NotAProgram { name: name.into() });
                 }
@@ -145,10 +133,10 @@ impl Engine {
 
     /// Returns the machine time at which a `run` of `ns` nanoseconds ends.
     pub(crate) fn run_end(&self, ns: u64) -> Result<i64, Error> {
-        if !self.shared.is_virtual() {
+        if !self.runtime.is_virtual() {
             return Err(Error::NotVirtual);
         }
-        let now = self.shared.now();
+        let now = self.runtime.now();
         let end = i64::try_from(ns).ok().and_then(|ns| now.checked_add(ns));
         end.filter(|end| *end <= MAX_TIME_NS).ok_or_else(|| Error::OutOfRange {
             what: "time",
@@ -161,10 +149,10 @@ impl Engine {
     /// meanwhile.
     fn idle(&mut self, ms: u32, flow: bool) {
         let end = os::monotonic_ns() + i64::from(ms) * 1_000_000;
-        let before = self.target;
+        let before = self.clients.target;
         if flow && !self.options.hold {
-            self.target = i64::MAX;
-            self.script_waits = true;
+            self.clients.target = i64::MAX;
+            self.clients.script_waits = true;
         }
         loop {
             let left = (end - os::monotonic_ns()) / 1_000_000;
@@ -173,14 +161,14 @@ impl Engine {
                 break;
             }
         }
-        self.target = before;
-        self.script_waits = false;
+        self.clients.target = before;
+        self.clients.script_waits = false;
     }
 
     /// Waits until every program whose poll is due has polled: otherwise it would be a matter of
     /// chance what the program sees of the next line of a script.
     fn settle_polls(&mut self) {
-        while self.shared.is_virtual()
+        while self.runtime.is_virtual()
             && !self.is_ending()
             && !crate::serve::polls::has_polled(self)
         {
@@ -192,33 +180,34 @@ impl Engine {
         loop {
             // Enough instants between checks of the socket that the check costs nothing.
             for _ in 0..4096 {
-                let info = self.ticket(id)?;
-                if info != TicketInfo::Pending || self.is_ending() || self.fault.is_some() {
+                let info = self.result(id)?;
+                if info != TicketInfo::Pending || self.is_ending() || self.runtime.fault().is_some()
+                {
                     self.settle_polls();
                     return Ok(info);
                 }
-                if !self.shared.is_virtual() {
+                if !self.runtime.is_virtual() {
                     break;
                 }
-                if self.is_idle() && self.tasks.is_empty() {
+                if self.runtime.is_idle() && !self.runtime.has_tasks() {
                     return Err(Error::NotStarted);
                 }
                 if !self.advance_one() {
                     break;
                 }
-                if self.shared.fault.get().is_some() {
+                if self.runtime.shared().fault.get().is_some() {
                     break;
                 }
             }
-            self.pump(i32::from(!self.shared.is_virtual()));
+            self.pump(i32::from(!self.runtime.is_virtual()));
         }
     }
 }
 
 impl Link for Engine {
     fn call(&mut self, request: Request) -> Result<Reply, Failure> {
-        self.instance.control.beat();
-        if let Some(reply) = self.tried(&request) {
+        self.runtime.control().beat();
+        if let Some(reply) = self.try_only(&request) {
             return Ok(reply?);
         }
         let reply = match request {
@@ -230,16 +219,16 @@ impl Link for Engine {
             },
             Request::Run { ns } => {
                 let end = self.run_end(ns)?;
-                let before = core::mem::replace(&mut self.target, end);
-                while self.shared.now() < end && !self.is_ending() {
+                let before = core::mem::replace(&mut self.clients.target, end);
+                while self.runtime.now() < end && !self.is_ending() {
                     self.pump(1);
                 }
                 self.settle_polls();
-                self.target = before;
+                self.clients.target = before;
                 Reply::Done
             }
             Request::Ticket { id, wait } => {
-                let info = if wait { self.wait_for_ticket(id)? } else { self.ticket(id)? };
+                let info = if wait { self.wait_for_ticket(id)? } else { self.result(id)? };
                 Reply::Ticket(info)
             }
             Request::Idle { ms, flow } => {
@@ -247,9 +236,9 @@ impl Link for Engine {
                 Reply::Done
             }
             Request::Await { ms, pid } => {
-                self.waits_for = Some(pid);
+                self.clients.waits_for = Some(pid);
                 self.idle(ms, true);
-                self.waits_for = None;
+                self.clients.waits_for = None;
                 Reply::Done
             }
             other => {
@@ -262,7 +251,7 @@ impl Link for Engine {
     }
 
     fn at(&mut self, file: &str, line: u32) {
-        self.graph.sites.stand(file, line);
+        self.model.stand(file, line);
     }
 
     fn is_local(&self) -> bool {

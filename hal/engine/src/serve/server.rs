@@ -1,10 +1,8 @@
-//! The socket: clients, their requests one at a time, and programs that are components.
+//! The socket and its connections.
 
 use crate::{
-    Engine, Error, ends, os,
+    Error, ends, os,
     serve::client::{Client, Waits},
-    serve::polls::{clients_target, next_poll_of, settle},
-    serve::session::{forget_left, leave, respond},
 };
 use hal_protocol::{Folder, FolderError, Place, peer};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -15,8 +13,6 @@ use std::{
 
 /// Largest number of clients at once.
 const MAX_CLIENTS: usize = 256;
-/// Largest number of requests of one client that are executed before the next client's turn.
-const MAX_IN_TURN: usize = 16;
 
 /// The socket and its clients.
 #[derive(Debug)]
@@ -26,7 +22,7 @@ pub(crate) struct Server {
     folder: Folder,
     #[expect(dead_code, reason = "locked as long as the instance lives")]
     lock: File,
-    pub(crate) clients: Vec<Client>,
+    pub(super) clients: Vec<Client>,
     next: u64,
 }
 
@@ -42,6 +38,51 @@ impl Server {
     /// Ends every connection: programs notice it and exit.
     pub(crate) fn drop_clients(&mut self) {
         self.clients.clear();
+    }
+
+    /// Returns for how many of these milliseconds to wait for input: until a client's wait is over,
+    /// and not at all if a request is already there.
+    pub(super) fn wait_ms(&mut self, ms: i32) -> i32 {
+        let (now, mut ms) = (os::monotonic_ns(), ms);
+        for c in &mut self.clients {
+            if c.is_served() && c.has_line() {
+                ms = 0;
+            }
+            if let Waits::Wall(t) = c.waits {
+                let left = i32::try_from((t - now) / 1_000_000 + 1).unwrap_or(i32::MAX);
+                ms = ms.min(left.max(0));
+            }
+        }
+        ms
+    }
+
+    /// Waits at most `ms` milliseconds for input or space for output, then reads, writes and
+    /// accepts connections.
+    pub(super) fn transfer(&mut self, ms: i32) {
+        let mut fds = vec![PollFd::new(&self.listener, PollFlags::IN)];
+        for c in &self.clients {
+            let mut flags = PollFlags::empty();
+            flags.set(PollFlags::IN, c.listens());
+            flags.set(PollFlags::OUT, c.has_output());
+            fds.push(PollFd::new(&c.socket, flags));
+        }
+        let wake = ends::wake();
+        fds.extend(wake.iter().map(|wake| PollFd::new(wake, PollFlags::IN)));
+        let ready = wait(&mut fds, ms).unwrap_or(false);
+        let events: Vec<PollFlags> = fds.iter().map(PollFd::revents).collect();
+        drop(fds);
+        if !ready {
+            return;
+        }
+        for (c, e) in self.clients.iter_mut().zip(events.iter().skip(1)) {
+            c.hung |= e.intersects(PollFlags::HUP | PollFlags::ERR);
+            if c.has_output() && (c.hung || e.contains(PollFlags::OUT)) {
+                c.write();
+            } else if c.hung || e.contains(PollFlags::IN) {
+                c.read();
+            }
+        }
+        self.accept();
     }
 
     fn accept(&mut self) {
@@ -84,84 +125,11 @@ fn admitted(socket: &UnixStream) -> Result<(), Error> {
     Err(Error::Protocol { why: why.into() })
 }
 
-/// Checks the socket once: waits at most `ms` milliseconds for something to do, and does it.
-pub(crate) fn serve_once(engine: &mut Engine, ms: i32) {
-    let inside = || engine.shared.threads.load().iter().any(|t| t.gate.is_inside());
-    if !engine.left.is_empty() && !inside() {
-        forget_left(engine);
+/// Waits at most `ms` milliseconds.
+pub(super) fn wait_only(ms: i32) {
+    if ms > 0 {
+        drop(wait(&mut [], ms));
     }
-    let Some(mut server) = engine.server.take() else {
-        if ms > 0 {
-            drop(wait(&mut [], ms));
-        }
-        return;
-    };
-    let now = os::monotonic_ns();
-    let mut ms = ms;
-    for c in &mut server.clients {
-        if c.is_served() && c.has_line() {
-            ms = 0;
-        }
-        if let Waits::Wall(t) = c.waits {
-            let left = i32::try_from((t - now) / 1_000_000 + 1).unwrap_or(i32::MAX);
-            ms = ms.min(left.max(0));
-        }
-    }
-    if !engine.shared.is_virtual() {
-        let due = engine.next_task().min(next_poll_of(&server)) - engine.shared.now();
-        ms = ms.min(i32::try_from(due / 1_000_000 + 1).unwrap_or(i32::MAX).max(0));
-        if server.clients.iter().any(|c| matches!(c.waits, Waits::Ticket(_))) {
-            ms = ms.min(1);
-        }
-        if engine.recording.is_some() || engine.flight.is_some() {
-            ms = ms.min(5);
-        }
-    }
-    let mut fds = vec![PollFd::new(&server.listener, PollFlags::IN)];
-    for c in &server.clients {
-        let mut flags = PollFlags::empty();
-        flags.set(PollFlags::IN, c.listens());
-        flags.set(PollFlags::OUT, c.has_output());
-        fds.push(PollFd::new(&c.socket, flags));
-    }
-    let wake = ends::wake();
-    fds.extend(wake.iter().map(|wake| PollFd::new(wake, PollFlags::IN)));
-    let ready = wait(&mut fds, ms).unwrap_or(false);
-    let events: Vec<PollFlags> = fds.iter().map(PollFd::revents).collect();
-    drop(fds);
-    if ready {
-        for (c, e) in server.clients.iter_mut().zip(events.iter().skip(1)) {
-            c.hung |= e.intersects(PollFlags::HUP | PollFlags::ERR);
-            if c.has_output() && (c.hung || e.contains(PollFlags::OUT)) {
-                c.write();
-            } else if c.hung || e.contains(PollFlags::IN) {
-                c.read();
-            }
-        }
-        server.accept();
-    }
-    for c in &mut server.clients {
-        settle(engine, c);
-        for _ in 0..MAX_IN_TURN {
-            let Some(line) = c.is_served().then(|| c.line()).flatten() else { break };
-            let reply = match line {
-                Ok(line) => respond(engine, c, &line),
-                Err(e) => Some(Err(e.into())),
-            };
-            if let Some(reply) = reply {
-                c.answer(reply);
-            }
-            // The condition that the request would wait for may already hold.
-            settle(engine, c);
-        }
-        c.part();
-    }
-    for c in server.clients.iter().filter(|c| c.gone) {
-        leave(engine, c);
-    }
-    server.clients.retain(|c| !c.gone);
-    engine.client_target = clients_target(&server);
-    engine.server = Some(server);
 }
 
 fn wait(fds: &mut [PollFd<'_>], ms: i32) -> std::io::Result<bool> {

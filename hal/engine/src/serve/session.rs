@@ -29,9 +29,9 @@ pub(crate) fn respond(
             return Some(Err(Error::Protocol { why }.into()));
         }
     };
-    let before = engine.graph.sites.visit(wire.at.as_ref());
+    let before = engine.model.visit(wire.at.as_ref());
     let reply = answer(engine, c, wire.request);
-    engine.graph.sites.resume(before);
+    engine.model.resume(before);
     reply
 }
 
@@ -46,7 +46,7 @@ fn answer(engine: &mut Engine, c: &mut Client, request: Request) -> Option<Resul
             }
             Err(e) => Err(e),
         },
-        Request::Ticket { id, wait } => match engine.ticket(id) {
+        Request::Ticket { id, wait } => match engine.result(id) {
             Ok(TicketInfo::Pending) if wait => {
                 has_started(engine, c);
                 c.waits = Waits::Ticket(id);
@@ -72,10 +72,10 @@ fn answer(engine: &mut Engine, c: &mut Client, request: Request) -> Option<Resul
                 // On the virtual clock a program's values are written at its poll, however fast the
                 // program was.
                 c.writes = writes;
-                if !engine.shared.is_virtual() {
+                if !engine.runtime.is_virtual() {
                     put_writes(engine, c);
                 }
-                let now = engine.shared.now();
+                let now = engine.runtime.now();
                 let due = c.owes.take().unwrap_or(now.saturating_add(c.poll_ns));
                 (c.waits, c.hold) = (Waits::Poll(due.max(now)), Hold::NONE);
                 return None;
@@ -110,13 +110,13 @@ fn hello(
     c.pid = pid;
     if !name.is_empty() && c.component.is_none() {
         let name = Name::parse("component", name)?;
-        let ix = engine.new_component(name, Some(pid), None, false)?;
-        if let Some(me) = engine.graph.component_mut(ix) {
+        let ix = engine.model.new_component(name, Some(pid), None, false)?;
+        if let Some(me) = engine.model.component_mut(ix) {
             me.state = ComponentState::Ready;
         }
         c.component = Some(ix);
     }
-    let me = c.component.and_then(|ix| engine.graph.component(ix));
+    let me = c.component.and_then(|ix| engine.model.graph().component(ix));
     Ok(Reply::Hello {
         protocol: LATEST,
         instance: engine.options.place.name().to_owned(),
@@ -134,13 +134,13 @@ fn join(engine: &mut Engine, c: &mut Client, name: &str, poll_ns: u64) -> Result
     c.pins.clear();
     c.writes.clear();
     (c.owes, c.poll_ns) = (None, 0);
-    c.component = Some(engine.new_component(name, Some(c.pid), None, false)?);
+    c.component = Some(engine.model.new_component(name, Some(c.pid), None, false)?);
     c.poll_ns = poll_ns;
     Ok(Reply::Done)
 }
 
 fn member(engine: &Engine, c: &Client) -> Result<Ix, Error> {
-    c.component.filter(|ix| engine.graph.component(*ix).is_some()).ok_or(Error::NotAMember)
+    c.component.filter(|ix| engine.model.graph().component(*ix).is_some()).ok_or(Error::NotAMember)
 }
 
 fn new_pin(
@@ -162,28 +162,29 @@ fn new_pin(
         hidden: false,
         times: false,
         safety: false,
-        doc: engine.graph.doc(""),
+        doc: engine.model.doc(""),
     };
-    let (ix, _) = engine.new_item(owner, new)?;
+    let (ix, _) = engine.model.new_item(owner, new)?;
+    engine.flight_is_stale();
     c.pins.push(ix);
     Ok(Reply::Done)
 }
 
 /// Ends the clock's wait for a program that has started its actual work.
 fn has_started(engine: &mut Engine, c: &Client) {
-    for p in &mut engine.programs {
+    for p in &mut engine.clients.programs {
         p.joined |= p.pid == c.pid;
     }
 }
 
 fn ready(engine: &mut Engine, c: &mut Client) -> Result<Reply, Error> {
     let ix = member(engine, c)?;
-    if let Some(me) = engine.graph.component_mut(ix) {
+    if let Some(me) = engine.model.component_mut(ix) {
         me.state = ComponentState::Ready;
     }
     has_started(engine, c);
     if c.poll_ns > 0 {
-        c.owes = Some(engine.shared.now().saturating_add(c.poll_ns));
+        c.owes = Some(engine.runtime.now().saturating_add(c.poll_ns));
     }
     Ok(Reply::Done)
 }
@@ -191,7 +192,7 @@ fn ready(engine: &mut Engine, c: &mut Client) -> Result<Reply, Error> {
 /// Writes the values that a program has sent.
 pub(crate) fn put_writes(engine: &Engine, c: &mut Client) {
     for (ix, bits) in c.writes.drain(..) {
-        if let Some(item) = engine.graph.item(ix) {
+        if let Some(item) = engine.model.graph().item(ix) {
             item.put(bits);
         }
     }
@@ -204,7 +205,8 @@ fn checked(engine: &Engine, c: &Client, writes: &[(u32, Value)]) -> Result<Vec<(
     let mut all = Vec::new();
     for (which, value) in writes {
         let ix = c.pins.get(*which as usize).ok_or_else(|| odd("this client has no such pin"))?;
-        let item = engine.graph.item(*ix).ok_or_else(|| odd("this client has no such pin"))?;
+        let item =
+            engine.model.graph().item(*ix).ok_or_else(|| odd("this client has no such pin"))?;
         if item.ty != value.ty() || item.ty == Type::Port {
             return Err(odd("the value's type does not match its pin"));
         }
@@ -225,9 +227,9 @@ fn attach(
     name: &str,
     count: Option<u64>,
 ) -> Result<Reply, Error> {
-    let names = engine.rings.keys().map(Name::as_str);
+    let names = engine.model.rings().keys().map(Name::as_str);
     let near = crate::error::near::nearest(name, names);
-    let ring = engine.rings.get_mut(name).ok_or_else(|| Error::NotFound {
+    let ring = engine.model.ring_mut(name).ok_or_else(|| Error::NotFound {
         what: "stream",
         name: name.into(),
         near,
@@ -247,14 +249,14 @@ fn attach(
 
 /// Removes a disconnected client: its component, its pins and its streams.
 pub(crate) fn leave(engine: &mut Engine, c: &Client) {
-    for ring in engine.rings.values_mut() {
+    for ring in engine.model.rings_mut().map(|(_, ring)| ring) {
         if ring.attached == Some(c.id) {
             ring.attached = None;
         }
     }
     engine.end_samples_of(c.id);
     if let Some(ix) = c.component {
-        engine.left.push(ix);
+        engine.model.has_left([ix]);
         forget_left(engine);
     }
 }
@@ -262,12 +264,12 @@ pub(crate) fn leave(engine: &mut Engine, c: &Client) {
 /// Removes components whose programs have disconnected; those that a stuck thread holds are kept
 /// for later.
 pub(crate) fn forget_left(engine: &mut Engine) {
-    for ix in core::mem::take(&mut engine.left) {
+    for ix in engine.model.take_left() {
         // A few pins at a time: within the limit of stores, so that running threads need not stop.
-        let pins: Vec<Ix> = engine.graph.owned(ix);
+        let pins: Vec<Ix> = engine.model.graph().owned(ix);
         let unlinked = pins.chunks(MAX_STORES / 2).try_for_each(|some| {
             let unlinked = engine.whole(|e| {
-                e.unlink_all(some);
+                e.model.unlink_all(some);
                 Ok(())
             });
             unlinked.map(|_| ())
@@ -275,8 +277,8 @@ pub(crate) fn forget_left(engine: &mut Engine) {
         if unlinked.is_ok() {
             engine.remove_component(ix);
         }
-        if engine.graph.component(ix).is_some() && !engine.left.contains(&ix) {
-            engine.left.push(ix);
+        if engine.model.graph().component(ix).is_some() {
+            engine.model.has_left([ix]);
         }
     }
 }

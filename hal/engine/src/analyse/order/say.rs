@@ -1,7 +1,10 @@
 //! Results of the analysis, with names.
 
 use super::{By, Chain, Flow, Study, Timed, Wait};
-use crate::{Engine, graph::Ix};
+use crate::{
+    Engine,
+    graph::{Graph, Ix},
+};
 use hal_protocol::{
     AddedInfo, DelayInfo, HopInfo, LateInfo, LoopInfo, MoveInfo, OrderInfo, PathInfo, ThreadOrder,
     Type, WayInfo,
@@ -11,9 +14,9 @@ impl Engine {
     /// Returns the answer to `order`.
     #[must_use]
     pub fn order(&self) -> OrderInfo {
-        let study = Study::of(&self.graph);
+        let study = Study::of(self.model.graph());
         let (user, better) = (study.as_added(), study.as_better());
-        let say = Say { engine: self, study: &study, user, better };
+        let say = Say { graph: self.model.graph(), study: &study, user, better };
         let (loops, paths) = (say.user.loops(), say.user.paths());
         OrderInfo {
             threads: (0..study.machine.threads.len()).filter_map(|t| say.thread(t)).collect(),
@@ -35,9 +38,9 @@ impl Engine {
     }
 }
 
-/// An analysis, and the engine whose graph has the names.
+/// An analysis, and the graph that has the names.
 struct Say<'e> {
-    engine: &'e Engine,
+    graph: &'e Graph,
     study: &'e Study,
     user: Timed<'e>,
     better: Timed<'e>,
@@ -59,7 +62,7 @@ impl Say<'_> {
                 .iter()
                 .filter_map(|i| {
                     let f = self.study.machine.functs.get(*i)?;
-                    let at = f.edge.and_then(|edge| self.engine.graph.sites.of_edge(edge));
+                    let at = f.edge.and_then(|edge| self.graph.sites.of_edge(edge));
                     Some(AddedInfo { name: self.funct(*i), at, unknown: f.unknown })
                 })
                 .collect(),
@@ -105,7 +108,7 @@ impl Say<'_> {
 
     /// Returns the names of the carriers of a flow, numbers before bits.
     fn carriers(&self, flow: &Flow) -> Vec<String> {
-        let graph = &self.engine.graph;
+        let graph = self.graph;
         let name = |by: &By| match by {
             By::Signal(ix) | By::Shared(ix) => graph.signal(*ix).map(|s| (s.ty, s.name.as_str())),
             By::Pin(ix) => graph.item(*ix).map(|i| (i.ty, i.shown().as_str())),
@@ -119,12 +122,12 @@ impl Say<'_> {
 
     fn funct(&self, i: usize) -> String {
         let ix = self.study.machine.functs.get(i).map(|f| f.ix);
-        let funct = ix.and_then(|ix| self.engine.graph.funct(ix));
+        let funct = ix.and_then(|ix| self.graph.funct(ix));
         funct.map_or_else(String::new, |f| f.name.as_str().to_owned())
     }
 
     fn thread_name(&self, ix: Ix) -> String {
-        let thread = self.engine.graph.thread(ix);
+        let thread = self.graph.thread(ix);
         thread.map_or_else(String::new, |t| t.name.as_str().to_owned())
     }
 }
