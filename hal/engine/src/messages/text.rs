@@ -1,5 +1,7 @@
 //! Messages as they are shown.
 
+use crate::realtime::shared::Cause;
+
 use super::{
     join,
     mailbox::{Message, Spoken},
@@ -16,4 +18,13 @@ pub(crate) fn worded(m: &Message, speaker: &str) -> String {
 /// Formats a text as it is shown, after its component's name.
 pub(crate) fn spoken(m: &Spoken, speaker: &str) -> String {
     format!("{speaker}: {}", String::from_utf8_lossy(m.bytes()).trim_end())
+}
+
+/// Returns the text of a panic.
+pub(crate) fn of_panic(cause: &Cause) -> String {
+    let (bytes, n) = cause.bytes();
+    let text = String::from_utf8_lossy(bytes.get(..n).unwrap_or_default());
+    // A longer text was cut, perhaps inside a character.
+    let whole = n < bytes.len();
+    if whole { text.into_owned() } else { format!("{}…", text.trim_end_matches('\u{fffd}')) }
 }

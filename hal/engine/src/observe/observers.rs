@@ -1,4 +1,4 @@
-//! What reads values after a cycle: samples for programs, the recording and the flight recorder,
+//! Readers of values after a cycle: samples for programs, the recording and the flight recorder,
 //! with their probes.
 //!
 //! Only the files of this room see the fields.

@@ -4,6 +4,7 @@ use crate::{
     Engine,
     ends::{self, Origin, Remains},
     graph::Ix,
+    messages::text::of_panic,
     name::Name,
     sync::Arc,
 };
@@ -32,7 +33,7 @@ impl Engine {
             component: owner.to_owned(),
             funct: graph.funct_name(funct),
             thread: thread.to_owned(),
-            cause: self.runtime.shared().fault.cause().text(),
+            cause: of_panic(self.runtime.shared().fault.cause()),
         };
         self.notice(format!(
             "function '{}' of component '{}' failed in thread '{}': {}; all threads are stopped \

@@ -103,17 +103,8 @@ impl Cause {
         self.len.store(from.len.load(Ordering::Relaxed), Ordering::Release); // Pairs with `bytes`.
     }
 
-    /// Control side: returns the text.
-    pub(crate) fn text(&self) -> String {
-        let (bytes, n) = self.bytes();
-        let text = String::from_utf8_lossy(bytes.get(..n).unwrap_or_default());
-        // A longer text was cut, perhaps inside a character.
-        let whole = n < bytes.len();
-        if whole { text.into_owned() } else { format!("{}…", text.trim_end_matches('\u{fffd}')) }
-    }
-
     /// Control side: returns the stored bytes and the number of valid ones.
-    fn bytes(&self) -> ([u8; 256], usize) {
+    pub(crate) fn bytes(&self) -> ([u8; 256], usize) {
         let n = self.len.load(Ordering::Acquire) as usize; // Pairs with `store`.
         (core::array::from_fn(|i| self.bytes.get(i).map_or(0, |b| b.load(Ordering::Relaxed))), n)
     }

@@ -4,6 +4,7 @@ use crate::{
     ends::{Control, Doing},
     graph::Ix,
     load::code::Code,
+    messages::text::of_panic,
     name::Name,
     realtime::shared::Shared,
     sync::Arc,
@@ -50,7 +51,7 @@ impl Task {
         };
         self.failed = !done.is_ok();
         self.failed.then(|| {
-            let (name, cause) = (&self.name, shared.cause.text());
+            let (name, cause) = (&self.name, of_panic(&shared.cause));
             format!("task '{name}' has failed and is not run again: {cause}")
         })
     }

@@ -1,4 +1,4 @@
-//! One check of the socket: requests that have arrived are executed, waits that are over are answered.
+//! The check of the socket: requests that have arrived are executed, waits that are over are answered.
 
 use crate::{
     Engine,
