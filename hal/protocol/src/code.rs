@@ -102,6 +102,7 @@ codes! {
     Feedback = "H509" Note "a feedback loop";
     Crossing = "H510" Note "a signal between threads";
     BadPeriod = "H511" Error "a period that a thread cannot have";
+    NothingHandedOver = "H512" Warning "a function that waits for one that no thread runs";
 
     StepsTooFast = "H601" Warning "steps faster than the thread can make them";
     DoubleStep = "H602" Note "double steps without a reset";

@@ -32,7 +32,7 @@ pub(super) const ROWS: &[Row] = &[
         remedy: "Keep the one that is meant.",
         wrong: "loadrt stepgen step_type=0,0\nsetp stepgen.0.maxvel 10\n\
                 setp stepgen.0.maxvel 20 # <--\n",
-        right: "loadrt threads name1=servo period1=1000000\nloadrt stepgen step_type=0,0\naddf stepgen.update-freq servo\n\
+        right: "loadrt threads name1=servo period1=1000000\nloadrt stepgen step_type=0,0\naddf stepgen.make-pulses servo\naddf stepgen.update-freq servo\n\
                 setp stepgen.0.maxvel 10\nsetp stepgen.1.maxvel 20\nstart\n",
     },
     Row {
@@ -62,7 +62,7 @@ pub(super) const ROWS: &[Row] = &[
                   errors come from nowhere.",
         remedy: "Set what one unit is; a negative scale turns the direction round.",
         wrong: "loadrt stepgen step_type=0\nsetp stepgen.0.position-scale 0 # <--\n",
-        right: "loadrt threads name1=servo period1=1000000\nloadrt stepgen step_type=0\naddf stepgen.update-freq servo\n\
+        right: "loadrt threads name1=servo period1=1000000\nloadrt stepgen step_type=0\naddf stepgen.make-pulses servo\naddf stepgen.update-freq servo\n\
                 setp stepgen.0.position-scale -80\nstart\n",
     },
     Row {

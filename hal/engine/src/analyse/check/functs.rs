@@ -1,8 +1,12 @@
 //! Checks of functions that no thread or the wrong thread runs, and of threads without functions.
 
 use super::{Look, finding};
-use crate::graph::Ix;
+use crate::graph::{Edge, Ix};
 use hal_protocol::{Code, Type};
+use petgraph::{
+    Direction::{Incoming, Outgoing},
+    visit::EdgeRef,
+};
 
 impl Look<'_> {
     pub(super) fn functs(&mut self) {
@@ -14,15 +18,15 @@ impl Look<'_> {
             if self.graph.is_in_use(funct) {
                 self.fast_in_slow(funct);
                 self.slow_in_fast(funct);
-            } else {
-                self.never_added(funct);
+            } else if !self.never_added(funct) {
+                self.nothing_handed_over(funct);
             }
         }
     }
 
     /// Reports a function that no thread runs, if its pins are in use and no other function does
-    /// its work for them.
-    fn never_added(&mut self, funct: Ix) {
+    /// its work for them. Returns whether it did.
+    fn never_added(&mut self, funct: Ix) -> bool {
         let (reads, writes) = self.touched(funct);
         let runs = |f: &Ix| self.graph.is_in_use(*f);
         let lost = |item: Ix, others: Vec<Ix>| self.is_used(item) && !others.iter().any(runs);
@@ -30,7 +34,7 @@ impl Look<'_> {
             .iter()
             .find(|item| lost(**item, self.writers(**item)))
             .or_else(|| reads.iter().find(|item| lost(**item, self.readers(**item))));
-        let Some(item) = idle.copied() else { return };
+        let Some(item) = idle.copied() else { return false };
         let name = self.funct_name(funct);
         let (used, at) = match self.linked_at(item) {
             Some(at) => ("linked", Some(at)),
@@ -49,6 +53,37 @@ impl Look<'_> {
                 .remedy(format!("addf {name} {thread}"))
                 .related(at, format!("'{pin}' is {used} here")),
         );
+        true
+    }
+
+    /// Reports a function that no thread runs, if a function that runs takes its hidden state from
+    /// it alone.
+    fn nothing_handed_over(&mut self, funct: Ix) {
+        let takers = self.handed_over(funct, Outgoing);
+        let runs = |f: &Ix| self.graph.is_in_use(*f);
+        let waits = |t: &Ix| runs(t) && !self.handed_over(*t, Incoming).iter().any(runs);
+        let Some(taker) = takers.iter().find(|t| waits(t)) else { return };
+        let (name, waiting) = (self.funct_name(funct), self.funct_name(*taker));
+        let thread = self.graph.threads_of(*taker).first().copied();
+        let at = thread.and_then(|t| self.added_at(t, *taker));
+        let thread = thread.map_or("THREAD", |t| self.thread_name(t));
+        let text = format!(
+            "no thread runs '{name}', from which '{waiting}' in {thread} takes what it works on"
+        );
+        let loaded = self.loaded_at(funct);
+        self.add(
+            finding(Code::NothingHandedOver, name, text)
+                .at(loaded)
+                .remedy(format!("addf {name} {thread}"))
+                .related(at, format!("'{waiting}' is added here")),
+        );
+    }
+
+    /// Returns the functions to or from which a function hands over hidden state.
+    fn handed_over(&self, funct: Ix, way: petgraph::Direction) -> Vec<Ix> {
+        let edges = self.graph.g.edges_directed(funct, way);
+        let edges = edges.filter(|e| *e.weight() == Edge::HandsOver);
+        edges.map(|e| if way == Outgoing { e.target() } else { e.source() }).collect()
     }
 
     /// Returns the name of the fastest or the slowest thread.
