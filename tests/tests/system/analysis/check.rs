@@ -10,7 +10,10 @@ use hal_tests::{
     scratch::Scratch,
 };
 use halcmd::manual::explain;
-use std::fmt::Write;
+use std::{
+    fmt::Write,
+    path::{Path, PathBuf},
+};
 
 /// Runs a function for each item, several at once; panics with the list of all failures.
 fn all<T: Sync>(items: &[T], look: impl Fn(&T) -> Vec<String> + Sync) {
@@ -96,30 +99,75 @@ fn the_wiring_of_an_estop() {
 
 #[test]
 fn the_machines_of_the_project_have_no_warning() {
-    let mut machines: Vec<String> = Vec::new();
+    let machines = machines();
+    all(&machines, |machine| {
+        let scratch = Scratch::new("clean");
+        let output = scratch.halcmd(&["check", &machine.display().to_string()]);
+        let clean = output.status == Some(0);
+        let name = machine.display();
+        if clean { Vec::new() } else { vec![format!("{name}:\n{}", output.stdout)] }
+    });
+}
+
+/// Function that a machine runs although nothing uses its pins.
+const WITHOUT_USE: &str = "addf viagpio.read base-thread";
+
+/// Each machine, once for each of its `addf` lines, without that line: an error or a warning.
+#[test]
+fn every_function_is_missed_when_it_is_not_added() {
+    let mut without: Vec<(PathBuf, String, usize)> = Vec::new();
+    for machine in machines() {
+        let folder = machine.parent().unwrap();
+        let is_ini = machine.extension().is_some_and(|e| e == "ini");
+        let scripts = if is_ini { files_of(folder, "hal") } else { vec![machine.clone()] };
+        for script in scripts.iter().filter(|f| !f.ends_with("demo.hal")) {
+            let text = std::fs::read_to_string(script).unwrap();
+            let name = script.file_name().unwrap().to_string_lossy().into_owned();
+            let lines = text.lines().enumerate();
+            let added = lines.filter(|(_, l)| l.starts_with("addf ") && *l != WITHOUT_USE);
+            without.extend(added.map(|(n, _)| (machine.clone(), name.clone(), n)));
+        }
+    }
+    assert!(without.len() > 120, "only {} lines", without.len());
+    all(&without, |(machine, script, line)| {
+        let scratch = Scratch::copy_of(machine.parent().unwrap());
+        let text = scratch.read(script);
+        let without = |(n, l): (usize, &str)| if n == *line { String::new() } else { l.to_owned() };
+        let kept: Vec<String> = text.lines().enumerate().map(without).collect();
+        scratch.write(script, &kept.join("\n"));
+        let machine = machine.file_name().unwrap().to_str().unwrap();
+        let output = scratch.halcmd(&["check", "--level", "warning", machine]);
+        let missed = output.status.is_some_and(|s| s > 0);
+        if missed {
+            return Vec::new();
+        }
+        let gone = text.lines().nth(*line).unwrap_or_default();
+        vec![format!("{machine} without '{gone}' in {script}: nothing to report")]
+    });
+}
+
+/// Returns the INI files of `configs/`, and the scripts of machines without one. Demonstrations are left out: each
+/// sources its machine, relative to the folder in which it runs.
+fn machines() -> Vec<PathBuf> {
+    let mut machines = Vec::new();
     for folder in std::fs::read_dir(root().join("configs")).unwrap() {
         let folder = folder.unwrap().path();
         if !folder.is_dir() {
             continue;
         }
-        let files = std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path());
-        let (inis, others): (Vec<_>, Vec<_>) =
-            files.partition(|f| f.extension().is_some_and(|e| e == "ini"));
-        // A demonstration sources its machine, relative to the folder in which it runs.
-        let is_script = |f: &std::path::PathBuf| {
-            f.extension().is_some_and(|e| e == "hal") && !f.ends_with("demo.hal")
-        };
-        let scripts = others.into_iter().filter(is_script).collect();
-        let files = if inis.is_empty() { scripts } else { inis };
-        machines.extend(files.iter().map(|file| file.display().to_string()));
+        let inis = files_of(&folder, "ini");
+        let scripts = files_of(&folder, "hal").into_iter().filter(|f| !f.ends_with("demo.hal"));
+        machines.extend(if inis.is_empty() { scripts.collect() } else { inis });
     }
     assert!(!machines.is_empty());
-    all(&machines, |machine| {
-        let scratch = Scratch::new("clean");
-        let output = scratch.halcmd(&["check", machine]);
-        let clean = output.status == Some(0);
-        if clean { Vec::new() } else { vec![format!("{machine}:\n{}", output.stdout)] }
-    });
+    machines.sort();
+    machines
+}
+
+/// Returns the files of a folder with this extension.
+fn files_of(folder: &Path, extension: &str) -> Vec<PathBuf> {
+    let files = std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path());
+    files.filter(|f| f.extension().is_some_and(|e| e == extension)).collect()
 }
 
 #[test]
