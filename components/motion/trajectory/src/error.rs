@@ -65,6 +65,13 @@ pub enum Error {
         /// Joint that limits the speed.
         joint: usize,
     },
+    /// A B-spline or NURBS cannot be a move.
+    Spline {
+        /// Line of the program.
+        line: u32,
+        /// Reason.
+        fault: SplineFault,
+    },
     /// The track is full; the move was not taken. Let the follower advance, then repeat it.
     Full,
 }
@@ -104,9 +111,49 @@ impl fmt::Display for Error {
                     "line {line}: singularity: joint {joint} allows less than 1 % of the feed"
                 )
             }
+            Self::Spline { line, fault } => write!(f, "line {line}: spline: {fault}"),
             Self::Full => write!(f, "the track is full"),
         }
     }
 }
 
 impl core::error::Error for Error {}
+
+/// Reason for which a B-spline or NURBS is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SplineFault {
+    /// The degree is neither two nor three.
+    Degree,
+    /// The numbers of knots and control points do not fit.
+    Count,
+    /// A control point is not a number, or a weight is not positive or differs from another by more than 1e6.
+    Weight,
+    /// Knots fall, are not numbers, or more of them than the degree are equal inside the curve.
+    Knots,
+    /// The curve does not start where the move before ends.
+    Start,
+    /// The curve or a part of it has no length.
+    Short,
+    /// The curve bends too sharply to be approximated inside the tolerance.
+    Sharp,
+    /// The curve has too many parts.
+    Long,
+}
+
+impl fmt::Display for SplineFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Degree => "the degree is neither 2 nor 3",
+            Self::Count => "there must be as many knots as control points, and degree + 1 more",
+            Self::Weight => "a control point is not a number, or a weight not a positive one",
+            Self::Knots => "knots must rise, and at most as many as the degree may be equal",
+            Self::Start => "it does not start where the move before ends",
+            Self::Short => "a part of it has no length",
+            Self::Sharp => "it bends too sharply for the tolerance",
+            Self::Long => "it has too many parts for one move",
+        })
+    }
+}
+
+impl core::error::Error for SplineFault {}

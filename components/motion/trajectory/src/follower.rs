@@ -324,3 +324,43 @@ impl Follower {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Limits, Machine, Mode, Move, Planner, Shape, Trivial};
+    use hal_corpus::Rng;
+
+    /// After every period, at any override, the input is below the curve of highest speeds.
+    #[test]
+    fn the_input_stays_below_the_curve() {
+        for seed in 0..40 {
+            let mut rng = Rng::new(seed);
+            let jerk = rng.pick(&[f64::INFINITY, 1e5, 1e4], 1e5);
+            let limits = Limits { velocity: 200.0, acceleration: 1750.0, jerk };
+            let machine = Machine::uniform(limits);
+            let mut planner = Planner::new(machine, Trivial, Pose::ZERO).unwrap();
+            let mut follower = Follower::new(machine.period, Pose::ZERO);
+            let (mut scale, mut line) = (1.0, 0);
+            for cycle in 0..6000 {
+                if line < 200 && rng.chance(0.1) {
+                    let end = Pose::from_xyz([0.0; 3].map(|_: f64| rng.between(-15.0, 15.0)));
+                    let shape = Shape::Line { end };
+                    let mode = Mode::Blend(0.1);
+                    planner.push(&Move { shape, feed: 150.0, mode, line }).unwrap();
+                    line += 1;
+                }
+                if rng.chance(0.01) {
+                    scale = rng.pick(&[0.0, 0.4, 1.0], 1.0);
+                }
+                let _ = follower.step(planner.track(), scale, false);
+                let Some(cell) = planner.track().cell(follower.cell) else { continue };
+                let falls = cell.end + 2.0 * cell.braking() * follower.to_go;
+                let highest = falls.min(cell.speed * cell.speed);
+                let b = follower.speed * follower.speed;
+                assert!(b <= highest + 1e-9, "seed {seed} cycle {cycle}: {b} above {highest}");
+            }
+            assert!(line > 100);
+        }
+    }
+}

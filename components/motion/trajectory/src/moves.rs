@@ -72,14 +72,7 @@ impl Move {
     /// Checks the move and converts it; `None` is a move too short to be one.
     pub(crate) fn segment(&self, start: &Pose) -> Result<Option<Segment>, Error> {
         let line = self.line;
-        if self.feed.is_nan() || self.feed < SLOWEST {
-            return Err(Error::Feed { line, feed: self.feed });
-        }
-        if let Mode::Blend(tolerance) = self.mode
-            && (tolerance.is_nan() || tolerance < 0.0)
-        {
-            return Err(Error::Tolerance { line, tolerance });
-        }
+        check(self.feed, self.mode, line)?;
         let shaped = match &self.shape {
             Shape::Line { end } => {
                 if !end.is_usable() {
@@ -105,8 +98,37 @@ impl Move {
             mode: self.mode,
             line,
             smooth: false,
+            off: 0.0,
         }))
     }
+}
+
+/// Refuses feeds and modes that are none.
+pub(crate) fn check(feed: f64, mode: Mode, line: u32) -> Result<(), Error> {
+    if feed.is_nan() || feed < SLOWEST {
+        return Err(Error::Feed { line, feed });
+    }
+    if let Mode::Blend(tolerance) = mode
+        && (tolerance.is_nan() || tolerance < 0.0)
+    {
+        return Err(Error::Tolerance { line, tolerance });
+    }
+    Ok(())
+}
+
+/// Returns the group with the longest of three travels, and the group that governs the feed.
+pub(crate) fn lead([xyz, abc, uvw]: [f64; 3]) -> (Group, Group) {
+    let lead = if xyz > LINEAR_SHARE * abc && xyz > LINEAR_SHARE * uvw {
+        Group::Xyz
+    } else if uvw > LINEAR_SHARE * abc {
+        Group::Uvw
+    } else {
+        Group::Abc
+    };
+    let longest = xyz.max(abc).max(uvw);
+    let all = Group::ALL.into_iter().zip([xyz, abc, uvw]);
+    let main = all.into_iter().find(|(_, l)| *l >= longest).map_or(lead, |(group, _)| group);
+    (main, lead)
 }
 
 /// A curve with its length in the path coordinate, and its groups.
@@ -125,15 +147,8 @@ pub(crate) struct Shaped {
 pub(crate) fn straight(start: &Pose, end: &Pose) -> Option<Shaped> {
     let by = *end - *start;
     let (xyz, abc, uvw) = (by.norm(Group::Xyz), by.norm(Group::Abc), by.norm(Group::Uvw));
-    let lead = if xyz > LINEAR_SHARE * abc && xyz > LINEAR_SHARE * uvw {
-        Group::Xyz
-    } else if uvw > LINEAR_SHARE * abc {
-        Group::Uvw
-    } else {
-        Group::Abc
-    };
+    let (main, lead) = lead([xyz, abc, uvw]);
     let length = xyz.max(abc).max(uvw);
-    let main = Group::ALL.into_iter().find(|g| by.norm(*g) >= length).unwrap_or(lead);
     if length < SHORTEST {
         return None;
     }

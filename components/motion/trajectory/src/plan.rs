@@ -16,6 +16,11 @@ use crate::{
     track::{Cell, Track},
 };
 
+pub(crate) mod spline;
+mod window;
+
+use window::Window;
+
 /// Number of cells that a track holds; further moves are refused until the follower has advanced.
 pub const CAPACITY: usize = 16384;
 
@@ -162,13 +167,20 @@ impl<K: Kinematics> Planner<K> {
         (self.certificate.rejections, self.certificate.last)
     }
 
-    /// Returns the tolerances at the joint between two segments: the tighter of theirs.
-    fn tolerances(&self, a: &Segment, b: &Segment) -> Tolerances {
-        let of = |mode: &Mode| match mode {
+    /// Returns the tolerances of a mode.
+    fn tolerance(&self, mode: &Mode) -> Tolerances {
+        let linear = match mode {
             Mode::Blend(p) if *p >= 1e-6 => p.min(1e6),
             Mode::Blend(_) | Mode::Exact | Mode::ExactStop => self.machine.exact_tolerance,
         };
-        Tolerances { linear: of(&a.mode).min(of(&b.mode)), angular: self.machine.angular_tolerance }
+        Tolerances { linear, angular: self.machine.angular_tolerance }
+    }
+
+    /// Returns the tolerances at the joint between two segments: the tighter of theirs, without the share in use.
+    fn tolerances(&self, a: &Segment, b: &Segment) -> Tolerances {
+        let (x, y) = (self.tolerance(&a.mode), self.tolerance(&b.mode));
+        let rest = 1.0 - a.off.max(b.off);
+        Tolerances { linear: x.linear.min(y.linear) * rest, angular: x.angular * rest }
     }
 
     /// Refuses a segment that passes a pose without joint positions, or a singularity.
@@ -351,33 +363,6 @@ impl<K: Kinematics> Planner<K> {
 
     fn publish(&mut self) {
         let _ = self.track.sweep();
-    }
-}
-
-/// Lengths of the last cells.
-#[derive(Clone, Copy, Debug)]
-struct Window {
-    lengths: [f64; Self::CELLS],
-    next: usize,
-}
-
-impl Default for Window {
-    fn default() -> Self {
-        Self { lengths: [1e9; Self::CELLS], next: 0 }
-    }
-}
-
-impl Window {
-    /// Largest number of cells that the follower passes in one period.
-    const CELLS: usize = 8;
-
-    /// Adds a cell and returns the length of the last cells together.
-    fn add(&mut self, length: f64) -> f64 {
-        if let Some(slot) = self.lengths.get_mut(self.next) {
-            *slot = length;
-        }
-        self.next = (self.next + 1) % Self::CELLS;
-        self.lengths.iter().sum()
     }
 }
 

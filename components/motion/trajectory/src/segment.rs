@@ -22,6 +22,8 @@ pub(crate) struct Segment {
     pub(crate) line: u32,
     /// True if the start continues the segment before with the same first two derivatives.
     pub(crate) smooth: bool,
+    /// Share of the tolerance that the curve itself uses.
+    pub(crate) off: f64,
 }
 
 /// Allowed distance from the path.

@@ -44,7 +44,7 @@ pub(crate) struct Allowed {
 pub(crate) struct Law {
     axes: [Limits; AXES],
     joints: [Limits; JOINTS],
-    /// One divided by each limit.
+    /// Reciprocals of the limits.
     per_axis: [Limits; AXES],
     per_joint: [Limits; JOINTS],
     top: f64,

@@ -4,7 +4,7 @@
 mod judge;
 
 use hal_corpus::{Kind, Mode, Motion, Options, Program, Rng, Step, random};
-use hal_trajectory::{Cell, Follower, Limits, Machine, Planner, Pose, Track, Trivial};
+use hal_trajectory::{Cell, Follower, Limits, Machine, Path, Planner, Pose, Track, Trivial, share};
 use judge::{Conduct, PLAIN, convert, run};
 
 fn machine(jerk: f64) -> Machine {
@@ -151,6 +151,70 @@ fn time_scales_with_the_limits() {
         let program_slow = mapped(&program, |m| *m, 0.5);
         let (a, b) = (cycles(&program, &machine), cycles(&program_slow, &slow));
         assert!((a - b).abs() <= 1.0, "{}: {a} and {b}", program.name);
+    }
+}
+
+/// Lengths, tolerances, feeds and limits of twice the size take the same time. The cells of blends have a length of their
+/// own, so the times agree to half a percent.
+#[test]
+fn time_does_not_change_with_the_unit_of_length() {
+    for (program, machine) in programs() {
+        let mut large = machine;
+        large.exact_tolerance *= 2.0;
+        for l in &mut large.axes {
+            l.velocity *= 2.0;
+            l.acceleration *= 2.0;
+            l.jerk *= 2.0;
+        }
+        let twice = |v: [f64; 3]| v.map(|x| 2.0 * x);
+        let mut double = mapped(
+            &program,
+            |m| match *m {
+                Motion::Line { by } => Motion::Line { by: by.map(|x| 2.0 * x) },
+                Motion::Arc { center, normal, angle, rise, others } => Motion::Arc {
+                    center: twice(center),
+                    normal,
+                    angle,
+                    rise: 2.0 * rise,
+                    others: others.map(|x| 2.0 * x),
+                },
+            },
+            2.0,
+        );
+        for step in &mut double.steps {
+            if let Mode::Blend(p) = &mut step.mode {
+                *p *= 2.0;
+            }
+        }
+        let (a, b) = (cycles(&program, &machine), cycles(&double, &large));
+        assert!((a - b).abs() <= 0.005 * a + 1.0, "{}: {a} and {b}", program.name);
+    }
+}
+
+/// The plan does not depend on when the moves arrive: through the hand-over in random portions, every cell is the one that
+/// the planner makes of the whole program.
+#[test]
+fn a_plan_in_portions_is_the_plan_of_the_whole() {
+    for (seed, (program, machine)) in programs().enumerate() {
+        let whole = planned(&program, &machine);
+        let mut planner = Planner::new(machine, Trivial, Pose(program.start)).unwrap();
+        let (mut publisher, reader) = share(8192, 4096);
+        let mut rng = Rng::new(seed as u64);
+        for m in &convert(&program, &machine).0 {
+            planner.push(m).unwrap();
+            if rng.chance(0.3) {
+                publisher.publish(&mut planner);
+            }
+        }
+        planner.finish();
+        publisher.publish(&mut planner);
+        let mut count = 0;
+        for cell in whole.track().cells() {
+            let other = reader.cell(count).unwrap();
+            assert_eq!(*cell, Cell { begin: cell.begin, ..other }, "{} cell {count}", program.name);
+            count += 1;
+        }
+        assert!(count > 0 && reader.cell(count).is_none());
     }
 }
 
