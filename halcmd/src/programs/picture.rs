@@ -6,6 +6,7 @@ use plotters::{
     drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea},
     style::{Color, FontStyle, IntoFont, RGBColor, TextStyle, register_font},
 };
+use plotters_backend::{BackendColor, BackendCoord, BackendStyle, DrawingErrorKind};
 use std::path::Path;
 
 /// Colours that eyes of all kinds tell apart (Okabe and Ito, 2008), without their yellow.
@@ -62,7 +63,7 @@ pub(crate) trait Picture {
     fn to_png(&self) -> Result<Vec<u8>, String> {
         let (width, height) = self.size();
         let mut pixels = vec![0; width as usize * height as usize * 3];
-        self.draw(BitMapBackend::with_buffer(&mut pixels, (width, height)))?;
+        self.draw(Smooth(BitMapBackend::with_buffer(&mut pixels, (width, height))))?;
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, width, height);
         encoder.set_color(png::ColorType::Rgb);
@@ -82,6 +83,76 @@ pub(crate) trait Picture {
         let root = backend.into_drawing_area();
         self.paint(&root).map_err(|e| e.to_string())?;
         root.present().map_err(|e| e.to_string())
+    }
+}
+
+/// A bitmap whose thin lines are smooth and whole: the bitmap's own drop the last pixel of a falling line, so that curves
+/// of short lines look dashed.
+struct Smooth<'a>(BitMapBackend<'a>);
+
+type Failed<'a> = DrawingErrorKind<<BitMapBackend<'a> as DrawingBackend>::ErrorType>;
+
+impl<'a> DrawingBackend for Smooth<'a> {
+    type ErrorType = <BitMapBackend<'a> as DrawingBackend>::ErrorType;
+
+    fn get_size(&self) -> (u32, u32) {
+        self.0.get_size()
+    }
+
+    fn ensure_prepared(&mut self) -> Result<(), Failed<'a>> {
+        self.0.ensure_prepared()
+    }
+
+    fn present(&mut self) -> Result<(), Failed<'a>> {
+        self.0.present()
+    }
+
+    fn draw_pixel(&mut self, at: BackendCoord, colour: BackendColor) -> Result<(), Failed<'a>> {
+        self.0.draw_pixel(at, colour)
+    }
+
+    fn draw_line<S: BackendStyle>(
+        &mut self,
+        from: BackendCoord,
+        to: BackendCoord,
+        style: &S,
+    ) -> Result<(), Failed<'a>> {
+        let straight = from.0 == to.0 || from.1 == to.1;
+        if straight || style.stroke_width() != 1 || style.color().alpha == 0.0 {
+            return self.0.draw_line(from, to, style);
+        }
+        let steep = (to.0 - from.0).abs() < (to.1 - from.1).abs();
+        let turned = |(x, y): BackendCoord| if steep { (y, x) } else { (x, y) };
+        let (a, b) = (turned(from), turned(to));
+        let (a, b) = if a.0 < b.0 { (a, b) } else { (b, a) };
+        let slope = f64::from(b.1 - a.1) / f64::from(b.0 - a.0);
+        let (width, height) = self.get_size();
+        let end = i32::try_from(if steep { height } else { width }).unwrap_or(i32::MAX);
+        for x in a.0.max(0)..=b.0.min(end) {
+            let y = f64::from(a.1) + slope * f64::from(x - a.0);
+            #[expect(clippy::cast_possible_truncation, reason = "between two coordinates")]
+            let below = y.floor() as i32;
+            let share = y - y.floor();
+            // A line between two rows of pixels shares its colour between them.
+            for (row, part) in [(below, 1.0 - share), (below + 1, share)] {
+                if part > 0.0 {
+                    let colour = style.color();
+                    let colour = BackendColor { alpha: colour.alpha * part, ..colour };
+                    self.0.draw_pixel(turned((x, row)), colour)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn draw_rect<S: BackendStyle>(
+        &mut self,
+        upper_left: BackendCoord,
+        bottom_right: BackendCoord,
+        style: &S,
+        fill: bool,
+    ) -> Result<(), Failed<'a>> {
+        self.0.draw_rect(upper_left, bottom_right, style, fill)
     }
 }
 

@@ -63,6 +63,14 @@ const VIEWS: [View; 4] = [
     },
 ];
 
+/// The view of a part that is turned: Z along the spindle, X up.
+const TURNED: [View; 1] = [View {
+    name: "Z and X",
+    axes: Some(["Z", "X"]),
+    across: [0.0, 0.0, 1.0],
+    up: [1.0, 0.0, 0.0],
+}];
+
 const FEED: RGBColor = COLOURS[0];
 const RAPID: RGBColor = COLOURS[1];
 const TOP: u32 = 64;
@@ -70,6 +78,8 @@ const TOP: u32 = 64;
 const NEAR: f64 = 1.5;
 /// The limits are in sight unless they are so much larger than the moves.
 const LARGER: f64 = 3.0;
+/// As [`LARGER`] for a view without axes, which shows the shape of the part.
+const LARGER_SHAPE: f64 = 1.3;
 
 impl View {
     fn project(&self, p: [f64; 3]) -> (f64, f64) {
@@ -122,7 +132,8 @@ impl Views {
         if let Some(limits) = self.limits {
             let (lx, ly) = project(limits.map(|l| l.0), limits.map(|l| l.1));
             let size = |x: (f64, f64), y: (f64, f64)| (x.1 - x.0).max(y.1 - y.0);
-            if size(lx, ly) <= LARGER * size(x, y) {
+            let larger = if view.axes.is_some() { LARGER } else { LARGER_SHAPE };
+            if size(lx, ly) <= larger * size(x, y) {
                 x = (x.0.min(lx.0), x.1.max(lx.1));
                 y = (y.0.min(ly.0), y.1.max(ly.1));
             }
@@ -152,7 +163,9 @@ impl Views {
             stroke_width: width,
         };
         for edge in self.edges(view) {
-            if let Some(seen) = clip(edge, x, y) {
+            // Pieces of a box say nothing in a view without axes.
+            let seen = clip(edge, x, y).filter(|seen| view.axes.is_some() || *seen == edge);
+            if let Some(seen) = seen {
                 chart.draw_series([PathElement::new(seen.to_vec(), line(MARK, 0.8, 1))])?;
             }
         }
@@ -218,6 +231,11 @@ impl Picture for Views {
             at += 100;
         }
         let (_, below) = root.split_vertically(TOP);
+        // Moves in X and Z alone are a lathe's: the other views would show a line.
+        let flat = self.low.get(1) == self.high.get(1) && self.low.first() != self.high.first();
+        if flat && self.low.get(2) != self.high.get(2) {
+            return TURNED.iter().try_for_each(|view| self.view(&below, view));
+        }
         for (area, view) in below.split_evenly((2, 2)).iter().zip(&VIEWS) {
             self.view(area, view)?;
         }
