@@ -51,6 +51,39 @@ fn commands_print_what_they_should() {
     assert!(expected == text, "first difference: {first:?}; UPDATE_EXPECT=1 accepts it");
 }
 
+#[test]
+fn an_error_takes_lines_of_mdi_and_asks() {
+    use std::io::Write as _;
+    let at = scratch("ask");
+    std::fs::write(
+        at.join("ask.ngc"),
+        "g0 x1\ng1 x2\ng0 x3\no1 sub\ng1 x4\ng0 x5\no1 endsub\no1 call\nm2\n",
+    )
+    .unwrap();
+    let run = |mdi: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_halgcode"));
+        command.args(["canon", "-g", "-n", "1", "ask.ngc"]).current_dir(&at);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        child.stdin.take().unwrap().write_all(mdi.as_bytes()).unwrap();
+        let output = child.wait_with_output().unwrap();
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        let calls = text.lines().filter(|l| l.contains("STRAIGHT")).map(|l| l[13..].to_owned());
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        (calls.collect::<Vec<_>>(), errors, output.status.code())
+    };
+    // Without an answer the program ends, as it does in rs274.
+    let (calls, errors, status) = run("g0 x9\nfoo\n");
+    assert_eq!(calls.len(), 2, "{calls:?}");
+    assert!(calls[1].starts_with("STRAIGHT_TRAVERSE(9.0000"), "{calls:?}");
+    assert!(
+        errors.starts_with("executing\nCannot do g1 with zero feed rate\ng1 x2\nstarting MDI\n")
+    );
+    assert!(errors.ends_with("\nfoo\ncontinue program? y/n =>"), "{errors}");
+    assert_eq!(status, Some(1));
+    std::fs::remove_dir_all(&at).unwrap();
+}
+
 /// Returns the programs of the interpreter's tests.
 fn corpus() -> Vec<PathBuf> {
     let folder = folder().join("../../../components/motion/gcode/tests/programs");

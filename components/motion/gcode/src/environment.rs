@@ -1,10 +1,8 @@
-//! The environment: the interpreter's questions to the world and the world's answers.
+//! The environment: the facts that the interpreter reads while it runs.
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-
-use crate::{axis::Position, remap::Hook, state::State, tool::Tool};
+use crate::{remap::Hook, state::State, tool::Tool};
 
 /// The text of a file; a mapped file stays outside of the heap.
 pub type Text = Arc<dyn AsRef<[u8]> + Send + Sync>;
@@ -37,50 +35,4 @@ pub trait Environment {
     fn user_code(&self, _code: u16) -> bool {
         false
     }
-}
-
-/// A question whose answer depends on motion that must be finished first.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Request {
-    /// A probing move; its calls were handed out.
-    Probe,
-    /// A tool change; its calls were handed out.
-    ToolChange {
-        /// The tool that was selected; 0 for none.
-        tool: i32,
-    },
-    /// An input (M66).
-    Input {
-        /// The input's number.
-        index: u32,
-        /// An analog input.
-        analog: bool,
-        /// The L word: 0 at once, 1 rise, 2 fall, 3 high, 4 low.
-        mode: u8,
-        /// The time-out in seconds.
-        timeout: f64,
-    },
-}
-
-/// The answer to a [`Request`]. Positions are machine coordinates in millimetres and degrees.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Answer {
-    /// The probing move ended.
-    Probe {
-        /// The place of the trip, or the end of the move.
-        tripped_at: Position,
-        /// The place where motion stopped.
-        stopped_at: Position,
-        /// The probe tripped.
-        tripped: bool,
-    },
-    /// The tool changed.
-    ToolChange {
-        /// The place after the change, if the changer moved the machine.
-        position: Option<Position>,
-    },
-    /// The input's value; -1 after a time-out.
-    Input(f64),
-    /// The request failed; the program ends with this reason.
-    Failed(Box<str>),
 }

@@ -10,7 +10,8 @@
 //! | [`motion`] | moves, arcs, compensation, cycles, splines, probing, threads |
 //! | [`canon`] | canonical calls and the frame from program to machine |
 //! | [`tool`] | tools and tool tables |
-//! | [`environment`] | the world's facts and answers |
+//! | [`environment`] | the world's facts |
+//! | [`question`] | the questions to the machine and its answers |
 //! | [`remap`] | codes that run a subroutine, as an INI file asks |
 //! | [`error`] | the problems with their places |
 //!
@@ -30,14 +31,16 @@ pub mod interpret;
 pub mod motion;
 pub mod parameters;
 pub mod program;
+pub mod question;
 pub mod remap;
 pub mod state;
 pub mod text;
 pub mod tool;
 
-pub use canon::Call;
-pub use environment::{Answer, Environment, Request, Text};
+pub use canon::{Call, Issued};
+pub use environment::{Environment, Text};
 pub use error::Error;
-pub use interpret::{Interpreter, Issued, Step};
+pub use interpret::{Interpreter, Step};
 pub use parameters::Numbered;
+pub use question::{Answer, Request};
 pub use state::{Settings, State};

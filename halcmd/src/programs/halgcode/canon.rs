@@ -47,8 +47,8 @@ const OPTIONS: &[Opt<Id>] = &[
         ..Opt::short_with(Id::Ini, 'i', "INI")
     },
     Opt {
-        help: "after an error: 0 goes on with the next line, 2 stops (the default)",
-        ..Opt::short_with(Id::OnError, 'n', "0|2")
+        help: "after an error: 0 goes on with the next line, 1 takes lines of MDI and asks, 2 stops (the default)",
+        ..Opt::short_with(Id::OnError, 'n', "0|1|2")
     },
     Opt { help: "lines that begin with / are not run", ..Opt::flag(Id::BlockDelete, 'b') },
     Opt { help: "after an error, the calls that led there", ..Opt::flag(Id::Stack, 's') },
@@ -78,11 +78,11 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
         Stdio.out(&usage_of("canon", &usage(OPTIONS)))?;
         return Ok(ExitCode::SUCCESS);
     }
-    let goes_on = match path(Id::OnError).as_deref().and_then(Path::to_str) {
-        None | Some("2") => false,
-        Some("0") => true,
-        Some("1") => return Err("-n 1 asks a person; use 0 or 2".into()),
-        Some(other) => return Err(format!("-n '{other}': 0 or 2")),
+    let on_error = match path(Id::OnError).as_deref().and_then(Path::to_str) {
+        None | Some("2") => OnError::Stop,
+        Some("0") => OnError::GoOn,
+        Some("1") => OnError::Ask,
+        Some(other) => return Err(format!("-n '{other}': 0, 1 or 2")),
     };
     let (file, output) = match rest.as_slice() {
         [file] => (file, None),
@@ -107,7 +107,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     let mut printer = Printer::new(output.as_deref(), is_given(Id::Lines))?;
     let job = Job {
         file,
-        goes_on,
+        on_error,
         stack: is_given(Id::Stack),
         // The reference resets once more when it had no INI file.
         resets: if ini.is_some() { 1 } else { 2 },
@@ -124,6 +124,7 @@ fn stand_in(machine: &mut Machine, keeps_parameters: bool) {
         unit: Unit::Inch,
         program_unit: Unit::Millimetre,
         remaps,
+        random_changer: machine.settings.random_changer,
         ..Settings::default()
     };
     machine.startup = None;
@@ -133,10 +134,21 @@ fn stand_in(machine: &mut Machine, keeps_parameters: bool) {
     }
 }
 
+/// What follows an error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum OnError {
+    /// The next line.
+    GoOn,
+    /// Lines of MDI from standard input, and then the answer of a person.
+    Ask,
+    /// The end.
+    Stop,
+}
+
 /// A run with its options.
 struct Job<'a> {
     file: &'a str,
-    goes_on: bool,
+    on_error: OnError,
     stack: bool,
     resets: u32,
     whole: bool,
@@ -196,7 +208,12 @@ impl Job<'_> {
             };
             printer.flush().map_err(|e| e.to_string())?;
             self.report(&error, world);
-            if !self.goes_on || it.state.levels.is_empty() {
+            let goes_on = match self.on_error {
+                OnError::GoOn => true,
+                OnError::Ask => ask(it, world, printer)?,
+                OnError::Stop => false,
+            };
+            if !goes_on || it.state.levels.is_empty() {
                 return Ok(true);
             }
             // Goes on with the line after the one that failed.
@@ -239,4 +256,32 @@ impl Job<'_> {
             print_error(&format!("{error}\n"));
         }
     }
+}
+
+/// Runs lines of MDI from standard input to its end, then asks whether the program goes on.
+fn ask(it: &mut Interpreter, world: &World, printer: &mut Printer) -> Result<bool, String> {
+    complain("starting MDI\n");
+    let levels = core::mem::take(&mut it.state.levels);
+    let answers = Answers { probe_trips: false };
+    while let Some(line) = person()? {
+        it.mdi(&line);
+        match run(it, world, answers, |it, issued| printer.issued(it, issued)) {
+            Ok(()) => {}
+            Err(Stop::Program(error)) => complain(&format!("{}\n{line}\n", error.problem)),
+            Err(Stop::Output(reason)) => return Err(reason),
+        }
+    }
+    it.state.levels = levels;
+    it.state.mdi = None;
+    printer.flush().map_err(|stop| stop.to_string())?;
+    complain("continue program? y/n =>");
+    Ok(person()?.is_some_and(|answer| answer.trim_start().starts_with(['y', 'Y'])))
+}
+
+/// Reads a line of standard input; `None` at its end.
+fn person() -> Result<Option<String>, String> {
+    let mut line = String::new();
+    let read = std::io::stdin().read_line(&mut line);
+    let read = read.map_err(|e| format!("standard input: {}", hal_output::reason(&e)))?;
+    Ok((read > 0).then(|| line.trim_end_matches(['\r', '\n']).to_owned()))
 }

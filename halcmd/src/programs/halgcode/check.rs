@@ -186,6 +186,9 @@ struct Check<'a> {
     all: Extents,
     cut: Extents,
     rapid: f64,
+    /// The feed rate that the last call set, and whether it counts by revolution.
+    feed: (f64, bool),
+    speed: f64,
     minutes: f64,
     tools: BTreeMap<i32, Use>,
     /// The limits of an axis that moves go beyond: lower, upper.
@@ -202,6 +205,8 @@ impl<'a> Check<'a> {
             all: Extents::new(),
             cut: Extents::new(),
             rapid: 0.0,
+            feed: (it.state.modal.feed, it.state.modal.feed_mode == FeedMode::PerRevolution),
+            speed: it.state.modal.spindles.first().map_or(0.0, |s| s.speed),
             minutes: 0.0,
             tools: BTreeMap::new(),
             beyond: BTreeMap::new(),
@@ -220,6 +225,13 @@ impl<'a> Check<'a> {
         if matches!(issued.call, Call::StraightTraverse(_)) && !self.all.any {
             self.all.add(self.way.at);
         }
+        match issued.call {
+            // In inverse time, each move has its own.
+            Call::SetFeedRate(feed) => self.feed.0 = feed,
+            Call::SetFeedMode { per_revolution, .. } => self.feed.1 = per_revolution,
+            Call::SetSpindleSpeed { spindle: 0, speed } => self.speed = speed,
+            _ => {}
+        }
         let mut from = self.way.at;
         let mut moved = Vec::new();
         self.way.follow(&issued.call, &mut |kind, point| moved.push((kind, point)));
@@ -236,13 +248,10 @@ impl<'a> Check<'a> {
                     self.cut.add(from);
                     self.cut.add(point);
                     self.tools.entry(tool).or_insert(Use { line: main, way: 0.0 }).way += length;
-                    let feed = state.modal.feed * state.frame.unit.millimetres();
-                    let speed = state.modal.spindles.first().map_or(0.0, |s| s.speed);
-                    self.minutes += match state.modal.feed_mode {
-                        FeedMode::PerMinute if feed > 0.0 => length / feed,
-                        FeedMode::PerRevolution if feed * speed > 0.0 => length / (feed * speed),
-                        _ => 0.0,
-                    };
+                    let (feed, per_revolution) = self.feed;
+                    let turns = if per_revolution { self.speed } else { 1.0 };
+                    let rate = feed * turns * state.frame.unit.millimetres();
+                    self.minutes += if rate > 0.0 { length / rate } else { 0.0 };
                 }
             }
             self.limit(it, issued.line, point);

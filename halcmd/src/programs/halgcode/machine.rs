@@ -74,7 +74,7 @@ impl Machine {
         if let Some(path) = files.ini {
             let ini = Ini::read(path).map_err(|e| e.to_string())?;
             out.folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
-            out.apply(&ini, path)?;
+            out.apply(&ini)?;
             let beside = |name: &str| out.folder.join(name);
             table = ini.get("EMCIO", "TOOL_TABLE").map(beside);
             parameters = ini.get("RS274NGC", "PARAMETER_FILE").map(beside);
@@ -91,7 +91,7 @@ impl Machine {
         Ok(out)
     }
 
-    fn apply(&mut self, ini: &Ini, path: &Path) -> Result<(), String> {
+    fn apply(&mut self, ini: &Ini) -> Result<(), String> {
         let unit = match ini.get("TRAJ", "LINEAR_UNITS").map(str::to_ascii_lowercase).as_deref() {
             Some("inch" | "in" | "imperial") => Unit::Inch,
             None | Some("mm" | "metric") => Unit::Millimetre,
@@ -118,12 +118,8 @@ impl Machine {
         self.folders.extend(ini.get("RS274NGC", "SUBROUTINE_PATH").map(list).unwrap_or_default());
         self.codes.extend(ini.get("RS274NGC", "USER_M_PATH").map(list).unwrap_or_default());
         self.startup = ini.get("RS274NGC", "RS274NGC_STARTUP_CODE").map(str::to_owned);
-        if ini.get("EMCIO", "RANDOM_TOOLCHANGER").is_some_and(|v| v.trim() == "1") {
-            let file = path.display();
-            self.remarks.push(format!(
-                "{file}: [EMCIO]RANDOM_TOOLCHANGER: tools stay in their pockets here"
-            ));
-        }
+        let random = ini.get("EMCIO", "RANDOM_TOOLCHANGER");
+        self.settings.random_changer = random.is_some_and(|v| v.trim() == "1");
         for entry in ini.all("RS274NGC", "REMAP") {
             let at = format!("{}:{}", entry.file, entry.line);
             let remap = Remap::parse(&entry.value).map_err(|e| format!("{at}: {e}"))?;

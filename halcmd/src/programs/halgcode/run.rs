@@ -21,6 +21,7 @@ impl Answers {
             }
             Request::ToolChange { .. } => Answer::ToolChange { position: None },
             Request::Input { .. } => Answer::Input(0.0),
+            Request::UserCode { .. } => Answer::Done,
         }
     }
 }
@@ -77,11 +78,17 @@ impl From<Error> for Stop {
     }
 }
 
-/// Runs the code that the INI file asks for before the first program.
+/// Puts the tool of pocket 0 into the spindle of a random tool changer, and runs the code that the INI file asks for
+/// before the first program.
 ///
 /// # Errors
 /// The code has an error.
 pub(super) fn start(interpreter: &mut Interpreter, world: &World) -> Result<(), String> {
+    let machine = &world.machine;
+    let in_spindle = machine.tools.tools.iter().find(|t| t.pocket == 0);
+    if let Some(tool) = in_spindle.filter(|_| machine.settings.random_changer) {
+        interpreter.state.tool = tool.clone();
+    }
     let Some(code) = world.machine.startup.as_deref() else { return Ok(()) };
     interpreter.mdi(code);
     let answers = Answers { probe_trips: false };

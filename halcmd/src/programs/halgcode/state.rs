@@ -16,8 +16,7 @@ use hal_gcode::{
     axis::{Axis, Position},
     canon::{Direction, PathMode, Plane, Unit},
     interpret::codes::shown,
-    program::LevelKind,
-    state::{FeedMode, Side},
+    state::{FeedMode, LevelKind, Side},
 };
 use std::{
     collections::BTreeMap,

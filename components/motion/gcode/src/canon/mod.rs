@@ -226,3 +226,14 @@ pub enum Call {
     /// A remark that changes nothing.
     Comment(Box<str>),
 }
+
+/// A canonical call and the line that made it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Issued {
+    /// The call.
+    pub call: Call,
+    /// The line, from 1.
+    pub line: u32,
+    /// The N number of the line.
+    pub number: Option<u32>,
+}

@@ -122,9 +122,13 @@ problems! {
     NoToolSelected: "Need tool prepared -Txx- for toolchange", "";
     M61NeedsQ: "Need non-negative Q-word to specify tool number with M61", "";
     ToolChangeFailed { reason: Box<str> }: "toolchange failed: {reason}", "";
+    ProbeFailed { reason: Box<str> }: "probe failed: {reason}", "";
+    InputFailed { reason: Box<str> }: "input failed: {reason}", "";
+    UserCodeFailed { code: u16, reason: Box<str> }: "M{code} failed: {reason}", "";
 
     // Offsets and coordinate systems.
     OffsetWordsMissing: "G43.2: No axes specified and H word missing", "";
+    OffsetWordsBoth: "G43.2: Can not have both H and axis words", "use two lines";
     G10NeedsL: "Line with G10 does not have L0, L1, L10, L11, L2, or L20", "";
     G10LRange: "Line with G10 does not have L0, L1, L10, L11, L2, or L20", "";
     G10PRange: "P value out of range (0-9) with G10 L2", "";
@@ -179,7 +183,7 @@ problems! {
     SpindleCcw { code: &'static str }: "Spindle turning counterclockwise in {code}", "";
     ProbeFeed: "Cannot probe with zero feed rate", "program F";
     CycleRMissing: "R clearance plane unspecified in cycle", "";
-    CycleZMissing { letter: char }: "{letter} value unspecified in cycle", "";
+    CycleZMissing { letter: char, plane: &'static str }: "{letter} value unspecified in {plane} plane canned cycle", "";
     CycleInverse: "Cannot use inverse time feed with canned cycles", "program G94";
     CycleComp: "Cannot use canned cycles with cutter compensation on", "program G40 first";
     CycleDwell { code: &'static str }: "Dwell time p word missing with {code}", "";

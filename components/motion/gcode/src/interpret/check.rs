@@ -113,7 +113,8 @@ impl Run<'_> {
             l,
         )?;
         let override_code = matches!(b.m(MGroup::Override), Some(50..=53));
-        let p = cycle
+        let dwells = matches!(motion, Some(740 | 760 | 820 | 840 | 860 | 880 | 890));
+        let p = dwells
             || g10
             || once == Some(40)
             || arc

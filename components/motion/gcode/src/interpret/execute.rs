@@ -1,12 +1,13 @@
 //! The order in which the parts of a block are run.
 
-use super::{Issued, block::Block};
+use super::block::Block;
 use crate::{
-    canon::Call,
-    environment::{Answer, Environment, Request},
+    canon::{Call, Issued},
+    environment::Environment,
     error::Problem,
     interpret::codes::{GGroup, MGroup},
     parameters::number,
+    question::{Answer, Request},
     state::State,
     text::expression::Left,
 };
@@ -150,9 +151,7 @@ impl<'a> Run<'a> {
         answer: &Answer,
     ) -> Result<(), Problem> {
         match (request, answer) {
-            (_, Answer::Failed(reason)) => {
-                Err(Problem::ToolChangeFailed { reason: reason.clone() })
-            }
+            (request, Answer::Failed(reason)) => Err(failed(request, reason.clone())),
             (Request::Probe, Answer::Probe { tripped_at, stopped_at, tripped }) => {
                 self.probed(*tripped_at, *stopped_at, *tripped);
                 Ok(())
@@ -169,7 +168,18 @@ impl<'a> Run<'a> {
                 self.state.numbered.put(number::INPUT, *value);
                 Ok(())
             }
+            (Request::UserCode { .. }, Answer::Done) => Ok(()),
             _ => Err(Problem::WrongAnswer),
         }
+    }
+}
+
+/// Returns the problem of a request that the machine could not carry out.
+fn failed(request: &Request, reason: Box<str>) -> Problem {
+    match request {
+        Request::Probe => Problem::ProbeFailed { reason },
+        Request::ToolChange { .. } => Problem::ToolChangeFailed { reason },
+        Request::Input { .. } => Problem::InputFailed { reason },
+        Request::UserCode { code, .. } => Problem::UserCodeFailed { code: *code, reason },
     }
 }

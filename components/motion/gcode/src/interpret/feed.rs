@@ -7,8 +7,8 @@ use super::{
 };
 use crate::{
     canon::{Call, Direction},
-    environment::Request,
     error::Problem,
+    question::Request,
     state::FeedMode,
 };
 

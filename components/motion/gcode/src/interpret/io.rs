@@ -1,7 +1,7 @@
 //! Inputs, outputs and user codes.
 
 use super::{Run, block::Block, codes::MGroup};
-use crate::{canon::Call, environment::Request, error::Problem};
+use crate::{canon::Call, error::Problem, question::Request};
 
 /// The codes of outputs as messages show them.
 fn shown(code: u16) -> &'static str {
@@ -76,7 +76,9 @@ impl Run<'_> {
             return Err(Problem::UnknownM { code: i32::from(code) });
         }
         let (p, q) = (b.get(b'p').unwrap_or(-1.0), b.get(b'q').unwrap_or(-1.0));
+        // Behind a compensated move whose end the next one decides, the program runs in its turn, unanswered.
+        let waits = !self.state.compensation.holds();
         self.emit(Call::UserCode { code, p, q })?;
-        Ok(None)
+        Ok(waits.then_some(Request::UserCode { code, p, q }))
     }
 }

@@ -16,32 +16,19 @@ mod tools;
 
 use std::{collections::BTreeMap, sync::Arc};
 
-use serde::{Deserialize, Serialize};
-
 use crate::{
     axis::Position,
-    canon::{Call, Frame},
-    environment::{Answer, Environment, Request, Text},
+    canon::{Call, Frame, Issued},
+    environment::{Environment, Text},
     error::{Error, Place, Problem},
-    motion::{compensation::Compensation, cycle::Cycle},
     parameters::{Names, Numbered},
-    program::{Cursor, Level, LevelKind, Sources},
-    state::{Modal, Settings, State},
+    program::Sources,
+    question::{Answer, Request},
+    state::{Compensation, Cursor, Cycle, Level, LevelKind, Modal, Remapped, Settings, State},
     text::{expression::Left, line::Line},
     tool::Tool,
 };
 pub use execute::Run;
-
-/// A canonical call and the line that made it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Issued {
-    /// The call.
-    pub call: Call,
-    /// The line, from 1.
-    pub line: u32,
-    /// The N number of the line.
-    pub number: Option<u32>,
-}
 
 /// The result of one step.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,7 +76,7 @@ pub struct Interpreter {
     /// Calls of an O-word, which hands them out at its end.
     pub(crate) late: Vec<Issued>,
     /// The block to go on with after an O-word that ended a remapped code.
-    pub(crate) remapped: Option<Box<remap::Remapped>>,
+    pub(crate) remapped: Option<Box<Remapped>>,
 }
 
 impl Interpreter {

@@ -4,9 +4,9 @@ use super::{Interpreter, Run, block::Block, codes::GGroup};
 use crate::{
     axis::{Axis, Position},
     canon::{Call, PathMode, Plane, Unit},
-    environment::Request,
     error::Problem,
     parameters::number,
+    question::Request,
 };
 
 impl Interpreter {

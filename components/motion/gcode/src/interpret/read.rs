@@ -1,14 +1,15 @@
 //! Reading of a line: limits, end of the program, words to values.
 
-use super::{Interpreter, Issued, Run, Step, Trouble, TroubleAt, block::Block, execute::Asked};
+use super::{Interpreter, Run, Step, Trouble, TroubleAt, block::Block, execute::Asked};
 use crate::{
-    canon::Call,
-    environment::{Answer, Environment},
+    canon::{Call, Issued},
+    environment::Environment,
     error::{Error, Problem},
     interpret::codes::MGroup,
     parameters::{check_writable, set_name, system},
-    program::{Level, LevelKind, line_at},
-    state::Pending,
+    program::line_at,
+    question::Answer,
+    state::{Cursor, Level, LevelKind, Pending},
     text::{
         clean,
         evaluate::{Values, evaluate, integer},
@@ -52,7 +53,7 @@ impl Interpreter {
     fn run_text(
         &mut self,
         raw: &[u8],
-        at: crate::program::Cursor,
+        at: Cursor,
         env: &dyn Environment,
         out: &mut Vec<Issued>,
     ) -> Result<Step, Trouble> {
@@ -81,7 +82,7 @@ impl Interpreter {
     fn run_parsed(
         &mut self,
         line: &Line,
-        at: crate::program::Cursor,
+        at: Cursor,
         env: &dyn Environment,
         out: &mut Vec<Issued>,
     ) -> Result<Step, Trouble> {
@@ -238,10 +239,10 @@ impl Interpreter {
     }
 
     /// Tells whether a line with text came before the one at which the level is.
-    fn seen_percent(&mut self, at: crate::program::Cursor) -> bool {
+    fn seen_percent(&mut self, at: Cursor) -> bool {
         let Some(level) = self.state.levels.last() else { return true };
         let Some(text) = self.sources.text(&level.file.clone(), &NoFiles) else { return true };
-        let mut cursor = crate::program::Cursor::default();
+        let mut cursor = Cursor::default();
         while let Some((raw, next)) = line_at((*text).as_ref(), cursor) {
             if !raw.trim_ascii().is_empty() {
                 return next != at;

@@ -1,31 +1,20 @@
 //! Remapped codes of a block: the call of their subroutine and the rest of the block after it.
 
-use serde::{Deserialize, Serialize};
-
 use super::{
-    Interpreter, Issued, Run, Step, Trouble,
+    Interpreter, Run, Step, Trouble,
     block::Block,
     codes::GGroup,
     execute::{Part, Pause},
 };
 use crate::{
+    canon::Issued,
     environment::Environment,
     error::Problem,
     parameters::set_name,
-    program::{Found, Level, LevelKind},
+    program::Found,
     remap::{Code, Hook, Remap},
+    state::{Level, LevelKind, Pending, Remapped},
 };
-
-/// A block whose remapped code is in execution.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Remapped {
-    /// The remap, with its place in the settings.
-    pub index: usize,
-    /// The block.
-    pub block: Block,
-    /// The step of its execution that the code replaces.
-    pub step: u8,
-}
 
 impl Run<'_> {
     /// Returns the remap that replaces a part of a block.
@@ -178,7 +167,7 @@ impl Interpreter {
             Pause::Profile => self.profile(block, step, env, out),
             Pause::Ask(request) => {
                 let block = block.clone();
-                let pending = crate::state::Pending { request: request.clone(), block, step };
+                let pending = Pending { request: request.clone(), block, step };
                 self.state.pending = Some(pending);
                 Ok(Step::Ask(request))
             }

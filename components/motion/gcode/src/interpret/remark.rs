@@ -3,9 +3,9 @@
 use super::{Run, block::Block};
 use crate::{
     canon::Call,
-    environment::Request,
     error::Problem,
     parameters::system::Reader,
+    question::Request,
     text::comment::{self, Kind},
 };
 

@@ -3,8 +3,8 @@
 use super::{Run, block::Block, codes::MGroup};
 use crate::{
     canon::{Call, Direction, Plane},
-    environment::Request,
     error::Problem,
+    question::Request,
     state::FeedMode,
 };
 

@@ -8,8 +8,8 @@ use super::{
 use crate::{
     axis::{Axis, Position},
     canon::{Call, Direction},
-    environment::Request,
     error::Problem,
+    question::Request,
     tool::Tool,
 };
 
@@ -55,12 +55,16 @@ impl Run<'_> {
                     });
                 }
                 let tool = self.tool(number)?;
+                let old = self.state.tool.clone();
                 self.emit(Call::StartChange)?;
                 for spindle in 0..u8::try_from(self.state.modal.spindles.len()).unwrap_or(0) {
                     self.turn(spindle, Direction::Stopped)?;
                 }
                 self.emit(Call::ChangeTool(number))?;
                 self.state.tool = tool;
+                if self.state.settings.random_changer {
+                    self.swap_pockets(old);
+                }
                 Ok(Some(Request::ToolChange { tool: number }))
             }
             Some(_) => {
@@ -70,6 +74,22 @@ impl Run<'_> {
                 Ok(None)
             }
             None => Ok(None),
+        }
+    }
+
+    /// Puts the old tool into the pocket that the new one came from. Pocket 0 is the spindle.
+    fn swap_pockets(&mut self, mut old: Tool) {
+        let new = &mut self.state.tool;
+        if new.number == old.number {
+            new.pocket = 0;
+            return;
+        }
+        old.pocket = new.pocket;
+        new.pocket = 0;
+        for tool in [new.clone(), old] {
+            if tool.number != 0 {
+                self.state.changed_tools.insert(tool.number, tool);
+            }
         }
     }
 
@@ -90,9 +110,11 @@ impl Run<'_> {
                     None if code == 432 => {
                         Tool { offset: words(b).scaled(1.0 / k), ..Tool::default() }
                     }
-                    None => self.state.tool.clone(),
+                    Some(_) if code == 432 && b.has_axes() => {
+                        return Err(Problem::OffsetWordsBoth);
+                    }
                     Some(h) if h < 0 => return Err(Problem::ToolMissing { tool: h }),
-                    Some(0) if code == 430 => self.state.tool.clone(),
+                    None | Some(0) => self.state.tool.clone(),
                     Some(h) => self.tool(h)?,
                 };
                 let offset = tool.offset.scaled(k);

@@ -2,7 +2,6 @@
 
 use super::{
     arc::{Shape, in_plane, sweep, with_plane},
-    compensation::Path,
     geometry::Point,
 };
 use crate::{
@@ -10,6 +9,7 @@ use crate::{
     canon::Call,
     error::Problem,
     interpret::{Run, block::Block},
+    state::compensation::Path,
 };
 
 /// Returns the direction of an arc at one of its points.

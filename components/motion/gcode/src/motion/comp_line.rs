@@ -2,7 +2,6 @@
 
 use super::{
     arc::{Shape, in_plane, with_plane},
-    compensation::{Last, Path},
     geometry::{Point, circles, line_circle, nearest},
     straight::length,
 };
@@ -11,6 +10,7 @@ use crate::{
     canon::Call,
     error::Problem,
     interpret::{Run, block::Block},
+    state::compensation::{Last, Path},
 };
 
 /// Corners with a smaller turn, in radians, get neither an arc nor a new end.

@@ -1,103 +1,20 @@
 //! Cutter radius compensation: its state, its queue, and the codes that turn it on and off.
 
-use serde::{Deserialize, Serialize};
-
 use super::{
     arc::{in_plane, with_plane},
     geometry::Point,
 };
 use crate::{
     axis::Position,
-    canon::{Call, Plane},
-    environment::Request,
+    canon::{Call, Issued, Plane},
     error::Problem,
-    interpret::{Issued, Run, block::Block, codes::GGroup},
-    state::Side,
+    interpret::{Run, block::Block, codes::GGroup},
+    question::Request,
+    state::{
+        Compensation,
+        compensation::{Last, Path},
+    },
 };
-
-/// The compensated path of the last move.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Path {
-    /// A line from this point in this direction.
-    Line {
-        /// The start point.
-        from: Point,
-        /// The unit direction.
-        direction: Point,
-    },
-    /// An arc.
-    Arc {
-        /// The start point.
-        from: Point,
-        /// The centre.
-        centre: Point,
-        /// The radius.
-        radius: f64,
-        /// The number of turns, negative for clockwise.
-        turns: i32,
-    },
-}
-
-/// The last move, whose end the next one may change.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Last {
-    /// The compensated path.
-    pub path: Path,
-    /// The programmed direction at its end.
-    pub direction: Point,
-    /// The place of its call in the queue.
-    pub index: usize,
-}
-
-/// The state of cutter radius compensation.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Compensation {
-    /// Twice the side: the sign is that of the left normal.
-    side: i8,
-    /// The radius of the tool.
-    pub radius: f64,
-    /// The orientation of a lathe tool.
-    pub orientation: u8,
-    /// The programmed position; `None` before the first move.
-    pub program: Option<Point>,
-    /// The last move, if its end may still change.
-    pub last: Option<Last>,
-    /// The calls from the last move on.
-    pub queue: Vec<Issued>,
-}
-
-impl Compensation {
-    /// Tells whether compensation is on.
-    pub fn is_on(&self) -> bool {
-        self.side != 0
-    }
-
-    /// Returns the side.
-    pub fn side(&self) -> Side {
-        match self.side {
-            0 => Side::Off,
-            1.. => Side::Left,
-            _ => Side::Right,
-        }
-    }
-
-    /// Returns 1 for the left side and -1 for the right one.
-    pub(crate) fn sign(&self) -> f64 {
-        f64::from(self.side)
-    }
-
-    /// Tells whether calls wait for the end of a move.
-    pub(crate) fn holds(&self) -> bool {
-        self.last.is_some()
-    }
-
-    /// Forgets the path after motion from elsewhere.
-    pub(crate) fn forget(&mut self) {
-        self.program = None;
-        self.last = None;
-        self.queue.clear();
-    }
-}
 
 impl Run<'_> {
     /// Runs G40 to G42.1.

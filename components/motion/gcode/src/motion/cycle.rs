@@ -1,7 +1,5 @@
 //! Canned cycles: their sticky words, checks, and the moves between holes.
 
-use serde::{Deserialize, Serialize};
-
 use crate::{
     axis::{Axis, Position},
     canon::{Call, PathMode, Plane},
@@ -9,36 +7,6 @@ use crate::{
     interpret::{Run, block::Block},
     state::FeedMode,
 };
-
-/// The sticky words of canned cycles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Cycle {
-    /// Ten times the G code of the chain in progress.
-    pub active: Option<u16>,
-    /// The level along the cycle's axis where the chain began.
-    pub initial: f64,
-    /// The word of the bottom.
-    pub bottom: f64,
-    /// R.
-    pub r: f64,
-    /// P.
-    pub p: Option<f64>,
-    /// Q.
-    pub q: Option<f64>,
-    /// I, J and K.
-    pub ijk: [f64; 3],
-}
-
-impl Cycle {
-    /// Scales the lengths after a change of units.
-    pub(crate) fn scale(&mut self, k: f64) {
-        self.initial *= k;
-        self.bottom *= k;
-        self.r *= k;
-        self.q = self.q.map(|q| q * k);
-        self.ijk = self.ijk.map(|v| v * k);
-    }
-}
 
 /// A hole: levels along the cycle's axis.
 #[derive(Clone, Copy, Debug)]
@@ -144,21 +112,26 @@ impl Run<'_> {
         let (.., axis) = plane.axes();
         let bottom = b.get(axis.letter() as u8);
         let r = b.get(b'r');
+        let motion = self.state.modal.motion;
         let cycle = &mut self.state.cycle;
-        // Another cycle needs its own levels; the level where the chain began stays.
-        if cycle.active != Some(code) {
-            let (_, letter) = plane_names(plane);
+        // Another cycle, or one after other motion, needs its own words; the level where the chain began stays.
+        if cycle.active != Some(code) || motion != code {
+            let (plane, letter) = plane_names(plane);
             if r.is_none() {
                 return Err(Problem::CycleRMissing);
             }
             if bottom.is_none() {
-                return Err(Problem::CycleZMissing { letter });
+                return Err(Problem::CycleZMissing { letter, plane });
+            }
+            // The dwell of a tapping cycle is that of the last P of any cycle.
+            match code {
+                820 | 860 | 880 | 890 => cycle.p = None,
+                730 | 830 => cycle.q = None,
+                _ => {}
             }
         }
-        if !in_cycle(self.state.modal.motion) {
+        if !in_cycle(motion) {
             cycle.initial = self.state.position[axis];
-            // Words of a chain before G80 count no longer.
-            (cycle.p, cycle.q) = (None, None);
         }
         cycle.active = Some(code);
         cycle.r = r.unwrap_or(cycle.r);

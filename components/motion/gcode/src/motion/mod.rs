@@ -6,7 +6,7 @@ mod comp_line;
 pub mod compensation;
 pub mod cycle;
 mod drill;
-mod geometry;
+pub(crate) mod geometry;
 mod probe;
 pub mod profile;
 pub mod spline;
@@ -14,9 +14,9 @@ mod straight;
 mod thread;
 
 use crate::{
-    environment::Request,
     error::Problem,
     interpret::{Run, block::Block, codes::shown},
+    question::Request,
 };
 
 impl Run<'_> {

@@ -3,10 +3,10 @@
 use crate::{
     axis::{Axis, Position},
     canon::Call,
-    environment::Request,
     error::Problem,
     interpret::{Run, block::Block},
     parameters::number,
+    question::Request,
     state::FeedMode,
 };
 
@@ -23,9 +23,7 @@ impl Run<'_> {
         }
         let end = self.target(b)?;
         let way = end - self.state.position;
-        // A hundredth of an inch, or 0.254 mm, is the shortest probing move.
-        let shortest = 0.01 * crate::canon::Unit::Inch.to(self.state.frame.unit);
-        if Axis::ALL.iter().all(|a| libm::fabs(way[*a]) < shortest) {
+        if Axis::ALL.iter().all(|a| way[*a] == 0.0) {
             return Err(Problem::ProbeStart);
         }
         self.emit(Call::TurnProbeOn)?;

@@ -1,24 +1,14 @@
 //! G5 to G5.3: cubic and quadratic splines, and NURBS.
 
-use serde::{Deserialize, Serialize};
-
 use crate::{
     canon::{Call, ControlPoint, Plane},
     error::Problem,
     interpret::{Run, block::Block},
+    state::Nurbs,
 };
 
 /// The most control points of a NURBS.
 const MAX_POINTS: usize = 100_000;
-
-/// A NURBS between G5.2 and G5.3.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Nurbs {
-    /// The order.
-    pub order: u32,
-    /// The control points.
-    pub points: Vec<ControlPoint>,
-}
 
 fn point(x: f64, y: f64, weight: f64) -> ControlPoint {
     ControlPoint { x, y, weight }

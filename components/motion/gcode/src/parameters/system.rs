@@ -34,6 +34,16 @@ impl Values for Reader<'_> {
 }
 
 impl Reader<'_> {
+    /// Returns the pocket of the selected tool, -1 if none is selected or it has none.
+    fn selected_pocket(&self) -> f64 {
+        let number = self.state.selected.filter(|n| *n != 0);
+        let pocket = number.and_then(|n| match self.state.changed_tools.get(&n) {
+            Some(tool) => Some(tool.pocket),
+            None => self.environment.tool(n).map(|t| t.pocket),
+        });
+        f64::from(pocket.filter(|p| *p != 0).unwrap_or(-1))
+    }
+
     fn find(&self, name: &str) -> Option<f64> {
         if !name.starts_with('_') {
             return self.state.levels.last()?.locals.get(name).copied();
@@ -45,9 +55,15 @@ impl Reader<'_> {
         if let Some(item) = name.strip_prefix("_hal[").and_then(|r| r.strip_suffix(']')) {
             return self.environment.hal(item);
         }
+        if name == SELECTED_POCKET {
+            return Some(self.selected_pocket());
+        }
         system(self.state, name).or_else(|| self.state.globals.get(name).copied())
     }
 }
+
+/// The name of the parameter whose value is in the tool table.
+const SELECTED_POCKET: &str = "_selected_pocket";
 
 fn numbered(state: &State, index: i32) -> f64 {
     let tool = &state.tool;
@@ -70,7 +86,10 @@ fn coordinate(position: &Position, index: i32) -> f64 {
 
 /// Tells whether the name is one of the system's.
 pub fn is_system(state: &State, name: &str) -> bool {
-    system(state, name).is_some() || name.starts_with("_ini[") || name.starts_with("_hal[")
+    system(state, name).is_some()
+        || name == SELECTED_POCKET
+        || name.starts_with("_ini[")
+        || name.starts_with("_hal[")
 }
 
 /// Returns the value of a named parameter of the system.
@@ -130,7 +149,7 @@ fn system(state: &State, name: &str) -> Option<f64> {
         "_rpm" => spindle.map_or(0.0, |s| s.speed),
         "_current_tool" => f64::from(state.tool.number),
         "_current_pocket" => f64::from(state.tool.pocket),
-        "_selected_tool" | "_selected_pocket" => f64::from(state.selected.unwrap_or(-1)),
+        "_selected_tool" => f64::from(state.selected.unwrap_or(-1)),
         "_value" => state.returned.unwrap_or(0.0),
         "_value_returned" => truth(state.returned.is_some()),
         "_call_level" => state.levels.len().saturating_sub(1) as f64,

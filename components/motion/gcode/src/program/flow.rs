@@ -1,12 +1,13 @@
 //! Flow control: loops, conditions, subroutines and program parts.
 
-use super::{Cursor, Found, Level, LevelKind, Open, OpenKind, line_at, scan::o_word};
+use super::{Found, line_at, scan::o_word};
 use crate::{
     environment::Environment,
     error::Problem,
     interpret::{Interpreter, Trouble, TroubleAt},
     parameters::system::Reader,
     remap::Hook,
+    state::{Cursor, Level, LevelKind, Open, OpenKind},
     text::{
         evaluate::{evaluate, integer},
         expression::Expr,

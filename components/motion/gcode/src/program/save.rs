@@ -1,22 +1,13 @@
 //! Saved modal state: M70 to M73.
 
-use serde::{Deserialize, Serialize};
-
-use super::LevelKind;
 use crate::{
     canon::{PathMode, Plane, Unit},
-    environment::{Environment, Request},
+    environment::Environment,
     error::Problem,
     interpret::{Interpreter, Run, Trouble, block::Block, codes::MGroup},
-    state::{FeedMode, Modal},
+    question::Request,
+    state::{FeedMode, LevelKind, Modal, Saved},
 };
-
-/// The modal state that M70 and M73 save.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Saved {
-    /// The modal state.
-    pub modal: Modal,
-}
 
 impl Interpreter {
     /// Restores a saved state at the end of a subroutine.
@@ -116,7 +107,6 @@ impl Run<'_> {
         if old.feed_override != now.feed_override {
             self.set_feed_override(old.feed_override)?;
         }
-        self.state.modal.motion = old.motion;
         Ok(())
     }
 

@@ -2,10 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use super::{Cursor, line_at};
-use crate::text::{
-    Input, clean,
-    oword::{self, Label},
+use super::line_at;
+use crate::{
+    state::Cursor,
+    text::{
+        Input, clean,
+        oword::{self, Label},
+    },
 };
 
 /// A definition that is looked for.

@@ -1,5 +1,8 @@
 //! The whole state of the interpreter as a value: cloned, compared, saved and loaded.
 
+pub mod compensation;
+pub mod curve;
+pub mod level;
 pub mod modal;
 pub mod settings;
 
@@ -10,13 +13,14 @@ use serde::{Deserialize, Serialize};
 use crate::{
     axis::Position,
     canon::Frame,
-    environment::Request,
     interpret::block::Block,
-    motion::{compensation::Compensation, cycle::Cycle, spline::Nurbs},
     parameters::{Names, Numbered},
-    program::Level,
+    question::Request,
     tool::Tool,
 };
+pub use compensation::Compensation;
+pub use curve::{Cycle, Nurbs};
+pub use level::{Cursor, Level, LevelKind, Open, OpenKind, Remapped, Saved};
 pub use modal::{FeedMode, Modal, Side};
 pub use settings::{Limits, Settings};
 

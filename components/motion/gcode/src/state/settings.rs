@@ -55,6 +55,8 @@ pub struct Settings {
     pub limits: Limits,
     /// The machine moves: `#<_task>` is 1. In a preview or check it is 0.
     pub task: bool,
+    /// The tool changer puts the old tool into the pocket of the new one.
+    pub random_changer: bool,
     /// The remapped codes.
     pub remaps: Vec<Remap>,
 }
@@ -71,6 +73,7 @@ impl Default for Settings {
             arc_tolerance: 0.0127,
             limits: Limits::default(),
             task: false,
+            random_changer: false,
             remaps: Vec::new(),
         }
     }

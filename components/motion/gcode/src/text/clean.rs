@@ -82,6 +82,7 @@ mod tests {
     #[test]
     fn spaces_go_and_comments_stay() {
         assert_eq!(cleaned(" G 0 X1 (Hello  You) Y2 ; The End"), "g0x1(Hello  You)y2; The End");
+        assert_eq!(cleaned("G0 X1\r ; a\tb\r"), "g0x1; a\tb");
     }
 
     #[test]

@@ -76,7 +76,19 @@ mod tests {
 
     #[test]
     fn numbers_are_rounded_as_the_standard_library_rounds() {
-        for text in ["1", "-2.5", "+.5", "0.1", "123456.789", "3.", "99999999999999999999.1"] {
+        for text in [
+            "1",
+            "-2.5",
+            "+.5",
+            "0.1",
+            "123456.789",
+            "3.",
+            "99999999999999999999.1",
+            "1234567890.1234567",
+            "9007199254740993.5",
+            "0.3000000000000000444",
+            "5.000000000000000277",
+        ] {
             let expected: f64 = text.parse().unwrap();
             let (rest, value) = number(text.as_bytes()).unwrap();
             assert!(rest.is_empty());

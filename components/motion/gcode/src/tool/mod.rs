@@ -174,5 +174,16 @@ mod tests {
         assert_eq!(findings, wanted);
         let (again, findings) = ToolTable::parse(&table.print());
         assert_eq!((again, findings.len()), (table, 0));
+        for (text, good) in [
+            ("T1 P1 Q9", true),
+            ("T1 P1 Q10", false),
+            ("T1 P1 Q-1", false),
+            ("1 1 1 0 1 0 0 9", true),
+            ("1 1 1 0 1 0 0 10", false),
+            ("T1 P1 Zinf", false),
+            ("T1.5 P1", false),
+        ] {
+            assert_eq!(ToolTable::parse(text).1.is_empty(), good, "{text}");
+        }
     }
 }

@@ -199,10 +199,16 @@ fn each_bound_has_its_error() {
     assert!(matches!(problem(&deep("[", 4000)), Some(Problem::NestedTooDeep { .. })));
     assert!(matches!(problem(&deep("#", 4000)), Some(Problem::NestedTooDeep { .. })));
     assert!(matches!(problem(&deep("-", 4000)), Some(Problem::NestedTooDeep { .. })));
-    let sum = format!("#1=[1{}]\nm2\n", "+1".repeat(1000));
+    let sum = format!("#1=[1{}]\nm2\n", "+1".repeat(512));
+    assert_eq!(problem(sum.as_bytes()), None);
+    let sum = format!("#1=[1{}]\nm2\n", "+1".repeat(513));
     assert!(matches!(problem(sum.as_bytes()), Some(Problem::TooManyOperators { .. })));
     let long = format!("g0 x{}\n", "1".repeat(1_000_000));
     assert!(matches!(problem(long.as_bytes()), Some(Problem::LineTooLong { .. })));
+    let longest = format!("g0 x{}1\nm2\n", "0".repeat(4091));
+    assert_eq!(problem(longest.as_bytes()), None);
+    let longer = format!("g0 x{}1\nm2\n", "0".repeat(4092));
+    assert_eq!(problem(longer.as_bytes()), Some(Problem::LineTooLong { limit: 4096 }));
     assert!(matches!(
         problem(b"o1 while [1]\no1 endwhile\nm2\n"),
         Some(Problem::RunAway { limit: 300 })

@@ -2,6 +2,8 @@
 #![expect(clippy::unwrap_used, reason = "tests")]
 #![expect(clippy::print_stderr, reason = "the report of a comparison")]
 
+mod axes;
+mod changer;
 mod golden;
 mod input;
 mod oracle;

@@ -91,6 +91,7 @@ pub(crate) fn settings_of(name: &str) -> Settings {
         let entries = REMAPS.lines().filter_map(|l| l.strip_prefix("REMAP="));
         out.remaps = entries.map(|e| Remap::parse(e).unwrap()).collect();
     }
+    out.random_changer = name.starts_with("random-");
     out
 }
 
@@ -110,6 +111,7 @@ pub(crate) fn answer(request: &Request, interpreter: &Interpreter) -> Answer {
         Request::Probe => Answer::Probe { tripped_at: here, stopped_at: here, tripped: false },
         Request::ToolChange { .. } => Answer::ToolChange { position: None },
         Request::Input { .. } => Answer::Input(0.0),
+        Request::UserCode { .. } => Answer::Done,
     }
 }
 

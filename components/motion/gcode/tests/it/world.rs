@@ -112,7 +112,7 @@ fn a_wrong_or_failed_answer_is_an_error() {
 
 #[test]
 fn values_of_ini_and_hal_and_user_codes() {
-    let none = |_: &Request| Answer::Input(0.0);
+    let none = |_: &Request| Answer::Done;
     let text = "#1=[#<_ini[TRAJ]Speed>+#<_hal[motion.a-b]>]\n(print,#1)\nm101 p2 q3\nm2\n";
     let calls = run(&mut new(Settings::default()), text, none).unwrap();
     assert_eq!(calls[0], "43.500000");
@@ -187,10 +187,12 @@ fn a_wrapped_axis_turns_by_the_sign_of_its_word() {
     let none = |_: &Request| Answer::Input(0.0);
     let wrapped = Settings { wrapped: AxisMask(0b1000), ..Settings::default() };
     let mut it = new(wrapped.clone());
-    let calls = run(&mut it, "g0 a350\ng0 a10\ng0 a-350\ng0 a-0\nm2\n", none).unwrap();
+    let calls =
+        run(&mut it, "g0 a350\ng0 a10\ng0 a-350\ng0 a-0\ng0 a10\ng0 a-10\ng0 a10\nm2\n", none)
+            .unwrap();
     let angle = |c: &String| c.split(", ").nth(3).unwrap().parse::<f64>().unwrap();
-    let angles: Vec<f64> = calls.iter().take(4).map(angle).collect();
-    assert_eq!(angles, [350.0, 370.0, 350.0, 0.0]);
+    let angles: Vec<f64> = calls.iter().take(7).map(angle).collect();
+    assert_eq!(angles, [350.0, 370.0, 350.0, 0.0, 10.0, 10.0, 10.0]);
     let error = run(&mut new(wrapped), "g0 a361\nm2\n", none).unwrap_err();
     assert!(error.to_string().contains("Invalid absolute position"));
 }

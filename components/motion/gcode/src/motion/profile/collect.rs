@@ -2,12 +2,14 @@
 
 use super::contour::{Arc, Piece, round};
 use crate::{
+    canon::Issued,
     environment::Environment,
     error::Problem,
-    interpret::{Interpreter, Issued, Run, Step, Trouble, block::Block, codes::GGroup},
+    interpret::{Interpreter, Run, Step, Trouble, block::Block, codes::GGroup},
     motion::geometry::Point,
     parameters::system::Reader,
-    program::{Cursor, Found, Level, LevelKind, line_at},
+    program::{Found, line_at},
+    state::{Cursor, Level, LevelKind},
     text::{clean, evaluate::evaluate, line::Line, oword::Action},
 };
 
