@@ -34,7 +34,7 @@ fn no_circle_of_modules_is_large() {
     assert_eq!(
         larger,
         BTreeMap::new(),
-        "crates with a circle of more than {MOST} modules, by its size"
+        "crates with a circle of more than {MAX} modules, by its size"
     );
 }
 

@@ -134,7 +134,7 @@ fn stand_in(machine: &mut Machine, keeps_parameters: bool) {
     }
 }
 
-/// What follows an error.
+/// The reaction to an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum OnError {
     /// The next line.
@@ -260,21 +260,21 @@ impl Job<'_> {
 
 /// Runs lines of MDI from standard input to its end, then asks whether the program goes on.
 fn ask(it: &mut Interpreter, world: &World, printer: &mut Printer) -> Result<bool, String> {
-    complain("starting MDI\n");
+    print_error("starting MDI\n");
     let levels = core::mem::take(&mut it.state.levels);
     let answers = Answers { probe_trips: false };
     while let Some(line) = person()? {
         it.mdi(&line);
         match run(it, world, answers, |it, issued| printer.issued(it, issued)) {
             Ok(()) => {}
-            Err(Stop::Program(error)) => complain(&format!("{}\n{line}\n", error.problem)),
+            Err(Stop::Program(error)) => print_error(&format!("{}\n{line}\n", error.problem)),
             Err(Stop::Output(reason)) => return Err(reason),
         }
     }
     it.state.levels = levels;
     it.state.mdi = None;
     printer.flush().map_err(|stop| stop.to_string())?;
-    complain("continue program? y/n =>");
+    print_error("continue program? y/n =>");
     Ok(person()?.is_some_and(|answer| answer.trim_start().starts_with(['y', 'Y'])))
 }
 

@@ -222,8 +222,7 @@ impl Interpreter {
         Ok(())
     }
 
-    /// Moves behind the next line with this label and one of these keywords. Returns the keyword, its line behind the
-    /// label, and the place before it.
+    /// Moves behind the next keyword of these with this label. Returns it, its line behind the label, the place before.
     fn seek(
         &mut self,
         label: &str,

@@ -1,4 +1,4 @@
-//! What `rs274` cannot print: axes U, V and W, and the control points of splines.
+//! Axes U, V and W, and the control points of splines, which `rs274` does not print.
 
 use std::sync::Arc;
 

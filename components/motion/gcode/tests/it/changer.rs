@@ -12,7 +12,7 @@ struct Changer(ToolTable);
 
 impl Changer {
     fn new() -> Self {
-        Self(ToolTable::parse("T1 P0 Z10 D6\nT2 P20 Z20 D8\nT3 P30 Z30\n").0)
+        Self(ToolTable::parse("T0 P90\nT1 P0 Z10 D6\nT2 P20 Z20 D8\nT3 P30 Z30\n").0)
     }
 }
 
@@ -89,6 +89,8 @@ fn a_random_changer_puts_the_old_tool_where_the_new_one_was() {
     // Tool 0 empties the spindle; the old tool goes to pocket 0, which is none.
     let mut it = new(true);
     assert_eq!(pockets(&mut it, "t0 m6"), ["-1", "20", "30", "0"]);
+    let calls = run(&mut it, "t0\n(print,#<_selected_pocket>)\nm2\n", changes).unwrap();
+    assert_eq!(calls[1].call.to_string(), "-1.000000");
     // Other changers put a tool back to its own pocket.
     assert_eq!(pockets(&mut new(false), "t2 m6\nt3 m6"), ["-1", "20", "30", "3"]);
 }

@@ -258,3 +258,38 @@ fn errors_show_the_word() {
     assert!(at("M3 S1 G33 X1 K1 G1\n").starts_with("fuzz.ngc:1:17: Two g codes used"));
     assert!(at("F10 G2 X1\n").starts_with("fuzz.ngc:1:5: R i j k words all missing"));
 }
+
+#[test]
+fn each_bound_is_reached_before_it_refuses() {
+    let world = World::new();
+    let problem = |text: String| outcome(text.as_bytes(), &world).map(|e| e.problem);
+    let lines = |n: usize| format!("{}m2\n", "g0 x1\n".repeat(n));
+    assert_eq!(problem(lines(1999)), None);
+    assert_eq!(problem(lines(2000)), Some(Problem::LinesSpent { limit: 2000 }));
+    let quiet = |n: usize| format!("{}g0 x1\nm2\n", "#1=1\n".repeat(n));
+    assert_eq!(problem(quiet(300)), None);
+    assert_eq!(problem(quiet(301)), Some(Problem::RunAway { limit: 300 }));
+    let open = |n: usize| {
+        let ifs: String = (0..n).map(|i| format!("o{i} if [1]\n")).collect();
+        format!("{ifs}m2\n")
+    };
+    assert_eq!(problem(open(100)), None);
+    assert_eq!(problem(open(101)), Some(Problem::LoopsTooDeep { limit: 100 }));
+}
+
+#[test]
+fn other_encodings_are_told_apart() {
+    let world = World::new();
+    let error = |text: &[u8]| outcome(text, &world).map(|e| e.to_string());
+    // Bytes of Latin-1 and UTF-8 in comments and messages.
+    assert_eq!(error(b"(f\xfcr \xd8 6)\ng0 x1 (msg, \xb5m)\n; \xe4\nm2\n"), None);
+    assert_eq!(error("(für Ø 6 µm)\ng0 x1\nm2\n".as_bytes()), None);
+    // A mark of UTF-8 or UTF-16 at the begin, and such a byte in a word.
+    let bad = |text: &[u8], place: &str| {
+        let error = error(text).unwrap();
+        assert!(error.starts_with(&format!("{place}: Bad character")), "{error}");
+    };
+    bad(b"\xef\xbb\xbfg0 x1\nm2\n", "fuzz.ngc:1:1");
+    bad(b"\xff\xfeg\x000\x00\n", "fuzz.ngc:1:1");
+    bad(b"g0 x1\ng0 \xd81\nm2\n", "fuzz.ngc:2:4");
+}
