@@ -70,12 +70,13 @@ impl Component for Anglejog {
             scale_in: b.item("scale-in", "Distance per count of the wheel, in units.", 0.0)?,
             max_vel: b.item(
                 "max-vel",
-                "Highest speed along the line, in units per second.",
+                "Highest speed along the line, in units per second; NaN counts as 0.",
                 0.0,
             )?,
             max_accel: b.item(
                 "max-accel",
-                "Highest acceleration along the line, in units per second squared.",
+                "Highest acceleration along the line, in units per second squared; NaN stops the \
+                point at once.",
                 0.0,
             )?,
             accel_fraction_in: b.item(

@@ -30,9 +30,9 @@ use hal_component::{Component, In, Out, Period, Update};
 pub(crate) struct SimpleTp {
     /// Target position, in units.
     target_pos: In<f64>,
-    /// Maximum speed, in units per second.
+    /// Maximum speed, in units per second; NaN counts as 0.
     maxvel: In<f64>,
-    /// Maximum acceleration, in units per second squared.
+    /// Maximum acceleration, in units per second squared; NaN stops the axis at once.
     maxaccel: In<f64>,
     /// TRUE moves to the target; FALSE slows the axis down to a stop.
     enable: In<bool>,
