@@ -60,8 +60,9 @@ impl Component for Watchdog {
         let (mut beats, mut times) = (Vec::new(), Vec::new());
         for i in 0..n {
             let input = b.item(&format!("watchdog.input-{i}"), "A bit that must change.", false)?;
-            let doc = "Longest time without a change, in seconds; a negative time counts as 0. A \
-                new value applies from the next change on.";
+            let doc = "Longest time without a change, in seconds. A negative time counts as 0, NaN as 2.1 s; a \
+                time of 292 years or more, also infinity, never ends. A new value applies from the next \
+                change on.";
             let timeout = b.item(&format!("watchdog.timeout-{i}"), doc, 0.0)?;
             let (gives, takes) = b.shared(Limit::default());
             beats.push(Beat { input, limit: takes, was: false, left: 0 });
@@ -141,19 +142,19 @@ struct Timeout {
     limit: Gives<Limit>,
 }
 
-/// Converts a timeout in seconds to nanoseconds, truncated. A timeout below 0 counts as 0; NaN, or a timeout of 2^31 s
-/// or more, becomes 2.1 s.
+/// Converts a timeout in seconds to nanoseconds, truncated. A timeout below 0 becomes 0, and NaN becomes 2.1 s, as in
+/// LinuxCNC. A timeout of 2^63 ns or more becomes the longest time.
 fn nanoseconds(timeout: f64) -> i64 {
+    if timeout.is_nan() {
+        return 1 << 31;
+    }
     if timeout < 0.0 {
         return 0;
     }
-    if timeout.is_nan() || 2_147_483_648.0 <= timeout {
-        return 1 << 31;
-    }
     let secs = timeout.trunc();
-    #[expect(clippy::cast_possible_truncation, reason = "it fits")]
+    #[expect(clippy::cast_possible_truncation, reason = "`as` saturates, and the fraction fits")]
     let (secs, rest) = (secs as i64, ((timeout - secs) * 1e9) as i64);
-    secs * 1_000_000_000 + rest
+    secs.saturating_mul(1_000_000_000).saturating_add(rest)
 }
 
 /// `watchdog.set-timeouts`.
@@ -190,12 +191,39 @@ impl Update for SetTimeouts {
 
 #[cfg(test)]
 mod tests {
-    use super::Watchdog;
+    use super::{Watchdog, nanoseconds};
     use hal_component::{bench::Bench, trace::replay};
 
     #[test]
     fn as_recorded() {
         assert_eq!(replay::<Watchdog>(include_str!("../traces/watchdog.txt")), 710);
+    }
+
+    #[test]
+    fn a_long_timeout_is_long() {
+        for (timeout, ns) in [
+            (-1.0, 0),
+            (f64::NEG_INFINITY, 0),
+            (f64::NAN, 2_147_483_648),
+            (0.0, 0),
+            (0.25, 250_000_000),
+            (2_147_483_647.5, 2_147_483_647_500_000_000),
+            (2_147_483_648.0, 2_147_483_648_000_000_000),
+            (9e9, 9_000_000_000_000_000_000),
+            (1e10, i64::MAX),
+            (f64::INFINITY, i64::MAX),
+        ] {
+            assert_eq!(nanoseconds(timeout), ns, "{timeout}");
+        }
+        let mut bench = Bench::new();
+        bench.load::<Watchdog>(&["num_inputs=1"]).unwrap();
+        bench.set("watchdog.timeout-0", 3e9);
+        bench.set("watchdog.enable-in", true);
+        bench.run("watchdog.set-timeouts", 1_000_000_000);
+        for _ in 0..10 {
+            bench.run("watchdog.process", 1_000_000_000);
+            assert!(bench.get::<bool>("watchdog.ok-out"), "ten of 3e9 seconds have passed");
+        }
     }
 
     #[test]
