@@ -4,10 +4,12 @@ use hal_component::{Component, In, Out, Period, Update};
 /// Laser power in proportion to speed, constant along a path or changing along each move.
 ///
 /// `power` is `command-power` times `vel-scale`, the ratio of actual to requested speed, so that the laser burns no
-/// deeper in corners, where the machine is slow. While enabled, `power` is limited to `min-power` and `max-power`; if
-/// `min-power` is the higher one, `max-power` wins. While not enabled, `power` is 0. In vector mode, `command-power` is
-/// `vector-power`. In raster mode, it changes linearly with distance, from its value when `raster-power` changed to
-/// `raster-power` at the end of the move. If the computed power is NaN, `min-power` is used.
+/// deeper in corners, where the machine is slow. While the machine moves, `power` is limited to `min-power` and
+/// `max-power`; if `min-power` is the higher one, `max-power` wins. While not enabled, and while the machine is at rest
+/// (`cur-velocity` is 0, below 0 or NaN), `power` is 0, also with a `min-power` above 0: a laser that stays in place, as
+/// at a feed hold, burns a hole. In vector mode, `command-power` is `vector-power`. In raster mode, it changes linearly
+/// with distance, from its value when `raster-power` changed to `raster-power` at the end of the move. If the computed
+/// power is NaN, `min-power` is used.
 ///
 /// Only LinuxCNC 2.10 has this component. Its pins are known here, but not its arithmetic: this computation is our own
 /// and may differ.
@@ -45,11 +47,11 @@ pub(crate) struct Laserpower {
     raster_power: In<f64>,
     /// Power in vector mode, in the laser's unit.
     vector_power: In<f64>,
-    /// Minimum power while enabled, in the laser's unit.
+    /// Minimum power while enabled and in motion, in the laser's unit.
     min_power: In<f64>,
     /// Maximum power, in the laser's unit; a value below 0 counts as 0.
     max_power: In<f64>,
-    /// Actual speed, in units per second; from `motion.current-vel`.
+    /// Actual speed, in units per second; from `motion.current-vel`. Unless it is above 0, `power` is 0.
     cur_velocity: In<f64>,
     /// Requested speed, in units per second; from `motion.requested-vel`. At 0, `vel-scale` is 0.
     req_velocity: In<f64>,
@@ -89,7 +91,9 @@ impl Update for Laserpower {
         if power > most {
             power = most;
         }
-        self.power.set(if self.enabled.get() { above_0(power) } else { 0.0 });
+        // NaN fails the comparison.
+        let burns = self.enabled.get() && self.cur_velocity.get() > 0.0;
+        self.power.set(if burns { above_0(power) } else { 0.0 });
     }
 }
 
@@ -148,12 +152,16 @@ mod tests {
             80 5 -1 0 100 | 0 0
             nan 20 20 0 100 | 1 0
             inf 20 20 0 100 | 1 100
-            80 nan 20 10 100 | 0 10
+            80 nan 20 10 100 | 0 0
+            80 0 20 10 100 | 0 0
+            80 -5 20 10 100 | 0 0
+            80 1e-9 20 10 100 | 5e-11 10
+            80 5 0 10 100 | 0 10
             80 20 20 nan 100 | 1 80
             80 20 20 0 nan | 1 0
             set l.enabled 0
             80 20 20 10 100 | 1 0";
-        assert_eq!(replay::<Laserpower>(rows), 16);
+        assert_eq!(replay::<Laserpower>(rows), 20);
     }
 
     #[test]
