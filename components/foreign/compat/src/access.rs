@@ -137,24 +137,23 @@ extern "C" fn rtapi_parport_release(port: *mut Parport) {
     }
 }
 
+mod claims;
+
 /// Access to real ports.
 pub(crate) mod hardware {
+    use super::claims::Claims;
     use core::ffi::c_int;
-    use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-    /// Ports that this process may access: base and count of each claim.
-    static CLAIMS: [AtomicU64; 32] = [const { AtomicU64::new(0) }; 32];
+    /// Ports that this process may access.
+    static CLAIMS: Claims = Claims::new();
 
     /// Realtime. Requests the permission for every claim, for this thread. If no claim covers `port`, requests it for
     /// `width` bytes there, because LinuxCNC lets its components use every port. Returns whether `port` may be used.
     pub(crate) fn permit_here(port: u16, width: u16) -> bool {
         let mut found = false;
-        for claim in &CLAIMS {
-            let claim = claim.load(Relaxed);
-            let (base, count) = (claim >> 32, claim & 0xFFFF_FFFF);
-            if count > 0 && (base..base + count).contains(&u64::from(port)) {
-                found |= ask(base, count, true) == 0;
-            }
+        for ports in CLAIMS.ranges() {
+            let done = ask(u64::from(ports.start), u64::from(ports.end - ports.start), true) == 0;
+            found |= done && ports.contains(&u32::from(port));
         }
         found || ask(u64::from(port), u64::from(width), true) == 0
     }
@@ -172,14 +171,9 @@ pub(crate) mod hardware {
 
     /// Requests or drops the permission for real ports. Returns the error code.
     pub(crate) fn permit(base: u16, count: u16, on: bool) -> c_int {
-        let (base, count) = (u64::from(base), u64::from(count));
-        let code = ask(base, count, on);
+        let code = ask(u64::from(base), u64::from(count), on);
         if code == 0 && on {
-            let claim = base << 32 | count;
-            let free = CLAIMS.iter().find(|c| [0, claim].contains(&c.load(Relaxed)));
-            if let Some(free) = free {
-                free.store(claim, Relaxed);
-            }
+            CLAIMS.add(base, count);
         }
         code
     }

@@ -14,17 +14,15 @@ use std::sync::atomic::{
     Ordering::{Acquire, Relaxed, Release},
 };
 
-/// Maximum number of port blocks that a component claims, and of double words of configuration.
-const MAX: usize = 64;
 /// Ports of the PCI configuration's address and value.
 const CONFIG_ADDRESS: u16 = 0xCF8;
 const CONFIG_VALUE: u16 = 0xCFC;
 
 /// Claimed ports of one component.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Registers {
-    blocks: [AtomicPtr<Block>; MAX],
-    config: [AtomicPtr<Word>; MAX],
+    blocks: Kept<Block>,
+    config: Kept<Word>,
     /// Address of the next access to the configuration.
     chosen: AtomicU32,
     reads: Count,
@@ -63,14 +61,55 @@ struct Word {
     pin: *const Slot,
 }
 
-impl Default for Registers {
+/// List that only grows, so that it can be read while something is added.
+#[derive(Debug)]
+struct Kept<T>(AtomicPtr<Node<T>>);
+
+#[derive(Debug)]
+struct Node<T> {
+    thing: T,
+    /// Fixed once the node is in the list.
+    next: AtomicPtr<Self>,
+}
+
+impl<T> Default for Kept<T> {
     fn default() -> Self {
-        Self {
-            blocks: [const { AtomicPtr::new(ptr::null_mut()) }; MAX],
-            config: [const { AtomicPtr::new(ptr::null_mut()) }; MAX],
-            chosen: AtomicU32::new(0),
-            reads: Count::default(),
-            writes: Count::default(),
+        Self(AtomicPtr::new(ptr::null_mut()))
+    }
+}
+
+impl<T> Kept<T> {
+    /// Adds an item at the front.
+    fn keep(&self, thing: T) {
+        let mut node = Box::new(Node { thing, next: AtomicPtr::new(self.0.load(Relaxed)) });
+        loop {
+            let next = *node.next.get_mut();
+            let new = Box::into_raw(node);
+            // Pairs with `each`.
+            let Err(other) = self.0.compare_exchange(next, new, Release, Relaxed) else { return };
+            // SAFETY: made above, and not published.
+            node = unsafe { Box::from_raw(new) };
+            *node.next.get_mut() = other;
+        }
+    }
+
+    /// Iterates over the items, the latest first.
+    fn each(&self) -> impl Iterator<Item = &T> {
+        // Pairs with `keep`. SAFETY: made by `Box::into_raw`, freed with the list.
+        let first = unsafe { self.0.load(Acquire).as_ref() };
+        // SAFETY: as above.
+        let next = |node: &&Node<T>| unsafe { node.next.load(Relaxed).as_ref() };
+        let all = core::iter::successors(first, next);
+        all.map(|node| &node.thing)
+    }
+}
+
+impl<T> Drop for Kept<T> {
+    fn drop(&mut self) {
+        let mut next = *self.0.get_mut();
+        while !next.is_null() {
+            // SAFETY: made by `Box::into_raw` in `keep`, freed once.
+            next = unsafe { Box::from_raw(next) }.next.into_inner();
         }
     }
 }
@@ -89,44 +128,6 @@ impl Count {
         let slot = self.0.load(Acquire).cast_const(); // Pairs with `show`.
         store(slot, load(slot).wrapping_add(1) & u64::from(u32::MAX));
     }
-}
-
-impl Drop for Registers {
-    fn drop(&mut self) {
-        for block in &mut self.blocks {
-            let block = *block.get_mut();
-            if !block.is_null() {
-                // SAFETY: made by `Box::into_raw` in `keep`, freed once.
-                drop(unsafe { Box::from_raw(block) });
-            }
-        }
-        for word in &mut self.config {
-            let word = *word.get_mut();
-            if !word.is_null() {
-                // SAFETY: as above.
-                drop(unsafe { Box::from_raw(word) });
-            }
-        }
-    }
-}
-
-/// Returns the kept items, in order.
-fn each<T>(places: &[AtomicPtr<T>]) -> impl Iterator<Item = &T> {
-    // Pairs with `keep`. SAFETY: made by `Box::into_raw`, freed with the component.
-    places.iter().map_while(|p| unsafe { p.load(Acquire).as_ref() })
-}
-
-/// Stores an item in the first free slot.
-fn keep<T>(places: &[AtomicPtr<T>], thing: T) {
-    let new = Box::into_raw(Box::new(thing));
-    for place in places {
-        // Pairs with `each`.
-        if place.compare_exchange(ptr::null_mut(), new, Release, Relaxed).is_ok() {
-            return;
-        }
-    }
-    // SAFETY: made just now.
-    drop(unsafe { Box::from_raw(new) });
 }
 
 impl Registers {
@@ -174,12 +175,12 @@ impl Registers {
         let count = u16::try_from(bytes.len()).unwrap_or(0);
         if count > 0 {
             let bytes = core::mem::take(bytes);
-            keep(&self.blocks, Block { base: end.saturating_sub(count), bytes });
+            self.blocks.keep(Block { base: end.saturating_sub(count), bytes });
         }
     }
 
     fn byte(&self, port: u16) -> Option<&Byte> {
-        each(&self.blocks).find_map(|b| b.bytes.get(usize::from(port.checked_sub(b.base)?)))
+        self.blocks.each().find_map(|b| b.bytes.get(usize::from(port.checked_sub(b.base)?)))
     }
 
     /// Realtime. Reads a port of `width` bytes; returns all ones where no port is claimed.
@@ -227,14 +228,14 @@ impl Registers {
     }
 
     fn word_at(&self, register: u8) -> Option<&Word> {
-        let find = || each(&self.config).find(|w| w.register == register);
+        let find = || self.config.each().find(|w| w.register == register);
         if find().is_none() {
             let l = loading()?;
             self.count(l);
             let name = format!("sim.config-{register:02x}");
             let about = "Double word of the PCI configuration";
             let pin = item(l, &name, about, ty::U32, dir::IO);
-            keep(&self.config, Word { register, pin });
+            self.config.keep(Word { register, pin });
         }
         find()
     }
@@ -338,7 +339,7 @@ fn item(l: &Loading, name: &str, about: &str, ty: u8, dir: u8) -> *const Slot {
 
 #[cfg(test)]
 mod tests {
-    use super::{Block, Byte, Pins, Registers, keep};
+    use super::{Block, Byte, Pins, Registers};
     use std::sync::atomic::AtomicU8;
 
     fn bare() -> Byte {
@@ -349,7 +350,7 @@ mod tests {
     #[test]
     fn wide_accesses_reach_every_byte() {
         let r = Registers::default();
-        keep(&r.blocks, Block { base: 0x10, bytes: vec![bare(), bare(), bare()] });
+        r.blocks.keep(Block { base: 0x10, bytes: vec![bare(), bare(), bare()] });
         r.write(0x11, 4, 0xAABB_CCDD);
         assert_eq!(r.read(0x10, 1), 0);
         assert_eq!(r.read(0x10, 4), 0xFFCC_DD00);
@@ -357,5 +358,19 @@ mod tests {
         assert_eq!(r.read(0x20, 1), 0xFF);
         r.write(0xCF8, 4, 0x8000_8888);
         assert_eq!((r.read(0xCF8, 4), r.read(0xCFC, 4)), (0x8000_8888, 0));
+    }
+
+    #[test]
+    fn every_claim_is_kept() {
+        let r = Registers::default();
+        for base in (0x1000..0x2000).step_by(4) {
+            r.blocks.keep(Block { base, bytes: vec![bare(), bare()] });
+        }
+        for (base, value) in (0x1000..0x2000).step_by(4).zip(0_u32..) {
+            r.write(base, 2, value);
+        }
+        for (base, value) in (0x1000..0x2000).step_by(4).zip(0_u32..) {
+            assert_eq!(r.read(base, 4), 0xFFFF_0000 | value, "{base:#x}");
+        }
     }
 }
