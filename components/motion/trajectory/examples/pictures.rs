@@ -68,6 +68,24 @@ fn run(program: &Program, jerk: f64) -> Result<Vec<Pose>, Error> {
     Ok(out)
 }
 
+/// The programmed path, with points along its arcs.
+fn programmed(program: &Program) -> Vec<[f64; 2]> {
+    let mut out = Vec::new();
+    for (start, step) in program.poses().iter().zip(&program.steps) {
+        out.push([start[0], start[1]]);
+        if let Motion::Arc { center, normal, angle, .. } = step.motion {
+            for k in 1..64 {
+                let turn = angle * f64::from(k) / 64.0;
+                let part = Motion::Arc { center, normal, angle: turn, rise: 0.0, others: [0.0; 6] };
+                let at = part.end(start);
+                out.push([at[0], at[1]]);
+            }
+        }
+    }
+    out.extend(program.poses().last().map(|p| [p[0], p[1]]));
+    out
+}
+
 /// The path on the left, derivatives of X and Y on the right.
 fn picture(program: &Program, poses: &[Pose], share: f64, jerk: f64) -> String {
     let mut out = String::from(
@@ -84,12 +102,12 @@ fn picture(program: &Program, poses: &[Pose], share: f64, jerk: f64) -> String {
     let place =
         |x: f64, y: f64| format!("{:.2},{:.2} ", 20.0 + (x - x0) * scale, 390.0 - (y - y0) * scale);
     if program.steps.len() < 100 {
-        let sharp: String = program.poses().iter().map(|p| place(p[0], p[1])).collect();
+        let sharp: String = programmed(program).iter().map(|p| place(p[0], p[1])).collect();
         let _ =
             write!(out, "<polyline points='{sharp}' fill='none' stroke='#bbb' stroke-width='1'/>");
     }
     let way: String =
-        corners.iter().step_by(1 + corners.len() / 3000).map(|c| place(c[0], c[1])).collect();
+        corners.iter().step_by(1 + corners.len() / 1200).map(|c| place(c[0], c[1])).collect();
     let _ = write!(out, "<polyline points='{way}' fill='none' stroke='#06c' stroke-width='1.2'/>");
     let shown = ((poses.len() as f64 * share) as usize).max(8);
     let h = 1e-3;

@@ -10,12 +10,15 @@
 
 mod judge;
 
-use hal_corpus::{Kind, Mode, Options, Program, random};
+use hal_corpus::{Kind, Mode, Motion, Options, Program, Step, random};
 use hal_trajectory::{Limits, Machine, Planner, Pose, Trivial};
 use judge::{PLAIN, convert, run};
 
 const V: f64 = 200.0;
 const A: f64 = 1750.0;
+
+/// Largest times of small arcs, in one sense and in both, without and with a limit of jerk.
+const MOST: [[f64; 2]; 2] = [[1.02, 1.27], [1.02, 1.55]];
 
 fn machine(jerk: f64) -> Machine {
     Machine::uniform(Limits { velocity: V, acceleration: A, jerk })
@@ -145,6 +148,38 @@ fn times_are_near_the_bounds() {
     assert!(means[0] <= 1.03 && means[1] <= 1.08 && means[2] <= 1.40, "{means:?}");
 }
 
+/// Arcs of radius 4 at 1750 mm/s²: time over the length of the arcs at the speed whose centripetal acceleration is the limit.
+#[test]
+fn small_arcs_are_near_the_centripetal_bound() {
+    let least = 40.0 * 2.5 * 4.0 / (A * 4.0).sqrt();
+    for (name, flip, most) in [("one sense", 1.0, MOST[0]), ("both senses", -1.0, MOST[1])] {
+        for p in [0.1, 0.01, 0.0] {
+            let (mut steps, mut heading, mut turn) = (Vec::new(), 0.0, 2.5);
+            for _ in 0..40 {
+                let (sin, cos) = libm::sincos(heading);
+                let r = 4.0_f64.copysign(turn);
+                steps.push(Step {
+                    motion: Motion::Arc {
+                        center: [-r * sin, r * cos, 0.0],
+                        normal: [0.0, 0.0, 1.0],
+                        angle: turn,
+                        rise: 0.0,
+                        others: [0.0; 6],
+                    },
+                    mode: Mode::Blend(p),
+                    feed: 150.0,
+                });
+                heading += turn;
+                turn *= flip;
+            }
+            let program = Program { name: "tangent arcs", seed: 0, start: [0.0; 9], steps };
+            let [t, j] = [f64::INFINITY, 1e5].map(|jerk| taken(&program, &machine(jerk)) / least);
+            println!("arcs of radius 4 in {name}, P {p}: {t:.4}, at a jerk of 1e5 {j:.4}");
+            assert!(t <= most[0] && j <= most[1], "{t} {j}");
+        }
+    }
+}
+
 /// A circle of radius 10 in lines of 0.1, with and without noise of 1 um, at a tolerance of 0.01.
 #[test]
 fn dense_code_is_joined() {
@@ -153,7 +188,7 @@ fn dense_code_is_joined() {
     let mut rng = hal_corpus::Rng::new(5);
     let mut last = [0.0; 2];
     for step in &mut noisy.steps {
-        if let hal_corpus::Motion::Line { by } = &mut step.motion {
+        if let Motion::Line { by } = &mut step.motion {
             let next = [rng.between(-1e-3, 1e-3), rng.between(-1e-3, 1e-3)];
             by[0] += next[0] - last[0];
             by[1] += next[1] - last[1];
