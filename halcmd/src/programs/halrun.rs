@@ -1,6 +1,7 @@
 //! The program halrun: it runs an engine in its process and executes the script of a machine.
 
 mod detach;
+mod log;
 pub(crate) mod machine;
 pub(crate) mod plan;
 mod realtime;
@@ -152,7 +153,7 @@ pub(crate) fn instance_options(plan: &Plan, files: &Files) -> Options {
 }
 
 fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
-    serve::listen();
+    log::listen(plan.selection.clone());
     if plan.detach == Detach::Child {
         detach::leave_terminal();
     }

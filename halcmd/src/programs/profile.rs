@@ -101,6 +101,12 @@ const KEYS: &[Key] = &[
         variable: "HAL_STUCK_TIME",
         help: "stop the machine when a function does not return for this long, such as `\"5ms\"`",
     },
+    Key {
+        name: "log",
+        form: Form::Text,
+        variable: "HAL_LOG",
+        help: "messages that are shown, such as `\"component=stepgen thread=servo\"`",
+    },
 ];
 
 /// Content of a profile.

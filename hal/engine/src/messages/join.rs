@@ -31,6 +31,8 @@ pub(crate) enum Said {
 /// A line for the log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Line {
+    /// Name of the component.
+    pub(crate) component: String,
     pub(crate) level: u8,
     pub(crate) text: String,
 }
@@ -98,7 +100,11 @@ impl Joiner {
             self.due = self.due.min(site.add(said));
             return;
         }
-        lines.push(Line { level, text: worded(&speaker.name, &key.1, &said) });
+        lines.push(Line {
+            component: speaker.name.clone(),
+            level,
+            text: worded(&speaker.name, &key.1, &said),
+        });
         let site = Site { last: at, count: 0, latest: said, named: Some(Vec::new()) };
         speaker.sites.insert(key, site);
     }
@@ -191,7 +197,7 @@ impl Site {
         self.last = self.last.saturating_add(SECOND_NS);
         self.count = 0;
         self.named = Some(Vec::new());
-        Line { level, text: line }
+        Line { component: speaker.to_owned(), level, text: line }
     }
 
     /// Formats the other numbers of the joined messages, if they are few.
@@ -319,7 +325,14 @@ mod tests {
         }
         let mut lines = Vec::new();
         joiner.end(Some(1), &mut lines);
-        assert_eq!(lines, [Line { level: 1, text: "two: late (the last of 2 more)".into() }]);
+        assert_eq!(
+            lines,
+            [Line {
+                component: "two".into(),
+                level: 1,
+                text: "two: late (the last of 2 more)".into()
+            }]
+        );
         assert_eq!(end(&mut joiner), ["one: late (the last of 2 more)"]);
         assert!(end(&mut joiner).is_empty());
     }

@@ -135,12 +135,12 @@ impl Log {
 
     fn log(&mut self, lines: Vec<Line>) {
         for line in lines {
-            let text = line.text;
+            let (text, component) = (line.text, line.component.as_str());
             match line.level {
-                level::ERR => tracing::error!("{text}"),
-                level::WARN => tracing::warn!("{text}"),
-                0 | level::INFO => tracing::info!("{text}"),
-                _ => tracing::debug!("{text}"),
+                level::ERR => tracing::error!(component, "{text}"),
+                level::WARN => tracing::warn!(component, "{text}"),
+                0 | level::INFO => tracing::info!(component, "{text}"),
+                _ => tracing::debug!(component, "{text}"),
             }
             self.keep(text);
         }

@@ -82,7 +82,7 @@ fn look(shared: &Shared, seen: &mut Vec<Seen>) {
         };
         if !t.gate.is_inside() || last.cycles != cycles || last.funct != funct {
             if last.looks >= LOOKS {
-                tracing::warn!("thread '{}' has come back", t.name);
+                tracing::warn!(thread = t.name.as_str(), "thread '{}' has come back", t.name);
             }
             *last = now;
             continue;
@@ -98,6 +98,9 @@ fn look(shared: &Shared, seen: &mut Vec<Seen>) {
     };
     if first && let Some(info) = named(thread) {
         tracing::error!(
+            component = info.component.as_str(),
+            thread = info.thread.as_str(),
+            funct = info.funct.as_str(),
             "function '{}' of component '{}' does not come back: thread '{}' is stuck in it",
             info.funct,
             info.component,

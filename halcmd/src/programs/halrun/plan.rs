@@ -1,6 +1,6 @@
 //! Command line, environment and profile of halrun.
 
-use super::realtime;
+use super::{log::Selection, realtime};
 use crate::{
     Error, Style,
     language::flight,
@@ -55,6 +55,8 @@ pub(crate) struct Plan {
     pub(crate) options: Options,
     pub(crate) style: Style,
     pub(super) level: Option<u8>,
+    /// Messages that are shown.
+    pub(super) selection: Selection,
     pub(crate) script: Script,
     pub(super) ini: Option<String>,
     pub(super) batch: bool,
@@ -85,6 +87,7 @@ enum Id {
     Cpu,
     DmaLatency,
     StuckTime,
+    Log,
     Instance,
     Profile,
     Help,
@@ -130,6 +133,13 @@ const OPTIONS: &[Opt<Id>] = &[
         Some("TIME"),
         Some("HAL_STUCK_TIME"),
         "stop the machine when a function does not come back within TIME",
+    ),
+    with(
+        "log",
+        Id::Log,
+        Some("'WORDS'"),
+        Some("HAL_LOG"),
+        "show messages of component=NAME or thread=NAME alone; more names add up",
     ),
     instance_option(Id::Instance),
     with(
@@ -244,6 +254,7 @@ pub(crate) fn plan(
         },
         style,
         level,
+        selection: Selection::parse(&value(Id::Log).unwrap_or_default())?,
         script,
         ini: value(Id::Common(Common::Ini)),
         batch: has(Id::Common(Common::File)),

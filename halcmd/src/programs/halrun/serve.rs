@@ -1,26 +1,9 @@
 //! Operation of the engine while a script runs and afterwards.
 
 use super::plan::{Plan, Script};
-use crate::{session::INTERRUPTED, session::prompt::Aside};
+use crate::session::INTERRUPTED;
 use hal_engine::{Ended, Engine};
 use hal_protocol::{Failure, Link, Reply, Request};
-use tracing::level_filters::LevelFilter;
-
-/// Prints messages of components and of the engine on standard error as they come. The engine
-/// selects which messages of components those are (`debug LEVEL`).
-pub(super) fn listen() {
-    let plain = tracing_subscriber::fmt()
-        .with_writer(Aside::default)
-        .with_max_level(LevelFilter::DEBUG)
-        .with_ansi(false)
-        .with_level(false)
-        .with_target(false)
-        .without_time()
-        // A failed write to standard error would be reported there as well, and end the machine.
-        .log_internal_errors(false);
-    // A program that uses this crate as a library may have installed another subscriber.
-    drop(plain.try_init());
-}
 
 /// Link to an engine in this process. Once the engine is ending, it executes no more requests.
 pub(super) struct Local<'a> {
