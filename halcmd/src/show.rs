@@ -3,6 +3,7 @@
 pub(crate) mod flight;
 pub mod list;
 pub(crate) mod meter;
+pub(crate) mod published;
 pub mod save;
 pub(crate) mod status;
 pub(crate) mod watch;
@@ -35,6 +36,8 @@ pub fn section(reply: &Reply, title: &str, script: bool) -> String {
         Reply::Threads(list) => threads(&mut text, list, script),
         Reply::Commands(list) => commands(&mut text, list, script),
         Reply::Streams(list) => streams(&mut text, list, script),
+        Reply::Workers(list) => published::workers(&mut text, list, script),
+        Reply::Snapshots(list) => published::snapshots(&mut text, list, script),
         _ => {}
     }
     text.push('\n');

@@ -191,6 +191,8 @@ pub fn seen(link: &mut impl Link) -> Vec<String> {
         Kind::ParamAliases,
         Kind::Commands,
         Kind::Streams,
+        Kind::Workers,
+        Kind::Snapshots,
     ] {
         all.push(format!(
             "{:?}",

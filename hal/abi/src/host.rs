@@ -1,8 +1,8 @@
 //! Functions that the engine offers to `create` and to code that runs later.
 
 use crate::{
-    ActionSpec, CommandSpec, FunctSpec, ItemSpec, Record, Ring, ServiceSpec, Slot, Status, Str,
-    StreamSpec, TaskSpec, ThreadSpec, Ticket, Use,
+    ActionSpec, CommandSpec, FunctSpec, ItemSpec, Record, Ring, ServiceSpec, Slot, SnapshotRef,
+    SnapshotSpec, Status, Str, StreamSpec, TaskSpec, ThreadSpec, Ticket, Use, WorkerSpec,
 };
 use core::{ffi::c_void, mem::offset_of};
 
@@ -186,6 +186,11 @@ pub struct Host {
     pub bind: Option<
         unsafe extern "C" fn(*mut c_void, name: Str, version: u32, *mut ServiceRef) -> Status,
     >,
+    /// Since minor 5: declares a worker.
+    pub worker: Option<unsafe extern "C" fn(*mut c_void, *const WorkerSpec) -> Status>,
+    /// Since minor 5: creates the page of a snapshot.
+    pub snapshot:
+        Option<unsafe extern "C" fn(*mut c_void, *const SnapshotSpec, *mut SnapshotRef) -> Status>,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
 unsafe impl Record for Host {

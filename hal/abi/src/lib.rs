@@ -18,6 +18,7 @@ mod cell;
 mod foreign;
 mod host;
 pub mod names;
+mod page;
 mod plain;
 mod port;
 mod record;
@@ -27,11 +28,13 @@ mod service;
 mod spec;
 mod sync;
 mod ticket;
+mod worker;
 
 pub use cell::{Cell, Slot};
 pub use foreign::{ForeignFile, ForeignLoader, Load, edit};
 pub use host::{ArgValue, CallHost, Host, ServiceRef, StreamRef, host_flags};
-pub use plain::FieldSpec;
+pub use page::{MAX_PAGE_WORDS, PAGE_MAGIC, Page, PageReader, PageWriter};
+pub use plain::{FieldSpec, SnapshotRef, SnapshotSpec};
 pub use port::PortQueue;
 pub use record::{List, Record, Status, Str};
 pub use ring::{Consumer, Got, MAX_WIDTH, Producer, RING_MAGIC, Ring};
@@ -42,13 +45,14 @@ pub use spec::{
     item_flags, panic_strategy, stream_direction,
 };
 pub use ticket::{TICKET_NUMBERS, Ticket, TicketState};
+pub use worker::{Work, WorkerSpec};
 
 /// Major version, which changes when an existing field or rule changes. Engine and library must
 /// have the same one.
 pub const ABI_MAJOR: u32 = 1;
 /// Minor version, which increases when something is appended. The engine must be at least as new as
 /// the library.
-pub const ABI_MINOR: u32 = 4;
+pub const ABI_MINOR: u32 = 5;
 /// Maximum length of the name of a pin, parameter, signal, function, thread or component, in bytes.
 pub const NAME_LEN: usize = 55;
 

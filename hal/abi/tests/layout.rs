@@ -16,8 +16,8 @@ fn table() -> Result<String, std::fmt::Error> {
     use hal_abi::{
         ActionSpec, ArgSpec, ArgValue, CallHost, Cell, CommandSpec, ComponentType, FieldSpec,
         ForeignFile, ForeignLoader, FunctSpec, Host, Interlock, ItemSpec, Kinematics, Library,
-        List, PortQueue, Ring, ServiceRef, ServiceSpec, Slot, Status, Str, StreamRef, StreamSpec,
-        TaskSpec, ThreadSpec, Ticket, Use,
+        List, Page, PortQueue, Ring, ServiceRef, ServiceSpec, Slot, SnapshotRef, SnapshotSpec,
+        Status, Str, StreamRef, StreamSpec, TaskSpec, ThreadSpec, Ticket, Use, WorkerSpec,
     };
     let mut out = String::new();
     layout! { out,
@@ -48,7 +48,11 @@ fn table() -> Result<String, std::fmt::Error> {
         StreamRef { ring depth width }
         ServiceRef { table uses n_uses }
         CallHost { size flags ctx message now fail arg reply ticket awaited }
-        Host { size abi_minor flags index personality prefix ctx calls fail arg item funct thread task command open stop stream offer find bind }
+        Host { size abi_minor flags index personality prefix ctx calls fail arg item funct thread task command open stop stream offer find bind worker snapshot }
+        WorkerSpec { size flags name doc period_ns run state free uses n_uses items }
+        SnapshotSpec { size version name doc fields }
+        SnapshotRef { page words }
+        Page { magic version words sequence }
         FieldSpec { size count name doc ty }
         Ring { magic depth width types lost }
     }

@@ -65,7 +65,7 @@ impl<'h> Builder<'h> {
         Clock(self.calls())
     }
 
-    fn calls(&self) -> &'static abi::CallHost {
+    pub(crate) fn calls(&self) -> &'static abi::CallHost {
         // SAFETY: the engine keeps the record until the component is unloaded.
         unsafe { &*self.host.calls }
     }

@@ -15,7 +15,7 @@ fn words(n: usize) -> Box<[AtomicU64]> {
     (0..n).map(|_| AtomicU64::new(0)).collect()
 }
 
-fn fill<T: Plain>(words: &[AtomicU64], value: &T) {
+pub(crate) fn fill<T: Plain>(words: &[AtomicU64], value: &T) {
     let mut words = words.iter();
     value.store(&mut |bits| {
         if let Some(word) = words.next() {

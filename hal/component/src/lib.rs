@@ -49,10 +49,12 @@ mod port;
 mod ring;
 mod share;
 mod shim;
+mod snapshot;
 mod solved;
 mod stream;
 mod sync;
 pub mod trace;
+mod worker;
 
 pub use args::Arg;
 pub use builder::Builder;
@@ -78,8 +80,10 @@ pub use port::Port;
 pub use share::{Gives, Receiver, Sender, Takes, Touch, Uses};
 #[doc(hidden)]
 pub use shim::create;
+pub use snapshot::Snapshot;
 pub use solved::{Solution, Solved, Unsolved, Ways};
 pub use stream::{StreamIn, StreamOut};
+pub use worker::Work;
 
 /// Nominal period of a thread.
 #[derive(Clone, Copy, Debug, PartialEq)]

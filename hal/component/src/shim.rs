@@ -1,7 +1,7 @@
 //! C side of functions, commands and `create`: the single place for panics and ownership.
 
 use crate::{
-    Builder, Call, Component, Error, Period, Update,
+    Builder, Call, Component, Error, Period, Update, Work,
     abi::{CallHost, Host, Status, Str, host_flags},
 };
 use core::ffi::c_void;
@@ -102,6 +102,20 @@ pub(crate) unsafe extern "C" fn run<F: Update>(state: *mut c_void, period_ns: i6
     let running = unsafe { &mut *state.cast::<Running<F>>() };
     match guarded(|| running.f.update(Period::from_ns(period_ns))) {
         Ok(()) => Status::OK,
+        Err(text) => {
+            say(running.calls, &text);
+            Status::EFAULT
+        }
+    }
+}
+
+/// # Safety
+/// `state` must be a live `Running<F>` that nothing else accesses during the call.
+pub(crate) unsafe extern "C" fn work<F: Work>(state: *mut c_void, items: u32) -> Status {
+    // SAFETY: the engine runs a worker in one thread at a time and only before `free`.
+    let running = unsafe { &mut *state.cast::<Running<F>>() };
+    match guarded(|| running.f.work(items)) {
+        Ok(done) => Status(i32::try_from(done).unwrap_or(i32::MAX)),
         Err(text) => {
             say(running.calls, &text);
             Status::EFAULT

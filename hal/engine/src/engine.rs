@@ -2,8 +2,9 @@
 
 use crate::{
     ClockKind, Error, Options, ends, graph::Ix, graph::model::Model, messages::log::Log,
-    observe::observers::Observers, realtime::resources::Realtime, realtime::runners::Scheduling,
-    realtime::runtime::Runtime, serve::clients::Clients, serve::server::Server,
+    observe::observers::Observers, observe::snapshot::Snapshots, realtime::resources::Realtime,
+    realtime::runners::Scheduling, realtime::runtime::Runtime, realtime::worker::Workers,
+    serve::clients::Clients, serve::server::Server,
 };
 use hal_protocol::{Failure, Offer, Patterns, TicketInfo};
 
@@ -30,6 +31,8 @@ pub struct Engine {
     pub(crate) observers: Observers,
     pub(crate) log: Log,
     pub(crate) runtime: Runtime,
+    pub(crate) workers: Workers,
+    pub(crate) snapshots: Snapshots,
     /// In a trial: the program's component that is being created.
     pub(crate) tried: Option<Ix>,
     /// The last field: everything else points into its values.
@@ -63,6 +66,8 @@ impl Engine {
             clients: Clients::new(),
             observers: Observers::default(),
             log: Log::default(),
+            workers: Workers::default(),
+            snapshots: Snapshots::default(),
             tried: None,
             options,
         })

@@ -190,11 +190,18 @@ pub enum Error {
         thread: Box<str>,
         funct: Box<str>,
     },
+    WorkerStuck {
+        worker: Box<str>,
+        component: Box<str>,
+    },
     TooManyStores {
         stores: usize,
     },
     Faulted {
         funct: Box<str>,
+    },
+    WorkerFailed {
+        worker: Box<str>,
     },
     OutOfMemory,
     CommandFailed {
@@ -207,6 +214,7 @@ pub enum Error {
     NotVirtual,
     NotStarted,
     NotAMember,
+    NoSocket,
     StreamTaken {
         name: Box<str>,
     },
@@ -341,12 +349,18 @@ impl core::fmt::Display for Error {
             Self::Stuck { thread, funct } => {
                 write!(f, "thread '{thread}' is stuck in its cycle, in function '{funct}'")
             }
+            Self::WorkerStuck { worker, component } => {
+                write!(f, "worker '{worker}' of component '{component}' does not return")
+            }
             Self::TooManyStores { stores } => write!(
                 f,
                 "this change takes {stores} stores at once; at most 256 are made while threads run"
             ),
             Self::Faulted { funct } => {
                 write!(f, "function '{funct}' has failed: threads stay stopped")
+            }
+            Self::WorkerFailed { worker } => {
+                write!(f, "worker '{worker}' has failed: threads stay stopped")
             }
             Self::OutOfMemory => f.write_str("insufficient memory"),
             Self::CommandFailed { why, .. } | Self::Protocol { why } => f.write_str(why),
@@ -355,6 +369,7 @@ impl core::fmt::Display for Error {
             Self::NotStarted => {
                 f.write_str("the threads are not running, so the command cannot execute")
             }
+            Self::NoSocket => f.write_str("pages go to programs: ask for them on the socket"),
             Self::NotAMember => f.write_str("this client has not joined as a component"),
             Self::StreamTaken { name } => {
                 write!(f, "stream '{name}' is in use by another program")

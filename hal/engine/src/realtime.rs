@@ -2,7 +2,8 @@
 //!
 //! `thread.rs` is one cycle, `clock.rs` the two clocks, `runners.rs` the threads of the system, `shared.rs` the state that the
 //! control thread and the realtime threads share. `fault.rs`, `stuck.rs`, `watchdog.rs` and `overruns.rs` deal with functions that fail,
-//! hang or are late, `resources.rs` with what the system grants (scheduling, processor, memory), `task.rs` with background tasks.
+//! hang or are late, `resources.rs` with what the system grants (scheduling, processor, memory), `task.rs` with background tasks,
+//! `worker.rs` with workers.
 
 pub(crate) mod account;
 pub(crate) mod clock;
@@ -16,3 +17,4 @@ pub(crate) mod stuck;
 pub(crate) mod task;
 pub(crate) mod thread;
 pub(crate) mod watchdog;
+pub(crate) mod worker;

@@ -2,7 +2,7 @@
 
 use crate::{
     At, Failure, Folder, FolderError, LATEST, Link, MAX_LEN, Place, Reply, Request, SampleSpec,
-    SampleState, Samples, Stream, WireReply, WireRequest,
+    SampleState, Samples, Snapshot, Stream, WireReply, WireRequest,
 };
 use rustix::{
     event::{PollFd, PollFlags, poll},
@@ -110,6 +110,20 @@ impl Client {
                 Stream::map(&fd, info).map_err(|e| Failure::new(EIO, e))
             }
             _ => Err(Failure::new(EIO, format!("the engine sent no ring for '{name}'"))),
+        }
+    }
+
+    /// Maps a snapshot, whose latest record this client then reads without further requests.
+    ///
+    /// # Errors
+    /// No snapshot has this name, or the engine did not send a valid page.
+    pub fn snapshot(&mut self, name: &str) -> Result<Snapshot, Failure> {
+        let reply = self.call(Request::MapSnapshot { name: name.to_owned() })?;
+        match (reply, self.received.take()) {
+            (Reply::SnapshotPage(info), Some(fd)) => {
+                Snapshot::map(&fd, *info).map_err(|e| Failure::new(EIO, e))
+            }
+            _ => Err(Failure::new(EIO, format!("no page came for '{name}'"))),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Records that `show`, `list`, `save` and `status` print.
 
-use crate::{Direction, Lock, Type, Value};
+use crate::{Direction, Lock, Type, Value, WorkerInfo};
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
@@ -244,9 +244,9 @@ pub struct Usage {
 pub struct FaultInfo {
     /// Component at fault.
     pub component: String,
-    /// Function at fault.
+    /// Function or worker at fault.
     pub funct: String,
-    /// Thread that ran it.
+    /// Thread that ran it. Empty for a worker, which has its own.
     pub thread: String,
     /// Cause, as a text.
     pub cause: String,
@@ -314,6 +314,9 @@ pub struct StatusInfo {
     /// Loaded components that are not plugins.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub foreign: Vec<ForeignPart>,
+    /// Workers of the loaded components.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub workers: Vec<WorkerInfo>,
     /// Recording in progress: the file, and the number of records lost because the queue was full.
     pub recording: Option<(String, u64)>,
     /// The recording that has stopped because it could not be written, until `record` is given again.

@@ -62,6 +62,10 @@ pub enum Kind {
     Commands,
     /// Shared rings, by name.
     Streams,
+    /// Workers, in order of loading.
+    Workers,
+    /// Snapshots, by name.
+    Snapshots,
     /// Component types that could be loaded, by name.
     Offers,
 }

@@ -21,9 +21,11 @@ mod place;
 mod reply;
 mod sample;
 mod samples;
+mod snapshot;
 mod stream;
 mod value;
 mod wire;
+mod worker;
 
 pub use at::At;
 pub use client::{Client, INTERRUPTED, NOT_RUNNING};
@@ -48,9 +50,11 @@ pub use place::{Place, valid_instance};
 pub use reply::{Answer, Reply};
 pub use sample::{ChannelInfo, MAX_CHANNELS, SampleInfo, SampleSpec, SampleState};
 pub use samples::{Samples, Stamp};
+pub use snapshot::{FieldInfo, Snapshot, SnapshotInfo, SnapshotValues};
 pub use stream::Stream;
 pub use value::{Type, Value, ValueError};
 pub use wire::{WireReply, WireRequest};
+pub use worker::{WorkerInfo, WorkerState};
 
 /// Something that answers requests: the engine in this process, or a connection to one.
 pub trait Link {

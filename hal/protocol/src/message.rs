@@ -323,6 +323,17 @@ pub enum Request {
         /// Id from [`crate::SampleInfo::id`].
         id: u64,
     },
+    /// `snapshot`: returns the latest record of a snapshot. Answer: [`crate::Reply::Snapshot`].
+    Snapshot {
+        /// Name of the snapshot, such as `motion.status`.
+        name: String,
+    },
+    /// Maps the page of a snapshot, which this client then reads without further requests. A file
+    /// descriptor that can only read comes with the answer [`crate::Reply::SnapshotPage`].
+    MapSnapshot {
+        /// Name of the snapshot.
+        name: String,
+    },
     /// `check`: looks for problems of the machine in its current state. Answer:
     /// [`crate::Reply::Findings`].
     Check,

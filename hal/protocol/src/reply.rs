@@ -2,8 +2,8 @@
 
 use crate::{
     AliasInfo, CommandInfo, ComponentInfo, Failure, Finding, FlightInfo, FunctInfo, ItemInfo,
-    Offer, OrderInfo, SampleInfo, SampleState, SignalInfo, StatusInfo, StreamInfo, ThreadInfo,
-    TicketInfo, Value,
+    Offer, OrderInfo, SampleInfo, SampleState, SignalInfo, SnapshotInfo, SnapshotValues,
+    StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Value, WorkerInfo,
 };
 use serde::{Deserialize, Serialize};
 
@@ -63,6 +63,14 @@ pub enum Reply {
     Commands(Vec<CommandInfo>),
     /// Shared rings.
     Streams(Vec<StreamInfo>),
+    /// Workers.
+    Workers(Vec<WorkerInfo>),
+    /// Snapshots.
+    Snapshots(Vec<SnapshotInfo>),
+    /// The latest record of a snapshot.
+    Snapshot(Box<SnapshotValues>),
+    /// A snapshot's page to map.
+    SnapshotPage(Box<SnapshotInfo>),
     /// Component types.
     Offers(Vec<Offer>),
     /// The state of the instance.

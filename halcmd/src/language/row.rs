@@ -60,6 +60,8 @@ pub const KINDS: &[(&str, Kind)] = &[
     ("funct", Kind::Functs),
     ("function", Kind::Functs),
     ("thread", Kind::Threads),
+    ("worker", Kind::Workers),
+    ("snapshot", Kind::Snapshots),
 ];
 
 /// Kinds of `save`.

@@ -55,6 +55,8 @@ pub enum Word {
     Thread,
     /// A thread that has the function named first.
     ThreadOfFunct,
+    /// A snapshot of a component.
+    Snapshot,
     /// A signal type.
     Type,
     /// The name of an item of the kind named first.

@@ -196,6 +196,7 @@ fn argument(
         }
         Word::Type => offered.add(types()),
         Word::NameOfKind if last == "-t" => offered.add(types()),
+        Word::Snapshot => offered.add(live.of_kind("snapshot")),
         Word::NameOfKind => offered.add(live.of_kind(first)),
         Word::Variable => {
             offered.add(live.items());

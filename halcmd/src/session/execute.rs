@@ -9,6 +9,7 @@ use crate::{
     manual::man,
     show,
     show::list,
+    show::published,
     show::save,
     show::status,
 };
@@ -49,6 +50,7 @@ impl Session<'_> {
                 let reply = self.ask(request)?;
                 self.print(&reply, |reply| match reply {
                     Reply::Value(value) => Some(format!("{value}\n")),
+                    Reply::Snapshot(snapshot) => Some(published::json(snapshot)),
                     _ => None,
                 })?;
             }
@@ -189,7 +191,12 @@ impl Session<'_> {
             Some(ShowKind::Of(kind)) => SECTIONS.iter().copied().filter(|s| s.0 == kind).collect(),
         };
         if let (true, Some(ShowKind::Of(kind))) = (sections.is_empty(), wanted) {
-            sections.push((kind, "Commands:"));
+            let title = match kind {
+                Kind::Workers => "Workers:",
+                Kind::Snapshots => "Snapshots:",
+                _ => "Commands:",
+            };
+            sections.push((kind, title));
         }
         let script = self.style.script;
         for (kind, title) in sections {

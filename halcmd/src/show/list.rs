@@ -14,6 +14,8 @@ pub fn names(reply: &Reply) -> String {
         Reply::Aliases(list) => list.iter().map(|x| x.alias.as_str()).collect(),
         Reply::Commands(list) => list.iter().map(|x| x.name.as_str()).collect(),
         Reply::Streams(list) => list.iter().map(|x| x.name.as_str()).collect(),
+        Reply::Workers(list) => list.iter().map(|x| x.name.as_str()).collect(),
+        Reply::Snapshots(list) => list.iter().map(|x| x.name.as_str()).collect(),
         Reply::Offers(list) => list.iter().map(|x| x.component.as_str()).collect(),
         _ => Vec::new(),
     };

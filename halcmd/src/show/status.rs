@@ -95,6 +95,19 @@ fn instance(text: &mut String, status: &StatusInfo, threads: &[ThreadInfo]) {
             ),
         );
     }
+    for w in &status.workers {
+        line(
+            "worker:",
+            &format!(
+                "'{}' of component '{}', {}: {} steps, {} items",
+                w.name,
+                w.owner_name,
+                w.state.name(),
+                w.steps,
+                w.items
+            ),
+        );
+    }
     if let Some(stuck) = &status.stuck {
         line(
             "stuck:",
@@ -107,10 +120,17 @@ fn instance(text: &mut String, status: &StatusInfo, threads: &[ThreadInfo]) {
     if let Some(fault) = &status.fault {
         line(
             "fault:",
-            &format!(
-                "component '{}', function '{}' in thread '{}': {}",
-                fault.component, fault.funct, fault.thread, fault.cause
-            ),
+            &if fault.thread.is_empty() {
+                format!(
+                    "component '{}', worker '{}': {}",
+                    fault.component, fault.funct, fault.cause
+                )
+            } else {
+                format!(
+                    "component '{}', function '{}' in thread '{}': {}",
+                    fault.component, fault.funct, fault.thread, fault.cause
+                )
+            },
         );
     }
     if let Some((file, lost)) = &status.recording {
@@ -216,6 +236,7 @@ pub(crate) mod samples {
             fault: None,
             stuck: None,
             foreign: Vec::new(),
+            workers: Vec::new(),
             recording: None,
             recording_stopped: None,
         }

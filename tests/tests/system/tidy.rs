@@ -316,6 +316,7 @@ const SYSTEM: &[(&str, &str)] = &[
     ("hal/engine/src/load/opening.rs", "rustix"),
     ("hal/engine/src/load/plugin_file.rs", "rustix"),
     ("hal/engine/src/observe/ring.rs", "rustix"),
+    ("hal/engine/src/observe/snapshot.rs", "rustix"),
     ("hal/engine/src/os.rs", "libc"),
     ("hal/engine/src/os.rs", "rustix"),
     ("hal/engine/src/os/", "libc"),
@@ -328,6 +329,7 @@ const SYSTEM: &[(&str, &str)] = &[
     ("hal/protocol/src/folder.rs", "libc"),
     ("hal/protocol/src/folder.rs", "rustix"),
     ("hal/protocol/src/place.rs", "rustix"),
+    ("hal/protocol/src/snapshot.rs", "rustix"),
     ("hal/protocol/src/stream.rs", "rustix"),
 ];
 

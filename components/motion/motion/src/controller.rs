@@ -5,8 +5,9 @@ use crate::{
     guards::interlock::Interlock,
     pins::{GeneralPins, Pins},
     state::State,
+    status::MotionStatus,
 };
-use hal_component::{Clock, KinematicsRef, Period, Receiver, Sender, Touch, Update};
+use hal_component::{Clock, KinematicsRef, Period, Receiver, Sender, Snapshot, Touch, Update};
 use libm::sqrt;
 
 /// Maximum number of commands executed in a cycle, because planning a move takes time.
@@ -50,6 +51,10 @@ pub(crate) struct Controller {
     pub(crate) clock: Clock,
     #[state]
     pub(crate) last_ns: Option<i64>,
+    /// Number of cycles so far.
+    #[state]
+    pub(crate) cycle: u64,
+    pub(crate) status: Snapshot<MotionStatus>,
     #[state]
     pub(crate) state: State,
 }
@@ -85,6 +90,10 @@ impl Controller {
     pub(crate) fn put_out(&mut self, dt: f64) {
         self.state.put_out(dt);
         write_pins(&mut self.state, &self.pins);
+        self.cycle = self.cycle.wrapping_add(1);
+        let time_ns = self.last_ns.unwrap_or_default();
+        let velocity = velocity(&self.state);
+        self.status.set(&MotionStatus::of(&self.state, self.cycle, time_ns, velocity));
     }
 }
 

@@ -17,6 +17,7 @@ mod pins;
 mod setup;
 mod spindle;
 mod state;
+mod status;
 mod switch;
 
 use commands::interface::CommandInterface;
@@ -63,6 +64,10 @@ place, and a machine that is switched on is in free mode. Whatever goes wrong, n
 farther in one cycle than its joint's max-velocity allows: the last commands are held, the machine
 goes off, and a message and `motion.status` say which joint would have gone from where to where and
 what moved it. A max-velocity that is lowered in motion makes what moves brake.
+
+The snapshot `motion.status` holds the state at the end of each cycle as a whole: mode, pose, and
+for each joint its position, velocity and switches. `halcmd snapshot motion.status` prints it, and
+programs read it from shared memory, without delaying motion.
 
 With kinematics of several types, such as `scarakins`, `motion.switchkins-type` says which one is in
 force.
@@ -145,6 +150,8 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
         kinematics,
         clock: b.clock(),
         last_ns: None,
+        cycle: 0,
+        status: status::open(b)?,
         state,
     };
     Ok((Handler::new(from_interface, to_controller), controller))

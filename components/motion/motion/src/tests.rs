@@ -11,6 +11,7 @@ mod offset;
 mod output;
 mod pin;
 mod random;
+mod snapshot;
 mod switch;
 mod world;
 

@@ -8,17 +8,17 @@ use crate::abi::{
 use core::ffi::c_void;
 use std::{cell::RefCell, sync::atomic::Ordering::Relaxed};
 
-fn table<'t>(ctx: *const c_void) -> &'t RefCell<Table> {
+pub(super) fn table<'t>(ctx: *const c_void) -> &'t RefCell<Table> {
     // SAFETY: `ctx` is the table of the bench that created the record.
     unsafe { &*ctx.cast::<RefCell<Table>>() }
 }
 
-fn text(s: Str) -> String {
+pub(super) fn text(s: Str) -> String {
     // SAFETY: the component's string lives for the duration of its call.
     unsafe { s.get() }.unwrap_or_default().to_owned()
 }
 
-fn uses(list: *const Use, n: usize) -> Vec<Use> {
+pub(super) fn uses(list: *const Use, n: usize) -> Vec<Use> {
     if n == 0 {
         return Vec::new();
     }

@@ -26,6 +26,7 @@ mod host;
 mod random;
 mod response;
 mod table;
+mod work;
 
 pub use random::Random;
 pub use response::response;
@@ -173,6 +174,8 @@ impl Bench {
                 offer: Some(host::offer),
                 find: Some(host::find),
                 bind: Some(host::bind),
+                worker: Some(work::worker),
+                snapshot: Some(work::snapshot),
             };
             // SAFETY: `host` lives for the duration of the call.
             let status = unsafe { crate::create::<C>(&raw const host) };

@@ -2,7 +2,7 @@
 
 use crate::abi::{
     self, ArgSpec, ArgValue, CommandRun, Free, PortQueue, Run, Slot, Str, StreamRef, Ticket, Use,
-    arg,
+    Work, arg,
 };
 use core::ffi::c_void;
 use std::{
@@ -40,6 +40,8 @@ impl<R> Drop for Code<R> {
 pub(super) struct Table {
     pub(super) functs: BTreeMap<String, Code<Run>>,
     pub(super) tasks: BTreeMap<String, (i64, Code<Run>)>,
+    pub(super) workers: BTreeMap<String, Code<Work>>,
+    pub(super) snapshots: BTreeMap<String, super::work::Memory>,
     pub(super) commands: BTreeMap<String, (Vec<ArgSpec>, Code<CommandRun>)>,
     pub(super) opens: Vec<Code<CommandRun>>,
     pub(super) stops: Vec<Code<CommandRun>>,

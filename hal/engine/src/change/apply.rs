@@ -10,6 +10,9 @@ impl Engine {
         let fault = self.runtime.fault();
         if let Some(f) = fault {
             let in_use = self.model.graph().functs.get(f.funct.as_str());
+            if f.thread.is_empty() && self.workers.has_failed(&f.funct) {
+                return Err(Error::WorkerFailed { worker: f.funct.as_str().into() });
+            }
             if in_use.is_some_and(|ix| self.model.graph().is_in_use(*ix)) {
                 return Err(Error::Faulted { funct: f.funct.as_str().into() });
             }

@@ -7,6 +7,8 @@ use crate::{
     change::staged::Going,
     change::stores::{Change, Store},
     change::undo::Undo,
+    graph::Ix,
+    realtime::runtime::TIMEOUT_NS,
     sync::Arc,
 };
 use hal_protocol::{Edit, Lock, Reply, Request};
@@ -154,17 +156,38 @@ impl Engine {
             self.roll_back();
             return Ok(taken);
         }
+        self.hold_workers()?;
         for ix in self.model.staged_mut().take_new_threads() {
             self.begin_thread(ix)?;
         }
+        if !self.runtime.is_trial() {
+            self.workers.start()?;
+        }
         early.iter().for_each(Store::carry_out);
         self.runtime.carry_out(&change)?;
+        if !self.runtime.is_trial() {
+            self.workers.release();
+        }
         self.model.have_lists(stale);
         if faulty {
             self.runtime.clear_fault();
         }
         self.has_committed();
         Ok(taken)
+    }
+
+    /// Keeps the workers of components that are about to be unloaded from further steps. If one of
+    /// them does not return, nothing is unloaded.
+    fn hold_workers(&self) -> Result<(), Error> {
+        let leaving = self.model.staged().going().iter().filter_map(Going::component);
+        let leaving: Vec<Ix> = leaving.collect();
+        if self.workers.is_empty() || leaving.is_empty() {
+            return Ok(());
+        }
+        self.runtime.control().be_patient();
+        let held = leaving.iter().try_for_each(|ix| self.workers.hold(*ix, TIMEOUT_NS));
+        self.runtime.control().have_waited();
+        held
     }
 
     /// Completes a transaction whose stores and lists are in effect.
@@ -202,6 +225,7 @@ impl Engine {
     fn roll_back(&mut self) {
         let (log, orders, before) = self.model.take_staged().into_log();
         let Some(before) = before else { return };
+        self.workers.resume();
         let mut clean = true;
         self.model.empty(&orders);
         for step in log.into_iter().rev() {

@@ -35,6 +35,8 @@ pub(crate) enum What {
     Command(Name),
     /// A background task, by its name.
     Task(Name),
+    /// A worker, by its name.
+    Worker(Name),
     /// A stop action.
     Stop,
     /// The code that frees a component.
@@ -61,6 +63,7 @@ impl Doing {
             What::Load => text.add(format_args!("as it is loaded")),
             What::Command(name) => text.add(format_args!("command '{name}'")),
             What::Task(name) => text.add(format_args!("task '{name}'")),
+            What::Worker(name) => text.add(format_args!("worker '{name}'")),
             What::Stop => text.add(format_args!("stop action")),
             What::Unload => text.add(format_args!("as it is unloaded")),
         }
@@ -153,6 +156,12 @@ impl Control {
         let before = self.doing.swap(Some(doing));
         Within { control: self, before, thread: PhantomData }
     }
+}
+
+/// Notes that a worker runs in this thread, which is not the control side's, from here to the
+/// thread's end.
+pub(crate) fn run_worker(doing: &Arc<Doing>) {
+    DOING.set(Arc::as_ptr(doing));
 }
 
 /// Publishes the running code for the watcher.

@@ -1,7 +1,7 @@
 //! Orderly shutdown of an instance: outputs first, then recordings, programs, components, the
 //! socket.
 
-use crate::Engine;
+use crate::{Engine, realtime::runtime::TIMEOUT_NS};
 
 /// Time that the outputs wait for a cycle in progress when an instance ends, in nanoseconds.
 const OUTPUTS_NS: i64 = 50_000_000;
@@ -14,7 +14,8 @@ impl Engine {
     }
 
     /// Closes the instance as [`Self::close`] does. Returns false if a function had failed, if a thread
-    /// did not leave its function, or if a recording or the file of an event could not be written
+    /// did not leave its function, if a worker does not
+    /// return, or if a recording or the file of an event could not be written
     /// whole.
     #[must_use]
     pub fn close_checked(mut self) -> bool {
@@ -46,25 +47,34 @@ impl Engine {
         }
         self.clients.end_programs(self.runtime.instance());
         let clean = self.runtime.quit();
+        self.runtime.control().be_patient();
+        let busy = self.workers.end(TIMEOUT_NS);
+        self.runtime.control().have_waited();
+        let idle = busy.is_empty();
+        busy.iter().for_each(|e| self.notice(e.to_string()));
         let late = self.runtime.overruns(self.model.graph(), true);
         self.notices(late);
-        if clean {
+        if clean && idle {
             for ix in self.model.graph().components_by_age().into_iter().rev() {
                 self.remove_component(ix);
             }
             self.reap();
         } else {
-            // A thread that never leaves its function still uses all of this.
-            let stuck = self.runtime.stuck();
-            self.notice(stuck.to_string());
+            // A thread that never leaves its function, or a worker that does not return, still uses
+            // all of this.
+            if !clean {
+                let stuck = self.runtime.stuck();
+                self.notice(stuck.to_string());
+            }
             self.runtime.leak();
+            self.snapshots.leak();
             self.model.leak();
         }
         self.hear();
         self.log.end_joins(None);
         self.runtime.instance().leave();
         self.clients.close();
-        clean && !failed && !self.observers.is_unwritten()
+        clean && idle && !failed && !self.observers.is_unwritten()
     }
 }
 

@@ -19,7 +19,10 @@ impl Error {
             Self::Locked { .. } => -1,
             Self::NotWritable { .. } => -13,
             Self::OutOfMemory => -12,
-            Self::InUseBy { .. } | Self::Stuck { .. } | Self::StreamTaken { .. } => -16,
+            Self::InUseBy { .. }
+            | Self::Stuck { .. }
+            | Self::WorkerStuck { .. }
+            | Self::StreamTaken { .. } => -16,
             Self::Duplicate { .. } | Self::ModuleExists { .. } | Self::ServiceTaken { .. } => -17,
             Self::OutOfRange { .. } => -34,
             Self::QueueAllocated { .. } => -106,
@@ -163,7 +166,9 @@ impl Error {
             }
             Self::BadPeriod { .. } => Some("expected 1000 to 1000000000000 ns".to_owned()),
             Self::PeriodTooShort { .. } => Some("create the fastest thread first".to_owned()),
-            Self::Faulted { .. } => Some("'status' says why; unload it to go on".to_owned()),
+            Self::Faulted { .. } | Self::WorkerFailed { .. } => {
+                Some("'status' says why; unload it to go on".to_owned())
+            }
             Self::InUseBy { user, .. } => Some(format!("unload '{user}' first")),
             Self::LinkedElsewhere { pin, .. } | Self::AlreadyLinked { pin, .. } => {
                 Some(format!("'unlinkp {pin}' frees it"))

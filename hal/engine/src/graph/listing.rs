@@ -42,6 +42,8 @@ impl Model {
             Kind::ParamAliases => Reply::Aliases(self.aliases(true, &p)),
             Kind::Commands => Reply::Commands(self.commands(&p)),
             Kind::Streams => Reply::Streams(self.streams(&p)),
+            // The parts that own them list them.
+            Kind::Workers | Kind::Snapshots => Reply::Done,
             Kind::Offers => Reply::Offers(self.loader().catalogue(&p)),
         }
     }

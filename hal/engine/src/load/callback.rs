@@ -4,7 +4,8 @@ use crate::{Error, load::create::Creating, sync::Arc};
 use core::ffi::c_void;
 use hal_abi::{
     ABI_MINOR, ActionSpec, ArgValue, CommandSpec, FunctSpec, Host, ItemSpec, Record, ServiceRef,
-    ServiceSpec, Slot, Status, Str, StreamRef, StreamSpec, TaskSpec, ThreadSpec, host_flags,
+    ServiceSpec, Slot, SnapshotRef, SnapshotSpec, Status, Str, StreamRef, StreamSpec, TaskSpec,
+    ThreadSpec, WorkerSpec, host_flags,
 };
 
 impl Creating<'_> {
@@ -51,6 +52,8 @@ impl Creating<'_> {
             offer: Some(offer),
             find: Some(find),
             bind: Some(bind),
+            worker: Some(worker),
+            snapshot: Some(snapshot),
         }
     }
 }
@@ -79,6 +82,7 @@ macro_rules! declare {
 declare!(funct, FunctSpec, |c, s| c.funct(&s));
 declare!(thread, ThreadSpec, |c, s| c.thread(&s));
 declare!(task, TaskSpec, |c, s| c.task(&s));
+declare!(worker, WorkerSpec, |c, s| c.worker(&s));
 declare!(command, CommandSpec, |c, s| c.command(&s));
 declare!(offer, ServiceSpec, |c, s| c.offer(&s));
 declare!(open, ActionSpec, |c, s| {
@@ -141,6 +145,23 @@ unsafe extern "C" fn stream(
     // SAFETY: the component's record lives across its call.
     let Some(s) = (unsafe { StreamSpec::read(spec) }) else { return Status::EINVAL };
     let made = c.stream(&s).map(|made| {
+        // SAFETY: the place belongs to the component and is live.
+        unsafe { out.write(made) };
+    });
+    c.answer(made)
+}
+
+/// # Safety
+/// Called by a component during `create` with the context and records of that call.
+unsafe extern "C" fn snapshot(
+    ctx: *mut c_void,
+    spec: *const SnapshotSpec,
+    out: *mut SnapshotRef,
+) -> Status {
+    let c = creating(ctx);
+    // SAFETY: the component's record lives across its call.
+    let Some(s) = (unsafe { SnapshotSpec::read(spec) }) else { return Status::EINVAL };
+    let made = c.snapshot(&s).map(|made| {
         // SAFETY: the place belongs to the component and is live.
         unsafe { out.write(made) };
     });

@@ -7,7 +7,7 @@ use crate::{
     sync::{Arc, AtomicU64, Ordering},
 };
 use core::ffi::c_void;
-use hal_abi::{ArgValue, CallHost, CommandRun, Free, Run, Status, Str, Ticket, host_flags};
+use hal_abi::{ArgValue, CallHost, CommandRun, Free, Run, Status, Str, Ticket, Work, host_flags};
 use std::cell::{Cell, RefCell};
 
 /// A plugin library, open as long as anything from it is alive.
@@ -194,6 +194,14 @@ impl<R> Drop for Code<R> {
             unsafe { free(self.state) };
         }
         drop(self.keep.take());
+    }
+}
+
+impl Code<Work> {
+    /// Makes one step of a worker.
+    pub(crate) fn work(&self, items: u32) -> Status {
+        // SAFETY: the component's code with its state, which only its worker uses.
+        unsafe { (self.run)(self.state, items) }
     }
 }
 

@@ -9,13 +9,16 @@ use crate::{
     load::code::{Code, Keep},
     name::Name,
     observe::ring::SharedRing,
+    observe::snapshot::Snapshot,
     realtime::task::Task,
+    realtime::worker,
     sync::Arc,
 };
 use core::{ffi::c_void, ptr::NonNull};
 use hal_abi::{
     ActionSpec, CommandRun, CommandSpec, FunctSpec, ItemSpec, ServiceRef, ServiceSpec, Slot,
-    Status, Str, StreamRef, StreamSpec, TaskSpec, ThreadSpec, Use, access, funct_flags, item_flags,
+    SnapshotRef, SnapshotSpec, Status, Str, StreamRef, StreamSpec, TaskSpec, ThreadSpec, Use,
+    WorkerSpec, access, funct_flags, item_flags,
 };
 use hal_protocol::{Direction, Type};
 use std::collections::{BTreeMap, BTreeSet};
@@ -219,6 +222,47 @@ impl<'e> Creating<'e> {
         let by = (self.component, doing);
         self.engine.runtime.add_task(Task::new(name, by, spec.period_ns, due, code));
         Ok(())
+    }
+
+    pub(crate) fn worker(&mut self, spec: &WorkerSpec) -> Result<(), Error> {
+        let Some(run) = spec.run else { return Err(self.odd("a worker has no code")) };
+        let code = Code::new(run, spec.state, spec.free, self.keep.clone());
+        let name = Name::parse("worker", self.text(spec.name)?)?;
+        if self.engine.workers.has(&name) {
+            return Err(Error::Duplicate { what: "worker", name: name.as_str().into() });
+        }
+        if spec.period_ns <= 0 || spec.items == 0 {
+            return Err(self.odd("a worker has no period, or no items in a step"));
+        }
+        let doc = self.text(spec.doc)?.into();
+        let Some(c) = self.engine.model.graph().component(self.component) else { return Ok(()) };
+        let (owner, doing) =
+            (c.name.clone(), Doing::new(c.name.as_str(), What::Worker(name.clone())));
+        let (period_ns, items) = (spec.period_ns, spec.items);
+        let declared = worker::Declared { name, owner, doc, period_ns, items, doing };
+        self.engine.workers.add(
+            self.component,
+            declared,
+            code,
+            self.engine.runtime.shared().clone(),
+        );
+        Ok(())
+    }
+
+    pub(crate) fn snapshot(&mut self, spec: &SnapshotSpec) -> Result<SnapshotRef, Error> {
+        let name = Name::parse("snapshot", self.text(spec.name)?)?;
+        if self.engine.snapshots.has(&name) {
+            return Err(Error::Duplicate { what: "snapshot", name: name.as_str().into() });
+        }
+        let doc = self.text(spec.doc)?;
+        let Some(c) = self.engine.model.graph().component(self.component) else {
+            return Err(self.odd("a snapshot has no component"));
+        };
+        let snapshot = Snapshot::new((self.component, &c.name), &name, doc, spec)
+            .map_err(|why| self.odd(&why))?;
+        let made = snapshot.made();
+        self.engine.snapshots.add(name, snapshot);
+        Ok(made)
     }
 
     pub(crate) fn command(&mut self, spec: &CommandSpec) -> Result<(), Error> {

@@ -87,9 +87,14 @@ impl Engine {
             self.log.end_of(id);
         }
         self.runtime.remove_tasks(component);
+        // The failure of a worker goes with it: the rest may be started again.
+        for name in self.workers.free(component) {
+            self.forgive(&name);
+        }
         self.clients.fail_tickets(component, "its component was unloaded");
         functs.iter().for_each(|name| self.forgive(name));
         let gone = self.model.free(component);
+        self.snapshots.free(component);
         self.log.has_gone(gone);
         self.renew_remains();
     }

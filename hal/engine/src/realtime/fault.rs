@@ -6,6 +6,7 @@ use crate::{
     graph::Ix,
     messages::text::of_panic,
     name::Name,
+    realtime::thread::NOBODY,
     sync::Arc,
 };
 use hal_protocol::FaultInfo;
@@ -19,8 +20,20 @@ impl Engine {
         if self.runtime.fault().is_some() {
             return;
         }
-        self.runtime.let_end();
+        self.runtime.shared().wait_for_cycles();
         self.run_stops(&self.model.graph().components_by_age());
+        let info = if thread == NOBODY {
+            self.worker_fault(funct)
+        } else {
+            self.function_fault(thread, funct)
+        };
+        let why = format!("fault: {} of {}: {}", info.funct, info.component, info.cause);
+        self.flight_event(self.runtime.now(), &why);
+        self.runtime.set_fault(info);
+    }
+
+    /// Reports the function that has failed.
+    fn function_fault(&mut self, thread: u32, funct: u32) -> FaultInfo {
         let graph = self.model.graph();
         let thread = graph
             .threads
@@ -40,9 +53,25 @@ impl Engine {
              and outputs are at their safe levels",
             info.funct, info.component, info.thread, info.cause
         ));
-        let why = format!("fault: {} of {}: {}", info.funct, info.component, info.cause);
-        self.flight_event(self.runtime.now(), &why);
-        self.runtime.set_fault(info);
+        info
+    }
+
+    /// Reports the worker that has failed.
+    fn worker_fault(&mut self, id: u32) -> FaultInfo {
+        let named = self.workers.named(id);
+        let (owner, name) = named.map_or(("?", "?"), |(o, name)| (o.as_str(), name.as_str()));
+        let info = FaultInfo {
+            component: owner.to_owned(),
+            funct: name.to_owned(),
+            thread: String::new(),
+            cause: of_panic(self.runtime.shared().fault.cause()),
+        };
+        self.notice(format!(
+            "worker '{}' of component '{}' failed: {}; all threads are stopped and outputs are at \
+             their safe levels",
+            info.funct, info.component, info.cause
+        ));
+        info
     }
 
     /// Clears the fault after the failed function has been removed: the rest may be started again.

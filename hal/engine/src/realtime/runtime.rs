@@ -180,17 +180,6 @@ impl Runtime {
         self.shared.fault.clear();
     }
 
-    /// Waits for the cycles in progress after a function has failed, for at most two periods of the
-    /// slowest thread.
-    pub(crate) fn let_end(&self) {
-        let threads = self.shared.threads.load_full();
-        let slowest = threads.iter().map(|t| t.period_ns).max().unwrap_or(0);
-        let limit = os::monotonic_ns() + slowest.saturating_mul(2);
-        while threads.iter().any(|t| t.gate.is_inside()) && os::monotonic_ns() < limit {
-            os::sleep_until(os::monotonic_ns() + 20_000);
-        }
-    }
-
     /// Returns the error that names the thread that does not leave its cycle.
     pub(crate) fn stuck(&self) -> Error {
         let threads = self.shared.threads.load();

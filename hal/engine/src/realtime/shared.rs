@@ -221,6 +221,16 @@ impl Shared {
         Stopping(&self.stopping)
     }
 
+    /// Waits until no cycle is in progress, for at most two periods of the slowest thread.
+    pub(crate) fn wait_for_cycles(&self) {
+        let threads = self.threads.load_full();
+        let slowest = threads.iter().map(|t| t.period_ns).max().unwrap_or(0);
+        let limit = os::monotonic_ns().saturating_add(slowest.saturating_mul(2));
+        while threads.iter().any(|t| t.gate.is_inside()) && os::monotonic_ns() < limit {
+            os::sleep_until(os::monotonic_ns() + 20_000);
+        }
+    }
+
     /// Drives all outputs to their safe levels. For threads other than the control thread.
     pub(crate) fn stop_outputs(&self) {
         let _alone = self.stops_alone();

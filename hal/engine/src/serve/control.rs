@@ -83,14 +83,14 @@ impl Engine {
         let poll = crate::serve::polls::next_poll(self);
         let mut until = target.min(poll);
         let waits = crate::serve::polls::waits_for_ticket(self);
-        let task_answers = waits && self.runtime.has_tasks();
+        let task_answers = waits && (self.runtime.has_tasks() || !self.workers.is_empty());
         if until == i64::MAX && self.runtime.is_idle() && !task_answers {
             // Without a target the clock does not move while nothing runs: a script that waits for
             // a program before `start` finds the clock unchanged. A command that a task answers
             // still proceeds.
             return false;
         }
-        until = until.min(self.runtime.next_task());
+        until = until.min(self.runtime.next_task()).min(self.workers.next_due());
         // A client or script that waits for a ticket or a ring must see it as soon as it changes.
         let looks = self.clients.script_waits && !self.model.rings().is_empty();
         let instants = if looks || waits { 1 } else { SLICE };
@@ -100,6 +100,7 @@ impl Engine {
         let now = self.runtime.now();
         let failed = self.runtime.run_tasks(now);
         self.notices(failed);
+        self.workers.run_due(now, self.runtime.control());
         true
     }
 
@@ -114,7 +115,8 @@ impl Engine {
             self.hear();
         }
         self.refresh_flight();
-        let until = self.runtime.next_task().min(crate::serve::polls::next_poll(self));
+        let until = self.runtime.next_task().min(self.workers.next_due());
+        let until = until.min(crate::serve::polls::next_poll(self));
         let until = until.min(now.saturating_add(1_000_000_000));
         clock::turn(self.runtime.shared(), self.observers.probes(), until.max(now), 1);
         self.drain_recording();
@@ -122,6 +124,7 @@ impl Engine {
         let then = self.runtime.now();
         let failed = self.runtime.run_tasks(then);
         self.notices(failed);
+        self.workers.run_due(then, self.runtime.control());
         then > now
     }
 }

@@ -4,7 +4,7 @@ use crate::{
     Engine, Error, error::watch::WatchError, load::args::Args, name::Name, os,
     realtime::shared::MAX_TIME_NS, serve::clients::Program, sync::Ordering,
 };
-use hal_protocol::{Answer, Failure, LATEST, Link, Reply, Request, TicketInfo};
+use hal_protocol::{Answer, Failure, Kind, LATEST, Link, Patterns, Reply, Request, TicketInfo};
 
 impl Engine {
     /// Executes a request that needs no client and no waiting.
@@ -33,11 +33,21 @@ impl Engine {
                 self.model.unlocked(hal_protocol::Lock::RUN, "stop_threads")?;
                 self.runtime.stop()?;
             }
+            Request::List { kind: Kind::Workers, patterns, .. } => {
+                return Ok(Reply::Workers(self.workers.list(&Patterns::new(&patterns))));
+            }
+            Request::List { kind: Kind::Snapshots, patterns, .. } => {
+                return Ok(Reply::Snapshots(self.snapshots.list(&Patterns::new(&patterns))));
+            }
             Request::List { kind, patterns, ty } => {
                 return Ok(self.model.list(kind, &patterns, ty));
             }
             Request::Order => return Ok(Reply::Order(Box::new(self.order()))),
             Request::Check => return Ok(Reply::Findings(self.check())),
+            Request::Snapshot { name } => {
+                return Ok(Reply::Snapshot(Box::new(self.snapshots.values(&name)?)));
+            }
+            Request::MapSnapshot { .. } => return Err(Error::NoSocket),
             Request::Status => return Ok(Reply::Status(Box::new(self.status()))),
             Request::Component { name } => {
                 let ix = self.model.graph().components.get(name.as_str()).copied();
@@ -189,7 +199,7 @@ impl Engine {
                 if !self.runtime.is_virtual() {
                     break;
                 }
-                if self.runtime.is_idle() && !self.runtime.has_tasks() {
+                if self.runtime.is_idle() && !self.runtime.has_tasks() && self.workers.is_empty() {
                     return Err(Error::NotStarted);
                 }
                 if !self.advance_one() {

@@ -88,6 +88,10 @@ fn answer(engine: &mut Engine, c: &mut Client, request: Request) -> Option<Resul
             has_started(engine, c);
             Reply::Sample(info)
         }),
+        Request::MapSnapshot { name } => engine.snapshots.page(&name).map(|(info, fd)| {
+            c.fd = Some(fd);
+            Reply::SnapshotPage(Box::new(info))
+        }),
         Request::SampleState { id } => engine.sample_state(c.id, id).map(Reply::SampleState),
         Request::EndSample { id } => engine.end_sample(c.id, id).map(Reply::SampleState),
         other => engine.carry(other),

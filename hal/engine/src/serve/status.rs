@@ -1,7 +1,7 @@
 //! Data of `status`.
 
 use crate::{ClockKind, Engine, graph::listing::Sizes};
-use hal_protocol::StatusInfo;
+use hal_protocol::{Patterns, StatusInfo};
 
 impl Engine {
     /// Returns the answer to `status`.
@@ -33,6 +33,7 @@ impl Engine {
             fault: self.runtime.fault().cloned(),
             stuck: self.runtime.stuck_funct(),
             foreign: self.foreign_parts(),
+            workers: self.workers.list(&Patterns::default()),
             recording: None,
             recording_stopped: None,
         };

@@ -4,18 +4,21 @@ use crate::{
     Command, language::command::ShowKind, language::flight, language::parse, language::row::ANY,
     language::row::Row, language::word::Word as W,
 };
-use hal_protocol::Kind;
+use hal_protocol::{Kind, Request};
 
 pub(super) const ROWS: &[Row] = &[
     Row {
         name: "show",
-        usage: "[all|comp|pin|sig|param|funct|thread|alias] [-t TYPE] [PATTERN...]",
+        usage: "[all|comp|pin|sig|param|funct|thread|alias|worker|snapshot] [-t TYPE] [PATTERN...]",
         args: (0, ANY),
         summary: "print things with their values and links",
         help: "A pattern is the beginning of a name, or a glob of the whole. -t selects pins, \
                signals and parameters by type.",
         words: &[
-            W::One(&["all", "comp", "pin", "sig", "param", "funct", "thread", "alias"]),
+            W::One(&[
+                "all", "comp", "pin", "sig", "param", "funct", "thread", "alias", "worker",
+                "snapshot",
+            ]),
             W::Many(&[W::One(&["-t"]), W::NameOfKind]),
         ],
         examples: &["show pin stepgen.0", "show sig *-pos", "show pin -t bit parport"],
@@ -25,12 +28,12 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         name: "list",
-        usage: "comp|pin|sig|param|funct|thread [PATTERN...]",
+        usage: "comp|pin|sig|param|funct|thread|worker|snapshot [PATTERN...]",
         args: (1, ANY),
         summary: "print names",
         help: "Patterns are those of 'show'.",
         words: &[
-            W::One(&["comp", "pin", "sig", "param", "funct", "thread"]),
+            W::One(&["comp", "pin", "sig", "param", "funct", "thread", "worker", "snapshot"]),
             W::Many(&[W::NameOfKind]),
         ],
         examples: &["list pin", "list funct stepgen"],
@@ -97,6 +100,20 @@ pub(super) const ROWS: &[Row] = &[
         related: &["help", "show"],
         errors: &[],
         parse: |words| Ok(Command::Show(Some(ShowKind::Of(Kind::Commands)), None, words.to_vec())),
+    },
+    Row {
+        name: "snapshot",
+        usage: "NAME",
+        args: (1, 1),
+        summary: "print the latest record of a snapshot, as JSON",
+        help: "A component publishes a snapshot as a whole, such as motion.status in every cycle. \
+               Numbers of 64 bits and floats that are not finite are strings. 'show snapshot' \
+               lists snapshots with their fields.",
+        words: &[W::Snapshot],
+        examples: &["snapshot motion.status"],
+        related: &["show", "getp", "watch"],
+        errors: &[],
+        parse: |words| Ok(Command::Value(Request::Snapshot { name: parse::first(words) })),
     },
     Row {
         name: "record",

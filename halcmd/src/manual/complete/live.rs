@@ -185,6 +185,20 @@ impl<'a> Live<'a> {
                 Some(Kind::Signals) => self.signals(|_| true),
                 Some(Kind::Functs) => self.functs(|_| true),
                 Some(Kind::Threads) => self.threads(|_| true),
+                Some(Kind::Workers) => match self.begun(Kind::Workers) {
+                    Reply::Workers(list) => list
+                        .into_iter()
+                        .map(|w| Candidate::new(w.name, first_line(&w.doc)))
+                        .collect(),
+                    _ => Vec::new(),
+                },
+                Some(Kind::Snapshots) => match self.begun(Kind::Snapshots) {
+                    Reply::Snapshots(list) => list
+                        .into_iter()
+                        .map(|s| Candidate::new(s.name, first_line(&s.doc)))
+                        .collect(),
+                    _ => Vec::new(),
+                },
                 _ => Vec::new(),
             },
         }

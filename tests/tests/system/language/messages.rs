@@ -45,10 +45,14 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("not enough memory for * samples of this kind: at most * fit", SAMPLES),
     ("this client has no sample *", SAMPLES),
     ("samples go to programs: ask for them on the socket", SAMPLES),
+    ("worker '*' of component '*' does not return", WORKERS),
+    ("worker '*' has failed: threads stay stopped", WORKERS),
+    ("pages go to programs: ask for them on the socket", WORKERS),
     ("insufficient memory", "the machine's memory is used up"),
     ("* are loaded already, by component '*'", "two components offer the same service"),
     ("the engine's answer does not match the request", "never, or it is a defect"),
 ];
+const WORKERS: &str = "hal/engine/tests/workers.rs";
 const SAMPLES: &str = "tests/tests/system/engine/samples.rs";
 const FAULTS: &str = "tests/tests/system/faults/libraries.rs";
 const PLUGIN_FILES: &str = "tests/tests/system/faults/plugin_files.rs";
