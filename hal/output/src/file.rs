@@ -1,6 +1,7 @@
 //! Files that are replaced as a whole, and files that grow.
 
 use crate::target::Target;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use std::{
     fs::File,
     io::{self, BufWriter, Error, ErrorKind, Write},
@@ -10,6 +11,8 @@ use std::{
 
 /// Size of the write buffer in bytes.
 const ROOM: usize = 1 << 16;
+/// Longest time for which a pipe or device may take nothing, if writes to it do not wait.
+const TIMEOUT: Timespec = Timespec { tv_sec: 1, tv_nsec: 0 };
 
 /// Writes a file as a whole. The old file stays in place until the new one is complete and stored
 /// on disk. The permissions are kept, and links to the file stay valid. Devices and pipes are
@@ -28,7 +31,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// # Errors
 /// As [`write()`].
 pub fn install(path: &Path, bytes: &[u8], mode: u32) -> io::Result<()> {
-    let mut file = Whole::open(path, Some(mode))?;
+    let mut file = Whole::open(path, Some(mode), false)?;
     file.write_all(bytes)?;
     file.finish()
 }
@@ -38,8 +41,12 @@ pub fn install(path: &Path, bytes: &[u8], mode: u32) -> io::Result<()> {
 #[derive(Debug)]
 pub struct Whole {
     target: Target,
-    out: BufWriter<File>,
+    out: BufWriter<Out>,
 }
+
+/// An open file, or a pipe or device that may be open for writes that do not wait.
+#[derive(Debug)]
+struct Out(File);
 
 impl Whole {
     /// Starts to write a file.
@@ -47,12 +54,21 @@ impl Whole {
     /// # Errors
     /// The system returned an error.
     pub fn create(path: &Path) -> io::Result<Self> {
-        Self::open(path, None)
+        Self::open(path, None, false)
     }
 
-    fn open(path: &Path, mode: Option<u32>) -> io::Result<Self> {
-        let (target, file) = Target::open(path, mode)?;
-        Ok(Self { target, out: BufWriter::with_capacity(ROOM, file) })
+    /// Starts to write a file, as [`Self::create`] does. A pipe or device must take something within a second: a pipe
+    /// without a reader is refused, and a write to one whose reader does not read fails.
+    ///
+    /// # Errors
+    /// The system returned an error.
+    pub fn create_promptly(path: &Path) -> io::Result<Self> {
+        Self::open(path, None, true)
+    }
+
+    fn open(path: &Path, mode: Option<u32>, promptly: bool) -> io::Result<Self> {
+        let (target, file) = Target::open(path, mode, promptly)?;
+        Ok(Self { target, out: BufWriter::with_capacity(ROOM, Out(file)) })
     }
 
     /// Completes the file: stores it on disk and moves it to its place.
@@ -61,12 +77,33 @@ impl Whole {
     /// The system returned an error. The old file is then unchanged.
     pub fn finish(mut self) -> io::Result<()> {
         self.out.flush()?;
-        let file = self.out.get_ref();
+        let Out(file) = self.out.get_ref();
         if file.metadata()?.is_file() {
             // Some file systems report a full disk only here.
             file.sync_all()?;
         }
         self.target.settle(file)
+    }
+}
+
+impl Write for Out {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self.0.write(bytes) {
+            Err(e) if e.kind() == ErrorKind::WouldBlock => {
+                let ready = poll(&mut [PollFd::new(&self.0, PollFlags::OUT)], Some(&TIMEOUT))?;
+                if ready == 0 {
+                    let why = "its reader has taken nothing for a second";
+                    return Err(Error::new(ErrorKind::TimedOut, why));
+                }
+                // The caller repeats the write.
+                Err(ErrorKind::Interrupted.into())
+            }
+            written => written,
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
     }
 }
 
@@ -97,7 +134,7 @@ impl Growing {
     /// # Errors
     /// The system returned an error.
     pub fn create(path: &Path) -> io::Result<Self> {
-        let (target, file) = Target::open(path, None)?;
+        let (target, file) = Target::open(path, None, false)?;
         Ok(Self { target, file: Some(file), bytes: 0 })
     }
 

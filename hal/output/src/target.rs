@@ -1,13 +1,13 @@
 //! Target of a written file: the file that a path means, the temporary file, and the replacement.
 
 use rustix::{
-    fs::{Gid, PROC_SUPER_MAGIC, Uid, fchown, statfs},
+    fs::{Gid, OFlags, PROC_SUPER_MAGIC, Uid, fchown, statfs},
     io::Errno,
 };
 use std::{
     fs::{self, File, Metadata, OpenOptions, Permissions},
     io::{self, ErrorKind},
-    os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt},
+    os::unix::fs::{FileTypeExt, MetadataExt, OpenOptionsExt, PermissionsExt},
     path::{Path, PathBuf},
     sync::atomic::{AtomicU32, Ordering::Relaxed},
 };
@@ -49,11 +49,15 @@ enum Meant {
 
 impl Target {
     /// Opens the file to write for this path. With `mode`, the file gets these permissions and
-    /// replaces even a read-only file, as in the installation of programs.
-    pub(crate) fn open(path: &Path, mode: Option<u32>) -> io::Result<(Self, File)> {
+    /// replaces even a read-only file, as in the installation of programs. With `promptly`, a pipe or device is opened
+    /// for writes that do not wait, and a pipe without a reader is an error.
+    pub(crate) fn open(path: &Path, mode: Option<u32>, promptly: bool) -> io::Result<(Self, File)> {
         let (place, old) = match meant(path)? {
             Meant::Fixed => {
-                let file = OpenOptions::new().write(true).truncate(true).open(path)?;
+                let flags = if promptly { OFlags::NONBLOCK } else { OFlags::empty() };
+                let mut options = OpenOptions::new();
+                options.write(true).truncate(true).custom_flags(flags.bits().cast_signed());
+                let file = options.open(path).map_err(|e| unread(path, e))?;
                 return Ok((Self { temporary: None, path: path.to_owned(), keep: None }, file));
             }
             Meant::New(place) => (place, None),
@@ -154,6 +158,15 @@ fn temporary(path: &Path, is_private: bool) -> io::Result<(PathBuf, File)> {
         }
     }
     Err(ErrorKind::AlreadyExists.into())
+}
+
+/// Explains the error of a pipe that no process reads.
+fn unread(path: &Path, error: io::Error) -> io::Error {
+    let is_pipe = || fs::metadata(path).is_ok_and(|m| m.file_type().is_fifo());
+    if error.raw_os_error() == Some(Errno::NXIO.raw_os_error()) && is_pipe() {
+        return io::Error::new(error.kind(), "no process reads this pipe");
+    }
+    error
 }
 
 /// Extends the error if the file is writable but its folder is not.

@@ -33,6 +33,11 @@ static STOPPED: AtomicBool = AtomicBool::new(false);
 static SAVED: AtomicBool = AtomicBool::new(false);
 /// Counter that increases while the guard makes progress.
 static PROGRESS: AtomicU64 = AtomicU64::new(0);
+/// File that the guard is writing: none, the recording, or the flight recorder's file.
+static WRITING: AtomicU32 = AtomicU32::new(NOTHING);
+const NOTHING: u32 = 0;
+const RECORDING: u32 = 1;
+const FLIGHT: u32 = 2;
 
 /// Time in seconds after which the process ends even if all else fails.
 const LAST_RESORT_S: u32 = 10;
@@ -214,6 +219,24 @@ pub(super) fn have_saved() {
     SAVED.store(true, Ordering::Release); // Pairs with `wait_for_guard`.
 }
 
+/// Notes that the guard writes the recording. Called by the guard.
+pub(super) fn writes_recording() {
+    WRITING.store(RECORDING, Ordering::Relaxed);
+    come_on();
+}
+
+/// Notes that the guard writes the flight recorder's file. Called by the guard.
+pub(super) fn writes_flight() {
+    WRITING.store(FLIGHT, Ordering::Relaxed);
+    come_on();
+}
+
+/// Notes that the guard has written everything. Called by the guard.
+pub(super) fn has_written() {
+    WRITING.store(NOTHING, Ordering::Relaxed);
+    come_on();
+}
+
 fn wait_for_guard() {
     let guard = GUARD.load(Ordering::Relaxed);
     if guard == 0 {
@@ -243,8 +266,20 @@ fn tell_lost() {
     }
 }
 
+/// Reports what the guard could not write in time.
+fn tell_unwritten() {
+    match WRITING.swap(NOTHING, Ordering::Relaxed) {
+        RECORDING => sys::complain(
+            "the recording's file takes nothing: it ends at its last write, and the flight recorder keeps no file\n",
+        ),
+        FLIGHT => sys::complain("the flight recorder's file takes nothing: its event is lost\n"),
+        _ => {}
+    }
+}
+
 /// Ends the process with the signal or status of its cause.
 pub(super) fn finish() -> ! {
+    tell_unwritten();
     tell_lost();
     leave_nothing();
     match SIGNAL.load(Ordering::Relaxed) {

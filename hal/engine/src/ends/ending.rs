@@ -35,6 +35,8 @@ impl Engine {
                 Err(_) => self.runtime.wait_no_more(),
             }
         }
+        // Outputs are safe, so a slow disk has time for the rest.
+        self.runtime.instance().control.be_patient();
         if self.observers.is_recording()
             && let Err(e) = self.end_recording()
         {
@@ -45,6 +47,7 @@ impl Engine {
         {
             self.notice(e.to_string());
         }
+        self.runtime.instance().control.have_waited();
         self.clients.end_programs(self.runtime.instance());
         let clean = self.runtime.quit();
         self.runtime.control().be_patient();

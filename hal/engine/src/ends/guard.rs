@@ -1,6 +1,7 @@
-//! The guard: an ordinary thread that writes recordings while the control side is busy, keeps
-//! recordings when the process crashes, and ends the process when a signal asks for that and the
-//! control side does not respond.
+//! The guard: an ordinary thread that keeps recordings when the process crashes, and ends the
+//! process when a signal asks for that and the control side does not respond. A thread of its own
+//! writes recordings while the control side is busy: a slow disk, or a pipe that nobody reads, may
+//! hold up that thread, but never the guard.
 
 use super::{
     crash::{self, Cause, Shot},
@@ -27,6 +28,7 @@ const LOOK_MS: i64 = 16;
 /// time, the observation does not count.
 const LOOKS: u32 = 4;
 /// Total number of observations after which the control side is considered stuck, counted or not.
+/// Those in which it computes for work that may take long are not among them.
 const MAX_LOOKS: u32 = 125;
 /// Processor time that the control side must have used between two observations, in nanoseconds.
 const TURN_NS: i64 = 5_000_000;
@@ -38,9 +40,9 @@ const WAIT_MS: u32 = 100;
 /// Longest wait for the recording, in milliseconds: another thread may be writing to a busy disk.
 const TAPE_WAIT_MS: u32 = 1000;
 
-/// Message for a crash in the code that records: its data may be inconsistent.
-const INTERRUPTED: &str = "the crash happened inside the recorder: the recording ends at its last write, and the \
-                           flight recorder keeps no file\n";
+/// Message for an end in the middle of the code that records: its data may be inconsistent.
+const INTERRUPTED: &str = "the recorder is in the middle of its own work, such as a write that does not return: the recording \
+                           ends at its last write, and the flight recorder keeps no file\n";
 
 /// Stack size in bytes; small because all memory may be locked.
 const STACK: usize = 512 << 10;
@@ -62,10 +64,23 @@ pub(super) fn why() -> Text {
     WHY.try_lock().ok().and_then(|why| *why).unwrap_or_else(Text::new)
 }
 
-/// Starts the guard. Does nothing if the system cannot create the thread.
+/// Starts the guard and the thread that writes recordings. Does nothing if the system cannot create
+/// the threads.
 pub(super) fn begin() {
-    let named = std::thread::Builder::new().name("hal-guard".into()).stack_size(STACK);
-    drop(named.spawn(run));
+    for (name, body) in [("hal-guard", run as fn()), ("hal-tape", write_recordings)] {
+        let named = std::thread::Builder::new().name(name.into()).stack_size(STACK);
+        drop(named.spawn(body));
+    }
+}
+
+/// Writes recordings from time to time, until the process ends.
+fn write_recordings() {
+    signals::leave_to_others();
+    let _stack = sys::Stack::new();
+    while !is_claimed() {
+        known().iter().for_each(|instance| instance.look_after_tape());
+        sys::nap(i64::from(ROUND_MS));
+    }
 }
 
 fn run() {
@@ -74,7 +89,6 @@ fn run() {
     GUARD.store(sys::thread(), Ordering::Relaxed);
     let waker = WAKE.load(Ordering::Relaxed);
     while !is_claimed() && !is_asked() && signals::handed().is_none() {
-        known().iter().for_each(|instance| instance.look_after_tape());
         sys::wait(waker, ROUND_MS);
     }
     let mut look = Look::default();
@@ -149,7 +163,10 @@ impl Look {
             self.used_ns = used_ns;
             self.counted += 1;
         }
-        self.all += 1;
+        // A patient control side that still computes makes progress.
+        if waits || !control.is_patient() {
+            self.all += 1;
+        }
         (self.counted >= LOOKS || self.all >= MAX_LOOKS)
             .then(|| instance.describe_control(doing.as_deref()))
     }
@@ -197,6 +214,12 @@ fn soon<T>(lock: &Mutex<T>, ms: u32) -> Option<MutexGuard<'_, T>> {
         }
     }
     None
+}
+
+/// Reports that a recorder's data cannot be reached.
+fn interrupted() {
+    crash::has_written();
+    sys::complain(INTERRUPTED);
 }
 
 impl Instance {
@@ -252,8 +275,9 @@ impl Instance {
         drop(saved);
         crash::come_on();
         if let Some(tape) = tape.as_deref() {
+            crash::writes_recording();
             let Some(mut tape) = soon(tape, TAPE_WAIT_MS) else {
-                return sys::complain(INTERRUPTED);
+                return interrupted();
             };
             tape.salvage(still, self.shared.now());
             if let Some(stopped) = tape.stopped() {
@@ -262,11 +286,12 @@ impl Instance {
         }
         crash::come_on();
         if let Some(flight) = flight.as_deref() {
-            let Some(mut flight) = soon(flight, WAIT_MS) else { return sys::complain(INTERRUPTED) };
+            crash::writes_flight();
+            let Some(mut flight) = soon(flight, WAIT_MS) else { return interrupted() };
             let said = flight.salvage(still, self.shared.now(), why);
             said.iter().for_each(|text| sys::complain(&format!("{text}\n")));
         }
-        crash::come_on();
+        crash::has_written();
     }
 
     /// Prints messages of components that the control side has not yet read.

@@ -76,6 +76,8 @@ impl Engine {
             unwritten: false,
             said: Vec::new(),
             lost: (0, 0),
+            lost_at: i64::MIN,
+            lost_told: 0,
         }));
         self.runtime.instance().set_flight(Some(flight.clone()));
         self.observers.flight = Some(flight);
@@ -86,9 +88,8 @@ impl Engine {
     /// Executes `flight off`. An event in progress is kept first.
     pub(crate) fn end_flight(&mut self) -> Result<(), Error> {
         self.drain_flight();
-        let flight = self.observers.flight.take().ok_or(WatchError::FlightOff)?;
-        self.runtime.instance().set_flight(None);
-        let mut flight = lock(&flight);
+        let kept = self.observers.flight.take().ok_or(WatchError::FlightOff)?;
+        let mut flight = lock(&kept);
         if let Some((id, _, _)) = &flight.probe {
             self.end_watching(*id);
         }
@@ -100,6 +101,9 @@ impl Engine {
         flight.look(true);
         self.observers.unwritten |= flight.unwritten;
         core::mem::take(&mut flight.said).into_iter().for_each(|text| self.notice(text));
+        drop(flight);
+        // Until its files are complete, the guard must know of it: a write may not return.
+        self.runtime.instance().set_flight(None);
         Ok(())
     }
 
@@ -267,6 +271,7 @@ impl Engine {
             if probe.lost() != flight.lost.1 {
                 // Recorded values are out of date, so all are reported again.
                 flight.lost.1 = probe.lost();
+                flight.lost_at = self.runtime.now();
                 probe.tell_all();
             }
             flight.probe = Some((id, probe, columns));

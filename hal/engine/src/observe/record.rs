@@ -122,17 +122,22 @@ impl Engine {
 
     /// Ends a recording that cannot be written any further, and reports it once.
     fn stop_recording(&mut self, r: Recording, stopped: StoppedRecording) {
-        self.leave_recording(r.probe.as_ref().map(|p| p.0));
+        self.end_probe_of(&r);
+        self.leave_recording();
         self.notice(stopped.to_string());
         self.observers.unwritten = true;
         self.observers.stopped_recording = Some(stopped);
     }
 
-    /// Ends the watching of a recording and withdraws it from the guard and the watcher.
-    fn leave_recording(&mut self, probe: Option<u64>) {
-        if let Some(id) = probe {
+    /// Ends the watching of a recording.
+    fn end_probe_of(&mut self, r: &Recording) {
+        if let Some((id, _)) = r.probe {
             self.end_watching(id);
         }
+    }
+
+    /// Withdraws a recording from the guard and the watcher, once its file is complete.
+    fn leave_recording(&self) {
         self.runtime.instance().set_tape(None);
         ends::note_recording("", 0);
     }
@@ -221,12 +226,14 @@ impl Engine {
         };
         // Time has not moved, so the recording consists of the present values.
         let begun = if r.is_waiting() { self.begin_tape(&mut r).map(drop) } else { Ok(()) };
-        self.leave_recording(r.probe.as_ref().map(|p| p.0));
+        self.end_probe_of(&r);
+        // Until the file is complete, the guard must know of it: the write may not return.
         let stopped = begun.err().or_else(|| {
             let mut tape = lock(r.tape.as_deref()?);
             tape.end(self.runtime.now());
             tape.stopped()
         });
+        self.leave_recording();
         if let Some(stopped) = stopped {
             self.observers.unwritten = true;
             return Err(unwritten(stopped));

@@ -566,7 +566,7 @@ fn the_programs_of_an_instance_end_with_it() {
 }
 
 /// Prints the milliseconds from a signal until outputs are at their safe levels, in each state of
-/// the instance.
+/// the instance: in a row of ten for SIGTERM and for SIGINT, taken in turn.
 #[test]
 #[ignore = "measures: cargo test -p hal-tests --test system faults::ends -- --ignored --nocapture"]
 fn how_soon_outputs_are_safe() {
@@ -582,20 +582,31 @@ fn how_soon_outputs_are_safe() {
     ];
     for (state, by) in states {
         for virtually in [true, false] {
-            let mut times: Vec<u128> = (0..10).map(|_| until_safe(by, virtually)).collect();
-            times.sort_unstable();
             let clock = if virtually { "virtual" } else { "real" };
-            println!("{state}, {clock} clock: median {} ms, longest {} ms", times[5], times[9]);
+            let signals = [("SIGTERM", Signal::TERM), ("SIGINT", Signal::INT)];
+            let mut times = [Vec::new(), Vec::new()];
+            for _ in 0..10 {
+                for ((_, signal), times) in signals.iter().zip(&mut times) {
+                    times.push(until_safe(by, *signal, virtually));
+                }
+            }
+            for ((name, _), times) in signals.iter().zip(&mut times) {
+                times.sort_unstable();
+                let (median, longest) = (times[5], times[9]);
+                println!(
+                    "{state}, {clock} clock, {name}: median {median} ms, longest {longest} ms"
+                );
+            }
         }
     }
 }
 
-fn until_safe(by: By, virtually: bool) -> u128 {
+fn until_safe(by: By, signal: Signal, virtually: bool) -> u128 {
     let scratch = Scratch::new("soon");
     let mut running = start(&scratch, by, virtually);
     let client = wait_until_up(&scratch, &mut running, by, virtually);
     let sent = now_ns();
-    running.signal(Signal::TERM);
+    running.signal(signal);
     while !running.said().1.contains("last words: it was 1 and is 0\n") {
         std::thread::yield_now();
     }

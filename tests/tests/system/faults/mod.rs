@@ -1,5 +1,6 @@
 //! Faults: components, clients, files and processes that fail or attack.
 
+mod blocked;
 mod clients;
 mod crashes;
 mod edits;

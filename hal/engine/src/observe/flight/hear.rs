@@ -7,6 +7,10 @@ impl Flight {
     /// Keeps the contents before the process crashes, with the crash as the event. `still` says
     /// that no cycle is in progress. Returns the messages to report.
     pub(crate) fn salvage(&mut self, still: bool, now: i64, why: &str) -> Vec<String> {
+        if self.ends {
+            // It has been switched off, and its files are complete.
+            return Vec::new();
+        }
         if let Some((id, probe, columns)) = self.probe.take() {
             if still {
                 probe.look(now);

@@ -36,11 +36,13 @@ pub(super) struct Kept {
     writer: Option<JoinHandle<Result<(), Box<str>>>>,
     /// True if the recorder kept it because of an event, false if a user asked for it.
     pub(super) is_event: bool,
+    /// Number of changes that are missing in it because the queue was full.
+    pub(super) lost: u64,
 }
 
 impl Kept {
     pub(super) const fn new(info: KeptInfo, is_event: bool) -> Self {
-        Self { info, writer: None, is_event }
+        Self { info, writer: None, is_event, lost: 0 }
     }
 
     /// Writes the file, in a separate thread unless `at_once`.
@@ -64,9 +66,10 @@ impl Kept {
         }
     }
 
-    /// Returns whether this is an event whose file could not be written.
+    /// Returns whether this is an event that could not be written whole.
     pub(super) const fn is_unwritten(&self) -> bool {
-        self.is_event && matches!(self.info.state, KeptState::Failed(_))
+        let failed = matches!(self.info.state, KeptState::Failed(_));
+        self.is_event && (failed || self.lost > 0 && self.info.file.is_some())
     }
 
     /// Checks whether the file is written, waiting for it if `wait`. Returns whether the writing
@@ -100,7 +103,11 @@ impl Kept {
             _ if ends => "it is lost: 'flight on' was given no file=".to_owned(),
             _ => format!("kept in memory as event {number}"),
         };
-        format!("flight recorder: {why}; {kept}")
+        let lost = match self.lost {
+            0 => String::new(),
+            lost => format!("; {lost} changes were lost for want of room"),
+        };
+        format!("flight recorder: {why}; {kept}{lost}")
     }
 }
 
@@ -111,9 +118,11 @@ pub(super) fn format_of(path: &str) -> Result<Format, Error> {
     Format::of(path).ok_or_else(|| ending().into())
 }
 
-/// Creates a file that replaces an existing one only when the snapshot is completely written.
+/// Creates a file that replaces an existing one only when the snapshot is completely written. A pipe that nobody reads
+/// is refused, so that it holds up neither the control side nor the end of the process.
 pub(super) fn create(path: &str) -> Result<Whole, Error> {
-    Whole::create(Path::new(path)).map_err(|e| Error::File { path: path.into(), why: os::said(&e) })
+    Whole::create_promptly(Path::new(path))
+        .map_err(|e| Error::File { path: path.into(), why: os::said(&e) })
 }
 
 /// Returns the name of the file of an event: `DIR/NAME-3.ENDING`.

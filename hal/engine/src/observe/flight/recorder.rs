@@ -51,6 +51,9 @@ pub(crate) struct Flight {
     pub(super) said: Vec<String>,
     /// Number of changes lost by former probes, and by the present one as far as known.
     pub(super) lost: (u64, u64),
+    /// Time at which the latest loss was noticed, and the number of lost changes at the latest event.
+    pub(super) lost_at: i64,
+    pub(super) lost_told: u64,
 }
 
 impl Flight {
@@ -89,6 +92,7 @@ impl Flight {
         let wanted = self.spec.file.clone().filter(|_| self.events <= MAX_FILES);
         let file = wanted.map(|f| numbered(&f, self.events));
         let mut kept = self.new_kept(at, &why, file.clone(), true);
+        kept.lost = self.lost_since_event(snapshot.history.from());
         if let Some(path) = &file {
             match (format_of(path), create(path)) {
                 (Ok(format), Ok(file)) => kept.write(&snapshot, file, format, self.at_once),
@@ -104,6 +108,15 @@ impl Flight {
             self.said.push(kept.words(self.ends));
         }
         self.keep(kept);
+    }
+
+    /// Returns the number of changes lost since the latest event, if any of them belongs to the time from `from` on.
+    fn lost_since_event(&mut self, from: i64) -> u64 {
+        let of_probe = self.probe.as_ref().map_or(self.lost.1, |p| p.1.lost());
+        let all = self.lost.0 + of_probe;
+        let lost = all - core::mem::replace(&mut self.lost_told, all);
+        let is_recent = of_probe != self.lost.1 || from <= self.lost_at;
+        if is_recent { lost } else { 0 }
     }
 
     /// Returns the event in progress.

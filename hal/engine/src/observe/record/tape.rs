@@ -26,6 +26,8 @@ pub(crate) struct Tape {
     put_at: i64,
     /// Reason and time of a refused write. Nothing is written after that.
     failure: Option<(Box<str>, i64)>,
+    /// True once the file is complete.
+    is_over: bool,
 }
 
 impl Tape {
@@ -45,7 +47,7 @@ impl Tape {
         writer.all(now, &first)?;
         let (looks, put_at) = (probe.looks(), os::monotonic_ns());
         let path = path.to_owned();
-        let mut tape = Self { path, probe, writer, looks, put_at, failure: None };
+        let mut tape = Self { path, probe, writer, looks, put_at, failure: None, is_over: false };
         tape.end_record();
         tape.put(now);
         Ok(tape)
@@ -85,6 +87,9 @@ impl Tape {
     /// Reads changes from the probe; whole records are written from time to time. `still` says that
     /// no sample is in progress.
     pub(crate) fn drain(&mut self, still: bool, now: i64) {
+        if self.is_over {
+            return;
+        }
         // Every sample whose changes were read before, at least in part, is over.
         let over = still || self.probe.looks() > self.looks;
         let mut begun = false;
@@ -118,6 +123,9 @@ impl Tape {
     /// Saves the recording before the process crashes: everything seen, and the present values if
     /// no cycle is in progress.
     pub(crate) fn salvage(&mut self, still: bool, now: i64) {
+        if self.is_over {
+            return;
+        }
         if still {
             self.probe.look(now);
             self.end(now);
@@ -141,5 +149,6 @@ impl Tape {
         self.end_record();
         let finished = self.writer.out().finish();
         self.have_put(finished, now);
+        self.is_over = true;
     }
 }
