@@ -353,3 +353,49 @@ fn reason(error: &std::io::Error) -> Box<str> {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or(&text).into()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Folder, FolderError};
+    use crate::Place;
+    use std::{
+        fs,
+        io::Write,
+        os::unix::fs::{MetadataExt, chown, symlink},
+    };
+
+    #[test]
+    fn a_log_is_a_file_of_the_user_and_not_long() {
+        let path = std::env::temp_dir().join(format!("hal-log-{}", std::process::id()));
+        let place = Place::at(&path, "default").unwrap();
+        let folder = Folder::make(&place).unwrap();
+        let log = path.join(place.log_name());
+        let open = || folder.log(&place);
+        open().unwrap().write_all(b"first\n").unwrap();
+        open().unwrap().write_all(b"second\n").unwrap();
+        assert_eq!(fs::read_to_string(&log).unwrap(), "first\nsecond\n");
+        // Only root can give a file to another user.
+        let me = fs::metadata(&log).unwrap().uid();
+        if me == 0 {
+            chown(&log, Some(60_001), None).unwrap();
+            let refused = open().unwrap_err();
+            assert!(
+                matches!(refused, FolderError::Owner { owner: 60_001, expected: 0, .. }),
+                "{refused:?}"
+            );
+            chown(&log, Some(me), None).unwrap();
+        }
+        fs::write(&log, vec![b'x'; 1 << 20]).unwrap();
+        open().unwrap().write_all(b"y").unwrap();
+        assert_eq!(fs::metadata(&log).unwrap().len(), (1 << 20) + 1);
+        open().unwrap().write_all(b"new").unwrap();
+        assert_eq!(fs::read_to_string(&log).unwrap(), "new");
+        fs::remove_file(&log).unwrap();
+        symlink("elsewhere", &log).unwrap();
+        assert!(open().is_err() && !path.join("elsewhere").exists());
+        fs::remove_file(&log).unwrap();
+        fs::create_dir(&log).unwrap();
+        assert!(open().is_err());
+        fs::remove_dir_all(&path).unwrap();
+    }
+}

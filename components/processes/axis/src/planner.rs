@@ -85,5 +85,9 @@ mod tests {
         let mut axis = Planner::default();
         axis.go(Some(5.0), f64::INFINITY, 1000.0, DT);
         assert_eq!(axis.speed, 1.0);
+        for _ in 0..1000 {
+            axis.go(Some(5.0), f64::INFINITY, 1000.0, DT);
+        }
+        assert!((axis.at - 5.0).abs() < 1e-5 && axis.speed == 0.0, "{axis:?}");
     }
 }

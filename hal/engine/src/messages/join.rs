@@ -316,6 +316,18 @@ mod tests {
     }
 
     #[test]
+    fn a_later_site_does_not_delay_an_earlier_one() {
+        let mut joiner = Joiner::default();
+        for (ms, text) in [(0, "a"), (100, "a"), (500, "b"), (600, "b")] {
+            drop(say(&mut joiner, ms, 0, text, &[]));
+        }
+        assert!(pass(&mut joiner, 999).is_empty());
+        assert_eq!(pass(&mut joiner, 1000), ["one: a (once more)"]);
+        assert!(pass(&mut joiner, 1499).is_empty());
+        assert_eq!(pass(&mut joiner, 1500), ["one: b (once more)"]);
+    }
+
+    #[test]
     fn what_waits_is_told_as_a_component_goes() {
         let mut joiner = Joiner::default();
         for who in [0, 1] {
@@ -333,6 +345,8 @@ mod tests {
                 text: "two: late (the last of 2 more)".into()
             }]
         );
+        // A component that is loaded later under the same number starts over.
+        assert_eq!(say(&mut joiner, 6, 1, "late", &[]), ["two: late"]);
         assert_eq!(end(&mut joiner), ["one: late (the last of 2 more)"]);
         assert!(end(&mut joiner).is_empty());
     }

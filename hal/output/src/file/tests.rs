@@ -1,9 +1,14 @@
 //! Tests of files before, during and after writing.
 
 use super::{Growing, Whole, install, write};
+use rustix::{
+    fs::{CWD, FileType, Mode, mknodat},
+    process::{Gid, Uid, geteuid},
+    thread::{set_thread_groups, set_thread_res_gid, set_thread_res_uid},
+};
 use std::{
-    fs::{self, Permissions},
-    io::Write,
+    fs::{self, File, Permissions},
+    io::{Read, Write},
     os::unix::fs::{PermissionsExt, symlink},
     path::{Path, PathBuf},
 };
@@ -137,6 +142,78 @@ fn devices_and_pipes_are_written_to_directly() {
     write(Path::new(&format!("/dev/fd/{fd}")), b"text").unwrap();
     assert_eq!(kept.metadata().unwrap().len(), 4);
     assert_eq!(folder.names(), ["kept"]);
+}
+
+#[test]
+fn a_pipe_that_takes_nothing_is_an_error() {
+    let folder = Folder::new("pipe");
+    let path = folder.join("pipe");
+    mknodat(CWD, &path, FileType::Fifo, Mode::from_raw_mode(0o600), 0).unwrap();
+    let refused = Whole::create_promptly(&path).unwrap_err();
+    assert_eq!(crate::reason(&refused), "no process reads this pipe");
+    // More than a pipe holds.
+    let text = vec![b'x'; 200_000];
+    let mut reader = File::options().read(true).write(true).open(&path).unwrap();
+    let mut file = Whole::create_promptly(&path).unwrap();
+    let written = file.write_all(&text).and_then(|()| file.finish());
+    assert_eq!(why(written), "its reader has taken nothing for a second");
+    // Whatever a reader takes, however slowly, is written.
+    drop(reader);
+    reader = File::options().read(true).write(true).open(&path).unwrap();
+    let mut file = Whole::create_promptly(&path).unwrap();
+    let count = text.len();
+    let reading = std::thread::spawn(move || {
+        let mut bytes = vec![0; count];
+        reader.read_exact(&mut bytes).map(|()| bytes)
+    });
+    file.write_all(&text).unwrap();
+    file.finish().unwrap();
+    assert!(reading.join().unwrap().unwrap() == text);
+}
+
+#[test]
+fn a_private_file_is_private_while_it_is_written() {
+    let folder = Folder::new("private");
+    fs::write(folder.join("a"), "old").unwrap();
+    fs::set_permissions(folder.join("a"), Permissions::from_mode(0o600)).unwrap();
+    let file = Whole::create(&folder.join("a")).unwrap();
+    for name in folder.names() {
+        assert_eq!(mode(&folder.join(&name)) & 0o077, 0, "{name}");
+    }
+    drop(file);
+}
+
+/// Root may write everything, so the test becomes another user.
+#[test]
+fn a_read_only_file_is_not_replaced() {
+    let folder = Folder::new("read-only");
+    let path = folder.join("a");
+    fs::write(&path, "good").unwrap();
+    fs::set_permissions(&path, Permissions::from_mode(0o444)).unwrap();
+    fs::set_permissions(&folder.0, Permissions::from_mode(0o777)).unwrap();
+    as_other(|| assert_eq!(why(write(&path, b"new")), "Permission denied"));
+    assert_eq!((folder.read("a").as_str(), folder.names()), ("good", vec!["a".to_owned()]));
+    // A file that may be written, in a folder that may not.
+    fs::set_permissions(&path, Permissions::from_mode(0o666)).unwrap();
+    fs::set_permissions(&folder.0, Permissions::from_mode(0o555)).unwrap();
+    let want = "Permission denied: no file can be made beside it";
+    as_other(|| assert_eq!(why(write(&path, b"new")), want));
+    assert_eq!(folder.read("a"), "good");
+    fs::set_permissions(&folder.0, Permissions::from_mode(0o755)).unwrap();
+}
+
+/// Runs a function in a thread that is not root.
+fn as_other(work: impl FnOnce() + Send) {
+    let become_other = || {
+        if geteuid().is_root() {
+            let (uid, gid) = (Uid::from_raw(60_001), Gid::from_raw(60_001));
+            set_thread_groups(&[]).unwrap();
+            set_thread_res_gid(gid, gid, gid).unwrap();
+            set_thread_res_uid(uid, uid, uid).unwrap();
+        }
+        work();
+    };
+    std::thread::scope(|scope| scope.spawn(become_other).join().unwrap());
 }
 
 #[test]
