@@ -334,8 +334,7 @@ mod tests {
 
     #[test]
     fn a_verdict_needs_three_more_observations_however_rare_they_are() {
-        let seen =
-            |ran_ns| Sight { cycles: 1, funct: 7, init: false, ran_ns, doing: Doing::Runs };
+        let seen = |ran_ns| Sight { cycles: 1, funct: 7, init: false, ran_ns, doing: Doing::Runs };
         let mut case = Case::new(1, seen(0));
         let verdicts = [1, 2, 3].map(|n| case.look(seen(n * 10 * MS), 10 * MS, 2 * MS));
         assert_eq!(verdicts, [Verdict::Suspect, Verdict::Suspect, Verdict::Stuck]);

@@ -137,7 +137,7 @@ fn devices_and_pipes_are_written_to_directly() {
     write(Path::new("/dev/null"), b"text").unwrap();
     assert!(!Path::new("/dev/null").is_file());
     // `/dev/fd/N` is a link to a file but means the open descriptor.
-    let kept = fs::File::create(folder.join("kept")).unwrap();
+    let kept = File::create(folder.join("kept")).unwrap();
     let fd = std::os::fd::AsRawFd::as_raw_fd(&kept);
     write(Path::new(&format!("/dev/fd/{fd}")), b"text").unwrap();
     assert_eq!(kept.metadata().unwrap().len(), 4);
