@@ -51,7 +51,7 @@ impl core::fmt::Display for Flaw {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Empty => write!(f, "the file is empty"),
-            Self::Foreign { wanted } => write!(f, "this is no {wanted} file"),
+            Self::Foreign { wanted } => write!(f, "this is not a {wanted} file"),
             Self::Truncated => write!(f, "the file ends too early"),
             Self::Short { got, said } => {
                 write!(f, "the file ends too early: {got} samples of {said}")

@@ -116,7 +116,7 @@ mod tests {
             (
                 "show foo",
                 "Unknown 'show' type 'foo'; it is one of all, alias, comp, pin, sig, signal, param, \
-                 parameter, funct, function, thread",
+                 parameter, funct, function, thread, worker, snapshot",
             ),
             ("status foo", "Unknown 'status' type 'foo'; it is one of all, lock, mem, instance"),
             ("debug 9", "Debug level must be >=0 and <= 5"),

@@ -270,7 +270,7 @@ mod tests {
             ),
             (
                 "x = 1\n",
-                ":1: no key 'x'; there are clock, simulate, hold, for, record, instance, rtmod-dir, linuxcnc-modules, cpu, dma-latency, stuck-time",
+                ":1: no key 'x'; there are clock, simulate, hold, for, record, instance, rtmod-dir, linuxcnc-modules, cpu, dma-latency, stuck-time, log",
             ),
             ("clock = \"fast\"\n", ":1: 'clock' is \"real\" or \"virtual\""),
             ("\nhold = 1\n", ":2: 'hold' is true or false"),

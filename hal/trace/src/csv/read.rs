@@ -372,7 +372,7 @@ mod tests {
     fn what_is_wrong_has_a_line() {
         for (text, want) in [
             (&b""[..], "the file is empty"),
-            (b"\x7fELF\x02\x01\x01\0\0\0\xff\xfe", "this is no CSV file"),
+            (b"\x7fELF\x02\x01\x01\0\0\0\xff\xfe", "this is not a CSV file"),
             (
                 b"$date today $end\n",
                 "1: the first column is '$date today $end'; a time is expected, as in 'time [ns]'",

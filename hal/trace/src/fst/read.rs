@@ -215,7 +215,7 @@ fn channels(
             }
             (None, None) => {
                 let is_wide = matches!(size, Size::Bits(65..));
-                let why = if is_wide { "wider than 64 bits" } else { "no number" };
+                let why = if is_wide { "wider than 64 bits" } else { "not a number" };
                 reading.notes.push(format!("'{}' is {why} and left out", var.name));
             }
         }

@@ -223,9 +223,9 @@ mod tests {
         let head = "{\"format\": \"ferrule trace\",\n\"channels\": [{\"names\": [\"x\"], \"type\": \"s32\"}],\n";
         for (text, want) in [
             ("", "the file is empty"),
-            ("{\"a\": 1}", "this is no JSON trace file"),
-            ("\u{1}\u{2}", "this is no JSON trace file"),
-            ("[1, 2]", "this is no JSON trace file"),
+            ("{\"a\": 1}", "this is not a JSON trace file"),
+            ("\u{1}\u{2}", "this is not a JSON trace file"),
+            ("[1, 2]", "this is not a JSON trace file"),
             ("HEAD\"samples\": [[1, 2],\n[2", "4: the file ends too early"),
             ("HEAD\"samples\": [[1, 2],\n[1, 3]]}", "4: time goes from 1 to 1"),
             ("HEAD\"samples\": [[1, 2.5]]}", "3: 'x' cannot be '2.5'"),

@@ -169,7 +169,9 @@ impl Condition {
         Value::parse(ty, &spot.text).map_err(|e| {
             let expects = ty.expects();
             let why = match e {
-                ValueError::Invalid => format!("'{}' is no {}: {expects}", spot.text, ty.name()),
+                ValueError::Invalid => {
+                    format!("'{}' is not of type {}: {expects}", spot.text, ty.name())
+                }
                 ValueError::Range => {
                     format!("'{}' is out of the range of {}: {expects}", spot.text, ty.name())
                 }

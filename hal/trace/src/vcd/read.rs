@@ -178,7 +178,7 @@ impl Reader {
                     self.vars.insert(d.code, Var::Channel(n, d.width));
                 }
                 _ => {
-                    let why = if d.width > 64 { "wider than 64 bits" } else { "no number" };
+                    let why = if d.width > 64 { "wider than 64 bits" } else { "not a number" };
                     self.notes.push(format!("'{}' is {why} and left out", d.name));
                     self.vars.insert(d.code, Var::Nothing);
                 }
@@ -381,8 +381,8 @@ mod tests {
         for (text, want) in [
             ("", "the file is empty"),
             ("\n \n", "the file is empty"),
-            ("\u{7f}ELF\0\u{1}", "this is no VCD file"),
-            ("time,x\n1,2\n", "this is no VCD file"),
+            ("\u{7f}ELF\0\u{1}", "this is not a VCD file"),
+            ("time,x\n1,2\n", "this is not a VCD file"),
             ("$version Ferrule $end\n", "line 1: the file ends too early"),
             ("HEAD#5\nr1 !\n#4\n", "line 6: time goes from 5 to 4"),
             ("HEAD#5\nr1 %\n", "line 5: a value for '%', which is not declared"),

@@ -16,17 +16,6 @@ pub(super) const ROWS: &[Row] = &[
                 addf or2.0 servo\naddf not.0 servo\nnet any or2.0.out => not.0.in\nstart\n",
     },
     Row {
-        code: Code::NothingHandedOver,
-        means: "A function works on what another function of its component hands to it, and no \
-                thread runs that other one.",
-        matters: "It works on nothing: without motion-command-handler, no command reaches motion.",
-        remedy: "Add the other function to the same thread, before it.",
-        wrong: "loadrt threads name1=servo period1=1000000\nloadrt stepgen step_type=0 # <--\n\
-                addf stepgen.update-freq servo\nstart\n",
-        right: "loadrt threads name1=servo period1=1000000\nloadrt stepgen step_type=0\n\
-                addf stepgen.make-pulses servo\naddf stepgen.update-freq servo\nstart\n",
-    },
-    Row {
         code: Code::AddedTwice,
         means: "The function is in a thread already, and is not made for being in two.",
         matters: "halrun stops at this line.",
@@ -132,5 +121,16 @@ pub(super) const ROWS: &[Row] = &[
         remedy: "Make the fastest thread first; periods are in nanoseconds.",
         wrong: "loadrt threads name1=servo period1=1000000 name2=base period2=100000 # <--\n",
         right: "loadrt threads name1=base period1=100000 name2=servo period2=1000000\n",
+    },
+    Row {
+        code: Code::NothingHandedOver,
+        means: "A function works on what another function of its component hands to it, and no \
+                thread runs that other one.",
+        matters: "It works on nothing: without motion-command-handler, no command reaches motion.",
+        remedy: "Add the other function to the same thread, before it.",
+        wrong: "loadrt threads name1=servo period1=1000000\nloadrt stepgen step_type=0 # <--\n\
+                addf stepgen.update-freq servo\nstart\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt stepgen step_type=0\n\
+                addf stepgen.make-pulses servo\naddf stepgen.update-freq servo\nstart\n",
     },
 ];

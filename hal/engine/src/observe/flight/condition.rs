@@ -171,7 +171,7 @@ mod tests {
             (
                 Type::S32,
                 "p > 1.5",
-                "trigger: '1.5' is no s32: expected an integer from -2147483648 to 2147483647\n    p > 1.5\n        ^^^",
+                "trigger: '1.5' is not of type s32: expected an integer from -2147483648 to 2147483647\n    p > 1.5\n        ^^^",
             ),
             (Type::Float, "p > ", "trigger: expected a value\n    p > \n       ^"),
         ] {
