@@ -134,7 +134,7 @@ fn every_function_is_missed_when_it_is_not_added() {
         let text = scratch.read(script);
         let without = |(n, l): (usize, &str)| if n == *line { String::new() } else { l.to_owned() };
         let kept: Vec<String> = text.lines().enumerate().map(without).collect();
-        scratch.write(script, &kept.join("\n"));
+        scratch.write(script, kept.join("\n"));
         let machine = machine.file_name().unwrap().to_str().unwrap();
         let output = scratch.halcmd(&["check", "--level", "warning", machine]);
         let missed = output.status.is_some_and(|s| s > 0);

@@ -1,6 +1,12 @@
 //! Criterion for the layout of pictures: its wires cross at most as often as Graphviz's, on every machine in `configs/`.
 //!
 //! Graphviz draws the same boxes from `halcmd graph --dot`. Where its pictures become better, ours are not needed.
+#![expect(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    clippy::indexing_slicing,
+    reason = "tests; the figures are the result"
+)]
 
 use hal_tests::{programs::root, scratch::Scratch, tools::Tool};
 use serde_json::Value;
