@@ -124,6 +124,21 @@ fn end(doing: Option<&Text>) -> ! {
     crash::crash(&Cause::Asked { signal, doing: doing.unwrap_or(&Text::new()) }, place)
 }
 
+/// Observation of the control side.
+#[derive(Clone, Copy, Debug)]
+struct Sight {
+    /// Number of steps that the control side has made.
+    beats: u64,
+    /// Processor time that its thread has used, in nanoseconds.
+    used_ns: i64,
+    /// True if its thread waits.
+    waits: bool,
+    /// True if the control side runs code of a component.
+    foreign: bool,
+    /// True if it is in a wait, or in work, that ends by itself.
+    patient: bool,
+}
+
 /// State of the control side at the latest observation.
 #[derive(Debug, Default)]
 struct Look {
@@ -145,30 +160,35 @@ impl Look {
         };
         let control = &instance.control;
         let thread = instance.thread.load(Ordering::Relaxed);
-        let (beats, used_ns) = (control.beats(), processor_time(thread).unwrap_or(0));
+        let doing = control.doing();
+        let sight = Sight {
+            beats: control.beats(),
+            used_ns: processor_time(thread).unwrap_or(0),
+            waits: progress::doing(thread) != progress::Doing::Runs,
+            foreign: doing.is_some() || instance.cycle_of_control().is_some(),
+            patient: control.is_patient(),
+        };
+        self.add(sight).then(|| instance.describe_control(doing.as_deref()))
+    }
+
+    /// Adds an observation. Returns whether the control side is now considered stuck.
+    fn add(&mut self, now: Sight) -> bool {
+        let Sight { beats, used_ns, waits, foreign, patient } = now;
         if beats != self.beats {
             *self = Self { beats, used_ns, ..Self::default() };
-            return None;
+            return false;
         }
-        let doing = control.doing();
-        let inside = instance.cycle_of_control().is_some();
-        let waits = progress::doing(thread) != progress::Doing::Runs;
-        let foreign = doing.is_some() || inside;
-        let counts = if foreign {
-            waits || used_ns - self.used_ns >= TURN_NS
-        } else {
-            waits && !control.is_patient()
-        };
+        let counts =
+            if foreign { waits || used_ns - self.used_ns >= TURN_NS } else { waits && !patient };
         if counts {
             self.used_ns = used_ns;
             self.counted += 1;
         }
         // A patient control side that still computes makes progress.
-        if waits || !control.is_patient() {
+        if waits || !patient {
             self.all += 1;
         }
-        (self.counted >= LOOKS || self.all >= MAX_LOOKS)
-            .then(|| instance.describe_control(doing.as_deref()))
+        self.counted >= LOOKS || self.all >= MAX_LOOKS
     }
 }
 
@@ -313,7 +333,63 @@ impl Instance {
 
 #[cfg(test)]
 mod tests {
-    use super::{LOOK_MS, LOOKS};
+    use super::{LOOK_MS, LOOKS, Look, MAX_LOOKS, Sight};
+
+    const MS: i64 = 1_000_000;
+
+    /// Observes a control side `n` times, at the same step unless `step` says otherwise, and `ns` of processor time
+    /// apart. Returns the index of the observation at which it counts as stuck.
+    fn check(n: u32, ns: i64, seen: Sight, step: impl Fn(u32) -> u64) -> Option<u32> {
+        let mut look = Look::default();
+        (0..n).find(|i| {
+            let used_ns = i64::from(*i) * ns;
+            look.add(Sight { beats: step(*i), used_ns, ..seen })
+        })
+    }
+
+    const fn seen(waits: bool, foreign: bool, patient: bool) -> Sight {
+        Sight { beats: 0, used_ns: 0, waits, foreign, patient }
+    }
+
+    #[test]
+    fn a_control_side_that_does_not_come_on_is_stuck_after_four_observations() {
+        // It waits; it waits or computes in a component, also during an orderly shutdown.
+        for (ns, seen) in [
+            (0, seen(true, false, false)),
+            (0, seen(true, true, false)),
+            (0, seen(true, true, true)),
+            (5 * MS, seen(false, true, false)),
+            (5 * MS, seen(false, true, true)),
+        ] {
+            assert_eq!(check(1000, ns, seen, |_| 1), Some(LOOKS), "{seen:?}");
+        }
+        // A component that gets half of that time at each observation counts at every second one.
+        let slow = check(1000, 5 * MS / 2, seen(false, true, false), |_| 1);
+        assert_eq!(slow, Some(2 * LOOKS));
+    }
+
+    /// Each component may take its time as it ends.
+    #[test]
+    fn a_control_side_that_comes_on_is_never_stuck() {
+        for waits in [true, false] {
+            for foreign in [true, false] {
+                for patient in [true, false] {
+                    let seen = seen(waits, foreign, patient);
+                    let steps = |i: u32| u64::from(i / LOOKS + 1);
+                    assert_eq!(check(1000, 5 * MS, seen, steps), None, "{seen:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn work_that_may_take_long_has_two_seconds_of_waits_and_any_time_to_compute() {
+        assert_eq!(check(1000, 0, seen(true, false, true), |_| 1), Some(MAX_LOOKS));
+        assert_eq!(check(1000, 16 * MS, seen(false, false, true), |_| 1), None);
+        // Without that, an observation that is not counted still uses up the time.
+        assert_eq!(check(1000, 16 * MS, seen(false, false, false), |_| 1), Some(MAX_LOOKS));
+        assert_eq!(check(1000, 0, seen(false, true, false), |_| 1), Some(MAX_LOOKS));
+    }
 
     /// A signal is heeded within a tenth of a second. The first observation counts nothing, because
     /// it only sees what the control side is doing. The rest of the time is for the processor and

@@ -224,4 +224,33 @@ mod tests {
             assert_eq!(read, want, "{}", String::from_utf8_lossy(bytes));
         }
     }
+
+    fn identity(path: &Path) -> Identity {
+        PluginFile::find(path).unwrap().unwrap().identity()
+    }
+
+    #[test]
+    fn a_file_that_has_changed_is_another_and_so_is_each_of_two() {
+        let folder = std::env::temp_dir().join(format!("hal-identity-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let [a, b] = ["a", "b"].map(|name| folder.join(name));
+        std::fs::write(&a, "good").unwrap();
+        let before = identity(&a);
+        assert_eq!(identity(&a), before);
+        // The same file, just as long; the system's time of a change has steps.
+        let changed = |path: &Path| {
+            let m = path.metadata().unwrap();
+            (m.ctime(), m.ctime_nsec())
+        };
+        let first = changed(&a);
+        while changed(&a) == first {
+            std::fs::write(&a, "evil").unwrap();
+        }
+        assert_ne!(identity(&a), before);
+        // Two files, just as long, as if they were changed at the same time.
+        std::fs::write(&b, "good").unwrap();
+        let at_once = |path| Identity { changed: (0, 0), ..identity(path) };
+        assert_ne!(at_once(&a), at_once(&b));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 }

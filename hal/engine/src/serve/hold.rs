@@ -24,3 +24,42 @@ impl Hold {
         self.held_ns > patience_ns
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{GAP_NS, Hold};
+
+    const PATIENCE_NS: i64 = 10_000_000_000;
+
+    /// Returns the number of checks, each `step_ns` after the one before, until a hold outlasts its time.
+    fn checks(step_ns: i64) -> Option<i64> {
+        let mut hold = Hold::NONE;
+        (1..=1000).find(|n| hold.outlasts(PATIENCE_NS, n * step_ns))
+    }
+
+    #[test]
+    fn a_hold_lasts_from_its_first_check_on_and_its_time_adds_up() {
+        // The first check begins the hold, and the time itself is still allowed.
+        assert_eq!(checks(GAP_NS), Some(12));
+        assert_eq!(checks(GAP_NS / 10), Some(102));
+        let mut hold = Hold::NONE;
+        assert!(!hold.outlasts(PATIENCE_NS, i64::MAX - 1), "however late the first check is");
+    }
+
+    /// In between, nothing needed the clock to move.
+    #[test]
+    fn checks_that_are_far_apart_do_not_add_up() {
+        assert_eq!(checks(GAP_NS + 1), None);
+        assert_eq!(checks(100 * PATIENCE_NS), None);
+        // What was counted before is kept.
+        let mut hold = Hold::NONE;
+        let mut now = 0;
+        let mut after = |ns| {
+            now += ns;
+            hold.outlasts(PATIENCE_NS, now)
+        };
+        assert!((0..=10).all(|_| !after(GAP_NS)));
+        assert!(!after(60 * GAP_NS));
+        assert!(after(1));
+    }
+}

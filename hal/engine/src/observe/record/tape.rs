@@ -152,3 +152,56 @@ impl Tape {
         self.is_over = true;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Tape, WholeFile};
+    use crate::{
+        observe::probe::{Probe, Source},
+        sync::{Arc, AtomicU8, AtomicU64, Ordering},
+    };
+    use core::ptr::NonNull;
+    use hal_output::Growing;
+    use hal_protocol::Type;
+    use hal_trace::vcd::Column;
+
+    /// The reader cannot see whether the sample whose changes it reads is over: another thread may be about to queue
+    /// more of them. The start of the next sample says so.
+    #[test]
+    fn a_record_is_whole_once_the_next_sample_has_begun() {
+        let path = std::env::temp_dir().join(format!("hal-tape-{}", std::process::id()));
+        let value = AtomicU8::new(0);
+        let source = Source::own(NonNull::from(&value).cast(), Type::Bit);
+        let probe = Arc::new(Probe::changes([source].into(), [AtomicU64::new(0)].into(), 16));
+        let columns = [Column { ty: Type::Bit, names: vec!["x".to_owned()] }];
+        let file = WholeFile::new(Growing::create(&path).unwrap());
+        let mut tape = Tape::begin("x.vcd", file, &columns, probe.clone(), 0).unwrap();
+        // Whole records wait, so that they can be counted.
+        tape.put_at = i64::MAX;
+        let sample = |at, bit| {
+            value.store(bit, Ordering::Relaxed);
+            probe.look(at);
+        };
+        let whole = |tape: &mut Tape, still| {
+            tape.drain(still, 9);
+            tape.writer.out().waiting()
+        };
+        let bytes = "#1\n1!\n".len();
+        sample(1, 1);
+        assert_eq!([whole(&mut tape, false), whole(&mut tape, false)], [0; 2]);
+        // The second sample has begun, and may be in progress.
+        sample(2, 0);
+        assert_eq!([whole(&mut tape, false), whole(&mut tape, false)], [bytes; 2]);
+        // The third changes nothing.
+        sample(3, 0);
+        assert_eq!(whole(&mut tape, false), 2 * bytes);
+        // No sample is in progress.
+        sample(4, 1);
+        assert_eq!(whole(&mut tape, false), 2 * bytes);
+        assert_eq!(whole(&mut tape, true), 3 * bytes);
+        tape.end(4);
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.ends_with("#1\n1!\n#2\n0!\n#4\n1!\n"), "{text}");
+        std::fs::remove_file(&path).unwrap();
+    }
+}
