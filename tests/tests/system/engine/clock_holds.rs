@@ -30,6 +30,8 @@ fn ten_ms(served: &Served) -> String {
     if after - before == 10_000_000 { said } else { format!("{said} {before} {after}") }
 }
 
+/// Number of records that a test writes at once: fewer than the stream holds.
+const RECORDS: u64 = 3;
 const DONE: &str = "{\"ok\":\"done\"}";
 
 /// Returns the part of a refusal between `text":"` and the next quote.
@@ -138,9 +140,12 @@ fn a_program_is_waited_for_at_its_start_once() {
     let mut child = Command::new("sleep").arg("1000").spawn().unwrap();
     let adopt = format!("{{\"adopt\":{{\"pid\":{},\"program\":\"x\"}}}}", child.id());
     let mut raw = Raw::connect(&served);
+    let begun = now_ns();
     assert_eq!(raw.ask(&adopt), DONE);
     // The client's second of patience passes while the clock waits.
     assert_eq!(ten_ms(&served), DONE);
+    let waited = now_ns() - begun;
+    assert!(waited >= 1_000_000_000, "{waited} ns");
     // The clock does not wait again for a client that is adopted again: otherwise this would take 50 seconds.
     for _ in 0..50 {
         assert_eq!(raw.ask(&adopt), DONE);
@@ -149,6 +154,31 @@ fn a_program_is_waited_for_at_its_start_once() {
     child.kill().unwrap();
     child.wait().unwrap();
     served.end();
+}
+
+/// Returns the time of the system's clock that never jumps, in nanoseconds.
+fn now_ns() -> i64 {
+    let t = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
+    t.tv_sec * 1_000_000_000 + t.tv_nsec
+}
+
+/// The clock stops at each poll that is due, however late the program comes.
+#[test]
+fn a_program_polls_once_in_each_of_its_periods() {
+    let scratch = Scratch::new("periods");
+    let served = served(&scratch);
+    let mut raw = Raw::connect(&served);
+    assert_eq!(raw.ask("{\"join\":{\"name\":\"panel\",\"poll_ns\":2000000}}"), DONE);
+    assert_eq!(raw.ask("\"ready\""), DONE);
+    let mut runs = Raw::connect(&served);
+    runs.send("{\"request\":{\"run\":{\"ns\":10000000}}}\n");
+    for ms in [2, 4, 6, 8, 10] {
+        let answer = raw.ask("{\"poll\":{\"writes\":[]}}");
+        assert!(answer.contains(&format!("\"time\":{ms}000000")), "{ms} ms: {answer}");
+    }
+    assert_eq!(runs.answer().trim_end(), DONE);
+    assert_eq!(status(&mut served.client()).time, 10_000_000);
+    assert_eq!(served.end(), [""; 0]);
 }
 
 /// Returns whether this process runs with the short timeout; if not, runs the test again in a process that does.
@@ -243,8 +273,13 @@ fn a_writer_that_does_not_write_is_given_up_until_it_does() {
         let mut stream = client.attach("feed.0", None).unwrap();
         // The clock moves although nothing is written.
         cycles(&mut client, "thread1", 3);
-        assert!(stream.put(&[hal_protocol::Value::U32(1), hal_protocol::Value::U32(10)]));
-        hal_tests::machine::wait(&mut client, "it comes", |c| count(c, "feed.0.taken") == 1);
+        // Several, so that the clock finds some of them before they are taken.
+        for _ in 0..RECORDS {
+            assert!(stream.put(&[hal_protocol::Value::U32(1), hal_protocol::Value::U32(10)]));
+        }
+        hal_tests::machine::wait(&mut client, "they come", |c| count(c, "feed.0.taken") == RECORDS);
+        // The clock has waited again, and again not for ever.
+        cycles(&mut client, "thread1", 3);
         client.call(Request::Shutdown).unwrap();
     });
     // Waits like a script that waits for a program.
@@ -255,6 +290,6 @@ fn a_writer_that_does_not_write_is_given_up_until_it_does() {
     let said = engine.take_messages();
     let want = "stream 'feed.0' has been empty for 0.2 s: the virtual clock waits for its writer \
                 again when it has written";
-    assert_eq!(said.first().map(String::as_str), Some(want));
+    assert_eq!(said, [want; 2]);
     engine.close();
 }
