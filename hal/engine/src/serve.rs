@@ -6,6 +6,7 @@
 pub(crate) mod client;
 pub(crate) mod clients;
 pub(crate) mod control;
+pub(crate) mod dispatch;
 pub(crate) mod hold;
 pub(crate) mod polls;
 pub(crate) mod request;

@@ -6,6 +6,7 @@
 #![expect(unsafe_code, reason = "maps rings that the engine hands over, asks who is at a socket")]
 
 mod at;
+mod class;
 mod client;
 mod code;
 mod failure;
@@ -28,6 +29,7 @@ mod wire;
 mod worker;
 
 pub use at::At;
+pub use class::Class;
 pub use client::{Client, INTERRUPTED, NOT_RUNNING};
 pub use code::Code;
 pub use failure::Failure;

@@ -8,7 +8,7 @@ use crate::{
     language::syntax::Statement,
     session::trailer::Trailer,
 };
-use hal_protocol::{Edit, Reply, Request};
+use hal_protocol::{Class, Edit, Reply, Request};
 use std::{
     io::Read,
     path::{Path, PathBuf},
@@ -145,7 +145,7 @@ impl Session<'_> {
     pub(crate) fn plan(&mut self, statement: &Statement, command: Command) -> Result<(), Error> {
         let trailer = Trailer::of(&command);
         let request = match command {
-            Command::Ask(request, _) if is_edit(&request) => request,
+            Command::Ask(request, _) if request.class() == Class::Edit => request,
             Command::Unload(name) => Request::Unload { name },
             Command::Lock(Some(LockChange::To(level))) => Request::SetLock { level },
             Command::Lock(Some(LockChange::Without(bits))) => Request::ClearLock { bits },
@@ -178,31 +178,6 @@ impl Session<'_> {
 
 fn counted(n: usize, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })
-}
-
-/// Returns whether the request is a change that the engine can undo.
-const fn is_edit(request: &Request) -> bool {
-    matches!(
-        request,
-        Request::Load { .. }
-            | Request::LoadForeign { .. }
-            | Request::Unload { .. }
-            | Request::UnloadAll
-            | Request::NewSignal { .. }
-            | Request::DeleteSignal { .. }
-            | Request::Net { .. }
-            | Request::Link { .. }
-            | Request::Unlink { .. }
-            | Request::Set { .. }
-            | Request::SetSignal { .. }
-            | Request::AddFunct { .. }
-            | Request::RemoveFunct { .. }
-            | Request::Start
-            | Request::Alias { .. }
-            | Request::Unalias { .. }
-            | Request::SetLock { .. }
-            | Request::ClearLock { .. }
-    )
 }
 
 /// Returns the reason why a command cannot be part of an all-or-nothing change.

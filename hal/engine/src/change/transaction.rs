@@ -54,9 +54,7 @@ impl Engine {
                 if let Some(file) = files.get(edit.file as usize) {
                     e.model.stand(file, edit.line);
                 }
-                e.stage(&edit.request).unwrap_or_else(|| {
-                    Err(Error::Protocol { why: "this does not change the graph".into() })
-                })?;
+                e.stage(&edit.request)?;
             }
             refused = false;
             Ok(())
@@ -75,10 +73,9 @@ impl Engine {
         }
     }
 
-    /// Stages a request. Returns `None` if the request does not change the graph, its names or its
-    /// values.
-    pub(crate) fn stage(&mut self, request: &Request) -> Option<Result<(), Error>> {
-        Some(match request {
+    /// Stages a request of the class [`hal_protocol::Class::Edit`]; refuses all others.
+    pub(crate) fn stage(&mut self, request: &Request) -> Result<(), Error> {
+        match request {
             Request::Load { module, args } => {
                 self.load_again(module).and_then(|()| self.load(module, args))
             }
@@ -112,8 +109,8 @@ impl Engine {
                 self.model.set_lock(Lock(self.model.lock().0 & !bits.0));
                 Ok(())
             }
-            _ => return None,
-        })
+            _ => Err(Error::Protocol { why: "this does not change the graph".into() }),
+        }
     }
 
     /// Refuses to load a component that this transaction unloads: until the commit it is still

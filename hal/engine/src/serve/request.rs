@@ -1,15 +1,21 @@
-//! Execution of requests, one by one.
+//! Execution of requests by class, and the waits of a script.
 
 use crate::{
-    Engine, Error, error::watch::WatchError, load::args::Args, name::Name, os,
-    realtime::shared::MAX_TIME_NS, serve::clients::Program, sync::Ordering,
+    Engine, Error,
+    error::watch::WatchError,
+    load::args::Args,
+    name::Name,
+    os,
+    serve::client::Waits,
+    serve::clients::Program,
+    serve::dispatch::{Answer, misplaced},
+    sync::Ordering,
 };
-use hal_protocol::{Answer, Failure, Kind, LATEST, Link, Patterns, Reply, Request, TicketInfo};
+use hal_protocol::{Failure, Kind, LATEST, Link, Patterns, Reply, Request, TicketInfo};
 
 impl Engine {
-    /// Executes a request that needs no client and no waiting.
-    pub(crate) fn carry(&mut self, request: Request) -> Result<Reply, Error> {
-        self.notice_fault();
+    /// Executes an edit as a transaction of its own.
+    pub(crate) fn edit(&mut self, request: &Request) -> Result<Reply, Error> {
         match request {
             // One after the other, each as a transaction: together they may be too many stores.
             Request::UnloadAll => {
@@ -26,71 +32,106 @@ impl Engine {
                     self.whole(|e| e.model.delete_signal(name.as_str()))?;
                 }
             }
-            Request::Apply { files, edits, dry } => return self.apply(&files, &edits, dry),
-            Request::Get { name } => return Ok(Reply::Value(self.model.get_item(&name)?)),
-            Request::GetSignal { name } => return Ok(Reply::Value(self.model.get_signal(&name)?)),
-            Request::Stop => {
-                self.model.unlocked(hal_protocol::Lock::RUN, "stop_threads")?;
-                self.runtime.stop()?;
+            edit => {
+                self.whole(|e| e.stage(edit))?;
             }
+        }
+        Ok(Reply::Done)
+    }
+
+    /// Answers a question.
+    pub(crate) fn query(&mut self, request: Request) -> Result<Reply, Error> {
+        Ok(match request {
+            Request::Get { name } => Reply::Value(self.model.get_item(&name)?),
+            Request::GetSignal { name } => Reply::Value(self.model.get_signal(&name)?),
             Request::List { kind: Kind::Workers, patterns, .. } => {
-                return Ok(Reply::Workers(self.workers.list(&Patterns::new(&patterns))));
+                Reply::Workers(self.workers.list(&Patterns::new(&patterns)))
             }
             Request::List { kind: Kind::Snapshots, patterns, .. } => {
-                return Ok(Reply::Snapshots(self.snapshots.list(&Patterns::new(&patterns))));
+                Reply::Snapshots(self.snapshots.list(&Patterns::new(&patterns)))
             }
-            Request::List { kind, patterns, ty } => {
-                return Ok(self.model.list(kind, &patterns, ty));
-            }
-            Request::Order => return Ok(Reply::Order(Box::new(self.order()))),
-            Request::Check => return Ok(Reply::Findings(self.check())),
-            Request::Snapshot { name } => {
-                return Ok(Reply::Snapshot(Box::new(self.snapshots.values(&name)?)));
-            }
-            Request::MapSnapshot { .. } => return Err(Error::NoSocket),
-            Request::Status => return Ok(Reply::Status(Box::new(self.status()))),
+            Request::List { kind, patterns, ty } => self.model.list(kind, &patterns, ty),
+            Request::Snapshot { name } => Reply::Snapshot(Box::new(self.snapshots.values(&name)?)),
+            Request::Order => Reply::Order(Box::new(self.order())),
+            Request::Check => Reply::Findings(self.check()),
+            Request::Status => Reply::Status(Box::new(self.status())),
             Request::Component { name } => {
                 let ix = self.model.graph().components.get(name.as_str()).copied();
                 let info = ix.and_then(|ix| self.model.component_info(ix));
-                return Ok(Reply::Components(info.into_iter().collect()));
+                Reply::Components(info.into_iter().collect())
+            }
+            Request::FlightState => Reply::Flight(self.flight_info()?),
+            _ => return Err(misplaced()),
+        })
+    }
+
+    /// Acts on the machine.
+    pub(crate) fn act(&mut self, request: Request) -> Result<Reply, Error> {
+        match request {
+            Request::Apply { files, edits, dry } => return self.apply(&files, &edits, dry),
+            Request::Stop => {
+                self.model.unlocked(hal_protocol::Lock::RUN, "stop_threads")?;
+                self.runtime.stop()?;
             }
             Request::Timing { thread, on } => self.model.time_functs(thread.as_deref(), on)?,
             Request::MessageLevel { level } => {
                 self.runtime.shared().mailbox.level.store(level, Ordering::Relaxed);
             }
             Request::Command { name, args } => return self.command(&name, &args),
-            Request::Adopt { pid, .. } if pid <= 1 || pid == os::own_pid() => {
-                let why = format!("{pid} is not the number of a program").into();
-                return Err(Error::Protocol { why });
-            }
-            // The virtual clock waits for the start of a program once.
-            Request::Adopt { pid, .. } if self.clients.programs.iter().any(|p| p.pid == pid) => {}
-            Request::Adopt { pid, program } => {
-                let since = os::monotonic_ns();
-                let joined = self.model.graph().components.values().any(|ix| {
-                    self.model.graph().component(*ix).is_some_and(|c| c.pid == Some(pid))
-                });
-                self.clients.programs.push(Program { pid, name: program, since, joined });
-                self.clients.publish_programs(self.runtime.instance());
-            }
+            Request::Shutdown => self.clients.shutdown = true,
+            _ => return Err(misplaced()),
+        }
+        Ok(Reply::Done)
+    }
+
+    /// Acts on programs and files.
+    pub(crate) fn act_outside(&mut self, request: Request) -> Result<Reply, Error> {
+        match request {
+            Request::Adopt { pid, program } => self.adopt(pid, program)?,
             Request::EndProgram { name } => self.end_program(name.as_deref())?,
             Request::Record { path, patterns } => self.record(&path, &patterns)?,
             Request::EndRecord => self.end_recording()?,
             Request::Flight(spec) => self.begin_flight(spec)?,
             Request::EndFlight => self.end_flight()?,
             Request::SaveFlight { path, last } => self.save_flight(&path, last)?,
-            Request::FlightState => return Ok(Reply::Flight(self.flight_info()?)),
-            Request::Sample(_) => return Err(WatchError::Here.into()),
-            Request::SampleState { id } => {
-                return Ok(Reply::SampleState(self.sample_state(0, id)?));
-            }
-            Request::EndSample { id } => return Ok(Reply::SampleState(self.end_sample(0, id)?)),
-            Request::Shutdown => self.clients.shutdown = true,
-            edit => {
-                self.whole(|e| e.stage(&edit).unwrap_or(Err(Error::NotAMember)))?;
-            }
+            _ => return Err(misplaced()),
         }
         Ok(Reply::Done)
+    }
+
+    /// Handles a request of the script that concerns the script itself.
+    pub(crate) fn own_of_script(&mut self, request: Request) -> Result<Reply, Error> {
+        Ok(match request {
+            Request::Hello { .. } => Reply::Hello {
+                protocol: LATEST,
+                instance: self.options.place.name().to_owned(),
+                version: env!("CARGO_PKG_VERSION").to_owned(),
+                id: 0,
+            },
+            Request::MapSnapshot { .. } => return Err(Error::NoSocket),
+            Request::Sample(_) => return Err(WatchError::Here.into()),
+            Request::SampleState { id } => Reply::SampleState(self.sample_state(0, id)?),
+            Request::EndSample { id } => Reply::SampleState(self.end_sample(0, id)?),
+            _ => return Err(Error::NotAMember),
+        })
+    }
+
+    /// Adds a program that a script has started. The virtual clock waits for its start once.
+    fn adopt(&mut self, pid: i32, program: String) -> Result<(), Error> {
+        if pid <= 1 || pid == os::own_pid() {
+            let why = format!("{pid} is not the number of a program").into();
+            return Err(Error::Protocol { why });
+        }
+        if self.clients.programs.iter().any(|p| p.pid == pid) {
+            return Ok(());
+        }
+        let since = os::monotonic_ns();
+        let graph = self.model.graph();
+        let mut components = graph.components.values().filter_map(|ix| graph.component(*ix));
+        let joined = components.any(|c| c.pid == Some(pid));
+        self.clients.programs.push(Program { pid, name: program, since, joined });
+        self.clients.publish_programs(self.runtime.instance());
+        Ok(())
     }
 
     /// `COMPONENT.VERB name=value …`.
@@ -111,7 +152,7 @@ impl Engine {
         };
         let ticket = outcome.ticket.map(|ticket| self.clients.await_result(owner, ticket));
         let awaited = outcome.awaited && ticket.is_some();
-        Ok(Reply::Answer(Answer { lines: outcome.lines, ticket, awaited }))
+        Ok(Reply::Answer(hal_protocol::Answer { lines: outcome.lines, ticket, awaited }))
     }
 
     /// `unloadusr`.
@@ -141,26 +182,11 @@ impl Engine {
         Ok(())
     }
 
-    /// Returns the machine time at which a `run` of `ns` nanoseconds ends.
-    pub(crate) fn run_end(&self, ns: u64) -> Result<i64, Error> {
-        if !self.runtime.is_virtual() {
-            return Err(Error::NotVirtual);
-        }
-        let now = self.runtime.now();
-        let end = i64::try_from(ns).ok().and_then(|ns| now.checked_add(ns));
-        end.filter(|end| *end <= MAX_TIME_NS).ok_or_else(|| Error::OutOfRange {
-            what: "time",
-            name: format!("{ns} ns").into(),
-            expects: "the virtual clock ends after 146 years",
-        })
-    }
-
-    /// Waits for `ms` milliseconds of wall-clock time; `flow` lets the virtual clock move
+    /// Waits until this monotonic wall-clock time in nanoseconds; `flow` lets the virtual clock move
     /// meanwhile.
-    fn idle(&mut self, ms: u32, flow: bool) {
-        let end = os::monotonic_ns() + i64::from(ms) * 1_000_000;
+    fn idle(&mut self, end: i64, flow: bool) {
         let before = self.clients.target;
-        if flow && !self.options.hold {
+        if flow {
             self.clients.target = i64::MAX;
             self.clients.script_waits = true;
         }
@@ -217,18 +243,20 @@ impl Engine {
 impl Link for Engine {
     fn call(&mut self, request: Request) -> Result<Reply, Failure> {
         self.runtime.control().beat();
-        if let Some(reply) = self.try_only(&request) {
-            return Ok(reply?);
-        }
-        let reply = match request {
-            Request::Hello { .. } => Reply::Hello {
-                protocol: LATEST,
-                instance: self.options.place.name().to_owned(),
-                version: env!("CARGO_PKG_VERSION").to_owned(),
-                id: 0,
-            },
-            Request::Run { ns } => {
-                let end = self.run_end(ns)?;
+        let awaited = match request {
+            Request::Await { pid, .. } => Some(pid),
+            _ => None,
+        };
+        let is_result = matches!(request, Request::Ticket { wait: true, .. });
+        Ok(match self.dispatch(request, None)? {
+            Answer::Now(reply) => {
+                if is_result {
+                    self.settle_polls();
+                }
+                self.hear();
+                reply
+            }
+            Answer::After(Waits::Time(end), _) => {
                 let before = core::mem::replace(&mut self.clients.target, end);
                 while self.runtime.now() < end && !self.is_ending() {
                     self.pump(1);
@@ -237,27 +265,15 @@ impl Link for Engine {
                 self.clients.target = before;
                 Reply::Done
             }
-            Request::Ticket { id, wait } => {
-                let info = if wait { self.wait_for_ticket(id)? } else { self.result(id)? };
-                Reply::Ticket(info)
-            }
-            Request::Idle { ms, flow } => {
-                self.idle(ms, flow);
-                Reply::Done
-            }
-            Request::Await { ms, pid } => {
-                self.clients.waits_for = Some(pid);
-                self.idle(ms, true);
+            Answer::After(Waits::Ticket(id), _) => Reply::Ticket(self.wait_for_ticket(id)?),
+            Answer::After(Waits::Wall(end), flow) => {
+                self.clients.waits_for = awaited;
+                self.idle(end, flow);
                 self.clients.waits_for = None;
                 Reply::Done
             }
-            other => {
-                let reply = self.carry(other)?;
-                self.hear();
-                reply
-            }
-        };
-        Ok(reply)
+            Answer::After(Waits::No | Waits::Poll(_), _) => return Err(Error::NotAMember.into()),
+        })
     }
 
     fn at(&mut self, file: &str, line: u32) {

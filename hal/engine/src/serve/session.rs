@@ -8,12 +8,12 @@ use crate::{
     name::Name,
     os,
     serve::client::{Client, Waits},
+    serve::dispatch::{Answer, misplaced},
     serve::hold::Hold,
     serve::polls::period,
 };
 use hal_protocol::{
-    ComponentState, Direction, Failure, LATEST, Reply, Request, TicketInfo, Type, Value,
-    WireRequest,
+    ComponentState, Direction, Failure, LATEST, Reply, Request, Type, Value, WireRequest,
 };
 
 /// Executes the request of a line; returns `None` when the answer comes later.
@@ -30,73 +30,59 @@ pub(crate) fn respond(
         }
     };
     let before = engine.model.visit(wire.at.as_ref());
-    let reply = answer(engine, c, wire.request);
+    let done = engine.dispatch(wire.request, Some(c));
     engine.model.resume(before);
-    reply
+    match done {
+        Ok(Answer::Now(reply)) => Some(Ok(reply)),
+        Ok(Answer::After(waits, flows)) => {
+            if matches!(waits, Waits::Time(_) | Waits::Ticket(_)) {
+                has_started(engine, c);
+            }
+            (c.waits, c.flows) = (waits, flows);
+            None
+        }
+        Err(e) => Some(Err(e.into())),
+    }
 }
 
-fn answer(engine: &mut Engine, c: &mut Client, request: Request) -> Option<Result<Reply, Failure>> {
-    let done = match request {
-        Request::Hello { protocol, name, pid } => hello(engine, c, protocol, &name, pid),
-        Request::Run { ns } => match engine.run_end(ns) {
-            Ok(end) => {
-                has_started(engine, c);
-                c.waits = Waits::Time(end);
-                return None;
-            }
-            Err(e) => Err(e),
-        },
-        Request::Ticket { id, wait } => match engine.result(id) {
-            Ok(TicketInfo::Pending) if wait => {
-                has_started(engine, c);
-                c.waits = Waits::Ticket(id);
-                return None;
-            }
-            other => other.map(Reply::Ticket),
-        },
-        Request::Idle { ms, flow } => {
-            c.waits = Waits::Wall(os::monotonic_ns() + i64::from(ms) * 1_000_000);
-            c.flows = flow && !engine.options.hold;
-            return None;
-        }
-        Request::Await { ms, .. } => {
-            c.waits = Waits::Wall(os::monotonic_ns() + i64::from(ms) * 1_000_000);
-            c.flows = !engine.options.hold;
-            return None;
-        }
-        Request::Join { name, poll_ns } => join(engine, c, &name, poll_ns),
-        Request::NewPin { name, ty, direction } => new_pin(engine, c, &name, ty, direction),
-        Request::Ready => ready(engine, c),
-        Request::Poll { writes } => match checked(engine, c, &writes) {
-            Ok(writes) => {
-                // On the virtual clock a program's values are written at its poll, however fast the
-                // program was.
-                c.writes = writes;
-                if !engine.runtime.is_virtual() {
-                    put_writes(engine, c);
-                }
-                let now = engine.runtime.now();
-                let due = c.owes.take().unwrap_or(now.saturating_add(c.poll_ns));
-                (c.waits, c.hold) = (Waits::Poll(due.max(now)), Hold::NONE);
-                return None;
-            }
-            Err(e) => Err(e),
-        },
-        Request::Attach { name, count } => attach(engine, c, &name, count),
-        Request::Sample(spec) => engine.begin_sample(c.id, &spec).map(|(info, fd)| {
+/// Handles a request that concerns the client itself.
+pub(crate) fn own(engine: &mut Engine, c: &mut Client, request: Request) -> Result<Answer, Error> {
+    Ok(Answer::Now(match request {
+        Request::Hello { protocol, name, pid } => hello(engine, c, protocol, &name, pid)?,
+        Request::Join { name, poll_ns } => join(engine, c, &name, poll_ns)?,
+        Request::NewPin { name, ty, direction } => new_pin(engine, c, &name, ty, direction)?,
+        Request::Ready => ready(engine, c)?,
+        Request::Poll { writes } => return poll(engine, c, &writes),
+        Request::Attach { name, count } => attach(engine, c, &name, count)?,
+        Request::Sample(spec) => {
+            let (info, fd) = engine.begin_sample(c.id, &spec)?;
             c.fd = Some(fd);
             has_started(engine, c);
             Reply::Sample(info)
-        }),
-        Request::MapSnapshot { name } => engine.snapshots.page(&name).map(|(info, fd)| {
+        }
+        Request::MapSnapshot { name } => {
+            let (info, fd) = engine.snapshots.page(&name)?;
             c.fd = Some(fd);
             Reply::SnapshotPage(Box::new(info))
-        }),
-        Request::SampleState { id } => engine.sample_state(c.id, id).map(Reply::SampleState),
-        Request::EndSample { id } => engine.end_sample(c.id, id).map(Reply::SampleState),
-        other => engine.carry(other),
-    };
-    Some(done.map_err(Failure::from))
+        }
+        Request::SampleState { id } => Reply::SampleState(engine.sample_state(c.id, id)?),
+        Request::EndSample { id } => Reply::SampleState(engine.end_sample(c.id, id)?),
+        _ => return Err(misplaced()),
+    }))
+}
+
+/// Writes values of a program, and waits for its next poll.
+fn poll(engine: &Engine, c: &mut Client, writes: &[(u32, Value)]) -> Result<Answer, Error> {
+    // On the virtual clock a program's values are written at its poll, however fast the program
+    // was.
+    c.writes = checked(engine, c, writes)?;
+    if !engine.runtime.is_virtual() {
+        put_writes(engine, c);
+    }
+    let now = engine.runtime.now();
+    let due = c.owes.take().unwrap_or(now.saturating_add(c.poll_ns));
+    c.hold = Hold::NONE;
+    Ok(Answer::After(Waits::Poll(due.max(now)), false))
 }
 
 fn hello(
