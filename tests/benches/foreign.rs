@@ -14,7 +14,7 @@
 mod beside;
 
 use beside::{CHAIN, account, chain_script, peer, programs, while_running};
-use hal_engine::{ClockKind, Engine, Options, RealtimeOptions};
+use hal_engine::{ClockKind, Engine, Options};
 use hal_protocol::{Link, Place, Request};
 use hal_tests::foreign::installed;
 use std::{
@@ -40,14 +40,8 @@ fn gate(folder: &Path) {
 /// Returns the nanoseconds per function on the virtual clock: the minimum over several seconds of machine time.
 fn in_process(lines: &str, path: Vec<PathBuf>) -> f64 {
     let mut engine = Engine::without_socket(Options {
-        place: Place::at("/nonexistent", "bench").unwrap(),
-        clock: ClockKind::Virtual,
-        hold: true,
-        simulate: true,
-        old_names: false,
-        interlock: false,
         path,
-        realtime: RealtimeOptions::default(),
+        ..Options::simulated(Place::at("/nonexistent", "bench").unwrap(), ClockKind::Virtual)
     })
     .unwrap();
     for line in lines.lines() {

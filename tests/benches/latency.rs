@@ -74,14 +74,9 @@ fn ours(cycles: usize, cpu: usize) -> Option<Vec<i64>> {
     let places = BEGAN.get_or_init(|| (0..cycles + WARM).map(|_| AtomicI64::new(0)).collect());
     COUNT.store(0, Relaxed);
     let options = Options {
-        place: Place::at("/nonexistent", "latency").unwrap(),
-        clock: ClockKind::Real,
         hold: false,
-        simulate: true,
-        old_names: false,
-        interlock: false,
-        path: Vec::new(),
         realtime: RealtimeOptions { cpu: Some(cpu), ..RealtimeOptions::default() },
+        ..Options::simulated(Place::at("/nonexistent", "latency").unwrap(), ClockKind::Real)
     };
     let mut e = Engine::without_socket(options).unwrap();
     e.add_static(&threads::HAL_LIBRARY);

@@ -12,7 +12,7 @@
 )]
 
 use divan::{Bencher, counter::ItemsCount};
-use hal_engine::{ClockKind, Engine, Options, RealtimeOptions};
+use hal_engine::{ClockKind, Engine, Options};
 use hal_protocol::{Client, FlightSpec, Link, Place, Reply, Request, SampleSpec};
 use hal_tests::{
     machine::script,
@@ -26,16 +26,8 @@ const CYCLES: u32 = 1000;
 
 /// Creates this many gates, with linked outputs, in a machine whose 1 ms thread runs none of them.
 fn machine(gates: usize) -> Engine {
-    let options = Options {
-        place: Place::at("/nonexistent", "bench").unwrap(),
-        clock: ClockKind::Virtual,
-        hold: true,
-        simulate: true,
-        old_names: false,
-        interlock: false,
-        path: Vec::new(),
-        realtime: RealtimeOptions::default(),
-    };
+    let options =
+        Options::simulated(Place::at("/nonexistent", "bench").unwrap(), ClockKind::Virtual);
     let mut e = Engine::without_socket(options).unwrap();
     e.add_static(&logic::HAL_LIBRARY);
     e.add_static(&threads::HAL_LIBRARY);

@@ -105,14 +105,9 @@ const LARGE: &[(&str, &[Size])] = {
 /// Returns an engine on the virtual clock that finds every plugin.
 pub fn engine() -> Engine {
     Engine::without_socket(Options {
-        place: Place::at("/nonexistent", "every").unwrap(),
-        clock: ClockKind::Virtual,
-        hold: true,
-        simulate: true,
-        old_names: false,
-        interlock: false,
         path: vec![programs().to_owned()],
         realtime: crate::machine::realtime(),
+        ..Options::simulated(Place::at("/nonexistent", "every").unwrap(), ClockKind::Virtual)
     })
     .unwrap()
 }

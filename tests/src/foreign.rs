@@ -26,14 +26,9 @@ impl Bench {
         let mut path = vec![programs().to_owned()];
         path.extend(folders.iter().map(|f| (*f).to_owned()));
         let options = Options {
-            place: Place::at("/nonexistent", "test").unwrap(),
-            clock: ClockKind::Virtual,
-            hold: true,
-            simulate: true,
-            old_names: false,
-            interlock: false,
             path,
             realtime: crate::machine::realtime(),
+            ..Options::simulated(Place::at("/nonexistent", "test").unwrap(), ClockKind::Virtual)
         };
         Self { engine: Engine::without_socket(options).unwrap() }
     }

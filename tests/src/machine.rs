@@ -26,16 +26,7 @@ pub fn options(place: Place, clock: ClockKind) -> Options {
 
 /// Returns the same options for an engine that looks for no file.
 pub(crate) fn bare(place: Place, clock: ClockKind) -> Options {
-    Options {
-        place,
-        clock,
-        hold: true,
-        simulate: true,
-        old_names: false,
-        interlock: false,
-        path: Vec::new(),
-        realtime: realtime(),
-    }
+    Options { realtime: realtime(), ..Options::simulated(place, clock) }
 }
 
 /// Returns the realtime options of tests. Many tests use functions that run for a long time; that alone stops no
@@ -254,7 +245,7 @@ pub fn wait<L: Link>(link: &mut L, what: &str, mut look: impl FnMut(&mut L) -> b
         }
         link.call(Request::Idle { ms: 1, flow: false }).unwrap();
     }
-    panic!("aborted: {what}");
+    panic!("timed out: {what}");
 }
 
 /// Waits until a thread has run this many more cycles.

@@ -224,7 +224,7 @@ impl Drop for Running {
 
 /// Polls until a condition holds; panics at the timeout.
 pub fn until(what: &str, look: impl FnMut() -> bool) {
-    assert!(try_until(look), "aborted: {what}");
+    assert!(try_until(look), "timed out: {what}");
 }
 
 fn try_until(mut look: impl FnMut() -> bool) -> bool {

@@ -85,14 +85,10 @@ fn engine(path: &[&Path]) -> Engine {
 
 fn options(path: &[&Path]) -> Options {
     Options {
-        place: Place::at("/nonexistent", "counted").unwrap(),
-        clock: ClockKind::Real,
         hold: false,
-        simulate: true,
-        old_names: false,
-        interlock: false,
         path: path.iter().map(|p| p.to_path_buf()).collect(),
         realtime: hal_tests::machine::realtime(),
+        ..Options::simulated(Place::at("/nonexistent", "counted").unwrap(), ClockKind::Real)
     }
 }
 

@@ -6,6 +6,7 @@ use crate::{
     ring::Slots,
     sync::{AtomicU64, Ordering},
 };
+use core::marker::PhantomData;
 use std::sync::Arc;
 
 /// Largest number of attempts to copy a record while its writer replaces it.
@@ -31,11 +32,11 @@ fn read<T: Plain>(words: &[AtomicU64]) -> T {
 
 /// Writing end of a bounded ring of plain records.
 #[derive(Debug)]
-pub struct RingWriter<T>(Arc<Slots>, core::marker::PhantomData<fn(T)>);
+pub struct RingWriter<T>(Arc<Slots>, PhantomData<fn(T)>);
 
 /// Reading end of a bounded ring of plain records.
 #[derive(Debug)]
-pub struct RingReader<T>(Arc<Slots>, core::marker::PhantomData<fn() -> T>);
+pub struct RingReader<T>(Arc<Slots>, PhantomData<fn() -> T>);
 
 impl<T: Plain> RingWriter<T> {
     /// Realtime. Appends `value`. Never waits, whatever the reader does.
@@ -77,7 +78,7 @@ struct Seqlock {
 pub struct SeqWriter<T> {
     lock: Arc<Seqlock>,
     number: u64,
-    kind: core::marker::PhantomData<fn(T)>,
+    kind: PhantomData<fn(T)>,
 }
 
 /// Reading end of a seqlock. Each clone keeps its own last copy.
@@ -188,8 +189,7 @@ impl Builder<'_> {
     pub fn ring<T: Plain>(&mut self, room: usize) -> (RingWriter<T>, RingReader<T>) {
         let width = T::WORDS.max(1);
         let slots = Arc::new(Slots::over(words(room.max(1) * width), width));
-        let kind = core::marker::PhantomData;
-        (RingWriter(slots.clone(), kind), RingReader(slots, core::marker::PhantomData))
+        (RingWriter(slots.clone(), PhantomData), RingReader(slots, PhantomData))
     }
 
     /// Creates a seqlock that holds the latest value of a plain record, written by one function,
@@ -228,7 +228,7 @@ impl Builder<'_> {
         let lock = Seqlock { sequence: AtomicU64::new(0), words: words(T::WORDS) };
         fill(&lock.words, &initial);
         let lock = Arc::new(lock);
-        let writer = SeqWriter { lock: lock.clone(), number: 0, kind: core::marker::PhantomData };
+        let writer = SeqWriter { lock: lock.clone(), number: 0, kind: PhantomData };
         (writer, SeqReader { lock, last: initial })
     }
 }

@@ -19,9 +19,8 @@ pub(crate) struct Slots {
 }
 
 impl Slots {
-    /// Returns an empty ring over `words`, divided into slots of `width` words.
+    /// Returns an empty ring over `words`, divided into slots of `width` words, at least one.
     pub(crate) fn over(words: Box<[AtomicU64]>, width: usize) -> Self {
-        let width = if width == 0 { 1 } else { width };
         let depth = (words.len() / width) as u64;
         let index = || Index(AtomicU64::new(0));
         Self { words, width, depth, written: index(), taken: index() }

@@ -64,6 +64,24 @@ pub struct Options {
     pub realtime: RealtimeOptions,
 }
 
+impl Options {
+    /// Returns the options of a machine with simulated hardware, whose virtual clock moves only in
+    /// `run T`, and that finds no plugins.
+    #[must_use]
+    pub const fn simulated(place: Place, clock: ClockKind) -> Self {
+        Self {
+            place,
+            clock,
+            hold: true,
+            simulate: true,
+            old_names: false,
+            interlock: false,
+            path: Vec::new(),
+            realtime: RealtimeOptions::DEFAULT,
+        }
+    }
+}
+
 /// Settings that the engine requests from the system for realtime threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RealtimeOptions {
@@ -77,9 +95,14 @@ pub struct RealtimeOptions {
     pub stuck_ns: Option<u64>,
 }
 
+impl RealtimeOptions {
+    /// Values where nothing else is asked for.
+    const DEFAULT: Self = Self { cpu: None, idle_us: Some(0), stuck_ns: None };
+}
+
 impl Default for RealtimeOptions {
     fn default() -> Self {
-        Self { cpu: None, idle_us: Some(0), stuck_ns: None }
+        Self::DEFAULT
     }
 }
 

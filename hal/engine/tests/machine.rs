@@ -1,20 +1,11 @@
 //! Small machines in virtual time, from components that are linked in.
 #![expect(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "tests")]
 
-use hal_engine::{ClockKind, Engine, Options, RealtimeOptions};
+use hal_engine::{ClockKind, Engine, Options};
 use hal_protocol::{Failure, Kind, Link, Place, Reply, Request, Value};
 
 fn engine() -> Engine {
-    let options = Options {
-        place: Place::find(Some("test")).unwrap(),
-        clock: ClockKind::Virtual,
-        hold: true,
-        simulate: true,
-        old_names: false,
-        interlock: false,
-        path: Vec::new(),
-        realtime: RealtimeOptions::default(),
-    };
+    let options = Options::simulated(Place::find(Some("test")).unwrap(), ClockKind::Virtual);
     let mut e = Engine::without_socket(options).unwrap();
     e.add_static(&logic::HAL_LIBRARY);
     e

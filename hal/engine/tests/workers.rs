@@ -6,7 +6,7 @@ use hal_component::{
     Update, Work,
     abi::{ArgSpec, arg, component_flags},
 };
-use hal_engine::{ClockKind, Engine, Options, RealtimeOptions};
+use hal_engine::{ClockKind, Engine, Options};
 use hal_protocol::{
     Client, Edit, Failure, FaultInfo, Kind, Link, Place, Reply, Request, StatusInfo, Value,
     WorkerInfo, WorkerState,
@@ -166,16 +166,7 @@ impl Component for Planner {
 hal_component::export!(Planner);
 
 fn options(clock: ClockKind, place: Place) -> Options {
-    Options {
-        place,
-        clock,
-        hold: true,
-        simulate: true,
-        old_names: false,
-        interlock: false,
-        path: Vec::new(),
-        realtime: RealtimeOptions::default(),
-    }
+    Options::simulated(place, clock)
 }
 
 fn engine(clock: ClockKind) -> Engine {

@@ -123,7 +123,7 @@ impl Client {
             (Reply::SnapshotPage(info), Some(fd)) => {
                 Snapshot::map(&fd, *info).map_err(|e| Failure::new(EIO, e))
             }
-            _ => Err(Failure::new(EIO, format!("no page came for '{name}'"))),
+            _ => Err(Failure::new(EIO, format!("the engine sent no page for '{name}'"))),
         }
     }
 

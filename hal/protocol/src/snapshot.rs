@@ -1,18 +1,11 @@
 //! Snapshots: the latest record that a component publishes, described, as values, and mapped into
 //! this process.
 
-use crate::{Type, Value};
+use crate::{Type, Value, stream::Mapping};
 use hal_abi::{PAGE_MAGIC, Page, PageReader};
-use rustix::{
-    fs::{SealFlags, fcntl_get_seals, fstat},
-    mm::{MapFlags, ProtFlags, mmap, munmap},
-};
+use rustix::mm::ProtFlags;
 use serde::{Deserialize, Serialize};
-use std::{
-    ffi::c_void,
-    os::fd::{AsFd, OwnedFd},
-    ptr,
-};
+use std::os::fd::OwnedFd;
 
 /// A field of a snapshot.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -58,8 +51,9 @@ pub struct SnapshotValues {
 pub struct Snapshot {
     info: SnapshotInfo,
     reader: PageReader,
-    address: *mut c_void,
-    bytes: usize,
+    // Last field, because the reader points into it and must be dropped first.
+    #[expect(dead_code, reason = "held so that the page stays mapped")]
+    mapping: Mapping,
 }
 
 // SAFETY: the mapping belongs to this value, and its words are only loaded.
@@ -73,31 +67,16 @@ impl Snapshot {
     pub fn map(fd: &OwnedFd, info: SnapshotInfo) -> Result<Self, String> {
         let words = info.fields.iter().try_fold(0_u32, |sum, f| sum.checked_add(f.count));
         let words = words.ok_or("the record is too long")?;
-        let bytes = Page::bytes(words);
-        let seals = fcntl_get_seals(fd).map_err(|e| e.to_string())?;
-        if !seals.contains(SealFlags::SHRINK) {
-            return Err("the page could be cut while it is read".into());
-        }
-        let size = fstat(fd).map_err(|e| e.to_string())?.st_size;
-        if usize::try_from(size).unwrap_or(0) < bytes {
-            return Err("the page is smaller than its record".into());
-        }
-        // SAFETY: this is a new shared mapping. The file is sealed against shrinking, as checked
-        // above.
-        let address = unsafe {
-            mmap(ptr::null_mut(), bytes, ProtFlags::READ, MapFlags::SHARED, fd.as_fd(), 0)
-        }
-        .map_err(|e| e.to_string())?;
-        let page = address.cast::<Page>().cast_const();
-        // SAFETY: mapped for as long as this value lives, with this number of words.
-        let reader = unsafe { PageReader::new(page, words) };
-        let mapped = Self { info, reader, address, bytes };
+        let mapping = Mapping::sealed(fd, Page::bytes(words), ProtFlags::READ, "page")?;
+        let page = mapping.address().cast::<Page>();
         // SAFETY: the mapping is longer than the header, of which only atomics change.
         let head = unsafe { &*page };
-        if head.magic != PAGE_MAGIC || head.version != mapped.info.version {
+        if head.magic != PAGE_MAGIC || head.version != info.version {
             return Err("this is not the page of this snapshot".into());
         }
-        Ok(mapped)
+        // SAFETY: mapped for as long as this value lives, with this number of words.
+        let reader = unsafe { PageReader::new(page, words) };
+        Ok(Self { info, reader, mapping })
     }
 
     /// Returns the description of the snapshot.
@@ -119,12 +98,5 @@ impl Snapshot {
             }
         })?;
         Some(sequence / 2)
-    }
-}
-
-impl Drop for Snapshot {
-    fn drop(&mut self) {
-        // SAFETY: mapped in `map`, and no pointer into it outlives `self`.
-        let _ = unsafe { munmap(self.address, self.bytes) };
     }
 }

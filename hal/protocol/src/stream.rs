@@ -19,7 +19,7 @@ pub struct Stream {
     mapping: Mapping,
 }
 
-/// A ring mapped into this process's memory.
+/// Memory of the engine that is mapped into this process.
 #[derive(Debug)]
 pub(crate) struct Mapping {
     address: *mut c_void,
@@ -32,35 +32,50 @@ unsafe impl Send for Mapping {}
 impl Mapping {
     /// Maps a ring of this depth (slots) and width (values per record).
     pub(crate) fn new(fd: &OwnedFd, depth: u32, width: u32) -> Result<Self, String> {
-        let bytes = Ring::bytes(depth, width);
-        let size = rustix::fs::fstat(fd.as_fd()).map_err(|e| e.to_string())?.st_size;
-        if usize::try_from(size).ok().is_none_or(|s| s < bytes) {
-            return Err("the ring is smaller than it says".into());
-        }
-        let seals = rustix::fs::fcntl_get_seals(fd).map_err(|e| e.to_string())?;
-        if !seals.contains(SealFlags::SHRINK) {
-            return Err("the ring could be cut while it is read".into());
-        }
-        let (prot, flags) = (ProtFlags::READ | ProtFlags::WRITE, MapFlags::SHARED);
-        // SAFETY: this is a new shared mapping. The file is sealed against shrinking, as checked
-        // above.
-        let address = unsafe { mmap(ptr::null_mut(), bytes, prot, flags, fd.as_fd(), 0) }
-            .map_err(|e| e.to_string())?;
-        let mapping = Self { address, bytes };
+        let prot = ProtFlags::READ | ProtFlags::WRITE;
+        let mapping = Self::sealed(fd, Ring::bytes(depth, width), prot, "ring")?;
         // SAFETY: the mapping is at least as long as the header, and the magic is its first word.
         let magic = unsafe { mapping.ring().cast::<u64>().read() };
         if magic == RING_MAGIC { Ok(mapping) } else { Err("this is not a ring".into()) }
     }
 
+    /// Maps the first bytes of a file that cannot shrink; `what` is its name in errors.
+    pub(crate) fn sealed(
+        fd: &OwnedFd,
+        bytes: usize,
+        prot: ProtFlags,
+        what: &str,
+    ) -> Result<Self, String> {
+        let size = rustix::fs::fstat(fd.as_fd()).map_err(|e| e.to_string())?.st_size;
+        if usize::try_from(size).ok().is_none_or(|s| s < bytes) {
+            return Err(format!("the {what} is smaller than it says"));
+        }
+        let seals = rustix::fs::fcntl_get_seals(fd).map_err(|e| e.to_string())?;
+        if !seals.contains(SealFlags::SHRINK) {
+            return Err(format!("the {what} could be cut while it is read"));
+        }
+        // SAFETY: this is a new shared mapping. The file is sealed against shrinking, as checked
+        // above.
+        let address =
+            unsafe { mmap(ptr::null_mut(), bytes, prot, MapFlags::SHARED, fd.as_fd(), 0) }
+                .map_err(|e| e.to_string())?;
+        Ok(Self { address, bytes })
+    }
+
+    /// Returns the start of the mapping.
+    pub(crate) const fn address(&self) -> *const c_void {
+        self.address.cast_const()
+    }
+
     /// Returns the header of the ring.
     pub(crate) const fn ring(&self) -> *const Ring {
-        self.address.cast::<Ring>().cast_const()
+        self.address().cast::<Ring>()
     }
 }
 
 impl Drop for Mapping {
     fn drop(&mut self) {
-        // SAFETY: mapped in `new`, and no pointer into it outlives `self`.
+        // SAFETY: mapped in `sealed`, and no pointer into it outlives `self`.
         let _ = unsafe { munmap(self.address, self.bytes) };
     }
 }

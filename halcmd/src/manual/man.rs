@@ -12,7 +12,7 @@ use crate::{
     programs::halrun::plan::plugin_path,
 };
 use gather::{Found, functions, gathered};
-use hal_engine::{ClockKind, Engine, Options, RealtimeOptions};
+use hal_engine::{ClockKind, Engine, Options};
 use hal_protocol::{
     CommandInfo, Direction, FunctInfo, ItemInfo, Kind, Link, Offer, Place, Reply, Request, Type,
 };
@@ -213,14 +213,9 @@ fn engine(path: &[PathBuf]) -> Result<Engine, Error> {
         why: why.into(),
     })?;
     Ok(Engine::trial(Options {
-        place,
-        clock: ClockKind::Virtual,
-        hold: true,
         simulate: false,
-        old_names: false,
-        interlock: false,
         path: path.to_vec(),
-        realtime: RealtimeOptions::default(),
+        ..Options::simulated(place, ClockKind::Virtual)
     })?)
 }
 

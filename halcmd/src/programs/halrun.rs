@@ -24,8 +24,8 @@ use std::{
     process::{Child, ExitCode},
 };
 
-/// Time for which `-U` waits for the instance to end, in steps of 10 ms.
-const TIMEOUT: u32 = 1000;
+/// Number of times, 10 ms apart, that `-U` checks whether the instance has ended.
+const MAX_CHECKS: u32 = 1000;
 
 /// Runs the program with these command line arguments.
 #[must_use]
@@ -76,7 +76,7 @@ fn stop(place: &Place, terminal: &mut dyn Terminal) -> u8 {
     // An instance that has ended meanwhile refuses the request.
     drop(client.call(Request::Shutdown));
     drop(client);
-    let has_ended = (0..TIMEOUT).any(|_| {
+    let has_ended = (0..MAX_CHECKS).any(|_| {
         is_gone(place) || {
             pause(10);
             false

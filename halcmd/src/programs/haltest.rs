@@ -78,7 +78,7 @@ const OPTIONS: &[Opt<Id>] = &[
     },
     with("filter", Id::Filter, Some("TEXT"), "only tests whose name has TEXT in it"),
     with("list", Id::List, None, "print which tests there are"),
-    with("accept", Id::Accept, None, "accept the present waveforms of tests that pass otherwise"),
+    with("accept", Id::Accept, None, "accept the present waveforms of tests that otherwise pass"),
     with("junit", Id::Junit, Some("FILE"), "write the results as JUnit XML"),
     with("json", Id::Json, None, "print the result of each test as an object"),
     with(
@@ -87,12 +87,7 @@ const OPTIONS: &[Opt<Id>] = &[
         Some("FOLDER"),
         "keep the recording of each test there, as NAME.vcd",
     ),
-    with(
-        "timeout",
-        Id::Timeout,
-        Some("TIME"),
-        "abort a test after TIME of wall-clock time; else 60s",
-    ),
+    with("timeout", Id::Timeout, Some("TIME"), "abort a test after TIME of wall-clock time (60s)"),
     Opt { help: "print this", long: Some("help"), ..Opt::flag(Id::Help, 'h') },
 ];
 

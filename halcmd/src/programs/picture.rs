@@ -86,8 +86,8 @@ pub(crate) trait Picture {
     }
 }
 
-/// A bitmap whose thin lines are smooth and whole: the bitmap's own drop the last pixel of a falling line, so that curves
-/// of short lines look dashed.
+/// A bitmap with anti-aliased thin lines. Those of `BitMapBackend` lack the last pixel where they fall, so that curves of
+/// short lines look dashed.
 struct Smooth<'a>(BitMapBackend<'a>);
 
 type Failed<'a> = DrawingErrorKind<<BitMapBackend<'a> as DrawingBackend>::ErrorType>;
@@ -121,20 +121,21 @@ impl<'a> DrawingBackend for Smooth<'a> {
         if straight || style.stroke_width() != 1 || style.color().alpha == 0.0 {
             return self.0.draw_line(from, to, style);
         }
-        let steep = (to.0 - from.0).abs() < (to.1 - from.1).abs();
+        // Coordinates of points far outside the picture are saturated, so their differences may exceed an i32.
+        let steep = to.0.abs_diff(from.0) < to.1.abs_diff(from.1);
         let turned = |(x, y): BackendCoord| if steep { (y, x) } else { (x, y) };
         let (a, b) = (turned(from), turned(to));
         let (a, b) = if a.0 < b.0 { (a, b) } else { (b, a) };
-        let slope = f64::from(b.1 - a.1) / f64::from(b.0 - a.0);
+        let slope = (f64::from(b.1) - f64::from(a.1)) / (f64::from(b.0) - f64::from(a.0));
         let (width, height) = self.get_size();
         let end = i32::try_from(if steep { height } else { width }).unwrap_or(i32::MAX);
         for x in a.0.max(0)..=b.0.min(end) {
-            let y = f64::from(a.1) + slope * f64::from(x - a.0);
+            let y = f64::from(a.1) + slope * (f64::from(x) - f64::from(a.0));
             #[expect(clippy::cast_possible_truncation, reason = "between two coordinates")]
             let below = y.floor() as i32;
             let share = y - y.floor();
             // A line between two rows of pixels shares its colour between them.
-            for (row, part) in [(below, 1.0 - share), (below + 1, share)] {
+            for (row, part) in [(below, 1.0 - share), (below.saturating_add(1), share)] {
                 if part > 0.0 {
                     let colour = style.color();
                     let colour = BackendColor { alpha: colour.alpha * part, ..colour };

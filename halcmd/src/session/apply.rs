@@ -183,22 +183,22 @@ fn counted(n: usize, what: &str) -> String {
 /// Returns the reason why a command cannot be part of an all-or-nothing change.
 const fn why_not(command: &Command) -> &'static str {
     match command {
-        Command::Launch(_) => "a program that was started cannot be undone",
-        Command::UnloadAll => {
-            "programs that were ended cannot be undone; 'unloadrt all' unloads the rest"
-        }
+        Command::Launch(_) => "starting a program cannot be undone",
+        Command::UnloadAll => "ending programs cannot be undone; 'unloadrt all' unloads the rest",
         Command::Component { .. } => "a command to a component cannot be undone",
         Command::Apply(_) => "'source' takes another file in",
         Command::Ask(request, _) => match request {
-            Request::EndProgram { .. } => "a program that was ended cannot be undone",
+            Request::EndProgram { .. } => "ending a program cannot be undone",
             Request::Stop => "threads that stop lose cycles, and this is to lose none",
             Request::Run { .. } => "it moves the clock, and all of this is one moment",
             Request::Shutdown => "it would end what is to be changed",
-            Request::Record { .. } | Request::EndRecord => "a file cannot be undone",
-            Request::Flight(_) | Request::EndFlight => "an event that was kept cannot be undone",
+            Request::Record { .. } | Request::EndRecord => "writing a file cannot be undone",
+            Request::Flight(_) | Request::EndFlight => {
+                "what the flight recorder keeps cannot be restored"
+            }
             _ => "it changes neither wiring nor values",
         },
-        Command::Flight(_) => "a file cannot be undone",
+        Command::Flight(_) => "writing a file cannot be undone",
         Command::AwaitEnd(_) => "it waits, and all of this is one moment",
         _ => "it changes nothing",
     }

@@ -10,7 +10,7 @@ use std::{
 };
 
 /// Number of polls after which a message says that the session is waiting for a component.
-const TIMEOUT: u32 = 200;
+const SILENT_POLLS: u32 = 200;
 const POLL_MS: u32 = 10;
 
 impl Session<'_> {
@@ -139,7 +139,7 @@ impl Session<'_> {
             }
             self.ask(Request::Idle { ms: POLL_MS, flow: false })?;
             polls += 1;
-            if polls == TIMEOUT {
+            if polls == SILENT_POLLS {
                 self.warn_at(&format!("Waiting for component '{component}' to become ready."));
                 for other in self.components()?.iter().filter(|c| !before.contains(c)) {
                     self.warn_at(&format!(
@@ -147,11 +147,11 @@ impl Session<'_> {
                         other.name
                     ));
                 }
-            } else if polls > TIMEOUT && polls % 10 == 0 && !self.style.json {
+            } else if polls > SILENT_POLLS && polls % 10 == 0 && !self.style.json {
                 self.terminal.err(".");
             }
         };
-        if polls > TIMEOUT && !self.style.json {
+        if polls > SILENT_POLLS && !self.style.json {
             self.terminal.err("\n");
         }
         result

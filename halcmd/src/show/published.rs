@@ -59,3 +59,60 @@ fn plain(value: &Value) -> serde_json::Value {
         other => json!(other.to_string()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{json, workers};
+    use hal_protocol::{
+        FieldInfo, SnapshotInfo, SnapshotValues, Type, Value, WorkerInfo, WorkerState,
+    };
+
+    #[test]
+    fn columns_of_workers() {
+        let worker = |name: &str, state| WorkerInfo {
+            name: name.to_owned(),
+            owner_name: "planner".to_owned(),
+            period: 10_000_000,
+            most: 20,
+            steps: 12,
+            items: 240,
+            state,
+            doc: String::new(),
+        };
+        let list = [worker("planner.plan", WorkerState::Idle), worker("x", WorkerState::Working)];
+        let mut text = String::new();
+        workers(&mut text, &list, false);
+        let want = "Period     Items  State      Steps       Done  Name\n\
+                    10 ms         20  idle          12        240  planner.plan\n\
+                    10 ms         20  working       12        240  x\n";
+        assert_eq!(text, want);
+    }
+
+    #[test]
+    fn values_that_json_cannot_hold_are_strings() {
+        let rows = [
+            ("nan", vec![Value::Float(f64::NAN)]),
+            ("list", vec![Value::Float(f64::INFINITY), Value::Float(-0.5)]),
+            ("large", vec![Value::U64(u64::MAX)]),
+            ("least", vec![Value::S64(i64::MIN)]),
+            ("small", vec![Value::S32(-1)]),
+        ];
+        let field = |name: &str, values: &[Value]| FieldInfo {
+            name: name.to_owned(),
+            ty: Type::Float,
+            count: u32::try_from(values.len()).unwrap(),
+            doc: String::new(),
+        };
+        let info = SnapshotInfo {
+            name: "a.b".to_owned(),
+            owner_name: "a".to_owned(),
+            version: 1,
+            doc: String::new(),
+            fields: rows.iter().map(|(name, values)| field(name, values)).collect(),
+        };
+        let values = rows.into_iter().map(|(_, values)| values).collect();
+        let want = "{\"large\":\"18446744073709551615\",\"least\":\"-9223372036854775808\",\
+                    \"list\":[\"inf\",-0.5],\"nan\":\"nan\",\"small\":-1}\n";
+        assert_eq!(json(&SnapshotValues { info, records: 1, values }), want);
+    }
+}

@@ -247,7 +247,9 @@ pub(crate) mod samples {
 mod tests {
     use super::{samples, seconds, text};
     use crate::{language::command::StatusKind, show};
-    use hal_protocol::{FaultInfo, ForeignPart, Lock, RealtimeInfo, ThreadInfo};
+    use hal_protocol::{
+        FaultInfo, ForeignPart, Lock, RealtimeInfo, ThreadInfo, WorkerInfo, WorkerState,
+    };
 
     #[test]
     fn locks() {
@@ -381,5 +383,30 @@ mod tests {
         assert_eq!(text(&status, &[late], StatusKind::Instance), want);
         assert_eq!(seconds(3_000_000_000), "3 s");
         assert_eq!(seconds(1), "0.000000001 s");
+    }
+
+    #[test]
+    fn a_failed_worker_is_named_without_a_thread() {
+        let mut status = samples::status(Lock::NONE);
+        status.workers = vec![WorkerInfo {
+            name: "planner.plan".to_owned(),
+            owner_name: "planner".to_owned(),
+            period: 10_000_000,
+            most: 20,
+            steps: 12,
+            items: 240,
+            state: WorkerState::Failed,
+            doc: String::new(),
+        }];
+        status.fault = Some(FaultInfo {
+            component: "planner".to_owned(),
+            funct: "planner.plan".to_owned(),
+            thread: String::new(),
+            cause: "index out of range".to_owned(),
+        });
+        let got = text(&status, &[], StatusKind::Instance);
+        let want = "\x20 worker:     'planner.plan' of component 'planner', failed: 12 steps, 240 items\n\
+             \x20 fault:      component 'planner', worker 'planner.plan': index out of range\n";
+        assert!(got.ends_with(want), "{got}");
     }
 }

@@ -22,8 +22,8 @@ const ROUNDS: usize = 15;
 /// Approximate duration of a round, in nanoseconds.
 const ROUND: f64 = 2e6;
 /// Maximum and minimum number of cycles of a round.
-const MAX: f64 = 20_000.0;
-const FEWEST: f64 = 20.0;
+const MAX_CYCLES: f64 = 20_000.0;
+const MIN_CYCLES: f64 = 20.0;
 
 /// Components that are driven by lines of a script, and that need others.
 const DRIVEN: &[(&str, &str, &str)] = &[(
@@ -134,8 +134,8 @@ fn rounds(engine: &mut Engine, marks: usize) -> Vec<f64> {
     };
     run(100);
     let once: f64 = run(100).iter().skip(1).sum();
-    let once = once.max(ROUND / MAX);
-    let cycles = (ROUND / once).max(FEWEST) as u64;
+    let once = once.max(ROUND / MAX_CYCLES);
+    let cycles = (ROUND / once).max(MIN_CYCLES) as u64;
     let mut least = vec![f64::INFINITY; marks];
     for _ in 0..ROUNDS {
         for (least, now) in least.iter_mut().zip(run(cycles)) {

@@ -1,6 +1,6 @@
 //! Freeing of lists that threads may still use.
 //!
-//! The engine keeps a replaced list until its strong count is one (`apply.rs`). `arc-swap` does the
+//! The engine keeps a replaced list until its strong count is one (`runtime/threads.rs`). `arc-swap` does the
 //! replacement and guarantees that a thread that loaded the old list before the swap holds a
 //! reference after it; here a lock models that guarantee. This checks the engine's own rule: the
 //! last reference is the control side's, and freeing happens after every use.

@@ -86,18 +86,19 @@ impl Controller {
         self.state.advance(&self.pins, dt);
     }
 
-    /// Writes the pins.
+    /// Writes the pins and the snapshot.
     pub(crate) fn put_out(&mut self, dt: f64) {
         self.state.put_out(dt);
-        write_pins(&mut self.state, &self.pins);
         self.cycle = self.cycle.wrapping_add(1);
         let time_ns = self.last_ns.unwrap_or_default();
         let velocity = velocity(&self.state);
-        self.status.set(&MotionStatus::of(&self.state, self.cycle, time_ns, velocity));
+        let status = MotionStatus::of(&self.state, self.cycle, time_ns, velocity);
+        write_pins(&mut self.state, &self.pins, &status);
+        self.status.set(&status);
     }
 }
 
-fn write_pins(s: &mut State, pins: &Pins) {
+fn write_pins(s: &mut State, pins: &Pins, status: &MotionStatus) {
     for (joint, pins) in s.joints.iter_mut().zip(&pins.joints) {
         joint.write_pins(pins, s.enabled);
     }
@@ -115,7 +116,7 @@ fn write_pins(s: &mut State, pins: &Pins) {
     }
     let g = &pins.general;
     g.motion_enabled.set(s.enabled);
-    g.in_position.set(s.is_idle());
+    g.in_position.set(status.in_position);
     g.coord_mode.set(s.mode == Mode::Coord);
     g.teleop_mode.set(s.mode == Mode::Teleop);
     g.coord_error.set(s.coord_error);
@@ -123,10 +124,10 @@ fn write_pins(s: &mut State, pins: &Pins) {
     let (active, limited) = s.is_offset();
     g.eoffset_active.set(active);
     g.eoffset_limited.set(limited);
-    g.is_all_homed.set(s.is_all_homed());
-    g.jog_is_active.set(s.is_jogging() && !s.is_homing());
-    g.current_vel.set(velocity(s));
-    g.distance_to_go.set(s.path.distance_to_go());
+    g.is_all_homed.set(status.all_homed);
+    g.jog_is_active.set(status.jogging);
+    g.current_vel.set(status.velocity);
+    g.distance_to_go.set(status.distance_to_go);
     let line = s.path.line();
     g.motion_type.set(if line.is_some() { 2 } else { 0 });
     let requested = line.map_or(0.0, |line| line.velocity);

@@ -63,6 +63,7 @@ pub(crate) fn open(b: &mut Builder<'_>) -> Result<Snapshot<MotionStatus>, Error>
 impl MotionStatus {
     /// Returns the state of the machine in a cycle that began at this machine time.
     pub(crate) fn of(s: &State, cycle: u64, time_ns: i64, velocity: f64) -> Self {
+        let homing = s.is_homing();
         let mut status = Self {
             cycle,
             time_ns,
@@ -70,8 +71,8 @@ impl MotionStatus {
             mode: s.mode as u32,
             in_position: s.is_idle(),
             all_homed: s.is_all_homed(),
-            homing: s.is_homing(),
-            jogging: s.is_jogging() && !s.is_homing(),
+            homing,
+            jogging: !homing && s.is_jogging(),
             velocity,
             distance_to_go: s.path.distance_to_go(),
             feed_scale: s.feed.net,

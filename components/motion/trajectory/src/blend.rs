@@ -7,9 +7,9 @@
 //!   x = s/half, so the deviation is at most 3/16·half times the part of w − u at right angles to the line.
 //! - Between other curves, each half is split into pieces. On a piece, D is the difference between the blend and the
 //!   curve of degree five through the programmed curve's ends (with two derivatives). D lies in the hull of its
-//!   Bernstein coefficients. The part of D along the path is taken off by moving along the path by the coordinate `slip`,
-//!   which costs the terms `slip·turn` and `curvature·slip²/2`; the programmed curve itself deviates from its interpolant by at most
-//!   R·(ωh)⁶/46080.
+//!   Bernstein coefficients. The part of D along the path is taken off by moving along the path by the coordinate
+//!   `slip`, which costs the terms `slip·turn` and `curvature·slip²/2`; the programmed curve itself deviates from its
+//!   interpolant by at most R·(ωh)⁶/46080.
 
 use crate::{
     curve::{Curve, Derivatives},
@@ -155,14 +155,19 @@ fn curve(a: &Segment, b: &Segment, half: f64) -> Curve {
 /// Bounds the largest ratio of a blend's distance from the path to the tolerance.
 pub(crate) fn deviation(blend: &Blend, a: &Segment, b: &Segment, t: &Tolerances) -> f64 {
     let d = blend.half;
-    let corner = blend.curve.pose(d) - b.curve.pose(0.0);
     let first = half_deviation(&blend.curve, 0.0, a, a.length - d, d, t);
     let second = half_deviation(&blend.curve, d, b, 0.0, d, t);
-    first.max(second).max(t.ratio(&corner) / CORNER_MISS)
+    first.max(second).max(miss(blend, b, t))
 }
 
-/// Bounds the ratio again, by other means than [`joint`], for the certificate. The distance from a line is convex, so over
-/// the hull of a half it is largest at a Bernstein point. Beside other curves the pieces are half as long.
+/// Returns the ratio of the distance between the corner and the middle of the blend to its bound.
+fn miss(blend: &Blend, b: &Segment, t: &Tolerances) -> f64 {
+    t.ratio(&(blend.curve.pose(blend.half) - b.curve.pose(0.0))) / CORNER_MISS
+}
+
+/// Bounds the ratio again for the certificate. Between lines this is independent of [`joint`]: the distance from a line is
+/// convex, so over the hull of a half it is largest at a Bernstein point. Beside other curves it is the bound of [`joint`]
+/// on pieces half as long, and, where that does not suffice, the bound of [`joint`] itself.
 pub(crate) fn deviation_again(blend: &Blend, a: &Segment, b: &Segment, t: &Tolerances) -> f64 {
     let d = blend.half;
     let (Curve::Line { .. }, Curve::Line { .. }) = (&a.curve, &b.curve) else {
@@ -178,12 +183,12 @@ pub(crate) fn deviation_again(blend: &Blend, a: &Segment, b: &Segment, t: &Toler
                 t,
             ))
         });
-        let again = worst[0].max(worst[1]);
+        let again = worst[0].max(worst[1]).max(miss(blend, b, t));
         // Both are bounds; the finer one is not always the lower.
         return if again <= 1.0 { again } else { again.min(deviation(blend, a, b, t)) };
     };
     let Curve::Poly { c, .. } = &blend.curve else { return f64::INFINITY };
-    let mut worst: f64 = 0.0;
+    let mut worst = miss(blend, b, t);
     for (points, segment) in halves(c).iter().zip([a, b]) {
         let (start, end) = (segment.curve.pose(0.0), segment.curve.pose(segment.length));
         let by = end - start;
@@ -271,19 +276,11 @@ fn half_deviation(
         let right = difference(k);
         let u = left.1 + right.1;
         let mean = 0.5 * u.norm(main);
-        let u = u * (0.5 / mean);
         if mean.is_nan() || mean <= 0.0 {
             return f64::INFINITY;
         }
-        let (g, z) = (&left.0, &right.0);
-        let hull = [
-            g.pose,
-            g.pose + g.first * (h / 5.0),
-            g.pose + g.first * (0.4 * h) + g.second * (h * h / 20.0),
-            z.pose - z.first * (0.4 * h) + z.second * (h * h / 20.0),
-            z.pose - z.first * (h / 5.0),
-            z.pose,
-        ];
+        let u = u * (0.5 / mean);
+        let hull = left.0.bernstein(&right.0, h);
         let (mut slip, mut past) = (0.0_f64, 0.0_f64);
         let mut off = [0.0_f64; 3];
         for (i, point) in hull.iter().enumerate() {

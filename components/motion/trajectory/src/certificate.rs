@@ -1,8 +1,10 @@
 //! The certificate: a check of every cell before the follower may see it.
 //!
-//! The check repeats no step of the plan. It bounds the derivatives of a polynomial by its extrema instead of its hull,
+//! The check uses other means than the plan. It bounds the derivatives of a polynomial by its extrema instead of its hull,
 //! tests the three conditions of the limits instead of solving them, compares each cell with every neighbour in
-//! reach instead of sweeping, and bounds the deviation of blends by the distance of their hull from the lines. A cell that fails gets the limits that the check itself found, and counts as a rejection.
+//! reach instead of sweeping, and bounds the deviation of blends between lines by the distance of their hull from the
+//! lines. Only blends beside arcs and polynomials are bounded as in the plan, on shorter pieces. A cell that fails gets
+//! the limits that the check itself found, and counts as a rejection; a blend that fails becomes a stop.
 
 use std::collections::VecDeque;
 
@@ -43,8 +45,6 @@ pub struct Rejection {
 struct Acting {
     from: f64,
     to: f64,
-    /// End of the cell.
-    end: f64,
     speed: f64,
     rest: f64,
 }
@@ -68,7 +68,6 @@ impl Block {
         self.all = Acting {
             from: self.all.from.min(acts.from),
             to: self.all.to.max(acts.to),
-            end: self.all.end.max(acts.end),
             speed: self.all.speed.min(acts.speed),
             rest: self.all.rest.min(acts.rest),
         };
@@ -79,10 +78,7 @@ impl Block {
 impl Default for Block {
     fn default() -> Self {
         let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
-        Self {
-            cells: Vec::new(),
-            all: Acting { from: high, to: low, end: low, speed: high, rest: high },
-        }
+        Self { cells: Vec::new(), all: Acting { from: high, to: low, speed: high, rest: high } }
     }
 }
 
@@ -143,13 +139,8 @@ impl Certificate {
     /// Remembers a cell of the run, so that its neighbours can be compared with it. `time` is the reach in seconds.
     pub(crate) fn remember(&mut self, raw: &Raw, time: f64) {
         let Allowed { speed, rest, .. } = raw.allowed;
-        let acts = Acting {
-            from: raw.start - speed * time,
-            to: raw.end() + speed * time,
-            end: raw.end(),
-            speed,
-            rest,
-        };
+        let acts =
+            Acting { from: raw.start - speed * time, to: raw.end() + speed * time, speed, rest };
         match self.blocks.back_mut() {
             Some(block) if block.cells.len() < Block::CELLS => block.add(&acts),
             _ => {
@@ -162,10 +153,10 @@ impl Certificate {
         }
     }
 
-    /// Compares an eroded cell with the limits of every cell in reach. `longest` is the longest reach as a length.
-    pub(crate) fn admit(&mut self, cell: &mut Raw, longest: f64) {
+    /// Compares an eroded cell with the limits of every cell in reach. Cells come in the order of the run.
+    pub(crate) fn admit(&mut self, cell: &mut Raw) {
         let (from, to) = (cell.start, cell.end());
-        while self.blocks.front().is_some_and(|b| b.all.end < from - longest - 1.0) {
+        while self.blocks.front().is_some_and(|b| b.all.to <= from) {
             self.spare = self.blocks.pop_front();
         }
         let Allowed { speed: mut least, mut rest, .. } = cell.allowed;

@@ -118,6 +118,21 @@ impl Curve {
     }
 }
 
+impl Derivatives {
+    /// Returns the Bernstein points of the curve of degree five from these values and derivatives to those of `end`.
+    pub(crate) fn bernstein(&self, end: &Self, length: f64) -> [Pose; 6] {
+        let l = length;
+        [
+            self.pose,
+            self.pose + self.first * (l / 5.0),
+            self.pose + self.first * (0.4 * l) + self.second * (l * l / 20.0),
+            end.pose - end.first * (0.4 * l) + end.second * (l * l / 20.0),
+            end.pose - end.first * (l / 5.0),
+            end.pose,
+        ]
+    }
+}
+
 /// Returns the XYZ vector cos·arm + sin·side.
 const fn turned(arm: &[f64; 3], side: &[f64; 3], cos: f64, sin: f64) -> Pose {
     let ([a, b, c], [x, y, z]) = (*arm, *side);

@@ -127,9 +127,10 @@ pub enum SplineFault {
     Degree,
     /// The numbers of knots and control points do not fit.
     Count,
-    /// A control point is not a number, or a weight is not positive or differs from another by more than 1e6.
+    /// A control point is NaN or beyond [`FARTHEST`](crate::FARTHEST), or a weight is not positive or more than 1e6 times
+    /// another.
     Weight,
-    /// Knots fall, are not numbers, or more of them than the degree are equal inside the curve.
+    /// Knots fall, are NaN or beyond 1e9, or more of them than the degree are equal inside the curve.
     Knots,
     /// The curve does not start where the move before ends.
     Start,
@@ -146,8 +147,12 @@ impl fmt::Display for SplineFault {
         f.write_str(match self {
             Self::Degree => "the degree is neither 2 nor 3",
             Self::Count => "there must be as many knots as control points, and degree + 1 more",
-            Self::Weight => "a control point is not a number, or a weight not a positive one",
-            Self::Knots => "knots must rise, and at most as many as the degree may be equal",
+            Self::Weight => {
+                "a control point is out of range, or a weight is not positive or too unequal"
+            }
+            Self::Knots => {
+                "knots fall, are out of range, or more of them than the degree are equal"
+            }
             Self::Start => "it does not start where the move before ends",
             Self::Short => "a part of it has no length",
             Self::Sharp => "it bends too sharply for the tolerance",

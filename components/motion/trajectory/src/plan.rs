@@ -319,7 +319,7 @@ impl<K: Kinematics> Planner<K> {
 
     /// Gives the cells before `frontier` to the track.
     fn drain(&mut self, frontier: f64) {
-        let (time, longest) = (self.law.reach(), self.law.longest_reach());
+        let time = self.law.reach();
         let samples = self.law.samples;
         let shortest = 0.1 * self.machine.period;
         let Self { erosion, certificate, track, window, machine, .. } = self;
@@ -327,7 +327,7 @@ impl<K: Kinematics> Planner<K> {
             // The follower passes a bounded number of cells in a period.
             raw.allowed.speed = raw.allowed.speed.min(window.add(raw.length) / machine.period);
             if time > 0.0 {
-                certificate.admit(&mut raw, longest);
+                certificate.admit(&mut raw);
             }
             track.add_cell(Cell {
                 curve: raw.curve,

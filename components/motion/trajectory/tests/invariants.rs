@@ -4,7 +4,9 @@
 mod judge;
 
 use hal_corpus::{Kind, Mode, Motion, Options, Program, Rng, Step, random};
-use hal_trajectory::{Cell, Follower, Limits, Machine, Path, Planner, Pose, Track, Trivial, share};
+use hal_trajectory::{
+    Cell, Follower, Limits, Machine, Move, Path, Planner, Pose, Shape, Track, Trivial, share,
+};
 use judge::{Conduct, PLAIN, convert, run};
 
 fn machine(jerk: f64) -> Machine {
@@ -215,6 +217,21 @@ fn a_plan_in_portions_is_the_plan_of_the_whole() {
             count += 1;
         }
         assert!(count > 0 && reader.cell(count).is_none());
+    }
+}
+
+#[test]
+fn a_corner_of_more_than_170_degrees_is_a_stop() {
+    for (angle, stops) in [(90.0_f64, 1), (169.0, 1), (171.0, 2), (180.0, 2)] {
+        let (sin, cos) = libm::sincos(angle.to_radians());
+        let mut planner = Planner::new(machine(1e5), Trivial, Pose::ZERO).unwrap();
+        for [x, y] in [[10.0, 0.0], [10.0 + 10.0 * cos, 10.0 * sin]] {
+            let shape = Shape::Line { end: Pose::from_xyz([x, y, 0.0]) };
+            let mode = hal_trajectory::Mode::Blend(0.1);
+            planner.push(&Move { shape, feed: 50.0, mode, line: 0 }).unwrap();
+        }
+        planner.finish();
+        assert_eq!(planner.track().cells().filter(|c| c.stop).count(), stops, "{angle}°");
     }
 }
 

@@ -160,7 +160,7 @@ fn cases_of_the_past_keep_every_limit() {
 }
 
 #[test]
-#[ignore = "half an hour on two processors: cargo test -p hal-trajectory --release --test limits -- --ignored --nocapture"]
+#[ignore = "three minutes on two idle cores: cargo test -p hal-trajectory --release --test limits -- --ignored --nocapture"]
 fn a_million_random_segments_keep_every_limit() {
     let sum = many(1000..26_000, 60);
     assert!(sum.segments >= 1_000_000, "{} segments", sum.segments);

@@ -84,7 +84,7 @@ impl Ramp {
     /// Minimum relative change of speed over a ramp.
     const CLEAR: f64 = 0.25;
     /// Maximum duration of a ramp, in seconds; then another begins.
-    const MAX_LEN: f64 = 4.0;
+    const MAX_SECS: f64 = 4.0;
     /// Largest distance of a step from the parabola, in steps.
     const OFF: f64 = 1.0;
 
@@ -100,7 +100,7 @@ impl Ramp {
         }
         let t = self.since(now.ns);
         let off = self.fit.map(|[a, b, c]| (a + t * (b + t * c) + self.first.at - now.at).abs());
-        if count == 0.0 || t > Self::MAX_LEN || off.is_some_and(|off| off > Self::OFF) {
+        if count == 0.0 || t > Self::MAX_SECS || off.is_some_and(|off| off > Self::OFF) {
             self.clear();
             self.first = now;
         }

@@ -7,12 +7,13 @@ impl Engine {
     /// `start`: marks threads to be started at the end of the transaction.
     pub(crate) fn start_threads(&mut self) -> Result<(), Error> {
         self.model.unlocked(Lock::RUN, "start_threads")?;
+        // Also if a function failed first, which is then the fault.
+        if let Some(worker) = self.workers.failed() {
+            return Err(Error::WorkerFailed { worker: worker.as_str().into() });
+        }
         let fault = self.runtime.fault();
         if let Some(f) = fault {
             let in_use = self.model.graph().functs.get(f.funct.as_str());
-            if f.thread.is_empty() && self.workers.has_failed(&f.funct) {
-                return Err(Error::WorkerFailed { worker: f.funct.as_str().into() });
-            }
             if in_use.is_some_and(|ix| self.model.graph().is_in_use(*ix)) {
                 return Err(Error::Faulted { funct: f.funct.as_str().into() });
             }

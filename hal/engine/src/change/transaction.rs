@@ -220,9 +220,11 @@ impl Engine {
     /// Reverts everything, the last step first. If a new thread cannot be ended, everything it uses
     /// is kept until it ends.
     fn roll_back(&mut self) {
-        let (log, orders, before) = self.model.take_staged().into_log();
+        let mut staged = self.model.take_staged();
+        let going = staged.take_going();
+        let (log, orders, before) = staged.into_log();
         let Some(before) = before else { return };
-        self.workers.resume();
+        going.iter().filter_map(Going::component).for_each(|ix| self.workers.resume(ix));
         let mut clean = true;
         self.model.empty(&orders);
         for step in log.into_iter().rev() {

@@ -13,10 +13,9 @@ impl Engine {
         self.end();
     }
 
-    /// Closes the instance as [`Self::close`] does. Returns false if a function had failed, if a thread
-    /// did not leave its function, if a worker does not
-    /// return, or if a recording or the file of an event could not be written
-    /// whole.
+    /// Closes the instance as [`Self::close`] does. Returns false if a function had failed, if a
+    /// thread did not leave its function, if a worker did not return, or if a recording or the file
+    /// of an event could not be written whole.
     #[must_use]
     pub fn close_checked(mut self) -> bool {
         self.end()

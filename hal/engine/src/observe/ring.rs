@@ -1,7 +1,7 @@
 //! Rings that components share with programs: memory that no program can shrink.
 
 use crate::{graph::Ix, serve::hold::Hold};
-use core::ptr::null_mut;
+use core::{ffi::c_void, ptr::null_mut};
 use hal_abi::{MAX_WIDTH, Producer, Ring, StreamRef, StreamSpec, stream_direction};
 use hal_protocol::{StreamInfo, Type};
 use rustix::{
@@ -10,10 +10,42 @@ use rustix::{
 };
 use std::os::fd::OwnedFd;
 
+/// Mapping of a file in memory whose size no process can change.
+#[derive(Debug)]
+pub(super) struct Sealed {
+    pub(super) fd: OwnedFd,
+    pub(super) address: *mut c_void,
+    bytes: usize,
+}
+
+impl Sealed {
+    /// Maps `bytes` zero bytes, and then seals their file against changes of its size, and with
+    /// `seals`.
+    pub(super) fn new(name: &str, bytes: usize, seals: SealFlags) -> rustix::io::Result<Self> {
+        let fd = memfd_create(name, MemfdFlags::CLOEXEC | MemfdFlags::ALLOW_SEALING)?;
+        ftruncate(&fd, bytes as u64)?;
+        let protection = ProtFlags::READ | ProtFlags::WRITE;
+        let flags = MapFlags::SHARED | MapFlags::POPULATE;
+        // SAFETY: a fresh shared mapping of a new file.
+        let address = unsafe { mmap(null_mut(), bytes, protection, flags, &fd, 0) }?;
+        let sealed = Self { fd, address, bytes };
+        let seals = seals | SealFlags::SHRINK | SealFlags::GROW | SealFlags::SEAL;
+        fcntl_add_seals(&sealed.fd, seals)?;
+        Ok(sealed)
+    }
+}
+
+impl Drop for Sealed {
+    fn drop(&mut self) {
+        // SAFETY: mapped in `new`; every user of the mapping kept this value alive.
+        let _ = unsafe { munmap(self.address, self.bytes) };
+    }
+}
+
 /// A ring in sealed memory.
 #[derive(Debug)]
 pub(crate) struct Memory {
-    fd: OwnedFd,
+    sealed: Sealed,
     ring: *mut Ring,
     depth: u32,
     width: u32,
@@ -27,22 +59,12 @@ unsafe impl Sync for Memory {}
 impl Memory {
     /// Creates an empty ring of this shape.
     pub(crate) fn new(depth: u32, width: u32, types: [u8; 24]) -> Result<Self, String> {
-        let bytes = Ring::bytes(depth, width);
-        let fail = |e: rustix::io::Errno| format!("no memory for a stream: {e}");
-        let fd = memfd_create("hal-stream", MemfdFlags::CLOEXEC | MemfdFlags::ALLOW_SEALING)
-            .map_err(fail)?;
-        ftruncate(&fd, bytes as u64).map_err(fail)?;
-        fcntl_add_seals(&fd, SealFlags::SHRINK | SealFlags::GROW | SealFlags::SEAL)
-            .map_err(fail)?;
-        let flags = MapFlags::SHARED | MapFlags::POPULATE;
-        // SAFETY: a fresh shared mapping of a file sealed against shrinking.
-        let p =
-            unsafe { mmap(null_mut(), bytes, ProtFlags::READ | ProtFlags::WRITE, flags, &fd, 0) }
-                .map_err(fail)?;
-        let ring = p.cast::<Ring>();
+        let sealed = Sealed::new("hal-stream", Ring::bytes(depth, width), SealFlags::empty())
+            .map_err(|e| format!("no memory for a stream: {e}"))?;
+        let ring = sealed.address.cast::<Ring>();
         // SAFETY: mapped, page-aligned, not yet shared.
         unsafe { ring.write(Ring::new(depth, width, types)) };
-        Ok(Self { fd, ring, depth, width })
+        Ok(Self { sealed, ring, depth, width })
     }
 
     /// Returns the writing side; the caller ensures that there is no other.
@@ -53,20 +75,12 @@ impl Memory {
 
     /// Returns the memory's descriptor, for another process.
     pub(crate) fn file(&self) -> std::io::Result<OwnedFd> {
-        self.fd.try_clone()
+        self.sealed.fd.try_clone()
     }
 
     pub(crate) fn ring(&self) -> &Ring {
         // SAFETY: mapped as long as this value lives.
         unsafe { &*self.ring }
-    }
-}
-
-impl Drop for Memory {
-    fn drop(&mut self) {
-        let bytes = Ring::bytes(self.depth, self.width);
-        // SAFETY: mapped in `new`; every user of the mapping kept this value alive.
-        let _ = unsafe { munmap(self.ring.cast(), bytes) };
     }
 }
 

@@ -1,26 +1,23 @@
 //! Snapshots: pages of shared memory in which components publish records, and that programs may
 //! read but never write.
 
+use super::ring::Sealed;
 use crate::{Error, error::near::nearest, graph::Ix, name::Name, os};
-use core::ptr::null_mut;
 use hal_abi::{FieldSpec, List, MAX_PAGE_WORDS, Page, PageReader, SnapshotRef, SnapshotSpec, Str};
 use hal_protocol::{FieldInfo, Patterns, SnapshotInfo, SnapshotValues, Type, Value};
-use rustix::{
-    fs::{MemfdFlags, Mode, OFlags, SealFlags, fcntl_add_seals, ftruncate, memfd_create, open},
-    mm::{MapFlags, ProtFlags, mmap, munmap},
-};
+use rustix::fs::{Mode, OFlags, SealFlags, open};
 use std::{
     collections::BTreeMap,
     os::fd::{AsRawFd, OwnedFd},
 };
 
 /// Longest time for which the control side tries to copy a record, in nanoseconds.
-const PATIENCE_NS: i64 = 50_000_000;
+const TIMEOUT_NS: i64 = 50_000_000;
 
 /// A page that this process alone can write.
 #[derive(Debug)]
 struct Memory {
-    fd: OwnedFd,
+    sealed: Sealed,
     page: *mut Page,
     words: u32,
 }
@@ -30,37 +27,19 @@ unsafe impl Send for Memory {}
 
 impl Memory {
     fn new(version: u32, words: u32) -> Result<Self, String> {
-        let bytes = Page::bytes(words);
-        let fail = |e: rustix::io::Errno| format!("no memory for a snapshot: {e}");
-        let flags = MemfdFlags::CLOEXEC | MemfdFlags::ALLOW_SEALING;
-        let fd = memfd_create("hal-snapshot", flags).map_err(fail)?;
-        ftruncate(&fd, bytes as u64).map_err(fail)?;
-        let flags = MapFlags::SHARED | MapFlags::POPULATE;
-        // SAFETY: a fresh shared mapping of a new file.
-        let p =
-            unsafe { mmap(null_mut(), bytes, ProtFlags::READ | ProtFlags::WRITE, flags, &fd, 0) }
-                .map_err(fail)?;
-        let page = p.cast::<Page>();
+        // No process can write the file except through this mapping.
+        let sealed = Sealed::new("hal-snapshot", Page::bytes(words), SealFlags::FUTURE_WRITE)
+            .map_err(|e| format!("no memory for a snapshot: {e}"))?;
+        let page = sealed.address.cast::<Page>();
         // SAFETY: mapped, page-aligned, not yet shared. The words after it are zero.
         unsafe { page.write(Page::new(version, words)) };
-        let memory = Self { fd, page, words };
-        // From here on no process can shorten the file, or write it except through this mapping.
-        let seals = SealFlags::SHRINK | SealFlags::GROW | SealFlags::FUTURE_WRITE | SealFlags::SEAL;
-        fcntl_add_seals(&memory.fd, seals).map_err(fail)?;
-        Ok(memory)
+        Ok(Self { sealed, page, words })
     }
 
     /// Returns a new descriptor of the page that can only read.
     fn read_only(&self) -> rustix::io::Result<OwnedFd> {
-        let path = format!("/proc/self/fd/{}", self.fd.as_raw_fd());
+        let path = format!("/proc/self/fd/{}", self.sealed.fd.as_raw_fd());
         open(path, OFlags::RDONLY | OFlags::CLOEXEC, Mode::empty())
-    }
-}
-
-impl Drop for Memory {
-    fn drop(&mut self) {
-        // SAFETY: mapped in `new`; the component that writes it has been freed.
-        let _ = unsafe { munmap(self.page.cast(), Page::bytes(self.words)) };
     }
 }
 
@@ -108,8 +87,8 @@ impl Snapshot {
     fn values(&self) -> Option<SnapshotValues> {
         // SAFETY: mapped with this number of words as long as `self` lives.
         let reader = unsafe { PageReader::new(self.memory.page, self.memory.words) };
-        let limit = os::monotonic_ns().saturating_add(PATIENCE_NS);
-        let mut words = Vec::new();
+        let limit = os::monotonic_ns().saturating_add(TIMEOUT_NS);
+        let mut words = Vec::with_capacity(self.memory.words as usize);
         let sequence = loop {
             words.clear();
             if let Some(sequence) = reader.copy(|_, bits| words.push(bits)) {

@@ -142,7 +142,7 @@ impl Runtime {
 
     /// Returns whether a thread is inside a cycle.
     pub(crate) fn is_inside(&self) -> bool {
-        self.shared.threads.load().iter().any(|t| t.gate.is_inside())
+        self.shared.is_inside()
     }
 
     /// Returns whether a thread has begun.

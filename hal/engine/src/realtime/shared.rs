@@ -112,8 +112,14 @@ impl Cause {
 
 /// End of the virtual clock, in nanoseconds: 146 years. Sums of times stay representable.
 pub(crate) const MAX_TIME_NS: i64 = i64::MAX / 2;
+
 /// Longest time that a thread waits for another thread's stop actions, in nanoseconds.
 const STOPS_NS: i64 = 2_000_000_000;
+
+/// Returns the first multiple of a period after `now`.
+pub(crate) const fn next_multiple(now: i64, period_ns: i64) -> i64 {
+    (now.div_euclid(period_ns) + 1).saturating_mul(period_ns)
+}
 
 /// The exclusive right to run stop actions.
 #[derive(Debug)]
@@ -192,11 +198,10 @@ impl Shared {
     /// Returns the start of the first cycle of a new thread, on the clock of [`Thread::due`].
     pub(crate) fn first_due(&self, period_ns: i64) -> i64 {
         if self.is_virtual() {
-            (self.now() / period_ns + 1) * period_ns
+            next_multiple(self.now(), period_ns)
         } else {
             // Leaves one millisecond for the thread to start.
-            let soon = self.now() + 1_000_000;
-            self.origin() + (soon / period_ns + 1) * period_ns
+            self.origin() + next_multiple(self.now() + 1_000_000, period_ns)
         }
     }
 
@@ -221,14 +226,29 @@ impl Shared {
         Stopping(&self.stopping)
     }
 
-    /// Waits until no cycle is in progress, for at most two periods of the slowest thread.
-    pub(crate) fn wait_for_cycles(&self) {
-        let threads = self.threads.load_full();
-        let slowest = threads.iter().map(|t| t.period_ns).max().unwrap_or(0);
-        let limit = os::monotonic_ns().saturating_add(slowest.saturating_mul(2));
-        while threads.iter().any(|t| t.gate.is_inside()) && os::monotonic_ns() < limit {
+    /// Returns whether a thread is inside a cycle.
+    pub(crate) fn is_inside(&self) -> bool {
+        self.threads.load().iter().any(|t| t.gate.is_inside())
+    }
+
+    /// Waits until no cycle is in progress, for at most this time. Returns whether none is.
+    pub(crate) fn settle_within(&self, limit_ns: i64) -> bool {
+        let limit = os::monotonic_ns().saturating_add(limit_ns);
+        while self.is_inside() && os::monotonic_ns() <= limit {
             os::sleep_until(os::monotonic_ns() + 20_000);
         }
+        !self.is_inside()
+    }
+
+    /// Waits until no cycle is in progress, for at most two periods of the slowest thread.
+    pub(crate) fn wait_for_cycles(&self) {
+        self.settle_within(self.two_periods());
+    }
+
+    /// Returns twice the period of the slowest thread, in nanoseconds.
+    fn two_periods(&self) -> i64 {
+        let threads = self.threads.load();
+        threads.iter().map(|t| t.period_ns).max().unwrap_or(0).saturating_mul(2)
     }
 
     /// Drives all outputs to their safe levels. For threads other than the control thread.
@@ -241,10 +261,7 @@ impl Shared {
     /// nanoseconds.
     pub(crate) fn stuck_limit(&self) -> i64 {
         match self.stuck_ns.load(Ordering::Relaxed) {
-            0 => {
-                let threads = self.threads.load();
-                threads.iter().map(|t| t.period_ns).max().unwrap_or(0).saturating_mul(2)
-            }
+            0 => self.two_periods(),
             ns => ns,
         }
     }

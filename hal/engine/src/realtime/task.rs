@@ -6,7 +6,7 @@ use crate::{
     load::code::Code,
     messages::text::of_panic,
     name::Name,
-    realtime::shared::Shared,
+    realtime::shared::{Shared, next_multiple},
     sync::Arc,
 };
 use hal_abi::Run;
@@ -33,7 +33,7 @@ impl Task {
         code: Code<Run>,
     ) -> Self {
         // At multiples of the period, beginning with the next.
-        let due = (now.div_euclid(period_ns) + 1) * period_ns;
+        let due = next_multiple(now, period_ns);
         Self { name, owner, period_ns, due, code, doing, failed: false }
     }
 
@@ -44,7 +44,7 @@ impl Task {
 
     /// Runs the task. Returns the message of its failure.
     pub(crate) fn run(&mut self, now: i64, control: &Control, shared: &Shared) -> Option<String> {
-        self.due = (now.div_euclid(self.period_ns) + 1) * self.period_ns;
+        self.due = next_multiple(now, self.period_ns);
         let done = {
             let _within = control.run(self.doing.clone());
             self.code.run(self.period_ns)

@@ -9,7 +9,7 @@ use crate::{
     load::code::Code,
     name::Name,
     os,
-    realtime::shared::Shared,
+    realtime::shared::{Shared, next_multiple},
     realtime::thread::NOBODY,
     sync::{Arc, AtomicBool, AtomicU64, Ordering},
 };
@@ -91,8 +91,7 @@ impl Inner {
 
     /// Returns the first multiple of the period after now.
     fn next_due(&self) -> i64 {
-        let period = self.declared.period_ns;
-        (self.shared.now().div_euclid(period) + 1).saturating_mul(period)
+        next_multiple(self.shared.now(), self.declared.period_ns)
     }
 
     /// Makes one step and returns its number of items. If the worker panics, motion stops.
@@ -159,8 +158,13 @@ impl Inner {
 }
 
 impl Worker {
+    /// Gives an order to the thread. No order follows [`Order::End`].
     fn order(&self, order: Order) {
-        self.inner.phase().order = order;
+        let mut phase = self.inner.phase();
+        if phase.order != Order::End {
+            phase.order = order;
+        }
+        drop(phase);
         self.inner.changed.notify_all();
     }
 
@@ -270,10 +274,10 @@ impl Workers {
         Some((&worker.inner.declared.owner, &worker.inner.declared.name))
     }
 
-    /// Returns whether this worker has failed and is still loaded.
-    pub(crate) fn has_failed(&self, name: &str) -> bool {
-        let failed = |w: &Worker| w.inner.failed.load(Ordering::Relaxed);
-        self.list.iter().any(|w| failed(w) && w.inner.declared.name.as_str() == name)
+    /// Returns the name of a worker that has failed and is still loaded.
+    pub(crate) fn failed(&self) -> Option<&Name> {
+        let failed = self.list.iter().find(|w| w.inner.failed.load(Ordering::Relaxed));
+        failed.map(|w| &w.inner.declared.name)
     }
 
     /// Returns the descriptions of the workers.
@@ -328,9 +332,10 @@ impl Workers {
         own().find(|w| !w.is_outside(patience_ns)).map_or(Ok(()), |w| Err(w.stuck()))
     }
 
-    /// Lets all workers go on that were held.
-    pub(crate) fn resume(&self) {
-        self.list.iter().filter(|w| w.begun).for_each(|w| w.order(Order::Run));
+    /// Lets the workers of a component that stays loaded go on.
+    pub(crate) fn resume(&self, component: Ix) {
+        let held = self.list.iter().filter(|w| w.begun && w.owner == component);
+        held.for_each(|w| w.order(Order::Run));
     }
 
     /// Frees the workers of a component, and returns their names.

@@ -81,7 +81,7 @@ impl Engine {
         }
         self.refresh_flight();
         let poll = crate::serve::polls::next_poll(self);
-        let mut until = target.min(poll);
+        let until = target.min(poll);
         let waits = crate::serve::polls::waits_for_ticket(self);
         let task_answers = waits && (self.runtime.has_tasks() || !self.workers.is_empty());
         if until == i64::MAX && self.runtime.is_idle() && !task_answers {
@@ -90,18 +90,25 @@ impl Engine {
             // still proceeds.
             return false;
         }
-        until = until.min(self.runtime.next_task()).min(self.workers.next_due());
         // A client or script that waits for a ticket or a ring must see it as soon as it changes.
         let looks = self.clients.script_waits && !self.model.rings().is_empty();
         let instants = if looks || waits { 1 } else { SLICE };
-        clock::turn(self.runtime.shared(), self.observers.probes(), until.max(now), instants);
+        self.turn(until, instants);
+        true
+    }
+
+    /// Runs the virtual clock up to `until` or to the next task or worker, for at most `instants`
+    /// instants, and then the tasks and workers that are due.
+    fn turn(&mut self, until: i64, instants: u32) {
+        let until = until.min(self.runtime.next_task()).min(self.workers.next_due());
+        let until = until.max(self.runtime.now());
+        clock::turn(self.runtime.shared(), self.observers.probes(), until, instants);
         self.drain_recording();
         self.drain_flight();
         let now = self.runtime.now();
         let failed = self.runtime.run_tasks(now);
         self.notices(failed);
         self.workers.run_due(now, self.runtime.control());
-        true
     }
 
     /// Moves the virtual clock by one instant of machine time, for a script that waits. Returns
@@ -115,16 +122,8 @@ impl Engine {
             self.hear();
         }
         self.refresh_flight();
-        let until = self.runtime.next_task().min(self.workers.next_due());
-        let until = until.min(crate::serve::polls::next_poll(self));
-        let until = until.min(now.saturating_add(1_000_000_000));
-        clock::turn(self.runtime.shared(), self.observers.probes(), until.max(now), 1);
-        self.drain_recording();
-        self.drain_flight();
-        let then = self.runtime.now();
-        let failed = self.runtime.run_tasks(then);
-        self.notices(failed);
-        self.workers.run_due(then, self.runtime.control());
-        then > now
+        let poll = crate::serve::polls::next_poll(self);
+        self.turn(poll.min(now.saturating_add(1_000_000_000)), 1);
+        self.runtime.now() > now
     }
 }

@@ -83,7 +83,7 @@ pub(crate) fn misplaced() -> Error {
 mod tests {
     use super::misplaced;
     use crate::{
-        ClockKind, Engine, Error, Options, RealtimeOptions,
+        ClockKind, Engine, Error, Options,
         serve::{client::Client, dispatch::Answer},
     };
     use hal_protocol::{Class, Failure, Place, Request};
@@ -91,14 +91,11 @@ mod tests {
 
     fn engine() -> Engine {
         let options = Options {
-            place: Place::at(std::env::temp_dir(), "dispatch").unwrap(),
-            clock: ClockKind::Virtual,
             hold: false,
-            simulate: true,
-            old_names: false,
-            interlock: false,
-            path: Vec::new(),
-            realtime: RealtimeOptions::default(),
+            ..Options::simulated(
+                Place::at(std::env::temp_dir(), "dispatch").unwrap(),
+                ClockKind::Virtual,
+            )
         };
         Engine::without_socket(options).unwrap()
     }

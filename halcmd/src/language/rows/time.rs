@@ -99,7 +99,8 @@ pub(super) const ROWS: &[Row] = &[
         usage: "TIME",
         args: (1, 1),
         summary: "move the virtual clock",
-        help: "Such as 'run 20ms': a number and ns, us, ms or s. Otherwise the virtual clock stands still.",
+        help: "Such as 'run 20ms': a number and ns, us, ms or s. Otherwise the virtual \
+               clock stands still.",
         words: &[W::Free],
         examples: &["run 20ms", "run 2s"],
         related: &["start", "record"],

@@ -16,7 +16,7 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         code: Code::UnknownCommand,
-        means: "The first word is not a command, and no command of a component that is loaded.",
+        means: "The first word is neither a command nor a command of a component that is loaded.",
         matters: "halrun stops at this line.",
         remedy: "'halcmd help' lists the commands, 'halcmd commands' those of components.",
         wrong: "loadtr and2 # <--\n",

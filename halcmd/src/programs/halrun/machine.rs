@@ -30,7 +30,7 @@ pub(crate) fn refuse(ini: &Ini) -> Result<(), Error> {
 pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path) -> Outcome {
     let folders = Folders::of(path);
     // Relative file names in scripts are relative to the INI file's folder.
-    if session.is_trial() {
+    if session.is_dry_run() {
         session.set_folder(&folders.named);
     } else if let Err(error) = std::env::set_current_dir(&folders.here) {
         let (path, why) = (path.display().to_string().into(), crate::ini::plain(&error));

@@ -132,14 +132,14 @@ const OPTIONS: &[Opt<Id>] = &[
         Id::StuckTime,
         Some("TIME"),
         Some("HAL_STUCK_TIME"),
-        "stop the machine when a function does not come back within TIME",
+        "stop the machine when a function does not return within TIME",
     ),
     with(
         "log",
         Id::Log,
         Some("'WORDS'"),
         Some("HAL_LOG"),
-        "show messages of component=NAME or thread=NAME alone; more names add up",
+        "show messages of component=NAME or thread=NAME only; several names are possible",
     ),
     instance_option(Id::Instance),
     with(

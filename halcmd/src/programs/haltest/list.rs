@@ -116,7 +116,8 @@ fn told(
         terminal.out(&format!("  accepted: {}\n", path.display()))?;
     }
     if wanted.accept && !outcome.passed() && outcome.pictures.iter().any(|p| !p.same) {
-        terminal.out("  its waveforms are not accepted: the test fails otherwise, too\n")?;
+        terminal
+            .out("  its waveforms are not accepted: the test also fails for another reason\n")?;
     }
     Ok(outcome)
 }

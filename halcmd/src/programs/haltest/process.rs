@@ -97,7 +97,7 @@ fn begun(shown: &str, options: &Options) -> io::Result<Outcome> {
     let text = match status {
         None => {
             let limit = crate::language::units::duration(options.patience_ns);
-            format!("aborted: the test did not end within {limit} on the wall")
+            format!("aborted: the test did not end within {limit} of wall-clock time")
         }
         Some(status) => match status.signal() {
             Some(signal) => format!("the process of the test was ended by signal {signal}"),

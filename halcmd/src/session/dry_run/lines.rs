@@ -36,7 +36,7 @@ impl Session<'_> {
     }
 
     /// Returns whether the session is in a dry run.
-    pub(crate) const fn is_trial(&self) -> bool {
+    pub(crate) const fn is_dry_run(&self) -> bool {
         self.dry_run.is_some()
     }
 
@@ -244,6 +244,7 @@ fn names_of(request: &Request) -> Option<&str> {
         Request::Unlink { pin: name }
         | Request::Set { name, .. }
         | Request::Get { name }
+        | Request::Snapshot { name }
         | Request::AddFunct { funct: name, .. }
         | Request::RemoveFunct { funct: name, .. }
         | Request::Alias { name, .. }

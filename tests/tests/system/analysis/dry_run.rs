@@ -10,7 +10,7 @@ use halcmd::session::dry_run::DryRun;
 
 /// Executes a script as a dry run; its file is called `m.hal`.
 fn dry_run(text: &str) -> (Scratch, DryRun) {
-    let scratch = Scratch::new("dry_run-names");
+    let scratch = Scratch::new("dry-run-names");
     scratch.write("m.hal", text);
     let file = scratch.path().join("m.hal").display().to_string();
     let dry_run = DryRun::with_plugins(&[file], None, vec![programs().to_owned()]).unwrap();
@@ -54,7 +54,7 @@ fn every_line_is_carried_out_and_refusals_are_kept() {
                 net a and2.0.out\n\
                 shutdown\n\
                 nonsense\n";
-    let scratch = Scratch::new("dry_run-lines");
+    let scratch = Scratch::new("dry-run-lines");
     scratch.write("m.hal", text);
     scratch.write("more.hal", "setp and2.0.in0 2\nloadrt and2\nnewsig b bit\n");
     scratch.write("m.ini", "[HAL]\nHALFILE = m.hal\nHALFILE = none.hal\n[EMCIO]\nA = 1\n");

@@ -23,7 +23,7 @@ fn until(m: &mut Machine, clock: ClockKind, what: &str, look: impl Fn(&mut Machi
                 m.script("run 1000000");
                 look(m)
             });
-            assert!(ran, "aborted: {what}");
+            assert!(ran, "timed out: {what}");
         }
     }
 }

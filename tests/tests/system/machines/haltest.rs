@@ -147,7 +147,7 @@ ok    good.toml (1 ms)
     assert_eq!(run(&["-j2", "dies.toml", "good.toml"]), want);
     let want = "\
 FAIL  hangs.toml (0 ns)
-  hangs.toml:1: aborted: the test did not end within 500 ms on the wall
+  hangs.toml:1: aborted: the test did not end within 500 ms of wall-clock time
 1 test, 1 failed, 0 ns of machine time
 ";
     assert_eq!(run(&["hangs.toml", "--timeout", "500ms"]), want);

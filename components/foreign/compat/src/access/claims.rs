@@ -31,7 +31,7 @@ impl Claims {
     pub(crate) fn ranges(&self) -> impl Iterator<Item = Range<u32>> {
         let mut at = 0;
         iter::from_fn(move || {
-            let start = self.next(at, true).filter(|start| *start < PORTS)?;
+            let start = self.next(at, true)?;
             at = self.next(start, false).unwrap_or(PORTS);
             Some(start..at)
         })

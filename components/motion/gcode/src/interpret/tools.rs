@@ -55,13 +55,12 @@ impl Run<'_> {
                     });
                 }
                 let tool = self.tool(number)?;
-                let old = self.state.tool.clone();
                 self.emit(Call::StartChange)?;
                 for spindle in 0..u8::try_from(self.state.modal.spindles.len()).unwrap_or(0) {
                     self.turn(spindle, Direction::Stopped)?;
                 }
                 self.emit(Call::ChangeTool(number))?;
-                self.state.tool = tool;
+                let old = core::mem::replace(&mut self.state.tool, tool);
                 if self.state.settings.random_changer {
                     self.swap_pockets(old);
                 }

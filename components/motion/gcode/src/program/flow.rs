@@ -222,7 +222,7 @@ impl Interpreter {
         Ok(())
     }
 
-    /// Moves behind the next keyword of these with this label. Returns it, its line behind the label, the place before.
+    /// Moves behind the next of these keywords with this label. Returns it, the rest of its line and the place before.
     fn seek(
         &mut self,
         label: &str,

@@ -12,8 +12,10 @@ const AHEAD: u32 = 256;
 /// Periods between two examinations, after one that allowed no acceleration.
 const RECHECK: u8 = 4;
 
-/// Share of the speed that an acceleration must gain; a smaller gain must last for so many pauses.
+/// Gain of speed, as a share of it, that justifies an acceleration.
 const GAIN: f64 = 0.1;
+
+/// Time, in pauses, for which a smaller gain must last.
 const LONG: f64 = 10.0;
 
 impl Follower {

@@ -97,14 +97,16 @@ impl Spline {
 
     /// Returns true if the curve has two continuous derivatives at this inner knot.
     fn is_smooth(&self, knot: f64) -> bool {
-        self.knots.iter().filter(|k| **k == knot).count() + 2 <= self.degree
+        let first = self.knots.partition_point(|k| *k < knot);
+        let next = self.knots.partition_point(|k| *k <= knot);
+        next - first + 2 <= self.degree
     }
 
     /// Blossom of a span: the polynomial in one argument per degree that agrees with the curve where all are equal.
     fn blossom(&self, span: usize, args: &[f64]) -> Weighted {
         let first = span - self.degree;
-        let mut d: Vec<Weighted> =
-            self.points.iter().skip(first).take(self.degree + 1).copied().collect();
+        let mut d = [Weighted::default(); 4];
+        d[..=self.degree].copy_from_slice(&self.points[first..=span]);
         for (round, u) in args.iter().enumerate() {
             for j in (round + 1..=self.degree).rev() {
                 let (low, high) =
@@ -139,11 +141,14 @@ impl Spline {
                 let u = from + (to - from) * (f64::from(k) / 16.0);
                 self.blossom(*span, &[u; 3][..self.degree]).pose()
             };
-            for k in 0..16 {
-                let by = at(k + 1) - at(k);
+            let mut last = at(0);
+            for k in 1..=16 {
+                let next = at(k);
+                let by = next - last;
                 for (sum, group) in sums.iter_mut().zip(Group::ALL) {
                     *sum += by.norm(group);
                 }
+                last = next;
             }
         }
         sums
@@ -277,15 +282,7 @@ fn deviation(
     b: &[Weighted; 4],
     tolerances: &Tolerances,
 ) -> f64 {
-    let l = length;
-    let p = [
-        a.pose,
-        a.pose + a.first * (l / 5.0),
-        a.pose + a.first * (0.4 * l) + a.second * (l * l / 20.0),
-        z.pose - z.first * (0.4 * l) + z.second * (l * l / 20.0),
-        z.pose - z.first * (l / 5.0),
-        z.pose,
-    ];
+    let p = a.bernstein(z, length);
     let least = b.iter().map(|b| b.weight).fold(f64::INFINITY, f64::min);
     // Binomial coefficients of degree 3 and 5 over those of degree 8.
     let (three, five) = ([1.0, 3.0, 3.0, 1.0], [1.0, 5.0, 10.0, 10.0, 5.0, 1.0]);

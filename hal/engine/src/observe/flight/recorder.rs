@@ -113,7 +113,9 @@ impl Flight {
     /// Returns the number of changes lost since the latest event, if any of them belongs to the time from `from` on.
     fn lost_since_event(&mut self, from: i64) -> u64 {
         let of_probe = self.probe.as_ref().map_or(self.lost.1, |p| p.1.lost());
-        let all = self.lost.0 + of_probe;
+        // While the probe is being read, its count is the one that the last reading found: an event
+        // kept since then may have counted more.
+        let all = (self.lost.0 + of_probe).max(self.lost_told);
         let lost = all - core::mem::replace(&mut self.lost_told, all);
         let is_recent = of_probe != self.lost.1 || from <= self.lost_at;
         if is_recent { lost } else { 0 }

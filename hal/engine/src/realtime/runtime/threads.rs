@@ -70,15 +70,9 @@ impl Runtime {
         if self.quiet || self.is_virtual() {
             return Ok(());
         }
-        let threads = self.shared.threads.load_full();
-        let limit = os::monotonic_ns() + self.settle_ns;
-        let inside = || threads.iter().any(|t| t.gate.is_inside());
         self.control().be_patient();
-        while inside() && os::monotonic_ns() <= limit {
-            os::sleep_until(os::monotonic_ns() + 20_000);
-        }
+        self.quiet = self.shared.settle_within(self.settle_ns);
         self.control().have_waited();
-        self.quiet = !inside();
         if self.quiet { Ok(()) } else { Err(self.stuck()) }
     }
 
