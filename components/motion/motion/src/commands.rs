@@ -2,6 +2,7 @@
 //! (`execute.rs`), or refused with a reason (`refusal.rs`).
 
 pub(crate) mod command;
+pub(crate) mod comp_file;
 pub(crate) mod config;
 pub(crate) mod configure;
 pub(crate) mod execute;

@@ -102,6 +102,9 @@ fn write_pins(s: &mut State, pins: &Pins, status: &MotionStatus) {
     for (joint, pins) in s.joints.iter_mut().zip(&pins.joints) {
         joint.write_pins(pins, s.enabled);
     }
+    for (lock, pins) in s.joints.iter().map(|j| &j.lock).filter(|l| l.exists).zip(&pins.unlocks) {
+        lock.write_pins(pins);
+    }
     for ((axis, pins), pos) in s.axes.iter().zip(&pins.axes).zip(s.pose) {
         axis.write_pins(pins, pos);
     }

@@ -29,6 +29,10 @@ impl State {
         for (joint, pins) in self.joints.iter_mut().zip(&pins.joints) {
             joint.read_pins(pins);
         }
+        let locks = self.joints.iter_mut().map(|j| &mut j.lock).filter(|l| l.exists);
+        for (lock, pins) in locks.zip(&pins.unlocks) {
+            lock.read_pins(pins);
+        }
         for (n, (spindle, pins)) in self.spindles.iter_mut().zip(&pins.spindles).enumerate() {
             spindle.read_pins(n, pins, self.dt, &self.say);
         }
@@ -115,7 +119,8 @@ impl State {
             self.sync("the machine is off");
         }
         for joint in &mut self.joints {
-            joint.correct(dt, self.enabled);
+            joint.correct(&self.tables, dt, self.enabled);
+            joint.work_lock(self.enabled);
         }
         self.end_override();
         if self.is_idle()
@@ -130,7 +135,7 @@ impl State {
         let allowed = ready && self.mode == Mode::Free;
         for (joint, pins) in self.joints.iter_mut().zip(&pins.joints) {
             let limits = joint.jog_limits();
-            let allowed = allowed && joint.active && !(joint.extra && joint.homing.homed);
+            let allowed = allowed && joint.active && joint.refuses_jog().is_none();
             let inputs = joint.inputs;
             joint.free.wheel(&joint::wheel(pins), allowed, || {
                 // A joint may not move farther onto a limit switch that is overridden.

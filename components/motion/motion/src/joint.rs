@@ -1,10 +1,12 @@
 //! Realtime. One joint: its inputs, its position, and its motor command.
 
 use crate::{
-    commands::config::JointConfig,
+    commands::config::{DEFAULT_SHARE, JointConfig},
+    compensation::Tables,
     guards::step::{MotorCommand, StepGuard},
     homing::one_joint::Homing,
     jogger::{Jogger, TravelLimits, WheelPins},
+    lock::Lock,
     path::planner::SimpleTp,
     pins::JointPins,
 };
@@ -46,13 +48,16 @@ pub(crate) struct Joint {
     pub(crate) free: Jogger,
     pub(crate) backlash: SimpleTp,
     backlash_want: f64,
+    /// Direction of the last movement, true if positive.
+    forward: Option<bool>,
+    pub(crate) lock: Lock,
     /// Guard through which every motor command passes.
     pub(crate) step_guard: StepGuard,
 }
 
 impl Joint {
-    pub(crate) fn new(extra: bool) -> Self {
-        Self { extra, ..Self::default() }
+    pub(crate) fn new(extra: bool, has_lock: bool) -> Self {
+        Self { extra, lock: Lock::new(has_lock), ..Self::default() }
     }
 
     /// Reads the pins, and computes the following error of the last command.
@@ -118,7 +123,28 @@ impl Joint {
             let range = c.max_limit - c.min_limit;
             (self.pos_fb - range, self.pos_fb + range)
         };
-        TravelLimits { min, max, max_vel: c.max_velocity, max_acc: c.max_acceleration }
+        TravelLimits { min, max, max_vel: c.move_velocity(), max_acc: c.move_acceleration() }
+    }
+
+    /// Returns the reasons, for the ticket and for the operator, why the joint does not jog by itself.
+    pub(crate) fn refuses_jog(&self) -> Option<(&'static str, &'static str)> {
+        if self.extra && self.homing.homed {
+            let why = "cannot jog: a homed extra joint follows posthome-cmd";
+            return Some((why, why));
+        }
+        if self.config.home.is_locking || self.lock.exists {
+            return Some((
+                "cannot jog a locking indexer",
+                "cannot jog joint {}: it is a locking indexer",
+            ));
+        }
+        if self.config.home.sequence < 0 && !self.homing.homed {
+            return Some((
+                "cannot jog a joint that is homed together with others before it is homed",
+                "cannot jog joint {} before it is homed: its home-sequence is below 0",
+            ));
+        }
+        None
     }
 
     /// Returns whether a position is beyond a soft limit of a homed joint, by more than rounding.
@@ -137,7 +163,7 @@ impl Joint {
     /// Sets position and velocity of this cycle from the joint's own planner. A velocity limit that was lowered during
     /// the motion applies: the joint brakes.
     pub(crate) fn place_free(&mut self, dt: f64) {
-        self.free.slow_to(self.config.max_velocity);
+        self.free.slow_to(self.config.move_velocity());
         self.free.step(dt);
         self.pos_cmd = self.free.tp.pos;
         self.moving(self.free.tp.vel, dt);
@@ -150,23 +176,33 @@ impl Joint {
         self.vel_cmd = vel;
     }
 
-    /// Moves the backlash correction according to the direction of movement.
-    pub(crate) fn correct(&mut self, dt: f64, enabled: bool) {
-        let half = 0.5 * self.config.backlash;
-        if self.vel_cmd > 0.0 {
-            self.backlash_want = half;
-        } else if self.vel_cmd < 0.0 {
-            self.backlash_want = -half;
+    /// Moves the correction of backlash or screw errors according to position and direction of movement.
+    pub(crate) fn correct(&mut self, tables: &Tables, dt: f64, enabled: bool) {
+        if self.vel_cmd != 0.0 {
+            self.forward = Some(self.vel_cmd > 0.0);
         }
+        let homed = self.homing.homed;
+        self.backlash_want = tables.correction(&self.config, self.pos_cmd, homed, self.forward);
         if !enabled {
             self.backlash.vel = 0.0;
             return;
         }
         self.backlash.target = self.backlash_want;
-        self.backlash.max_vel = 0.5 * self.config.max_velocity;
-        self.backlash.max_acc = 0.5 * self.config.max_acceleration;
+        let share = match self.config.correction_share() {
+            // A correction that was switched off leaves softly.
+            0.0 => DEFAULT_SHARE,
+            share => share,
+        };
+        self.backlash.max_vel = share * self.config.max_velocity;
+        self.backlash.max_acc = share * self.config.max_acceleration;
         self.backlash.enable = true;
         self.backlash.step_exactly(dt);
+    }
+
+    /// Opens or closes the lock. It closes once the joint is at rest.
+    pub(crate) fn work_lock(&mut self, enabled: bool) {
+        let moves = enabled && (self.free.tp.active || self.vel_cmd != 0.0);
+        self.lock.work(self.homing.needs_open_lock(), moves);
     }
 
     /// Sets the current position to `pos` without motion.

@@ -3,6 +3,7 @@
 
 mod axis;
 mod commands;
+mod compensation;
 mod controller;
 mod cycle;
 mod guards;
@@ -10,6 +11,7 @@ mod homing;
 mod included;
 mod jogger;
 mod joint;
+mod lock;
 mod offset;
 mod offsets;
 mod path;
@@ -20,7 +22,7 @@ mod state;
 mod status;
 mod switch;
 
-use commands::interface::CommandInterface;
+use commands::{configure::ConfigCache, interface::CommandInterface};
 use controller::{Controller, Handler};
 use guards::interlock::Interlock;
 use hal_component::{
@@ -30,6 +32,7 @@ use hal_component::{
 use pins::Pins;
 use setup::{MAX_JOINTS, Setup};
 use state::State;
+use std::sync::{Arc, Mutex};
 
 /// Capacity of the command queue to the realtime side.
 const QUEUE_LEN: usize = 256;
@@ -132,6 +135,7 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
     let (to_handler, from_interface) = b.queue(QUEUE_LEN);
     let (to_controller, from_handler) = b.queue(QUEUE_LEN);
     let state = State::new(&setup, kinematics, b.messages());
+    let cache = ConfigCache::new(state.tables.clone());
     let interface = CommandInterface {
         to: to_handler,
         joints: setup.joints,
@@ -139,7 +143,7 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
         digital_out: setup.digital_out.len(),
         analog_out: setup.analog_out.len(),
         kinematics,
-        cache: Default::default(),
+        cache: Arc::new(Mutex::new(cache)),
     };
     interface.open(b)?;
     commands::status::open(b, pins.clone(), state.last_jump.clone())?;

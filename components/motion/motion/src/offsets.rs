@@ -63,9 +63,12 @@ impl State {
         (any(Offset::is_there), any(Offset::is_limited))
     }
 
-    /// Computes the fraction of each joint's velocity and acceleration that the offsets leave to moves.
+    /// Computes the fraction of each joint's velocity and acceleration that corrections and offsets leave to moves.
     pub(crate) fn update_planning_fractions(&mut self) {
         let mut planning_fractions = [1.0; MAX_JOINTS];
+        for (fraction, joint) in planning_fractions.iter_mut().zip(&self.joints) {
+            *fraction -= joint.config.correction_share();
+        }
         let identity = self.kinematics.kind() == KinematicsKind::Identity;
         for (n, axis) in
             self.axes.iter().enumerate().filter(|(_, a)| a.config.offset_fraction > 0.0)

@@ -5,6 +5,7 @@ use crate::{
     commands::command::Mode,
     commands::config::TrajConfig,
     commands::refusal::Refusal,
+    compensation::Tables,
     guards::interlock::Lockout,
     guards::last_jump::LastJump,
     homing::sequence::HomingSequence,
@@ -48,6 +49,8 @@ pub(crate) struct State {
     pub(crate) switch: Switch,
     pub(crate) say: Messages,
     pub(crate) joints: Vec<Joint>,
+    /// Screw errors of all joints.
+    pub(crate) tables: Tables,
     pub(crate) axes: Vec<Axis>,
     /// Fraction of velocity and acceleration that each joint has for moves.
     pub(crate) planning_fractions: [f64; MAX_JOINTS],
@@ -84,12 +87,13 @@ pub(crate) struct State {
 impl State {
     pub(crate) fn new(setup: &Setup, kinematics: KinematicsRef, say: Messages) -> Self {
         let first_extra = setup.joints - setup.extra_joints;
-        let joint = |n| Joint::new(n >= first_extra);
+        let joint = |n| Joint::new(n >= first_extra, setup.unlock_mask >> n & 1 == 1);
         Self {
             kinematics,
             switch: Switch::default(),
             say,
             joints: (0..setup.joints).map(joint).collect(),
+            tables: Tables::default(),
             axes: (0..9).map(|_| Axis::default()).collect(),
             planning_fractions: [1.0; MAX_JOINTS],
             spindles: vec![Spindle::default(); setup.spindles],
@@ -238,6 +242,13 @@ impl State {
                 return Err(Refusal::joint(
                     "a joint of this axis is not configured",
                     "cannot jog: joint {} is not configured",
+                    n,
+                ));
+            }
+            if joint.lock.is_closed() {
+                return Err(Refusal::joint(
+                    "cannot jog: a joint of this axis is locked",
+                    "cannot jog: joint {} is locked",
                     n,
                 ));
             }

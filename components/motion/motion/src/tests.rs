@@ -1,6 +1,7 @@
 //! Test bench of the controller: motors that follow, and checks of every cycle.
 
 mod command;
+mod compensation;
 mod fault;
 mod home;
 mod interlock;
@@ -52,8 +53,14 @@ impl Rig {
     }
 
     /// Returns the same machine, with a modified motion controller.
-    fn of<M: Component>(mut bench: Bench) -> Self {
-        bench.load::<M>(&["num_joints=3", "num_misc_error=2"]).unwrap();
+    fn of<M: Component>(bench: Bench) -> Self {
+        Self::load::<M>(bench, &[])
+    }
+
+    /// Returns the same machine, with more arguments for the motion controller.
+    fn load<M: Component>(mut bench: Bench, args: &[&str]) -> Self {
+        let args = [&["num_joints=3", "num_misc_error=2"], args].concat();
+        bench.load::<M>(&args).unwrap();
         let rig = Self { bench, stuck: [false; 3], seen: [(0.0, 0.0); 3], strict: true };
         for (n, (velocity, acceleration, min, max)) in LIMITS.iter().enumerate() {
             rig.say(&format!(

@@ -1,5 +1,8 @@
 //! Settings of `motion.configure`.
 
+/// Fraction of a joint's velocity and acceleration for its correction, if none is set.
+pub(crate) const DEFAULT_SHARE: f64 = 0.1;
+
 /// Limits and homing settings of a joint, in machine units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct JointConfig {
@@ -12,6 +15,10 @@ pub(crate) struct JointConfig {
     pub(crate) min_ferror: Option<f64>,
     pub(crate) home: HomeConfig,
     pub(crate) backlash: f64,
+    /// Place in [`Tables`](crate::compensation::Tables) of the screw's measured errors, which replace the backlash.
+    pub(crate) table: Option<usize>,
+    /// Fraction of velocity and acceleration that is reserved for the correction, if it was set.
+    pub(crate) correction_share: Option<f64>,
 }
 
 /// Homing settings of a joint, in machine units and seconds.
@@ -36,6 +43,8 @@ pub(crate) struct HomeConfig {
     pub(crate) is_shared: bool,
     /// True if the joint loses its homed state when the machine goes off.
     pub(crate) is_volatile: bool,
+    /// True if the joint is an indexer whose lock opens before each move and closes after it.
+    pub(crate) is_locking: bool,
 }
 
 /// Kind of encoder.
@@ -63,11 +72,31 @@ impl Default for JointConfig {
             min_ferror: None,
             home: HomeConfig::default(),
             backlash: 0.0,
+            table: None,
+            correction_share: None,
         }
     }
 }
 
 impl JointConfig {
+    /// Returns the fraction of velocity and acceleration that is reserved for the correction.
+    pub(crate) fn correction_share(&self) -> f64 {
+        if self.backlash == 0.0 && self.table.is_none() {
+            return 0.0;
+        }
+        self.correction_share.unwrap_or(DEFAULT_SHARE)
+    }
+
+    /// Returns the velocity that the correction leaves to moves.
+    pub(crate) fn move_velocity(&self) -> f64 {
+        self.max_velocity * (1.0 - self.correction_share())
+    }
+
+    /// Returns the acceleration that the correction leaves to moves.
+    pub(crate) fn move_acceleration(&self) -> f64 {
+        self.max_acceleration * (1.0 - self.correction_share())
+    }
+
     /// Returns the following error allowed at a velocity.
     pub(crate) fn ferror_limit(&self, velocity: f64) -> f64 {
         let least = self.min_ferror.unwrap_or(self.ferror);

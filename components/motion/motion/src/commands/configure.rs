@@ -2,8 +2,10 @@
 
 use crate::{
     commands::command::Command,
+    commands::comp_file,
     commands::config::{AxisConfig, Encoder, HomeConfig, JointConfig, TrajConfig},
     commands::interface::letter,
+    compensation::{MAX_TABLES, Tables},
 };
 use hal_component::{Arg, Call, Error, abi::ArgSpec};
 use std::collections::BTreeMap;
@@ -75,7 +77,27 @@ pub(crate) const ARGS: &[&ArgSpec] = &[
         "Several joints have this home switch: none begins while it is closed.",
     ),
     &Arg::bit("volatile-home", "The joint is no longer homed when the machine goes off."),
+    &Arg::bit(
+        "locking-indexer",
+        "The joint is an indexer with a lock, which homing opens and closes; it has the pins unlock \
+         and is-unlocked, and does not jog.",
+    ),
     &Arg::float("backlash", "Backlash of a joint, in units."),
+    &Arg::text(
+        "comp-file",
+        "File of the screw's measured errors, which replace the backlash once the joint is homed: \
+         lines of nominal position, forward, reverse; at most 256.",
+    ),
+    &Arg::int(
+        "comp-file-type",
+        "What comp-file holds after the nominal position: 0, as at first, the measured positions; \
+         1 the corrections to add.",
+    ),
+    &Arg::float(
+        "comp-av-ratio",
+        "What part of a joint's velocity and acceleration the correction of backlash or screw \
+         errors has, above 0, to 0.9; moves have the rest; at first 0.1 where either is given.",
+    ),
     &Arg::float(
         "offset-av-ratio",
         "What part of an axis's velocity and acceleration its external offset has, 0 to 0.9; moves \
@@ -90,11 +112,12 @@ pub(crate) const ARGS: &[&ArgSpec] = &[
 ];
 
 /// Configuration so far.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct ConfigCache {
     joints: BTreeMap<usize, JointConfig>,
     axes: BTreeMap<usize, AxisConfig>,
     traj: TrajConfig,
+    tables: Tables,
 }
 
 /// Arguments that apply to each kind of object.
@@ -117,7 +140,11 @@ const JOINT: &[&str] = &[
     "home-ignore-limits",
     "home-is-shared",
     "volatile-home",
+    "locking-indexer",
     "backlash",
+    "comp-file",
+    "comp-file-type",
+    "comp-av-ratio",
 ];
 const AXIS: &[&str] =
     &["min-limit", "max-limit", "max-velocity", "max-acceleration", "offset-av-ratio"];
@@ -125,6 +152,11 @@ const TRAJ: &[&str] =
     &["max-velocity", "max-acceleration", "default-velocity", "linear-units", "max-feed-override"];
 
 impl ConfigCache {
+    /// Creates a cache that adds screw errors to these tables.
+    pub(crate) fn new(tables: Tables) -> Self {
+        Self { joints: BTreeMap::new(), axes: BTreeMap::new(), traj: TrajConfig::default(), tables }
+    }
+
     /// Returns the command to send. The cache itself is unchanged, also on an error; [`Self::keep`] stores the
     /// settings.
     pub(crate) fn read(&self, call: &Call<'_>, joints: usize) -> Result<Command, Error> {
@@ -176,7 +208,35 @@ impl ConfigCache {
         }
         home(call, &mut c.home)?;
         finite(call, "backlash", &mut c.backlash)?;
+        if call.float("comp-av-ratio").is_some() {
+            let mut share = 0.0;
+            let legal = |v: f64| 0.0 < v && v <= 0.9;
+            take(call, "comp-av-ratio", &mut share, legal, "above 0, and at most 0.9")?;
+            c.correction_share = Some(share);
+        }
+        self.screw(call, &mut c)?;
         Ok(Command::Joint(n, c))
+    }
+
+    /// Reads the file of screw errors, if one is given; an empty name removes the table.
+    fn screw(&self, call: &Call<'_>, c: &mut JointConfig) -> Result<(), Error> {
+        let holds_corrections = match call.int("comp-file-type") {
+            None | Some(0) => false,
+            Some(1) => true,
+            Some(n) => return Err(Error::new(format!("comp-file-type is {n}, must be 0 or 1"))),
+        };
+        match call.text("comp-file").as_deref() {
+            None => {}
+            Some("") => c.table = None,
+            Some(path) => {
+                let table = comp_file::read(path, holds_corrections)?;
+                let place = self.tables.place(&table);
+                c.table = Some(place.ok_or_else(|| {
+                    Error::new(format!("more than {MAX_TABLES} different files of screw errors"))
+                })?);
+            }
+        }
+        Ok(())
     }
 
     fn axis(&self, n: usize, call: &Call<'_>) -> Result<Command, Error> {
@@ -232,6 +292,7 @@ fn home(call: &Call<'_>, c: &mut HomeConfig) -> Result<(), Error> {
         ("home-ignore-limits", &mut c.ignore_limits),
         ("home-is-shared", &mut c.is_shared),
         ("volatile-home", &mut c.is_volatile),
+        ("locking-indexer", &mut c.is_locking),
     ] {
         *to = call.bit(name).unwrap_or(*to);
     }

@@ -32,6 +32,7 @@ impl State {
                     self.sync("a joint was configured");
                     self.leave_world();
                 }
+                self.update_planning_fractions();
                 self.lower_limits();
             }
             Command::Axis(n, config) => {
@@ -191,8 +192,8 @@ impl State {
         let Some(joint) = self.joints.get(n).filter(|j| j.active) else {
             return Err(not_configured(n));
         };
-        if joint.extra && joint.homing.homed {
-            return Err(Refusal::new("cannot jog: a homed extra joint follows posthome-cmd"));
+        if let Some((why, say)) = joint.refuses_jog() {
+            return Err(Refusal::joint(why, say, n));
         }
         let limits = joint.jog_limits();
         self.set_mode(Mode::Free)?;

@@ -51,7 +51,7 @@ impl State {
             if !joint.active || joint.extra {
                 continue;
             }
-            let (limit, now) = (joint.config.max_velocity, fabs(joint.vel_cmd));
+            let (limit, now) = (joint.config.move_velocity(), fabs(joint.vel_cmd));
             // Slightly less, so that rounding does not accumulate.
             let braking = now * (1.0 - ROUNDING);
             let velocity = if braking > limit * (1.0 + ROUNDING) { braking } else { limit };

@@ -2,6 +2,7 @@
 
 use crate::{
     commands::config::{Encoder, HomeConfig},
+    homing::error::HomingError,
     jogger::{By, TravelLimits},
     joint::Joint,
 };
@@ -42,6 +43,10 @@ enum Step {
     Idle,
     /// Waits until the joint is at rest.
     Start,
+    /// Opens the lock.
+    Unlock,
+    /// Waits for the lock to open.
+    Unlocking,
     /// Rests before a search.
     Before(Leg),
     On(Leg),
@@ -53,42 +58,14 @@ enum Step {
     /// Rests before the final move.
     BeforeFinal,
     Final,
+    /// Closes the lock.
+    Lock,
+    /// Waits for the lock to close.
+    Locking,
 }
 
-/// Reason why homing of a joint failed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum HomingError {
-    /// A limit switch closed.
-    Limit,
-    /// The search reached the end of its travel.
-    End,
-    /// The home switch opened unexpectedly.
-    Open,
-    /// The home switch closed unexpectedly.
-    Closed,
-}
-
-impl HomingError {
-    /// Returns the text for the command's ticket.
-    pub(crate) const fn text(self) -> &'static str {
-        match self {
-            Self::Limit => "hit limit while homing",
-            Self::End => "end of move while homing: no home switch or index was found",
-            Self::Open => "home switch inactive before start of backoff move",
-            Self::Closed => "home switch active before start of search move",
-        }
-    }
-
-    /// Returns the message for the operator; the numbers are those of the joint and of `home-state`.
-    pub(crate) const fn say(self) -> &'static str {
-        match self {
-            Self::Limit => "j{} hit limit in home state {}",
-            Self::End => "j{} end of move in home state {}",
-            Self::Open => "j{} home switch inactive before start of backoff move in home state {}",
-            Self::Closed => "j{} home switch active before start of search move in home state {}",
-        }
-    }
-}
+/// Time for a lock to open or close, in seconds.
+const LOCK_TIME: f64 = 30.0;
 
 /// Rest before each move, in seconds.
 const REST: f64 = 0.1;
@@ -99,6 +76,8 @@ pub(crate) struct Homing {
     step: Step,
     rest: f64,
     pub(crate) homed: bool,
+    /// True while homing keeps the lock open.
+    is_open: bool,
     /// Pending value of index-enable.
     index_enable: Option<bool>,
 }
@@ -112,7 +91,7 @@ impl Homing {
     pub(crate) fn is_at_final_move(&self) -> bool {
         match self.step {
             Step::BeforeFinal => self.rest >= REST,
-            step => matches!(step, Step::Final | Step::Idle),
+            step => matches!(step, Step::Final | Step::Lock | Step::Locking | Step::Idle),
         }
     }
 
@@ -121,6 +100,8 @@ impl Homing {
         match self.step {
             Step::Idle => 0,
             Step::Start => 1,
+            Step::Unlock => 2,
+            Step::Unlocking => 3,
             Step::Before(leg) => leg as i32,
             Step::On(leg) => leg as i32 + 1,
             Step::Here => 15,
@@ -128,6 +109,8 @@ impl Homing {
             Step::OnIndex => 18,
             Step::BeforeFinal => 20,
             Step::Final => 21,
+            Step::Lock => 22,
+            Step::Locking => 23,
         }
     }
 
@@ -141,7 +124,13 @@ impl Homing {
         if self.step == Step::OnIndex {
             self.index_enable = Some(false);
         }
+        self.is_open = false;
         self.step = Step::Idle;
+    }
+
+    /// Returns whether homing moves the joint, or is about to, so that its lock must be open.
+    pub(crate) const fn needs_open_lock(&self) -> bool {
+        self.is_open
     }
 
     /// Returns whether the awaited index has arrived, so that the position may have jumped.
@@ -181,7 +170,22 @@ pub(crate) fn cycle(joint: &mut Joint, dt: f64, may_finish: bool) -> Result<(), 
         Step::Idle => {}
         Step::Start => {
             if !joint.free.tp.active {
+                if c.is_shared && is_on {
+                    return Err(HomingError::Shared);
+                }
+                let next = if c.is_locking { Step::Unlock } else { first(&c, is_on) };
+                joint.homing.advance(next);
+            }
+        }
+        Step::Unlock => {
+            joint.homing.is_open = true;
+            joint.homing.advance(Step::Unlocking);
+        }
+        Step::Unlocking => {
+            if joint.lock.is_open {
                 joint.homing.advance(first(&c, is_on));
+            } else {
+                wait_for_lock(joint, dt).ok_or(HomingError::NotOpen)?;
             }
         }
         Step::Before(leg) => {
@@ -234,14 +238,39 @@ pub(crate) fn cycle(joint: &mut Joint, dt: f64, may_finish: bool) -> Result<(), 
         }
         Step::Final => {
             if !joint.free.tp.active {
-                joint.homing.homed = true;
-                joint.homing.advance(Step::Idle);
+                if c.is_locking {
+                    joint.homing.advance(Step::Lock);
+                } else {
+                    finish(joint);
+                }
             } else if is_at_limit(joint) {
                 return Err(HomingError::Limit);
             }
         }
+        Step::Lock => {
+            joint.homing.is_open = false;
+            joint.homing.advance(Step::Locking);
+        }
+        Step::Locking => {
+            if joint.lock.is_open {
+                wait_for_lock(joint, dt).ok_or(HomingError::NotClosed)?;
+            } else {
+                finish(joint);
+            }
+        }
     }
     Ok(())
+}
+
+fn finish(joint: &mut Joint) {
+    joint.homing.homed = true;
+    joint.homing.advance(Step::Idle);
+}
+
+/// Counts the time in which the lock has not answered; returns `None` once it is too long.
+fn wait_for_lock(joint: &mut Joint, dt: f64) -> Option<()> {
+    joint.homing.rest += dt;
+    (joint.homing.rest <= LOCK_TIME).then_some(())
 }
 
 /// Handles the switch reaching the state that ends the search.
@@ -306,7 +335,7 @@ fn start_search(joint: &mut Joint, velocity: f64) {
 
 fn final_move(joint: &mut Joint) {
     let c = joint.config;
-    let speed = if c.home.final_vel > 0.0 { c.home.final_vel } else { c.max_velocity };
+    let speed = if c.home.final_vel > 0.0 { c.home.final_vel } else { c.move_velocity() };
     move_to(joint, c.home.place, speed);
 }
 
@@ -315,8 +344,8 @@ fn move_to(joint: &mut Joint, target: f64, speed: f64) {
     let limits = TravelLimits {
         min: f64::NEG_INFINITY,
         max: f64::INFINITY,
-        max_vel: joint.config.max_velocity,
-        max_acc: joint.config.max_acceleration,
+        max_vel: joint.config.move_velocity(),
+        max_acc: joint.config.move_acceleration(),
     };
     joint.free.go(target, speed, &limits, By::Homing, None);
 }

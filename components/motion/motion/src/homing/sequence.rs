@@ -2,7 +2,8 @@
 
 use crate::{
     commands::{command::Joints, config::HomeConfig, refusal::Refusal},
-    homing::one_joint::{self, HomingError},
+    homing::error::{HomingError, SHARED},
+    homing::one_joint,
     joint::Joint,
 };
 use hal_component::TicketHandle;
@@ -95,7 +96,7 @@ pub(crate) fn with_partners(joints: &[Joint], set: Joints) -> Joints {
 /// Refuses a set with a joint that cannot be homed.
 pub(crate) fn check(joints: &[Joint], set: Joints) -> Result<(), Refusal> {
     for (n, joint) in joints.iter().enumerate().filter(|(n, _)| has(set, *n)) {
-        if let Some(why) = cannot(&joint.config.home, joint.inputs.at_home) {
+        if let Some(why) = cannot(&joint.config.home, joint.inputs.at_home, joint.lock.exists) {
             return Err(Refusal::joint(why.0, why.1, n));
         }
     }
@@ -108,7 +109,7 @@ pub(crate) const fn has(set: Joints, n: usize) -> bool {
 }
 
 /// Returns the reasons, for the ticket and for the operator, why a joint cannot be homed with its configuration.
-fn cannot(c: &HomeConfig, is_on: bool) -> Option<(&'static str, &'static str)> {
+fn cannot(c: &HomeConfig, is_on: bool, has_lock: bool) -> Option<(&'static str, &'static str)> {
     if c.search_vel != 0.0 && c.latch_vel == 0.0 {
         return Some((
             "cannot home: home-search-vel needs a home-latch-vel that is not 0",
@@ -123,9 +124,12 @@ fn cannot(c: &HomeConfig, is_on: bool) -> Option<(&'static str, &'static str)> {
         ));
     }
     if c.is_shared && is_on {
+        return Some(SHARED);
+    }
+    if c.is_locking && !has_lock {
         return Some((
-            "Cannot home while shared home switch is closed",
-            "Cannot home while shared home switch is closed j={}",
+            "cannot home: locking-indexer needs the joint in unlock_joints_mask",
+            "cannot home joint {}: locking-indexer needs the joint in unlock_joints_mask",
         ));
     }
     None

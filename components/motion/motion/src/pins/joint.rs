@@ -28,11 +28,11 @@ pins! {
         coarse_pos_cmd: Out<f64> = 0.0, "coarse-pos-cmd" was "coarse-pos-cmd";
         /// Offset found by homing: the motor's position in machine units where the joint is at zero.
         motor_offset: Out<f64> = 0.0, "motor-offset" was "motor-offset";
-        /// Target of the backlash correction, in machine units: half the backlash, positive after movement in positive
-        /// direction.
+        /// Target of the correction, in machine units: half the backlash, positive after movement in positive
+        /// direction; with comp-file the screw's error at pos-cmd for that direction, once the joint is homed.
         backlash_corr: Out<f64> = 0.0, "backlash-corr" was "backlash-corr";
-        /// Backlash correction applied, in machine units: follows backlash-corr at half the
-        /// joint's velocity and acceleration.
+        /// Correction applied, in machine units: follows backlash-corr with the part comp-av-ratio of the
+        /// joint's velocity and acceleration, which moves do not use.
         backlash_filt: Out<f64> = 0.0, "backlash-filt" was "backlash-filt";
         /// Velocity of backlash-filt in machine units per second.
         backlash_vel: Out<f64> = 0.0, "backlash-vel" was "backlash-vel";

@@ -7,9 +7,9 @@ use hal_component::{Builder, Error, Field, In, Out, Touch};
 pins! {
     /// Pins of a joint in `unlock_joints_mask`.
     UnlockPins {
-        /// TRUE to open the joint's lock for a move. Not used yet.
+        /// TRUE to open the joint's lock: while homing with locking-indexer moves the joint, until it is at rest.
         unlock: Out<bool> = false, "unlock" was "unlock";
-        /// TRUE when the joint's lock is open. Not used yet.
+        /// TRUE when the joint's lock is open. Jogs of the joint, and of axes that it follows, are refused while it is locked.
         is_unlocked: In<bool> = false, "is-unlocked" was "is-unlocked";
     }
 }

@@ -1,6 +1,6 @@
 //! Homing on switches and on the encoder's index.
 
-use super::{DT, LIMITS, Rig, near};
+use super::*;
 
 /// Joint 0 on a rail, with a home switch and an encoder that has an index.
 struct Rail {
@@ -334,4 +334,164 @@ fn a_volatile_home_is_forgotten() {
     rig.done("motion.disable");
     rig.cycles(1);
     assert_eq!(rig.which(&["joint.0.homed", "joint.1.homed"]), ["joint.0.homed"]);
+}
+
+/// A joint that is homed later finds its shared switch closed by another one.
+#[test]
+fn a_shared_switch_that_another_joint_holds() {
+    let mut rig = Rig::on(&[]);
+    for n in [0, 1] {
+        rig.say(&format!(
+            "motion.configure joint={n} home-sequence={n} home-search-vel=5 home-latch-vel=-1 \
+             home-is-shared=1"
+        ));
+    }
+    rig.say("motion.configure joint=2 home-sequence=2");
+    rig.say("motion.home joint=all");
+    let close = |rig: &Rig, on: bool| {
+        [0, 1].iter().for_each(|n| rig.bench.set(&format!("joint.{n}.home-sw-in"), on));
+    };
+    let mut closed = false;
+    while !rig.is("joint.0.homed") {
+        let place = rig.joint(0, "motor-pos-cmd");
+        close(&rig, place > 2.0);
+        closed |= place > 2.0;
+        rig.cycle();
+    }
+    assert!(closed);
+    // Joint 0 is pushed back onto the switch.
+    close(&rig, true);
+    assert_eq!(rig.end(), Err("Cannot home while shared home switch is closed"));
+    assert_eq!(rig.bench.said(), ["Cannot home while shared home switch is closed j=1"]);
+    assert_eq!(rig.which(&["joint.0.homed", "joint.1.homed", "joint.2.homed"]), ["joint.0.homed"]);
+    assert!(rig.is("motion.motion-enabled") && !rig.is("joint.2.homing"));
+}
+
+/// Both sides of a gantry are squared by their own switches: neither jogs before, and neither is homed alone.
+#[test]
+fn the_sides_of_a_gantry_do_not_jog_before_they_are_square() {
+    let mut bench = Bench::new();
+    bench.load::<Trivkins>(&["coordinates=xyy", "kinstype=b"]).unwrap();
+    let mut rig = Rig::with(bench);
+    // The frame is askew by 0.3: the switches are at 2 and 2.3 of the motors.
+    for n in [1, 2] {
+        rig.say(&format!(
+            "motion.configure joint={n} home-sequence=-1 home=1 home-offset=3 home-search-vel=5 \
+             home-latch-vel=-0.5 max-velocity=10 max-acceleration=35"
+        ));
+    }
+    rig.done("motion.enable");
+    let why = "cannot jog a joint that is homed together with others before it is homed";
+    assert_eq!(rig.failed("motion.jog joint=2 velocity=1"), why);
+    let said = "cannot jog joint 2 before it is homed: its home-sequence is below 0";
+    assert_eq!(rig.bench.said(), [said]);
+    rig.bench.set("joint.1.jog-enable", true);
+    rig.bench.set("joint.1.jog-scale", 1.0);
+    rig.cycle();
+    rig.bench.set("joint.1.jog-counts", 3);
+    rig.cycles(100);
+    assert_eq!(rig.joint(1, "pos-cmd"), 0.0);
+    rig.say("motion.home joint=1");
+    let mut last: Option<f64> = None;
+    let mut far = 0.0_f64;
+    for _ in 0..20_000 {
+        let motors = [1, 2].map(|n| rig.joint(n, "motor-pos-cmd"));
+        rig.bench.set("joint.1.home-sw-in", motors[0] > 2.0);
+        rig.bench.set("joint.2.home-sw-in", motors[1] > 2.3);
+        let states: [i32; 2] = [1, 2].map(|n| rig.bench.get(&format!("joint.{n}.home-state")));
+        // From the beginning of the final move, the motors stay 0.3 apart.
+        if states == [21, 21] {
+            let apart = motors[1] - motors[0];
+            far = far.max((apart - last.unwrap_or(apart)).abs());
+            last = Some(apart);
+        }
+        rig.cycle();
+    }
+    assert_eq!(rig.end(), Ok(()));
+    assert!(far < 1e-3, "{far}");
+    let apart = last.unwrap();
+    assert!((apart - 0.3).abs() < 2.0 * 0.5 * DT, "{apart}");
+    near(rig.joint(1, "pos-cmd"), 1.0);
+    near(rig.joint(2, "pos-cmd"), 1.0);
+    // Now the frame is square and moves as one.
+    rig.done("motion.home joint=0");
+    rig.done("motion.move y=5 velocity=5");
+    near(rig.joint(1, "pos-cmd"), rig.joint(2, "pos-cmd"));
+    rig.done("motion.jog joint=2 velocity=1 position=5");
+}
+
+/// Returns a machine whose joint 1 is an indexer with a lock.
+fn indexer() -> Rig {
+    let mut bench = Bench::new();
+    bench.load::<Trivkins>(&[]).unwrap();
+    let mut rig = Rig::load::<Motmod>(bench, &["unlock_joints_mask=2"]);
+    rig.say("motion.configure joint=1 locking-indexer=1 home=5 home-final-vel=20");
+    rig.done("motion.enable");
+    rig
+}
+
+#[test]
+fn a_locked_indexer_opens_for_homing_alone() {
+    let mut rig = indexer();
+    rig.say("motion.home joint=1");
+    let mut states: Vec<i32> = Vec::new();
+    let mut late = 0;
+    while rig.bench.ticket().unwrap() == TicketState::Pending {
+        let before = rig.joint(1, "motor-pos-cmd");
+        // The lock needs 50 cycles.
+        let unlock = rig.is("joint.1.unlock");
+        late = if unlock == rig.is("joint.1.is-unlocked") { 0 } else { late + 1 };
+        if late == 50 {
+            rig.bench.set("joint.1.is-unlocked", unlock);
+        }
+        let open = rig.is("joint.1.is-unlocked") && unlock;
+        rig.cycle();
+        assert!(open || rig.joint(1, "motor-pos-cmd") == before, "moves while locked");
+        let state = rig.bench.get("joint.1.home-state");
+        if states.last() != Some(&state) {
+            states.push(state);
+        }
+    }
+    assert_eq!(rig.end(), Ok(()));
+    assert_eq!(states, [2, 3, 15, 20, 21, 22, 23, 0]);
+    near(rig.joint(1, "pos-cmd"), 5.0);
+    assert!(!rig.is("joint.1.unlock") && !rig.is("joint.1.is-unlocked"));
+    // It does not jog, by itself or with its axis.
+    assert_eq!(rig.failed("motion.jog joint=1 velocity=1"), "cannot jog a locking indexer");
+    let why = "cannot jog: a joint of this axis is locked";
+    assert_eq!(rig.failed("motion.jog axis=y velocity=1"), why);
+    let said = ["cannot jog joint 1: it is a locking indexer", "cannot jog: joint 1 is locked"];
+    assert_eq!(rig.bench.said(), said);
+    rig.done("motion.jog axis=x velocity=1 distance=1");
+}
+
+#[test]
+fn a_lock_that_does_not_answer() {
+    let mut rig = indexer();
+    assert_eq!(rig.failed("motion.home joint=1"), "the lock did not open in 30 s");
+    assert_eq!(rig.bench.said(), ["j1 lock did not open in 30 s, in home state 3"]);
+    rig.cycle();
+    assert!(!rig.is("joint.1.unlock"));
+    rig.bench.set("joint.1.is-unlocked", true);
+    assert_eq!(rig.failed("motion.home joint=1"), "the lock did not close in 30 s");
+    assert_eq!(rig.bench.said(), ["j1 lock did not close in 30 s, in home state 23"]);
+    assert!(!rig.is("joint.1.homed"));
+    // An abort in motion: the lock stays open until the joint is at rest.
+    rig.say("motion.configure joint=1 home=60");
+    rig.say("motion.home joint=1");
+    while rig.joint(1, "vel-cmd") < 15.0 {
+        rig.cycle();
+    }
+    rig.say("motion.abort");
+    while rig.joint(1, "vel-cmd") > 0.0 {
+        assert!(rig.is("joint.1.unlock"));
+        rig.cycle();
+    }
+    rig.cycles(2);
+    assert!(!rig.is("joint.1.unlock"));
+    // No such pins.
+    let mut rig = Rig::on(&[]);
+    rig.say("motion.configure joint=0 locking-indexer=1");
+    let why = "cannot home: locking-indexer needs the joint in unlock_joints_mask";
+    assert_eq!(rig.failed("motion.home joint=0"), why);
 }
