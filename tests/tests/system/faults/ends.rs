@@ -272,7 +272,11 @@ fn read(scratch: &Scratch, name: &str) -> Option<Result<Trace, String>> {
 fn recording(scratch: &Scratch) -> &'static str {
     match read(scratch, "out.vcd") {
         None => "none",
-        Some(Err(_)) => "cut",
+        Some(Err(flaw)) => {
+            let text = std::fs::read_to_string(scratch.path().join("out.vcd"));
+            println!("the recording is cut: {flaw}\n{text:?}");
+            "cut"
+        }
         Some(Ok(trace)) => {
             let register = trace.channels().get(trace.find("register").unwrap()).unwrap();
             let values: Vec<_> = register.changes().filter_map(|c| c.value).collect();
