@@ -81,6 +81,7 @@ fn arrows_point_only_downward() {
         ),
         ("halcompile", &["hal-output"]),
         ("ferrule-client", &["hal-protocol"]),
+        ("motion", &["hal-component", "hal-trajectory", "hal-watchman"]),
     ]);
     for (name, table) in &members {
         if name == "hal-tests" {

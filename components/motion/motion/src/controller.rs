@@ -89,6 +89,7 @@ impl Controller {
     /// Writes the pins and the snapshot.
     pub(crate) fn put_out(&mut self, dt: f64) {
         self.state.put_out(dt);
+        self.state.watch(&self.pins, dt);
         self.cycle = self.cycle.wrapping_add(1);
         let time_ns = self.last_ns.unwrap_or_default();
         let velocity = velocity(&self.state);

@@ -54,6 +54,7 @@ impl State {
                 jogger.reset(jogger.tp.pos, why);
             }
         }
+        self.count_hard_stop();
     }
 
     fn net_feed(&self, pins: &Pins) -> f64 {

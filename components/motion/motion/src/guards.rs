@@ -8,4 +8,6 @@ pub(crate) mod last_jump;
 pub(crate) mod pace;
 pub(crate) mod step;
 pub(crate) mod switch_off;
+pub(crate) mod watch;
+pub(crate) mod watchman;
 pub(crate) mod world;

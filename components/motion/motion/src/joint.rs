@@ -4,6 +4,7 @@ use crate::{
     commands::config::{DEFAULT_SHARE, JointConfig},
     compensation::Tables,
     guards::step::{MotorCommand, StepGuard},
+    guards::watch::JointWatch,
     homing::one_joint::Homing,
     jogger::{Jogger, TravelLimits, WheelPins},
     lock::Lock,
@@ -53,6 +54,7 @@ pub(crate) struct Joint {
     pub(crate) lock: Lock,
     /// Guard through which every motor command passes.
     pub(crate) step_guard: StepGuard,
+    pub(crate) watch: JointWatch,
 }
 
 impl Joint {
@@ -76,6 +78,7 @@ impl Joint {
     /// Applies a configuration; returns true if the joint takes part from now on.
     pub(crate) fn configure(&mut self, config: JointConfig) -> bool {
         self.config = config;
+        self.watch.configure(&config);
         let joins = !self.active;
         if joins {
             self.active = true;
@@ -225,6 +228,7 @@ impl Joint {
             return;
         }
         self.motor_offset = -offset;
+        self.watch.change_zero();
         self.pos_cmd = pos;
         self.pos_fb = pos;
         self.free.tp.pos = pos;

@@ -7,7 +7,7 @@ mod lists;
 mod spindle;
 
 pub(crate) use axis::AxisPins;
-pub(crate) use general::{GeneralPins, Traces};
+pub(crate) use general::{GeneralPins, Traces, WatchPins};
 pub(crate) use joint::JointPins;
 pub(crate) use lists::{ExtraPins, Lists, UnlockPins};
 pub(crate) use spindle::SpindlePins;
@@ -81,6 +81,7 @@ pub(crate) fn make<F: Field>(
 pub(crate) struct Pins {
     pub(crate) general: GeneralPins,
     pub(crate) traces: Traces,
+    pub(crate) watch: WatchPins,
     pub(crate) lists: Lists,
     pub(crate) joints: Vec<JointPins>,
     pub(crate) unlocks: Vec<UnlockPins>,
@@ -115,6 +116,7 @@ impl Pins {
         Ok(Self {
             general: GeneralPins::make(b, "motion.", None)?,
             traces: Traces::make(b, "", None)?,
+            watch: WatchPins::make(b, "motion.", None)?,
             lists: Lists::make(b, setup)?,
             joints,
             unlocks,

@@ -8,6 +8,7 @@ use crate::{
     compensation::Tables,
     guards::interlock::Lockout,
     guards::last_jump::LastJump,
+    guards::watch::WatchCounters,
     homing::sequence::HomingSequence,
     jogger::TravelLimits,
     joint::Joint,
@@ -80,6 +81,7 @@ pub(crate) struct State {
     /// Ticket that is done when all motion has ended.
     pub(crate) stop_ticket: Option<TicketHandle>,
     pub(crate) last_jump: Arc<LastJump>,
+    pub(crate) watch: WatchCounters,
     /// Reason why the axes do not move, for as long as it applies.
     pub(crate) stays: Option<&'static str>,
 }
@@ -116,6 +118,7 @@ impl State {
             homing: None,
             stop_ticket: None,
             last_jump: Arc::default(),
+            watch: WatchCounters::default(),
             stays: None,
         }
     }

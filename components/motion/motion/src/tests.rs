@@ -14,6 +14,7 @@ mod pin;
 mod random;
 mod snapshot;
 mod switch;
+mod watch;
 mod world;
 
 use crate::Motmod;
@@ -129,6 +130,8 @@ impl Rig {
         self.bench.run("motion-command-handler", PERIOD);
         self.bench.run("motion-controller", PERIOD);
         let on = self.is("motion.motion-enabled");
+        let violations: u32 = self.bench.get("motion.watch.violations");
+        assert!(!self.strict || violations == 0, "{:?}", self.bench.said());
         for (n, (velocity, acceleration, ..)) in LIMITS.iter().enumerate() {
             let cmd = self.joint(n, "motor-pos-cmd");
             let (last, last_vel) = self.seen[n];

@@ -59,6 +59,8 @@ struct Past {
     position: f64,
     first: f64,
     second: f64,
+    /// Number of these that are known, in this order.
+    known: u8,
 }
 
 impl<const J: usize> Watchman<J> {
@@ -67,7 +69,7 @@ impl<const J: usize> Watchman<J> {
     pub fn new(limits: [Limits; J], period: f64, size: f64) -> Self {
         let h = period;
         let limits = limits.map(|l| [l.velocity * h, l.acceleration * h * h, l.jerk * h * h * h]);
-        let past = [Past { position: 0.0, first: 0.0, second: 0.0 }; J];
+        let past = [Past { position: 0.0, first: 0.0, second: 0.0, known: 3 }; J];
         let zero = Worst { ratio: 0.0, cycle: 0, joint: 0, line: 0 };
         let report =
             Report { velocity: zero, acceleration: zero, jerk: zero, violations: 0, cycles: 0 };
@@ -77,9 +79,29 @@ impl<const J: usize> Watchman<J> {
     /// Sets the position at which the joints are at rest, for example after a reset.
     pub fn rest_at(&mut self, positions: &[f64; J]) {
         for (past, position) in self.past.iter_mut().zip(positions) {
-            *past = Past { position: *position, first: 0.0, second: 0.0 };
+            *past = Past { position: *position, first: 0.0, second: 0.0, known: 3 };
         }
         self.started = true;
+    }
+
+    /// Changes the limits from the next position on; `size` is as in [`Self::new`].
+    pub fn set_limits(&mut self, limits: [Limits; J], period: f64, size: f64) {
+        let h = period;
+        self.limits = limits.map(|l| [l.velocity * h, l.acceleration * h * h, l.jerk * h * h * h]);
+        self.size = size;
+    }
+
+    /// Begins again at the next positions, because their zero changed in motion. A velocity is judged from the second of
+    /// them on, an acceleration from the third.
+    pub fn restart(&mut self) {
+        for past in &mut self.past {
+            past.known = 0;
+        }
+    }
+
+    /// Forgets the worst of each value.
+    pub fn forget(&mut self) {
+        self.report = Report::default();
     }
 
     /// Judges the positions of one cycle; returns false if a limit is exceeded or a position is not finite.
@@ -98,12 +120,14 @@ impl<const J: usize> Watchman<J> {
                 good = false;
                 continue;
             }
-            let first = position - past.position;
-            let second = first - past.first;
-            let third = second - past.second;
+            let known = past.known;
+            let since = |order: u8, value: f64| if known >= order { value } else { 0.0 };
+            let first = since(1, position - past.position);
+            let second = since(2, first - past.first);
+            let third = since(3, second - past.second);
             let largest = self.size.max(position.abs()).max(past.position.abs());
             let error = ROUNDINGS * (f64::EPSILON / 2.0) * largest;
-            *past = Past { position: *position, first, second };
+            *past = Past { position: *position, first, second, known: 3.min(known + 1) };
             let [v, a, j] = *limits;
             good &= self.report.velocity.judge(first, 2.0 * error, v, at);
             good &= self.report.acceleration.judge(second, 4.0 * error, a, at);
@@ -127,7 +151,10 @@ impl Worst {
     fn judge(&mut self, difference: f64, error: f64, limit: f64, at: impl Fn(f64) -> Self) -> bool {
         let value = difference.abs() - error;
         // Most values are below the worst so far, which needs no division to be seen.
-        if value <= 0.0 || value <= limit * self.ratio && self.ratio <= 1.0 {
+        if value <= 0.0
+            || limit == f64::INFINITY
+            || value <= limit * self.ratio && self.ratio <= 1.0
+        {
             return true;
         }
         let ratio = if limit > 0.0 { value / limit } else { f64::INFINITY };

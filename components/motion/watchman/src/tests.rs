@@ -210,6 +210,51 @@ fn distance_from_arcs_and_helices() {
     }
 }
 
+#[test]
+fn a_changed_zero_is_no_motion() {
+    let limits = Limits { jerk: f64::INFINITY, ..LIMITS };
+    let mut watch = Watchman::new([limits], H, 1000.0);
+    watch.rest_at(&[0.0]);
+    let mut x = 0.0;
+    for n in 0..200 {
+        x += 0.1 * LIMITS.velocity * H * f64::from(n.min(100)) / 100.0;
+        if n == 30 || n == 70 {
+            x += 777.0;
+            watch.restart();
+        }
+        assert!(watch.step(&[x], 3), "{n}: {:?}", watch.report());
+    }
+    // What follows is judged again: velocity, acceleration and jerk in turn.
+    for (after, good) in [(1, true), (2, true), (3, false)] {
+        let mut watch = Watchman::new([LIMITS], H, 1000.0);
+        watch.rest_at(&[0.0]);
+        watch.restart();
+        let step = 0.5 * LIMITS.velocity * H;
+        let mut fine = true;
+        for n in 0..after {
+            fine &= watch.step(&[if n < 2 { f64::from(n) * step } else { step }], 4);
+        }
+        assert_eq!(fine, good, "{after}");
+    }
+    watch.restart();
+    assert!(watch.step(&[0.0], 5));
+    assert!(!watch.step(&[777.0], 6));
+    assert_eq!(watch.report().velocity.line, 6);
+    watch.forget();
+    assert_eq!(watch.report().velocity.ratio, 0.0);
+}
+
+#[test]
+fn limits_change_on_the_way() {
+    let mut watch = Watchman::new([LIMITS], H, 1.0);
+    watch.rest_at(&[0.0]);
+    let step = 1e-7;
+    assert!(watch.step(&[0.0], 0) && watch.step(&[step * 1e-3], 0));
+    watch.set_limits([Limits { velocity: 1e-8, ..LIMITS }], H, 0.0);
+    assert!(!watch.step(&[step], 0));
+    assert!(watch.report().velocity.ratio > 1.0);
+}
+
 /// Deliberate faults of a judge, each of which the tests above must notice.
 #[test]
 fn faults_of_the_judge_would_be_noticed() {

@@ -69,6 +69,11 @@ impl StepGuard {
         self.last.position
     }
 
+    /// Returns the last command with its parts.
+    pub(crate) const fn command(&self) -> &MotorCommand {
+        &self.last
+    }
+
     /// Checks a command; changes nothing.
     pub(crate) fn judge(&self, c: &MotorCommand, dt: f64) -> Result<(), Jump> {
         if !c.is_on {

@@ -58,6 +58,7 @@ impl State {
     /// Switches the machine off: all motion ends, and all tickets that wait for motion are refused.
     pub(crate) fn turn_off(&mut self, cause: &'static str) {
         self.enabled = false;
+        self.count_hard_stop();
         self.path.clear(cause);
         self.end_homing(cause);
         for joint in &mut self.joints {

@@ -1,7 +1,7 @@
 //! Pins and parameters that exist once.
 
 use super::pins;
-use hal_component::{In, Out, ParamRo};
+use hal_component::{In, Out, ParamRo, ParamRw};
 
 pins! {
     /// Pins of motion as a whole.
@@ -112,6 +112,26 @@ pins! {
         interp_line_number: Out<i32> = 0, "interp.line-number";
         /// Kind of motion that the program requests. Not used yet: always 0.
         interp_motion_type: Out<i32> = 0, "interp.motion-type";
+    }
+}
+
+pins! {
+    /// Pins and parameter of the watchman, which judges the commands of all motors.
+    WatchPins {
+        /// Number of cycles so far in which a joint broke a limit, counted for each joint.
+        violations: Out<u32> = 0, "watch.violations";
+        /// Number of stops at once so far: machine off in motion, and jog-stop-immediate. They are not judged.
+        hard_stops: Out<u32> = 0, "watch.hard-stops";
+        /// Highest ratio of a joint's velocity, acceleration or jerk to its limit so far.
+        worst: Out<f64> = 0.0, "watch.worst";
+        /// Joint of the highest ratio.
+        joint: Out<i32> = 0, "watch.joint";
+        /// Line of the program at the highest ratio; 0 without a program.
+        line: Out<i32> = 0, "watch.line";
+        /// TRUE sets all counters and ratios back.
+        reset: In<bool> = false, "watch.reset";
+        /// TRUE: a violation switches the machine off. FALSE: it is only counted, and the first one reported.
+        stop: ParamRw<bool> = false, "watch.stop";
     }
 }
 

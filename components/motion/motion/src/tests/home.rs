@@ -80,6 +80,7 @@ impl Rail {
         self.cycle();
         self.rig.end()?;
         assert!(self.rig.is("joint.0.homed"));
+        assert_eq!(self.rig.bench.get::<u32>("motion.watch.violations"), 0);
         Ok(self.at - self.rig.joint(0, "pos-fb"))
     }
 }

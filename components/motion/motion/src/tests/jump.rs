@@ -75,7 +75,7 @@ fn rename(joint: &mut Joint, by: f64) {
 }
 
 /// Returns a homed machine whose motion controller can fail.
-fn rig() -> Rig {
+pub(super) fn rig() -> Rig {
     let mut bench = Bench::new();
     bench.load::<trivkins::Trivkins>(&["kinstype=b"]).unwrap();
     let mut rig = Rig::of::<Wrong>(bench);

@@ -44,6 +44,9 @@ float OUT pos-fb
 bit OUT pos-hard-limit
 bit IN pos-lim-sw-in
 float OUT vel-cmd
+float OUT watch-acceleration
+float OUT watch-jerk
+float OUT watch-velocity
 bit OUT wheel-jog-active";
 
 const AXIS: &str = "\
@@ -144,6 +147,13 @@ float OUT motion.requested-vel
 u32 OUT motion.servo.last-period
 bit OUT motion.teleop-mode
 bit OUT motion.tp-reverse
+s32 OUT motion.watch.joint
+s32 OUT motion.watch.line
+u32 OUT motion.watch.violations
+u32 OUT motion.watch.hard-stops
+float OUT motion.watch.worst
+bit IN motion.watch.reset
+bit RW motion.watch.stop
 float RO traj.pos_out
 float RO traj.vel_out
 u32 RO traj.active_tc
