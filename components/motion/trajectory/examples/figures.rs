@@ -136,7 +136,7 @@ fn given(moves: &core::slice::Iter<'_, Move>) -> usize {
 /// Largest memory of planner, hand-over and follower for a program of a million moves.
 fn memory() -> Result<usize, Error> {
     let mut planner = Planner::new(machine(), Trivial, Pose::ZERO)?;
-    let (mut publisher, reader) = share(8192, 2000);
+    let (mut publisher, reader) = share(16_384, 2000);
     let mut most = 0;
     for _ in 0..10 {
         let at = *planner.position();
@@ -145,7 +145,7 @@ fn memory() -> Result<usize, Error> {
             planner.push(&Move { shape: Shape::Line { end: end + at }, ..*m })?;
             publisher.publish(&mut planner);
             reader.release(planner.track().oldest().saturating_sub(4000));
-            most = most.max(publisher.memory() + planner.track().memory());
+            most = most.max(publisher.memory() + planner.memory());
         }
     }
     Ok(most + 2000 * 8)

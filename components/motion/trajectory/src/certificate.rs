@@ -45,15 +45,18 @@ pub struct Rejection {
 struct Acting {
     from: f64,
     to: f64,
-    speed: f64,
-    rest: f64,
+    allowed: Allowed,
 }
 
 /// Neighbouring cells, and the lowest limits and the widest interval of them all.
 #[derive(Clone, Debug)]
 struct Block {
     cells: Vec<Acting>,
-    all: Acting,
+    from: f64,
+    to: f64,
+    speed: f64,
+    rest: f64,
+    top: f64,
 }
 
 impl Block {
@@ -61,16 +64,16 @@ impl Block {
 
     fn clear(&mut self) {
         self.cells.clear();
-        self.all = Self::default().all;
+        *self = Self { cells: core::mem::take(&mut self.cells), ..Self::default() };
     }
 
     fn add(&mut self, acts: &Acting) {
-        self.all = Acting {
-            from: self.all.from.min(acts.from),
-            to: self.all.to.max(acts.to),
-            speed: self.all.speed.min(acts.speed),
-            rest: self.all.rest.min(acts.rest),
-        };
+        let Allowed { speed, rest, .. } = acts.allowed;
+        self.from = self.from.min(acts.from);
+        self.to = self.to.max(acts.to);
+        self.speed = self.speed.min(speed);
+        self.rest = self.rest.min(rest);
+        self.top = self.top.min(acts.allowed.top());
         self.cells.push(*acts);
     }
 }
@@ -78,7 +81,7 @@ impl Block {
 impl Default for Block {
     fn default() -> Self {
         let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
-        Self { cells: Vec::new(), all: Acting { from: high, to: low, speed: high, rest: high } }
+        Self { cells: Vec::new(), from: high, to: low, speed: high, rest: high, top: high }
     }
 }
 
@@ -103,20 +106,14 @@ impl Certificate {
     ) {
         let bounds = exact(curve, raw.from, raw.from + raw.length);
         for round in 0..64 {
-            let a = &raw.allowed;
-            let top = a.rest - a.fade * a.speed * a.speed;
-            // Between rest and top speed the sum of both shares is linear in v², so the ends suffice.
-            if law.holds(&bounds, joints, a.speed, top)
-                && (a.fade == 0.0 || law.holds(&bounds, joints, 0.0, a.rest))
-            {
+            if law.holds(&bounds, joints, &raw.allowed) {
                 return;
             }
             if round == 0 {
                 self.reject(Rule::Limits, raw);
             }
-            raw.allowed.speed *= 0.5;
-            raw.allowed.rest *= 0.5;
-            raw.allowed.fade = 0.0;
+            let Allowed { speed, .. } = raw.allowed;
+            raw.allowed = Allowed { speed: 0.5 * speed, rest: 0.5 * raw.allowed.top(), fade: 0.0 };
         }
     }
 
@@ -138,9 +135,9 @@ impl Certificate {
 
     /// Remembers a cell of the run, so that its neighbours can be compared with it. `time` is the reach in seconds.
     pub(crate) fn remember(&mut self, raw: &Raw, time: f64) {
-        let Allowed { speed, rest, .. } = raw.allowed;
-        let acts =
-            Acting { from: raw.start - speed * time, to: raw.end() + speed * time, speed, rest };
+        let allowed = raw.allowed;
+        let reach = allowed.speed * time;
+        let acts = Acting { from: raw.start - reach, to: raw.end() + reach, allowed };
         match self.blocks.back_mut() {
             Some(block) if block.cells.len() < Block::CELLS => block.add(&acts),
             _ => {
@@ -156,28 +153,41 @@ impl Certificate {
     /// Compares an eroded cell with the limits of every cell in reach. Cells come in the order of the run.
     pub(crate) fn admit(&mut self, cell: &mut Raw) {
         let (from, to) = (cell.start, cell.end());
-        while self.blocks.front().is_some_and(|b| b.all.to <= from) {
+        while self.blocks.front().is_some_and(|b| b.to <= from) {
             self.spare = self.blocks.pop_front();
         }
-        let Allowed { speed: mut least, mut rest, .. } = cell.allowed;
-        for block in &self.blocks {
+        let Allowed { mut speed, mut rest, .. } = cell.allowed;
+        let mut top = cell.allowed.top();
+        let mut good = true;
+        for b in &self.blocks {
             // A block that as a whole is higher, or out of reach, needs no look at its cells.
-            let Acting { from: first, to: last, speed, rest: low, .. } = block.all;
-            if least <= speed && rest <= low || last <= from || to <= first {
+            if speed <= b.speed && rest <= b.rest && top <= b.top || b.to <= from || to <= b.from {
                 continue;
             }
-            for acts in &block.cells {
+            for acts in &b.cells {
                 if acts.from < to && from < acts.to {
-                    least = least.min(acts.speed);
-                    rest = rest.min(acts.rest);
+                    // Both accelerations are linear in v², so rest and full speed suffice.
+                    let low = acts.allowed;
+                    let at_speed = low.at(cell.allowed.speed) + 1e-12 * low.rest;
+                    good &= cell.allowed.speed <= low.speed
+                        && cell.allowed.rest <= low.rest
+                        && cell.allowed.top() <= at_speed;
+                    speed = speed.min(low.speed);
+                    rest = rest.min(low.rest);
+                    top = top.min(low.top());
                 }
             }
         }
-        if least < cell.allowed.speed || rest < cell.allowed.rest {
+        if !good {
             self.reject(Rule::Neighbour, cell);
-            cell.allowed.speed = least;
-            cell.allowed.rest = rest;
+            cell.allowed = Allowed::between(speed, rest, top);
         }
+    }
+
+    /// Returns the memory in use, in bytes.
+    pub(crate) fn memory(&self) -> usize {
+        let block = size_of::<Block>() + Block::CELLS * size_of::<Acting>();
+        self.blocks.capacity() * block
     }
 
     /// Forgets the run.

@@ -43,6 +43,7 @@ pub(crate) struct Erosion {
     pending: BinaryHeap<Reverse<Entry>>,
     speeds: BinaryHeap<Reverse<Entry>>,
     rests: BinaryHeap<Reverse<Entry>>,
+    tops: BinaryHeap<Reverse<Entry>>,
     raws: VecDeque<Raw>,
     /// End of the run so far.
     end: f64,
@@ -58,6 +59,7 @@ struct Entry {
     until: f64,
     speed: f64,
     rest: f64,
+    top: f64,
 }
 
 impl Erosion {
@@ -70,7 +72,8 @@ impl Erosion {
         let Allowed { speed, rest, .. } = raw.allowed;
         let key = raw.start - reach;
         let until = raw.end() + reach;
-        self.pending.push(Reverse(Entry { key, until, speed, rest }));
+        let top = raw.allowed.top();
+        self.pending.push(Reverse(Entry { key, until, speed, rest, top }));
         self.raws.push_back(raw);
         raw
     }
@@ -78,11 +81,23 @@ impl Erosion {
     /// Removes limits that act no longer from heaps that have grown.
     fn shed(&mut self) {
         let x = self.done;
-        for heap in [&mut self.speeds, &mut self.rests] {
+        for heap in [&mut self.speeds, &mut self.rests, &mut self.tops] {
             if heap.len() >= 4096 && heap.len() == heap.capacity() {
                 heap.retain(|e| e.0.until > x);
             }
         }
+    }
+
+    /// Number of cells that have not been given out.
+    pub(crate) fn waiting(&self) -> usize {
+        self.raws.len()
+    }
+
+    /// Returns the memory in use, in bytes.
+    pub(crate) fn memory(&self) -> usize {
+        let heaps = [&self.pending, &self.speeds, &self.rests, &self.tops];
+        let entries: usize = heaps.iter().map(|h| h.capacity()).sum();
+        entries * size_of::<Entry>() + self.raws.capacity() * size_of::<Raw>()
     }
 
     /// Returns the length of the run that is known.
@@ -100,35 +115,24 @@ impl Erosion {
             let mut x = raw.start.max(self.done);
             let mut open: Option<Raw> = None;
             while x < raw.end() {
-                let (speed, rest, next) = self.limits_at(x, raw.end());
+                let (allowed, next) = self.limits_at(x, raw.end());
                 let last = next >= raw.end();
                 let from = raw.from + (x - raw.start);
                 let to = if last { raw.from + raw.length } else { raw.from + (next - raw.start) };
-                let allowed = Allowed {
-                    speed: speed.min(raw.allowed.speed),
-                    rest: rest.min(raw.allowed.rest),
-                    fade: 0.0,
-                };
+                let allowed = lower(&allowed, &raw.allowed);
                 open = Some(match open {
                     Some(before) => {
                         let (p, q) = (&before.allowed, &allowed);
-                        let same = p.speed == q.speed && p.rest == q.rest;
+                        let same = p == q;
                         let tiny = |a: &Allowed, l: f64| l <= shortest * a.speed + 1e-9;
-                        let below =
-                            |a: &Allowed, b: &Allowed| a.speed <= b.speed && a.rest <= b.rest;
+                        let below = |a: &Allowed, b: &Allowed| {
+                            a.speed <= b.speed && a.rest <= b.rest && a.top() <= b.top()
+                        };
                         let (first, second) = (tiny(p, before.length), tiny(q, to - from));
                         // A short cell joins its neighbour only if a long one does not become slower by it.
                         if same || first && second || first && below(q, p) || second && below(p, q)
                         {
-                            Raw {
-                                length: to - before.from,
-                                allowed: Allowed {
-                                    speed: allowed.speed.min(before.allowed.speed),
-                                    rest: allowed.rest.min(before.allowed.rest),
-                                    fade: 0.0,
-                                },
-                                ..before
-                            }
+                            Raw { length: to - before.from, allowed: lower(p, q), ..before }
                         } else {
                             give(before);
                             Raw { from, length: to - from, allowed, start: x, ..raw }
@@ -157,13 +161,14 @@ impl Erosion {
         self.pending.clear();
         self.speeds.clear();
         self.rests.clear();
+        self.tops.clear();
         self.raws.clear();
         self.end = 0.0;
         self.done = 0.0;
     }
 
     /// Returns the lowest limits at `x`, and the coordinate up to which they hold.
-    fn limits_at(&mut self, x: f64, end: f64) -> (f64, f64, f64) {
+    fn limits_at(&mut self, x: f64, end: f64) -> (Allowed, f64) {
         while let Some(Reverse(entry)) = self.pending.peek().copied() {
             if entry.key > x {
                 break;
@@ -171,6 +176,7 @@ impl Erosion {
             self.pending.pop();
             self.speeds.push(Reverse(Entry { key: entry.speed, ..entry }));
             self.rests.push(Reverse(Entry { key: entry.rest, ..entry }));
+            self.tops.push(Reverse(Entry { key: entry.top, ..entry }));
         }
         let mut next = end;
         if let Some(Reverse(entry)) = self.pending.peek() {
@@ -188,8 +194,15 @@ impl Erosion {
         };
         let speed = lowest(&mut self.speeds);
         let rest = lowest(&mut self.rests);
-        (speed, rest, next)
+        let top = lowest(&mut self.tops);
+        (Allowed::between(speed, rest, top), next)
     }
+}
+
+/// Returns the lower of two limits: speed, acceleration at rest and at full speed, each by itself. As acceleration only
+/// falls with speed, the result is below both at every speed.
+fn lower(a: &Allowed, b: &Allowed) -> Allowed {
+    Allowed::between(a.speed.min(b.speed), a.rest.min(b.rest), a.top().min(b.top()))
 }
 
 impl PartialEq for Entry {

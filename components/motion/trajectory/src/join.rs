@@ -97,9 +97,15 @@ impl Join {
         let smooth = self.end.is_some();
         let (Some(first), Some(last)) = (self.lines.first(), self.lines.last()) else { return };
         let last = *last;
-        let from = self.end.unwrap_or([slope(first), Pose::ZERO]);
-        let to = end.unwrap_or([slope(&last), Pose::ZERO]);
-        match self.spline(&from, &to, tolerances) {
+        let straight = [slope(first), slope(&last)].map(|u| [u, Pose::ZERO]);
+        let [from, to] = [self.one_sided(false), self.one_sided(true)];
+        let from = self.end.or(from).unwrap_or(straight[0]);
+        let to = end.or(to).unwrap_or(straight[1]);
+        let found = self.spline(&from, &to, tolerances).or_else(|| {
+            let ends = [self.end.unwrap_or(straight[0]), end.unwrap_or(straight[1])];
+            if ends == [from, to] { None } else { self.spline(&ends[0], &ends[1], tolerances) }
+        });
+        match found {
             Some(spline) => {
                 let count = spline.pieces();
                 for k in 0..count {
@@ -130,16 +136,24 @@ impl Join {
         self.lines = rest;
     }
 
+    /// Returns the first two derivatives at the start or at the end of the lines, as the lines nearby suggest.
+    fn one_sided(&self, at_end: bool) -> Option<[Pose; 2]> {
+        let count = self.lines.len();
+        let from = if at_end { count.checked_sub(2 * AROUND)? } else { 0 };
+        let (a, x) = chord(self.lines.get(from..from + AROUND)?)?;
+        let (b, y) = chord(self.lines.get(from + AROUND..from + 2 * AROUND)?)?;
+        let main = self.lines.first()?.main;
+        let bend = (b - a) * (2.0 / (x + y));
+        // A chord has the direction of the curve at its middle.
+        let tangent = if at_end { b + bend * (0.5 * y) } else { a - bend * (0.5 * x) };
+        let tangent = tangent * (1.0 / tangent.norm(main));
+        Some([tangent, bend - tangent * bend.dot(&tangent, main)])
+    }
+
     /// Returns the first two derivatives that the lines around the start of a line suggest.
     fn derivatives(&self, number: usize) -> Option<[Pose; 2]> {
         let before = self.lines.get(number.checked_sub(AROUND)?..number)?;
         let after = self.lines.get(number..number + AROUND)?;
-        let chord = |lines: &[Segment]| {
-            let (first, last) = (lines.first()?, lines.last()?);
-            let length: f64 = lines.iter().map(|l| l.length).sum();
-            let by = last.curve.pose(last.length) - first.curve.pose(0.0);
-            Some((by * (1.0 / length), length))
-        };
         let ((a, x), (b, y)) = (chord(before)?, chord(after)?);
         let main = self.lines.first()?.main;
         let mean = (a * y + b * x) * (1.0 / (x + y));
@@ -159,8 +173,10 @@ impl Join {
         let mut pieces = if guess > 0.0 { (length / guess).ceil().max(4.0) } else { 4.0 };
         while pieces <= 2.0 * float(count) {
             let spline = self.sampled(length, pieces, from, to);
-            if self.deviation(&spline, tolerances) <= 1.0 - 1e-9 {
-                return Some(spline);
+            for spline in [spline.through(), spline] {
+                if self.deviation(&spline, tolerances) <= 1.0 - 1e-9 {
+                    return Some(spline);
+                }
             }
             pieces = (1.25 * pieces).ceil();
         }
@@ -292,6 +308,21 @@ impl Spline {
         self.control.len().saturating_sub(3)
     }
 
+    /// Spline that passes near its control points, instead of inside their polygon. The three points at either end, which
+    /// give its ends, stay.
+    fn through(&self) -> Self {
+        let mut control = self.control.clone();
+        let inner = control.len().saturating_sub(6);
+        for (point, around) in
+            control.iter_mut().skip(3).take(inner).zip(self.control.windows(3).skip(2))
+        {
+            if let [a, b, c] = around {
+                *point = *b - (*a - *b * 2.0 + *c) * (1.0 / 6.0);
+            }
+        }
+        Self { control, spacing: self.spacing }
+    }
+
     /// Returns a piece as a polynomial.
     fn piece(&self, number: usize) -> Option<Curve> {
         let mut points = self.control.iter().skip(number).copied();
@@ -303,6 +334,14 @@ impl Spline {
         let c3 = (d - a + (b - c) * 3.0) * sixth;
         Some(Curve::Poly { c: [c0, c1, c2, c3, Pose::ZERO, Pose::ZERO], length: self.spacing })
     }
+}
+
+/// Returns the direction from the start to the end of lines, by their length, and the length.
+fn chord(lines: &[Segment]) -> Option<(Pose, f64)> {
+    let (first, last) = (lines.first()?, lines.last()?);
+    let length: f64 = lines.iter().map(|l| l.length).sum();
+    let by = last.curve.pose(last.length) - first.curve.pose(0.0);
+    Some((by * (1.0 / length), length))
 }
 
 /// Returns the derivative of a line.

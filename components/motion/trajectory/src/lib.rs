@@ -28,7 +28,7 @@
 //!     periods += 1;
 //! }
 //! // 130 mm at 100 mm/s take 1300 ms; the two corners, start, stop and the limit of jerk take the rest.
-//! assert_eq!(periods, 1_579);
+//! assert_eq!(periods, 1_570);
 //! # Ok::<(), hal_trajectory::Error>(())
 //! ```
 #![forbid(unsafe_code)]

@@ -4,7 +4,7 @@ use crate::{
     blend::{self, Joint},
     certificate::{Certificate, Rejection},
     curve::Curve,
-    erosion::{Erosion, Raw},
+    erosion::Erosion,
     error::Error,
     join::Join,
     kinematics::{CELL, Kinematics, joint_bounds},
@@ -12,17 +12,22 @@ use crate::{
     moves::{Mode, Move},
     pose::Pose,
     segment::{Segment, Tolerances},
-    speed::Law,
-    track::{Cell, Track},
+    speed::{Law, Shares},
+    track::Track,
 };
 
+mod cells;
 pub(crate) mod spline;
 mod window;
 
+use cells::Span;
 use window::Window;
 
 /// Number of cells that a track holds; further moves are refused until the follower has advanced.
 pub const CAPACITY: usize = 16384;
+
+/// Number of cells that a planner with a hand-over holds besides those that it has handed over.
+pub(crate) const STAGED: usize = 2048;
 
 /// Largest angle of an arc in one cell, in radians.
 const ARC_CELL: f64 = 0.2;
@@ -47,15 +52,8 @@ pub struct Planner<K> {
     /// Lines that wait to be joined to a spline.
     join: Join,
     window: Window,
-}
-
-/// A piece of a curve of the path, between two coordinates of it.
-#[derive(Clone, Copy, Debug)]
-struct Span {
-    curve: Curve,
-    from: f64,
-    to: f64,
-    pieces: u16,
+    /// Number of cells beyond which moves are refused.
+    room: usize,
 }
 
 impl<K: Kinematics> Planner<K> {
@@ -85,12 +83,13 @@ impl<K: Kinematics> Planner<K> {
             held: None,
             join: Join::default(),
             window: Window::default(),
+            room: CAPACITY,
         })
     }
 
     /// Adds a move. A refused move changes nothing.
     pub fn push(&mut self, next: &Move) -> Result<(), Error> {
-        if self.track.len() >= CAPACITY {
+        if self.track.len() >= self.room {
             return Err(Error::Full);
         }
         let Some(segment) = next.segment(&self.position)? else {
@@ -157,6 +156,17 @@ impl<K: Kinematics> Planner<K> {
         let _ = self.track.forget(number);
     }
 
+    /// Forgets cells before this number, which have been handed over.
+    pub(crate) fn hand_over(&mut self, number: u64) {
+        self.room = STAGED;
+        self.forget(number);
+    }
+
+    /// Returns the memory in use, in bytes.
+    pub fn memory(&self) -> usize {
+        self.track.memory() + self.erosion.memory() + self.certificate.memory()
+    }
+
     /// Returns the end of the last accepted move.
     pub const fn position(&self) -> &Pose {
         &self.position
@@ -194,8 +204,8 @@ impl<K: Kinematics> Planner<K> {
                 .map_err(|joint| Error::Unreachable { line, joint })?;
             let feed = segment.feed.min(self.machine.top_speed());
             let bounds = segment.curve.bounds(from, to, segment.lead);
-            let plain = self.law.allowed(&bounds, None, feed).speed;
-            if self.law.allowed(&bounds, Some(&joints), feed).speed < 0.01 * plain {
+            let plain = self.law.allowed(&bounds, None, feed, Shares::MOVE).speed;
+            if self.law.allowed(&bounds, Some(&joints), feed, Shares::MOVE).speed < 0.01 * plain {
                 return Err(Error::Singular { line, joint: self.law.tightest_joint(&joints) });
             }
         }
@@ -241,116 +251,6 @@ impl<K: Kinematics> Planner<K> {
             self.stop();
         }
         self.held = next.map(|b| (*b, half));
-    }
-
-    /// Cuts a span into cells with limits.
-    fn add_span(&mut self, span: &Span, a: &Segment, b: Option<&Segment>) {
-        let length = span.to - span.from;
-        let mut pieces = span.pieces;
-        if !self.direct {
-            pieces = pieces.max(count(length / CELL));
-        } else if self.law.has_jerk() && matches!(span.curve, Curve::Poly { .. }) {
-            // A polynomial that is short against the reach of the filter has one speed anyway.
-            let whole = span.curve.bounds(span.from, span.to, a.lead);
-            let speed = self.law.allowed(&whole, None, a.feed * self.machine.max_override).speed;
-            if length < speed * self.law.reach() {
-                pieces = 1;
-            }
-        }
-        let number = self.track.add_curve(&span.curve);
-        let mut from = span.from;
-        for k in 1..=pieces {
-            let to = if k == pieces {
-                span.to
-            } else {
-                span.from + length * (f64::from(k) / f64::from(pieces))
-            };
-            self.add_raw(number, &span.curve, from, to, a, b);
-            from = to;
-        }
-    }
-
-    /// Adds a cell with its own limits.
-    fn add_raw(
-        &mut self,
-        number: u64,
-        curve: &Curve,
-        from: f64,
-        to: f64,
-        a: &Segment,
-        b: Option<&Segment>,
-    ) {
-        let bounds = curve.bounds(from, to, a.lead);
-        let feed_of = |feed: f64, speed: f64| if speed > 0.0 { feed / speed } else { 1e9 };
-        let mut feed = feed_of(a.feed, bounds.speed);
-        if let Some(b) = b {
-            let speed =
-                if a.lead == b.lead { bounds.speed } else { curve.bounds(from, to, b.lead).speed };
-            feed = feed.min(feed_of(b.feed, speed));
-        }
-        let feed = feed.min(1e9);
-        if self.erosion.known() == 0.0 {
-            self.law.choose_filter(feed * self.machine.max_override);
-        }
-        let joints = if self.direct {
-            None
-        } else {
-            // The door has checked the segment; a blend beside it stays within the tolerance.
-            joint_bounds(&self.kinematics, curve, from, to).ok()
-        };
-        let mut allowed =
-            self.law.allowed(&bounds, joints.as_ref(), feed * self.machine.max_override);
-        if !self.direct && joints.is_none() {
-            allowed.speed = allowed.speed.min(1e-3);
-            allowed.rest = allowed.rest.min(1e-3);
-        }
-        let mut raw =
-            Raw { curve: number, from, length: to - from, allowed, feed, line: a.line, start: 0.0 };
-        self.certificate.judge(&self.law, curve, joints.as_ref(), &mut raw);
-        let time = self.law.reach();
-        let raw = self.erosion.push(raw, time);
-        if time > 0.0 {
-            self.certificate.remember(&raw, time);
-            self.drain(raw.end() - self.law.longest_reach());
-        } else {
-            self.drain(f64::INFINITY);
-        }
-    }
-
-    /// Gives the cells before `frontier` to the track.
-    fn drain(&mut self, frontier: f64) {
-        let time = self.law.reach();
-        let samples = self.law.samples;
-        let shortest = 0.1 * self.machine.period;
-        let Self { erosion, certificate, track, window, machine, .. } = self;
-        let mut give = |mut raw: Raw| {
-            // The follower passes a bounded number of cells in a period.
-            raw.allowed.speed = raw.allowed.speed.min(window.add(raw.length) / machine.period);
-            if time > 0.0 {
-                certificate.admit(&mut raw);
-            }
-            track.add_cell(Cell {
-                curve: raw.curve,
-                from: raw.from,
-                length: raw.length,
-                speed: raw.allowed.speed,
-                feed: raw.feed,
-                rest: raw.allowed.rest,
-                fade: raw.allowed.fade,
-                end: 0.0,
-                begin: 0.0,
-                samples,
-                stop: false,
-                line: raw.line,
-            });
-        };
-        if time > 0.0 {
-            erosion.drain(frontier, shortest, give);
-        } else {
-            while let Some(raw) = erosion.pass() {
-                give(raw);
-            }
-        }
     }
 
     /// Ends the run with a stop.

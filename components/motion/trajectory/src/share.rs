@@ -33,7 +33,7 @@ struct Shared {
 #[derive(Debug)]
 pub struct Publisher {
     shared: Arc<Shared>,
-    /// Copy of what is published.
+    /// Copy of what is published, without the curves.
     sent: Track,
     history: u64,
     /// Number of the next cell and curve to be copied.
@@ -83,11 +83,11 @@ impl Publisher {
         let old = self.next;
         while let Some(cell) = track.cell(self.next)
             && (sent.len() as u64) < shared.cells.len()
-            && cell.curve < sent.oldest_curve() + shared.curves.len()
+            && cell.curve
+                < sent.cells().next().map_or(cell.curve, |c| c.curve) + shared.curves.len()
         {
             while self.next_curve <= cell.curve {
                 if let Some(curve) = track.curve(self.next_curve) {
-                    sent.add_curve(curve);
                     shared.curves.fill(self.next_curve, &curve_words(curve));
                 }
                 self.next_curve += 1;
@@ -110,7 +110,7 @@ impl Publisher {
                 shared.cells.set(number, END, cell.end.to_bits());
             }
         }
-        planner.forget(self.next.saturating_sub(1));
+        planner.hand_over(self.next.saturating_sub(1));
     }
 
     /// Gives up cells far behind the follower.

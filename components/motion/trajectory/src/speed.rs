@@ -9,7 +9,10 @@
 //!
 //! - A1·v ≤ V,
 //! - A2·v² + A1·a ≤ A,
-//! - A3·v³ + 3·A2·v·a + A1·a/T ≤ J.
+//! - A3·v³ + 3·A2·v·a + A1·r/T ≤ J, with r the acceleration at rest.
+//!
+//! The acceleration of a cell falls with the squared speed, from r at rest to its least value at full speed. The pairs of speed and
+//! acceleration that it allows are a convex set, so the means that the filter makes of them belong to it too.
 
 use crate::{
     bounds::Bounds,
@@ -20,8 +23,22 @@ use crate::{
 /// Shares of the limits that stay unused, so that rounding is no violation.
 const RESERVE: [f64; 3] = [1.0 - 1e-9, 1.0 - 1e-8, 1.0 - 1e-6];
 
-/// Share of acceleration and jerk that the curvature of the path may use when there is a jerk filter.
-const CURVATURE_SHARE: f64 = 0.65;
+/// Shares of acceleration and jerk that the curvature of a cell may use when there is a jerk filter. Motion along the path
+/// has the rest.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shares {
+    acceleration: f64,
+    jerk: f64,
+}
+
+impl Shares {
+    /// For moves. They are long enough that acceleration along them counts too.
+    pub(crate) const MOVE: Self = Self { acceleration: 0.9, jerk: 0.5 };
+    /// For blends, which are passed at one speed.
+    pub(crate) const BLEND: Self = Self { acceleration: 0.9, jerk: 0.78 };
+    /// Everything, without a filter.
+    const ALL: Self = Self { acceleration: 1.0, jerk: 1.0 };
+}
 
 /// Bounds of the derivatives of the joints in a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +56,28 @@ pub(crate) struct Allowed {
     pub(crate) fade: f64,
 }
 
+impl Allowed {
+    /// Limits with this acceleration at rest, and that one at full speed.
+    pub(crate) fn between(speed: f64, rest: f64, top: f64) -> Self {
+        let fade = (rest - top) / (speed * speed);
+        if fade > 0.0 && fade < f64::INFINITY {
+            Self { speed, rest, fade }
+        } else {
+            Self { speed, rest: rest.min(top), fade: 0.0 }
+        }
+    }
+
+    /// Returns the acceleration at this speed.
+    pub(crate) fn at(&self, speed: f64) -> f64 {
+        (self.rest - self.fade * speed * speed).max(0.0)
+    }
+
+    /// Returns the acceleration at full speed.
+    pub(crate) fn top(&self) -> f64 {
+        self.at(self.speed)
+    }
+}
+
 /// The rule that turns bounds into speed and acceleration.
 #[derive(Clone, Debug)]
 pub(crate) struct Law {
@@ -52,7 +91,6 @@ pub(crate) struct Law {
     period: f64,
     /// Servo periods that the jerk filter averages; 1 without a limit of jerk.
     pub(crate) samples: u16,
-    share: f64,
 }
 
 /// Longest filter, in servo periods.
@@ -82,7 +120,6 @@ impl Law {
             jerk,
             period: machine.period,
             samples: 1,
-            share: CURVATURE_SHARE,
         }
     }
 
@@ -140,6 +177,7 @@ impl Law {
         bounds: &Bounds,
         joints: Option<&JointBounds>,
         feed: f64,
+        shares: Shares,
     ) -> Allowed {
         let (first, second, third) = (&bounds.first.0, &bounds.second.0, &bounds.third.0);
         let (mut r1, mut r2, mut r3) = (0.0_f64, 0.0_f64, 0.0_f64);
@@ -156,12 +194,12 @@ impl Law {
         if r1 * speed > 1.0 {
             speed = 1.0 / r1;
         }
-        let share = if self.jerk { self.share } else { 1.0 };
-        if r2 * speed * speed > share {
-            speed = (share / r2).sqrt();
+        let shares = if self.jerk { shares } else { Shares::ALL };
+        if r2 * speed * speed > shares.acceleration {
+            speed = (shares.acceleration / r2).sqrt();
         }
-        if self.jerk && r3 * speed * speed * speed > share {
-            speed = libm::cbrt(share / r3) * (1.0 - 1e-12);
+        if self.jerk && r3 * speed * speed * speed > shares.jerk {
+            speed = libm::cbrt(shares.jerk / r3) * (1.0 - 1e-12);
         }
         let square = speed * speed;
         let (mut rest, mut at_speed) = (f64::INFINITY, f64::INFINITY);
@@ -182,30 +220,56 @@ impl Law {
         if let Some(j) = joints {
             rows(&self.joints, &j.first, &j.second, &j.third).for_each(&mut narrow);
         }
-        let at_speed = if at_speed > 0.0 { at_speed.min(1e9) } else { 0.0 };
+        let top = if at_speed > 0.0 { at_speed.min(1e9) } else { 0.0 };
+        let mut rest = rest.min(1e9);
         if self.jerk {
-            return Allowed { speed, rest: at_speed, fade: 0.0 };
+            // Acceleration falls from `rest` to `top` with v², so 3·A2·v·a is a cubic in v. Its Bernstein coefficients are
+            // largest at full speed, or at two thirds of 3·A2·v·rest.
+            let mut narrow = |(l, a1, a2, a3): (&Limits, f64, f64, f64)| {
+                if l.jerk.is_finite() {
+                    let turning = 3.0 * a2 * speed;
+                    let left = l.jerk - a3 * square * speed - turning * top;
+                    rest = rest.min((left * time).max(a1 * top) / a1);
+                    rest = rest.min(l.jerk / (turning * (2.0 / 3.0) + a1 / time));
+                }
+            };
+            rows(&self.axes, first, second, third).for_each(&mut narrow);
+            if let Some(j) = joints {
+                rows(&self.joints, &j.first, &j.second, &j.third).for_each(&mut narrow);
+            }
         }
-        let rest = rest.min(1e9);
-        Allowed { speed, rest, fade: (rest - at_speed).max(0.0) / square }
+        Allowed::between(speed, rest.max(top), top)
     }
 
-    /// Returns true if this speed and acceleration keep every limit, by the three conditions themselves.
+    /// Returns true if every speed and acceleration of these limits keeps the limits of the machine, by the three
+    /// conditions themselves.
     pub(crate) fn holds(
         &self,
         bounds: &Bounds,
         joints: Option<&JointBounds>,
-        speed: f64,
-        acceleration: f64,
+        allowed: &Allowed,
     ) -> bool {
         let time = self.time();
+        let (v, a, top) = (allowed.speed, allowed.rest, allowed.top());
         let good = |(l, a1, a2, a3): (&Limits, f64, f64, f64)| {
-            let (v, a) = (speed, acceleration);
-            let jerk = a3 * v * v * v + 3.0 * a2 * v * a + a1 * a / time;
             let slack = 1.0 + 1e-12;
-            a1 * v <= l.velocity * slack
-                && a2 * v * v + a1 * a <= l.acceleration * slack
-                && (!l.jerk.is_finite() || jerk <= l.jerk * slack)
+            // The sum of the shares of acceleration is linear in v², so rest and full speed suffice.
+            if a1 * v > l.velocity * slack
+                || a1 * a > l.acceleration * slack
+                || a2 * v * v + a1 * top > l.acceleration * slack
+            {
+                return false;
+            }
+            // The jerk at the share x of full speed is cubic·x³ + linear·x + a1·a/time.
+            let linear = 3.0 * a2 * v * a;
+            let cubic = a3 * v * v * v - 3.0 * a2 * v * (a - top);
+            let inside = -3.0 * cubic > linear;
+            let peak = if inside {
+                2.0 / 3.0 * linear * (linear / (-3.0 * cubic)).sqrt()
+            } else {
+                cubic + linear
+            };
+            !l.jerk.is_finite() || peak + a1 * a / time <= l.jerk * slack
         };
         rows(&self.axes, &bounds.first.0, &bounds.second.0, &bounds.third.0).all(good)
             && joints.is_none_or(|j| rows(&self.joints, &j.first, &j.second, &j.third).all(good))

@@ -113,11 +113,6 @@ impl Track {
         self.first_cell
     }
 
-    /// Number of the oldest curve that is kept.
-    pub(crate) const fn oldest_curve(&self) -> u64 {
-        self.first_curve
-    }
-
     /// Number of cells kept.
     pub fn len(&self) -> usize {
         self.cells.len()

@@ -1,14 +1,19 @@
 //! Planner and follower in two threads: little room, a planner that stops for seconds, and reverse motion in between.
 
+#![expect(clippy::print_stdout, clippy::unwrap_used, reason = "tests")]
+
 mod judge;
 
 use hal_corpus::{Mode, Rng};
-use hal_trajectory::{AXES, Error, Follower, Planner, Pose, share};
-use hal_watchman::{Limits, Watchman};
+use hal_trajectory::{
+    AXES, Error, Follower, Limits, Machine, Move, Path, Planner, Pose, Shape, Spline, Trivial,
+    share,
+};
+use hal_watchman::{Limits as WatchLimits, Watchman};
 use judge::{Case, case, convert};
 
 fn watchman(c: &Case) -> Watchman<AXES> {
-    let limits = c.machine.axes.map(|l| Limits {
+    let limits = c.machine.axes.map(|l| WatchLimits {
         velocity: l.velocity,
         acceleration: l.acceleration,
         jerk: l.jerk,
@@ -128,4 +133,77 @@ fn two_threads_agree() {
         let by = follow.join().unwrap() - target;
         assert!(by.dot_all(&by).sqrt() < 1e-9);
     });
+}
+
+/// A full hand-over of 16,384 cells, the planner and the follower fit in 16 MB, with the worst programs.
+#[test]
+fn no_program_takes_more_than_16_megabytes() {
+    let mut most = 0;
+    for kind in 0..5 {
+        for jerk in [1e5, 1e4, f64::INFINITY] {
+            let limits = Limits { velocity: 200.0, acceleration: 1750.0, jerk };
+            let machine = Machine::uniform(limits);
+            let mut planner = Planner::new(machine, Trivial, Pose::ZERO).unwrap();
+            let (mut publisher, reader) = share(16_384, 1000);
+            let mut rng = Rng::new(kind);
+            let (mut refused, mut own) = (0, 0);
+            for line in 0..100_000 {
+                let done = match kind {
+                    // Specks, splines, helices of many turns, dense code, corners.
+                    0 => planner.push(&short(line, 2e-6, 1.0)),
+                    1 => planner.push_spline(&waves(planner.position()), 100.0, SOFT, line),
+                    2 => planner.push(&helix(line, planner.position())),
+                    3 => planner.push(&short(line, 0.1, 0.1)),
+                    _ => planner.push(&short(line, 0.5, rng.between(1.0, 2.0))),
+                };
+                publisher.publish(&mut planner);
+                most = most.max(publisher.memory() + planner.memory());
+                own = own.max(planner.memory());
+                match done {
+                    // The follower goes on a little each time that the planner waits for it.
+                    Err(Error::Full) if refused < 20 => {
+                        refused += 1;
+                        reader.release(planner.track().oldest().saturating_sub(16_000));
+                    }
+                    Err(Error::Full) => break,
+                    Err(e) => panic!("{kind} {line} {e:?}"),
+                    Ok(()) => {}
+                }
+            }
+            println!("kind {kind}, jerk {jerk}: hand-over {}, planner {own}", publisher.memory());
+        }
+    }
+    // The ring of the follower has 2000 numbers.
+    most += 2000 * 8;
+    println!("{most} bytes");
+    assert!(most <= 16_000_000, "{most}");
+}
+
+const SOFT: hal_trajectory::Mode = hal_trajectory::Mode::Blend(0.01);
+
+/// Line number `line` of a path that turns by an angle, in all axes.
+fn short(line: u32, length: f64, angle: f64) -> Move {
+    let (sin, cos) = libm::sincos(angle * f64::from(line));
+    let mut end = Pose([length * f64::from(line % 5); AXES]);
+    end.0[0] = length / angle * sin;
+    end.0[1] = length / angle * cos;
+    Move { shape: Shape::Line { end }, feed: 100.0, mode: SOFT, line }
+}
+
+fn helix(line: u32, at: &Pose) -> Move {
+    let mut end = *at;
+    end.0[2] += 5.0;
+    let center = [at.0[0] + 3.0, at.0[1], at.0[2]];
+    let shape = Shape::Arc { end, center, normal: [0.0, 0.0, 1.0], turns: 500 };
+    Move { shape, feed: 100.0, mode: SOFT, line }
+}
+
+fn waves(at: &Pose) -> Spline {
+    let point = |k: u32| {
+        let mut p = *at;
+        p.0[0] += 0.3 * f64::from(k);
+        p.0[1] += libm::sin(0.5 * f64::from(k));
+        p
+    };
+    Spline::cubic(&(0..1000).map(point).collect::<Vec<_>>()).unwrap()
 }

@@ -17,8 +17,10 @@ use judge::{PLAIN, convert, run};
 const V: f64 = 200.0;
 const A: f64 = 1750.0;
 
-/// Largest times of small arcs, in one sense and in both, without and with a limit of jerk.
-const MOST: [[f64; 2]; 2] = [[1.02, 1.27], [1.02, 1.55]];
+/// Largest times of small arcs without a limit of jerk and with one, in one sense; in both senses with a limit of jerk, at
+/// tolerances of 0.1, 0.01 and 0: there the curvature has to change its sign inside the tolerance.
+const MOST: [f64; 2] = [1.02, 1.12];
+const MOST_WITH_TURNS: [f64; 3] = [1.12, 1.32, 1.52];
 
 fn machine(jerk: f64) -> Machine {
     Machine::uniform(Limits { velocity: V, acceleration: A, jerk })
@@ -152,8 +154,8 @@ fn times_are_near_the_bounds() {
 #[test]
 fn small_arcs_are_near_the_centripetal_bound() {
     let least = 40.0 * 2.5 * 4.0 / (A * 4.0).sqrt();
-    for (name, flip, most) in [("one sense", 1.0, MOST[0]), ("both senses", -1.0, MOST[1])] {
-        for p in [0.1, 0.01, 0.0] {
+    for (name, flip) in [("one sense", 1.0), ("both senses", -1.0)] {
+        for (p, turning) in [0.1, 0.01, 0.0].into_iter().zip(MOST_WITH_TURNS) {
             let (mut steps, mut heading, mut turn) = (Vec::new(), 0.0, 2.5);
             for _ in 0..40 {
                 let (sin, cos) = libm::sincos(heading);
@@ -175,7 +177,8 @@ fn small_arcs_are_near_the_centripetal_bound() {
             let program = Program { name: "tangent arcs", seed: 0, start: [0.0; 9], steps };
             let [t, j] = [f64::INFINITY, 1e5].map(|jerk| taken(&program, &machine(jerk)) / least);
             println!("arcs of radius 4 in {name}, P {p}: {t:.4}, at a jerk of 1e5 {j:.4}");
-            assert!(t <= most[0] && j <= most[1], "{t} {j}");
+            let most = if flip > 0.0 { MOST[1] } else { turning };
+            assert!(t <= MOST[0] && j <= most, "{t} {j}");
         }
     }
 }
@@ -198,5 +201,5 @@ fn dense_code_is_joined() {
     let [a, b, c] = [(&circle, 1e5), (&noisy, 1e5), (&circle, f64::INFINITY)]
         .map(|(p, jerk)| taken(p, &machine(jerk)));
     println!("circle in lines: {a:.3} s, with noise {b:.3} s, without a limit of jerk {c:.3} s");
-    assert!(a <= 0.9 && b <= 1.35 * a, "{a} {b}");
+    assert!(a <= 0.7 && b <= 1.35 * a, "{a} {b}");
 }

@@ -74,7 +74,8 @@ impl Follower {
                 wait = pause - self.since_down;
                 0.0
             } else if self.since_up < self.period || self.is_worth_it(track, cell, target, pause) {
-                goal = self.climb(track, cell, (v + up * left).min(target), left + pause);
+                let target = (v + up * left).min(target).min(goal);
+                goal = self.climb(track, cell, target, left + pause);
                 if goal > v { up } else { 0.0 }
             } else {
                 0.0

@@ -11,7 +11,7 @@
     reason = "the constructor has checked the numbers of knots and points"
 )]
 
-use super::{CAPACITY, Planner};
+use super::Planner;
 use crate::{
     curve::{Curve, Derivatives},
     error::{Error, SplineFault},
@@ -32,6 +32,9 @@ const TURN: f64 = 0.35;
 
 /// Times that a span is halved at most.
 const HALVINGS: u32 = 8;
+
+/// Largest number of curves that a spline becomes.
+const LONGEST: usize = 4096;
 
 /// Largest ratio of two weights.
 const WEIGHTS: f64 = 1e6;
@@ -194,7 +197,7 @@ impl Spline {
                         _ => pieces *= 2,
                     }
                 };
-                if out.len() + curves.len() > CAPACITY / 2 {
+                if out.len() + curves.len() > LONGEST {
                     return Err(SplineFault::Long);
                 }
                 let length = scale * (to - from) / f64::from(pieces);
@@ -311,7 +314,7 @@ impl<K: Kinematics> Planner<K> {
         mode: Mode,
         line: u32,
     ) -> Result<(), Error> {
-        if self.track.len() >= CAPACITY {
+        if self.track.len() >= self.room {
             return Err(Error::Full);
         }
         check(feed, mode, line)?;

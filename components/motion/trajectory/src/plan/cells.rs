@@ -1,0 +1,145 @@
+//! Cells: pieces of the curves of the path, each with its own limits.
+
+use super::{Planner, count};
+use crate::{
+    curve::Curve,
+    erosion::Raw,
+    kinematics::{CELL, Kinematics, joint_bounds},
+    segment::Segment,
+    speed::{Allowed, Shares},
+    track::Cell,
+};
+
+/// Largest number of cells that wait for the cells in reach of the jerk filter; the run ends with a stop before there are
+/// more. Only cells that are much shorter than a hundredth of a millimetre are so many.
+const MAX_WAITING: usize = 4096;
+
+/// Largest number of cells of a span; cells of an arc with more turns are longer.
+const MAX_PIECES: u16 = 4096;
+
+/// A piece of a curve of the path, between two coordinates of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span {
+    pub(super) curve: Curve,
+    pub(super) from: f64,
+    pub(super) to: f64,
+    pub(super) pieces: u16,
+}
+
+impl<K: Kinematics> Planner<K> {
+    /// Cuts a span into cells with limits.
+    pub(super) fn add_span(&mut self, span: &Span, a: &Segment, b: Option<&Segment>) {
+        let length = span.to - span.from;
+        let shares = if b.is_some() { Shares::BLEND } else { Shares::MOVE };
+        let mut pieces = span.pieces.min(MAX_PIECES);
+        if !self.direct {
+            pieces = pieces.max(count(length / CELL));
+        } else if self.law.has_jerk() && matches!(span.curve, Curve::Poly { .. }) {
+            // A polynomial that is short against the reach of the filter has one speed anyway.
+            let whole = span.curve.bounds(span.from, span.to, a.lead);
+            let speed =
+                self.law.allowed(&whole, None, a.feed * self.machine.max_override, shares).speed;
+            if length < speed * self.law.reach() {
+                pieces = 1;
+            }
+        }
+        let number = self.track.add_curve(&span.curve);
+        let mut from = span.from;
+        for k in 1..=pieces {
+            let to = if k == pieces {
+                span.to
+            } else {
+                span.from + length * (f64::from(k) / f64::from(pieces))
+            };
+            self.add_raw(number, &span.curve, from, to, a, b);
+            from = to;
+        }
+    }
+
+    /// Adds a cell with its own limits.
+    fn add_raw(
+        &mut self,
+        number: u64,
+        curve: &Curve,
+        from: f64,
+        to: f64,
+        a: &Segment,
+        b: Option<&Segment>,
+    ) {
+        let bounds = curve.bounds(from, to, a.lead);
+        let shares = if b.is_some() { Shares::BLEND } else { Shares::MOVE };
+        let feed_of = |feed: f64, speed: f64| if speed > 0.0 { feed / speed } else { 1e9 };
+        let mut feed = feed_of(a.feed, bounds.speed);
+        if let Some(b) = b {
+            let speed =
+                if a.lead == b.lead { bounds.speed } else { curve.bounds(from, to, b.lead).speed };
+            feed = feed.min(feed_of(b.feed, speed));
+        }
+        let feed = feed.min(1e9);
+        if self.erosion.known() == 0.0 {
+            self.law.choose_filter(feed * self.machine.max_override);
+        }
+        let joints = if self.direct {
+            None
+        } else {
+            // The door has checked the segment; a blend beside it stays within the tolerance.
+            joint_bounds(&self.kinematics, curve, from, to).ok()
+        };
+        let mut allowed =
+            self.law.allowed(&bounds, joints.as_ref(), feed * self.machine.max_override, shares);
+        if !self.direct && joints.is_none() {
+            let (speed, rest) = (allowed.speed.min(1e-3), allowed.top().min(1e-3));
+            allowed = Allowed { speed, rest, fade: 0.0 };
+        }
+        let mut raw =
+            Raw { curve: number, from, length: to - from, allowed, feed, line: a.line, start: 0.0 };
+        self.certificate.judge(&self.law, curve, joints.as_ref(), &mut raw);
+        let time = self.law.reach();
+        if self.erosion.waiting() >= MAX_WAITING {
+            self.stop();
+        }
+        let raw = self.erosion.push(raw, time);
+        if time > 0.0 {
+            self.certificate.remember(&raw, time);
+            self.drain(raw.end() - self.law.longest_reach());
+        } else {
+            self.drain(f64::INFINITY);
+        }
+    }
+
+    /// Gives the cells before `frontier` to the track.
+    pub(super) fn drain(&mut self, frontier: f64) {
+        let time = self.law.reach();
+        let samples = self.law.samples;
+        let shortest = 0.1 * self.machine.period;
+        let Self { erosion, certificate, track, window, machine, .. } = self;
+        let mut give = |mut raw: Raw| {
+            // The follower passes a bounded number of cells in a period.
+            raw.allowed.speed = raw.allowed.speed.min(window.add(raw.length) / machine.period);
+            if time > 0.0 {
+                certificate.admit(&mut raw);
+            }
+            track.add_cell(Cell {
+                curve: raw.curve,
+                from: raw.from,
+                length: raw.length,
+                speed: raw.allowed.speed,
+                feed: raw.feed,
+                rest: raw.allowed.rest,
+                fade: raw.allowed.fade,
+                end: 0.0,
+                begin: 0.0,
+                samples,
+                stop: false,
+                line: raw.line,
+            });
+        };
+        if time > 0.0 {
+            erosion.drain(frontier, shortest, give);
+        } else {
+            while let Some(raw) = erosion.pass() {
+                give(raw);
+            }
+        }
+    }
+}
