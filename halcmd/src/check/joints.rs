@@ -20,6 +20,7 @@ pub(super) fn findings(dry_run: &mut DryRun) -> Vec<Finding> {
         let entry = |name: &str| ini.all(&section, name).next();
         if let Some(speed) = entry("MAX_VELOCITY") {
             found.extend(machine.speed(&channel, period, speed));
+            found.extend(machine.top(&channel, speed));
         }
         if let Some(accel) = entry("MAX_ACCELERATION") {
             found.extend(machine.accel(&channel, accel));
@@ -86,6 +87,24 @@ impl Machine<'_> {
             most / scale,
             (1e9 / wish / periods).floor()
         )))
+    }
+
+    /// Compares the velocity with the step generator's own limit.
+    fn top(&mut self, channel: &str, entry: &Entry) -> Option<Finding> {
+        let speed: f64 = value(entry)?;
+        let most = self.number(&format!("{channel}.maxvel"))?;
+        if most <= 0.0 || speed.is_nan() || speed <= most {
+            return None;
+        }
+        let subject = format!("[{}]{}", entry.section, entry.name);
+        let text = format!(
+            "{subject} is {speed}, and '{channel}.maxvel' is {most}: the motor stays behind"
+        );
+        Some(
+            Finding::new(Code::JointTooFast, &subject, text)
+                .at(place(entry))
+                .remedy(format!("let maxvel be more than {speed}, or 0 for no limit")),
+        )
     }
 
     fn accel(&mut self, channel: &str, entry: &Entry) -> Option<Finding> {

@@ -1,9 +1,9 @@
-//! Findings for entries of joints and axes that nothing reads, often because they are misspelt.
+//! Findings for entries of joints, axes and spindles that nothing reads, often because they are misspelt.
 
 use crate::{language::hint::nearest, session::dry_run::DryRun};
 use hal_protocol::{At, Code, Finding, Kind, Link, Reply, Request};
 
-/// Entries that LinuxCNC's programs read from the section of a joint or axis.
+/// Entries that LinuxCNC's programs read from the section of a joint, an axis or a spindle.
 const KNOWN: &[&str] = &[
     "TYPE",
     "UNITS",
@@ -14,6 +14,7 @@ const KNOWN: &[&str] = &[
     "BACKLASH",
     "COMP_FILE",
     "COMP_FILE_TYPE",
+    "COMP_AV_RATIO",
     "MIN_LIMIT",
     "MAX_LIMIT",
     "FERROR",
@@ -33,6 +34,12 @@ const KNOWN: &[&str] = &[
     "OFFSET_AV_RATIO",
     "WRAPPED_ROTARY",
     "DISABLE_JOG",
+    "MAX_FORWARD_VELOCITY",
+    "MIN_FORWARD_VELOCITY",
+    "MAX_REVERSE_VELOCITY",
+    "MIN_REVERSE_VELOCITY",
+    "INCREMENT",
+    "HOME_SEARCH_VELOCITY",
 ];
 
 pub(super) fn findings(dry_run: &mut DryRun) -> Vec<Finding> {
@@ -51,7 +58,7 @@ pub(super) fn findings(dry_run: &mut DryRun) -> Vec<Finding> {
     };
     let mut found = Vec::new();
     for entry in ini.entries() {
-        let of_joint = ["AXIS_", "JOINT_"].iter().any(|p| entry.section.starts_with(p));
+        let of_joint = ["AXIS_", "JOINT_", "SPINDLE_"].iter().any(|p| entry.section.starts_with(p));
         let name = (entry.section.clone(), entry.name.clone());
         let arg = entry.name.to_ascii_lowercase().replace('_', "-");
         if !of_joint

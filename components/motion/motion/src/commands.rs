@@ -1,6 +1,7 @@
 //! Commands: declared and read on the control side (`interface.rs`, `configure.rs`, `status.rs`), executed on the realtime side
 //! (`execute.rs`), or refused with a reason (`refusal.rs`).
 
+pub(crate) mod arguments;
 pub(crate) mod command;
 pub(crate) mod comp_file;
 pub(crate) mod config;

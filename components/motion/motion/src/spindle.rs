@@ -1,6 +1,6 @@
 //! Realtime. One spindle.
 
-use crate::pins::SpindlePins;
+use crate::{commands::config::SpindleConfig, pins::SpindlePins};
 use hal_component::{Messages, TicketHandle};
 
 /// Commanded state of a spindle.
@@ -11,6 +11,7 @@ pub(crate) struct Spindle {
     on: bool,
     brake: bool,
     pub(crate) scale: f64,
+    pub(crate) config: SpindleConfig,
     orient: Orient,
     /// Angle and direction of the last orientation.
     angle: f64,
@@ -45,6 +46,7 @@ impl Default for Spindle {
             on: false,
             brake: false,
             scale: 1.0,
+            config: SpindleConfig::default(),
             orient: Orient::Nowhere,
             angle: 0.0,
             mode: 0,
@@ -116,7 +118,7 @@ impl Spindle {
     /// Writes the pins.
     pub(crate) fn write_pins(&self, pins: &SpindlePins) {
         let runs = self.on && !pins.inhibit.get();
-        let speed = if runs { self.speed * self.scale } else { 0.0 };
+        let speed = if runs { self.config.limited(self.speed * self.scale) } else { 0.0 };
         pins.on.set(runs);
         pins.forward.set(speed > 0.0);
         pins.reverse.set(speed < 0.0);

@@ -61,7 +61,7 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         code: Code::IniUnused,
-        means: "An entry of a joint or axis is read by no script, and neither motion nor a program \
+        means: "An entry of a joint, axis or spindle is read by no script, and neither motion nor a program \
                 that is known reads it.",
         matters: "It has no effect: it may be misspelt, and another value counts in its place.",
         remedy: "Correct the name, use it in a script, or take it out.",
@@ -80,9 +80,9 @@ pub(super) const ROWS: &[Row] = &[
     Row {
         code: Code::JointTooFast,
         means: "The joint's MAX_VELOCITY times the scale is more steps in a second than its step \
-                generator can make in the base period.",
+                generator can make in the base period, or more than the step generator's maxvel.",
         matters: "The motor stays behind in the first fast move: a following error.",
-        remedy: "A lower MAX_VELOCITY, a shorter BASE_PERIOD, or less microstepping.",
+        remedy: "A lower MAX_VELOCITY, a shorter BASE_PERIOD, less microstepping, or a higher maxvel.",
         wrong: machine!("", "MAX_VELOCITY = 90\n# <--\nMAX_ACCELERATION = 1000\n"),
         right: machine!("", "MAX_VELOCITY = 40\nMAX_ACCELERATION = 1000\n"),
     },

@@ -139,7 +139,7 @@ impl Machine<'_, '_> {
 
     /// Configures motion with the machine's data, if motion is loaded.
     fn configure(&mut self) {
-        let ini = self.ini;
+        let (ini, here) = (self.ini, self.folders.here.clone());
         self.then(|session| {
             let patterns = vec!["motion.configure".to_owned()];
             let list = Request::List { kind: Kind::Commands, patterns, ty: None };
@@ -149,7 +149,7 @@ impl Machine<'_, '_> {
                 Err(error) => return session.outcome_of(Err(error)),
             };
             let Some(command) = command else { return Outcome::Good };
-            for (entry, args) in data(ini, &command) {
+            for (entry, args) in data(ini, &command, &here) {
                 session.stand_at(&entry.file, entry.line);
                 let name = command.name.clone();
                 let result = session.ask(Request::Command { name, args });
@@ -182,21 +182,22 @@ const PATH: &[(&str, &str, &str)] = &[
 ];
 
 /// Returns the arguments of each `motion.configure`, with the first INI entry of each: one call for
-/// coordinated moves, one for each joint, and one for each axis that has limits of its own.
-/// Arguments that the command does not have are left out.
-fn data<'a>(ini: &'a Ini, command: &CommandInfo) -> Vec<(&'a Entry, Vec<String>)> {
-    let mut path = Args::new(command, None);
+/// coordinated moves, one for each joint, and one for each axis and spindle that has limits of its
+/// own. Arguments that the command does not have are left out. Names of files are relative to `here`.
+fn data<'a>(ini: &'a Ini, command: &CommandInfo, here: &Path) -> Vec<(&'a Entry, Vec<String>)> {
+    let mut path = Args::new(command, None, here);
     for (section, name, arg) in PATH {
         if let Some(entry) = ini.all(section, name).next() {
             path.add(arg, entry);
         }
     }
     let of = |section: &str, first: String, only: &[&str]| {
-        let mut args = Args::new(command, Some(first));
+        let mut args = Args::new(command, Some(first), here);
         for entry in ini.section(section) {
             let arg = entry.name.to_ascii_lowercase().replace('_', "-");
             // The section identifies the joint or axis. Of an axis, only its limits count.
-            if arg != "joint" && arg != "axis" && (only.is_empty() || only.contains(&&*arg)) {
+            let is_object = ["joint", "axis", "spindle"].contains(&&*arg);
+            if !is_object && (only.is_empty() || only.contains(&&*arg)) {
                 args.add(&arg, entry);
             }
         }
@@ -211,8 +212,19 @@ fn data<'a>(ini: &'a Ini, command: &CommandInfo) -> Vec<(&'a Entry, Vec<String>)
         let first = format!("axis={}", letter.to_ascii_lowercase());
         all.push(of(&format!("AXIS_{letter}"), first, AXIS));
     }
+    for n in 0..number(ini, &[("TRAJ", "SPINDLES")]).unwrap_or(1).min(8) {
+        all.push(of(&format!("SPINDLE_{n}"), format!("spindle={n}"), SPINDLE));
+    }
     all.into_iter().flatten().collect()
 }
+
+/// Arguments that are read from a spindle's section.
+const SPINDLE: &[&str] = &[
+    "min-forward-velocity",
+    "max-forward-velocity",
+    "min-reverse-velocity",
+    "max-reverse-velocity",
+];
 
 /// Arguments that are read from an axis's section.
 const AXIS: &[&str] =
@@ -221,21 +233,28 @@ const AXIS: &[&str] =
 /// Returns the number of joint sections to read: the machine's number of joints, or 100 if it is
 /// not given.
 fn joint_count(ini: &Ini) -> u32 {
-    let said = [("KINS", "JOINTS"), ("TRAJ", "JOINTS"), ("TRAJ", "AXES")];
-    let mut given = said.iter().filter_map(|(section, name)| ini.get(section, name));
-    given.find_map(|value| value.split_whitespace().next()?.parse().ok()).unwrap_or(100).min(100)
+    let entries = [("KINS", "JOINTS"), ("TRAJ", "JOINTS"), ("TRAJ", "AXES")];
+    number(ini, &entries).unwrap_or(100).min(100)
+}
+
+/// Returns the number in the first of these entries that has one.
+fn number(ini: &Ini, entries: &[(&str, &str)]) -> Option<u32> {
+    let mut given = entries.iter().filter_map(|(section, name)| ini.get(section, name));
+    given.find_map(|value| value.split_whitespace().next()?.parse().ok())
 }
 
 /// Arguments of one command, collected from INI entries.
 struct Args<'a, 'c> {
     command: &'c CommandInfo,
+    /// Folder of the INI file.
+    here: &'c Path,
     place: Option<&'a Entry>,
     words: Vec<String>,
 }
 
 impl<'a, 'c> Args<'a, 'c> {
-    fn new(command: &'c CommandInfo, first: Option<String>) -> Self {
-        Self { command, place: None, words: first.into_iter().collect() }
+    fn new(command: &'c CommandInfo, first: Option<String>, here: &'c Path) -> Self {
+        Self { command, here, place: None, words: first.into_iter().collect() }
     }
 
     /// Adds the entry's value, if the command has this argument and it is not yet set.
@@ -244,7 +263,11 @@ impl<'a, 'c> Args<'a, 'c> {
         let known = self.command.args.iter().any(|a| a.name == arg);
         let value = entry.value.split_whitespace().next();
         if let Some(value) = value.filter(|_| known && !given) {
-            self.words.push(format!("{arg}={value}"));
+            let file = (arg == "comp-file").then(|| self.here.join(value));
+            self.words.push(match file {
+                Some(file) => format!("{arg}={}", file.display()),
+                None => format!("{arg}={value}"),
+            });
         }
         self.place.get_or_insert(entry);
     }
@@ -317,14 +340,15 @@ mod tests {
             default: None,
         };
         let names = "joint axis min-limit max-limit max-velocity ferror home-offset \
-                     default-velocity linear-units";
+                     default-velocity linear-units comp-file spindle max-forward-velocity \
+                     min-reverse-velocity";
         let (name, doc) = ("motion.configure".to_owned(), String::new());
         CommandInfo { name, doc, args: names.split_whitespace().map(arg).collect() }
     }
 
     fn check(text: &str, want: &[&str]) {
         let ini = Ini::parse("m.ini", text.as_bytes()).unwrap();
-        let got: Vec<String> = data(&ini, &command())
+        let got: Vec<String> = data(&ini, &command(), Path::new("/m"))
             .iter()
             .map(|(entry, args)| format!("{} {}", entry.line, args.join(" ")))
             .collect();
@@ -346,6 +370,17 @@ mod tests {
         check(
             "[AXIS_X]\nMAX_VELOCITY = 5\nMAX_LIMIT=7\n[JOINT_0]\nFERROR = 1\nFERROR = 2\n",
             &["5 joint=0 ferror=1", "2 axis=x max-velocity=5 max-limit=7"],
+        );
+        check(
+            "[SPINDLE_0]\nMAX_FORWARD_VELOCITY = 2400\nINCREMENT = 50\n[SPINDLE_1]\n\
+             MIN_REVERSE_VELOCITY = 10\n[JOINT_0]\nCOMP_FILE = x.comp\n[JOINT_1]\nCOMP_FILE = /y\n[TRAJ]\nSPINDLES = 2\n\
+             [SPINDLE_2]\nMAX_FORWARD_VELOCITY = 7\n",
+            &[
+                "7 joint=0 comp-file=/m/x.comp",
+                "9 joint=1 comp-file=/y",
+                "2 spindle=0 max-forward-velocity=2400",
+                "5 spindle=1 min-reverse-velocity=10",
+            ],
         );
         check("[TRAJ]\nMAX_LINEAR_VELOCITY=1\nMAX_VELOCITY=2\n", &["2 max-velocity=1"]);
         check("", &[]);

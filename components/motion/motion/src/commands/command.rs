@@ -1,6 +1,6 @@
 //! Commands from the control side to the realtime side.
 
-use crate::commands::config::{AxisConfig, JointConfig, TrajConfig};
+use crate::commands::config::{AxisConfig, JointConfig, SpindleConfig, TrajConfig};
 use hal_component::{Pose, TicketHandle};
 
 /// Mode that determines the meaning of jogs and moves.
@@ -104,6 +104,7 @@ pub(crate) enum Request {
 pub(crate) enum Command {
     Joint(usize, JointConfig),
     Axis(usize, AxisConfig),
+    Spindle(usize, SpindleConfig),
     Traj(TrajConfig),
     Request(Request, TicketHandle),
 }

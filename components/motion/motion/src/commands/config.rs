@@ -152,6 +152,43 @@ impl Default for TrajConfig {
     }
 }
 
+/// Speed limits of a spindle, in turns per minute, without sign.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SpindleConfig {
+    pub(crate) min_forward: f64,
+    pub(crate) max_forward: f64,
+    /// Limits in reverse; those of forward if they were never set.
+    pub(crate) min_reverse: Option<f64>,
+    pub(crate) max_reverse: Option<f64>,
+}
+
+impl Default for SpindleConfig {
+    fn default() -> Self {
+        Self { min_forward: 0.0, max_forward: f64::INFINITY, min_reverse: None, max_reverse: None }
+    }
+}
+
+impl SpindleConfig {
+    /// Returns the limits of a direction: lowest and highest speed.
+    pub(crate) fn limits(&self, forward: bool) -> (f64, f64) {
+        if forward {
+            return (self.min_forward, self.max_forward);
+        }
+        (self.min_reverse.unwrap_or(self.min_forward), self.max_reverse.unwrap_or(self.max_forward))
+    }
+
+    /// Returns the speed within the limits of its direction; zero stays zero.
+    pub(crate) fn limited(&self, speed: f64) -> f64 {
+        if speed == 0.0 {
+            return speed;
+        }
+        let (min, max) = self.limits(speed > 0.0);
+        let size = libm::fabs(speed);
+        let size = if size < min { min } else { size };
+        libm::copysign(if size > max { max } else { size }, speed)
+    }
+}
+
 impl Encoder {
     /// Returns whether the index resets the encoder's position to zero.
     pub(crate) fn resets(self) -> bool {

@@ -1,180 +1,70 @@
 //! `motion.configure`: checks the arguments and keeps the configuration.
 
 use crate::{
+    commands::arguments::{AXIS, JOINT, SPINDLE, TRAJ},
     commands::command::Command,
     commands::comp_file,
-    commands::config::{AxisConfig, Encoder, HomeConfig, JointConfig, TrajConfig},
+    commands::config::{AxisConfig, Encoder, HomeConfig, JointConfig, SpindleConfig, TrajConfig},
     commands::interface::letter,
     compensation::{MAX_TABLES, Tables},
 };
-use hal_component::{Arg, Call, Error, abi::ArgSpec};
+use hal_component::{Call, Error};
 use std::collections::BTreeMap;
-
-pub(crate) const DOC: &str = "\
-Sets the limits of a joint (joint=), of an axis (axis=), or of coordinated moves (neither).
-
-A joint takes part once it was configured. What is not given stays as it is. All values are in
-machine units and seconds.";
-
-pub(crate) const ARGS: &[&ArgSpec] = &[
-    &Arg::int("joint", "Number of the joint, from 0."),
-    &Arg::text("axis", "Letter of the axis: x y z a b c u v w."),
-    &Arg::float("min-limit", "Lowest position of a joint or axis, in units."),
-    &Arg::float("max-limit", "Highest position of a joint or axis, in units."),
-    &Arg::float(
-        "max-velocity",
-        "Highest velocity, in units/s, above 0: of a joint (at first 1), of an axis or along a \
-         path (at first whatever the joints allow).",
-    ),
-    &Arg::float(
-        "max-acceleration",
-        "Highest acceleration, in units/s², above 0: of a joint (at first 1), of an axis or along \
-         a path (at first whatever the joints allow).",
-    ),
-    &Arg::float("ferror", "Following error of a joint allowed at max-velocity, in units."),
-    &Arg::float(
-        "min-ferror",
-        "Following error of a joint allowed at any velocity, in units; ferror if never given.",
-    ),
-    &Arg::float("home", "Where a joint goes at the end of homing, in units."),
-    &Arg::float(
-        "home-offset",
-        "What homing calls the place of the switch or index, or where a joint stands, in units; \
-         with an absolute encoder what is added to its position.",
-    ),
-    &Arg::float(
-        "home-search-vel",
-        "Velocity to look for the home switch, in units/s; its sign is the direction; 0: no switch.",
-    ),
-    &Arg::float(
-        "home-latch-vel",
-        "Velocity to find the switch's edge and the index, in units/s: onto the switch when its \
-         sign is that of home-search-vel, off it otherwise.",
-    ),
-    &Arg::float(
-        "home-final-vel",
-        "Velocity of the move to home, in units/s; 0 or less: max-velocity.",
-    ),
-    &Arg::int(
-        "home-sequence",
-        "When a joint is homed with all, -1000 to 1000, lowest first, at first 0; those of one \
-         number below 0 are homed together, with a common final move, in the order of the number \
-         without its sign.",
-    ),
-    &Arg::bit("home-use-index", "Home is at the encoder's index behind the switch's edge."),
-    &Arg::bit(
-        "home-index-no-encoder-reset",
-        "The encoder goes on at its index and does not become 0.",
-    ),
-    &Arg::int(
-        "home-absolute-encoder",
-        "1: the encoder knows where it is, and homing only goes to home; 2: nor that; 0: it does \
-         not.",
-    ),
-    &Arg::bit("home-ignore-limits", "Limit switches do not end homing, such as one that is home."),
-    &Arg::bit(
-        "home-is-shared",
-        "Several joints have this home switch: none begins while it is closed.",
-    ),
-    &Arg::bit("volatile-home", "The joint is no longer homed when the machine goes off."),
-    &Arg::bit(
-        "locking-indexer",
-        "The joint is an indexer with a lock, which homing opens and closes; it has the pins unlock \
-         and is-unlocked, and does not jog.",
-    ),
-    &Arg::float("backlash", "Backlash of a joint, in units."),
-    &Arg::text(
-        "comp-file",
-        "File of the screw's measured errors, which replace the backlash once the joint is homed: \
-         lines of nominal position, forward, reverse; at most 256.",
-    ),
-    &Arg::int(
-        "comp-file-type",
-        "What comp-file holds after the nominal position: 0, as at first, the measured positions; \
-         1 the corrections to add.",
-    ),
-    &Arg::float(
-        "comp-av-ratio",
-        "What part of a joint's velocity and acceleration the correction of backlash or screw \
-         errors has, above 0, to 0.9; moves have the rest; at first 0.1 where either is given.",
-    ),
-    &Arg::float(
-        "offset-av-ratio",
-        "What part of an axis's velocity and acceleration its external offset has, 0 to 0.9; moves \
-         have the rest; 0, as at first: no external offset.",
-    ),
-    &Arg::float(
-        "default-velocity",
-        "Velocity of a path when none is given, in units/s, above 0; at first 1.",
-    ),
-    &Arg::text("linear-units", "Machine unit: mm, inch, or how many of them a millimetre is."),
-    &Arg::float("max-feed-override", "Highest factor of feed override, 0 or more; at first 1."),
-];
 
 /// Configuration so far.
 #[derive(Debug)]
 pub(crate) struct ConfigCache {
     joints: BTreeMap<usize, JointConfig>,
     axes: BTreeMap<usize, AxisConfig>,
+    spindles: BTreeMap<usize, SpindleConfig>,
     traj: TrajConfig,
     tables: Tables,
 }
 
-/// Arguments that apply to each kind of object.
-const JOINT: &[&str] = &[
-    "min-limit",
-    "max-limit",
-    "max-velocity",
-    "max-acceleration",
-    "ferror",
-    "min-ferror",
-    "home",
-    "home-offset",
-    "home-search-vel",
-    "home-latch-vel",
-    "home-final-vel",
-    "home-sequence",
-    "home-use-index",
-    "home-index-no-encoder-reset",
-    "home-absolute-encoder",
-    "home-ignore-limits",
-    "home-is-shared",
-    "volatile-home",
-    "locking-indexer",
-    "backlash",
-    "comp-file",
-    "comp-file-type",
-    "comp-av-ratio",
-];
-const AXIS: &[&str] =
-    &["min-limit", "max-limit", "max-velocity", "max-acceleration", "offset-av-ratio"];
-const TRAJ: &[&str] =
-    &["max-velocity", "max-acceleration", "default-velocity", "linear-units", "max-feed-override"];
-
 impl ConfigCache {
     /// Creates a cache that adds screw errors to these tables.
     pub(crate) fn new(tables: Tables) -> Self {
-        Self { joints: BTreeMap::new(), axes: BTreeMap::new(), traj: TrajConfig::default(), tables }
+        Self {
+            joints: BTreeMap::new(),
+            axes: BTreeMap::new(),
+            spindles: BTreeMap::new(),
+            traj: TrajConfig::default(),
+            tables,
+        }
     }
 
     /// Returns the command to send. The cache itself is unchanged, also on an error; [`Self::keep`] stores the
     /// settings.
-    pub(crate) fn read(&self, call: &Call<'_>, joints: usize) -> Result<Command, Error> {
-        let (joint, axis) = (call.int("joint"), call.text("axis"));
-        match (joint, axis) {
-            (Some(_), Some(_)) => Err(Error::new("joint= and axis= exclude each other")),
-            (Some(n), None) => {
+    pub(crate) fn read(
+        &self,
+        call: &Call<'_>,
+        joints: usize,
+        spindles: usize,
+    ) -> Result<Command, Error> {
+        let (joint, axis, spindle) = (call.int("joint"), call.text("axis"), call.int("spindle"));
+        match (joint, axis, spindle) {
+            (Some(_), Some(_), _) => Err(Error::new("joint= and axis= exclude each other")),
+            (Some(_), _, Some(_)) => Err(Error::new("joint= and spindle= exclude each other")),
+            (_, Some(_), Some(_)) => Err(Error::new("axis= and spindle= exclude each other")),
+            (None, None, Some(n)) => {
+                let n = usize::try_from(n).ok().filter(|n| *n < spindles).ok_or_else(|| {
+                    Error::new(format!("there is no spindle {n}, the machine has {spindles}"))
+                })?;
+                only(call, SPINDLE, "spindle=")?;
+                self.spindle(n, call)
+            }
+            (Some(n), None, None) => {
                 let n = crate::commands::interface::joint(n, joints)?;
                 only(call, JOINT, "joint=")?;
                 self.joint(n, call)
             }
-            (None, Some(text)) => {
+            (None, Some(text), None) => {
                 let n = letter(&text)?;
                 only(call, AXIS, "axis=")?;
                 self.axis(n, call)
             }
-            (None, None) => {
-                only(call, TRAJ, "a configuration without joint= and axis=")?;
+            (None, None, None) => {
+                only(call, TRAJ, "a configuration without joint=, axis= and spindle=")?;
                 self.traj(call)
             }
         }
@@ -187,6 +77,9 @@ impl ConfigCache {
             }
             Command::Axis(n, config) => {
                 self.axes.insert(n, config);
+            }
+            Command::Spindle(n, config) => {
+                self.spindles.insert(n, config);
             }
             Command::Traj(config) => self.traj = config,
             Command::Request(..) => {}
@@ -251,6 +144,31 @@ impl ConfigCache {
         Ok(Command::Axis(n, c))
     }
 
+    fn spindle(&self, n: usize, call: &Call<'_>) -> Result<Command, Error> {
+        let mut c = self.spindles.get(&n).copied().unwrap_or_default();
+        not_negative(call, "min-forward-velocity", &mut c.min_forward)?;
+        not_negative(call, "max-forward-velocity", &mut c.max_forward)?;
+        for (name, to) in [
+            ("min-reverse-velocity", &mut c.min_reverse),
+            ("max-reverse-velocity", &mut c.max_reverse),
+        ] {
+            let mut value = f64::NAN;
+            not_negative(call, name, &mut value)?;
+            if !value.is_nan() {
+                *to = Some(value);
+            }
+        }
+        for (forward, way) in [(true, "forward"), (false, "reverse")] {
+            let (min, max) = c.limits(forward);
+            if min > max {
+                return Err(Error::new(format!(
+                    "min-{way}-velocity {min} is above max-{way}-velocity {max}"
+                )));
+            }
+        }
+        Ok(Command::Spindle(n, c))
+    }
+
     fn traj(&self, call: &Call<'_>) -> Result<Command, Error> {
         let mut c = self.traj;
         above(call, "max-velocity", &mut c.max_velocity)?;
@@ -301,7 +219,7 @@ fn home(call: &Call<'_>, c: &mut HomeConfig) -> Result<(), Error> {
 
 /// Refuses arguments that belong to another kind of object.
 fn only(call: &Call<'_>, names: &[&str], what: &str) -> Result<(), Error> {
-    let all = JOINT.iter().chain(AXIS).chain(TRAJ).filter(|n| !names.contains(n));
+    let all = JOINT.iter().chain(AXIS).chain(TRAJ).chain(SPINDLE).filter(|n| !names.contains(n));
     for name in all {
         // A number or a text, depending on its declaration.
         if call.float(name).is_some() {

@@ -42,6 +42,11 @@ impl State {
                 self.update_planning_fractions();
                 self.lower_limits();
             }
+            Command::Spindle(n, config) => {
+                if let Some(spindle) = self.spindles.get_mut(n) {
+                    spindle.config = config;
+                }
+            }
             Command::Traj(config) => self.traj = config,
             Command::Request(request, ticket) => match self.request(request, ticket) {
                 Ok(Answer::Done) => ticket.done(),

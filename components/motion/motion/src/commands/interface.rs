@@ -1,11 +1,12 @@
 //! The control side: commands for users.
 
 use crate::{
+    commands::arguments,
     commands::command::{
         Command, FeedChange, Jog, JogDistance, JogTarget, Joints, Mode, Move, Output, Request,
         SpindleChange,
     },
-    commands::configure::{self, ConfigCache},
+    commands::configure::ConfigCache,
     pins::LETTERS,
 };
 use hal_component::{Arg, Builder, Call, Error, KinematicsRef, Sender, abi::ArgSpec};
@@ -230,9 +231,9 @@ impl CommandInterface {
                 interface.send(request, call)
             })?;
         }
-        b.command("motion.configure", configure::DOC, configure::ARGS, move |call| {
+        b.command("motion.configure", arguments::DOC, arguments::ARGS, move |call| {
             let mut cache = self.cache.lock().unwrap_or_else(PoisonError::into_inner);
-            let command = cache.read(call, self.joints)?;
+            let command = cache.read(call, self.joints, self.spindles)?;
             self.to.send(command).map_err(|_| full())?;
             cache.keep(&command);
             Ok(())

@@ -18,7 +18,8 @@ pins! {
         locked: Out<bool> = false, "locked" was "locked";
         /// TRUE to turn the spindle to orient-angle, until is-oriented or a fault.
         orient: Out<bool> = false, "orient" was "orient";
-        /// Speed command in turns per minute, negative in reverse, with the override applied.
+        /// Speed command in turns per minute, negative in reverse, with the override applied, within the
+        /// spindle's limits.
         speed_out: Out<f64> = 0.0, "speed-out" was "speed-out";
         /// Absolute value of speed-out, turns per minute.
         speed_out_abs: Out<f64> = 0.0, "speed-out-abs" was "speed-out-abs";

@@ -21,7 +21,7 @@ fn refusals_name_what_is_wrong() {
         ("motion.configure joint=0 linear-units=mm", "linear-units= does not belong to joint="),
         (
             "motion.configure min-limit=1",
-            "min-limit= does not belong to a configuration without joint= and axis=",
+            "min-limit= does not belong to a configuration without joint=, axis= and spindle=",
         ),
         ("motion.configure joint=0 max-velocity=0", "max-velocity is 0, must be above 0"),
         ("motion.configure joint=0 max-velocity=inf", "max-velocity is inf, must be above 0"),

@@ -161,3 +161,43 @@ fn outputs_for_programs() {
         assert_eq!(rig.try_say(text), Err(why.into()));
     }
 }
+
+#[test]
+fn the_limits_of_a_spindle() {
+    let mut rig = Rig::on(&[]);
+    rig.say("motion.configure spindle=0 min-forward-velocity=100 max-forward-velocity=2000");
+    let speed = |rig: &mut Rig, text: &str| {
+        rig.done(&format!("motion.spindle {text}"));
+        rig.cycle();
+        rig.float("spindle.0.speed-out")
+    };
+    for (text, out) in [
+        ("speed=1000", 1000.0),
+        ("speed=3000", 2000.0),
+        ("override=0.5", 1500.0),
+        ("override=0.01", 100.0),
+        ("speed=-50 override=1", -100.0),
+        ("speed=-5000", -2000.0),
+        ("speed=0", 0.0),
+    ] {
+        assert_eq!(speed(&mut rig, text), out, "{text}");
+    }
+    rig.say("motion.configure spindle=0 min-reverse-velocity=0 max-reverse-velocity=500");
+    assert_eq!(speed(&mut rig, "speed=-5000"), -500.0);
+    assert_eq!(speed(&mut rig, "speed=-5"), -5.0);
+    assert_eq!(speed(&mut rig, "speed=5"), 100.0);
+    for (text, why) in [
+        ("spindle=1 max-forward-velocity=1", "there is no spindle 1, the machine has 1"),
+        ("spindle=0 joint=0", "joint= and spindle= exclude each other"),
+        ("spindle=0 axis=x", "axis= and spindle= exclude each other"),
+        ("spindle=0 min-limit=1", "min-limit= does not belong to spindle="),
+        ("joint=0 max-forward-velocity=1", "max-forward-velocity= does not belong to joint="),
+        (
+            "spindle=0 max-forward-velocity=50",
+            "min-forward-velocity 100 is above max-forward-velocity 50",
+        ),
+        ("spindle=0 max-reverse-velocity=-5", "max-reverse-velocity is -5, must be 0 or more"),
+    ] {
+        assert_eq!(rig.try_say(&format!("motion.configure {text}")), Err(why.to_owned()));
+    }
+}
