@@ -97,10 +97,14 @@ impl Tape {
             if self.failure.is_some() {
                 continue;
             }
-            if self.writer.at() != Some(time) {
+            // A cycle that began late has the time at which it was due, which may be before the
+            // recording, or before a sample that was taken while threads were stopped.
+            let last = self.writer.at().unwrap_or(time);
+            if last != time {
                 self.end_record();
                 begun = true;
             }
+            let time = time.max(last);
             // This writes to memory, which does not fail.
             let written = self.writer.time(time);
             drop(written.and_then(|()| self.writer.change(which as usize, Some(bits))));
@@ -164,6 +168,28 @@ mod tests {
     use hal_output::Growing;
     use hal_protocol::Type;
     use hal_trace::vcd::Column;
+
+    #[test]
+    fn a_cycle_that_was_due_before_the_recording_began_is_at_its_beginning() {
+        let path = std::env::temp_dir().join(format!("hal-tape-late-{}", std::process::id()));
+        let value = AtomicU8::new(0);
+        let source = Source::own(NonNull::from(&value).cast(), Type::Bit);
+        let probe = Arc::new(Probe::changes([source].into(), [AtomicU64::new(0)].into(), 16));
+        let columns = [Column { ty: Type::Bit, names: vec!["x".to_owned()] }];
+        let file = WholeFile::new(Growing::create(&path).unwrap());
+        let mut tape = Tape::begin("x.vcd", file, &columns, probe.clone(), 11).unwrap();
+        for (at, bit) in [(10, 1), (20, 0)] {
+            value.store(bit, Ordering::Relaxed);
+            probe.look(at);
+            tape.drain(false, 21);
+        }
+        tape.end(21);
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::remove_file(&path).unwrap();
+        let reading = hal_trace::vcd::read(text.as_bytes());
+        assert_eq!(reading.flaw, None, "{text}");
+        assert_eq!(reading.trace.times().iter().collect::<Vec<_>>(), [11, 20, 21], "{text}");
+    }
 
     /// The reader cannot see whether the sample whose changes it reads is over: another thread may be about to queue
     /// more of them. The start of the next sample says so.
