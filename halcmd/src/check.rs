@@ -19,7 +19,7 @@ pub use texts::Texts;
 use crate::{
     Error, Terminal,
     programs::halrun::plan::plugin_path,
-    programs::options::{Opt, options, usage},
+    programs::options::{Opt, mixed, usage},
     programs::profile::Profile,
 };
 use hal_protocol::{Finding, Level, Link, Reply};
@@ -72,15 +72,7 @@ pub fn main(
     link: &mut dyn Link,
     terminal: &mut dyn Terminal,
 ) -> Result<u8, Error> {
-    let (mut given, mut files) = options("halcmd check", OPTIONS, words)?;
-    let mut rest = core::mem::take(&mut files);
-    // Options may also follow files.
-    while let Some((file, after)) = rest.split_first() {
-        files.push(file.clone());
-        let (more, left) = options("halcmd check", OPTIONS, after)?;
-        given.extend(more);
-        rest = left;
-    }
+    let (given, files) = mixed("halcmd check", OPTIONS, words)?;
     let has = |wanted| given.iter().any(|(id, _)| *id == wanted);
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.clone();
     if has(Id::Help) {

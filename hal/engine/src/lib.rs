@@ -51,6 +51,9 @@ pub struct Options {
     pub clock: ClockKind,
     /// True if the virtual clock moves only in `run T` (and while a script waits).
     pub hold: bool,
+    /// Seconds of machine time that pass in a second while the virtual clock moves by itself; absent:
+    /// as many as the processor can.
+    pub pace: Option<f64>,
     /// True if hardware is simulated; the virtual clock implies it.
     pub simulate: bool,
     /// True if items carry their old names (an INI file of the old kind).
@@ -73,6 +76,7 @@ impl Options {
             place,
             clock,
             hold: true,
+            pace: None,
             simulate: true,
             old_names: false,
             interlock: false,

@@ -1,7 +1,8 @@
 //! The program halcmd: gives commands to a running instance.
 
+use ::halcmd::programs::{halcmd, options::versioned};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    hal_output::program(halcmd::programs::halcmd::main)
+    hal_output::program(|words| versioned("halcmd", words, halcmd::main))
 }

@@ -1,7 +1,8 @@
 //! Checks, prints, draws and tidies G-code without a machine.
 
+use halcmd::programs::{halgcode, options::versioned};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    hal_output::program(halcmd::programs::halgcode::main)
+    hal_output::program(|words| versioned("halgcode", words, halgcode::main))
 }

@@ -1,7 +1,8 @@
 //! The program haltest: runs the tests of machines.
 
+use halcmd::programs::{haltest, options::versioned};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    hal_output::program(halcmd::programs::haltest::main)
+    hal_output::program(|words| versioned("haltest", words, haltest::main))
 }

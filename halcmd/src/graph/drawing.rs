@@ -146,6 +146,7 @@ impl Drawing {
         sorting.drawing.title = title.to_owned();
         sorting.drawing.threads =
             threads.into_iter().map(|(period, name, _)| Thread { name, period }).collect();
+        refuse_idle_patterns(&pins, wanted)?;
         let shown = shown(&pins, wanted);
         for component in components.iter().rev() {
             sorting.component(component, &pins, &functs, &params, &runs, &shown, wanted);
@@ -157,11 +158,35 @@ impl Drawing {
 /// Returns the names of the signals that are drawn.
 fn shown(pins: &[ItemInfo], wanted: &Wanted) -> BTreeSet<String> {
     let p = Patterns::new(&wanted.patterns);
-    let matches = |pin: &&ItemInfo| {
-        let signal = pin.signal.as_deref().unwrap_or_default();
-        p.matches(&pin.name) || p.matches(&pin.owner_name) || p.matches(signal)
-    };
-    pins.iter().filter(matches).filter_map(|pin| pin.signal.clone()).collect()
+    pins.iter().filter(|pin| is_meant(&p, pin)).filter_map(|pin| pin.signal.clone()).collect()
+}
+
+/// Returns whether patterns match a pin, its component or its signal.
+fn is_meant(patterns: &Patterns, pin: &ItemInfo) -> bool {
+    let signal = pin.signal.as_deref().unwrap_or_default();
+    [&pin.name, &pin.owner_name, signal].iter().any(|name| patterns.matches(name))
+}
+
+/// Refuses a pattern that draws nothing.
+fn refuse_idle_patterns(pins: &[ItemInfo], wanted: &Wanted) -> Result<(), Error> {
+    for pattern in &wanted.patterns {
+        let p = Patterns::new(core::slice::from_ref(pattern));
+        let mut meant = pins.iter().filter(|pin| is_meant(&p, pin)).peekable();
+        let why = if meant.peek().is_none() {
+            "no pin, signal or component has such a name"
+        } else if !wanted.all && meant.all(|pin| pin.signal.is_none()) {
+            "its pins have no signals; --all draws them"
+        } else {
+            continue;
+        };
+        return Err(Error::OptionValue {
+            program: "graph",
+            option: "the pattern".into(),
+            value: pattern.as_str().into(),
+            why: why.into(),
+        });
+    }
+    Ok(())
 }
 
 struct Sorting {

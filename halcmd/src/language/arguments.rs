@@ -7,6 +7,7 @@ use crate::{
     language::units::nanoseconds,
     programs::options::{Opt, mixed},
 };
+use std::path::Path;
 
 const ORDER: &[Opt<char>] = &[Opt::short_with('i', 'i', "FILE"), long('s', "script", None)];
 
@@ -35,12 +36,30 @@ pub(crate) fn graph(words: &[String]) -> Result<Command, Error> {
         's' => Some(Format::Svg),
         _ => None,
     });
-    let format = said.or_else(|| Format::of(file.as_deref()?)).unwrap_or_default();
+    let format = match (said, &file) {
+        (Some(said), _) => said,
+        (None, Some(file)) => format_of(file)?,
+        (None, None) => Format::default(),
+    };
     // A word that is not a file of a machine is a pattern.
     let is_file = |w: &String| w.ends_with(".hal") || w.ends_with(".ini") || w.contains('/');
     let (files, patterns) = others.into_iter().partition(is_file);
     let wanted = Wanted { patterns, all: has('a'), params: has('p') };
     Ok(Command::Graph(subject(&given, files), wanted, format, file))
+}
+
+/// Returns the format that the name of a file asks for. Without an extension it is SVG.
+fn format_of(file: &str) -> Result<Format, Error> {
+    let has_extension = Path::new(file).extension().is_some();
+    match Format::of(file) {
+        None if has_extension => Err(Error::OptionValue {
+            program: "graph",
+            option: "-o".into(),
+            value: file.into(),
+            why: "a picture ends in .svg, .dot, .gv, .mmd or .mermaid".into(),
+        }),
+        format => Ok(format.unwrap_or_default()),
+    }
 }
 
 /// Parses the arguments of `order`.

@@ -5,7 +5,7 @@ use crate::{
     language::command::{Apply, Launch, SaveKind, ShowKind, StatusKind},
     language::row::{KINDS, SAVES, STATUSES},
     language::units::nanoseconds,
-    programs::options::{Opt, options},
+    programs::options::{Opt, mixed, options},
 };
 use core::num::{IntErrorKind, ParseIntError};
 use hal_protocol::{Kind, Request, Type};
@@ -159,21 +159,12 @@ const APPLY: &[Opt<char>] =
 
 pub(crate) fn apply(words: &[String]) -> Result<Command, Error> {
     let mut apply = Apply::default();
-    let mut files = Vec::new();
-    let mut rest = words.to_vec();
-    // Options may also follow the file.
-    while !rest.is_empty() {
-        let (given, mut after) = options("apply", APPLY, &rest)?;
-        for (option, value) in given {
-            match option {
-                'd' => apply.dry = true,
-                _ => apply.ini = value.map(|v| path(&v)),
-            }
+    let (given, files) = mixed("apply", APPLY, words)?;
+    for (option, value) in given {
+        match option {
+            'd' => apply.dry = true,
+            _ => apply.ini = value.map(|v| path(&v)),
         }
-        if !after.is_empty() {
-            files.push(after.remove(0));
-        }
-        rest = after;
     }
     let [file] = files.as_slice() else {
         return Err(Error::Exactly { command: "apply", wanted: 1, given: files.len() });

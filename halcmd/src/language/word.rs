@@ -13,6 +13,10 @@ pub enum Word {
     Free,
     /// A component type that `loadrt` finds.
     Module,
+    /// A component type that has a manual page; needs no instance.
+    Manual,
+    /// The code of a finding.
+    Code,
     /// An argument of the component type named before.
     ModuleArg,
     /// A loaded component.

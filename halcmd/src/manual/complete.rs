@@ -10,6 +10,7 @@ use crate::{
     language::rows::rows,
     language::table::{self, Row},
     language::word::Word,
+    manual::{explain, man},
 };
 use hal_protocol::{Link, Type};
 use live::Live;
@@ -167,6 +168,10 @@ fn argument(
         }
         Word::Free => {}
         Word::Module => offered.add(live.modules()),
+        Word::Manual => offered.add(manual()),
+        Word::Code => {
+            offered.add(explain::rows().map(|row| Candidate::new(row.code.id(), row.means)));
+        }
         Word::ModuleArg => offered.add(live.module_args(first, rest)),
         Word::Component => {
             offered.add(live.components(true));
@@ -206,6 +211,12 @@ fn argument(
         Word::Topic => offered.add(rows().map(|row| Candidate::new(row.name, row.summary))),
         Word::File => offered.files = true,
     }
+}
+
+/// Returns every component type that has a manual page.
+fn manual() -> Vec<Candidate> {
+    let offers = man::offers().unwrap_or_default();
+    offers.iter().map(|o| Candidate::new(o.component.as_str(), live::first_line(&o.doc))).collect()
 }
 
 /// Returns every type.

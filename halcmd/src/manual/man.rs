@@ -169,6 +169,11 @@ fn of(engine: &mut Engine, name: &str) -> Vec<FunctInfo> {
     }
 }
 
+/// Returns the component types of the plugin path.
+pub(crate) fn offers() -> Result<Vec<Offer>, Error> {
+    Ok(engine(&plugin_path(&|name| std::env::var(name).ok()))?.catalogue())
+}
+
 /// Records the pins and parameters that load number `i` made.
 fn look(
     engine: &mut Engine,

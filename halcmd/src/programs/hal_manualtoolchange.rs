@@ -2,7 +2,7 @@
 
 use crate::{
     Stdio, Terminal,
-    programs::options::{Opt, from_environment, options, usage},
+    programs::options::{Opt, from_environment, options, plain, usage},
     session::remote::{Remote, instance_option},
     terminal::ended,
     terminal::termination::leave_on_signals,
@@ -33,6 +33,11 @@ const OPTIONS: &[Opt<Id>] = &[
     Opt { help: "print this", long: Some("help"), ..Opt::flag(Id::Help, 'h') },
     instance_option(Id::Instance),
 ];
+
+/// Returns the options for completion.
+pub(crate) fn completable() -> Vec<Opt<()>> {
+    plain(OPTIONS)
+}
 
 /// Runs the program with these command line arguments.
 #[must_use]

@@ -28,7 +28,11 @@ mod tokens;
 mod views;
 mod world;
 
-use crate::{Stdio, Terminal, terminal::print_error};
+use crate::{
+    Stdio, Terminal,
+    programs::options::{Opt, Subcommand},
+    terminal::print_error,
+};
 use std::process::ExitCode;
 
 /// A command of the program.
@@ -36,6 +40,7 @@ struct Command {
     name: &'static str,
     arguments: &'static str,
     help: &'static str,
+    options: fn() -> Vec<Opt<()>>,
     run: fn(&[String]) -> Result<ExitCode, String>,
 }
 
@@ -44,33 +49,49 @@ const COMMANDS: [Command; 5] = [
         name: "check",
         arguments: "[options] FILE...",
         help: "errors, limits, tools and extents, before anything moves",
+        options: check::completable,
         run: check::main,
     },
     Command {
         name: "canon",
         arguments: "[options] FILE [OUTPUT]",
         help: "the canonical calls, with the options of rs274",
+        options: canon::completable,
         run: canon::main,
     },
     Command {
         name: "plot",
         arguments: "[options] FILE",
         help: "a picture of the way, SVG or PNG",
+        options: plot::completable,
         run: plot::main,
     },
     Command {
         name: "format",
         arguments: "[options] FILE",
         help: "the same program, tidied, renumbered or in millimetres",
+        options: format::completable,
         run: format::main,
     },
     Command {
         name: "state",
         arguments: "--line N [options] FILE",
         help: "the interpreter's state before a line",
+        options: state::completable,
         run: state::main,
     },
 ];
+
+/// Returns the commands for completion.
+pub(crate) fn subcommands() -> Vec<Subcommand> {
+    let command = |c: &Command| Subcommand {
+        name: c.name,
+        help: c.help,
+        options: (c.options)(),
+        takes_items: false,
+    };
+    COMMANDS.iter().map(command).collect()
+}
 
 /// Runs the program with these words.
 #[must_use]

@@ -2,7 +2,7 @@
 
 use crate::{
     Stdio, Terminal,
-    programs::options::{Opt, from_environment, options, usage},
+    programs::options::{Opt, from_environment, mixed, plain, usage},
     session::remote::{Remote, instance_option, lost_words, pause},
     terminal::ended,
     terminal::termination::ending_flag,
@@ -43,6 +43,11 @@ const OPTIONS: &[Opt<Id>] = &[
     instance_option(Id::Instance),
 ];
 
+/// Returns the options for completion.
+pub(crate) fn completable() -> Vec<Opt<()>> {
+    plain(OPTIONS)
+}
+
 /// Runs the program with these command line arguments.
 #[must_use]
 pub fn main(words: &[String]) -> ExitCode {
@@ -79,7 +84,7 @@ pub(crate) fn one_file(rest: &[String]) -> Result<Option<&String>, String> {
 }
 
 fn run(words: &[String]) -> Result<(), String> {
-    let (mut given, rest) = options("halsampler", OPTIONS, words).map_err(|e| option_error(&e))?;
+    let (mut given, rest) = mixed("halsampler", OPTIONS, words).map_err(|e| option_error(&e))?;
     from_environment(OPTIONS, &|name| std::env::var(name).ok(), &mut given);
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.clone();
     if given.iter().any(|(id, _)| *id == Id::Help) {

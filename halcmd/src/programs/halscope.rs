@@ -10,7 +10,10 @@ mod plot;
 mod view;
 
 use crate::{
-    Stdio, Terminal, language::hint::nearest, language::units::nanoseconds, terminal::print_error,
+    Stdio, Terminal,
+    language::{hint::nearest, units::nanoseconds},
+    programs::options::{Opt, Subcommand},
+    terminal::print_error,
 };
 use hal_trace::{FileError, Trace};
 use std::{path::Path, process::ExitCode};
@@ -20,6 +23,7 @@ struct Row {
     name: &'static str,
     words: &'static str,
     help: &'static str,
+    options: fn() -> Vec<Opt<()>>,
     run: fn(&[String]) -> Result<ExitCode, String>,
 }
 
@@ -28,27 +32,42 @@ const ROWS: &[Row] = &[
         name: "capture",
         words: "[options] NAME...",
         help: "sample a machine at a trigger, into a file",
+        options: plan::completable,
         run: capture::main,
     },
     Row {
         name: "convert",
         words: "[options] IN OUT",
         help: "turn a file into one of another kind",
+        options: convert::completable,
         run: convert::main,
     },
     Row {
         name: "view",
         words: "FILE [CHANNEL...], or [options] NAME...",
         help: "look at a file or a machine in the terminal: zoom, cursors, measurements",
+        options: plan::completable,
         run: view::main,
     },
     Row {
         name: "plot",
         words: "[options] FILE [CHANNEL...]",
         help: "draw a file as SVG or PNG",
+        options: plot::completable,
         run: plot::main,
     },
 ];
+
+/// Returns the commands for completion.
+pub(crate) fn subcommands() -> Vec<Subcommand> {
+    let command = |row: &Row| Subcommand {
+        name: row.name,
+        help: row.help,
+        options: (row.options)(),
+        takes_items: ["capture", "view"].contains(&row.name),
+    };
+    ROWS.iter().map(command).collect()
+}
 
 /// Runs the program with these command line arguments.
 #[must_use]

@@ -3,7 +3,7 @@
 use crate::{
     Stdio, Terminal,
     programs::halsampler::{LOOK_EVERY, WAIT_MS, channel, one_file, option_error, parted},
-    programs::options::{Opt, from_environment, options, usage},
+    programs::options::{Opt, from_environment, mixed, plain, usage},
     session::remote::{Remote, instance_option, pause},
     terminal::ended,
     terminal::termination::ending_flag,
@@ -31,6 +31,11 @@ const OPTIONS: &[Opt<Id>] = &[
     instance_option(Id::Instance),
 ];
 
+/// Returns the options for completion.
+pub(crate) fn completable() -> Vec<Opt<()>> {
+    plain(OPTIONS)
+}
+
 /// Runs the program with these command line arguments.
 #[must_use]
 pub fn main(words: &[String]) -> ExitCode {
@@ -38,7 +43,7 @@ pub fn main(words: &[String]) -> ExitCode {
 }
 
 fn run(words: &[String]) -> Result<(), String> {
-    let (mut given, rest) = options("halstreamer", OPTIONS, words).map_err(|e| option_error(&e))?;
+    let (mut given, rest) = mixed("halstreamer", OPTIONS, words).map_err(|e| option_error(&e))?;
     from_environment(OPTIONS, &|name| std::env::var(name).ok(), &mut given);
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.clone();
     if given.iter().any(|(id, _)| *id == Id::Help) {

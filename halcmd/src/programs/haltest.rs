@@ -45,7 +45,7 @@ pub use process::{Options, run, run_with};
 
 use crate::{
     Error, Stdio, Terminal, nanoseconds,
-    programs::options::{Opt, options, usage},
+    programs::options::{Opt, mixed, plain, usage},
     terminal::print_error,
 };
 use std::{path::PathBuf, process::ExitCode};
@@ -91,6 +91,11 @@ const OPTIONS: &[Opt<Id>] = &[
     Opt { help: "print this", long: Some("help"), ..Opt::flag(Id::Help, 'h') },
 ];
 
+/// Returns the options for completion.
+pub(crate) fn completable() -> Vec<Opt<()>> {
+    plain(OPTIONS)
+}
+
 /// Undocumented options, with which haltest starts the process of a single test.
 const HIDDEN: &[Opt<Id>] =
     &[with("one", Id::One, Some("FILE"), ""), with("to", Id::To, Some("FOLDER"), "")];
@@ -135,7 +140,7 @@ pub fn main(words: &[String]) -> ExitCode {
 fn run_program(words: &[String]) -> Result<u8, Failure> {
     let mut terminal = Stdio;
     let table = [OPTIONS, HIDDEN].concat();
-    let (given, paths) = read(&table, words).map_err(Failure::Asked)?;
+    let (given, paths) = mixed(NAME, &table, words).map_err(|e| Failure::Asked(e.whole()))?;
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.clone();
     if given.iter().any(|(id, _)| *id == Id::Help) {
         terminal.out(&help())?;
@@ -147,23 +152,6 @@ fn run_program(words: &[String]) -> Result<u8, Failure> {
     }
     let wanted = wanted(&given, paths).map_err(|e| Failure::Asked(e.whole()))?;
     list::main(&wanted, &mut terminal)
-}
-
-/// Parses the options, which may also follow the files.
-fn read(
-    table: &[Opt<Id>],
-    words: &[String],
-) -> Result<crate::programs::options::Given<Id>, String> {
-    let text = |e: Error| e.whole();
-    let (mut given, mut rest) = options(NAME, table, words).map_err(text)?;
-    let mut paths = Vec::new();
-    while let Some((path, after)) = rest.split_first() {
-        paths.push(path.clone());
-        let (more, left) = options(NAME, table, after).map_err(text)?;
-        given.extend(more);
-        rest = left;
-    }
-    Ok((given, paths))
 }
 
 fn wanted(given: &[(Id, Option<String>)], paths: Vec<String>) -> Result<Wanted, Error> {

@@ -1,6 +1,7 @@
 //! Command line options by the rules of POSIX: the first word that is not an option ends them.
 
-use crate::Error;
+use crate::{Error, Stdio, Terminal, terminal::print_error};
+use std::process::ExitCode;
 
 /// An option.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +48,19 @@ pub fn plain<T: Copy>(table: &[Opt<T>]) -> Vec<Opt<()>> {
     table.iter().map(plain).collect()
 }
 
+/// A command of a program, for completion.
+#[derive(Clone, Debug)]
+pub struct Subcommand {
+    /// Name.
+    pub name: &'static str,
+    /// Description.
+    pub help: &'static str,
+    /// Options.
+    pub options: Vec<Opt<()>>,
+    /// True if its other words are pins, signals or parameters of the instance.
+    pub takes_items: bool,
+}
+
 /// Options with their values, in order, and the words that follow.
 pub type Given<T> = (Vec<(T, Option<String>)>, Vec<String>);
 
@@ -60,20 +74,31 @@ pub fn options<T: Copy>(
     words: &[String],
 ) -> Result<Given<T>, Error> {
     let mut given = Vec::new();
+    let (rest, _) = front(program, table, words, &mut given)?;
+    Ok((given, rest.to_vec()))
+}
+
+/// Takes the options off the front of `words`. Returns the other words, and whether `--` ended the options.
+fn front<'w, T: Copy>(
+    program: &'static str,
+    table: &[Opt<T>],
+    words: &'w [String],
+    given: &mut Vec<(T, Option<String>)>,
+) -> Result<(&'w [String], bool), Error> {
     let mut words = words.iter();
     loop {
         let rest = words.as_slice();
-        let Some(word) = words.next() else { return Ok((given, Vec::new())) };
+        let Some(word) = words.next() else { return Ok((rest, false)) };
         if word == "--" {
-            return Ok((given, words.cloned().collect()));
+            return Ok((words.as_slice(), true));
         }
         if let Some(long) = word.strip_prefix("--") {
             given.push(long_option(program, table, long, &mut words)?);
         } else if word.len() > 1 && word.starts_with('-') {
             let letters = word.get(1..).unwrap_or_default();
-            letters_of(program, table, letters, &mut words, &mut given)?;
+            letters_of(program, table, letters, &mut words, given)?;
         } else {
-            return Ok((given, rest.to_vec()));
+            return Ok((rest, false));
         }
     }
 }
@@ -95,6 +120,21 @@ pub fn from_environment<T: Copy + PartialEq>(
             } else if value != "0" {
                 given.push((option.id, None));
             }
+        }
+    }
+}
+
+/// Runs a program, or prints its version if the only word is `--version`.
+#[must_use]
+pub fn versioned(program: &str, words: &[String], main: fn(&[String]) -> ExitCode) -> ExitCode {
+    if words != ["--version"] {
+        return main(words);
+    }
+    match Stdio.out(&format!("{program} {}\n", env!("CARGO_PKG_VERSION"))) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(unwritten) => {
+            print_error(&format!("{program}: {unwritten}\n"));
+            ExitCode::FAILURE
         }
     }
 }
@@ -164,22 +204,27 @@ fn letters_of<T: Copy>(
     Ok(())
 }
 
-/// Parses options before, between and after other words.
-pub(crate) fn mixed<T: Copy>(
-    command: &'static str,
+/// Parses options before, between and after other words. No word after `--` is an option.
+///
+/// # Errors
+/// As [`options`].
+pub fn mixed<T: Copy>(
+    program: &'static str,
     table: &[Opt<T>],
     words: &[String],
 ) -> Result<Given<T>, Error> {
     let (mut given, mut others) = (Vec::new(), Vec::new());
-    let mut rest = words.to_vec();
-    while !rest.is_empty() {
-        let (options, words) = options(command, table, &rest)?;
-        given.extend(options);
-        let mut words = words.into_iter();
-        others.extend(words.next());
-        rest = words.collect();
+    let mut rest = words;
+    loop {
+        let (words, is_ended) = front(program, table, rest, &mut given)?;
+        if is_ended {
+            others.extend_from_slice(words);
+            return Ok((given, others));
+        }
+        let Some((word, after)) = words.split_first() else { return Ok((given, others)) };
+        others.push(word.clone());
+        rest = after;
     }
-    Ok((given, others))
 }
 
 #[cfg(test)]
@@ -210,7 +255,11 @@ mod tests {
 
     fn shown(words: &str) -> String {
         let words: Vec<String> = words.split(' ').map(str::to_owned).collect();
-        match options("prog", TABLE, &words) {
+        said(options("prog", TABLE, &words))
+    }
+
+    fn said(parsed: Result<Given<char>, Error>) -> String {
+        match parsed {
             Err(e) => format!("! {e}"),
             Ok((given, rest)) => {
                 let mut text = String::new();
@@ -242,6 +291,19 @@ mod tests {
             ("--hold=1", "! prog: option '--hold' doesn't allow an argument"),
         ] {
             assert_eq!(shown(words), want, "{words}");
+        }
+    }
+
+    #[test]
+    fn mixed_options_follow_other_words() {
+        for (words, want) in [
+            ("x.vcd -k a --for 2s b", "k F=2s | x.vcd a b"),
+            ("-k x -- -k y", "k | x -k y"),
+            ("-i -- x -k", "i=-- k | x"),
+            ("x -z", "! prog: invalid option -- 'z'"),
+        ] {
+            let words: Vec<String> = words.split(' ').map(str::to_owned).collect();
+            assert_eq!(said(mixed("prog", TABLE, &words)), want, "{words:?}");
         }
     }
 

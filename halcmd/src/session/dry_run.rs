@@ -12,7 +12,7 @@ use crate::{
     programs::halrun::{machine, plan::plugin_path},
     programs::profile::Profile,
 };
-use hal_engine::{ClockKind, Engine, Options, RealtimeOptions};
+use hal_engine::{ClockKind, Engine, Options};
 use hal_protocol::{At, Finding, Place};
 use std::{
     collections::BTreeSet,
@@ -105,20 +105,18 @@ impl DryRun {
             }
             _ => None,
         };
+        let place = Place::at(std::env::temp_dir(), "trial");
+        let place = place.map_err(|why| Error::OptionValue {
+            program: "halcmd",
+            option: "--instance".into(),
+            value: "trial".into(),
+            why: why.into(),
+        })?;
         let mut engine = Engine::trial(Options {
-            place: Place::at(std::env::temp_dir(), "trial").map_err(|why| Error::OptionValue {
-                program: "halcmd",
-                option: "--instance".into(),
-                value: "trial".into(),
-                why: why.into(),
-            })?,
-            clock: ClockKind::Virtual,
-            hold: true,
-            simulate: true,
             old_names: ini.as_ref().is_some_and(Ini::is_old),
             interlock: machine.is_some() || whole.is_some(),
             path,
-            realtime: RealtimeOptions::default(),
+            ..Options::simulated(place, ClockKind::Virtual)
         })?;
         let mut terminal = Captured::default();
         let style = Style { keep_going: true, ..Style::default() };

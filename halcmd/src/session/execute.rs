@@ -43,8 +43,9 @@ impl Session<'_> {
     pub(crate) fn execute(&mut self, command: Command) -> Result<(), Error> {
         match command {
             Command::Ask(request, note) => {
+                let set = if self.style.verbose { self.set_note(&request)? } else { None };
                 self.ask(request)?;
-                self.done(note.as_deref());
+                self.done(set.or(note).as_deref());
             }
             Command::Value(request) => {
                 let reply = self.ask(request)?;
@@ -104,8 +105,12 @@ impl Session<'_> {
             Command::Source(path) => self.source(&path)?,
             Command::Apply(apply) => self.apply(&apply)?,
             Command::Help(about) => {
-                // As in LinuxCNC, missing help is a message and not an error.
                 let about = about.as_deref();
+                if let Some(name) = about.filter(|name| self.is_components(name)) {
+                    let kind = ShowKind::Of(Kind::Commands);
+                    return self.show(Some(kind), None, &[name.to_owned()]);
+                }
+                // As in LinuxCNC, missing help is a message and not an error.
                 let text = help::help(about).unwrap_or_else(|e| format!("{}\n", e.whole()));
                 self.text(&text, || help::object(about))?;
             }
@@ -120,6 +125,31 @@ impl Session<'_> {
     }
 
     /// Prints the `-v` message of a command.
+    /// Returns whether this is a command of a loaded component.
+    fn is_components(&mut self, name: &str) -> bool {
+        // Help needs no instance.
+        let mut list = || {
+            let patterns = vec![name.to_owned()];
+            self.ask(Request::List { kind: Kind::Commands, patterns, ty: None }).ok()
+        };
+        name.contains('.') && matches!(list(), Some(Reply::Commands(found)) if !found.is_empty())
+    }
+
+    /// Returns the message of a request that sets a value.
+    fn set_note(&mut self, request: &Request) -> Result<Option<String>, Error> {
+        let (what, name, value) = match request {
+            Request::Set { name, value } => {
+                let patterns = vec![name.clone()];
+                let pins = self.ask(Request::List { kind: Kind::Pins, patterns, ty: None })?;
+                let is_pin = matches!(&pins, Reply::Items(pins) if !pins.is_empty());
+                (if is_pin { "Pin" } else { "Parameter" }, name, value)
+            }
+            Request::SetSignal { name, value } => ("Signal", name, value),
+            _ => return Ok(None),
+        };
+        Ok(Some(format!("{what} '{name}' set to {value}")))
+    }
+
     fn done(&mut self, note: Option<&str>) {
         for line in note.unwrap_or_default().lines() {
             self.note(line);

@@ -1,10 +1,12 @@
 //! Work of the control side while it waits: messages, the virtual clock, clients, freeing of
 //! memory.
 
-use crate::{Ended, Engine, ends, realtime::clock, realtime::shared::MAX_TIME_NS};
+use crate::{Ended, Engine, ends, os, realtime::clock, realtime::shared::MAX_TIME_NS};
 
 /// Largest number of instants of machine time that run between two checks of the socket.
 const SLICE: u32 = 4096;
+/// Interval in milliseconds at which a paced clock moves.
+const PACE_MS: i32 = 5;
 
 impl Engine {
     /// Serves clients until an [`Ended`] condition holds; `for_ns` limits machine time.
@@ -13,6 +15,7 @@ impl Engine {
             .map(|ns| self.runtime.now().saturating_add(i64::try_from(ns).unwrap_or(i64::MAX)))
             .map(|limit| limit.min(MAX_TIME_NS));
         let before = self.clients.target;
+        let began = (os::monotonic_ns(), self.runtime.now());
         let ended = loop {
             if self.clients.shutdown {
                 break Ended::Shutdown;
@@ -31,8 +34,16 @@ impl Engine {
                 None if self.options.hold => self.clients.target,
                 None => i64::MAX,
             };
+            let mut most_ms = 100;
+            if let Some(pace) = self.options.pace {
+                let passed = (os::monotonic_ns() - began.0) as f64 * pace;
+                // Saturates.
+                let due = began.1.saturating_add(passed as i64);
+                self.clients.target = self.clients.target.min(due);
+                most_ms = PACE_MS;
+            }
             let left = limit.map_or(100, |l| (l - self.runtime.now()) / 1_000_000 + 1);
-            self.pump(i32::try_from(left).unwrap_or(100).min(100));
+            self.pump(i32::try_from(left).unwrap_or(most_ms).min(most_ms));
         };
         self.clients.target = before.min(self.runtime.now());
         ended

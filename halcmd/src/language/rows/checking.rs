@@ -30,7 +30,7 @@ pub(super) const ROWS: &[Row] = &[
         summary: "explain a finding of check",
         help: "What it means, why it matters, what to do, and a script that shows it. Without a \
                code, every code is listed.",
-        words: &[W::Many(&[W::Free])],
+        words: &[W::Many(&[W::Code])],
         examples: &["explain H306"],
         related: &["check"],
         parse: |words| Ok(Command::Explain(words.to_vec())),

@@ -49,7 +49,7 @@ pub(super) const ROWS: &[Row] = &[
                example that runs. No machine need be running. What there is depends on how it is \
                loaded: arguments of loadrt may follow. On a terminal the page is shown by MANPAGER, \
                PAGER or less. Of components in C it tells what can be seen of them.",
-        words: &[W::Module, W::Many(&[W::ModuleArg])],
+        words: &[W::Manual, W::Many(&[W::ModuleArg])],
         examples: &["man pid", "man mux_generic config=bb4"],
         related: &["help", "show", "explain"],
         errors: &[("there is no component", "'halcmd man' finds what 'loadrt' finds")],

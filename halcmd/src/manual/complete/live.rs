@@ -292,7 +292,7 @@ fn settable(item: &ItemInfo) -> bool {
     direction && item.signal.is_none() && item.value.ty() != Type::Port
 }
 
-fn first_line(doc: &str) -> String {
+pub(super) fn first_line(doc: &str) -> String {
     doc.lines().next().unwrap_or_default().to_owned()
 }
 

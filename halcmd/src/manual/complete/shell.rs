@@ -2,7 +2,11 @@
 
 use super::{Candidate, Completion};
 use crate::{
-    language::rows::rows, programs::halcmd, programs::halrun, programs::options::Opt,
+    language::rows::rows,
+    programs::{
+        hal_manualtoolchange, halcmd, halgcode, halrun, halsampler, halscope, halstreamer, haltest,
+        options::{Opt, Subcommand},
+    },
     session::remote::Remote,
 };
 use hal_protocol::Place;
@@ -16,13 +20,54 @@ pub fn for_shell(line: &str, current: Option<&str>) -> Completion {
     let (words, word) = split(line);
     let Some((program, rest)) = words.split_first() else { return Completion::default() };
     let name = program.rsplit('/').next().unwrap_or(program);
-    let options = if name == "halrun" { halrun::options() } else { halcmd::completable() };
-    let mut found = program_words(name, &options, rest, &word);
+    let mut found = match name {
+        "halrun" => program_words(name, &halrun::options(), rest, &word),
+        "halscope" => subcommand(&halscope::subcommands(), rest, &word),
+        "halgcode" => subcommand(&halgcode::subcommands(), rest, &word),
+        "haltest" => option_or_file(&haltest::completable(), rest, &word),
+        "halsampler" => option_or_file(&halsampler::completable(), rest, &word),
+        "halstreamer" => option_or_file(&halstreamer::completable(), rest, &word),
+        "hal_manualtoolchange" => option_or_file(&hal_manualtoolchange::completable(), rest, &word),
+        _ => program_words(name, &halcmd::completable(), rest, &word),
+    };
     let cut = current.and_then(|c| word.strip_suffix(c)).map_or(0, str::len);
     for candidate in &mut found.candidates {
         candidate.word = candidate.word.get(cut..).unwrap_or_default().to_owned();
     }
     found
+}
+
+/// Completes the words of a program with commands.
+fn subcommand(commands: &[Subcommand], rest: &[String], word: &str) -> Completion {
+    let Some((name, rest)) = rest.split_first() else {
+        let all = commands.iter().map(|c| Candidate::new(c.name, c.help)).collect();
+        return Completion { candidates: begun(all, word), ..Completion::default() };
+    };
+    let Some(command) = commands.iter().find(|c| c.name == name) else {
+        return Completion::default();
+    };
+    let mut found = option_or_file(&command.options, rest, word);
+    if found.files
+        && command.takes_items
+        && let Ok(place) = Place::find(None)
+    {
+        let mut remote = Remote::new(place, "");
+        found.candidates = super::words(&["getp".to_owned()], word, &mut remote).candidates;
+    }
+    found
+}
+
+/// Completes an option, its value, or the name of a file.
+fn option_or_file(options: &[Opt<()>], rest: &[String], word: &str) -> Completion {
+    let last = rest.last().filter(|last| !last.contains('=')).and_then(|w| option(options, w));
+    if let Some(option) = last.filter(|o| o.value.is_some()) {
+        return value_of(option, word);
+    }
+    if word.starts_with('-') {
+        let candidates = begun(option_words(options), word);
+        return Completion { candidates, ..Completion::default() };
+    }
+    Completion { files: true, ..Completion::default() }
 }
 
 /// Completes a program's words: options first, then a command or a file.

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     Stdio, Terminal,
-    programs::options::{Opt, options, usage},
+    programs::options::{Opt, mixed, plain, usage},
     terminal::print_error,
 };
 use hal_gcode::{Call, Error, Interpreter, Settings, axis::AxisMask, canon::Unit};
@@ -66,9 +66,14 @@ const OPTIONS: &[Opt<Id>] = &[
     Opt { long: Some("help"), help: "print this", ..Opt::flag(Id::Help, 'h') },
 ];
 
+/// Returns the options for completion.
+pub(super) fn completable() -> Vec<Opt<()>> {
+    plain(OPTIONS)
+}
+
 /// Runs `canon` with these words.
 pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
-    let (given, rest) = options("halgcode", OPTIONS, words).map_err(|e| e.to_string())?;
+    let (given, rest) = mixed("halgcode", OPTIONS, words).map_err(|e| e.to_string())?;
     let path = |wanted| {
         let found = given.iter().rev().find(|(id, _)| *id == wanted)?;
         found.1.as_deref().map(PathBuf::from)

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     Stdio, Terminal,
-    programs::options::{Opt, options, usage},
+    programs::options::{Opt, mixed, plain, usage},
     terminal::print_error,
 };
 use hal_gcode::{
@@ -66,9 +66,14 @@ const OPTIONS: &[Opt<Id>] = &[
     Opt { long: Some("help"), help: "print this", ..Opt::flag(Id::Help, 'h') },
 ];
 
+/// Returns the options for completion.
+pub(super) fn completable() -> Vec<Opt<()>> {
+    plain(OPTIONS)
+}
+
 /// Runs `check` with these words. The status is 1 if there is an error, and 2 if a file cannot be read.
 pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
-    let (given, files) = options("halgcode", OPTIONS, words).map_err(|e| e.to_string())?;
+    let (given, files) = mixed("halgcode", OPTIONS, words).map_err(|e| e.to_string())?;
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.as_deref();
     let path = |wanted| value(wanted).map(PathBuf::from);
     let is_given = |wanted| given.iter().any(|(id, _)| *id == wanted);

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     Stdio, Terminal,
-    programs::options::{Opt, options, usage},
+    programs::options::{Opt, mixed, plain, usage},
     terminal::print_error,
 };
 use hal_gcode::text::{
@@ -48,9 +48,14 @@ const OPTIONS: &[Opt<Id>] = &[
     Opt { long: Some("help"), help: "print this", ..Opt::flag(Id::Help, 'h') },
 ];
 
+/// Returns the options for completion.
+pub(super) fn completable() -> Vec<Opt<()>> {
+    plain(OPTIONS)
+}
+
 /// Runs `format` with these words. The status is 1 if a line could not be read; it is kept as it was.
 pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
-    let (given, rest) = options("halgcode", OPTIONS, words).map_err(|e| e.to_string())?;
+    let (given, rest) = mixed("halgcode", OPTIONS, words).map_err(|e| e.to_string())?;
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.as_deref();
     let is_given = |wanted| given.iter().any(|(id, _)| *id == wanted);
     if is_given(Id::Help) {

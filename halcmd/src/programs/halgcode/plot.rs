@@ -12,7 +12,7 @@ use super::{
 use crate::{
     Stdio, Terminal,
     programs::{
-        options::{Opt, options, usage},
+        options::{Opt, mixed, plain, usage},
         picture,
     },
     terminal::print_error,
@@ -64,9 +64,14 @@ const OPTIONS: &[Opt<Id>] = &[
 /// The most points that are kept for a picture.
 const MAX_POINTS: usize = 20_000_000;
 
+/// Returns the options for completion.
+pub(super) fn completable() -> Vec<Opt<()>> {
+    plain(OPTIONS)
+}
+
 /// Runs `plot` with these words. The status is 1 if the program has an error; what came before it is drawn.
 pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
-    let (given, rest) = options("halgcode", OPTIONS, words).map_err(|e| e.to_string())?;
+    let (given, rest) = mixed("halgcode", OPTIONS, words).map_err(|e| e.to_string())?;
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.as_deref();
     let path = |wanted| value(wanted).map(PathBuf::from);
     let is_given = |wanted| given.iter().any(|(id, _)| *id == wanted);

@@ -6,10 +6,11 @@ use crate::{
     language::flight,
     nanoseconds,
     programs::common::{COMMON, Id as Common, apply},
-    programs::options::{Opt, from_environment, options, plain, usage},
+    programs::options::{Opt, from_environment, mixed, plain, usage},
     programs::profile::{self, Profile},
     session::remote::instance_option,
 };
+use core::ops::RangeInclusive;
 use hal_engine::{ClockKind, Options};
 use hal_protocol::{FlightSpec, Place};
 use std::path::{Path, PathBuf};
@@ -78,6 +79,7 @@ enum Id {
     Virtual,
     Clock,
     Hold,
+    Pace,
     Simulate,
     For,
     Record,
@@ -93,6 +95,9 @@ enum Id {
     Help,
 }
 
+/// Range of `--pace`.
+const PACES: RangeInclusive<f64> = 0.001..=1000.0;
+
 const OPTIONS: &[Opt<Id>] = &[
     flag('f', Id::Common(Common::File), "end when the script ends (FILE follows)"),
     flag('I', Id::Interactive, "after the script, take commands from standard input"),
@@ -102,6 +107,13 @@ const OPTIONS: &[Opt<Id>] = &[
     with("for", Id::For, Some("TIME"), Some("HAL_FOR"), "end after TIME of the machine"),
     with("clock", Id::Clock, Some("KIND"), Some("HAL_CLOCK"), "the clock: real or virtual"),
     with("hold", Id::Hold, None, Some("HAL_HOLD"), "move the virtual clock only in 'run TIME'"),
+    with(
+        "pace",
+        Id::Pace,
+        Some("N"),
+        Some("HAL_PACE"),
+        "let N seconds pass on the virtual clock in a second; else as many as it can",
+    ),
     with("simulate", Id::Simulate, None, Some("HAL_SIMULATE"), "simulate the hardware"),
     with("record", Id::Record, Some("FILE"), Some("HAL_RECORD"), "record every pin to a VCD file"),
     with("flight", Id::Flight, Some("'WORDS'"), Some("HAL_FLIGHT"), "'flight on' with these words"),
@@ -176,7 +188,7 @@ pub(crate) fn plan(
 ) -> Result<Action, Error> {
     let mut table: Vec<Opt<Id>> = [OPTIONS, HIDDEN].concat();
     table.extend(COMMON.iter().map(common));
-    let (mut given, files) = all_words(&table, words)?;
+    let (mut given, files) = mixed("halrun", &table, words)?;
     from_environment(&table, environment, &mut given);
     let profile = given.iter().rev().find(|(id, _)| *id == Id::Profile);
     let profile = match profile.and_then(|(_, file)| file.as_deref()) {
@@ -215,6 +227,16 @@ pub(crate) fn plan(
             })?),
             None => None,
         };
+    let pace = value(Id::Pace)
+        .map(|text| match text.parse().ok().filter(|n| PACES.contains(n)) {
+            _ if clock == ClockKind::Real => Err(bad("--pace", &text, "it is for --virtual")),
+            _ if has(Id::Hold) => {
+                Err(bad("--pace", &text, "with --hold the clock moves only in 'run TIME'"))
+            }
+            Some(n) => Ok(n),
+            None => Err(bad("--pace", &text, "it is a number from 0.001 to 1000, such as 1")),
+        })
+        .transpose()?;
     let mut style = Style::default();
     for (id, _) in &given {
         if let Id::Common(id) = id {
@@ -242,6 +264,7 @@ pub(crate) fn plan(
             place,
             clock,
             hold: has(Id::Hold),
+            pace,
             simulate: has(Id::Simulate) || clock == ClockKind::Virtual,
             old_names: false,
             interlock: false,
@@ -286,22 +309,6 @@ pub(crate) fn help() -> String {
         usage(OPTIONS),
         usage(&COMMON)
     )
-}
-
-/// Parses options that may also follow the file.
-fn all_words(
-    table: &[Opt<Id>],
-    words: &[String],
-) -> Result<crate::programs::options::Given<Id>, Error> {
-    let (mut given, mut rest) = options("halrun", table, words)?;
-    let mut files = Vec::new();
-    while let Some((file, after)) = rest.split_first() {
-        files.push(file.clone());
-        let (more, left) = options("halrun", table, after)?;
-        given.extend(more);
-        rest = left;
-    }
-    Ok((given, files))
 }
 
 const fn common(option: &Opt<Common>) -> Opt<Id> {

@@ -1,9 +1,10 @@
 //! Operation of the engine while a script runs and afterwards.
 
 use super::plan::{Plan, Script};
-use crate::session::INTERRUPTED;
-use hal_engine::{Ended, Engine};
-use hal_protocol::{Failure, Link, Reply, Request};
+use crate::{Stdio, Terminal, session::INTERRUPTED};
+use hal_engine::{ClockKind, Ended, Engine};
+use hal_protocol::{Failure, Kind, Link, Reply, Request};
+use std::io::IsTerminal;
 
 /// Link to an engine in this process. Once the engine is ending, it executes no more requests.
 pub(super) struct Local<'a> {
@@ -64,8 +65,36 @@ pub(super) fn wrong(link: &mut impl Link, name: &str) -> Vec<String> {
     fault.into_iter().chain(stopped).chain(lost).collect()
 }
 
+/// Returns what a person at a terminal reads once the script is done and the machine runs.
+fn hint(plan: &Plan) -> String {
+    let name = plan.options.place.name();
+    let instance = if name == "default" { String::new() } else { format!(" --instance {name}") };
+    let mut text = format!(
+        "halrun: the machine runs; Ctrl-C ends it. From another terminal: 'halcmd{instance} status', \
+         'halcmd{instance} show pin'\n"
+    );
+    let options = &plan.options;
+    let is_free = options.clock == ClockKind::Virtual && !options.hold;
+    if is_free && options.pace.is_none() && plan.for_ns.is_none() {
+        text.push_str(
+            "halrun: the virtual clock runs as fast as it can; with '--pace 1' it runs as a clock on \
+             the wall, with '--hold' it moves only in 'run TIME'\n",
+        );
+    }
+    text
+}
+
+fn has_threads(engine: &mut Engine) -> bool {
+    let all = Request::List { kind: Kind::Threads, patterns: Vec::new(), ty: None };
+    matches!(engine.call(all), Ok(Reply::Threads(threads)) if !threads.is_empty())
+}
+
 /// Serves clients until the instance ends.
 pub(super) fn stay(plan: &Plan, engine: &mut Engine) {
+    let is_quiet = plan.batch || plan.style.background || plan.style.silent;
+    if !is_quiet && std::io::stderr().is_terminal() && has_threads(engine) {
+        Stdio.err(&hint(plan));
+    }
     if plan.script == Script::Nothing && plan.for_ns.is_none() {
         // No thread need exist yet.
         let wait = Request::Idle { ms: 100, flow: !plan.options.hold };

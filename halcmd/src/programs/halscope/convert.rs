@@ -3,7 +3,7 @@
 use super::{plan::usage_of, unwritten};
 use crate::{
     Stdio, Terminal,
-    programs::options::{Opt, mixed},
+    programs::options::{Opt, mixed, plain},
 };
 use hal_trace::{load, save};
 use std::{path::Path, process::ExitCode};
@@ -27,6 +27,11 @@ const MORE: &str = "
 The endings say what the files are: .vcd, .fst, .csv or .json. VCD and FST are also read from
 simulators and logic analysers, CSV from whatever writes a table with times in its first column.
 ";
+
+/// Returns the options for completion.
+pub(super) fn completable() -> Vec<Opt<()>> {
+    plain(OPTIONS)
+}
 
 /// Runs the command with these arguments.
 pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {

@@ -2,7 +2,7 @@
 
 use crate::{
     language::units::nanoseconds,
-    programs::options::{Opt, from_environment, mixed, usage},
+    programs::options::{Opt, from_environment, mixed, plain, usage},
     session::remote::instance_option,
 };
 use hal_trace::{
@@ -80,6 +80,11 @@ const OPTIONS: &[Opt<Id>] = &[
     Opt { help: "print this", long: Some("help"), ..Opt::flag(Id::Help, 'h') },
 ];
 
+/// Returns the options for completion.
+pub(super) fn completable() -> Vec<Opt<()>> {
+    plain(OPTIONS)
+}
+
 const MORE: &str = "
 A NAME is a pin, signal or parameter; with *, ? or [ ] it means all that match. What the trigger
 names is sampled as well. SIGUSR1 triggers at once.
@@ -91,6 +96,23 @@ NAME > 5 (<, <=, >=, =, !=), NAME rises through 5 (falls through, crosses), NAME
 The exit status: 0 all captures are whole; 1 an error; 2 no trigger came; 3 one came and its
 capture did not become whole, because the machine or the user ended it: what there is was written.
 ";
+
+const VIEW: &str = "view FILE [CHANNEL...], or view [options] NAME...";
+
+const OF_VIEW: &str = "
+The captures repeat until q is pressed. ? shows the keys.
+";
+
+/// Returns the help of a command, with the options that it takes.
+fn help(line: &str) -> String {
+    if line != VIEW {
+        return usage_of(line, OPTIONS, MORE);
+    }
+    let of_files = [Id::Output, Id::Count];
+    let options: Vec<_> = OPTIONS.iter().filter(|o| !of_files.contains(&o.id)).copied().collect();
+    let about = MORE.split("\nThe exit status").next().unwrap_or_default();
+    usage_of(line, &options, &format!("{about}{OF_VIEW}"))
+}
 
 /// A number of samples, a duration, or a fraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -161,7 +183,7 @@ impl Plan {
 
     /// Parses the command line of a view, whose captures repeat until the user leaves it.
     pub(super) fn for_view(words: &[String]) -> Result<Asked, String> {
-        let asked = Self::of("view FILE [CHANNEL...], or view [options] NAME...", words)?;
+        let asked = Self::of(VIEW, words)?;
         let Asked::Plan(mut plan) = asked else { return Ok(asked) };
         if plan.output.is_some() || plan.count > 1 {
             return Err(
@@ -196,7 +218,7 @@ impl Plan {
         };
         for (id, value) in given {
             if id == Id::Help {
-                return Ok(Asked::Help(usage_of(line, OPTIONS, MORE)));
+                return Ok(Asked::Help(help(line)));
             }
             plan.option(id, value.unwrap_or_default())?;
         }

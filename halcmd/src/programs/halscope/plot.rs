@@ -7,7 +7,7 @@ use super::{names, time, unwritten};
 use crate::{
     Stdio, Terminal,
     programs::{
-        options::{Opt, options, usage},
+        options::{Opt, mixed, plain, usage},
         picture::{Kind, size},
     },
 };
@@ -58,9 +58,14 @@ const fn long(id: Id, name: &'static str, value: &'static str, help: &'static st
     Opt { id, short: None, long: Some(name), value: Some(value), variable: None, help }
 }
 
+/// Returns the options for completion.
+pub(super) fn completable() -> Vec<Opt<()>> {
+    plain(OPTIONS)
+}
+
 /// Runs `halscope plot [options] FILE [CHANNEL...]`.
 pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
-    let (given, rest) = options("halscope", OPTIONS, words).map_err(|e| e.to_string())?;
+    let (given, rest) = mixed("halscope", OPTIONS, words).map_err(|e| e.to_string())?;
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.as_deref();
     let is_given = |wanted| given.iter().any(|(id, _)| *id == wanted);
     if is_given(Id::Help) {

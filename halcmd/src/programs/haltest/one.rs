@@ -64,8 +64,7 @@ fn evaluate(test: &Test, run: &Run, shown: &str, folder: &Path, outcome: &mut Ou
         let text = format!("the recording cannot be kept: {}", crate::ini::plain(&error));
         outcome.complaints.push(Complaint::new(&spot, text));
     }
-    // Expectations do not apply to a run that was aborted.
-    if run.complaints.is_empty() {
+    if !run.aborted {
         evaluate::evaluate(test, run, shown, outcome);
     }
 }

@@ -34,6 +34,8 @@ const RECORDING: &str = ".haltest.vcd";
 #[derive(Debug, Default)]
 pub(super) struct Run {
     pub(super) complaints: Vec<Complaint>,
+    /// True if the run did not come to its end, so that expectations do not apply.
+    pub(super) aborted: bool,
     /// Messages and their times in nanoseconds.
     pub(super) said: Vec<(i64, String)>,
     /// Times at which marks were reached, in nanoseconds.
@@ -63,7 +65,7 @@ pub(super) fn run(test: &Test, script: &str) -> Run {
     words.push(script.to_owned());
     let failed = |text: String| {
         let complaints = vec![Complaint::new(&spot, text)];
-        Run { complaints, ..Run::default() }
+        Run { complaints, aborted: true, ..Run::default() }
     };
     let environment = |name: &str| std::env::var(name).ok();
     let plan = match plan::plan(&words, &environment) {
@@ -76,7 +78,7 @@ pub(super) fn run(test: &Test, script: &str) -> Run {
         Err(error) => return refusal(test, &spot, &error),
     };
     if let Err(complaint) = settings::change(test, files.ini.as_mut()) {
-        return Run { complaints: vec![complaint], ..Run::default() };
+        return Run { complaints: vec![complaint], aborted: true, ..Run::default() };
     }
     let engine = match Engine::new(instance_options(&plan, &files)) {
         Ok(engine) => engine,
@@ -100,6 +102,7 @@ fn refusal(test: &Test, spot: &Spot, error: &Error) -> Run {
     let mut run = Run::default();
     run.said.push((0, error.whole()));
     run.complaints.extend(refused_as_expected(test, spot, &error.whole()));
+    run.aborted = !run.complaints.is_empty();
     run
 }
 
@@ -124,15 +127,18 @@ impl Fixture<'_> {
         let (outcome, text) = self.script();
         if outcome != Outcome::Good {
             self.run.complaints.extend(refused_as_expected(self.test, spot, &text));
+            self.run.aborted = !self.run.complaints.is_empty();
             return self.check_exit(1);
         }
         if let Some(wanted) = &self.test.refused {
             let complaint = Complaint::new(&wanted.spot, "the machine is not refused");
             self.run.complaints.push(complaint.with(format!("expected: {}", wanted.name)));
+            self.run.aborted = true;
             return;
         }
         self.run.complaints.extend(watch::unknown(self.test, &mut self.bench));
         if !self.run.complaints.is_empty() {
+            self.run.aborted = true;
             return;
         }
         let start = self.bench.now();
@@ -140,17 +146,38 @@ impl Fixture<'_> {
         for step in &self.test.steps {
             if self.bench.is_ending() {
                 let text = "the machine has ended before this step";
-                self.run.complaints.push(Complaint::new(&step.spot, text));
+                let complaint = self.ended_at(step, Complaint::new(&step.spot, text));
+                self.run.complaints.push(complaint);
+                self.run.aborted = true;
                 break;
             }
             if let Err(complaint) = self.step(step, start) {
-                self.run.complaints.push(complaint);
                 // Later steps would find the machine in an unexpected state.
+                let complaint = self.ended_at(step, complaint);
+                self.run.complaints.push(complaint);
+                self.run.aborted = true;
                 break;
             }
         }
         let stopped = !self.bench.is_ending() && self.bench.has_stopped().unwrap_or(false);
         self.check_exit(u8::from(stopped));
+    }
+
+    /// Adds what a run that ends at this step leaves out.
+    fn ended_at(&self, step: &Step, complaint: Complaint) -> Complaint {
+        let after = self.test.steps.iter().skip_while(|s| s.spot != step.spot).skip(1).count();
+        let left = [
+            (after, "step"),
+            (self.test.expectations.len(), "expectation"),
+            (self.test.snapshots.len(), "snapshot"),
+        ];
+        let left = left.iter().filter(|(n, _)| *n > 0);
+        let left: Vec<String> =
+            left.map(|(n, what)| format!("{n} {what}{}", if *n == 1 { "" } else { "s" })).collect();
+        if left.is_empty() {
+            return complaint;
+        }
+        complaint.with(format!("not carried out or judged after this: {}", left.join(", ")))
     }
 
     fn check_exit(&mut self, found: u8) {
@@ -243,7 +270,7 @@ impl Fixture<'_> {
             Action::Release(names) => {
                 names.iter().try_for_each(|n| Faults::release(&mut self.bench, n))?;
             }
-            Action::Expect(entries, tolerance) => self.expect(entries, *tolerance)?,
+            Action::Expect(entries, tolerance) => self.expect(entries, *tolerance),
         }
         if let Some(mark) = &step.mark {
             self.run.reached.insert(mark.clone(), self.bench.now());
@@ -321,13 +348,15 @@ impl Fixture<'_> {
         }
     }
 
-    fn expect(&mut self, entries: &[Entry], tolerance: f64) -> Result<(), Complaint> {
+    /// Compares values. A difference changes nothing in the machine, so the test goes on.
+    fn expect(&mut self, entries: &[Entry], tolerance: f64) {
         for e in entries {
             let named = Named { spot: e.spot.clone(), name: e.name.clone() };
-            let found = inject::value(&mut self.bench, &named)?;
-            super::compare::value(&e.spot, &e.name, &e.value, tolerance, found)?;
+            let compared = inject::value(&mut self.bench, &named).and_then(|found| {
+                super::compare::value(&e.spot, &e.name, &e.value, tolerance, found)
+            });
+            self.run.complaints.extend(compared.err());
         }
-        Ok(())
     }
 
     /// Ends the recording, if there is one. If there is none, the expectations report that.
@@ -339,6 +368,7 @@ impl Fixture<'_> {
         if let Err(failure) = self.bench.ask(Request::EndRecord) {
             let spot = self.test.machine.clone().unwrap_or_default().spot;
             self.run.complaints.push(Complaint::new(&spot, failure.to_string()));
+            self.run.aborted = true;
         }
     }
 

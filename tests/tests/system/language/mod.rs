@@ -2,6 +2,7 @@
 
 mod cases;
 mod corpus;
+mod first_use;
 mod messages;
 mod prompt;
 mod refusals;

@@ -123,6 +123,30 @@ fn snapshots_are_accepted_only_when_all_else_is_right() {
 }
 
 #[test]
+fn a_failed_expectation_hides_no_other() {
+    let scratch = bench(
+        "hides",
+        &[
+            (
+                "all.toml",
+                "[[step]]\nexpect = { pump = 1, pulse = 1 }\n\n[[step]]\nrun = \"1ms\"\n\n\
+                 [[step]]\nexpect = { position = 7 }\n\n[[expect]]\nnever = \"pump\"\n",
+            ),
+            (
+                "ends.toml",
+                "[[step]]\ndo = \"setp nothing 1\"\n\n[[step]]\nrun = \"1ms\"\n\n[[expect]]\n\
+                 never = \"pump\"\n",
+            ),
+        ],
+    );
+    let run = |file| scratch.run(scratch.command(&[], "haltest").arg(file)).stdout;
+    golden::check(
+        &root().join("tests/haltest/hides.shown"),
+        &(run("all.toml") + &run("ends.toml")),
+    );
+}
+
+#[test]
 fn a_test_that_hangs_or_dies_takes_no_other_with_it() {
     let scratch = bench(
         "hang",

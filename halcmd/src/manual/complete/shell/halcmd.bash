@@ -1,4 +1,4 @@
-# Completion of halcmd and halrun for bash:  eval "$(halcmd completion bash)"
+# Completion of the programs for bash:  eval "$(halcmd completion bash)"
 _ferrule() {
     local out status
     out=$(COMP_LINE=$COMP_LINE COMP_POINT=$COMP_POINT halcmd -C "$1" "$2" "$3" 2>/dev/null)
@@ -11,4 +11,4 @@ _ferrule() {
     [[ $status == 3 ]] && compopt -o default -o filenames
     return 0
 }
-complete -F _ferrule halcmd halrun
+complete -F _ferrule halcmd halrun halscope haltest halgcode halsampler halstreamer

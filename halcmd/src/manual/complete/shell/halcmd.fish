@@ -1,4 +1,4 @@
-# Completion of halcmd and halrun for fish:  halcmd completion fish | source
+# Completion of the programs for fish:  halcmd completion fish | source
 function __ferrule_complete
     set -lx HAL_COMPLETE about
     set -lx COMP_LINE (commandline -cp)
@@ -7,5 +7,6 @@ function __ferrule_complete
         __fish_complete_path (commandline -ct)
     end
 end
-complete -c halcmd -f -a '(__ferrule_complete)'
-complete -c halrun -f -a '(__ferrule_complete)'
+for program in halcmd halrun halscope haltest halgcode halsampler halstreamer
+    complete -c $program -f -a '(__ferrule_complete)'
+end
