@@ -59,7 +59,7 @@ pub(super) const ROWS: &[Row] = &[
         name: "completion",
         usage: "bash|zsh|fish",
         args: (1, 1),
-        summary: "print the shell's completion script for halcmd and halrun",
+        summary: "print the shell's completion script for the programs",
         help: "For bash, put 'eval \"$(halcmd completion bash)\"' into ~/.bashrc; for zsh, 'source \
            <(halcmd completion zsh)' into ~/.zshrc after compinit; for fish, 'halcmd completion \
            fish | source' into config.fish.",
