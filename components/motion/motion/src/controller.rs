@@ -76,6 +76,7 @@ impl Controller {
         let last = self.last_ns.replace(now).map_or(0, |last| now.wrapping_sub(last));
         self.pins.general.last_period.set(u32::try_from(last).unwrap_or(u32::MAX));
         self.state.dt = dt;
+        self.state.now_ns = now;
         self.state.read_pins(&self.pins);
         self.state.inputs.lockout = self.interlock.read();
         self.state.switch_kinematics(&self.pins.switch);

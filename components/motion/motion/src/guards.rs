@@ -7,6 +7,7 @@ pub(crate) mod jump;
 pub(crate) mod last_jump;
 pub(crate) mod pace;
 pub(crate) mod step;
+pub(crate) mod stops;
 pub(crate) mod switch_off;
 pub(crate) mod watch;
 pub(crate) mod watchman;

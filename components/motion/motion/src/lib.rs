@@ -24,7 +24,10 @@ mod switch;
 
 use commands::{configure::ConfigCache, interface::CommandInterface};
 use controller::{Controller, Handler};
-use guards::interlock::Interlock;
+use guards::{
+    interlock::Interlock,
+    stops::{MAX_STOPS, Stops},
+};
 use hal_component::{
     Builder, Component, Error,
     abi::{ArgSpec, component_flags},
@@ -134,7 +137,8 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
 
     let (to_handler, from_interface) = b.queue(QUEUE_LEN);
     let (to_controller, from_handler) = b.queue(QUEUE_LEN);
-    let state = State::new(&setup, kinematics, b.messages());
+    let (to_reader, stops) = b.queue(MAX_STOPS);
+    let state = State::new(&setup, kinematics, b.messages(), Stops::new(to_reader));
     let cache = ConfigCache::new(state.tables.clone());
     let interface = CommandInterface {
         to: to_handler,
@@ -146,7 +150,7 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
         cache: Arc::new(Mutex::new(cache)),
     };
     interface.open(b)?;
-    commands::status::open(b, pins.clone(), state.last_jump.clone())?;
+    commands::status::open(b, pins.clone(), state.last_jump.clone(), stops)?;
     let controller = Controller {
         from: from_handler,
         pins,

@@ -8,6 +8,7 @@ use crate::{
     compensation::Tables,
     guards::interlock::Lockout,
     guards::last_jump::LastJump,
+    guards::stops::Stops,
     guards::watch::WatchCounters,
     homing::sequence::HomingSequence,
     jogger::TravelLimits,
@@ -82,12 +83,20 @@ pub(crate) struct State {
     pub(crate) stop_ticket: Option<TicketHandle>,
     pub(crate) last_jump: Arc<LastJump>,
     pub(crate) watch: WatchCounters,
+    pub(crate) stops: Stops,
+    /// Machine time at the start of the cycle, in nanoseconds.
+    pub(crate) now_ns: i64,
     /// Reason why the axes do not move, for as long as it applies.
     pub(crate) stays: Option<&'static str>,
 }
 
 impl State {
-    pub(crate) fn new(setup: &Setup, kinematics: KinematicsRef, say: Messages) -> Self {
+    pub(crate) fn new(
+        setup: &Setup,
+        kinematics: KinematicsRef,
+        say: Messages,
+        stops: Stops,
+    ) -> Self {
         let first_extra = setup.joints - setup.extra_joints;
         let joint = |n| Joint::new(n >= first_extra, setup.unlock_mask >> n & 1 == 1);
         Self {
@@ -119,6 +128,8 @@ impl State {
             stop_ticket: None,
             last_jump: Arc::default(),
             watch: WatchCounters::default(),
+            stops,
+            now_ns: 0,
             stays: None,
         }
     }

@@ -2,6 +2,7 @@
 
 mod command;
 mod compensation;
+mod event;
 mod fault;
 mod home;
 mod interlock;

@@ -2,22 +2,44 @@
 
 use crate::{
     guards::last_jump::LastJump,
+    guards::stops::Stop,
     pins::{JointPins, LETTERS, Pins},
 };
-use hal_component::{Builder, Call, Error};
-use std::sync::Arc;
+use hal_component::{Builder, Call, Error, Receiver};
+use std::sync::{Arc, Mutex, PoisonError};
 
 const DOC: &str = "\
 Tells how the machine is: one line for all, one per joint that takes part, one per axis that is not
 at zero. After a joint would have jumped, one line says where, how far and what moved it, until the
-machine is switched on again.";
+machine is switched on again. At the end, one line for each stop since the last motion.status: its
+time and its cause.";
 
 /// Declares the command.
-pub(crate) fn open(b: &mut Builder<'_>, pins: Pins, last_jump: Arc<LastJump>) -> Result<(), Error> {
+pub(crate) fn open(
+    b: &mut Builder<'_>,
+    pins: Pins,
+    last_jump: Arc<LastJump>,
+    stops: Receiver<Stop>,
+) -> Result<(), Error> {
+    let stops = Mutex::new(stops);
     b.command("motion.status", DOC, &[], move |call| {
         tell(&pins, &last_jump, call);
+        let mut stops = stops.lock().unwrap_or_else(PoisonError::into_inner);
+        read_stops(&mut stops).iter().for_each(|line| call.reply(line));
         Ok(())
     })
+}
+
+/// Returns the stops since the last call, as lines of text.
+fn read_stops(from: &mut Receiver<Stop>) -> Vec<String> {
+    let stops = core::iter::from_fn(|| from.take());
+    stops
+        .map(|stop| {
+            // Braces mark names of pins, which messages explain.
+            let cause = stop.cause.replace(['{', '}'], "");
+            format!("stop time={:.3} s: {cause}", stop.time_ns as f64 / 1e9)
+        })
+        .collect()
 }
 
 fn tell(pins: &Pins, last_jump: &LastJump, call: &Call<'_>) {

@@ -31,7 +31,7 @@ impl State {
             }
         }
         if let Some(cause) = cause {
-            self.turn_off(cause);
+            self.trip(cause);
             self.joints.iter_mut().for_each(crate::joint::Joint::hold);
             self.sync(cause);
         } else {

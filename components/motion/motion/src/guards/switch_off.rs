@@ -8,7 +8,7 @@ impl State {
         if self.enabled
             && let Some(cause) = self.cause(pins)
         {
-            self.turn_off(cause);
+            self.trip(cause);
         }
         if let Some(ticket) = self.enable_ticket.take() {
             ticket.done();
@@ -53,6 +53,12 @@ impl State {
             cause.get_or_insert("motion stopped by misc error");
         }
         cause
+    }
+
+    /// Switches the machine off for a cause that is kept.
+    pub(crate) fn trip(&mut self, cause: &'static str) {
+        self.stops.keep(self.now_ns, cause);
+        self.turn_off(cause);
     }
 
     /// Switches the machine off: all motion ends, and all tickets that wait for motion are refused.

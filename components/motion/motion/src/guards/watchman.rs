@@ -59,7 +59,7 @@ impl State {
         }
         if stops {
             joint.error = true;
-            self.turn_off(CAUSE);
+            self.trip(CAUSE);
         }
     }
 

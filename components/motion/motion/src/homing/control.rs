@@ -38,6 +38,7 @@ impl State {
             Progress::Failed(n, why) => {
                 let code = self.joints.get(n).map_or(0, |j| j.homing.code());
                 self.say.error(why.say(), &[n as f64, f64::from(code)]);
+                self.stops.keep(self.now_ns, why.text());
                 self.end_homing(why.text());
             }
         }

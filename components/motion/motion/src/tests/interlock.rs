@@ -20,7 +20,7 @@ impl Rig {
     }
 
     /// Out of e-stop, on, and homed.
-    fn released() -> Self {
+    pub(super) fn released() -> Self {
         let mut rig = Self::machine();
         rig.release();
         rig.done("motion.enable");
@@ -28,7 +28,7 @@ impl Rig {
         rig
     }
 
-    fn release(&mut self) {
+    pub(super) fn release(&mut self) {
         self.say("iocontrol.estop-reset");
         self.task();
         self.bench.set("iocontrol.0.emc-enable-in", true);
