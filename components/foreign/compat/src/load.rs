@@ -11,7 +11,7 @@ use crate::{
 };
 use core::ffi::{CStr, c_int, c_void};
 use hal_component::abi::{
-    ActionSpec, CallHost, ForeignFile, Host, Record, Status, Str, host_flags, size,
+    ActionSpec, CallHost, ForeignFile, Host, Record, Status, Str, host_flags, level, size,
 };
 use std::{
     panic::catch_unwind,
@@ -91,6 +91,7 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
         return Err((Status(code), why));
     }
     module.made.store(true, Relaxed);
+    report_without_effect(&module, handle);
     stay(&host, module)
 }
 
@@ -134,6 +135,22 @@ fn find_providers(host: &Host, file: &ForeignFile, elf: &Elf) -> Result<(), Refu
         }
     }
     Ok(())
+}
+
+/// Parts that LinuxCNC's motion controller takes from another module, each with a symbol that such a module exports.
+const PARTS: [(&CStr, &str); 2] = [(c"do_homing", "homing"), (c"tpRunCycle", "trajectory planner")];
+
+/// Reports a module that replaces a part of LinuxCNC's motion controller, because ours takes none.
+fn report_without_effect(module: &Module, handle: *mut c_void) {
+    for (symbol, part) in PARTS {
+        if !system::symbol(handle, symbol).is_null() {
+            let text = format!(
+                "this {part} module has no effect on motmod, which has its own {part}; only \
+                 LinuxCNC's motmod takes it"
+            );
+            module.say(level::ERR, &text);
+        }
+    }
 }
 
 /// Ties the life of a module to its component: registers a stop action that does nothing but hold a reference.

@@ -69,3 +69,20 @@ fn a_crash_names_component_and_function() {
     assert!(output.stderr.contains(said), "{}", output.stderr);
     assert_eq!(output.status, None, "it ends by its signal");
 }
+
+#[test]
+fn a_part_of_their_motion_controller_says_that_ours_does_not_take_it() {
+    let scratch = Scratch::new("compat-part");
+    for (name, symbol, part) in
+        [("ourhome", "do_homing", "homing"), ("ourtp", "tpRunCycle", "trajectory planner")]
+    {
+        let source = component(&format!("int {symbol}(void) {{ return 0; }}"), "", "");
+        if compile(scratch.path(), name, &source, &[]).is_none() {
+            return;
+        }
+        let mut b = Bench::new(&[scratch.path()]);
+        b.load_c("", name).unwrap();
+        let said = b.engine.take_messages().join("\n");
+        assert!(said.contains(&format!("this {part} module has no effect on motmod")), "{said}");
+    }
+}

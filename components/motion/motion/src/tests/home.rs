@@ -496,3 +496,40 @@ fn a_lock_that_does_not_answer() {
     let why = "cannot home: locking-indexer needs the joint in unlock_joints_mask";
     assert_eq!(rig.failed("motion.home joint=0"), why);
 }
+
+/// A limit switch of one side stops both in the same cycle, whatever moves them.
+#[test]
+fn the_sides_of_a_gantry_stop_together() {
+    for text in [
+        "motion.move y=60 velocity=8",
+        "motion.jog axis=y velocity=8 position=60",
+        "motion.home joint=1",
+    ] {
+        let mut rig = Rig::off(&["coordinates=xyy", "kinstype=b"]);
+        for n in [1, 2] {
+            rig.say(&format!("motion.configure joint={n} home-sequence=-1 max-velocity=10"));
+            rig.say(&format!("motion.configure joint={n} max-acceleration=35"));
+        }
+        rig.done("motion.enable");
+        rig.done("motion.home joint=all");
+        for n in [1, 2] {
+            rig.say(&format!("motion.configure joint={n} home-search-vel=8 home-latch-vel=-1"));
+        }
+        rig.say(text);
+        while rig.joint(1, "pos-cmd") < 5.0 {
+            rig.cycle();
+        }
+        assert!(rig.joint(1, "vel-cmd") > 7.9, "{text}");
+        let apart = |rig: &Rig| rig.joint(1, "motor-pos-cmd") - rig.joint(2, "motor-pos-cmd");
+        near(apart(&rig), 0.0);
+        rig.bench.set("joint.2.pos-lim-sw-in", true);
+        rig.strict = false;
+        for _ in 0..100 {
+            rig.cycle();
+            near(apart(&rig), 0.0);
+        }
+        assert!(!rig.is("motion.motion-enabled"), "{text}");
+        assert!(rig.joint(1, "motor-pos-cmd") < 5.1, "{text}");
+        assert!(rig.is("joint.2.error") && !rig.is("joint.1.error"), "{text}");
+    }
+}
