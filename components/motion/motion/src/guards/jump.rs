@@ -31,7 +31,7 @@ impl State {
             }
         }
         if let Some(cause) = cause {
-            self.trip(cause);
+            self.stop_for(cause);
             self.joints.iter_mut().for_each(crate::joint::Joint::hold);
             self.sync(cause);
         } else {

@@ -8,7 +8,7 @@ impl State {
         if self.enabled
             && let Some(cause) = self.cause(pins)
         {
-            self.trip(cause);
+            self.stop_for(cause);
         }
         if let Some(ticket) = self.enable_ticket.take() {
             ticket.done();
@@ -56,7 +56,7 @@ impl State {
     }
 
     /// Switches the machine off for a cause that is kept.
-    pub(crate) fn trip(&mut self, cause: &'static str) {
+    pub(crate) fn stop_for(&mut self, cause: &'static str) {
         self.stops.keep(self.now_ns, cause);
         self.turn_off(cause);
     }

@@ -59,7 +59,7 @@ impl State {
         }
         if stops {
             joint.error = true;
-            self.trip(CAUSE);
+            self.stop_for(CAUSE);
         }
     }
 
