@@ -2,11 +2,15 @@
 
 use crate::compensation::{MAX_POINTS, Point, Table};
 use hal_component::Error;
+use std::{fs::File, io::Read};
+
+/// Maximum length of a file: far more than its points need.
+const MAX_BYTES: u64 = 1 << 20;
 
 /// Reads a file of screw errors. Each line has three numbers: the nominal position, and then for movement in positive
 /// and in negative direction either the measured positions (type 0) or the corrections to add (type 1).
 pub(crate) fn read(path: &str, holds_corrections: bool) -> Result<Table, Error> {
-    let text = std::fs::read(path).map_err(|e| {
+    let text = bytes(path).map_err(|e| {
         // The reason without the system's number.
         let why = e.to_string();
         let why = why.split(" (os error").next().unwrap_or_default();
@@ -14,6 +18,19 @@ pub(crate) fn read(path: &str, holds_corrections: bool) -> Result<Table, Error> 
     })?;
     parse(&String::from_utf8_lossy(&text), holds_corrections)
         .map_err(|(line, why)| Error::new(format!("comp-file '{path}', line {line}: {why}")))
+}
+
+/// Reads a regular file of at most [`MAX_BYTES`]: a pipe could hold up every command, and a device would never end.
+fn bytes(path: &str) -> std::io::Result<Vec<u8>> {
+    if !std::fs::metadata(path)?.is_file() {
+        return Err(std::io::Error::other("not a regular file"));
+    }
+    let mut text = Vec::new();
+    let n = File::open(path)?.take(MAX_BYTES + 1).read_to_end(&mut text)?;
+    if n as u64 > MAX_BYTES {
+        return Err(std::io::Error::other(format!("longer than {MAX_BYTES} bytes")));
+    }
+    Ok(text)
 }
 
 /// Parses the text; an error has the number of its line.
@@ -62,6 +79,17 @@ mod tests {
         assert_eq!(parse(text, false), Ok(Table(measured)));
         let given = vec![of(-10.0, -10.5, -9.75), of(20.0, 20.25, 20.5)];
         assert_eq!(parse(text, true), Ok(Table(given)));
+    }
+
+    #[test]
+    fn only_a_regular_file_of_bounded_length_is_read() {
+        let said = |path: &str| bytes(path).unwrap_err().to_string();
+        assert_eq!(said("/dev/zero"), "not a regular file");
+        assert!(said("/nonexistent").starts_with("No such file or directory"));
+        let path = std::env::temp_dir().join(format!("hal-comp-file-{}", std::process::id()));
+        std::fs::write(&path, vec![b'\n'; 1 + (1 << 20)]).unwrap();
+        assert_eq!(said(path.to_str().unwrap()), "longer than 1048576 bytes");
+        std::fs::remove_file(&path).unwrap();
     }
 
     #[test]
