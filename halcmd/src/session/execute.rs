@@ -27,6 +27,10 @@ const ENOENT: i32 = -2;
 /// Reason why a command was not completed when the wait for it ends.
 const STOPPED: &str = "the threads have stopped before it was carried out";
 
+/// Number of times that a terminal looks, at this interval in milliseconds, whether a command has been refused.
+const EARLY_LOOKS: u32 = 10;
+const EARLY_MS: u32 = 2;
+
 /// Sections of `show`, in order.
 const SECTIONS: &[(Kind, &str)] = &[
     (Kind::Components, "Loaded HAL Components:"),
@@ -322,7 +326,10 @@ impl Session<'_> {
         })?;
         let Reply::Answer(answer) = reply else { return Ok(()) };
         let waits = wait || self.style.wait || answer.awaited;
-        let Some(id) = answer.ticket.filter(|_| waits) else { return Ok(()) };
+        let Some(id) = answer.ticket else { return Ok(()) };
+        if !waits {
+            return self.early_refusal(&name, id);
+        }
         match self.ask(Request::Ticket { id, wait: true })? {
             Reply::Ticket(TicketInfo::Failed(why)) => {
                 Err(Error::GivenUp { command: name.into(), why: why.into() })
@@ -334,6 +341,24 @@ impl Session<'_> {
             Reply::Ticket(_) => Ok(()),
             _ => Err(Error::Unexpected),
         }
+    }
+}
+
+impl Session<'_> {
+    /// Returns the failure of a command that the machine refuses within its first cycles. A script does not look: in
+    /// it, the log tells what was refused.
+    fn early_refusal(&mut self, name: &str, id: u64) -> Result<(), Error> {
+        for _ in 0..if self.link.is_local() { 0 } else { EARLY_LOOKS } {
+            self.ask(Request::Idle { ms: EARLY_MS, flow: false })?;
+            match self.ask(Request::Ticket { id, wait: false })? {
+                Reply::Ticket(TicketInfo::Failed(why)) => {
+                    return Err(Error::GivenUp { command: name.into(), why: why.into() });
+                }
+                Reply::Ticket(TicketInfo::Pending) => {}
+                _ => break,
+            }
+        }
+        Ok(())
     }
 }
 

@@ -1,6 +1,6 @@
 //! First steps of a newcomer: versions, options after files, unknown names and formats, help of a component's command.
 
-use hal_tests::scratch::Scratch;
+use hal_tests::scratch::{Scratch, until};
 use std::time::{Duration, Instant};
 
 const MACHINE: &str = "loadrt threads name1=t period1=1000000\nloadrt and2\nnewsig a bit\nnet b and2.0.out\n\
@@ -122,4 +122,26 @@ fn a_paced_clock_is_no_faster_than_it_should_be() {
     let output = scratch.halrun(&["--virtual", "--for", "1s", "--record", "out.vcd", "m.hal"]);
     assert_eq!((output.stderr.as_str(), output.status), ("", Some(0)));
     assert_eq!(scratch.read("out.vcd"), paced);
+}
+
+#[test]
+fn a_command_that_the_machine_refuses_at_once_fails() {
+    let scratch = Scratch::new("first-refusal");
+    let machine = "loadrt trivkins coordinates=X\nloadrt motmod num_joints=1\naddf motion-command-handler servo-thread\n\
+                   addf motion-controller servo-thread\nstart\n";
+    scratch.write("m.hal", machine);
+    let mut command = scratch.command(&[], "halrun");
+    let running = scratch.start(command.args(["--virtual", "m.hal"]));
+    until("the machine runs", || {
+        scratch.halcmd(&["getp", "motion.motion-enabled"]).status == Some(0)
+    });
+    let output = scratch.halcmd(&["motion.jog", "joint=0", "velocity=5"]);
+    let refusal = "<commandline>:0: motion.jog: cannot jog: the machine is not enabled";
+    assert!(output.stderr.lines().any(|l| l == refusal), "{}", output.stderr);
+    assert_eq!(output.status, Some(1));
+    // What takes time is not waited for.
+    let output = scratch.halcmd(&["motion.configure", "joint=0", "max-velocity=5"]);
+    assert_eq!((output.stderr.as_str(), output.status), ("", Some(0)));
+    assert_eq!(scratch.halrun(&["-U"]).status, Some(0));
+    drop(running.wait());
 }
