@@ -240,6 +240,7 @@ const BEFORE_THREADS: &[(&str, &[&str])] = &[
     ("components/foreign/compat/src/stream.rs", &["-", "give", "hal_stream_create", "named"]),
     ("components/foreign/compat/src/trap.rs", &["watch"]),
     ("components/motion/kinematics/src/switch.rs", &["make", "usual"]),
+    ("components/motion/motion/src/path.rs", &["new"]),
     ("components/motion/motion/src/state.rs", &["new"]),
     ("components/motion/motion/src/switch.rs", &["make"]),
     ("components/motion/toolchange/src/carousel/magazine.rs", &["new"]),

@@ -67,6 +67,7 @@ impl Machine {
         self.bench.pass(PERIOD);
         self.bench.run("motion-command-handler", PERIOD);
         self.bench.run("motion-controller", PERIOD);
+        self.bench.work("motmod.planner", 64).unwrap();
         for n in 0..self.joints {
             let cmd: f64 = self.bench.get(&format!("joint.{n}.motor-pos-cmd"));
             self.bench.set(&format!("joint.{n}.motor-pos-fb"), cmd);

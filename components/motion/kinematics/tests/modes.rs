@@ -84,6 +84,7 @@ impl Machine {
         self.bench.pass(PERIOD);
         self.bench.run("motion-command-handler", PERIOD);
         self.bench.run("motion-controller", PERIOD);
+        self.bench.work("motmod.planner", 64).unwrap();
         let now = self.motors();
         for (n, (before, now)) in before.iter().zip(&now).enumerate() {
             let step = (now - before).abs();

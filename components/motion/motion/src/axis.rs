@@ -2,7 +2,6 @@
 
 use crate::{
     commands::config::AxisConfig,
-    commands::refusal::Refusal,
     jogger::{By, Jogger, WheelPins},
     offset::{Offset, OffsetPins},
     pins::AxisPins,
@@ -17,16 +16,6 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
-    /// Refuses a position beyond the axis's limits.
-    pub(crate) fn check(&self, n: usize, pos: f64) -> Result<(), Refusal> {
-        let over = pos > self.config.max_limit + SLACK;
-        if over || pos < self.config.min_limit - SLACK {
-            let text = BEYOND.get(n).map_or("", |t| if over { t[0] } else { t[1] });
-            return Err(Refusal::new(text));
-        }
-        Ok(())
-    }
-
     /// Writes the pins.
     pub(crate) fn write_pins(&self, pins: &AxisPins, pos: f64) {
         let tp = &self.teleop.tp;
@@ -40,21 +29,6 @@ impl Axis {
         self.offset.write_pins(&offset(pins));
     }
 }
-
-/// Tolerance for rounding of a position, in machine units.
-const SLACK: f64 = 1e-6;
-
-const BEYOND: [[&str; 2]; 9] = [
-    ["linear move would exceed X's positive limit", "linear move would exceed X's negative limit"],
-    ["linear move would exceed Y's positive limit", "linear move would exceed Y's negative limit"],
-    ["linear move would exceed Z's positive limit", "linear move would exceed Z's negative limit"],
-    ["linear move would exceed A's positive limit", "linear move would exceed A's negative limit"],
-    ["linear move would exceed B's positive limit", "linear move would exceed B's negative limit"],
-    ["linear move would exceed C's positive limit", "linear move would exceed C's negative limit"],
-    ["linear move would exceed U's positive limit", "linear move would exceed U's negative limit"],
-    ["linear move would exceed V's positive limit", "linear move would exceed V's negative limit"],
-    ["linear move would exceed W's positive limit", "linear move would exceed W's negative limit"],
-];
 
 /// Returns the jog-wheel pins of an axis.
 pub(crate) const fn wheel(pins: &AxisPins) -> WheelPins {

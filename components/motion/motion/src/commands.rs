@@ -1,4 +1,4 @@
-//! Commands: declared and read on the control side (`interface.rs`, `configure.rs`, `status.rs`), executed on the realtime side
+//! Commands: declared and read on the control side (`interface.rs`, `path_rows.rs`, `configure.rs`, `status.rs`), executed on the realtime side
 //! (`execute.rs`), or refused with a reason (`refusal.rs`).
 
 pub(crate) mod arguments;
@@ -8,5 +8,6 @@ pub(crate) mod config;
 pub(crate) mod configure;
 pub(crate) mod execute;
 pub(crate) mod interface;
+pub(crate) mod path_rows;
 pub(crate) mod refusal;
 pub(crate) mod status;

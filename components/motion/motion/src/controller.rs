@@ -3,11 +3,14 @@
 use crate::{
     commands::command::{Command, Mode},
     guards::interlock::Interlock,
+    path::order::HandOver,
     pins::{GeneralPins, Pins},
     state::State,
     status::MotionStatus,
 };
-use hal_component::{Clock, KinematicsRef, Period, Receiver, Sender, Snapshot, Touch, Update};
+use hal_component::{
+    Clock, Gives, KinematicsRef, Period, Receiver, Sender, Snapshot, Touch, Update,
+};
 use libm::sqrt;
 
 /// Maximum number of commands executed in a cycle, because planning a move takes time.
@@ -55,6 +58,8 @@ pub(crate) struct Controller {
     #[state]
     pub(crate) cycle: u64,
     pub(crate) status: Snapshot<MotionStatus>,
+    /// Declares that the path passes orders to the planner.
+    pub(crate) hand: Gives<HandOver>,
     #[state]
     pub(crate) state: State,
 }
@@ -94,7 +99,7 @@ impl Controller {
         self.cycle = self.cycle.wrapping_add(1);
         let time_ns = self.last_ns.unwrap_or_default();
         let velocity = velocity(&self.state);
-        let status = MotionStatus::of(&self.state, self.cycle, time_ns, velocity);
+        let status = MotionStatus::of(&self.state, &self.pins.lists, self.cycle, time_ns, velocity);
         write_pins(&mut self.state, &self.pins, &status);
         self.status.set(&status);
     }
@@ -124,6 +129,7 @@ fn write_pins(s: &mut State, pins: &Pins, status: &MotionStatus) {
     g.in_position.set(status.in_position);
     g.coord_mode.set(s.mode == Mode::Coord);
     g.teleop_mode.set(s.mode == Mode::Teleop);
+    g.tp_reverse.set(status.reverse);
     g.coord_error.set(s.coord_error);
     g.on_soft_limit.set(s.on_soft_limit);
     let (active, limited) = s.is_offset();
@@ -133,11 +139,10 @@ fn write_pins(s: &mut State, pins: &Pins, status: &MotionStatus) {
     g.jog_is_active.set(status.jogging);
     g.current_vel.set(status.velocity);
     g.distance_to_go.set(status.distance_to_go);
-    let line = s.path.line();
-    g.motion_type.set(if line.is_some() { 2 } else { 0 });
-    let requested = line.map_or(0.0, |line| line.velocity);
-    g.requested_vel.set(requested);
-    let feed = line.map_or(0.0, |line| line.scaled(s.feed.net));
+    g.motion_type.set(status.motion_type.cast_signed());
+    g.program_line.set(status.line.cast_signed());
+    g.requested_vel.set(status.requested_velocity);
+    let (_, feed) = s.path.feeds();
     write_feed(g, feed, s.traj.units_per_mm);
 }
 

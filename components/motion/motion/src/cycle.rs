@@ -6,8 +6,10 @@ use crate::{
     commands::refusal::Refusal,
     jogger::By,
     joint,
-    path::line::Machine,
+    path::Drive,
+    path::order::PathSetup,
     pins::Pins,
+    setup::MAX_JOINTS,
     state::{Inputs, State},
     switch::SwitchPins,
 };
@@ -57,7 +59,7 @@ impl State {
         self.count_hard_stop();
     }
 
-    fn net_feed(&self, pins: &Pins) -> f64 {
+    fn net_feed(&mut self, pins: &Pins) -> f64 {
         let g = &pins.general;
         if g.feed_inhibit.get() || (self.feed.hold && g.feed_hold.get()) {
             return 0.0;
@@ -66,9 +68,12 @@ impl State {
         if self.feed.adaptive {
             let wanted = g.adaptive_feed.get();
             let most = self.traj.max_feed_override;
-            // NaN and negative numbers count as zero.
-            let wanted = if wanted > 0.0 { wanted } else { 0.0 };
+            self.feed.reverse = wanted < 0.0;
+            // NaN counts as zero.
+            let wanted = if wanted.is_nan() { 0.0 } else { libm::fabs(wanted) };
             scale *= if wanted < most { wanted } else { most };
+        } else {
+            self.feed.reverse = false;
         }
         scale
     }
@@ -188,24 +193,71 @@ impl State {
     }
 
     fn coord(&mut self, dt: f64) {
-        let Self {
-            path, pose, kinematics, joints, axes, planning_fractions, feed, at_speed, ..
-        } = self;
-        let machine = Machine { kinematics, joints, axes, planning_fractions };
-        let before = *pose;
-        let stepped = path.step(before, dt, feed.net, *at_speed, machine);
-        let placed = stepped.and_then(|pose| {
+        if self.path.is_wanted() {
+            let setup = self.path_setup();
+            self.path.begin(setup);
+        }
+        let before = self.pose;
+        let drive = Drive {
+            dt,
+            scale: self.feed.net,
+            reverse: self.feed.reverse,
+            top: self.traj.max_velocity,
+            may_begin: self.at_speed,
+        };
+        if let Some(pose) = self.path.step(drive) {
             self.pose = pose;
-            self.place(&before, dt)
-        });
-        if let Err(why) = placed {
-            self.path.clear(why.text());
+        }
+        while let Some(output) = self.path.due() {
+            self.set_output(output);
+        }
+        if let Some(why) = self.path.take_refused() {
+            self.coord_error = true;
+            why.say(&self.say);
+        }
+        if let Err(why) = self.place(&before, dt) {
+            self.path.clear(why);
             self.coord_error = true;
             self.hold(before, why, dt);
         } else if self.on_soft_limit && self.is_offset().0 && self.path.goes_on() {
-            self.path.abort();
-            self.say.error("an external offset takes a joint beyond its limit: the move ends", &[]);
+            const WHY: &str = "an external offset takes a joint beyond its limit: the move ends";
+            self.path.abort_with(Refusal::new(WHY));
+            self.say.error(WHY, &[]);
         }
+    }
+
+    /// Returns place and limits of the machine for the planner.
+    fn path_setup(&self) -> PathSetup {
+        let mut setup = PathSetup {
+            period: self.dt,
+            start: self.pose,
+            places: self.places(),
+            max_override: self.traj.planned_override(),
+            exact_tolerance: EXACT_MM * self.traj.units_per_mm,
+            ..PathSetup::NONE
+        };
+        for (n, joint) in self.joints.iter().enumerate().take(MAX_JOINTS) {
+            if !joint.active || joint.extra {
+                continue;
+            }
+            let c = &joint.config;
+            let fraction = self.planning_fractions.get(n).copied().unwrap_or(1.0);
+            put(&mut setup.joint_active, n, true);
+            if joint.homing.homed {
+                put(&mut setup.joint_min, n, c.min_limit);
+                put(&mut setup.joint_max, n, c.max_limit);
+            }
+            put(&mut setup.joint_velocity, n, c.max_velocity * fraction);
+            put(&mut setup.joint_acceleration, n, c.max_acceleration * fraction);
+        }
+        for (n, axis) in self.axes.iter().enumerate() {
+            let (c, fraction) = (&axis.config, 1.0 - axis.config.offset_fraction);
+            put(&mut setup.axis_min, n, c.min_limit);
+            put(&mut setup.axis_max, n, c.max_limit);
+            put(&mut setup.axis_velocity, n, c.max_velocity * fraction);
+            put(&mut setup.axis_acceleration, n, c.max_acceleration * fraction);
+        }
+        setup
     }
 
     /// Moves the joints to the pose with the offsets.
@@ -258,5 +310,14 @@ impl State {
             self.overriding = false;
             self.override_moved = false;
         }
+    }
+}
+
+/// Distance from the path in exact mode, in millimetres.
+const EXACT_MM: f64 = 2e-3;
+
+fn put<T, const N: usize>(list: &mut [T; N], n: usize, value: T) {
+    if let Some(place) = list.get_mut(n) {
+        *place = value;
     }
 }

@@ -1,6 +1,6 @@
 //! Realtime. Jogging of a joint or an axis, by a command or a wheel.
 
-use crate::path::planner::SimpleTp;
+use crate::simple_tp::SimpleTp;
 use hal_component::{In, TicketHandle};
 use libm::fabs;
 

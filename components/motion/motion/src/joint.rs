@@ -8,8 +8,8 @@ use crate::{
     homing::one_joint::Homing,
     jogger::{Jogger, TravelLimits, WheelPins},
     lock::Lock,
-    path::planner::SimpleTp,
     pins::JointPins,
+    simple_tp::SimpleTp,
 };
 use libm::fabs;
 

@@ -17,6 +17,7 @@ mod offsets;
 mod path;
 mod pins;
 mod setup;
+mod simple_tp;
 mod spindle;
 mod state;
 mod status;
@@ -31,6 +32,11 @@ use guards::{
 use hal_component::{
     Builder, Component, Error,
     abi::{ArgSpec, component_flags},
+};
+use path::{
+    Path,
+    order::{HandOver, PathSetup},
+    worker::{self, PlannerWorker},
 };
 use pins::Pins;
 use setup::{MAX_JOINTS, Setup};
@@ -137,8 +143,14 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
 
     let (to_handler, from_interface) = b.queue(QUEUE_LEN);
     let (to_controller, from_handler) = b.queue(QUEUE_LEN);
+    let (hand, planner_hand) = b.shared(HandOver::new());
+    let (path_setup, planner_setup) = b.seqlock(PathSetup::NONE);
+    let planner = PlannerWorker::new(planner_hand, planner_setup, kinematics);
+    let doc = "Plans the path of coordinated moves ahead of the motion, within all limits.";
+    b.worker("motmod.planner", doc, worker::PERIOD_NS, worker::ITEMS, planner)?;
+    let path = Path::new(hand.clone(), path_setup);
     let (to_reader, stops) = b.queue(MAX_STOPS);
-    let state = State::new(&setup, kinematics, b.messages(), Stops::new(to_reader));
+    let state = State::new(&setup, kinematics, path, b.messages(), Stops::new(to_reader));
     let cache = ConfigCache::new(state.tables.clone());
     let interface = CommandInterface {
         to: to_handler,
@@ -160,6 +172,7 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
         last_ns: None,
         cycle: 0,
         status: status::open(b)?,
+        hand,
         state,
     };
     Ok((Handler::new(from_interface, to_controller), controller))

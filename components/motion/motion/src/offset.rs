@@ -1,6 +1,6 @@
 //! Realtime. External offset of one axis, added by pins to its position within a fraction of its limits.
 
-use crate::{jogger::TravelLimits, path::planner::SimpleTp};
+use crate::{jogger::TravelLimits, simple_tp::SimpleTp};
 use hal_component::{In, Out};
 
 /// External offset of one axis.

@@ -1,205 +1,299 @@
-//! Realtime. The current coordinated move, and the queue behind it.
+//! Realtime. The path: a queue of moves, the planner's path that the axes follow, and what stops, holds and reverses it.
 
-pub(crate) mod line;
-pub(crate) mod planner;
+mod image;
+pub(crate) mod order;
+mod queue;
+mod reach;
+mod stop;
+mod sweep;
+pub(crate) mod worker;
 
-use crate::{
-    commands::refusal::Refusal,
-    path::line::{Line, Machine, MoveRequest},
-    path::planner::SimpleTp,
-};
-use hal_component::{Pose, TicketHandle};
+use crate::commands::refusal::Refusal;
+use hal_component::{Gives, Pose, SeqWriter, TicketHandle};
+use hal_trajectory::{Group, Step};
+use libm::fabs;
+use order::{HandOver, Item, Kind, Order, PathSetup, Session};
 use std::collections::VecDeque;
 
 /// Capacity of the move queue.
-pub(crate) const QUEUE_LEN: usize = 200;
+pub(crate) const QUEUE_LEN: usize = 2000;
 
-/// A queued move.
+/// Number of moves whose lines are known, for reverse motion; a power of two.
+const KNOWN: usize = 4096;
+
+/// Rounding of a pose on the path, in units and relative to a coordinate.
+const ROUNDING: f64 = 1e-12;
+
+/// An element of the path that has not ended.
 #[derive(Clone, Copy, Debug)]
-struct Segment {
+struct Pending {
+    id: u32,
+    item: Item,
+    /// Pose at the end.
     end: Pose,
-    request: MoveRequest,
-    ticket: TicketHandle,
+    ticket: Option<TicketHandle>,
 }
 
-/// A path of straight moves with a stop at the end of each.
+/// Properties of a move, kept after its end.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Known {
+    pub(crate) id: u32,
+    pub(crate) line: u32,
+    pub(crate) kind: Kind,
+    pub(crate) end: Pose,
+    /// Length of an arc and its angle in turns; 0 for lines.
+    length: f64,
+    turns: f64,
+}
+
+/// State of the hand-over to the planner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Live {
+    /// There is no path.
+    Rest,
+    /// The planner must begin a path from here.
+    Wanted,
+    /// The planner has been asked to begin a path.
+    Asked,
+    /// The axes follow a path.
+    Follows,
+}
+
+/// Reason for which the path brakes.
+#[derive(Clone, Copy, Debug)]
+enum Stop {
+    /// The path ends.
+    Abort(Refusal),
+    /// The rest of the path is planned again, for other limits.
+    Replan,
+}
+
+/// Inputs of a cycle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Drive {
+    pub(crate) dt: f64,
+    /// Feed override; 0 holds.
+    pub(crate) scale: f64,
+    /// True to run backwards.
+    pub(crate) reverse: bool,
+    /// Highest speed along the path.
+    pub(crate) top: f64,
+    /// False while a motion that rests may not begin.
+    pub(crate) may_begin: bool,
+}
+
+/// A path of moves, planned by the worker and followed here.
 #[derive(Debug)]
 pub(crate) struct Path {
-    waiting: VecDeque<Segment>,
-    current: Option<(Line, TicketHandle)>,
-    /// Planner along the current move.
-    tp: SimpleTp,
-    /// True while braking to abort the path.
-    stopping: bool,
-    /// True if a move was in progress in the last cycle.
-    moved: bool,
-    /// Distance along the move at the start of that cycle.
-    from: f64,
+    hand: Gives<HandOver>,
+    setup: SeqWriter<PathSetup>,
+    generation: u32,
+    live: Live,
+    session: Option<Box<Session>>,
+    /// A path to be freed for which there was no room.
+    spare: Option<Box<Session>>,
+    pending: VecDeque<Pending>,
+    /// Number of elements of `pending` that the planner has.
+    sent: usize,
+    /// True if the planner waits to accept moves again after a refusal.
+    resume_due: bool,
+    next_id: u32,
+    known: Box<[Known]>,
+    /// End of the path, and of the last move that has ended.
+    end: Pose,
+    base: Pose,
+    stop: Option<Stop>,
+    paused: bool,
+    reverse: bool,
+    /// Number of the move at whose end a single step pauses.
+    step_of: Option<u32>,
+    last: Step,
+    velocity: f64,
+    /// Travel since the start of the current move.
+    travelled: f64,
+    scale: f64,
+    /// Reason of the last move that the planner refused, until it is taken.
+    refused: Option<Refusal>,
 }
 
+const AT_REST: Step = Step {
+    pose: hal_trajectory::Pose::ZERO,
+    line: 0,
+    travel: 0.0,
+    feed: 0.0,
+    highest: 0.0,
+    moving: false,
+};
+
 impl Path {
-    pub(crate) fn new() -> Self {
+    pub(crate) fn new(hand: Gives<HandOver>, setup: SeqWriter<PathSetup>) -> Self {
         Self {
-            waiting: VecDeque::with_capacity(QUEUE_LEN),
-            current: None,
-            tp: SimpleTp::default(),
-            stopping: false,
-            moved: false,
-            from: 0.0,
+            hand,
+            setup,
+            generation: 0,
+            live: Live::Rest,
+            session: None,
+            spare: None,
+            pending: VecDeque::with_capacity(QUEUE_LEN),
+            sent: 0,
+            resume_due: false,
+            next_id: 1,
+            known: vec![Known::default(); KNOWN].into_boxed_slice(),
+            end: [0.0; 9],
+            base: [0.0; 9],
+            stop: None,
+            paused: false,
+            reverse: false,
+            step_of: None,
+            last: AT_REST,
+            velocity: 0.0,
+            travelled: 0.0,
+            scale: 1.0,
+            refused: None,
         }
     }
 
-    /// Appends a move; letters that are NaN keep their position at the end of the path.
-    pub(crate) fn push(
-        &mut self,
-        now: Pose,
-        to: Pose,
-        request: MoveRequest,
-        machine: Machine<'_>,
-        ticket: TicketHandle,
-    ) -> Result<(), Refusal> {
-        if self.stopping {
-            return Err(Refusal::new("the machine is still coming to a stop"));
+    /// Returns whether a path must begin: [`Self::begin`] comes next.
+    pub(crate) fn is_wanted(&self) -> bool {
+        self.live == Live::Wanted
+    }
+
+    /// Asks the planner to begin a path at this place, with these limits.
+    pub(crate) fn begin(&mut self, mut setup: PathSetup) {
+        self.generation = self.generation.wrapping_add(1);
+        setup.generation = self.generation;
+        self.setup.set(&setup);
+        self.hand.set_latest(self.generation);
+        let order = Order::Begin { generation: self.generation };
+        if self.hand.orders.push(order).is_ok() {
+            self.live = Live::Asked;
         }
-        if self.waiting.len() >= QUEUE_LEN {
-            return Err(Refusal::new("200 moves are waiting already"));
+    }
+
+    /// Runs one cycle. Returns the pose on the path, if there is one.
+    pub(crate) fn step(&mut self, drive: Drive) -> Option<Pose> {
+        self.take_reports();
+        self.take_session();
+        self.send();
+        self.velocity = 0.0;
+        let session = self.session.as_mut()?;
+        let holds = self.stop.is_some() || self.paused || !self.last.moving && !drive.may_begin;
+        self.scale = drive.scale;
+        let scale = if holds { 0.0 } else { drive.scale };
+        session.follower.limit(drive.top);
+        let reverse = self.reverse != drive.reverse;
+        let step = session.follower.step(&session.reader, scale, reverse);
+        self.hand.set_input(session.follower.input(&session.reader));
+        let is_at_end = session.follower.is_done(&session.reader) && !step.moving;
+        self.velocity = fabs(step.travel) / drive.dt;
+        self.travelled = if step.line == self.last.line { self.travelled } else { 0.0 };
+        self.travelled += step.travel;
+        self.last = step;
+        self.end_moves(is_at_end);
+        self.end_step();
+        if !step.moving {
+            self.end_stop();
         }
-        let last = self.waiting.back().map(|s| s.end);
-        let start = last.or(self.current.map(|(line, _)| line.end)).unwrap_or(now);
-        let mut end = start;
-        for (place, wanted) in end.iter_mut().zip(to) {
-            if wanted.is_finite() {
-                *place = wanted;
+        Some(self.exact_end(is_at_end).unwrap_or(step.pose.0))
+    }
+
+    /// Returns the programmed end of the path if the motion rests there but for rounding.
+    fn exact_end(&self, is_at_end: bool) -> Option<Pose> {
+        let end = self.known(self.last.line).filter(|_| is_at_end)?.end;
+        let near = |(a, b): (&f64, &f64)| fabs(a - b) <= ROUNDING * (1.0 + fabs(*b));
+        end.iter().zip(&self.last.pose.0).all(near).then_some(end)
+    }
+
+    fn take_session(&mut self) {
+        while let Some(session) = self.hand.made.pop() {
+            if session.generation == self.generation && self.live == Live::Asked {
+                self.live = Live::Follows;
+                self.hand.set_input((0, 0.0));
+                let old = self.session.replace(session);
+                self.give_back(old);
+            } else {
+                self.give_back(Some(session));
             }
         }
-        Line::plan(start, end, request, machine)?;
-        self.waiting.push_back(Segment { end, request, ticket });
-        Ok(())
     }
 
-    /// Runs one cycle and returns the current pose. No move begins unless `may_begin`. Limits are checked when a move
-    /// begins.
-    pub(crate) fn step(
-        &mut self,
-        now: Pose,
-        dt: f64,
-        scale: f64,
-        may_begin: bool,
-        machine: Machine<'_>,
-    ) -> Result<Pose, Refusal> {
-        if self.current.is_none()
-            && !self.stopping
-            && may_begin
-            && let Some(next) = self.waiting.pop_front()
-        {
-            match Line::plan(now, next.end, next.request, machine) {
-                Ok(line) => self.begin(line, next.ticket),
-                Err(why) => {
-                    next.ticket.fail(why.text());
-                    self.clear(why.text());
-                    return Err(why);
-                }
+    /// Returns a path to the planner, which frees it.
+    fn give_back(&mut self, old: Option<Box<Session>>) {
+        for session in [self.spare.take(), old].into_iter().flatten() {
+            if let Err(session) = self.hand.old.push(session) {
+                self.spare = Some(session);
             }
         }
-        self.moved = self.current.is_some();
-        self.from = self.tp.pos;
-        let Some((line, ticket)) = self.current else {
-            self.stopping = false;
-            return Ok(now);
-        };
-        self.tp.max_vel = if self.stopping { 0.0 } else { line.scaled(scale) };
-        if line.length > 0.0 {
-            self.tp.step_exactly(dt);
-        }
-        if self.tp.pos >= line.length && self.tp.vel == 0.0 {
-            ticket.done();
-            self.current = None;
-            self.tp.reset(0.0);
-            return Ok(line.end);
-        }
-        let pose = line.at(self.tp.pos);
-        if self.stopping && self.tp.vel == 0.0 {
-            ticket.fail("aborted");
-            self.current = None;
-            self.stopping = false;
-            self.tp.reset(0.0);
-        }
-        Ok(pose)
     }
 
-    /// Reduces the motion of this cycle to a part; returns the resulting pose, unless a move has just ended.
-    pub(crate) fn slow_down(&mut self, factor: f64) -> Option<Pose> {
-        let (line, _) = self.current?;
-        self.tp.slow_down(self.from, factor);
-        Some(line.at(self.tp.pos))
+    fn known(&self, id: u32) -> Option<&Known> {
+        self.known.get(id as usize % KNOWN).filter(|k| k.id == id && id != 0)
     }
 
-    /// Makes the current move brake to velocity limits that were lowered. Its acceleration stays: with less, it could
-    /// not stop at its end.
-    pub(crate) fn lower_limits(&mut self, machine: Machine<'_>) {
-        let Some((line, _)) = &mut self.current else { return };
-        let Line { start, end, velocity, max_velocity, acceleration, .. } = *line;
-        let request = MoveRequest { velocity, acceleration, max_velocity };
-        if let Ok(new) = Line::plan(start, end, request, machine) {
-            (line.velocity, line.max_velocity) = (new.velocity, new.max_velocity);
-        }
+    /// Takes the reason of a refusal by the planner.
+    pub(crate) const fn take_refused(&mut self) -> Option<Refusal> {
+        self.refused.take()
     }
 
-    const fn begin(&mut self, line: Line, ticket: TicketHandle) {
-        self.tp.reset(0.0);
-        self.tp.target = line.length;
-        self.tp.max_acc = line.acceleration;
-        self.tp.enable = true;
-        self.current = Some((line, ticket));
+    /// Returns whether the last cycle moved along the path.
+    pub(crate) fn has_moved(&self) -> bool {
+        self.session.is_some() && self.last.moving
     }
 
-    /// Brakes along the path and discards the remaining moves.
-    pub(crate) fn abort(&mut self) {
-        for s in self.waiting.drain(..) {
-            s.ticket.fail("aborted");
-        }
-        self.stopping = self.current.is_some();
-    }
-
-    /// Discards all moves at once.
-    pub(crate) fn clear(&mut self, why: &'static str) {
-        for s in self.waiting.drain(..) {
-            s.ticket.fail(why);
-        }
-        if let Some((_, ticket)) = self.current.take() {
-            ticket.fail(why);
-        }
-        self.stopping = false;
-        self.tp.reset(0.0);
-    }
-
-    /// Returns whether the last cycle moved along a move.
-    pub(crate) const fn has_moved(&self) -> bool {
-        self.moved
-    }
-
-    /// Returns whether a move is in progress and not being aborted.
-    pub(crate) const fn goes_on(&self) -> bool {
-        self.current.is_some() && !self.stopping
+    /// Returns whether moves are in progress and not being aborted.
+    pub(crate) fn goes_on(&self) -> bool {
+        !self.pending.is_empty() && self.stop.is_none()
     }
 
     pub(crate) fn is_idle(&self) -> bool {
-        self.current.is_none() && self.waiting.is_empty()
+        self.pending.is_empty() && !self.last.moving
     }
 
     /// Returns the current move.
-    pub(crate) const fn line(&self) -> Option<&Line> {
-        match &self.current {
-            Some((line, _)) => Some(line),
-            None => None,
-        }
+    pub(crate) fn current(&self) -> Option<&Known> {
+        if self.pending.is_empty() && !self.last.moving { None } else { self.known(self.last.line) }
     }
 
     pub(crate) const fn velocity(&self) -> f64 {
-        self.tp.vel
+        self.velocity
     }
 
-    pub(crate) fn distance_to_go(&self) -> f64 {
-        self.line().map_or(0.0, |line| line.length - self.tp.pos)
+    /// Returns the programmed speed of the current move within the machine's limits, and with the override.
+    pub(crate) fn feeds(&self) -> (f64, f64) {
+        let Step { feed, highest, .. } = self.last;
+        if self.current().is_none() {
+            return (0.0, 0.0);
+        }
+        (less(feed, highest), less(feed * self.scale, highest))
     }
+
+    /// Returns the distance to the end of the current move: of XYZ, else of UVW, else of ABC.
+    pub(crate) fn distance_to_go(&self) -> f64 {
+        let Some(known) = self.current() else { return 0.0 };
+        if known.length > 0.0 {
+            let left = known.length - self.travelled;
+            return if left > 0.0 { left } else { 0.0 };
+        }
+        let by = hal_trajectory::Pose(known.end) - self.last.pose;
+        let way = [Group::Xyz, Group::Uvw, Group::Abc].map(|g| by.norm(g));
+        way.into_iter().find(|w| *w > 0.0).unwrap_or(0.0)
+    }
+
+    pub(crate) const fn is_paused(&self) -> bool {
+        self.paused
+    }
+
+    /// Returns whether the path runs backwards, with the direction of the adaptive feed.
+    pub(crate) fn is_reverse(&self, adaptive: bool) -> bool {
+        self.session.is_some() && self.reverse != adaptive
+    }
+
+    /// Returns the number of moves that have not ended.
+    pub(crate) fn depth(&self) -> usize {
+        self.pending.len()
+    }
+}
+
+fn less(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
 }

@@ -4,7 +4,7 @@ use hal_component::{Arg, Builder, Error, abi::ArgSpec};
 
 /// Maximum number of joints.
 pub(crate) const MAX_JOINTS: usize = 16;
-const MAX_SPINDLES: usize = 8;
+pub(crate) const MAX_SPINDLES: usize = 8;
 const MAX_LIST: usize = 64;
 
 /// The arguments, with their documentation.
@@ -48,6 +48,9 @@ pub(crate) const ARGS: &[&ArgSpec] = &[
     &Arg::texts("names_misc_errors", "Names for motion.err-NAME instead of numbered inputs."),
     &Arg::int("unlock_joints_mask", "Bit N gives joint N its unlock and is-unlocked pins.").or("0"),
 ];
+
+/// Positions of all joints.
+pub(crate) type Places = [f64; MAX_JOINTS];
 
 /// Numbered pins, or named ones.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -63,6 +63,11 @@ impl Spindle {
         }
     }
 
+    /// Returns the commanded speed in turns per minute, without override.
+    pub(crate) const fn speed(&self) -> f64 {
+        self.speed
+    }
+
     pub(crate) const fn brake(&mut self, brake: bool) {
         self.brake = brake;
     }

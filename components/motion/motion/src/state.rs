@@ -14,8 +14,7 @@ use crate::{
     jogger::TravelLimits,
     joint::Joint,
     path::Path,
-    path::line::Places,
-    setup::{MAX_JOINTS, Setup},
+    setup::{MAX_JOINTS, Places, Setup},
     spindle::Spindle,
     switch::Switch,
 };
@@ -40,6 +39,8 @@ pub(crate) struct Feed {
     pub(crate) scale: f64,
     pub(crate) adaptive: bool,
     pub(crate) hold: bool,
+    /// True if a negative adaptive feed runs the path backwards.
+    pub(crate) reverse: bool,
     /// Product of all factors in this cycle.
     pub(crate) net: f64,
 }
@@ -94,6 +95,7 @@ impl State {
     pub(crate) fn new(
         setup: &Setup,
         kinematics: KinematicsRef,
+        path: Path,
         say: Messages,
         stops: Stops,
     ) -> Self {
@@ -112,8 +114,8 @@ impl State {
             analog_out: vec![0.0; setup.analog_out.len()],
             at_speed: true,
             traj: TrajConfig::default(),
-            feed: Feed { scale: 1.0, adaptive: false, hold: true, net: 1.0 },
-            path: Path::new(),
+            feed: Feed { scale: 1.0, adaptive: false, hold: true, reverse: false, net: 1.0 },
+            path,
             mode: Mode::Free,
             enabled: false,
             dt: 0.0,
@@ -174,6 +176,7 @@ impl State {
 
     /// Resets all planners to the positions of the joints.
     pub(crate) fn sync(&mut self, why: &'static str) {
+        self.path.leave();
         for joint in &mut self.joints {
             joint.free.reset(joint.pos_cmd, why);
         }

@@ -1,10 +1,17 @@
 //! Realtime. The snapshot `motion.status`: the state of the machine in each cycle, as a whole.
 
-use crate::{setup::MAX_JOINTS, state::State};
-use hal_component::{Builder, Error, Plain, Snapshot};
+use crate::{
+    pins::Lists,
+    setup::{MAX_JOINTS, MAX_SPINDLES},
+    state::State,
+};
+use hal_component::{Builder, Error, In, Plain, Snapshot};
+
+/// Number of analog inputs and outputs in the snapshot.
+const ANALOG: usize = 8;
 
 /// Version of [`MotionStatus`].
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// State of the machine at the end of a cycle. Positions are in machine units, velocities in units
 /// per second. Joints beyond the last have zeros.
@@ -28,10 +35,48 @@ pub(crate) struct MotionStatus {
     pub(crate) jogging: bool,
     /// Velocity along the path, or of all jogs together.
     pub(crate) velocity: f64,
+    /// Programmed velocity of the current move within the machine's limits, without override.
+    pub(crate) requested_velocity: f64,
     /// Distance to the end of the current move.
     pub(crate) distance_to_go: f64,
     /// Product of all factors of the feed.
     pub(crate) feed_scale: f64,
+    /// Feed override.
+    pub(crate) feed_override: f64,
+    /// True while adaptive feed counts.
+    pub(crate) adaptive_feed: bool,
+    /// True while motion.feed-hold counts.
+    pub(crate) feed_hold: bool,
+    /// True while the path is paused.
+    pub(crate) paused: bool,
+    /// True while the path runs backwards.
+    pub(crate) reverse: bool,
+    /// Number of the current move, from 1; 0 without one.
+    pub(crate) segment: u32,
+    /// Line of the program of the current move.
+    pub(crate) line: u32,
+    /// Kind of the current move: 0 none, 1 rapid, 2 feed, 3 arc.
+    pub(crate) motion_type: u32,
+    /// Number of moves that have not ended.
+    pub(crate) queue: u32,
+    /// True after a move was refused, until the next one is accepted.
+    pub(crate) move_refused: bool,
+    /// Digital inputs for programs, a bit for each.
+    pub(crate) digital_in: u64,
+    /// Digital outputs of programs, a bit for each.
+    pub(crate) digital_out: u64,
+    /// First analog inputs for programs.
+    pub(crate) analog_in: [f64; ANALOG],
+    /// First analog outputs of programs.
+    pub(crate) analog_out: [f64; ANALOG],
+    /// Number of spindles.
+    pub(crate) spindles: u32,
+    /// Commanded speeds of the spindles, in turns per minute, without override.
+    pub(crate) spindle_speed: [f64; MAX_SPINDLES],
+    /// Overrides of the spindles.
+    pub(crate) spindle_override: [f64; MAX_SPINDLES],
+    /// True while all spindles that turn are at speed.
+    pub(crate) at_speed: bool,
     /// Commanded pose: x y z a b c u v w.
     pub(crate) pose: [f64; 9],
     /// Number of joints.
@@ -62,7 +107,8 @@ pub(crate) fn open(b: &mut Builder<'_>) -> Result<Snapshot<MotionStatus>, Error>
 
 impl MotionStatus {
     /// Returns the state of the machine in a cycle that began at this machine time.
-    pub(crate) fn of(s: &State, cycle: u64, time_ns: i64, velocity: f64) -> Self {
+    pub(crate) fn of(s: &State, lists: &Lists, cycle: u64, time_ns: i64, velocity: f64) -> Self {
+        let current = s.path.current();
         let homing = s.is_homing();
         let mut status = Self {
             cycle,
@@ -74,8 +120,27 @@ impl MotionStatus {
             homing,
             jogging: !homing && s.is_jogging(),
             velocity,
+            requested_velocity: s.path.feeds().0,
             distance_to_go: s.path.distance_to_go(),
             feed_scale: s.feed.net,
+            feed_override: s.feed.scale,
+            adaptive_feed: s.feed.adaptive,
+            feed_hold: s.feed.hold,
+            paused: s.path.is_paused(),
+            reverse: s.path.is_reverse(s.feed.reverse),
+            segment: current.map_or(0, |c| c.id),
+            line: current.map_or(0, |c| c.line),
+            motion_type: current.map_or(0, |c| c.kind as u32),
+            queue: u32::try_from(s.path.depth()).unwrap_or(0),
+            move_refused: s.coord_error,
+            digital_in: bits(lists.digital_in.iter().map(In::get)),
+            digital_out: bits(s.digital_out.iter().copied()),
+            analog_in: [0.0; ANALOG],
+            analog_out: [0.0; ANALOG],
+            spindles: u32::try_from(s.spindles.len()).unwrap_or(0),
+            spindle_speed: [0.0; MAX_SPINDLES],
+            spindle_override: [0.0; MAX_SPINDLES],
+            at_speed: s.at_speed,
             pose: s.pose,
             joints: u32::try_from(s.joints.len()).unwrap_or(0),
             joint_active: [false; MAX_JOINTS],
@@ -87,6 +152,17 @@ impl MotionStatus {
             joint_at_min: [false; MAX_JOINTS],
             joint_at_max: [false; MAX_JOINTS],
         };
+        for (place, pin) in status.analog_in.iter_mut().zip(&lists.analog_in) {
+            *place = pin.get();
+        }
+        for (place, value) in status.analog_out.iter_mut().zip(&s.analog_out) {
+            *place = *value;
+        }
+        let speeds = status.spindle_speed.iter_mut().zip(&mut status.spindle_override);
+        for ((speed, scale), spindle) in speeds.zip(&s.spindles) {
+            *speed = spindle.speed();
+            *scale = spindle.scale;
+        }
         for (n, joint) in s.joints.iter().enumerate() {
             put(&mut status.joint_active, n, joint.active);
             put(&mut status.joint_position, n, joint.pos_cmd);
@@ -105,4 +181,9 @@ fn put<T>(list: &mut [T; MAX_JOINTS], n: usize, value: T) {
     if let Some(place) = list.get_mut(n) {
         *place = value;
     }
+}
+
+/// Returns bits as a number, the first as the lowest.
+fn bits(list: impl Iterator<Item = bool>) -> u64 {
+    list.take(64).enumerate().fold(0, |sum, (n, bit)| sum | u64::from(bit) << n)
 }

@@ -11,6 +11,7 @@ mod jump;
 mod line;
 mod offset;
 mod output;
+mod path;
 mod pin;
 mod random;
 mod snapshot;
@@ -39,6 +40,8 @@ struct Rig {
     seen: [(f64, f64); 3],
     /// True if velocity and acceleration are checked against the limits.
     strict: bool,
+    /// Cycles that a test has waited for commands.
+    waited: u32,
 }
 
 impl Rig {
@@ -63,7 +66,7 @@ impl Rig {
     fn load<M: Component>(mut bench: Bench, args: &[&str]) -> Self {
         let args = [&["num_joints=3", "num_misc_error=2"], args].concat();
         bench.load::<M>(&args).unwrap();
-        let rig = Self { bench, stuck: [false; 3], seen: [(0.0, 0.0); 3], strict: true };
+        let rig = Self { bench, stuck: [false; 3], seen: [(0.0, 0.0); 3], strict: true, waited: 0 };
         for (n, (velocity, acceleration, min, max)) in LIMITS.iter().enumerate() {
             rig.say(&format!(
                 "motion.configure joint={n} max-velocity={velocity} \
@@ -130,6 +133,7 @@ impl Rig {
         self.bench.pass(PERIOD);
         self.bench.run("motion-command-handler", PERIOD);
         self.bench.run("motion-controller", PERIOD);
+        self.bench.work("motmod.planner", 64).unwrap();
         let on = self.is("motion.motion-enabled");
         let violations: u32 = self.bench.get("motion.watch.violations");
         assert!(!self.strict || violations == 0, "{:?}", self.bench.said());

@@ -55,6 +55,11 @@ pub struct Follower {
     events: u32,
     position: Pose,
     line: u32,
+    /// Programmed and highest speed of the cell at the output.
+    feed: f64,
+    highest: f64,
+    /// Highest speed along the path, whatever was planned.
+    top: f64,
 }
 
 /// A place on the track.
@@ -74,6 +79,10 @@ pub struct Step {
     pub line: u32,
     /// Travel in this period, in units of the path coordinate; negative in reverse.
     pub travel: f64,
+    /// Programmed speed at this pose, in units of the path coordinate per second.
+    pub feed: f64,
+    /// Highest planned speed at this pose, in units of the path coordinate per second.
+    pub highest: f64,
     /// True while the follower or its filter moves.
     pub moving: bool,
 }
@@ -102,7 +111,15 @@ impl Follower {
             events: 0,
             position: start,
             line: 0,
+            feed: 0.0,
+            highest: 0.0,
+            top: f64::INFINITY,
         }
+    }
+
+    /// Limits the speed along the path from now on, in units per second. A motion that is faster brakes.
+    pub const fn limit(&mut self, top: f64) {
+        self.top = if top > 0.0 { top } else { 0.0 };
     }
 
     /// Advances by one period. `scale` is the feed override; 0 holds. `reverse` moves back along the path.
@@ -116,6 +133,8 @@ impl Follower {
             pose: self.position,
             line: self.line,
             travel,
+            feed: self.feed,
+            highest: self.highest,
             moving: self.speed > 0.0 || !self.is_flat(),
         }
     }
@@ -135,6 +154,11 @@ impl Follower {
     /// Returns the number of the oldest cell in use. Reverse motion needs older ones.
     pub fn oldest(&self) -> u64 {
         self.cell.min(self.output.cell)
+    }
+
+    /// Returns the cell of the input, and the distance from its start.
+    pub fn input(&self, track: &impl Path) -> (u64, f64) {
+        (self.cell, track.cell(self.cell).map_or(0.0, |cell| self.place(&cell).x))
     }
 
     /// Returns the speed of the input along the path.
@@ -188,7 +212,7 @@ impl Follower {
                 }
                 continue;
             }
-            let cap = if self.back == reverse { cell.feed * scale } else { 0.0 };
+            let cap = if self.back == reverse { (cell.feed * scale).min(self.top) } else { 0.0 };
             let Some((time, distance)) = self.event(track, &cell, cap, left) else { break };
             left -= time;
             self.since_up += time;
@@ -321,6 +345,8 @@ impl Follower {
         {
             self.position = pose;
             self.line = cell.line;
+            self.feed = cell.feed;
+            self.highest = cell.speed;
         }
     }
 }

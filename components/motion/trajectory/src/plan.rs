@@ -7,16 +7,17 @@ use crate::{
     erosion::Erosion,
     error::Error,
     join::Join,
-    kinematics::{CELL, Kinematics, joint_bounds},
+    kinematics::Kinematics,
     machine::{Limits, Machine},
     moves::{Mode, Move},
     pose::Pose,
     segment::{Segment, Tolerances},
-    speed::{Law, Shares},
+    speed::Law,
     track::Track,
 };
 
 mod cells;
+mod reach;
 pub(crate) mod spline;
 mod window;
 
@@ -54,6 +55,8 @@ pub struct Planner<K> {
     window: Window,
     /// Number of cells beyond which moves are refused.
     room: usize,
+    /// Highest acceleration along the path.
+    acceleration: f64,
 }
 
 impl<K: Kinematics> Planner<K> {
@@ -84,7 +87,18 @@ impl<K: Kinematics> Planner<K> {
             join: Join::default(),
             window: Window::default(),
             room: CAPACITY,
+            acceleration: f64::INFINITY,
         })
+    }
+
+    /// Limits the acceleration along the path of all further moves, in units per second squared; infinity is no limit. If
+    /// the limit changes, the moves so far end in a stop.
+    pub fn limit_acceleration(&mut self, acceleration: f64) {
+        let acceleration = if acceleration >= 1e-6 { acceleration } else { 1e-6 };
+        if acceleration.to_bits() != self.acceleration.to_bits() {
+            self.finish();
+            self.acceleration = acceleration;
+        }
     }
 
     /// Adds a move. A refused move changes nothing.
@@ -191,25 +205,6 @@ impl<K: Kinematics> Planner<K> {
         let (x, y) = (self.tolerance(&a.mode), self.tolerance(&b.mode));
         let rest = 1.0 - a.off.max(b.off);
         Tolerances { linear: x.linear.min(y.linear) * rest, angular: x.angular * rest }
-    }
-
-    /// Refuses a segment that passes a pose without joint positions, or a singularity.
-    fn check_reach(&self, segment: &Segment) -> Result<(), Error> {
-        let line = segment.line;
-        let pieces = count(segment.length / CELL);
-        let width = segment.length / f64::from(pieces);
-        for k in 0..pieces {
-            let (from, to) = (width * f64::from(k), width * f64::from(k + 1));
-            let joints = joint_bounds(&self.kinematics, &segment.curve, from, to)
-                .map_err(|joint| Error::Unreachable { line, joint })?;
-            let feed = segment.feed.min(self.machine.top_speed());
-            let bounds = segment.curve.bounds(from, to, segment.lead);
-            let plain = self.law.allowed(&bounds, None, feed, Shares::MOVE).speed;
-            if self.law.allowed(&bounds, Some(&joints), feed, Shares::MOVE).speed < 0.01 * plain {
-                return Err(Error::Singular { line, joint: self.law.tightest_joint(&joints) });
-            }
-        }
-        Ok(())
     }
 
     /// Lays the held segment on the track up to its joint with the next, and holds the next.

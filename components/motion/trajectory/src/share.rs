@@ -133,6 +133,31 @@ impl Publisher {
         }
     }
 
+    /// Returns true if everything that the planner has planned is published.
+    pub fn is_complete<K: Kinematics>(&self, planner: &Planner<K>) -> bool {
+        planner.track().cell(self.next).is_none()
+    }
+
+    /// Returns the least time, in seconds, that the follower moves before it must brake for the end of what is published;
+    /// negative if it may brake already. Counts no further than `enough`. `from` is the follower's
+    /// [`input`](crate::Follower::input).
+    pub fn time_ahead(&self, from: (u64, f64), period: f64, enough: f64) -> f64 {
+        let (mut time, mut braking) = (0.0, 0.0_f64);
+        let (first, mut gone) = from;
+        for number in first.max(self.sent.oldest())..self.next {
+            let Some(cell) = self.sent.cell(number) else { break };
+            if cell.speed <= 0.0 || time - braking > enough {
+                break;
+            }
+            let rate = cell.rest - cell.fade * cell.speed * cell.speed;
+            let stop = if rate > 0.0 { cell.speed / rate } else { 0.0 };
+            braking = braking.max(stop + 3.0 * f64::from(cell.samples) * period);
+            time += (cell.length - gone) / cell.speed;
+            gone = 0.0;
+        }
+        time - braking
+    }
+
     /// Returns the memory in use, in bytes.
     pub fn memory(&self) -> usize {
         let slots = usize::try_from(self.shared.cells.len()).unwrap_or(0);

@@ -27,7 +27,7 @@ In types 1 and 2 every joint is an axis; `motion.switchkins-type` says which typ
         "scarakins",
         4,
         "setp scarakins.D6 0\n",
-        "motion.move x=400 y=200 z=450 --wait\nshow pin joint.*.pos-cmd\n"
+        "motion.jog joint=1 velocity=90 position=45 --wait\nmotion.move x=400 y=200 z=450 --wait\nshow pin joint.*.pos-cmd\n"
     )
 );
 

@@ -24,7 +24,7 @@ for it.",
         "scorbot-kins",
         5,
         "",
-        "motion.move x=300 y=50 z=200 --wait\nshow pin joint.*.pos-cmd\n"
+        "motion.jog joint=2 velocity=90 position=-45 --wait\nmotion.move x=300 y=50 z=200 --wait\nshow pin joint.*.pos-cmd\n"
     )
 );
 

@@ -2,6 +2,7 @@
 
 use crate::commands::config::{AxisConfig, JointConfig, SpindleConfig, TrajConfig};
 use hal_component::{Pose, TicketHandle};
+pub(crate) use hal_trajectory::Mode as PathMode;
 
 /// Mode that determines the meaning of jogs and moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,8 +49,47 @@ pub(crate) struct Jog {
 pub(crate) struct Move {
     /// Target pose; letters that do not move are NaN.
     pub(crate) to: Pose,
-    pub(crate) velocity: Option<f64>,
+    pub(crate) arc: Option<Arc>,
+    pub(crate) speed: Speed,
     pub(crate) acceleration: Option<f64>,
+    /// Path control at the end.
+    pub(crate) mode: PathMode,
+    /// Line of the program.
+    pub(crate) line: u32,
+}
+
+/// Speed of a move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Speed {
+    /// The default velocity.
+    Default,
+    /// As fast as the limits allow.
+    Rapid,
+    /// Units per second along the path.
+    Feed(f64),
+    /// The whole move takes this time, in seconds.
+    Time(f64),
+}
+
+/// The circular part of a move.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arc {
+    /// Centre; a NaN coordinate is that of the start.
+    pub(crate) center: [f64; 3],
+    /// Direction of the axis; the motion is counter-clockwise around it.
+    pub(crate) normal: [f64; 3],
+    /// Additional full turns.
+    pub(crate) turns: u32,
+}
+
+/// Changes of a path in progress.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Run {
+    Pause,
+    Resume,
+    Step,
+    Reverse,
+    Forward,
 }
 
 /// Settings that `motion.feed` changes.
@@ -90,6 +130,9 @@ pub(crate) enum Request {
     Jog(Jog),
     JogStop(Option<JogTarget>),
     Move(Move),
+    /// An output that changes when the motion gets there.
+    PathOutput(Output),
+    Run(Run),
     Abort,
     Spindle(SpindleChange),
     /// A spindle, the angle in degrees, and the direction.

@@ -189,6 +189,42 @@ impl SpindleConfig {
     }
 }
 
+impl TrajConfig {
+    /// Returns the highest override for which moves are planned.
+    pub(crate) fn planned_override(&self) -> f64 {
+        let most = self.max_feed_override;
+        if most < 1.0 {
+            1.0
+        } else if most < 100.0 {
+            most
+        } else {
+            100.0
+        }
+    }
+}
+
+impl JointConfig {
+    /// Returns whether a path planned for the limits `old` may break these.
+    pub(crate) fn is_tighter(&self, old: &Self) -> bool {
+        self.max_velocity < old.max_velocity
+            || self.max_acceleration < old.max_acceleration
+            || self.max_limit < old.max_limit
+            || self.min_limit > old.min_limit
+            || self.correction_share() > old.correction_share()
+    }
+}
+
+impl AxisConfig {
+    /// Returns whether a path planned for the limits `old` may break these.
+    pub(crate) fn is_tighter(&self, old: &Self) -> bool {
+        self.max_velocity < old.max_velocity
+            || self.max_acceleration < old.max_acceleration
+            || self.max_limit < old.max_limit
+            || self.min_limit > old.min_limit
+            || self.offset_fraction > old.offset_fraction
+    }
+}
+
 impl Encoder {
     /// Returns whether the index resets the encoder's position to zero.
     pub(crate) fn resets(self) -> bool {

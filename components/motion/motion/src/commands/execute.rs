@@ -2,15 +2,16 @@
 
 use crate::{
     commands::command::{
-        Command, FeedChange, Jog, JogDistance, JogTarget, Joints, Mode, Move, Output, Request,
-        SpindleChange,
+        Arc, Command, FeedChange, Jog, JogDistance, JogTarget, Joints, Mode, Move, Output, Request,
+        Run, Speed, SpindleChange,
     },
     commands::refusal::Refusal,
     jogger::{By, Jogger, TravelLimits},
-    path::line::MoveRequest,
+    path::order::{Kind, PathMove},
     state::State,
 };
 use hal_component::TicketHandle;
+use hal_trajectory::Shape;
 
 /// Time at which a ticket is completed.
 enum Answer {
@@ -25,6 +26,9 @@ impl State {
     pub(crate) fn execute(&mut self, command: Command) {
         match command {
             Command::Joint(n, config) => {
+                self.replan(
+                    self.joints.get(n).is_some_and(|j| !j.active || config.is_tighter(&j.config)),
+                );
                 if self.joints.get_mut(n).is_some_and(|j| j.configure(config))
                     && self.enabled
                     && self.is_idle()
@@ -36,6 +40,7 @@ impl State {
                 self.lower_limits();
             }
             Command::Axis(n, config) => {
+                self.replan(self.axes.get(n).is_some_and(|a| config.is_tighter(&a.config)));
                 if let Some(axis) = self.axes.get_mut(n) {
                     axis.config = config;
                 }
@@ -47,7 +52,10 @@ impl State {
                     spindle.config = config;
                 }
             }
-            Command::Traj(config) => self.traj = config,
+            Command::Traj(config) => {
+                self.replan(config.max_acceleration < self.traj.max_acceleration);
+                self.traj = config;
+            }
             Command::Request(request, ticket) => match self.request(request, ticket) {
                 Ok(Answer::Done) => ticket.done(),
                 Ok(Answer::Later) => {}
@@ -69,6 +77,9 @@ impl State {
             Request::Jog(jog) => return self.jog(jog, ticket),
             Request::JogStop(target) => return Ok(self.jog_stop(target, ticket)),
             Request::Move(m) => return self.move_to(m, ticket),
+            Request::PathOutput(output) if self.path.is_idle() => self.set_output(output),
+            Request::PathOutput(output) => self.path.push_output(output)?,
+            Request::Run(run) => self.run(run)?,
             Request::Abort => return Ok(self.abort(ticket)),
             Request::Spindle(change) => self.change_spindle(change)?,
             Request::Orient(n, angle, mode) => {
@@ -112,6 +123,9 @@ impl State {
         self.leave_world();
         self.last_jump.clear();
         self.enabled = true;
+        if self.feed.scale > 1.0 {
+            self.feed.scale = 1.0;
+        }
         self.enable_ticket = Some(ticket);
         Ok(Answer::Later)
     }
@@ -241,14 +255,44 @@ impl State {
         self.set_mode(Mode::Coord)?;
         let traj = &self.traj;
         let most = traj.max_acceleration;
-        let request = MoveRequest {
-            velocity: m.velocity.unwrap_or(traj.default_velocity),
-            acceleration: m.acceleration.filter(|a| *a < most).unwrap_or(most),
-            max_velocity: traj.max_velocity,
+        let end = hal_trajectory::Pose::ZERO;
+        let (shape, kind) = match m.arc {
+            None if m.speed == Speed::Rapid => (Shape::Line { end }, Kind::Rapid),
+            None => (Shape::Line { end }, Kind::Feed),
+            Some(Arc { center, normal, turns }) => {
+                (Shape::Arc { end, center, normal, turns }, Kind::Arc)
+            }
         };
-        let Self { path, pose, kinematics, joints, axes, planning_fractions, .. } = self;
-        let machine = crate::path::line::Machine { kinematics, joints, axes, planning_fractions };
-        path.push(*pose, m.to, request, machine, ticket)
+        let (feed, is_time) = match m.speed {
+            Speed::Default => (traj.default_velocity, false),
+            Speed::Rapid => (f64::INFINITY, false),
+            Speed::Feed(v) => (v, false),
+            Speed::Time(t) => (t, true),
+        };
+        let order = PathMove {
+            shape,
+            kind,
+            mode: m.mode,
+            feed,
+            is_time,
+            acceleration: m.acceleration.filter(|a| *a < most).unwrap_or(most),
+            line: m.line,
+        };
+        self.path.push(&self.pose, &m.to, order, Some(ticket))
+    }
+
+    fn run(&mut self, run: Run) -> Result<(), Refusal> {
+        if self.mode != Mode::Coord && run != Run::Resume && run != Run::Forward {
+            return Err(Refusal::new("there is no path: it needs coordinated mode"));
+        }
+        self.path.run(run)
+    }
+
+    /// Plans the rest of the path again if a limit has become tighter. A path that has ended is left in any case.
+    fn replan(&mut self, is_tighter: bool) {
+        if is_tighter || self.path.is_idle() {
+            self.path.replan();
+        }
     }
 
     fn abort(&mut self, ticket: TicketHandle) -> Answer {
@@ -287,7 +331,7 @@ impl State {
         Ok(())
     }
 
-    fn set_output(&mut self, output: Output) {
+    pub(crate) fn set_output(&mut self, output: Output) {
         match output {
             Output::Digital(n, value) => {
                 if let Some(place) = self.digital_out.get_mut(n) {

@@ -3,10 +3,10 @@
 use crate::{
     commands::arguments,
     commands::command::{
-        Command, FeedChange, Jog, JogDistance, JogTarget, Joints, Mode, Move, Output, Request,
-        SpindleChange,
+        Command, FeedChange, Jog, JogDistance, JogTarget, Joints, Mode, Request, SpindleChange,
     },
     commands::configure::ConfigCache,
+    commands::path_rows::PATH_ROWS,
     pins::LETTERS,
 };
 use hal_component::{Arg, Builder, Call, Error, KinematicsRef, Sender, abi::ArgSpec};
@@ -25,21 +25,20 @@ pub(crate) struct CommandInterface {
 }
 
 /// Parser of a command's arguments.
-type Read = fn(&CommandInterface, &Call<'_>) -> Result<Request, Error>;
+pub(super) type Read = fn(&CommandInterface, &Call<'_>) -> Result<Request, Error>;
 
 /// A command that takes a ticket.
-struct Row {
-    name: &'static str,
-    doc: &'static str,
-    args: &'static [&'static ArgSpec],
-    read: Read,
+pub(super) struct Row {
+    pub(super) name: &'static str,
+    pub(super) doc: &'static str,
+    pub(super) args: &'static [&'static ArgSpec],
+    pub(super) read: Read,
 }
 
 const JOINT: ArgSpec = Arg::int("joint", "Number of the joint, from 0.");
 const JOINTS: ArgSpec = Arg::text("joint", "Number of the joint, from 0, or all.").required();
 const AXIS: ArgSpec = Arg::text("axis", "Letter of the axis: x y z a b c u v w.");
 const SPINDLE: ArgSpec = Arg::int("spindle", "Number of the spindle, from 0.").or("0");
-const INDEX: ArgSpec = Arg::int("index", "Number of the output, from 0.").required();
 
 const ROWS: &[Row] = &[
     Row {
@@ -114,32 +113,6 @@ a limit. A target beyond a limit ends at the limit.",
         read: |interface, call| Ok(Request::JogStop(interface.jog_target(call)?)),
     },
     Row {
-        name: "motion.move",
-        doc: "\
-Moves in a straight line to a position of the axes, after the moves that wait already.
-
-Letters that are not given stay. Velocity and acceleration hold along the line (of x y z; without
-these of u v w; without these of a b c), less where a joint, an axis or the machine allows less. It
-waits while a spindle that is on has no at-speed.",
-        args: &[
-            &Arg::float("x", "Position of x in units."),
-            &Arg::float("y", "Position of y in units."),
-            &Arg::float("z", "Position of z in units."),
-            &Arg::float("a", "Position of a in degrees."),
-            &Arg::float("b", "Position of b in degrees."),
-            &Arg::float("c", "Position of c in degrees."),
-            &Arg::float("u", "Position of u in units."),
-            &Arg::float("v", "Position of v in units."),
-            &Arg::float("w", "Position of w in units."),
-            &Arg::float("velocity", "Velocity in units/s, above 0; default-velocity if missing."),
-            &Arg::float(
-                "acceleration",
-                "Acceleration in units/s², above 0; as allowed if missing.",
-            ),
-        ],
-        read: CommandInterface::move_to,
-    },
-    Row {
         name: "motion.abort",
         doc: "Brakes everything, forgets the moves that wait, and stops the spindles.",
         args: &[],
@@ -174,27 +147,6 @@ waits while a spindle that is on has no at-speed.",
         },
     },
     Row {
-        name: "motion.digital-out",
-        doc: "Sets a pin motion.digital-out-NN at once, as M64 and M65 do.",
-        args: &[&INDEX, &Arg::bit("value", "TRUE or FALSE.").required()],
-        read: |interface, call| {
-            let (n, value) = (output(call, interface.digital_out)?, call.bit("value"));
-            Ok(Request::Output(Output::Digital(n, value.unwrap_or(false))))
-        },
-    },
-    Row {
-        name: "motion.analog-out",
-        doc: "Sets a pin motion.analog-out-NN at once, as M68 does.",
-        args: &[
-            &INDEX,
-            &Arg::float("value", "The value, in the output's unit; finite.").required(),
-        ],
-        read: |interface, call| {
-            let (n, value) = (output(call, interface.analog_out)?, number(call, "value")?);
-            Ok(Request::Output(Output::Analog(n, value.unwrap_or(0.0))))
-        },
-    },
-    Row {
         name: "motion.feed",
         doc: "Changes how the feed of coordinated moves is scaled.",
         args: &[
@@ -224,7 +176,7 @@ Closed limit switches do not switch the machine off until the next jog has ended
 impl CommandInterface {
     /// Declares all commands.
     pub(crate) fn open(self, b: &mut Builder<'_>) -> Result<(), Error> {
-        for row in ROWS {
+        for row in ROWS.iter().chain(PATH_ROWS) {
             let (interface, read) = (self.clone(), row.read);
             b.command(row.name, row.doc, row.args, move |call| {
                 let request = read(&interface, call)?;
@@ -295,26 +247,8 @@ impl CommandInterface {
         Ok(Request::Jog(Jog { target, velocity, distance }))
     }
 
-    fn move_to(&self, call: &Call<'_>) -> Result<Request, Error> {
-        let mut to = [f64::NAN; 9];
-        for (n, (place, letter)) in to.iter_mut().zip(LETTERS).enumerate() {
-            if let Some(value) = number(call, letter.encode_utf8(&mut [0; 4]))? {
-                self.has_joint(n)?;
-                *place = value;
-            }
-        }
-        if to.iter().all(|p| p.is_nan()) {
-            return Err(Error::new("a move needs at least one of x= y= z= a= b= c= u= v= w="));
-        }
-        Ok(Request::Move(Move {
-            to,
-            velocity: above(call, "velocity")?,
-            acceleration: above(call, "acceleration")?,
-        }))
-    }
-
     /// Refuses an axis letter that no joint follows, if the kinematics declare their letters.
-    fn has_joint(&self, n: usize) -> Result<(), Error> {
+    pub(super) fn has_joint(&self, n: usize) -> Result<(), Error> {
         let k = &self.kinematics;
         let says = (0..LETTERS.len()).any(|l| k.joint_of(l).is_some());
         if !says || k.joint_of(n).is_some_and(|j| j < self.joints) {
@@ -340,16 +274,12 @@ impl CommandInterface {
 }
 
 /// Returns an argument below `count`, or an error that states the number of objects.
-fn within(call: &Call<'_>, name: &str, are: &str, count: usize) -> Result<usize, Error> {
+pub(super) fn within(call: &Call<'_>, name: &str, are: &str, count: usize) -> Result<usize, Error> {
     let given = call.int(name).unwrap_or(0);
     usize::try_from(given)
         .ok()
         .filter(|n| *n < count)
         .ok_or_else(|| Error::new(format!("there is no {name} {given}, there {are}")))
-}
-
-fn output(call: &Call<'_>, count: usize) -> Result<usize, Error> {
-    within(call, "index", &format!("are {count} outputs"), count)
 }
 
 fn full() -> Error {
@@ -373,7 +303,7 @@ pub(crate) fn letter(text: &str) -> Result<usize, Error> {
     found.ok_or_else(|| Error::new(format!("axis '{text}' is none of x y z a b c u v w")))
 }
 
-fn number(call: &Call<'_>, name: &str) -> Result<Option<f64>, Error> {
+pub(super) fn number(call: &Call<'_>, name: &str) -> Result<Option<f64>, Error> {
     match call.float(name) {
         Some(v) if !v.is_finite() => {
             Err(Error::new(format!("{name} is {v}, must be a finite number")))
@@ -382,14 +312,14 @@ fn number(call: &Call<'_>, name: &str) -> Result<Option<f64>, Error> {
     }
 }
 
-fn above(call: &Call<'_>, name: &str) -> Result<Option<f64>, Error> {
+pub(super) fn above(call: &Call<'_>, name: &str) -> Result<Option<f64>, Error> {
     match number(call, name)? {
         Some(v) if v <= 0.0 => Err(Error::new(format!("{name} is {v}, must be above 0"))),
         given => Ok(given),
     }
 }
 
-fn factor(call: &Call<'_>, name: &str) -> Result<Option<f64>, Error> {
+pub(super) fn factor(call: &Call<'_>, name: &str) -> Result<Option<f64>, Error> {
     match number(call, name)? {
         Some(v) if v < 0.0 => Err(Error::new(format!("{name} is {v}, must be 0 or more"))),
         given => Ok(given),

@@ -1,9 +1,7 @@
 //! Realtime. Reduction of axis movement to the velocity limits of all joints, for any kinematics and any number of
 //! moving axes.
 
-use crate::{
-    commands::command::Mode, commands::refusal::Refusal, path::line::Places, state::State,
-};
+use crate::{commands::command::Mode, commands::refusal::Refusal, setup::Places, state::State};
 use hal_component::Pose;
 use libm::fabs;
 
@@ -14,8 +12,8 @@ const ROUNDING: f64 = 1e-7;
 const TRIES: i32 = 5;
 
 impl State {
-    /// Returns the joints for the pose of this cycle. If a joint would exceed its velocity limit, axes, path and
-    /// offsets are all reduced to the same part of their motion from `before`.
+    /// Returns the joints for the pose of this cycle. If a joint would exceed its velocity limit, jogged
+    /// axes and offsets are all reduced to the same part of their motion from `before`.
     pub(crate) fn paced(&mut self, before: &Pose, dt: f64) -> Result<Places, Refusal> {
         let mut places = self.solved()?;
         for n in 0..TRIES {
@@ -65,17 +63,13 @@ impl State {
 
     fn slow_down(&mut self, factor: f64, before: &Pose) {
         match self.mode {
-            Mode::Free => {}
+            // In coordinated mode the planner has proved the path; the offsets alone move less.
+            Mode::Free | Mode::Coord => {}
             Mode::Teleop => {
                 let places = self.pose.iter_mut().zip(before);
                 for (axis, (pos, before)) in self.axes.iter_mut().zip(places) {
                     axis.teleop.tp.slow_down(*before, factor);
                     *pos = axis.teleop.tp.pos;
-                }
-            }
-            Mode::Coord => {
-                if let Some(pose) = self.path.slow_down(factor) {
-                    self.pose = pose;
                 }
             }
         }
@@ -94,13 +88,6 @@ impl State {
                 axis.teleop.slow_to(limits.max_vel);
             }
         }
-        let Self { path, kinematics, joints, axes, planning_fractions, .. } = self;
-        path.lower_limits(crate::path::line::Machine {
-            kinematics,
-            joints,
-            axes,
-            planning_fractions,
-        });
     }
 }
 

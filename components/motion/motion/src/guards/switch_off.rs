@@ -1,6 +1,6 @@
 //! Realtime. Causes that switch the machine off.
 
-use crate::{pins::Pins, state::State};
+use crate::{commands::refusal::Refusal, pins::Pins, state::State};
 
 impl State {
     /// Checks every cause to switch off; completes the ticket of the enable command.
@@ -65,7 +65,7 @@ impl State {
     pub(crate) fn turn_off(&mut self, cause: &'static str) {
         self.enabled = false;
         self.count_hard_stop();
-        self.path.clear(cause);
+        self.path.clear(Refusal::new(cause));
         self.end_homing(cause);
         for joint in &mut self.joints {
             joint.homing.homed &= !joint.config.home.is_volatile;

@@ -1,9 +1,7 @@
 //! Realtime. Conditions for moving axes: the kinematics must have a pose for the joints, and for that pose the same
 //! joints. Otherwise the first cycle in axes would move a joint elsewhere at once.
 
-use crate::{
-    commands::command::Mode, commands::refusal::Refusal, path::line::Places, state::State,
-};
+use crate::{commands::command::Mode, commands::refusal::Refusal, setup::Places, state::State};
 use hal_component::KinematicsKind;
 use libm::fabs;
 

@@ -7,7 +7,7 @@ pins! {
     /// Pins of motion as a whole.
     GeneralPins {
         /// Factor (a ratio) for the feed of coordinated moves, if `motion.feed adaptive=1` switched it on: 0 to the
-        /// highest override. Negative numbers and NaN count as 0.
+        /// highest override. Below 0 the path runs backwards at that factor. NaN counts as 0.
         adaptive_feed: In<f64> = 1.0, "adaptive-feed";
         /// TRUE stops coordinated moves along their path until it is FALSE, unless
         /// `motion.feed hold=0` switched it off.
@@ -47,7 +47,7 @@ pins! {
         eoffset_active: Out<bool> = false, "eoffset-active";
         /// TRUE while a soft limit keeps an external offset from its requested value.
         eoffset_limited: Out<bool> = false, "eoffset-limited";
-        /// TRUE while a path is run backwards. Not used yet: always FALSE.
+        /// TRUE while a path is run backwards.
         tp_reverse: Out<bool> = false, "tp-reverse";
         /// Current velocity, in machine units per second: along the path in coordinated mode, otherwise of all jogs
         /// together.
@@ -68,9 +68,9 @@ pins! {
         /// Feed of the coordinated move in millimetres per second.
         feed_mm_per_second: Out<f64> = 0.0, "feed-mm-per-second";
         /// Type of the current motion: 0 none, 1 rapid, 2 feed, 3 arc, 4 tool change, 5 probing, 6 rotary index.
-        /// Coordinated moves are feed.
+        /// It is 0 to 3 here so far.
         motion_type: Out<i32> = 0, "motion-type";
-        /// Line of the program being run. Not used yet: always 0.
+        /// Line of the program being run, as the move gave it; 0 without a move.
         program_line: Out<i32> = 0, "program-line";
         /// Machine time between the last two cycles in nanoseconds.
         last_period: Out<u32> = 0, "servo.last-period";

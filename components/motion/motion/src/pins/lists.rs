@@ -27,9 +27,9 @@ pins! {
 /// Digital and analog inputs and outputs, and further causes to switch off.
 #[derive(Clone, Debug, Touch)]
 pub(crate) struct Lists {
-    digital_in: Vec<In<bool>>,
+    pub(crate) digital_in: Vec<In<bool>>,
     pub(crate) digital_out: Vec<Out<bool>>,
-    analog_in: Vec<In<f64>>,
+    pub(crate) analog_in: Vec<In<f64>>,
     pub(crate) analog_out: Vec<Out<f64>>,
     pub(crate) misc_errors: Vec<In<bool>>,
 }
@@ -41,7 +41,7 @@ impl Lists {
                 b,
                 &setup.digital_in,
                 ["digital-in-", "din-"],
-                "Digital input for programs, to be waited for or read. Not used yet.",
+                "Digital input for programs; motion.status shows it.",
                 false,
             )?,
             digital_out: list(

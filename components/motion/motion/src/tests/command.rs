@@ -90,6 +90,7 @@ fn a_joint_that_was_never_configured_takes_no_part() {
         for _ in 0..3 {
             bench.run("motion-command-handler", 1_000_000);
             bench.run("motion-controller", 1_000_000);
+            bench.work("motmod.planner", 64).unwrap();
         }
         bench.ticket()
     };
@@ -106,7 +107,8 @@ fn a_joint_that_was_never_configured_takes_no_part() {
     let failed = Some(TicketState::Failed("the joint is not configured, see motion.configure"));
     assert_eq!(ask("motion.jog", &["joint=1", "velocity=1"]), failed);
     assert_eq!(ask("motion.home", &["joint=1"]), failed);
-    let failed = Some(TicketState::Failed("linear move needs a joint that is not configured"));
+    let failed =
+        Some(TicketState::Failed("move on line {} needs joint {}, which is not configured"));
     assert_eq!(ask("motion.move", &["x=1", "y=1"]), failed);
     let failed = Some(TicketState::Failed("a joint of this axis is not configured"));
     assert_eq!(ask("motion.jog", &["axis=z", "velocity=1"]), failed);
@@ -303,6 +305,7 @@ fn an_extra_joint_follows_its_pin_once_homed() {
         for _ in 0..n {
             bench.run("motion-command-handler", 1_000_000);
             bench.run("motion-controller", 1_000_000);
+            bench.work("motmod.planner", 64).unwrap();
             let x: f64 = bench.get("joint.0.motor-pos-cmd");
             bench.set("joint.0.motor-pos-fb", x);
         }

@@ -47,11 +47,24 @@ fn straight_within_limits_and_exactly_there() {
 }
 
 impl Rig {
+    /// Runs cycles until the path moves.
+    pub(super) fn begin(&mut self) {
+        for _ in 0..50 {
+            if self.float("motion.current-vel") > 0.0 {
+                return;
+            }
+            self.cycle();
+        }
+        panic!("never begins")
+    }
+
     /// Runs one cycle while the last command is in progress.
     fn end_or_cycle(&mut self) -> bool {
         let pending = self.bench.ticket() == Some(hal_component::abi::TicketState::Pending);
         if pending {
             self.cycle();
+            self.waited += 1;
+            assert!(self.waited < 1_000_000, "never ends");
         }
         pending
     }
@@ -72,10 +85,11 @@ fn as_fast_as_the_slowest_joint_lets_it() {
         let mut rig = Rig::homed(&[]);
         let [x, y, z] = to;
         rig.say(&format!("motion.move x={x} y={y} z={z} velocity={velocity}"));
-        rig.cycles(2);
-        let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-9, "{a} is not {b}");
+        rig.begin();
+        rig.cycles(1);
+        let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-7, "{a} is not {b}");
         near(rig.float("motion.requested-vel"), requested);
-        near(rig.float("motion.current-vel"), 2.0 * acceleration * DT);
+        near(rig.float("motion.current-vel"), 1.5 * acceleration * DT);
         assert_eq!(rig.bench.get::<i32>("motion.motion-type"), 2);
         assert_eq!(rig.end(), Ok(()));
         assert_eq!(rig.bench.get::<i32>("motion.motion-type"), 0);
@@ -104,6 +118,7 @@ fn moves_wait_and_stop_at_each_corner() {
     rig.say("motion.move x=0 velocity=50");
     rig.say("motion.move y=0 velocity=50");
     let mut corners = Vec::new();
+    rig.begin();
     while rig.end_or_cycle() {
         let [x, y, _] = rig.places();
         assert!([0.0, 10.0].contains(&x) || [0.0, 10.0].contains(&y), "{x} {y}");
@@ -123,11 +138,11 @@ fn only_so_many_wait() {
     let mut rig = Rig::homed(&[]);
     rig.say("motion.move x=100 velocity=1");
     rig.cycles(1);
-    for n in 0..200 {
+    for n in 0..1999 {
         rig.say(&format!("motion.move y={} velocity=90", n % 2));
         rig.cycles(1);
     }
-    assert_eq!(rig.failed("motion.move y=0 velocity=90"), "200 moves are waiting already");
+    assert_eq!(rig.failed("motion.move y=0 velocity=90"), "2000 moves are waiting already");
     assert!(rig.is("motion.coord-error"));
     rig.done("motion.abort");
     rig.done("motion.move y=0 velocity=90");
@@ -164,7 +179,8 @@ fn feed_is_scaled_and_held() {
     rig.say("motion.move x=150 velocity=20");
     let steady = |rig: &mut Rig, velocity: f64| {
         rig.cycles(100);
-        assert_eq!(rig.float("motion.current-vel"), velocity);
+        let now = rig.float("motion.current-vel");
+        assert!((now - velocity).abs() < 1e-6, "{now} is not {velocity}");
         assert_eq!(rig.float("motion.requested-vel"), 20.0);
         assert!(!rig.is("motion.in-position"));
     };
@@ -177,14 +193,13 @@ fn feed_is_scaled_and_held() {
     assert_eq!(rig.float("motion.feed-upm"), 600.0);
     assert_eq!(rig.float("motion.feed-mm-per-second"), 10.0);
     assert!((rig.float("motion.feed-inches-per-minute") - 600.0 / 25.4).abs() < 1e-9);
-    for (adaptive, velocity) in
-        [(7.0, 30.0), (-1.0, 0.0), (f64::NAN, 0.0), (f64::INFINITY, 30.0), (1.0, 20.0)]
-    {
+    for (adaptive, velocity) in [(7.0, 30.0), (f64::NAN, 0.0), (f64::INFINITY, 30.0), (1.0, 20.0)] {
         rig.bench.set("motion.adaptive-feed", adaptive);
         steady(&mut rig, velocity);
     }
+    // A path is planned for the highest override that is configured.
     rig.say("motion.feed adaptive=0 override=100");
-    steady(&mut rig, 90.0);
+    steady(&mut rig, 30.0);
     rig.say("motion.feed override=0.5");
     steady(&mut rig, 10.0);
     rig.bench.set("motion.feed-hold", true);
@@ -206,13 +221,13 @@ fn targets_beyond_a_limit_are_refused() {
     for (text, why, said) in [
         (
             "motion.move x=201 velocity=1",
-            "linear move would exceed a joint's positive limit",
-            "linear move would exceed joint 0's positive limit",
+            "linear move on line {} would exceed joint {}'s positive limit, {}, by {}",
+            "linear move on line 0 would exceed joint 0's positive limit, 200, by 1",
         ),
         (
             "motion.move x=10 z=-100.1 velocity=1",
-            "linear move would exceed a joint's negative limit",
-            "linear move would exceed joint 2's negative limit",
+            "linear move on line {} would exceed joint {}'s negative limit, {}, by {}",
+            "linear move on line 0 would exceed joint 2's negative limit, -100, by 0.1",
         ),
     ] {
         assert_eq!(rig.failed(text), why);
@@ -222,16 +237,19 @@ fn targets_beyond_a_limit_are_refused() {
     }
     rig.done("motion.move x=200 z=-100 velocity=100");
     rig.say("motion.configure axis=x max-limit=150");
-    let why = "linear move would exceed X's positive limit";
+    let why = "linear move on line {} would exceed X's positive limit, {}, by {}";
     assert_eq!(rig.failed("motion.move x=160 velocity=1"), why);
     rig.done("motion.move x=150 velocity=100");
-    // A limit that is moved inwards while moves wait ends the path at the current position.
+    // A limit that is moved inwards while moves wait ends the path before the first move beyond it.
     rig.say("motion.move x=0 velocity=90");
     rig.say("motion.move x=140 velocity=90");
     rig.cycles(100);
     rig.say("motion.configure axis=x max-limit=100");
     assert_eq!(rig.end(), Err(why));
+    assert!(rig.places()[0] > 100.0);
+    rig.cycles(4000);
     assert_eq!(rig.places()[0], 0.0);
+    assert!(rig.is("motion.in-position"));
 }
 
 #[test]
@@ -244,17 +262,19 @@ fn the_machine_and_its_axes_have_limits_too() {
     rig.done("motion.abort");
     rig.say("motion.feed override=50");
     rig.say("motion.move x=100 velocity=80 acceleration=300");
-    rig.cycles(10);
-    assert!((rig.float("motion.current-vel") - 10.0 * 300.0 * DT).abs() < 1e-9);
+    rig.begin();
+    rig.cycles(9);
+    assert!((rig.float("motion.current-vel") - 9.5 * 300.0 * DT).abs() < 1e-6);
     rig.cycles(300);
-    assert_eq!(rig.float("motion.current-vel"), 60.0);
+    assert!((rig.float("motion.current-vel") - 60.0).abs() < 1e-6);
     rig.done("motion.abort");
     rig.say("motion.configure axis=y max-velocity=7 max-acceleration=70");
     rig.say("motion.move y=100 velocity=80");
-    rig.cycles(10);
-    assert!((rig.float("motion.current-vel") - 10.0 * 70.0 * DT).abs() < 1e-9);
+    rig.begin();
+    rig.cycles(9);
+    assert!((rig.float("motion.current-vel") - 9.5 * 70.0 * DT).abs() < 1e-6);
     rig.cycles(300);
-    assert_eq!(rig.float("motion.current-vel"), 7.0);
+    assert!((rig.float("motion.current-vel") - 7.0).abs() < 1e-6);
 }
 
 #[test]
@@ -337,9 +357,9 @@ fn lines_are_straight_where_joints_are_not() {
     // The joints' limits apply, not those of a box.
     assert_eq!(
         rig.failed("motion.move x=20 y=199.5 velocity=9"),
-        "linear move would exceed a joint's positive limit"
+        "linear move on line {} would exceed joint {}'s positive limit, {}, by {}"
     );
-    let unreachable = "linear move: the kinematics cannot go there";
+    let unreachable = "move on line {}: the kinematics cannot go there: x {} y {} z {}";
     assert_eq!(rig.failed("motion.move x=0 y=0 velocity=9"), unreachable);
     rig.done("motion.move x=20 y=10 velocity=1000");
     // Across a position that the arm cannot reach.

@@ -87,6 +87,13 @@ impl<K: Kinematics> Planner<K> {
         };
         let mut allowed =
             self.law.allowed(&bounds, joints.as_ref(), feed * self.machine.max_override, shares);
+        if allowed.rest > self.acceleration {
+            // The share that the curvature uses stays the same.
+            if allowed.fade > 0.0 {
+                allowed.speed *= (self.acceleration / allowed.rest).sqrt();
+            }
+            allowed.rest = self.acceleration;
+        }
         if !self.direct && joints.is_none() {
             let (speed, rest) = (allowed.speed.min(1e-3), allowed.top().min(1e-3));
             allowed = Allowed { speed, rest, fade: 0.0 };

@@ -1,0 +1,267 @@
+//! The control side: commands that move along a path, and commands for the path in progress.
+
+use crate::{
+    commands::command::{Arc, Move, Output, PathMode, Request, Run, Speed},
+    commands::interface::{CommandInterface, Row, above, number, within},
+    pins::LETTERS,
+};
+use hal_component::{Arg, Call, Error, abi::ArgSpec};
+
+const INDEX: ArgSpec = Arg::int("index", "Number of the output, from 0.").required();
+const SYNC: ArgSpec =
+    Arg::bit("sync", "TRUE: when the moves that wait have ended, without a stop; FALSE: at once.")
+        .or("FALSE");
+const MODE: ArgSpec = Arg::text(
+    "mode",
+    "Path control at the end: stop (rests there), exact (within 0.002 mm of the path, as G61) or \
+     blend (within tolerance of the path, as G64).",
+)
+.or("stop");
+const TOLERANCE: ArgSpec = Arg::float(
+    "tolerance",
+    "Distance from the path in mode blend, in units, 0 or more; half of each move if missing.",
+);
+const LINE: ArgSpec = Arg::int("line", "Line of the program, for messages and status.").or("0");
+const RAPID: ArgSpec =
+    Arg::bit("rapid", "TRUE: as fast as the limits allow, without velocity or time.").or("FALSE");
+const TIME: ArgSpec = Arg::float("time", "Time for the whole move in s, above 0, as G93.");
+const VELOCITY: ArgSpec =
+    Arg::float("velocity", "Velocity in units/s, above 0; default-velocity if missing.");
+const ACCELERATION: ArgSpec =
+    Arg::float("acceleration", "Acceleration in units/s², above 0; as allowed if missing.");
+const X: ArgSpec = Arg::float("x", "Position of x in units.");
+const Y: ArgSpec = Arg::float("y", "Position of y in units.");
+const Z: ArgSpec = Arg::float("z", "Position of z in units.");
+const A: ArgSpec = Arg::float("a", "Position of a in degrees.");
+const B: ArgSpec = Arg::float("b", "Position of b in degrees.");
+const C: ArgSpec = Arg::float("c", "Position of c in degrees.");
+const U: ArgSpec = Arg::float("u", "Position of u in units.");
+const V: ArgSpec = Arg::float("v", "Position of v in units.");
+const W: ArgSpec = Arg::float("w", "Position of w in units.");
+
+/// Commands of the path.
+pub(super) const PATH_ROWS: &[Row] = &[
+    Row {
+        name: "motion.move",
+        doc: "\
+Moves in a straight line to a position of the axes, after the moves that wait already.
+
+Letters that are not given stay. Velocity and acceleration hold along the line (of x y z; without
+these of u v w; without these of a b c), less where a joint, an axis or the machine allows less. It
+waits while a spindle that is on has no at-speed. A move beyond a limit is refused before it begins,
+and so are the moves that wait behind it.",
+        args: &[
+            &X,
+            &Y,
+            &Z,
+            &A,
+            &B,
+            &C,
+            &U,
+            &V,
+            &W,
+            &VELOCITY,
+            &ACCELERATION,
+            &RAPID,
+            &TIME,
+            &MODE,
+            &TOLERANCE,
+            &LINE,
+        ],
+        read: |interface, call| move_to(interface, call, None),
+    },
+    Row {
+        name: "motion.arc",
+        doc: "\
+Moves along an arc, a helix or a full circle in x y z, after the moves that wait already.
+
+The motion is counter-clockwise around the normal, as seen from its tip; clockwise=TRUE turns it
+round. Without a normal the arc is in the plane of x and y. An arc that ends where it starts is a
+full circle. All other axes move evenly along it.",
+        args: &[
+            &X,
+            &Y,
+            &Z,
+            &A,
+            &B,
+            &C,
+            &U,
+            &V,
+            &W,
+            &Arg::float(
+                "center-x",
+                "Position of the centre in x, in units; if missing, of the start.",
+            ),
+            &Arg::float(
+                "center-y",
+                "Position of the centre in y, in units; if missing, of the start.",
+            ),
+            &Arg::float(
+                "center-z",
+                "Position of the centre in z, in units; if missing, of the start.",
+            ),
+            &Arg::float("normal-x", "Direction of the axis in x.").or("0"),
+            &Arg::float("normal-y", "Direction of the axis in y.").or("0"),
+            &Arg::float("normal-z", "Direction of the axis in z; 1 if no direction is given.")
+                .or("0"),
+            &Arg::bit("clockwise", "TRUE turns the other way.").or("FALSE"),
+            &Arg::int("turns", "Additional full turns, 0 to 1000000.").or("0"),
+            &VELOCITY,
+            &ACCELERATION,
+            &TIME,
+            &MODE,
+            &TOLERANCE,
+            &LINE,
+        ],
+        read: |interface, call| {
+            let arc = arc(call)?;
+            move_to(interface, call, Some(arc))
+        },
+    },
+    Row {
+        name: "motion.pause",
+        doc: "Brakes along the path and holds there until motion.resume; nothing is forgotten.",
+        args: &[],
+        read: |_, _| Ok(Request::Run(Run::Pause)),
+    },
+    Row {
+        name: "motion.resume",
+        doc: "Goes on along the path after motion.pause or motion.step.",
+        args: &[],
+        read: |_, _| Ok(Request::Run(Run::Resume)),
+    },
+    Row {
+        name: "motion.step",
+        doc: "Goes on to the next move of a path, and pauses as it begins.",
+        args: &[],
+        read: |_, _| Ok(Request::Run(Run::Step)),
+    },
+    Row {
+        name: "motion.reverse",
+        doc: "\
+Brakes, and goes back along the path, as far as it is kept or to its beginning.
+
+Outputs and spindles stay as they are.",
+        args: &[],
+        read: |_, _| Ok(Request::Run(Run::Reverse)),
+    },
+    Row {
+        name: "motion.forward",
+        doc: "Goes forward along the path again.",
+        args: &[],
+        read: |_, _| Ok(Request::Run(Run::Forward)),
+    },
+    Row {
+        name: "motion.digital-out",
+        doc: "Sets a pin motion.digital-out-NN, as M62 to M65 do.",
+        args: &[&INDEX, &Arg::bit("value", "TRUE or FALSE.").required(), &SYNC],
+        read: |interface, call| {
+            let (n, value) = (output(call, interface.digital_out)?, call.bit("value"));
+            Ok(put(call, Output::Digital(n, value.unwrap_or(false))))
+        },
+    },
+    Row {
+        name: "motion.analog-out",
+        doc: "Sets a pin motion.analog-out-NN, as M67 and M68 do.",
+        args: &[
+            &INDEX,
+            &Arg::float("value", "The value, in the output's unit; finite.").required(),
+            &SYNC,
+        ],
+        read: |interface, call| {
+            let (n, value) = (output(call, interface.analog_out)?, number(call, "value")?);
+            Ok(put(call, Output::Analog(n, value.unwrap_or(0.0))))
+        },
+    },
+];
+
+fn output(call: &Call<'_>, count: usize) -> Result<usize, Error> {
+    within(call, "index", &format!("are {count} outputs"), count)
+}
+
+fn put(call: &Call<'_>, output: Output) -> Request {
+    if call.bit("sync").unwrap_or(false) {
+        Request::PathOutput(output)
+    } else {
+        Request::Output(output)
+    }
+}
+
+fn move_to(
+    interface: &CommandInterface,
+    call: &Call<'_>,
+    arc: Option<Arc>,
+) -> Result<Request, Error> {
+    let mut to = [f64::NAN; 9];
+    for (n, (place, letter)) in to.iter_mut().zip(LETTERS).enumerate() {
+        if let Some(value) = number(call, letter.encode_utf8(&mut [0; 4]))? {
+            interface.has_joint(n)?;
+            *place = value;
+        }
+    }
+    if arc.is_none() && to.iter().all(|p| p.is_nan()) {
+        return Err(Error::new("a move needs at least one of x= y= z= a= b= c= u= v= w="));
+    }
+    let line = call.int("line").unwrap_or(0);
+    let line = u32::try_from(line)
+        .map_err(|_| Error::new(format!("line is {line}, must be 0 to 4294967295")))?;
+    Ok(Request::Move(Move {
+        to,
+        arc,
+        speed: speed(call)?,
+        acceleration: above(call, "acceleration")?,
+        mode: mode(call)?,
+        line,
+    }))
+}
+
+fn speed(call: &Call<'_>) -> Result<Speed, Error> {
+    let rapid = call.bit("rapid").unwrap_or(false);
+    match (above(call, "velocity")?, above(call, "time")?, rapid) {
+        (None, None, false) => Ok(Speed::Default),
+        (None, None, true) => Ok(Speed::Rapid),
+        (Some(v), None, false) => Ok(Speed::Feed(v)),
+        (None, Some(t), false) => Ok(Speed::Time(t)),
+        _ => Err(Error::new("velocity=, time= and rapid= exclude each other")),
+    }
+}
+
+fn mode(call: &Call<'_>) -> Result<PathMode, Error> {
+    let tolerance = number(call, "tolerance")?;
+    let text = call.text("mode").unwrap_or_default();
+    match (text.as_str(), tolerance) {
+        ("stop", None) => Ok(PathMode::ExactStop),
+        ("exact", None) => Ok(PathMode::Exact),
+        ("blend", Some(p)) if p < 0.0 => {
+            Err(Error::new(format!("tolerance is {p}, must be 0 or more")))
+        }
+        ("blend", p) => Ok(PathMode::Blend(p.unwrap_or(f64::INFINITY))),
+        ("stop" | "exact", Some(_)) => {
+            Err(Error::new(format!("tolerance= belongs to mode=blend, not to mode={text}")))
+        }
+        (other, _) => Err(Error::new(format!("mode '{other}' is none of stop, exact and blend"))),
+    }
+}
+
+fn arc(call: &Call<'_>) -> Result<Arc, Error> {
+    let mut center = [f64::NAN; 3];
+    for (place, name) in center.iter_mut().zip(["center-x", "center-y", "center-z"]) {
+        *place = number(call, name)?.unwrap_or(f64::NAN);
+    }
+    let mut normal = [0.0; 3];
+    for (place, name) in normal.iter_mut().zip(["normal-x", "normal-y", "normal-z"]) {
+        *place = number(call, name)?.unwrap_or(0.0);
+    }
+    if normal == [0.0; 3] {
+        normal = [0.0, 0.0, 1.0];
+    }
+    if call.bit("clockwise").unwrap_or(false) {
+        normal = normal.map(|n| -n);
+    }
+    let turns = call.int("turns").unwrap_or(0);
+    let turns = u32::try_from(turns)
+        .ok()
+        .filter(|n| *n <= 1_000_000)
+        .ok_or_else(|| Error::new(format!("turns is {turns}, must be 0 to 1000000")))?;
+    Ok(Arc { center, normal, turns })
+}

@@ -1,0 +1,140 @@
+//! Realtime. Pause, single steps and reverse motion; aborts; and a new plan for the rest of a path when limits change.
+
+use super::{AT_REST, Live, Path, Stop, order::Item, sweep};
+use crate::commands::{command::Run, refusal::Refusal};
+use hal_trajectory::Step;
+
+const ABORTED: Refusal = Refusal::new("aborted");
+
+impl Path {
+    /// Pauses, resumes, steps or reverses.
+    pub(crate) fn run(&mut self, run: Run) -> Result<(), Refusal> {
+        match run {
+            Run::Pause => {
+                self.paused = true;
+                self.step_of = None;
+            }
+            Run::Resume => {
+                self.paused = false;
+                self.step_of = None;
+            }
+            Run::Step if self.pending.is_empty() => {
+                return Err(Refusal::new("no move waits that a step could begin"));
+            }
+            Run::Step => {
+                self.paused = false;
+                // Before the first move begins, a step is that move.
+                let first = self.pending.front().map_or(0, |p| p.id);
+                self.step_of = Some(if self.last.line == 0 { first } else { self.last.line });
+            }
+            Run::Reverse if self.session.is_none() => {
+                return Err(Refusal::new("there is no path to go back along"));
+            }
+            Run::Reverse => self.reverse = true,
+            Run::Forward => self.reverse = false,
+        }
+        Ok(())
+    }
+
+    /// Brakes along the path and discards the remaining moves.
+    pub(crate) fn abort(&mut self) {
+        self.abort_with(ABORTED);
+    }
+
+    /// Brakes along the path and discards the remaining moves, for a reason.
+    pub(crate) fn abort_with(&mut self, why: Refusal) {
+        while self.pending.len() > 1 {
+            if let Some(ticket) = self.pending.pop_back().and_then(|p| p.ticket) {
+                why.fail(ticket);
+            }
+        }
+        self.sent = self.sent.min(1);
+        if self.session.is_none() || !self.last.moving {
+            self.clear(why);
+        } else {
+            self.stop = Some(Stop::Abort(why));
+        }
+    }
+
+    /// Ends the path at once.
+    pub(crate) fn clear(&mut self, why: Refusal) {
+        for ticket in self.pending.drain(..).filter_map(|p| p.ticket) {
+            why.fail(ticket);
+        }
+        self.leave();
+    }
+
+    /// Leaves a path that has ended, so that the next move begins where the machine is then.
+    pub(crate) fn leave(&mut self) {
+        if self.live != Live::Rest {
+            self.generation = self.generation.wrapping_add(1);
+            self.hand.set_latest(self.generation);
+        }
+        let old = self.session.take();
+        if old.is_some() {
+            self.give_back(old);
+        }
+        self.live = Live::Rest;
+        self.sent = 0;
+        self.resume_due = false;
+        self.stop = None;
+        self.paused = false;
+        self.reverse = false;
+        self.step_of = None;
+        self.last = AT_REST;
+        self.velocity = 0.0;
+    }
+
+    /// Plans the rest of the path again for limits that have changed. A path that has ended is left.
+    pub(crate) fn replan(&mut self) {
+        if self.pending.is_empty() && !self.last.moving {
+            if self.live != Live::Rest {
+                self.leave();
+            }
+        } else if self.stop.is_none() && self.live != Live::Wanted {
+            self.stop = Some(Stop::Replan);
+            if self.session.is_none() {
+                self.end_stop();
+            }
+        }
+    }
+
+    pub(super) fn end_step(&mut self) {
+        if let Some(of) = self.step_of {
+            let passed = self.last.line != of && self.last.line != 0;
+            if passed {
+                self.step_of = None;
+                self.paused = true;
+            }
+        }
+    }
+
+    /// At rest: completes a stop.
+    pub(super) fn end_stop(&mut self) {
+        match self.stop.take() {
+            None => {}
+            Some(Stop::Abort(why)) => self.clear(why),
+            Some(Stop::Replan) => {
+                self.cut_front();
+                let old = self.session.take();
+                self.give_back(old);
+                self.sent = 0;
+                self.resume_due = false;
+                self.live = if self.pending.is_empty() { Live::Rest } else { Live::Wanted };
+                self.last = Step { pose: self.last.pose, ..AT_REST };
+            }
+        }
+    }
+
+    /// Replaces the move in progress by what is left of it.
+    fn cut_front(&mut self) {
+        let Some(known) = self.known(self.last.line).copied() else { return };
+        let Some(front) = self.pending.front_mut().filter(|f| f.id == known.id) else { return };
+        let Item::Move(order) = &mut front.item else { return };
+        if known.length > 0.0 {
+            let left = 1.0 - self.travelled / known.length;
+            let left = if left > 0.0 { left } else { 0.0 };
+            order.shape = sweep::rest(&order.shape, &self.last.pose.0, known.turns * left);
+        }
+    }
+}

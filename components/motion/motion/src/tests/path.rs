@@ -1,0 +1,299 @@
+//! Paths: arcs, blends, outputs on the way, pauses, steps, reverse motion, and refusals before anything moves.
+
+use super::{DT, Rig};
+use crate::status::MotionStatus;
+use hal_component::abi::TicketState;
+
+impl Rig {
+    fn status(&self) -> MotionStatus {
+        self.bench.snapshot("motion.status")
+    }
+
+    /// Runs cycles until nothing waits; returns their number.
+    fn finish(&mut self) -> usize {
+        for n in 0..200_000 {
+            if n > 1 && self.is("motion.in-position") {
+                return n;
+            }
+            self.cycle();
+        }
+        panic!("never ends: {:?}", self.status())
+    }
+}
+
+/// A square of 20 mm in the plane, from 0 back to 0.
+const SQUARE: [&str; 4] = ["x=20 y=0", "x=20 y=20", "x=0 y=20", "x=0 y=0"];
+
+#[test]
+fn arcs_and_helices_stay_on_their_circle() {
+    let mut rig = Rig::homed(&[]);
+    for (text, turns, rise) in [
+        ("motion.arc center-x=20 velocity=30 line=7", 1.0, 0.0),
+        ("motion.arc center-x=20 center-y=0 x=40 velocity=30 clockwise=1", 0.5, 0.0),
+        ("motion.arc center-x=20 x=0 z=3 turns=1 velocity=30", 1.5, 3.0),
+        ("motion.arc center-x=20 z=0 time=9", 1.0, -3.0),
+    ] {
+        let ([x0, ..], z0) = (rig.places(), rig.places()[2]);
+        let mut angle = 0.0_f64;
+        let mut last = 0.0_f64.atan2(x0 - 20.0);
+        rig.say(text);
+        let mut cycles = 0;
+        while rig.bench.ticket() == Some(TicketState::Pending) {
+            rig.cycle();
+            cycles += 1;
+            assert!(cycles < 30_000, "{text} never ends");
+            let [x, y, z] = rig.places();
+            let off = (x - 20.0).hypot(y) - 20.0;
+            assert!(off.abs() < 1e-9, "{text}: {off} off the circle");
+            let now = y.atan2(x - 20.0);
+            let by = now - last;
+            angle += by - (by / core::f64::consts::TAU).round() * core::f64::consts::TAU;
+            last = now;
+            let share = angle.abs() / core::f64::consts::TAU / turns;
+            assert!((z - z0 - rise * share).abs() < 1e-6, "{text}: z {z} at {share}");
+            if rig.is("motion.motion-enabled") && rig.float("motion.current-vel") > 1.0 {
+                assert_eq!(rig.bench.get::<i32>("motion.motion-type"), 3);
+            }
+        }
+        assert_eq!(rig.end(), Ok(()), "{text}");
+        let all = angle.abs() / core::f64::consts::TAU;
+        assert!((all - turns).abs() < 1e-9, "{text}: {all} turns");
+        assert_eq!(angle < 0.0, text.contains("clockwise=1"), "{text}");
+        if text.contains("time=9") {
+            let took = f64::from(cycles) * DT;
+            assert!((9.0..9.3).contains(&took), "{took} s");
+        }
+    }
+}
+
+/// Blends are faster than stops, stay within their tolerance of the corner, and do not come to rest.
+#[test]
+fn corners_are_blended_within_their_tolerance() {
+    let mut times = Vec::new();
+    for (mode, tolerance) in [("stop", 0.0), ("exact", 0.002), ("blend tolerance=0.5", 0.5)] {
+        let mut rig = Rig::homed(&[]);
+        for (n, to) in SQUARE.iter().enumerate() {
+            rig.say(&format!("motion.move {to} velocity=80 line={n} mode={mode}"));
+        }
+        let mut slowest = f64::INFINITY;
+        let (mut nearest, mut seen) = (f64::INFINITY, 0);
+        let mut lines = Vec::new();
+        rig.begin();
+        let cycles = {
+            let mut n = 0;
+            while !rig.is("motion.in-position") {
+                rig.cycle();
+                n += 1;
+                let [x, y, _] = rig.places();
+                let inside = |v: f64| (-1e-9..=20.0 + 1e-9).contains(&v);
+                assert!(inside(x) && inside(y), "{mode}: {x} {y}");
+                // Distance from the square.
+                let off = x.min(20.0 - x).min(y).min(20.0 - y);
+                assert!(off <= tolerance + 1e-9, "{mode}: {off} off the path");
+                let corner = (x - 20.0).hypot(y - 20.0);
+                nearest = nearest.min(corner);
+                if corner < 5.0 {
+                    slowest = slowest.min(rig.float("motion.current-vel"));
+                    seen += 1;
+                }
+                lines.push(rig.bench.get::<i32>("motion.program-line"));
+                assert!(n < 20_000, "{mode} never ends");
+            }
+            n
+        };
+        lines.dedup();
+        assert_eq!(lines, [0, 1, 2, 3, 0], "{mode}");
+        assert!(seen > 10 && nearest < 2.0 * tolerance + 1e-9, "{mode}: {nearest}");
+        assert_eq!(slowest < 1e-6, mode == "stop", "{mode}: {slowest}");
+        assert_eq!(rig.places(), [0.0; 3]);
+        times.push(cycles);
+    }
+    assert!(times[2] < times[1] && times[1] < times[0], "{times:?}");
+}
+
+#[test]
+fn outputs_change_when_the_motion_gets_there_without_a_stop() {
+    let mut rig = Rig::homed(&[]);
+    rig.say("motion.digital-out index=0 value=1 sync=1");
+    rig.say("motion.move x=10 velocity=40 mode=blend tolerance=0.1");
+    rig.say("motion.digital-out index=1 value=1 sync=1");
+    rig.say("motion.analog-out index=2 value=2.5 sync=1");
+    rig.say("motion.move x=20 velocity=40 mode=blend tolerance=0.1");
+    rig.say("motion.digital-out index=1 value=0 sync=1");
+    rig.cycles(2);
+    assert!(rig.is("motion.digital-out-00"));
+    assert!(!rig.is("motion.digital-out-01"));
+    let mut at = f64::NAN;
+    for _ in 0..10_000 {
+        rig.cycle();
+        if rig.is("motion.digital-out-01") {
+            at = rig.places()[0];
+            break;
+        }
+    }
+    assert!((at - 10.0).abs() < 0.2, "{at}");
+    assert!(rig.float("motion.current-vel") > 39.0, "no stop");
+    assert_eq!(rig.float("motion.analog-out-02"), 2.5);
+    assert_eq!((rig.status().digital_out, rig.status().analog_out[2]), (0b11, 2.5));
+    rig.finish();
+    assert!(!rig.is("motion.digital-out-01"));
+    assert_eq!(rig.places()[0], 20.0);
+}
+
+#[test]
+fn pause_resume_and_single_steps() {
+    let mut rig = Rig::homed(&[]);
+    for (n, to) in SQUARE.iter().enumerate() {
+        rig.say(&format!("motion.move {to} velocity=40 line={n} mode=blend tolerance=1"));
+    }
+    rig.begin();
+    rig.cycles(100);
+    rig.say("motion.pause");
+    rig.cycles(200);
+    let held = rig.places();
+    assert!(held[0] > 1.0 && rig.float("motion.current-vel") == 0.0);
+    assert!(rig.status().paused && !rig.is("motion.in-position"));
+    assert_eq!(
+        rig.failed("motion.mode mode=free"),
+        "the mode cannot change while the machine moves"
+    );
+    rig.cycles(500);
+    assert_eq!(rig.places(), held);
+    // Each step ends shortly after the next line has begun.
+    for line in 1..4 {
+        rig.say("motion.step");
+        rig.cycles(1500);
+        assert_eq!(rig.bench.get::<i32>("motion.program-line"), line);
+        assert_eq!(rig.float("motion.current-vel"), 0.0, "line {line}");
+        assert!(!rig.is("motion.in-position"));
+    }
+    rig.say("motion.resume");
+    rig.finish();
+    assert_eq!(rig.places(), [0.0; 3]);
+    assert!(rig.failed("motion.step").contains("no move waits"));
+}
+
+#[test]
+fn back_along_the_path_and_forward_again() {
+    let mut rig = Rig::homed(&[]);
+    for to in SQUARE {
+        rig.say(&format!("motion.move {to} velocity=40 mode=blend tolerance=1"));
+    }
+    rig.begin();
+    let mut went = Vec::new();
+    while rig.bench.get::<i32>("motion.motion-type") == 2 && rig.status().segment < 3 {
+        rig.cycle();
+        went.push(rig.places());
+    }
+    rig.say("motion.reverse");
+    rig.cycles(3);
+    assert!(rig.is("motion.tp-reverse"));
+    rig.cycles(4000);
+    assert!(rig.places().iter().all(|p| p.abs() < 1e-9), "back at the start: {:?}", rig.places());
+    assert!(!rig.is("motion.in-position"), "the moves still wait");
+    rig.say("motion.forward");
+    rig.cycles(300);
+    assert!(rig.places()[0] > 1.0);
+    // Adaptive feed below 0 does the same.
+    rig.say("motion.feed adaptive=1");
+    rig.bench.set("motion.adaptive-feed", -0.5);
+    rig.cycles(4000);
+    assert!(rig.places().iter().all(|p| p.abs() < 1e-9), "{:?}", rig.places());
+    rig.bench.set("motion.adaptive-feed", 1.0);
+    // All the way, on the same path.
+    let mut off = 0.0_f64;
+    while !rig.is("motion.in-position") {
+        rig.cycle();
+        let [x, y, _] = rig.places();
+        let near = went.iter().map(|w| (w[0] - x).hypot(w[1] - y)).fold(f64::INFINITY, f64::min);
+        if rig.status().segment < 3 {
+            off = off.max(near);
+        }
+    }
+    assert!(off < 0.05, "{off} beside the way of the first time");
+    assert_eq!(rig.places(), [0.0; 3]);
+}
+
+/// A refused move takes those behind it along; those before it are carried out, and later ones begin where these end.
+#[test]
+fn what_cannot_be_is_refused_before_it_begins() {
+    let mut rig = Rig::homed(&[]);
+    for (text, why) in [
+        ("motion.arc center-x=60 velocity=9 line=4", "X's"),
+        ("motion.arc center-x=110 x=220 velocity=9", "joint"),
+        ("motion.arc center-x=10 x=12 velocity=9", "radius"),
+        ("motion.arc center-x=0 velocity=9", "no radius"),
+        ("motion.move x=201 velocity=9 mode=blend", "joint"),
+    ] {
+        if why == "X's" {
+            rig.say("motion.configure axis=x max-limit=100");
+        }
+        let text = rig.failed(text);
+        assert!(text.contains(why), "{text}");
+        assert_eq!(rig.places(), [0.0; 3]);
+        assert!(rig.is("motion.coord-error"));
+        rig.say("motion.configure axis=x max-limit=1000");
+        rig.cycles(2);
+    }
+    let said = rig.bench.said();
+    let first = "circular move on line 4 would exceed X's positive limit, 100, by 20";
+    assert_eq!(said.first().map(String::as_str), Some(first), "{said:?}");
+    rig.say("motion.move x=10 velocity=40 mode=blend");
+    rig.say("motion.move z=101 velocity=40 mode=blend");
+    rig.say("motion.move x=30 velocity=40 mode=blend");
+    rig.say("motion.digital-out index=0 value=1 sync=1");
+    rig.finish();
+    assert_eq!(rig.places(), [10.0, 0.0, 0.0]);
+    assert!(!rig.is("motion.digital-out-00"));
+    let states = rig.bench.tickets();
+    let [.., before, refused, behind, _] = states.as_slice() else { panic!("{states:?}") };
+    assert_eq!(*before, TicketState::Done);
+    assert!(matches!(refused, TicketState::Failed(t) if t.contains("joint {}'s positive limit")));
+    assert_eq!(*behind, TicketState::Failed("a move before this one was refused"));
+    rig.done("motion.move y=5 velocity=40");
+    assert_eq!(rig.places(), [10.0, 5.0, 0.0]);
+    for (text, why) in [
+        ("motion.move x=nan velocity=1", "x is NaN, must be a finite number"),
+        ("motion.move x=1 velocity=1 time=2", "velocity=, time= and rapid= exclude each other"),
+        (
+            "motion.move x=1 mode=stop tolerance=1",
+            "tolerance= belongs to mode=blend, not to mode=stop",
+        ),
+        ("motion.move x=1 mode=loose", "mode 'loose' is none of stop, exact and blend"),
+        ("motion.arc center-x=1 turns=-1", "turns is -1, must be 0 to 1000000"),
+    ] {
+        assert_eq!(rig.try_say(text).unwrap_err(), why);
+    }
+}
+
+/// Limits that become tighter in motion: the path brakes, and its rest keeps the new limits.
+#[test]
+fn the_rest_of_a_path_is_planned_again_for_tighter_limits() {
+    let mut rig = Rig::homed(&[]);
+    rig.say("motion.arc center-x=30 turns=2 velocity=80 mode=blend tolerance=0.1");
+    rig.say("motion.move y=50 velocity=80");
+    rig.begin();
+    rig.cycles(3500);
+    let angle = |rig: &Rig| rig.places()[1].atan2(rig.places()[0] - 30.0);
+    let (mut last, mut turned) = (angle(&rig), 0.0);
+    rig.say("motion.configure joint=0 max-velocity=20 max-acceleration=300");
+    let mut settled = 0;
+    let mut fastest = 0.0_f64;
+    while rig.status().segment == 1 || settled < 300 {
+        rig.cycle();
+        settled += 1;
+        let by = angle(&rig) - last;
+        turned += by - (by / core::f64::consts::TAU).round() * core::f64::consts::TAU;
+        last = angle(&rig);
+        if settled > 300 {
+            fastest = fastest.max(rig.joint(0, "vel-cmd").abs());
+        }
+        assert!(settled < 100_000);
+    }
+    // 3 turns are 565 mm; 3.5 s at 80 mm/s are 280 mm of them, less the start.
+    let all = turned / core::f64::consts::TAU;
+    assert!((1.3..1.7).contains(&all), "{all} turns were left");
+    assert!(fastest > 19.0 && fastest <= 20.0 + 1e-6, "{fastest}");
+    rig.finish();
+    assert_eq!(rig.places(), [0.0, 50.0, 0.0]);
+}
