@@ -10,7 +10,7 @@ use crate::{
     path::order::PathSetup,
     pins::Pins,
     setup::MAX_JOINTS,
-    state::{Inputs, State},
+    state::{Inputs, ProbeResult, State},
     switch::SwitchPins,
 };
 use hal_component::Pose;
@@ -27,6 +27,7 @@ impl State {
             homing_inhibit: g.homing_inhibit.get(),
             jog_stop: g.jog_stop.get(),
             jog_stop_immediate: g.jog_stop_immediate.get(),
+            probe: g.probe_input.get(),
         };
         for (joint, pins) in self.joints.iter_mut().zip(&pins.joints) {
             joint.read_pins(pins);
@@ -40,6 +41,9 @@ impl State {
         }
         self.at_speed =
             self.spindles.iter().zip(&pins.spindles).all(|(spindle, pins)| spindle.is_ready(pins));
+        if self.inputs.probe && !before.probe {
+            self.trip_probe();
+        }
         if self.inputs.jog_stop && !before.jog_stop {
             self.stop_jogs("stopped by motion.jog-stop");
         }
@@ -204,9 +208,16 @@ impl State {
             reverse: self.feed.reverse,
             top: self.traj.max_velocity,
             may_begin: self.at_speed,
+            probe: self.inputs.probe,
         };
         if let Some(pose) = self.path.step(drive) {
             self.pose = pose;
+        }
+        if self.path.has_probed() {
+            self.keep_probed(&before);
+        }
+        if let Some(why) = self.path.take_failed() {
+            why.say(&self.say);
         }
         while let Some(output) = self.path.due() {
             self.set_output(output);
@@ -223,6 +234,29 @@ impl State {
             const WHY: &str = "an external offset takes a joint beyond its limit: the move ends";
             self.path.abort_with(Refusal::new(WHY));
             self.say.error(WHY, &[]);
+        }
+    }
+
+    /// Keeps the pose at which the probe changed: as measured in this cycle, and as commanded for it.
+    fn keep_probed(&mut self, commanded: &Pose) {
+        let mut places = self.places();
+        for (place, joint) in places.iter_mut().zip(&self.joints) {
+            *place = joint.pos_fb;
+        }
+        let mut measured = *commanded;
+        // Without an answer, the commanded pose stands for both.
+        let _solved = self.kinematics.forward(&places, &mut measured);
+        self.probe = ProbeResult { found: true, measured, commanded: *commanded };
+    }
+
+    /// A probe that trips during a jog or homing ends it.
+    fn trip_probe(&mut self) {
+        if self.is_homing() {
+            self.end_homing("the probe tripped during homing");
+            self.say.error("the probe tripped during homing", &[]);
+        } else if self.is_jogging() {
+            self.stop_jogs("the probe tripped during a jog");
+            self.say.error("the probe tripped during a jog", &[]);
         }
     }
 

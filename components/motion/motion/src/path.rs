@@ -66,6 +66,8 @@ enum Stop {
     Abort(Refusal),
     /// The rest of the path is planned again, for other limits.
     Replan,
+    /// The probe has changed: the path ends.
+    Probed,
 }
 
 /// Inputs of a cycle.
@@ -80,6 +82,8 @@ pub(crate) struct Drive {
     pub(crate) top: f64,
     /// False while a motion that rests may not begin.
     pub(crate) may_begin: bool,
+    /// State of the probe.
+    pub(crate) probe: bool,
 }
 
 /// A path of moves, planned by the worker and followed here.
@@ -114,6 +118,12 @@ pub(crate) struct Path {
     scale: f64,
     /// Reason of the last move that the planner refused, until it is taken.
     refused: Option<Refusal>,
+    /// Reason for which the path failed otherwise, until it is taken.
+    failed: Option<Refusal>,
+    /// True in the cycle in which a probe move has found its place.
+    probed: bool,
+    /// Number of the probe move whose start was checked.
+    probe_begun: u32,
 }
 
 const AT_REST: Step = Step {
@@ -150,6 +160,9 @@ impl Path {
             travelled: 0.0,
             scale: 1.0,
             refused: None,
+            failed: None,
+            probed: false,
+            probe_begun: 0,
         }
     }
 
@@ -189,6 +202,7 @@ impl Path {
         self.travelled = if step.line == self.last.line { self.travelled } else { 0.0 };
         self.travelled += step.travel;
         self.last = step;
+        self.watch_probe(drive.probe);
         self.end_moves(is_at_end);
         self.end_step();
         if !step.moving {

@@ -31,6 +31,18 @@ pub(crate) struct Inputs {
     pub(crate) homing_inhibit: bool,
     pub(crate) jog_stop: bool,
     pub(crate) jog_stop_immediate: bool,
+    pub(crate) probe: bool,
+}
+
+/// Result of the last probe move.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ProbeResult {
+    /// True if the probe has changed.
+    pub(crate) found: bool,
+    /// Pose in that cycle, as measured.
+    pub(crate) measured: Pose,
+    /// Pose in that cycle, as commanded.
+    pub(crate) commanded: Pose,
 }
 
 /// Scaling of the feed.
@@ -65,6 +77,7 @@ pub(crate) struct State {
     pub(crate) traj: TrajConfig,
     pub(crate) feed: Feed,
     pub(crate) path: Path,
+    pub(crate) probe: ProbeResult,
     pub(crate) mode: Mode,
     pub(crate) enabled: bool,
     /// Servo period in seconds.
@@ -116,6 +129,7 @@ impl State {
             traj: TrajConfig::default(),
             feed: Feed { scale: 1.0, adaptive: false, hold: true, reverse: false, net: 1.0 },
             path,
+            probe: ProbeResult::default(),
             mode: Mode::Free,
             enabled: false,
             dt: 0.0,

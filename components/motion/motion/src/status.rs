@@ -55,12 +55,22 @@ pub(crate) struct MotionStatus {
     pub(crate) segment: u32,
     /// Line of the program of the current move.
     pub(crate) line: u32,
-    /// Kind of the current move: 0 none, 1 rapid, 2 feed, 3 arc.
+    /// Kind of the current move: 0 none, 1 rapid, 2 feed, 3 arc, 5 probing.
     pub(crate) motion_type: u32,
     /// Number of moves that have not ended.
     pub(crate) queue: u32,
     /// True after a move was refused, until the next one is accepted.
     pub(crate) move_refused: bool,
+    /// True while a probe move is in progress.
+    pub(crate) probing: bool,
+    /// State of motion.probe-input.
+    pub(crate) probe_input: bool,
+    /// True if the last probe move found its place.
+    pub(crate) probe_found: bool,
+    /// Pose in the cycle in which the probe changed, as measured.
+    pub(crate) probe_measured: [f64; 9],
+    /// Pose in the cycle in which the probe changed, as commanded.
+    pub(crate) probe_commanded: [f64; 9],
     /// Digital inputs for programs, a bit for each.
     pub(crate) digital_in: u64,
     /// Digital outputs of programs, a bit for each.
@@ -133,6 +143,11 @@ impl MotionStatus {
             motion_type: current.map_or(0, |c| c.kind as u32),
             queue: u32::try_from(s.path.depth()).unwrap_or(0),
             move_refused: s.coord_error,
+            probing: s.path.is_probing(),
+            probe_input: s.inputs.probe,
+            probe_found: s.probe.found,
+            probe_measured: s.probe.measured,
+            probe_commanded: s.probe.commanded,
             digital_in: bits(lists.digital_in.iter().map(In::get)),
             digital_out: bits(s.digital_out.iter().copied()),
             analog_in: [0.0; ANALOG],

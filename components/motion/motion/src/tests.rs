@@ -14,6 +14,7 @@ mod output;
 mod path;
 mod pin;
 mod random;
+mod segments;
 mod snapshot;
 mod switch;
 mod watch;

@@ -237,7 +237,7 @@ fn the_demonstration_tells_where_each_axis_went() {
     assert_eq!(output.status, Some(0), "{}", output.stderr);
     let table = "\
          Value  Name
-     7  float OUT              99.99999  X.mm ==> xpos-fb
+     7  float OUT              99.99998  X.mm ==> xpos-fb
      7  s32   OUT                   400  X.steps
      7  float OUT              59.99998  Y.mm ==> ypos-fb
      7  s32   OUT                   240  Y.steps

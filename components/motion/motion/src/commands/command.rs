@@ -50,6 +50,7 @@ pub(crate) struct Move {
     /// Target pose; letters that do not move are NaN.
     pub(crate) to: Pose,
     pub(crate) arc: Option<Arc>,
+    pub(crate) probe: Option<Probe>,
     pub(crate) speed: Speed,
     pub(crate) acceleration: Option<f64>,
     /// Path control at the end.
@@ -69,6 +70,15 @@ pub(crate) enum Speed {
     Feed(f64),
     /// The whole move takes this time, in seconds.
     Time(f64),
+}
+
+/// A move that ends where the probe changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Probe {
+    /// True if the probe must lose its contact (G38.4, G38.5).
+    pub(crate) away: bool,
+    /// True if a move without a change fails (G38.2, G38.4).
+    pub(crate) must: bool,
 }
 
 /// The circular part of a move.

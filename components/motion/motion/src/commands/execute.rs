@@ -255,8 +255,12 @@ impl State {
         self.set_mode(Mode::Coord)?;
         let traj = &self.traj;
         let most = traj.max_acceleration;
+        if m.probe.is_some() {
+            self.probe.found = false;
+        }
         let end = hal_trajectory::Pose::ZERO;
         let (shape, kind) = match m.arc {
+            None if m.probe.is_some() => (Shape::Line { end }, Kind::Probe),
             None if m.speed == Speed::Rapid => (Shape::Line { end }, Kind::Rapid),
             None => (Shape::Line { end }, Kind::Feed),
             Some(Arc { center, normal, turns }) => {
@@ -273,6 +277,7 @@ impl State {
             shape,
             kind,
             mode: m.mode,
+            probe: m.probe,
             feed,
             is_time,
             acceleration: m.acceleration.filter(|a| *a < most).unwrap_or(most),

@@ -1,7 +1,7 @@
 //! The control side: commands that move along a path, and commands for the path in progress.
 
 use crate::{
-    commands::command::{Arc, Move, Output, PathMode, Request, Run, Speed},
+    commands::command::{Arc, Move, Output, PathMode, Probe, Request, Run, Speed},
     commands::interface::{CommandInterface, Row, above, number, within},
     pins::LETTERS,
 };
@@ -68,7 +68,7 @@ and so are the moves that wait behind it.",
             &TOLERANCE,
             &LINE,
         ],
-        read: |interface, call| move_to(interface, call, None),
+        read: |interface, call| Ok(Request::Move(move_to(interface, call, None)?)),
     },
     Row {
         name: "motion.arc",
@@ -115,7 +115,40 @@ full circle. All other axes move evenly along it.",
         ],
         read: |interface, call| {
             let arc = arc(call)?;
-            move_to(interface, call, Some(arc))
+            Ok(Request::Move(move_to(interface, call, Some(arc))?))
+        },
+    },
+    Row {
+        name: "motion.probe",
+        doc: "\
+Moves in a straight line until the probe changes, as G38.2 to G38.5 do.
+
+The motion brakes along the line, and the path ends there. motion.status has the pose of that cycle,
+as measured and as commanded. The move fails if the probe is there already when it begins.",
+        args: &[
+            &X,
+            &Y,
+            &Z,
+            &A,
+            &B,
+            &C,
+            &U,
+            &V,
+            &W,
+            &VELOCITY,
+            &Arg::bit("away", "TRUE: until motion.probe-input is FALSE; FALSE: until it is TRUE.")
+                .or("FALSE"),
+            &Arg::bit("optional", "TRUE: a move that ends without a change does not fail.")
+                .or("FALSE"),
+            &LINE,
+        ],
+        read: |interface, call| {
+            let probe = Probe {
+                away: call.bit("away").unwrap_or(false),
+                must: !call.bit("optional").unwrap_or(false),
+            };
+            let line = move_to(interface, call, None)?;
+            Ok(Request::Move(Move { probe: Some(probe), ..line }))
         },
     },
     Row {
@@ -187,11 +220,7 @@ fn put(call: &Call<'_>, output: Output) -> Request {
     }
 }
 
-fn move_to(
-    interface: &CommandInterface,
-    call: &Call<'_>,
-    arc: Option<Arc>,
-) -> Result<Request, Error> {
+fn move_to(interface: &CommandInterface, call: &Call<'_>, arc: Option<Arc>) -> Result<Move, Error> {
     let mut to = [f64::NAN; 9];
     for (n, (place, letter)) in to.iter_mut().zip(LETTERS).enumerate() {
         if let Some(value) = number(call, letter.encode_utf8(&mut [0; 4]))? {
@@ -205,14 +234,15 @@ fn move_to(
     let line = call.int("line").unwrap_or(0);
     let line = u32::try_from(line)
         .map_err(|_| Error::new(format!("line is {line}, must be 0 to 4294967295")))?;
-    Ok(Request::Move(Move {
+    Ok(Move {
         to,
         arc,
+        probe: None,
         speed: speed(call)?,
         acceleration: above(call, "acceleration")?,
         mode: mode(call)?,
         line,
-    }))
+    })
 }
 
 fn speed(call: &Call<'_>) -> Result<Speed, Error> {
@@ -230,7 +260,8 @@ fn mode(call: &Call<'_>) -> Result<PathMode, Error> {
     let tolerance = number(call, "tolerance")?;
     let text = call.text("mode").unwrap_or_default();
     match (text.as_str(), tolerance) {
-        ("stop", None) => Ok(PathMode::ExactStop),
+        // Commands without the argument stop.
+        ("stop" | "", None) => Ok(PathMode::ExactStop),
         ("exact", None) => Ok(PathMode::Exact),
         ("blend", Some(p)) if p < 0.0 => {
             Err(Error::new(format!("tolerance is {p}, must be 0 or more")))

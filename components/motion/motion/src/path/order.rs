@@ -1,6 +1,10 @@
 //! Values that pass between the realtime side of a path and its planner.
 
-use crate::{commands::command::Output, commands::refusal::Refusal, setup::MAX_JOINTS};
+use crate::{
+    commands::command::{Output, Probe},
+    commands::refusal::Refusal,
+    setup::MAX_JOINTS,
+};
 use crossbeam::queue::ArrayQueue;
 use hal_component::{Plain, Pose};
 use hal_trajectory::{Follower, Mode, Reader, Shape};
@@ -20,6 +24,7 @@ pub(crate) enum Kind {
     Rapid = 1,
     Feed = 2,
     Arc = 3,
+    Probe = 5,
 }
 
 /// A programmed move whose shape is complete.
@@ -28,6 +33,7 @@ pub(crate) struct PathMove {
     pub(crate) shape: Shape,
     pub(crate) kind: Kind,
     pub(crate) mode: Mode,
+    pub(crate) probe: Option<Probe>,
     /// Units per second, or the duration in seconds if `is_time`.
     pub(crate) feed: f64,
     pub(crate) is_time: bool,

@@ -14,6 +14,9 @@ const PER_CYCLE: usize = 16;
 
 const BEFORE: Refusal = Refusal::new("a move before this one was refused");
 
+/// Reason for which a probe move fails at its end.
+const NO_CONTACT: Refusal = Refusal::new("the probe move ended without a change of the probe");
+
 impl Path {
     /// Appends a move to the pose `to`, in which letters that are NaN stay. `now` is the pose of the machine.
     pub(crate) fn push(
@@ -50,7 +53,7 @@ impl Path {
                 let sweep = Sweep::new(&start, &order.shape);
                 (sweep.length(), sweep.turns())
             }
-            Kind::None | Kind::Rapid | Kind::Feed => (0.0, 0.0),
+            Kind::None | Kind::Rapid | Kind::Feed | Kind::Probe => (0.0, 0.0),
         };
         if self.live == Live::Rest {
             self.live = Live::Wanted;
@@ -145,12 +148,20 @@ impl Path {
         while let Some(front) = self.pending.front() {
             let passed = self.last.line != 0 && comes_after(self.last.line, front.id)
                 || is_at_end && self.hand.is_finished(self.generation, front.id);
-            let Item::Move(_) = front.item else { return };
+            let Item::Move(order) = front.item else { return };
             if !passed {
                 return;
             }
+            let missed = order.probe.is_some_and(|p| p.must);
             if let Some(ticket) = front.ticket {
-                ticket.done();
+                if missed {
+                    ticket.fail(NO_CONTACT.text());
+                } else {
+                    ticket.done();
+                }
+            }
+            if missed {
+                self.failed.get_or_insert(NO_CONTACT);
             }
             self.base = front.end;
             self.pending.pop_front();

@@ -5,8 +5,48 @@ use crate::commands::{command::Run, refusal::Refusal};
 use hal_trajectory::Step;
 
 const ABORTED: Refusal = Refusal::new("aborted");
+const PROBED: Refusal = Refusal::new("the path ended where the probe changed");
+const TRIPPED: Refusal = Refusal::new("the probe is tripped already as the probe move begins");
+const RELEASED: Refusal = Refusal::new("the probe is not tripped as the probe move begins");
 
 impl Path {
+    /// Stops a probe move where the probe changes.
+    pub(super) fn watch_probe(&mut self, probe: bool) {
+        self.probed = false;
+        let Some(front) = self.pending.front().filter(|f| f.id == self.last.line) else { return };
+        let Item::Move(order) = front.item else { return };
+        let Some(wanted) = order.probe else { return };
+        if self.stop.is_some() || !self.last.moving {
+            return;
+        }
+        let has_changed = probe != wanted.away;
+        let is_first = self.probe_begun != front.id;
+        self.probe_begun = front.id;
+        if has_changed && is_first {
+            let why = if wanted.away { RELEASED } else { TRIPPED };
+            self.failed.get_or_insert(why);
+            self.abort_with(why);
+        } else if has_changed {
+            self.probed = true;
+            self.stop = Some(Stop::Probed);
+        }
+    }
+
+    /// Returns whether a probe move found its place in this cycle.
+    pub(crate) const fn has_probed(&self) -> bool {
+        self.probed
+    }
+
+    /// Returns whether a probe move is in progress.
+    pub(crate) fn is_probing(&self) -> bool {
+        self.current().is_some_and(|c| c.kind == super::order::Kind::Probe)
+    }
+
+    /// Takes the reason for which the path failed.
+    pub(crate) const fn take_failed(&mut self) -> Option<Refusal> {
+        self.failed.take()
+    }
+
     /// Pauses, resumes, steps or reverses.
     pub(crate) fn run(&mut self, run: Run) -> Result<(), Refusal> {
         match run {
@@ -114,6 +154,12 @@ impl Path {
         match self.stop.take() {
             None => {}
             Some(Stop::Abort(why)) => self.clear(why),
+            Some(Stop::Probed) => {
+                if let Some(ticket) = self.pending.pop_front().and_then(|p| p.ticket) {
+                    ticket.done();
+                }
+                self.clear(PROBED);
+            }
             Some(Stop::Replan) => {
                 self.cut_front();
                 let old = self.session.take();

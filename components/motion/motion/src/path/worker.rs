@@ -205,6 +205,10 @@ impl Planning {
     fn plan(&mut self, setup: &PathSetup, id: u32, step: &PathMove) -> Result<(), Option<Refusal>> {
         let start = *self.planner.position();
         reach::check(setup, &self.image, &start, step).map_err(Some)?;
+        if step.probe.is_some() {
+            // A probe move begins at rest.
+            self.planner.finish();
+        }
         self.planner.limit_acceleration(step.acceleration);
         let feed = if step.is_time {
             Sweep::new(&start.0, &step.shape).length() / step.feed

@@ -16,7 +16,7 @@ pins! {
         feed_inhibit: In<bool> = false, "feed-inhibit";
         /// FALSE switches the machine off and keeps it off.
         enable: In<bool> = true, "enable" [safety];
-        /// TRUE when a probe touches. Not used yet.
+        /// TRUE when a probe touches: ends probe moves, and jogs and homing that are in progress.
         probe_input: In<bool> = false, "probe-input";
         /// TRUE refuses to begin homing.
         homing_inhibit: In<bool> = false, "homing-inhibit";
@@ -68,7 +68,7 @@ pins! {
         /// Feed of the coordinated move in millimetres per second.
         feed_mm_per_second: Out<f64> = 0.0, "feed-mm-per-second";
         /// Type of the current motion: 0 none, 1 rapid, 2 feed, 3 arc, 4 tool change, 5 probing, 6 rotary index.
-        /// It is 0 to 3 here so far.
+        /// It is 0 to 3 or 5 here so far.
         motion_type: Out<i32> = 0, "motion-type";
         /// Line of the program being run, as the move gave it; 0 without a move.
         program_line: Out<i32> = 0, "program-line";

@@ -297,3 +297,71 @@ fn the_rest_of_a_path_is_planned_again_for_tighter_limits() {
     rig.finish();
     assert_eq!(rig.places(), [0.0, 50.0, 0.0]);
 }
+
+/// A probe move ends where the probe changes; the pose of that cycle is kept.
+#[test]
+fn probe_moves_of_all_four_kinds() {
+    for (away, optional) in [(false, false), (false, true), (true, false), (true, true)] {
+        let mut rig = Rig::homed(&[]);
+        let text =
+            |to: f64| format!("motion.probe x={to} velocity=20 away={away} optional={optional}");
+        // The surface is at 30; the probe trips within the cycle, and the motors are one cycle behind.
+        rig.bench.set("motion.probe-input", away);
+        rig.say(&text(60.0));
+        rig.say("motion.move x=70 velocity=20");
+        let mut measured = f64::NAN;
+        for n in 0..20_000 {
+            let at = rig.joint(0, "motor-pos-fb");
+            let beyond = at >= 30.0;
+            rig.bench.set("motion.probe-input", beyond != away);
+            rig.cycle();
+            if beyond && measured.is_nan() {
+                measured = at;
+                assert!(rig.status().probe_found && rig.status().probe_commanded[0] >= 30.0);
+            }
+            if n > 50 && rig.is("motion.in-position") {
+                break;
+            }
+        }
+        let s = rig.status();
+        assert_eq!((s.probe_measured[0], s.probe_found), (measured, true));
+        let states = rig.bench.tickets();
+        let [.., probe, behind] = states.as_slice() else { panic!("{states:?}") };
+        assert_eq!(*probe, TicketState::Done);
+        assert_eq!(*behind, TicketState::Failed("the path ended where the probe changed"));
+        let [x, ..] = rig.places();
+        let braking = 20.0 * 20.0 / 2.0 / 1350.0 + 2.0 * 20.0 * DT;
+        assert!(30.0 < x && x < 30.0 + braking + 0.05, "{x}");
+        // It begins where the probe is already.
+        let why = rig.failed(&text(60.0));
+        assert!(why.contains("as the probe move begins"), "{why}");
+        // Nothing changes on the way.
+        rig.bench.set("motion.probe-input", away);
+        let end = rig.wait(&text(70.0));
+        assert_eq!(end.is_ok(), optional, "{end:?}");
+        assert_eq!(rig.places()[0], 70.0);
+        assert!(!rig.status().probe_found);
+    }
+}
+
+#[test]
+fn a_probe_that_trips_ends_jogs_and_homing() {
+    let mut rig = Rig::homed(&[]);
+    rig.say("motion.jog joint=0 velocity=20 position=100");
+    rig.cycles(100);
+    rig.bench.set("motion.probe-input", true);
+    assert_eq!(rig.end(), Err("the probe tripped during a jog"));
+    rig.cycles(100);
+    assert_eq!(rig.joint(0, "vel-cmd"), 0.0);
+    assert_eq!(rig.bench.said(), ["the probe tripped during a jog"]);
+    // While it stays tripped, one jogs away.
+    rig.done("motion.jog joint=0 velocity=20 distance=-1");
+    rig.bench.set("motion.probe-input", false);
+    rig.say("motion.configure joint=1 home=40");
+    rig.say("motion.home joint=1");
+    rig.cycles(200);
+    rig.bench.set("motion.probe-input", true);
+    assert!(rig.end().is_err());
+    assert_eq!(rig.bench.said(), ["the probe tripped during homing"]);
+    assert!(rig.is("motion.motion-enabled"));
+}
