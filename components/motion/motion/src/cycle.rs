@@ -6,11 +6,9 @@ use crate::{
     commands::refusal::Refusal,
     jogger::By,
     joint,
-    path::Drive,
-    path::order::PathSetup,
+    path::Parked,
     pins::Pins,
-    setup::MAX_JOINTS,
-    state::{Inputs, ProbeResult, State},
+    state::{Inputs, State},
     switch::SwitchPins,
 };
 use hal_component::Pose;
@@ -133,7 +131,8 @@ impl State {
             joint.work_lock(self.enabled);
         }
         self.end_override();
-        if self.is_idle()
+        let rests = self.path.parked() != Parked::No && !self.is_jogging();
+        if (self.is_idle() || rests)
             && let Some(ticket) = self.stop_ticket.take()
         {
             ticket.done();
@@ -194,108 +193,11 @@ impl State {
         if self.on_soft_limit {
             self.stop_jogs("a joint is beyond its limit");
         }
-    }
-
-    fn coord(&mut self, dt: f64) {
-        if self.path.is_wanted() {
-            let setup = self.path_setup();
-            self.path.begin(setup);
-        }
-        let before = self.pose;
-        let drive = Drive {
-            dt,
-            scale: self.feed.net,
-            reverse: self.feed.reverse,
-            top: self.traj.max_velocity,
-            may_begin: self.at_speed,
-            probe: self.inputs.probe,
-        };
-        if let Some(pose) = self.path.step(drive) {
-            self.pose = pose;
-        }
-        if self.path.has_probed() {
-            self.keep_probed(&before);
-        }
-        if let Some(why) = self.path.take_failed() {
-            why.say(&self.say);
-        }
-        while let Some(output) = self.path.due() {
-            self.set_output(output);
-        }
-        if let Some(why) = self.path.take_refused() {
-            self.coord_error = true;
-            why.say(&self.say);
-        }
-        if let Err(why) = self.place(&before, dt) {
-            self.path.clear(why);
-            self.coord_error = true;
-            self.hold(before, why, dt);
-        } else if self.on_soft_limit && self.is_offset().0 && self.path.goes_on() {
-            const WHY: &str = "an external offset takes a joint beyond its limit: the move ends";
-            self.path.abort_with(Refusal::new(WHY));
-            self.say.error(WHY, &[]);
-        }
-    }
-
-    /// Keeps the pose at which the probe changed: as measured in this cycle, and as commanded for it.
-    fn keep_probed(&mut self, commanded: &Pose) {
-        let mut places = self.places();
-        for (place, joint) in places.iter_mut().zip(&self.joints) {
-            *place = joint.pos_fb;
-        }
-        let mut measured = *commanded;
-        // Without an answer, the commanded pose stands for both.
-        let _solved = self.kinematics.forward(&places, &mut measured);
-        self.probe = ProbeResult { found: true, measured, commanded: *commanded };
-    }
-
-    /// A probe that trips during a jog or homing ends it.
-    fn trip_probe(&mut self) {
-        if self.is_homing() {
-            self.end_homing("the probe tripped during homing");
-            self.say.error("the probe tripped during homing", &[]);
-        } else if self.is_jogging() {
-            self.stop_jogs("the probe tripped during a jog");
-            self.say.error("the probe tripped during a jog", &[]);
-        }
-    }
-
-    /// Returns place and limits of the machine for the planner.
-    fn path_setup(&self) -> PathSetup {
-        let mut setup = PathSetup {
-            period: self.dt,
-            start: self.pose,
-            places: self.places(),
-            max_override: self.traj.planned_override(),
-            exact_tolerance: EXACT_MM * self.traj.units_per_mm,
-            ..PathSetup::NONE
-        };
-        for (n, joint) in self.joints.iter().enumerate().take(MAX_JOINTS) {
-            if !joint.active || joint.extra {
-                continue;
-            }
-            let c = &joint.config;
-            let fraction = self.planning_fractions.get(n).copied().unwrap_or(1.0);
-            put(&mut setup.joint_active, n, true);
-            if joint.homing.homed {
-                put(&mut setup.joint_min, n, c.min_limit);
-                put(&mut setup.joint_max, n, c.max_limit);
-            }
-            put(&mut setup.joint_velocity, n, c.max_velocity * fraction);
-            put(&mut setup.joint_acceleration, n, c.max_acceleration * fraction);
-        }
-        for (n, axis) in self.axes.iter().enumerate() {
-            let (c, fraction) = (&axis.config, 1.0 - axis.config.offset_fraction);
-            put(&mut setup.axis_min, n, c.min_limit);
-            put(&mut setup.axis_max, n, c.max_limit);
-            put(&mut setup.axis_velocity, n, c.max_velocity * fraction);
-            put(&mut setup.axis_acceleration, n, c.max_acceleration * fraction);
-        }
-        setup
+        self.end_return();
     }
 
     /// Moves the joints to the pose with the offsets.
-    fn place(&mut self, before: &Pose, dt: f64) -> Result<(), Refusal> {
+    pub(crate) fn place(&mut self, before: &Pose, dt: f64) -> Result<(), Refusal> {
         let places = self.paced(before, dt)?;
         let moved = || self.joints.iter().zip(&places).filter(|(j, _)| j.active && !j.extra);
         self.on_soft_limit = moved().any(|(joint, place)| joint.is_beyond(*place));
@@ -309,7 +211,7 @@ impl State {
     }
 
     /// Keeps joints, axes and offsets where they are. The operator receives the reason once, for as long as it lasts.
-    fn hold(&mut self, before: Pose, why: Refusal, dt: f64) {
+    pub(crate) fn hold(&mut self, before: Pose, why: Refusal, dt: f64) {
         self.pose = before;
         for axis in &mut self.axes {
             axis.offset.hold();
@@ -344,14 +246,5 @@ impl State {
             self.overriding = false;
             self.override_moved = false;
         }
-    }
-}
-
-/// Distance from the path in exact mode, in millimetres.
-const EXACT_MM: f64 = 2e-3;
-
-fn put<T, const N: usize>(list: &mut [T; N], n: usize, value: T) {
-    if let Some(place) = list.get_mut(n) {
-        *place = value;
     }
 }

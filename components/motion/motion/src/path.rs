@@ -1,5 +1,6 @@
 //! Realtime. The path: a queue of moves, the planner's path that the axes follow, and what stops, holds and reverses it.
 
+mod coord;
 mod image;
 pub(crate) mod order;
 mod queue;
@@ -70,6 +71,19 @@ enum Stop {
     Probed,
 }
 
+/// Whether the axes have left a paused path.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) enum Parked {
+    #[default]
+    No,
+    /// The axes jog; the path goes on from this pose.
+    Away(Pose),
+    /// The axes go back to this pose.
+    Returns(Pose),
+    /// The axes rest at this pose, for a cycle.
+    Back(Pose),
+}
+
 /// Inputs of a cycle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Drive {
@@ -108,6 +122,9 @@ pub(crate) struct Path {
     base: Pose,
     stop: Option<Stop>,
     paused: bool,
+    parked: Parked,
+    /// Cycles until the end of a pause; 0 without one that ends.
+    resume_in: u32,
     reverse: bool,
     /// Number of the move at whose end a single step pauses.
     step_of: Option<u32>,
@@ -153,6 +170,8 @@ impl Path {
             base: [0.0; 9],
             stop: None,
             paused: false,
+            parked: Parked::No,
+            resume_in: 0,
             reverse: false,
             step_of: None,
             last: AT_REST,
@@ -189,6 +208,10 @@ impl Path {
         self.take_session();
         self.send();
         self.velocity = 0.0;
+        if self.resume_in > 0 {
+            self.resume_in -= 1;
+            self.paused &= self.resume_in > 0;
+        }
         let session = self.session.as_mut()?;
         let holds = self.stop.is_some() || self.paused || !self.last.moving && !drive.may_begin;
         self.scale = drive.scale;
@@ -291,6 +314,23 @@ impl Path {
         let by = hal_trajectory::Pose(known.end) - self.last.pose;
         let way = [Group::Xyz, Group::Uvw, Group::Abc].map(|g| by.norm(g));
         way.into_iter().find(|w| *w > 0.0).unwrap_or(0.0)
+    }
+
+    /// Returns whether the axes may leave the path: it is paused, rests, and is not over.
+    pub(crate) fn can_park(&self) -> bool {
+        self.paused
+            && !self.last.moving
+            && self.stop.is_none()
+            && self.live == Live::Follows
+            && !self.pending.is_empty()
+    }
+
+    pub(crate) const fn parked(&self) -> Parked {
+        self.parked
+    }
+
+    pub(crate) const fn set_parked(&mut self, parked: Parked) {
+        self.parked = parked;
     }
 
     pub(crate) const fn is_paused(&self) -> bool {

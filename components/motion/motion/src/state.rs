@@ -13,7 +13,7 @@ use crate::{
     homing::sequence::HomingSequence,
     jogger::TravelLimits,
     joint::Joint,
-    path::Path,
+    path::{Parked, Path},
     setup::{MAX_JOINTS, Places, Setup},
     spindle::Spindle,
     switch::Switch,
@@ -176,13 +176,22 @@ impl State {
         if mode == self.mode {
             return Ok(());
         }
-        if !self.is_idle() {
+        let parks = self.mode == Mode::Coord && mode == Mode::Teleop && self.path.can_park();
+        if self.path.parked() != Parked::No {
+            return Err(Refusal::new(
+                "the path is paused: motion.resume goes back to it, motion.abort ends it",
+            ));
+        }
+        if !self.is_idle() && !parks {
             return Err(Refusal::new("the mode cannot change while the machine moves"));
         }
         if mode == Mode::Free {
             self.needs_no_offset()?;
         }
         self.needs_world(mode)?;
+        if parks {
+            self.path.set_parked(Parked::Away(self.pose));
+        }
         self.mode = mode;
         self.sync("the mode has changed");
         Ok(())
@@ -190,7 +199,9 @@ impl State {
 
     /// Resets all planners to the positions of the joints.
     pub(crate) fn sync(&mut self, why: &'static str) {
-        self.path.leave();
+        if self.path.parked() == Parked::No {
+            self.path.leave();
+        }
         for joint in &mut self.joints {
             joint.free.reset(joint.pos_cmd, why);
         }

@@ -1,6 +1,7 @@
 //! Realtime. The snapshot `motion.status`: the state of the machine in each cycle, as a whole.
 
 use crate::{
+    path::Parked,
     pins::Lists,
     setup::{MAX_JOINTS, MAX_SPINDLES},
     state::State,
@@ -47,6 +48,8 @@ pub(crate) struct MotionStatus {
     pub(crate) adaptive_feed: bool,
     /// True while motion.feed-hold counts.
     pub(crate) feed_hold: bool,
+    /// True while the axes have left a paused path.
+    pub(crate) away: bool,
     /// True while the path is paused.
     pub(crate) paused: bool,
     /// True while the path runs backwards.
@@ -136,6 +139,7 @@ impl MotionStatus {
             feed_override: s.feed.scale,
             adaptive_feed: s.feed.adaptive,
             feed_hold: s.feed.hold,
+            away: s.path.parked() != Parked::No,
             paused: s.path.is_paused(),
             reverse: s.path.is_reverse(s.feed.reverse),
             segment: current.map_or(0, |c| c.id),

@@ -16,6 +16,7 @@ mod pin;
 mod random;
 mod segments;
 mod snapshot;
+mod speed;
 mod switch;
 mod watch;
 mod world;

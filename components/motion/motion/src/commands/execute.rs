@@ -7,6 +7,7 @@ use crate::{
     },
     commands::refusal::Refusal,
     jogger::{By, Jogger, TravelLimits},
+    path::Parked,
     path::order::{Kind, PathMove},
     state::State,
 };
@@ -155,6 +156,9 @@ impl State {
         if self.is_homing() {
             return Err(Refusal::new("cannot jog while homing"));
         }
+        if matches!(self.path.parked(), Parked::Returns(_) | Parked::Back(_)) {
+            return Err(Refusal::new("cannot jog while the axes go back to their path"));
+        }
         let limits = match jog.target {
             JogTarget::Joint(n) => self.joint_limits(n)?,
             JogTarget::Axis(letter) => {
@@ -287,10 +291,14 @@ impl State {
     }
 
     fn run(&mut self, run: Run) -> Result<(), Refusal> {
+        let is_away = self.path.parked() != Parked::No;
+        if is_away && run != Run::Resume {
+            return Err(Refusal::new("the axes have left the path: motion.resume goes back to it"));
+        }
         if self.mode != Mode::Coord && run != Run::Resume && run != Run::Forward {
             return Err(Refusal::new("there is no path: it needs coordinated mode"));
         }
-        self.path.run(run)
+        if run == Run::Resume { self.resume() } else { self.path.run(run) }
     }
 
     /// Plans the rest of the path again if a limit has become tighter. A path that has ended is left in any case.

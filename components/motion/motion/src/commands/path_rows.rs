@@ -153,7 +153,10 @@ as measured and as commanded. The move fails if the probe is there already when 
     },
     Row {
         name: "motion.pause",
-        doc: "Brakes along the path and holds there until motion.resume; nothing is forgotten.",
+        doc: "\
+Brakes along the path and holds there until motion.resume; nothing is forgotten.
+
+Meanwhile axes can be jogged: motion.resume first returns them to the very place.",
         args: &[],
         read: |_, _| Ok(Request::Run(Run::Pause)),
     },

@@ -1,6 +1,6 @@
 //! Realtime. Pause, single steps and reverse motion; aborts; and a new plan for the rest of a path when limits change.
 
-use super::{AT_REST, Live, Path, Stop, order::Item, sweep};
+use super::{AT_REST, Live, Parked, Path, Stop, order::Item, sweep};
 use crate::commands::{command::Run, refusal::Refusal};
 use hal_trajectory::Step;
 
@@ -45,6 +45,11 @@ impl Path {
     /// Takes the reason for which the path failed.
     pub(crate) const fn take_failed(&mut self) -> Option<Refusal> {
         self.failed.take()
+    }
+
+    /// Ends a pause after the few cycles in which the axes close the deadband of their jog.
+    pub(crate) const fn resume_soon(&mut self) {
+        self.resume_in = 4;
     }
 
     /// Pauses, resumes, steps or reverses.
@@ -119,6 +124,8 @@ impl Path {
         self.resume_due = false;
         self.stop = None;
         self.paused = false;
+        self.parked = Parked::No;
+        self.resume_in = 0;
         self.reverse = false;
         self.step_of = None;
         self.last = AT_REST;

@@ -156,7 +156,9 @@ fn begin(phase: &str) -> (Rig, Option<usize>, f64) {
     match phase {
         "accelerating" => until(&mut rig, |rig| speed(rig) > 20.0),
         "decelerating" => {
+            // At the end of a move, a hold would change nothing.
             until(&mut rig, |rig| speed(rig) > 40.0);
+            rig.say("motion.feed override=0.4");
             until(&mut rig, |rig| speed(rig) < 30.0);
         }
         "search" => until(&mut rig, |rig| state(rig) == 7 && speed(rig) == 20.0),

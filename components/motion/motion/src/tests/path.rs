@@ -365,3 +365,67 @@ fn a_probe_that_trips_ends_jogs_and_homing() {
     assert_eq!(rig.bench.said(), ["the probe tripped during homing"]);
     assert!(rig.is("motion.motion-enabled"));
 }
+
+/// A paused job: axes jog away, and resume returns them to the very place before the path goes on.
+#[test]
+fn a_paused_path_is_left_by_jogs_and_found_again() {
+    let mut rig = Rig::homed(&[]);
+    for to in SQUARE {
+        rig.say(&format!("motion.move {to} velocity=40 mode=blend tolerance=1"));
+    }
+    rig.begin();
+    rig.cycles(700);
+    rig.say("motion.pause");
+    rig.cycles(200);
+    let place = rig.places();
+    assert!(rig.failed("motion.jog joint=2 velocity=5").contains("the machine moves"));
+    rig.done("motion.jog axis=z velocity=9 distance=10");
+    rig.done("motion.jog axis=x velocity=50 distance=33");
+    assert!(rig.status().away && rig.is("motion.teleop-mode"));
+    near(rig.places(), [place[0] + 33.0, place[1], 10.0]);
+    let refused = "the path is paused: motion.resume goes back to it, motion.abort ends it";
+    assert_eq!(rig.failed("motion.move x=1 velocity=5"), refused);
+    assert!(rig.failed("motion.reverse").contains("motion.resume goes back"));
+    rig.say("motion.jog axis=y velocity=20");
+    rig.cycles(100);
+    assert_eq!(rig.failed("motion.resume"), "cannot resume while an axis jogs");
+    rig.done("motion.jog-stop");
+    rig.done("motion.resume");
+    rig.cycles(5);
+    assert_eq!(
+        rig.failed("motion.jog axis=y velocity=5"),
+        "cannot jog while the axes go back to their path"
+    );
+    let mut found = false;
+    for _ in 0..5000 {
+        let was = rig.is("motion.teleop-mode");
+        rig.cycle();
+        if was && rig.is("motion.coord-mode") {
+            near(rig.places(), place);
+            rig.cycle();
+            let [x, y, z] = rig.places();
+            assert!(z == 0.0 && (x - place[0]).hypot(y - place[1]) < 1e-2);
+            found = true;
+        }
+    }
+    assert!(found && rig.is("motion.in-position"));
+    assert_eq!(rig.places(), [0.0; 3]);
+    // Away from the path, an abort ends it where the axes are.
+    rig.say("motion.move x=50 velocity=40");
+    rig.begin();
+    rig.cycles(300);
+    rig.say("motion.pause");
+    rig.cycles(200);
+    rig.done("motion.jog axis=y velocity=20 distance=5");
+    rig.done("motion.abort");
+    let place = rig.places();
+    rig.cycles(100);
+    assert!(rig.is("motion.in-position") && !rig.status().away);
+    assert_eq!(rig.places(), place);
+    rig.done("motion.move x=0 y=0 velocity=40");
+    assert_eq!(rig.places(), [0.0; 3]);
+}
+
+fn near(at: [f64; 3], to: [f64; 3]) {
+    (0..3).for_each(|n| super::near(at[n], to[n]));
+}

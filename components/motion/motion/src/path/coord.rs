@@ -1,0 +1,170 @@
+//! Realtime. Coordinated mode: what the machine gives to its path and takes from it, probing, and the return to a paused path.
+
+use super::{Drive, Parked, order::PathSetup};
+use crate::{
+    commands::command::{Mode, Run},
+    commands::refusal::Refusal,
+    jogger::By,
+    setup::MAX_JOINTS,
+    state::{ProbeResult, State},
+};
+use hal_component::Pose;
+
+impl State {
+    /// Runs a cycle of coordinated mode.
+    pub(crate) fn coord(&mut self, dt: f64) {
+        if self.path.is_wanted() {
+            let setup = self.path_setup();
+            self.path.begin(setup);
+        }
+        let before = self.pose;
+        let drive = Drive {
+            dt,
+            scale: self.feed.net,
+            reverse: self.feed.reverse,
+            top: self.traj.max_velocity,
+            may_begin: self.at_speed,
+            probe: self.inputs.probe,
+        };
+        if let Some(pose) = self.path.step(drive) {
+            self.pose = pose;
+        }
+        if self.path.has_probed() {
+            self.keep_probed(&before);
+        }
+        if let Some(why) = self.path.take_failed() {
+            why.say(&self.say);
+        }
+        while let Some(output) = self.path.due() {
+            self.set_output(output);
+        }
+        if let Some(why) = self.path.take_refused() {
+            self.coord_error = true;
+            why.say(&self.say);
+        }
+        if let Err(why) = self.place(&before, dt) {
+            self.path.clear(why);
+            self.coord_error = true;
+            self.hold(before, why, dt);
+        } else if self.on_soft_limit && self.is_offset().0 && self.path.goes_on() {
+            const WHY: &str = "an external offset takes a joint beyond its limit: the move ends";
+            self.path.abort_with(Refusal::new(WHY));
+            self.say.error(WHY, &[]);
+        }
+    }
+
+    /// Keeps the pose at which the probe changed: as measured in this cycle, and as commanded for it.
+    fn keep_probed(&mut self, commanded: &Pose) {
+        let mut places = self.places();
+        for (place, joint) in places.iter_mut().zip(&self.joints) {
+            *place = joint.pos_fb;
+        }
+        let mut measured = *commanded;
+        // Without an answer, the commanded pose stands for both.
+        let _solved = self.kinematics.forward(&places, &mut measured);
+        self.probe = ProbeResult { found: true, measured, commanded: *commanded };
+    }
+
+    /// Sends the axes back to a path that they have left, or ends the pause of one that they follow.
+    pub(crate) fn resume(&mut self) -> Result<(), Refusal> {
+        let Parked::Away(place) = self.path.parked() else {
+            return if self.path.parked() == Parked::No {
+                self.path.run(Run::Resume)
+            } else {
+                Ok(())
+            };
+        };
+        if self.is_jogging() {
+            return Err(Refusal::new("cannot resume while an axis jogs"));
+        }
+        for (n, to) in place.iter().enumerate() {
+            if self.pose.get(n).is_some_and(|at| at.to_bits() != to.to_bits()) {
+                let limits = self.jog_limits(n)?;
+                if let Some(axis) = self.axes.get_mut(n) {
+                    axis.teleop.go(*to, limits.max_vel, &limits, By::Command, None);
+                }
+            }
+        }
+        self.path.set_parked(Parked::Returns(place));
+        Ok(())
+    }
+
+    /// Goes on along the path once the axes are back on it. Axes that were stopped on their way stay paused.
+    pub(crate) fn end_return(&mut self) {
+        match self.path.parked() {
+            Parked::No | Parked::Away(_) => {}
+            Parked::Returns(_) if self.is_jogging() => {}
+            Parked::Returns(place) => {
+                let near = |(at, to): (&f64, &f64)| libm::fabs(at - to) <= BACK;
+                let is_back = self.pose.iter().zip(&place).all(near);
+                self.path.set_parked(if is_back {
+                    Parked::Back(place)
+                } else {
+                    Parked::Away(place)
+                });
+            }
+            Parked::Back(_) => {
+                self.path.set_parked(Parked::No);
+                self.mode = Mode::Coord;
+                self.path.resume_soon();
+            }
+        }
+    }
+
+    /// A probe that trips during a jog or homing ends it.
+    pub(crate) fn trip_probe(&mut self) {
+        if self.is_homing() {
+            self.end_homing("the probe tripped during homing");
+            self.say.error("the probe tripped during homing", &[]);
+        } else if self.is_jogging() {
+            self.stop_jogs("the probe tripped during a jog");
+            self.say.error("the probe tripped during a jog", &[]);
+        }
+    }
+
+    /// Returns place and limits of the machine for the planner.
+    fn path_setup(&self) -> PathSetup {
+        let mut setup = PathSetup {
+            period: self.dt,
+            start: self.pose,
+            places: self.places(),
+            max_override: self.traj.planned_override(),
+            exact_tolerance: EXACT_MM * self.traj.units_per_mm,
+            ..PathSetup::NONE
+        };
+        for (n, joint) in self.joints.iter().enumerate().take(MAX_JOINTS) {
+            if !joint.active || joint.extra {
+                continue;
+            }
+            let c = &joint.config;
+            let fraction = self.planning_fractions.get(n).copied().unwrap_or(1.0);
+            put(&mut setup.joint_active, n, true);
+            if joint.homing.homed {
+                put(&mut setup.joint_min, n, c.min_limit);
+                put(&mut setup.joint_max, n, c.max_limit);
+            }
+            put(&mut setup.joint_velocity, n, c.max_velocity * fraction);
+            put(&mut setup.joint_acceleration, n, c.max_acceleration * fraction);
+        }
+        for (n, axis) in self.axes.iter().enumerate() {
+            let (c, fraction) = (&axis.config, 1.0 - axis.config.offset_fraction);
+            put(&mut setup.axis_min, n, c.min_limit);
+            put(&mut setup.axis_max, n, c.max_limit);
+            put(&mut setup.axis_velocity, n, c.max_velocity * fraction);
+            put(&mut setup.axis_acceleration, n, c.max_acceleration * fraction);
+        }
+        setup
+    }
+}
+
+/// Distance from a path at which axes count as back on it, in units; the first cycle on the path closes it.
+const BACK: f64 = 2e-6;
+
+/// Distance from the path in exact mode, in millimetres.
+const EXACT_MM: f64 = 2e-3;
+
+fn put<T, const N: usize>(list: &mut [T; N], n: usize, value: T) {
+    if let Some(place) = list.get_mut(n) {
+        *place = value;
+    }
+}

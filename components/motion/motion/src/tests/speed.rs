@@ -1,0 +1,72 @@
+//! Cost of a cycle of nine joints, at rest and along a path.
+
+use crate::{Motmod, status::MotionStatus};
+use hal_component::bench::{Bench, Random};
+use std::time::Instant;
+use trivkins::Trivkins;
+
+const PERIOD: i64 = 1_000_000;
+const LETTERS: [&str; 9] = ["x", "y", "z", "a", "b", "c", "u", "v", "w"];
+
+/// Runs a cycle and returns the time of the controller, in nanoseconds.
+#[expect(clippy::disallowed_methods, reason = "the cost is a time of the processor")]
+fn cycle(bench: &Bench) -> u128 {
+    bench.pass(PERIOD);
+    bench.run("motion-command-handler", PERIOD);
+    let start = Instant::now();
+    bench.run("motion-controller", PERIOD);
+    let took = start.elapsed().as_nanos();
+    drop(bench.work("motmod.planner", 64));
+    for n in 0..9 {
+        let at: f64 = bench.get(&format!("joint.{n}.motor-pos-cmd"));
+        bench.set(&format!("joint.{n}.motor-pos-fb"), at);
+    }
+    took
+}
+
+/// Prints mean and rare times of the controller, and of a function that does nothing.
+#[expect(clippy::print_stdout, reason = "figures for the reader of the test")]
+#[test]
+#[ignore = "figures of this machine: cargo test -p motion --release speed -- --ignored --nocapture"]
+fn the_cost_of_a_cycle_of_nine_joints() {
+    let mut bench = Bench::new();
+    bench.load::<Trivkins>(&["coordinates=xyzabcuvw"]).unwrap();
+    bench.load::<Motmod>(&["num_joints=9"]).unwrap();
+    let say = |text: &str| {
+        let words: Vec<&str> = text.split_whitespace().collect();
+        bench.command(words[0], &words[1..]).unwrap()
+    };
+    for n in 0..9 {
+        say(&format!(
+            "motion.configure joint={n} max-velocity=100 max-acceleration=1000 min-limit=-500 \
+             max-limit=500 ferror=1"
+        ));
+    }
+    say("motion.enable");
+    say("motion.home joint=all");
+    for _ in 0..100 {
+        let _ = cycle(&bench);
+    }
+    let mut random = Random::new(5);
+    let mut times = |moves: bool| {
+        let mut all = Vec::new();
+        let mut reached = 0;
+        for _ in 0..60_000 {
+            let s: MotionStatus = bench.snapshot("motion.status");
+            reached = reached.max(s.segment);
+            if moves && s.queue < 100 {
+                let mut text = String::from("motion.move mode=blend tolerance=0.1 velocity=60");
+                for letter in LETTERS {
+                    text += &format!(" {letter}={}", random.between(-20.0, 20.0));
+                }
+                say(&text);
+            }
+            all.push(cycle(&bench));
+        }
+        all.sort_unstable();
+        let mean = all.iter().sum::<u128>() / all.len() as u128;
+        (mean, all[all.len() / 2], all[all.len() - all.len() / 1000], reached)
+    };
+    println!("at rest: mean, median, p99.9 in ns, segments {:?}", times(false));
+    println!("on a path: mean, median, p99.9 in ns, segments {:?}", times(true));
+}
