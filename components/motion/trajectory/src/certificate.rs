@@ -112,8 +112,9 @@ impl Certificate {
             if round == 0 {
                 self.reject(Rule::Limits, raw);
             }
-            let Allowed { speed, .. } = raw.allowed;
-            raw.allowed = Allowed { speed: 0.5 * speed, rest: 0.5 * raw.allowed.top(), fade: 0.0 };
+            let speed = 0.5 * raw.allowed.speed;
+            let rest = 0.5 * raw.allowed.at(speed);
+            raw.allowed = Allowed { speed, rest, fade: 0.0 };
         }
     }
 

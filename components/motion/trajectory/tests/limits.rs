@@ -138,22 +138,27 @@ fn programs_by_name_keep_every_limit() {
             let program = named(name, tolerance, 150.0).unwrap();
             let conduct = Conduct { seed: 1, change: if k < 2 { 0.0 } else { 0.003 }, ..PLAIN };
             let out = run(&program, &machine, &Trivial, &conduct);
-            println!("{name} P {tolerance}: {} cycles, worst {:.9?}", out.cycles, out.worst);
+            println!(
+                "{name} P {tolerance}: {} cycles, {} events in one, worst {:.9?}",
+                out.cycles, out.events, out.worst
+            );
             assert_eq!(
                 (out.violations, out.rejected, out.refused),
                 (0, 0, 0),
                 "{name} {}",
                 out.place
             );
+            // Eight borders of cells, and a few changes of acceleration.
+            assert!(out.events <= 16, "{name}: {} events in a period", out.events);
         }
     }
 }
 
-/// Cases that a million random segments found: a rest a rounding away from a stop, and crawls whose output had drifted
-/// away from the input.
+/// Cases that a million random segments found: a rest a rounding away from a stop, crawls whose output had drifted away
+/// from the input, and a cell without joint bounds that allowed no acceleration.
 #[test]
 fn cases_of_the_past_keep_every_limit() {
-    for seed in [2853, 12_170, 12_337, 12_739, 16_049] {
+    for seed in [2853, 3610, 12_170, 12_337, 12_739, 16_049] {
         let (out, _) = judged(seed, 60);
         assert_eq!((out.violations, out.rejected), (0, 0), "seed {seed}");
     }

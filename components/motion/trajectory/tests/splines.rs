@@ -196,10 +196,10 @@ fn a_nurbs_circle_is_a_circle() {
     }
 }
 
-#[test]
-fn random_splines_keep_every_limit() {
+/// Judges the random splines of these seeds; returns their spans.
+fn many(seeds: core::ops::Range<u64>) -> usize {
     let (mut cycles, mut worst, mut pieces) = (0, [0.0_f64; 4], 0);
-    for seed in 1..90 {
+    for seed in seeds {
         let data = random(seed);
         let jerk = [f64::INFINITY, 1e5, 1e4][(seed % 3) as usize];
         let tolerance = [0.1, 0.01, 1.0, 0.0][(seed / 3 % 4) as usize];
@@ -220,6 +220,19 @@ fn random_splines_keep_every_limit() {
     }
     println!("{pieces} spans, {cycles} cycles, worst {worst:.9?}");
     assert!(worst[3] > 0.5, "the judge of the path sees deviations");
+    pieces
+}
+
+#[test]
+fn random_splines_keep_every_limit() {
+    many(1..90);
+}
+
+#[test]
+#[ignore = "five minutes on an idle core, beside the million segments of `limits`: cargo test -p hal-trajectory --release --test splines -- --ignored --nocapture"]
+fn ten_thousand_spans_keep_every_limit() {
+    let spans = many(1000..2200);
+    assert!(spans >= 10_000, "{spans}");
 }
 
 /// A cubic B-spline is followed exactly: the curve of the track is the curve itself.

@@ -11,7 +11,7 @@
 mod judge;
 
 use hal_corpus::{Kind, Mode, Motion, Options, Program, Step, random};
-use hal_trajectory::{Limits, Machine, Planner, Pose, Trivial};
+use hal_trajectory::{Follower, Limits, Machine, Planner, Pose, Trivial};
 use judge::{PLAIN, convert, run};
 
 const V: f64 = 200.0;
@@ -202,4 +202,64 @@ fn dense_code_is_joined() {
         .map(|(p, jerk)| taken(p, &machine(jerk)));
     println!("circle in lines: {a:.3} s, with noise {b:.3} s, without a limit of jerk {c:.3} s");
     assert!(a <= 0.7 && b <= 1.35 * a, "{a} {b}");
+}
+
+/// Seconds of a program of these steps at an override.
+fn at_override(steps: Vec<Step>, machine: &Machine, scale: f64) -> f64 {
+    let program = Program { name: "one feed", seed: 0, start: [0.0; 9], steps };
+    let mut planner = Planner::new(*machine, Trivial, Pose::ZERO).unwrap();
+    for m in &convert(&program, machine).0 {
+        planner.push(m).unwrap();
+    }
+    planner.finish();
+    let mut follower = Follower::new(machine.period, Pose::ZERO);
+    let mut cycles = 0;
+    while !follower.is_done(planner.track()) {
+        let _ = follower.step(planner.track(), scale, false);
+        cycles += 1;
+    }
+    f64::from(cycles) * machine.period
+}
+
+/// A circle of radius 50 at 50 mm/s takes its feed; start, stop and filter take 0.1 s.
+#[test]
+fn a_feed_is_reached_all_around_a_circle() {
+    let circle = Motion::Arc {
+        center: [50.0, 0.0, 0.0],
+        normal: [0.0, 0.0, 1.0],
+        angle: core::f64::consts::TAU,
+        rise: 0.0,
+        others: [0.0; 6],
+    };
+    let step = Step { motion: circle, mode: Mode::Exact, feed: 50.0 };
+    for jerk in [1e5, f64::INFINITY] {
+        let time = at_override(vec![step], &machine(jerk), 1.0);
+        let least = core::f64::consts::TAU * 50.0 / 50.0;
+        assert!(least < time && time < least + 0.1, "{time} s of {least} s");
+    }
+    // A circle of radius 1 at its centripetal limit, which cells of a large angle would not reach.
+    let small = Motion::Arc {
+        center: [1.0, 0.0, 0.0],
+        normal: [0.0, 0.0, 1.0],
+        angle: 60.0,
+        rise: 0.0,
+        others: [0.0; 6],
+    };
+    let step = Step { motion: small, mode: Mode::Exact, feed: 200.0 };
+    let time = at_override(vec![step], &machine(f64::INFINITY), 1.0);
+    let least = 60.0 / A.sqrt();
+    println!("circle of radius 1: {:.4} of the bound", time / least);
+    assert!(time < 1.05 * least, "{time} s of {least} s");
+}
+
+/// A line of 300 mm at 100 mm/s takes 2 s at an override of 1.5, if the plan is made for it.
+#[test]
+fn an_override_above_1_is_planned_for() {
+    let line = Motion::Line { by: [300.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0] };
+    let step = Step { motion: line, mode: Mode::Exact, feed: 100.0 };
+    let fast = Machine { max_override: 1.5, ..machine(1e5) };
+    let [slow, plain, fast] = [(machine(1e5), 1.5), (fast, 1.0), (fast, 1.5)]
+        .map(|(machine, scale)| at_override(vec![step], &machine, scale));
+    assert!(slow > 3.0 && plain > 3.0, "{slow} s and {plain} s at 100 mm/s");
+    assert!(2.0 < fast && fast < 2.2, "{fast} s at 150 mm/s");
 }

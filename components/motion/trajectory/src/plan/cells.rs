@@ -95,8 +95,9 @@ impl<K: Kinematics> Planner<K> {
             allowed.rest = self.acceleration;
         }
         if !self.direct && joints.is_none() {
-            let (speed, rest) = (allowed.speed.min(1e-3), allowed.top().min(1e-3));
-            allowed = Allowed { speed, rest, fade: 0.0 };
+            let speed = allowed.speed.min(1e-3);
+            let (rest, top) = (allowed.rest.min(1e-3), allowed.at(speed).min(1e-3));
+            allowed = Allowed::between(speed, rest, top);
         }
         let mut raw =
             Raw { curve: number, from, length: to - from, allowed, feed, line: a.line, start: 0.0 };
