@@ -200,6 +200,13 @@ impl State {
     pub(crate) fn place(&mut self, before: &Pose, dt: f64) -> Result<(), Refusal> {
         let places = self.paced(before, dt)?;
         let moved = || self.joints.iter().zip(&places).filter(|(j, _)| j.active && !j.extra);
+        if let Some(n) = self.joints.iter().zip(&places).position(|(j, place)| j.is_held(*place)) {
+            return Err(Refusal::joint(
+                "a joint that would move is locked",
+                "joint {} would move, and is locked",
+                n,
+            ));
+        }
         self.on_soft_limit = moved().any(|(joint, place)| joint.is_beyond(*place));
         for (joint, place) in self.joints.iter_mut().zip(&places) {
             if joint.active && !joint.extra {

@@ -202,6 +202,11 @@ impl Joint {
         self.backlash.step_exactly(dt);
     }
 
+    /// Returns whether a closed lock keeps the joint from a position.
+    pub(crate) fn is_held(&self, pos: f64) -> bool {
+        self.active && !self.extra && self.lock.is_closed() && fabs(pos - self.pos_cmd) > LOCKED
+    }
+
     /// Opens or closes the lock. It closes once the joint is at rest.
     pub(crate) fn work_lock(&mut self, enabled: bool) {
         let moves = enabled && (self.free.tp.active || self.vel_cmd != 0.0);
@@ -296,6 +301,9 @@ impl Joint {
 
 /// Tolerance for rounding of a position, in machine units.
 const SLACK: f64 = 1e-6;
+
+/// Rounding of a position that is no motion of a locked joint, in machine units.
+const LOCKED: f64 = 1e-9;
 
 /// Returns the jog-wheel pins of a joint.
 pub(crate) const fn wheel(pins: &JointPins) -> WheelPins {

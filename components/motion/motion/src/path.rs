@@ -71,7 +71,7 @@ enum Stop {
     Probed,
 }
 
-/// Whether the axes have left a paused path.
+/// True if the axes have left a paused path.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) enum Parked {
     #[default]

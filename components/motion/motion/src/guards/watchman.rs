@@ -12,7 +12,7 @@ impl State {
             self.watch = WatchCounters::default();
             self.joints.iter_mut().for_each(|j| j.watch.forget());
         }
-        let line = pins.general.program_line.get();
+        let line = self.path.current().map_or(0, |c| c.line);
         let mut broken = None;
         for (n, joint) in self.joints.iter_mut().enumerate().filter(|(_, j)| j.active) {
             if joint.extra && joint.homing.homed {
@@ -20,7 +20,7 @@ impl State {
                 joint.watch.stop();
                 continue;
             }
-            if !joint.watch.step(joint.step_guard.command(), dt, line.cast_unsigned()) {
+            if !joint.watch.step(joint.step_guard.command(), dt, line) {
                 self.watch.violations = self.watch.violations.wrapping_add(1);
                 broken.get_or_insert(n);
             }

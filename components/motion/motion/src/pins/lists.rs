@@ -9,7 +9,8 @@ pins! {
     UnlockPins {
         /// TRUE to open the joint's lock: while homing with locking-indexer moves the joint, until it is at rest.
         unlock: Out<bool> = false, "unlock" was "unlock";
-        /// TRUE when the joint's lock is open. Jogs of the joint, and of axes that it follows, are refused while it is locked.
+        /// TRUE when the joint's lock is open. While it is locked, jogs of the joint
+        /// and of axes that it follows are refused, and a coordinated move that would move it ends where it would begin to.
         is_unlocked: In<bool> = false, "is-unlocked" was "is-unlocked";
     }
 }

@@ -463,6 +463,12 @@ fn a_locked_indexer_opens_for_homing_alone() {
     assert_eq!(rig.failed("motion.jog axis=y velocity=1"), why);
     let said = ["cannot jog joint 1: it is a locking indexer", "cannot jog: joint 1 is locked"];
     assert_eq!(rig.bench.said(), said);
+    // Nor does it move with the others.
+    assert_eq!(rig.failed("motion.move x=9 y=9 velocity=20"), "a joint that would move is locked");
+    assert_eq!(rig.bench.said(), ["joint 1 would move, and is locked"]);
+    near(rig.joint(1, "pos-cmd"), 5.0);
+    assert!(rig.joint(0, "pos-cmd") < 1e-3 && rig.is("motion.motion-enabled"));
+    rig.done("motion.move x=9 velocity=20");
     rig.done("motion.jog axis=x velocity=1 distance=1");
 }
 

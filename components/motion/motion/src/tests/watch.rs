@@ -61,7 +61,7 @@ fn it_stops_the_machine_if_it_may() {
     let mut rig = rig();
     rig.strict = false;
     rig.bench.set("motion.watch.stop", true);
-    rig.say("motion.move x=150 velocity=45");
+    rig.say("motion.move x=150 velocity=45 line=77");
     rig.cycles(200);
     rig.bench.set("wrong.how", 1);
     rig.bench.set("wrong.by", 0.01);
@@ -70,6 +70,7 @@ fn it_stops_the_machine_if_it_may() {
     assert_eq!(rig.end(), Err("a joint broke its limits, and motion.watch.stop is TRUE"));
     assert!(!rig.is("motion.motion-enabled") && rig.is("joint.0.error"));
     assert_eq!(counts(&rig).0, 1);
+    assert_eq!(rig.bench.get::<i32>("motion.watch.line"), 77);
     rig.cycles(50);
     rig.done("motion.enable");
     rig.done("motion.move x=0 velocity=45");
