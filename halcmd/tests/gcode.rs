@@ -84,6 +84,106 @@ fn an_error_takes_lines_of_mdi_and_asks() {
     std::fs::remove_dir_all(&at).unwrap();
 }
 
+/// In a terminal, lines of MDI end with Ctrl-D, and the answer `y` lets the program go on behind its error.
+#[test]
+fn the_answer_y_goes_on_behind_the_error() {
+    use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+    let at = scratch("yes");
+    std::fs::write(at.join("ask.ngc"), "g0 x1\ng1 x2\ng0 x3\nm2\n").unwrap();
+    let run = |typed: &[u8]| {
+        let keys = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
+        grantpt(&keys).unwrap();
+        unlockpt(&keys).unwrap();
+        let name = ptsname(&keys, Vec::new()).unwrap().into_string().unwrap();
+        let end = std::fs::File::options().read(true).write(true).open(name).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_halgcode"));
+        command.args(["canon", "-g", "-n", "1", "ask.ngc"]).current_dir(&at);
+        command.stdin(end).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let child = command.spawn().unwrap();
+        assert_eq!(rustix::io::write(&keys, typed).unwrap(), typed.len());
+        let output = child.wait_with_output().unwrap();
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        let moves = text.lines().filter_map(|l| l.split_once("STRAIGHT_TRAVERSE("));
+        let moves = moves.map(|(_, rest)| rest.split(',').next().unwrap().to_owned());
+        (moves.collect::<Vec<_>>(), output.status.code())
+    };
+    assert_eq!(
+        run(b"g0 x9\n\x04y\n"),
+        (vec!["1.0000".into(), "9.0000".into(), "3.0000".into()], Some(0))
+    );
+    assert_eq!(run(b"g0 x9\n\x04n\n"), (vec!["1.0000".into(), "9.0000".into()], Some(1)));
+    std::fs::remove_dir_all(&at).unwrap();
+}
+
+/// A program of 24 MB takes less memory than its size, and is refused from the place on at which it was changed.
+#[test]
+fn a_program_is_read_in_parts_and_refused_once_it_has_changed() {
+    use std::io::{BufRead as _, Write as _};
+    let at = scratch("parts");
+    let path = at.join("large.ngc");
+    let lines = 6000;
+    let mut text = String::new();
+    for k in 0..lines {
+        writeln!(text, "{:4000}g0 x{}", "", k % 7).unwrap();
+    }
+    text.push_str("m2\n");
+    std::fs::write(&path, &text).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_halgcode"));
+    command.args(["canon", "-g", "large.ngc"]).current_dir(&at).stdin(Stdio::null());
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    // The program waits once the pipe is full, with most of the file still to be read.
+    let mut output = std::io::BufReader::new(child.stdout.take().unwrap()).lines();
+    for _ in 0..lines / 2 {
+        output.next().unwrap().unwrap();
+    }
+    let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
+    let peak = status.lines().find_map(|l| l.strip_prefix("VmHWM:")).unwrap();
+    let peak: usize = peak.trim().trim_end_matches(" kB").parse().unwrap();
+    assert!(peak * 1024 < text.len(), "{peak} kB");
+    let mut file = std::fs::File::options().append(true).open(&path).unwrap();
+    file.write_all(b"g0 x99\n").unwrap();
+    let rest = output.map_while(Result::ok).count();
+    assert!(rest < lines / 2, "the end of the file was read");
+    let done = child.wait_with_output().unwrap();
+    let errors = String::from_utf8_lossy(&done.stderr);
+    assert!(errors.contains("large.ngc>: it has changed since it was opened"), "{errors}");
+    assert_eq!(done.status.code(), Some(1));
+    std::fs::remove_dir_all(&at).unwrap();
+}
+
+/// 100 mm at 100 mm/s, a pause of 2 s and 100 mm at 200 mm/s, with 1000 mm/s²: 1.1, 2 and 0.7 s.
+#[test]
+fn check_tells_the_time_of_the_planner() {
+    let at = scratch("time");
+    let ini = |x: &str, joint: &str| {
+        format!(
+            "[TRAJ]\nCOORDINATES = XY\nLINEAR_UNITS = mm\nMAX_LINEAR_VELOCITY = 200\n\
+             [KINS]\nKINEMATICS = trivkins\n\
+             [AXIS_X]\n{x}\n[AXIS_Y]\nMAX_VELOCITY = 300\nMAX_ACCELERATION = 1000\n[JOINT_0]\n{joint}\n"
+        )
+    };
+    std::fs::write(at.join("time.ngc"), "g21 g90 f6000\ng1 x100\ng4 p2\ng0 x0\nm2\n").unwrap();
+    let time = |ini: String, file: &str| {
+        std::fs::write(at.join("m.ini"), ini).unwrap();
+        let text = halgcode(&at, &["check", "-i", "m.ini", file]).stdout;
+        let text = String::from_utf8_lossy(&text).into_owned();
+        text.lines().find_map(|l| l.strip_prefix("  time on the machine ")).map(str::to_owned)
+    };
+    let fast = "MAX_VELOCITY = 300\nMAX_ACCELERATION = 4000";
+    let slow = "MAX_VELOCITY = 300\nMAX_ACCELERATION = 1000";
+    let rest = "s, without tool changes and waits";
+    assert_eq!(time(ini(fast, slow), "time.ngc"), Some(format!("3.8 {rest}")));
+    // The joint is slower than its axis; without an acceleration there is no time.
+    assert_eq!(time(ini(fast, fast), "time.ngc"), Some(format!("3.6 {rest}")));
+    assert_eq!(time(ini("MAX_VELOCITY = 300", "MIN_LIMIT = 0"), "time.ngc"), None);
+    // Two half circles of 157.08 mm in inches at 100 mm/s, one of them clockwise, each from rest to rest: 1.67 s, and a
+    // little for the acceleration that the curvature needs.
+    let arcs = "g20 g90 f236.2204724\ng61.1\ng3 x3.937007874 i1.968503937\ng2 x7.874015748 i1.968503937\nm2\n";
+    std::fs::write(at.join("arcs.ngc"), arcs).unwrap();
+    assert_eq!(time(ini(slow, slow), "arcs.ngc"), Some(format!("3.4 {rest}")));
+    std::fs::remove_dir_all(&at).unwrap();
+}
+
 /// Returns the programs of the interpreter's tests.
 fn corpus() -> Vec<PathBuf> {
     let folder = folder().join("../../../components/motion/gcode/tests/programs");

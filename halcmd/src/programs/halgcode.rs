@@ -8,6 +8,7 @@
 //! | `filter` | programs of `[FILTER]`, which turn other files into G-code |
 //! | `canon`, `printer` | `canon`: the canonical calls, as `rs274` prints them |
 //! | `check` | `check`: errors, limits, tools, extents |
+//! | `clock` | the time of a program on its machine, by the planner of motion |
 //! | `path` | the way of the tool in machine coordinates |
 //! | `plot`, `views` | `plot`: pictures of the way |
 //! | `format`, `tokens`, `metric` | `format`: tidy text, line numbers, millimetres for inches |
@@ -15,6 +16,7 @@
 
 mod canon;
 mod check;
+mod clock;
 mod filter;
 mod format;
 mod machine;

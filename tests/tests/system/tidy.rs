@@ -77,7 +77,15 @@ fn arrows_point_only_downward() {
         ("hal-engine", &["hal-abi", "hal-output", "hal-protocol", "hal-trace"]),
         (
             "halcmd",
-            &["hal-engine", "hal-gcode", "hal-ini", "hal-output", "hal-protocol", "hal-trace"],
+            &[
+                "hal-engine",
+                "hal-gcode",
+                "hal-ini",
+                "hal-output",
+                "hal-protocol",
+                "hal-trace",
+                "hal-trajectory",
+            ],
         ),
         ("halcompile", &["hal-output"]),
         ("ferrule-client", &["hal-protocol"]),

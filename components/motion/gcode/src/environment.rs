@@ -4,8 +4,29 @@ use std::sync::Arc;
 
 use crate::{remap::Hook, state::State, tool::Tool};
 
-/// The text of a file; a mapped file stays outside of the heap.
-pub type Text = Arc<dyn AsRef<[u8]> + Send + Sync>;
+/// The text of a file.
+pub type Text = Arc<dyn Source + Send + Sync>;
+
+/// Bytes that are read in parts, such as those of a file.
+pub trait Source {
+    /// Reads bytes from `offset` on into the buffer, and returns their number; 0 at the end.
+    ///
+    /// # Errors
+    /// The bytes cannot be read, or are no longer those that were there; the reason.
+    fn read_at(&self, offset: u64, buffer: &mut [u8]) -> Result<usize, Box<str>>;
+}
+
+impl Source for Vec<u8> {
+    fn read_at(&self, offset: u64, buffer: &mut [u8]) -> Result<usize, Box<str>> {
+        let from = usize::try_from(offset).unwrap_or(usize::MAX);
+        let rest = self.get(from..).unwrap_or_default();
+        let count = rest.len().min(buffer.len());
+        if let (Some(to), Some(from)) = (buffer.get_mut(..count), rest.get(..count)) {
+            to.copy_from_slice(from);
+        }
+        Ok(count)
+    }
+}
 
 /// The facts that the interpreter reads while it runs. The library itself reads no file and no device.
 pub trait Environment {

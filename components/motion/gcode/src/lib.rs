@@ -38,7 +38,7 @@ pub mod text;
 pub mod tool;
 
 pub use canon::{Call, Issued};
-pub use environment::{Environment, Text};
+pub use environment::{Environment, Source, Text};
 pub use error::Error;
 pub use interpret::{Interpreter, Step};
 pub use parameters::Numbered;

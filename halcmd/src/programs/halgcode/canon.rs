@@ -13,7 +13,9 @@ use crate::{
     programs::options::{Opt, mixed, plain, usage},
     terminal::print_error,
 };
-use hal_gcode::{Call, Error, Interpreter, Settings, axis::AxisMask, canon::Unit};
+use hal_gcode::{
+    Call, Error, Interpreter, Settings, axis::AxisMask, canon::Unit, program::numbered_line,
+};
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
@@ -251,11 +253,9 @@ impl Job<'_> {
         let text = world.open(&error.place.file);
         let text =
             text.or_else(|| filter::load(Path::new(&*error.place.file), &world.machine).ok());
-        let index = usize::try_from(error.place.line).unwrap_or(0).saturating_sub(1);
-        let line = text.and_then(|t| {
-            let line = (*t).as_ref().split(|b| *b == b'\n').nth(index)?;
-            Some(String::from_utf8_lossy(line).trim_end_matches('\r').to_owned())
-        });
+        let longest = world.machine.settings.limits.line_length;
+        let line = text.and_then(|t| numbered_line(&t, error.place.line.into(), longest));
+        let line = line.map(|l| String::from_utf8_lossy(&l).trim_end_matches('\r').to_owned());
         print_error(&format!("{}\n{}\n", error.problem, line.unwrap_or_default()));
         if self.stack {
             print_error(&format!("{error}\n"));

@@ -1,6 +1,7 @@
 //! `halgcode check`: the errors of a program, the places that the machine cannot reach, its tools and extents.
 
 use super::{
+    clock::Clock,
     filter,
     machine::{Files, Machine},
     path::{Extents, Kind, Way},
@@ -17,6 +18,7 @@ use hal_gcode::{
     Call, Error, Interpreter, Issued,
     axis::{Axis, Position},
     error::Problem,
+    program::numbered_line,
     state::FeedMode,
 };
 use std::{
@@ -195,6 +197,8 @@ struct Check<'a> {
     feed: (f64, bool),
     speed: f64,
     minutes: f64,
+    /// The planner's time, if the INI file states what it needs.
+    clock: Option<Clock>,
     tools: BTreeMap<i32, Use>,
     /// The limits of an axis that moves go beyond: lower, upper.
     beyond: BTreeMap<(usize, bool), Beyond>,
@@ -213,6 +217,7 @@ impl<'a> Check<'a> {
             feed: (it.state.modal.feed, it.state.modal.feed_mode == FeedMode::PerRevolution),
             speed: it.state.modal.spindles.first().map_or(0.0, |s| s.speed),
             minutes: 0.0,
+            clock: Clock::new(it, &world.machine),
             tools: BTreeMap::new(),
             beyond: BTreeMap::new(),
         }
@@ -236,6 +241,9 @@ impl<'a> Check<'a> {
             Call::SetFeedMode { per_revolution, .. } => self.feed.1 = per_revolution,
             Call::SetSpindleSpeed { spindle: 0, speed } => self.speed = speed,
             _ => {}
+        }
+        if let Some(clock) = &mut self.clock {
+            clock.call(issued);
         }
         let mut from = self.way.at;
         let mut moved = Vec::new();
@@ -297,10 +305,11 @@ impl<'a> Check<'a> {
         }
         use hal_gcode::Environment;
         let Some(text) = world.open(&error.place.file) else { return };
-        let index = usize::try_from(error.place.line).unwrap_or(0).saturating_sub(1);
-        let Some(line) = (*text).as_ref().split(|b| *b == b'\n').nth(index) else { return };
+        let longest = world.machine.settings.limits.line_length;
+        let line = numbered_line(&text, error.place.line.into(), longest);
+        let Some(line) = line else { return };
         let line: String =
-            String::from_utf8_lossy(line).chars().filter(|c| !c.is_control()).take(200).collect();
+            String::from_utf8_lossy(&line).chars().filter(|c| !c.is_control()).take(200).collect();
         self.text.push_str(&format!("    {line}\n"));
         if let Some(column) =
             usize::try_from(error.place.column).ok().and_then(|c| c.checked_sub(1))
@@ -357,6 +366,15 @@ impl<'a> Check<'a> {
         let seconds = self.minutes * 60.0;
         let added = writeln!(out, "  time at feed {seconds:.1} s, rapid way {:.1}", self.rapid);
         added.unwrap_or_else(|e| print_error(&e.to_string()));
+        if let Some((seconds, refused)) = self.clock.take().map(Clock::seconds) {
+            out.push_str(&format!(
+                "  time on the machine {seconds:.1} s, without tool changes and waits"
+            ));
+            out.push_str(&match refused {
+                0 => "\n".to_owned(),
+                count => format!(", and without {count} moves that the planner refuses\n"),
+            });
+        }
         self.text.push_str(&out);
     }
 }

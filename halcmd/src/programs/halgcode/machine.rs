@@ -17,6 +17,9 @@ use std::{
 /// The end of an axis's travel in millimetres or degrees, either side if it is stated.
 pub(super) type Limit = (Option<f64>, Option<f64>);
 
+/// The highest speed, acceleration and jerk of an axis per second, squared and cubed, as far as they are stated.
+pub(super) type Rates = [Option<f64>; 3];
+
 /// Facts of a machine.
 pub(super) struct Machine {
     pub(super) settings: Settings,
@@ -30,6 +33,12 @@ pub(super) struct Machine {
     pub(super) codes: Vec<PathBuf>,
     /// The ends of travel.
     pub(super) limits: [Limit; 9],
+    /// The lowest speeds, accelerations and jerks of the axes and of their joints.
+    pub(super) rates: [Rates; 9],
+    /// The highest speeds along the path, in millimetres and in degrees per second; infinity if none is stated.
+    pub(super) top_speed: (f64, f64),
+    /// The servo period in seconds.
+    pub(super) period: f64,
     /// The code that is run before the first program.
     pub(super) startup: Option<String>,
     pub(super) ini: Option<Ini>,
@@ -64,6 +73,9 @@ impl Machine {
             folders: vec![here.clone()],
             codes: vec![here.clone()],
             limits: [(None, None); 9],
+            rates: [[None; 3]; 9],
+            top_speed: (f64::INFINITY, f64::INFINITY),
+            period: 1e-3,
             startup: None,
             ini: None,
             folder: here,
@@ -110,6 +122,7 @@ impl Machine {
         for axis in Axis::ALL {
             self.axis(ini, axis, &letters);
         }
+        self.speeds(ini, &letters);
         let folder = |name: &str| self.folder.join(name);
         let list = |value: &str| value.split(':').map(folder).collect::<Vec<_>>();
         let prefix = ini.get("DISPLAY", "PROGRAM_PREFIX").unwrap_or("nc_files");
@@ -156,6 +169,39 @@ impl Machine {
         {
             self.settings.wrapped.0 |= 1 << axis.index();
         }
+    }
+
+    /// Takes the speeds of the path, and the speeds, accelerations and jerks of axes and joints.
+    fn speeds(&mut self, ini: &Ini, letters: &[Axis]) {
+        let unit = self.settings.unit.millimetres();
+        let number = |section: &str, name: &str| -> Option<f64> {
+            ini.get(section, name)?.trim().parse::<f64>().ok().filter(|v| *v > 0.0)
+        };
+        let lower = |a: Option<f64>, b: Option<f64>| match (a, b) {
+            (Some(a), Some(b)) => Some(a.min(b)),
+            _ => a.or(b),
+        };
+        const NAMES: [&str; 3] = ["MAX_VELOCITY", "MAX_ACCELERATION", "MAX_JERK"];
+        // The joints of other kinematics are no axes.
+        let joints = if self.kinematics.is_none() { letters } else { &[] };
+        for axis in letters {
+            let k = if axis.is_rotary() { 1.0 } else { unit };
+            let own = format!("AXIS_{}", axis.letter().to_ascii_uppercase());
+            let numbers = joints.iter().enumerate().filter(|(_, a)| *a == axis);
+            let prefix = if ini.is_old() { "AXIS" } else { "JOINT" };
+            let sections = numbers.map(|(n, _)| format!("{prefix}_{n}"));
+            for section in core::iter::once(own).chain(sections) {
+                let Some(rates) = self.rates.get_mut(usize::from(axis.index())) else { continue };
+                for (rate, name) in rates.iter_mut().zip(NAMES) {
+                    *rate = lower(*rate, number(&section, name).map(|v| v * k));
+                }
+            }
+        }
+        let top = |names: [&str; 2]| names.iter().find_map(|n| number("TRAJ", n));
+        let linear = top(["MAX_LINEAR_VELOCITY", "MAX_VELOCITY"]);
+        self.top_speed.0 = linear.map_or(f64::INFINITY, |v| v * unit);
+        self.top_speed.1 = number("TRAJ", "MAX_ANGULAR_VELOCITY").unwrap_or(f64::INFINITY);
+        self.period = number("EMCMOT", "SERVO_PERIOD").map_or(1e-3, |ns| ns * 1e-9);
     }
 
     fn read_table(&mut self, path: &Path) -> Result<(), String> {

@@ -1,8 +1,15 @@
 //! The files, tools and values that a program sees.
 
 use super::machine::Machine;
-use hal_gcode::{Environment, Text, tool::Tool};
-use std::{collections::BTreeMap, os::unix::fs::PermissionsExt, path::Path, sync::Arc};
+use hal_gcode::{Environment, Source, Text, tool::Tool};
+use std::{
+    collections::BTreeMap,
+    fs::File,
+    io::Read,
+    os::unix::fs::{FileExt, MetadataExt, PermissionsExt},
+    path::Path,
+    sync::Arc,
+};
 
 /// The world of a program that runs without its machine.
 pub(super) struct World {
@@ -11,21 +18,49 @@ pub(super) struct World {
     pub(super) hal: BTreeMap<String, f64>,
 }
 
-/// The largest file that is read.
-const MAX_BYTES: u64 = 2 << 30;
+/// The most bytes that are read from a pipe.
+const MAX_PIPE: u64 = 1 << 30;
 
-/// Reads a program.
+/// A file that is read while its program runs. Its size and time of change stay what they were, or reading ends.
+struct Opened {
+    file: File,
+    version: Version,
+}
+
+/// Size and time of change of a file.
+type Version = (u64, i64, i64);
+
+/// Opens a program. It is read in parts, so that memory does not grow with the file.
 ///
 /// # Errors
-/// The file cannot be read or is too large.
+/// The file cannot be opened.
 pub(super) fn program(path: &Path) -> Result<Text, String> {
     let wrong = |e: &std::io::Error| format!("{}: {}", path.display(), hal_output::reason(e));
-    let size = std::fs::metadata(path).map_err(|e| wrong(&e))?.len();
-    if size > MAX_BYTES {
-        return Err(format!("{}: more than {MAX_BYTES} bytes", path.display()));
+    let file = File::open(path).map_err(|e| wrong(&e))?;
+    if !file.metadata().map_err(|e| wrong(&e))?.is_file() {
+        // A pipe can be read only once, and a folder not at all.
+        let mut bytes = Vec::new();
+        file.take(MAX_PIPE).read_to_end(&mut bytes).map_err(|e| wrong(&e))?;
+        return Ok(Arc::new(bytes));
     }
-    let bytes = std::fs::read(path).map_err(|e| wrong(&e))?;
-    Ok(Arc::new(bytes))
+    let version = version(&file).map_err(|e| wrong(&e))?;
+    Ok(Arc::new(Opened { file, version }))
+}
+
+fn version(file: &File) -> std::io::Result<Version> {
+    let known = file.metadata()?;
+    Ok((known.len(), known.mtime(), known.mtime_nsec()))
+}
+
+impl Source for Opened {
+    fn read_at(&self, offset: u64, buffer: &mut [u8]) -> Result<usize, Box<str>> {
+        let read = self.file.read_at(buffer, offset).map_err(|e| hal_output::reason(&e))?;
+        // After the read: what was read is older than the version that is compared.
+        if version(&self.file).map_err(|e| hal_output::reason(&e))? != self.version {
+            return Err("it has changed since it was opened".into());
+        }
+        Ok(read)
+    }
 }
 
 impl Environment for World {

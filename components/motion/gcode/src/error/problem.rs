@@ -242,6 +242,7 @@ problems! {
     M99Context: "M99 outside of a program part", "";
     UserAbort { text: Box<str> }: "{text}", "";
     NoFile { name: Box<str> }: "Unable to open file <{name}>", "";
+    FileUnread { name: Box<str>, reason: Box<str> }: "Unable to read file <{name}>: {reason}", "load the program again";
     WrongAnswer: "the answer does not fit the request", "";
     CalledBeforeAnswer: "the interpreter waits for an answer", "";
     Unsupported { thing: &'static str }: "{thing} is not supported yet", "";

@@ -70,6 +70,7 @@ pub struct Interpreter {
     /// The state.
     pub state: State,
     pub(crate) sources: Sources,
+    raw: Vec<u8>,
     cleaned: Vec<u8>,
     line: Line,
     block: block::Block,
@@ -120,14 +121,23 @@ impl Interpreter {
             sources.put("", Arc::new(text.as_bytes().to_vec()));
         }
         let (cleaned, line, block) = (Vec::new(), Line::default(), block::Block::default());
-        Self { state, sources, cleaned, line, block, late: Vec::new(), remapped: None }
+        Self {
+            state,
+            sources,
+            raw: Vec::new(),
+            cleaned,
+            line,
+            block,
+            late: Vec::new(),
+            remapped: None,
+        }
     }
 
     /// Begins a program. Modal state, offsets and global parameters stay.
     pub fn load(&mut self, name: &str, text: Text) {
-        let percent = first_line_is_percent((*text).as_ref());
         self.sources = Sources::default();
         self.sources.put(name, text);
+        let percent = self.begins_with_percent(name);
         self.state.mdi = None;
         self.begin(Level::new(name.into(), Cursor::default(), LevelKind::Main { percent }));
     }
@@ -210,10 +220,16 @@ impl Interpreter {
         self.state.levels.iter().map(Level::place).collect()
     }
 
-    /// Returns the text of a file that is known or that the environment opens.
-    pub(crate) fn text(&mut self, file: &str, env: &dyn Environment) -> Result<Text, Trouble> {
-        let text = self.sources.text(file, env);
-        text.ok_or_else(|| Problem::NoFile { name: file.into() }.into())
+    /// Reads a line of a file that is known or that the environment opens; `None` at its end.
+    pub(crate) fn read(
+        &mut self,
+        file: &str,
+        cursor: Cursor,
+        env: &dyn Environment,
+        line: &mut Vec<u8>,
+    ) -> Result<Option<Cursor>, Trouble> {
+        let longest = self.state.settings.limits.line_length;
+        Ok(self.sources.line(file, cursor, longest, env, line)?)
     }
 
     fn count(&mut self, calls: usize, result: Result<Step, Error>) -> Result<Step, Error> {
@@ -244,9 +260,4 @@ impl Interpreter {
         };
         Error { place, problem: trouble.problem, calls: places }
     }
-}
-
-fn first_line_is_percent(text: &[u8]) -> bool {
-    let mut lines = text.split(|b| *b == b'\n').map(<[u8]>::trim_ascii);
-    lines.find(|l| !l.is_empty()).is_some_and(|l| l == b"%")
 }

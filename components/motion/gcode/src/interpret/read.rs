@@ -7,7 +7,6 @@ use crate::{
     error::{Error, Problem},
     interpret::codes::MGroup,
     parameters::{check_writable, set_name, system},
-    program::line_at,
     question::Answer,
     state::{Cursor, Level, LevelKind, Pending},
     text::{
@@ -35,19 +34,22 @@ impl Interpreter {
             return Ok(Step::Ended);
         };
         let at = level.cursor;
-        let Some(text) = self.sources.text(&level.file, env) else {
-            let name = level.file.clone();
-            return Err(self.error(Problem::NoFile { name }.into(), &[]));
+        let longest = limits.line_length;
+        let mut raw = core::mem::take(&mut self.raw);
+        let result = match self.sources.line(&level.file, at, longest, env, &mut raw) {
+            Err(problem) => Err(self.error(problem.into(), &[])),
+            Ok(None) => self.end_of_file(out).map_err(|t| self.error(t, &[])),
+            Ok(Some(next)) => {
+                if let Some(level) = self.state.levels.last_mut() {
+                    level.cursor = next;
+                }
+                self.state.line = next.line;
+                let result = self.run_text(&raw, at, env, out);
+                result.map_err(|trouble| self.error(trouble, &raw))
+            }
         };
-        let Some((raw, next)) = line_at((*text).as_ref(), at) else {
-            return self.end_of_file(out).map_err(|t| self.error(t, &[]));
-        };
-        if let Some(level) = self.state.levels.last_mut() {
-            level.cursor = next;
-        }
-        self.state.line = next.line;
-        let result = self.run_text(raw, at, env, out);
-        result.map_err(|trouble| self.error(trouble, raw))
+        self.raw = raw;
+        result
     }
 
     fn run_text(
@@ -241,15 +243,27 @@ impl Interpreter {
     /// Tells whether a line with text came before the one at which the level is.
     fn seen_percent(&mut self, at: Cursor) -> bool {
         let Some(level) = self.state.levels.last() else { return true };
-        let Some(text) = self.sources.text(&level.file.clone(), &NoFiles) else { return true };
-        let mut cursor = Cursor::default();
-        while let Some((raw, next)) = line_at((*text).as_ref(), cursor) {
+        let file = level.file.clone();
+        let (mut cursor, mut raw) = (Cursor::default(), Vec::new());
+        while let Ok(Some(next)) = self.read(&file, cursor, &NoFiles, &mut raw) {
             if !raw.trim_ascii().is_empty() {
                 return next != at;
             }
             cursor = next;
         }
         true
+    }
+
+    /// Tells whether the first line with text of a file that is known is a percent sign.
+    pub(super) fn begins_with_percent(&mut self, file: &str) -> bool {
+        let (mut cursor, mut raw) = (Cursor::default(), Vec::new());
+        while let Ok(Some(next)) = self.read(file, cursor, &NoFiles, &mut raw) {
+            if !raw.trim_ascii().is_empty() {
+                return raw.trim_ascii() == b"%";
+            }
+            cursor = next;
+        }
+        false
     }
 
     fn end_of_file(&mut self, out: &mut Vec<Issued>) -> Result<Step, Trouble> {

@@ -1,6 +1,6 @@
 //! Flow control: loops, conditions, subroutines and program parts.
 
-use super::{Found, line_at, scan::o_word};
+use super::{Found, scan::o_word};
 use crate::{
     environment::Environment,
     error::Problem,
@@ -231,11 +231,10 @@ impl Interpreter {
     ) -> Result<(&'static str, Vec<u8>, Cursor), Trouble> {
         let from = self.cursor();
         let file = self.level()?.file.clone();
-        let text = self.text(&file, env)?;
-        let mut cleaned = Vec::new();
+        let (mut raw, mut cleaned) = (Vec::new(), Vec::new());
         let mut cursor = from;
-        while let Some((raw, next)) = line_at((*text).as_ref(), cursor) {
-            if let Some((found, rest)) = o_word(raw, &mut cleaned)
+        while let Some(next) = self.read(&file, cursor, env, &mut raw)? {
+            if let Some((found, rest)) = o_word(&raw, &mut cleaned)
                 && let Some(word) = oword::keyword(rest)
                 && let Some(word) = words.iter().find(|w| **w == word)
                 && self.label(&found, env).is_ok_and(|l| &*l == label)
@@ -257,20 +256,20 @@ impl Interpreter {
         if in_sub {
             return Err(Problem::SubNested.into());
         }
-        let first = self.sources.find(&file, Found::Sub(label), env);
+        let longest = self.state.settings.limits.line_length;
+        let first = self.sources.find(&file, Found::Sub(label), longest, env)?;
         if first.is_some_and(|f| f != cursor) {
             return Err(Problem::LabelDuplicate { label: label.into() }.into());
         }
         self.seek(label, &["endsub"], env)?;
         // Nothing between begins another one.
         let end = self.cursor();
-        let text = self.text(&file, env)?;
-        let mut cleaned = Vec::new();
+        let (mut raw, mut cleaned) = (Vec::new(), Vec::new());
         let mut at = cursor;
-        while let Some((raw, next)) = line_at((*text).as_ref(), at)
+        while let Some(next) = self.read(&file, at, env, &mut raw)?
             && next.offset < end.offset
         {
-            let inner = o_word(raw, &mut cleaned);
+            let inner = o_word(&raw, &mut cleaned);
             if inner.is_some_and(|(_, rest)| oword::keyword(rest) == Some("sub")) {
                 self.state.line = next.line;
                 return Err(Problem::SubNested.into());
@@ -351,12 +350,13 @@ impl Interpreter {
         env: &dyn Environment,
     ) -> Result<(Box<str>, Cursor), Trouble> {
         let files: Vec<Box<str>> = self.state.levels.iter().rev().map(|l| l.file.clone()).collect();
+        let longest = self.state.settings.limits.line_length;
         for file in files {
-            if let Some(start) = self.sources.find(&file, wanted, env) {
+            if let Some(start) = self.sources.find(&file, wanted, longest, env)? {
                 return Ok((file, start));
             }
         }
-        if let Some(start) = self.sources.find(label, wanted, env) {
+        if let Some(start) = self.sources.find(label, wanted, longest, env)? {
             return Ok((label.into(), start));
         }
         Err(Problem::LabelMissing { label: label.into() }.into())

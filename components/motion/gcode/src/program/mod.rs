@@ -1,66 +1,89 @@
 //! Programs: files and the lines in them, flow control, saved modal state.
 
 pub mod flow;
+mod pages;
 pub mod save;
 mod scan;
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, sync::Arc};
 
 use crate::{
     environment::{Environment, Text},
+    error::Problem,
     state::Cursor,
 };
+use pages::Pages;
 pub use scan::{Found, Index};
 
 /// The files that were opened, with their subroutines. Not a part of the state: it is made again when it is needed.
 #[derive(Default)]
 pub struct Sources {
-    texts: BTreeMap<Box<str>, Text>,
+    files: BTreeMap<Box<str>, Pages>,
     indices: BTreeMap<Box<str>, Index>,
 }
 
 impl Sources {
-    /// Returns the text of a file.
-    pub fn text(&mut self, name: &str, environment: &dyn Environment) -> Option<Text> {
-        if let Some(text) = self.texts.get(name) {
-            return Some(Text::clone(text));
-        }
-        let text = environment.open(name)?;
-        self.texts.insert(name.into(), Text::clone(&text));
-        Some(text)
+    /// Reads the line of a file at `cursor` into `line`, and returns the cursor behind it; `None` at the end. At most
+    /// `longest` bytes and one more are read.
+    ///
+    /// # Errors
+    /// There is no such file, or it cannot be read.
+    pub fn line(
+        &mut self,
+        file: &str,
+        cursor: Cursor,
+        longest: usize,
+        environment: &dyn Environment,
+        line: &mut Vec<u8>,
+    ) -> Result<Option<Cursor>, Problem> {
+        let pages = match self.files.get_mut(file) {
+            Some(pages) => pages,
+            None => {
+                let text = environment.open(file);
+                let text = text.ok_or_else(|| Problem::NoFile { name: file.into() })?;
+                self.files.entry(file.into()).or_insert(Pages::new(text))
+            }
+        };
+        let read = pages.line(cursor, longest, line);
+        read.map_err(|reason| Problem::FileUnread { name: file.into(), reason })
     }
 
     /// Sets the text of a file.
     pub fn put(&mut self, name: &str, text: Text) {
         self.indices.remove(name);
-        self.texts.insert(name.into(), text);
+        self.files.insert(name.into(), Pages::new(text));
     }
 
-    /// Returns the place behind the line that defines a subroutine or part.
+    /// Returns the place behind the line that defines a subroutine or part; `None` if there is no such file either.
+    ///
+    /// # Errors
+    /// The file cannot be read.
     pub fn find(
         &mut self,
         file: &str,
         wanted: Found<'_>,
+        longest: usize,
         environment: &dyn Environment,
-    ) -> Option<Cursor> {
+    ) -> Result<Option<Cursor>, Problem> {
         if !self.indices.contains_key(file) {
-            let text = self.text(file, environment)?;
-            self.indices.insert(file.into(), Index::of((*text).as_ref()));
+            let read =
+                |cursor, line: &mut Vec<u8>| self.line(file, cursor, longest, environment, line);
+            match Index::of(read) {
+                Ok(index) => self.indices.insert(file.into(), index),
+                Err(Problem::NoFile { .. }) => return Ok(None),
+                Err(problem) => return Err(problem),
+            };
         }
-        self.indices.get(file)?.find(wanted)
+        Ok(self.indices.get(file).and_then(|index| index.find(wanted)))
     }
 }
 
-/// Returns the line at `cursor` without its end, and the cursor behind it.
-pub fn line_at(text: &[u8], cursor: Cursor) -> Option<(&[u8], Cursor)> {
-    let from = usize::try_from(cursor.offset).ok()?;
-    let rest = text.get(from..).filter(|r| !r.is_empty())?;
-    let length = rest.iter().position(|b| *b == b'\n');
-    let line = length.map_or(rest, |l| rest.get(..l).unwrap_or_default());
-    let taken = length.map_or(rest.len(), |l| l + 1);
-    let next = Cursor {
-        offset: cursor.offset.saturating_add(taken as u64),
-        line: cursor.line.saturating_add(1),
-    };
-    Some((line, next))
+/// Returns a line of a text by its number, from 1 on, or at most its first `longest` bytes and one more.
+pub fn numbered_line(text: &Text, number: u64, longest: usize) -> Option<Vec<u8>> {
+    let mut pages = Pages::new(Arc::clone(text));
+    let (mut cursor, mut line) = (Cursor::default(), Vec::new());
+    for _ in 0..number {
+        cursor = pages.line(cursor, longest, &mut line).ok()??;
+    }
+    (number > 0).then_some(line)
 }

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::line_at;
 use crate::{
+    error::Problem,
     state::Cursor,
     text::{
         Input, clean,
@@ -28,14 +28,19 @@ pub struct Index {
 }
 
 impl Index {
-    /// Reads the definitions of a text; the first one of a label counts.
-    pub fn of(text: &[u8]) -> Self {
+    /// Reads the definitions of a text; the first one of a label counts. `read` reads a line.
+    ///
+    /// # Errors
+    /// A line cannot be read.
+    pub fn of(
+        mut read: impl FnMut(Cursor, &mut Vec<u8>) -> Result<Option<Cursor>, Problem>,
+    ) -> Result<Self, Problem> {
         let mut out = Self::default();
-        let mut cleaned = Vec::new();
+        let (mut raw, mut cleaned) = (Vec::new(), Vec::new());
         let mut cursor = Cursor::default();
-        while let Some((raw, next)) = line_at(text, cursor) {
+        while let Some(next) = read(cursor, &mut raw)? {
             cursor = next;
-            let Some((Label::Name(label), rest)) = o_word(raw, &mut cleaned) else { continue };
+            let Some((Label::Name(label), rest)) = o_word(&raw, &mut cleaned) else { continue };
             match oword::keyword(rest) {
                 Some("sub") => {
                     out.subs.entry(label).or_insert(next);
@@ -46,7 +51,7 @@ impl Index {
                 Some(_) => {}
             }
         }
-        out
+        Ok(out)
     }
 
     /// Returns the place behind the definition.

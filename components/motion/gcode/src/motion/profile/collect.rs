@@ -8,7 +8,7 @@ use crate::{
     interpret::{Interpreter, Run, Step, Trouble, block::Block, codes::GGroup},
     motion::geometry::Point,
     parameters::system::Reader,
-    program::{Found, line_at},
+    program::Found,
     state::{Cursor, Level, LevelKind},
     text::{clean, evaluate::evaluate, line::Line, oword::Action},
 };
@@ -56,20 +56,20 @@ impl Interpreter {
         env: &dyn Environment,
         out: &mut Vec<Issued>,
     ) -> Result<Vec<Piece>, Trouble> {
-        let text = self.text(file, env)?;
         let position = self.state.position;
         let mut at = Point::new(position.z, position.x);
         let (mut pieces, mut corners): (Vec<Piece>, Vec<Corner>) = (Vec::new(), Vec::new());
         let mut began = false;
-        let (mut cleaned, mut line, mut cursor) = (Vec::new(), Line::default(), start);
+        let (mut raw, mut cleaned) = (Vec::new(), Vec::new());
+        let (mut line, mut cursor) = (Line::default(), start);
         let mut motion = 10;
         loop {
-            let Some((raw, next)) = line_at((*text).as_ref(), cursor) else {
+            let Some(next) = self.read(file, cursor, env, &mut raw)? else {
                 let (label, line) = (label.into(), start.line);
                 return Err(Problem::EndMissing { label, line }.into());
             };
             cursor = next;
-            clean::clean(raw, &mut cleaned).map_err(|(_, problem)| Trouble::from(problem))?;
+            clean::clean(&raw, &mut cleaned).map_err(|(_, problem)| Trouble::from(problem))?;
             line.parse(&cleaned).map_err(|fault| Trouble::from(fault.problem))?;
             if let Some(word) = &line.oword {
                 if matches!(word.action, Action::Endsub(_)) {

@@ -1,0 +1,235 @@
+//! The time that a program takes on its machine: the planner of motion plans the moves, and its follower walks along them.
+
+use super::{
+    machine::Machine,
+    path::{Kind, Way},
+};
+use hal_gcode::{
+    Call, Interpreter, Issued,
+    axis::{Axis, Position},
+    canon::{Frame, PathMode, Plane},
+    state::FeedMode,
+};
+use hal_trajectory::{
+    Error, Follower, Limits, Machine as Motion, Mode, Move, Planner, Pose, Shape, Trivial,
+};
+
+/// Tolerance of blends where G64 has none: the length of the moves is their only bound.
+const UNBOUNDED: f64 = 1e6;
+
+/// Cells that are planned ahead of the follower; it goes on when there are twice as many.
+const AHEAD: u64 = 1000;
+
+/// Walks through a program in machine time.
+pub(super) struct Clock {
+    planner: Planner<Trivial>,
+    follower: Follower,
+    period: f64,
+    periods: u64,
+    dwells: f64,
+    /// Moves that the planner refused.
+    refused: u64,
+    frame: Frame,
+    way: Way,
+    /// Highest speeds along the path, linear and angular, in units per second.
+    top: (f64, f64),
+    mode: Mode,
+    feed: f64,
+    per_revolution: bool,
+    speed: f64,
+    /// Travel per revolution, or per minute, of motion bound to the spindle.
+    bound: Option<(f64, bool)>,
+}
+
+impl Clock {
+    /// Clock at the place where the interpreter is; `None` if the INI file does not state the speed and acceleration of
+    /// every axis.
+    pub(super) fn new(it: &Interpreter, machine: &Machine) -> Option<Self> {
+        let state = &it.state;
+        let motion = motion(machine)?;
+        let start = pose(state.frame.machine_mm(state.position));
+        let planner = Planner::new(motion, Trivial, start).ok()?;
+        Some(Self {
+            planner,
+            follower: Follower::new(motion.period, start),
+            period: motion.period,
+            periods: 0,
+            dwells: 0.0,
+            refused: 0,
+            frame: state.frame,
+            way: Way::new(state.frame, state.position),
+            top: machine.top_speed,
+            mode: mode(state.modal.path, state.frame.unit.millimetres()),
+            feed: state.modal.feed,
+            per_revolution: state.modal.feed_mode == FeedMode::PerRevolution,
+            speed: state.modal.spindles.first().map_or(0.0, |s| s.speed),
+            bound: None,
+        })
+    }
+
+    /// Takes a call into account.
+    pub(super) fn call(&mut self, issued: &Issued) {
+        let unit = self.frame.unit.millimetres();
+        match &issued.call {
+            Call::SetFeedRate(feed) => self.feed = *feed,
+            Call::SetFeedMode { per_revolution, .. } => self.per_revolution = *per_revolution,
+            Call::SetSpindleSpeed { spindle: 0, speed } => self.speed = *speed,
+            Call::SetPathMode(path) => self.mode = mode(*path, unit),
+            Call::StartSpeedFeedSync { pitch, velocity_mode, .. } => {
+                self.bound = Some((*pitch, *velocity_mode));
+            }
+            Call::StopSpeedFeedSync => self.bound = None,
+            Call::Dwell(seconds) => {
+                self.rest();
+                self.dwells += seconds.max(0.0);
+            }
+            // Motion rests until these are done.
+            Call::ChangeTool(_)
+            | Call::WaitSpindleOrient { .. }
+            | Call::Wait { .. }
+            | Call::UserCode { .. }
+            | Call::ProgramStop
+            | Call::PalletShuttle
+            | Call::ProgramEnd
+            | Call::Finish => self.rest(),
+            _ => {}
+        }
+        self.frame.apply(&issued.call);
+        let from = self.way.at;
+        let mut points = Vec::new();
+        self.way.follow(&issued.call, &mut |kind, point| points.push((kind, point)));
+        if let Call::ArcFeed { plane, end, centre_first, centre_second, turns } = &issued.call
+            && let Some(arc) = self.arc(*plane, *end, (*centre_first, *centre_second), *turns)
+        {
+            let taken = self.push(from, self.way.at, arc, Kind::Feed, issued.line);
+            if taken.is_ok() {
+                return;
+            }
+        }
+        let stops = matches!(issued.call, Call::RigidTap { .. } | Call::StraightProbe { .. });
+        let mut last = from;
+        for (kind, point) in points {
+            let line = Shape::Line { end: pose(point) };
+            if self.push(last, point, line, kind, issued.line).is_err() {
+                self.refused += 1;
+            }
+            if stops {
+                self.rest();
+            }
+            last = point;
+        }
+    }
+
+    /// Returns the time in seconds, and the number of moves that have no part in it.
+    pub(super) fn seconds(mut self) -> (f64, u64) {
+        self.rest();
+        (self.periods as f64 * self.period + self.dwells, self.refused)
+    }
+
+    /// Returns an arc in machine coordinates; `None` in planes of U, V and W.
+    fn arc(&self, plane: Plane, end: Position, centre: (f64, f64), turns: i32) -> Option<Shape> {
+        if !matches!(plane, Plane::Xy | Plane::Xz | Plane::Yz) {
+            return None;
+        }
+        let (first, second, third) = plane.axes();
+        let mut middle = end;
+        (middle[first], middle[second]) = centre;
+        let mut above = middle;
+        above[third] += if turns < 0 { -1.0 } else { 1.0 };
+        let [middle, above] = [middle, above].map(|p| self.frame.machine_mm(p));
+        let by = above - middle;
+        Some(Shape::Arc {
+            end: pose(self.frame.machine_mm(end)),
+            center: [middle.x, middle.y, middle.z],
+            normal: [by.x, by.y, by.z],
+            turns: turns.unsigned_abs().saturating_sub(1),
+        })
+    }
+
+    fn push(
+        &mut self,
+        from: Position,
+        to: Position,
+        shape: Shape,
+        kind: Kind,
+        line: u32,
+    ) -> Result<(), Error> {
+        let is_arc = matches!(shape, Shape::Arc { .. });
+        let by = to - from;
+        let linear = is_arc || [by.x, by.y, by.z, by.u, by.v, by.w].iter().any(|d| *d != 0.0);
+        let (unit, top) =
+            if linear { (self.frame.unit.millimetres(), self.top.0) } else { (1.0, self.top.1) };
+        let per_minute = match self.bound {
+            Some((pitch, true)) => pitch,
+            Some((pitch, false)) => pitch * self.speed,
+            None if self.per_revolution => self.feed * self.speed,
+            None => self.feed,
+        };
+        let feed = match kind {
+            Kind::Rapid => top,
+            Kind::Feed => (per_minute * unit / 60.0).min(top),
+        };
+        let next = Move { shape, feed, mode: self.mode, line };
+        if self.ahead() > 2 * AHEAD {
+            while self.ahead() > AHEAD {
+                self.step();
+            }
+            self.planner.forget(self.follower.oldest());
+        }
+        self.planner.push(&next)
+    }
+
+    /// Returns the number of cells ahead of the follower.
+    fn ahead(&self) -> u64 {
+        let track = self.planner.track();
+        (track.oldest() + track.len() as u64).saturating_sub(self.follower.oldest())
+    }
+
+    fn step(&mut self) {
+        let _ = self.follower.step(self.planner.track(), 1.0, false);
+        self.periods += 1;
+    }
+
+    /// Ends the path for now, and lets the follower come to its end.
+    fn rest(&mut self) {
+        self.planner.finish();
+        while !self.follower.is_done(self.planner.track()) {
+            self.step();
+        }
+        self.planner.forget(self.follower.oldest());
+    }
+}
+
+/// Returns the machine of the planner.
+fn motion(machine: &Machine) -> Option<Motion> {
+    let mut motion = Motion::uniform(Limits::NONE);
+    for axis in Axis::ALL {
+        let index = usize::from(axis.index());
+        let slot = motion.axes.get_mut(index)?;
+        if machine.settings.axes.0 >> axis.index() & 1 == 1 {
+            let [velocity, acceleration, jerk] = machine.rates.get(index).copied()?;
+            *slot = Limits {
+                velocity: velocity?,
+                acceleration: acceleration?,
+                jerk: jerk.unwrap_or(f64::INFINITY),
+            };
+        }
+    }
+    motion.period = machine.period;
+    Some(motion)
+}
+
+/// Returns a mode of the planner; tolerances of a program have its unit.
+const fn mode(path: PathMode, unit: f64) -> Mode {
+    match path {
+        PathMode::ExactPath => Mode::Exact,
+        PathMode::ExactStop => Mode::ExactStop,
+        PathMode::Continuous { tolerance } => {
+            Mode::Blend(if tolerance > 0.0 { tolerance * unit } else { UNBOUNDED })
+        }
+    }
+}
+
+fn pose(p: Position) -> Pose {
+    Pose(Axis::ALL.map(|axis| p[axis]))
+}
