@@ -143,6 +143,31 @@ fn write_pins(s: &mut State, pins: &Pins, status: &MotionStatus) {
     g.program_line.set(status.line.cast_signed());
     g.requested_vel.set(status.requested_velocity);
     let (_, feed) = s.path.feeds();
+    g.interp_iscircle.set(status.motion_type == 3);
+    g.interp_feedrate.set(status.requested_velocity);
+    g.interp_line_number.set(status.line.cast_signed());
+    g.interp_motion_type.set(status.motion_type.cast_signed());
+    let tool = [
+        &g.tooloffset_x,
+        &g.tooloffset_y,
+        &g.tooloffset_z,
+        &g.tooloffset_a,
+        &g.tooloffset_b,
+        &g.tooloffset_c,
+        &g.tooloffset_u,
+        &g.tooloffset_v,
+        &g.tooloffset_w,
+    ];
+    for (pin, offset) in tool.into_iter().zip(&s.tool_offset) {
+        pin.set(*offset);
+    }
+    let (travelled, along) = s.path.along();
+    let t = &pins.traces;
+    t.tc_0_pos.set(travelled);
+    t.tc_0_vel.set(along);
+    t.traj_pos_out.set(travelled);
+    t.traj_vel_out.set(along);
+    t.traj_active_tc.set(status.segment);
     write_feed(g, feed, s.traj.units_per_mm);
 }
 

@@ -71,7 +71,7 @@ enum Stop {
     Probed,
 }
 
-/// True if the axes have left a paused path.
+/// Place of the axes relative to a paused path.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) enum Parked {
     #[default]
@@ -293,6 +293,14 @@ impl Path {
 
     pub(crate) const fn velocity(&self) -> f64 {
         self.velocity
+    }
+
+    /// Returns the distance travelled along the current move, and the velocity along the path, negative in reverse.
+    pub(crate) fn along(&self) -> (f64, f64) {
+        if self.current().is_none() {
+            return (0.0, 0.0);
+        }
+        (self.travelled, libm::copysign(self.velocity, self.last.travel))
     }
 
     /// Returns the programmed speed of the current move within the machine's limits, and with the override.

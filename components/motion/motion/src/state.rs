@@ -78,6 +78,7 @@ pub(crate) struct State {
     pub(crate) feed: Feed,
     pub(crate) path: Path,
     pub(crate) probe: ProbeResult,
+    pub(crate) tool_offset: Pose,
     pub(crate) mode: Mode,
     pub(crate) enabled: bool,
     /// Servo period in seconds.
@@ -130,6 +131,7 @@ impl State {
             feed: Feed { scale: 1.0, adaptive: false, hold: true, reverse: false, net: 1.0 },
             path,
             probe: ProbeResult::default(),
+            tool_offset: [0.0; 9],
             mode: Mode::Free,
             enabled: false,
             dt: 0.0,

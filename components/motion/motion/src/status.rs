@@ -74,6 +74,8 @@ pub(crate) struct MotionStatus {
     pub(crate) probe_measured: [f64; 9],
     /// Pose in the cycle in which the probe changed, as commanded.
     pub(crate) probe_commanded: [f64; 9],
+    /// Tool offset that the program uses.
+    pub(crate) tool_offset: [f64; 9],
     /// Digital inputs for programs, a bit for each.
     pub(crate) digital_in: u64,
     /// Digital outputs of programs, a bit for each.
@@ -152,6 +154,7 @@ impl MotionStatus {
             probe_found: s.probe.found,
             probe_measured: s.probe.measured,
             probe_commanded: s.probe.commanded,
+            tool_offset: s.tool_offset,
             digital_in: bits(lists.digital_in.iter().map(In::get)),
             digital_out: bits(s.digital_out.iter().copied()),
             analog_in: [0.0; ANALOG],

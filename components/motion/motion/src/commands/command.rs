@@ -124,6 +124,8 @@ pub(crate) struct SpindleChange {
 pub(crate) enum Output {
     Digital(usize, bool),
     Analog(usize, f64),
+    /// The tool offset that a program uses.
+    ToolOffset(Pose),
 }
 
 /// A set of joints, one bit each.

@@ -351,6 +351,7 @@ impl State {
                     *place = value;
                 }
             }
+            Output::ToolOffset(offset) => self.tool_offset = offset,
             Output::Analog(n, value) => {
                 if let Some(place) = self.analog_out.get_mut(n) {
                     *place = value;

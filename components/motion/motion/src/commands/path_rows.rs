@@ -188,6 +188,21 @@ Outputs and spindles stay as they are.",
         read: |_, _| Ok(Request::Run(Run::Forward)),
     },
     Row {
+        name: "motion.tool-offset",
+        doc: "\
+Shows the tool offset of a program on the pins motion.tooloffset.*, when the moves that wait have ended.
+
+Positions of moves contain it already: it moves nothing. Letters that are not given are 0.",
+        args: &[&X, &Y, &Z, &A, &B, &C, &U, &V, &W],
+        read: |_, call| {
+            let mut offset = [0.0; 9];
+            for (place, letter) in offset.iter_mut().zip(LETTERS) {
+                *place = number(call, letter.encode_utf8(&mut [0; 4]))?.unwrap_or(0.0);
+            }
+            Ok(Request::PathOutput(Output::ToolOffset(offset)))
+        },
+    },
+    Row {
         name: "motion.digital-out",
         doc: "Sets a pin motion.digital-out-NN, as M62 to M65 do.",
         args: &[&INDEX, &Arg::bit("value", "TRUE or FALSE.").required(), &SYNC],

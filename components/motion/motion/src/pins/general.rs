@@ -74,25 +74,25 @@ pins! {
         program_line: Out<i32> = 0, "program-line";
         /// Machine time between the last two cycles in nanoseconds.
         last_period: Out<u32> = 0, "servo.last-period";
-        /// Tool offset in x. Not used yet: always 0.
+        /// Tool offset of the program in x, in units or degrees (motion.tool-offset).
         tooloffset_x: Out<f64> = 0.0, "tooloffset.x";
-        /// Tool offset in y. Not used yet: always 0.
+        /// Tool offset of the program in y, in units or degrees (motion.tool-offset).
         tooloffset_y: Out<f64> = 0.0, "tooloffset.y";
-        /// Tool offset in z. Not used yet: always 0.
+        /// Tool offset of the program in z, in units or degrees (motion.tool-offset).
         tooloffset_z: Out<f64> = 0.0, "tooloffset.z";
-        /// Tool offset in a. Not used yet: always 0.
+        /// Tool offset of the program in a, in units or degrees (motion.tool-offset).
         tooloffset_a: Out<f64> = 0.0, "tooloffset.a";
-        /// Tool offset in b. Not used yet: always 0.
+        /// Tool offset of the program in b, in units or degrees (motion.tool-offset).
         tooloffset_b: Out<f64> = 0.0, "tooloffset.b";
-        /// Tool offset in c. Not used yet: always 0.
+        /// Tool offset of the program in c, in units or degrees (motion.tool-offset).
         tooloffset_c: Out<f64> = 0.0, "tooloffset.c";
-        /// Tool offset in u. Not used yet: always 0.
+        /// Tool offset of the program in u, in units or degrees (motion.tool-offset).
         tooloffset_u: Out<f64> = 0.0, "tooloffset.u";
-        /// Tool offset in v. Not used yet: always 0.
+        /// Tool offset of the program in v, in units or degrees (motion.tool-offset).
         tooloffset_v: Out<f64> = 0.0, "tooloffset.v";
-        /// Tool offset in w. Not used yet: always 0.
+        /// Tool offset of the program in w, in units or degrees (motion.tool-offset).
         tooloffset_w: Out<f64> = 0.0, "tooloffset.w";
-        /// TRUE while an arc is run. Not used yet: always FALSE.
+        /// TRUE while an arc is run.
         interp_iscircle: Out<bool> = false, "interp.iscircle";
         /// Centre of the arc in x. Not used yet: always 0.
         interp_arc_center_x: Out<f64> = 0.0, "interp.arc-center-x";
@@ -102,15 +102,15 @@ pins! {
         interp_arc_center_z: Out<f64> = 0.0, "interp.arc-center-z";
         /// Radius of the arc. Not used yet: always 0.
         interp_arc_radius: Out<f64> = 0.0, "interp.arc-radius";
-        /// Feed that the program requests. Not used yet: always 0.
+        /// Velocity that the current move requests, in machine units per second.
         interp_feedrate: Out<f64> = 0.0, "interp.feedrate";
         /// Direction of the path in degrees. Not used yet: always 0.
         interp_heading: Out<f64> = 0.0, "interp.heading";
         /// Direction across the path in degrees. Not used yet: always 0.
         interp_normal_heading: Out<f64> = 0.0, "interp.normal-heading";
-        /// Line of the program being interpreted. Not used yet: always 0.
+        /// Line of the current move: as program-line.
         interp_line_number: Out<i32> = 0, "interp.line-number";
-        /// Kind of motion that the program requests. Not used yet: always 0.
+        /// Kind of the current move: as motion-type.
         interp_motion_type: Out<i32> = 0, "interp.motion-type";
     }
 }
@@ -136,7 +136,7 @@ pins! {
 }
 
 pins! {
-    /// Parameters for debugging motion itself; all stay at zero.
+    /// Parameters for debugging motion itself.
     Traces {
         /// For experiments: always FALSE.
         debug_bit_0: ParamRo<bool> = false, "motion.debug-bit-0";
@@ -154,9 +154,9 @@ pins! {
         debug_s32_0: ParamRo<i32> = 0, "motion.debug-s32-0";
         /// For experiments: always 0.
         debug_s32_1: ParamRo<i32> = 0, "motion.debug-s32-1";
-        /// Position on segment 0 of the path. Not used yet: always 0.
+        /// Distance travelled along the current move, in machine units.
         tc_0_pos: ParamRo<f64> = 0.0, "tc.0.pos";
-        /// Velocity on segment 0 of the path. Not used yet: always 0.
+        /// Velocity along the current move, in machine units per second.
         tc_0_vel: ParamRo<f64> = 0.0, "tc.0.vel";
         /// Acceleration on segment 0 of the path. Not used yet: always 0.
         tc_0_acc: ParamRo<f64> = 0.0, "tc.0.acc";
@@ -178,11 +178,11 @@ pins! {
         tc_3_vel: ParamRo<f64> = 0.0, "tc.3.vel";
         /// Acceleration on segment 3 of the path. Not used yet: always 0.
         tc_3_acc: ParamRo<f64> = 0.0, "tc.3.acc";
-        /// Position along the path. Not used yet: always 0.
+        /// Distance travelled along the current move, in machine units: as tc.0.pos.
         traj_pos_out: ParamRo<f64> = 0.0, "traj.pos_out";
-        /// Velocity along the path. Not used yet: always 0.
+        /// Velocity along the path, in machine units per second, negative in reverse.
         traj_vel_out: ParamRo<f64> = 0.0, "traj.vel_out";
-        /// Number of the current segment. Not used yet: always 0.
+        /// Number of the current move, from 1; 0 without one.
         traj_active_tc: ParamRo<u32> = 0, "traj.active_tc";
     }
 }

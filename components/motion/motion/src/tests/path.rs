@@ -21,6 +21,29 @@ impl Rig {
     }
 }
 
+#[test]
+fn pins_and_snapshot_tell_about_the_current_move() {
+    let mut rig = Rig::homed(&[]);
+    rig.say("motion.arc center-x=20 velocity=30 line=7");
+    rig.say("motion.tool-offset z=-12.5 x=0.25");
+    rig.begin();
+    rig.cycles(500);
+    assert!(rig.is("motion.interp.iscircle"));
+    assert_eq!(rig.float("motion.interp.feedrate"), 30.0);
+    assert_eq!(rig.bench.get::<i32>("motion.interp.line-number"), 7);
+    assert_eq!(rig.bench.get::<i32>("motion.interp.motion-type"), 3);
+    assert_eq!(rig.bench.get::<u32>("traj.active_tc"), 1);
+    let (gone, left) = (rig.float("tc.0.pos"), rig.float("motion.distance-to-go"));
+    assert!(gone > 10.0 && (gone + left - 40.0 * core::f64::consts::PI).abs() < 1e-6);
+    assert_eq!(rig.float("traj.pos_out"), gone);
+    assert!((rig.float("traj.vel_out") - 30.0).abs() < 1e-6);
+    assert_eq!(rig.float("motion.tooloffset.z"), 0.0);
+    rig.finish();
+    assert_eq!((rig.float("motion.tooloffset.z"), rig.float("motion.tooloffset.x")), (-12.5, 0.25));
+    assert_eq!(rig.status().tool_offset[2], -12.5);
+    assert!(!rig.is("motion.interp.iscircle") && rig.float("tc.0.vel") == 0.0);
+}
+
 /// A square of 20 mm in the plane, from 0 back to 0.
 const SQUARE: [&str; 4] = ["x=20 y=0", "x=20 y=20", "x=0 y=20", "x=0 y=0"];
 
