@@ -51,6 +51,8 @@ pub(crate) struct Joint {
     backlash_want: f64,
     /// Direction of the last movement, true if positive.
     forward: Option<bool>,
+    /// Farthest position in that direction.
+    farthest: f64,
     pub(crate) lock: Lock,
     /// Guard through which every motor command passes.
     pub(crate) step_guard: StepGuard,
@@ -181,8 +183,14 @@ impl Joint {
 
     /// Moves the correction of backlash or screw errors according to position and direction of movement.
     pub(crate) fn correct(&mut self, tables: &Tables, dt: f64, enabled: bool) {
-        if self.vel_cmd != 0.0 {
-            self.forward = Some(self.vel_cmd > 0.0);
+        // The rounding of a position that is reached is no reversal.
+        let by = self.pos_cmd - self.farthest;
+        if !enabled {
+            self.farthest = self.pos_cmd;
+        } else if fabs(by) > SLACK {
+            (self.forward, self.farthest) = (Some(by > 0.0), self.pos_cmd);
+        } else if self.forward.is_some_and(|forward| forward == (by > 0.0)) {
+            self.farthest = self.pos_cmd;
         }
         let homed = self.homing.homed;
         self.backlash_want = tables.correction(&self.config, self.pos_cmd, homed, self.forward);
@@ -222,6 +230,7 @@ impl Joint {
         self.pos_cmd += shift;
         self.pos_fb += shift;
         self.motor_offset -= shift;
+        self.farthest += shift;
         self.free.tp.pos += shift;
         self.free.tp.target += shift;
     }
@@ -234,6 +243,7 @@ impl Joint {
         }
         self.motor_offset = -offset;
         self.watch.change_zero();
+        self.farthest = pos;
         self.pos_cmd = pos;
         self.pos_fb = pos;
         self.free.tp.pos = pos;

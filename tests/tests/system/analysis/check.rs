@@ -39,6 +39,36 @@ fn what_explain_shows_is_so() {
     all(&rows, |row| mistakes(&format!("explain-{}", row.code), row.code, row.wrong, row.right));
 }
 
+/// A joint that is faster than its step generator's own limit, and one that is not.
+#[test]
+fn a_stepgen_slower_than_its_joint() {
+    let machine = |maxvel: &str, mark: &str| {
+        format!(
+            "loadrt trivkins\n\
+             loadrt motmod base_period_nsec=100000 servo_period_nsec=1000000 num_joints=1\n\
+             loadrt stepgen step_type=0\n\
+             addf stepgen.make-pulses base-thread\n\
+             addf stepgen.capture-position servo-thread\n\
+             addf motion-command-handler servo-thread\n\
+             addf motion-controller servo-thread\n\
+             addf stepgen.update-freq servo-thread\n\
+             setp stepgen.0.position-scale 100\n\
+             setp stepgen.0.maxaccel 1500\n\
+             setp stepgen.0.maxvel {maxvel}\n\
+             net xpos-cmd joint.0.motor-pos-cmd => stepgen.0.position-cmd\n\
+             net xpos-fb joint.0.motor-pos-fb <= stepgen.0.position-fb\n\
+             net xenable joint.0.amp-enable-out => stepgen.0.enable\n\
+             net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\n\
+             --- m.ini\n[EMCIO]\nCYCLE_TIME = 0.1\n[HAL]\nHALFILE = m.hal\n\
+             [JOINT_0]\nMAX_VELOCITY = 20\n{mark}MAX_ACCELERATION = 1000\n"
+        )
+    };
+    let wrong = machine("19.9", "# <--\n");
+    for right in ["0", "20", "25"].map(|maxvel| machine(maxvel, "")) {
+        assert_eq!(mistakes("maxvel", Code::JointTooFast, &wrong, &right), [""; 0]);
+    }
+}
+
 /// Compares with a golden file of `tests/check`.
 fn golden(path: &str, got: &str) {
     golden::check(&root().join("tests/check").join(path), got);

@@ -133,3 +133,32 @@ fn files_that_are_refused() {
     let why = "comp-file= does not belong to axis=";
     assert_eq!(rig.try_say("motion.configure axis=x comp-file=a"), Err(why.to_owned()));
 }
+
+/// Rounding at the end of a motion does not turn the correction round; a motion back of a hundred-thousandth does.
+#[test]
+fn rounding_is_no_reversal() {
+    let mut rig = Rig::homed(&[]);
+    rig.say("motion.configure joint=0 backlash=0.2");
+    for (to, corrected) in [
+        (25.0, 0.1),
+        (24.999_999_9, 0.1),
+        (25.000_000_1, 0.1),
+        (24.999_98, -0.1),
+        (24.999_980_1, -0.1),
+        (25.0, 0.1),
+    ] {
+        rig.done(&format!("motion.move x={to} velocity=90"));
+        rig.cycles(200);
+        near(rig.joint(0, "backlash-filt"), corrected);
+    }
+    // Moved by hand while off: the direction stays.
+    rig.done("motion.disable");
+    rig.strict = false;
+    rig.stuck[0] = true;
+    rig.bench.set("joint.0.motor-pos-fb", 20.0);
+    rig.cycles(5);
+    rig.stuck[0] = false;
+    rig.done("motion.enable");
+    rig.cycles(50);
+    assert_eq!(rig.joint(0, "backlash-corr"), 0.1);
+}
