@@ -6,14 +6,6 @@ use crate::{
     language::source::Bytes,
 };
 use hal_protocol::Link;
-use nom::{
-    IResult, Parser,
-    branch::alt,
-    bytes::complete::{is_not, tag, take_while1},
-    combinator::recognize,
-    multi::{many0, many1},
-    sequence::delimited,
-};
 
 /// Maximum number of words on a line.
 pub const MAX_WORDS: usize = 32;
@@ -107,7 +99,7 @@ pub fn without_comment(line: &str) -> Result<&str, Error> {
 
 /// Like [`without_comment`], with the position of an unclosed quote.
 pub(crate) fn uncomment(line: &str) -> Result<&str, Fault> {
-    let (rest, kept) = uncommented(line).unwrap_or((line, ""));
+    let (kept, rest) = split_before(line, |c| c == '#');
     if rest.is_empty() || rest.starts_with('#') { Ok(kept) } else { Err(unclosed(line, rest)) }
 }
 
@@ -129,7 +121,10 @@ pub(crate) fn spans(line: &str) -> Result<Vec<Span>, Fault> {
         if found.len() == MAX_WORDS {
             return Err(Fault::at(Error::TooManyTokens, start..line.trim_end_matches(blank).len()));
         }
-        let Ok((after, _)) = word(rest) else { return Err(unclosed(line, rest)) };
+        let (word, after) = split_before(rest, blank);
+        if word.is_empty() {
+            return Err(unclosed(line, rest));
+        }
         found.push(start..line.len() - after.len());
         if after.starts_with(['"', '\'']) {
             return Err(unclosed(line, after));
@@ -154,20 +149,25 @@ const fn blank(c: char) -> bool {
     matches!(c, ' ' | '\t' | '\r' | '\n' | '\x0b' | '\x0c')
 }
 
-fn quoted(text: &str) -> IResult<&str, &str> {
-    alt((
-        recognize(delimited(tag("\""), nom::combinator::opt(is_not("\"")), tag("\""))),
-        recognize(delimited(tag("'"), nom::combinator::opt(is_not("'")), tag("'"))),
-    ))
-    .parse(text)
+/// Splits a text before the first character outside quotes that `ends` it, or before a quote that
+/// is not closed.
+fn split_before(text: &str, ends: impl Fn(char) -> bool) -> (&str, &str) {
+    let mut rest = text;
+    while let Some(at) = rest.find(|c| matches!(c, '"' | '\'') || ends(c)) {
+        rest = rest.get(at..).unwrap_or("");
+        let Some(after) = after_quoted(rest) else {
+            return text.split_at_checked(text.len() - rest.len()).unwrap_or((text, ""));
+        };
+        rest = after;
+    }
+    (text, "")
 }
 
-fn word(text: &str) -> IResult<&str, &str> {
-    recognize(many1(alt((quoted, take_while1(|c| !blank(c) && c != '"' && c != '\''))))).parse(text)
-}
-
-fn uncommented(text: &str) -> IResult<&str, &str> {
-    recognize(many0(alt((quoted, is_not("#\"'"))))).parse(text)
+/// Returns the text after a quoted run at the beginning, if there is one and it is closed.
+fn after_quoted(text: &str) -> Option<&str> {
+    let inside = text.strip_prefix(['"', '\''])?;
+    let quote = text.chars().next()?;
+    inside.split_once(quote).map(|(_, after)| after)
 }
 
 /// A link for texts that are read without waiting, so that no client has to be served.

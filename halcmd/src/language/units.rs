@@ -1,13 +1,5 @@
 //! Durations as users write them.
 
-use nom::{
-    Finish, IResult, Parser,
-    bytes::complete::tag,
-    character::complete::{digit0, digit1},
-    combinator::{all_consuming, opt},
-    sequence::preceded,
-};
-
 /// Error for a text that is not a number with a unit, or that exceeds 292 years.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UnitError;
@@ -24,12 +16,11 @@ pub fn nanoseconds(text: &str) -> Result<u64, UnitError> {
     let split = text.find(|c: char| !c.is_ascii_digit() && c != '.').ok_or(UnitError)?;
     let (number, unit) = text.split_at_checked(split).ok_or(UnitError)?;
     let scale = UNITS.iter().find(|(u, _)| *u == unit.trim()).ok_or(UnitError)?.1;
-    let (_, (whole, part)) =
-        all_consuming(decimal).parse(number).finish().map_err(|_| UnitError)?;
+    let (whole, part) = number.split_once('.').unwrap_or((number, ""));
     let mut ns = whole.parse::<u64>().ok().and_then(|w| w.checked_mul(scale)).ok_or(UnitError)?;
     let mut place = scale;
-    for digit in part.unwrap_or("").bytes() {
-        let worth = u64::from(digit - b'0');
+    for digit in part.chars() {
+        let worth = u64::from(digit.to_digit(10).ok_or(UnitError)?);
         if place < 10 && worth != 0 {
             return Err(UnitError);
         }
@@ -37,10 +28,6 @@ pub fn nanoseconds(text: &str) -> Result<u64, UnitError> {
         ns = ns.checked_add(worth * place).ok_or(UnitError)?;
     }
     if i64::try_from(ns).is_ok() { Ok(ns) } else { Err(UnitError) }
-}
-
-fn decimal(text: &str) -> IResult<&str, (&str, Option<&str>)> {
-    (digit1, opt(preceded(tag("."), digit0))).parse(text)
 }
 
 /// Writes a duration in the largest unit in which it is at least one.

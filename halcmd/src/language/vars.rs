@@ -5,10 +5,6 @@ use crate::{
     ini::Ini,
     language::fault::{Fault, Span},
 };
-use nom::{
-    IResult, Parser,
-    bytes::complete::{is_not, take_while},
-};
 use std::borrow::Cow;
 
 /// Maximum length of a line after replacement, in bytes.
@@ -58,7 +54,7 @@ pub(crate) fn replaced(line: &str, values: Values<'_>) -> Result<Replaced, Fault
             Some('$') => environment(tail(rest), values),
             Some('[') => ini_value(tail(rest), values.ini),
             _ => {
-                let (after, text) = plain(rest).unwrap_or(("", rest));
+                let (text, after) = before(rest, |c| matches!(c, '$' | '['));
                 out.text.push_str(text);
                 rest = after;
                 continue;
@@ -153,7 +149,11 @@ fn name(text: &str) -> Result<(&str, &str), (Error, &str)> {
             let (name, after) = inner.split_once(')').ok_or((Error::MissingParenthesis, ""))?;
             (after, name)
         }
-        None => run(text).unwrap_or((text, "")),
+        None => {
+            let letter = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '-' | '_');
+            let (name, after) = before(text, |c| !letter(c));
+            (after, name)
+        }
     };
     match name.len() {
         0 => Err((Error::EmptyVariable, after)),
@@ -168,12 +168,9 @@ fn section(text: &str) -> Result<(&str, &str), (Error, &str)> {
     if long { Err((Error::VariableTooLong, after)) } else { Ok((after, section)) }
 }
 
-fn run(text: &str) -> IResult<&str, &str> {
-    take_while(|c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '-' | '_')).parse(text)
-}
-
-fn plain(text: &str) -> IResult<&str, &str> {
-    is_not("$[").parse(text)
+/// Splits a text before the first character that `ends` it.
+fn before(text: &str, ends: impl Fn(char) -> bool) -> (&str, &str) {
+    text.find(ends).and_then(|at| text.split_at_checked(at)).unwrap_or((text, ""))
 }
 
 /// Returns the text after the first character, which takes one byte.
