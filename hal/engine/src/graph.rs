@@ -2,9 +2,12 @@
 //! them. Names are indices into it; no other structure stores links.
 
 pub(crate) mod arena;
+pub(crate) mod doc;
 pub(crate) mod item;
 pub(crate) mod listing;
+mod lookup;
 pub(crate) mod model;
+pub(crate) mod names;
 pub(crate) mod new_item;
 pub(crate) mod node;
 pub(crate) mod own;
@@ -17,7 +20,10 @@ pub(crate) mod value;
 pub(crate) mod wired;
 pub(crate) mod wiring;
 
-use crate::{Error, error::near::nearest, graph::sites::Sites, name::Name, sync::Arc};
+use crate::{
+    Error, error::near::nearest, graph::doc::Docs, graph::names::Names, graph::sites::Sites,
+    name::Name,
+};
 use core::ptr::NonNull;
 use hal_abi::{PortQueue, Slot};
 use hal_protocol::{Type, Value};
@@ -40,14 +46,14 @@ pub(crate) type Ix = NodeIndex<u32>;
 pub(crate) struct Graph {
     pub(crate) g: StableDiGraph<Node, Edge, u32>,
     pub(crate) components: BTreeMap<Name, Ix>,
-    pub(crate) pins: BTreeMap<Name, Ix>,
-    pub(crate) params: BTreeMap<Name, Ix>,
-    pub(crate) signals: BTreeMap<Name, Ix>,
-    pub(crate) functs: BTreeMap<Name, Ix>,
+    pins: Names,
+    params: Names,
+    signals: Names,
+    functs: Names,
     pub(crate) threads: BTreeMap<Name, Ix>,
     pub(crate) commands: BTreeMap<Name, Ix>,
     pub(crate) sites: Sites,
-    docs: BTreeMap<Box<str>, Arc<str>>,
+    pub(crate) docs: Docs,
 }
 
 macro_rules! node {
@@ -55,7 +61,10 @@ macro_rules! node {
         #[doc = concat!("The node, if it is a ", stringify!($variant), ".")]
         pub(crate) fn $get(&self, ix: Ix) -> Option<&$ty> {
             match self.g.node_weight(ix) {
-                Some(Node::$variant(x)) => Some(x),
+                Some(Node::$variant(x)) => {
+                    let x: &$ty = x;
+                    Some(x)
+                }
                 _ => None,
             }
         }
@@ -65,7 +74,10 @@ macro_rules! node {
         #[doc = concat!("The node, if it is a ", stringify!($variant), ".")]
         pub(crate) fn $get_mut(&mut self, ix: Ix) -> Option<&mut $ty> {
             match self.g.node_weight_mut(ix) {
-                Some(Node::$variant(x)) => Some(x),
+                Some(Node::$variant(x)) => {
+                    let x: &mut $ty = x;
+                    Some(x)
+                }
                 _ => None,
             }
         }
@@ -79,31 +91,11 @@ impl Graph {
     node!(funct, funct_mut, Funct, Funct);
     node!(thread, thread_mut, Thread, ThreadNode);
 
-    /// Returns the shared copy of a documentation text.
-    pub(crate) fn doc(&mut self, text: &str) -> Arc<str> {
-        if let Some(doc) = self.docs.get(text) {
-            return doc.clone();
-        }
-        let doc: Arc<str> = text.into();
-        self.docs.insert(text.into(), doc.clone());
-        doc
-    }
-
-    /// Returns the names of parameters if `param` is true, otherwise those of pins.
-    pub(crate) const fn names(&self, param: bool) -> &BTreeMap<Name, Ix> {
-        if param { &self.params } else { &self.pins }
-    }
-
-    /// Returns the names of parameters if `param` is true, otherwise those of pins.
-    pub(crate) const fn names_mut(&mut self, param: bool) -> &mut BTreeMap<Name, Ix> {
-        if param { &mut self.params } else { &mut self.pins }
-    }
-
     /// Finds the pin or parameter with this name. A pin takes precedence.
     pub(crate) fn find_item(&self, name: &str) -> Result<Ix, Error> {
-        let found = self.pins.get(name).or_else(|| self.params.get(name)).copied();
+        let found = self.item_named(false, name).or_else(|| self.item_named(true, name));
         found.ok_or_else(|| {
-            let names = self.pins.keys().chain(self.params.keys()).map(Name::as_str);
+            let names = self.all_item_names().map(|(name, _)| name.as_str());
             let what = "parameter or pin";
             Error::NoItem { what, name: name.into(), near: nearest(name, names) }
         })
@@ -111,17 +103,22 @@ impl Graph {
 
     /// Finds the pin with this name.
     pub(crate) fn find_pin(&self, name: &str) -> Result<Ix, Error> {
-        find(&self.pins, "pin", name)
+        found(self.pin_named(name), "pin", name, || self.item_names(false))
+    }
+
+    /// Finds the parameter with this name if `param` is true, otherwise the pin.
+    pub(crate) fn find_of(&self, param: bool, what: &'static str, name: &str) -> Result<Ix, Error> {
+        found(self.item_named(param, name), what, name, || self.item_names(param))
     }
 
     /// Finds the signal with this name.
     pub(crate) fn find_signal(&self, name: &str) -> Result<Ix, Error> {
-        find(&self.signals, "signal", name)
+        found(self.signal_named(name), "signal", name, || self.signal_names())
     }
 
     /// Finds the function with this name.
     pub(crate) fn find_funct(&self, name: &str) -> Result<Ix, Error> {
-        find(&self.functs, "function", name)
+        found(self.funct_named(name), "function", name, || self.funct_names())
     }
 
     /// Finds the thread with this name.
@@ -137,9 +134,8 @@ impl Graph {
 
     /// Returns the item that owns a slot, of any component.
     pub(crate) fn item_at(&self, slot: *const Slot) -> Option<Ix> {
-        let all = self.pins.values().chain(self.params.values());
         let is_its = |s: NonNull<Slot>| s.as_ptr().cast_const() == slot;
-        all.copied().find(|ix| self.item(*ix).and_then(Item::slot).is_some_and(is_its))
+        self.g.node_indices().find(|ix| self.item(*ix).and_then(Item::slot).is_some_and(is_its))
     }
 
     /// Finds a service, and the component that offers it.
@@ -206,7 +202,7 @@ impl Graph {
     /// Returns the functions of a thread in order: those that run once (`init`), or those of every
     /// cycle.
     pub(crate) fn runs(&self, thread: Ix, init: bool) -> Vec<Ix> {
-        let mut list: Vec<(u64, Ix)> = self
+        let mut list: Vec<(u32, Ix)> = self
             .g
             .edges_directed(thread, Outgoing)
             .filter_map(|e| match (*e.weight(), init) {
@@ -265,6 +261,20 @@ impl Graph {
         // live queues.
         Value::Port(unsafe { queue.as_ref() }.map_or(0, PortQueue::size))
     }
+}
+
+/// Returns a node that was looked up by name, or an error with the nearest of `all` names.
+pub(crate) fn found<'g>(
+    ix: Option<Ix>,
+    what: &'static str,
+    name: &str,
+    all: impl FnOnce() -> Vec<(&'g Name, Ix)>,
+) -> Result<Ix, Error> {
+    ix.ok_or_else(|| Error::NotFound {
+        what,
+        name: name.into(),
+        near: nearest(name, all().into_iter().map(|(name, _)| name.as_str())),
+    })
 }
 
 /// Returns the node with this name, or an error with the nearest name.

@@ -54,9 +54,9 @@ impl<'g> Look<'g> {
     /// Returns all pins and parameters, each once under its own name. Leaves out simulated
     /// registers and the engine's time items.
     fn items(&self) -> Vec<(Ix, &'g Item)> {
-        let all = self.graph.pins.iter().chain(&self.graph.params);
-        all.filter_map(|(name, ix)| Some((name, *ix, self.graph.item(*ix)?)))
-            .filter(|(name, _, item)| item.name == **name && !item.hidden && !item.times)
+        let all = self.graph.all_item_names();
+        all.filter_map(|(name, ix)| Some((name, ix, self.graph.item(ix)?)))
+            .filter(|(name, _, item)| item.name == **name && !item.hidden() && !item.times)
             .map(|(_, ix, item)| (ix, item))
             .collect()
     }

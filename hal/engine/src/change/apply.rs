@@ -13,8 +13,8 @@ impl Engine {
         }
         let fault = self.runtime.fault();
         if let Some(f) = fault {
-            let in_use = self.model.graph().functs.get(f.funct.as_str());
-            if in_use.is_some_and(|ix| self.model.graph().is_in_use(*ix)) {
+            let in_use = self.model.graph().funct_named(f.funct.as_str());
+            if in_use.is_some_and(|ix| self.model.graph().is_in_use(ix)) {
                 return Err(Error::Faulted { funct: f.funct.as_str().into() });
             }
         }

@@ -2,9 +2,10 @@
 
 use crate::{
     change::stores::Store,
-    change::undo::{Index, Order, Undo},
+    change::undo::{Order, Undo},
     graph::Ix,
     graph::arena::Mark,
+    graph::names::Index,
     graph::ptr::{Ptr, own_cell},
 };
 use hal_abi::Slot;

@@ -1,30 +1,12 @@
 //! Log of a transaction's steps in the graph: each entry says how to revert its step.
 
 use crate::{
+    graph::names::Index,
     graph::sites::{Assignments, Site},
     graph::{Edge, Ix},
     name::Name,
     observe::ring::SharedRing,
 };
-
-/// An index of names.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Index {
-    Components,
-    Pins,
-    Params,
-    Signals,
-    Functs,
-    Threads,
-    Commands,
-}
-
-impl Index {
-    /// Returns the index of pins or of parameters.
-    pub(crate) const fn of_items(param: bool) -> Self {
-        if param { Self::Params } else { Self::Pins }
-    }
-}
 
 /// A step of a transaction, with the data to revert it.
 #[derive(Debug)]
@@ -35,8 +17,8 @@ pub(crate) enum Undo {
     Opened(Ix),
     /// A signal was created.
     Signal(Ix),
-    /// A name was added to an index.
-    Named(Index, Name),
+    /// A name of a node was added to an index.
+    Named(Index, Name, Ix),
     /// A name was removed from a node.
     Unnamed(Index, Name, Ix),
     /// A pin was linked.
@@ -60,6 +42,6 @@ pub(crate) enum Undo {
 pub(crate) struct Order {
     /// `None` as long as functions are only added at the end.
     pub(crate) functs: Option<Vec<(Ix, Edge, Option<Site>)>>,
-    pub(crate) next: u64,
+    pub(crate) next: u32,
     pub(crate) stale: bool,
 }

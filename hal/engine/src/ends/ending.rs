@@ -57,10 +57,7 @@ impl Engine {
         let late = self.runtime.overruns(self.model.graph(), true);
         self.notices(late);
         if clean && idle {
-            for ix in self.model.graph().components_by_age().into_iter().rev() {
-                self.remove_component(ix);
-            }
-            self.reap();
+            self.free_all();
         } else {
             // A thread that never leaves its function, or a worker that does not return, still uses
             // all of this.

@@ -42,8 +42,7 @@ pub(super) fn describe(text: &mut Text, place: Place, origins: &[Origin]) {
 pub(super) fn describe_cycle(text: &mut Text, thread: &Thread) {
     let current = thread.current.load(Ordering::Relaxed);
     let list = thread.list.load();
-    let mut entries = list.init.iter().chain(&list.entries);
-    match entries.find(|e| e.id == current && current != NOBODY) {
+    match list.labels.iter().find(|e| e.id == current && current != NOBODY) {
         Some(e) => text.add(format_args!(
             "component '{}', function '{}', thread '{}'",
             e.component, e.name, thread.name

@@ -3,6 +3,7 @@
 use crate::{
     Error,
     graph::model::Model,
+    graph::names::Index,
     graph::new_item::NewItem,
     graph::ptr::Ptr,
     graph::ptr::own_cell,
@@ -23,9 +24,8 @@ impl Model {
     ) -> Result<(Ix, Option<NonNull<Slot>>), Error> {
         let param = !new.direction.is_pin();
         let what = if param { "parameter" } else { "pin" };
-        let names = self.graph.names(param);
         for name in [Some(&new.name), new.other.as_ref()].into_iter().flatten() {
-            if names.contains_key(name) {
+            if self.graph.item_named(param, name.as_str()).is_some() {
                 return Err(Error::Duplicate { what, name: name.as_str().into() });
             }
         }
@@ -40,25 +40,10 @@ impl Model {
             }
         };
         let (name, other) = (new.name.clone(), new.other.clone());
-        let item = Item {
-            name: new.name,
-            other: new.other,
-            alias: None,
-            ty: new.ty,
-            direction: new.direction,
-            storage,
-            pointer: None,
-            hidden: new.hidden,
-            times: new.times,
-            safety: new.safety,
-            doc: new.doc,
-        };
-        let ix = self.graph.g.add_node(Node::Item(item));
+        let ix = self.graph.g.add_node(Node::Item(Item::new(new, storage)));
         self.graph.g.add_edge(owner, ix, Edge::Owns);
-        let names = self.graph.names_mut(param);
-        names.insert(name, ix);
-        if let Some(other) = other {
-            names.insert(other, ix);
+        for name in [Some(name), other].into_iter().flatten() {
+            self.graph.add_name(Index::of_items(param), &name, ix);
         }
         if param {
             self.counters.params += 1;
@@ -78,7 +63,7 @@ impl Model {
         let mut add = |suffix: &str, ty, direction, doc: &str| {
             let what = if direction == Direction::Out { "pin" } else { "parameter" };
             let name = Name::parse(what, &format!("{name}.{suffix}"))?;
-            let doc = self.graph.doc(doc);
+            let doc = self.graph.docs.number(doc);
             let new = NewItem {
                 name,
                 other: None,

@@ -4,7 +4,6 @@ use crate::{
     graph::model::Model,
     graph::{Graph, Ix, Node},
     load::args::Declared,
-    name::Name,
     sync::Ordering,
 };
 use hal_abi::Slot;
@@ -72,11 +71,14 @@ impl Model {
 
     fn items(&self, param: bool, p: &Patterns, ty: Option<Type>) -> Vec<ItemInfo> {
         let mut out = Vec::new();
-        for (name, ix) in self.graph.names(param) {
+        for (name, ix) in &self.graph.item_names(param) {
             let Some(item) = self.graph.item(*ix) else { continue };
-            let listed =
-                if item.hidden { p.spell(".sim", name.as_str()) } else { p.matches(name.as_str()) };
-            if !listed || item.shown() != name || ty.is_some_and(|t| t != item.ty) {
+            let listed = if item.hidden() {
+                p.spell(".sim", name.as_str())
+            } else {
+                p.matches(name.as_str())
+            };
+            if !listed || item.shown() != *name || ty.is_some_and(|t| t != item.ty) {
                 continue;
             }
             let owner = self.graph.owner(*ix);
@@ -86,13 +88,13 @@ impl Model {
                 direction: item.direction,
                 value: Graph::value(item.ty, item.bits()),
                 name: name.as_str().to_owned(),
-                original: item.alias.as_ref().map(|_| item.name.as_str().to_owned()),
+                original: item.alias().map(|_| item.name.as_str().to_owned()),
                 signal: self
                     .graph
                     .signal_of(*ix)
                     .and_then(|s| self.graph.signal(s))
                     .map(|s| s.name.as_str().to_owned()),
-                doc: item.doc.to_string(),
+                doc: self.graph.docs.text(item.doc).to_owned(),
             });
         }
         out
@@ -100,7 +102,7 @@ impl Model {
 
     fn signals(&self, p: &Patterns, ty: Option<Type>) -> Vec<SignalInfo> {
         let mut out = Vec::new();
-        for (name, ix) in &self.graph.signals {
+        for (name, ix) in &self.graph.signal_names() {
             let Some(s) = self.graph.signal(*ix) else { continue };
             if !p.matches(name.as_str()) || ty.is_some_and(|t| t != s.ty) {
                 continue;
@@ -120,20 +122,21 @@ impl Model {
     }
 
     fn functs(&self, p: &Patterns) -> Vec<FunctInfo> {
-        let named = self.graph.functs.iter().filter(|(name, _)| p.matches(name.as_str()));
+        let named =
+            self.graph.funct_names().into_iter().filter(|(name, _)| p.matches(name.as_str()));
         named
             .filter_map(|(name, ix)| {
-                let f = self.graph.funct(*ix)?;
-                let owner = self.graph.owner(*ix);
+                let f = self.graph.funct(ix)?;
+                let owner = self.graph.owner(ix);
                 Some(FunctInfo {
                     owner: owner.map_or(0, |c| c.id),
                     owner_name: owner.map_or("", |c| c.name.as_str()).to_owned(),
                     code: (f.code.run as *const ()).addr() as u64,
                     arg: f.code.state.addr() as u64,
-                    users: u32::try_from(self.graph.threads_of(*ix).len()).unwrap_or(u32::MAX),
+                    users: u32::try_from(self.graph.threads_of(ix).len()).unwrap_or(u32::MAX),
                     name: name.as_str().to_owned(),
                     foreign: f.unknown,
-                    doc: f.doc.to_string(),
+                    doc: self.graph.docs.text(f.doc).to_owned(),
                     fast: f.fast,
                 })
             })
@@ -183,9 +186,9 @@ impl Model {
 
     fn aliases(&self, param: bool, p: &Patterns) -> Vec<AliasInfo> {
         let mut out = Vec::new();
-        for (name, ix) in self.graph.names(param) {
+        for (name, ix) in &self.graph.item_names(param) {
             let Some(item) = self.graph.item(*ix) else { continue };
-            if item.alias.as_ref() == Some(name) && p.matches(name.as_str()) {
+            if item.alias() == Some(*name) && p.matches(name.as_str()) {
                 out.push(AliasInfo {
                     alias: name.as_str().to_owned(),
                     original: item.name.as_str().to_owned(),
@@ -220,21 +223,19 @@ impl Model {
         let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         let usage = |active: u32| Usage { active, recycled: 0 };
         let (free_slots, free_cells) = self.arena.recycled();
-        let aliased = |names: &std::collections::BTreeMap<Name, Ix>| {
-            let item = |(name, ix): &(&Name, &Ix)| {
-                matches!(self.graph.g.node_weight(**ix),
-                    Some(Node::Item(i)) if i.alias.as_ref() == Some(*name))
-            };
-            names.iter().filter(item).count()
-        };
+        let is_aliased = |node: &&Node| matches!(node, Node::Item(i) if i.alias().is_some());
+        let aliases = self.graph.g.node_weights().filter(is_aliased).count();
         Sizes {
             memory: self.arena.usage(),
             components: usage(count(self.graph.components.len())),
             pins: Usage { active: self.counters.pins, recycled: count(free_slots) },
             params: usage(self.counters.params),
-            aliases: usage(count(aliased(&self.graph.pins) + aliased(&self.graph.params))),
-            signals: Usage { active: count(self.graph.signals.len()), recycled: count(free_cells) },
-            functs: usage(count(self.graph.functs.len())),
+            aliases: usage(count(aliases)),
+            signals: Usage {
+                active: count(self.graph.signal_count()),
+                recycled: count(free_cells),
+            },
+            functs: usage(count(self.graph.funct_count())),
             threads: usage(count(self.graph.threads.len())),
         }
     }

@@ -8,13 +8,14 @@ use crate::{
     Error,
     change::staged::{Counters, Staged},
     graph::arena::Arena,
+    graph::doc::Doc,
+    graph::names::Index,
     graph::ptr::Pointer,
     graph::sites::Site,
     graph::{Command, Component, Edge, Funct, Graph, Ix, Node},
     load::loader::Loader,
     name::Name,
     observe::ring::SharedRing,
-    sync::Arc,
 };
 use hal_protocol::{At, Lock};
 use std::{collections::BTreeMap, path::PathBuf};
@@ -127,9 +128,9 @@ impl Model {
 
 /// Declarations of a component.
 impl Model {
-    /// Returns the shared copy of a documentation text.
-    pub(crate) fn doc(&mut self, text: &str) -> Arc<str> {
-        self.graph.doc(text)
+    /// Returns the number of a documentation text.
+    pub(crate) fn doc(&mut self, text: &str) -> Doc {
+        self.graph.docs.number(text)
     }
 
     /// Returns a component, to complete it.
@@ -156,9 +157,9 @@ impl Model {
     /// Adds a function of a component.
     pub(crate) fn new_funct(&mut self, owner: Ix, funct: Funct) -> Ix {
         let name = funct.name.clone();
-        let ix = self.graph.g.add_node(Node::Funct(funct));
+        let ix = self.graph.g.add_node(Node::Funct(Box::new(funct)));
         self.graph.g.add_edge(owner, ix, Edge::Owns);
-        self.graph.functs.insert(name, ix);
+        self.graph.add_name(Index::Functs, &name, ix);
         ix
     }
 
@@ -186,7 +187,7 @@ impl Model {
     pub(crate) fn set_pointer(&mut self, pin: Ix, pointer: Pointer) {
         self.staged.owns(pointer.0.addr().get());
         if let Some(item) = self.graph.item_mut(pin) {
-            item.pointer = Some(pointer);
+            item.set_pointer(pointer);
         }
     }
 }

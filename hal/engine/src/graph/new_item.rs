@@ -1,6 +1,6 @@
 //! A pin or parameter to be created.
 
-use crate::{name::Name, sync::Arc};
+use crate::{graph::doc::Doc, name::Name};
 use core::{ffi::c_void, ptr::NonNull};
 use hal_protocol::{Direction, Type};
 
@@ -15,5 +15,5 @@ pub(crate) struct NewItem {
     pub(crate) hidden: bool,
     pub(crate) times: bool,
     pub(crate) safety: bool,
-    pub(crate) doc: Arc<str>,
+    pub(crate) doc: Doc,
 }

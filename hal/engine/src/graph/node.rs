@@ -2,6 +2,8 @@
 
 use crate::{
     ends::{Doing, Origin},
+    graph::doc::Doc,
+    graph::new_item::NewItem,
     graph::own,
     graph::ptr::Pointer,
     graph::ptr::Ptr,
@@ -16,15 +18,19 @@ use core::{ffi::c_void, ptr::NonNull};
 use hal_abi::{Cell, CommandRun, PortQueue, Run, Slot, Use};
 use hal_protocol::{ComponentState, Direction, Type};
 
-/// A node of the graph.
+/// A node of the graph. Most nodes are items; the size of an item is the size of a node, so the
+/// others are boxed.
 #[derive(Debug)]
 pub(crate) enum Node {
-    Component(Component),
+    Component(Box<Component>),
     Item(Item),
-    Signal(Signal),
-    Funct(Funct),
-    Thread(ThreadNode),
+    Signal(Box<Signal>),
+    Funct(Box<Funct>),
+    Thread(Box<ThreadNode>),
 }
+
+// A machine may have a million items.
+const _: () = assert!(size_of::<Node>() == 40 && size_of::<Edge>() == 8);
 
 /// An edge of the graph.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,16 +46,16 @@ pub(crate) enum Edge {
     /// From a function to a function that takes its hidden state.
     HandsOver,
     /// From a thread to a function of every cycle, with its position.
-    Runs(u64),
+    Runs(u32),
     /// From a thread to a function that runs once before all others, with its position.
-    Begins(u64),
+    Begins(u32),
     /// From a component to a component whose service it uses.
     Needs,
 }
 
 impl Edge {
     /// Returns the position of a function in a thread, from 1.
-    pub(crate) const fn place(self) -> Option<u64> {
+    pub(crate) const fn place(self) -> Option<u32> {
         match self {
             Self::Runs(at) | Self::Begins(at) => Some(at),
             Self::Owns
@@ -126,31 +132,93 @@ pub(crate) enum Storage {
 #[derive(Debug)]
 pub(crate) struct Item {
     pub(crate) name: Name,
-    /// Second name for look-ups: the old name, or the new name if the old one is shown.
-    pub(crate) other: Option<Name>,
-    pub(crate) alias: Option<Name>,
+    /// Address of the slot, or of the value in the component's own memory.
+    address: NonNull<c_void>,
+    rare: Option<Box<Rare>>,
+    pub(crate) doc: Doc,
     pub(crate) ty: Type,
     pub(crate) direction: Direction,
-    pub(crate) storage: Storage,
-    /// Place where foreign code keeps the address of the pin's cell.
-    pub(crate) pointer: Option<Pointer>,
-    pub(crate) hidden: bool,
     /// True for items that the engine creates: times of functions and threads.
     pub(crate) times: bool,
-    /// True for a limit switch or e-stop input.
-    pub(crate) safety: bool,
-    pub(crate) doc: Arc<str>,
+    /// True if the value is in the component's own memory.
+    own: bool,
+}
+
+/// Properties that few items have.
+#[derive(Debug, Default)]
+struct Rare {
+    other: Option<Name>,
+    alias: Option<Name>,
+    pointer: Option<Pointer>,
+    hidden: bool,
+    safety: bool,
 }
 
 impl Item {
+    /// Creates an item whose value is at `storage`.
+    pub(crate) fn new(new: NewItem, storage: Storage) -> Self {
+        let NewItem { name, other, ty, direction, hidden, times, safety, doc, .. } = new;
+        let (address, own) = match storage {
+            Storage::Slot(p) => (p.0.cast(), false),
+            Storage::Own(p) => (p, true),
+        };
+        let rare = Rare { other, hidden, safety, ..Rare::default() };
+        let is_rare = rare.other.is_some() || hidden || safety;
+        let rare = is_rare.then(|| Box::new(rare));
+        Self { name, address, rare, doc, ty, direction, times, own }
+    }
+
+    /// Returns the location of the value.
+    pub(crate) const fn storage(&self) -> Storage {
+        if self.own { Storage::Own(self.address) } else { Storage::Slot(Ptr(self.address.cast())) }
+    }
+
+    /// Returns the second name for look-ups: the old name, or the new name if the old one is shown.
+    pub(crate) fn other(&self) -> Option<&Name> {
+        self.rare.as_ref()?.other.as_ref()
+    }
+
+    /// Returns the alias.
+    pub(crate) fn alias(&self) -> Option<&Name> {
+        self.rare.as_ref()?.alias.as_ref()
+    }
+
+    /// Sets the alias, or removes it. Returns the one before.
+    pub(crate) fn set_alias(&mut self, alias: Option<Name>) -> Option<Name> {
+        if alias.is_none() && self.rare.is_none() {
+            return None;
+        }
+        core::mem::replace(&mut self.rare.get_or_insert_default().alias, alias)
+    }
+
+    /// Returns the place where foreign code keeps the address of the pin's cell.
+    pub(crate) fn pointer(&self) -> Option<Pointer> {
+        self.rare.as_ref()?.pointer
+    }
+
+    /// Sets the place where foreign code keeps the address of the pin's cell.
+    pub(crate) fn set_pointer(&mut self, pointer: Pointer) {
+        self.rare.get_or_insert_default().pointer = Some(pointer);
+    }
+
+    /// Returns whether the item is listed only if a pattern names it.
+    pub(crate) fn hidden(&self) -> bool {
+        self.rare.as_ref().is_some_and(|r| r.hidden)
+    }
+
+    /// Returns whether the item is a limit switch or an e-stop input.
+    pub(crate) fn safety(&self) -> bool {
+        self.rare.as_ref().is_some_and(|r| r.safety)
+    }
+
     /// Returns the name under which the item is listed.
     pub(crate) fn shown(&self) -> &Name {
-        self.alias.as_ref().unwrap_or(&self.name)
+        self.alias().unwrap_or(&self.name)
     }
 
     /// Returns the slot. Pins always have one.
     pub(crate) const fn slot(&self) -> Option<NonNull<Slot>> {
-        match self.storage {
+        match self.storage() {
             Storage::Slot(p) => Some(p.0),
             Storage::Own(_) => None,
         }
@@ -158,7 +226,7 @@ impl Item {
 
     /// Returns the current value as bits of a cell.
     pub(crate) fn bits(&self) -> u64 {
-        match self.storage {
+        match self.storage() {
             // SAFETY: the slot is a live slot of the arena.
             Storage::Slot(p) => unsafe { Slot::cell(p.0.as_ptr()) }.load(),
             Storage::Own(p) => own::load(p, self.ty),
@@ -167,7 +235,7 @@ impl Item {
 
     /// Sets the value.
     pub(crate) fn put(&self, bits: u64) {
-        match self.storage {
+        match self.storage() {
             // SAFETY: the slot is a live slot of the arena.
             Storage::Slot(p) => unsafe { Slot::cell(p.0.as_ptr()) }.store(bits),
             Storage::Own(p) => own::store(p, self.ty, bits),
@@ -230,7 +298,7 @@ pub(crate) struct Funct {
     pub(crate) unknown: bool,
     /// True if it belongs in a fast thread.
     pub(crate) fast: bool,
-    pub(crate) doc: Box<str>,
+    pub(crate) doc: Doc,
     /// True if it takes hidden state that no function produces: commands, or results of a
     /// background task.
     pub(crate) told: bool,
@@ -244,7 +312,7 @@ pub(crate) struct ThreadNode {
     pub(crate) name: Name,
     pub(crate) thread: Arc<Thread>,
     /// Highest position assigned so far.
-    pub(crate) next: u64,
+    pub(crate) next: u32,
     /// True if the thread's function list is older than its edges.
     pub(crate) stale: bool,
 }

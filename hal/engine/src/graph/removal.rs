@@ -3,8 +3,9 @@
 use crate::{
     Error,
     change::staged::Going,
-    change::undo::{Index, Undo},
+    change::undo::Undo,
     graph::model::Model,
+    graph::names::Index,
     graph::{Component, Ix, Node},
     name::Name,
 };
@@ -95,12 +96,12 @@ impl Model {
         let (index, names) = match self.graph.g.node_weight(ix) {
             Some(Node::Item(item)) => {
                 let param = !item.direction.is_pin();
-                if self.graph.names(param).get(&item.name) == Some(&ix) {
+                if self.graph.item_named(param, item.name.as_str()) == Some(ix) {
                     let count =
                         if param { &mut self.counters.params } else { &mut self.counters.pins };
                     *count -= 1;
                 }
-                let names = [Some(item.name.clone()), item.other.clone(), item.alias.clone()];
+                let names = [Some(item.name.clone()), item.other().cloned(), item.alias().cloned()];
                 (Index::of_items(param), names)
             }
             Some(Node::Funct(f)) => (Index::Functs, [Some(f.name.clone()), None, None]),
@@ -140,6 +141,11 @@ impl Model {
         gone
     }
 
+    /// Prepares the graph for the removal of all components.
+    pub(crate) fn before_all_are_freed(&mut self) {
+        self.graph.forget_all_but_pins();
+    }
+
     /// Frees a node that no thread, signal or name refers to.
     fn remove_node(&mut self, ix: Ix) {
         let graph = &mut self.graph;
@@ -147,15 +153,12 @@ impl Model {
         let Some(node) = graph.g.remove_node(ix) else { return };
         // Another node may have the name by now.
         let mut forget = |index, name: &Name| {
-            let names = graph.index_mut(index);
-            if names.get(name) == Some(&ix) {
-                names.remove(name);
-            }
+            graph.remove_name(index, name, ix);
         };
         match node {
             Node::Item(item) => {
                 let index = Index::of_items(!item.direction.is_pin());
-                let names = [Some(&item.name), item.other.as_ref(), item.alias.as_ref()];
+                let names = [Some(&item.name), item.other(), item.alias()];
                 names.into_iter().flatten().for_each(|name| forget(index, name));
                 if let Some(slot) = item.slot() {
                     self.arena.give_slot(slot);
@@ -175,9 +178,7 @@ impl Model {
     pub(crate) fn forget_signal(&mut self, ix: Ix) {
         if let Some(Node::Signal(s)) = self.graph.g.remove_node(ix) {
             // Another signal may have this name by now.
-            if self.graph.signals.get(&s.name) == Some(&ix) {
-                self.graph.signals.remove(&s.name);
-            }
+            self.graph.remove_name(Index::Signals, &s.name, ix);
             self.graph.sites.forget(ix);
             self.arena.give_cell(s.cell.0);
             drop(s.queue);

@@ -6,7 +6,7 @@ use crate::{
     graph::{Component, Edge, Ix, Node, ThreadNode},
     name::Name,
     realtime::shared::Shared,
-    realtime::thread::{Entry, List, Thread},
+    realtime::thread::{Label, List, NOBODY, Thread},
     sync::{Arc, Ordering},
 };
 use hal_protocol::{ComponentState, Direction, Lock, Type};
@@ -62,7 +62,7 @@ impl Model {
             hidden: false,
             times: true,
             safety: false,
-            doc: self.graph.doc("Cycles run."),
+            doc: self.graph.docs.number("Cycles run."),
         };
         let (_, beat) = self.new_item(component, beat)?;
         let due = shared.first_due(period);
@@ -74,7 +74,7 @@ impl Model {
         self.counters.next_thread += 1;
         let thread = Arc::new(Thread::new((id, name.clone()), period, account, beat, timed, due));
         let node = ThreadNode { name: name.clone(), thread, next: 0, stale: false };
-        let ix = self.graph.g.add_node(Node::Thread(node));
+        let ix = self.graph.g.add_node(Node::Thread(Box::new(node)));
         self.graph.g.add_edge(component, ix, Edge::Owns);
         self.graph.threads.insert(name.clone(), ix);
         self.graph.sites.made(ix);
@@ -106,7 +106,7 @@ impl Model {
             foreign: None,
         };
         self.counters.next_component += 1;
-        let ix = self.graph.g.add_node(Node::Component(component));
+        let ix = self.graph.g.add_node(Node::Component(Box::new(component)));
         self.graph.components.insert(name, ix);
         self.graph.sites.made(ix);
         Ok(ix)
@@ -126,20 +126,22 @@ impl Model {
 
     /// Returns the functions that a thread has to run, without probes.
     pub(crate) fn list_of(&self, thread: Ix) -> List {
-        let entries = |init: bool| {
-            let functs = self.graph.runs(thread, init);
-            functs
-                .into_iter()
-                .filter_map(|ix| {
-                    let f = self.graph.funct(ix)?;
-                    let id = u32::try_from(ix.index()).ok()?;
-                    let owner = self.graph.owner(ix).map_or(&f.name, |c| &c.name);
-                    let names = (f.name.clone(), owner.clone());
-                    Some(Entry::new(id, names, f.code.clone(), f.account))
-                })
-                .collect()
+        let mut labels = Vec::new();
+        let mut entries = |init: bool| {
+            let mut entries = Vec::new();
+            for ix in self.graph.runs(thread, init) {
+                let Some(f) = self.graph.funct(ix) else { continue };
+                let id = u32::try_from(ix.index()).unwrap_or(NOBODY);
+                let owner = self.graph.owner(ix).map_or(&f.name, |c| &c.name);
+                let (name, component) = (f.name.clone(), owner.clone());
+                let label = Label { id, name, component, code: f.code.clone() };
+                entries.push(label.entry(f.account));
+                labels.push(label);
+            }
+            entries
         };
-        List { init: entries(true), entries: entries(false), ..List::default() }
+        let (init, entries) = (entries(true), entries(false));
+        List { init, entries, labels, ..List::default() }
     }
 
     /// Executes `addf` and `initf`.
@@ -164,7 +166,8 @@ impl Model {
         if init && self.graph.thread(t).is_some_and(done) {
             return Err(Error::InitDone { thread: thread.into(), funct: funct.into() });
         }
-        if position != -1 {
+        // Positions are renumbered after 2^32 additions.
+        if position != -1 || self.graph.thread(t).is_some_and(|node| node.next == u32::MAX) {
             self.touch_thread(t);
             return self.insert_at(t, f, position, init);
         }
@@ -195,15 +198,15 @@ impl Model {
         edges.sort_unstable();
         let edge = |at| if init { Edge::Begins(at) } else { Edge::Runs(at) };
         for (i, (_, id)) in edges.iter().enumerate() {
-            let place = if i < at { i + 1 } else { i + 2 } as u64;
+            let place = place(if i < at { i + 1 } else { i + 2 });
             if let Some(w) = self.graph.g.edge_weight_mut(*id) {
                 *w = edge(place);
             }
         }
         if let Some(node) = self.graph.thread_mut(t) {
-            node.next = node.next.max(edges.len() as u64 + 1);
+            node.next = node.next.max(place(edges.len() + 1));
         }
-        let added = self.graph.g.add_edge(t, f, edge(at as u64 + 1));
+        let added = self.graph.g.add_edge(t, f, edge(place(at + 1)));
         self.graph.sites.joined(added);
         Ok(())
     }
@@ -241,6 +244,11 @@ impl Model {
             self.graph.sites.parted(edge);
         }
     }
+}
+
+/// Returns the position of the nth function. A graph has fewer than 2^32 nodes.
+fn place(n: usize) -> u32 {
+    u32::try_from(n).unwrap_or(u32::MAX)
 }
 
 /// Returns the index for a position in a list of `n` functions: 1 is before the first, -1 after the

@@ -4,8 +4,9 @@ use crate::{
     Error,
     change::staged::{Before, Staged, split},
     change::stores::{Change, MAX_STORES, Store},
-    change::undo::{Index, Order, Undo},
+    change::undo::{Order, Undo},
     graph::model::Model,
+    graph::names::Index,
     graph::sites::Site,
     graph::{Edge, Graph, Ix},
     name::Name,
@@ -14,19 +15,6 @@ use petgraph::{Direction::Outgoing, stable_graph::EdgeIndex, visit::EdgeRef};
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Graph {
-    /// Returns one of the indices of names.
-    pub(crate) const fn index_mut(&mut self, index: Index) -> &mut BTreeMap<Name, Ix> {
-        match index {
-            Index::Components => &mut self.components,
-            Index::Pins => &mut self.pins,
-            Index::Params => &mut self.params,
-            Index::Signals => &mut self.signals,
-            Index::Functs => &mut self.functs,
-            Index::Threads => &mut self.threads,
-            Index::Commands => &mut self.commands,
-        }
-    }
-
     /// Returns the state of a thread without its functions, before functions are added at its end.
     pub(crate) fn end_of(&self, thread: Ix) -> Option<Order> {
         let node = self.thread(thread)?;
@@ -49,7 +37,7 @@ impl Graph {
     }
 
     /// Removes the functions of a thread whose place is beyond `last`.
-    fn shorten_thread(&mut self, thread: Ix, last: u64) {
+    fn shorten_thread(&mut self, thread: Ix, last: u32) {
         let runs = self.g.edges_directed(thread, Outgoing);
         let runs = runs.filter(|e| e.weight().place().is_some_and(|at| at > last));
         let edges: Vec<_> = runs.map(|e| e.id()).collect();
@@ -113,17 +101,14 @@ impl Model {
 
     /// Gives a node a name.
     pub(crate) fn name_node(&mut self, index: Index, name: Name, ix: Ix) {
-        self.graph.index_mut(index).insert(name.clone(), ix);
-        self.staged.undo_by(Undo::Named(index, name));
+        self.graph.add_name(index, &name, ix);
+        self.staged.undo_by(Undo::Named(index, name, ix));
     }
 
     /// Removes a node's name, if the name belongs to the node.
     pub(crate) fn unname(&mut self, index: Index, name: &Name, ix: Ix) {
-        let names = self.graph.index_mut(index);
-        if names.get(name) == Some(&ix)
-            && let Some((name, ix)) = names.remove_entry(name)
-        {
-            self.staged.undo_by(Undo::Unnamed(index, name, ix));
+        if self.graph.remove_name(index, name, ix) {
+            self.staged.undo_by(Undo::Unnamed(index, name.clone(), ix));
         }
     }
 
@@ -232,12 +217,10 @@ impl Model {
         match step {
             Undo::Made(_) | Undo::Opened(_) => return Some(step),
             Undo::Signal(ix) => self.forget_signal(ix),
-            Undo::Named(index, name) => {
-                self.graph.index_mut(index).remove(&name);
+            Undo::Named(index, name, ix) => {
+                self.graph.remove_name(index, &name, ix);
             }
-            Undo::Unnamed(index, name, ix) => {
-                self.graph.index_mut(index).insert(name, ix);
-            }
+            Undo::Unnamed(index, name, ix) => self.graph.add_name(index, &name, ix),
             Undo::Linked(pin) => {
                 self.graph.remove_link(pin);
             }
@@ -252,7 +235,7 @@ impl Model {
             }
             Undo::Aliased(ix, alias, site) => {
                 if let Some(item) = self.graph.item_mut(ix) {
-                    item.alias = alias;
+                    drop(item.set_alias(alias));
                 }
                 self.graph.sites.named_at(ix, site);
             }

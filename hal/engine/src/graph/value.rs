@@ -3,8 +3,9 @@
 use crate::{
     Error,
     change::stores::Store,
-    change::undo::{Index, Undo},
+    change::undo::Undo,
     graph::model::Model,
+    graph::names::Index,
     graph::ptr::Ptr,
     graph::ptr::own_cell,
     graph::{Graph, Ix, Queue, Storage},
@@ -30,7 +31,7 @@ impl Model {
             Direction::In | Direction::Io | Direction::Rw => {}
         }
         let value = parse(what, name, item.ty, text)?;
-        let (storage, ty) = (item.storage, item.ty);
+        let (storage, ty) = (item.storage(), item.ty);
         self.assigned(ix, value.bits());
         self.staged.store(match storage {
             // An unlinked item uses its own cell, now or after the earlier stores of this
@@ -96,8 +97,8 @@ impl Model {
         self.unlocked(Lock::CONFIG, if param { "param_alias" } else { "pin_alias" })?;
         let what = if param { "param" } else { "pin" };
         let alias = Name::parse(what, alias)?;
-        let ix = crate::graph::find(self.graph.names(param), what, name)?;
-        if self.graph.names(param).contains_key(&alias) {
+        let ix = self.graph.find_of(param, what, name)?;
+        if self.graph.item_named(param, alias.as_str()).is_some() {
             return Err(Error::Duplicate { what: "pin/alias name", name: alias.as_str().into() });
         }
         self.set_alias(param, ix, Some(alias));
@@ -106,7 +107,7 @@ impl Model {
 
     fn set_alias(&mut self, param: bool, ix: Ix, alias: Option<Name>) {
         let Some(item) = self.graph.item_mut(ix) else { return };
-        let old = core::mem::replace(&mut item.alias, alias.clone());
+        let old = item.set_alias(alias.clone());
         let site = self.graph.sites.of_named(ix);
         self.staged.undo_by(Undo::Aliased(ix, old.clone(), site));
         let index = Index::of_items(param);
@@ -123,7 +124,7 @@ impl Model {
     pub(crate) fn unalias(&mut self, param: bool, name: &str) -> Result<(), Error> {
         self.unlocked(Lock::CONFIG, if param { "param_alias" } else { "pin_alias" })?;
         let what = if param { "param" } else { "pin" };
-        let ix = crate::graph::find(self.graph.names(param), what, name)?;
+        let ix = self.graph.find_of(param, what, name)?;
         self.set_alias(param, ix, None);
         Ok(())
     }

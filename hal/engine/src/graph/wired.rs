@@ -32,7 +32,7 @@ impl Graph {
     /// are the pins that write the signal or, for an output, the pins that read it.
     fn pin_with_wiring(&self, name: &str) -> Option<String> {
         let graph = self;
-        let pin = *graph.pins.get(name)?;
+        let pin = graph.pin_named(name)?;
         let item = graph.item(pin)?;
         let signal = graph.signal_of(pin);
         let Some((ix, signal)) = signal.and_then(|ix| Some((ix, graph.signal(ix)?))) else {

@@ -4,9 +4,10 @@ use crate::{
     Error,
     change::staged::Going,
     change::stores::Store,
-    change::undo::{Index, Undo},
+    change::undo::Undo,
     graph::arena::Arena,
     graph::model::Model,
+    graph::names::Index,
     graph::ptr::Ptr,
     graph::ptr::own_cell,
     graph::{Ix, Node, Signal},
@@ -20,7 +21,7 @@ impl Model {
     pub(crate) fn new_signal(&mut self, name: &str, ty: Type) -> Result<Ix, Error> {
         self.unlocked(Lock::CONFIG, "signal_new")?;
         let name = Name::parse("signal", name)?;
-        if self.graph.signals.contains_key(&name) {
+        if self.graph.signal_named(name.as_str()).is_some() {
             return Err(Error::Duplicate { what: "signal", name: name.as_str().into() });
         }
         let cell = self.arena.cell(0)?;
@@ -33,9 +34,9 @@ impl Model {
             writers: 0,
             bidirs: 0,
         };
-        let ix = self.graph.g.add_node(Node::Signal(signal));
+        let ix = self.graph.g.add_node(Node::Signal(Box::new(signal)));
         self.graph.sites.made(ix);
-        self.graph.signals.insert(name, ix);
+        self.graph.add_name(Index::Signals, &name, ix);
         self.staged.undo_by(Undo::Signal(ix));
         Ok(ix)
     }
@@ -55,7 +56,8 @@ impl Model {
 
     /// Executes `delsig all`.
     pub(crate) fn delete_all_signals(&mut self) -> Result<(), Error> {
-        let names: Vec<Name> = self.graph.signals.keys().cloned().collect();
+        let names: Vec<Name> =
+            self.graph.signal_names().into_iter().map(|(name, _)| name.clone()).collect();
         if names.is_empty() {
             return Err(Error::NoSignals);
         }
@@ -129,7 +131,7 @@ impl Model {
                 self.staged.store(Store::Bring { slot: Ptr(slot), cell });
             }
             let distance = Arena::distance(slot, cell.0);
-            self.staged.stores(Store::aimed(slot, distance, p.pointer, cell));
+            self.staged.stores(Store::aimed(slot, distance, p.pointer(), cell));
             let link = self.graph.draw_link(*pin, signal);
             self.graph.sites.joined(link);
             self.staged.undo_by(Undo::Linked(*pin));
@@ -156,7 +158,7 @@ impl Model {
             } else {
                 Store::Keep { cell: signal.cell, slot: Ptr(slot) }
             });
-            let (cell, pointer) = (own_cell(Ptr(slot)), item.and_then(|i| i.pointer));
+            let (cell, pointer) = (own_cell(Ptr(slot)), item.and_then(crate::graph::Item::pointer));
             self.staged.stores(Store::aimed(slot, Slot::OWN, pointer, cell));
             if let Some((signal, site)) = self.graph.remove_link(*pin) {
                 self.staged.undo_by(Undo::Unlinked(*pin, signal, site));
@@ -169,7 +171,7 @@ impl Model {
         if pins.is_empty() {
             return Err(Error::NoPins);
         }
-        let signal = self.graph.signals.get(name).copied();
+        let signal = self.graph.signal_named(name);
         let seen = signal.and_then(|ix| self.graph.signal(ix));
         let mut ty = seen.map(|s| s.ty);
         let mut writer: Option<Box<str>> = None;
@@ -187,8 +189,9 @@ impl Model {
         }
         let mut new: Vec<Ix> = Vec::new();
         for word in pins {
-            let ix = self.graph.pins.get(word.as_str()).copied().ok_or_else(|| {
-                let names = self.graph.pins.keys().map(Name::as_str);
+            let ix = self.graph.pin_named(word).ok_or_else(|| {
+                let names = self.graph.item_names(false);
+                let names = names.into_iter().map(|(name, _)| name.as_str());
                 Error::NoPin {
                     name: word.as_str().into(),
                     near: crate::error::near::nearest(word, names),
@@ -241,7 +244,7 @@ impl Model {
             }
             new.push(ix);
         }
-        if self.graph.pins.contains_key(name) {
+        if self.graph.pin_named(name).is_some() {
             return Err(Error::SignalIsPin { name: name.into() });
         }
         self.unlocked(Lock::CONFIG, if signal.is_none() { "signal_new" } else { "link" })?;

@@ -35,11 +35,10 @@ pub(crate) struct Creating<'e> {
     pub(crate) failed: Option<String>,
     pub(crate) opens: Vec<Code<CommandRun>>,
     pub(crate) threads: Vec<Ix>,
-    /// Slots of this load, to resolve the uses of functions.
+    /// Slots of the instance in progress, to resolve the uses of its functions.
     slots: BTreeMap<usize, Ix>,
     /// Functions that write and read hidden state.
     hidden: Vec<(Ix, u64, u32)>,
-    created: BTreeMap<Ix, Vec<Use>>,
 }
 
 impl<'e> Creating<'e> {
@@ -60,31 +59,37 @@ impl<'e> Creating<'e> {
             threads: Vec::new(),
             slots: BTreeMap::new(),
             hidden: Vec::new(),
-            created: BTreeMap::new(),
         }
     }
 
-    /// Draws the edges for everything that functions access, after the whole load is declared.
-    pub(crate) fn draw_edges(&mut self) {
-        for (funct, uses) in core::mem::take(&mut self.created) {
-            for u in uses {
-                if u.slot.is_null() {
-                    self.hidden.push((funct, u.token, u.access));
-                    continue;
-                }
-                let at = self.slots.get(&u.slot.addr()).copied();
-                let Some(item) = at.or_else(|| self.engine.model.graph().item_at(u.slot)) else {
-                    continue;
-                };
-                let model = &mut self.engine.model;
-                if u.access & access::READ != 0 {
-                    model.connect(item, funct, Edge::Reads);
-                }
-                if u.access & access::WRITE != 0 {
-                    model.connect(funct, item, Edge::Writes);
-                }
+    /// Begins the declarations of the next instance.
+    pub(crate) fn next_instance(&mut self) {
+        self.slots.clear();
+    }
+
+    /// Draws the edges for the items that a function accesses, and records its hidden state.
+    fn draw_uses(&mut self, funct: Ix, uses: &[Use]) {
+        for u in uses {
+            if u.slot.is_null() {
+                self.hidden.push((funct, u.token, u.access));
+                continue;
+            }
+            let at = self.slots.get(&u.slot.addr()).copied();
+            let Some(item) = at.or_else(|| self.engine.model.graph().item_at(u.slot)) else {
+                continue;
+            };
+            let model = &mut self.engine.model;
+            if u.access & access::READ != 0 {
+                model.connect(item, funct, Edge::Reads);
+            }
+            if u.access & access::WRITE != 0 {
+                model.connect(funct, item, Edge::Writes);
             }
         }
+    }
+
+    /// Draws the edges for hidden state, after the whole load is declared.
+    pub(crate) fn draw_edges(&mut self) {
         let hidden = core::mem::take(&mut self.hidden);
         let mut takers: BTreeMap<u64, Vec<Ix>> = BTreeMap::new();
         for (taker, token, _) in hidden.iter().filter(|h| h.2 & access::READ != 0) {
@@ -170,7 +175,7 @@ impl<'e> Creating<'e> {
         let Some(run) = spec.run else { return Err(self.odd("a function has no code")) };
         let code = Code::new(run, spec.state, spec.free, self.keep.clone());
         let name = Name::parse("function", self.text(spec.name)?)?;
-        if self.engine.model.graph().functs.contains_key(&name) {
+        if self.engine.model.graph().funct_named(name.as_str()).is_some() {
             return Err(Error::Duplicate { what: "function", name: name.as_str().into() });
         }
         let account = self.engine.model.new_account(self.component, &name, true)?;
@@ -179,7 +184,7 @@ impl<'e> Creating<'e> {
             reentrant: spec.flags & funct_flags::REENTRANT != 0,
             unknown: spec.flags & funct_flags::UNKNOWN != 0,
             fast: spec.flags & funct_flags::FAST != 0,
-            doc: self.text(spec.doc)?.into(),
+            doc: self.engine.model.doc(self.text(spec.doc)?),
             told: false,
             code: Arc::new(code),
             account,
@@ -189,10 +194,8 @@ impl<'e> Creating<'e> {
             ends::note_funct(u32::try_from(ix.index()).unwrap_or(u32::MAX), &c.name, &name);
         }
         // SAFETY: the component's list lives across its call.
-        let uses = unsafe { copied(spec.uses, spec.n_uses) };
-        if !uses.is_empty() {
-            self.created.insert(ix, uses);
-        }
+        let uses = unsafe { list(spec.uses, spec.n_uses) };
+        self.draw_uses(ix, uses);
         Ok(())
     }
 
@@ -306,7 +309,7 @@ impl<'e> Creating<'e> {
             return Err(Error::ServiceTaken { name: name.into(), by });
         }
         // SAFETY: the component's list lives across its call.
-        let uses = unsafe { copied(spec.uses, spec.n_uses) };
+        let uses = unsafe { list(spec.uses, spec.n_uses) }.to_vec();
         let (name, version) = (name.into(), spec.version);
         let service = Service { name, version, table: spec.table, uses, code };
         if let Some(c) = self.engine.model.component_mut(self.component) {
@@ -362,14 +365,14 @@ impl<'e> Creating<'e> {
     }
 }
 
-/// Copies a list of a component.
+/// Returns a list of a component.
 ///
 /// # Safety
-/// `list` is null, or holds `n` uses.
-unsafe fn copied(list: *const Use, n: usize) -> Vec<Use> {
-    if n == 0 || list.is_null() {
-        return Vec::new();
+/// `uses` is null, or holds `n` uses while the list is read.
+const unsafe fn list<'u>(uses: *const Use, n: usize) -> &'u [Use] {
+    if n == 0 || uses.is_null() {
+        return &[];
     }
     // SAFETY: the caller's promise.
-    unsafe { core::slice::from_raw_parts(list, n) }.to_vec()
+    unsafe { core::slice::from_raw_parts(uses, n) }
 }

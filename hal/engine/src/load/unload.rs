@@ -3,9 +3,11 @@
 use crate::{
     Engine, Error,
     change::staged::Going,
+    change::stores::Change,
     ends::{self, Doing, What},
     graph::Ix,
     name::Name,
+    sync::Arc,
 };
 
 impl Engine {
@@ -66,6 +68,31 @@ impl Engine {
         if let Err(e) = removed {
             self.notice(e.to_string());
         }
+    }
+
+    /// Frees all components, the newest first, after every thread has ended. Nothing reads links and
+    /// values any more, so no pin is unlinked first.
+    pub(crate) fn free_all(&mut self) {
+        let threads = self.model.graph().threads.values();
+        let threads = threads.filter_map(|ix| self.model.graph().thread(*ix));
+        let lists = threads.map(|t| (t.thread.clone(), Arc::default())).collect();
+        if let Err(e) = self.runtime.carry_out(&Change { stores: Vec::new(), lists }) {
+            self.notice(e.to_string());
+        }
+        self.reap();
+        self.model.before_all_are_freed();
+        for ix in self.model.graph().components_by_age().into_iter().rev() {
+            // A thread's own component is freed with the one that created the thread.
+            if self.model.graph().component(ix).is_none() {
+                continue;
+            }
+            self.end_probes_of(ix);
+            match self.end_own_threads(ix) {
+                Ok(()) => self.free_component(ix),
+                Err(e) => self.notice(e.to_string()),
+            }
+        }
+        self.reap();
     }
 
     /// Frees a component that no thread, signal or name refers to.

@@ -219,7 +219,7 @@ impl Engine {
     /// Returns whether a value lies in its component's own memory, which is freed with the
     /// component.
     fn is_own(&self, ix: Ix) -> bool {
-        self.model.graph().item(ix).is_some_and(|i| matches!(i.storage, Storage::Own(_)))
+        self.model.graph().item(ix).is_some_and(|i| matches!(i.storage(), Storage::Own(_)))
     }
 
     /// Returns signals with their pins, unlinked pins, and parameters that a condition names.
@@ -229,7 +229,7 @@ impl Engine {
         // Group of each signal and pin.
         let mut group_of = BTreeMap::new();
         let before = |ix: &Ix| flight.columns.get(ix).copied();
-        for (name, ix) in &self.model.graph().signals {
+        for (name, ix) in &self.model.graph().signal_names() {
             let Some(s) = self.model.graph().signal(*ix).filter(|s| s.ty != Type::Port) else {
                 continue;
             };
@@ -239,23 +239,24 @@ impl Engine {
             groups.push(Group { ty: s.ty, names, before: before(ix) });
         }
         let named = |name: &Name| flight.conditions.iter().any(|c| c.names(name.as_str()));
-        let params = self.model.graph().params.iter().filter(|(name, _)| named(name));
-        for (name, ix) in self.model.graph().pins.iter().chain(params) {
+        let params = self.model.graph().item_names(true);
+        let params = params.into_iter().filter(|(name, _)| named(name));
+        for (name, ix) in self.model.graph().item_names(false).into_iter().chain(params) {
             // A value that a condition names is watched under any of its names.
             let wanted = |i: &&Item| {
-                let plain = !i.hidden && !i.times && i.shown() == name;
+                let plain = !i.hidden() && !i.times && i.shown() == name;
                 i.ty != Type::Port && (plain || named(name))
             };
-            let Some(item) = self.model.graph().item(*ix).filter(wanted) else { continue };
-            let place = self.model.graph().signal_of(*ix).unwrap_or(*ix);
+            let Some(item) = self.model.graph().item(ix).filter(wanted) else { continue };
+            let place = self.model.graph().signal_of(ix).unwrap_or(ix);
             if let Some(group) = group_of.get(&place).and_then(|i: &usize| groups.get_mut(*i)) {
                 group.names.push(name.as_str().to_owned());
                 continue;
             }
             group_of.insert(place, groups.len());
-            nodes.push(*ix);
+            nodes.push(ix);
             let names = vec![name.as_str().to_owned()];
-            groups.push(Group { ty: item.ty, names, before: before(ix) });
+            groups.push(Group { ty: item.ty, names, before: before(&ix) });
         }
         (nodes, groups)
     }

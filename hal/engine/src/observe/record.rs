@@ -147,7 +147,7 @@ impl Engine {
         let mut nodes = Vec::new();
         let mut columns: Vec<Column> = Vec::new();
         let mut of_signal = BTreeMap::new();
-        for (name, ix) in &self.model.graph().signals {
+        for (name, ix) in &self.model.graph().signal_names() {
             let Some(s) = self.model.graph().signal(*ix).filter(|s| s.ty != Type::Port) else {
                 continue;
             };
@@ -157,10 +157,9 @@ impl Engine {
                 columns.push(Column { ty: s.ty, names: vec![name.as_str().to_owned()] });
             }
         }
-        let items = self.model.graph().pins.iter().chain(&self.model.graph().params);
-        for (name, ix) in items {
-            let Some(item) = self.model.graph().item(*ix) else { continue };
-            let plain = !item.hidden && !item.times && item.direction.is_pin();
+        for (name, ix) in self.model.graph().all_item_names() {
+            let Some(item) = self.model.graph().item(ix) else { continue };
+            let plain = !item.hidden() && !item.times && item.direction.is_pin();
             let wanted =
                 if r.patterns.is_empty() { plain } else { r.patterns.names(name.as_str()) };
             if !wanted || item.shown() != name || item.ty == Type::Port {
@@ -169,7 +168,7 @@ impl Engine {
             // A pin that the user names in full is recorded by itself, also after it is linked to
             // another signal.
             let apart = r.patterns.is_one(name.as_str());
-            let signal = self.model.graph().signal_of(*ix).filter(|_| !apart);
+            let signal = self.model.graph().signal_of(ix).filter(|_| !apart);
             if let Some(at) =
                 signal.and_then(|s| of_signal.get(&s)).and_then(|i| columns.get_mut(*i))
             {
@@ -179,7 +178,7 @@ impl Engine {
             if let Some(s) = signal {
                 of_signal.insert(s, nodes.len());
             }
-            nodes.push(*ix);
+            nodes.push(ix);
             columns.push(Column { ty: item.ty, names: vec![name.as_str().to_owned()] });
         }
         (nodes, columns)

@@ -157,22 +157,17 @@ impl Engine {
     /// Finds the pin, parameter or signal of this name.
     pub(crate) fn watchable(&self, word: &str) -> Result<Ix, Error> {
         let found = match word.strip_prefix("sig:") {
-            Some(name) => self.model.graph().signals.get(name),
+            Some(name) => self.model.graph().signal_named(name),
             None => {
-                let pins = self
-                    .model
-                    .graph()
-                    .pins
-                    .get(word)
-                    .or_else(|| self.model.graph().params.get(word));
-                pins.or_else(|| self.model.graph().signals.get(word))
+                let graph = self.model.graph();
+                let item = graph.item_named(false, word).or_else(|| graph.item_named(true, word));
+                item.or_else(|| graph.signal_named(word))
             }
         };
-        found.copied().ok_or_else(|| {
-            let (signals, items) =
-                (self.model.graph().signals.keys(), self.model.graph().pins.keys());
-            let all =
-                items.chain(self.model.graph().params.keys()).chain(signals).map(Name::as_str);
+        found.ok_or_else(|| {
+            let graph = self.model.graph();
+            let all = graph.all_item_names().chain(graph.signal_names());
+            let all = all.map(|(name, _)| name.as_str());
             let (what, near) = ("pin, parameter or signal", nearest(word, all));
             Error::NotFound { what, name: word.into(), near }
         })
@@ -199,16 +194,16 @@ impl Engine {
         let wanted = |name: &Name, ix: Ix| {
             // An item with two names must not occur twice.
             self.model.graph().item(ix).is_none_or(|item| {
-                let simulated = item.hidden && !pattern.spell(".sim", name.as_str());
+                let simulated = item.hidden() && !pattern.spell(".sim", name.as_str());
                 item.shown() == name && !item.times && !simulated
             }) && pattern.names(name.as_str())
         };
-        let pins = self.model.graph().pins.iter().chain(&self.model.graph().params);
-        let pins = pins.filter(|_| !signals_only);
-        let all = pins.chain(&self.model.graph().signals);
-        for (name, ix) in all.filter(|(name, ix)| wanted(name, **ix)) {
-            let known = out.iter().any(|c| c.node == *ix);
-            out.extend(self.open_channel(*ix, name.as_str()).filter(|_| !known));
+        let graph = self.model.graph();
+        let items = graph.all_item_names().filter(|_| !signals_only);
+        let all = items.chain(graph.signal_names());
+        for (name, ix) in all.filter(|(name, ix)| wanted(name, *ix)) {
+            let known = out.iter().any(|c| c.node == ix);
+            out.extend(self.open_channel(ix, name.as_str()).filter(|_| !known));
         }
     }
 

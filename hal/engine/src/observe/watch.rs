@@ -18,7 +18,7 @@ impl Engine {
             return Some(Source::Cell(signal.cell));
         }
         let item = self.model.graph().item(ix)?;
-        Some(match item.storage {
+        Some(match item.storage() {
             Storage::Slot(slot) => Source::Slot(slot),
             Storage::Own(place) => Source::own(place, item.ty),
         })
@@ -119,6 +119,13 @@ impl Engine {
         if self.runtime.is_quiet() && !self.runtime.is_running() {
             self.observers.probes.moments().iter().for_each(|p| p.look(now));
         }
+    }
+
+    /// Ends the probes that watch a component's items, and informs their readers.
+    pub(crate) fn end_probes_of(&mut self, component: Ix) {
+        let owned = self.model.all_owned(component);
+        let watching = self.observers.probes.watching(&owned);
+        self.have_parted(watching.into_iter().map(|(id, _)| id).collect());
     }
 
     /// Ends the probes whose items have been removed.

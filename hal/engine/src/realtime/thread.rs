@@ -16,19 +16,14 @@ use arc_swap::ArcSwap;
 use core::ffi::c_void;
 use hal_abi::{Run, Slot};
 
-/// A function in a list.
+/// A function in a list: everything that a cycle reads, and nothing else.
 #[derive(Debug)]
 pub(crate) struct Entry {
     run: Run,
     state: *mut c_void,
     account: Account,
     /// The function's number, for reports.
-    pub(crate) id: u32,
-    /// Names of the function and its component, for reports.
-    pub(crate) name: Name,
-    pub(crate) component: Name,
-    #[expect(dead_code, reason = "held so that the state lives as long as the list")]
-    code: Arc<Code<Run>>,
+    id: u32,
 }
 
 // SAFETY: one thread walks a list; the state is only used by running the code.
@@ -36,14 +31,22 @@ unsafe impl Send for Entry {}
 // SAFETY: as for `Send`.
 unsafe impl Sync for Entry {}
 
-impl Entry {
-    pub(crate) fn new(
-        id: u32,
-        (name, component): (Name, Name),
-        code: Arc<Code<Run>>,
-        account: Account,
-    ) -> Self {
-        Self { run: code.run, state: code.state, account, id, name, component, code }
+/// The part of a function in a list that no cycle reads.
+#[derive(Debug)]
+pub(crate) struct Label {
+    /// The function's number.
+    pub(crate) id: u32,
+    /// Names of the function and its component, for reports.
+    pub(crate) name: Name,
+    pub(crate) component: Name,
+    /// Held so that the state lives as long as the list.
+    pub(crate) code: Arc<Code<Run>>,
+}
+
+impl Label {
+    /// Returns the entry of the function.
+    pub(crate) fn entry(&self, account: Account) -> Entry {
+        Entry { run: self.code.run, state: self.code.state, account, id: self.id }
     }
 }
 
@@ -54,6 +57,8 @@ pub(crate) struct List {
     pub(crate) init: Vec<Entry>,
     /// Functions that run in every cycle.
     pub(crate) entries: Vec<Entry>,
+    /// Names and states of all functions.
+    pub(crate) labels: Vec<Label>,
     /// Probes that read after each cycle.
     pub(crate) probes: Vec<Arc<Probe>>,
     /// Probes that read even when no function runs: those of the fastest thread, on the real clock.
@@ -189,7 +194,7 @@ impl Thread {
 
     /// Runs the functions as `run` does, with one reading of the cycle counter between neighbours.
     fn run_timed(&self, entries: &[Entry], shared: &Shared) -> u32 {
-        let tick_ns = shared.tick_ns();
+        let tick = Tick::new(shared.tick_ns());
         let begin = os::ticks();
         let (mut last, mut most, mut longest) = (begin, 0, NOBODY);
         for e in entries {
@@ -197,11 +202,11 @@ impl Thread {
             // SAFETY: only this thread runs the function, and the list keeps it alive.
             let status = unsafe { (e.run)(e.state, self.period_ns) };
             let now = os::ticks();
-            let ns = in_ns(now.wrapping_sub(last), tick_ns);
+            let ticks = now.wrapping_sub(last);
             last = now;
-            e.account.note(ns);
-            if ns > most {
-                (most, longest) = (ns, e.id);
+            e.account.note(tick.ns(ticks));
+            if ticks > most {
+                (most, longest) = (ticks, e.id);
             }
             if !status.is_ok() {
                 shared.fault.set(self.id, e.id, &shared.cause);
@@ -212,7 +217,7 @@ impl Thread {
             }
         }
         self.current.store(NOBODY, Ordering::Relaxed);
-        self.account.note(in_ns(last.wrapping_sub(begin), tick_ns));
+        self.account.note(tick.ns(last.wrapping_sub(begin)));
         longest
     }
 
@@ -220,8 +225,8 @@ impl Thread {
     pub(crate) fn running(&self) -> Option<(Name, Name)> {
         let current = self.current.load(Ordering::Relaxed);
         let list = self.list.load();
-        let mut entries = list.init.iter().chain(&list.entries);
-        let entry = entries.find(|e| e.id == current && current != NOBODY)?;
+        let mut labels = list.labels.iter();
+        let entry = labels.find(|e| e.id == current && current != NOBODY)?;
         Some((entry.component.clone(), entry.name.clone()))
     }
 
@@ -250,7 +255,44 @@ impl Thread {
     }
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "a float saturates")]
-fn in_ns(ticks: u64, tick_ns: f64) -> i32 {
-    (ticks as f64 * tick_ns) as i32
+/// Duration of a tick of the cycle counter, in nanoseconds times 2^48: a product of integers costs
+/// less than a conversion to a float and back.
+#[derive(Clone, Copy, Debug)]
+struct Tick(u64);
+
+impl Tick {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a float saturates; a tick is positive"
+    )]
+    fn new(ns: f64) -> Self {
+        Self((ns * 281_474_976_710_656.0) as u64)
+    }
+
+    /// Returns whole nanoseconds, or the maximum.
+    #[inline]
+    fn ns(self, ticks: u64) -> i32 {
+        i32::try_from((u128::from(ticks) * u128::from(self.0)) >> 48).unwrap_or(i32::MAX)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Tick;
+
+    #[test]
+    fn ticks_are_nanoseconds() {
+        for (tick_ns, ticks, ns) in [
+            (1.0, 17, 17),
+            (0.5, 17, 8),
+            (0.333_333_333_4, 3_000_000, 1_000_000),
+            (0.4, 5_000_000_000, 2_000_000_000),
+            (0.4, 5_500_000_000, i32::MAX),
+            (1.0, u64::MAX, i32::MAX),
+            (41.666, 0, 0),
+        ] {
+            assert_eq!(Tick::new(tick_ns).ns(ticks), ns, "{ticks} of {tick_ns} ns");
+        }
+    }
 }

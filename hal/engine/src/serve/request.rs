@@ -24,7 +24,8 @@ impl Engine {
                 }
             }
             Request::DeleteSignal { name: None } => {
-                let names: Vec<Name> = self.model.graph().signals.keys().cloned().collect();
+                let names = self.model.graph().signal_names();
+                let names: Vec<Name> = names.into_iter().map(|(name, _)| name.clone()).collect();
                 if names.is_empty() {
                     return Err(Error::NoSignals);
                 }

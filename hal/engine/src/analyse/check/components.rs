@@ -11,9 +11,9 @@ impl Look<'_> {
             self.foreign(component);
         }
         for (ix, item) in self.items() {
-            let Some(alias) = &item.alias else { continue };
+            let Some(alias) = item.alias() else { continue };
             let param = !item.direction.is_pin();
-            if !self.graph.names(!param).contains_key(alias) {
+            if self.graph.item_named(!param, alias.as_str()).is_none() {
                 continue;
             }
             let (what, other) = if param { ("parameter", "pin") } else { ("pin", "parameter") };

@@ -30,7 +30,7 @@ impl Look<'_> {
         let mut told = BTreeSet::new();
         for hop in &order.crossings {
             for name in &hop.by {
-                if self.graph.signals.contains_key(name.as_str()) && told.insert(name.clone()) {
+                if self.graph.signal_named(name).is_some() && told.insert(name.clone()) {
                     self.crossing(order, hop, name);
                 }
             }

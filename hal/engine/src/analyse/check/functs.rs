@@ -10,8 +10,7 @@ use petgraph::{
 
 impl Look<'_> {
     pub(super) fn functs(&mut self) {
-        let all: Vec<Ix> = self.graph.functs.values().copied().collect();
-        for funct in all {
+        for (_, funct) in self.graph.funct_names() {
             if self.graph.funct(funct).is_none_or(|f| f.unknown) {
                 continue;
             }

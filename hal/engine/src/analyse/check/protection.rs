@@ -18,7 +18,7 @@ impl Look<'_> {
     fn guards(&mut self) {
         let mut idle: BTreeMap<Ix, Vec<&str>> = BTreeMap::new();
         for (ix, item) in self.items() {
-            if !item.safety || !self.is_idle(ix) {
+            if !item.safety() || !self.is_idle(ix) {
                 continue;
             }
             if item.name.as_str().ends_with(ENABLE) && item.bits() & 0xff == 0 {
@@ -74,7 +74,8 @@ impl Look<'_> {
                 );
             }
         }
-        let pumps = self.graph.functs.keys().any(|f| f.as_str().starts_with("charge-pump"));
+        let pumps =
+            self.graph.funct_names().iter().any(|(f, _)| f.as_str().starts_with("charge-pump"));
         let Some(owner) = driven.filter(|_| !pumps) else { return };
         let Some(component) = self.graph.component(owner) else { return };
         let name = component.name.as_str();

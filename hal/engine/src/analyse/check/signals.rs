@@ -1,13 +1,12 @@
 //! Checks of signals without writers, readers or pins.
 
 use super::{Look, finding, names};
-use crate::graph::Ix;
+use crate::graph::{Item, Ix};
 use hal_protocol::Code;
 
 impl Look<'_> {
     pub(super) fn signals(&mut self) {
-        let all: Vec<Ix> = self.graph.signals.values().copied().collect();
-        for signal in all {
+        for (_, signal) in self.graph.signal_names() {
             self.ends_of(signal);
         }
     }
@@ -33,7 +32,7 @@ impl Look<'_> {
                     .remedy(format!("link an input to it: net {name} => PIN")),
             );
         } else if writers.is_empty() && !self.is_constant(signal, &readers) {
-            let guards = readers.iter().any(|r| self.graph.item(*r).is_some_and(|i| i.safety));
+            let guards = readers.iter().any(|r| self.graph.item(*r).is_some_and(Item::safety));
             let then = if guards { ": it never protects anything" } else { "" };
             let text =
                 format!("nothing writes signal '{name}', which {} reads{then}", list(&readers));

@@ -105,7 +105,7 @@ impl Look<'_> {
             }
             let name = self.graph.item(pin).map_or("", |i| i.name.as_str());
             let port = name.rsplit_once('.').map_or(name, |(port, _)| port);
-            let resets = self.graph.functs.get(format!("{port}.reset").as_str()).copied();
+            let resets = self.graph.funct_named(&format!("{port}.reset"));
             let at = self.set_at(space).or_else(|| self.loaded_at(space));
             let marked = self.number_of(&format!("{name}-reset"));
             match (resets, marked) {
@@ -166,8 +166,7 @@ impl Look<'_> {
     /// Reports ports with pins marked for reset whose reset function does not run, or runs too
     /// late.
     fn ports(&mut self) {
-        let functs: Vec<Ix> = self.graph.functs.values().copied().collect();
-        for reset in functs {
+        for (_, reset) in self.graph.funct_names() {
             let Some(port) = self.funct_name(reset).strip_suffix(".reset") else { continue };
             let Some(owner) = self.graph.owner_of(reset) else { continue };
             if !self.graph.component(owner).is_some_and(is_driver) {

@@ -15,8 +15,7 @@ impl Look<'_> {
             self.scale(ix, item);
             self.bounds(ix, item);
         }
-        let signals: Vec<Ix> = self.graph.signals.values().copied().collect();
-        for signal in signals {
+        for (_, signal) in self.graph.signal_names() {
             self.set_twice(signal, self.signal_name(signal));
             self.set_then_written(signal);
         }

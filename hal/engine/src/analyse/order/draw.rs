@@ -110,7 +110,7 @@ fn flows(graph: &Graph, known: &BTreeMap<Ix, usize>) -> Vec<Flow> {
             }
         }
     }
-    for ix in graph.signals.values() {
+    for (_, ix) in &graph.signal_names() {
         let (mut out, mut io, mut readers) = (Vec::new(), Vec::new(), Vec::new());
         for pin in graph.pins_of(*ix) {
             match graph.item(pin).map(|item| item.direction) {
@@ -169,7 +169,7 @@ fn fixed(graph: &Graph, machine: &Machine, known: &BTreeMap<Ix, usize>) -> Vec<(
     if strange.is_empty() {
         return Vec::new();
     }
-    for ix in graph.signals.values() {
+    for (_, ix) in &graph.signal_names() {
         let (mut parties, mut owners) = (BTreeSet::new(), BTreeSet::new());
         for pin in graph.pins_of(*ix) {
             match graph.owner_of(pin).and_then(|owner| Some((owner, strange.get(&owner)?))) {
