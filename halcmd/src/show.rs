@@ -215,7 +215,9 @@ fn commands(text: &mut String, list: &[CommandInfo], script: bool) {
         indented(text, 4, &c.doc);
         for arg in &c.args {
             let default = arg.default.as_ref().map(|d| format!(" [{d}]")).unwrap_or_default();
-            text.push_str(&format!("    {}{default}\n", arg.name));
+            let range = arg.range();
+            let range = if range.is_empty() { range } else { format!(" ({range})") };
+            text.push_str(&format!("    {}{range}{default}\n", arg.name));
             indented(text, 8, &arg.doc);
         }
     }
@@ -490,6 +492,8 @@ mod tests {
             doc: format!("What {name} is."),
             required,
             default: default.map(str::to_owned),
+            bounds: hal_protocol::Bounds { low: Some(0.0), above: true, ..Default::default() },
+            unit: "units/s".to_owned(),
         };
         let list = vec![
             CommandInfo {
@@ -501,8 +505,8 @@ mod tests {
         ];
         assert_eq!(summaries(&list), "motion.jog  Moves.\nx.y         Does.\n");
         let want = "Commands:\nmotion.jog velocity=FLOAT [distance=FLOAT]\n    Moves.\n\n    \
-                    More of it.\n    velocity\n        What velocity is.\n    distance [1]\n        \
-                    What distance is.\nx.y\n    Does.\n\n";
+                    More of it.\n    velocity (above 0 units/s)\n        What velocity is.\n    \
+                    distance (above 0 units/s) [1]\n        What distance is.\nx.y\n    Does.\n\n";
         assert_eq!(section(&Reply::Commands(list), "Commands:", false), want);
     }
 

@@ -14,6 +14,7 @@
 #![no_std]
 #![expect(unsafe_code, reason = "one of the crates that keep the binary contract")]
 
+mod argument;
 mod cell;
 mod foreign;
 mod host;
@@ -30,6 +31,7 @@ mod sync;
 mod ticket;
 mod worker;
 
+pub use argument::{ArgSpec, arg, arg_bounds};
 pub use cell::{Cell, Slot};
 pub use foreign::{ForeignFile, ForeignLoader, Load, edit};
 pub use host::{ArgValue, CallHost, Host, ServiceRef, StreamRef, host_flags};
@@ -40,9 +42,9 @@ pub use record::{List, Record, Status, Str};
 pub use ring::{Consumer, Got, MAX_WIDTH, Producer, RING_MAGIC, Ring};
 pub use service::{Interlock, Kinematics, ServiceSpec};
 pub use spec::{
-    ActionSpec, ArgSpec, CommandRun, CommandSpec, ComponentType, Create, Free, FunctSpec, ItemSpec,
-    Library, Run, StreamSpec, TaskSpec, ThreadSpec, Use, access, arg, component_flags, funct_flags,
-    item_flags, panic_strategy, stream_direction,
+    ActionSpec, CommandRun, CommandSpec, ComponentType, Create, Free, FunctSpec, ItemSpec, Library,
+    Run, StreamSpec, TaskSpec, ThreadSpec, Use, access, component_flags, funct_flags, item_flags,
+    panic_strategy, stream_direction,
 };
 pub use ticket::{TICKET_NUMBERS, Ticket, TicketState};
 pub use worker::{Work, WorkerSpec};
@@ -52,7 +54,7 @@ pub use worker::{Work, WorkerSpec};
 pub const ABI_MAJOR: u32 = 1;
 /// Minor version, which increases when something is appended. The engine must be at least as new as
 /// the library.
-pub const ABI_MINOR: u32 = 5;
+pub const ABI_MINOR: u32 = 6;
 /// Maximum length of the name of a pin, parameter, signal, function, thread or component, in bytes.
 pub const NAME_LEN: usize = 55;
 

@@ -1,6 +1,6 @@
 //! Declarations of a library: its descriptor, and the records that `create` passes to the host.
 
-use crate::{ForeignLoader, Host, List, Record, Slot, Status, Str};
+use crate::{ArgSpec, ForeignLoader, Host, List, Record, Slot, Status, Str};
 use core::ffi::c_void;
 
 /// Panic strategy with which a library was built.
@@ -73,81 +73,6 @@ unsafe impl Record for ComponentType {
 }
 // SAFETY: a descriptor is immutable static data.
 unsafe impl Sync for ComponentType {}
-
-/// Types of arguments of `loadrt` and of commands.
-pub mod arg {
-    /// An integer in C notation.
-    pub const INT: u32 = 1;
-    /// A floating-point number.
-    pub const FLOAT: u32 = 2;
-    /// A string.
-    pub const TEXT: u32 = 3;
-    /// Integers separated by commas.
-    pub const INTS: u32 = 4;
-    /// Strings separated by commas.
-    pub const TEXTS: u32 = 5;
-    /// A boolean.
-    pub const BIT: u32 = 6;
-}
-
-/// An argument of `loadrt` or of a command.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub struct ArgSpec {
-    /// `size_of::<ArgSpec>()` at compile time.
-    pub size: u32,
-    /// Type of the argument, a constant in [`arg`].
-    pub kind: u32,
-    /// Maximum number of items in a list. Zero means no limit.
-    pub most: u32,
-    /// Not zero if the argument is required.
-    pub required: u32,
-    /// Name, as in `NAME=VALUE`.
-    pub name: Str,
-    /// Description, with unit and range.
-    pub doc: Str,
-    /// Default value as a user would write it. Empty means no default.
-    pub default: Str,
-}
-// SAFETY: an `ArgSpec` is immutable static data.
-unsafe impl Sync for ArgSpec {}
-// SAFETY: `#[repr(C)]`, size first, zero is valid.
-unsafe impl Record for ArgSpec {
-    const MIN: usize = size_of::<Self>();
-}
-
-impl ArgSpec {
-    /// Returns an argument of the given kind (one of the constants in [`arg`]).
-    pub const fn new(kind: u32, name: &'static str, doc: &'static str) -> Self {
-        Self {
-            size: crate::size::<Self>(),
-            kind,
-            most: 0,
-            required: 0,
-            name: Str::new(name),
-            doc: Str::new(doc),
-            default: Str::NONE,
-        }
-    }
-
-    /// Sets the default value, written as a user would.
-    pub const fn or(mut self, default: &'static str) -> Self {
-        self.default = Str::new(default);
-        self
-    }
-
-    /// Makes the argument required.
-    pub const fn required(mut self) -> Self {
-        self.required = 1;
-        self
-    }
-
-    /// Limits a list to `n` items.
-    pub const fn at_most(mut self, n: u32) -> Self {
-        self.most = n;
-        self
-    }
-}
 
 /// Bits of [`ItemSpec::flags`].
 pub mod item_flags {

@@ -24,11 +24,17 @@ fn a_record_that_has_grown_reads_as_far_as_it_is_known() {
 #[test]
 fn a_record_that_is_no_record_is_refused() {
     let good = ArgSpec::new(1, "name", "doc");
-    for size in [0, 1, 4, 8, size::<ArgSpec>() - 1] {
+    let least = u32::try_from(ArgSpec::MIN).unwrap_or(0);
+    for size in [0, 1, 4, 8, least - 1] {
         let cut = ArgSpec { size, ..good };
         // SAFETY: the record is live and longer than its stated size.
         assert!(unsafe { ArgSpec::read(&raw const cut) }.is_none(), "{size} bytes");
     }
+    let bounded = good.within(1.0, 2.0);
+    let old = ArgSpec { size: least, ..bounded };
+    // SAFETY: as above.
+    let read = unsafe { ArgSpec::read(&raw const old) };
+    assert!(read.is_some_and(|old| old.allows(3.0) && !bounded.allows(3.0)), "no range is stated");
     // SAFETY: null is allowed.
     assert!(unsafe { ArgSpec::read(null()) }.is_none());
     let odd = (&raw const good).cast::<u8>().wrapping_add(1).cast::<ArgSpec>();

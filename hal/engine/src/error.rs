@@ -155,6 +155,12 @@ pub enum Error {
         expects: &'static str,
         doc: Box<str>,
     },
+    ArgumentRange {
+        value: Box<str>,
+        word: Box<str>,
+        expects: Box<str>,
+        doc: Box<str>,
+    },
     TooManyItems {
         name: Box<str>,
         most: u32,
@@ -331,6 +337,9 @@ impl core::fmt::Display for Error {
             Self::InvalidParameter { word } => write!(f, "Invalid parameter `{word}'"),
             Self::InvalidArgument { value, word, .. } => {
                 write!(f, "`{value}' invalid for parameter `{word}'")
+            }
+            Self::ArgumentRange { value, word, .. } => {
+                write!(f, "`{value}' out of range for parameter `{word}'")
             }
             Self::TooManyItems { name, most } => {
                 write!(f, "{name}: can only take {most} arguments")

@@ -90,22 +90,25 @@ impl Engine {
         self.log.listen_to(id, keep.voice().clone());
         let base = module.replace('_', "-");
         let once = found.is_once();
-        let names: Vec<String> = if once {
-            vec![base]
-        } else if instances.names.is_empty() {
-            (0..instances.count.unwrap_or(1)).map(|i| format!("{base}.{i}")).collect()
-        } else {
-            instances.names.clone()
+        let count = match instances.names.len() {
+            _ if once => 1,
+            0 => instances.count.unwrap_or(1),
+            n => u32::try_from(n).unwrap_or(u32::MAX),
         };
         let Some(create) = found.ty.create else { return Ok(()) };
         let before = ends::threads();
         self.note_origin(component, ends::maps::file_of(create as *const () as usize));
         let mut creating = Creating::new(self, component, keep, args);
-        for (i, prefix) in names.iter().enumerate() {
-            let personality = instances.personality.get(i);
-            let index = u32::try_from(i).unwrap_or(u32::MAX);
-            let personality = personality.copied().unwrap_or(0);
-            let host = creating.host(prefix, index, personality, found.private);
+        for index in 0..count {
+            let i = index as usize;
+            let prefix = match instances.names.get(i) {
+                _ if once => base.clone(),
+                Some(name) => name.clone(),
+                None => format!("{base}.{index}"),
+            };
+            let personality = instances.personality.get(i).copied().unwrap_or(0);
+            creating.next_instance();
+            let host = creating.host(&prefix, index, personality, found.private);
             // SAFETY: a component's code, called with a record that lives across the call.
             let status = unsafe { create(&raw const host) };
             let refused = creating.refused.take();
@@ -173,7 +176,7 @@ fn own_error(component: &str, declared: &[Declared], words: &[String], error: Er
     if about.is_empty() && !why.is_empty() {
         about = declared.iter().collect();
     }
-    let said = about.iter().map(|d| format!("{}=: {}", d.name, d.doc.trim_end_matches('.')));
+    let said = about.iter().map(|d| format!("{}=: {}", d.name, d.about()));
     let said = said.collect::<Vec<_>>().join("; ");
     let about = (!said.is_empty()).then(|| said.into());
     match Loading::of(component, words, error) {

@@ -1,6 +1,6 @@
 //! Records that `show`, `list`, `save` and `status` print.
 
-use crate::{Direction, Lock, Type, Value, WorkerInfo};
+use crate::{ArgInfo, Direction, Lock, Type, Value, WorkerInfo};
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
@@ -161,21 +161,6 @@ pub struct AliasInfo {
     pub alias: String,
     /// Own name of the item.
     pub original: String,
-}
-
-/// An argument of a command or of `loadrt`.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct ArgInfo {
-    /// Name, as in `NAME=VALUE`.
-    pub name: String,
-    /// Type: `int`, `float`, `text`, `ints`, `texts` or `bit`.
-    pub ty: String,
-    /// Description.
-    pub doc: String,
-    /// True if the argument is required.
-    pub required: bool,
-    /// Value that is used if the argument is omitted.
-    pub default: Option<String>,
 }
 
 /// A command that a component offers.

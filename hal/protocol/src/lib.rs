@@ -5,6 +5,7 @@
 //! process: everything that can answer requests is a [`Link`].
 #![expect(unsafe_code, reason = "maps rings that the engine hands over, asks who is at a socket")]
 
+mod argument;
 mod at;
 mod class;
 mod client;
@@ -28,6 +29,7 @@ mod value;
 mod wire;
 mod worker;
 
+pub use argument::{ArgInfo, Bounds};
 pub use at::At;
 pub use class::Class;
 pub use client::{Client, INTERRUPTED, NOT_RUNNING};
@@ -37,9 +39,9 @@ pub use finding::{Finding, Level, Related};
 pub use flight::{FlightInfo, FlightSpec, KeptInfo, KeptState};
 pub use folder::{Folder, FolderError, peer};
 pub use info::{
-    AliasInfo, ArgInfo, CommandInfo, ComponentInfo, ComponentState, FaultInfo, ForeignInfo,
-    ForeignPart, FunctInfo, ItemInfo, Offer, RealtimeInfo, SignalInfo, StatusInfo,
-    StoppedRecording, StreamInfo, ThreadInfo, TicketInfo, Usage,
+    AliasInfo, CommandInfo, ComponentInfo, ComponentState, FaultInfo, ForeignInfo, ForeignPart,
+    FunctInfo, ItemInfo, Offer, RealtimeInfo, SignalInfo, StatusInfo, StoppedRecording, StreamInfo,
+    ThreadInfo, TicketInfo, Usage,
 };
 pub use kind::{Direction, Kind, Lock};
 pub use message::{Edit, LATEST, MAX_LEN, Request};

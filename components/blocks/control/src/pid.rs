@@ -9,12 +9,7 @@ use hal_component::{
 #[cfg(test)]
 mod closed;
 
-const LOOPS: Channels = Channels {
-    prefix: "pid",
-    usual: 3,
-    most: 16,
-    wrong: "PID: ERROR: invalid number of channels:",
-};
+const LOOPS: Channels = Channels { prefix: "pid", usual: 3 };
 
 /// Closed-loop controller.
 pub(crate) struct Pid;
@@ -59,7 +54,7 @@ impl Component for Pid {
         ```";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = &[
-        &Arg::int("num_chan", "Number of loops, 1 to 16; 0 is taken as 3."),
+        &Arg::int("num_chan", "Number of loops; 0 is taken as 3.").within(0.0, 16.0),
         &Arg::texts("names", "Names of the loops, instead of `num_chan=`; at most 16.").at_most(16),
         &Arg::int("debug", "1: also pins for the integral and the derivatives.").or("0"),
     ];
@@ -354,8 +349,8 @@ mod tests {
             (&["num_chan=0"], Ok(3)),
             (&["num_chan=16"], Ok(16)),
             (&["names=a,,b"], Ok(1)),
-            (&["num_chan=17"], Err("PID: ERROR: invalid number of channels: 17")),
-            (&["num_chan=-1"], Err("PID: ERROR: invalid number of channels: -1")),
+            (&["num_chan=17"], Err("`17' out of range for parameter `num_chan=17'")),
+            (&["num_chan=-1"], Err("`-1' out of range for parameter `num_chan=-1'")),
             (&["num_chan=1", "names=a"], Err("num_chan= and names= are mutually exclusive")),
         ] {
             let mut bench = Bench::new();

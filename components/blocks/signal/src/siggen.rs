@@ -4,12 +4,7 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 
-const GENERATORS: Channels = Channels {
-    prefix: "siggen",
-    usual: 1,
-    most: 16,
-    wrong: "SIGGEN: ERROR: invalid number of channels:",
-};
+const GENERATORS: Channels = Channels { prefix: "siggen", usual: 1 };
 #[cfg(test)]
 mod closed;
 
@@ -42,7 +37,7 @@ impl Component for Siggen {
         ```";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = &[
-        &Arg::int("num_chan", "Number of generators, 1 to 16; 0 is taken as 1."),
+        &Arg::int("num_chan", "Number of generators; 0 is taken as 1.").within(0.0, 16.0),
         &Arg::texts("names", "Names of the generators, instead of `num_chan=`; at most 16.")
             .at_most(16),
     ];
@@ -166,8 +161,8 @@ mod tests {
             (&["num_chan=2"], Ok(vec!["siggen.0.update", "siggen.1.update"])),
             (&["names=a,b"], Ok(vec!["a.update", "b.update"])),
             (&["names=a,,b"], Ok(vec!["a.update"])),
-            (&["num_chan=17"], Err("SIGGEN: ERROR: invalid number of channels: 17")),
-            (&["num_chan=-1"], Err("SIGGEN: ERROR: invalid number of channels: -1")),
+            (&["num_chan=17"], Err("`17' out of range for parameter `num_chan=17'")),
+            (&["num_chan=-1"], Err("`-1' out of range for parameter `num_chan=-1'")),
             (&["num_chan=1", "names=a"], Err("num_chan= and names= are mutually exclusive")),
         ] {
             let mut bench = Bench::new();

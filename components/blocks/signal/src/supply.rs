@@ -4,9 +4,6 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 
-/// Maximum number of channels.
-const MAX: i64 = 8;
-
 /// Source of values for tests.
 #[derive(Touch)]
 pub(crate) struct Supply {
@@ -39,14 +36,10 @@ impl Component for Supply {
         ```";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] =
-        &[&Arg::int("num_chan", "Number of channels, 1 to 8.").or("1")];
+        &[&Arg::int("num_chan", "Number of channels.").within(1.0, 8.0).or("1")];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let n = b.arg_int("num_chan").unwrap_or(1);
-        if !(1..=MAX).contains(&n) {
-            let text = format!("SUPPLY: ERROR: invalid num_chan: {n}, and it must be 1 to {MAX}");
-            return Err(Error::new(text));
-        }
         for i in 0..n {
             let pin = |pin: &str| format!("supply.{i}.{pin}");
             let run = Self {
@@ -103,7 +96,7 @@ mod tests {
         assert_eq!(bench.functs(), ["supply.0.update"]);
         for wrong in ["num_chan=0", "num_chan=9"] {
             let said = Bench::new().load::<Supply>(&[wrong]).unwrap_err();
-            assert!(said.contains("must be 1 to 8"), "{said}");
+            assert!(said.contains("out of range for parameter `num_chan="), "{said}");
         }
     }
 }

@@ -28,14 +28,15 @@ impl Component for Threads {
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = &[
         &Arg::text("name1", "Name of the first thread.").or("thread1"),
-        &Arg::int("period1", "Period of the first thread, in nanoseconds, 1000 to 1000000000000.")
+        &Arg::int("period1", "Period of the first thread, 1000 to 1000000000000.")
+            .unit("ns")
             .or("1000000"),
         &Arg::int("fp1", IGNORED).or("1"),
         &Arg::text("name2", "Name of the second thread; none without it."),
-        &Arg::int("period2", "Period of the second thread, in nanoseconds.").or("0"),
+        &Arg::int("period2", "Period of the second thread.").unit("ns").or("0"),
         &Arg::int("fp2", IGNORED).or("1"),
         &Arg::text("name3", "Name of the third thread; none without it."),
-        &Arg::int("period3", "Period of the third thread, in nanoseconds.").or("0"),
+        &Arg::int("period3", "Period of the third thread.").unit("ns").or("0"),
         &Arg::int("fp3", IGNORED).or("1"),
     ];
 

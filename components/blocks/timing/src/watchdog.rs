@@ -8,9 +8,6 @@ use std::sync::atomic::{
     Ordering::{Acquire, Release},
 };
 
-/// Maximum number of inputs.
-const MAX: i64 = 32;
-
 /// Watchdog for heartbeats.
 pub(crate) struct Watchdog;
 
@@ -36,17 +33,10 @@ impl Component for Watchdog {
         ```";
     const FLAGS: u32 = component_flags::ONCE;
     const ARGS: &'static [&'static ArgSpec] =
-        &[&Arg::int("num_inputs", "Number of inputs, 1 to 32.")];
+        &[&Arg::int("num_inputs", "Number of inputs.").required().within(1.0, 32.0)];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let n = b.arg_int("num_inputs").unwrap_or(0);
-        if n < 1 {
-            return Err(Error::new("WATCHDOG: ERROR: must specify at least one input"));
-        }
-        if n > MAX {
-            let text = format!("WATCHDOG: ERROR: too many inputs requested ({n} > {MAX})");
-            return Err(Error::new(text));
-        }
         let enable = b.item(
             "watchdog.enable-in",
             "Starts it as it rises, also after a timeout. While false, nothing changes.",
@@ -229,9 +219,9 @@ mod tests {
     #[test]
     fn inputs() {
         for (args, wanted) in [
-            (&[][..], "WATCHDOG: ERROR: must specify at least one input"),
-            (&["num_inputs=0"], "WATCHDOG: ERROR: must specify at least one input"),
-            (&["num_inputs=33"], "WATCHDOG: ERROR: too many inputs requested (33 > 32)"),
+            (&[][..], "parameter `num_inputs' is missing"),
+            (&["num_inputs=0"], "`0' out of range for parameter `num_inputs=0'"),
+            (&["num_inputs=33"], "`33' out of range for parameter `num_inputs=33'"),
         ] {
             assert_eq!(Bench::new().load::<Watchdog>(args).unwrap_err(), wanted);
         }

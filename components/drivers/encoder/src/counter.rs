@@ -9,9 +9,6 @@ use std::sync::atomic::{
     Ordering::{Acquire, Release},
 };
 
-/// Maximum number of channels.
-const MAX: i64 = 8;
-
 /// Pulse counters.
 pub(crate) struct Counter;
 
@@ -41,13 +38,10 @@ impl Component for Counter {
         ```";
     const FLAGS: u32 = component_flags::ONCE;
     const ARGS: &'static [&'static ArgSpec] =
-        &[&Arg::int("num_chan", "Number of channels, 1 to 8.").or("1")];
+        &[&Arg::int("num_chan", "Number of channels.").within(1.0, 8.0).or("1")];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let channels = b.arg_int("num_chan").unwrap_or(1);
-        if !(1..=MAX).contains(&channels) {
-            return Err(Error::new(format!("COUNTER: ERROR: invalid num_chan: {channels}")));
-        }
         let (mut counts, mut captures) = (Vec::new(), Vec::new());
         for i in 0..channels {
             let pins = Pins::make(b, &format!("counter.{i}"))?;
@@ -214,7 +208,7 @@ mod tests {
     fn refusals() {
         for n in [0, 9, -1] {
             let refused = Bench::new().load::<Counter>(&[&format!("num_chan={n}")]).unwrap_err();
-            assert_eq!(refused, format!("COUNTER: ERROR: invalid num_chan: {n}"));
+            assert_eq!(refused, format!("`{n}' out of range for parameter `num_chan={n}'"));
         }
     }
 }

@@ -13,12 +13,7 @@ use hal_component::{
 #[cfg(test)]
 mod closed;
 
-const CHANNELS: Channels = Channels {
-    prefix: "encoder",
-    wrong: "ENCODER: ERROR: invalid number of channels:",
-    most: 8,
-    usual: 3,
-};
+const CHANNELS: Channels = Channels { prefix: "encoder", usual: 3 };
 
 /// Quadrature encoder counters.
 pub(crate) struct Encoder;
@@ -55,7 +50,7 @@ impl Component for Encoder {
         ```";
     const FLAGS: u32 = component_flags::ONCE;
     const ARGS: &'static [&'static ArgSpec] = &[
-        &Arg::int("num_chan", "Number of channels, 1 to 8; 0 is taken as 3."),
+        &Arg::int("num_chan", "Number of channels; 0 is taken as 3.").within(0.0, 8.0),
         &Arg::texts("names", "Names of the channels, instead of `num_chan=`; at most 8.")
             .at_most(8),
     ];
@@ -145,7 +140,7 @@ mod tests {
             (&["num_chan=0"], Ok(3)),
             (&["num_chan=8"], Ok(8)),
             (&["names=a,,b"], Ok(1)),
-            (&["num_chan=9"], Err("ENCODER: ERROR: invalid number of channels: 9")),
+            (&["num_chan=9"], Err("`9' out of range for parameter `num_chan=9'")),
             (&["num_chan=1", "names=a"], Err("num_chan= and names= are mutually exclusive")),
         ] {
             let mut bench = Bench::new();

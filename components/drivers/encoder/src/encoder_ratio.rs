@@ -38,17 +38,12 @@ impl Component for EncoderRatio {
         ```";
     const FLAGS: u32 = component_flags::ONCE;
     const ARGS: &'static [&'static ArgSpec] = &[
-        &Arg::int("num_chan", "Number of pairs, 1 to 8; 0 is taken as 1."),
+        &Arg::int("num_chan", "Number of pairs; 0 is taken as 1.").within(0.0, 8.0),
         &Arg::texts("names", "Names of the pairs, instead of `num_chan=`; at most 8.").at_most(8),
     ];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let channels = Channels {
-            prefix: "encoder-ratio",
-            wrong: "ENCODER_RATIO: ERROR: invalid num_chan:",
-            most: 8,
-            usual: 1,
-        };
+        let channels = Channels { prefix: "encoder-ratio", usual: 1 };
         let (mut samples, mut updates) = (Vec::new(), Vec::new());
         for name in channels.names(b)? {
             let pins = Pins::make(b, &name)?;
@@ -222,6 +217,6 @@ mod tests {
     #[test]
     fn refusals() {
         let said = Bench::new().load::<EncoderRatio>(&["num_chan=9"]).unwrap_err();
-        assert_eq!(said, "ENCODER_RATIO: ERROR: invalid num_chan: 9");
+        assert_eq!(said, "`9' out of range for parameter `num_chan=9'");
     }
 }

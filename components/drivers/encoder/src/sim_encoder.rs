@@ -10,12 +10,7 @@ use std::sync::atomic::{
     Ordering::{Acquire, Release},
 };
 
-const CHANNELS: Channels = Channels {
-    prefix: "sim-encoder",
-    wrong: "SIM_ENCODER: ERROR: invalid number of channels",
-    most: 8,
-    usual: 1,
-};
+const CHANNELS: Channels = Channels { prefix: "sim-encoder", usual: 1 };
 
 /// Simulated encoders.
 pub(crate) struct SimEncoder;
@@ -47,7 +42,7 @@ impl Component for SimEncoder {
         ```";
     const FLAGS: u32 = component_flags::ONCE;
     const ARGS: &'static [&'static ArgSpec] = &[
-        &Arg::int("num_chan", "Number of channels, 1 to 8; 0 is taken as 1."),
+        &Arg::int("num_chan", "Number of channels; 0 is taken as 1.").within(0.0, 8.0),
         &Arg::texts("names", "Names of the channels, instead of `num_chan=`; at most 8.")
             .at_most(8),
     ];
@@ -250,8 +245,8 @@ mod tests {
         for (args, wanted) in [
             (&[][..], Ok(1)),
             (&["num_chan=8"], Ok(8)),
-            (&["num_chan=9"], Err("SIM_ENCODER: ERROR: invalid number of channels 9")),
-            (&["num_chan=-1"], Err("SIM_ENCODER: ERROR: invalid number of channels -1")),
+            (&["num_chan=9"], Err("`9' out of range for parameter `num_chan=9'")),
+            (&["num_chan=-1"], Err("`-1' out of range for parameter `num_chan=-1'")),
         ] {
             let mut bench = Bench::new();
             let made = bench.load::<SimEncoder>(args).map(|()| bench.names().len() / 7);

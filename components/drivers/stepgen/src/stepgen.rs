@@ -74,8 +74,10 @@ getp stepgen.0.counts # -> 2000
 getp stepgen.0.dir # -> FALSE
 ```";
 
-const TYPES: ArgSpec =
-    Arg::ints("step_type", "The type of each channel, 0 to 15").required().at_most(16);
+const TYPES: ArgSpec = Arg::ints("step_type", "The type of each channel; -1 ends the list")
+    .required()
+    .within(-1.0, 15.0)
+    .at_most(16);
 const CONTROLS: ArgSpec = Arg::texts(
     "ctrl_type",
     "For each channel p: follows a position, v: follows a speed; p where the list is shorter",
@@ -83,8 +85,9 @@ const CONTROLS: ArgSpec = Arg::texts(
 .at_most(16);
 const USER: ArgSpec = Arg::ints(
     "user_step_type",
-    "The cycle of type 15: the bits of its phases in each state, 0 to 31",
+    "The cycle of type 15: the bits of its phases in each state; -1 ends the list",
 )
+.within(-1.0, 31.0)
 .at_most(18);
 
 impl Component for Stepgen {

@@ -40,20 +40,20 @@ fn items_by_type_and_control() {
 fn refused_arguments() {
     for (args, why) in [
         (&["step_type=-1"][..], "STEPGEN: ERROR: no channels configured"),
-        (&["step_type=99"], "STEPGEN: ERROR: bad stepping type '99', axis 0"),
-        (&["step_type=0,2,16"], "STEPGEN: ERROR: bad stepping type '16', axis 2"),
-        (&["step_type=0,-2"], "STEPGEN: ERROR: bad stepping type '-2', axis 1"),
+        (&["step_type=99"], "`99' out of range for parameter `step_type=99'"),
+        (&["step_type=0,2,16"], "`16' out of range for parameter `step_type=0,2,16'"),
+        (&["step_type=0,-2"], "`-2' out of range for parameter `step_type=0,-2'"),
         (
             &["step_type=0,0,0", "ctrl_type=p,v,x"],
             "STEPGEN: ERROR: bad control type 'x' for axis 2 (must be 'p' or 'v')",
         ),
         (
             &["step_type=0", "user_step_type=1,32"],
-            "STEPGEN: ERROR: bad user step type uses more than 5 phases",
+            "`32' out of range for parameter `user_step_type=1,32'",
         ),
         (
             &["step_type=15", "user_step_type=1,-7"],
-            "STEPGEN: ERROR: bad user step type uses more than 5 phases",
+            "`-7' out of range for parameter `user_step_type=1,-7'",
         ),
     ] {
         assert_eq!(Bench::new().load::<Stepgen>(args).unwrap_err(), why, "{args:?}");

@@ -5,9 +5,6 @@ use hal_component::{
     pins,
 };
 
-/// Maximum number of gears.
-const MAX: i64 = 16;
-
 /// Speed control of a spindle with gears.
 pub(crate) struct Spindle;
 
@@ -38,17 +35,13 @@ impl Component for Spindle {
         getp spindle.0.output # -> 10\n\
         ```";
     const FLAGS: u32 = component_flags::PARALLEL;
-    const ARGS: &'static [&'static ArgSpec] = &[&Arg::ints(
-        "numgears",
-        "Number of gears of each instance, 1 to 16; 1 where the list is shorter.",
-    )];
+    const ARGS: &'static [&'static ArgSpec] =
+        &[&Arg::ints("numgears", "Number of gears of each instance; 1 where the list is shorter.")
+            .within(1.0, 16.0)];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let all = b.arg_ints("numgears");
         let n = usize::try_from(b.index()).ok().and_then(|i| all.get(i).copied()).unwrap_or(1);
-        if !(1..=MAX).contains(&n) {
-            return Err(Error::new(format!("numgears is {n}, and must be 1 to {MAX}")));
-        }
         let pins = Pins::make(b, "")?;
         let gears = (0..n).map(|i| Gear::make_number(b, i)).collect::<Result<_, _>>()?;
         b.function("", "Sets the speed.", Run { pins, gears, was_at_speed: false })
@@ -248,7 +241,7 @@ mod tests {
     fn refusals() {
         for n in ["0", "17"] {
             let said = Bench::new().load::<Spindle>(&[&format!("numgears={n}")]).unwrap_err();
-            assert_eq!(said, format!("numgears is {n}, and must be 1 to 16"));
+            assert_eq!(said, format!("`{n}' out of range for parameter `numgears={n}'"));
         }
     }
 }

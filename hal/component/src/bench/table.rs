@@ -92,6 +92,18 @@ impl Args {
             if s.required != 0 && !given.contains_key(name) {
                 return Err(format!("parameter `{name}' is missing"));
             }
+            let text = given.get(name).map_or("", String::as_str);
+            let wrong = text.split(',').find(|item| {
+                let number = match s.kind {
+                    arg::INT | arg::INTS => int(item).map(|n| n as f64),
+                    arg::FLOAT => item.parse().ok(),
+                    _ => None,
+                };
+                number.is_some_and(|n| !s.allows(n))
+            });
+            if let Some(wrong) = wrong {
+                return Err(format!("`{wrong}' out of range for parameter `{name}={text}'"));
+            }
         }
         Ok(Self { specs, given, ..Self::default() })
     }

@@ -79,7 +79,8 @@ impl Error {
             Self::Loading(e) => e.word.as_deref().or_else(|| e.error.word()),
             Self::UnknownParameter { word, .. }
             | Self::InvalidParameter { word }
-            | Self::InvalidArgument { word, .. } => Some(word),
+            | Self::InvalidArgument { word, .. }
+            | Self::ArgumentRange { word, .. } => Some(word),
             _ => None,
         }
     }
@@ -107,6 +108,7 @@ impl Error {
             Self::UnknownParameter { .. }
             | Self::InvalidParameter { .. }
             | Self::InvalidArgument { .. }
+            | Self::ArgumentRange { .. }
             | Self::TooManyItems { .. }
             | Self::MissingArgument { .. }
             | Self::CountAndNames => Code::BadArgument,
@@ -141,6 +143,10 @@ impl Error {
                 Some((*expects).to_owned())
             }
             Self::InvalidArgument { expects, doc, word, .. } => {
+                let name = word.split_once('=').map_or(&**word, |(name, _)| name);
+                Some(format!("{expects}; {name}=: {doc}"))
+            }
+            Self::ArgumentRange { expects, doc, word, .. } => {
                 let name = word.split_once('=').map_or(&**word, |(name, _)| name);
                 Some(format!("{expects}; {name}=: {doc}"))
             }

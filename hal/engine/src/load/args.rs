@@ -1,8 +1,8 @@
 //! Arguments of `loadrt` and of commands: text, checked against the plugin's declarations.
 
 use crate::{Error, name::Name};
-use hal_abi::{ArgSpec, ArgValue, Str, arg};
-use hal_protocol::ArgInfo;
+use hal_abi::{ArgSpec, ArgValue, Str, arg, arg_bounds};
+use hal_protocol::{ArgInfo, Bounds};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Declaration of one argument, copied from its plugin.
@@ -14,6 +14,9 @@ pub(crate) struct Declared {
     pub(crate) kind: u32,
     pub(crate) most: u32,
     pub(crate) required: bool,
+    pub(crate) unit: Box<str>,
+    /// The declaration itself, which knows its bounds.
+    spec: ArgSpec,
 }
 
 impl Declared {
@@ -31,7 +34,25 @@ impl Declared {
             kind: spec.kind,
             most: spec.most,
             required: spec.required != 0,
+            unit: text(spec.unit)?.into(),
+            spec: *spec,
         })
+    }
+
+    /// Returns the description, with the range of a number.
+    pub(crate) fn about(&self) -> String {
+        let (doc, range) = (self.doc.trim_end_matches('.'), self.info().range());
+        if range.is_empty() { doc.to_owned() } else { format!("{doc} ({range})") }
+    }
+
+    /// Returns the range of a number.
+    pub(crate) fn bounds(&self) -> Bounds {
+        let has = |bit| self.spec.bounds & bit != 0;
+        Bounds {
+            low: has(arg_bounds::LOW).then_some(self.spec.low),
+            high: has(arg_bounds::HIGH).then_some(self.spec.high),
+            above: has(arg_bounds::ABOVE),
+        }
     }
 
     /// Returns the name of the argument's type.
@@ -56,6 +77,8 @@ impl Declared {
             doc: self.doc.to_string(),
             required: self.required,
             default: self.default.as_ref().map(ToString::to_string),
+            bounds: self.bounds(),
+            unit: self.unit.to_string(),
         }
     }
 }
@@ -109,7 +132,7 @@ impl Args {
                 continue;
             }
             if d.required {
-                return Err(Error::MissingArgument { name: d.name.clone(), doc: d.doc.clone() });
+                return Err(Error::MissingArgument { name: d.name.clone(), doc: d.about().into() });
             }
             if let Some(default) = &d.default {
                 given.push((d.name.clone(), read(d, default, default)?));
@@ -149,7 +172,18 @@ fn read(d: &Declared, value: &str, word: &str) -> Result<Given, Error> {
         value: text.into(),
         word: word.into(),
         expects,
-        doc: d.doc.trim_end_matches('.').into(),
+        doc: d.about().into(),
+    };
+    let legal = |text: &str, number: f64| {
+        if d.spec.allows(number) {
+            return Ok(());
+        }
+        Err(Error::ArgumentRange {
+            value: text.into(),
+            word: word.into(),
+            expects: format!("expected {}", d.info().range()).into(),
+            doc: d.doc.trim_end_matches('.').into(),
+        })
     };
     let items = || -> Result<Vec<&str>, Error> {
         if value.is_empty() && d.kind == arg::TEXTS {
@@ -162,24 +196,30 @@ fn read(d: &Declared, value: &str, word: &str) -> Result<Given, Error> {
         Ok(items)
     };
     Ok(match d.kind {
-        arg::INT => Given::Int(
-            integer(value)
-                .ok_or_else(|| invalid(value, "expected an integer such as 10 or 0x1f"))?,
-        ),
+        arg::INT => {
+            let expects = "expected an integer such as 10 or 0x1f";
+            let number = integer(value).ok_or_else(|| invalid(value, expects))?;
+            legal(value, number as f64)?;
+            Given::Int(number)
+        }
         arg::BIT => match hal_protocol::Value::parse(hal_protocol::Type::Bit, value) {
             Ok(v) => Given::Int(i64::from(v.bits() != 0)),
             Err(_) => return Err(invalid(value, hal_protocol::Type::Bit.expects())),
         },
         arg::FLOAT => match hal_protocol::Value::parse(hal_protocol::Type::Float, value) {
-            Ok(hal_protocol::Value::Float(f)) => Given::Float(f),
+            Ok(hal_protocol::Value::Float(f)) => {
+                legal(value, f)?;
+                Given::Float(f)
+            }
             _ => return Err(invalid(value, hal_protocol::Type::Float.expects())),
         },
         arg::INTS => {
             let mut list = Vec::new();
             for item in items()? {
-                list.push(integer(item).ok_or_else(|| {
-                    invalid(item, "expected integers separated by commas, such as 0,0,2")
-                })?);
+                let expects = "expected integers separated by commas, such as 0,0,2";
+                let number = integer(item).ok_or_else(|| invalid(item, expects))?;
+                legal(item, number as f64)?;
+                list.push(number);
             }
             Given::Ints(list.into())
         }

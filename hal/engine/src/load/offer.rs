@@ -2,7 +2,7 @@
 
 use crate::load::args::Declared;
 use hal_abi::{ComponentType, component_flags};
-use hal_protocol::{ArgInfo, Offer};
+use hal_protocol::{ArgInfo, Bounds, Offer};
 
 /// Arguments that `loadrt` itself takes for components with instances.
 const COUNT: (&str, &str, &str) =
@@ -41,5 +41,7 @@ fn plain((name, ty, doc): (&str, &str, &str)) -> ArgInfo {
         doc: doc.to_owned(),
         required: false,
         default: None,
+        bounds: Bounds::default(),
+        unit: String::new(),
     }
 }

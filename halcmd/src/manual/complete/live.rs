@@ -263,7 +263,9 @@ fn args<'a>(
             continue;
         }
         let default = arg.default.as_ref().map(|d| format!(" [{d}]")).unwrap_or_default();
-        found.push(Candidate::new(name, format!("{}{default}", first_line(&arg.doc))));
+        let range = arg.range();
+        let range = if range.is_empty() { range } else { format!(" ({range})") };
+        found.push(Candidate::new(name, format!("{}{range}{default}", first_line(&arg.doc))));
     }
     found
 }

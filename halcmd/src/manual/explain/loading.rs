@@ -57,8 +57,8 @@ pub(super) const ROWS: &[Row] = &[
                 that it gives.",
         matters: "halrun stops at this line.",
         remedy: "The sentence says what is wrong.",
-        wrong: "loadrt stepgen step_type=16 # <--\n",
-        right: "loadrt stepgen step_type=0\n",
+        wrong: "loadrt stepgen step_type=0 ctrl_type=x # <--\n",
+        right: "loadrt stepgen step_type=0 ctrl_type=v\n",
     },
     Row {
         code: Code::NoService,

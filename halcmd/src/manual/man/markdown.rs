@@ -83,14 +83,22 @@ impl Page {
         if self.offer.args.is_empty() {
             return;
         }
-        out.push_str("\n| argument | type | without it | what it is |\n|---|---|---|---|\n");
+        let has_ranges = self.offer.args.iter().any(|a| !a.range().is_empty());
+        let (range, line) = if has_ranges { (" range |", "---|") } else { ("", "") };
+        let head = format!("| argument | type |{range} without it | what it is |");
+        out.push_str(&format!("\n{head}\n|---|---|{line}---|---|\n"));
         for a in &self.offer.args {
             let without = match (&a.default, a.required) {
                 (_, true) => "required",
                 (Some(default), _) => default.as_str(),
                 (None, _) => "-",
             };
-            row(out, &[&code(&a.name), &a.ty, without, &a.doc]);
+            let (name, range) = (code(&a.name), a.range());
+            let mut cells = vec![name.as_str(), &a.ty, &range, without, &a.doc];
+            if !has_ranges {
+                cells.remove(2);
+            }
+            row(out, &cells);
         }
     }
 }

@@ -94,7 +94,9 @@ pub(super) fn synopsis(name: &str, args: &[ArgInfo]) -> String {
 fn argument(arg: &ArgInfo) -> String {
     let default = arg.default.as_ref().map(|d| format!(", {d} if not given")).unwrap_or_default();
     let required = if arg.required { ", required" } else { "" };
-    entry(&format!("{} ({}{required}{default})", arg.name, arg.ty), &arg.doc)
+    let range = arg.range();
+    let comma = if range.is_empty() { "" } else { ", " };
+    entry(&format!("{} ({}{comma}{range}{required}{default})", arg.name, arg.ty), &arg.doc)
 }
 
 fn entries<'e>(list: impl Iterator<Item = &'e Entry>) -> String {

@@ -338,6 +338,8 @@ mod tests {
             doc: String::new(),
             required: false,
             default: None,
+            bounds: hal_protocol::Bounds::default(),
+            unit: String::new(),
         };
         let names = "joint axis min-limit max-limit max-velocity ferror home-offset \
                      default-velocity linear-units comp-file spindle max-forward-velocity \

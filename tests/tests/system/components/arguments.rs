@@ -12,7 +12,7 @@
 //! ```
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
 
-use hal_protocol::{Failure, Kind, Link, Offer, Request};
+use hal_protocol::{ArgInfo, Bounds, Failure, Kind, Link, Offer, Request};
 use hal_tests::{
     every::offers,
     foreign::Bench,
@@ -114,7 +114,14 @@ impl Trial<'_> {
             Some(hint) => format!("{}; {hint}", said.text),
             None => said.text.clone(),
         };
-        if !names(&said.text, &name) || !names(&sentence, &bad.arg) || !is_legal(&sentence) {
+        let arg = self.offer.args.iter().find(|a| a.name == bad.arg);
+        let is_legal = match arg.map(ArgInfo::range).filter(|range| !range.is_empty()) {
+            Some(range) if said.text.contains("out of range") => {
+                sentence.contains(&format!("expected {range}"))
+            }
+            _ => is_legal(&sentence),
+        };
+        if !names(&said.text, &name) || !names(&sentence, &bad.arg) || !is_legal {
             self.wrong.push(format!("{name} {}: {sentence}", bad.shown));
         }
         if seen(&mut self.bench) != before {
@@ -168,6 +175,11 @@ impl Trial<'_> {
             let mut add = |arg: &str, value: &str| {
                 out.push(self.with(arg, &format!("{arg}={value}"), false));
             };
+            let Bounds { low, high, above } = a.bounds;
+            let below = low.map(|low| if above { low } else { low - 1.0 });
+            for outside in below.into_iter().chain(high.map(|high| high + 1.0)) {
+                add(&a.name, &outside.to_string());
+            }
             match &*a.ty {
                 "int" => NO_INTEGERS.iter().chain(FAR).for_each(|v| add(&a.name, v)),
                 "ints" => {
@@ -263,7 +275,7 @@ fn names(sentence: &str, word: &str) -> bool {
     sentence.split(|c: char| !c.is_alphanumeric() && !"_-".contains(c)).any(|w| w == word)
 }
 
-/// Returns whether a sentence states the legal values.
+/// Returns whether a sentence states the legal values of an argument.
 fn is_legal(sentence: &str) -> bool {
     let range = |(at, _): (usize, &str)| {
         let digit = |c: Option<char>| c.is_some_and(|c| c.is_ascii_digit());
