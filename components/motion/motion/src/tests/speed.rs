@@ -24,6 +24,14 @@ fn cycle(bench: &Bench) -> u128 {
     took
 }
 
+/// Returns the time of a call of a function that has nothing to do, in nanoseconds.
+#[expect(clippy::disallowed_methods, reason = "the cost is a time of the processor")]
+fn idle(bench: &Bench) -> u128 {
+    let start = Instant::now();
+    bench.run("motion-command-handler", PERIOD);
+    start.elapsed().as_nanos()
+}
+
 /// Prints mean and rare times of the controller, and of a function that does nothing.
 #[expect(clippy::print_stdout, reason = "figures for the reader of the test")]
 #[test]
@@ -67,6 +75,12 @@ fn the_cost_of_a_cycle_of_nine_joints() {
         let mean = all.iter().sum::<u128>() / all.len() as u128;
         (mean, all[all.len() / 10], all[all.len() / 2], all[all.len() - all.len() / 1000], reached)
     };
+    let empty = {
+        let mut all: Vec<u128> = (0..60_000).map(|_| idle(&bench)).collect();
+        all.sort_unstable();
+        (all[all.len() / 10], all[all.len() / 2])
+    };
+    println!("a function that does nothing, p10 and median in ns, part of each figure: {empty:?}");
     println!("at rest: mean, p10, median, p99.9 in ns, segments {:?}", times(false));
     println!("on a path: mean, p10, median, p99.9 in ns, segments {:?}", times(true));
 }
