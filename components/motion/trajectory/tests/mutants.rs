@@ -1,0 +1,208 @@
+//! Known mistakes of planners, put back into this one: for each of them there is a test that fails.
+#![expect(clippy::print_stdout, clippy::unwrap_used, reason = "tests")]
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+/// A mistake: a text of a source, the text in its place, and the test that then fails.
+struct Mutant {
+    mistake: &'static str,
+    file: &'static str,
+    right: &'static str,
+    wrong: &'static str,
+    /// Test program, and the name of the test in it.
+    fails: [&'static str; 2],
+}
+
+const BY_NAME: [&str; 2] = ["limits", "programs_by_name"];
+const PAST: [&str; 2] = ["limits", "cases_of_the_past"];
+const BOUNDS: [&str; 2] = ["times", "times_are_near"];
+
+const MUTANTS: [Mutant; 15] = [
+    Mutant {
+        mistake: "a search takes the end of its bracket that has not passed the test",
+        file: "follower/event.rs",
+        right: "        self.recheck = RECHECK;\n        low\n",
+        wrong: "        self.recheck = RECHECK;\n        high\n",
+        fails: BY_NAME,
+    },
+    Mutant {
+        mistake: "rounding of the travel is lost",
+        file: "follower.rs",
+        right: "let more = travel - self.carry;",
+        wrong: "let more = travel;",
+        fails: PAST,
+    },
+    Mutant {
+        mistake: "a cruise is lost",
+        file: "speed.rs",
+        right: "let mut speed = feed.min(self.top);",
+        wrong: "let mut speed = 0.8 * feed.min(self.top);",
+        fails: BOUNDS,
+    },
+    Mutant {
+        mistake: "a cell may be entered above its own limit",
+        file: "track.rs",
+        right: "(1.0 + l * self.fade)).min(self.speed * self.speed)",
+        wrong: "(1.0 + l * self.fade)).min(1e12)",
+        fails: BY_NAME,
+    },
+    Mutant {
+        mistake: "a blend is 7 % beyond its deviation bound",
+        file: "blend.rs",
+        right: "let ratio = deviation(&blend, a, b, t);",
+        wrong: "let ratio = 0.93 * deviation(&blend, a, b, t);",
+        fails: BY_NAME,
+    },
+    Mutant {
+        mistake: "a blend between lines is 7 % beyond its tolerance",
+        file: "blend.rs",
+        right: "(1.0 - 1e-9) * 16.0 / 3.0 / worst",
+        wrong: "1.07 * 16.0 / 3.0 / worst",
+        fails: BY_NAME,
+    },
+    Mutant {
+        mistake: "tolerance 0 is no tolerance",
+        file: "plan.rs",
+        right: "Mode::Blend(_) | Mode::Exact | Mode::ExactStop => self.machine.exact_tolerance,",
+        wrong: "Mode::Blend(_) | Mode::Exact | Mode::ExactStop => 1e6,",
+        fails: BY_NAME,
+    },
+    Mutant {
+        mistake: "a tangent joint of line and arc counts as smooth under a limit of jerk",
+        file: "blend.rs",
+        right: "&& (!jerk || bend.dot_all(&bend).sqrt() < 1e-11 * size)",
+        wrong: "&& (!jerk || size > 0.0)",
+        fails: BY_NAME,
+    },
+    Mutant {
+        mistake: "limits reach as far as the highest speed of the plan, not of their cell",
+        file: "erosion.rs",
+        right: "self.allowed.speed * time * (1.0 + 1e-9) + 1e-8",
+        wrong: "500.0 * time",
+        fails: ["times", "small_arcs"],
+    },
+    Mutant {
+        mistake: "limits do not reach beyond their cell",
+        file: "erosion.rs",
+        right: "self.allowed.speed * time * (1.0 + 1e-9) + 1e-8",
+        wrong: "0.0 * time",
+        fails: BY_NAME,
+    },
+    Mutant {
+        mistake: "an arc is one cell",
+        file: "plan.rs",
+        right: "const ARC_CELL: f64 = 0.2;",
+        wrong: "const ARC_CELL: f64 = 7.0;",
+        fails: ["times", "a_feed_is_reached"],
+    },
+    Mutant {
+        mistake: "the feed of an arc is compared with the norm of the axes' largest speeds",
+        file: "plan/cells.rs",
+        right: "feed_of(a.feed, bounds.speed)",
+        wrong: "feed_of(a.feed, bounds.first.dot_all(&bounds.first).sqrt())",
+        fails: ["times", "a_feed_is_reached"],
+    },
+    Mutant {
+        mistake: "an override above 1 is not planned for",
+        file: "plan/cells.rs",
+        right: "self.law.allowed(&bounds, joints.as_ref(), feed * self.machine.max_override, shares)",
+        wrong: "self.law.allowed(&bounds, joints.as_ref(), feed, shares)",
+        fails: ["times", "an_override_above_1"],
+    },
+    Mutant {
+        mistake: "a filter that is not flat takes a new length",
+        file: "follower.rs",
+        right: "usize::try_from(self.flat.saturating_sub(REST)).is_ok_and(|f| f >= self.samples)",
+        wrong: "self.flat < u32::MAX",
+        fails: BY_NAME,
+    },
+    Mutant {
+        mistake: "a cell has the acceleration of a straight one",
+        file: "plan/cells.rs",
+        right: "rest: raw.allowed.rest,\n                fade: raw.allowed.fade,",
+        wrong: "rest: 1700.0,\n                fade: 0.0,",
+        fails: BY_NAME,
+    },
+];
+
+fn crates() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Returns a source with the mistake in it. The right text is there exactly once.
+fn mutated(mutant: &Mutant) -> String {
+    let text = fs::read_to_string(crates().join("trajectory/src").join(mutant.file)).unwrap();
+    let count = text.matches(mutant.right).count();
+    assert_eq!(count, 1, "{}: '{}' in {}", mutant.mistake, mutant.right, mutant.file);
+    text.replace(mutant.right, mutant.wrong)
+}
+
+fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).unwrap();
+    for entry in fs::read_dir(from).unwrap() {
+        let path = entry.unwrap().path();
+        let to = to.join(path.file_name().unwrap());
+        if path.is_dir() {
+            copy(&path, &to);
+        } else {
+            fs::copy(&path, &to).unwrap();
+        }
+    }
+}
+
+#[test]
+fn each_mistake_still_has_its_place() {
+    for mutant in &MUTANTS {
+        assert_ne!(mutated(mutant), "");
+    }
+}
+
+#[test]
+#[ignore = "builds the crate 15 times: cargo test -p hal-trajectory --release --test mutants -- --ignored --nocapture"]
+fn each_mistake_fails_its_test() {
+    let root = std::env::temp_dir().join(format!("hal-trajectory-mutants-{}", std::process::id()));
+    let members = ["trajectory", "corpus", "watchman"].map(|m| format!("components/motion/{m}"));
+    for member in &members {
+        copy(&crates().join("../..").join(member), &root.join(member));
+    }
+    let manifest = fs::read_to_string(crates().join("../../Cargo.toml")).unwrap();
+    let lines = manifest.lines().filter(|l| !l.starts_with("exclude = ")).map(|l| {
+        if l.starts_with("members = ") { format!("members = {members:?}") } else { l.to_owned() }
+    });
+    fs::write(root.join("Cargo.toml"), lines.collect::<Vec<_>>().join("\n")).unwrap();
+    fs::copy(crates().join("../../Cargo.lock"), root.join("Cargo.lock")).unwrap();
+    let cargo = |words: &[&str]| {
+        let mut command = Command::new(env!("CARGO"));
+        command.args(["test", "-q", "--offline", "--release", "-p", "hal-trajectory", "--test"]);
+        command.args(words).current_dir(&root).env("CARGO_TARGET_DIR", root.join("target"));
+        command.env("CARGO_PROFILE_RELEASE_LTO", "off");
+        command.env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16");
+        command.output().unwrap()
+    };
+    let mut missed = Vec::new();
+    for mutant in &MUTANTS {
+        let path = root.join("components/motion/trajectory/src").join(mutant.file);
+        let right = fs::read_to_string(&path).unwrap();
+        fs::write(&path, mutated(mutant)).unwrap();
+        let [program, test] = mutant.fails;
+        let built = cargo(&[program, "--no-run"]);
+        assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+        let done = cargo(&[program, test]);
+        let caught = !done.status.success();
+        println!(
+            "{}: {program}::{test}: {}",
+            mutant.mistake,
+            if caught { "fails" } else { "passes" }
+        );
+        if !caught {
+            missed.push(mutant.mistake);
+        }
+        fs::write(&path, right).unwrap();
+    }
+    fs::remove_dir_all(&root).unwrap();
+    assert!(missed.is_empty(), "no test sees: {missed:?}");
+}
