@@ -2,8 +2,11 @@
 
 pub(crate) mod examine;
 
+mod advice;
 mod allow;
+mod arrows;
 mod collect;
+mod entries;
 mod joints;
 mod refused;
 mod render;
@@ -32,6 +35,7 @@ enum Id {
     Json,
     Sarif,
     Level,
+    All,
     Help,
 }
 
@@ -40,6 +44,7 @@ const OPTIONS: &[Opt<Id>] = &[
     long("json", Id::Json, None, "print the findings as JSON"),
     long("sarif", Id::Sarif, None, "print them as SARIF 2.1.0, for editors and CI"),
     long("level", Id::Level, Some("LEVEL"), "print only from this level: note, warning or error"),
+    long("all", Id::All, None, "print also the notes that ask for nothing"),
     Opt { long: Some("help"), help: "print this", ..Opt::flag(Id::Help, 'h') },
 ];
 
@@ -97,10 +102,23 @@ pub fn main(
         let reply = Reply::Findings(shown);
         format!("{}\n", serde_json::to_string(&reply).map_err(|_| Error::Unexpected)?)
     } else {
-        render::write(&shown, &checked.texts, Shown::for_terminal())
+        // Notes that ask for nothing would hide those that do.
+        let (asking, idle): (Vec<Finding>, Vec<Finding>) =
+            shown.into_iter().partition(|f| has(Id::All) || !asks_nothing(f));
+        let mut text = render::write(&asking, &checked.texts, Shown::for_terminal());
+        if !idle.is_empty() {
+            let notes = if idle.len() == 1 { "note asks" } else { "notes ask" };
+            text.push_str(&format!("{} {notes} for nothing: --all shows more\n", idle.len()));
+        }
+        text
     };
     terminal.out(&text)?;
     Ok(status(&checked.findings))
+}
+
+/// Returns whether a finding is a note whose remedy is to do nothing.
+fn asks_nothing(finding: &Finding) -> bool {
+    finding.level == Level::Note && finding.remedy.starts_with("nothing,")
 }
 
 /// Returns the status of the worst finding.

@@ -21,7 +21,7 @@ use crate::{
     session::trailer::Trailer,
 };
 use hal_output::Unwritten;
-use hal_protocol::{Link, Reply, Request};
+use hal_protocol::{At, Link, Reply, Request};
 use std::{
     path::{Path, PathBuf},
     process::Child,
@@ -279,7 +279,11 @@ impl<'a> Session<'a> {
         }
         self.plan.iter_mut().for_each(|plan| plan.stand_on(line));
         if let Some(dry_run) = &mut self.dry_run {
-            dry_run.entries.extend(mentioned(text));
+            let entries: Vec<(String, String)> = mentioned(text).into_iter().collect();
+            if !entries.is_empty() {
+                dry_run.entries.extend(entries.iter().cloned());
+                dry_run.uses.push((At::new(&self.place.0, self.place.1), entries));
+            }
         }
         let values =
             Values { environment: self.environment, ini: self.own_ini.as_ref().or(self.ini) };
@@ -292,6 +296,10 @@ impl<'a> Session<'a> {
         }
         if !nested && statement.ends_input() {
             return Ok(Step::Quit);
+        }
+        if let Some(dry_run) = &mut self.dry_run {
+            let at = At::new(&self.place.0, self.place.1);
+            dry_run.statements.push((at, statement.words().to_vec()));
         }
         let command = statement.command()?;
         let trailer = Trailer::of(&command);

@@ -18,6 +18,7 @@ pub mod golden;
 pub mod imports;
 pub mod judge;
 pub mod machine;
+pub mod mutations;
 pub mod pins;
 pub mod plugins;
 pub mod programs;

@@ -82,6 +82,12 @@ codes! {
     NoChargePump = "H312" Note "outputs without a charge pump";
     EstopNotReturned = "H313" Warning "an e-stop that its chain does not follow";
     EstopNotJoined = "H314" Warning "motion that no e-stop stops";
+    HalfWired = "H315" Warning "a connection that is wired in half";
+    InputOpen = "H316" Warning "an input that nothing feeds";
+    ResultUnused = "H317" Warning "a result that nothing uses";
+    OddChannel = "H318" Warning "a channel that lacks what all others have";
+    Crossed = "H319" Warning "channels that are crossed";
+    ArrowTurned = "H320" Warning "an arrow that points the wrong way";
 
     NotWritable = "H401" Error "something that cannot be set";
     BadValue = "H402" Error "a value of the wrong kind";
@@ -119,6 +125,9 @@ codes! {
     JointTooFast = "H706" Warning "a joint faster than its steps";
     MotionRefuses = "H707" Error "machine data that motion refuses";
     StepgenSlower = "H708" Warning "a stepgen that accelerates less than its joint";
+    EntryMissing = "H709" Warning "an INI entry that is missing";
+    EntryMisplaced = "H710" Warning "an INI entry that is misspelt or in the wrong section";
+    EntriesDisagree = "H711" Warning "INI entries that contradict each other or the wiring";
 }
 
 impl Code {

@@ -1,6 +1,6 @@
 //! Collected and sorted findings.
 
-use super::{allow::Allowed, joints, refused, texts::Texts, unused};
+use super::{advice, allow::Allowed, arrows, entries, joints, refused, texts::Texts, unused};
 use crate::{Error, session::dry_run::DryRun};
 use hal_protocol::{At, Code, Failure, Finding, Kind, Link, Reply, Request};
 use std::{collections::BTreeSet, path::PathBuf};
@@ -58,11 +58,30 @@ fn collect(dry_run: &mut DryRun, findings: &mut Vec<Finding>) {
     findings.extend(result.unknown.notes());
     let starts = dry_run.starts_itself();
     let wired_unknown = estop_is_unknown(dry_run.engine(), &result.unknown.signals);
+    let unread = result.refusals.iter().any(|r| {
+        matches!(r.error, Error::NotYet { .. } | Error::IniNotFound { .. } | Error::NoFile { .. })
+    });
+    let outside = pins_of(dry_run.engine(), &result.unknown.signals);
     let engine = match asked(dry_run.engine()) {
         Ok(list) => list,
         Err(failure) => vec![refused::finding(At::new("", 0), &failure.into())],
     };
     let known = |f: &Finding| match f.code {
+        // Files that could not be read may have linked it and added it.
+        Code::NeverEnabled
+        | Code::EstopNotReturned
+        | Code::EstopNotJoined
+        | Code::HalfWired
+        | Code::InputOpen
+        | Code::ResultUnused
+        | Code::OddChannel
+        | Code::NeverAdded
+        | Code::NothingHandedOver
+            if unread =>
+        {
+            false
+        }
+        Code::HalfWired => !outside.contains(&f.subject),
         Code::NoReader | Code::NoWriter | Code::NoPins | Code::SetThenWritten => {
             !result.unknown.signals.contains(&f.subject)
         }
@@ -73,7 +92,25 @@ fn collect(dry_run: &mut DryRun, findings: &mut Vec<Finding>) {
     };
     findings.extend(engine.into_iter().filter(known));
     findings.extend(joints::findings(dry_run));
+    findings.extend(entries::findings(dry_run, unread));
+    findings.extend(arrows::findings(dry_run));
     findings.extend(unused::findings(dry_run));
+    // An entry that is misspelt is not also one that nothing reads.
+    let misplaced: BTreeSet<String> = findings
+        .iter()
+        .filter(|f| f.code == Code::EntryMisplaced)
+        .map(|f| f.subject.clone())
+        .collect();
+    findings.retain(|f| f.code != Code::IniUnused || !misplaced.contains(&f.subject));
+    advice::improve(findings, dry_run);
+}
+
+/// Returns the pins that are linked to one of these signals.
+fn pins_of(link: &mut dyn Link, signals: &BTreeSet<String>) -> BTreeSet<String> {
+    let list = Request::List { kind: Kind::Pins, patterns: Vec::new(), ty: None };
+    let Ok(Reply::Items(pins)) = link.call(list) else { return BTreeSet::new() };
+    let of = pins.into_iter().filter(|p| p.signal.as_ref().is_some_and(|s| signals.contains(s)));
+    of.map(|p| p.name).collect()
 }
 
 /// Returns whether the e-stop is wired to unknown pins, in which case its further path is unknown.

@@ -4,7 +4,7 @@ use crate::{language::hint::nearest, session::dry_run::DryRun};
 use hal_protocol::{At, Code, Finding, Kind, Link, Reply, Request};
 
 /// Entries that LinuxCNC's programs read from the section of a joint, an axis or a spindle.
-const KNOWN: &[&str] = &[
+pub(super) const KNOWN: &[&str] = &[
     "TYPE",
     "UNITS",
     "HOME",

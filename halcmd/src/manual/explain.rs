@@ -8,14 +8,23 @@ mod row;
 mod script;
 mod steps;
 mod values;
+mod wiring;
 
 use crate::{Error, Terminal, language::hint::nearest};
 use hal_protocol::Code;
 
 pub use row::Row;
 
-const GROUPS: &[&[Row]] =
-    &[script::ROWS, loading::ROWS, links::ROWS, values::ROWS, functs::ROWS, steps::ROWS, ini::ROWS];
+const GROUPS: &[&[Row]] = &[
+    script::ROWS,
+    loading::ROWS,
+    links::ROWS,
+    wiring::ROWS,
+    values::ROWS,
+    functs::ROWS,
+    steps::ROWS,
+    ini::ROWS,
+];
 
 /// Returns every row, in order of codes.
 pub fn rows() -> impl Iterator<Item = &'static Row> {

@@ -48,6 +48,10 @@ pub struct DryRunResult {
     pub found: Vec<Finding>,
     /// INI entries that lines read: section and name.
     pub entries: BTreeSet<(String, String)>,
+    /// The same for each line that reads any.
+    pub uses: Vec<(At, Vec<(String, String)>)>,
+    /// Words of each line, with variables replaced.
+    pub statements: Vec<(At, Vec<String>)>,
     /// Names that missing components or programs that were not started may provide.
     pub unknown: Unknown,
 }
@@ -59,6 +63,7 @@ pub struct DryRun {
     result: DryRunResult,
     ini: Option<Ini>,
     starts_itself: bool,
+    is_machine: bool,
 }
 
 impl DryRun {
@@ -153,8 +158,9 @@ impl DryRun {
             }
         }
         let result = session.end_dry_run();
+        let is_machine = machine.is_some() || whole.is_some();
         let starts_itself = ini.as_ref().is_some_and(|ini| ini.has_section("EMCIO"));
-        Ok(Self { engine, result, ini, starts_itself })
+        Ok(Self { engine, result, ini, starts_itself, is_machine })
     }
 
     /// Returns the engine with everything that the lines could make.
@@ -173,6 +179,12 @@ impl DryRun {
     #[must_use]
     pub const fn starts_itself(&self) -> bool {
         self.starts_itself
+    }
+
+    /// Returns whether the INI file is that of a machine, not only a source of values.
+    #[must_use]
+    pub const fn is_machine(&self) -> bool {
+        self.is_machine
     }
 
     /// Returns the INI file, if there is one.

@@ -4,8 +4,11 @@ mod components;
 mod estop;
 mod flow;
 mod functs;
+mod halves;
+mod inputs;
 mod protection;
 mod signals;
+mod sisters;
 mod steps;
 mod values;
 
@@ -33,6 +36,9 @@ impl Engine {
         look.protection();
         look.estop();
         look.steps();
+        look.inputs();
+        look.halves();
+        look.sisters();
         look.flow(&self.order());
         look.found
     }

@@ -87,7 +87,8 @@ pub(super) const ROWS: &[Row] = &[
         wrong: "loadrt threads name1=servo period1=1000000\nloadrt or2\nloadrt not\n\
                 addf not.0 servo # <--\naddf or2.0 servo\nnet any or2.0.out => not.0.in\nstart\n",
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\nloadrt not\n\
-                addf or2.0 servo\naddf not.0 servo\nnet any or2.0.out => not.0.in\nstart\n",
+                addf or2.0 servo\naddf not.0 servo\nnet any or2.0.out => not.0.in\n\
+                net none not.0.out\nstart\n",
     },
     Row {
         code: Code::Feedback,

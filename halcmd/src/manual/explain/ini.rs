@@ -22,7 +22,8 @@ macro_rules! machine {
             "net xenable joint.0.amp-enable-out => stepgen.0.enable\n",
             "net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\n",
             "--- m.ini\n",
-            "[EMCIO]\nCYCLE_TIME = 0.1\n[HAL]\nHALFILE = m.hal\n",
+            "[EMCIO]\nCYCLE_TIME = 0.1\n[KINS]\nJOINTS = 1\n[TRAJ]\nLINEAR_UNITS = mm\n",
+            "[HAL]\nHALFILE = m.hal\n",
             $hal,
             "[JOINT_0]\nSCALE = 100\nSTEPGEN_MAXACCEL = 1500\n",
             $joint
@@ -45,9 +46,12 @@ pub(super) const ROWS: &[Row] = &[
         means: "A HALFILE is neither beside the INI file nor in the libraries of HAL files.",
         matters: "halrun stops before it has wired the machine.",
         remedy: "Correct the name, or make the file. LIB:NAME is looked for in HALLIB_PATH only.",
-        wrong: machine!("HALFILE = custom.hal\n# <--\n", "MAX_VELOCITY = 20\n"),
+        wrong: machine!(
+            "HALFILE = custom.hal\n# <--\n",
+            "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n"
+        ),
         right: concat!(
-            machine!("HALFILE = custom.hal\n", "MAX_VELOCITY = 20\n"),
+            machine!("HALFILE = custom.hal\n", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n"),
             "--- custom.hal\nprint wiring\n"
         ),
     },
@@ -56,8 +60,11 @@ pub(super) const ROWS: &[Row] = &[
         means: "A POSTGUI_HALFILE is not there.",
         matters: "The machine starts without what the file would have wired.",
         remedy: "Make the file, or take the entry out.",
-        wrong: machine!("POSTGUI_HALFILE = panel.hal\n# <--\n", "MAX_VELOCITY = 20\n"),
-        right: machine!("", "MAX_VELOCITY = 20\n"),
+        wrong: machine!(
+            "POSTGUI_HALFILE = panel.hal\n# <--\n",
+            "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n"
+        ),
+        right: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n"),
     },
     Row {
         code: Code::IniUnused,
@@ -65,8 +72,8 @@ pub(super) const ROWS: &[Row] = &[
                 that is known reads it.",
         matters: "It has no effect: it may be misspelt, and another value counts in its place.",
         remedy: "Correct the name, use it in a script, or take it out.",
-        wrong: machine!("", "MAX_VELOCTY = 20\n# <--\n"),
-        right: machine!("", "MAX_VELOCITY = 20\n"),
+        wrong: machine!("", "COLOUR = red\n# <--\n"),
+        right: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n"),
     },
     Row {
         code: Code::SectionRepeated,
@@ -92,7 +99,10 @@ pub(super) const ROWS: &[Row] = &[
         matters: "halrun stops there.",
         remedy: "The sentence says what is wrong.",
         wrong: machine!("", "MIN_LIMIT = 100\n# <--\nMAX_LIMIT = 0\n"),
-        right: machine!("", "MIN_LIMIT = 0\nMAX_LIMIT = 100\n"),
+        right: machine!(
+            "",
+            "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\nMIN_LIMIT = 0\nMAX_LIMIT = 100\n"
+        ),
     },
     Row {
         code: Code::StepgenSlower,
@@ -101,5 +111,39 @@ pub(super) const ROWS: &[Row] = &[
         remedy: "Let maxaccel be a quarter more than MAX_ACCELERATION.",
         wrong: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 2000\n# <--\n"),
         right: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n"),
+    },
+    Row {
+        code: Code::EntryMissing,
+        means: "An entry that motion needs is missing or has no value.",
+        matters: "Motion uses a default that is hardly the machine's: a joint without \
+                  MAX_ACCELERATION accelerates with one unit in a second squared.",
+        remedy: "Write the entry. A limit that no joint has is not missed.",
+        wrong: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION =\n# <--\n"),
+        right: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n"),
+    },
+    Row {
+        code: Code::EntryMisplaced,
+        means: "Nothing reads the entry, and its name is nearly that of an entry which is read, or \
+                that of an entry of another section.",
+        matters: "It has no effect: a default counts in its place.",
+        remedy: "Correct the name, or move the entry to its section.",
+        wrong: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\nMAX_LIMTI = 9\n# <--\n"),
+        right: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\nMAX_LIMIT = 9\n"),
+    },
+    Row {
+        code: Code::EntriesDisagree,
+        means: "An entry contradicts another one or the wiring: HOME is outside the travel limits, \
+                a search for a home switch has no switch, FERROR is less than a step, a value is \
+                no finite number.",
+        matters: "The machine starts, and fails when it homes or moves.",
+        remedy: "Correct the one that is wrong.",
+        wrong: machine!(
+            "",
+            "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\nMAX_LIMIT = 9\nHOME = 10\n# <--\n"
+        ),
+        right: machine!(
+            "",
+            "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\nMAX_LIMIT = 9\nHOME = 5\n"
+        ),
     },
 ];

@@ -69,7 +69,8 @@ pub(super) const ROWS: &[Row] = &[
             "loadrt hal_viagpio\n",
             "addf viagpio.write base\n",
             "setp stepgen.0.stepspace 1\nsetp stepgen.0.position-scale 400\n\
-             setp stepgen.0.maxvel 10\nnet xstep stepgen.0.step => viagpio.pin-06-out\n"
+             setp stepgen.0.maxvel 10\nnet xstep stepgen.0.step => viagpio.pin-06-out\n\
+             net xdir stepgen.0.dir => viagpio.pin-05-out\nsetp stepgen.0.position-cmd 0\n"
         ),
     },
     Row {
@@ -88,8 +89,9 @@ pub(super) const ROWS: &[Row] = &[
             "loadrt hal_parport cfg=0x378\n",
             "addf parport.0.write base\naddf parport.0.reset base\n",
             "setp stepgen.0.stepspace 0\nsetp parport.0.reset-time 5000\n\
-             setp parport.0.pin-03-out-reset 1\n\
-             net xstep stepgen.0.step => parport.0.pin-03-out\n"
+             setp parport.0.pin-03-out-reset 1\nsetp stepgen.0.position-cmd 0\n\
+             net xstep stepgen.0.step => parport.0.pin-03-out\n\
+             net xdir stepgen.0.dir => parport.0.pin-04-out\n"
         ),
     },
     Row {

@@ -6,14 +6,12 @@ use hal_tests::{
     faults::{Planted, mistakes},
     foreign::{compile, component},
     golden,
+    mutations::{files_of, machines},
     programs::root,
     scratch::Scratch,
 };
 use halcmd::manual::explain;
-use std::{
-    fmt::Write,
-    path::{Path, PathBuf},
-};
+use std::{fmt::Write, path::PathBuf};
 
 /// Runs a function for each item, several at once; panics with the list of all failures.
 fn all<T: Sync>(items: &[T], look: impl Fn(&T) -> Vec<String> + Sync) {
@@ -174,30 +172,6 @@ fn every_function_is_missed_when_it_is_not_added() {
         let gone = text.lines().nth(*line).unwrap_or_default();
         vec![format!("{machine} without '{gone}' in {script}: nothing to report")]
     });
-}
-
-/// Returns the INI files of `configs/`, and the scripts of machines without one. Demonstrations are left out: each
-/// sources its machine, relative to the folder in which it runs.
-fn machines() -> Vec<PathBuf> {
-    let mut machines = Vec::new();
-    for folder in std::fs::read_dir(root().join("configs")).unwrap() {
-        let folder = folder.unwrap().path();
-        if !folder.is_dir() {
-            continue;
-        }
-        let inis = files_of(&folder, "ini");
-        let scripts = files_of(&folder, "hal").into_iter().filter(|f| !f.ends_with("demo.hal"));
-        machines.extend(if inis.is_empty() { scripts.collect() } else { inis });
-    }
-    assert!(!machines.is_empty());
-    machines.sort();
-    machines
-}
-
-/// Returns the files of a folder with this extension.
-fn files_of(folder: &Path, extension: &str) -> Vec<PathBuf> {
-    let files = std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path());
-    files.filter(|f| f.extension().is_some_and(|e| e == extension)).collect()
 }
 
 #[test]

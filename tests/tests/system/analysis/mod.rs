@@ -4,4 +4,5 @@ mod check;
 mod crossings;
 mod dry_run;
 mod graph;
+mod mutations;
 mod order;

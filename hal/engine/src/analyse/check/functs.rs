@@ -1,8 +1,8 @@
 //! Checks of functions that no thread or the wrong thread runs, and of threads without functions.
 
-use super::{Look, finding};
+use super::{Look, finding, protection::is_driver};
 use crate::graph::{Edge, Ix};
-use hal_protocol::{Code, Type};
+use hal_protocol::{Code, Direction, Level, Type};
 use petgraph::{
     Direction::{Incoming, Outgoing},
     visit::EdgeRef,
@@ -16,6 +16,7 @@ impl Look<'_> {
             }
             if self.graph.is_in_use(funct) {
                 self.fast_in_slow(funct);
+                self.slow_outputs(funct);
                 self.slow_in_fast(funct);
             } else if !self.never_added(funct) {
                 self.nothing_handed_over(funct);
@@ -119,6 +120,40 @@ impl Look<'_> {
         }
     }
 
+    /// Reports a driver's function that hands out, in a slow thread, bits that a faster thread makes.
+    fn slow_outputs(&mut self, funct: Ix) {
+        let owner = self.graph.owner_of(funct).and_then(|ix| self.graph.component(ix));
+        let threads = self.graph.threads_of(funct);
+        let (true, Some(thread)) = (owner.is_some_and(is_driver), threads.first()) else { return };
+        let own = self.period(*thread);
+        let (reads, _) = self.touched(funct);
+        for pin in reads {
+            let Some(item) = self.graph.item(pin) else { continue };
+            let Some(signal) = self.graph.signal_of(pin) else { continue };
+            if item.direction != Direction::In || item.ty != Type::Bit {
+                continue;
+            }
+            let writers = self.ends(signal).0;
+            let functs = writers.iter().flat_map(|w| self.writers(*w));
+            let faster =
+                functs.flat_map(|f| self.graph.threads_of(f)).find(|t| self.period(*t) < own);
+            let Some(faster) = faster else { continue };
+            let (name, slow, fast) =
+                (self.funct_name(funct), self.thread_name(*thread), self.thread_name(faster));
+            let text = format!(
+                "'{name}' runs in {slow}, and '{}' gets signal '{}' from the faster {fast}: pulses \
+                 are lost",
+                self.shown(pin),
+                self.signal_name(signal)
+            );
+            let at = self.added_at(*thread, funct);
+            self.add(
+                finding(Code::FastInSlow, name, text).at(at).remedy(format!("addf {name} {fast}")),
+            );
+            return;
+        }
+    }
+
     /// Reports a function that computes with floats and runs in the same thread as its component's
     /// fast function.
     fn slow_in_fast(&mut self, funct: Ix) {
@@ -126,7 +161,8 @@ impl Look<'_> {
         let Some(owner) = self.graph.owner_of(funct) else { return };
         let (reads, writes) = self.touched(funct);
         let floats = |ix: &Ix| self.graph.item(*ix).is_some_and(|i| i.ty == Type::Float);
-        if !reads.iter().chain(&writes).any(floats) {
+        let motion = f.name.as_str().starts_with("motion-");
+        if !motion && !reads.iter().chain(&writes).any(floats) {
             return;
         }
         let siblings = self.graph.owned(owner);
@@ -138,7 +174,7 @@ impl Look<'_> {
         let threads = self.graph.threads_by_age();
         let Some(slowest) = threads.iter().copied().max_by_key(|t| self.period(*t)) else { return };
         for thread in self.graph.threads_of(funct) {
-            if !fast.contains(&thread) || self.period(thread) >= self.period(slowest) {
+            if !motion && !fast.contains(&thread) || self.period(thread) >= self.period(slowest) {
                 continue;
             }
             let name = f.name.as_str();
@@ -172,10 +208,14 @@ impl Look<'_> {
         let Some(first) = busy.first().filter(|_| !self.runs) else { return };
         let name = self.thread_name(*first);
         let at = self.graph.runs(*first, false).first().and_then(|f| self.added_at(*first, *f));
-        self.add(
+        let mut found =
             finding(Code::NeverStarted, name, "the threads are never started".to_owned())
                 .at(at)
-                .remedy("start, as the last line"),
-        );
+                .remedy("start, as the last line");
+        // Threads of `motmod` belong to a machine that its INI file starts.
+        if self.loaded_by(*first) == "threads" {
+            found.level = Level::Warning;
+        }
+        self.add(found);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Look, finding, names};
 use crate::graph::{Item, Ix};
-use hal_protocol::Code;
+use hal_protocol::{Code, Finding, Level};
 
 impl Look<'_> {
     pub(super) fn signals(&mut self) {
@@ -26,26 +26,93 @@ impl Look<'_> {
         } else if readers.is_empty() {
             let text = format!("nothing reads signal '{name}', which {} writes", list(&writers));
             let at = writers.first().and_then(|pin| self.linked_at(*pin));
-            self.add(
-                finding(Code::NoReader, name, text)
-                    .at(at)
-                    .remedy(format!("link an input to it: net {name} => PIN")),
-            );
+            let found = finding(Code::NoReader, name, text)
+                .at(at)
+                .remedy(format!("link an input to it: net {name} => PIN"));
+            let meant = self.meant(signal, |(w, r)| (w.is_empty(), !r.is_empty()));
+            self.add(misspelt(found, meant));
         } else if writers.is_empty() && !self.is_constant(signal, &readers) {
             let guards = readers.iter().any(|r| self.graph.item(*r).is_some_and(Item::safety));
             let then = if guards { ": it never protects anything" } else { "" };
             let text =
                 format!("nothing writes signal '{name}', which {} reads{then}", list(&readers));
             let at = readers.first().and_then(|pin| self.linked_at(*pin));
-            self.add(finding(Code::NoWriter, name, text).at(at).remedy(format!(
+            let found = finding(Code::NoWriter, name, text).at(at).remedy(format!(
                 "link an output to it: net {name} <= PIN; or give it a value: sets {name} VALUE"
-            )));
+            ));
+            let meant = self.meant(signal, |(w, r)| (r.is_empty(), !w.is_empty()));
+            self.add(misspelt(found, meant));
         }
+    }
+
+    /// Returns another signal of the same type, whose name differs by a slip of the keyboard, and
+    /// which has the ends that this one lacks.
+    /// `lacks` returns whether the other one lacks what this one has, and whether it has what this one lacks.
+    fn meant(
+        &self,
+        signal: Ix,
+        lacks: impl Fn((Vec<Ix>, Vec<Ix>)) -> (bool, bool),
+    ) -> Option<&str> {
+        let own = self.graph.signal(signal)?;
+        let mut others = self.graph.signals.iter().filter(|(name, other)| {
+            // Letters exchanged are a slip; a letter more may be a name of its own.
+            let same = own.name.as_str().len() == name.as_str().len();
+            let (lacks, has) = lacks(self.ends(**other));
+            self.graph.signal(**other).is_some_and(|o| o.ty == own.ty)
+                && is_slip(own.name.as_str(), name.as_str())
+                && has
+                && (lacks || same)
+        });
+        others.next().map(|(name, _)| name.as_str())
     }
 
     /// Returns whether a script line has given the signal, or a pin linked to it, a constant value.
     fn is_constant(&self, signal: Ix, pins: &[Ix]) -> bool {
         let set = |node: Ix| self.graph.sites.values_of(node).is_some();
         set(signal) || pins.iter().any(|pin| set(*pin))
+    }
+}
+
+/// Makes a finding about a signal with one end a warning, if its name is probably misspelt.
+fn misspelt(mut found: Finding, meant: Option<&str>) -> Finding {
+    if let Some(meant) = meant {
+        found.level = Level::Warning;
+        found.remedy = format!("did you mean '{meant}'?");
+    }
+    found
+}
+
+/// Returns whether two names differ by one slip of the keyboard: two letters exchanged, or one letter
+/// too many or too few. Names that differ in one letter, as those of two axes, are no slip.
+fn is_slip(a: &str, b: &str) -> bool {
+    let (a, b) = if a.len() <= b.len() {
+        (a.as_bytes(), b.as_bytes())
+    } else {
+        (b.as_bytes(), a.as_bytes())
+    };
+    let same = a.iter().zip(b).take_while(|(a, b)| a == b).count();
+    let (Some(a), Some(b)) = (a.get(same..), b.get(same..)) else { return false };
+    if same == 0 {
+        return false;
+    }
+    match (a, b) {
+        ([x, y, rest @ ..], [p, q, others @ ..]) if x == q && y == p && rest == others => true,
+        (rest, [letter, others @ ..]) => rest == others && letter.is_ascii_alphabetic(),
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_slip;
+
+    #[test]
+    fn slips_are_near_and_two_axes_are_not() {
+        for (a, b) in [("estop-out", "estop-otu"), ("heigth", "height"), ("x-cmd", "x-cmdd")] {
+            assert!(is_slip(a, b) && is_slip(b, a), "{a} {b}");
+        }
+        for (a, b) in [("x-cmd", "y-cmd"), ("x-cmd", "x-cmd"), ("in-1", "in-12"), ("ab", "abcd")] {
+            assert!(!is_slip(a, b) && !is_slip(b, a), "{a} {b}");
+        }
     }
 }

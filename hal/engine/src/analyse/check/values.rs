@@ -84,7 +84,7 @@ impl Look<'_> {
     fn scale(&mut self, ix: Ix, item: &Item) {
         let name = item.shown().as_str();
         let last = item.name.as_str().rsplit('.').next().unwrap_or_default();
-        let is_setting = matches!(item.direction, Direction::In | Direction::Rw);
+        let is_setting = matches!(item.direction, Direction::In | Direction::Io | Direction::Rw);
         let is_scale = last == "scale" || last.ends_with("-scale");
         if !is_setting
             || !is_scale

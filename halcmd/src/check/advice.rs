@@ -1,0 +1,376 @@
+//! Remedies for refused lines: what the rest of the scripts tells about them, and the end of cascades.
+
+use crate::{language::hint::nearest, language::table, session::dry_run::DryRun};
+use hal_protocol::{At, Code, Finding, Kind, Link, Reply, Request};
+use std::{collections::BTreeMap, path::Path};
+
+/// First parts of the names that `motmod` makes.
+const MOTION: &[&str] = &[
+    "motion",
+    "joint",
+    "axis",
+    "spindle",
+    "motion-controller",
+    "motion-command-handler",
+    "servo-thread",
+    "base-thread",
+];
+
+/// Lines of a machine, and the names that they make.
+struct Lines {
+    statements: Vec<(At, Vec<String>)>,
+    /// Names of pins, parameters and functions, with the signal that a pin has.
+    names: BTreeMap<String, Option<String>>,
+    functs: Vec<String>,
+    threads: Vec<String>,
+}
+
+/// Adds remedies to findings about refused lines, and combines those with one cause.
+pub(super) fn improve(findings: &mut Vec<Finding>, dry_run: &mut DryRun) {
+    settings(findings, dry_run);
+    entries(findings, dry_run);
+    if findings.iter().all(|f| f.code >= Code::NeverStarted && f.code < Code::IniUnreadable) {
+        return;
+    }
+    let lines = Lines::of(dry_run);
+    for finding in findings.iter_mut() {
+        lines.advise(finding);
+    }
+    lines.combine(findings);
+    // A line that was refused is not missing.
+    let refused: Vec<At> = findings
+        .iter()
+        .filter(|f| matches!(f.code, Code::NoSuchName | Code::WrongWords))
+        .flat_map(|f| f.at.clone().into_iter().chain(f.related.iter().map(|r| r.at.clone())))
+        .collect();
+    let tried = |funct: &str| {
+        lines.statements.iter().any(|(at, words)| {
+            words.first().is_some_and(|w| w == "addf")
+                && words.get(1).is_some_and(|w| w == funct)
+                && refused.contains(at)
+        })
+    };
+    let absent = |f: &Finding| {
+        matches!(f.code, Code::NeverAdded | Code::NothingHandedOver) && tried(&f.subject)
+    };
+    findings.retain(|f| !absent(f));
+}
+
+/// Relates a finding about an INI entry and a channel to the line that sets the channel.
+fn settings(findings: &mut [Finding], dry_run: &DryRun) {
+    for finding in findings {
+        let last = match finding.code {
+            Code::JointTooFast | Code::EntriesDisagree => "position-scale",
+            Code::StepgenSlower => "maxaccel",
+            _ => continue,
+        };
+        let mut words = finding.text.split([' ', '\'', ',']).filter(|w| w.contains('.'));
+        let channel =
+            words.find_map(|w| w.starts_with("stepgen.").then(|| w.trim_end_matches(".maxaccel")));
+        let Some(channel) = channel else { continue };
+        let pin = format!("{channel}.{last}");
+        let statements = &dry_run.result().statements;
+        let mut sets = statements.iter().filter(|(_, w)| {
+            w.first().is_some_and(|w| w == "setp") && w.get(1).is_some_and(|w| *w == pin)
+        });
+        let at = sets.next().map(|(at, _)| at.clone());
+        *finding = finding.clone().related(at, format!("'{pin}' is set here"));
+    }
+}
+
+/// Relates a finding on a line that uses INI entries to those entries.
+fn entries(findings: &mut [Finding], dry_run: &DryRun) {
+    let Some(ini) = dry_run.ini() else { return };
+    let used = &dry_run.result().uses;
+    for finding in findings {
+        let near = finding.at.iter().chain(finding.related.iter().map(|r| &r.at));
+        let near: Vec<At> = near.cloned().collect();
+        for (_, names) in used.iter().filter(|(at, _)| near.contains(at)) {
+            for (section, name) in names {
+                let Some(entry) = ini.all(section, name).next() else { continue };
+                let at = At::new(&entry.file, entry.line);
+                if finding.at.as_ref() != Some(&at) && finding.related.iter().all(|r| r.at != at) {
+                    let text = format!("[{section}]{name} = {}", entry.value);
+                    *finding = finding.clone().related(Some(at), text);
+                }
+            }
+        }
+    }
+}
+
+/// Returns the part of a name before its first dot.
+fn first(name: &str) -> &str {
+    name.split('.').next().unwrap_or_default()
+}
+
+/// Returns a name with each of its numbers replaced.
+fn plain(name: &str) -> String {
+    let part = |p: &str| if p.parse::<u32>().is_ok() { "#".to_owned() } else { p.to_owned() };
+    name.split('.').map(part).collect::<Vec<_>>().join(".")
+}
+
+fn add(finding: &mut Finding, text: &str) {
+    if !finding.remedy.is_empty() {
+        finding.remedy.push_str("; ");
+    }
+    finding.remedy.push_str(text);
+}
+
+impl Lines {
+    fn of(dry_run: &mut DryRun) -> Self {
+        let statements = dry_run.result().statements.clone();
+        let list = |kind| Request::List { kind, patterns: Vec::new(), ty: None };
+        let (mut names, mut all_functs) = (BTreeMap::new(), Vec::new());
+        for kind in [Kind::Pins, Kind::Params] {
+            if let Ok(Reply::Items(items)) = dry_run.engine().call(list(kind)) {
+                names.extend(items.into_iter().map(|i| (i.name, i.signal)));
+            }
+        }
+        if let Ok(Reply::Functs(functs)) = dry_run.engine().call(list(Kind::Functs)) {
+            all_functs.extend(functs.into_iter().map(|f| f.name));
+        }
+        names.extend(all_functs.iter().map(|f| (f.clone(), None)));
+        let threads = match dry_run.engine().call(list(Kind::Threads)) {
+            Ok(Reply::Threads(threads)) => threads.into_iter().map(|t| t.name).collect(),
+            _ => Vec::new(),
+        };
+        Self { statements, names, functs: all_functs, threads }
+    }
+
+    /// Returns the words of the line at a position.
+    fn words(&self, at: Option<&At>) -> &[String] {
+        let line = self.statements.iter().find(|(place, _)| Some(place) == at);
+        line.map_or(&[], |(_, words)| words)
+    }
+
+    /// Returns the lines that begin with this command.
+    fn of_command<'a>(&'a self, command: &'a str) -> impl Iterator<Item = &'a (At, Vec<String>)> {
+        self.statements.iter().filter(move |(_, w)| w.first().is_some_and(|w| w == command))
+    }
+
+    fn advise(&self, finding: &mut Finding) {
+        let words = self.words(finding.at.as_ref());
+        match finding.code {
+            Code::NoSuchName => self.missing(finding),
+            Code::WrongWords => {
+                let row = words.first().and_then(|w| table::find(w));
+                if let Some(row) = row {
+                    add(finding, &format!("the command is: {} {}", row.name, row.usage));
+                }
+            }
+            Code::Unreadable if finding.text.contains("quote") => {
+                add(finding, "close it with another \", or take the \" out");
+            }
+            Code::BadValue | Code::MotionRefuses => {
+                let comma = |w: &&String| {
+                    w.split_once(',')
+                        .is_some_and(|(a, b)| a.parse::<f64>().is_ok() && b.parse::<u64>().is_ok())
+                };
+                if let Some(word) = words.iter().find(comma) {
+                    add(finding, &format!("with a decimal point: {}", word.replace(',', ".")));
+                } else if finding.remedy.is_empty() {
+                    add(finding, &format!("correct {}", finding.subject.clone()));
+                }
+            }
+            Code::NamedAsPin => {
+                let pins = words.get(1..).unwrap_or_default().join(" ");
+                add(finding, &format!("put a name before the pins: net SIGNAL {pins}"));
+            }
+            Code::AddedTwice => self.added_twice(finding),
+            Code::LinkedTwice => {
+                let kin = |(name, signal): &(&String, &Option<String>)| {
+                    signal.is_none() && plain(name) == plain(&finding.subject)
+                };
+                let free: Vec<&str> =
+                    self.names.iter().filter(kin).map(|(n, _)| n.as_str()).take(4).collect();
+                if !free.is_empty() {
+                    add(finding, &format!("not linked yet: {}", free.join(", ")));
+                }
+            }
+            Code::NoHalfile | Code::NoPostgui | Code::NoFile => beside(finding),
+            _ => {}
+        }
+    }
+
+    /// Adds the line at which a function was added first.
+    fn added_twice(&self, finding: &mut Finding) {
+        let Some(funct) = self.words(finding.at.as_ref()).get(1).cloned() else { return };
+        let mut all = self.of_command("addf").filter(|(_, w)| w.get(1) == Some(&funct));
+        let Some((at, words)) = all.next().filter(|(at, _)| Some(at) != finding.at.as_ref()) else {
+            return;
+        };
+        let thread = words.get(2).map_or("", String::as_str);
+        add(finding, &format!("it is added to {thread} at {at}: take one of the two lines out"));
+        *finding = finding.clone().related(Some(at.clone()), format!("'{funct}' is added here"));
+    }
+
+    /// Adds the origin of a name that does not exist.
+    fn missing(&self, finding: &mut Finding) {
+        let name = finding.subject.clone();
+        let head = first(&name);
+        if finding.text.contains("thread '") {
+            if nearest(&name, self.threads.iter().map(String::as_str)).is_none() {
+                let make = if MOTION.contains(&head) {
+                    "loadrt motmod makes it".to_owned()
+                } else {
+                    format!("loadrt threads name1={name} period1=NANOSECONDS makes it")
+                };
+                add(finding, &make);
+            }
+            return;
+        }
+        if finding.text.starts_with("signal '") {
+            return;
+        }
+        if self.names.contains_key(&name) {
+            self.too_early(finding, head);
+            return;
+        }
+        let kin: Vec<&str> = self
+            .names
+            .keys()
+            .filter(|n| plain(n) == plain(&name))
+            .map(String::as_str)
+            .take(8)
+            .collect();
+        if !kin.is_empty() {
+            add(finding, &format!("there are: {}", kin.join(", ")));
+        }
+        if let Some((at, words)) = self.loads(&name, head) {
+            let list = words.get(2).and_then(|w| w.split_once('='));
+            let (line, key) = (words.join(" "), list.map_or("count", |(key, _)| key));
+            let key = key.to_owned();
+            add(finding, &format!("or one more in {key}= of '{line}' ({at})"));
+            *finding = finding.clone().related(Some(at.clone()), format!("{key}= is here"));
+            return;
+        }
+        if !kin.is_empty() || self.is_known(head) {
+            // A component's name alone is no function's name.
+            let own = self
+                .functs
+                .iter()
+                .filter(|f| first(f) == name && finding.text.starts_with("function"));
+            let own: Vec<&str> = own.map(String::as_str).take(8).collect();
+            if !own.is_empty() {
+                add(finding, &format!("its functions are: {}", own.join(", ")));
+            }
+            return;
+        }
+        let make = if MOTION.contains(&head) {
+            "loadrt motmod makes it".to_owned()
+        } else {
+            format!("loadrt {} makes it, or loadrt COMPONENT names={head}", head.replace('-', "_"))
+        };
+        add(finding, &make);
+    }
+
+    /// Returns whether a component has names that begin like this.
+    fn is_known(&self, head: &str) -> bool {
+        self.names.keys().any(|n| first(n) == head)
+    }
+
+    /// Returns the line that loads the module of a missing name: the one that lists its other
+    /// channels or instances.
+    fn loads(&self, name: &str, head: &str) -> Option<&(At, Vec<String>)> {
+        let tail = name.strip_prefix(head).unwrap_or_default();
+        let lists = |words: &[String], other: &str| {
+            words
+                .iter()
+                .filter_map(|w| w.strip_prefix("names="))
+                .any(|l| l.split(',').any(|n| n == other))
+        };
+        self.of_command("loadrt").find(|(_, words)| {
+            let module = words.get(1).map_or("", String::as_str);
+            let bare = module.strip_prefix("hal_").unwrap_or(module).replace('_', "-");
+            let is_own =
+                bare == head || module == head || module == "motmod" && MOTION.contains(&head);
+            is_own && self.is_known(head)
+                || !self.is_known(head) && lists_like(words, head)
+                || !self.is_known(head)
+                    && self.names.keys().any(|n| {
+                        n.strip_suffix(tail)
+                            .is_some_and(|other| !tail.is_empty() && lists(words, other))
+                    })
+        })
+    }
+
+    /// Adds that a later line makes the name.
+    fn too_early(&self, finding: &mut Finding, head: &str) {
+        let mut loads = self.of_command("loadrt").filter(|(at, words)| {
+            let later = finding.at.as_ref().is_some_and(|f| f.file == at.file && f.line < at.line);
+            let module = words.get(1).map_or("", String::as_str);
+            let bare = module.strip_prefix("hal_").unwrap_or(module).replace('_', "-");
+            later
+                && (bare == head
+                    || module == "motmod" && MOTION.contains(&head)
+                    || words.iter().any(|w| {
+                        w.strip_prefix("names=").is_some_and(|l| l.split(',').any(|n| n == head))
+                    }))
+        });
+        let Some((at, words)) = loads.next() else { return };
+        let module = words.get(1).map_or("", String::as_str);
+        finding.remedy = format!("loadrt {module} makes it, at {at}: move that line up");
+        *finding = finding.clone().related(Some(at.clone()), "it is made here");
+    }
+
+    /// Combines refused lines that need one missing component or thread: the first stays.
+    fn combine(&self, findings: &mut Vec<Finding>) {
+        let cause = |f: &Finding| -> Option<String> {
+            if f.code != Code::NoSuchName {
+                return None;
+            }
+            if f.text.contains("thread '") {
+                return Some(format!("thread '{}'", f.subject));
+            }
+            let head = first(&f.subject);
+            let absent = !f.text.starts_with("signal '") && !self.is_known(head);
+            absent.then(|| format!("'{head}'"))
+        };
+        let mut groups: BTreeMap<String, Vec<At>> = BTreeMap::new();
+        for finding in findings.iter() {
+            if let (Some(cause), Some(at)) = (cause(finding), &finding.at) {
+                groups.entry(cause).or_default().push(at.clone());
+            }
+        }
+        for places in groups.values_mut() {
+            places.sort();
+        }
+        let later = |f: &Finding| {
+            let places = cause(f).and_then(|c| groups.get(&c));
+            places.is_some_and(|p| p.first() != f.at.as_ref())
+        };
+        let mut told = Vec::new();
+        for finding in findings.iter_mut() {
+            let Some(cause) = cause(finding) else { continue };
+            let Some(places) = groups.get(&cause).filter(|p| p.len() > 1) else { continue };
+            if places.first() == finding.at.as_ref() && !told.contains(&cause) {
+                let more = places.len() - 1;
+                let lines = if more == 1 { "line needs" } else { "lines need" };
+                finding.text = format!("{}; {more} more {lines} {cause}", finding.text);
+                told.push(cause);
+            }
+        }
+        let gone: Vec<bool> = findings.iter().map(later).collect();
+        let mut gone = gone.into_iter();
+        findings.retain(|_| !gone.next().unwrap_or_default());
+    }
+}
+
+/// Returns whether a line's `names=` has a name that differs from this one by a slip.
+fn lists_like(words: &[String], name: &str) -> bool {
+    let mut lists = words.iter().filter_map(|w| w.strip_prefix("names="));
+    lists.any(|list| nearest(name, list.split(',')).is_some())
+}
+
+/// Adds the file that is probably meant: one with a similar name in the folder of the line.
+fn beside(finding: &mut Finding) {
+    let Some(at) = &finding.at else { return };
+    let folder = Path::new(&at.file).parent().map(Path::to_path_buf).unwrap_or_default();
+    let folder = if folder.as_os_str().is_empty() { ".".into() } else { folder };
+    let Ok(files) = std::fs::read_dir(folder) else { return };
+    let names: Vec<String> =
+        files.flatten().take(1000).filter_map(|f| f.file_name().into_string().ok()).collect();
+    if let Some(near) = nearest(&finding.subject, names.iter().map(String::as_str)) {
+        finding.remedy = format!("did you mean '{near}'? {}", finding.remedy);
+    }
+}
