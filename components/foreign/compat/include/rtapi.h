@@ -27,6 +27,14 @@
         __attribute__((section(".rtapi_export"), used)) = #name;
 
 #ifdef __cplusplus
+#define RTAPI_BEGIN_DECLS extern "C" {
+#define RTAPI_END_DECLS }
+#else
+#define RTAPI_BEGIN_DECLS
+#define RTAPI_END_DECLS
+#endif
+
+#ifdef __cplusplus
 extern "C" {
 #endif
 

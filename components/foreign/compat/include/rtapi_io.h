@@ -19,4 +19,8 @@ extern int rtapi_iopl(int level);
 #ifdef __cplusplus
 }
 #endif
+/* Reserves ports: not NULL if this process may use them. */
+#define rtapi_request_region(base, size, name) \
+    ((void)(name), rtapi_ioperm((base), (size), 1) == 0 ? (void *)-1 : (void *)0)
+#define rtapi_release_region(base, size) ((void)rtapi_ioperm((base), (size), 0))
 #endif

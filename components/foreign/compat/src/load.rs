@@ -64,7 +64,8 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     let elf = Elf::read(&path).map_err(refuse(Status(-libc::ENOEXEC)))?;
     system::offer_symbols().map_err(refuse(Status::EFAULT))?;
     trap::watch();
-    let handle = system::open(&path).map_err(lacking).map_err(refuse(Status(-libc::ENOEXEC)))?;
+    let handle =
+        system::open(&path).map_err(|why| lacking(&why)).map_err(refuse(Status(-libc::ENOEXEC)))?;
     let (main, exit) = entries(handle);
     let module = Module::new(&host, file, (path.clone(), &name, &prefix), handle, exit);
     let module = Arc::new(module);
@@ -95,8 +96,9 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     stay(&host, module)
 }
 
-/// Adds a remedy to the dynamic linker's message.
-fn lacking(why: String) -> String {
+/// Adds the source and a remedy to the dynamic linker's message.
+fn lacking(why: &str) -> String {
+    let why = format!("dlopen: {why}");
     if why.contains("undefined symbol") {
         why + "; if another component in C defines it, such as kinematics for motmod, load that first"
     } else {

@@ -84,7 +84,9 @@ pub fn build(job: &Job<'_>) -> Result<(), Error> {
     link.arg("-lm");
     run(link, job.source)?;
     let bytes = fs::read(&out).map_err(at(&out))?;
-    let mode = fs::metadata(&out).map_err(at(&out))?.mode() & 0o777;
+    // A module is loaded, not run.
+    let wanted = if job.target == Target::Module { 0o666 } else { 0o777 };
+    let mode = fs::metadata(&out).map_err(at(&out))?.mode() & wanted;
     hal_output::install(job.out, &bytes, mode).map_err(at(job.out))
 }
 

@@ -225,7 +225,9 @@ pub(crate) fn text(input: &str) -> Parsed<'_, String> {
     let Some(rest) = rest.strip_prefix('"') else {
         return fail(Miss::wanted(input, "a text in \"…\""));
     };
-    let line = rest.find('\n').map_or(rest, |end| rest.get(..end).unwrap_or_default());
+    // A backslash at the end of a line joins it and the next.
+    let end = if raw { rest.find('\n') } else { closed(rest, "\n", false) };
+    let line = end.map_or(rest, |end| rest.get(..end).unwrap_or_default());
     match closed(line, "\"", raw) {
         Some(long) => ended(rest, long, 1, raw),
         None => {
@@ -333,6 +335,7 @@ mod tests {
         assert_eq!(of("\"\"\"two\n\"lines\" \"\"\" x"), Some((" x", "two\n\"lines\" ".into())));
         assert_eq!(of(r#"r"""\fB\n""""#), Some(("", "\\fB\\n".into())));
         assert_eq!(of(r#""\-1""#), Some(("", "\\-1".into())));
+        assert_eq!(of("\"joined \\\nline\";"), Some((";", "joined line".into())));
         assert_eq!(of("\"open\n\""), None);
         assert_eq!(of("\"\\é\""), None);
     }

@@ -163,6 +163,9 @@ fn modules_and_programs_are_installed_where_they_are_found() {
     assert_eq!(folder.run(&["--install", "good.comp"]), nothing);
     assert_eq!(folder.run(&["-i", "--extra-compile-args=-DEXTRA=7 -Wall", "plain.c"]), nothing);
     assert_eq!(folder.names("modules"), ["good.so", "plain.so"]);
+    // Modules are loaded, not run.
+    let mode = fs::metadata(folder.0.join("modules/good.so")).unwrap().permissions().mode();
+    assert_eq!(mode & 0o111, 0, "{mode:o}");
     assert!(!folder.names("").iter().any(|n| n.ends_with(".so") || n.ends_with(".o")));
 }
 

@@ -13,7 +13,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: "loadrt threads name1=servo period1=1000000\nloadrt or2 # <--\nloadrt not\n\
                 addf not.0 servo\nnet any or2.0.out => not.0.in\nstart\n",
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\nloadrt not\n\
-                addf or2.0 servo\naddf not.0 servo\nnet any or2.0.out => not.0.in\nstart\n",
+                addf or2.0 servo\naddf not.0 servo\nnet any or2.0.out => not.0.in\nnet none not.0.out\nstart\n",
     },
     Row {
         code: Code::AddedTwice,
@@ -100,7 +100,7 @@ pub(super) const ROWS: &[Row] = &[
                 addf or2.0 servo # <--\naddf not.0 servo\nnet any or2.0.out => not.0.in\n\
                 net none not.0.out => or2.0.in0\nstart\n",
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\nloadrt not\n\
-                addf or2.0 servo\naddf not.0 servo\nnet any or2.0.out => not.0.in\nstart\n",
+                addf or2.0 servo\naddf not.0 servo\nnet any or2.0.out => not.0.in\nnet none not.0.out\nstart\n",
     },
     Row {
         code: Code::Crossing,
@@ -112,7 +112,7 @@ pub(super) const ROWS: &[Row] = &[
                 loadrt not\naddf not.0 base\naddf or2.0 servo\n\
                 net any or2.0.out => not.0.in # <--\nstart\n",
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\nloadrt not\n\
-                addf or2.0 servo\naddf not.0 servo\nnet any or2.0.out => not.0.in\nstart\n",
+                addf or2.0 servo\naddf not.0 servo\nnet any or2.0.out => not.0.in\nnet none not.0.out\nstart\n",
     },
     Row {
         code: Code::BadPeriod,

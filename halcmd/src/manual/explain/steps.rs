@@ -13,6 +13,7 @@ macro_rules! steps {
             "addf stepgen.make-pulses base\n",
             $base,
             "addf stepgen.capture-position servo\naddf stepgen.update-freq servo\n",
+            "setp stepgen.0.position-cmd 0\n",
             $more,
             "start\n"
         )
@@ -50,7 +51,8 @@ pub(super) const ROWS: &[Row] = &[
         right: steps!(
             "loadrt hal_viagpio\n",
             "addf viagpio.write base\n",
-            "setp stepgen.0.stepspace 1\nnet xstep stepgen.0.step => viagpio.pin-06-out\n"
+            "setp stepgen.0.stepspace 1\nnet xstep stepgen.0.step => viagpio.pin-06-out\n\
+             net xdir stepgen.0.dir => viagpio.pin-05-out\n"
         ),
     },
     Row {
@@ -70,7 +72,7 @@ pub(super) const ROWS: &[Row] = &[
             "addf viagpio.write base\n",
             "setp stepgen.0.stepspace 1\nsetp stepgen.0.position-scale 400\n\
              setp stepgen.0.maxvel 10\nnet xstep stepgen.0.step => viagpio.pin-06-out\n\
-             net xdir stepgen.0.dir => viagpio.pin-05-out\nsetp stepgen.0.position-cmd 0\n"
+             net xdir stepgen.0.dir => viagpio.pin-05-out\n"
         ),
     },
     Row {
@@ -89,7 +91,7 @@ pub(super) const ROWS: &[Row] = &[
             "loadrt hal_parport cfg=0x378\n",
             "addf parport.0.write base\naddf parport.0.reset base\n",
             "setp stepgen.0.stepspace 0\nsetp parport.0.reset-time 5000\n\
-             setp parport.0.pin-03-out-reset 1\nsetp stepgen.0.position-cmd 0\n\
+             setp parport.0.pin-03-out-reset 1\n\
              net xstep stepgen.0.step => parport.0.pin-03-out\n\
              net xdir stepgen.0.dir => parport.0.pin-04-out\n"
         ),
@@ -109,7 +111,8 @@ pub(super) const ROWS: &[Row] = &[
             "loadrt hal_parport cfg=0x378\n",
             "addf parport.0.write base\naddf parport.0.reset base\n",
             "setp parport.0.pin-03-out-reset 1\n\
-             net xstep stepgen.0.step => parport.0.pin-03-out\n"
+             net xstep stepgen.0.step => parport.0.pin-03-out\n\
+             net xdir stepgen.0.dir => parport.0.pin-04-out\n"
         ),
     },
     Row {
@@ -128,7 +131,8 @@ pub(super) const ROWS: &[Row] = &[
             "loadrt hal_parport cfg=0x378\n",
             "addf parport.0.write base\naddf parport.0.reset base\n",
             "setp parport.0.reset-time 5000\nsetp parport.0.pin-03-out-reset 1\n\
-             net xstep stepgen.0.step => parport.0.pin-03-out\n"
+             net xstep stepgen.0.step => parport.0.pin-03-out\n\
+             net xdir stepgen.0.dir => parport.0.pin-04-out\n"
         ),
     },
 ];

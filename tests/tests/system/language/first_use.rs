@@ -1,6 +1,9 @@
 //! First steps of a newcomer: versions, options after files, unknown names and formats, help of a component's command.
 
-use hal_tests::scratch::{Scratch, until};
+use hal_tests::{
+    programs::root,
+    scratch::{Scratch, until},
+};
 use std::time::{Duration, Instant};
 
 const MACHINE: &str = "loadrt threads name1=t period1=1000000\nloadrt and2\nnewsig a bit\nnet b and2.0.out\n\
@@ -144,4 +147,19 @@ fn a_command_that_the_machine_refuses_at_once_fails() {
     assert_eq!((output.stderr.as_str(), output.status), ("", Some(0)));
     assert_eq!(scratch.halrun(&["-U"]).status, Some(0));
     drop(running.wait());
+}
+
+/// Lines in the second terminal of "Coming from LinuxCNC", from e-stop to a jog.
+#[test]
+fn the_first_minute_of_a_user_of_linuxcnc() {
+    let page = std::fs::read_to_string(root().join("halcmd/LINUXCNC.md")).unwrap();
+    let (_, typed) = page.split_once("```sh\n").unwrap();
+    let (typed, _) = typed.split_once("```").unwrap();
+    let lines: Vec<&str> = typed.lines().map(|l| l.strip_prefix("halcmd ").unwrap()).collect();
+    assert!(lines.len() >= 6, "{lines:?}");
+    let scratch = Scratch::copy_of(&root().join("configs/laser"));
+    scratch.write("demo.hal", lines.join("\n") + "\nshutdown\n");
+    let (out, err, status) = run(&scratch, &["halrun", "--virtual", "demo.ini"]);
+    let at: f64 = out.trim().parse().unwrap_or_else(|_| panic!("{out}{err}"));
+    assert!((at - 5.0).abs() < 0.001 && status == Some(0), "{at}: {err}");
 }

@@ -27,6 +27,7 @@ fn what_cannot_be_loaded_is_refused_and_leaves_nothing() {
     let mut b = Bench::new(&[folder]);
     for (words, said) in [
         ("alien", "is built for aarch64"),
+        ("missing", "dlopen: "),
         ("missing", "undefined symbol: nowhere"),
         ("fails", "rtapi_app_main: No such device (-19)"),
         ("fails", "mine: no board"),
@@ -50,6 +51,39 @@ fn what_cannot_be_loaded_is_refused_and_leaves_nothing() {
     script(&mut b, "unloadrt mine");
     b.load_c("p.", "mine").unwrap();
     b.call(Request::Get { name: "p.mine.0.out".into() }).unwrap();
+}
+
+/// A driver in the style of the kernel: it gives the names of the system's port calls to those of the interface.
+const PORTS: &str = "#define rtapi_inl inl\n#define rtapi_outl outl\n#include <asm/io.h>\n\
+                     #if LINUX_VERSION_CODE < KERNEL_VERSION(2, 6, 24)\n#error old\n#endif\n\
+                     #include \"motion.h\"\n#include \"posemath.h\"\n\
+                     RTAPI_BEGIN_DECLS\nstatic double far[EMCMOT_MAX_JOINTS];\nRTAPI_END_DECLS";
+
+/// Refuses to load unless a turn is the same after two conversions, and turns x where roll, pitch and yaw say.
+const TURNS: &str = "const PmRpy in = {10 * TO_RAD, -20 * TO_RAD, 30 * TO_RAD}; PmRpy back; PmRotationMatrix m, i, one;\n\
+                     const PmRpy quarter = {0, 0, PM_PI_2}; PmCartesian x = {2, 0, 0}; double d;\n\
+                     pmRpyMatConvert(&in, &m); pmMatRpyConvert(&m, &back);\n\
+                     if (fabs(back.r - in.r) + fabs(back.p - in.p) + fabs(back.y - in.y) > 1e-12) return -ERANGE;\n\
+                     pmMatInv(&m, &i); pmMatMatMult(&m, &i, &one);\n\
+                     if (fabs(one.x.x - 1) + fabs(one.y.z) + fabs(one.z.z - 1) > 1e-12) return -ERANGE;\n\
+                     pmRpyMatConvert(&quarter, &m); pmMatCartMult(&m, &x, &x); pmCartMag(&x, &d);\n\
+                     if (fabs(x.y - 2) + fabs(x.x) + fabs(d - 2) > 1e-12) return -EDOM;\n\
+                     if (!rtapi_request_region(0x300, 8, \"mine\")) return -EBUSY;\n\
+                     far[0] = pmSqrt(-1); if (far[0] != 0) return -EDOM;";
+
+#[test]
+fn drivers_of_the_kernel_find_their_headers() {
+    let scratch = Scratch::new("compat-headers");
+    let turns = "rtapi_outl(rtapi_inl(0x300) + inb(0x304), 0x300); outb(1, 0x305);";
+    let source = component(PORTS, TURNS, turns);
+    if compile(scratch.path(), "mine", &source, &[]).is_none() {
+        return;
+    }
+    let mut b = Bench::new(&[scratch.path()]);
+    b.load_c("", "mine").unwrap();
+    script(&mut b, "loadrt threads name1=t period1=1000000\naddf mine.0 t\nstart\nrun 1000000");
+    let sent = b.call(Request::Get { name: "mine.sim.0305".into() }).unwrap();
+    assert!(format!("{sent:?}").contains("U32(1)"), "{sent:?}");
 }
 
 #[test]
