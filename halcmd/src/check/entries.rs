@@ -131,7 +131,7 @@ fn machine(ini: &Ini) -> Vec<Finding> {
     let mut need = |section: &str, names: &[&str], why: &str, value: &str| {
         let has = |n: &&str| ini.get(section, n).is_some_and(|v| !v.trim().is_empty());
         let Some(name) = names.first() else { return };
-        if names.iter().any(|n| has(n)) {
+        if names.iter().any(has) {
             return;
         }
         let empty = ini.all(section, name).next();

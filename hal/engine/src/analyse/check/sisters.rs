@@ -110,7 +110,7 @@ impl<'g> Look<'g> {
 
     /// Reports joints whose command, feedback and enable go to different channels of one family.
     fn crossed_motors(&mut self) {
-        for joint in self.graph.pins.iter().filter_map(|(name, _)| split(name.as_str())) {
+        for joint in self.graph.pins.keys().filter_map(|name| split(name.as_str())) {
             let (head, n, tail) = joint;
             if !matches!(head, "joint" | "axis") || tail != "motor-pos-cmd" {
                 continue;
