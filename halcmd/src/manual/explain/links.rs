@@ -82,7 +82,8 @@ pub(super) const ROWS: &[Row] = &[
         wrong: "loadrt estop_latch # <--\n",
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\nloadrt estop_latch\n\
                 addf or2.0 servo\naddf estop-latch.0 servo\n\
-                net ok or2.0.out => estop-latch.0.ok-in\nstart\n",
+                net ok or2.0.out => estop-latch.0.ok-in\nsetp estop-latch.0.reset 1\n\
+                net good estop-latch.0.ok-out\nstart\n",
     },
     Row {
         code: Code::NeverEnabled,
