@@ -54,11 +54,11 @@ impl Look<'_> {
         lacks: impl Fn((Vec<Ix>, Vec<Ix>)) -> (bool, bool),
     ) -> Option<&str> {
         let own = self.graph.signal(signal)?;
-        let mut others = self.graph.signals.iter().filter(|(name, other)| {
+        let mut others = self.graph.signal_names().into_iter().filter(|(name, other)| {
             // Letters exchanged are a slip; a letter more may be a name of its own.
             let same = own.name.as_str().len() == name.as_str().len();
-            let (lacks, has) = lacks(self.ends(**other));
-            self.graph.signal(**other).is_some_and(|o| o.ty == own.ty)
+            let (lacks, has) = lacks(self.ends(*other));
+            self.graph.signal(*other).is_some_and(|o| o.ty == own.ty)
                 && is_slip(own.name.as_str(), name.as_str())
                 && has
                 && (lacks || same)

@@ -110,7 +110,7 @@ impl<'g> Look<'g> {
 
     /// Reports joints whose command, feedback and enable go to different channels of one family.
     fn crossed_motors(&mut self) {
-        for joint in self.graph.pins.keys().filter_map(|name| split(name.as_str())) {
+        for joint in self.items().into_iter().filter_map(|(_, item)| split(item.name.as_str())) {
             let (head, n, tail) = joint;
             if !matches!(head, "joint" | "axis") || tail != "motor-pos-cmd" {
                 continue;
@@ -186,10 +186,10 @@ impl<'g> Look<'g> {
         // By the beginning of the name and the family: each signal with its channels.
         type Signals = Vec<(Ix, BTreeMap<u32, Ix>)>;
         let mut stems: BTreeMap<(&str, String), Signals> = BTreeMap::new();
-        for (name, signal) in &self.graph.signals {
+        for (name, signal) in self.graph.signal_names() {
             let Some((stem, _)) = name.as_str().split_once(['-', '_', '.']) else { continue };
             let mut families: BTreeMap<String, BTreeMap<u32, Ix>> = BTreeMap::new();
-            for pin in self.graph.pins_of(*signal) {
+            for pin in self.graph.pins_of(signal) {
                 let Some(item) = self.graph.item(pin) else { continue };
                 if let Some((head, n, _)) = split(item.name.as_str())
                     && is_family(head)
@@ -198,7 +198,7 @@ impl<'g> Look<'g> {
                 }
             }
             for (family, channels) in families {
-                stems.entry((stem, family)).or_default().push((*signal, channels));
+                stems.entry((stem, family)).or_default().push((signal, channels));
             }
         }
         for ((stem, family), signals) in stems {
