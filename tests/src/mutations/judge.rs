@@ -64,7 +64,7 @@ pub fn judge(machine: &Machine, most: usize) -> Vec<Verdict> {
     let folder = format!("{}/", scratch.path().display());
     let check = || {
         let plugins: Vec<PathBuf> = vec![programs().to_owned()];
-        let mut found = halcmd::check::check(&[path.clone()], None, plugins).findings;
+        let mut found = halcmd::check::check(core::slice::from_ref(&path), None, plugins).findings;
         for f in &mut found {
             for at in f.at.iter_mut().chain(f.related.iter_mut().map(|r| &mut r.at)) {
                 at.file = at.file.replace(&folder, "");

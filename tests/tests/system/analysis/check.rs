@@ -57,7 +57,7 @@ fn a_stepgen_slower_than_its_joint() {
              net xpos-fb joint.0.motor-pos-fb <= stepgen.0.position-fb\n\
              net xenable joint.0.amp-enable-out => stepgen.0.enable\n\
              net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\n\
-             --- m.ini\n[EMCIO]\nCYCLE_TIME = 0.1\n[HAL]\nHALFILE = m.hal\n\
+             --- m.ini\n[EMCIO]\nCYCLE_TIME = 0.1\n[KINS]\nJOINTS = 1\n[TRAJ]\nLINEAR_UNITS = mm\n[HAL]\nHALFILE = m.hal\n\
              [JOINT_0]\nMAX_VELOCITY = 20\n{mark}MAX_ACCELERATION = 1000\n"
         )
     };

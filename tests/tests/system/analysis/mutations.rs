@@ -1,5 +1,5 @@
 //! Clean machines with one mistake each: what `check` finds of it, counted by kind in `tests/mutations/README.md`.
-#![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::print_stderr, reason = "tests")]
 
 use hal_protocol::Level;
 use hal_tests::{
