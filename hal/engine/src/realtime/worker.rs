@@ -290,6 +290,13 @@ impl Workers {
         self.list.iter().map(|w| w.due).min().unwrap_or(i64::MAX)
     }
 
+    /// Returns the number of steps that each worker has made at least, and the number of items of all.
+    pub(crate) fn progress(&self) -> (u64, u64) {
+        let count = |of: &AtomicU64| of.load(Ordering::Relaxed);
+        let steps = self.list.iter().map(|w| count(&w.inner.steps)).min().unwrap_or(0);
+        (steps, self.list.iter().map(|w| count(&w.inner.items)).sum())
+    }
+
     /// Returns whether there is no worker.
     pub(crate) const fn is_empty(&self) -> bool {
         self.list.is_empty()

@@ -214,6 +214,7 @@ impl Engine {
     }
 
     fn wait_for_ticket(&mut self, id: u64) -> Result<TicketInfo, Error> {
+        let mut rested = self.workers.progress();
         loop {
             // Enough instants between checks of the socket that the check costs nothing.
             for _ in 0..4096 {
@@ -226,8 +227,15 @@ impl Engine {
                 if !self.runtime.is_virtual() {
                     break;
                 }
-                if self.runtime.is_idle() && !self.runtime.has_tasks() && self.workers.is_empty() {
-                    return Err(Error::NotStarted);
+                if self.runtime.is_idle() && !self.runtime.has_tasks() {
+                    // Without threads, a worker can complete the command, unless it finds nothing to
+                    // do.
+                    let (steps, items) = self.workers.progress();
+                    if items > rested.1 {
+                        rested = (steps, items);
+                    } else if self.workers.is_empty() || steps > rested.0.saturating_add(1) {
+                        return Err(Error::NotStarted);
+                    }
                 }
                 if !self.advance_one() {
                     break;

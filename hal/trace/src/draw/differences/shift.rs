@@ -32,11 +32,11 @@ impl Shift {
             from.flat_map(|a| first.1.changes.iter().take(NEAR).map(|b| rounded(b.0 - a.0)));
         let mut times: Vec<f64> = times.filter(|by| *by != 0.0).collect();
         times.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
-        let found = times.into_iter().filter_map(|by| {
+        let mut found = times.into_iter().filter_map(|by| {
             pairs.iter().try_fold(Self { by, ..Self::default() }, |sum, pair| sum.and(*pair, ends))
         });
         // One edge alone says nothing about the others.
-        found.filter(|shift| shift.moved > 1 && shift.moved > shift.left + shift.come).next()
+        found.find(|shift| shift.moved > 1 && shift.moved > shift.left + shift.come)
     }
 
     /// Adds a line, if this shift explains all of its changes.
