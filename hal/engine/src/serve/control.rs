@@ -37,7 +37,7 @@ impl Engine {
             let mut most_ms = 100;
             if let Some(pace) = self.options.pace {
                 let passed = (os::monotonic_ns() - began.0) as f64 * pace;
-                // Saturates.
+                #[expect(clippy::cast_possible_truncation, reason = "a conversion saturates")]
                 let due = began.1.saturating_add(passed as i64);
                 self.clients.target = self.clients.target.min(due);
                 most_ms = PACE_MS;
