@@ -624,18 +624,11 @@ mod tests {
     }
 
     #[test]
-    fn commands_of_components_are_followed_when_asked() {
-        check("motion.jog joint=0\n", KEEP, "motion.jog says this\n");
-        check(
-            "motion.jog joint=0 --wait\n",
-            KEEP,
-            "!motion.jog says this\nf.hal:1: motion.jog: limit switch\n",
-        );
-        check(
-            "motion.jog joint=0\n",
-            Style { wait: true, ..KEEP },
-            "!motion.jog says this\nf.hal:1: motion.jog: limit switch\n",
-        );
+    fn commands_of_components_are_followed_when_asked_or_refused_at_once() {
+        let refused = "!motion.jog says this\nf.hal:1: motion.jog: limit switch\n";
+        check("motion.jog joint=0\n", KEEP, refused);
+        check("motion.jog joint=0 --wait\n", KEEP, refused);
+        check("motion.jog joint=0\n", Style { wait: true, ..KEEP }, refused);
     }
 
     #[test]

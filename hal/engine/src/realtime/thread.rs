@@ -255,7 +255,10 @@ impl Thread {
     }
 }
 
-/// Duration of a tick of the cycle counter, in nanoseconds times 2^48: a product of integers costs
+/// Half of the bits of a [`Tick`] after its point, as a factor.
+const TICK_SCALE: f64 = 268_435_456.0;
+
+/// Duration of a tick of the cycle counter, in nanoseconds times 2^56: a product of integers costs
 /// less than a conversion to a float and back.
 #[derive(Clone, Copy, Debug)]
 struct Tick(u64);
@@ -267,13 +270,13 @@ impl Tick {
         reason = "a float saturates; a tick is positive"
     )]
     fn new(ns: f64) -> Self {
-        Self((ns * 281_474_976_710_656.0) as u64)
+        Self((ns * TICK_SCALE * TICK_SCALE) as u64)
     }
 
     /// Returns whole nanoseconds, or the maximum.
     #[inline]
     fn ns(self, ticks: u64) -> i32 {
-        i32::try_from((u128::from(ticks) * u128::from(self.0)) >> 48).unwrap_or(i32::MAX)
+        i32::try_from((u128::from(ticks) * u128::from(self.0)) >> 56).unwrap_or(i32::MAX)
     }
 }
 

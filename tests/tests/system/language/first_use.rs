@@ -115,6 +115,7 @@ fn a_paced_clock_is_no_faster_than_it_should_be() {
         let output = scratch.halrun(words);
         assert!(output.stderr.contains(error) && output.status == Some(1), "{}", output.stderr);
     }
+    #[expect(clippy::disallowed_methods, reason = "a paced clock follows the wall's")]
     let began = Instant::now();
     let words = ["--virtual", "--pace", "10", "--for", "1s", "--record", "out.vcd", "m.hal"];
     let output = scratch.halrun(&words);

@@ -45,11 +45,11 @@ pins! {
         free_pos_cmd: Out<f64> = 0.0, "free-pos-cmd" was "free-pos-cmd";
         /// Velocity limit of the joint's own planner in machine units per second.
         free_vel_lim: Out<f64> = 0.0, "free-vel-lim" was "free-vel-lim";
-        /// Highest velocity so far, divided by the limit for moves; above 1 is a violation.
+        /// Highest ratio of the velocity to its limit for moves so far; above 1 is a violation.
         watch_velocity: Out<f64> = 0.0, "watch-velocity";
-        /// Highest acceleration so far, divided by the limit for moves; above 1 is a violation.
+        /// Highest ratio of the acceleration to its limit for moves so far; above 1 is a violation.
         watch_acceleration: Out<f64> = 0.0, "watch-acceleration";
-        /// Highest jerk so far, divided by the limit; 0 without a limit.
+        /// Highest ratio of the jerk to its limit so far; 0 without a limit.
         watch_jerk: Out<f64> = 0.0, "watch-jerk";
         /// TRUE while the joint is configured and takes part.
         active: Out<bool> = false, "active" was "active";
