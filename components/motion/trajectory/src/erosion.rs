@@ -40,10 +40,10 @@ impl Raw {
 /// Erosion of one run, from rest to rest.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Erosion {
-    pending: BinaryHeap<Reverse<Entry>>,
-    speeds: BinaryHeap<Reverse<Entry>>,
-    rests: BinaryHeap<Reverse<Entry>>,
-    tops: BinaryHeap<Reverse<Entry>>,
+    /// Limits that do not act yet, by the start of their interval: speed, acceleration at rest and at full speed.
+    pending: BinaryHeap<Reverse<Entry<[f64; 3]>>>,
+    /// The same three of the limits that act, each lowest first.
+    lowest: [BinaryHeap<Reverse<Entry<()>>>; 3],
     raws: VecDeque<Raw>,
     /// End of the run so far.
     end: f64,
@@ -53,13 +53,11 @@ pub(crate) struct Erosion {
 
 /// A limit, ordered by `key`.
 #[derive(Clone, Copy, Debug)]
-struct Entry {
+struct Entry<T> {
     key: f64,
     /// End of the interval in which it acts.
     until: f64,
-    speed: f64,
-    rest: f64,
-    top: f64,
+    limits: T,
 }
 
 impl Erosion {
@@ -69,11 +67,9 @@ impl Erosion {
         raw.start = self.end;
         self.end = raw.end();
         let reach = raw.reach(time);
-        let Allowed { speed, rest, .. } = raw.allowed;
-        let key = raw.start - reach;
-        let until = raw.end() + reach;
-        let top = raw.allowed.top();
-        self.pending.push(Reverse(Entry { key, until, speed, rest, top }));
+        let limits = [raw.allowed.speed, raw.allowed.rest, raw.allowed.top()];
+        let (key, until) = (raw.start - reach, raw.end() + reach);
+        self.pending.push(Reverse(Entry { key, until, limits }));
         self.raws.push_back(raw);
         raw
     }
@@ -81,7 +77,7 @@ impl Erosion {
     /// Removes limits that act no longer from heaps that have grown.
     fn shed(&mut self) {
         let x = self.done;
-        for heap in [&mut self.speeds, &mut self.rests, &mut self.tops] {
+        for heap in &mut self.lowest {
             if heap.len() >= 4096 && heap.len() == heap.capacity() {
                 heap.retain(|e| e.0.until > x);
             }
@@ -95,9 +91,10 @@ impl Erosion {
 
     /// Returns the memory in use, in bytes.
     pub(crate) fn memory(&self) -> usize {
-        let heaps = [&self.pending, &self.speeds, &self.rests, &self.tops];
-        let entries: usize = heaps.iter().map(|h| h.capacity()).sum();
-        entries * size_of::<Entry>() + self.raws.capacity() * size_of::<Raw>()
+        let lowest: usize = self.lowest.iter().map(BinaryHeap::capacity).sum();
+        lowest * size_of::<Entry<()>>()
+            + self.pending.capacity() * size_of::<Entry<[f64; 3]>>()
+            + self.raws.capacity() * size_of::<Raw>()
     }
 
     /// Returns the length of the run that is known.
@@ -159,9 +156,7 @@ impl Erosion {
     /// Ends the run: the next cell begins a new one.
     pub(crate) fn restart(&mut self) {
         self.pending.clear();
-        self.speeds.clear();
-        self.rests.clear();
-        self.tops.clear();
+        self.lowest.iter_mut().for_each(BinaryHeap::clear);
         self.raws.clear();
         self.end = 0.0;
         self.done = 0.0;
@@ -174,15 +169,23 @@ impl Erosion {
                 break;
             }
             self.pending.pop();
-            self.speeds.push(Reverse(Entry { key: entry.speed, ..entry }));
-            self.rests.push(Reverse(Entry { key: entry.rest, ..entry }));
-            self.tops.push(Reverse(Entry { key: entry.top, ..entry }));
+            let until = entry.until;
+            for (heap, key) in self.lowest.iter_mut().zip(entry.limits) {
+                // A limit that is higher, and acts no longer, than another one decides nothing.
+                if heap.peek().is_some_and(|Reverse(e)| e.key <= key && e.until >= until) {
+                    continue;
+                }
+                while heap.peek().is_some_and(|Reverse(e)| e.key >= key && e.until <= until) {
+                    heap.pop();
+                }
+                heap.push(Reverse(Entry { key, until, limits: () }));
+            }
         }
         let mut next = end;
         if let Some(Reverse(entry)) = self.pending.peek() {
             next = next.min(entry.key);
         }
-        let mut lowest = |heap: &mut BinaryHeap<Reverse<Entry>>| {
+        let [speed, rest, top] = self.lowest.each_mut().map(|heap| {
             while let Some(Reverse(entry)) = heap.peek() {
                 if entry.until > x {
                     next = next.min(entry.until);
@@ -191,10 +194,7 @@ impl Erosion {
                 heap.pop();
             }
             f64::INFINITY
-        };
-        let speed = lowest(&mut self.speeds);
-        let rest = lowest(&mut self.rests);
-        let top = lowest(&mut self.tops);
+        });
         (Allowed::between(speed, rest, top), next)
     }
 }
@@ -205,21 +205,21 @@ fn lower(a: &Allowed, b: &Allowed) -> Allowed {
     Allowed::between(a.speed.min(b.speed), a.rest.min(b.rest), a.top().min(b.top()))
 }
 
-impl PartialEq for Entry {
+impl<T> PartialEq for Entry<T> {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Entry {}
+impl<T> Eq for Entry<T> {}
 
-impl PartialOrd for Entry {
+impl<T> PartialOrd for Entry<T> {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Entry {
+impl<T> Ord for Entry<T> {
     fn cmp(&self, other: &Self) -> Ordering {
         self.key.total_cmp(&other.key).then(self.until.total_cmp(&other.until))
     }
