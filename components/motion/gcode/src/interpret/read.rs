@@ -244,26 +244,24 @@ impl Interpreter {
     fn seen_percent(&mut self, at: Cursor) -> bool {
         let Some(level) = self.state.levels.last() else { return true };
         let file = level.file.clone();
-        let (mut cursor, mut raw) = (Cursor::default(), Vec::new());
-        while let Ok(Some(next)) = self.read(&file, cursor, &NoFiles, &mut raw) {
-            if !raw.trim_ascii().is_empty() {
-                return next != at;
-            }
-            cursor = next;
-        }
-        true
+        self.first_text(&file).is_none_or(|(_, next)| next != at)
     }
 
     /// Tells whether the first line with text of a file that is known is a percent sign.
     pub(super) fn begins_with_percent(&mut self, file: &str) -> bool {
+        self.first_text(file).is_some_and(|(line, _)| line.trim_ascii() == b"%")
+    }
+
+    /// Returns the first line with text of a file that is known, and the cursor behind it.
+    fn first_text(&mut self, file: &str) -> Option<(Vec<u8>, Cursor)> {
         let (mut cursor, mut raw) = (Cursor::default(), Vec::new());
         while let Ok(Some(next)) = self.read(file, cursor, &NoFiles, &mut raw) {
             if !raw.trim_ascii().is_empty() {
-                return raw.trim_ascii() == b"%";
+                return Some((raw, next));
             }
             cursor = next;
         }
-        false
+        None
     }
 
     fn end_of_file(&mut self, out: &mut Vec<Issued>) -> Result<Step, Trouble> {
