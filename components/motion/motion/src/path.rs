@@ -137,7 +137,7 @@ pub(crate) struct Path {
     refused: Option<Refusal>,
     /// Reason for which the path failed otherwise, until it is taken.
     failed: Option<Refusal>,
-    /// True in the cycle in which a probe move has found its place.
+    /// True if a probe move has found its place, until it is taken.
     probed: bool,
     /// Number of the probe move whose start was checked.
     probe_begun: u32,

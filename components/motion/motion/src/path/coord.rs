@@ -29,7 +29,7 @@ impl State {
         if let Some(pose) = self.path.step(drive) {
             self.pose = pose;
         }
-        if self.path.has_probed() {
+        if self.path.take_probed() {
             self.keep_probed(&before);
         }
         if let Some(why) = self.path.take_failed() {

@@ -12,7 +12,6 @@ const RELEASED: Refusal = Refusal::new("the probe is not tripped as the probe mo
 impl Path {
     /// Stops a probe move where the probe changes.
     pub(super) fn watch_probe(&mut self, probe: bool) {
-        self.probed = false;
         let Some(front) = self.pending.front().filter(|f| f.id == self.last.line) else { return };
         let Item::Move(order) = front.item else { return };
         let Some(wanted) = order.probe else { return };
@@ -32,9 +31,9 @@ impl Path {
         }
     }
 
-    /// Returns whether a probe move found its place in this cycle.
-    pub(crate) const fn has_probed(&self) -> bool {
-        self.probed
+    /// Returns once that a probe move has found its place: in the cycle in which it did.
+    pub(crate) fn take_probed(&mut self) -> bool {
+        core::mem::take(&mut self.probed)
     }
 
     /// Returns whether a probe move is in progress.

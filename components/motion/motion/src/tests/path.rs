@@ -367,6 +367,30 @@ fn probe_moves_of_all_four_kinds() {
     }
 }
 
+/// The machine goes off in the cycle after the contact: the pose of the contact stays when it is on again.
+#[test]
+fn the_pose_of_a_contact_outlives_a_stop() {
+    let mut rig = Rig::homed(&[]);
+    rig.strict = false;
+    rig.say("motion.probe x=60 velocity=20");
+    while rig.joint(0, "motor-pos-fb") < 30.0 {
+        rig.cycle();
+    }
+    rig.bench.set("motion.probe-input", true);
+    rig.cycle();
+    let contact = rig.status();
+    assert!(contact.probe_found && contact.probe_measured[0] >= 30.0);
+    rig.bench.set("motion.enable", false);
+    rig.cycle();
+    assert!(!rig.is("motion.motion-enabled"));
+    rig.bench.set("motion.enable", true);
+    rig.done("motion.enable");
+    rig.cycles(10);
+    let later = rig.status();
+    assert_eq!((later.probe_found, later.probe_measured), (true, contact.probe_measured));
+    assert_ne!(rig.joint(0, "motor-pos-fb"), contact.probe_measured[0]);
+}
+
 #[test]
 fn a_probe_that_trips_ends_jogs_and_homing() {
     let mut rig = Rig::homed(&[]);
