@@ -25,7 +25,7 @@ pub(crate) const ARGS: &[&ArgSpec] = &[
     .or("1000000"),
     &Arg::int(
         "traj_period_nsec",
-        "Accepted for scripts that give it: the planner runs in every servo cycle.",
+        "Accepted for scripts that give it: a path is followed in every servo cycle.",
     )
     .or("0"),
     &Arg::int("num_joints", "Number of joints, 1 to 16.").or("16"),
