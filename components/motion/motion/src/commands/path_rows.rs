@@ -39,6 +39,11 @@ const U: ArgSpec = Arg::float("u", "Position of u in units.");
 const V: ArgSpec = Arg::float("v", "Position of v in units.");
 const W: ArgSpec = Arg::float("w", "Position of w in units.");
 
+/// Arguments of a command: a value for each axis, and more.
+macro_rules! with_axes {
+    ($($more:expr),* $(,)?) => { &[&X, &Y, &Z, &A, &B, &C, &U, &V, &W, $($more),*] };
+}
+
 /// Commands of the path.
 pub(super) const PATH_ROWS: &[Row] = &[
     Row {
@@ -50,16 +55,7 @@ Letters that are not given stay. Velocity and acceleration hold along the line (
 these of u v w; without these of a b c), less where a joint, an axis or the machine allows less. It
 waits while a spindle that is on has no at-speed. A move beyond a limit is refused before it begins,
 and so are the moves that wait behind it.",
-        args: &[
-            &X,
-            &Y,
-            &Z,
-            &A,
-            &B,
-            &C,
-            &U,
-            &V,
-            &W,
+        args: with_axes![
             &VELOCITY,
             &ACCELERATION,
             &RAPID,
@@ -78,16 +74,7 @@ Moves along an arc, a helix or a full circle in x y z, after the moves that wait
 The motion is counter-clockwise around the normal, as seen from its tip; clockwise=TRUE turns it
 round. Without a normal the arc is in the plane of x and y. An arc that ends where it starts is a
 full circle. All other axes move evenly along it.",
-        args: &[
-            &X,
-            &Y,
-            &Z,
-            &A,
-            &B,
-            &C,
-            &U,
-            &V,
-            &W,
+        args: with_axes![
             &Arg::float(
                 "center-x",
                 "Position of the centre in x, in units; if missing, of the start.",
@@ -125,16 +112,7 @@ Moves in a straight line until the probe changes, as G38.2 to G38.5 do.
 
 The motion brakes along the line, and the path ends there. motion.status has the pose of that cycle,
 as measured and as commanded. The move fails if the probe is there already when it begins.",
-        args: &[
-            &X,
-            &Y,
-            &Z,
-            &A,
-            &B,
-            &C,
-            &U,
-            &V,
-            &W,
+        args: with_axes![
             &VELOCITY,
             &Arg::bit("away", "TRUE: until motion.probe-input is FALSE; FALSE: until it is TRUE.")
                 .or("FALSE"),
@@ -193,7 +171,7 @@ Outputs and spindles stay as they are.",
 Shows the tool offset of a program on the pins motion.tooloffset.*, when the moves that wait have ended.
 
 Positions of moves contain it already: it moves nothing. Letters that are not given are 0.",
-        args: &[&X, &Y, &Z, &A, &B, &C, &U, &V, &W],
+        args: with_axes![],
         read: |_, call| {
             let mut offset = [0.0; 9];
             for (place, letter) in offset.iter_mut().zip(LETTERS) {
@@ -293,14 +271,8 @@ fn mode(call: &Call<'_>) -> Result<PathMode, Error> {
 }
 
 fn arc(call: &Call<'_>) -> Result<Arc, Error> {
-    let mut center = [f64::NAN; 3];
-    for (place, name) in center.iter_mut().zip(["center-x", "center-y", "center-z"]) {
-        *place = number(call, name)?.unwrap_or(f64::NAN);
-    }
-    let mut normal = [0.0; 3];
-    for (place, name) in normal.iter_mut().zip(["normal-x", "normal-y", "normal-z"]) {
-        *place = number(call, name)?.unwrap_or(0.0);
-    }
+    let center = vector(call, ["center-x", "center-y", "center-z"], f64::NAN)?;
+    let mut normal = vector(call, ["normal-x", "normal-y", "normal-z"], 0.0)?;
     if normal == [0.0; 3] {
         normal = [0.0, 0.0, 1.0];
     }
@@ -313,4 +285,13 @@ fn arc(call: &Call<'_>) -> Result<Arc, Error> {
         .filter(|n| *n <= 1_000_000)
         .ok_or_else(|| Error::new(format!("turns is {turns}, must be 0 to 1000000")))?;
     Ok(Arc { center, normal, turns })
+}
+
+/// Returns three arguments; `missing` stands for one that is not given.
+fn vector(call: &Call<'_>, names: [&str; 3], missing: f64) -> Result<[f64; 3], Error> {
+    let mut vector = [missing; 3];
+    for (place, name) in vector.iter_mut().zip(names) {
+        *place = number(call, name)?.unwrap_or(missing);
+    }
+    Ok(vector)
 }
