@@ -183,10 +183,9 @@ fn write_feed(g: &GeneralPins, feed: f64, units_per_mm: f64) {
 
 /// Returns the current velocity: along the path, or of all jogs together.
 fn velocity(s: &State) -> f64 {
-    let together = |sum: f64| sqrt(sum);
     match s.mode {
-        Mode::Free => together(s.active().map(|j| j.vel_cmd * j.vel_cmd).sum()),
-        Mode::Teleop => together(s.axes.iter().map(|a| a.teleop.tp.vel * a.teleop.tp.vel).sum()),
+        Mode::Free => sqrt(s.active().map(|j| j.vel_cmd * j.vel_cmd).sum()),
+        Mode::Teleop => sqrt(s.axes.iter().map(|a| a.teleop.tp.vel * a.teleop.tp.vel).sum()),
         Mode::Coord => s.path.velocity(),
     }
 }

@@ -288,7 +288,7 @@ impl Path {
 
     /// Returns the current move.
     pub(crate) fn current(&self) -> Option<&Known> {
-        if self.pending.is_empty() && !self.last.moving { None } else { self.known(self.last.line) }
+        if self.is_idle() { None } else { self.known(self.last.line) }
     }
 
     pub(crate) const fn velocity(&self) -> f64 {

@@ -116,6 +116,13 @@ impl Setup {
     }
 }
 
+/// Sets the element `n` of a list, if the list has it.
+pub(crate) fn put<T, const N: usize>(list: &mut [T; N], n: usize, value: T) {
+    if let Some(place) = list.get_mut(n) {
+        *place = value;
+    }
+}
+
 /// Returns the multiple of the base period that is nearest to the servo period.
 fn servo_period(servo: i64, base: i64) -> Result<i64, Error> {
     if servo <= 0 || servo < base {

@@ -3,7 +3,7 @@
 use crate::{
     path::Parked,
     pins::Lists,
-    setup::{MAX_JOINTS, MAX_SPINDLES},
+    setup::{MAX_JOINTS, MAX_SPINDLES, put},
     state::State,
 };
 use hal_component::{Builder, Error, In, Plain, Snapshot};
@@ -196,12 +196,6 @@ impl MotionStatus {
             put(&mut status.joint_at_max, n, joint.inputs.at_max);
         }
         status
-    }
-}
-
-fn put<T>(list: &mut [T; MAX_JOINTS], n: usize, value: T) {
-    if let Some(place) = list.get_mut(n) {
-        *place = value;
     }
 }
 

@@ -5,7 +5,7 @@ use crate::{
     commands::command::{Mode, Run},
     commands::refusal::Refusal,
     jogger::By,
-    setup::MAX_JOINTS,
+    setup::put,
     state::{ProbeResult, State},
 };
 use hal_component::Pose;
@@ -67,12 +67,10 @@ impl State {
 
     /// Sends the axes back to a path that they have left, or ends the pause of one that they follow.
     pub(crate) fn resume(&mut self) -> Result<(), Refusal> {
-        let Parked::Away(place) = self.path.parked() else {
-            return if self.path.parked() == Parked::No {
-                self.path.run(Run::Resume)
-            } else {
-                Ok(())
-            };
+        let place = match self.path.parked() {
+            Parked::No => return self.path.run(Run::Resume),
+            Parked::Returns(_) | Parked::Back(_) => return Ok(()),
+            Parked::Away(place) => place,
         };
         if self.is_jogging() {
             return Err(Refusal::new("cannot resume while an axis jogs"));
@@ -132,7 +130,7 @@ impl State {
             exact_tolerance: EXACT_MM * self.traj.units_per_mm,
             ..PathSetup::NONE
         };
-        for (n, joint) in self.joints.iter().enumerate().take(MAX_JOINTS) {
+        for (n, joint) in self.joints.iter().enumerate() {
             if !joint.active || joint.extra {
                 continue;
             }
@@ -162,9 +160,3 @@ const BACK: f64 = 2e-6;
 
 /// Distance from the path in exact mode, in millimetres.
 const EXACT_MM: f64 = 2e-3;
-
-fn put<T, const N: usize>(list: &mut [T; N], n: usize, value: T) {
-    if let Some(place) = list.get_mut(n) {
-        *place = value;
-    }
-}

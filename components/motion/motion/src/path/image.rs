@@ -7,7 +7,7 @@ use std::cell::Cell;
 
 /// Kinematics for the planner. Each solution is the first guess for the next one, so that iterative solvers keep their
 /// branch along the path.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Image {
     kinematics: KinematicsRef,
     guess: Cell<Joints>,

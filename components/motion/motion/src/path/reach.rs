@@ -3,7 +3,6 @@
 use crate::{
     commands::refusal::Refusal,
     path::{image::Image, order::PathMove, order::PathSetup, sweep::Sweep},
-    setup::MAX_JOINTS,
 };
 use hal_trajectory::{Joints, Kinematics, Pose, Shape};
 
@@ -119,7 +118,7 @@ fn inside(
     let line = f64::from(order.line);
     let limits = setup.joint_min.iter().zip(&setup.joint_max).zip(&setup.joint_active);
     for (n, ((place, start), ((min, max), active))) in
-        places.iter().zip(from).zip(limits).enumerate().take(MAX_JOINTS)
+        places.iter().zip(from).zip(limits).enumerate()
     {
         let joint = n as f64;
         if !active {

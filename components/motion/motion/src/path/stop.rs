@@ -115,9 +115,7 @@ impl Path {
             self.hand.set_latest(self.generation);
         }
         let old = self.session.take();
-        if old.is_some() {
-            self.give_back(old);
-        }
+        self.give_back(old);
         self.live = Live::Rest;
         self.sent = 0;
         self.resume_due = false;
@@ -133,7 +131,7 @@ impl Path {
 
     /// Plans the rest of the path again for limits that have changed. A path that has ended is left.
     pub(crate) fn replan(&mut self) {
-        if self.pending.is_empty() && !self.last.moving {
+        if self.is_idle() {
             if self.live != Live::Rest {
                 self.leave();
             }
@@ -145,13 +143,12 @@ impl Path {
         }
     }
 
+    /// Pauses once a single step has reached the next move.
     pub(super) fn end_step(&mut self) {
-        if let Some(of) = self.step_of {
-            let passed = self.last.line != of && self.last.line != 0;
-            if passed {
-                self.step_of = None;
-                self.paused = true;
-            }
+        let line = self.last.line;
+        if self.step_of.is_some_and(|of| line != of && line != 0) {
+            self.step_of = None;
+            self.paused = true;
         }
     }
 

@@ -93,9 +93,7 @@ impl Work for PlannerWorker {
         if let Some(job) = &mut self.job {
             job.publish(&self.hand, done > 0 || self.held.is_some());
         }
-        while let Some(session) = self.hand.old.pop() {
-            drop(session);
-        }
+        self.free_paths();
         done
     }
 }
@@ -109,9 +107,7 @@ impl PlannerWorker {
                 if self.hand.made.is_full() {
                     return false;
                 }
-                while let Some(session) = self.hand.old.pop() {
-                    drop(session);
-                }
+                self.free_paths();
                 self.begin(generation);
             }
             Order::Resume { generation } => {
@@ -133,21 +129,28 @@ impl PlannerWorker {
         true
     }
 
+    /// Frees the paths that the realtime side has returned.
+    fn free_paths(&self) {
+        while let Some(session) = self.hand.old.pop() {
+            drop(session);
+        }
+    }
+
     fn begin(&mut self, generation: u32) {
         let setup = self.setup.get();
         if setup.generation != generation {
             return;
         }
         let start = Pose(setup.start);
-        let image = || Image::new(self.kinematics, &setup.places);
-        let planning = Planner::new(machine(&setup), image(), start).map_err(refusal);
+        let image = Image::new(self.kinematics, &setup.places);
+        let planning = Planner::new(machine(&setup), image.clone(), start).map_err(refusal);
         let planning = planning.map(|planner| {
             let (publisher, reader) = share(CELLS, HISTORY);
             let follower = Follower::new(setup.period, start);
             let session = Box::new(Session { generation, follower, reader });
             // The caller has made sure that there is room.
             drop(self.hand.made.push(session));
-            Planning { planner, publisher, image: image() }
+            Planning { planner, publisher, image }
         });
         let job = Job { setup, planning, skips: false, last: 0, open: false, idle: 0 };
         self.job = Some(job);
