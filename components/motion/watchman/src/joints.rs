@@ -54,7 +54,7 @@ pub struct Watchman<const J: usize> {
 }
 
 /// The last position of a joint, and the last differences.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Past {
     position: f64,
     first: f64,
@@ -67,27 +67,22 @@ impl<const J: usize> Watchman<J> {
     /// Judge for a period in seconds. `size` is the largest coordinate, radius or length in the computation of the
     /// positions; larger positions count by themselves.
     pub fn new(limits: [Limits; J], period: f64, size: f64) -> Self {
-        let h = period;
-        let limits = limits.map(|l| [l.velocity * h, l.acceleration * h * h, l.jerk * h * h * h]);
-        let past = [Past { position: 0.0, first: 0.0, second: 0.0, known: 3 }; J];
-        let zero = Worst { ratio: 0.0, cycle: 0, joint: 0, line: 0 };
-        let report =
-            Report { velocity: zero, acceleration: zero, jerk: zero, violations: 0, cycles: 0 };
-        Self { limits, size, past, report, started: false }
+        let limits = limits.map(|l| l.of_a_cycle(period));
+        let past = [Past::at_rest(0.0); J];
+        Self { limits, size, past, report: Report::default(), started: false }
     }
 
     /// Sets the position at which the joints are at rest, for example after a reset.
     pub fn rest_at(&mut self, positions: &[f64; J]) {
         for (past, position) in self.past.iter_mut().zip(positions) {
-            *past = Past { position: *position, first: 0.0, second: 0.0, known: 3 };
+            *past = Past::at_rest(*position);
         }
         self.started = true;
     }
 
     /// Changes the limits from the next position on; `size` is as in [`Self::new`].
     pub fn set_limits(&mut self, limits: [Limits; J], period: f64, size: f64) {
-        let h = period;
-        self.limits = limits.map(|l| [l.velocity * h, l.acceleration * h * h, l.jerk * h * h * h]);
+        self.limits = limits.map(|l| l.of_a_cycle(period));
         self.size = size;
     }
 
@@ -143,6 +138,19 @@ impl<const J: usize> Watchman<J> {
     /// Returns the worst of each value so far.
     pub const fn report(&self) -> &Report {
         &self.report
+    }
+}
+
+impl Limits {
+    /// Returns the limits of the differences of one cycle, for a period in seconds.
+    fn of_a_cycle(self, h: f64) -> [f64; 3] {
+        [self.velocity * h, self.acceleration * h * h, self.jerk * h * h * h]
+    }
+}
+
+impl Past {
+    const fn at_rest(position: f64) -> Self {
+        Self { position, first: 0.0, second: 0.0, known: 3 }
     }
 }
 
