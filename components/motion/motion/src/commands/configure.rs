@@ -94,19 +94,12 @@ impl ConfigCache {
         above(call, "max-velocity", &mut c.max_velocity)?;
         above(call, "max-acceleration", &mut c.max_acceleration)?;
         not_negative(call, "ferror", &mut c.ferror)?;
-        if call.float("min-ferror").is_some() {
-            let mut least = 0.0;
-            not_negative(call, "min-ferror", &mut least)?;
-            c.min_ferror = Some(least);
-        }
+        not_negative(call, "min-ferror", &mut c.min_ferror)?;
         home(call, &mut c.home)?;
         finite(call, "backlash", &mut c.backlash)?;
-        if call.float("comp-av-ratio").is_some() {
-            let mut share = 0.0;
-            let legal = |v: f64| 0.0 < v && v <= 0.9;
-            take(call, "comp-av-ratio", &mut share, legal, "above 0, and at most 0.9")?;
-            c.correction_share = Some(share);
-        }
+        let legal = |v: f64| 0.0 < v && v <= 0.9;
+        let range = "above 0, and at most 0.9";
+        take(call, "comp-av-ratio", &mut c.correction_share, legal, range)?;
         self.screw(call, &mut c)?;
         Ok(Command::Joint(n, c))
     }
@@ -148,16 +141,8 @@ impl ConfigCache {
         let mut c = self.spindles.get(&n).copied().unwrap_or_default();
         not_negative(call, "min-forward-velocity", &mut c.min_forward)?;
         not_negative(call, "max-forward-velocity", &mut c.max_forward)?;
-        for (name, to) in [
-            ("min-reverse-velocity", &mut c.min_reverse),
-            ("max-reverse-velocity", &mut c.max_reverse),
-        ] {
-            let mut value = f64::NAN;
-            not_negative(call, name, &mut value)?;
-            if !value.is_nan() {
-                *to = Some(value);
-            }
-        }
+        not_negative(call, "min-reverse-velocity", &mut c.min_reverse)?;
+        not_negative(call, "max-reverse-velocity", &mut c.max_reverse)?;
         for (forward, way) in [(true, "forward"), (false, "reverse")] {
             let (min, max) = c.limits(forward);
             if min > max {
@@ -242,17 +227,18 @@ fn units(text: &str) -> Result<f64, Error> {
     }
 }
 
+/// Reads an argument, if it is given, into a setting: a number, or one that is unset at first.
 fn take(
     call: &Call<'_>,
     name: &str,
-    to: &mut f64,
+    to: &mut impl From<f64>,
     legal: fn(f64) -> bool,
     range: &str,
 ) -> Result<(), Error> {
     match call.float(name) {
         None => Ok(()),
         Some(value) if legal(value) => {
-            *to = value;
+            *to = value.into();
             Ok(())
         }
         Some(value) => Err(Error::new(format!("{name} is {value}, must be {range}"))),
@@ -271,7 +257,7 @@ fn above(call: &Call<'_>, name: &str, to: &mut f64) -> Result<(), Error> {
     take(call, name, to, |v| v > 0.0 && v.is_finite(), "above 0")
 }
 
-fn not_negative(call: &Call<'_>, name: &str, to: &mut f64) -> Result<(), Error> {
+fn not_negative(call: &Call<'_>, name: &str, to: &mut impl From<f64>) -> Result<(), Error> {
     take(call, name, to, |v| v >= 0.0 && v.is_finite(), "0 or more")
 }
 
