@@ -4,7 +4,7 @@ use crate::{
     axis,
     commands::command::Mode,
     commands::refusal::Refusal,
-    jogger::By,
+    jogger::TravelLimits,
     joint,
     path::Parked,
     pins::Pins,
@@ -52,11 +52,8 @@ impl State {
     }
 
     fn halt_jogs(&mut self, why: &'static str) {
-        let joints = self.joints.iter_mut().map(|j| &mut j.free);
-        for jogger in joints.chain(self.axes.iter_mut().map(|a| &mut a.teleop)) {
-            if matches!(jogger.by, By::Command | By::Wheel) {
-                jogger.reset(jogger.tp.pos, why);
-            }
+        for jogger in self.jogs() {
+            jogger.reset(jogger.tp.pos, why);
         }
         self.count_hard_stop();
     }
@@ -143,10 +140,12 @@ impl State {
         let ready = self.enabled && !self.inputs.jog_inhibit && !self.is_homing();
         let allowed = ready && self.mode == Mode::Free;
         for (joint, pins) in self.joints.iter_mut().zip(&pins.joints) {
-            let limits = joint.jog_limits();
+            let wheel = joint::wheel(pins);
             let allowed = allowed && joint.active && joint.refuses_jog().is_none();
+            let turned = allowed && joint.free.is_turned(&wheel);
+            let limits = if turned { joint.jog_limits() } else { TravelLimits::default() };
             let inputs = joint.inputs;
-            joint.free.wheel(&joint::wheel(pins), allowed, || {
+            joint.free.wheel(&wheel, turned, || {
                 // A joint may not move farther onto a limit switch that is overridden.
                 let mut limits = limits;
                 if inputs.at_max {

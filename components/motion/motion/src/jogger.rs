@@ -159,6 +159,11 @@ impl Jogger {
         }
     }
 
+    /// Returns whether the current motion is a jog, by a command or the wheel.
+    pub(crate) const fn is_jog(&self) -> bool {
+        matches!(self.by, By::Command | By::Wheel)
+    }
+
     /// Returns whether the wheel has turned since it was last read.
     pub(crate) fn is_turned(&self, pins: &WheelPins) -> bool {
         self.old_counts.is_some_and(|old| old != pins.counts.get()) && pins.enable.get()

@@ -230,7 +230,7 @@ impl State {
             return self.await_stop(ticket);
         };
         match self.jogger(target) {
-            Some(jogger) if matches!(jogger.by, By::Command | By::Wheel) => {
+            Some(jogger) if jogger.is_jog() => {
                 jogger.stop(why, Some(ticket));
                 Answer::Later
             }
@@ -240,12 +240,15 @@ impl State {
 
     /// Brakes every jog.
     pub(crate) fn stop_jogs(&mut self, why: &'static str) {
-        let joints = self.joints.iter_mut().map(|j| &mut j.free);
-        for jogger in joints.chain(self.axes.iter_mut().map(|a| &mut a.teleop)) {
-            if matches!(jogger.by, By::Command | By::Wheel) {
-                jogger.stop(why, None);
-            }
+        for jogger in self.jogs() {
+            jogger.stop(why, None);
         }
+    }
+
+    /// Returns the jogs of joints and axes that are in progress.
+    pub(crate) fn jogs(&mut self) -> impl Iterator<Item = &mut Jogger> {
+        let joints = self.joints.iter_mut().map(|j| &mut j.free);
+        joints.chain(self.axes.iter_mut().map(|a| &mut a.teleop)).filter(|j| j.is_jog())
     }
 
     fn move_to(&mut self, m: Move, ticket: TicketHandle) -> Result<Answer, Refusal> {
