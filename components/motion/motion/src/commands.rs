@@ -1,5 +1,6 @@
-//! Commands: declared and read on the control side (`interface.rs`, `path_rows.rs`, `configure.rs`, `status.rs`), executed on the realtime side
-//! (`execute.rs`), or refused with a reason (`refusal.rs`).
+//! Commands: declared and read on the control side (`interface.rs`, `path_rows.rs`, `configure.rs` with `arguments.rs`,
+//! `config.rs` and `comp_file.rs`, `status.rs`), passed as data (`command.rs`), and executed on the realtime side
+//! (`execute.rs`) or refused with a reason (`refusal.rs`).
 
 pub(crate) mod arguments;
 pub(crate) mod command;

@@ -1,6 +1,6 @@
-//! Guards: they switch the machine off (`switch_off.rs`, `interlock.rs`), keep joints within their velocity (`pace.rs`, `step.rs`, `jump.rs`,
-//! `last_jump.rs`),
-//! and axes where the kinematics have an answer (`world.rs`).
+//! Guards: they switch the machine off (`switch_off.rs`, `interlock.rs`) and keep the causes (`stops.rs`), keep joints
+//! within their velocity (`pace.rs`, `step.rs`, `jump.rs`, `last_jump.rs`) and axes where the kinematics have a solution
+//! (`world.rs`), and judge every motor command (`watch.rs`, `watchman.rs`).
 
 pub(crate) mod interlock;
 pub(crate) mod jump;

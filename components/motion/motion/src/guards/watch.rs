@@ -2,9 +2,9 @@
 //!
 //! The judge ([`hal_watchman`]) shares no code with the planners. A position is the motor's command without the
 //! correction of backlash and screw, whose share of the limits is taken off. It is judged while the amplifier is on.
-//! When an
-//! encoder's index or an absolute encoder gives the motor another zero, the judge begins again in that cycle. Loss of enable in
-//! motion and `motion.jog-stop-immediate` stop a joint at once on purpose: they are counted, not judged.
+//! When an encoder's index or an absolute encoder gives the motor another zero, the judge begins again in that cycle.
+//! Loss of enable in motion and `motion.jog-stop-immediate` stop a joint at once on purpose: they are counted, not
+//! judged.
 
 use crate::{commands::config::JointConfig, guards::step::MotorCommand, pins::JointPins};
 use hal_watchman::{Limits, Report, Watchman, Worst};

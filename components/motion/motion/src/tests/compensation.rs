@@ -50,12 +50,11 @@ fn screw_errors_count_once_the_joint_is_homed_and_replace_the_backlash() {
     rig.cycles(100);
     near(rig.joint(0, "motor-pos-cmd"), 10.1);
     // Without its file, the joint has its backlash again.
-    rig.say("motion.configure joint=0 comp-file=");
-    rig.cycles(200);
-    near(rig.joint(0, "motor-pos-cmd"), 10.25);
-    rig.say("motion.configure joint=0 backlash=0");
-    rig.cycles(200);
-    near(rig.joint(0, "motor-pos-cmd"), 10.0);
+    for (config, motor) in [("comp-file=", 10.25), ("backlash=0", 10.0)] {
+        rig.say(&format!("motion.configure joint=0 {config}"));
+        rig.cycles(200);
+        near(rig.joint(0, "motor-pos-cmd"), motor);
+    }
 }
 
 #[test]
@@ -64,12 +63,11 @@ fn corrections_in_the_file() {
     let mut rig = Rig::homed(&[]);
     let name = file.name();
     rig.say(&format!("motion.configure joint=1 comp-file={name} comp-file-type=1"));
-    rig.done("motion.move y=50 velocity=90");
-    rig.cycles(100);
-    near(rig.joint(1, "motor-pos-cmd"), 50.2);
-    rig.done("motion.move y=25 velocity=90");
-    rig.cycles(100);
-    near(rig.joint(1, "motor-pos-cmd"), 24.85);
+    for (to, motor) in [(50.0, 50.2), (25.0, 24.85)] {
+        rig.done(&format!("motion.move y={to} velocity=90"));
+        rig.cycles(100);
+        near(rig.joint(1, "motor-pos-cmd"), motor);
+    }
 }
 
 /// Moves have what the correction leaves, and both together the whole.

@@ -228,7 +228,7 @@ fn random_segments_keep_every_limit() {
 /// Prints the segments, cycles and worst ratios.
 #[expect(clippy::print_stdout, reason = "figures for the reader of the test")]
 #[test]
-#[ignore = "minutes: cargo test -p motion segments -- --ignored --nocapture"]
+#[ignore = "65 times the segments of `random_segments_keep_every_limit`, which every run has: cargo test -p motion segments -- --ignored --nocapture"]
 fn a_hundred_thousand_random_segments_keep_every_limit() {
     let (mut segments, mut cycles) = (0, 0);
     let mut worst = [0.0_f64; 2];

@@ -35,7 +35,7 @@ fn idle(bench: &Bench) -> u128 {
 /// Prints mean and rare times of the controller, and of a function that does nothing.
 #[expect(clippy::print_stdout, reason = "figures for the reader of the test")]
 #[test]
-#[ignore = "figures of this machine: cargo test -p motion --release speed -- --ignored --nocapture"]
+#[ignore = "prints times, which depend on the machine: cargo test -p motion --release speed -- --ignored --nocapture"]
 fn the_cost_of_a_cycle_of_nine_joints() {
     let mut bench = Bench::new();
     bench.load::<Trivkins>(&["coordinates=xyzabcuvw"]).unwrap();
@@ -71,6 +71,7 @@ fn the_cost_of_a_cycle_of_nine_joints() {
             }
             all.push(cycle(&bench));
         }
+        assert_eq!(reached > 0, moves, "{reached} segments");
         all.sort_unstable();
         let mean = all.iter().sum::<u128>() / all.len() as u128;
         (mean, all[all.len() / 10], all[all.len() / 2], all[all.len() - all.len() / 1000], reached)
