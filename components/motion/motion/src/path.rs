@@ -1,4 +1,4 @@
-//! Realtime. The path: a queue of moves, the planner's path that the axes follow, and what stops, holds and reverses it.
+//! Realtime. The path: a queue of moves, the planner's path that the axes follow, and its stops, pauses and reversals.
 
 mod coord;
 mod image;

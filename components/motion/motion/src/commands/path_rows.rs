@@ -110,8 +110,9 @@ full circle. All other axes move evenly along it.",
         doc: "\
 Moves in a straight line until the probe changes, as G38.2 to G38.5 do.
 
-The motion brakes along the line, and the path ends there. motion.status has the pose of that cycle,
-as measured and as commanded. The move fails if the probe is there already when it begins.",
+The motion brakes along the line, and the path ends there. The snapshot motion.status has the pose of
+that cycle, as measured and as commanded. The move fails if the probe is in that state already when
+it begins.",
         args: with_axes![
             &VELOCITY,
             &Arg::bit("away", "TRUE: until motion.probe-input is FALSE; FALSE: until it is TRUE.")
@@ -132,9 +133,9 @@ as measured and as commanded. The move fails if the probe is there already when 
     Row {
         name: "motion.pause",
         doc: "\
-Brakes along the path and holds there until motion.resume; nothing is forgotten.
+Brakes along the path and holds there until motion.resume; the moves that wait stay.
 
-Meanwhile axes can be jogged: motion.resume first returns them to the very place.",
+Meanwhile axes can be jogged: motion.resume first returns them to where they left the path.",
         args: &[],
         read: |_, _| Ok(Request::Run(Run::Pause)),
     },

@@ -1,4 +1,5 @@
-//! Realtime. Coordinated mode: what the machine gives to its path and takes from it, probing, and the return to a paused path.
+//! Realtime. Coordinated mode: the exchange between the machine and its path, probing, and the return to a paused
+//! path.
 
 use super::{Drive, Parked, order::PathSetup};
 use crate::{

@@ -254,7 +254,7 @@ fn machine(setup: &PathSetup) -> Machine {
 fn refusal(why: Error) -> Refusal {
     let (text, numbers) = match why {
         Error::NotFinite { .. } => {
-            ("move on line {}: a coordinate is no number up to 1e9", [0.0; 2])
+            ("move on line {}: a coordinate is not a number up to 1e9", [0.0; 2])
         }
         Error::Feed { feed, .. } => {
             ("move on line {}: feed {} is not a number above 0", [feed, 0.0])

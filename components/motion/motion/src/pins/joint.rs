@@ -23,8 +23,8 @@ pins! {
         acc_cmd: Out<f64> = 0.0, "acc-cmd";
         /// Commanded jerk in machine units per second cubed.
         jerk_cmd: Out<f64> = 0.0, "jerk-cmd";
-        /// Commanded position before interpolation in machine units. The planner runs in every
-        /// servo cycle, so it equals pos-cmd.
+        /// Commanded position before interpolation in machine units. Nothing is interpolated between servo cycles, so it
+        /// equals pos-cmd.
         coarse_pos_cmd: Out<f64> = 0.0, "coarse-pos-cmd" was "coarse-pos-cmd";
         /// Offset found by homing: the motor's position in machine units where the joint is at zero.
         motor_offset: Out<f64> = 0.0, "motor-offset" was "motor-offset";

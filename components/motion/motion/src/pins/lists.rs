@@ -9,8 +9,8 @@ pins! {
     UnlockPins {
         /// TRUE to open the joint's lock: while homing with locking-indexer moves the joint, until it is at rest.
         unlock: Out<bool> = false, "unlock" was "unlock";
-        /// TRUE when the joint's lock is open. While it is locked, jogs of the joint
-        /// and of axes that it follows are refused, and a coordinated move that would move it ends where it would begin to.
+        /// TRUE when the joint's lock is open. While it is closed, jogs of axes that move the joint are refused, and a
+        /// coordinated move ends where the joint would begin to move.
         is_unlocked: In<bool> = false, "is-unlocked" was "is-unlocked";
     }
 }
