@@ -132,6 +132,23 @@ fn files_that_are_refused() {
     assert_eq!(rig.try_say("motion.configure axis=x comp-file=a"), Err(why.to_owned()));
 }
 
+/// Equal tables share a place; there is room for 64 different ones.
+#[test]
+fn only_so_many_different_files() {
+    let rig = Rig::off(&[]);
+    let load = |n: usize| {
+        let file = File::new(&format!("many-{n}"), &format!("0 {n} {n}\n"));
+        let config = format!("comp-file={} comp-file-type=1", file.name());
+        rig.try_say(&format!("motion.configure joint=0 {config}")).map(drop)
+    };
+    for n in 0..64 {
+        assert_eq!(load(n), Ok(()), "{n}");
+    }
+    let why = "more than 64 different files of screw errors";
+    assert_eq!(load(64), Err(why.to_owned()));
+    assert_eq!(load(63), Ok(()));
+}
+
 /// Rounding at the end of a motion does not turn the correction round; a motion back of a hundred-thousandth does.
 #[test]
 fn rounding_is_no_reversal() {
