@@ -41,46 +41,35 @@ pub(crate) enum StepType {
 }
 
 impl StepType {
-    /// Parses every channel's type from `step_type=` and `user_step_type=`. A -1 ends either list.
+    /// Parses every channel's type from `step_type=` and `user_step_type=`, whose declarations limit
+    /// the numbers. A -1 ends either list.
     pub(crate) fn parse(types: &[i64], user: &[i64]) -> Result<Vec<Self>, Error> {
-        let user = Self::user(user)?;
-        let given = types.iter().take_while(|t| **t != -1).enumerate();
-        let list: Result<Vec<_>, _> = given.map(|(n, t)| Self::one(n, *t, &user)).collect();
-        match list {
-            Ok(list) if list.is_empty() => {
-                Err(Error::new("STEPGEN: ERROR: no channels configured"))
-            }
-            list => list,
+        let user = Self::user(user);
+        let list: Vec<_> = types.iter().map_while(|t| Self::one(*t, &user)).collect();
+        if list.is_empty() {
+            return Err(Error::new("STEPGEN: ERROR: no channels configured"));
         }
+        Ok(list)
     }
 
-    fn one(channel: usize, number: i64, user: &Self) -> Result<Self, Error> {
-        let known = match number {
+    /// Returns the type with this number. -1 is not a type.
+    fn one(number: i64, user: &Self) -> Option<Self> {
+        match number {
             0 => Some(Self::StepDir),
             1 => Some(Self::UpDown),
             USER => Some(user.clone()),
             _ => usize::try_from(number).ok().and_then(|n| PHASES.get(n.checked_sub(2)?)).map(
                 |(phases, cycle)| Self::Phases { phases: *phases, cycle: Cow::Borrowed(cycle) },
             ),
-        };
-        known.ok_or_else(|| {
-            Error::new(format!("STEPGEN: ERROR: bad stepping type '{number}', axis {channel}"))
-        })
+        }
     }
 
-    fn user(values: &[i64]) -> Result<Self, Error> {
-        let cycle: Result<Vec<u8>, _> = values
-            .iter()
-            .take_while(|v| **v != -1)
-            .map(|v| u8::try_from(*v).ok().filter(|v| *v < 32))
-            .map(|v| {
-                v.ok_or(Error::new("STEPGEN: ERROR: bad user step type uses more than 5 phases"))
-            })
-            .collect();
-        let cycle = cycle?;
+    /// Returns the type that `user_step_type=` defines.
+    fn user(values: &[i64]) -> Self {
+        let cycle: Vec<u8> = values.iter().map_while(|v| u8::try_from(*v).ok()).collect();
         let used = cycle.iter().fold(0, |all, v| all | v);
         let phases = (0..5).filter(|bit| used >> bit != 0).count();
-        Ok(Self::Phases { phases, cycle: Cow::Owned(cycle) })
+        Self::Phases { phases, cycle: Cow::Owned(cycle) }
     }
 }
 
