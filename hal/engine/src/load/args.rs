@@ -11,11 +11,8 @@ pub(crate) struct Declared {
     pub(crate) name: Box<str>,
     pub(crate) doc: Box<str>,
     pub(crate) default: Option<Box<str>>,
-    pub(crate) kind: u32,
-    pub(crate) most: u32,
-    pub(crate) required: bool,
-    pub(crate) unit: Box<str>,
-    /// The declaration itself, which knows its bounds.
+    unit: Box<str>,
+    /// The declaration itself. Its strings live only as long as the library.
     spec: ArgSpec,
 }
 
@@ -31,9 +28,6 @@ impl Declared {
             name: text(spec.name)?.into(),
             doc: text(spec.doc)?.into(),
             default: (!default.is_empty()).then(|| default.into()),
-            kind: spec.kind,
-            most: spec.most,
-            required: spec.required != 0,
             unit: text(spec.unit)?.into(),
             spec: *spec,
         })
@@ -46,7 +40,7 @@ impl Declared {
     }
 
     /// Returns the range of a number.
-    pub(crate) fn bounds(&self) -> Bounds {
+    fn bounds(&self) -> Bounds {
         let has = |bit| self.spec.bounds & bit != 0;
         Bounds {
             low: has(arg_bounds::LOW).then_some(self.spec.low),
@@ -57,7 +51,7 @@ impl Declared {
 
     /// Returns the name of the argument's type.
     pub(crate) const fn ty(&self) -> &'static str {
-        match self.kind {
+        match self.spec.kind {
             arg::INT => "int",
             arg::FLOAT => "float",
             arg::INTS => "ints",
@@ -75,7 +69,7 @@ impl Declared {
             name: self.name.to_string(),
             ty: self.ty().to_owned(),
             doc: self.doc.to_string(),
-            required: self.required,
+            required: self.spec.required != 0,
             default: self.default.as_ref().map(ToString::to_string),
             bounds: self.bounds(),
             unit: self.unit.to_string(),
@@ -131,7 +125,7 @@ impl Args {
             if given.iter().any(|(n, _)| *n == d.name) {
                 continue;
             }
-            if d.required {
+            if d.spec.required != 0 {
                 return Err(Error::MissingArgument { name: d.name.clone(), doc: d.about().into() });
             }
             if let Some(default) = &d.default {
@@ -186,16 +180,17 @@ fn read(d: &Declared, value: &str, word: &str) -> Result<Given, Error> {
         })
     };
     let items = || -> Result<Vec<&str>, Error> {
-        if value.is_empty() && d.kind == arg::TEXTS {
+        if value.is_empty() && d.spec.kind == arg::TEXTS {
             return Err(invalid(value, "expected texts separated by commas"));
         }
         let items: Vec<&str> = value.split(',').collect();
-        if d.most > 0 && items.len() > d.most as usize {
-            return Err(Error::TooManyItems { name: d.name.clone(), most: d.most });
+        let most = d.spec.most;
+        if most > 0 && items.len() > most as usize {
+            return Err(Error::TooManyItems { name: d.name.clone(), most });
         }
         Ok(items)
     };
-    Ok(match d.kind {
+    Ok(match d.spec.kind {
         arg::INT => {
             let expects = "expected an integer such as 10 or 0x1f";
             let number = integer(value).ok_or_else(|| invalid(value, expects))?;
