@@ -264,7 +264,7 @@ impl Graph {
 }
 
 /// Returns a node that was looked up by name, or an error with the nearest of `all` names.
-pub(crate) fn found<'g>(
+fn found<'g>(
     ix: Option<Ix>,
     what: &'static str,
     name: &str,
@@ -283,9 +283,5 @@ pub(crate) fn find(
     what: &'static str,
     name: &str,
 ) -> Result<Ix, Error> {
-    names.get(name).copied().ok_or_else(|| Error::NotFound {
-        what,
-        name: name.into(),
-        near: nearest(name, names.keys().map(Name::as_str)),
-    })
+    found(names.get(name).copied(), what, name, || names.iter().map(|(n, ix)| (n, *ix)).collect())
 }

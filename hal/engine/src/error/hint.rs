@@ -142,14 +142,8 @@ impl Error {
             Self::InvalidArgument { expects, doc, .. } if doc.is_empty() => {
                 Some((*expects).to_owned())
             }
-            Self::InvalidArgument { expects, doc, word, .. } => {
-                let name = word.split_once('=').map_or(&**word, |(name, _)| name);
-                Some(format!("{expects}; {name}=: {doc}"))
-            }
-            Self::ArgumentRange { expects, doc, word, .. } => {
-                let name = word.split_once('=').map_or(&**word, |(name, _)| name);
-                Some(format!("{expects}; {name}=: {doc}"))
-            }
+            Self::InvalidArgument { expects, doc, word, .. } => Some(expected(expects, word, doc)),
+            Self::ArgumentRange { expects, doc, word, .. } => Some(expected(expects, word, doc)),
             Self::Loading(e) => e.hint(),
             Self::Plugin(e) => e.hint(),
             Self::NotWritable { why, .. } => Some((*why).to_owned()),
@@ -190,6 +184,12 @@ impl Error {
 }
 
 impl std::error::Error for Error {}
+
+/// Returns the hint about the value of an argument: what is expected, and the argument's description.
+fn expected(expects: &str, word: &str, doc: &str) -> String {
+    let name = word.split_once('=').map_or(word, |(name, _)| name);
+    format!("{expects}; {name}=: {doc}")
+}
 
 /// Returns the message for a locked action, as in LinuxCNC: two forms for calls, one for programs.
 pub(crate) fn locked(what: &str) -> String {
