@@ -21,13 +21,15 @@ use petgraph::{
     Direction::{Incoming, Outgoing},
     visit::EdgeRef,
 };
+use std::rc::Rc;
 
 impl Engine {
     /// Returns all problems and oddities of the machine in its current state, in no particular
     /// order.
     pub(crate) fn check(&self) -> Vec<Finding> {
+        let graph = self.model.graph();
         let mut look =
-            Look { graph: self.model.graph(), runs: self.runtime.is_running(), found: Vec::new() };
+            Look { graph, items: items(graph), runs: self.runtime.is_running(), found: Vec::new() };
         look.signals();
         look.values();
         look.functs();
@@ -47,6 +49,9 @@ impl Engine {
 /// A check in progress: the graph, and the findings so far.
 struct Look<'g> {
     graph: &'g Graph,
+    /// All pins and parameters in order of their names, each once under its own name, without
+    /// simulated registers and the engine's time items.
+    items: Rc<[(Ix, &'g Item)]>,
     /// True if threads are started.
     runs: bool,
     found: Vec<Finding>,
@@ -57,14 +62,9 @@ impl<'g> Look<'g> {
         self.found.push(finding);
     }
 
-    /// Returns all pins and parameters, each once under its own name. Leaves out simulated
-    /// registers and the engine's time items.
-    fn items(&self) -> Vec<(Ix, &'g Item)> {
-        let all = self.graph.all_item_names();
-        all.filter_map(|(name, ix)| Some((name, ix, self.graph.item(ix)?)))
-            .filter(|(name, _, item)| item.name == **name && !item.hidden() && !item.times)
-            .map(|(_, ix, item)| (ix, item))
-            .collect()
+    /// Returns all pins and parameters, in a list that does not borrow the check.
+    fn items(&self) -> Rc<[(Ix, &'g Item)]> {
+        Rc::clone(&self.items)
     }
 
     /// Returns the pin or parameter with this name.
@@ -141,14 +141,24 @@ impl<'g> Look<'g> {
         !self.is_used(item)
     }
 
-    /// Returns the position at which a component was loaded. `node` may also be something that the
-    /// component created.
-    fn loaded_at(&self, node: Ix) -> Option<At> {
+    /// Returns the outermost owner of a node: the component that was loaded.
+    fn loaded(&self, node: Ix) -> Ix {
         let mut owner = node;
         while let Some(above) = self.graph.owner_of(owner) {
             owner = above;
         }
-        self.graph.sites.of(owner)
+        owner
+    }
+
+    /// Returns the name of the module whose load created a node.
+    fn loaded_by(&self, node: Ix) -> &'g str {
+        self.graph.component(self.loaded(node)).map_or("", |c| c.name.as_str())
+    }
+
+    /// Returns the position at which a component was loaded. `node` may also be something that the
+    /// component created.
+    fn loaded_at(&self, node: Ix) -> Option<At> {
+        self.graph.sites.of(self.loaded(node))
     }
 
     /// Returns the position at which a pin was linked.
@@ -199,6 +209,15 @@ impl<'g> Look<'g> {
         };
         Value::from_bits(ty, bits).to_string()
     }
+}
+
+/// Returns the pins and parameters that checks look at.
+fn items(graph: &Graph) -> Rc<[(Ix, &Item)]> {
+    let all = graph.all_item_names();
+    all.filter_map(|(name, ix)| Some((name, ix, graph.item(ix)?)))
+        .filter(|(name, _, item)| item.name == **name && !item.hidden() && !item.times)
+        .map(|(_, ix, item)| (ix, item))
+        .collect()
 }
 
 /// Returns the first few names for a sentence, and how many more there are.

@@ -10,7 +10,7 @@ impl Look<'_> {
             self.unused(component);
             self.foreign(component);
         }
-        for (ix, item) in self.items() {
+        for (ix, item) in self.items().iter().copied() {
             let Some(alias) = item.alias() else { continue };
             let param = !item.direction.is_pin();
             if self.graph.item_named(!param, alias.as_str()).is_none() {

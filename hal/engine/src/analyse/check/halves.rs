@@ -31,7 +31,7 @@ const PAIRS: &[(&str, &str)] = &[
 impl Look<'_> {
     /// Reports connections of which one half is missing.
     pub(super) fn halves(&mut self) {
-        for (ix, item) in self.items() {
+        for (ix, item) in self.items().iter().copied() {
             let Some((channel, last)) = item.name.as_str().rsplit_once('.') else { continue };
             for (_, needs) in PAIRS.iter().filter(|(has, _)| *has == last) {
                 if let Some((other, missing)) = self.item(&format!("{channel}.{needs}")) {

@@ -45,21 +45,19 @@ const ANY: &[&str] = &[
 const REPORTS: &[&str] =
     &["sampler", "streamer", "message", "motmod", "speaker", "or2", "select8", "pwmgen"];
 
-/// Items of one channel: their names are the same up to the last part.
-#[derive(Default)]
-struct Channel<'g> {
-    items: Vec<(Ix, &'g str, &'g Item)>,
-}
+/// An item of a channel, with the last part of its name.
+type Part<'g> = (Ix, &'g str, &'g Item);
 
 impl<'g> Look<'g> {
     /// Reports inputs that nothing feeds, and channels whose outputs nothing uses.
     pub(super) fn inputs(&mut self) {
-        let mut channels: BTreeMap<&str, Channel<'g>> = BTreeMap::new();
-        for (ix, item) in self.items() {
+        // The names of a channel's items are the same up to the last part.
+        let mut channels: BTreeMap<&str, Vec<Part<'g>>> = BTreeMap::new();
+        for (ix, item) in self.items().iter().copied() {
             if let Some((channel, last)) = item.name.as_str().rsplit_once('.')
                 && self.graph.owner(ix).is_some_and(is_block)
             {
-                channels.entry(channel).or_default().items.push((ix, last, item));
+                channels.entry(channel).or_default().push((ix, last, item));
             }
         }
         for (name, channel) in channels {
@@ -68,22 +66,12 @@ impl<'g> Look<'g> {
         }
     }
 
-    /// Returns the name of the module that made something.
-    pub(super) fn loaded_by(&self, item: Ix) -> &'g str {
-        let mut owner = item;
-        while let Some(above) = self.graph.owner_of(owner) {
-            owner = above;
-        }
-        self.graph.component(owner).map_or("", |c| c.name.as_str())
-    }
-
-    fn open_inputs(&mut self, name: &str, channel: &Channel<'g>) {
+    fn open_inputs(&mut self, name: &str, channel: &[Part<'g>]) {
         let data: Vec<_> = channel
-            .items
             .iter()
             .filter(|(_, last, i)| i.direction == Direction::In && is_data(name, last))
             .collect();
-        let is_alive = channel.items.iter().any(|(ix, ..)| self.graph.signal_of(*ix).is_some());
+        let is_alive = channel.iter().any(|(ix, ..)| self.graph.signal_of(*ix).is_some());
         let Some((first, ..)) = data.first().filter(|_| is_alive) else { return };
         let module = self.loaded_by(*first);
         // An open input of an or2 is FALSE and changes nothing.
@@ -93,7 +81,7 @@ impl<'g> Look<'g> {
         let is_selected = |last: &str| last.starts_with("sel") || last == "feedback";
         let fed = data.iter().any(|(ix, last, _)| !last.starts_with("sel") && self.is_used(*ix));
         let enough = fed && ANY.contains(&module);
-        let linked = channel.items.iter().find_map(|(ix, ..)| self.linked_at(*ix));
+        let linked = channel.iter().find_map(|(ix, ..)| self.linked_at(*ix));
         for (ix, last, item) in data.iter().copied() {
             let runs = self.readers(*ix).iter().any(|f| self.graph.is_in_use(*f));
             if self.is_used(*ix) || !runs || enough && !is_selected(last) {
@@ -115,13 +103,13 @@ impl<'g> Look<'g> {
         }
     }
 
-    fn unused_result(&mut self, name: &str, channel: &Channel<'g>) {
-        let is = |direction| channel.items.iter().filter(move |(.., i)| i.direction == direction);
+    fn unused_result(&mut self, name: &str, channel: &[Part<'g>]) {
+        let is = |direction| channel.iter().filter(move |(.., i)| i.direction == direction);
         let outputs: Vec<&str> = is(Direction::Out).map(|(.., i)| i.shown().as_str()).collect();
         let fed = is(Direction::In)
             .find(|(ix, last, _)| is_data(name, last) && self.graph.signal_of(*ix).is_some());
         let Some((ix, ..)) = fed else { return };
-        let pins = channel.items.iter().filter(|(.., i)| i.direction != Direction::In);
+        let pins = channel.iter().filter(|(.., i)| i.direction != Direction::In);
         let used = pins.clone().any(|(ix, ..)| self.graph.signal_of(*ix).is_some());
         let runs = self.readers(*ix).iter().any(|f| self.graph.is_in_use(*f));
         if used || !runs || outputs.is_empty() || REPORTS.contains(&self.loaded_by(*ix)) {

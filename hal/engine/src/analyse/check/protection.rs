@@ -17,7 +17,7 @@ impl Look<'_> {
     /// Reports limit switch and e-stop inputs that are not linked.
     fn guards(&mut self) {
         let mut idle: BTreeMap<Ix, Vec<&str>> = BTreeMap::new();
-        for (ix, item) in self.items() {
+        for (ix, item) in self.items().iter().copied() {
             if !item.safety() || !self.is_idle(ix) {
                 continue;
             }
@@ -54,7 +54,7 @@ impl Look<'_> {
     /// Reports driver outputs that no signal feeds, and outputs without a charge pump.
     fn outputs(&mut self) {
         let mut driven = None;
-        for (ix, item) in self.items() {
+        for (ix, item) in self.items().iter().copied() {
             let Some(owner) = self.graph.owner_of(ix) else { continue };
             if !self.graph.component(owner).is_some_and(is_driver)
                 || item.direction != Direction::In

@@ -4,7 +4,7 @@ use super::{Look, finding, names};
 use crate::graph::{Item, Ix};
 use hal_protocol::{Code, Finding, Level};
 
-impl Look<'_> {
+impl<'g> Look<'g> {
     pub(super) fn signals(&mut self) {
         for (_, signal) in self.graph.signal_names() {
             self.ends_of(signal);
@@ -29,7 +29,7 @@ impl Look<'_> {
             let found = finding(Code::NoReader, name, text)
                 .at(at)
                 .remedy(format!("link an input to it: net {name} => PIN"));
-            let meant = self.meant(signal, |(w, r)| (w.is_empty(), !r.is_empty()));
+            let meant = self.meant(signal, true);
             self.add(misspelt(found, meant));
         } else if writers.is_empty() && !self.is_constant(signal, &readers) {
             let guards = readers.iter().any(|r| self.graph.item(*r).is_some_and(Item::safety));
@@ -40,28 +40,27 @@ impl Look<'_> {
             let found = finding(Code::NoWriter, name, text).at(at).remedy(format!(
                 "link an output to it: net {name} <= PIN; or give it a value: sets {name} VALUE"
             ));
-            let meant = self.meant(signal, |(w, r)| (r.is_empty(), !w.is_empty()));
+            let meant = self.meant(signal, false);
             self.add(misspelt(found, meant));
         }
     }
 
-    /// Returns another signal of the same type, whose name differs by a slip of the keyboard, and
-    /// which has the ends that this one lacks.
-    /// `lacks` returns whether the other one lacks what this one has, and whether it has what this one lacks.
-    fn meant(
-        &self,
-        signal: Ix,
-        lacks: impl Fn((Vec<Ix>, Vec<Ix>)) -> (bool, bool),
-    ) -> Option<&str> {
+    /// Returns another signal of the same type, whose name differs by a slip of the keyboard. A
+    /// signal that is only written needs one with readers, and a signal that is only read one with
+    /// writers.
+    fn meant(&self, signal: Ix, is_written: bool) -> Option<&'g str> {
         let own = self.graph.signal(signal)?;
         let mut others = self.graph.signal_names().into_iter().filter(|(name, other)| {
+            let is_alike = self.graph.signal(*other).is_some_and(|o| o.ty == own.ty)
+                && is_slip(own.name.as_str(), name.as_str());
+            if !is_alike {
+                return false;
+            }
+            let (writers, readers) = self.ends(*other);
+            let (needed, extra) = if is_written { (readers, writers) } else { (writers, readers) };
             // Letters exchanged are a slip; a letter more may be a name of its own.
             let same = own.name.as_str().len() == name.as_str().len();
-            let (lacks, has) = lacks(self.ends(*other));
-            self.graph.signal(*other).is_some_and(|o| o.ty == own.ty)
-                && is_slip(own.name.as_str(), name.as_str())
-                && has
-                && (lacks || same)
+            !needed.is_empty() && (extra.is_empty() || same)
         });
         others.next().map(|(name, _)| name.as_str())
     }

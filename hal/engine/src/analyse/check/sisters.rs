@@ -45,7 +45,7 @@ impl<'g> Look<'g> {
     /// Reports channels that differ from all others of their kind.
     pub(super) fn sisters(&mut self) {
         let mut families: BTreeMap<&str, Tails<'g>> = BTreeMap::new();
-        for (ix, item) in self.items() {
+        for (ix, item) in self.items().iter().copied() {
             let Some((head, n, tail)) = split(item.name.as_str()) else { continue };
             if !is_family(head) || item.direction == Direction::Ro {
                 continue;
@@ -110,22 +110,21 @@ impl<'g> Look<'g> {
 
     /// Reports joints whose command, feedback and enable go to different channels of one family.
     fn crossed_motors(&mut self) {
-        for joint in self.items().into_iter().filter_map(|(_, item)| split(item.name.as_str())) {
-            let (head, n, tail) = joint;
+        for (command, item) in self.items().iter().copied() {
+            let Some((head, n, tail)) = split(item.name.as_str()) else { continue };
             if !matches!(head, "joint" | "axis") || tail != "motor-pos-cmd" {
                 continue;
             }
-            let Some((command, _)) = self.item(&format!("{head}.{n}.{tail}")) else { continue };
             let to = self.channels_at(command);
             for other in MOTOR.iter().skip(1) {
                 let Some((pin, item)) = self.item(&format!("{head}.{n}.{other}")) else { continue };
                 self.crossed_joint(pin, (head, n));
                 for (family, from) in self.channels_at(pin) {
-                    let Some(commanded) = to.get(&family).filter(|c| c.is_disjoint(&from)) else {
+                    let Some(commanded) = to.get(family).filter(|c| c.is_disjoint(&from)) else {
                         continue;
                     };
                     let name = item.shown().as_str();
-                    let (a, b) = (list(&family, &from), list(&family, commanded));
+                    let (a, b) = (list(family, &from), list(family, commanded));
                     let text = format!(
                         "'{name}' is linked to {a}, and '{}' to {b}: they are crossed",
                         self.shown(command)
@@ -165,16 +164,22 @@ impl<'g> Look<'g> {
     }
 
     /// Returns the channels of other families that share a pin's signal.
-    fn channels_at(&self, pin: Ix) -> BTreeMap<String, BTreeSet<u32>> {
-        let mut found: BTreeMap<String, BTreeSet<u32>> = BTreeMap::new();
-        let Some(signal) = self.graph.signal_of(pin) else { return found };
-        for other in self.graph.pins_of(signal) {
-            let Some(item) = self.graph.item(other) else { continue };
-            if let Some((head, n, _)) = split(item.name.as_str())
-                && is_family(head)
-                && !matches!(head, "joint" | "axis")
-            {
-                found.entry(head.to_owned()).or_default().insert(n);
+    fn channels_at(&self, pin: Ix) -> BTreeMap<&'g str, BTreeSet<u32>> {
+        let channels = self.graph.signal_of(pin).map(|signal| self.channels_of(signal));
+        let others = channels.into_iter().flatten();
+        others
+            .filter(|(family, _)| !matches!(*family, "joint" | "axis"))
+            .map(|(family, channels)| (family, channels.into_keys().collect()))
+            .collect()
+    }
+
+    /// Returns the channels that a signal is linked to, by family, each with one of its pins.
+    fn channels_of(&self, signal: Ix) -> BTreeMap<&'g str, BTreeMap<u32, Ix>> {
+        let mut found: BTreeMap<&str, BTreeMap<u32, Ix>> = BTreeMap::new();
+        for pin in self.graph.pins_of(signal) {
+            let Some(item) = self.graph.item(pin) else { continue };
+            if let Some((head, n, _)) = split(item.name.as_str()).filter(|c| is_family(c.0)) {
+                found.entry(head).or_default().insert(n, pin);
             }
         }
         found
@@ -185,19 +190,10 @@ impl<'g> Look<'g> {
     fn crossed_names(&mut self) {
         // By the beginning of the name and the family: each signal with its channels.
         type Signals = Vec<(Ix, BTreeMap<u32, Ix>)>;
-        let mut stems: BTreeMap<(&str, String), Signals> = BTreeMap::new();
+        let mut stems: BTreeMap<(&str, &str), Signals> = BTreeMap::new();
         for (name, signal) in self.graph.signal_names() {
             let Some((stem, _)) = name.as_str().split_once(['-', '_', '.']) else { continue };
-            let mut families: BTreeMap<String, BTreeMap<u32, Ix>> = BTreeMap::new();
-            for pin in self.graph.pins_of(signal) {
-                let Some(item) = self.graph.item(pin) else { continue };
-                if let Some((head, n, _)) = split(item.name.as_str())
-                    && is_family(head)
-                {
-                    families.entry(head.to_owned()).or_default().insert(n, pin);
-                }
-            }
-            for (family, channels) in families {
+            for (family, channels) in self.channels_of(signal) {
                 stems.entry((stem, family)).or_default().push((signal, channels));
             }
         }

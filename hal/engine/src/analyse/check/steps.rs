@@ -173,13 +173,13 @@ impl Look<'_> {
                 continue;
             }
             let marked: Vec<Ix> = self
-                .items()
-                .into_iter()
+                .items
+                .iter()
                 .filter(|(_, i)| i.name.as_str().starts_with(port) && i.direction == Direction::Rw)
                 .filter(|(ix, i)| {
                     i.name.as_str().ends_with("-out-reset") && self.number(*ix) == Some(1.0)
                 })
-                .map(|(ix, _)| ix)
+                .map(|(ix, _)| *ix)
                 .collect();
             let threads = self.graph.threads_of(reset);
             let (Some(first), Some(time)) =

@@ -9,7 +9,7 @@ const BOUNDS: [(&str, &str); 3] = [("min", "max"), ("minv", "maxv"), ("min-limit
 
 impl Look<'_> {
     pub(super) fn values(&mut self) {
-        for (ix, item) in self.items() {
+        for (ix, item) in self.items().iter().copied() {
             self.set_twice(ix, item.shown().as_str());
             self.set_then_linked(ix, item);
             self.scale(ix, item);
