@@ -51,8 +51,8 @@ pub struct Options {
     pub clock: ClockKind,
     /// True if the virtual clock moves only in `run T` (and while a script waits).
     pub hold: bool,
-    /// Seconds of machine time that pass in a second while the virtual clock moves by itself; absent:
-    /// as many as the processor can.
+    /// Seconds of machine time in each second of wall-clock time while the virtual clock moves by
+    /// itself. `None` means no limit.
     pub pace: Option<f64>,
     /// True if hardware is simulated; the virtual clock implies it.
     pub simulate: bool,
@@ -100,7 +100,7 @@ pub struct RealtimeOptions {
 }
 
 impl RealtimeOptions {
-    /// Values where nothing else is asked for.
+    /// Default settings.
     const DEFAULT: Self = Self { cpu: None, idle_us: Some(0), stuck_ns: None };
 }
 
