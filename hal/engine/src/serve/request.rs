@@ -214,7 +214,8 @@ impl Engine {
     }
 
     fn wait_for_ticket(&mut self, id: u64) -> Result<TicketInfo, Error> {
-        let mut rested = self.workers.progress();
+        // Steps and items of the workers when one of them last found something to do.
+        let mut busy = self.workers.progress();
         loop {
             // Enough instants between checks of the socket that the check costs nothing.
             for _ in 0..4096 {
@@ -231,9 +232,9 @@ impl Engine {
                     // Without threads, a worker can complete the command, unless it finds nothing to
                     // do.
                     let (steps, items) = self.workers.progress();
-                    if items > rested.1 {
-                        rested = (steps, items);
-                    } else if self.workers.is_empty() || steps > rested.0.saturating_add(1) {
+                    if items > busy.1 {
+                        busy = (steps, items);
+                    } else if self.workers.is_empty() || steps > busy.0.saturating_add(1) {
                         return Err(Error::NotStarted);
                     }
                 }
