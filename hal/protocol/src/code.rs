@@ -82,7 +82,7 @@ codes! {
     NoChargePump = "H312" Note "outputs without a charge pump";
     EstopNotReturned = "H313" Warning "an e-stop that its chain does not follow";
     EstopNotJoined = "H314" Warning "motion that no e-stop stops";
-    HalfWired = "H315" Warning "a connection that is wired in half";
+    HalfWired = "H315" Warning "a linked pin whose counterpart is not connected";
     InputOpen = "H316" Warning "an input that nothing feeds";
     ResultUnused = "H317" Warning "a result that nothing uses";
     OddChannel = "H318" Warning "a channel that lacks what all others have";

@@ -339,7 +339,7 @@ impl Workers {
         own().find(|w| !w.is_outside(patience_ns)).map_or(Ok(()), |w| Err(w.stuck()))
     }
 
-    /// Lets the workers of a component that stays loaded go on.
+    /// Resumes the workers of a component that stays loaded.
     pub(crate) fn resume(&self, component: Ix) {
         let held = self.list.iter().filter(|w| w.begun && w.owner == component);
         held.for_each(|w| w.order(Order::Run));

@@ -185,7 +185,7 @@ mod tests {
                 Ok(Answer::Now(_)) => {}
                 Err(e) => assert_ne!(said(e), unknown, "{shown}"),
             }
-            // A line of a script that is no edit is refused as a whole.
+            // A line of a script that is not an edit is refused as a whole.
             let staged = engine.whole(|e| e.stage(&request)).err().map(said);
             let refused = staged.is_some_and(|text| text.contains("does not change the graph"));
             assert_eq!(refused, class != Class::Edit, "{shown}");

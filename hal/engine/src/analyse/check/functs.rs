@@ -120,7 +120,7 @@ impl Look<'_> {
         }
     }
 
-    /// Reports a driver's function that hands out, in a slow thread, bits that a faster thread makes.
+    /// Reports a driver's function that writes, in a slow thread, bits that a faster thread computes.
     fn slow_outputs(&mut self, funct: Ix) {
         let owner = self.graph.owner_of(funct).and_then(|ix| self.graph.component(ix));
         let threads = self.graph.threads_of(funct);

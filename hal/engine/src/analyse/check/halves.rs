@@ -4,7 +4,7 @@ use super::{Look, finding};
 use crate::graph::{Item, Ix};
 use hal_protocol::{Code, Direction};
 
-/// A pin that is linked, and a pin of the same channel that it is useless without.
+/// Pairs of pins of a channel. While the first is linked, the second must be connected too.
 const PAIRS: &[(&str, &str)] = &[
     ("motor-pos-cmd", "motor-pos-fb"),
     ("motor-pos-fb", "motor-pos-cmd"),
@@ -53,7 +53,7 @@ impl Look<'_> {
             return;
         }
         let (name, wanted) = (item.shown().as_str(), missing.shown().as_str());
-        let text = format!("'{name}' is linked, and '{wanted}' leads nowhere");
+        let text = format!("'{name}' is linked, and '{wanted}' is not connected");
         let remedy = if missing.direction == Direction::Out {
             format!("net SIGNAL {wanted} => PIN")
         } else {

@@ -131,7 +131,7 @@ impl<'g> Look<'g> {
     }
 }
 
-/// Returns whether a component computes: it is loaded into realtime, is no driver, and its functions
+/// Returns whether a component computes: it is loaded into realtime, is not a driver, and its functions
 /// are known.
 fn is_block(component: &Component) -> bool {
     component.realtime && component.foreign.is_none() && !is_driver(component)

@@ -45,20 +45,19 @@ impl<'g> Look<'g> {
         }
     }
 
-    /// Returns another signal of the same type, whose name differs by a slip of the keyboard. A
-    /// signal that is only written needs one with readers, and a signal that is only read one with
-    /// writers.
+    /// Returns another signal of the same type, whose name differs by a typing error and which has
+    /// readers if `is_written`, otherwise writers.
     fn meant(&self, signal: Ix, is_written: bool) -> Option<&'g str> {
         let own = self.graph.signal(signal)?;
         let mut others = self.graph.signal_names().into_iter().filter(|(name, other)| {
             let is_alike = self.graph.signal(*other).is_some_and(|o| o.ty == own.ty)
-                && is_slip(own.name.as_str(), name.as_str());
+                && is_typing_error(own.name.as_str(), name.as_str());
             if !is_alike {
                 return false;
             }
             let (writers, readers) = self.ends(*other);
             let (needed, extra) = if is_written { (readers, writers) } else { (writers, readers) };
-            // Letters exchanged are a slip; a letter more may be a name of its own.
+            // Exchanged letters are an error; one letter more may be another name.
             let same = own.name.as_str().len() == name.as_str().len();
             !needed.is_empty() && (extra.is_empty() || same)
         });
@@ -81,9 +80,9 @@ fn misspelt(mut found: Finding, meant: Option<&str>) -> Finding {
     found
 }
 
-/// Returns whether two names differ by one slip of the keyboard: two letters exchanged, or one letter
-/// too many or too few. Names that differ in one letter, as those of two axes, are no slip.
-fn is_slip(a: &str, b: &str) -> bool {
+/// Returns whether two names differ by one typing error: two letters exchanged, or one letter too
+/// many or too few. Names that differ in one letter, as those of two axes do, are different names.
+fn is_typing_error(a: &str, b: &str) -> bool {
     let (a, b) = if a.len() <= b.len() {
         (a.as_bytes(), b.as_bytes())
     } else {
@@ -103,15 +102,15 @@ fn is_slip(a: &str, b: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::is_slip;
+    use super::is_typing_error;
 
     #[test]
-    fn slips_are_near_and_two_axes_are_not() {
+    fn typing_errors_are_near_and_two_axes_are_not() {
         for (a, b) in [("estop-out", "estop-otu"), ("heigth", "height"), ("x-cmd", "x-cmdd")] {
-            assert!(is_slip(a, b) && is_slip(b, a), "{a} {b}");
+            assert!(is_typing_error(a, b) && is_typing_error(b, a), "{a} {b}");
         }
         for (a, b) in [("x-cmd", "y-cmd"), ("x-cmd", "x-cmd"), ("in-1", "in-12"), ("ab", "abcd")] {
-            assert!(!is_slip(a, b) && !is_slip(b, a), "{a} {b}");
+            assert!(!is_typing_error(a, b) && !is_typing_error(b, a), "{a} {b}");
         }
     }
 }
