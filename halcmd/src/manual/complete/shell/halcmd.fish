@@ -7,6 +7,6 @@ function __ferrule_complete
         __fish_complete_path (commandline -ct)
     end
 end
-for program in halcmd halrun halscope haltest halgcode halsampler halstreamer
+for program in halcmd halrun halscope haltest halgcode halsampler halstreamer hal_manualtoolchange
     complete -c $program -f -a '(__ferrule_complete)'
 end
