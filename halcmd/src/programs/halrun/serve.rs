@@ -65,7 +65,7 @@ pub(super) fn wrong(link: &mut impl Link, name: &str) -> Vec<String> {
     fault.into_iter().chain(stopped).chain(lost).collect()
 }
 
-/// Returns what a person at a terminal reads once the script is done and the machine runs.
+/// Returns the message for a person at a terminal after the script, while the machine runs.
 fn hint(plan: &Plan) -> String {
     let name = plan.options.place.name();
     let instance = if name == "default" { String::new() } else { format!(" --instance {name}") };
@@ -77,8 +77,8 @@ fn hint(plan: &Plan) -> String {
     let is_free = options.clock == ClockKind::Virtual && !options.hold;
     if is_free && options.pace.is_none() && plan.for_ns.is_none() {
         text.push_str(
-            "halrun: the virtual clock runs as fast as it can; with '--pace 1' it runs as a clock on \
-             the wall, with '--hold' it moves only in 'run TIME'\n",
+            "halrun: the virtual clock runs as fast as it can; with '--pace 1' it runs at the speed of \
+             real time, with '--hold' it moves only in 'run TIME'\n",
         );
     }
     text
@@ -101,5 +101,38 @@ pub(super) fn stay(plan: &Plan, engine: &mut Engine) {
         while !engine.is_ending() && engine.call(wait.clone()).is_ok() {}
     } else if !plan.batch || plan.for_ns.is_some() {
         engine.serve(plan.for_ns);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::hint;
+    use crate::programs::halrun::plan::{Action, plan};
+
+    fn shown(words: &str) -> String {
+        let words: Vec<String> = words.split(' ').map(str::to_owned).collect();
+        match plan(&words, &|_| None) {
+            Ok(Action::Run(p)) => hint(&p),
+            _ => panic!("{words:?}"),
+        }
+    }
+
+    #[test]
+    fn hints_name_the_instance_and_the_free_clock() {
+        let runs = "halrun: the machine runs; Ctrl-C ends it. From another terminal: 'halcmd status', \
+                    'halcmd show pin'\n";
+        let free = "halrun: the virtual clock runs as fast as it can; with '--pace 1' it runs at the speed of \
+                    real time, with '--hold' it moves only in 'run TIME'\n";
+        for words in [
+            "m.hal",
+            "--virtual --hold m.hal",
+            "--virtual --pace 1 m.hal",
+            "--virtual --for 2s m.hal",
+        ] {
+            assert_eq!(shown(words), runs, "{words}");
+        }
+        assert_eq!(shown("--virtual m.hal"), format!("{runs}{free}"));
+        let named = runs.replace("'halcmd ", "'halcmd --instance mill ");
+        assert_eq!(shown("--instance mill m.hal"), named);
     }
 }
