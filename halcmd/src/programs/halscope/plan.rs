@@ -92,7 +92,9 @@ names is sampled as well. SIGUSR1 triggers at once.
 A CONDITION: NAME rises, falls, toggles (bits), NAME (a bit is true), NAME changes,
 NAME > 5 (<, <=, >=, =, !=), NAME rises through 5 (falls through, crosses), NAME in -1..1
 (outside), with not, and, or and parentheses.
+";
 
+const EXIT: &str = "
 The exit status: 0 all captures are whole; 1 an error; 2 no trigger came; 3 one came and its
 capture did not become whole, because the machine or the user ended it: what there is was written.
 ";
@@ -106,12 +108,11 @@ The captures repeat until q is pressed. ? shows the keys.
 /// Returns the help of a command, with the options that it takes.
 fn help(line: &str) -> String {
     if line != VIEW {
-        return usage_of(line, OPTIONS, MORE);
+        return usage_of(line, OPTIONS, &format!("{MORE}{EXIT}"));
     }
     let of_files = [Id::Output, Id::Count];
     let options: Vec<_> = OPTIONS.iter().filter(|o| !of_files.contains(&o.id)).copied().collect();
-    let about = MORE.split("\nThe exit status").next().unwrap_or_default();
-    usage_of(line, &options, &format!("{about}{OF_VIEW}"))
+    usage_of(line, &options, &format!("{MORE}{OF_VIEW}"))
 }
 
 /// A number of samples, a duration, or a fraction.
