@@ -1,4 +1,4 @@
-//! Command line options by the rules of POSIX: the first word that is not an option ends them.
+//! Command line options: by the rules of POSIX, where the first other word ends them, or mixed with other words.
 
 use crate::{Error, Stdio, Terminal, terminal::print_error};
 use std::process::ExitCode;
@@ -78,28 +78,26 @@ pub fn options<T: Copy>(
     Ok((given, rest.to_vec()))
 }
 
-/// Takes the options off the front of `words`. Returns the other words, and whether `--` ended the options.
-fn front<'w, T: Copy>(
+/// Parses options before, between and after other words. No word after `--` is an option.
+///
+/// # Errors
+/// An option is not in the table, or lacks its value.
+pub fn mixed<T: Copy>(
     program: &'static str,
     table: &[Opt<T>],
-    words: &'w [String],
-    given: &mut Vec<(T, Option<String>)>,
-) -> Result<(&'w [String], bool), Error> {
-    let mut words = words.iter();
+    words: &[String],
+) -> Result<Given<T>, Error> {
+    let (mut given, mut others) = (Vec::new(), Vec::new());
+    let mut rest = words;
     loop {
-        let rest = words.as_slice();
-        let Some(word) = words.next() else { return Ok((rest, false)) };
-        if word == "--" {
-            return Ok((words.as_slice(), true));
+        let (words, is_ended) = front(program, table, rest, &mut given)?;
+        if is_ended {
+            others.extend_from_slice(words);
+            return Ok((given, others));
         }
-        if let Some(long) = word.strip_prefix("--") {
-            given.push(long_option(program, table, long, &mut words)?);
-        } else if word.len() > 1 && word.starts_with('-') {
-            let letters = word.get(1..).unwrap_or_default();
-            letters_of(program, table, letters, &mut words, given)?;
-        } else {
-            return Ok((rest, false));
-        }
+        let Some((word, after)) = words.split_first() else { return Ok((given, others)) };
+        others.push(word.clone());
+        rest = after;
     }
 }
 
@@ -155,6 +153,31 @@ pub fn usage<T>(table: &[Opt<T>]) -> String {
     text
 }
 
+/// Takes the options off the front of `words`. Returns the other words, and whether `--` ended the options.
+fn front<'w, T: Copy>(
+    program: &'static str,
+    table: &[Opt<T>],
+    words: &'w [String],
+    given: &mut Vec<(T, Option<String>)>,
+) -> Result<(&'w [String], bool), Error> {
+    let mut words = words.iter();
+    loop {
+        let rest = words.as_slice();
+        let Some(word) = words.next() else { return Ok((rest, false)) };
+        if word == "--" {
+            return Ok((words.as_slice(), true));
+        }
+        if let Some(long) = word.strip_prefix("--") {
+            given.push(long_option(program, table, long, &mut words)?);
+        } else if word.len() > 1 && word.starts_with('-') {
+            let letters = word.get(1..).unwrap_or_default();
+            letters_of(program, table, letters, &mut words, given)?;
+        } else {
+            return Ok((rest, false));
+        }
+    }
+}
+
 fn long_option<T: Copy>(
     program: &'static str,
     table: &[Opt<T>],
@@ -202,29 +225,6 @@ fn letters_of<T: Copy>(
         return Ok(());
     }
     Ok(())
-}
-
-/// Parses options before, between and after other words. No word after `--` is an option.
-///
-/// # Errors
-/// As [`options`].
-pub fn mixed<T: Copy>(
-    program: &'static str,
-    table: &[Opt<T>],
-    words: &[String],
-) -> Result<Given<T>, Error> {
-    let (mut given, mut others) = (Vec::new(), Vec::new());
-    let mut rest = words;
-    loop {
-        let (words, is_ended) = front(program, table, rest, &mut given)?;
-        if is_ended {
-            others.extend_from_slice(words);
-            return Ok((given, others));
-        }
-        let Some((word, after)) = words.split_first() else { return Ok((given, others)) };
-        others.push(word.clone());
-        rest = after;
-    }
 }
 
 #[cfg(test)]

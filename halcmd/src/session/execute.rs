@@ -27,8 +27,9 @@ const ENOENT: i32 = -2;
 /// Reason why a command was not completed when the wait for it ends.
 const STOPPED: &str = "the threads have stopped before it was carried out";
 
-/// Number of times that a terminal looks, at this interval in milliseconds, whether a command has been refused.
+/// Number of times that a client asks whether the machine has refused a command.
 const EARLY_LOOKS: u32 = 10;
+/// Time between these questions in milliseconds.
 const EARLY_MS: u32 = 2;
 
 /// Sections of `show`, in order.
@@ -128,7 +129,6 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// Prints the `-v` message of a command.
     /// Returns whether this is a command of a loaded component.
     fn is_components(&mut self, name: &str) -> bool {
         // Help needs no instance.
@@ -154,6 +154,7 @@ impl Session<'_> {
         Ok(Some(format!("{what} '{name}' set to {value}")))
     }
 
+    /// Prints the `-v` message of a command.
     fn done(&mut self, note: Option<&str>) {
         for line in note.unwrap_or_default().lines() {
             self.note(line);
@@ -342,13 +343,14 @@ impl Session<'_> {
             _ => Err(Error::Unexpected),
         }
     }
-}
 
-impl Session<'_> {
-    /// Returns the failure of a command that the machine refuses within its first cycles. A script does not look: in
-    /// it, the log tells what was refused.
+    /// Returns the failure of a command that the machine refuses within its first cycles. A script does not wait for
+    /// it: the log has the refusal.
     fn early_refusal(&mut self, name: &str, id: u64) -> Result<(), Error> {
-        for _ in 0..if self.link.is_local() { 0 } else { EARLY_LOOKS } {
+        if self.link.is_local() {
+            return Ok(());
+        }
+        for _ in 0..EARLY_LOOKS {
             self.ask(Request::Idle { ms: EARLY_MS, flow: false })?;
             match self.ask(Request::Ticket { id, wait: false })? {
                 Reply::Ticket(TicketInfo::Failed(why)) => {

@@ -1,4 +1,4 @@
-//! The time that a program takes on its machine: the planner of motion plans the moves, and its follower walks along them.
+//! Duration of a program on its machine: the planner of motion plans the moves, and its follower follows the plan.
 
 use super::{
     machine::Machine,
@@ -14,13 +14,13 @@ use hal_trajectory::{
     Error, Follower, Limits, Machine as Motion, Mode, Move, Planner, Pose, Shape, Trivial,
 };
 
-/// Tolerance of blends where G64 has none: the length of the moves is their only bound.
+/// Tolerance of blends after a G64 without P: only the length of the moves limits them.
 const UNBOUNDED: f64 = 1e6;
 
-/// Cells that are planned ahead of the follower; it goes on when there are twice as many.
+/// Number of cells that stay planned ahead of the follower. The follower runs when there are twice as many.
 const AHEAD: u64 = 1000;
 
-/// Walks through a program in machine time.
+/// Clock that advances by the calls of a program.
 pub(super) struct Clock {
     planner: Planner<Trivial>,
     follower: Follower,
@@ -42,8 +42,8 @@ pub(super) struct Clock {
 }
 
 impl Clock {
-    /// Clock at the place where the interpreter is; `None` if the INI file does not state the speed and acceleration of
-    /// every axis.
+    /// Returns a clock that starts at the interpreter's position; `None` if the INI file does not state the speed and
+    /// acceleration of every axis.
     pub(super) fn new(it: &Interpreter, machine: &Machine) -> Option<Self> {
         let state = &it.state;
         let motion = motion(machine)?;
@@ -120,7 +120,7 @@ impl Clock {
         }
     }
 
-    /// Returns the time in seconds, and the number of moves that have no part in it.
+    /// Returns the time in seconds, and the number of refused moves, which it does not include.
     pub(super) fn seconds(mut self) -> (f64, u64) {
         self.rest();
         (self.periods as f64 * self.period + self.dwells, self.refused)
@@ -190,7 +190,7 @@ impl Clock {
         self.periods += 1;
     }
 
-    /// Ends the path for now, and lets the follower come to its end.
+    /// Ends the planned path, and runs the follower to its end.
     fn rest(&mut self) {
         self.planner.finish();
         while !self.follower.is_done(self.planner.track()) {
@@ -219,7 +219,7 @@ fn motion(machine: &Machine) -> Option<Motion> {
     Some(motion)
 }
 
-/// Returns a mode of the planner; tolerances of a program have its unit.
+/// Returns the planner's mode. The tolerance is in the program's unit.
 const fn mode(path: PathMode, unit: f64) -> Mode {
     match path {
         PathMode::ExactPath => Mode::Exact,

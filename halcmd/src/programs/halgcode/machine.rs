@@ -17,7 +17,7 @@ use std::{
 /// The end of an axis's travel in millimetres or degrees, either side if it is stated.
 pub(super) type Limit = (Option<f64>, Option<f64>);
 
-/// The highest speed, acceleration and jerk of an axis per second, squared and cubed, as far as they are stated.
+/// Highest speed, acceleration and jerk of an axis, in units per second, second squared and second cubed; `None` if not stated.
 pub(super) type Rates = [Option<f64>; 3];
 
 /// Facts of a machine.

@@ -34,7 +34,7 @@ const RECORDING: &str = ".haltest.vcd";
 #[derive(Debug, Default)]
 pub(super) struct Run {
     pub(super) complaints: Vec<Complaint>,
-    /// True if the run did not come to its end, so that expectations do not apply.
+    /// True if the run ended early. Its expectations are not evaluated then.
     pub(super) aborted: bool,
     /// Messages and their times in nanoseconds.
     pub(super) said: Vec<(i64, String)>,
@@ -163,7 +163,7 @@ impl Fixture<'_> {
         self.check_exit(u8::from(stopped));
     }
 
-    /// Adds what a run that ends at this step leaves out.
+    /// Adds the numbers of steps, expectations and snapshots that are skipped because the run ends at this step.
     fn ended_at(&self, step: &Step, complaint: Complaint) -> Complaint {
         let after = self.test.steps.iter().skip_while(|s| s.spot != step.spot).skip(1).count();
         let left = [
