@@ -1,10 +1,10 @@
-//! Remedies for refused lines: what the rest of the scripts tells about them, and the end of cascades.
+//! Remedies for refused lines from the other lines of the scripts, and one finding for lines that one cause refuses.
 
 use crate::{language::hint::nearest, language::table, session::dry_run::DryRun};
-use hal_protocol::{At, Code, Finding, Kind, Link, Reply, Request};
+use hal_protocol::{At, Code, Finding, Kind, Link, Related, Reply, Request};
 use std::{collections::BTreeMap, path::Path};
 
-/// First parts of the names that `motmod` makes.
+/// Beginnings of the names that `motmod` makes.
 const MOTION: &[&str] = &[
     "motion",
     "joint",
@@ -29,7 +29,7 @@ struct Lines {
 pub(super) fn improve(findings: &mut Vec<Finding>, dry_run: &mut DryRun) {
     settings(findings, dry_run);
     entries(findings, dry_run);
-    if findings.iter().all(|f| f.code >= Code::NeverStarted && f.code < Code::IniUnreadable) {
+    if findings.is_empty() {
         return;
     }
     let lines = Lines::of(dry_run);
@@ -73,8 +73,9 @@ fn settings(findings: &mut [Finding], dry_run: &DryRun) {
         let mut sets = statements.iter().filter(|(_, w)| {
             w.first().is_some_and(|w| w == "setp") && w.get(1).is_some_and(|w| *w == pin)
         });
-        let at = sets.next().map(|(at, _)| at.clone());
-        *finding = finding.clone().related(at, format!("'{pin}' is set here"));
+        if let Some((at, _)) = sets.next() {
+            relate(finding, at, format!("'{pin}' is set here"));
+        }
     }
 }
 
@@ -91,7 +92,7 @@ fn entries(findings: &mut [Finding], dry_run: &DryRun) {
                 let at = At::new(&entry.file, entry.line);
                 if finding.at.as_ref() != Some(&at) && finding.related.iter().all(|r| r.at != at) {
                     let text = format!("[{section}]{name} = {}", entry.value);
-                    *finding = finding.clone().related(Some(at), text);
+                    relate(finding, &at, text);
                 }
             }
         }
@@ -109,6 +110,12 @@ fn plain(name: &str) -> String {
     name.split('.').map(part).collect::<Vec<_>>().join(".")
 }
 
+/// Adds a line that a finding involves.
+fn relate(finding: &mut Finding, at: &At, text: String) {
+    finding.related.push(Related { at: at.clone(), text });
+}
+
+/// Adds a remedy to those that the finding has.
 fn add(finding: &mut Finding, text: &str) {
     if !finding.remedy.is_empty() {
         finding.remedy.push_str("; ");
@@ -122,9 +129,7 @@ impl Lines {
         let list = |kind| Request::List { kind, patterns: Vec::new(), ty: None };
         let (mut names, mut all_functs) = (BTreeMap::new(), Vec::new());
         for kind in [Kind::Pins, Kind::Params] {
-            if let Ok(Reply::Items(items)) = dry_run.engine().call(list(kind)) {
-                names.extend(items.into_iter().map(|i| (i.name, i.signal)));
-            }
+            names.extend(dry_run.items(kind).into_iter().map(|i| (i.name, i.signal)));
         }
         if let Ok(Reply::Functs(functs)) = dry_run.engine().call(list(Kind::Functs)) {
             all_functs.extend(functs.into_iter().map(|f| f.name));
@@ -169,7 +174,7 @@ impl Lines {
                 if let Some(word) = words.iter().find(comma) {
                     add(finding, &format!("with a decimal point: {}", word.replace(',', ".")));
                 } else if finding.remedy.is_empty() {
-                    add(finding, &format!("correct {}", finding.subject.clone()));
+                    add(finding, &format!("correct {}", finding.subject));
                 }
             }
             Code::NamedAsPin => {
@@ -201,7 +206,7 @@ impl Lines {
         };
         let thread = words.get(2).map_or("", String::as_str);
         add(finding, &format!("it is added to {thread} at {at}: take one of the two lines out"));
-        *finding = finding.clone().related(Some(at.clone()), format!("'{funct}' is added here"));
+        relate(finding, at, format!("'{funct}' is added here"));
     }
 
     /// Adds the origin of a name that does not exist.
@@ -239,9 +244,8 @@ impl Lines {
         if let Some((at, words)) = self.loads(&name, head) {
             let list = words.get(2).and_then(|w| w.split_once('='));
             let (line, key) = (words.join(" "), list.map_or("count", |(key, _)| key));
-            let key = key.to_owned();
             add(finding, &format!("or one more in {key}= of '{line}' ({at})"));
-            *finding = finding.clone().related(Some(at.clone()), format!("{key}= is here"));
+            relate(finding, at, format!("{key}= is here"));
             return;
         }
         if !kin.is_empty() || self.is_known(head) {
@@ -273,24 +277,16 @@ impl Lines {
     /// channels or instances.
     fn loads(&self, name: &str, head: &str) -> Option<&(At, Vec<String>)> {
         let tail = name.strip_prefix(head).unwrap_or_default();
-        let lists = |words: &[String], other: &str| {
-            words
-                .iter()
-                .filter_map(|w| w.strip_prefix("names="))
-                .any(|l| l.split(',').any(|n| n == other))
+        let is_known = self.is_known(head);
+        let lists_other = |words: &[String]| {
+            let mut others = self.names.keys().filter_map(|n| n.strip_suffix(tail));
+            !tail.is_empty() && others.any(|other| listed(words).any(|n| n == other))
         };
         self.of_command("loadrt").find(|(_, words)| {
-            let module = words.get(1).map_or("", String::as_str);
-            let bare = module.strip_prefix("hal_").unwrap_or(module).replace('_', "-");
-            let is_own =
-                bare == head || module == head || module == "motmod" && MOTION.contains(&head);
-            is_own && self.is_known(head)
-                || !self.is_known(head) && lists_like(words, head)
-                || !self.is_known(head)
-                    && self.names.keys().any(|n| {
-                        n.strip_suffix(tail)
-                            .is_some_and(|other| !tail.is_empty() && lists(words, other))
-                    })
+            if is_known {
+                return makes(words, head) || words.get(1).is_some_and(|module| module == head);
+            }
+            nearest(head, listed(words)).is_some() || lists_other(words)
         })
     }
 
@@ -298,19 +294,12 @@ impl Lines {
     fn too_early(&self, finding: &mut Finding, head: &str) {
         let mut loads = self.of_command("loadrt").filter(|(at, words)| {
             let later = finding.at.as_ref().is_some_and(|f| f.file == at.file && f.line < at.line);
-            let module = words.get(1).map_or("", String::as_str);
-            let bare = module.strip_prefix("hal_").unwrap_or(module).replace('_', "-");
-            later
-                && (bare == head
-                    || module == "motmod" && MOTION.contains(&head)
-                    || words.iter().any(|w| {
-                        w.strip_prefix("names=").is_some_and(|l| l.split(',').any(|n| n == head))
-                    }))
+            later && (makes(words, head) || listed(words).any(|n| n == head))
         });
         let Some((at, words)) = loads.next() else { return };
         let module = words.get(1).map_or("", String::as_str);
         finding.remedy = format!("loadrt {module} makes it, at {at}: move that line up");
-        *finding = finding.clone().related(Some(at.clone()), "it is made here");
+        relate(finding, at, "it is made here".to_owned());
     }
 
     /// Combines refused lines that need one missing component or thread: the first stays.
@@ -335,31 +324,34 @@ impl Lines {
         for places in groups.values_mut() {
             places.sort();
         }
-        let later = |f: &Finding| {
-            let places = cause(f).and_then(|c| groups.get(&c));
-            places.is_some_and(|p| p.first() != f.at.as_ref())
-        };
         let mut told = Vec::new();
-        for finding in findings.iter_mut() {
-            let Some(cause) = cause(finding) else { continue };
-            let Some(places) = groups.get(&cause).filter(|p| p.len() > 1) else { continue };
-            if places.first() == finding.at.as_ref() && !told.contains(&cause) {
-                let more = places.len() - 1;
+        findings.retain_mut(|finding| {
+            let Some(cause) = cause(finding) else { return true };
+            let Some(places) = groups.get(&cause) else { return true };
+            if places.first() != finding.at.as_ref() {
+                return false;
+            }
+            let more = places.len() - 1;
+            if more > 0 && !told.contains(&cause) {
                 let lines = if more == 1 { "line needs" } else { "lines need" };
                 finding.text = format!("{}; {more} more {lines} {cause}", finding.text);
                 told.push(cause);
             }
-        }
-        let gone: Vec<bool> = findings.iter().map(later).collect();
-        let mut gone = gone.into_iter();
-        findings.retain(|_| !gone.next().unwrap_or_default());
+            true
+        });
     }
 }
 
-/// Returns whether a line's `names=` has a name that differs from this one by a slip.
-fn lists_like(words: &[String], name: &str) -> bool {
-    let mut lists = words.iter().filter_map(|w| w.strip_prefix("names="));
-    lists.any(|list| nearest(name, list.split(',')).is_some())
+/// Returns the names in the `names=` of a line.
+fn listed(words: &[String]) -> impl Iterator<Item = &str> {
+    words.iter().filter_map(|w| w.strip_prefix("names=")).flat_map(|list| list.split(','))
+}
+
+/// Returns whether the module that a line loads makes names that begin like this.
+fn makes(words: &[String], head: &str) -> bool {
+    let module = words.get(1).map_or("", String::as_str);
+    let bare = module.strip_prefix("hal_").unwrap_or(module).replace('_', "-");
+    bare == head || module == "motmod" && MOTION.contains(&head)
 }
 
 /// Adds the file that is probably meant: one with a similar name in the folder of the line.

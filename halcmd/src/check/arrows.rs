@@ -1,14 +1,12 @@
 //! Arrows of `net` lines that point at an output, or away from an input.
 
 use crate::session::dry_run::DryRun;
-use hal_protocol::{Code, Direction, Finding, Kind, Link, Reply, Request};
+use hal_protocol::{Code, Direction, Finding, Kind};
 use std::collections::BTreeMap;
 
 pub(super) fn findings(dry_run: &mut DryRun) -> Vec<Finding> {
-    let list = Request::List { kind: Kind::Pins, patterns: Vec::new(), ty: None };
-    let Ok(Reply::Items(pins)) = dry_run.engine().call(list) else { return Vec::new() };
     let mut directions: BTreeMap<String, Direction> = BTreeMap::new();
-    for pin in pins {
+    for pin in dry_run.items(Kind::Pins) {
         directions.extend(pin.original.map(|name| (name, pin.direction)));
         directions.insert(pin.name, pin.direction);
     }

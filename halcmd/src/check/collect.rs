@@ -61,13 +61,13 @@ fn collect(dry_run: &mut DryRun, findings: &mut Vec<Finding>) {
     let unread = result.refusals.iter().any(|r| {
         matches!(r.error, Error::NotYet { .. } | Error::IniNotFound { .. } | Error::NoFile { .. })
     });
-    let outside = pins_of(dry_run.engine(), &result.unknown.signals);
+    let outside = pins_of(dry_run, &result.unknown.signals);
     let engine = match asked(dry_run.engine()) {
         Ok(list) => list,
         Err(failure) => vec![refused::finding(At::new("", 0), &failure.into())],
     };
     let known = |f: &Finding| match f.code {
-        // Files that could not be read may have linked it and added it.
+        // Files that could not be read may have the missing lines.
         Code::NeverEnabled
         | Code::EstopNotReturned
         | Code::EstopNotJoined
@@ -106,11 +106,10 @@ fn collect(dry_run: &mut DryRun, findings: &mut Vec<Finding>) {
 }
 
 /// Returns the pins that are linked to one of these signals.
-fn pins_of(link: &mut dyn Link, signals: &BTreeSet<String>) -> BTreeSet<String> {
-    let list = Request::List { kind: Kind::Pins, patterns: Vec::new(), ty: None };
-    let Ok(Reply::Items(pins)) = link.call(list) else { return BTreeSet::new() };
-    let of = pins.into_iter().filter(|p| p.signal.as_ref().is_some_and(|s| signals.contains(s)));
-    of.map(|p| p.name).collect()
+fn pins_of(dry_run: &mut DryRun, signals: &BTreeSet<String>) -> BTreeSet<String> {
+    let mut pins = dry_run.items(Kind::Pins);
+    pins.retain(|p| p.signal.as_ref().is_some_and(|s| signals.contains(s)));
+    pins.into_iter().map(|p| p.name).collect()
 }
 
 /// Returns whether the e-stop is wired to unknown pins, in which case its further path is unknown.

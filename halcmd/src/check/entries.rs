@@ -1,14 +1,15 @@
 //! Entries of an INI file that are missing, misplaced, or contradict each other or the wiring.
 
+use super::joints::{place, value};
 use crate::{
     ini::{Entry, Ini},
     language::hint::nearest,
     session::dry_run::DryRun,
 };
-use hal_protocol::{At, Code, Finding, ItemInfo, Kind, Level, Link, Reply, Request, Value};
+use hal_protocol::{At, Code, Finding, ItemInfo, Kind, Level, Value};
 use std::collections::BTreeMap;
 
-/// Entries that a joint does not move well without.
+/// Entries that a joint needs: velocity and acceleration always, the others if another joint has them.
 const NEEDED: &[&str] = &["MAX_VELOCITY", "MAX_ACCELERATION", "MIN_LIMIT", "MAX_LIMIT", "FERROR"];
 
 /// Sections and the entries that LinuxCNC and Ferrule read from them.
@@ -74,27 +75,20 @@ const KNOWN: &[(&str, &[&str])] = &[
     ("HAL", &["HALFILE", "POSTGUI_HALFILE", "HALCMD", "HALUI", "SHUTDOWN", "TWOPASS", "COMPAT"]),
 ];
 
-/// A finding about an entry.
+/// Returns a finding about an entry.
 fn about(code: Code, entry: &Entry, text: String) -> Finding {
     let subject = format!("[{}]{}", entry.section, entry.name);
-    Finding::new(code, &subject, text).at(Some(At::new(&entry.file, entry.line)))
-}
-
-fn number(entry: &Entry) -> Option<f64> {
-    entry.value.split_whitespace().next()?.parse().ok()
+    Finding::new(code, &subject, text).at(place(entry))
 }
 
 /// Returns the findings. Without all HAL files, nothing is known of the wiring.
 pub(super) fn findings(dry_run: &mut DryRun, unread: bool) -> Vec<Finding> {
     let is_machine = dry_run.is_machine();
     let Some(ini) = dry_run.ini().cloned().filter(|_| is_machine) else { return Vec::new() };
-    let list = |kind, patterns| Request::List { kind, patterns, ty: None };
     let mut items: BTreeMap<String, ItemInfo> = BTreeMap::new();
     for kind in [Kind::Pins, Kind::Params] {
-        if let Ok(Reply::Items(all)) = dry_run.engine().call(list(kind, Vec::new())) {
-            items
-                .extend(all.into_iter().map(|i| (i.original.clone().unwrap_or(i.name.clone()), i)));
-        }
+        let all = dry_run.items(kind).into_iter();
+        items.extend(all.map(|i| (i.original.clone().unwrap_or_else(|| i.name.clone()), i)));
     }
     let mut found = names(&ini, dry_run);
     found.extend(no_numbers(&ini));
@@ -104,25 +98,25 @@ pub(super) fn findings(dry_run: &mut DryRun, unread: bool) -> Vec<Finding> {
     }
     let kind = if ini.is_old() { "axis" } else { "joint" };
     let section = kind.to_ascii_uppercase();
-    let count = joints(&ini);
-    for n in 0..count.map_or(0, |(n, _)| n.min(100)) {
+    let Some((count, stated)) = joints(&ini) else { return found };
+    for n in 0..count.min(100) {
         let joint = Joint { ini: &ini, section: format!("{section}_{n}"), items: &items, kind, n };
-        found.extend(joint.entries(count.and_then(|(_, e)| e)));
+        found.extend(joint.entries(stated));
         if !unread {
             found.extend(joint.wiring());
         }
     }
-    found.extend(surplus(&ini, &section, count));
+    found.extend(surplus(&ini, &section, count, stated));
     found
 }
 
 /// Returns the number of joints, with the entry that states it.
-fn joints(ini: &Ini) -> Option<(u32, Option<&Entry>)> {
+fn joints(ini: &Ini) -> Option<(u32, &Entry)> {
     let mut said = [("KINS", "JOINTS"), ("TRAJ", "JOINTS"), ("TRAJ", "AXES")]
         .into_iter()
         .filter_map(|(s, k)| ini.all(s, k).next());
     let entry = said.next()?;
-    Some((entry.value.split_whitespace().next()?.parse().ok()?, Some(entry)))
+    Some((entry.value.split_whitespace().next()?.parse().ok()?, entry))
 }
 
 /// Entries that a whole machine needs.
@@ -162,7 +156,7 @@ fn no_numbers(ini: &Ini) -> Vec<Finding> {
     let is_joint = |e: &&Entry| {
         ["JOINT_", "AXIS_"].iter().any(|p| e.section.starts_with(p)) || e.section == "EMCMOT"
     };
-    let bad = |e: &&Entry| number(e).is_some_and(|x| !x.is_finite());
+    let bad = |e: &&Entry| value(e).is_some_and(|x| !x.is_finite());
     ini.entries()
         .filter(is_joint)
         .filter(bad)
@@ -189,7 +183,7 @@ fn names(ini: &Ini, dry_run: &DryRun) -> Vec<Finding> {
         }
         let joint = super::unused::KNOWN.contains(&name).then_some("JOINT_n");
         let other = KNOWN.iter().find(|(_, names)| names.contains(&name)).map(|(s, _)| *s);
-        // A joint's entry with the name of another joint's, and an entry that scripts use.
+        // Scripts read an entry of this name from another section.
         let elsewhere = read.iter().any(|(s, n)| n == name && s != section);
         let whole = format!("[{section}]{name}");
         let near = nearest(name, own.iter().copied()).filter(|_| name.len() > 4);
@@ -211,10 +205,9 @@ fn names(ini: &Ini, dry_run: &DryRun) -> Vec<Finding> {
 }
 
 /// Sections of joints that the machine does not have.
-fn surplus(ini: &Ini, kind: &str, count: Option<(u32, Option<&Entry>)>) -> Vec<Finding> {
-    let Some((count, Some(entry))) = count else { return Vec::new() };
+fn surplus(ini: &Ini, kind: &str, count: u32, entry: &Entry) -> Vec<Finding> {
     let mut found = Vec::new();
-    for n in count..count + 16 {
+    for n in count..count.saturating_add(16) {
         let section = format!("{kind}_{n}");
         let Some(first) = ini.section(&section).next() else { continue };
         let text = format!(
@@ -225,7 +218,7 @@ fn surplus(ini: &Ini, kind: &str, count: Option<(u32, Option<&Entry>)>) -> Vec<F
         );
         let mut surplus = about(Code::EntriesDisagree, entry, text)
             .remedy(format!("{} = {}, or take [{section}] out", entry.name, n + 1))
-            .related(Some(At::new(&first.file, first.line)), format!("[{section}] is here"));
+            .related(place(first), format!("[{section}] is here"));
         // Many files keep the sections of joints that the machine has lost.
         surplus.level = Level::Note;
         found.push(surplus);
@@ -248,7 +241,7 @@ impl Joint<'_> {
     }
 
     fn number(&self, name: &str) -> Option<f64> {
-        number(self.entry(name)?)
+        value(self.entry(name)?)
     }
 
     fn pin(&self, name: &str) -> Option<&ItemInfo> {
@@ -256,18 +249,18 @@ impl Joint<'_> {
     }
 
     /// Reports a missing section and missing or contradicting entries.
-    fn entries(&self, count: Option<&Entry>) -> Vec<Finding> {
+    fn entries(&self, count: &Entry) -> Vec<Finding> {
         let mut found = Vec::new();
         if self.ini.section(&self.section).next().is_none() {
             let section = &self.section;
             let subject = format!("[{section}]");
             let text =
                 format!("section [{section}] is missing: the joint has no limits of its own");
-            let at = count.map(|e| At::new(&e.file, e.line));
-            found.push(Finding::new(Code::EntryMissing, &subject, text).at(at).remedy(format!(
+            let finding = Finding::new(Code::EntryMissing, &subject, text).at(place(count));
+            found.push(finding.remedy(format!(
                 "write [{section}] with {}; or let {} be {}",
                 NEEDED.join(", "),
-                count.map_or("JOINTS", |e| &e.name),
+                count.name,
                 self.n
             )));
             return found;
@@ -288,7 +281,7 @@ impl Joint<'_> {
             let subject = format!("[{}]{name}", self.section);
             let why = if entry.is_some() { "has no value" } else { "is missing" };
             let text = format!("{subject} {why}: motion uses its default");
-            let at = near.map(|e| At::new(&e.file, e.line));
+            let at = near.and_then(place);
             found.push(
                 Finding::new(Code::EntryMissing, &subject, text)
                     .at(at)
@@ -365,5 +358,25 @@ impl Joint<'_> {
             about(Code::EntriesDisagree, entry, text)
                 .remedy("let FERROR be several steps, or correct the scale, in steps per unit"),
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Ini, joints, surplus};
+
+    #[test]
+    fn sections_beyond_the_number_of_joints() {
+        let of = |count: &str| {
+            let text = format!("[KINS]\nJOINTS = {count}\n[JOINT_0]\nA = 1\n[JOINT_1]\nA = 1\n");
+            let ini = Ini::parse("m.ini", text.as_bytes()).unwrap();
+            let (count, stated) = joints(&ini).unwrap();
+            let found = surplus(&ini, "JOINT", count, stated);
+            found.into_iter().map(|f| f.remedy).collect::<Vec<_>>()
+        };
+        assert_eq!(of("1"), ["JOINTS = 2, or take [JOINT_1] out"]);
+        assert_eq!(of("2"), [""; 0]);
+        // The largest number ends the search, not the program.
+        assert_eq!(of("4294967295"), [""; 0]);
     }
 }

@@ -125,10 +125,12 @@ impl Machine<'_> {
     }
 }
 
-fn value(entry: &Entry) -> Option<f64> {
+/// Returns the number that an entry states.
+pub(super) fn value(entry: &Entry) -> Option<f64> {
     entry.value.split_whitespace().next()?.parse().ok()
 }
 
-fn place(entry: &Entry) -> Option<At> {
+/// Returns the position of an entry.
+pub(super) fn place(entry: &Entry) -> Option<At> {
     Some(At::new(&entry.file, entry.line))
 }

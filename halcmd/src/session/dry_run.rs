@@ -13,7 +13,7 @@ use crate::{
     programs::profile::Profile,
 };
 use hal_engine::{ClockKind, Engine, Options};
-use hal_protocol::{At, Finding, Place};
+use hal_protocol::{At, Finding, ItemInfo, Kind, Link, Place, Reply, Request};
 use std::{
     collections::BTreeSet,
     path::{Path, PathBuf},
@@ -166,6 +166,14 @@ impl DryRun {
     /// Returns the engine with everything that the lines could make.
     pub const fn engine(&mut self) -> &mut Engine {
         &mut self.engine
+    }
+
+    /// Returns all items of a kind, such as pins.
+    pub(crate) fn items(&mut self, kind: Kind) -> Vec<ItemInfo> {
+        match self.engine.call(Request::List { kind, patterns: Vec::new(), ty: None }) {
+            Ok(Reply::Items(items)) => items,
+            _ => Vec::new(),
+        }
     }
 
     /// Returns the result of the lines.
