@@ -31,6 +31,9 @@ macro_rules! machine {
     };
 }
 
+/// A machine without mistakes.
+const PLAIN: &str = machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n");
+
 pub(super) const ROWS: &[Row] = &[
     Row {
         code: Code::IniUnreadable,
@@ -39,7 +42,7 @@ pub(super) const ROWS: &[Row] = &[
         matters: "halrun does not start.",
         remedy: "Comments begin with # or ; and have lines of their own.",
         wrong: "print ready\n--- m.ini\n[EMCIO]\nCYCLE_TIME 0.1\n# <--\n[HAL]\nHALFILE = m.hal\n",
-        right: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n"),
+        right: PLAIN,
     },
     Row {
         code: Code::NoHalfile,
@@ -64,7 +67,7 @@ pub(super) const ROWS: &[Row] = &[
             "POSTGUI_HALFILE = panel.hal\n# <--\n",
             "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n"
         ),
-        right: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n"),
+        right: PLAIN,
     },
     Row {
         code: Code::IniUnused,
@@ -73,7 +76,7 @@ pub(super) const ROWS: &[Row] = &[
         matters: "It has no effect: it may be misspelt, and another value counts in its place.",
         remedy: "Correct the name, use it in a script, or take it out.",
         wrong: machine!("", "COLOUR = red\n# <--\n"),
-        right: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n"),
+        right: PLAIN,
     },
     Row {
         code: Code::SectionRepeated,
@@ -82,7 +85,7 @@ pub(super) const ROWS: &[Row] = &[
                   counts.",
         remedy: "Put the entries together.",
         wrong: machine!("", "MAX_VELOCITY = 20\n[JOINT_0]\n# <--\nMAX_ACCELERATION = 1000\n"),
-        right: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n"),
+        right: PLAIN,
     },
     Row {
         code: Code::JointTooFast,
@@ -110,7 +113,7 @@ pub(super) const ROWS: &[Row] = &[
         matters: "The step generator cannot follow the planner: a following error in fast moves.",
         remedy: "Let maxaccel be a quarter more than MAX_ACCELERATION.",
         wrong: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 2000\n# <--\n"),
-        right: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n"),
+        right: PLAIN,
     },
     Row {
         code: Code::EntryMissing,
@@ -119,7 +122,7 @@ pub(super) const ROWS: &[Row] = &[
                   MAX_ACCELERATION accelerates with one unit in a second squared.",
         remedy: "Write the entry. A limit that no joint has is not missed.",
         wrong: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION =\n# <--\n"),
-        right: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n"),
+        right: PLAIN,
     },
     Row {
         code: Code::EntryMisplaced,

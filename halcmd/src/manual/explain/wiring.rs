@@ -3,6 +3,31 @@
 use super::row::Row;
 use hal_protocol::Code;
 
+/// Two joints and their step generators. The arguments are the first lines, the feedback lines of X and of Y, and
+/// the last lines.
+macro_rules! joints {
+    ($first:literal, $x:literal, $y:literal, $last:literal) => {
+        concat!(
+            $first,
+            "loadrt trivkins coordinates=XY\n",
+            "loadrt motmod num_joints=2 base_period_nsec=100000\n",
+            "loadrt stepgen step_type=0,0\n",
+            "addf stepgen.make-pulses base-thread\n",
+            "addf stepgen.capture-position servo-thread\n",
+            "addf motion-command-handler servo-thread\n",
+            "addf motion-controller servo-thread\n",
+            "addf stepgen.update-freq servo-thread\n",
+            "net x-on joint.0.amp-enable-out => stepgen.0.enable\n",
+            "net y-on joint.1.amp-enable-out => stepgen.1.enable\n",
+            "net x joint.0.motor-pos-cmd => stepgen.0.position-cmd\n",
+            $x,
+            "net y joint.1.motor-pos-cmd => stepgen.1.position-cmd\n",
+            $y,
+            $last
+        )
+    };
+}
+
 pub(super) const ROWS: &[Row] = &[
     Row {
         code: Code::HalfWired,
@@ -66,29 +91,18 @@ pub(super) const ROWS: &[Row] = &[
                 of several signals with the same beginning goes to another channel than the rest.",
         matters: "Two motors follow each other's commands, or a following error stops both.",
         remedy: "Exchange the two.",
-        wrong: "loadrt trivkins coordinates=XY\nloadrt motmod num_joints=2 base_period_nsec=100000\n\
-                loadrt stepgen step_type=0,0\naddf stepgen.make-pulses base-thread\n\
-                addf stepgen.capture-position servo-thread\n\
-                addf motion-command-handler servo-thread\naddf motion-controller servo-thread\n\
-                addf stepgen.update-freq servo-thread\n\
-                net x-on joint.0.amp-enable-out => stepgen.0.enable\n\
-                net y-on joint.1.amp-enable-out => stepgen.1.enable\n\
-                net x joint.0.motor-pos-cmd => stepgen.0.position-cmd\n\
-                net x-fb stepgen.1.position-fb => joint.0.motor-pos-fb # <--\n\
-                net y joint.1.motor-pos-cmd => stepgen.1.position-cmd\n\
-                net y-fb stepgen.0.position-fb => joint.1.motor-pos-fb\n",
-        right: "loadrt iocontrol interlock=1\nloadrt trivkins coordinates=XY\nloadrt motmod num_joints=2 base_period_nsec=100000\n\
-                loadrt stepgen step_type=0,0\naddf stepgen.make-pulses base-thread\n\
-                addf stepgen.capture-position servo-thread\n\
-                addf motion-command-handler servo-thread\naddf motion-controller servo-thread\n\
-                addf stepgen.update-freq servo-thread\n\
-                net x-on joint.0.amp-enable-out => stepgen.0.enable\n\
-                net y-on joint.1.amp-enable-out => stepgen.1.enable\n\
-                net x joint.0.motor-pos-cmd => stepgen.0.position-cmd\n\
-                net x-fb stepgen.0.position-fb => joint.0.motor-pos-fb\n\
-                net y joint.1.motor-pos-cmd => stepgen.1.position-cmd\n\
-                net y-fb stepgen.1.position-fb => joint.1.motor-pos-fb\n\
-                net estop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\n",
+        wrong: joints!(
+            "",
+            "net x-fb stepgen.1.position-fb => joint.0.motor-pos-fb # <--\n",
+            "net y-fb stepgen.0.position-fb => joint.1.motor-pos-fb\n",
+            ""
+        ),
+        right: joints!(
+            "loadrt iocontrol interlock=1\n",
+            "net x-fb stepgen.0.position-fb => joint.0.motor-pos-fb\n",
+            "net y-fb stepgen.1.position-fb => joint.1.motor-pos-fb\n",
+            "net estop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\n"
+        ),
     },
     Row {
         code: Code::ArrowTurned,
