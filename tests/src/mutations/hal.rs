@@ -21,13 +21,8 @@ impl Source<'_> {
 
     /// Returns the lines that begin with this command, as words.
     pub(super) fn of(&self, command: &str) -> impl Iterator<Item = (usize, Vec<&str>)> {
-        let words = |l: &'_ String| l.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
-        let found = self
-            .lines
-            .iter()
-            .enumerate()
-            .filter(move |(_, l)| words(l).first().is_some_and(|w| w == command));
-        found.map(|(n, l)| (n, l.split_whitespace().collect())).collect::<Vec<_>>().into_iter()
+        let lines = self.lines.iter().map(|l| l.split_whitespace().collect::<Vec<_>>());
+        lines.enumerate().filter(move |(_, words)| words.first().is_some_and(|w| *w == command))
     }
 
     /// Returns the number of lines that link this signal.
@@ -146,9 +141,8 @@ fn net_wiring(s: &Source<'_>, n: usize, words: &[&str]) -> Vec<Mutant> {
             // The writer is linked to the next net's signal too.
             let other = s.of("net").find(|(m, w)| *m > n && w.len() == 5 && w[1] != words[1]);
             if let Some((_, w)) = other {
-                let line = format!("{} \nnet {} {}", words.join(" "), w[1], words[2]);
-                let mut made = s.replace("pin linked twice", n, line.split('\n').next().unwrap());
-                made.lines.insert(n + 1, line.split('\n').nth(1).unwrap().to_owned());
+                let mut made = s.replace("pin linked twice", n, &words.join(" "));
+                made.lines.insert(n + 1, format!("net {} {}", w[1], words[2]));
                 made.line = n + 2;
                 let taken = [words[1].to_owned(), format!("unlinkp {}", words[2])];
                 all.push(made.also(n).cured(taken));

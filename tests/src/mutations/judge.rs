@@ -18,25 +18,23 @@ pub struct Verdict {
     pub place: bool,
     /// True if a new error or warning names the remedy.
     pub remedy: bool,
-    /// The new findings.
-    pub found: Vec<String>,
 }
 
-/// Numbers of one kind.
+/// Counts of one kind of mistake.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Counts {
-    /// Mutants.
+    /// Number of mutants.
     pub all: usize,
-    /// Caught as errors, as warnings, only as notes, not at all.
+    /// Numbers of mutants by the worst new finding: error, warning, note, nothing.
     pub levels: [usize; 4],
-    /// With the right place, and with the right remedy, of those that are errors or warnings.
+    /// Errors and warnings with the right place.
     pub place: usize,
-    /// See `place`.
+    /// Errors and warnings with the right remedy.
     pub remedy: usize,
 }
 
 impl Counts {
-    /// Returns the mutants that are caught as errors or warnings.
+    /// Returns the number of mutants that are caught as errors or warnings.
     pub const fn caught(&self) -> usize {
         self.levels[0] + self.levels[1]
     }
@@ -119,13 +117,6 @@ fn verdict(machine: &Machine, mutant: &Mutant, lines: &[String], found: &[Findin
         level: found.iter().map(|f| f.level).max(),
         place: bad.iter().any(|f| here(&f)),
         remedy: bad.iter().any(|f| cured(&f)),
-        found: found
-            .iter()
-            .map(|f| {
-                let line = f.at.as_ref().map_or(0, |at| at.line);
-                format!("{line}: {} {}: {} | {}", f.level.name(), f.code, f.text, f.remedy)
-            })
-            .collect(),
     }
 }
 

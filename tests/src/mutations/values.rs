@@ -18,11 +18,7 @@ pub(super) fn setp(s: &Source<'_>, n: usize, words: &[&str]) -> Vec<Mutant> {
     twice.lines.insert(n + 1, line(pin, if value == "2" || value == "TRUE" { "0" } else { "2" }));
     all.push(twice.also(n + 1).cured(["keep", "one"]));
     // A gain of 1 and a delay of 0 are those that the pin has anyway.
-    if pin.ends_with("scale")
-        || pin.ends_with("gain")
-        || pin.contains("gain")
-        || pin.contains("-reset")
-    {
+    if pin.ends_with("scale") || pin.contains("gain") || pin.contains("-reset") {
         let made = s.replace("setp removed", n, "").named([pin]);
         if !["1", "0"].contains(&value) || pin.ends_with("-scale") {
             all.push(made.cured([pin]));
