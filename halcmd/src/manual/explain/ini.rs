@@ -118,7 +118,7 @@ pub(super) const ROWS: &[Row] = &[
     Row {
         code: Code::EntryMissing,
         means: "An entry that motion needs is missing or has no value.",
-        matters: "Motion uses a default that is hardly the machine's: a joint without \
+        matters: "Motion uses a default that seldom suits the machine: a joint without \
                   MAX_ACCELERATION accelerates with one unit in a second squared.",
         remedy: "Write the entry. A limit that no joint has is not missed.",
         wrong: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION =\n# <--\n"),
