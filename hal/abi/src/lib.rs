@@ -40,7 +40,7 @@ pub use plain::{FieldSpec, SnapshotRef, SnapshotSpec};
 pub use port::PortQueue;
 pub use record::{List, Record, Status, Str};
 pub use ring::{Consumer, Got, MAX_WIDTH, Producer, RING_MAGIC, Ring};
-pub use service::{Interlock, Kinematics, ServiceSpec};
+pub use service::{Interlock, IoCommand, IoControl, IoOutcome, IoStatus, Kinematics, ServiceSpec};
 pub use spec::{
     ActionSpec, CommandRun, CommandSpec, ComponentType, Create, Free, FunctSpec, ItemSpec, Library,
     Run, StreamSpec, TaskSpec, ThreadSpec, Use, access, component_flags, funct_flags, item_flags,

@@ -127,3 +127,80 @@ impl Interlock {
 unsafe impl Record for Interlock {
     const MIN: usize = size_of::<Self>();
 }
+
+/// Function table of the service `iocontrol`, version 1: e-stop, coolant and tool changer for the one
+/// worker that controls jobs. Not for realtime.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct IoControl {
+    /// `size_of::<IoControl>()` at compile time.
+    pub size: u32,
+    /// Zero; reserved for later versions.
+    pub flags: u32,
+    /// Context that is passed to the functions.
+    pub ctx: *const c_void,
+    /// Begins a request and returns its number, or 0 if too many requests wait or it is unknown.
+    pub request: Option<unsafe extern "C" fn(*const c_void, *const IoCommand) -> u64>,
+    /// Writes the oldest result that was not taken yet, and returns 1; 0 without one.
+    pub result: Option<unsafe extern "C" fn(*const c_void, *mut IoOutcome) -> u32>,
+    /// Writes the current state.
+    pub state: Option<unsafe extern "C" fn(*const c_void, *mut IoStatus)>,
+}
+
+// SAFETY: `#[repr(C)]`, size first, zero is valid.
+unsafe impl Record for IoControl {
+    const MIN: usize = size_of::<Self>();
+}
+
+/// A request to the service `iocontrol`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct IoCommand {
+    /// `size_of::<IoCommand>()` at compile time.
+    pub size: u32,
+    /// Kind: 1 e-stop, 2 reset, 3 prepare, 4 change, 5 set tool, 6 coolant, 7 abort.
+    pub kind: u32,
+    /// Number of the tool.
+    pub tool: i32,
+    /// Pocket of the tool.
+    pub pocket: i32,
+    /// Place in the tool table.
+    pub index: i32,
+    /// Outputs that change: 1 mist, 2 flood, 4 lubrication.
+    pub changes: u32,
+    /// Values of these outputs.
+    pub values: u32,
+}
+
+// SAFETY: `#[repr(C)]`, size first, zero is valid.
+unsafe impl Record for IoCommand {
+    const MIN: usize = size_of::<Self>();
+}
+
+/// Result of a request to the service `iocontrol`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct IoOutcome {
+    /// Number of the request.
+    pub id: u64,
+    /// Reason of its failure, static; empty if it succeeded.
+    pub why: Str,
+}
+
+/// State that the service `iocontrol` reports.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct IoStatus {
+    /// Bits of [`Interlock`] for the e-stop.
+    pub interlock: u32,
+    /// Outputs that are on: 1 mist, 2 flood, 4 lubrication.
+    pub outputs: u32,
+    /// Number of the tool in the spindle.
+    pub tool: i32,
+    /// Pocket that it came from.
+    pub pocket: i32,
+    /// Number of the prepared tool.
+    pub prepared: i32,
+    /// Zero; reserved for later versions.
+    pub reserved: i32,
+}

@@ -15,9 +15,10 @@ macro_rules! layout {
 fn table() -> Result<String, std::fmt::Error> {
     use hal_abi::{
         ActionSpec, ArgSpec, ArgValue, CallHost, Cell, CommandSpec, ComponentType, FieldSpec,
-        ForeignFile, ForeignLoader, FunctSpec, Host, Interlock, ItemSpec, Kinematics, Library,
-        List, Page, PortQueue, Ring, ServiceRef, ServiceSpec, Slot, SnapshotRef, SnapshotSpec,
-        Status, Str, StreamRef, StreamSpec, TaskSpec, ThreadSpec, Ticket, Use, WorkerSpec,
+        ForeignFile, ForeignLoader, FunctSpec, Host, Interlock, IoCommand, IoControl, IoOutcome,
+        IoStatus, ItemSpec, Kinematics, Library, List, Page, PortQueue, Ring, ServiceRef,
+        ServiceSpec, Slot, SnapshotRef, SnapshotSpec, Status, Str, StreamRef, StreamSpec, TaskSpec,
+        ThreadSpec, Ticket, Use, WorkerSpec,
     };
     let mut out = String::new();
     layout! { out,
@@ -44,6 +45,10 @@ fn table() -> Result<String, std::fmt::Error> {
         ServiceSpec { size version name table state free uses n_uses }
         Kinematics { size joints kind joint_of ctx forward inverse types solutions switch }
         Interlock { size flags ctx state }
+        IoCommand { size kind tool pocket index changes values }
+        IoControl { size flags ctx request result state }
+        IoOutcome { id why }
+        IoStatus { interlock outputs tool pocket prepared reserved }
         ArgValue { size given int float text ints texts len }
         StreamRef { ring depth width }
         ServiceRef { table uses n_uses }

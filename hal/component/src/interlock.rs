@@ -29,14 +29,14 @@ impl Estop {
         !self.commanded && !self.open
     }
 
-    const fn bits(self) -> u32 {
+    pub(crate) const fn bits(self) -> u32 {
         let commanded = if self.commanded { 0 } else { abi::Interlock::NOT_COMMANDED };
         let open = if self.open { 0 } else { abi::Interlock::ENABLED };
         commanded | open
     }
 
     /// Decodes an answer. An answer with unknown bits is invalid.
-    const fn of(bits: u32) -> Self {
+    pub(crate) const fn of(bits: u32) -> Self {
         if bits & !abi::Interlock::RELEASED != 0 {
             return Self::UNKNOWN;
         }

@@ -39,6 +39,7 @@ mod channels;
 mod decl;
 mod exchange;
 mod interlock;
+mod iocontrol;
 mod item;
 mod kinematics;
 mod number;
@@ -66,6 +67,7 @@ pub use exchange::{RingReader, RingWriter, SeqReader, SeqWriter};
 pub use hal_abi as abi;
 pub use hal_derive::{Component, Plain, Touch};
 pub use interlock::{Estop, Interlock, InterlockRef};
+pub use iocontrol::{IoControl, IoControlRef, IoRequest, IoResult, IoState};
 #[doc(hidden)]
 pub use item::Begins;
 pub use item::{Field, In, InSet, Io, Item, Out, ParamRo, ParamRw, Value, Write};

@@ -2,11 +2,11 @@
 //! services.
 
 use crate::{
-    Builder, Error, Gives, Interlock, InterlockRef, Kinematics, KinematicsRef, Receiver, Sender,
-    StreamIn, StreamOut, Takes,
+    Builder, Error, Gives, Interlock, InterlockRef, IoControl, IoControlRef, Kinematics,
+    KinematicsRef, Receiver, Sender, StreamIn, StreamOut, Takes,
     abi::{self, ServiceRef, ServiceSpec, Status, Str, StreamSpec, host_flags},
     builder::check,
-    interlock, kinematics,
+    interlock, iocontrol, kinematics,
 };
 use core::ffi::c_void;
 use crossbeam::queue::ArrayQueue;
@@ -143,6 +143,34 @@ impl Builder<'_> {
         // SAFETY: the engine found a table of this name and version.
         let found = unsafe { interlock::found(found.table, uses) };
         // An unreadable table is an error, so that a machine never runs without its interlock.
+        found.ok_or(Error::engine(Status::EINVAL)).map(Some)
+    }
+
+    /// Offers e-stop, coolant and tool changer to the worker of another plugin that controls jobs.
+    ///
+    /// # Errors
+    /// Another component offers them already.
+    pub fn offer_iocontrol<C: IoControl>(&mut self, control: C) -> Result<(), Error> {
+        let uses = self.uses(&control);
+        self.offer(&iocontrol::offer(control, &uses))
+    }
+
+    /// Returns the loaded controls of e-stop, coolant and tool changer, if there are any.
+    ///
+    /// # Errors
+    /// The loaded controls have another version.
+    pub fn iocontrol(&mut self) -> Result<Option<IoControlRef>, Error> {
+        let bind = self.host.bind.ok_or(Error::engine(Status::EINVAL))?;
+        let mut found = ServiceRef { table: core::ptr::null(), uses: core::ptr::null(), n_uses: 0 };
+        // SAFETY: this is the engine's function; `found` lives for the duration of the call.
+        check(unsafe {
+            bind(self.host.ctx, Str::new(iocontrol::NAME), iocontrol::VERSION, &raw mut found)
+        })?;
+        if found.table.is_null() {
+            return Ok(None);
+        }
+        // SAFETY: the engine found a table of this name and version.
+        let found = unsafe { iocontrol::found(found.table) };
         found.ok_or(Error::engine(Status::EINVAL)).map(Some)
     }
 

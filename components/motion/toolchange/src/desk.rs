@@ -3,11 +3,12 @@
 use crate::{
     estop::{self, Shared},
     pins::Pins,
+    service::Reply,
     task::{Ask, Tool},
 };
 use hal_component::{Arg, Builder, Call, Error, Gives, Sender, TicketHandle, abi::ArgSpec};
 
-type To = Sender<(Ask, TicketHandle)>;
+type To = Sender<(Ask, Reply)>;
 
 /// A command that the task executes.
 struct Row {
@@ -125,7 +126,7 @@ fn ask(to: &To, ask: Ask, call: &Call<'_>) -> Result<(), Error> {
 
 fn send(to: &To, ask: Ask, ticket: TicketHandle) -> Result<(), Error> {
     let is_estop = matches!(ask, Ask::Estop { .. });
-    to.send((ask, ticket)).map_err(|_| {
+    to.send((ask, Reply::Ticket(ticket))).map_err(|_| {
         ticket.fail("too many commands wait");
         Error::new(if is_estop {
             "the machine is in e-stop, but too many commands wait for iocontrol to see whether \

@@ -5,6 +5,7 @@ mod carousel;
 mod desk;
 mod estop;
 mod pins;
+mod service;
 mod task;
 
 use estop::{Service, Shared};
@@ -13,6 +14,7 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 use pins::Pins;
+use service::{RESULTS, Results};
 use std::time::Duration;
 use task::Task;
 
@@ -111,12 +113,14 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
     if b.needs_interlock() || b.arg_int("interlock").is_some_and(|on| on != 0) {
         b.offer_interlock(Service { emc_enable_in: pins.emc_enable_in, shared: read })?;
     }
+    let (to_service, results) = b.queue(RESULTS);
+    b.offer_iocontrol(service::Service::new(pins, shared.clone(), to.clone(), results))?;
     let period_ns = i64::try_from(period.as_nanos()).unwrap_or(i64::MAX);
     b.task(
         "iocontrol",
         "Looks at e-stop and the tool changer, and carries out commands.",
         period_ns,
-        Task::new(pins, from, shared, b.messages()),
+        Task::new(pins, from, shared, b.messages(), Results(to_service)),
     )
 }
 

@@ -10,8 +10,9 @@
 use crate::{
     estop::{self, Shared},
     pins::Pins,
+    service::{Reply, Results},
 };
-use hal_component::{Gives, Messages, Period, Receiver, TicketHandle, Touch, Update};
+use hal_component::{Gives, Messages, Period, Receiver, Touch, Update};
 
 /// Requested tool.
 #[derive(Clone, Copy, Debug)]
@@ -47,8 +48,8 @@ pub(crate) enum Ask {
 #[derive(Clone, Copy, Debug)]
 enum Changer {
     Idle,
-    Preparing(Tool, TicketHandle),
-    Changing(Tool, TicketHandle),
+    Preparing(Tool, Reply),
+    Changing(Tool, Reply),
 }
 
 /// Number of cycles for the external chain to follow user-enable-out, in both directions.
@@ -57,7 +58,7 @@ const TIMEOUT: u32 = 10;
 /// An e-stop that has not taken effect yet.
 #[derive(Clone, Copy, Debug)]
 struct Stopping {
-    ticket: TicketHandle,
+    ticket: Reply,
     /// Number of cycles left.
     left: u32,
     /// Number of reads of the interlock at the time of the command.
@@ -68,16 +69,17 @@ struct Stopping {
 #[derive(Debug, Touch)]
 pub(crate) struct Task {
     pins: Pins,
-    from: Receiver<(Ask, TicketHandle)>,
+    from: Receiver<(Ask, Reply)>,
     shared: Gives<Shared>,
     messages: Messages,
+    results: Results,
     #[state]
     changer: Changer,
     #[state]
     prepared: Option<Tool>,
     /// Ticket that waits for the end of e-stop, and the cycles left.
     #[state]
-    resetting: Option<(TicketHandle, u32)>,
+    resetting: Option<(Reply, u32)>,
     #[state]
     stopping: Vec<Stopping>,
     #[state]
@@ -95,9 +97,9 @@ impl Update for Task {
         self.look_at_changer();
         while let Some((ask, ticket)) = self.from.take() {
             match self.obey(ask, ticket) {
-                Ok(true) => ticket.done(),
+                Ok(true) => self.results.done(ticket),
                 Ok(false) => {}
-                Err(why) => ticket.fail(why),
+                Err(why) => self.results.fail(ticket, why),
             }
         }
     }
@@ -106,15 +108,17 @@ impl Update for Task {
 impl Task {
     pub(crate) const fn new(
         pins: Pins,
-        from: Receiver<(Ask, TicketHandle)>,
+        from: Receiver<(Ask, Reply)>,
         shared: Gives<Shared>,
         messages: Messages,
+        results: Results,
     ) -> Self {
         Self {
             pins,
             from,
             shared,
             messages,
+            results,
             changer: Changer::Idle,
             prepared: None,
             resetting: None,
@@ -138,18 +142,19 @@ impl Task {
         if stops != self.stops
             && let Some((ticket, _)) = self.resetting.take()
         {
-            ticket.fail("e-stop");
+            self.results.fail(ticket, "e-stop");
         }
         self.stops = stops;
         self.was_enabled = enabled;
         self.look_at_stopping();
         self.resetting = match self.resetting {
             Some((ticket, _)) if enabled => {
-                ticket.done();
+                self.results.done(ticket);
                 None
             }
             Some((ticket, 0)) => {
-                ticket.fail("emc-enable-in stays FALSE: something outside holds the e-stop");
+                self.results
+                    .fail(ticket, "emc-enable-in stays FALSE: something outside holds the e-stop");
                 None
             }
             Some((ticket, left)) => Some((ticket, left - 1)),
@@ -164,7 +169,7 @@ impl Task {
         self.stopping.retain_mut(|stopping| {
             let is_read = reads == 0 || reads != stopping.reads;
             if is_open && is_read {
-                stopping.ticket.done();
+                self.results.done(stopping.ticket);
                 return false;
             }
             if stopping.left > 0 {
@@ -177,7 +182,7 @@ impl Task {
                 (true, _) => STAYS_LOCKED,
             };
             self.messages.error(why, &[]);
-            stopping.ticket.fail(why);
+            self.results.fail(stopping.ticket, why);
             false
         });
     }
@@ -193,7 +198,7 @@ impl Task {
                 p.tool_prepare.set(false);
                 self.prepared = Some(tool);
                 self.changer = Changer::Idle;
-                ticket.done();
+                self.results.done(ticket);
             }
             Changer::Changing(tool, ticket) if p.tool_changed.get() => {
                 p.tool_number.set(tool.number);
@@ -202,14 +207,14 @@ impl Task {
                 self.pins.tool_change.set(false);
                 self.prepared = None;
                 self.changer = Changer::Idle;
-                ticket.done();
+                self.results.done(ticket);
             }
             Changer::Idle | Changer::Preparing(..) | Changer::Changing(..) => {}
         }
     }
 
     /// Executes a request. Returns true if it is complete, false if the ticket is completed later.
-    fn obey(&mut self, ask: Ask, ticket: TicketHandle) -> Result<bool, &'static str> {
+    fn obey(&mut self, ask: Ask, ticket: Reply) -> Result<bool, &'static str> {
         let p = self.pins;
         match ask {
             Ask::Estop { reads } => {
@@ -225,11 +230,11 @@ impl Task {
                     return Ok(true);
                 }
                 for stopping in self.stopping.drain(..) {
-                    stopping.ticket.fail("superseded by iocontrol.estop-reset");
+                    self.results.fail(stopping.ticket, "superseded by iocontrol.estop-reset");
                 }
                 estop::release(&self.shared, &p);
                 if let Some((earlier, _)) = self.resetting.replace((ticket, TIMEOUT)) {
-                    earlier.fail("superseded by another reset");
+                    self.results.fail(earlier, "superseded by another reset");
                 }
                 return Ok(false);
             }
@@ -263,7 +268,7 @@ impl Task {
         Ok(true)
     }
 
-    fn change(&mut self, ticket: TicketHandle) -> Result<bool, &'static str> {
+    fn change(&mut self, ticket: Reply) -> Result<bool, &'static str> {
         self.needs_rest()?;
         let Some(tool) = self.prepared else {
             return Err("no tool is prepared: iocontrol.prepare tool=N comes first");
@@ -306,7 +311,9 @@ impl Task {
             pin.set(false);
         }
         match core::mem::replace(&mut self.changer, Changer::Idle) {
-            Changer::Preparing(_, ticket) | Changer::Changing(_, ticket) => ticket.fail(why),
+            Changer::Preparing(_, ticket) | Changer::Changing(_, ticket) => {
+                self.results.fail(ticket, why);
+            }
             Changer::Idle => {}
         }
     }

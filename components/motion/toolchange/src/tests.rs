@@ -1,6 +1,7 @@
 //! E-stop and the handshakes, cycle by cycle.
 
 mod estop;
+mod service;
 
 use crate::{Io, Iocontrol, Iov2};
 use hal_component::{abi::TicketState, bench::Bench};

@@ -1,0 +1,91 @@
+//! The service for the worker that controls jobs.
+
+use super::Rig;
+use hal_component::{Builder, Component, Error, IoControlRef, IoRequest, IoResult};
+use std::cell::RefCell;
+
+thread_local! {
+    static FOUND: RefCell<Option<IoControlRef>> = const { RefCell::new(None) };
+}
+
+/// A user of the service.
+struct User;
+
+impl Component for User {
+    const NAME: &'static str = "user";
+    const DOC: &'static str = "Finds the service.";
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        let found = b.iocontrol()?;
+        FOUND.with(|f| *f.borrow_mut() = found);
+        Ok(())
+    }
+}
+
+fn rig() -> (Rig, IoControlRef) {
+    let mut rig = Rig::enabled();
+    rig.0.load::<User>(&[]).unwrap();
+    let io = FOUND.with(|f| f.borrow_mut().take()).unwrap();
+    (rig, io)
+}
+
+fn result(rig: &Rig, io: &mut IoControlRef, request: IoRequest) -> Option<&'static str> {
+    let id = io.request(request).unwrap();
+    rig.cycle();
+    let result = io.result().unwrap();
+    assert_eq!(result.id, id);
+    result.failure
+}
+
+#[test]
+fn a_tool_is_prepared_and_changed_by_requests() {
+    let (rig, mut io) = rig();
+    assert_eq!(
+        result(&rig, &mut io, IoRequest::Change),
+        Some("no tool is prepared: iocontrol.prepare tool=N comes first")
+    );
+    let prepare = io.request(IoRequest::Prepare { tool: 3, pocket: 7, index: 1 }).unwrap();
+    rig.cycle();
+    assert_eq!((io.result(), io.state().prepared, io.state().tool), (None, 3, 0));
+    rig.set("tool-prepared", true);
+    rig.cycle();
+    assert_eq!(io.result(), Some(IoResult { id: prepare, failure: None }));
+    let change = io.request(IoRequest::Change).unwrap();
+    rig.cycle();
+    assert_eq!(rig.on(), ["user-enable-out", "tool-change"]);
+    rig.set("tool-changed", true);
+    rig.cycle();
+    assert_eq!(io.result(), Some(IoResult { id: change, failure: None }));
+    assert_eq!((io.state().tool, io.state().pocket), (3, 7));
+}
+
+#[test]
+fn an_estop_takes_effect_at_once_and_ends_what_waits() {
+    let (rig, mut io) = rig();
+    let on = IoRequest::Coolant { mist: None, flood: Some(true), lube: Some(true) };
+    assert_eq!(result(&rig, &mut io, on), None);
+    assert!(io.state().flood && io.state().lube && !io.state().mist);
+    let prepare = io.request(IoRequest::Prepare { tool: 1, pocket: 1, index: 0 }).unwrap();
+    rig.cycle();
+    let estop = io.request(IoRequest::Estop).unwrap();
+    assert!(io.state().estop.commanded && !io.state().flood && !io.state().lube);
+    rig.set("emc-enable-in", false);
+    rig.cycle();
+    assert_eq!(io.result(), Some(IoResult { id: prepare, failure: Some("e-stop") }));
+    assert_eq!(io.result(), Some(IoResult { id: estop, failure: None }));
+    assert_eq!(result(&rig, &mut io, on), Some("the machine is in e-stop"));
+}
+
+#[test]
+fn requests_without_space_for_their_results_are_refused() {
+    let (rig, mut io) = rig();
+    for _ in 0..crate::service::RESULTS {
+        assert!(io.request(IoRequest::Abort).is_some());
+    }
+    assert_eq!(io.request(IoRequest::Abort), None);
+    rig.cycle();
+    assert_eq!(io.request(IoRequest::Abort), None);
+    assert!(io.result().is_some());
+    assert!(io.request(IoRequest::Abort).is_some());
+    assert_eq!(io.request(IoRequest::Estop), None);
+    assert!(io.state().estop.commanded, "the e-stop itself is never refused");
+}
