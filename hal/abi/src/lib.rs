@@ -18,6 +18,7 @@ mod argument;
 mod cell;
 mod foreign;
 mod host;
+mod motion;
 pub mod names;
 mod page;
 mod plain;
@@ -35,6 +36,10 @@ pub use argument::{ArgSpec, arg, arg_bounds};
 pub use cell::{Cell, Slot};
 pub use foreign::{ForeignFile, ForeignLoader, Load, edit};
 pub use host::{ArgValue, CallHost, Host, ServiceRef, StreamRef, host_flags};
+pub use motion::{
+    MOTION_TEXT, Motion, MotionAnswer, MotionCommand, motion_flags, motion_kind, motion_setting,
+    motion_source,
+};
 pub use page::{MAX_PAGE_WORDS, PAGE_MAGIC, Page, PageReader, PageWriter};
 pub use plain::{FieldSpec, SnapshotRef, SnapshotSpec};
 pub use port::PortQueue;
@@ -54,7 +59,7 @@ pub use worker::{Work, WorkerSpec};
 pub const ABI_MAJOR: u32 = 1;
 /// Minor version, which increases when something is appended. The engine must be at least as new as
 /// the library.
-pub const ABI_MINOR: u32 = 6;
+pub const ABI_MINOR: u32 = 7;
 /// Maximum length of the name of a pin, parameter, signal, function, thread or component, in bytes.
 pub const NAME_LEN: usize = 55;
 

@@ -70,7 +70,8 @@ impl PageWriter {
     /// Returns the writing side of a page.
     ///
     /// # Safety
-    /// As [`Page::words`], for as long as this value lives, and without another writer.
+    /// As [`Page::words`], for as long as this value and its [readers](Self::reader) live, and
+    /// without another writer.
     pub const unsafe fn new(page: *const Page, words: u32) -> Self {
         Self { page, words, number: 0 }
     }
@@ -84,6 +85,11 @@ impl PageWriter {
         // SAFETY: as above.
         fill(unsafe { Page::words(self.page, self.words) });
         seqlock::end(sequence, &mut self.number);
+    }
+
+    /// Returns a reading side.
+    pub const fn reader(&self) -> PageReader {
+        PageReader { page: self.page, words: self.words }
     }
 
     /// Returns the sequence number of the last record.

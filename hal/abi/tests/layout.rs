@@ -16,9 +16,9 @@ fn table() -> Result<String, std::fmt::Error> {
     use hal_abi::{
         ActionSpec, ArgSpec, ArgValue, CallHost, Cell, CommandSpec, ComponentType, FieldSpec,
         ForeignFile, ForeignLoader, FunctSpec, Host, Interlock, IoCommand, IoControl, IoOutcome,
-        IoStatus, ItemSpec, Kinematics, Library, List, Page, PortQueue, Ring, ServiceRef,
-        ServiceSpec, Slot, SnapshotRef, SnapshotSpec, Status, Str, StreamRef, StreamSpec, TaskSpec,
-        ThreadSpec, Ticket, Use, WorkerSpec,
+        IoStatus, ItemSpec, Kinematics, Library, List, Motion, MotionAnswer, MotionCommand, Page,
+        PortQueue, Ring, ServiceRef, ServiceSpec, Slot, SnapshotRef, SnapshotSpec, Status, Str,
+        StreamRef, StreamSpec, TaskSpec, ThreadSpec, Ticket, Use, WorkerSpec,
     };
     let mut out = String::new();
     layout! { out,
@@ -49,6 +49,9 @@ fn table() -> Result<String, std::fmt::Error> {
         IoControl { size flags ctx request result state }
         IoOutcome { id why }
         IoStatus { interlock outputs tool pocket prepared reserved }
+        Motion { size flags ctx acquire release claim room push poll status }
+        MotionAnswer { size len id text }
+        MotionCommand { size kind source line flags letters index mode speed_kind extent count setting pose center normal control weight speed acceleration tolerance cam_tolerance scale value pitch }
         ArgValue { size given int float text ints texts len }
         StreamRef { ring depth width }
         ServiceRef { table uses n_uses }

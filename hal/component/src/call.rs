@@ -143,6 +143,10 @@ impl Call<'_> {
 pub struct TicketHandle(&'static Ticket);
 
 impl TicketHandle {
+    pub(crate) const fn new(ticket: &'static Ticket) -> Self {
+        Self(ticket)
+    }
+
     /// Reports that the command has completed.
     pub fn done(self) {
         self.0.done();

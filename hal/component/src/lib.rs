@@ -31,6 +31,9 @@
 
 #![expect(unsafe_code, reason = "one of the crates that keep the binary contract")]
 
+// The derive macros name this crate as its users do.
+extern crate self as hal_component;
+
 mod args;
 pub mod bench;
 mod builder;
@@ -42,6 +45,8 @@ mod interlock;
 mod iocontrol;
 mod item;
 mod kinematics;
+mod motion;
+mod motion_status;
 mod number;
 mod outside;
 mod pins;
@@ -65,6 +70,7 @@ pub use decl::{Decl, Error};
 pub use exchange::{RingReader, RingWriter, SeqReader, SeqWriter};
 #[doc(hidden)]
 pub use hal_abi as abi;
+pub use hal_abi::{MotionCommand, motion_flags, motion_kind, motion_setting, motion_source};
 pub use hal_derive::{Component, Plain, Touch};
 pub use interlock::{Estop, Interlock, InterlockRef};
 pub use iocontrol::{IoControl, IoControlRef, IoRequest, IoResult, IoState};
@@ -72,6 +78,10 @@ pub use iocontrol::{IoControl, IoControlRef, IoRequest, IoResult, IoState};
 pub use item::Begins;
 pub use item::{Field, In, InSet, Io, Item, Out, ParamRo, ParamRw, Value, Write};
 pub use kinematics::{Kinematics, KinematicsKind, KinematicsRef, Pose};
+pub use motion::{
+    Motion, MotionEnd, MotionId, MotionRef, MotionRefusal, MotionSource, MotionToken,
+};
+pub use motion_status::MotionStatus;
 pub use number::to_s32;
 #[doc(hidden)]
 pub use pins::{pin_doc, pin_name};
@@ -82,7 +92,7 @@ pub use port::Port;
 pub use share::{Gives, Receiver, Sender, Takes, Touch, Uses};
 #[doc(hidden)]
 pub use shim::create;
-pub use snapshot::Snapshot;
+pub use snapshot::{Snapshot, SnapshotReader};
 pub use solved::{Solution, Solved, Unsolved, Ways};
 pub use stream::{StreamIn, StreamOut};
 pub use worker::Work;

@@ -3,16 +3,18 @@
 
 use crate::{
     Builder, Error, Gives, Interlock, InterlockRef, IoControl, IoControlRef, Kinematics,
-    KinematicsRef, Receiver, Sender, StreamIn, StreamOut, Takes,
+    KinematicsRef, Motion, MotionRef, Receiver, Sender, StreamIn, StreamOut, Takes,
     abi::{self, ServiceRef, ServiceSpec, Status, Str, StreamSpec, host_flags},
     builder::check,
-    interlock, iocontrol, kinematics,
+    interlock, iocontrol, kinematics, motion,
 };
 use core::ffi::c_void;
 use crossbeam::queue::ArrayQueue;
 use std::sync::Arc;
 
 type Ring = abi::StreamRef;
+/// Table of a service, and what its functions access.
+type Bound = (*const c_void, Vec<abi::Use>);
 
 impl Builder<'_> {
     fn stream(
@@ -97,6 +99,15 @@ impl Builder<'_> {
         self.offer(&interlock::offer(interlock, &uses))
     }
 
+    /// Offers the motion controller to other plugins.
+    ///
+    /// # Errors
+    /// Another motion controller is already loaded.
+    pub fn offer_motion<M: Motion>(&mut self, motion: M) -> Result<(), Error> {
+        let uses = self.uses(&motion);
+        self.offer(&motion::offer(motion, &uses))
+    }
+
     fn offer(&self, spec: &ServiceSpec) -> Result<(), Error> {
         let offer = self.host.offer.ok_or(Error::engine(Status::EINVAL))?;
         // SAFETY: this is the engine's function; ownership of the state passes with the call.
@@ -125,12 +136,35 @@ impl Builder<'_> {
     /// # Errors
     /// The loaded interlock has another version.
     pub fn interlock(&mut self) -> Result<Option<InterlockRef>, Error> {
+        let Some((table, uses)) = self.bind(interlock::NAME, interlock::VERSION)? else {
+            return Ok(None);
+        };
+        // SAFETY: the engine found a table of this name and version.
+        let found = unsafe { interlock::found(table, uses) };
+        // An unreadable table is an error, so that a machine never runs without its interlock.
+        found.ok_or(Error::engine(Status::EINVAL)).map(Some)
+    }
+
+    /// Returns the loaded motion controller, if there is one. It stays loaded as long as this
+    /// component.
+    ///
+    /// # Errors
+    /// The loaded motion controller has another version.
+    pub fn motion(&mut self) -> Result<Option<MotionRef>, Error> {
+        let Some((table, uses)) = self.bind(motion::NAME, motion::VERSION)? else {
+            return Ok(None);
+        };
+        // SAFETY: the engine found a table of this name and version.
+        let found = unsafe { motion::found(table, uses) };
+        found.ok_or(Error::engine(Status::EINVAL)).map(Some)
+    }
+
+    /// Looks up a service. Returns its table, and what its functions access.
+    fn bind(&self, name: &'static str, version: u32) -> Result<Option<Bound>, Error> {
         let bind = self.host.bind.ok_or(Error::engine(Status::EINVAL))?;
         let mut found = ServiceRef { table: core::ptr::null(), uses: core::ptr::null(), n_uses: 0 };
         // SAFETY: this is the engine's function; `found` lives for the duration of the call.
-        check(unsafe {
-            bind(self.host.ctx, Str::new(interlock::NAME), interlock::VERSION, &raw mut found)
-        })?;
+        check(unsafe { bind(self.host.ctx, Str::new(name), version, &raw mut found) })?;
         if found.table.is_null() {
             return Ok(None);
         }
@@ -140,10 +174,7 @@ impl Builder<'_> {
             // SAFETY: this is the engine's list, valid until `create` returns.
             unsafe { core::slice::from_raw_parts(found.uses, found.n_uses) }.to_vec()
         };
-        // SAFETY: the engine found a table of this name and version.
-        let found = unsafe { interlock::found(found.table, uses) };
-        // An unreadable table is an error, so that a machine never runs without its interlock.
-        found.ok_or(Error::engine(Status::EINVAL)).map(Some)
+        Ok(Some((found.table, uses)))
     }
 
     /// Offers e-stop, coolant and tool changer to the worker of another plugin that controls jobs.
@@ -160,17 +191,11 @@ impl Builder<'_> {
     /// # Errors
     /// The loaded controls have another version.
     pub fn iocontrol(&mut self) -> Result<Option<IoControlRef>, Error> {
-        let bind = self.host.bind.ok_or(Error::engine(Status::EINVAL))?;
-        let mut found = ServiceRef { table: core::ptr::null(), uses: core::ptr::null(), n_uses: 0 };
-        // SAFETY: this is the engine's function; `found` lives for the duration of the call.
-        check(unsafe {
-            bind(self.host.ctx, Str::new(iocontrol::NAME), iocontrol::VERSION, &raw mut found)
-        })?;
-        if found.table.is_null() {
+        let Some((table, _)) = self.bind(iocontrol::NAME, iocontrol::VERSION)? else {
             return Ok(None);
-        }
+        };
         // SAFETY: the engine found a table of this name and version.
-        let found = unsafe { iocontrol::found(found.table) };
+        let found = unsafe { iocontrol::found(table) };
         found.ok_or(Error::engine(Status::EINVAL)).map(Some)
     }
 

@@ -114,6 +114,12 @@ impl<T: Copy> Sender<T> {
     pub fn send(&self, value: T) -> Result<(), T> {
         self.0.push(value)
     }
+
+    /// Returns the number of values that wait.
+    #[must_use]
+    pub fn waiting(&self) -> usize {
+        self.0.len()
+    }
 }
 
 impl<T: Copy> Receiver<T> {

@@ -17,7 +17,7 @@ static LAST: Mutex<Vec<(ThreadId, String)>> = Mutex::new(Vec::new());
 static HOOK: Once = Once::new();
 
 /// Runs component code. Returns the text if it panics.
-fn guarded<R>(code: impl FnOnce() -> R) -> Result<R, String> {
+pub(crate) fn guarded<R>(code: impl FnOnce() -> R) -> Result<R, String> {
     catch_unwind(AssertUnwindSafe(code)).map_err(|payload| {
         let said = swap_last(None);
         let text = payload

@@ -2,11 +2,14 @@
 
 use crate::{
     Builder, Error, Plain, Touch, Uses,
-    abi::{self, PageWriter, SnapshotRef, SnapshotSpec, Status, Str},
+    abi::{self, PageReader, PageWriter, SnapshotRef, SnapshotSpec, Status, Str},
     builder::check,
     exchange::fill,
 };
 use core::marker::PhantomData;
+
+/// Largest number of attempts to copy a record while its writer replaces it.
+const ATTEMPTS: u32 = 10_000;
 
 /// Writing end of a snapshot. Programs read the latest record, always as a whole; they cannot delay
 /// or change it.
@@ -22,6 +25,46 @@ impl<T: Plain> Snapshot<T> {
     pub fn set(&mut self, value: &T) {
         self.page.put(|words| fill(words, value));
     }
+
+    /// Returns a reading end of the same snapshot.
+    #[must_use]
+    pub fn reader(&self) -> SnapshotReader<T> {
+        SnapshotReader { page: self.page.reader(), kind: PhantomData }
+    }
+}
+
+/// Reading end of a snapshot, for other parts of the same component.
+#[derive(Debug)]
+pub struct SnapshotReader<T> {
+    page: PageReader,
+    kind: PhantomData<fn() -> T>,
+}
+
+impl<T: Plain> SnapshotReader<T> {
+    /// Returns the latest record, as a whole. Not for realtime: it tries again while the writer
+    /// replaces the record. Before the first record all its words are zero. Returns `None` if the
+    /// writer has stopped in the middle of a record.
+    #[must_use]
+    pub fn get(&self) -> Option<T> {
+        let mut words = vec![0; T::WORDS];
+        for _ in 0..ATTEMPTS {
+            let copied = self.page.copy(|n, bits| {
+                if let Some(word) = words.get_mut(n) {
+                    *word = bits;
+                }
+            });
+            if copied.is_some() {
+                let mut words = words.into_iter();
+                return Some(T::load(&mut || words.next().unwrap_or(0)));
+            }
+            std::thread::yield_now();
+        }
+        None
+    }
+}
+
+impl<T> Touch for SnapshotReader<T> {
+    fn touch(&self, _: &mut Uses) {}
 }
 
 impl<T> Touch for Snapshot<T> {

@@ -1,0 +1,446 @@
+//! The service `motion`: commands for the motion controller, and its status.
+
+mod desk;
+
+use crate::{
+    Error, MotionStatus, Plain, TicketHandle, Touch, Uses,
+    abi::{
+        self, MOTION_TEXT, MotionAnswer, MotionCommand, Record, ServiceSpec, Status, Str, Use,
+        motion_source,
+    },
+    shim,
+};
+use core::ffi::c_void;
+use desk::Desk;
+use std::sync::{Mutex, PoisonError};
+
+pub(crate) const NAME: &str = "motion";
+pub(crate) const VERSION: u32 = 1;
+
+/// Origin of motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MotionSource {
+    /// The owner of the token: a program or MDI.
+    Task,
+    /// An operator at the machine: text commands, `halui`, jog wheels.
+    #[default]
+    Local,
+    /// A remote operator, for whom the owner of the token passes commands on.
+    Remote,
+}
+
+/// A motion controller that a component offers. Its methods never run in a realtime thread.
+pub trait Motion: Touch + Send + Sync + 'static {
+    /// Checks a command and sends it on. Exactly one of the functions of the component reports the
+    /// end to `end`, unless the command is refused here.
+    ///
+    /// # Errors
+    /// The command is refused. All fields of a command are untrusted, numbers included.
+    fn push(
+        &self,
+        source: MotionSource,
+        command: &MotionCommand,
+        end: TicketHandle,
+    ) -> Result<(), Error>;
+    /// Returns the number of commands for which there is room. Without room, `push` is not called.
+    fn room(&self) -> u32;
+    /// Begins or ends the claim of the owner: while it lasts, no other source may begin motion.
+    fn claim(&self, on: bool);
+    /// Returns the status of the latest cycle, if there is one.
+    fn status(&self) -> Option<MotionStatus>;
+}
+
+struct Offered<M> {
+    motion: M,
+    desk: Mutex<Desk>,
+    table: abi::Motion,
+}
+
+pub(crate) fn offer<M: Motion>(motion: M, uses: &[Use]) -> ServiceSpec {
+    let table = abi::Motion {
+        size: abi::size::<abi::Motion>(),
+        flags: 0,
+        ctx: core::ptr::null(),
+        acquire: Some(acquire::<M>),
+        release: Some(release::<M>),
+        claim: Some(claim::<M>),
+        room: Some(room::<M>),
+        push: Some(push::<M>),
+        poll: Some(poll::<M>),
+        status: Some(status::<M>),
+    };
+    let desk = Mutex::new(Desk::default());
+    let given = shim::give(Offered { motion, desk, table }).cast::<Offered<M>>();
+    // SAFETY: the value was just created and is not shared yet.
+    let offered = unsafe { &mut *given };
+    offered.table.ctx = given.cast_const().cast();
+    ServiceSpec {
+        size: abi::size::<ServiceSpec>(),
+        version: VERSION,
+        name: Str::new(NAME),
+        table: (&raw const offered.table).cast(),
+        state: given.cast(),
+        free: Some(shim::free::<Offered<M>>),
+        uses: uses.as_ptr(),
+        n_uses: uses.len(),
+    }
+}
+
+/// Status, number and text of an answer.
+type Answer = (Status, u64, String);
+
+/// Runs a function of the service. A panic is an error.
+///
+/// # Safety
+/// `ctx` must be null or point to a live `Offered<M>`; `answer` must be null or point to a live
+/// record whose size is its own.
+unsafe fn answer<M: Motion>(
+    ctx: *const c_void,
+    answer: *mut MotionAnswer,
+    run: impl FnOnce(&Offered<M>, &mut Desk) -> Answer,
+) -> Status {
+    // SAFETY: guaranteed by the caller.
+    let offered = unsafe { ctx.cast::<Offered<M>>().as_ref() };
+    // SAFETY: guaranteed by the caller.
+    let out = unsafe { MotionAnswer::read(answer) };
+    let (Some(offered), Some(mut out)) = (offered, out) else { return Status::EINVAL };
+    let done = shim::guarded(|| {
+        let mut desk = offered.desk.lock().unwrap_or_else(PoisonError::into_inner);
+        run(offered, &mut desk)
+    });
+    let (status, id, text) = done.unwrap_or_else(|text| (Status::EFAULT, 0, text));
+    out.id = id;
+    let len = text.floor_char_boundary(MOTION_TEXT);
+    for (place, byte) in out.text.iter_mut().zip(text.bytes().take(len)) {
+        *place = byte;
+    }
+    out.len = u32::try_from(len).unwrap_or(0);
+    // SAFETY: the record is live, and `read` checked that it has at least this size.
+    unsafe { answer.write(out) };
+    status
+}
+
+/// # Safety
+/// As [`answer`]; `name` must be live.
+unsafe extern "C" fn acquire<M: Motion>(
+    ctx: *const c_void,
+    name: Str,
+    out: *mut MotionAnswer,
+) -> Status {
+    // SAFETY: guaranteed by the caller.
+    let name = unsafe { name.get() };
+    // SAFETY: guaranteed by the caller.
+    unsafe {
+        answer::<M>(ctx, out, |offered, desk| {
+            let Some(name) = name.filter(|n| !n.is_empty()) else {
+                return (Status::EINVAL, 0, "the owner of motion needs a name".to_owned());
+            };
+            match desk.acquire(name) {
+                Ok(token) => {
+                    offered.motion.claim(false);
+                    (Status::OK, token, String::new())
+                }
+                Err(text) => (Status::EBUSY, 0, text),
+            }
+        })
+    }
+}
+
+/// # Safety
+/// As [`answer`].
+unsafe extern "C" fn release<M: Motion>(ctx: *const c_void, token: u64) -> Status {
+    let mut out = MotionAnswer::EMPTY;
+    // SAFETY: guaranteed by the caller.
+    unsafe {
+        answer::<M>(ctx, &raw mut out, |offered, desk| {
+            let was = desk.release(token);
+            if was {
+                offered.motion.claim(false);
+            }
+            (if was { Status::OK } else { Status::EBUSY }, 0, String::new())
+        })
+    }
+}
+
+/// # Safety
+/// As [`answer`].
+unsafe extern "C" fn claim<M: Motion>(ctx: *const c_void, token: u64, on: u32) -> Status {
+    let mut out = MotionAnswer::EMPTY;
+    // SAFETY: guaranteed by the caller.
+    unsafe {
+        answer::<M>(ctx, &raw mut out, |offered, desk| {
+            let owns = desk.owns(token);
+            if owns {
+                offered.motion.claim(on != 0);
+            }
+            (if owns { Status::OK } else { Status::EBUSY }, 0, String::new())
+        })
+    }
+}
+
+/// # Safety
+/// `ctx` must be null or point to a live `Offered<M>`.
+unsafe extern "C" fn room<M: Motion>(ctx: *const c_void) -> u32 {
+    // SAFETY: guaranteed by the caller.
+    let offered = unsafe { ctx.cast::<Offered<M>>().as_ref() };
+    offered.map_or(0, |o| shim::guarded(|| o.motion.room()).unwrap_or(0))
+}
+
+/// # Safety
+/// As [`answer`]; `command` must be null or point to a live record whose size is its own.
+unsafe extern "C" fn push<M: Motion>(
+    ctx: *const c_void,
+    token: u64,
+    command: *const MotionCommand,
+    out: *mut MotionAnswer,
+) -> Status {
+    // SAFETY: guaranteed by the caller.
+    let command = unsafe { MotionCommand::read(command) };
+    // SAFETY: guaranteed by the caller.
+    unsafe {
+        answer::<M>(ctx, out, |offered, desk| match command {
+            Some(command) => send(offered, desk, token, &command),
+            None => (Status::EINVAL, 0, "the command is no complete record".to_owned()),
+        })
+    }
+}
+
+fn send<M: Motion>(
+    offered: &Offered<M>,
+    desk: &mut Desk,
+    token: u64,
+    command: &MotionCommand,
+) -> Answer {
+    let source = match command.source {
+        _ if token == 0 => MotionSource::Local,
+        _ if !desk.owns(token) => {
+            return (Status::EBUSY, 0, "the caller does not own motion".to_owned());
+        }
+        motion_source::TASK => MotionSource::Task,
+        motion_source::LOCAL => MotionSource::Local,
+        motion_source::REMOTE => MotionSource::Remote,
+        other => return (Status::EINVAL, 0, format!("there is no source {other}")),
+    };
+    if offered.motion.room() == 0 {
+        return (Status::EAGAIN, 0, "too many commands wait".to_owned());
+    }
+    let Some((id, ticket)) = desk.open() else {
+        return (Status::EAGAIN, 0, "too many commands are in progress".to_owned());
+    };
+    // SAFETY: the desk keeps a ticket until its command has ended, and is freed with the component,
+    // when none of its functions runs any more.
+    let ticket = unsafe { &*ticket };
+    match offered.motion.push(source, command, TicketHandle::new(ticket)) {
+        Ok(()) => (Status::OK, id, String::new()),
+        Err(why) => {
+            desk.forget(id);
+            (Status::EINVAL, 0, why.text().unwrap_or("refused").to_owned())
+        }
+    }
+}
+
+/// # Safety
+/// As [`answer`].
+unsafe extern "C" fn poll<M: Motion>(
+    ctx: *const c_void,
+    id: u64,
+    out: *mut MotionAnswer,
+) -> Status {
+    // SAFETY: guaranteed by the caller.
+    unsafe {
+        answer::<M>(ctx, out, |_, desk| match desk.end_of(id) {
+            MotionEnd::Done => (Status::OK, id, String::new()),
+            MotionEnd::Pending => (Status::EAGAIN, id, String::new()),
+            MotionEnd::Failed(why) => (Status::EINVAL, id, why),
+            MotionEnd::Forgotten => (Status::ENOENT, id, String::new()),
+        })
+    }
+}
+
+/// # Safety
+/// `ctx` must be null or point to a live `Offered<M>`; `words` must be null or point to `n` live
+/// words.
+unsafe extern "C" fn status<M: Motion>(ctx: *const c_void, words: *mut u64, n: u32) -> u32 {
+    // SAFETY: guaranteed by the caller.
+    let offered = unsafe { ctx.cast::<Offered<M>>().as_ref() };
+    let (Some(offered), false) = (offered, words.is_null() || !words.is_aligned()) else {
+        return 0;
+    };
+    let Ok(Some(status)) = shim::guarded(|| offered.motion.status()) else { return 0 };
+    // SAFETY: guaranteed by the caller.
+    let words = unsafe { core::slice::from_raw_parts_mut(words, n as usize) };
+    let mut words = words.iter_mut();
+    status.store(&mut |bits| {
+        if let Some(word) = words.next() {
+            *word = bits;
+        }
+    });
+    u32::try_from(MotionStatus::WORDS).unwrap_or(0)
+}
+
+/// The motion controller that another plugin offers. For tasks, workers and commands.
+#[derive(Clone, Debug)]
+pub struct MotionRef {
+    table: abi::Motion,
+    uses: Vec<Use>,
+}
+
+/// Proof that a component owns motion. A later owner of the same name makes it void.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MotionToken(u64);
+
+impl MotionToken {
+    /// Token of every local source: it needs no ownership.
+    pub const LOCAL: Self = Self(0);
+}
+
+/// Number of a command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct MotionId(u64);
+
+/// Reason for which a command was not accepted.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum MotionRefusal {
+    /// There is no room: try again later.
+    Full,
+    /// The token is void.
+    NotOwner,
+    /// The command is refused, for this reason.
+    Refused(String),
+}
+
+/// Progress of a command.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum MotionEnd {
+    /// It is in progress.
+    Pending,
+    /// It is complete.
+    Done,
+    /// It was aborted or refused, for this reason.
+    Failed(String),
+    /// It ended too long ago, or never existed.
+    Forgotten,
+}
+
+// SAFETY: the functions may be called from several threads, the provider stays loaded as long as
+// its user, and the uses are only compared.
+unsafe impl Send for MotionRef {}
+// SAFETY: as for `Send`.
+unsafe impl Sync for MotionRef {}
+
+/// # Safety
+/// `table` must be null or the live table of a service of this name and version.
+pub(crate) unsafe fn found(table: *const c_void, uses: Vec<Use>) -> Option<MotionRef> {
+    // SAFETY: guaranteed by the caller.
+    let table = unsafe { abi::Motion::read(table.cast()) }?;
+    Some(MotionRef { table, uses })
+}
+
+impl MotionRef {
+    /// Becomes the owner of motion. A component that asks again under its name gets a new token.
+    ///
+    /// # Errors
+    /// Another component owns motion.
+    pub fn acquire(&self, name: &str) -> Result<MotionToken, MotionRefusal> {
+        let mut out = MotionAnswer::EMPTY;
+        let acquire = self.table.acquire.ok_or_else(missing)?;
+        // SAFETY: this is the provider's function with its own context; both live for the call.
+        let status = unsafe { acquire(self.table.ctx, Str::borrow(name), &raw mut out) };
+        if status.is_ok() {
+            Ok(MotionToken(out.id))
+        } else {
+            Err(MotionRefusal::Refused(text(&out)))
+        }
+    }
+
+    /// Ends the ownership and the claim. A void token changes nothing.
+    pub fn release(&self, token: MotionToken) {
+        if let Some(release) = self.table.release {
+            // SAFETY: this is the provider's function with its own context.
+            unsafe { release(self.table.ctx, token.0) };
+        }
+    }
+
+    /// Begins or ends the claim: while it lasts, no other source may begin motion, even if nothing
+    /// moves. An abort ends it too. Returns false if the token is void.
+    pub fn claim(&self, token: MotionToken, on: bool) -> bool {
+        // SAFETY: this is the provider's function with its own context.
+        self.table.claim.is_some_and(|f| unsafe { f(self.table.ctx, token.0, on.into()) }.is_ok())
+    }
+
+    /// Returns the number of commands for which there is room.
+    #[must_use]
+    pub fn room(&self) -> u32 {
+        // SAFETY: this is the provider's function with its own context.
+        self.table.room.map_or(0, |room| unsafe { room(self.table.ctx) })
+    }
+
+    /// Sends a command and returns its number. With [`MotionToken::LOCAL`] it is a local command.
+    ///
+    /// # Errors
+    /// There is no room, the token is void, or the command is refused.
+    pub fn push(
+        &self,
+        token: MotionToken,
+        command: &MotionCommand,
+    ) -> Result<MotionId, MotionRefusal> {
+        let mut out = MotionAnswer::EMPTY;
+        let push = self.table.push.ok_or_else(missing)?;
+        // The record is this side's own, whatever the caller wrote into the field.
+        let command = MotionCommand { size: abi::size::<MotionCommand>(), ..*command };
+        // SAFETY: this is the provider's function with its own context; both live for the call.
+        let status = unsafe { push(self.table.ctx, token.0, &raw const command, &raw mut out) };
+        match status {
+            Status::EAGAIN => Err(MotionRefusal::Full),
+            Status::EBUSY => Err(MotionRefusal::NotOwner),
+            status if status.is_ok() => Ok(MotionId(out.id)),
+            _ => Err(MotionRefusal::Refused(text(&out))),
+        }
+    }
+
+    /// Returns the progress of a command. The ends of the last 4096 commands are known.
+    #[must_use]
+    pub fn poll(&self, id: MotionId) -> MotionEnd {
+        let Some(poll) = self.table.poll else { return MotionEnd::Forgotten };
+        let mut out = MotionAnswer::EMPTY;
+        // SAFETY: this is the provider's function with its own context; `out` lives for the call.
+        match unsafe { poll(self.table.ctx, id.0, &raw mut out) } {
+            Status::OK => MotionEnd::Done,
+            Status::EAGAIN => MotionEnd::Pending,
+            Status::ENOENT => MotionEnd::Forgotten,
+            _ => MotionEnd::Failed(text(&out)),
+        }
+    }
+
+    /// Returns the status of the latest cycle, always of one cycle. Fields that the provider does
+    /// not have are zero. Returns `None` if there is no status.
+    #[must_use]
+    pub fn status(&self) -> Option<MotionStatus> {
+        let mut words = vec![0_u64; MotionStatus::WORDS];
+        let n = u32::try_from(words.len()).ok()?;
+        let status = self.table.status?;
+        // SAFETY: this is the provider's function with its own context; the words live for the call.
+        let has = unsafe { status(self.table.ctx, words.as_mut_ptr(), n) };
+        let mut words = words.into_iter();
+        (has > 0).then(|| MotionStatus::load(&mut || words.next().unwrap_or(0)))
+    }
+}
+
+impl Touch for MotionRef {
+    fn touch(&self, uses: &mut Uses) {
+        uses.0.extend_from_slice(&self.uses);
+    }
+}
+
+fn missing() -> MotionRefusal {
+    MotionRefusal::Refused("the motion controller does not have this function".to_owned())
+}
+
+fn text(out: &MotionAnswer) -> String {
+    let len = usize::try_from(out.len).unwrap_or(0);
+    let text = out.text.get(..len).unwrap_or(&out.text);
+    String::from_utf8_lossy(text).into_owned()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,145 @@
+//! Owner of motion, and the commands that have not ended or have ended lately.
+
+use super::MotionEnd;
+use crate::abi::{Ticket, TicketState};
+
+/// Number of commands whose progress is known.
+const SLOTS: u64 = 4096;
+
+/// State of the service, used by one caller at a time.
+pub(super) struct Desk {
+    owner: Option<(u64, String)>,
+    last_token: u64,
+    last_id: u64,
+    /// The command with the number `n` is at the place `n % SLOTS`.
+    slots: Vec<Option<(u64, Box<Ticket>)>>,
+}
+
+impl Default for Desk {
+    fn default() -> Self {
+        let slots = (0..SLOTS).map(|_| None).collect();
+        Self { owner: None, last_token: 0, last_id: 0, slots }
+    }
+}
+
+impl Desk {
+    /// Returns the token of a new owner.
+    pub(super) fn acquire(&mut self, name: &str) -> Result<u64, String> {
+        if let Some((_, owner)) = self.owner.as_ref().filter(|(_, owner)| owner != name) {
+            return Err(format!("motion belongs to {owner}"));
+        }
+        self.last_token = self.last_token.wrapping_add(1).max(1);
+        self.owner = Some((self.last_token, name.to_owned()));
+        Ok(self.last_token)
+    }
+
+    /// Ends the ownership. Returns false if the token is void.
+    pub(super) fn release(&mut self, token: u64) -> bool {
+        let owns = self.owns(token);
+        if owns {
+            self.owner = None;
+        }
+        owns
+    }
+
+    pub(super) fn owns(&self, token: u64) -> bool {
+        self.owner.as_ref().is_some_and(|(owner, _)| *owner == token)
+    }
+
+    /// Returns the number and the ticket of a new command. Returns `None` if all places belong to
+    /// commands that have not ended.
+    pub(super) fn open(&mut self) -> Option<(u64, *const Ticket)> {
+        for id in (1..=SLOTS).map(|n| self.last_id.wrapping_add(n)) {
+            let slot = self.slots.get_mut(place(id))?;
+            if slot.as_ref().is_none_or(|(_, ticket)| ticket.state() != TicketState::Pending) {
+                self.last_id = id;
+                let (_, ticket) = slot.insert((id, Box::new(Ticket::new())));
+                return Some((id, &raw const **ticket));
+            }
+        }
+        None
+    }
+
+    /// Forgets a command that nobody executes.
+    pub(super) fn forget(&mut self, id: u64) {
+        if let Some(slot) = self.slots.get_mut(place(id)) {
+            *slot = None;
+        }
+    }
+
+    pub(super) fn end_of(&self, id: u64) -> MotionEnd {
+        let slot = self.slots.get(place(id)).and_then(Option::as_ref);
+        let Some((_, ticket)) = slot.filter(|(known, _)| *known == id) else {
+            return MotionEnd::Forgotten;
+        };
+        match ticket.state() {
+            TicketState::Pending => MotionEnd::Pending,
+            TicketState::Done => MotionEnd::Done,
+            TicketState::Failed(why) => {
+                let (numbers, count) = ticket.numbers();
+                let filled = |s: String, x: &f64| s.replacen("{}", &x.to_string(), 1);
+                let text = numbers.iter().take(count).fold(why.to_owned(), filled);
+                // Braces mark names of pins.
+                MotionEnd::Failed(text.replace(['{', '}'], ""))
+            }
+        }
+    }
+}
+
+fn place(id: u64) -> usize {
+    usize::try_from(id % SLOTS).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Desk, MotionEnd, SLOTS};
+
+    fn ticket(desk: &mut Desk) -> (u64, &'static super::Ticket) {
+        let (id, ticket) = desk.open().unwrap();
+        // SAFETY: the desk outlives every test's use of it.
+        (id, unsafe { &*ticket })
+    }
+
+    #[test]
+    fn one_owner_holds_the_token() {
+        let mut desk = Desk::default();
+        assert!(!desk.owns(0) && !desk.owns(1) && !desk.release(1));
+        let first = desk.acquire("task").unwrap();
+        assert_eq!(desk.acquire("other").unwrap_err(), "motion belongs to task");
+        let again = desk.acquire("task").unwrap();
+        assert!(again != first && desk.owns(again) && !desk.owns(first) && !desk.owns(0));
+        assert!(!desk.release(first) && desk.owns(again));
+        assert!(desk.release(again) && !desk.owns(again));
+        assert!(desk.acquire("other").is_ok());
+    }
+
+    #[test]
+    fn ends_are_known_until_the_place_is_needed() {
+        let mut desk = Desk::default();
+        assert_eq!(desk.end_of(0), MotionEnd::Forgotten);
+        let (first, held) = ticket(&mut desk);
+        let (second, done) = ticket(&mut desk);
+        assert_eq!(
+            (desk.end_of(first), desk.end_of(second)),
+            (MotionEnd::Pending, MotionEnd::Pending)
+        );
+        done.fail_with("no {} in {pin} at {}", &[1.5, 2.0]);
+        assert_eq!(desk.end_of(second), MotionEnd::Failed("no 1.5 in pin at 2".to_owned()));
+        let mut others = Vec::new();
+        for _ in 2..SLOTS {
+            others.push(ticket(&mut desk).1);
+        }
+        // The place of the second is free, that of the first is not.
+        let (next, ticket_of_next) = ticket(&mut desk);
+        assert_eq!((next, desk.end_of(second)), (SLOTS + 2, MotionEnd::Forgotten));
+        assert!(desk.open().is_none(), "all commands are in progress");
+        ticket_of_next.done();
+        held.done();
+        assert_eq!((desk.end_of(next), desk.end_of(first)), (MotionEnd::Done, MotionEnd::Done));
+        assert!(desk.open().is_some());
+        let (refused, _) = desk.open().unwrap();
+        desk.forget(refused);
+        assert_eq!(desk.end_of(refused), MotionEnd::Forgotten);
+        others.iter().for_each(|t| t.done());
+    }
+}

@@ -1,0 +1,198 @@
+//! The service, from the side of its users.
+
+use super::{Motion, MotionEnd, MotionRef, MotionRefusal, MotionSource, MotionToken, found, offer};
+use crate::{
+    Error, MotionStatus, TicketHandle, Touch, Uses,
+    abi::{self, MotionAnswer, MotionCommand, Record, Status, Str, motion_kind, motion_source},
+};
+use std::sync::{
+    Arc, Mutex,
+    atomic::{AtomicBool, AtomicU32, Ordering::Relaxed},
+};
+
+/// Motion controller that notes what it receives.
+#[derive(Clone, Default)]
+struct Fake {
+    got: Arc<Mutex<Vec<(MotionSource, u32, TicketHandle)>>>,
+    room: Arc<AtomicU32>,
+    claimed: Arc<AtomicBool>,
+}
+
+impl Touch for Fake {
+    fn touch(&self, _: &mut Uses) {}
+}
+
+impl Motion for Fake {
+    fn push(
+        &self,
+        source: MotionSource,
+        c: &MotionCommand,
+        end: TicketHandle,
+    ) -> Result<(), Error> {
+        match c.kind {
+            motion_kind::JOG => return Err(Error::new(format!("velocity is {}", c.speed))),
+            motion_kind::HOME => panic!("planted"),
+            _ => {}
+        }
+        self.got.lock().unwrap().push((source, c.kind, end));
+        Ok(())
+    }
+    fn room(&self) -> u32 {
+        self.room.load(Relaxed)
+    }
+    fn claim(&self, on: bool) {
+        self.claimed.store(on, Relaxed);
+    }
+    fn status(&self) -> Option<MotionStatus> {
+        let mut number = 0;
+        Some(crate::Plain::load(&mut || {
+            number += 1;
+            number
+        }))
+    }
+}
+
+/// A service, freed at the end of a test.
+struct Service {
+    spec: abi::ServiceSpec,
+    table: abi::Motion,
+    motion: MotionRef,
+    fake: Fake,
+}
+
+impl Service {
+    fn new() -> Self {
+        let fake = Fake::default();
+        fake.room.store(10, Relaxed);
+        let spec = offer(fake.clone(), &[]);
+        // SAFETY: the table lives until the service is dropped.
+        let motion = unsafe { found(spec.table, Vec::new()) }.unwrap();
+        Self { spec, table: motion.table, motion, fake }
+    }
+}
+
+impl Drop for Service {
+    fn drop(&mut self) {
+        let free = self.spec.free.unwrap();
+        // SAFETY: nothing uses the service any more.
+        unsafe { free(self.spec.state) };
+    }
+}
+
+#[test]
+fn a_command_ends_as_the_controller_says() {
+    let service = Service::new();
+    let motion = &service.motion;
+    let task = motion.acquire("task").unwrap();
+    let enable = MotionCommand::new(motion_kind::ENABLE);
+    let ids = [(); 3].map(|()| motion.push(task, &enable).unwrap());
+    assert!(ids[0] < ids[1] && ids[1] < ids[2]);
+    let got = service.fake.got.lock().unwrap();
+    got[0].2.done();
+    got[1].2.fail_with("joint {} is locked", &[2.0]);
+    let ends = ids.map(|id| motion.poll(id));
+    let failed = MotionEnd::Failed("joint 2 is locked".to_owned());
+    assert_eq!(ends, [MotionEnd::Done, failed, MotionEnd::Pending]);
+    assert_eq!(motion.poll(super::MotionId(0)), MotionEnd::Forgotten);
+    assert_eq!(motion.poll(super::MotionId(u64::MAX)), MotionEnd::Forgotten);
+}
+
+#[test]
+fn the_source_follows_from_the_token() {
+    let service = Service::new();
+    let motion = &service.motion;
+    let pause = |source| MotionCommand { source, ..MotionCommand::new(motion_kind::PAUSE) };
+    assert_eq!(motion.push(MotionToken(7), &pause(0)), Err(MotionRefusal::NotOwner));
+    let task = motion.acquire("task").unwrap();
+    let other = MotionRefusal::Refused("motion belongs to task".to_owned());
+    assert_eq!(motion.acquire("panel"), Err(other));
+    for source in [motion_source::TASK, motion_source::LOCAL, motion_source::REMOTE] {
+        motion.push(task, &pause(source)).unwrap();
+    }
+    motion.push(MotionToken::LOCAL, &pause(motion_source::REMOTE)).unwrap();
+    let why = MotionRefusal::Refused("there is no source 3".to_owned());
+    assert_eq!(motion.push(task, &pause(3)), Err(why));
+    let sources: Vec<_> = service.fake.got.lock().unwrap().iter().map(|g| g.0).collect();
+    let [task_, local, remote] = [MotionSource::Task, MotionSource::Local, MotionSource::Remote];
+    assert_eq!(sources, [task_, local, remote, local]);
+    assert!(motion.claim(task, true) && service.fake.claimed.load(Relaxed));
+    assert!(!motion.claim(MotionToken::LOCAL, false) && service.fake.claimed.load(Relaxed));
+    motion.release(MotionToken(99));
+    assert!(service.fake.claimed.load(Relaxed), "a void token releases nothing");
+    motion.release(task);
+    assert!(!service.fake.claimed.load(Relaxed), "the claim ends with the ownership");
+    assert_eq!(motion.push(task, &pause(0)), Err(MotionRefusal::NotOwner));
+}
+
+#[test]
+fn a_full_controller_and_a_refusal_say_so() {
+    let service = Service::new();
+    let motion = &service.motion;
+    let jog = MotionCommand { speed: f64::NAN, ..MotionCommand::new(motion_kind::JOG) };
+    let why = MotionRefusal::Refused("velocity is NaN".to_owned());
+    assert_eq!(motion.push(MotionToken::LOCAL, &jog), Err(why));
+    service.fake.room.store(0, Relaxed);
+    assert_eq!(motion.room(), 0);
+    assert_eq!(motion.push(MotionToken::LOCAL, &jog), Err(MotionRefusal::Full));
+    // A panic of the controller reaches nobody else, and the service goes on.
+    service.fake.room.store(1, Relaxed);
+    let home = MotionCommand::new(motion_kind::HOME);
+    let MotionRefusal::Refused(why) = motion.push(MotionToken::LOCAL, &home).unwrap_err() else {
+        panic!("not refused")
+    };
+    assert!(why.contains("planted"), "{why}");
+    assert!(motion.push(MotionToken::LOCAL, &MotionCommand::new(motion_kind::ENABLE)).is_ok());
+}
+
+#[test]
+fn a_long_reason_is_cut_between_characters() {
+    let service = Service::new();
+    let name = "ä".repeat(200);
+    service.motion.acquire(&name).unwrap();
+    let MotionRefusal::Refused(why) = service.motion.acquire("b").unwrap_err() else { panic!() };
+    assert!(why.starts_with("motion belongs to ä") && why.ends_with('ä'), "{why}");
+    assert!(abi::MOTION_TEXT - 2 < why.len() && why.len() <= abi::MOTION_TEXT);
+}
+
+#[test]
+fn records_that_are_none_are_refused() {
+    let service = Service::new();
+    let t = &service.table;
+    let command = MotionCommand::new(motion_kind::ENABLE);
+    let push = |ctx, command, out| {
+        // SAFETY: all pointers are null or point to live values.
+        unsafe { t.push.unwrap()(ctx, 0, command, out) }
+    };
+    let mut out = MotionAnswer::EMPTY;
+    let out = &raw mut out;
+    let mut short = MotionAnswer { size: 8, ..MotionAnswer::EMPTY };
+    let cut = MotionCommand { size: 40, ..command };
+    let (null, nowhere) = (core::ptr::null(), core::ptr::null_mut());
+    assert_eq!(push(t.ctx, core::ptr::null(), out), Status::EINVAL);
+    assert_eq!(push(t.ctx, &raw const command, nowhere), Status::EINVAL);
+    assert_eq!(push(t.ctx, &raw const command, &raw mut short), Status::EINVAL);
+    assert_eq!(push(null, &raw const command, out), Status::EINVAL);
+    assert_eq!(push(t.ctx, &raw const cut, out), Status::EINVAL);
+    // SAFETY: null is refused.
+    assert_eq!(unsafe { t.poll.unwrap()(t.ctx, 1, nowhere) }, Status::EINVAL);
+    // SAFETY: the answer is live.
+    assert_eq!(unsafe { t.acquire.unwrap()(t.ctx, Str::NONE, out) }, Status::EINVAL);
+    // SAFETY: null is refused.
+    assert_eq!(unsafe { t.room.unwrap()(null) }, 0);
+    // SAFETY: null is refused.
+    assert_eq!(unsafe { t.status.unwrap()(t.ctx, core::ptr::null_mut(), 5) }, 0);
+    assert!(service.fake.got.lock().unwrap().is_empty(), "nothing reached the controller");
+}
+
+#[test]
+fn a_user_reads_as_many_words_as_it_knows() {
+    let service = Service::new();
+    let status = service.motion.status().unwrap();
+    assert_eq!((status.cycle, status.time_ns, status.enabled, status.mode), (1, 2, true, 4));
+    let mut words = [0_u64; 3];
+    let read = service.table.status.unwrap();
+    // SAFETY: the words are live.
+    let all = unsafe { read(service.table.ctx, words.as_mut_ptr(), 2) };
+    assert_eq!((all as usize, words), (<MotionStatus as crate::Plain>::WORDS, [1, 2, 0]));
+    assert!(size_of::<abi::Motion>() == abi::Motion::MIN);
+}
