@@ -78,6 +78,7 @@ fn arrows_point_only_downward() {
         (
             "halcmd",
             &[
+                "hal-arm",
                 "hal-engine",
                 "hal-gcode",
                 "hal-ini",
@@ -88,6 +89,8 @@ fn arrows_point_only_downward() {
             ],
         ),
         ("halcompile", &["hal-output"]),
+        ("hal-arm", &[]),
+        ("kinematics", &["hal-arm", "hal-component"]),
         ("ferrule-client", &["hal-protocol"]),
         ("motion", &["hal-component", "hal-trajectory", "hal-watchman"]),
     ]);

@@ -1,6 +1,7 @@
 //! Serial arms: closed forms (`arm.rs`), chains of Denavit-Hartenberg parameters (`dh.rs`) and a numeric search (`search.rs`).
 
 pub(crate) mod arm;
+pub(crate) mod armkins;
 pub(crate) mod dh;
 pub(crate) mod genserkins;
 pub(crate) mod pumakins;

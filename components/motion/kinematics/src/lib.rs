@@ -17,6 +17,7 @@ mod tables;
 #[cfg(test)]
 mod testing;
 
+pub use arms::armkins::Armkins;
 pub use arms::genserkins::Genserkins;
 pub use arms::pumakins::Pumakins;
 pub use arms::scarakins::Scarakins;
@@ -40,6 +41,7 @@ pub use tables::rotatekins::Rotatekins;
 pub use tables::userkins::Userkins;
 
 hal_component::export!(
+    Armkins,
     Corexykins,
     FiveAxiskins,
     Genhexkins,
