@@ -1,6 +1,7 @@
 //! Embeds the headers for C components in the program.
 
 use std::{
+    collections::BTreeSet,
     env,
     fmt::Write,
     fs, io,
@@ -15,13 +16,31 @@ fn main() -> io::Result<()> {
     headers(&folder, "", &mut found)?;
     found.sort();
     let mut text = String::from("pub(crate) const HEADERS: &[(&str, &str)] = &[\n");
+    let mut texts = String::new();
     for (name, path) in found {
+        texts += &fs::read_to_string(&path)?;
         writeln!(text, "({name:?}, include_str!({:?})),", path.display())
             .map_err(io::Error::other)?;
+    }
+    text.push_str("];\npub(crate) const OFFERED: &[&str] = &[\n");
+    for name in functions(&texts) {
+        writeln!(text, "{name:?},").map_err(io::Error::other)?;
     }
     text.push_str("];\n");
     let out = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default());
     fs::write(out.join("headers.rs"), text)
+}
+
+/// Returns the names of the functions that headers declare with `extern`.
+fn functions(texts: &str) -> BTreeSet<&str> {
+    let declared = texts.split("extern ").skip(1).filter_map(|d| d.split(';').next());
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let names = declared.filter_map(|d| {
+        let before = d.split_once('(')?.0.trim_end();
+        let begin = before.rfind(|c| !is_part(c)).map_or(0, |at| at + 1);
+        Some(&before[begin..])
+    });
+    names.filter(|n| !n.is_empty()).collect()
 }
 
 fn headers(folder: &Path, before: &str, found: &mut Vec<(String, PathBuf)>) -> io::Result<()> {

@@ -66,8 +66,8 @@ typedef volatile rtapi_u32 hal_u32_t;
 typedef volatile rtapi_s64 hal_s64_t;
 typedef volatile rtapi_u64 hal_u64_t;
 typedef volatile real_t hal_float_t;
-/* A byte queue. As wide as an address, where others have a small number. */
-typedef volatile rtapi_s64 hal_port_t;
+/* A byte queue: the number by which the functions below find it. */
+typedef volatile int hal_port_t;
 
 typedef union {
     hal_bit_t b;

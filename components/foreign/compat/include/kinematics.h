@@ -28,6 +28,21 @@ extern int kinematicsHome(EmcPose *pose, double *joints, KINEMATICS_FORWARD_FLAG
 extern KINEMATICS_TYPE kinematicsType(void);
 extern int kinematicsSwitchable(void);
 extern int kinematicsSwitch(int type);
+
+/* What kinematics tell the code of switchkins.h of themselves. */
+typedef struct kinematics_parms {
+    /* A text of the user's, from the module parameter sparm. */
+    char *sparm;
+    char *kinsname;
+    /* Prefix of pins. */
+    char *halprefix;
+    /* Letters of axes that a joint must exist for. */
+    char *required_coordinates;
+    int max_joints;
+    int allow_duplicates;
+    int fwd_iterates_mask;
+    int gui_kinstype;
+} kparms;
 #ifdef __cplusplus
 }
 #endif

@@ -174,4 +174,51 @@ static inline int pmQuatMatConvert(const PmQuaternion *q, PmRotationMatrix *out)
     out->z.z = 1.0 - k * (pmSq(q->x) + pmSq(q->y));
     return 0;
 }
+static inline int pmMatQuatConvert(const PmRotationMatrix *m, PmQuaternion *out)
+{
+    /* Four times the square of each part; the largest is the one to divide by. */
+    const double s = 1.0 + m->x.x + m->y.y + m->z.z, x = 1.0 + m->x.x - m->y.y - m->z.z;
+    const double y = 1.0 - m->x.x + m->y.y - m->z.z, z = 1.0 - m->x.x - m->y.y + m->z.z;
+    const double sx = m->y.z - m->z.y, sy = m->z.x - m->x.z, sz = m->x.y - m->y.x;
+    const double xy = m->x.y + m->y.x, yz = m->y.z + m->z.y, zx = m->z.x + m->x.z;
+    PmQuaternion q;
+    if (s >= x && s >= y && s >= z)
+        q = (PmQuaternion){s, sx, sy, sz};
+    else if (x >= y && x >= z)
+        q = (PmQuaternion){sx, x, xy, zx};
+    else if (y >= z)
+        q = (PmQuaternion){sy, xy, y, yz};
+    else
+        q = (PmQuaternion){sz, zx, yz, z};
+    const double sign = q.s < 0.0 ? -1.0 : 1.0;
+    const double n = sign * sqrt(pmSq(q.s) + pmSq(q.x) + pmSq(q.y) + pmSq(q.z));
+    *out = (PmQuaternion){q.s / n, q.x / n, q.y / n, q.z / n};
+    return 0;
+}
+static inline int pmQuatNorm(const PmQuaternion *q, PmQuaternion *out)
+{
+    const double n = sqrt(pmSq(q->s) + pmSq(q->x) + pmSq(q->y) + pmSq(q->z));
+    if (n == 0.0)
+        return -1;
+    *out = (PmQuaternion){q->s / n, q->x / n, q->y / n, q->z / n};
+    return 0;
+}
+static inline int pmQuatInv(const PmQuaternion *q, PmQuaternion *out)
+{
+    *out = (PmQuaternion){q->s, -q->x, -q->y, -q->z};
+    return 0;
+}
+static inline int pmQuatQuatMult(const PmQuaternion *a, const PmQuaternion *b, PmQuaternion *out)
+{
+    *out = (PmQuaternion){a->s * b->s - a->x * b->x - a->y * b->y - a->z * b->z,
+                          a->s * b->x + a->x * b->s + a->y * b->z - a->z * b->y,
+                          a->s * b->y - a->x * b->z + a->y * b->s + a->z * b->x,
+                          a->s * b->z + a->x * b->y - a->y * b->x + a->z * b->s};
+    return 0;
+}
+static inline int pmQuatCartMult(const PmQuaternion *q, const PmCartesian *v, PmCartesian *out)
+{
+    PmRotationMatrix m;
+    return pmQuatMatConvert(q, &m) ? -1 : pmMatCartMult(&m, v, out);
+}
 #endif

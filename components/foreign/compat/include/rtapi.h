@@ -165,6 +165,10 @@ extern long int simple_strtol(const char *text, char **end, int base);
     extern __typeof__(name) name RTAPI_VISIBLE;                                         \
     RTAPI_EXPORTED(name)
 #define EXPORT_SYMBOL_GPL(name) EXPORT_SYMBOL(name)
+/* Another component in C, which is loaded before, exports the symbol. */
+#define RTAPI_IMPORT_SYMBOL(name)                                                       \
+    static const char rtapi_imported_##name[]                                           \
+        __attribute__((section(".rtapi_import"), used)) = #name;
 #else
 #define MODULE_LICENSE(text)
 #define MODULE_AUTHOR(text)
@@ -180,6 +184,7 @@ extern long int simple_strtol(const char *text, char **end, int base);
 #define RTAPI_MP_ARRAY_STRING(variable, count, text)
 #define EXPORT_SYMBOL(name)
 #define EXPORT_SYMBOL_GPL(name)
+#define RTAPI_IMPORT_SYMBOL(name)
 #endif
 
 #endif

@@ -80,7 +80,7 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     arguments::set(&module, &elf.parameters, &words).map_err(refuse(Status::EINVAL))?;
 
     let on_trial = host.flags & host_flags::TRIAL != 0;
-    let loading = Loading { host, file, module: module.clone() };
+    let loading = Loading { host, file, module: module.clone(), ports: Vec::new().into() };
     let code = loading::within(&loading, || {
         prepared(&module, &path)
             .and_then(|()| if on_trial { rehearse(&loading, main, exit) } else { Ok(()) })
@@ -92,6 +92,7 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
         return Err((Status(code), why));
     }
     module.made.store(true, Relaxed);
+    module.ports.complete(loading.ports.into_inner().into());
     report_without_effect(&module, handle);
     stay(&host, module)
 }

@@ -1,7 +1,7 @@
 //! Load in progress: the engine's functions, and the module that is being set up.
 
 use crate::module::Module;
-use core::cell::Cell;
+use core::cell::{Cell, RefCell};
 use hal_component::abi::{ForeignFile, Host};
 use std::sync::Arc;
 
@@ -11,6 +11,8 @@ pub(crate) struct Loading {
     pub(crate) host: Host,
     pub(crate) file: ForeignFile,
     pub(crate) module: Arc<Module>,
+    /// Addresses of the component's pointers to port pins.
+    pub(crate) ports: RefCell<Vec<usize>>,
 }
 
 thread_local! {

@@ -1,6 +1,6 @@
 //! Loaded C component: its file, the engine's functions, and its memory.
 
-use crate::{elf::Undefined, memory::Memory, registers::Registers, running, system};
+use crate::{elf::Undefined, memory::Memory, port::Ports, registers::Registers, running, system};
 use core::ffi::{c_int, c_void};
 use hal_component::abi::{CallHost, ForeignFile, Host, Str, host_flags};
 use std::{
@@ -35,6 +35,7 @@ pub(crate) struct Module {
     exit: Option<Exit>,
     pub(crate) memory: Memory,
     pub(crate) registers: Registers,
+    pub(crate) ports: Ports,
     /// True if `rtapi_app_main` has succeeded.
     pub(crate) made: AtomicBool,
     /// True once the component is complete: no more pins can be made.
@@ -110,6 +111,7 @@ impl Module {
             exit,
             memory: Memory::default(),
             registers: Registers::default(),
+            ports: Ports::default(),
             made: AtomicBool::new(false),
             ready: AtomicBool::new(false),
         }

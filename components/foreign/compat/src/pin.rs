@@ -86,7 +86,11 @@ fn pin(new: &New, bits: u64, place: *mut *mut c_void) -> c_int {
         );
         return refuse(l, Status::EINVAL.0, &why);
     }
-    item(new, bits, core::ptr::null_mut(), place)
+    let made = item(new, bits, core::ptr::null_mut(), place);
+    if let Some(l) = l.filter(|_| made == 0 && new.ty == ty::PORT) {
+        l.ports.borrow_mut().push(place.expose_provenance());
+    }
+    made
 }
 
 /// Makes a parameter whose value is at `place`.

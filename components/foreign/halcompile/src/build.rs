@@ -2,7 +2,7 @@
 
 use crate::{
     error::{Error, at},
-    headers::include_folder,
+    headers::{OFFERED, include_folder},
 };
 use object::{Object, ObjectSection};
 use std::{
@@ -34,15 +34,25 @@ pub struct Job<'a> {
     pub out: &'a Path,
     /// Kind of the file to write.
     pub target: Target,
+    /// True if all users of the machine shall find the file.
+    pub installed: bool,
     /// Additional arguments for the compiler.
     pub compile_args: Vec<String>,
     /// Additional arguments for the linker.
     pub link_args: Vec<String>,
 }
 
-/// Compiler flags of every compilation. Fused operations are off, so that results are the same on every machine.
-pub(crate) const FLAGS: &[&str] =
-    &["-std=gnu11", "-D_GNU_SOURCE", "-fPIC", "-Os", "-g", "-fno-fast-math", "-ffp-contract=off"];
+/// Compiler flags of every compilation. Fused operations are off, so that results are the same on every machine. From
+/// DWARF 4, unlike 5, linkers name the lines of the .comp file.
+pub(crate) const FLAGS: &[&str] = &[
+    "-std=gnu11",
+    "-D_GNU_SOURCE",
+    "-fPIC",
+    "-Os",
+    "-gdwarf-4",
+    "-fno-fast-math",
+    "-ffp-contract=off",
+];
 
 /// Compiles and links. The output appears under its name only once complete; if there is an error, an existing file
 /// stays.
@@ -63,6 +73,9 @@ pub fn build(job: &Job<'_>) -> Result<(), Error> {
     cc.arg("-I").arg(&include).arg("-I").arg(beside.unwrap_or(Path::new(".")));
     cc.args(&job.compile_args).arg("-c").arg(job.c_file).arg("-o").arg(&object);
     run(cc, job.source)?;
+    if job.target == Target::Module {
+        resolve(job, &scratch.path, &object)?;
+    }
     let out = scratch.path.join("out");
     let mut link = compiler();
     match job.target {
@@ -85,8 +98,10 @@ pub fn build(job: &Job<'_>) -> Result<(), Error> {
     run(link, job.source)?;
     let bytes = fs::read(&out).map_err(at(&out))?;
     // A module is loaded, not run.
-    let wanted = if job.target == Target::Module { 0o666 } else { 0o777 };
-    let mode = fs::metadata(&out).map_err(at(&out))?.mode() & wanted;
+    let wanted = if job.target == Target::Module { 0o644 } else { 0o755 };
+    let umask = fs::metadata(&out).map_err(at(&out))?.mode();
+    // Installed files are for all users, whatever the author's umask is.
+    let mode = if job.installed { wanted } else { umask & wanted };
     hal_output::install(job.out, &bytes, mode).map_err(at(job.out))
 }
 
@@ -109,23 +124,47 @@ fn run(mut command: Command, file: &Path) -> Result<(), Error> {
     }
 }
 
+/// Lets the linker name function and line of each symbol that neither the file, its libraries, the engine nor another
+/// component in C offers.
+fn resolve(job: &Job<'_>, scratch: &Path, object: &Path) -> Result<(), Error> {
+    let elsewhere = marked(object, ".rtapi_import")?;
+    let known = elsewhere.iter().map(String::as_str).chain(OFFERED.iter().copied());
+    let lines: String = known.map(|name| format!("PROVIDE({name} = 0);\n")).collect();
+    let script = scratch.join("offered");
+    fs::write(&script, lines).map_err(at(&script))?;
+    let mut link = compiler();
+    link.args(["-shared", "-Wl,-z,defs", "-o"]).arg(scratch.join("resolved")).arg(object);
+    link.args(&job.link_args).arg(&script).arg("-lm");
+    match run(link, job.source) {
+        Err(Error::Compiler { file, .. }) => Err(Error::Unresolved { file }),
+        other => other,
+    }
+}
+
 /// Returns the linker's version script: it exports what loaders look for and what `EXPORT_SYMBOL` names, and hides all
 /// other symbols, so that those of different modules do not collide.
 fn symbols(object: &Path) -> Result<String, Error> {
+    let mut script = String::from("{ global: rtapi_app_main; rtapi_app_exit; rtapi_info_*;");
+    for name in marked(object, ".rtapi_export")? {
+        script = format!("{script} {name};");
+    }
+    Ok(format!("{script} local: *; }};\n"))
+}
+
+/// Returns the names that macros have put in a section.
+fn marked(object: &Path, section: &str) -> Result<Vec<String>, Error> {
     let bytes = fs::read(object).map_err(at(object))?;
     let wrong = |e: object::Error| Error::Object {
         path: object.display().to_string().into(),
         cause: e.to_string().into(),
     };
     let file = object::File::parse(bytes.as_slice()).map_err(wrong)?;
-    let mut script = String::from("{ global: rtapi_app_main; rtapi_app_exit; rtapi_info_*;");
-    for section in file.sections().filter(|s| s.name() == Ok(".rtapi_export")) {
-        let names = section.data().map_err(wrong)?;
-        for name in names.split(|b| *b == 0).filter(|n| !n.is_empty()) {
-            script = format!("{script} {};", String::from_utf8_lossy(name));
-        }
+    let mut found = Vec::new();
+    for section in file.sections().filter(|s| s.name() == Ok(section)) {
+        let names = section.data().map_err(wrong)?.split(|b| *b == 0).filter(|n| !n.is_empty());
+        found.extend(names.map(|name| String::from_utf8_lossy(name).into_owned()));
     }
-    Ok(format!("{script} local: *; }};\n"))
+    Ok(found)
 }
 
 /// Splits a line into words as a shell does: quotes keep blanks.

@@ -201,6 +201,7 @@ fn job<'a>(
         source: file,
         out,
         target,
+        installed: args.install,
         compile_args: all(&args.extra_compile_args),
         link_args: all(&args.extra_link_args),
     }

@@ -14,6 +14,7 @@ pub enum Error {
     NoHeaders { folder: Box<str> },
     NoCompiler { compiler: Box<str>, cause: io::Error },
     Compiler { compiler: Box<str>, file: Box<str> },
+    Unresolved { file: Box<str> },
     Object { path: Box<str>, cause: Box<str> },
     Ending { path: Box<str> },
     NotFor { path: Box<str>, action: &'static str, kinds: &'static str },
@@ -47,6 +48,11 @@ impl fmt::Display for Error {
             Self::Compiler { compiler, file } => {
                 write!(f, "{file}: {compiler} refused it; nothing was made")
             }
+            Self::Unresolved { file } => write!(
+                f,
+                "{file}: nothing offers the symbols named above; nothing was made. If another component in C \
+                 exports one, RTAPI_IMPORT_SYMBOL(NAME) says so"
+            ),
             Self::Object { path, cause } => write!(f, "{path}: {cause}"),
             Self::Ending { path } => write!(f, "{path}: neither .comp, .c nor .py"),
             Self::NotFor { path, action, kinds } => write!(f, "{path}: {action} is for {kinds}"),

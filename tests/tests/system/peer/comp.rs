@@ -140,6 +140,51 @@ fn what_the_compiler_refuses_is_named_in_the_comp_file() {
     assert_eq!(scratch.read("wrong.so"), "what stood here before");
 }
 
+/// A symbol that nothing offers is named by function and line when the file is compiled, and not only when it is loaded.
+#[test]
+fn what_nothing_offers_is_named_by_function_and_line() {
+    if tools::compiler().is_none() {
+        return;
+    }
+    let scratch = Scratch::new("unresolved");
+    let text = "component calls;\npin out float x;\nfunction _;\nlicense \"MIT\";\n;;\n\
+                #include <rtapi_math.h>\nextern double elsewhere(double);\nFUNCTION(_) {\n    x = sin(x) + elsewhere(1);\n}\n";
+    scratch.write("calls.comp", text);
+    let compiled = || scratch.run(scratch.command(&[], "halcompile").args(["-c", "calls.comp"]));
+    let output = compiled();
+    assert_eq!(output.status, Some(1));
+    for part in [
+        "in function `_'",
+        "calls.comp:9: undefined reference to `elsewhere'",
+        "RTAPI_IMPORT_SYMBOL(NAME)",
+    ] {
+        assert!(output.stderr.contains(part), "{part}: {}", output.stderr);
+    }
+    scratch.write("calls.comp", text.replace("FUNC", "RTAPI_IMPORT_SYMBOL(elsewhere)\nFUNC"));
+    let output = compiled();
+    assert_eq!((output.status, output.stderr.as_str()), (Some(0), ""));
+}
+
+/// An installed module is for all users, also if its author keeps files to himself.
+#[test]
+fn installed_modules_are_for_all_users() {
+    use std::os::unix::fs::PermissionsExt;
+    if tools::compiler().is_none() {
+        return;
+    }
+    let scratch = Scratch::new("installed");
+    scratch
+        .write("mine.comp", "component mine;\npin in bit a;\nfunction _;\nlicense \"MIT\";\n;;\n");
+    let halcompile = programs().join("halcompile");
+    let line = format!("umask 077; exec {} --install mine.comp", halcompile.display());
+    let mut shell = scratch.command(&[], "sh");
+    shell.env("HAL_RTMOD_DIR", scratch.path().join("modules")).args(["-c", &line]);
+    let output = scratch.run(&mut shell);
+    assert_eq!((output.status, output.stderr.as_str()), (Some(0), ""));
+    let mode = fs::metadata(scratch.path().join("modules/mine.so")).unwrap().permissions().mode();
+    assert_eq!(mode & 0o777, 0o644);
+}
+
 /// The declaration in Rust compiles unchanged, for every component.
 #[test]
 fn declarations_in_rust_compile() {

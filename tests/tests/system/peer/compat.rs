@@ -86,6 +86,131 @@ fn drivers_of_the_kernel_find_their_headers() {
     assert!(format!("{sent:?}").contains("U32(1)"), "{sent:?}");
 }
 
+/// Kinematics of two types: type 1 swaps the axes. The module also tries the mathematics of its headers.
+const KINS: &str = r#"
+#include "gomath.h"
+#include "switchkins.h"
+static int try_all(void)
+{
+    const go_rpy turn = {0.1, -0.2, 0.3};
+    go_quat q;
+    go_rpy back;
+    go_quat_rpy_convert((go_rpy_quat_convert(&turn, &q), &q), &back);
+    if (fabs(back.r - 0.1) + fabs(back.p + 0.2) + fabs(back.y - 0.3) > 1e-12) return -ERANGE;
+    const go_pose p = {{1, 2, 3}, q};
+    go_pose i, one;
+    if (go_pose_inv(&p, &i) || go_pose_pose_mult(&p, &i, &one)) return -ERANGE;
+    if (fabs(one.rot.s - 1) + fabs(one.tran.x) + fabs(one.tran.y) + fabs(one.tran.z) > 1e-12) return -ERANGE;
+    const go_rpy half = {3.0, 0, 0};
+    go_rpy_quat_convert(&half, &q);
+    if (fabs(q.s - cos(1.5)) + fabs(q.x - sin(1.5)) > 1e-12) return -ERANGE;
+    GO_MATRIX_DECLARE(m, m_space, 3, 3);
+    GO_MATRIX_DECLARE(w, w_space, 3, 3);
+    go_matrix_init(m, m_space, 3, 3);
+    go_matrix_init(w, w_space, 3, 3);
+    const go_real given[9] = {0, 2, 0, 1, 0, 3, 0, 0, 4};
+    const go_real v[3] = {1, 2, 3};
+    go_real there[3], home[3];
+    for (int k = 0; k < 9; k++) m.el[k] = given[k];
+    if (go_matrix_inv(&m, &w) || go_matrix_vector_mult(&m, v, there) || go_matrix_vector_mult(&w, there, home))
+        return -EDOM;
+    if (there[0] != 4 || there[1] != 10 || there[2] != 12) return -EDOM;
+    if (fabs(home[0] - 1) + fabs(home[1] - 2) + fabs(home[2] - 3) > 1e-12) return -EDOM;
+    m.el[1] = 0;
+    return go_matrix_inv(&m, &w) == GO_RESULT_SINGULAR ? 0 : -EDOM;
+}
+static int straight(const double *j, EmcPose *p, const KINEMATICS_FORWARD_FLAGS *f, KINEMATICS_INVERSE_FLAGS *i)
+{ (void)f; (void)i; p->tran.x = j[0]; p->tran.y = j[1]; return 0; }
+static int crossed(const double *j, EmcPose *p, const KINEMATICS_FORWARD_FLAGS *f, KINEMATICS_INVERSE_FLAGS *i)
+{ (void)f; (void)i; p->tran.x = j[1]; p->tran.y = j[0]; return 0; }
+static int straight_back(const EmcPose *p, double *j, const KINEMATICS_INVERSE_FLAGS *i, KINEMATICS_FORWARD_FLAGS *f)
+{ (void)f; (void)i; j[0] = p->tran.x; j[1] = p->tran.y; return 0; }
+static int crossed_back(const EmcPose *p, double *j, const KINEMATICS_INVERSE_FLAGS *i, KINEMATICS_FORWARD_FLAGS *f)
+{ (void)f; (void)i; j[0] = p->tran.y; j[1] = p->tran.x; return 0; }
+static hal_bit_t **works;
+static int prepare(const int component, const char *axes, kparms *parms)
+{
+    int of_joint[2] = {0};
+    works = hal_malloc(sizeof *works);
+    if (hal_pin_bit_newf(HAL_OUT, works, component, "%s.works", parms->halprefix)) return -EINVAL;
+    int code = try_all();
+    if (code) return code;
+    if (switchkins_axes(axes, 2, of_joint) != 2 || of_joint[1] != 1) return -EINVAL;
+    double joints[2] = {1, 2};
+    static EmcPose pose;
+    kinematicsSwitch(5) == -1 || (code = -1);
+    kinematicsForward(joints, &pose, NULL, NULL);
+    kinematicsInverse(&pose, joints, NULL, NULL);
+    **works = code == 0 && pose.tran.y == 2 && joints[0] == 1 && kinematicsSwitchable();
+    return 0;
+}
+int switchkinsSetup(kparms *parms, KS *s0, KS *s1, KS *s2, KF *f0, KF *f1, KF *f2, KI *i0, KI *i1, KI *i2)
+{
+    (void)s1; (void)s2; (void)f2; (void)i2;
+    parms->kinsname = parms->halprefix = "crosskins";
+    parms->required_coordinates = "xy";
+    *s0 = prepare; *f0 = straight; *f1 = crossed; *i0 = straight_back; *i1 = crossed_back;
+    return 0;
+}
+MODULE_LICENSE("GPL");
+"#;
+
+#[test]
+fn kinematics_of_several_types_are_made_by_their_header() {
+    let scratch = Scratch::new("compat-switchkins");
+    let options = ["-Wno-unused-value"];
+    if compile(scratch.path(), "crosskins", KINS, &options).is_none() {
+        return;
+    }
+    let mut b = Bench::new(&[scratch.path()]);
+    let said = b.load_c("", "crosskins coordinates=xz").unwrap_err();
+    assert!(said.contains("crosskins: coordinates=xz has no 'y'"), "{said}");
+    b.load_c("", "crosskins coordinates=xy").unwrap();
+    assert!(bit(&mut b, "crosskins.works") && bit(&mut b, "kinstype.is-0"));
+    assert!(!bit(&mut b, "kinstype.is-1"));
+    assert_eq!(b.items(Kind::Pins, "").len(), 3);
+}
+
+#[test]
+fn a_driver_of_a_pci_card_finds_none() {
+    let scratch = Scratch::new("compat-pci");
+    let globals = "#include \"rtapi_pci.h\"\n#include \"hostmot2-serial.h\"\n\
+        static int probe(struct rtapi_pci_dev *d, const struct rtapi_pci_device_id *id)\n\
+        { (void)id; rtapi_pci_set_drvdata(d, rtapi_pci_ioremap_bar(d, 0)); return rtapi_pci_enable_device(d); }\n\
+        static const struct rtapi_pci_device_id ids[] = {{RTAPI_PCI_DEVICE(0x10b5, 0x9054)}, {0}};\n\
+        static struct rtapi_pci_driver driver = {.name = \"mine\", .id_table = ids, .probe = probe};";
+    let main = "int code = rtapi_pci_register_driver(&driver); if (code) return code;";
+    if compile(scratch.path(), "mine", &component(globals, main, ""), &[]).is_none() {
+        return;
+    }
+    let said = Bench::new(&[scratch.path()]).load_c("", "mine").unwrap_err();
+    assert!(said.contains("mine: PCI devices are not offered here"), "{said}");
+    assert!(said.contains("No such device (-19)"), "{said}");
+}
+
+#[test]
+fn a_port_is_a_number_in_c() {
+    let scratch = Scratch::new("compat-port");
+    let globals = "static hal_port_t **port, **back; static hal_u32_t **got;";
+    let main = "port = hal_malloc(sizeof *port); back = hal_malloc(sizeof *back); got = hal_malloc(sizeof *got);\n\
+        _Static_assert(sizeof(hal_port_t) == sizeof(int), \"an int\");\n\
+        if (hal_pin_port_new(\"mine.port\", HAL_OUT, port, id)) return -EINVAL;\n\
+        if (hal_pin_port_new(\"mine.back\", HAL_IN, back, id)) return -EINVAL;\n\
+        if (hal_pin_u32_new(\"mine.got\", HAL_OUT, got, id)) return -EINVAL;";
+    let turn = "char two[3] = \"\"; int handle = **port; hal_port_write(handle, \"ab\", 2);\n\
+        if (hal_port_readable(**back) == 2 && hal_port_read(**back, two, 2)) **got += two[1];";
+    if compile(scratch.path(), "mine", &component(globals, main, turn), &[]).is_none() {
+        return;
+    }
+    let mut b = Bench::new(&[scratch.path()]);
+    b.load_c("", "mine").unwrap();
+    script(&mut b, "loadrt threads name1=t period1=1000000\naddf mine.0 t\nstart\nrun 1000000");
+    let got = |b: &mut Bench| b.call(Request::Get { name: "mine.got".into() }).unwrap();
+    assert!(format!("{:?}", got(&mut b)).contains("U32(0)"), "no port is linked yet");
+    script(&mut b, "newsig p port\nlinkps mine.port p\nlinkps mine.back p\nsets p 16\nrun 1000000");
+    assert!(format!("{:?}", got(&mut b)).contains("U32(98)"), "{:?}", got(&mut b));
+}
+
 #[test]
 fn a_crash_names_component_and_function() {
     let scratch = Scratch::new("compat-crash");
