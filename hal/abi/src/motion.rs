@@ -323,7 +323,7 @@ pub struct Motion {
     /// Begins or ends the claim: while it lasts, no other source may begin motion, even if nothing
     /// moves.
     pub claim: Option<unsafe extern "C" fn(*const c_void, token: u64, on: u32) -> Status>,
-    /// Returns the number of commands for which there is room.
+    /// Returns the number of moves for which there is room.
     pub room: Option<unsafe extern "C" fn(*const c_void) -> u32>,
     /// Sends a command; the answer holds its number. A token of zero sends it as a local source.
     /// Returns [`Status::EAGAIN`] if there is no room, [`Status::EBUSY`] for a void token, or

@@ -19,6 +19,11 @@ impl Error {
         Self { status: Status::EINVAL, text: Some(text.into()) }
     }
 
+    /// Returns an error that means: there is no room now, try again.
+    pub fn again(text: impl Into<Cow<'static, str>>) -> Self {
+        Self { status: Status::EAGAIN, text: Some(text.into()) }
+    }
+
     /// Returns the text of the error. Returns `None` if the engine reported the reason itself.
     #[must_use]
     pub fn text(&self) -> Option<&str> {

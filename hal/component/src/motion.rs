@@ -35,14 +35,15 @@ pub trait Motion: Touch + Send + Sync + 'static {
     /// end to `end`, unless the command is refused here.
     ///
     /// # Errors
-    /// The command is refused. All fields of a command are untrusted, numbers included.
+    /// The command is refused, or there is no room for it ([`Error::again`]). All fields of a
+    /// command are untrusted, numbers included.
     fn push(
         &self,
         source: MotionSource,
         command: &MotionCommand,
         end: TicketHandle,
     ) -> Result<(), Error>;
-    /// Returns the number of commands for which there is room. Without room, `push` is not called.
+    /// Returns the number of moves for which there is room.
     fn room(&self) -> u32;
     /// Begins or ends the claim of the owner: while it lasts, no other source may begin motion.
     fn claim(&self, on: bool);
@@ -221,9 +222,6 @@ fn send<M: Motion>(
         motion_source::REMOTE => MotionSource::Remote,
         other => return (Status::EINVAL, 0, format!("there is no source {other}")),
     };
-    if offered.motion.room() == 0 {
-        return (Status::EAGAIN, 0, "too many commands wait".to_owned());
-    }
     let Some((id, ticket)) = desk.open() else {
         return (Status::EAGAIN, 0, "too many commands are in progress".to_owned());
     };
@@ -234,7 +232,8 @@ fn send<M: Motion>(
         Ok(()) => (Status::OK, id, String::new()),
         Err(why) => {
             desk.forget(id);
-            (Status::EINVAL, 0, why.text().unwrap_or("refused").to_owned())
+            let status = if why.status == Status::EAGAIN { why.status } else { Status::EINVAL };
+            (status, 0, why.text().unwrap_or("refused").to_owned())
         }
     }
 }
@@ -368,7 +367,7 @@ impl MotionRef {
         self.table.claim.is_some_and(|f| unsafe { f(self.table.ctx, token.0, on.into()) }.is_ok())
     }
 
-    /// Returns the number of commands for which there is room.
+    /// Returns the number of moves for which there is room.
     #[must_use]
     pub fn room(&self) -> u32 {
         // SAFETY: this is the provider's function with its own context.

@@ -1,8 +1,9 @@
 //! Commands: declared and read on the control side (`interface.rs`, `path_rows.rs`, `configure.rs` with `arguments.rs`,
-//! `config.rs` and `comp_file.rs`, `status.rs`), passed as data (`command.rs`), and executed on the realtime side
+//! `config.rs` and `comp_file.rs`, `status.rs`; `service.rs` for other plugins, with `call.rs` for arguments of both kinds), passed as data (`command.rs`), and executed on the realtime side
 //! (`execute.rs`) or refused with a reason (`refusal.rs`).
 
 pub(crate) mod arguments;
+pub(crate) mod call;
 pub(crate) mod command;
 pub(crate) mod comp_file;
 pub(crate) mod config;
@@ -11,4 +12,5 @@ pub(crate) mod execute;
 pub(crate) mod interface;
 pub(crate) mod path_rows;
 pub(crate) mod refusal;
+pub(crate) mod service;
 pub(crate) mod status;

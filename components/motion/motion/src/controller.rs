@@ -6,10 +6,10 @@ use crate::{
     path::order::HandOver,
     pins::{GeneralPins, Pins},
     state::State,
-    status::MotionStatus,
+    status,
 };
 use hal_component::{
-    Clock, Gives, KinematicsRef, Period, Receiver, Sender, Snapshot, Touch, Update,
+    Clock, Gives, KinematicsRef, MotionStatus, Period, Receiver, Sender, Snapshot, Touch, Update,
 };
 use libm::sqrt;
 
@@ -96,10 +96,11 @@ impl Controller {
     pub(crate) fn put_out(&mut self, dt: f64) {
         self.state.put_out(dt);
         self.state.watch(&self.pins, dt);
+        self.state.find_feedback();
         self.cycle = self.cycle.wrapping_add(1);
         let time_ns = self.last_ns.unwrap_or_default();
         let velocity = velocity(&self.state);
-        let status = MotionStatus::of(&self.state, &self.pins.lists, self.cycle, time_ns, velocity);
+        let status = status::of(&self.state, &self.pins.lists, self.cycle, time_ns, velocity);
         write_pins(&mut self.state, &self.pins, &status);
         self.status.set(&status);
     }

@@ -37,8 +37,11 @@ impl State {
         for (n, (spindle, pins)) in self.spindles.iter_mut().zip(&pins.spindles).enumerate() {
             spindle.read_pins(n, pins, self.dt, &self.say);
         }
-        self.at_speed =
-            self.spindles.iter().zip(&pins.spindles).all(|(spindle, pins)| spindle.is_ready(pins));
+        self.at_speed = true;
+        for (spindle, pins) in self.spindles.iter_mut().zip(&pins.spindles) {
+            spindle.at_speed = spindle.is_ready(pins);
+            self.at_speed &= spindle.at_speed;
+        }
         if self.inputs.probe && !before.probe {
             self.trip_probe();
         }
@@ -138,6 +141,12 @@ impl State {
 
     fn wheels(&mut self, pins: &Pins) {
         let ready = self.enabled && !self.inputs.jog_inhibit && !self.is_homing();
+        let is_turned = ready && self.is_wheel_turned(pins);
+        let blocked_by = if is_turned { self.blocks_wheel() } else { None };
+        if is_turned {
+            self.take_wheel(blocked_by);
+        }
+        let ready = ready && blocked_by.is_none();
         let allowed = ready && self.mode == Mode::Free;
         for (joint, pins) in self.joints.iter_mut().zip(&pins.joints) {
             let wheel = joint::wheel(pins);
@@ -165,6 +174,22 @@ impl State {
             if let Some(axis) = self.axes.get_mut(n) {
                 axis.teleop.wheel(&wheel, limits.is_some(), || limits.unwrap_or_default());
             }
+        }
+    }
+
+    /// Returns whether a wheel that counts in this mode has turned.
+    fn is_wheel_turned(&self, pins: &Pins) -> bool {
+        match self.mode {
+            Mode::Free => {
+                let mut joints = self.joints.iter().zip(&pins.joints);
+                joints
+                    .any(|(joint, pins)| joint.active && joint.free.is_turned(&joint::wheel(pins)))
+            }
+            Mode::Teleop => {
+                let mut axes = self.axes.iter().zip(&pins.axes);
+                axes.any(|(axis, pins)| axis.teleop.is_turned(&axis::wheel(pins)))
+            }
+            Mode::Coord => false,
         }
     }
 

@@ -18,12 +18,13 @@ mod path;
 mod pins;
 mod setup;
 mod simple_tp;
+mod source;
 mod spindle;
 mod state;
 mod status;
 mod switch;
 
-use commands::{configure::ConfigCache, interface::CommandInterface};
+use commands::{configure::ConfigCache, interface::CommandInterface, service::Service};
 use controller::{Controller, Handler};
 use guards::{
     interlock::Interlock,
@@ -161,6 +162,14 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
         kinematics,
         cache: Arc::new(Mutex::new(cache)),
     };
+    let status = status::open(b)?;
+    let service = Service {
+        interface: interface.clone(),
+        handled: to_controller.clone(),
+        status: status.reader(),
+        claimed: state.origin.claimed.clone(),
+    };
+    b.offer_motion(service)?;
     interface.open(b)?;
     commands::status::open(b, pins.clone(), state.last_jump.clone(), stops)?;
     let controller = Controller {
@@ -171,7 +180,7 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
         clock: b.clock(),
         last_ns: None,
         cycle: 0,
-        status: status::open(b)?,
+        status,
         hand,
         state,
     };

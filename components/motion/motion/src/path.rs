@@ -324,6 +324,12 @@ impl Path {
         way.into_iter().find(|w| *w > 0.0).unwrap_or(0.0)
     }
 
+    /// Returns the distance of each axis to the end of the current move.
+    pub(crate) fn axis_to_go(&self) -> Pose {
+        let Some(known) = self.current() else { return [0.0; 9] };
+        (hal_trajectory::Pose(known.end) - self.last.pose).0
+    }
+
     /// Returns whether the axes may leave the path: it is paused, rests, and is not over.
     pub(crate) fn can_park(&self) -> bool {
         self.paused

@@ -11,6 +11,8 @@ pub(crate) struct Spindle {
     on: bool,
     brake: bool,
     pub(crate) scale: f64,
+    /// True if moves need not wait for the spindle, in this cycle.
+    pub(crate) at_speed: bool,
     pub(crate) config: SpindleConfig,
     orient: Orient,
     /// Angle and direction of the last orientation.
@@ -46,6 +48,7 @@ impl Default for Spindle {
             on: false,
             brake: false,
             scale: 1.0,
+            at_speed: true,
             config: SpindleConfig::default(),
             orient: Orient::Nowhere,
             angle: 0.0,
@@ -66,6 +69,10 @@ impl Spindle {
     /// Returns the commanded speed in turns per minute, without override.
     pub(crate) const fn speed(&self) -> f64 {
         self.speed
+    }
+
+    pub(crate) const fn has_brake(&self) -> bool {
+        self.brake
     }
 
     pub(crate) const fn brake(&mut self, brake: bool) {

@@ -15,6 +15,7 @@ use crate::{
     joint::Joint,
     path::{Parked, Path},
     setup::{MAX_JOINTS, Places, Setup},
+    source::Origin,
     spindle::Spindle,
     switch::Switch,
 };
@@ -79,12 +80,15 @@ pub(crate) struct State {
     pub(crate) path: Path,
     pub(crate) probe: ProbeResult,
     pub(crate) tool_offset: Pose,
+    pub(crate) origin: Origin,
     pub(crate) mode: Mode,
     pub(crate) enabled: bool,
     /// Servo period in seconds.
     pub(crate) dt: f64,
     /// Commanded pose of the axes.
     pub(crate) pose: Pose,
+    /// Pose of the axes as the encoders report it.
+    pub(crate) pose_feedback: Pose,
     pub(crate) inputs: Inputs,
     /// True if limit switches do not switch the machine off until a jog has ended.
     pub(crate) overriding: bool,
@@ -132,10 +136,12 @@ impl State {
             path,
             probe: ProbeResult::default(),
             tool_offset: [0.0; 9],
+            origin: Origin::default(),
             mode: Mode::Free,
             enabled: false,
             dt: 0.0,
             pose: [0.0; 9],
+            pose_feedback: [0.0; 9],
             inputs: Inputs::default(),
             overriding: false,
             override_moved: false,
@@ -226,6 +232,18 @@ impl State {
             }
         }
         found
+    }
+
+    /// Computes the pose that the encoders report. Where the kinematics have none, it is the commanded pose.
+    pub(crate) fn find_feedback(&mut self) {
+        let mut places = self.places();
+        for (place, joint) in places.iter_mut().zip(&self.joints) {
+            *place = joint.pos_fb;
+        }
+        let mut pose = self.pose_feedback;
+        let found = self.kinematics.forward(&places, &mut pose).is_ok()
+            && pose.iter().all(|p| p.is_finite());
+        self.pose_feedback = if found { pose } else { self.pose };
     }
 
     /// Returns the commanded positions of the joints.

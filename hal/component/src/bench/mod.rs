@@ -22,12 +22,14 @@
 //! assert!(bench.get::<bool>("not.1.out"));
 //! ```
 
+mod describe;
 mod host;
 mod random;
 mod response;
 mod table;
 mod work;
 
+pub use describe::Described;
 pub use random::Random;
 pub use response::response;
 

@@ -18,6 +18,7 @@ pub(super) struct Memory {
     #[expect(dead_code, reason = "held so that the page stays live")]
     words: Vec<u64>,
     made: SnapshotRef,
+    pub(super) fields: Vec<FieldSpec>,
 }
 
 #[expect(clippy::unwrap_used, clippy::panic, reason = "a table for tests")]
@@ -94,7 +95,7 @@ pub(super) unsafe extern "C" fn snapshot(
     let made = SnapshotRef { page, words };
     // SAFETY: the caller passes a pointer to a live value.
     unsafe { out.write(made) };
-    let memory = Memory { words: memory, made };
+    let memory = Memory { words: memory, made, fields };
     table(ctx).borrow_mut().snapshots.insert(text(s.name), memory);
     Status::OK
 }

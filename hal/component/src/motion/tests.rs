@@ -31,6 +31,7 @@ impl Motion for Fake {
     ) -> Result<(), Error> {
         match c.kind {
             motion_kind::JOG => return Err(Error::new(format!("velocity is {}", c.speed))),
+            motion_kind::MOVE if self.room() == 0 => return Err(Error::again("full")),
             motion_kind::HOME => panic!("planted"),
             _ => {}
         }
@@ -133,7 +134,9 @@ fn a_full_controller_and_a_refusal_say_so() {
     assert_eq!(motion.push(MotionToken::LOCAL, &jog), Err(why));
     service.fake.room.store(0, Relaxed);
     assert_eq!(motion.room(), 0);
-    assert_eq!(motion.push(MotionToken::LOCAL, &jog), Err(MotionRefusal::Full));
+    let line = MotionCommand::new(motion_kind::MOVE);
+    assert_eq!(motion.push(MotionToken::LOCAL, &line), Err(MotionRefusal::Full));
+    assert!(motion.push(MotionToken::LOCAL, &MotionCommand::new(motion_kind::ABORT)).is_ok());
     // A panic of the controller reaches nobody else, and the service goes on.
     service.fake.room.store(1, Relaxed);
     let home = MotionCommand::new(motion_kind::HOME);

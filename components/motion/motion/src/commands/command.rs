@@ -1,7 +1,7 @@
 //! Commands from the control side to the realtime side.
 
 use crate::commands::config::{AxisConfig, JointConfig, SpindleConfig, TrajConfig};
-use hal_component::{Pose, TicketHandle};
+use hal_component::{MotionSource, Pose, TicketHandle};
 pub(crate) use hal_trajectory::Mode as PathMode;
 
 /// Mode that determines the meaning of jogs and moves.
@@ -161,5 +161,5 @@ pub(crate) enum Command {
     Axis(usize, AxisConfig),
     Spindle(usize, SpindleConfig),
     Traj(TrajConfig),
-    Request(Request, TicketHandle),
+    Request(Request, MotionSource, TicketHandle),
 }

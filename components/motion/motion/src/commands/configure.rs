@@ -2,13 +2,14 @@
 
 use crate::{
     commands::arguments::{AXIS, JOINT, SPINDLE, TRAJ},
+    commands::call::Call,
     commands::command::Command,
     commands::comp_file,
     commands::config::{AxisConfig, Encoder, HomeConfig, JointConfig, SpindleConfig, TrajConfig},
     commands::interface::letter,
     compensation::{MAX_TABLES, Tables},
 };
-use hal_component::{Call, Error};
+use hal_component::Error;
 use std::collections::BTreeMap;
 
 /// Configuration so far.

@@ -57,11 +57,14 @@ impl State {
                 self.replan(config.max_acceleration < self.traj.max_acceleration);
                 self.traj = config;
             }
-            Command::Request(request, ticket) => match self.request(request, ticket) {
-                Ok(Answer::Done) => ticket.done(),
-                Ok(Answer::Later) => {}
-                Err(why) => why.report(&self.say, ticket),
-            },
+            Command::Request(request, source, ticket) => {
+                let admitted = self.admit(&request, source);
+                match admitted.and_then(|()| self.request(request, ticket)) {
+                    Ok(Answer::Done) => ticket.done(),
+                    Ok(Answer::Later) => {}
+                    Err(why) => why.report(&self.say, ticket),
+                }
+            }
         }
     }
 
@@ -312,6 +315,7 @@ impl State {
     }
 
     fn abort(&mut self, ticket: TicketHandle) -> Answer {
+        self.origin.free();
         self.path.abort();
         self.end_homing("aborted");
         self.stop_jogs("aborted");

@@ -2,6 +2,7 @@
 
 use crate::{
     commands::arguments,
+    commands::call::Call,
     commands::command::{
         Command, FeedChange, Jog, JogDistance, JogTarget, Joints, Mode, Request, SpindleChange,
     },
@@ -9,7 +10,10 @@ use crate::{
     commands::path_rows::PATH_ROWS,
     pins::LETTERS,
 };
-use hal_component::{Arg, Builder, Call, Error, KinematicsRef, Sender, abi::ArgSpec};
+use hal_component::{
+    Arg, Builder, Error, KinematicsRef, MotionSource, Sender, TicketHandle, abi::ArgSpec,
+    motion_kind,
+};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Sender of commands to the realtime side.
@@ -179,22 +183,42 @@ impl CommandInterface {
         for row in ROWS.iter().chain(PATH_ROWS) {
             let (interface, read) = (self.clone(), row.read);
             b.command(row.name, row.doc, row.args, move |call| {
-                let request = read(&interface, call)?;
-                interface.send(request, call)
+                let request = read(&interface, &Call::Text(call))?;
+                interface.send(request, MotionSource::Local, call.ticket()?)
             })?;
         }
         b.command("motion.configure", arguments::DOC, arguments::ARGS, move |call| {
-            let mut cache = self.cache.lock().unwrap_or_else(PoisonError::into_inner);
-            let command = cache.read(call, self.joints, self.spindles)?;
-            self.to.send(command).map_err(|_| full())?;
-            cache.keep(&command);
-            Ok(())
+            self.configure(Call::Text(call))
         })
     }
 
-    fn send(&self, request: Request, call: &Call<'_>) -> Result<(), Error> {
-        let ticket = call.ticket()?;
-        self.to.send(Command::Request(request, ticket)).map_err(|_| {
+    /// Changes settings of a joint, an axis, a spindle, or of coordinated moves.
+    pub(super) fn configure(&self, call: Call<'_>) -> Result<(), Error> {
+        let mut cache = self.cache.lock().unwrap_or_else(PoisonError::into_inner);
+        let command = cache.read(&call, self.joints, self.spindles)?;
+        self.to.send(command).map_err(|_| full())?;
+        cache.keep(&command);
+        Ok(())
+    }
+
+    /// Reads a command of the service: the text command with the name of its kind has the same arguments.
+    pub(super) fn request(&self, kind: u32, call: Call<'_>) -> Result<Request, Error> {
+        let name = usize::try_from(kind).ok().and_then(|n| motion_kind::NAMES.get(n)).copied();
+        let name = name.unwrap_or_default();
+        let is_named = |row: &&Row| row.name.strip_prefix("motion.") == Some(name);
+        let row = ROWS.iter().chain(PATH_ROWS).find(is_named);
+        let row = row.ok_or_else(|| Error::new(format!("motmod has no command motion.{name}")))?;
+        (row.read)(self, &call)
+    }
+
+    /// Sends a request to the realtime side.
+    pub(super) fn send(
+        &self,
+        request: Request,
+        source: MotionSource,
+        ticket: TicketHandle,
+    ) -> Result<(), Error> {
+        self.to.send(Command::Request(request, source, ticket)).map_err(|_| {
             ticket.fail("too many commands wait");
             full()
         })

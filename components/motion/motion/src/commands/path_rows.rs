@@ -1,11 +1,12 @@
 //! The control side: commands that move along a path, and commands for the path in progress.
 
 use crate::{
+    commands::call::Call,
     commands::command::{Arc, Move, Output, PathMode, Probe, Request, Run, Speed},
     commands::interface::{CommandInterface, Row, above, number, within},
     pins::LETTERS,
 };
-use hal_component::{Arg, Call, Error, abi::ArgSpec};
+use hal_component::{Arg, Error, abi::ArgSpec};
 
 const INDEX: ArgSpec = Arg::int("index", "Number of the output, from 0.").required();
 const SYNC: ArgSpec =

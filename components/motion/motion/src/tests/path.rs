@@ -1,7 +1,7 @@
 //! Paths: arcs, blends, outputs on the way, pauses, steps, reverse motion, and refusals before anything moves.
 
 use super::{DT, Rig};
-use crate::status::MotionStatus;
+use hal_component::MotionStatus;
 use hal_component::abi::TicketState;
 
 impl Rig {

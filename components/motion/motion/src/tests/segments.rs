@@ -2,7 +2,7 @@
 //! jogs at random moments.
 
 use super::{DT, LIMITS, Rig};
-use crate::status::MotionStatus;
+use hal_component::MotionStatus;
 use hal_component::bench::Random;
 use hal_watchman::{Limits, Report, Watchman};
 

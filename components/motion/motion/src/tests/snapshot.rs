@@ -1,7 +1,7 @@
 //! The snapshot `motion.status`.
 
 use super::{PERIOD, Rig};
-use crate::status::MotionStatus;
+use hal_component::MotionStatus;
 
 fn status(rig: &Rig) -> MotionStatus {
     rig.bench.snapshot("motion.status")

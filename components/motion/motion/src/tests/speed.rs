@@ -1,6 +1,7 @@
 //! Cost of a cycle of nine joints, at rest and along a path.
 
-use crate::{Motmod, status::MotionStatus};
+use crate::Motmod;
+use hal_component::MotionStatus;
 use hal_component::bench::{Bench, Random};
 use std::time::Instant;
 use trivkins::Trivkins;
