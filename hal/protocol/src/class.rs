@@ -28,6 +28,10 @@ impl Request {
             | Self::Join { .. }
             | Self::NewPin { .. }
             | Self::Ready
+            | Self::Unready
+            | Self::Leave
+            | Self::SharePins { .. }
+            | Self::Sleep { .. }
             | Self::Poll { .. }
             | Self::Attach { .. }
             | Self::Sample(_)

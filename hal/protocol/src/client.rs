@@ -1,8 +1,8 @@
 //! The client's end of the engine's socket.
 
 use crate::{
-    At, Failure, Folder, FolderError, LATEST, Link, MAX_LEN, Place, Reply, Request, SampleSpec,
-    SampleState, Samples, Snapshot, Stream, WireReply, WireRequest,
+    At, Failure, Folder, FolderError, LATEST, Link, MAX_LEN, PinPage, Place, Reply, Request,
+    SampleSpec, SampleState, Samples, Snapshot, Stream, WireReply, WireRequest,
 };
 use rustix::{
     event::{PollFd, PollFlags, poll},
@@ -124,6 +124,21 @@ impl Client {
                 Snapshot::map(&fd, *info).map_err(|e| Failure::new(EIO, e))
             }
             _ => Err(Failure::new(EIO, format!("the engine sent no page for '{name}'"))),
+        }
+    }
+
+    /// Maps a page with space for this number of pins of this client, in place of the page `before`.
+    ///
+    /// # Errors
+    /// This client has not joined, the number is out of range, or the engine did not send a valid
+    /// page.
+    pub fn share_pins(&mut self, pins: u32, before: Option<PinPage>) -> Result<PinPage, Failure> {
+        let reply = self.call(Request::SharePins { pins })?;
+        match (reply, self.received.take()) {
+            (Reply::PinPage(info), Some(fd)) => {
+                PinPage::map(&fd, info, before).map_err(|e| Failure::new(EIO, e))
+            }
+            _ => Err(Failure::new(EIO, "the engine sent no page for this client's pins")),
         }
     }
 

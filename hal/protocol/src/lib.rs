@@ -19,6 +19,7 @@ mod kind;
 mod message;
 mod order;
 mod pattern;
+mod pins;
 mod place;
 mod reply;
 mod sample;
@@ -50,6 +51,7 @@ pub use order::{
     WayInfo,
 };
 pub use pattern::Patterns;
+pub use pins::{MAX_PAGE_PINS, PinPage, PinPageInfo};
 pub use place::{Place, valid_instance};
 pub use reply::{Answer, Reply};
 pub use sample::{ChannelInfo, MAX_CHANNELS, SampleInfo, SampleSpec, SampleState};

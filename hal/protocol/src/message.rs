@@ -279,6 +279,25 @@ pub enum Request {
     },
     /// Declares this client's component complete.
     Ready,
+    /// Declares this client's component incomplete again: it may create pins.
+    Unready,
+    /// Removes this client's component and its pins. The connection stays.
+    Leave,
+    /// Creates the page of shared memory through which this client exchanges the values of its pins
+    /// ([`crate::PinPage`]), in place of an older one. On the real clock, the engine exchanges them
+    /// at the client's poll period and at each request; on the virtual clock, at the client's own
+    /// requests and while it sleeps. The file descriptor comes with the answer
+    /// [`crate::Reply::PinPage`].
+    SharePins {
+        /// Number of pins that fit, 1 to 32768.
+        pins: u32,
+    },
+    /// Sleeps for this time of the machine. The clock waits for a client with a page whenever that client does
+    /// not sleep. Answer: [`crate::Reply::Done`].
+    Sleep {
+        /// Machine time in nanoseconds, at most 1000000000000.
+        ns: u64,
+    },
     /// Writes pins of this client, which has joined with a period; then waits for its next poll and
     /// reads all of its pins, in order of creation. Answer: [`crate::Reply::Values`].
     Poll {

@@ -2,8 +2,8 @@
 
 use crate::{
     AliasInfo, CommandInfo, ComponentInfo, Failure, Finding, FlightInfo, FunctInfo, ItemInfo,
-    Offer, OrderInfo, SampleInfo, SampleState, SignalInfo, SnapshotInfo, SnapshotValues,
-    StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Value, WorkerInfo,
+    Offer, OrderInfo, PinPageInfo, SampleInfo, SampleState, SignalInfo, SnapshotInfo,
+    SnapshotValues, StatusInfo, StreamInfo, ThreadInfo, TicketInfo, Value, WorkerInfo,
 };
 use serde::{Deserialize, Serialize};
 
@@ -71,6 +71,8 @@ pub enum Reply {
     Snapshot(Box<SnapshotValues>),
     /// A snapshot's page to map.
     SnapshotPage(Box<SnapshotInfo>),
+    /// A page of pin values to map.
+    PinPage(PinPageInfo),
     /// Component types.
     Offers(Vec<Offer>),
     /// The state of the instance.

@@ -32,11 +32,15 @@ unsafe impl Send for Mapping {}
 impl Mapping {
     /// Maps a ring of this depth (slots) and width (values per record).
     pub(crate) fn new(fd: &OwnedFd, depth: u32, width: u32) -> Result<Self, String> {
-        let prot = ProtFlags::READ | ProtFlags::WRITE;
-        let mapping = Self::sealed(fd, Ring::bytes(depth, width), prot, "ring")?;
+        let mapping = Self::writable(fd, Ring::bytes(depth, width), "ring")?;
         // SAFETY: the mapping is at least as long as the header, and the magic is its first word.
         let magic = unsafe { mapping.ring().cast::<u64>().read() };
         if magic == RING_MAGIC { Ok(mapping) } else { Err("this is not a ring".into()) }
+    }
+
+    /// Maps the first bytes of a file for reading and writing; otherwise as [`Self::sealed`].
+    pub(crate) fn writable(fd: &OwnedFd, bytes: usize, what: &str) -> Result<Self, String> {
+        Self::sealed(fd, bytes, ProtFlags::READ | ProtFlags::WRITE, what)
     }
 
     /// Maps the first bytes of a file that cannot shrink; `what` is its name in errors.
@@ -139,6 +143,12 @@ impl Stream {
             End::Reads(c) => c.lost_and_closed().1,
             End::Writes(p) => p.is_closed(),
         }
+    }
+
+    /// Returns the number of slots. One of them is always free.
+    #[must_use]
+    pub const fn depth(&self) -> u32 {
+        self.info.depth
     }
 
     /// Returns the number of records in the ring.

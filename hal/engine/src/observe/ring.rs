@@ -12,9 +12,9 @@ use std::os::fd::OwnedFd;
 
 /// Mapping of a file in memory whose size no process can change.
 #[derive(Debug)]
-pub(super) struct Sealed {
-    pub(super) fd: OwnedFd,
-    pub(super) address: *mut c_void,
+pub(crate) struct Sealed {
+    pub(crate) fd: OwnedFd,
+    pub(crate) address: *mut c_void,
     bytes: usize,
 }
 
@@ -32,6 +32,13 @@ impl Sealed {
         let seals = seals | SealFlags::SHRINK | SealFlags::GROW | SealFlags::SEAL;
         fcntl_add_seals(&sealed.fd, seals)?;
         Ok(sealed)
+    }
+}
+
+impl Sealed {
+    /// Maps `bytes` zero bytes that other processes can also write.
+    pub(crate) fn shared(name: &str, bytes: usize) -> std::io::Result<Self> {
+        Ok(Self::new(name, bytes, SealFlags::empty())?)
     }
 }
 

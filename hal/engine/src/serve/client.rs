@@ -1,6 +1,6 @@
 //! Connection of a client: request lines in, answers out.
 
-use crate::{Error, graph::Ix, serve::hold::Hold};
+use crate::{Error, graph::Ix, serve::hold::Hold, serve::pins::Shared};
 use hal_protocol::{Failure, MAX_LEN, Reply, WireReply};
 use rustix::net::{SendAncillaryBuffer, SendAncillaryMessage, SendFlags};
 use std::{
@@ -47,6 +47,8 @@ pub(crate) struct Client {
     pub(crate) hold: Hold,
     /// Values that the client writes when that poll is due.
     pub(crate) writes: Vec<(Ix, u64)>,
+    /// The page through which the client exchanges its values.
+    pub(crate) page: Option<Shared>,
     pub(crate) waits: Waits,
     pub(crate) flows: bool,
     pub(crate) gone: bool,
@@ -75,6 +77,7 @@ impl Client {
             owes: None,
             hold: Hold::NONE,
             writes: Vec::new(),
+            page: None,
             waits: Waits::No,
             flows: false,
             gone: false,

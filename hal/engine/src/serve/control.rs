@@ -87,6 +87,7 @@ impl Engine {
         if now >= target || self.held_back() {
             return false;
         }
+        self.take_pages();
         if self.observers.recording_waits() {
             self.begin_recording();
         }
@@ -129,6 +130,7 @@ impl Engine {
         if self.held_back() {
             return false;
         }
+        self.take_pages();
         if self.runtime.shared().mailbox.is_filling() {
             self.hear();
         }

@@ -107,6 +107,10 @@ mod tests {
             {"join": {"name": "a", "poll_ns": 0}}
             {"new-pin": {"name": "a", "ty": "bit", "direction": "in"}}
             "ready"
+            "unready"
+            "leave"
+            {"share-pins": {"pins": 1}}
+            {"sleep": {"ns": 1}}
             {"poll": {"writes": []}}
             {"attach": {"name": "a"}}
             {"sample": {"names": ["a"], "thread": null, "every": 1, "depth": 0, "wait": false}}

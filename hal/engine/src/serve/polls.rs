@@ -80,7 +80,11 @@ pub(crate) fn has_polled(engine: &mut Engine) -> bool {
     let now = engine.runtime.now();
     let clients = engine.clients.server.iter().flat_map(|s| &s.clients);
     let is_due = |c: &Client| matches!(c.waits, Waits::Poll(t) if t <= now);
-    !clients.into_iter().any(is_due) && !owes_poll(engine)
+    let has_polled = !clients.into_iter().any(is_due) && !owes_poll(engine);
+    if has_polled {
+        engine.take_pages();
+    }
+    has_polled
 }
 
 /// Returns the machine time up to which clients' waits let the virtual clock move.
@@ -111,8 +115,14 @@ pub(crate) fn settle(engine: &mut Engine, c: &mut Client) {
         Waits::Time(t) if now >= t => Ok(Reply::Done),
         Waits::Poll(t) if now >= t => {
             put_writes(engine, c);
-            c.owes = Some(now.saturating_add(c.poll_ns));
-            Ok(values(engine, c))
+            c.owes = Some(now.saturating_add(c.poll_after()));
+            if c.page.is_some() {
+                c.take_page(engine);
+                c.publish_page(engine);
+                Ok(Reply::Done)
+            } else {
+                Ok(values(engine, c))
+            }
         }
         Waits::Ticket(id) => match engine.result(id) {
             Ok(TicketInfo::Pending) if engine.runtime.fault().is_none() => return,

@@ -257,6 +257,9 @@ impl Link for Engine {
             Request::Await { pid, .. } => Some(pid),
             _ => None,
         };
+        if !self.runtime.is_virtual() {
+            self.take_pages();
+        }
         let is_result = matches!(request, Request::Ticket { wait: true, .. });
         Ok(match self.dispatch(request, None)? {
             Answer::Now(reply) => {

@@ -10,16 +10,22 @@ use crate::{
     serve::client::{Client, Waits},
     serve::dispatch::{Answer, misplaced},
     serve::hold::Hold,
+    serve::pins::{Shared, publish_after, take_before},
     serve::polls::period,
 };
 use hal_protocol::{
-    ComponentState, Direction, Failure, LATEST, Reply, Request, Type, Value, WireRequest,
+    ComponentState, Direction, Failure, LATEST, MAX_PAGE_PINS, PinPageInfo, Reply, Request, Type,
+    Value, WireRequest,
 };
 
-/// Executes the request of a line; returns `None` when the answer comes later.
+/// Longest sleep of a program, in nanoseconds of machine time.
+const MAX_SLEEP_NS: i64 = 1_000_000_000_000;
+
+/// Executes the request of a line of client `i`; returns `None` when the answer comes later.
 pub(crate) fn respond(
     engine: &mut Engine,
-    c: &mut Client,
+    clients: &mut [Client],
+    i: usize,
     line: &[u8],
 ) -> Option<Result<Reply, Failure>> {
     let wire = match serde_json::from_slice::<WireRequest>(line) {
@@ -29,6 +35,20 @@ pub(crate) fn respond(
             return Some(Err(Error::Protocol { why }.into()));
         }
     };
+    // What a program has written before it sleeps is taken before the clock moves, not earlier.
+    if !matches!(wire.request, Request::Sleep { .. }) {
+        take_before(engine, clients, i);
+    }
+    let reply = execute(engine, clients.get_mut(i)?, wire);
+    publish_after(engine, clients, i);
+    reply
+}
+
+fn execute(
+    engine: &mut Engine,
+    c: &mut Client,
+    wire: WireRequest,
+) -> Option<Result<Reply, Failure>> {
     let before = engine.model.visit(wire.at.as_ref());
     let done = engine.dispatch(wire.request, Some(c));
     engine.model.resume(before);
@@ -52,6 +72,10 @@ pub(crate) fn own(engine: &mut Engine, c: &mut Client, request: Request) -> Resu
         Request::Join { name, poll_ns } => join(engine, c, &name, poll_ns)?,
         Request::NewPin { name, ty, direction } => new_pin(engine, c, &name, ty, direction)?,
         Request::Ready => ready(engine, c)?,
+        Request::Unready => unready(engine, c)?,
+        Request::Leave => remove(engine, c)?,
+        Request::SharePins { pins } => share(engine, c, pins)?,
+        Request::Sleep { ns } => return sleep(engine, c, ns),
         Request::Poll { writes } => return poll(engine, c, &writes),
         Request::Attach { name, count } => attach(engine, c, &name, count)?,
         Request::Sample(spec) => {
@@ -83,6 +107,33 @@ fn poll(engine: &Engine, c: &mut Client, writes: &[(u32, Value)]) -> Result<Answ
     let due = c.owes.take().unwrap_or(now.saturating_add(c.poll_ns));
     c.hold = Hold::NONE;
     Ok(Answer::After(Waits::Poll(due.max(now)), false))
+}
+
+/// Sleeps until machine time has passed. A program with a page then owes its next sleep at once:
+/// time stands still while the program works.
+fn sleep(engine: &Engine, c: &mut Client, ns: u64) -> Result<Answer, Error> {
+    member(engine, c)?;
+    let ns = i64::try_from(ns).ok().filter(|ns| *ns <= MAX_SLEEP_NS).ok_or_else(|| {
+        let why = format!("a program cannot sleep for {ns} ns; expected at most {MAX_SLEEP_NS} ns");
+        Error::Protocol { why: why.into() }
+    })?;
+    (c.owes, c.hold) = (None, Hold::NONE);
+    Ok(Answer::After(Waits::Poll(engine.runtime.now().saturating_add(ns)), false))
+}
+
+/// Creates the page through which a program exchanges the values of its pins.
+fn share(engine: &Engine, c: &mut Client, pins: u32) -> Result<Reply, Error> {
+    member(engine, c)?;
+    if pins == 0 || pins > MAX_PAGE_PINS {
+        let why = format!("a page of {pins} pins is not possible; expected 1 to {MAX_PAGE_PINS}");
+        return Err(Error::Protocol { why: why.into() });
+    }
+    let info = PinPageInfo { pins, is_virtual: engine.runtime.is_virtual() };
+    let mut page = Shared::new(&info, c.page.as_ref())?;
+    page.publish(engine.model.graph(), &c.pins);
+    c.fd = Some(page.file()?);
+    c.page = Some(page);
+    Ok(Reply::PinPage(info))
 }
 
 fn hello(
@@ -123,7 +174,7 @@ fn join(engine: &mut Engine, c: &mut Client, name: &str, poll_ns: u64) -> Result
     }
     c.pins.clear();
     c.writes.clear();
-    (c.owes, c.poll_ns) = (None, 0);
+    (c.owes, c.poll_ns, c.page) = (None, 0, None);
     c.component = Some(engine.model.new_component(name, Some(c.pid), None, false)?);
     c.poll_ns = poll_ns;
     Ok(Reply::Done)
@@ -174,8 +225,28 @@ fn ready(engine: &mut Engine, c: &mut Client) -> Result<Reply, Error> {
     }
     has_started(engine, c);
     if c.poll_ns > 0 {
-        c.owes = Some(engine.runtime.now().saturating_add(c.poll_ns));
+        c.owes = Some(engine.runtime.now().saturating_add(c.poll_after()));
     }
+    Ok(Reply::Done)
+}
+
+fn unready(engine: &mut Engine, c: &mut Client) -> Result<Reply, Error> {
+    let ix = member(engine, c)?;
+    if let Some(me) = engine.model.component_mut(ix) {
+        me.state = ComponentState::Initializing;
+    }
+    (c.owes, c.hold) = (None, Hold::NONE);
+    Ok(Reply::Done)
+}
+
+/// Removes the component of a program that stays connected.
+fn remove(engine: &mut Engine, c: &mut Client) -> Result<Reply, Error> {
+    let ix = member(engine, c)?;
+    (c.owes, c.hold, c.page, c.component) = (None, Hold::NONE, None, None);
+    c.pins.clear();
+    c.writes.clear();
+    engine.model.has_left([ix]);
+    forget_left(engine);
     Ok(Reply::Done)
 }
 
@@ -238,7 +309,8 @@ fn attach(
 }
 
 /// Removes a disconnected client: its component, its pins and its streams.
-pub(crate) fn leave(engine: &mut Engine, c: &Client) {
+pub(crate) fn leave(engine: &mut Engine, c: &mut Client) {
+    c.take_page(engine);
     for ring in engine.model.rings_mut().map(|(_, ring)| ring) {
         if ring.attached == Some(c.id) {
             ring.attached = None;

@@ -11,6 +11,7 @@ mod instances;
 mod libraries;
 mod lost_machine;
 mod messages;
+mod pin_pages;
 mod plugin_files;
 mod recordings;
 mod running;
