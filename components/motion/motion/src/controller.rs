@@ -116,7 +116,7 @@ fn write_pins(s: &mut State, pins: &Pins, status: &MotionStatus) {
     for ((axis, pins), pos) in s.axes.iter().zip(&pins.axes).zip(s.pose) {
         axis.write_pins(pins, pos);
     }
-    for (spindle, pins) in s.spindles.iter().zip(&pins.spindles) {
+    for (spindle, pins) in s.spindles.iter_mut().zip(&pins.spindles) {
         spindle.write_pins(pins);
     }
     for (pin, value) in pins.lists.digital_out.iter().zip(&s.digital_out) {

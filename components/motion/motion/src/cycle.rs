@@ -130,6 +130,7 @@ impl State {
             joint.correct(&self.tables, dt, self.enabled);
             joint.work_lock(self.enabled);
         }
+        self.tell_spindles();
         self.end_override();
         let rests = self.path.parked() != Parked::No && !self.is_jogging();
         if (self.is_idle() || rests)

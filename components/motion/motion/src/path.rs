@@ -5,15 +5,19 @@ mod image;
 pub(crate) mod order;
 mod queue;
 mod reach;
+mod spindle;
 mod stop;
 mod sweep;
+mod tap;
 pub(crate) mod worker;
 
-use crate::commands::refusal::Refusal;
+use crate::commands::{command::Sync, refusal::Refusal};
 use hal_component::{Gives, Pose, SeqWriter, TicketHandle};
 use hal_trajectory::{Group, Step};
 use libm::fabs;
 use order::{HandOver, Item, Kind, Order, PathSetup, Session};
+pub(crate) use spindle::Pace;
+use spindle::{Course, OVERRUN_TURNS, Tracker};
 use std::collections::VecDeque;
 
 /// Capacity of the move queue.
@@ -45,6 +49,8 @@ pub(crate) struct Known {
     /// Length of an arc and its angle in turns; 0 for lines.
     length: f64,
     turns: f64,
+    /// Spindle that the move follows.
+    sync: Option<Sync>,
 }
 
 /// State of the hand-over to the planner.
@@ -98,6 +104,8 @@ pub(crate) struct Drive {
     pub(crate) may_begin: bool,
     /// State of the probe.
     pub(crate) probe: bool,
+    /// Motion of a path that follows a spindle.
+    pub(crate) pace: Option<Pace>,
 }
 
 /// A path of moves, planned by the worker and followed here.
@@ -113,6 +121,11 @@ pub(crate) struct Path {
     pending: VecDeque<Pending>,
     /// Number of elements of `pending` that the planner has.
     sent: usize,
+    /// Kind of the path, and its relation to the spindle.
+    course: Course,
+    tracker: Tracker,
+    /// True once the planner was told that this path has no more moves.
+    is_finishing: bool,
     /// True if the planner waits to accept moves again after a refusal.
     resume_due: bool,
     next_id: u32,
@@ -163,6 +176,9 @@ impl Path {
             spare: None,
             pending: VecDeque::with_capacity(QUEUE_LEN),
             sent: 0,
+            course: Course::Free,
+            tracker: Tracker::default(),
+            is_finishing: false,
             resume_due: false,
             next_id: 1,
             known: vec![Known::default(); KNOWN].into_boxed_slice(),
@@ -194,6 +210,16 @@ impl Path {
     pub(crate) fn begin(&mut self, mut setup: PathSetup) {
         self.generation = self.generation.wrapping_add(1);
         setup.generation = self.generation;
+        let next = self.pending.iter().find_map(|p| match p.item {
+            Item::Move(order) => Some((p.id, order.sync)),
+            Item::Output(_) => None,
+        });
+        self.course = next.map_or(Course::Free, |(id, sync)| Course::of(id, sync));
+        setup.is_bound = self.course != Course::Free;
+        if matches!(self.course, Course::Tap(_)) {
+            let pitch = next.and_then(|(_, sync)| sync).map_or(0.0, |s| s.pitch);
+            setup.overrun = OVERRUN_TURNS * pitch;
+        }
         self.setup.set(&setup);
         self.hand.set_latest(self.generation);
         let order = Order::Begin { generation: self.generation };
@@ -213,18 +239,30 @@ impl Path {
             self.paused &= self.resume_in > 0;
         }
         let session = self.session.as_mut()?;
-        let holds = self.stop.is_some() || self.paused || !self.last.moving && !drive.may_begin;
+        let mut holds = self.stop.is_some() || self.paused || !self.last.moving && !drive.may_begin;
+        let mut top = drive.top;
+        let mut reverse = self.reverse != drive.reverse;
         self.scale = drive.scale;
-        let scale = if holds { 0.0 } else { drive.scale };
-        session.follower.limit(drive.top);
-        let reverse = self.reverse != drive.reverse;
-        let step = session.follower.step(&session.reader, scale, reverse);
-        self.hand.set_input(session.follower.input(&session.reader));
-        let is_at_end = session.follower.is_done(&session.reader) && !step.moving;
+        if let Some(pace) = drive.pace {
+            // Overrides and holds wait until the spindle is free.
+            (holds, reverse, self.scale) = (pace.waits, pace.velocity < 0.0, 1.0);
+            top = less(top, fabs(pace.velocity));
+        } else if self.course != Course::Free {
+            reverse = false;
+        }
+        let scale = if holds { 0.0 } else { self.scale };
+        session.follower.limit(top);
+        let step = session.follower.step(&session.way, scale, reverse);
+        self.hand.set_input(session.follower.input(&session.way));
+        let is_at_end = session.follower.is_done(&session.way) && !step.moving;
+        let brakes = session.follower.brakes();
         self.velocity = fabs(step.travel) / drive.dt;
         self.travelled = if step.line == self.last.line { self.travelled } else { 0.0 };
         self.travelled += step.travel;
         self.last = step;
+        if drive.pace.is_some_and(|p| !p.waits) {
+            self.keep_pace(&step, brakes);
+        }
         self.watch_probe(drive.probe);
         self.end_moves(is_at_end);
         self.end_step();

@@ -18,6 +18,23 @@ pub(crate) struct Spindle {
     /// Angle and direction of the last orientation.
     angle: f64,
     mode: i32,
+    pub(crate) inputs: SpindleInputs,
+    /// True while a move waits for the index.
+    seeks: bool,
+    /// Pending value of index-enable.
+    index_enable: Option<bool>,
+    /// Distance of the axes from their place at this spindle.
+    pub(crate) sync_error: f64,
+}
+
+/// Inputs of this cycle.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct SpindleInputs {
+    /// Turns since the index.
+    pub(crate) revs: f64,
+    /// Measured speed in turns per second.
+    pub(crate) speed: f64,
+    pub(crate) index_enable: bool,
 }
 
 /// State of an orientation.
@@ -53,6 +70,10 @@ impl Default for Spindle {
             orient: Orient::Nowhere,
             angle: 0.0,
             mode: 0,
+            inputs: SpindleInputs::default(),
+            seeks: false,
+            index_enable: None,
+            sync_error: 0.0,
         }
     }
 }
@@ -96,12 +117,17 @@ impl Spindle {
 
     /// Reads the pins; `n` is the number of the spindle.
     pub(crate) fn read_pins(&mut self, n: usize, pins: &SpindlePins, dt: f64, say: &Messages) {
+        self.inputs = SpindleInputs {
+            revs: pins.revs.get(),
+            speed: pins.speed_in.get(),
+            index_enable: pins.index_enable.get(),
+        };
         let Orient::Turning { ticket, is_again, late } = &mut self.orient else { return };
         if core::mem::take(is_again) {
             // An is-oriented that belongs to the previous angle does not count.
             return;
         }
-        let (fault, speed) = (pins.orient_fault.get(), pins.speed_in.get());
+        let (fault, speed) = (pins.orient_fault.get(), self.inputs.speed);
         if fault != 0 {
             say.error("spindle {} orient fault {}", &[n as f64, f64::from(fault)]);
             return self.stop("spindle orient fault");
@@ -127,8 +153,15 @@ impl Spindle {
         !self.on || pins.at_speed.get()
     }
 
+    /// Arms or disarms the handshake with the encoder's index.
+    pub(crate) const fn seek_index(&mut self, seeks: bool) {
+        if seeks != self.seeks {
+            (self.seeks, self.index_enable) = (seeks, Some(seeks));
+        }
+    }
+
     /// Writes the pins.
-    pub(crate) fn write_pins(&self, pins: &SpindlePins) {
+    pub(crate) fn write_pins(&mut self, pins: &SpindlePins) {
         let runs = self.on && !pins.inhibit.get();
         let speed = if runs { self.config.limited(self.speed * self.scale) } else { 0.0 };
         pins.on.set(runs);
@@ -144,5 +177,9 @@ impl Spindle {
         pins.locked.set(matches!(self.orient, Orient::Locked));
         pins.orient_angle.set(self.angle);
         pins.orient_mode.set(self.mode);
+        pins.sync_error.set(self.sync_error);
+        if let Some(value) = self.index_enable.take() {
+            pins.index_enable.set(value);
+        }
     }
 }

@@ -4,6 +4,7 @@ mod command;
 mod compensation;
 mod event;
 mod fault;
+mod follow;
 mod home;
 mod interlock;
 mod jog;

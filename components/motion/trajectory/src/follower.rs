@@ -60,6 +60,10 @@ pub struct Follower {
     highest: f64,
     /// Highest speed along the path, whatever was planned.
     top: f64,
+    /// Distance from the start of the track at which the motion begins.
+    skip: f64,
+    /// True if the input brakes for what is ahead.
+    brakes: bool,
 }
 
 /// A place on the track.
@@ -114,7 +118,16 @@ impl Follower {
             feed: 0.0,
             highest: 0.0,
             top: f64::INFINITY,
+            skip: 0.0,
+            brakes: false,
         }
+    }
+
+    /// Begins at this distance from the start of the track instead. The pose there is the one given to [`Self::new`].
+    #[must_use]
+    pub const fn begin_at(mut self, distance: f64) -> Self {
+        self.skip = if distance > 0.0 { distance } else { 0.0 };
+        self
     }
 
     /// Limits the speed along the path from now on, in units per second. A motion that is faster brakes.
@@ -161,6 +174,16 @@ impl Follower {
         (self.cell, track.cell(self.cell).map_or(0.0, |cell| self.place(&cell).x))
     }
 
+    /// Returns the highest acceleration along the path, at rest, at the place of the input; 0 if there is no path yet.
+    pub fn acceleration(&self, track: &impl Path) -> f64 {
+        track.cell(self.cell).map_or(0.0, |cell| cell.rest)
+    }
+
+    /// Returns true if the input brakes for the end of the path, or for a lower speed ahead.
+    pub const fn brakes(&self) -> bool {
+        self.brakes
+    }
+
     /// Returns the speed of the input along the path.
     pub const fn speed(&self) -> f64 {
         self.speed
@@ -183,16 +206,25 @@ impl Follower {
         let mut still = true;
         let mut events = 0;
         self.recheck = self.recheck.saturating_sub(1);
+        self.brakes = false;
         if self.asked && !reverse && !self.back {
             self.asked = false;
             let _ = track.may_turn(false);
         }
         while left > 0.0 && events < MAX_EVENTS {
             events += 1;
-            let Some(cell) = track.cell(self.cell) else { break };
+            let Some(mut cell) = track.cell(self.cell) else { break };
             if !self.begun {
                 self.begun = true;
-                self.to_go = cell.length;
+                while self.skip > cell.length
+                    && let Some(next) = track.cell(self.cell + 1)
+                {
+                    self.skip -= cell.length;
+                    self.cell += 1;
+                    cell = next;
+                }
+                self.to_go = (cell.length - self.skip).max(0.0);
+                self.output = self.place(&cell);
             }
             if self.speed == 0.0 && self.back != reverse {
                 self.asked = reverse;

@@ -228,6 +228,7 @@ const SPINDLE: &[&str] = &[
     "max-forward-velocity",
     "min-reverse-velocity",
     "max-reverse-velocity",
+    "sync-error",
 ];
 
 /// Arguments that are read from an axis's section.

@@ -114,6 +114,11 @@ pub(crate) const ARGS: &[&ArgSpec] = &[
         "max-reverse-velocity",
         "Highest speed in reverse, without sign; max-forward-velocity if never given.",
     ),
+    &Arg::float(
+        "sync-error",
+        "How far the axes of a thread or tap may be from their place at a spindle, in units, above 0: \
+         beyond it the path ends; at first any distance.",
+    ),
     &Arg::float("max-feed-override", "Highest factor of feed override, 0 or more; at first 1."),
 ];
 
@@ -153,4 +158,5 @@ pub(crate) const SPINDLE: &[&str] = &[
     "max-forward-velocity",
     "min-reverse-velocity",
     "max-reverse-velocity",
+    "sync-error",
 ];

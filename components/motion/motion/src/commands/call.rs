@@ -81,6 +81,12 @@ fn setting(c: &MotionCommand) -> Option<&'static str> {
     names.copied().filter(|_| c.kind == motion_kind::CONFIGURE)
 }
 
+/// Returns whether a move follows a spindle, and has no speed of its own.
+fn is_bound(c: &MotionCommand) -> bool {
+    let may = [motion_kind::MOVE, motion_kind::ARC, motion_kind::TAP];
+    may.contains(&c.kind) && c.pitch != 0.0
+}
+
 const fn has(c: &MotionCommand, flag: u32) -> bool {
     c.flags & flag != 0
 }
@@ -112,8 +118,13 @@ fn float(c: &MotionCommand, name: &str) -> Option<f64> {
     };
     let given = |value: f64, given: bool| given.then_some(value);
     match name {
-        "velocity" => given(c.speed, c.kind == motion_kind::JOG || c.speed_kind == 2),
-        "time" => given(c.speed, c.speed_kind == 3),
+        "velocity" => {
+            given(c.speed, c.kind == motion_kind::JOG || c.speed_kind == 2 && !is_bound(c))
+        }
+        "time" => given(c.speed, c.speed_kind == 3 && !is_bound(c)),
+        "pitch" => given(c.pitch, is_bound(c) && !has(c, flags::VELOCITY_MODE)),
+        "per-turn" => given(c.pitch, is_bound(c) && has(c, flags::VELOCITY_MODE)),
+        "return" => given(c.scale, has(c, flags::HAS_SCALE) || c.scale != 0.0),
         "acceleration" => given(c.acceleration, c.acceleration != 0.0),
         "tolerance" => {
             let has_none = c.tolerance < 0.0 || c.tolerance == f64::INFINITY;
@@ -147,7 +158,7 @@ fn bit(c: &MotionCommand, name: &str) -> Option<bool> {
         "optional" => Some(has(c, flags::OPTIONAL)),
         "sync" => Some(has(c, flags::SYNC)),
         "value" => Some(has(c, flags::ON)),
-        "rapid" => Some(c.speed_kind == 1),
+        "rapid" => Some(c.speed_kind == 1 && !is_bound(c)),
         "brake" => pair(flags::HAS_BRAKE, flags::BRAKE),
         "adaptive" => pair(flags::HAS_ADAPTIVE, flags::ADAPTIVE),
         "hold" => pair(flags::HAS_HOLD, flags::HOLD),

@@ -57,6 +57,31 @@ pub(crate) struct Move {
     pub(crate) mode: PathMode,
     /// Line of the program.
     pub(crate) line: u32,
+    /// Spindle that the move follows.
+    pub(crate) sync: Option<Sync>,
+}
+
+/// Relation of a move to a spindle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Sync {
+    pub(crate) spindle: usize,
+    /// Units per turn.
+    pub(crate) pitch: f64,
+    pub(crate) follows: Follows,
+}
+
+/// Property of a spindle that a move follows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Follows {
+    /// The measured speed: feed per turn (G95).
+    Speed,
+    /// The place from its index on: thread (G33).
+    Place,
+    /// The place, in and out again: rigid tap (G33.1).
+    Tap {
+        /// Factor for the spindle's speed on the way out.
+        back: f64,
+    },
 }
 
 /// Speed of a move.

@@ -160,11 +160,19 @@ pub(crate) struct SpindleConfig {
     /// Limits in reverse; those of forward if they were never set.
     pub(crate) min_reverse: Option<f64>,
     pub(crate) max_reverse: Option<f64>,
+    /// Distance from their place at the spindle at which axes that follow it stop.
+    pub(crate) sync_error: f64,
 }
 
 impl Default for SpindleConfig {
     fn default() -> Self {
-        Self { min_forward: 0.0, max_forward: f64::INFINITY, min_reverse: None, max_reverse: None }
+        Self {
+            min_forward: 0.0,
+            max_forward: f64::INFINITY,
+            min_reverse: None,
+            max_reverse: None,
+            sync_error: f64::INFINITY,
+        }
     }
 }
 

@@ -144,6 +144,7 @@ impl ConfigCache {
         not_negative(call, "max-forward-velocity", &mut c.max_forward)?;
         not_negative(call, "min-reverse-velocity", &mut c.min_reverse)?;
         not_negative(call, "max-reverse-velocity", &mut c.max_reverse)?;
+        above(call, "sync-error", &mut c.sync_error)?;
         for (forward, way) in [(true, "forward"), (false, "reverse")] {
             let (min, max) = c.limits(forward);
             if min > max {

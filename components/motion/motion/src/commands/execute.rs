@@ -278,6 +278,8 @@ impl State {
             }
         };
         let (feed, is_time) = match m.speed {
+            // The feed is that of the spindle.
+            _ if m.sync.is_some() => (f64::INFINITY, false),
             Speed::Default => (traj.default_velocity, false),
             Speed::Rapid => (f64::INFINITY, false),
             Speed::Feed(v) => (v, false),
@@ -292,6 +294,7 @@ impl State {
             is_time,
             acceleration: m.acceleration.filter(|a| *a < most).unwrap_or(most),
             line: m.line,
+            sync: m.sync,
         };
         self.path.push(&self.pose, &m.to, order, Some(ticket))
     }
@@ -316,12 +319,11 @@ impl State {
 
     fn abort(&mut self, ticket: TicketHandle) -> Answer {
         self.origin.free();
-        self.path.abort();
+        let tapping = self.path.abort();
         self.end_homing("aborted");
         self.stop_jogs("aborted");
-        for spindle in &mut self.spindles {
-            spindle.stop("aborted");
-        }
+        let all = self.spindles.iter_mut().enumerate();
+        all.filter(|(n, _)| tapping != Some(*n)).for_each(|(_, s)| s.stop("aborted"));
         self.await_stop(ticket)
     }
 

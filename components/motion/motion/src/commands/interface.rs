@@ -282,7 +282,7 @@ impl CommandInterface {
         Err(Error::new(format!("axis {letter} has no joint in these kinematics")))
     }
 
-    fn number_of_spindle(&self, call: &Call<'_>) -> Result<usize, Error> {
+    pub(super) fn number_of_spindle(&self, call: &Call<'_>) -> Result<usize, Error> {
         within(call, "spindle", &format!("are {}", self.spindles), self.spindles)
     }
 

@@ -2,7 +2,9 @@
 
 use crate::{
     commands::call::Call,
-    commands::command::{Arc, Move, Output, PathMode, Probe, Request, Run, Speed},
+    commands::command::{
+        Arc, Follows, Move, Output, PathMode, Probe, Request, Run, Speed, Sync as SpindleSync,
+    },
     commands::interface::{CommandInterface, Row, above, number, within},
     pins::LETTERS,
 };
@@ -28,6 +30,12 @@ const RAPID: ArgSpec =
 const TIME: ArgSpec = Arg::float("time", "Time for the whole move in s, above 0, as G93.");
 const VELOCITY: ArgSpec =
     Arg::float("velocity", "Velocity in units/s, above 0; default-velocity if missing.");
+const SPINDLE: ArgSpec =
+    Arg::int("spindle", "Number of the spindle that pitch or per-turn belongs to, from 0.").or("0");
+const PER_TURN: ArgSpec = Arg::float(
+    "per-turn",
+    "Velocity in units per turn of the spindle, by its speed-in, above 0, as G95.",
+);
 const ACCELERATION: ArgSpec =
     Arg::float("acceleration", "Acceleration in units/s², above 0; as allowed if missing.");
 const X: ArgSpec = Arg::float("x", "Position of x in units.");
@@ -55,8 +63,14 @@ Moves in a straight line to a position of the axes, after the moves that wait al
 Letters that are not given stay. Velocity and acceleration hold along the line (of x y z; without
 these of u v w; without these of a b c), less where a joint, an axis or the machine allows less. It
 waits while a spindle that is on has no at-speed. A move beyond a limit is refused before it begins,
-and so are the moves that wait behind it.",
+and so are the moves that wait behind it.
+
+With pitch= the move follows the turns of a spindle from its index on, as G33: overrides do not count,
+and a hold takes effect after it. Several such moves in a row are one thread.",
         args: with_axes![
+            &SPINDLE,
+            &Arg::float("pitch", "Units in x y z per turn of the spindle, above 0, as G33."),
+            &PER_TURN,
             &VELOCITY,
             &ACCELERATION,
             &RAPID,
@@ -66,6 +80,28 @@ and so are the moves that wait behind it.",
             &LINE,
         ],
         read: |interface, call| Ok(Request::Move(move_to(interface, call, None)?)),
+    },
+    Row {
+        name: "motion.tap",
+        doc: "\
+Taps a thread in a straight line with the turns of a spindle, and comes back, as G33.1.
+
+The tap begins at the index of the spindle. At the depth the spindle is reversed, and the axes follow it
+through the overrun and out again; then it turns as before, and the axes go back to the start. A hold
+takes effect after it. motion.abort reverses the spindle at once, follows it out and stops.",
+        args: with_axes![
+            &SPINDLE,
+            &Arg::float("pitch", "Units per turn of the spindle, above 0.").required(),
+            &Arg::float("return", "Factor for the spindle's speed on the way out, above 0.")
+                .or("1"),
+            &LINE,
+        ],
+        read: |interface, call| {
+            let back = above(call, "return")?.unwrap_or(1.0);
+            let line = move_to(interface, call, None)?;
+            let sync = line.sync.map(|s| SpindleSync { follows: Follows::Tap { back }, ..s });
+            Ok(Request::Move(Move { sync, ..line }))
+        },
     },
     Row {
         name: "motion.arc",
@@ -94,6 +130,8 @@ full circle. All other axes move evenly along it.",
                 .or("0"),
             &Arg::bit("clockwise", "TRUE turns the other way.").or("FALSE"),
             &Arg::int("turns", "Additional full turns, 0 to 1000000.").or("0"),
+            &SPINDLE,
+            &PER_TURN,
             &VELOCITY,
             &ACCELERATION,
             &TIME,
@@ -240,7 +278,21 @@ fn move_to(interface: &CommandInterface, call: &Call<'_>, arc: Option<Arc>) -> R
         acceleration: above(call, "acceleration")?,
         mode: mode(call)?,
         line,
+        sync: sync(interface, call)?,
     })
+}
+
+fn sync(interface: &CommandInterface, call: &Call<'_>) -> Result<Option<SpindleSync>, Error> {
+    let (pitch, follows) = match (above(call, "pitch")?, above(call, "per-turn")?) {
+        (None, None) => return Ok(None),
+        (Some(pitch), None) => (pitch, Follows::Place),
+        (None, Some(feed)) => (feed, Follows::Speed),
+        (Some(_), Some(_)) => return Err(Error::new("pitch= and per-turn= exclude each other")),
+    };
+    if speed(call)? != Speed::Default {
+        return Err(Error::new("pitch= and per-turn= exclude velocity=, time= and rapid="));
+    }
+    Ok(Some(SpindleSync { spindle: interface.number_of_spindle(call)?, pitch, follows }))
 }
 
 fn speed(call: &Call<'_>) -> Result<Speed, Error> {

@@ -19,13 +19,15 @@ impl State {
             self.path.begin(setup);
         }
         let before = self.pose;
+        let pace = self.follow_spindle(dt);
         let drive = Drive {
             dt,
             scale: self.feed.net,
             reverse: self.feed.reverse,
-            top: self.traj.max_velocity,
+            top: self.top_speed(),
             may_begin: self.at_speed,
             probe: self.inputs.probe,
+            pace,
         };
         if let Some(pose) = self.path.step(drive) {
             self.pose = pose;

@@ -1,13 +1,13 @@
 //! Values that pass between the realtime side of a path and its planner.
 
 use crate::{
-    commands::command::{Output, Probe},
+    commands::command::{Follows, Output, Probe, Sync},
     commands::refusal::Refusal,
     setup::MAX_JOINTS,
 };
 use crossbeam::queue::ArrayQueue;
 use hal_component::{Plain, Pose};
-use hal_trajectory::{Follower, Mode, Reader, Shape};
+use hal_trajectory::{Cell, Follower, Mode, Path as TrajectoryPath, Reader, Shape, Track};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 /// Capacity of the queue of orders to the planner.
@@ -41,6 +41,14 @@ pub(crate) struct PathMove {
     pub(crate) acceleration: f64,
     /// Line of the program.
     pub(crate) line: u32,
+    pub(crate) sync: Option<Sync>,
+}
+
+impl PathMove {
+    /// Returns whether the move is a rigid tap.
+    pub(crate) const fn is_tap(&self) -> bool {
+        matches!(self.sync, Some(Sync { follows: Follows::Tap { .. }, .. }))
+    }
 }
 
 /// An element of a path.
@@ -52,6 +60,10 @@ pub(crate) enum Item {
 }
 
 /// Work for the planner, in order.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "nearly all are moves, and realtime code makes no boxes"
+)]
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Order {
     /// Begins a path at rest, with the latest [`PathSetup`].
@@ -62,6 +74,10 @@ pub(crate) enum Order {
         generation: u32,
         id: u32,
         order: PathMove,
+    },
+    /// Plans the moves so far to their end.
+    Finish {
+        generation: u32,
     },
     /// Accepts moves again, after one was refused.
     Resume {
@@ -82,7 +98,45 @@ pub(crate) struct Report {
 pub(crate) struct Session {
     pub(crate) generation: u32,
     pub(crate) follower: Follower,
-    pub(crate) reader: Reader,
+    pub(crate) way: Way,
+}
+
+/// Planned path of a session.
+#[derive(Debug)]
+pub(crate) enum Way {
+    /// Shared with the planner, which goes on planning.
+    Shared(Reader),
+    /// Complete, so that the motion may turn at any time.
+    Own(Box<Track>),
+}
+
+impl TrajectoryPath for Way {
+    fn cell(&self, number: u64) -> Option<Cell> {
+        match self {
+            Self::Shared(reader) => reader.cell(number),
+            Self::Own(track) => track.cell(number).copied(),
+        }
+    }
+
+    fn pose(&self, curve: u64, s: f64) -> Option<hal_trajectory::Pose> {
+        match self {
+            Self::Shared(reader) => reader.pose(curve, s),
+            Self::Own(track) => track.pose(curve, s),
+        }
+    }
+
+    fn may_turn(&self, reverse: bool) -> bool {
+        match self {
+            Self::Shared(reader) => reader.may_turn(reverse),
+            Self::Own(_) => true,
+        }
+    }
+
+    fn release(&self, oldest: u64) {
+        if let Self::Shared(reader) = self {
+            reader.release(oldest);
+        }
+    }
 }
 
 /// Queues between the realtime side and the planner.
@@ -191,6 +245,10 @@ pub(crate) struct PathSetup {
     pub(crate) max_override: f64,
     /// Length of the exact tolerance.
     pub(crate) exact_tolerance: f64,
+    /// True if the moves follow a spindle.
+    pub(crate) is_bound: bool,
+    /// Distance by which a tap may overrun its depth and its start; 0 without a tap.
+    pub(crate) overrun: f64,
 }
 
 impl PathSetup {
@@ -211,5 +269,7 @@ impl PathSetup {
         axis_acceleration: [f64::INFINITY; 9],
         max_override: 1.0,
         exact_tolerance: 2e-3,
+        is_bound: false,
+        overrun: 0.0,
     };
 }

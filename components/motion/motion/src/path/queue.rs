@@ -1,13 +1,17 @@
 //! Realtime. The queue of a path: moves come in, go to the planner, and end when the motion has passed them.
 
 use super::{
-    KNOWN, Known, Live, Path, Pending, QUEUE_LEN, Stop,
+    AT_REST, KNOWN, Known, Live, Path, Pending, QUEUE_LEN, Stop,
     order::{Item, Kind, Order, PathMove, comes_after},
+    spindle::{Course, Tracker},
     sweep::Sweep,
 };
-use crate::commands::{command::Output, refusal::Refusal};
+use crate::commands::{
+    command::{Follows, Output, Sync},
+    refusal::Refusal,
+};
 use hal_component::{Pose, TicketHandle};
-use hal_trajectory::Shape;
+use hal_trajectory::{Group, Shape, Step};
 
 /// Largest number of moves sent to the planner in a cycle.
 const PER_CYCLE: usize = 16;
@@ -48,6 +52,11 @@ impl Path {
                 }
             }
         }
+        if let Some(Sync { follows: Follows::Place | Follows::Tap { .. }, .. }) = order.sync {
+            is_followable(&start, &end)?;
+        }
+        // A tap ends where it begins.
+        let end = if order.is_tap() { start } else { end };
         let (length, turns) = match order.kind {
             Kind::Arc => {
                 let sweep = Sweep::new(&start, &order.shape);
@@ -61,7 +70,15 @@ impl Path {
         }
         let id = self.new_id();
         if let Some(known) = self.known.get_mut(id as usize % KNOWN) {
-            *known = Known { id, line: order.line, kind: order.kind, end, length, turns };
+            *known = Known {
+                id,
+                line: order.line,
+                kind: order.kind,
+                end,
+                length,
+                turns,
+                sync: order.sync,
+            };
         }
         self.end = end;
         self.pending.push_back(Pending { id, item: Item::Move(order), end, ticket });
@@ -82,7 +99,7 @@ impl Path {
     }
 
     fn needs_room(&self) -> Result<(), Refusal> {
-        if matches!(self.stop, Some(Stop::Abort(_))) {
+        if matches!(self.stop, Some(Stop::Abort(_))) || self.leaves_hole() {
             return Err(Refusal::new("the machine is still coming to a stop"));
         }
         if self.pending.len() >= QUEUE_LEN {
@@ -116,6 +133,13 @@ impl Path {
             self.sent = self.sent.min(self.pending.len());
             self.resume_due = true;
             self.refused = Some(report.why);
+            if self.course != Course::Free {
+                // The next move begins a path of its own.
+                self.begin_anew();
+                if self.pending.is_empty() {
+                    self.leave();
+                }
+            }
         }
         if self.resume_due {
             let order = Order::Resume { generation: self.generation };
@@ -134,6 +158,9 @@ impl Path {
         for _ in 0..PER_CYCLE {
             let Some(next) = self.pending.get(self.sent) else { return };
             if let Item::Move(order) = next.item {
+                if Course::of(next.id, order.sync) != self.course {
+                    return self.end_course();
+                }
                 let order = Order::Move { generation: self.generation, id: next.id, order };
                 if self.hand.orders.push(order).is_err() {
                     return;
@@ -143,13 +170,38 @@ impl Path {
         }
     }
 
+    /// The next move needs a path of its own: it begins when this one has ended.
+    fn end_course(&mut self) {
+        if self.sent == 0 {
+            if self.live == Live::Follows && !self.last.moving {
+                self.begin_anew();
+            }
+        } else if !self.is_finishing && self.course != Course::Free {
+            let order = Order::Finish { generation: self.generation };
+            self.is_finishing = self.hand.orders.push(order).is_ok();
+        }
+    }
+
+    /// Leaves the path, which rests, so that the planner begins another one for the moves that wait.
+    pub(super) fn begin_anew(&mut self) {
+        let old = self.session.take();
+        self.give_back(old);
+        self.sent = 0;
+        self.resume_due = false;
+        self.is_finishing = false;
+        self.course = Course::Free;
+        self.tracker = Tracker::default();
+        self.live = if self.pending.is_empty() { Live::Rest } else { Live::Wanted };
+        self.last = Step { pose: self.last.pose, ..AT_REST };
+    }
+
     /// Ends the moves that the motion has passed. Outputs stay until [`Self::due`].
     pub(super) fn end_moves(&mut self, is_at_end: bool) {
         while let Some(front) = self.pending.front() {
             let passed = self.last.line != 0 && comes_after(self.last.line, front.id)
                 || is_at_end && self.hand.is_finished(self.generation, front.id);
             let Item::Move(order) = front.item else { return };
-            if !passed {
+            if !passed || order.is_tap() {
                 return;
             }
             let missed = order.probe.is_some_and(|p| p.must);
@@ -176,4 +228,14 @@ impl Path {
         self.sent = self.sent.saturating_sub(1);
         Some(output)
     }
+}
+
+/// Refuses a move whose longest part is not in x y z, to which a pitch applies.
+fn is_followable(start: &Pose, end: &Pose) -> Result<(), Refusal> {
+    let by = hal_trajectory::Pose(*end) - hal_trajectory::Pose(*start);
+    let [xyz, abc, uvw] = Group::ALL.map(|g| by.norm(g));
+    if xyz > 1e-6 && xyz >= abc && xyz >= uvw {
+        return Ok(());
+    }
+    Err(Refusal::new("a move that follows a spindle needs its longest part in x y z"))
 }

@@ -1,10 +1,15 @@
 //! Realtime. Pause, single steps and reverse motion; aborts; and a new plan for the rest of a path when limits change.
 
-use super::{AT_REST, Live, Parked, Path, Stop, order::Item, sweep};
+use super::{
+    AT_REST, Live, Parked, Path, Stop,
+    order::Item,
+    spindle::{Course, Tracker},
+    sweep,
+};
 use crate::commands::{command::Run, refusal::Refusal};
-use hal_trajectory::Step;
 
 const ABORTED: Refusal = Refusal::new("aborted");
+const LOWERED: Refusal = Refusal::new("a limit became tighter while the axes followed a spindle");
 const PROBED: Refusal = Refusal::new("the path ended where the probe changed");
 const TRIPPED: Refusal = Refusal::new("the probe is tripped already as the probe move begins");
 const RELEASED: Refusal = Refusal::new("the probe is not tripped as the probe move begins");
@@ -81,8 +86,13 @@ impl Path {
     }
 
     /// Brakes along the path and discards the remaining moves.
-    pub(crate) fn abort(&mut self) {
-        self.abort_with(ABORTED);
+    /// A tap follows its spindle out of the hole first; the result is that spindle.
+    pub(crate) fn abort(&mut self) -> Option<usize> {
+        let tapping = self.abort_tap(ABORTED);
+        if tapping.is_none() {
+            self.abort_with(ABORTED);
+        }
+        tapping
     }
 
     /// Brakes along the path and discards the remaining moves, for a reason.
@@ -127,6 +137,9 @@ impl Path {
         self.step_of = None;
         self.last = AT_REST;
         self.velocity = 0.0;
+        self.is_finishing = false;
+        self.course = Course::Free;
+        self.tracker = Tracker::default();
     }
 
     /// Plans the rest of the path again for limits that have changed. A path that has ended is left.
@@ -134,6 +147,10 @@ impl Path {
         if self.is_idle() {
             if self.live != Live::Rest {
                 self.leave();
+            }
+        } else if self.is_bound() {
+            if self.abort_tap(LOWERED).is_none() && !self.leaves_hole() {
+                self.abort_with(LOWERED);
             }
         } else if self.stop.is_none() && self.live != Live::Wanted {
             self.stop = Some(Stop::Replan);
@@ -165,12 +182,7 @@ impl Path {
             }
             Some(Stop::Replan) => {
                 self.cut_front();
-                let old = self.session.take();
-                self.give_back(old);
-                self.sent = 0;
-                self.resume_due = false;
-                self.live = if self.pending.is_empty() { Live::Rest } else { Live::Wanted };
-                self.last = Step { pose: self.last.pose, ..AT_REST };
+                self.begin_anew();
             }
         }
     }

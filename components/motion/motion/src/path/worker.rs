@@ -4,9 +4,10 @@ use crate::{
     commands::refusal::Refusal,
     path::{
         image::Image,
-        order::{HandOver, Order, PathMove, PathSetup, Report, Session},
+        order::{HandOver, Order, PathMove, PathSetup, Report, Session, Way},
         reach,
         sweep::Sweep,
+        tap,
     },
 };
 use hal_component::{KinematicsRef, SeqReader, Takes, Touch, Work};
@@ -110,12 +111,20 @@ impl PlannerWorker {
                 self.free_paths();
                 self.begin(generation);
             }
+            Order::Finish { generation } => {
+                if let Some(job) = self.job.as_mut().filter(|j| j.setup.generation == generation) {
+                    job.finish();
+                }
+            }
             Order::Resume { generation } => {
                 if let Some(job) = self.job.as_mut().filter(|j| j.setup.generation == generation) {
                     job.skips = false;
                 }
             }
             Order::Move { generation, id, order: step } if generation == latest => {
+                if step.is_tap() {
+                    return self.begin_tap(generation, id, &step);
+                }
                 let hand = &self.hand;
                 let job = self.job.as_mut().filter(|j| j.setup.generation == generation);
                 if let Some(job) = job
@@ -143,11 +152,18 @@ impl PlannerWorker {
         }
         let start = Pose(setup.start);
         let image = Image::new(self.kinematics, &setup.places);
+        if setup.overrun > 0.0 {
+            // The path of a tap comes with its move.
+            let planning = Err(Refusal::new("a tap has a path of its own"));
+            self.job = Some(Job { setup, planning, skips: false, last: 0, open: false, idle: 0 });
+            return;
+        }
         let planning = Planner::new(machine(&setup), image.clone(), start).map_err(refusal);
         let planning = planning.map(|planner| {
             let (publisher, reader) = share(CELLS, HISTORY);
             let follower = Follower::new(setup.period, start);
-            let session = Box::new(Session { generation, follower, reader });
+            let way = Way::Shared(reader);
+            let session = Box::new(Session { generation, follower, way });
             // The caller has made sure that there is room.
             drop(self.hand.made.push(session));
             Planning { planner, publisher, image }
@@ -155,9 +171,35 @@ impl PlannerWorker {
         let job = Job { setup, planning, skips: false, last: 0, open: false, idle: 0 };
         self.job = Some(job);
     }
+
+    /// Plans a tap as a whole; returns false if there is no room for it yet.
+    fn begin_tap(&mut self, generation: u32, id: u32, step: &PathMove) -> bool {
+        let job = self.job.as_mut().filter(|j| j.setup.generation == generation);
+        let Some(job) = job else { return true };
+        if self.hand.made.is_full() || self.hand.reports.is_full() {
+            return false;
+        }
+        let image = Image::new(self.kinematics, &job.setup.places);
+        // The caller has made sure that there is room.
+        match tap::plan(&job.setup, image, id, step) {
+            Ok(session) => drop(self.hand.made.push(Box::new(session))),
+            Err(why) => {
+                let report = Report { generation: job.setup.generation, id, why };
+                job.skips = self.hand.reports.push(report).is_ok();
+            }
+        }
+        true
+    }
 }
 
 impl Job {
+    /// Plans the moves so far to their end.
+    fn finish(&mut self) {
+        if let Ok(planning) = &mut self.planning {
+            planning.planner.finish();
+        }
+    }
+
     /// Plans a move; returns false if there is no room for it yet.
     fn take(&mut self, hand: &HandOver, id: u32, step: &PathMove) -> bool {
         if self.skips {
@@ -229,7 +271,7 @@ impl Planning {
 }
 
 /// Returns the limits for the planner.
-fn machine(setup: &PathSetup) -> Machine {
+pub(super) fn machine(setup: &PathSetup) -> Machine {
     let mut machine = Machine::uniform(Limits::NONE);
     let axes = setup.axis_velocity.iter().zip(&setup.axis_acceleration);
     for (slot, (velocity, acceleration)) in machine.axes.iter_mut().zip(axes) {
@@ -251,7 +293,7 @@ fn machine(setup: &PathSetup) -> Machine {
 }
 
 /// Returns the refusal for an error of the planner. The line is replaced by that of the program.
-fn refusal(why: Error) -> Refusal {
+pub(super) fn refusal(why: Error) -> Refusal {
     let (text, numbers) = match why {
         Error::NotFinite { .. } => {
             ("move on line {}: a coordinate is not a number up to 1e9", [0.0; 2])

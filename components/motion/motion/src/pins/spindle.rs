@@ -29,13 +29,16 @@ pins! {
         speed_out_rps_abs: Out<f64> = 0.0, "speed-out-rps-abs" was "speed-out-rps-abs";
         /// Speed commanded in turns per second, before override and inhibit.
         speed_cmd_rps: Out<f64> = 0.0, "speed-cmd-rps" was "speed-cmd-rps";
+        /// Distance of the axes from their place at the spindle, in units, once a thread or tap has caught up with it;
+        /// positive if the axes are behind.
+        sync_error: Out<f64> = 0.0, "sync-error";
         /// Angle to turn to, in degrees, 0 to 360.
         orient_angle: Out<f64> = 0.0, "orient-angle" was "orient-angle";
         /// Direction of the turn to orient-angle: 0 the shorter, 1 clockwise, 2 counterclockwise.
         orient_mode: Out<i32> = 0, "orient-mode" was "orient-mode";
-        /// Turns since the index, for movements tied to the spindle. Not used yet.
+        /// Turns since the index: threads and taps follow them. An encoder's interpolated position gives smooth motion.
         revs: In<f64> = 0.0, "revs" was "revs";
-        /// Measured speed, in turns per second. A spindle that turns faster than 0.1 is not locked by is-oriented.
+        /// Measured speed, in turns per second: feeds per turn follow it. A spindle that turns faster than 0.1 is not locked by is-oriented.
         speed_in: In<f64> = 0.0, "speed-in" was "speed-in";
         /// TRUE when the spindle is at speed: no move begins while a spindle that is on is not at speed.
         at_speed: In<bool> = true, "at-speed" was "at-speed";
@@ -48,7 +51,8 @@ pins! {
         is_oriented: In<bool> = false, "is-oriented" was "is-oriented";
         /// A number other than 0 while orient is TRUE aborts the orientation, and is reported to the operator.
         orient_fault: In<i32> = 0, "orient-fault" was "orient-fault";
-        /// Handshake with the spindle's encoder for its index. Not used yet.
+        /// Handshake with the spindle's encoder: TRUE asks for the index, at which the encoder sets revs to 0 and this pin
+        /// FALSE. Threads and taps begin there.
         index_enable: Io<bool> = false, "index-enable" was "index-enable";
     }
 }

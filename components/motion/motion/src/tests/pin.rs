@@ -90,7 +90,8 @@ float IN speed-in
 float OUT speed-out
 float OUT speed-out-abs
 float OUT speed-out-rps
-float OUT speed-out-rps-abs";
+float OUT speed-out-rps-abs
+float OUT sync-error";
 
 const GENERAL: &str = "\
 float IN motion.adaptive-feed

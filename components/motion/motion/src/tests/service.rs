@@ -185,6 +185,27 @@ fn rows() -> Vec<Row> {
         ("motion.spindle speed=900", MotionCommand { speed: 900.0, ..spindle }, 20),
         ("motion.move x=-5 y=9 velocity=80", line(-5.0, 9.0, 80.0), 400),
         ("motion.move x=-5 y=3 velocity=80", line(-5.0, 3.0, 80.0), 900),
+        (
+            "motion.move x=-9 y=2 per-turn=3",
+            { MotionCommand { pitch: 3.0, flags: flags::VELOCITY_MODE, ..line(-9.0, 2.0, 0.0) } },
+            50,
+        ),
+        ("motion.move x=4 y=3 pitch=2", MotionCommand { pitch: 2.0, ..line(4.0, 3.0, 7.0) }, 50),
+        ("motion.abort", new(kind::ABORT), 300),
+        ("motion.spindle speed=900", MotionCommand { speed: 900.0, ..spindle }, 20),
+        (
+            "motion.tap x=4 y=3 pitch=2 return=0.5",
+            {
+                MotionCommand {
+                    kind: kind::TAP,
+                    pitch: 2.0,
+                    flags: flags::HAS_SCALE,
+                    scale: 0.5,
+                    ..line(4.0, 3.0, 0.0)
+                }
+            },
+            50,
+        ),
     ]
 }
 

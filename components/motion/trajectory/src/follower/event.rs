@@ -57,6 +57,7 @@ impl Follower {
             -(if falling { own.max(braking) } else { own })
         } else if on_curve && falling {
             following = true;
+            self.brakes = true;
             -braking
         } else if v > cap {
             wait = pause - self.since_up;

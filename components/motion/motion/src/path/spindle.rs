@@ -1,0 +1,352 @@
+//! Realtime. Moves that follow a spindle: threads, and rigid taps with their way back.
+
+use super::{Live, Path, order::Item};
+use crate::{
+    commands::command::{Follows, Sync},
+    commands::refusal::Refusal,
+    spindle::Spindle,
+    state::State,
+};
+use hal_component::TicketHandle;
+use hal_trajectory::{Shape, Step};
+use libm::{copysign, fabs, sqrt};
+
+/// Turns of a spindle after which its index is late.
+const INDEX_TURNS: f64 = 3.0;
+
+/// Turns of a spindle for which a tap may overrun its depth and its start.
+pub(crate) const OVERRUN_TURNS: f64 = 10.0;
+
+/// Fraction of the acceleration that closes a distance to the spindle; the rest follows the spindle's own acceleration.
+const CATCH_UP: f64 = 0.5;
+
+/// Distance at which the axes count as together with the spindle, besides a period's travel.
+const TOGETHER: f64 = 1e-6;
+
+const NO_INDEX: Refusal = Refusal::new("the spindle turned three times without its index");
+const NO_PLACE: Refusal = Refusal::new("the pin revs of the spindle is not a number");
+const STANDS: Refusal = Refusal::new("a tap needs a spindle that turns");
+const OVERRUN: Refusal =
+    Refusal::new("the spindle still turned ten turns beyond the end of the tap, or at a limit");
+const FAR: Refusal =
+    Refusal::new("the axes are farther from their place at the spindle than its sync-error");
+
+/// Kind of a path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Course {
+    /// Moves at their own feed.
+    #[default]
+    Free,
+    /// Moves that follow this spindle.
+    Thread(usize),
+    /// The tap with this number.
+    Tap(u32),
+}
+
+impl Course {
+    /// Returns the kind of path that a move needs.
+    pub(super) fn of(id: u32, sync: Option<Sync>) -> Self {
+        match sync {
+            Some(Sync { follows: Follows::Place, spindle, .. }) => Self::Thread(spindle),
+            Some(Sync { follows: Follows::Tap { .. }, .. }) => Self::Tap(id),
+            Some(Sync { follows: Follows::Speed, .. }) | None => Self::Free,
+        }
+    }
+}
+
+/// Motion for one cycle of a move that follows a spindle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pace {
+    /// Velocity along the path; negative is back.
+    pub(crate) velocity: f64,
+    /// True if the axes wait for the spindle.
+    pub(crate) waits: bool,
+}
+
+const WAITS: Pace = Pace { velocity: 0.0, waits: true };
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Stage {
+    /// Waits for the planner, for the spindle's speed, and for the end of a hold.
+    #[default]
+    Ready,
+    /// Waits for the index, since this number of turns.
+    Index(f64),
+    /// Follows the spindle.
+    In,
+    /// Tap: follows the reversed spindle out of the hole.
+    Out,
+    /// Tap: follows until the spindle no longer goes back.
+    Above,
+    /// Tap: brakes.
+    Over,
+}
+
+/// Relation of the path to the spindle that it follows.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Tracker {
+    stage: Stage,
+    spindle: usize,
+    /// Turns of the spindle in the last cycle, and the sign of its turns along the path.
+    revs: f64,
+    sign: f64,
+    /// Place that belongs to the spindle, and the place along the path.
+    target: f64,
+    place: f64,
+    /// Velocity that belongs to the spindle.
+    turn: f64,
+    /// True once the axes have caught up with the spindle.
+    is_together: bool,
+    brakes: bool,
+    /// Tap: commanded speed of the spindle at the start, and the depth.
+    speed: f64,
+    depth: f64,
+    /// Tap: reason for which it ends outside the hole.
+    aborted: Option<Refusal>,
+}
+
+impl Tracker {
+    fn error(&self) -> f64 {
+        if self.is_together { self.target - self.place } else { 0.0 }
+    }
+
+    /// Begins at the index of the spindle.
+    fn begin(&mut self, spindle: &Spindle, pitch: f64, depth: f64) {
+        let inputs = spindle.inputs;
+        let way = if spindle.speed() == 0.0 { inputs.speed } else { spindle.speed() };
+        self.sign = copysign(1.0, way);
+        self.revs = inputs.revs;
+        self.target = pitch * self.sign * inputs.revs;
+        (self.turn, self.place, self.is_together) = (0.0, 0.0, false);
+        (self.speed, self.depth) = (spindle.speed(), depth);
+        self.stage = Stage::In;
+    }
+
+    /// Follows the turns of the spindle since the last cycle.
+    fn turn(&mut self, revs: f64, pitch: f64, dt: f64) -> Result<(), Refusal> {
+        let by = pitch * self.sign * (revs - self.revs);
+        if !by.is_finite() {
+            return Err(NO_PLACE);
+        }
+        self.revs = revs;
+        self.target += by;
+        self.turn = by / dt;
+        Ok(())
+    }
+
+    /// Returns the velocity that brings the axes to their place, and keeps them there.
+    fn velocity(&self, acceleration: f64, dt: f64) -> f64 {
+        let a = CATCH_UP * acceleration;
+        let by = self.target - self.place - self.turn * dt;
+        let step = a * dt;
+        self.turn + copysign(sqrt(2.0 * a * fabs(by) + step * step) - step, by)
+    }
+
+    /// Turns the spindle round at the bottom and above the start of a tap.
+    fn tap(&mut self, spindle: &mut Spindle, back: f64, rests: bool) {
+        match self.stage {
+            Stage::In if self.depth <= self.place || self.aborted.is_some() => {
+                spindle.turn(-self.speed * back);
+                self.stage = Stage::Out;
+            }
+            Stage::Out if self.place <= 0.0 => {
+                if self.aborted.is_some() {
+                    spindle.stop("aborted");
+                } else {
+                    spindle.turn(self.speed);
+                }
+                self.stage = Stage::Above;
+            }
+            // At rest above the start, a limit ends the way.
+            Stage::Above if 0.0 <= self.turn || rests => self.stage = Stage::Over,
+            _ => {}
+        }
+    }
+}
+
+impl Path {
+    /// Returns the spindle that the path in progress follows.
+    fn bound(&self) -> Option<Sync> {
+        if self.live != Live::Follows || self.stop.is_some() {
+            return None;
+        }
+        let front = self.pending.front()?;
+        let Item::Move(order) = front.item else { return None };
+        let is_bound =
+            self.course != Course::Free && Course::of(front.id, order.sync) == self.course;
+        order.sync.filter(|_| is_bound)
+    }
+
+    /// Returns the motion of this cycle.
+    fn pace(
+        &mut self,
+        spindle: &mut Spindle,
+        sync: &Sync,
+        ready: bool,
+        dt: f64,
+    ) -> Result<Pace, Refusal> {
+        let depth = self.tap_depth();
+        let Some(session) = &self.session else { return Ok(WAITS) };
+        let is_at_end = session.follower.is_done(&session.way);
+        let t = &mut self.tracker;
+        t.spindle = sync.spindle;
+        let is_tap = matches!(sync.follows, Follows::Tap { .. });
+        let inputs = spindle.inputs;
+        match t.stage {
+            Stage::Ready => {
+                if ready && !is_at_end {
+                    if is_tap && spindle.speed() == 0.0 {
+                        return Err(STANDS);
+                    }
+                    t.stage = Stage::Index(inputs.revs);
+                }
+                return Ok(WAITS);
+            }
+            Stage::Index(_) if !ready => {
+                t.stage = Stage::Ready;
+                return Ok(WAITS);
+            }
+            Stage::Index(from) if inputs.index_enable => {
+                let turned = fabs(inputs.revs - from);
+                return if turned <= INDEX_TURNS {
+                    Ok(WAITS)
+                } else {
+                    Err(if turned.is_nan() { NO_PLACE } else { NO_INDEX })
+                };
+            }
+            Stage::Index(_) => t.begin(spindle, sync.pitch, depth),
+            Stage::In | Stage::Out | Stage::Above | Stage::Over => {
+                t.turn(inputs.revs, sync.pitch, dt)?;
+            }
+        }
+        if t.is_together && !t.brakes && fabs(t.error()) > spindle.config.sync_error {
+            return Err(FAR);
+        }
+        if let Follows::Tap { back } = sync.follows {
+            if is_at_end && t.turn > 0.0 {
+                return Err(OVERRUN);
+            }
+            t.tap(spindle, back, self.last.travel == 0.0);
+        }
+        if t.stage == Stage::Over {
+            return Ok(Pace { velocity: 0.0, waits: false });
+        }
+        let velocity = t.velocity(session.follower.acceleration(&session.way), dt);
+        // A thread never goes back.
+        let goes = is_tap || velocity > 0.0;
+        Ok(Pace { velocity: if goes { velocity } else { 0.0 }, waits: false })
+    }
+
+    /// Returns the depth of the tap that is next.
+    fn tap_depth(&self) -> f64 {
+        let Some(front) = self.pending.front() else { return 0.0 };
+        let Item::Move(order) = front.item else { return 0.0 };
+        let Shape::Line { end } = order.shape else { return 0.0 };
+        (end - hal_trajectory::Pose(front.end)).norm(hal_trajectory::Group::Xyz)
+    }
+
+    /// Keeps the place along the path after a cycle, and ends a tap that is over.
+    pub(super) fn keep_pace(&mut self, step: &Step, brakes: bool) {
+        let t = &mut self.tracker;
+        t.place += step.travel;
+        t.brakes = brakes;
+        t.is_together |= fabs(t.target - t.place) <= fabs(step.travel) + TOGETHER;
+        if t.stage == Stage::Over && !step.moving {
+            self.end_tap();
+        }
+    }
+
+    /// Ends a tap outside its hole: what is left is the way back to its start.
+    fn end_tap(&mut self) {
+        let Tracker { aborted, speed, .. } = self.tracker;
+        if let Some(why) = aborted {
+            return self.clear(why);
+        }
+        if let Some(front) = self.pending.front_mut()
+            && let Item::Move(order) = &mut front.item
+        {
+            order.shape = Shape::Line { end: hal_trajectory::Pose(front.end) };
+            let pitch = order.sync.take().map_or(1.0, |s| s.pitch);
+            order.feed = fabs(speed) / 60.0 * pitch;
+        }
+        self.begin_anew();
+    }
+
+    /// Takes a tap out of its hole, and then ends the path. Returns the spindle, if there is such a tap.
+    pub(crate) fn abort_tap(&mut self, why: Refusal) -> Option<usize> {
+        let t = &self.tracker;
+        let is_inside = !matches!(t.stage, Stage::Ready | Stage::Index(_));
+        if !matches!(self.course, Course::Tap(_)) || !is_inside || t.aborted.is_some() {
+            return None;
+        }
+        let refuse = |ticket: Option<TicketHandle>| ticket.into_iter().for_each(|t| why.fail(t));
+        while self.pending.len() > 1 {
+            refuse(self.pending.pop_back().and_then(|p| p.ticket));
+        }
+        self.tracker.aborted = Some(why);
+        Some(self.tracker.spindle)
+    }
+
+    /// Returns whether a tap is on its way out to end the path.
+    pub(super) const fn leaves_hole(&self) -> bool {
+        self.tracker.aborted.is_some()
+    }
+
+    /// Returns whether a move follows a spindle now.
+    pub(super) const fn is_bound(&self) -> bool {
+        !matches!(self.tracker.stage, Stage::Ready)
+    }
+
+    /// Returns the feed per turn of the current move.
+    fn per_turn(&self) -> Option<Sync> {
+        let current = self.known(self.last.line)?;
+        current.sync.filter(|s| s.follows == Follows::Speed)
+    }
+}
+
+impl State {
+    /// Returns the motion along a path that follows a spindle.
+    pub(crate) fn follow_spindle(&mut self, dt: f64) -> Option<Pace> {
+        let sync = self.path.bound()?;
+        let ready = self.at_speed && self.feed.net > 0.0 && !self.path.is_paused();
+        let spindle = self.spindles.get_mut(sync.spindle)?;
+        let why = match self.path.pace(spindle, &sync, ready, dt) {
+            Ok(pace) => return Some(pace),
+            Err(why) => why,
+        };
+        spindle.stop(why.text());
+        why.say(&self.say);
+        self.coord_error = true;
+        self.path.abort_with(why);
+        None
+    }
+
+    /// Returns the highest speed along the path: that of the machine, or of a feed per turn.
+    pub(crate) fn top_speed(&self) -> f64 {
+        let top = self.traj.max_velocity;
+        let Some(sync) = self.path.per_turn() else { return top };
+        let turns = self.spindles.get(sync.spindle).map_or(0.0, |s| fabs(s.inputs.speed));
+        let speed = sync.pitch * turns * self.feed.net;
+        // NaN stands still.
+        if speed < top {
+            speed
+        } else if speed.is_nan() {
+            0.0
+        } else {
+            top
+        }
+    }
+
+    /// Passes each spindle what the path wants from it, and how far the path is from it.
+    pub(crate) fn tell_spindles(&mut self) {
+        let t = &self.path.tracker;
+        let bound = self.path.bound().map(|s| s.spindle);
+        let seeks = matches!(t.stage, Stage::Index(_));
+        let error = t.error();
+        for (n, spindle) in self.spindles.iter_mut().enumerate() {
+            let is_bound = bound == Some(n);
+            spindle.seek_index(is_bound && seeks);
+            spindle.sync_error = if is_bound { error } else { 0.0 };
+        }
+    }
+}

@@ -1,0 +1,501 @@
+//! Moves that follow a spindle: threads, rigid taps and feeds per turn, with a spindle that turns as its motor can.
+
+use super::{DT, Rig};
+use hal_component::abi::TicketState;
+
+/// A spindle with an encoder.
+#[derive(Clone, Debug)]
+pub(super) struct Turner {
+    /// Turns since the start, and at the last index that was asked for.
+    pub(super) angle: f64,
+    zero: f64,
+    /// Turns per second, and per second squared.
+    pub(super) speed: f64,
+    pub(super) acceleration: f64,
+    pub(super) has_index: bool,
+    pub(super) is_stalled: bool,
+}
+
+impl Turner {
+    pub(super) const fn new(acceleration: f64) -> Self {
+        Self { angle: 0.3, zero: 0.0, speed: 0.0, acceleration, has_index: true, is_stalled: false }
+    }
+
+    /// Turns for a cycle, as the pins of the spindle command.
+    pub(super) fn step(&mut self, rig: &Rig) {
+        let wanted = if self.is_stalled { 0.0 } else { rig.float("spindle.0.speed-out-rps") };
+        let by = self.acceleration * DT;
+        let before = self.speed;
+        self.speed = (self.speed + by).min(wanted.max(self.speed - by));
+        let whole = self.angle.floor();
+        self.angle += 0.5 * (before + self.speed) * DT;
+        let passed = if self.speed < 0.0 { whole } else { self.angle.floor() };
+        let is_index = self.angle.floor() != whole;
+        if is_index && self.has_index && rig.is("spindle.0.index-enable") {
+            self.zero = passed;
+            rig.bench.set("spindle.0.index-enable", false);
+        }
+        rig.bench.set("spindle.0.revs", self.revs());
+        rig.bench.set("spindle.0.speed-in", self.speed);
+        let off = (self.speed - rig.float("spindle.0.speed-out-rps")).abs();
+        rig.bench.set("spindle.0.at-speed", off < 0.1);
+    }
+
+    fn revs(&self) -> f64 {
+        self.angle - self.zero
+    }
+}
+
+/// A lathe: a machine with a spindle.
+struct Lathe {
+    rig: Rig,
+    turner: Turner,
+    /// Largest distance of x from its place, in travels of a cycle at most `top`, since x was together with the spindle.
+    worst: f64,
+    is_together: bool,
+}
+
+/// Pitch of the tests.
+const PITCH: f64 = 1.5;
+
+impl Lathe {
+    fn new(speed: f64, acceleration: f64) -> Self {
+        let mut rig = Rig::homed(&[]);
+        rig.say(&format!("motion.spindle speed={speed}"));
+        rig.cycle();
+        let turner = Turner::new(acceleration);
+        Self { rig, turner, worst: 0.0, is_together: false }
+    }
+
+    fn x(&self) -> f64 {
+        self.rig.joint(0, "pos-cmd")
+    }
+
+    fn cycle(&mut self) {
+        self.turner.step(&self.rig);
+        self.rig.cycle();
+    }
+
+    fn cycles(&mut self, n: usize) {
+        (0..n).for_each(|_| self.cycle());
+    }
+
+    fn until(&mut self, is: impl Fn(&Self) -> bool) {
+        for _ in 0..60_000 {
+            if is(self) {
+                return;
+            }
+            self.cycle();
+        }
+        panic!("never: x {} {:?} {:?}", self.x(), self.turner, self.rig.bench.said())
+    }
+
+    /// Follows a thread from `start`, and measures its distance from the spindle until `end`, where it brakes.
+    fn measure(&mut self, start: f64, end: f64) {
+        let travel = (PITCH * self.turner.speed * DT).abs();
+        let error = self.x() - start - PITCH * self.turner.revs();
+        assert!(
+            !self.is_together
+                || end <= self.x()
+                || (self.rig.float("spindle.0.sync-error") + error).abs() < 1e-6,
+            "{} {error}",
+            self.rig.float("spindle.0.sync-error")
+        );
+        let is_near = error.abs() <= travel;
+        self.is_together |= is_near && self.x() > start + 0.5 && self.x() < end;
+        if self.is_together && self.x() < end {
+            self.worst = self.worst.max(error.abs() / travel.max(1e-6));
+        }
+    }
+
+    fn ticket(&self) -> TicketState {
+        self.rig.bench.ticket().unwrap()
+    }
+
+    /// Runs to the end of the last command.
+    fn end(&mut self) -> Result<(), &'static str> {
+        self.until(|l| l.ticket() != TicketState::Pending);
+        match self.ticket() {
+            TicketState::Failed(why) => Err(why),
+            _ => Ok(()),
+        }
+    }
+
+    /// Runs a thread of 40 from 0, and measures it. `at` is called with x in each cycle.
+    fn thread(&mut self, mut at: impl FnMut(&mut Self, f64)) {
+        self.rig.say(&format!("motion.move x=40 spindle=0 pitch={PITCH}"));
+        let ticket = self.rig.bench.tickets().len() - 1;
+        while self.rig.bench.tickets()[ticket] == TicketState::Pending {
+            self.cycle();
+            let x = self.x();
+            if x > 0.0 {
+                // x brakes from 30 units/s for the end within a third of a unit.
+                self.measure(0.0, 39.6);
+            }
+            at(self, x);
+        }
+        assert_eq!(self.rig.bench.tickets()[ticket], TicketState::Done);
+        assert_eq!(self.x(), 40.0);
+        assert!(self.is_together);
+    }
+}
+
+#[test]
+fn a_thread_follows_a_spindle_of_constant_speed() {
+    for speed in [60.0, 600.0, 1100.0, -600.0] {
+        let mut lathe = Lathe::new(speed, 400.0);
+        if speed < 0.0 {
+            // The place goes forward although the turns go back.
+            lathe.rig.say(&format!("motion.move x=40 spindle=0 pitch={PITCH}"));
+            lathe.until(|l| l.x() > 20.0);
+            let error = lathe.x() + PITCH * lathe.turner.revs();
+            assert!(error.abs() < PITCH * 10.0 * DT, "{error}");
+            assert_eq!(lathe.end(), Ok(()));
+            continue;
+        }
+        lathe.thread(|lathe, x| {
+            // It has settled.
+            if 20.0 < x && x < 39.0 {
+                assert!((x - PITCH * lathe.turner.revs()).abs() < 1e-6, "{speed} at {x}");
+            }
+        });
+        assert!(lathe.worst <= 1.0, "{speed}: {} travels", lathe.worst);
+        assert_eq!(lathe.rig.float("spindle.0.sync-error"), 0.0);
+    }
+}
+
+#[test]
+fn a_thread_follows_a_spindle_that_changes_its_speed() {
+    // Half of the acceleration of x: 675 units/s².
+    for acceleration in [40.0, 200.0, 0.5 * 1350.0 / PITCH] {
+        let mut lathe = Lathe::new(600.0, acceleration);
+        let mut scale = 1.0;
+        lathe.thread(|lathe, x| {
+            let wanted = if (x / 8.0).rem_euclid(1.0) >= 0.5 { 0.4 } else { 1.0 };
+            if wanted != scale {
+                scale = wanted;
+                lathe.rig.say(&format!("motion.spindle override={scale}"));
+                lathe.rig.bench.set("motion.adaptive-feed", 0.1);
+            }
+        });
+        assert!(0.0 < lathe.worst && lathe.worst <= 1.0, "{acceleration}: {} travels", lathe.worst);
+    }
+}
+
+#[test]
+fn passes_begin_at_the_same_phase_at_any_speed() {
+    let mut lathe = Lathe::new(600.0, 400.0);
+    let mut phases = Vec::new();
+    for speed in [600, 600, 300, 900] {
+        lathe.rig.say(&format!("motion.spindle speed={speed}"));
+        lathe.cycles(137 + phases.len() * 41);
+        lathe.is_together = false;
+        let mut phase = f64::NAN;
+        lathe.thread(|lathe, x| {
+            if 20.0 < x && phase.is_nan() {
+                phase = (lathe.turner.angle - x / PITCH).rem_euclid(1.0);
+                phase = (phase + 0.5).rem_euclid(1.0) - 0.5;
+            }
+        });
+        phases.push(phase);
+        lathe.rig.say("motion.move x=0 rapid=1");
+        assert_eq!(lathe.end(), Ok(()));
+    }
+    assert!(phases.iter().all(|p| p.abs() < 1e-4), "{phases:?}");
+}
+
+#[test]
+fn segments_in_a_row_are_one_thread() {
+    let mut lathe = Lathe::new(600.0, 400.0);
+    for to in ["x=20", "x=28 y=1", "x=32 y=5"] {
+        lathe.rig.say(&format!("motion.move {to} pitch=1.5 mode=blend tolerance=0.1"));
+    }
+    lathe.rig.say("motion.move x=0 velocity=80");
+    let mut slowest = f64::INFINITY;
+    lathe.until(|l| l.x() > 2.0);
+    while lathe.x() < 31.0 && lathe.rig.float("spindle.0.sync-error").abs() < 0.5 {
+        lathe.cycle();
+        slowest = slowest.min(lathe.rig.float("motion.current-vel"));
+    }
+    assert!(lathe.x() >= 31.0 && slowest > 8.0, "{slowest}");
+    assert_eq!(lathe.end(), Ok(()));
+    assert_eq!((lathe.x(), lathe.rig.joint(1, "pos-cmd")), (0.0, 5.0));
+    // What follows did not begin before the thread had ended, and a thread cannot be run backwards.
+    assert!(lathe.rig.bench.said().is_empty());
+}
+
+#[test]
+fn limits_win_over_a_spindle_that_is_too_quick() {
+    for limit in [None, Some(0.4)] {
+        let mut lathe = Lathe::new(600.0, 4000.0);
+        if let Some(limit) = limit {
+            lathe.rig.say(&format!("motion.configure spindle=0 sync-error={limit}"));
+        }
+        lathe.rig.say("motion.move x=40 pitch=6");
+        lathe.until(|l| l.x() > 10.0);
+        lathe.rig.say("motion.spindle override=0.1");
+        let thread = lathe.rig.bench.tickets().len() - 2;
+        let (mut most, mut seen) = (0.0_f64, false);
+        while lathe.rig.bench.tickets()[thread] == TicketState::Pending {
+            lathe.cycle();
+            let error = lathe.rig.float("spindle.0.sync-error");
+            most = most.max(error.abs());
+            seen |= error < -0.1;
+        }
+        assert!(seen, "{most}");
+        match limit {
+            None => {
+                assert_eq!(lathe.rig.bench.tickets()[thread], TicketState::Done);
+                assert!(most > 0.5, "{most}");
+            }
+            Some(limit) => {
+                let why =
+                    "the axes are farther from their place at the spindle than its sync-error";
+                assert_eq!(lathe.rig.bench.tickets()[thread], TicketState::Failed(why));
+                assert_eq!(lathe.rig.bench.said(), [why]);
+                assert!(most < limit + 0.1, "{most}");
+                assert_eq!(lathe.rig.float("spindle.0.speed-out"), 0.0);
+                assert!(lathe.x() < 30.0);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_hold_takes_effect_after_the_thread() {
+    let mut lathe = Lathe::new(600.0, 400.0);
+    lathe.rig.say("motion.move x=40 pitch=1.5");
+    lathe.rig.say("motion.move x=60 velocity=50");
+    lathe.until(|l| l.x() > 20.0);
+    lathe.rig.bench.set("motion.feed-hold", true);
+    lathe.rig.say("motion.reverse");
+    lathe.rig.say("motion.feed override=0");
+    lathe.cycles(3000);
+    assert_eq!(lathe.x(), 40.0);
+    lathe.rig.say("motion.feed override=1");
+    lathe.rig.bench.set("motion.feed-hold", false);
+    lathe.rig.say("motion.forward");
+    lathe.until(|l| l.x() == 60.0);
+    assert!(lathe.rig.bench.said().is_empty());
+}
+
+/// Causes that keep a thread from beginning, and the end of the wait.
+#[test]
+fn a_thread_waits_for_its_spindle() {
+    let no_index = "the spindle turned three times without its index";
+    for (what, why) in [("index", no_index), ("speed", "aborted"), ("turns", "aborted")] {
+        let mut lathe = Lathe::new(600.0, 400.0);
+        match what {
+            "index" => lathe.turner.has_index = false,
+            _ => lathe.turner.is_stalled = true,
+        }
+        if what == "turns" {
+            lathe.rig.say("motion.spindle speed=0");
+        }
+        lathe.cycles(200);
+        lathe.rig.say("motion.move x=40 pitch=1.5");
+        lathe.cycles(200);
+        assert_eq!(lathe.ticket(), TicketState::Pending);
+        assert_eq!(lathe.rig.is("spindle.0.index-enable"), what != "speed", "{what}");
+        let ticket = lathe.rig.bench.tickets().len() - 1;
+        if why == "aborted" {
+            lathe.cycles(1000);
+            lathe.rig.say("motion.abort");
+        }
+        lathe.until(|l| l.rig.bench.tickets()[ticket] != TicketState::Pending);
+        assert_eq!(lathe.rig.bench.tickets()[ticket], TicketState::Failed(why), "{what}");
+        lathe.cycles(2);
+        assert!(!lathe.rig.is("spindle.0.index-enable"), "{what}");
+        assert_eq!(lathe.x(), 0.0);
+        assert!(lathe.rig.is("motion.motion-enabled"));
+        // The next move goes on.
+        lathe.rig.say("motion.spindle speed=0");
+        lathe.turner.is_stalled = false;
+        lathe.cycles(300);
+        lathe.rig.say("motion.move x=3 velocity=20");
+        assert_eq!(lathe.end(), Ok(()), "{what}");
+    }
+}
+
+#[test]
+fn a_spindle_that_stands_still_stops_the_thread_until_it_turns() {
+    let mut lathe = Lathe::new(600.0, 100.0);
+    let mut stood = 0;
+    lathe.thread(|lathe, x| {
+        lathe.turner.is_stalled = 20.0 < x && stood < 500;
+        if lathe.turner.is_stalled && lathe.turner.speed == 0.0 {
+            stood += 1;
+            assert!(lathe.rig.float("motion.current-vel") < 0.7);
+        }
+    });
+    assert_eq!(stood, 500);
+}
+
+#[test]
+fn turns_that_are_no_number_end_the_thread() {
+    let mut lathe = Lathe::new(600.0, 400.0);
+    lathe.rig.say("motion.move x=40 pitch=1.5");
+    lathe.until(|l| l.x() > 10.0);
+    lathe.turner.angle = f64::NAN;
+    assert_eq!(lathe.end(), Err("the pin revs of the spindle is not a number"));
+    assert!(lathe.x() < 12.0 && lathe.rig.is("motion.motion-enabled"));
+}
+
+/// Runs a tap to its end; returns the deepest x, and the worst distance from the spindle in travels at full speed.
+fn tap(lathe: &mut Lathe, speed: f64, mut at: impl FnMut(&mut Lathe)) -> (f64, f64) {
+    let (mut deepest, mut worst) = (0.0_f64, 0.0_f64);
+    let ticket = lathe.rig.bench.tickets().len() - 1;
+    let travel = PITCH * speed * DT;
+    let mut is_together = false;
+    while lathe.rig.bench.tickets()[ticket] == TicketState::Pending {
+        lathe.cycle();
+        let x = lathe.x() - 20.0;
+        let error = (x - PITCH * lathe.turner.revs()).abs();
+        is_together |= x > 1.0 && error < travel;
+        if is_together && x > 0.0 {
+            worst = worst.max(error / travel);
+        }
+        deepest = deepest.max(x);
+        at(lathe);
+    }
+    (deepest, worst)
+}
+
+#[test]
+fn a_tap_goes_in_and_out_with_the_spindle() {
+    for (speed, back) in [(10.0, 1.0), (3.0, 2.0)] {
+        let mut lathe = Lathe::new(60.0 * speed, 80.0);
+        lathe.rig.say("motion.move x=20 velocity=50");
+        lathe.rig.say(&format!("motion.tap x=35 pitch={PITCH} return={back}"));
+        lathe.until(|l| l.x() > 20.01);
+        let mut turned = Vec::new();
+        let (deepest, worst) = tap(&mut lathe, speed, |lathe| {
+            turned.push(lathe.rig.float("spindle.0.speed-out") / 60.0);
+        });
+        assert_eq!(lathe.ticket(), TicketState::Done);
+        assert_eq!(lathe.rig.places(), [20.0, 0.0, 0.0]);
+        turned.dedup();
+        assert_eq!(turned, [speed, -speed * back, speed]);
+        // The spindle needs v²/2a turns to come to rest.
+        let overrun = PITCH * speed * speed / 160.0;
+        assert!((deepest - 15.0 - overrun).abs() < 0.1, "{deepest}, {overrun}");
+        assert!(worst <= 1.0, "{worst} travels");
+        // A second one, and a move behind it.
+        lathe.rig.say(&format!("motion.tap x=30 pitch={PITCH}"));
+        lathe.rig.say("motion.move x=21 velocity=30");
+        assert_eq!(lathe.end(), Ok(()));
+        assert_eq!(lathe.x(), 21.0);
+        assert!(lathe.rig.bench.said().is_empty());
+    }
+}
+
+#[test]
+fn an_aborted_tap_leaves_its_hole() {
+    for depth in [3.0, 10.0, 15.1] {
+        let mut lathe = Lathe::new(600.0, 80.0);
+        lathe.rig.say("motion.move x=20 velocity=50");
+        lathe.rig.say("motion.tap x=35 pitch=1.5");
+        lathe.rig.say("motion.move x=50 velocity=50");
+        lathe.until(|l| l.x() > 20.0 + depth);
+        lathe.rig.say("motion.abort");
+        let tap = lathe.rig.bench.tickets().len() - 3;
+        let mut deepest = 0.0_f64;
+        while lathe.rig.bench.tickets()[tap] == TicketState::Pending {
+            lathe.cycle();
+            let x = lathe.x() - 20.0;
+            deepest = deepest.max(x);
+            if x > 0.0 {
+                let error = (x - PITCH * lathe.turner.revs()).abs();
+                assert!(error < 15.0 * DT, "{error} at {x}");
+            }
+        }
+        let states = lathe.rig.bench.tickets();
+        assert!(states[tap..tap + 2].iter().all(|t| *t == TicketState::Failed("aborted")));
+        assert!(deepest < 17.0 && lathe.x() <= 20.0 && lathe.x() > 17.0, "{}", lathe.x());
+        lathe.cycles(200);
+        assert_eq!((lathe.rig.float("spindle.0.speed-out"), lathe.turner.speed), (0.0, 0.0));
+        assert!(lathe.rig.is("motion.in-position") && lathe.rig.is("motion.motion-enabled"));
+        assert_eq!(lathe.ticket(), TicketState::Done, "the abort");
+        lathe.rig.say("motion.move x=0 velocity=50");
+        assert_eq!(lathe.end(), Ok(()));
+    }
+}
+
+#[test]
+fn a_tap_whose_spindle_does_not_reverse_ends_in_its_place() {
+    for (second, why) in [
+        (false, "the spindle still turned ten turns beyond the end of the tap, or at a limit"),
+        (true, "aborted"),
+    ] {
+        let mut lathe = Lathe::new(600.0, 80.0);
+        lathe.rig.say("motion.tap x=15 pitch=1.5");
+        lathe.until(|l| l.x() > 14.0);
+        // It goes on as it turns.
+        lathe.turner.acceleration = 0.0;
+        let tap = lathe.rig.bench.tickets().len() - 1;
+        if second {
+            lathe.rig.say("motion.abort");
+            lathe.cycles(50);
+            assert_eq!(lathe.rig.bench.tickets()[tap], TicketState::Pending);
+            lathe.rig.say("motion.abort");
+        }
+        lathe.until(|l| l.rig.bench.tickets()[tap] != TicketState::Pending);
+        assert_eq!(lathe.rig.bench.tickets()[tap], TicketState::Failed(why));
+        assert!(lathe.x() <= 30.0 && lathe.rig.is("motion.motion-enabled"), "{}", lathe.x());
+        assert_eq!(lathe.rig.float("spindle.0.speed-out"), 0.0);
+    }
+}
+
+#[test]
+fn moves_that_cannot_follow_are_refused() {
+    let mut lathe = Lathe::new(0.0, 80.0);
+    for (text, why) in [
+        ("motion.tap x=15 pitch=1.5", "a tap needs a spindle that turns"),
+        (
+            "motion.tap pitch=1.5 y=0",
+            "a move that follows a spindle needs its longest part in x y z",
+        ),
+        (
+            "motion.tap y=300 pitch=1.5",
+            "linear move on line {} would exceed joint {}'s positive limit, {}, by {}",
+        ),
+    ] {
+        lathe.rig.say(text);
+        assert_eq!(lathe.end(), Err(why), "{text}");
+        lathe.rig.say("motion.move x=1 velocity=20");
+        assert_eq!(lathe.end(), Ok(()), "{text}");
+        lathe.rig.say("motion.move x=0 velocity=20");
+        assert_eq!(lathe.end(), Ok(()), "{text}");
+    }
+    for text in [
+        "motion.move x=1 pitch=0",
+        "motion.move x=1 pitch=1 per-turn=1",
+        "motion.move x=1 pitch=1 velocity=3",
+        "motion.move x=1 pitch=1 spindle=1",
+        "motion.tap x=1 pitch=1 return=0",
+    ] {
+        assert!(lathe.rig.try_say(text).is_err(), "{text}");
+    }
+}
+
+#[test]
+fn a_feed_per_turn_scales_with_the_spindle_and_the_override() {
+    let mut lathe = Lathe::new(600.0, 400.0);
+    lathe.cycles(200);
+    lathe.rig.say("motion.move x=100 per-turn=2");
+    lathe.cycles(300);
+    let speed = |lathe: &Lathe| lathe.rig.float("motion.current-vel");
+    assert!((speed(&lathe) - 20.0).abs() < 1e-6, "{}", speed(&lathe));
+    lathe.rig.say("motion.spindle override=0.5");
+    lathe.cycles(300);
+    assert!((speed(&lathe) - 10.0).abs() < 1e-6, "{}", speed(&lathe));
+    lathe.rig.say("motion.feed override=0.5");
+    lathe.cycles(300);
+    assert!((speed(&lathe) - 5.0).abs() < 1e-6, "{}", speed(&lathe));
+    lathe.rig.bench.set("motion.feed-hold", true);
+    lathe.cycles(300);
+    assert_eq!(speed(&lathe), 0.0);
+    lathe.rig.bench.set("motion.feed-hold", false);
+    lathe.rig.say("motion.feed override=1");
+    assert_eq!(lathe.end(), Ok(()));
+}
