@@ -356,15 +356,11 @@ impl State {
     pub(crate) fn set_output(&mut self, output: Output) {
         match output {
             Output::Digital(n, value) => {
-                if let Some(place) = self.digital_out.get_mut(n) {
-                    *place = value;
-                }
+                self.digital_out.get_mut(n).into_iter().for_each(|o| *o = value)
             }
             Output::ToolOffset(offset) => self.tool_offset = offset,
             Output::Analog(n, value) => {
-                if let Some(place) = self.analog_out.get_mut(n) {
-                    *place = value;
-                }
+                self.analog_out.get_mut(n).into_iter().for_each(|o| *o = value)
             }
         }
     }

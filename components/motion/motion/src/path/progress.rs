@@ -1,0 +1,42 @@
+//! Realtime. Progress along the current move, for pins and the snapshot.
+
+use super::{Path, less};
+use hal_component::Pose;
+use hal_trajectory::{Group, Step};
+
+impl Path {
+    /// Returns the distance travelled along the current move, and the velocity along the path, negative in reverse.
+    pub(crate) fn along(&self) -> (f64, f64) {
+        if self.current().is_none() {
+            return (0.0, 0.0);
+        }
+        (self.travelled, libm::copysign(self.velocity, self.last.travel))
+    }
+
+    /// Returns the programmed speed of the current move within the machine's limits, and with the override.
+    pub(crate) fn feeds(&self) -> (f64, f64) {
+        let Step { feed, highest, .. } = self.last;
+        if self.current().is_none() {
+            return (0.0, 0.0);
+        }
+        (less(feed, highest), less(feed * self.scale, highest))
+    }
+
+    /// Returns the distance to the end of the current move: of XYZ, else of UVW, else of ABC.
+    pub(crate) fn distance_to_go(&self) -> f64 {
+        let Some(known) = self.current() else { return 0.0 };
+        if known.length > 0.0 {
+            let left = known.length - self.travelled;
+            return if left > 0.0 { left } else { 0.0 };
+        }
+        let by = hal_trajectory::Pose(known.end) - self.last.pose;
+        let way = [Group::Xyz, Group::Uvw, Group::Abc].map(|g| by.norm(g));
+        way.into_iter().find(|w| *w > 0.0).unwrap_or(0.0)
+    }
+
+    /// Returns the distance of each axis to the end of the current move.
+    pub(crate) fn axis_to_go(&self) -> Pose {
+        let Some(known) = self.current() else { return [0.0; 9] };
+        (hal_trajectory::Pose(known.end) - self.last.pose).0
+    }
+}
