@@ -20,6 +20,7 @@ mod foreign;
 mod host;
 mod motion;
 pub mod names;
+mod operator;
 mod page;
 mod plain;
 mod port;
@@ -40,6 +41,7 @@ pub use motion::{
     MOTION_TEXT, Motion, MotionAnswer, MotionCommand, motion_flags, motion_kind, motion_setting,
     motion_source,
 };
+pub use operator::{OPERATOR_TEXT, Operator, OperatorCommand, OperatorView};
 pub use page::{MAX_PAGE_WORDS, PAGE_MAGIC, Page, PageReader, PageWriter};
 pub use plain::{FieldSpec, SnapshotRef, SnapshotSpec};
 pub use port::PortQueue;

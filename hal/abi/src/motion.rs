@@ -344,6 +344,15 @@ pub struct Motion {
     /// Copies the first `n` words of the record of the latest cycle, always of one cycle, and
     /// returns their number in the record. Later versions append words.
     pub status: Option<unsafe extern "C" fn(*const c_void, words: *mut u64, n: u32) -> u32>,
+    /// Reads the setting that a command of the kind [`CONFIGURE`](motion_kind::CONFIGURE) names.
+    /// Returns [`Status::EINVAL`] if there is no such setting.
+    pub setting: Option<
+        unsafe extern "C" fn(
+            *const c_void,
+            command: *const MotionCommand,
+            value: *mut f64,
+        ) -> Status,
+    >,
 }
 
 // SAFETY: `#[repr(C)]`, size first, zero is valid.

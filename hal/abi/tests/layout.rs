@@ -16,9 +16,10 @@ fn table() -> Result<String, std::fmt::Error> {
     use hal_abi::{
         ActionSpec, ArgSpec, ArgValue, CallHost, Cell, CommandSpec, ComponentType, FieldSpec,
         ForeignFile, ForeignLoader, FunctSpec, Host, Interlock, IoCommand, IoControl, IoOutcome,
-        IoStatus, ItemSpec, Kinematics, Library, List, Motion, MotionAnswer, MotionCommand, Page,
-        PortQueue, Ring, ServiceRef, ServiceSpec, Slot, SnapshotRef, SnapshotSpec, Status, Str,
-        StreamRef, StreamSpec, TaskSpec, ThreadSpec, Ticket, Use, WorkerSpec,
+        IoStatus, ItemSpec, Kinematics, Library, List, Motion, MotionAnswer, MotionCommand,
+        Operator, OperatorCommand, OperatorView, Page, PortQueue, Ring, ServiceRef, ServiceSpec,
+        Slot, SnapshotRef, SnapshotSpec, Status, Str, StreamRef, StreamSpec, TaskSpec, ThreadSpec,
+        Ticket, Use, WorkerSpec,
     };
     let mut out = String::new();
     layout! { out,
@@ -49,7 +50,10 @@ fn table() -> Result<String, std::fmt::Error> {
         IoControl { size flags ctx request result state }
         IoOutcome { id why }
         IoStatus { interlock outputs tool pocket prepared reserved }
-        Motion { size flags ctx acquire release claim room push poll status }
+        Motion { size flags ctx acquire release claim room push poll status setting }
+        Operator { size flags ctx take show }
+        OperatorCommand { size kind value len text }
+        OperatorView { size mode program optional_stop block_delete reserved tool_diameter zero rotation }
         MotionAnswer { size len id text }
         MotionCommand { size kind source line flags letters index mode speed_kind extent count setting pose center normal control weight speed acceleration tolerance cam_tolerance scale value pitch }
         ArgValue { size given int float text ints texts len }

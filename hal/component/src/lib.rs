@@ -48,6 +48,7 @@ mod kinematics;
 mod motion;
 mod motion_status;
 mod number;
+mod operator;
 mod outside;
 mod pins;
 mod plain;
@@ -70,7 +71,9 @@ pub use decl::{Decl, Error};
 pub use exchange::{RingReader, RingWriter, SeqReader, SeqWriter};
 #[doc(hidden)]
 pub use hal_abi as abi;
-pub use hal_abi::{MotionCommand, motion_flags, motion_kind, motion_setting, motion_source};
+pub use hal_abi::{
+    MotionCommand, OperatorView, motion_flags, motion_kind, motion_setting, motion_source,
+};
 pub use hal_derive::{Component, Plain, Touch};
 pub use interlock::{Estop, Interlock, InterlockRef};
 pub use iocontrol::{IoControl, IoControlRef, IoRequest, IoResult, IoState};
@@ -83,6 +86,7 @@ pub use motion::{
 };
 pub use motion_status::MotionStatus;
 pub use number::to_s32;
+pub use operator::{Operator, OperatorRef, OperatorRequest};
 #[doc(hidden)]
 pub use pins::{pin_doc, pin_name};
 #[doc(hidden)]

@@ -129,6 +129,14 @@ pub struct MotionStatus {
     pub spindle_brake: [bool; SPINDLES],
     /// True for a spindle that is at its speed, or does not turn.
     pub spindle_at_speed: [bool; SPINDLES],
+    /// Joints at or below their lower soft limit, a bit for each.
+    pub joints_below: u32,
+    /// Joints at or above their upper soft limit, a bit for each.
+    pub joints_above: u32,
+    /// Highest velocity of coordinated moves, as configured.
+    pub max_velocity: f64,
+    /// Number of machine units per millimetre.
+    pub units_per_mm: f64,
     /// True for a joint that is being homed.
     pub joint_homing: [bool; JOINTS],
     /// True for a joint whose amplifier has a fault.

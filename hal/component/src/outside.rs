@@ -3,10 +3,11 @@
 
 use crate::{
     Builder, Error, Gives, Interlock, InterlockRef, IoControl, IoControlRef, Kinematics,
-    KinematicsRef, Motion, MotionRef, Receiver, Sender, StreamIn, StreamOut, Takes,
+    KinematicsRef, Motion, MotionRef, Operator, OperatorRef, Receiver, Sender, StreamIn, StreamOut,
+    Takes,
     abi::{self, ServiceRef, ServiceSpec, Status, Str, StreamSpec, host_flags},
     builder::check,
-    interlock, iocontrol, kinematics, motion,
+    interlock, iocontrol, kinematics, motion, operator,
 };
 use core::ffi::c_void;
 use crossbeam::queue::ArrayQueue;
@@ -156,6 +157,28 @@ impl Builder<'_> {
         };
         // SAFETY: the engine found a table of this name and version.
         let found = unsafe { motion::found(table, uses) };
+        found.ok_or(Error::engine(Status::EINVAL)).map(Some)
+    }
+
+    /// Offers buttons and lamps of an operator to the task.
+    ///
+    /// # Errors
+    /// Another component offers them already.
+    pub fn offer_operator<O: Operator>(&mut self, operator: O) -> Result<(), Error> {
+        let uses = self.uses(&operator);
+        self.offer(&operator::offer(operator, &uses))
+    }
+
+    /// Returns the loaded buttons and lamps of an operator, if there are any. For the task.
+    ///
+    /// # Errors
+    /// They have another version.
+    pub fn operator(&mut self) -> Result<Option<OperatorRef>, Error> {
+        let Some((table, uses)) = self.bind(operator::NAME, operator::VERSION)? else {
+            return Ok(None);
+        };
+        // SAFETY: the engine found a table of this name and version.
+        let found = unsafe { operator::found(table, uses) };
         found.ok_or(Error::engine(Status::EINVAL)).map(Some)
     }
 

@@ -158,6 +158,13 @@ impl Joint {
         self.homing.homed && !(c.min_limit - SLACK <= pos && pos <= c.max_limit + SLACK)
     }
 
+    /// Returns whether the joint is at or beyond its lower and its upper soft limit.
+    pub(crate) fn at_soft_limits(&self) -> (bool, bool) {
+        let c = &self.config;
+        let (low, high) = (c.min_limit + SLACK, c.max_limit - SLACK);
+        (self.homing.homed && self.pos_cmd <= low, self.homing.homed && self.pos_cmd >= high)
+    }
+
     /// Sets the position of this cycle.
     pub(crate) fn place(&mut self, pos: f64, dt: f64) {
         let vel = (pos - self.pos_cmd) / dt;

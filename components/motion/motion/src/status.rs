@@ -89,6 +89,10 @@ pub(crate) fn of(
         jog_inhibit: s.inputs.jog_inhibit,
         spindle_brake: [false; MAX_SPINDLES],
         spindle_at_speed: [false; MAX_SPINDLES],
+        joints_below: 0,
+        joints_above: 0,
+        max_velocity: s.traj.max_velocity,
+        units_per_mm: s.traj.units_per_mm,
         joint_homing: [false; MAX_JOINTS],
         joint_fault: [false; MAX_JOINTS],
     };
@@ -116,6 +120,9 @@ pub(crate) fn of(
         put(&mut status.joint_error, n, joint.error);
         put(&mut status.joint_at_min, n, joint.inputs.at_min);
         put(&mut status.joint_at_max, n, joint.inputs.at_max);
+        let (below, above) = joint.at_soft_limits();
+        status.joints_below |= u32::from(below) << n;
+        status.joints_above |= u32::from(above) << n;
         put(&mut status.joint_homing, n, joint.homing.is_under_way());
         put(&mut status.joint_fault, n, joint.inputs.amp_fault);
     }

@@ -44,6 +44,9 @@ impl Motion for Fake {
     fn claim(&self, on: bool) {
         self.claimed.store(on, Relaxed);
     }
+    fn setting(&self, c: &MotionCommand) -> Result<f64, Error> {
+        if c.setting == 2 { Ok(7.5) } else { Err(Error::new("none")) }
+    }
     fn status(&self) -> Option<MotionStatus> {
         let mut number = 0;
         Some(crate::Plain::load(&mut || {
@@ -198,4 +201,7 @@ fn a_user_reads_as_many_words_as_it_knows() {
     let all = unsafe { read(service.table.ctx, words.as_mut_ptr(), 2) };
     assert_eq!((all as usize, words), (<MotionStatus as crate::Plain>::WORDS, [1, 2, 0]));
     assert!(size_of::<abi::Motion>() == abi::Motion::MIN);
+    let named = |setting| MotionCommand { setting, ..MotionCommand::new(motion_kind::CONFIGURE) };
+    assert_eq!(service.motion.setting(&named(2)), Some(7.5));
+    assert_eq!(service.motion.setting(&named(3)), None);
 }

@@ -76,7 +76,7 @@ impl<'c> Call<'c> {
 }
 
 /// Returns the name of the setting that a record changes.
-fn setting(c: &MotionCommand) -> Option<&'static str> {
+pub(crate) fn setting(c: &MotionCommand) -> Option<&'static str> {
     let names = motion_setting::NAMES.get(usize::try_from(c.setting).ok()?);
     names.copied().filter(|_| c.kind == motion_kind::CONFIGURE)
 }

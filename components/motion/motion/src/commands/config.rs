@@ -239,3 +239,62 @@ impl Encoder {
         self == Self::Resets
     }
 }
+
+impl JointConfig {
+    /// Returns a setting by the name of its argument.
+    pub(crate) fn setting(&self, name: &str) -> Option<f64> {
+        Some(match name {
+            "min-limit" => self.min_limit,
+            "max-limit" => self.max_limit,
+            "max-velocity" => self.max_velocity,
+            "max-acceleration" => self.max_acceleration,
+            "ferror" => self.ferror,
+            "min-ferror" => self.min_ferror.unwrap_or(self.ferror),
+            "home" => self.home.place,
+            "home-offset" => self.home.offset,
+            "home-sequence" => f64::from(self.home.sequence),
+            "backlash" => self.backlash,
+            _ => return None,
+        })
+    }
+}
+
+impl AxisConfig {
+    /// Returns a setting by the name of its argument.
+    pub(crate) fn setting(&self, name: &str) -> Option<f64> {
+        Some(match name {
+            "min-limit" => self.min_limit,
+            "max-limit" => self.max_limit,
+            "max-velocity" => self.max_velocity,
+            "max-acceleration" => self.max_acceleration,
+            "offset-av-ratio" => self.offset_fraction,
+            _ => return None,
+        })
+    }
+}
+
+impl TrajConfig {
+    /// Returns a setting by the name of its argument.
+    pub(crate) fn setting(&self, name: &str) -> Option<f64> {
+        Some(match name {
+            "max-velocity" => self.max_velocity,
+            "max-acceleration" => self.max_acceleration,
+            "default-velocity" => self.default_velocity,
+            "max-feed-override" => self.max_feed_override,
+            _ => return None,
+        })
+    }
+}
+
+impl SpindleConfig {
+    /// Returns a setting by the name of its argument.
+    pub(crate) fn setting(&self, name: &str) -> Option<f64> {
+        Some(match name {
+            "min-forward-velocity" => self.limits(true).0,
+            "max-forward-velocity" => self.limits(true).1,
+            "min-reverse-velocity" => self.limits(false).0,
+            "max-reverse-velocity" => self.limits(false).1,
+            _ => return None,
+        })
+    }
+}

@@ -42,29 +42,20 @@ impl ConfigCache {
         joints: usize,
         spindles: usize,
     ) -> Result<Command, Error> {
-        let (joint, axis, spindle) = (call.int("joint"), call.text("axis"), call.int("spindle"));
-        match (joint, axis, spindle) {
-            (Some(_), Some(_), _) => Err(Error::new("joint= and axis= exclude each other")),
-            (Some(_), _, Some(_)) => Err(Error::new("joint= and spindle= exclude each other")),
-            (_, Some(_), Some(_)) => Err(Error::new("axis= and spindle= exclude each other")),
-            (None, None, Some(n)) => {
-                let n = usize::try_from(n).ok().filter(|n| *n < spindles).ok_or_else(|| {
-                    Error::new(format!("there is no spindle {n}, the machine has {spindles}"))
-                })?;
+        match Target::of(call, joints, spindles)? {
+            Target::Spindle(n) => {
                 only(call, SPINDLE, "spindle=")?;
                 self.spindle(n, call)
             }
-            (Some(n), None, None) => {
-                let n = crate::commands::interface::joint(n, joints)?;
+            Target::Joint(n) => {
                 only(call, JOINT, "joint=")?;
                 self.joint(n, call)
             }
-            (None, Some(text), None) => {
-                let n = letter(&text)?;
+            Target::Axis(n) => {
                 only(call, AXIS, "axis=")?;
                 self.axis(n, call)
             }
-            (None, None, None) => {
+            Target::Traj => {
                 only(call, TRAJ, "a configuration without joint=, axis= and spindle=")?;
                 self.traj(call)
             }
@@ -84,6 +75,16 @@ impl ConfigCache {
             }
             Command::Traj(config) => self.traj = config,
             Command::Request(..) => {}
+        }
+    }
+
+    /// Returns a setting by the name of its argument.
+    pub(crate) fn setting(&self, target: Target, name: &str) -> Option<f64> {
+        match target {
+            Target::Joint(n) => self.joints.get(&n).copied().unwrap_or_default().setting(name),
+            Target::Axis(n) => self.axes.get(&n).copied().unwrap_or_default().setting(name),
+            Target::Spindle(n) => self.spindles.get(&n).copied().unwrap_or_default().setting(name),
+            Target::Traj => self.traj.setting(name),
         }
     }
 
@@ -166,6 +167,34 @@ impl ConfigCache {
             c.units_per_mm = units(&text)?;
         }
         Ok(Command::Traj(c))
+    }
+}
+
+/// The object that a configuration changes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Target {
+    Joint(usize),
+    Axis(usize),
+    Spindle(usize),
+    /// Coordinated moves.
+    Traj,
+}
+
+impl Target {
+    pub(crate) fn of(call: &Call<'_>, joints: usize, spindles: usize) -> Result<Self, Error> {
+        match (call.int("joint"), call.text("axis"), call.int("spindle")) {
+            (Some(_), Some(_), _) => Err(Error::new("joint= and axis= exclude each other")),
+            (Some(_), _, Some(_)) => Err(Error::new("joint= and spindle= exclude each other")),
+            (_, Some(_), Some(_)) => Err(Error::new("axis= and spindle= exclude each other")),
+            (None, None, Some(n)) => {
+                usize::try_from(n).ok().filter(|n| *n < spindles).map(Self::Spindle).ok_or_else(
+                    || Error::new(format!("there is no spindle {n}, the machine has {spindles}")),
+                )
+            }
+            (Some(n), None, None) => crate::commands::interface::joint(n, joints).map(Self::Joint),
+            (None, Some(text), None) => letter(&text).map(Self::Axis),
+            (None, None, None) => Ok(Self::Traj),
+        }
     }
 }
 

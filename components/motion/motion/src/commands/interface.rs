@@ -2,17 +2,17 @@
 
 use crate::{
     commands::arguments,
-    commands::call::Call,
+    commands::call::{Call, setting},
     commands::command::{
         Command, FeedChange, Jog, JogDistance, JogTarget, Joints, Mode, Request, SpindleChange,
     },
-    commands::configure::ConfigCache,
+    commands::configure::{ConfigCache, Target},
     commands::path_rows::PATH_ROWS,
     pins::LETTERS,
 };
 use hal_component::{
-    Arg, Builder, Error, KinematicsRef, MotionSource, Sender, TicketHandle, abi::ArgSpec,
-    motion_kind,
+    Arg, Builder, Error, KinematicsRef, MotionCommand, MotionSource, Sender, TicketHandle,
+    abi::ArgSpec, motion_kind,
 };
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -199,6 +199,16 @@ impl CommandInterface {
         self.to.send(command).map_err(|_| full())?;
         cache.keep(&command);
         Ok(())
+    }
+
+    /// Returns a setting that a record names.
+    pub(super) fn setting(&self, command: &MotionCommand) -> Result<f64, Error> {
+        let call = Call::of(command)?;
+        let name = setting(command).unwrap_or_default();
+        let target = Target::of(&call, self.joints, self.spindles)?;
+        let cache = self.cache.lock().unwrap_or_else(PoisonError::into_inner);
+        let value = cache.setting(target, name);
+        value.ok_or_else(|| Error::new(format!("this object has no {name}")))
     }
 
     /// Reads a command of the service: the text command with the name of its kind has the same arguments.

@@ -60,6 +60,10 @@ impl Motion for Service {
         u32::try_from(path.min(queue)).unwrap_or(0)
     }
 
+    fn setting(&self, command: &MotionCommand) -> Result<f64, Error> {
+        self.interface.setting(command)
+    }
+
     fn claim(&self, on: bool) {
         // Relaxed: the command queue orders it before the commands that follow.
         self.claimed.store(on, Ordering::Relaxed);

@@ -330,6 +330,35 @@ fn refusals_are_those_of_the_text() {
 
 const PROGRAM: &str = "a program is in progress: motion.abort ends it";
 
+/// Every setting reads as it was given, and not for an object that lacks it.
+#[test]
+fn settings_read_as_given() {
+    let mut rig = Rig::off(&[]);
+    let motion = motion_of(&mut rig);
+    let of = |flags, name: &str, value| MotionCommand { flags, ..setting(name, value) };
+    let (mut joint, mut axis, mut spindle, mut traj) = (0, 0, 0, 0);
+    for (n, name) in motion_setting::NAMES.iter().enumerate() {
+        let value = if name.starts_with("max") { 0.75 } else { 0.25 } + n as f64 / 128.0;
+        let value = if *name == "home-sequence" { 3.0 } else { value };
+        for (flag, count) in [
+            (flags::JOINT, &mut joint),
+            (flags::AXIS, &mut axis),
+            (flags::SPINDLE, &mut spindle),
+            (0, &mut traj),
+        ] {
+            let command = of(flag, name, value);
+            let accepted = motion.push(MotionToken::LOCAL, &command).is_ok();
+            rig.cycle();
+            let read = motion.setting(&of(flag, name, 0.0));
+            assert_eq!(read, accepted.then_some(value), "{name} with {flag}");
+            *count += usize::from(accepted);
+        }
+    }
+    assert_eq!((joint, axis, spindle, traj), (10, 5, 4, 4));
+    let missing = MotionCommand { index: 3, ..of(flags::JOINT, "ferror", 0.0) };
+    assert_eq!(motion.setting(&missing), None);
+}
+
 /// Two sources never move at once.
 #[test]
 fn one_source_moves_at_a_time() {
@@ -501,7 +530,7 @@ fn garbage(random: &mut Random) -> MotionCommand {
     c
 }
 
-/// Records of random numbers neither panic nor move a joint to a place that is no number.
+/// Records of random numbers neither panic nor make a position NaN or infinite.
 #[test]
 fn garbage_moves_nothing_wrongly() {
     let mut rig = Rig::homed(&[]);
