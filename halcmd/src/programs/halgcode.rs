@@ -13,7 +13,9 @@
 //! | `plot`, `views` | `plot`: pictures of the way |
 //! | `format`, `tokens`, `metric` | `format`: tidy text, line numbers, millimetres for inches |
 //! | `state` | `state`: the interpreter's state at a line |
+//! | `apt`, `apt/` | `apt`: cutter-location files for a robot arm: its cell from an INI file, the report, the files written |
 
+mod apt;
 mod canon;
 mod check;
 mod clock;
@@ -46,7 +48,7 @@ struct Command {
     run: fn(&[String]) -> Result<ExitCode, String>,
 }
 
-const COMMANDS: [Command; 5] = [
+const COMMANDS: [Command; 6] = [
     Command {
         name: "check",
         arguments: "[options] FILE...",
@@ -81,6 +83,13 @@ const COMMANDS: [Command; 5] = [
         help: "the interpreter's state before a line",
         options: state::completable,
         run: state::main,
+    },
+    Command {
+        name: "apt",
+        arguments: apt::ARGUMENTS,
+        help: apt::HELP,
+        options: apt::completable,
+        run: apt::main,
     },
 ];
 

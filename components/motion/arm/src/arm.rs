@@ -116,6 +116,19 @@ impl Arm {
     /// Returns the flange at these joints.
     #[must_use]
     pub fn flange(&self, joints: &Joints) -> Frame {
+        let [.., flange] = self.frames(joints);
+        flange
+    }
+
+    /// Returns the points of a drawing of the arm: base, shoulder, elbow, wrist and flange.
+    #[must_use]
+    pub fn skeleton(&self, joints: &Joints) -> [Vector; 5] {
+        let [shoulder, elbow, _, _, wrist, flange] = self.frames(joints).map(|f| f.origin);
+        [Vector::new(0.0, 0.0, shoulder.z), shoulder, elbow, wrist, flange]
+    }
+
+    /// Returns the frames of the links.
+    fn frames(&self, joints: &Joints) -> [Frame; 6] {
         let links = [
             (-FRAC_PI_2, self.a1, self.d1),
             (0.0, self.a2, 0.0),
@@ -125,12 +138,16 @@ impl Arm {
             (0.0, 0.0, self.d6),
         ];
         let mut frame = Frame::identity();
-        for ((alpha, a, d), angle) in links.into_iter().zip(self.angles(joints)) {
+        let mut out = [frame; 6];
+        for (((alpha, a, d), angle), out) in
+            links.into_iter().zip(self.angles(joints)).zip(&mut out)
+        {
             let turn = about_z(angle);
             let origin = turn * Vector::new(a, 0.0, d);
             frame = frame.then(&Frame { origin, turn: turn * about_x(alpha) });
+            *out = frame;
         }
-        frame
+        out
     }
 
     /// Returns the configuration of these joints: 4 if the arm reaches backwards, 2 if the elbow is down, 1 if the wrist
