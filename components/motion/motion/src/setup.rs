@@ -117,7 +117,7 @@ impl Setup {
 }
 
 /// Sets the element `n` of a list, if the list has it.
-pub(crate) fn put<T, const N: usize>(list: &mut [T; N], n: usize, value: T) {
+pub(crate) fn put<T>(list: &mut [T], n: usize, value: T) {
     if let Some(place) = list.get_mut(n) {
         *place = value;
     }

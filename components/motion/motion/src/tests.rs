@@ -47,6 +47,10 @@ struct Rig {
     strict: bool,
     /// Cycles that a test has waited for commands.
     waited: u32,
+    /// Spindle that turns as its pins command.
+    turner: Option<follow::Turner>,
+    /// True while the planner does not run.
+    is_starved: bool,
 }
 
 impl Rig {
@@ -71,7 +75,15 @@ impl Rig {
     fn load<M: Component>(mut bench: Bench, args: &[&str]) -> Self {
         let args = [&["num_joints=3", "num_misc_error=2"], args].concat();
         bench.load::<M>(&args).unwrap();
-        let rig = Self { bench, stuck: [false; 3], seen: [(0.0, 0.0); 3], strict: true, waited: 0 };
+        let rig = Self {
+            bench,
+            stuck: [false; 3],
+            seen: [(0.0, 0.0); 3],
+            strict: true,
+            waited: 0,
+            turner: None,
+            is_starved: false,
+        };
         for (n, (velocity, acceleration, min, max)) in LIMITS.iter().enumerate() {
             rig.say(&format!(
                 "motion.configure joint={n} max-velocity={velocity} \
@@ -135,10 +147,16 @@ impl Rig {
 
     /// Runs one servo cycle; checks the limits of joints that move.
     fn cycle(&mut self) {
+        if let Some(mut turner) = self.turner.take() {
+            turner.step(self);
+            self.turner = Some(turner);
+        }
         self.bench.pass(PERIOD);
         self.bench.run("motion-command-handler", PERIOD);
         self.bench.run("motion-controller", PERIOD);
-        self.bench.work("motmod.planner", 64).unwrap();
+        if !self.is_starved {
+            self.bench.work("motmod.planner", 64).unwrap();
+        }
         let on = self.is("motion.motion-enabled");
         let violations: u32 = self.bench.get("motion.watch.violations");
         assert!(!self.strict || violations == 0, "{:?}", self.bench.said());

@@ -9,6 +9,7 @@ use crate::{
     jogger::{By, Jogger, TravelLimits},
     path::Parked,
     path::order::{Kind, PathMove},
+    setup::put,
     state::State,
 };
 use hal_component::TicketHandle;
@@ -355,13 +356,9 @@ impl State {
 
     pub(crate) fn set_output(&mut self, output: Output) {
         match output {
-            Output::Digital(n, value) => {
-                self.digital_out.get_mut(n).into_iter().for_each(|o| *o = value)
-            }
+            Output::Digital(n, value) => put(&mut self.digital_out, n, value),
             Output::ToolOffset(offset) => self.tool_offset = offset,
-            Output::Analog(n, value) => {
-                self.analog_out.get_mut(n).into_iter().for_each(|o| *o = value)
-            }
+            Output::Analog(n, value) => put(&mut self.analog_out, n, value),
         }
     }
 

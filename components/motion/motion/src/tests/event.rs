@@ -4,24 +4,28 @@
 use super::*;
 
 /// Reactions: `-` none; `hold` rests until the event is over, and goes on; `brake` brakes within the limits, and the
-/// machine stays on; `off` switches the machine off in this cycle; `fail` homing fails, and the machine goes off.
+/// machine stays on; `after` ends the thread or tap, and rests until the event is over; `off` switches the machine off
+/// in this cycle; `fail` homing fails, and the machine goes off. `starved` is a planner that does not run.
 const TABLE: &str = "
-phase         hold  door  abort  limit  ferror  amp  spindle  enable  misc  estop  unhome
-rest          -     -     -      off    off     off  off      off     off   off    .
-accelerating  hold  hold  brake  off    off     off  off      off     off   off    -
-cruising      hold  hold  brake  off    off     off  off      off     off   off    -
-decelerating  hold  hold  brake  off    off     off  off      off     off   off    -
-held          hold  hold  brake  off    off     off  off      off     off   off    -
-joint-jog     -     -     brake  off    off     off  off      off     off   off    -
-axis-jog      -     -     brake  off    off     off  off      off     off   off    -
-blend         hold  hold  brake  off    off     off  off      off     off   off    -
-arc           hold  hold  brake  off    off     off  off      off     off   off    -
-reversing     hold  hold  brake  off    off     off  off      off     off   off    -
-paused        hold  hold  brake  off    off     off  off      off     off   off    -
-probing       hold  hold  brake  off    off     off  off      off     off   off    -
-wheel-jog     -     -     brake  off    off     off  off      off     off   off    -
-search        -     -     brake  fail   off     off  off      off     off   off    -
-latch         -     -     brake  fail   off     off  off      off     off   off    -
+phase         hold  door  abort  limit  ferror  amp  spindle  enable  misc  estop  unhome  starved
+rest          -     -     -      off    off     off  off      off     off   off    .       -
+accelerating  hold  hold  brake  off    off     off  off      off     off   off    -       -
+cruising      hold  hold  brake  off    off     off  off      off     off   off    -       -
+decelerating  hold  hold  brake  off    off     off  off      off     off   off    -       -
+held          hold  hold  brake  off    off     off  off      off     off   off    -       -
+joint-jog     -     -     brake  off    off     off  off      off     off   off    -       -
+axis-jog      -     -     brake  off    off     off  off      off     off   off    -       -
+blend         hold  hold  brake  off    off     off  off      off     off   off    -       hold
+arc           hold  hold  brake  off    off     off  off      off     off   off    -       -
+reversing     hold  hold  brake  off    off     off  off      off     off   off    -       -
+paused        hold  hold  brake  off    off     off  off      off     off   off    -       -
+probing       hold  hold  brake  off    off     off  off      off     off   off    -       -
+wheel-jog     -     -     brake  off    off     off  off      off     off   off    -       -
+search        -     -     brake  fail   off     off  off      off     off   off    -       -
+latch         -     -     brake  fail   off     off  off      off     off   off    -       -
+threading     after after brake  off    off     off  off      off     off   off    -       -
+tapping       after after brake  off    off     off  off      off     off   off    -       after
+retracting    after after brake  off    off     off  off      off     off   off    -       after
 ";
 
 struct Event {
@@ -109,6 +113,13 @@ const EVENTS: &[Event] = &[
         cause: "cannot unhome while the machine moves",
         said: "cannot unhome while the machine moves",
     },
+    Event {
+        name: "starved",
+        begin: |rig| rig.is_starved = true,
+        end: |rig| rig.is_starved = false,
+        cause: "",
+        said: "",
+    },
 ];
 
 /// Runs a cycle of a machine whose joint 0 has its home switch from 30 on.
@@ -159,6 +170,15 @@ fn begin(phase: &str) -> (Rig, Option<usize>, f64) {
             ("motion.move x=70 y=60 velocity=45 mode=blend", 70.0)
         }
         "arc" => ("motion.arc center-x=30 x=60 velocity=45", 60.0),
+        "threading" | "tapping" | "retracting" => {
+            rig.turner = Some(super::follow::Turner::new(80.0));
+            rig.say("motion.spindle speed=900");
+            match phase {
+                "threading" => ("motion.move x=100 y=30 pitch=3", 100.0),
+                "tapping" => ("motion.tap x=90 pitch=3", 0.0),
+                _ => ("motion.tap x=60 pitch=3", 0.0),
+            }
+        }
         "probing" => ("motion.probe x=90 velocity=45 optional=1", 90.0),
         _ => ("motion.move x=100 y=30 velocity=45", 100.0),
     };
@@ -180,6 +200,7 @@ fn begin(phase: &str) -> (Rig, Option<usize>, f64) {
             rig.say("motion.reverse");
             until(&mut rig, |rig| speed(rig) < -42.0);
         }
+        "retracting" => until(&mut rig, |rig| speed(rig) < -44.0),
         "paused" => {
             until(&mut rig, |rig| speed(rig) > 42.0);
             rig.say("motion.pause");
@@ -254,6 +275,22 @@ fn check(phase: &str, event: &Event, reaction: &str) {
             nothing_moves_on(&mut rig, &what);
             assert!(rig.is("motion.motion-enabled"), "{what}");
             assert!(rig.joint(0, "pos-cmd") < 100.0, "{what}");
+            (event.end)(&mut rig);
+            return ends_well(&mut rig, waits, end, &what);
+        }
+        "after" => {
+            let mut rested = 0;
+            until(&mut rig, |rig| rig.joint(0, "vel-cmd") == 0.0 && rig.joint(0, "pos-cmd") != 0.0);
+            while rested < 100 {
+                step(&mut rig);
+                rested = if rig.joint(0, "vel-cmd") == 0.0 { rested + 1 } else { 0 };
+            }
+            // A tap is outside its hole.
+            let place = rig.joint(0, "pos-cmd");
+            assert!(
+                if phase == "threading" { place == end } else { place <= end },
+                "{what}: {place}"
+            );
             (event.end)(&mut rig);
             return ends_well(&mut rig, waits, end, &what);
         }
@@ -336,6 +373,6 @@ fn every_phase_by_every_event() {
             cells += 1;
         }
     }
-    assert_eq!(cells, 164);
+    assert_eq!(cells, 215);
     assert_eq!(names.len(), EVENTS.len());
 }
