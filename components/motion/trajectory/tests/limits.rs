@@ -165,7 +165,7 @@ fn cases_of_the_past_keep_every_limit() {
 }
 
 #[test]
-#[ignore = "three minutes on two idle cores: cargo test -p hal-trajectory --release --test limits -- --ignored --nocapture"]
+#[ignore = "a million segments take minutes; every run has `random_programs_keep_every_limit`: cargo test -p hal-trajectory --release --test limits -- --ignored --nocapture"]
 fn a_million_random_segments_keep_every_limit() {
     let sum = many(1000..26_000, 60);
     assert!(sum.segments >= 1_000_000, "{} segments", sum.segments);

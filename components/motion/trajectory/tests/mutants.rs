@@ -162,7 +162,7 @@ fn each_mistake_still_has_its_place() {
 }
 
 #[test]
-#[ignore = "builds the crate 15 times: cargo test -p hal-trajectory --release --test mutants -- --ignored --nocapture"]
+#[ignore = "copies and builds the crate for each mistake; every run has `each_mistake_still_has_its_place`: cargo test -p hal-trajectory --release --test mutants -- --ignored --nocapture"]
 fn each_mistake_fails_its_test() {
     let root = std::env::temp_dir().join(format!("hal-trajectory-mutants-{}", std::process::id()));
     let members = ["trajectory", "corpus", "watchman"].map(|m| format!("components/motion/{m}"));

@@ -572,7 +572,7 @@ fn the_programs_of_an_instance_end_with_it() {
 /// Prints the milliseconds from a signal until outputs are at their safe levels, in each state of
 /// the instance: in a row of ten for SIGTERM and for SIGINT, taken in turn.
 #[test]
-#[ignore = "measures: cargo test -p hal-tests --test system faults::ends -- --ignored --nocapture"]
+#[ignore = "prints times, which depend on the machine; the other tests here judge the outputs: cargo test -p hal-tests --test system faults::ends -- --ignored --nocapture"]
 fn how_soon_outputs_are_safe() {
     let states = [
         ("idle", By::Signal(Signal::TERM)),
