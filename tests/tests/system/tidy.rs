@@ -90,6 +90,7 @@ fn arrows_point_only_downward() {
         ),
         ("halcompile", &["hal-output"]),
         ("hal-arm", &[]),
+        ("robot", &["hal-arm", "hal-gcode", "hal-output"]),
         ("kinematics", &["hal-arm", "hal-component"]),
         ("ferrule-client", &["hal-protocol"]),
         ("motion", &["hal-component", "hal-trajectory", "hal-watchman"]),

@@ -1,0 +1,91 @@
+//! Places that the tool may go to.
+
+use hal_arm::{
+    Arm, CONFIGURATIONS, Frame,
+    rotation::{Vector, from_zyz},
+};
+use std::fmt;
+
+/// Part zero in robot coordinates.
+pub type Zero = [f64; 3];
+
+/// Box of the work, in robot coordinates, and the arm that must reach every point with its tool downwards.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Volume {
+    /// Least X, Y and Z; inclusive.
+    pub min: [f64; 3],
+    /// Greatest X, Y and Z; inclusive.
+    pub max: [f64; 3],
+    /// Arm.
+    pub arm: Arm,
+    /// Length of the tool beyond the flange.
+    pub tool: f64,
+}
+
+/// Point that the tool must not go to.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Outside {
+    /// A coordinate is outside the box.
+    Box {
+        /// Letter of the axis.
+        axis: char,
+        /// Coordinate.
+        at: f64,
+        /// Limit that it is beyond.
+        limit: f64,
+    },
+    /// No configuration of the arm reaches the point.
+    Arm,
+}
+
+impl fmt::Display for Outside {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Box { axis, at, limit } => {
+                let sign = if at > limit { '>' } else { '<' };
+                write!(f, "outside the work volume: robot {axis} {at:.3} {sign} {limit}")
+            }
+            Self::Arm => f.write_str("the joints of the arm do not reach it"),
+        }
+    }
+}
+
+impl Default for Volume {
+    fn default() -> Self {
+        Self {
+            min: [-550.0, -250.0, -100.0],
+            max: [-250.0, 250.0, 40.0],
+            arm: Arm::RS03N,
+            tool: 0.0,
+        }
+    }
+}
+
+impl Volume {
+    /// Returns a point of the part frame in robot coordinates.
+    #[must_use]
+    pub const fn robot(zero: &Zero, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        let [x0, y0, z0] = *zero;
+        [x0 - y, y0 + x, z0 + z]
+    }
+
+    /// Checks a point in robot coordinates.
+    ///
+    /// # Errors
+    /// The tool must not go there.
+    pub fn check(&self, point: [f64; 3]) -> Result<(), Outside> {
+        let limits = self.min.iter().zip(&self.max);
+        for ((axis, at), (low, high)) in ['X', 'Y', 'Z'].into_iter().zip(point).zip(limits) {
+            // A value that is no number is outside too.
+            if !(*low <= at && at <= *high) {
+                let limit = if at > *high { *high } else { *low };
+                return Err(Outside::Box { axis, at, limit });
+            }
+        }
+        let down = from_zyz([-90.0, 180.0, 0.0]);
+        let origin = Vector::from(point) - down * Vector::new(0.0, 0.0, self.tool);
+        let flange = Frame { origin, turn: down };
+        let reaches = |c| self.arm.solve(&flange, c, &[0.0; 6]).is_ok();
+        if (0..CONFIGURATIONS).any(reaches) { Ok(()) } else { Err(Outside::Arm) }
+    }
+}

@@ -1,0 +1,376 @@
+//! The driver against the simulated controller, in virtual time and without a network.
+#![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
+
+use robot::{Command, Controller, Driver, Event, Faults, Output, State, Stopped, Volume, convert};
+
+const ZERO: [f64; 3] = [-400.0, 0.0, -30.0];
+
+/// Driver and controller with the connection between them.
+struct Link {
+    driver: Driver,
+    robot: Controller,
+    now: f64,
+    is_up: bool,
+    to_robot: Vec<u8>,
+    transcript: String,
+    events: Vec<Event>,
+    chance: u64,
+}
+
+impl Link {
+    fn new(faults: Faults, timeout: f64) -> Self {
+        let mut link = Self {
+            driver: Driver::new(timeout),
+            robot: Controller::new(Volume::default(), ZERO, faults),
+            now: 0.0,
+            is_up: false,
+            to_robot: Vec::new(),
+            transcript: String::new(),
+            events: Vec::new(),
+            chance: faults.seed | 1,
+        };
+        link.connect();
+        link
+    }
+
+    fn connect(&mut self) {
+        assert_eq!(self.robot.connect(self.now), None);
+        self.driver.connected(self.now);
+        self.is_up = true;
+        self.until(|l| l.driver.state() == State::Ready);
+    }
+
+    fn cut(&mut self) {
+        self.is_up = false;
+        self.to_robot.clear();
+        self.robot.disconnect(self.now);
+        self.driver.disconnected();
+    }
+
+    /// Returns a number below `n` by chance.
+    fn draw(&mut self, n: u64) -> u64 {
+        self.chance ^= self.chance << 13;
+        self.chance ^= self.chance >> 7;
+        self.chance ^= self.chance << 17;
+        self.chance % n
+    }
+
+    /// Runs one step: bytes go over in pieces of any size, and time advances to the next event.
+    fn step(&mut self) {
+        let sent = self.driver.output();
+        self.transcript.push_str(&String::from_utf8_lossy(&sent).replace("\r\n", "|"));
+        if self.is_up {
+            self.to_robot.extend(sent);
+        }
+        while !self.to_robot.is_empty() {
+            let size = 1 + usize::try_from(self.draw(20)).unwrap();
+            let piece: Vec<u8> = self.to_robot.drain(..size.min(self.to_robot.len())).collect();
+            self.robot.receive(&piece, self.now);
+        }
+        let due = [self.robot.next(), self.driver.next()].into_iter().flatten().reduce(f64::min);
+        self.now = due.map_or(self.now, |due| due.max(self.now));
+        for output in self.robot.poll(self.now) {
+            match output {
+                Output::Bytes(bytes) if self.is_up => {
+                    self.transcript.push_str(&String::from_utf8_lossy(&bytes).replace("\r\n", "<"));
+                    let middle = usize::try_from(self.draw(bytes.len() as u64)).unwrap();
+                    self.driver.receive(&bytes[..middle], self.now);
+                    self.driver.receive(&bytes[middle..], self.now);
+                }
+                Output::Bytes(_) => {}
+                Output::Close => {
+                    self.is_up = false;
+                    self.driver.disconnected();
+                }
+            }
+        }
+        self.driver.poll(self.now);
+        self.events.extend(self.driver.events());
+    }
+
+    fn until(&mut self, done: impl Fn(&Self) -> bool) {
+        for _ in 0..2_000_000 {
+            if done(self) {
+                return;
+            }
+            self.step();
+        }
+        assert!(done(self), "{:?} at {}", self.driver.state(), self.now);
+    }
+
+    fn run(&mut self, lines: &[Command], from: usize) {
+        assert!(self.driver.run(lines.to_vec(), from, self.now));
+    }
+
+    fn is_over(&self) -> bool {
+        matches!(self.driver.state(), State::Ended | State::Stopped(_))
+    }
+}
+
+/// Moves in the work volume, no two of which go to the same point.
+fn moves(count: u32) -> Vec<Command> {
+    let at = |n: u32| {
+        let n = f64::from(n);
+        [(n * 0.618).fract() * 20.0, (n * 0.755).fract() * 20.0, n / 1000.0]
+    };
+    let mut out = Vec::new();
+    for n in 0..count {
+        if n % 1000 == 0 {
+            out.push(Command::Speed(f64::from(5 + n % 7)));
+        }
+        out.push(if n % 10 == 0 { Command::Rapid(at(n)) } else { Command::Cut(at(n)) });
+    }
+    out
+}
+
+/// Returns the targets of lines.
+fn targets(lines: &[Command]) -> Vec<[f64; 3]> {
+    let target = |c: &Command| match c {
+        Command::Rapid(to) | Command::Cut(to) => {
+            Some(to.map(|x| format!("{x:.3}").parse().unwrap()))
+        }
+        _ => None,
+    };
+    lines.iter().filter_map(target).collect()
+}
+
+#[test]
+fn a_short_run_and_its_transcript() {
+    let mut link = Link::new(Faults::default(), 60.0);
+    assert_eq!(link.driver.zero(), Some(ZERO));
+    let lines = [Command::Speed(5.0), Command::Rapid([0., 0., 10.]), Command::Cut([10., 0., 0.])];
+    link.run(&lines, 0);
+    link.until(Link::is_over);
+    link.step();
+    assert_eq!(link.driver.state(), State::Ended);
+    assert_eq!(
+        link.transcript,
+        "-400.000 0.000 -30.000<Esperando inicio<inicio|done<?|error unknown<\
+         SPEED,5.000|done<SPEED|error format<JMOVE,0.000,0.000,10.000|done<?|error unknown<\
+         LMOVE,10.000,0.000,0.000|done<SPEED|error format<EXIT|"
+    );
+    assert_eq!(link.robot.moves(), targets(&lines));
+    // 50 mm back, 40 mm down, both at 10 mm/s, and 14.142 mm at 5 mm/s.
+    assert!((link.now - (5.0 + 4.0 + 2.828)).abs() < 0.05, "{}", link.now);
+}
+
+#[test]
+fn ten_thousand_lines_with_faults_are_each_executed_once() {
+    for (seed, delay, lost, doubled) in [
+        (1, 2.0, 0.0, 0.2),
+        (2, 2.0, 0.1, 0.0),
+        // Answers may come later than the driver waits.
+        (3, 12.0, 0.0, 0.2),
+        (4, 12.0, 0.1, 0.1),
+    ] {
+        let faults = Faults { seed, delay, lost, doubled };
+        let mut link = Link::new(faults, 9.0);
+        let lines = moves(10_000);
+        link.run(&lines, 0);
+        link.until(Link::is_over);
+        assert_eq!(link.driver.state(), State::Ended, "{seed}");
+        assert_eq!(link.robot.moves(), targets(&lines), "{seed}");
+        let executed = link.events.iter().filter_map(|e| match e {
+            Event::Executed(n, _) => Some(*n),
+            _ => None,
+        });
+        assert_eq!(executed.collect::<Vec<_>>(), (0..lines.len()).collect::<Vec<_>>());
+        let unanswered = link.events.iter().filter(|e| matches!(e, Event::Executed(_, false)));
+        let is_late = lost > 0.0 || delay > 9.0;
+        assert_eq!(unanswered.count() > 100, is_late, "{seed}");
+    }
+}
+
+#[test]
+fn two_runs_are_equal_byte_for_byte() {
+    let run = || {
+        let mut link = Link::new(Faults { seed: 9, delay: 2.0, lost: 0.05, doubled: 0.05 }, 30.0);
+        link.run(&moves(2_000), 0);
+        link.until(Link::is_over);
+        (link.transcript, link.now.to_bits())
+    };
+    assert_eq!(run(), run());
+}
+
+#[test]
+fn a_lost_connection_stops_the_robot_and_resumes_with_the_unanswered_line() {
+    for seed in 0..100 {
+        let lines = moves(60);
+        let mut link = Link::new(Faults { seed, delay: 0.5, lost: 0.05, doubled: 0.05 }, 30.0);
+        link.run(&lines, 0);
+        let cut = 1 + link.draw(200);
+        for _ in 0..cut {
+            link.step();
+        }
+        if link.is_over() {
+            continue;
+        }
+        // In the middle of a move.
+        link.now += 0.2;
+        link.cut();
+        let State::Stopped(Stopped::Lost(line)) = link.driver.state() else {
+            std::panic::panic_any("the driver goes on")
+        };
+        assert!(!link.robot.is_moving());
+        let place = link.robot.place(link.now);
+        link.now += 1000.0;
+        assert_eq!(link.robot.place(link.now), place, "the robot stays");
+        link.connect();
+        link.run(&lines, line);
+        link.until(Link::is_over);
+        assert_eq!(link.driver.state(), State::Ended);
+        let mut made = link.robot.moves().to_vec();
+        // The line without an answer may have been executed before the cut: then it goes to where the robot is.
+        made.dedup();
+        assert_eq!(made, targets(&lines), "{seed}: cut at line {line}");
+    }
+}
+
+#[test]
+fn pause_ends_the_move_and_stop_does_not() {
+    let lines =
+        [Command::Cut([0., 0., 0.]), Command::Cut([50., 0., 0.]), Command::Cut([0., 0., 0.])];
+    let mut link = Link::new(Faults::default(), 60.0);
+    link.run(&lines, 0);
+    link.until(|l| l.events.contains(&Event::Sent(1)));
+    link.step();
+    link.driver.pause();
+    let begin = link.now;
+    link.until(|l| !l.robot.is_moving());
+    assert!(link.now - begin <= 10.0 + 0.1, "50 mm at 5 mm/s");
+    for _ in 0..100 {
+        link.step();
+    }
+    assert!(link.now - begin > 600.0, "the robot keeps a connection that pauses");
+    assert_eq!(link.driver.state(), State::Paused);
+    assert_eq!(link.robot.place(link.now), [50., 0., 0.]);
+    assert!(!link.events.contains(&Event::Sent(2)));
+    link.driver.resume(link.now);
+    link.until(Link::is_over);
+    assert_eq!(link.robot.moves(), targets(&lines));
+
+    let mut link = Link::new(Faults::default(), 60.0);
+    link.run(&lines, 0);
+    link.until(|l| l.events.contains(&Event::Sent(1)));
+    let sent = link.driver.output();
+    link.robot.receive(&sent, link.now);
+    let begin = link.now;
+    link.driver.pause();
+    link.driver.resume(link.now);
+    link.driver.stop();
+    let out = link.driver.output();
+    assert_eq!(out, b"EXIT\r\n");
+    link.now = begin + 0.5;
+    link.robot.receive(&out, link.now);
+    assert!(!link.robot.is_moving());
+    let place = link.robot.place(link.now);
+    assert!(0.0 < place[0] && place[0] < 5.0, "{place:?}");
+    assert_eq!(link.driver.state(), State::Stopped(Stopped::User(1)));
+    assert_eq!(link.robot.poll(link.now), [Output::Close]);
+}
+
+#[test]
+fn refusals_stop_the_run_and_name_the_line() {
+    let lines =
+        [Command::Cut([0., 0., 0.]), Command::Cut([400., 0., 0.]), Command::Cut([1., 0., 0.])];
+    let mut link = Link::new(Faults::default(), 60.0);
+    link.run(&lines, 0);
+    link.until(Link::is_over);
+    assert_eq!(link.driver.state(), State::Stopped(Stopped::Refused(1, robot::Refusal::Range)));
+    assert_eq!(link.robot.moves(), [[0., 0., 0.]]);
+    // A robot that says nothing any more.
+    let mut link = Link::new(Faults { lost: 1.0, ..Faults::default() }, 5.0);
+    link.run(&lines, 0);
+    link.until(Link::is_over);
+    assert_eq!(link.driver.state(), State::Stopped(Stopped::Silent(0)));
+    // A second client.
+    let mut robot = Controller::new(Volume::default(), ZERO, Faults::default());
+    assert_eq!(robot.connect(0.0), None);
+    let busy = robot.connect(0.0).unwrap();
+    let mut second = Driver::new(1.0);
+    second.connected(0.0);
+    second.receive(&busy, 0.0);
+    assert_eq!(second.state(), State::Stopped(Stopped::Busy));
+}
+
+#[test]
+fn the_controller_answers_garbage_and_moves_nothing() {
+    let mut robot = Controller::new(Volume::default(), ZERO, Faults::default());
+    robot.connect(0.0);
+    let mut now = 6.0;
+    robot.poll(now);
+    let mut ask = |bytes: &[u8]| {
+        robot.receive(bytes, now);
+        now += 0.1;
+        let mut out = robot.poll(now);
+        now += 0.1;
+        out.extend(robot.poll(now));
+        let out = out.into_iter().map(|o| match o {
+            Output::Bytes(b) => String::from_utf8(b).unwrap().trim().to_owned(),
+            Output::Close => "closed".to_owned(),
+        });
+        let out = out.collect::<Vec<_>>().join(" ");
+        assert!(!robot.is_moving());
+        out
+    };
+    assert_eq!(ask(b"LMOVE,1,2,3\r\n"), "error unknown", "before inicio");
+    assert_eq!(ask(b"inicio\n"), "done");
+    for (line, answer) in [
+        (&b"MOVE,1,2,3\r"[..], "error unknown"),
+        (b"LMOVE,400,0,0\r\n", "error range"),
+        (b"LMOVE,1,2\r\n", "error format"),
+        (b"LMOVE,1,2,3,4\r\n", "error format"),
+        (b"LMOVE,1,2,nan\r\n", "error format"),
+        (b"LMOVE,1,2,1e9\r\n", "error format"),
+        (b"SPEED,0\r\n", "error range"),
+        (b"SPEED,15.1\r\n", "error range"),
+        (b"SPEED,5", "done"),
+        (b"\xff\xfe\r\n", "error unknown"),
+        (b"\r\n\r\n", ""),
+        (b"LMO", "error unknown"),
+    ] {
+        assert_eq!(ask(line), answer, "{:?}", String::from_utf8_lossy(line));
+    }
+    assert_eq!(ask(&[b'x'; 1000]), "error format");
+    assert_eq!(ask(b"SPEED,4\r\nSPEED,3\nSPEED,2\r\n"), "done done done");
+    assert_eq!(ask(b"EXIT\r\n"), "closed");
+    assert!(robot.moves().is_empty());
+}
+
+#[test]
+fn the_driver_survives_any_answer() {
+    let mut chance = 7_u64;
+    for _ in 0..2000 {
+        let mut driver = Driver::new(1.0);
+        driver.connected(0.0);
+        driver.receive(b"-400 0 -30\r\nEsperando inicio\r\n", 0.0);
+        assert!(driver.run(moves(5), 0, 0.0));
+        for n in 0..20 {
+            chance = chance.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            let words: [&[u8]; 6] = [
+                b"done\r\n",
+                b"error unknown\r\n",
+                b"error format\r\n",
+                b"1 2 3\r\n",
+                b"\xff\0\r",
+                b"x",
+            ];
+            driver.receive(words[usize::try_from(chance >> 61).unwrap() % 6], f64::from(n));
+            driver.poll(f64::from(n));
+        }
+        let sent = driver.output();
+        assert!(!sent.is_empty() && sent.is_ascii());
+    }
+}
+
+#[test]
+fn a_program_of_any_dialect_runs_to_its_end() {
+    let text = b"G0 Z10\nX5 Y5\nG1 Z-0.25 F300\nG2 X15 Y5 R5\nG1 X5\nG0 Z10\n";
+    let (records, _) = convert(text, &Volume::default(), &ZERO, 5.0).unwrap();
+    let lines: Vec<Command> = records.iter().map(|r| r.command).collect();
+    let mut link = Link::new(Faults::default(), 60.0);
+    link.run(&lines, 0);
+    link.until(Link::is_over);
+    assert_eq!(link.robot.moves(), targets(&lines));
+    assert_eq!(link.robot.moves().len(), 2 + 180 + 2);
+}
