@@ -16,6 +16,10 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
+    pub(crate) fn new() -> Self {
+        Self { teleop: Jogger::new(), offset: Offset::new(), ..Self::default() }
+    }
+
     /// Writes the pins.
     pub(crate) fn write_pins(&self, pins: &AxisPins, pos: f64) {
         let tp = &self.teleop.tp;

@@ -4,13 +4,14 @@ use crate::simple_tp::SimpleTp;
 use hal_component::{In, TicketHandle};
 use libm::fabs;
 
-/// Limits of a jog: travel, velocity and acceleration.
+/// Limits of a jog: travel, velocity, acceleration and jerk.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TravelLimits {
     pub(crate) min: f64,
     pub(crate) max: f64,
     pub(crate) max_vel: f64,
     pub(crate) max_acc: f64,
+    pub(crate) max_jerk: f64,
 }
 
 impl TravelLimits {
@@ -32,6 +33,10 @@ impl TravelLimits {
         }
         if acc < self.max_acc {
             self.max_acc = acc;
+        }
+        let jerk = joint.max_jerk / fabs(slope);
+        if jerk < self.max_jerk {
+            self.max_jerk = jerk;
         }
     }
 
@@ -93,6 +98,11 @@ pub(crate) struct Jogger {
 }
 
 impl Jogger {
+    /// Jogger that can limit jerk.
+    pub(crate) fn new() -> Self {
+        Self { tp: SimpleTp::smooth(), ..Self::default() }
+    }
+
     /// Moves to a target at a speed; replaces any previous motion.
     pub(crate) fn go(
         &mut self,
@@ -106,6 +116,7 @@ impl Jogger {
         self.tp.target = limits.bound(target, self.tp.pos);
         self.tp.max_vel = if speed < limits.max_vel { speed } else { limits.max_vel };
         self.tp.max_acc = limits.max_acc;
+        self.tp.max_jerk = limits.max_jerk;
         self.tp.enable = true;
         self.tp.active = true;
         self.by = by;
@@ -226,7 +237,7 @@ mod tests {
             (f64::NAN, f64::NAN, 0.0, 10.0, 0.0),
             (-50.0, 200.0, 0.0, f64::NAN, 0.0),
         ] {
-            let limits = TravelLimits { min, max, max_vel: 1.0, max_acc: 1.0 };
+            let limits = TravelLimits { min, max, max_vel: 1.0, max_acc: 1.0, max_jerk: 1.0 };
             assert_eq!(limits.bound(target, from), expected, "{min} {max} {from} {target}");
         }
     }

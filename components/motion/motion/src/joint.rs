@@ -61,7 +61,7 @@ pub(crate) struct Joint {
 
 impl Joint {
     pub(crate) fn new(extra: bool, has_lock: bool) -> Self {
-        Self { extra, lock: Lock::new(has_lock), ..Self::default() }
+        Self { extra, lock: Lock::new(has_lock), free: Jogger::new(), ..Self::default() }
     }
 
     /// Reads the pins, and computes the following error of the last command.
@@ -128,7 +128,13 @@ impl Joint {
             let range = c.max_limit - c.min_limit;
             (self.pos_fb - range, self.pos_fb + range)
         };
-        TravelLimits { min, max, max_vel: c.move_velocity(), max_acc: c.move_acceleration() }
+        TravelLimits {
+            min,
+            max,
+            max_vel: c.move_velocity(),
+            max_acc: c.move_acceleration(),
+            max_jerk: c.move_jerk(),
+        }
     }
 
     /// Returns the reasons, for the ticket and for the operator, why the joint does not jog by itself.
@@ -238,8 +244,7 @@ impl Joint {
         self.pos_fb += shift;
         self.motor_offset -= shift;
         self.farthest += shift;
-        self.free.tp.pos += shift;
-        self.free.tp.target += shift;
+        self.free.tp.shift(shift);
     }
 
     /// Adds an offset to the encoder's reading from now on, without motion.
@@ -253,8 +258,8 @@ impl Joint {
         self.farthest = pos;
         self.pos_cmd = pos;
         self.pos_fb = pos;
-        self.free.tp.pos = pos;
-        self.free.tp.target = pos;
+        self.free.tp.shift(pos - self.free.tp.pos);
+        (self.free.tp.pos, self.free.tp.target) = (pos, pos);
     }
 
     /// Returns the motor command for the guard to check.

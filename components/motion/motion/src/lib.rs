@@ -18,6 +18,7 @@ mod path;
 mod pins;
 mod setup;
 mod simple_tp;
+mod smooth;
 mod source;
 mod spindle;
 mod state;

@@ -28,6 +28,10 @@ pub(crate) struct OffsetPins {
 }
 
 impl Offset {
+    pub(crate) fn new() -> Self {
+        Self { tp: SimpleTp::smooth(), ..Self::default() }
+    }
+
     /// Reads the pins.
     pub(crate) fn ask(&mut self, pins: &OffsetPins, allowed: bool) {
         let counts = pins.counts.get();
@@ -56,6 +60,7 @@ impl Offset {
         self.tp.target = target;
         self.tp.max_vel = limits.max_vel;
         self.tp.max_acc = limits.max_acc;
+        self.tp.max_jerk = limits.max_jerk;
         self.tp.enable = true;
         self.tp.step_exactly(dt);
     }
@@ -72,7 +77,7 @@ impl Offset {
 
     /// Sets the offset and its request to a value, at rest.
     pub(crate) fn set(&mut self, place: f64) {
-        *self = Self { request: place, last: place, counts: self.counts, ..Self::default() };
+        (self.request, self.last, self.is_limited) = (place, place, false);
         self.tp.reset(place);
     }
 

@@ -45,6 +45,7 @@ impl State {
             max: limits.max - at,
             max_vel: limits.max_vel * fraction,
             max_acc: limits.max_acc * fraction,
+            max_jerk: limits.max_jerk * fraction,
         })
     }
 

@@ -1,10 +1,11 @@
-//! Realtime. Planner of one coordinate that moves to a target, within a velocity and an acceleration limit.
+//! Realtime. Planner of one coordinate that moves to a target, within a velocity, an acceleration and a jerk limit.
 
-use libm::{fabs, sqrt};
+use crate::smooth::Smooth;
+use libm::{ceil, fabs, sqrt};
 
 /// The planner. Its limits and target may change in motion: it brakes and reverses within the acceleration limit, which
-/// may take it beyond the target.
-#[derive(Clone, Copy, Debug, Default)]
+/// may take it beyond the target. Under a jerk limit, the position is an average of what the planner without it does.
+#[derive(Debug, Default)]
 pub(crate) struct SimpleTp {
     /// Target; equals the position while the planner is switched off.
     pub(crate) target: f64,
@@ -12,6 +13,8 @@ pub(crate) struct SimpleTp {
     pub(crate) max_vel: f64,
     /// Acceleration limit, not negative.
     pub(crate) max_acc: f64,
+    /// Jerk limit, above 0; 0 or infinite for none.
+    pub(crate) max_jerk: f64,
     /// FALSE brakes to a stop.
     pub(crate) enable: bool,
     /// Current position.
@@ -20,47 +23,126 @@ pub(crate) struct SimpleTp {
     pub(crate) vel: f64,
     /// True while moving, or away from the target.
     pub(crate) active: bool,
+    /// Position and velocity before the average.
+    x: f64,
+    v: f64,
+    smooth: Smooth,
 }
 
 impl SimpleTp {
+    /// Planner that can limit jerk.
+    pub(crate) fn smooth() -> Self {
+        Self { smooth: Smooth::new(), ..Self::default() }
+    }
+
     /// Stops at a position and switches the planner off.
-    pub(crate) const fn reset(&mut self, pos: f64) {
-        self.pos = pos;
-        self.target = pos;
-        self.vel = 0.0;
+    pub(crate) fn reset(&mut self, pos: f64) {
+        self.smooth.reset();
+        (self.pos, self.target, self.x) = (pos, pos, pos);
+        (self.vel, self.v) = (0.0, 0.0);
         self.enable = false;
         self.active = false;
     }
 
+    /// Sets the position to a value, in motion or at rest; the target keeps its distance.
+    pub(crate) fn shift(&mut self, by: f64) {
+        self.pos += by;
+        self.x += by;
+        self.target += by;
+    }
+
     /// Runs one cycle. Stops within a deadband of 0.001·a·dt² of the target.
     pub(crate) fn step(&mut self, dt: f64) {
-        let max_dv = self.max_acc * dt;
+        self.run(dt, false);
+    }
+
+    /// Runs one cycle; near the target, it ends exactly there instead of within the deadband.
+    pub(crate) fn step_exactly(&mut self, dt: f64) {
+        self.run(dt, true);
+    }
+
+    fn run(&mut self, dt: f64, exactly: bool) {
+        let has_jerk = 0.0 < self.max_jerk && self.max_jerk < f64::INFINITY;
+        if self.smooth.is_flat() {
+            let samples =
+                if has_jerk { ceil(2.0 * self.max_acc / (self.max_jerk * dt)) } else { 0.0 };
+            self.smooth.choose(samples);
+        }
+        if self.smooth.is_off() {
+            (self.x, self.v) = (self.pos, self.vel);
+        }
+        let mut acc = self.max_acc;
+        if has_jerk && !self.smooth.is_off() {
+            let most = 0.5 * self.max_jerk * self.smooth.samples() as f64 * dt;
+            acc = if most < acc { most } else { acc };
+        }
+        let from = self.x;
+        if exactly {
+            self.walk_exactly(acc, dt);
+        } else {
+            self.walk(acc, dt);
+        }
+        if self.smooth.is_off() {
+            (self.pos, self.vel) = (self.x, self.v);
+            return;
+        }
+        let mean = self.smooth.pass(self.x - from);
+        if self.smooth.is_flat() {
+            (self.pos, self.vel) = (self.x, 0.0);
+        } else {
+            self.pos += mean;
+            self.vel = mean / dt;
+            self.active = true;
+        }
+    }
+
+    /// Moves for a cycle, without the jerk limit.
+    fn walk(&mut self, acc: f64, dt: f64) {
+        let max_dv = acc * dt;
         let mut want = 0.0;
         self.active = false;
         if self.enable {
-            let error = self.target - self.pos;
+            let error = self.target - self.x;
             if fabs(error) > tiny(max_dv, dt) {
                 self.active = true;
-                let speed = sqrt(2.0 * self.max_acc * fabs(error) + max_dv * max_dv) - max_dv;
+                let speed = sqrt(2.0 * acc * fabs(error) + max_dv * max_dv) - max_dv;
                 let speed = if speed < self.max_vel { speed } else { self.max_vel };
                 want = if error > 0.0 { speed } else { -speed };
             }
         } else {
-            self.target = self.pos;
+            self.target = self.x;
         }
-        if want > self.vel + max_dv {
-            self.vel += max_dv;
-        } else if want < self.vel - max_dv {
-            self.vel -= max_dv;
+        if want > self.v + max_dv {
+            self.v += max_dv;
+        } else if want < self.v - max_dv {
+            self.v -= max_dv;
         } else {
-            self.vel = want;
+            self.v = want;
         }
-        if self.vel != 0.0 {
+        if self.v != 0.0 {
             self.active = true;
         }
-        self.pos += self.vel * dt;
+        self.x += self.v * dt;
         if !self.enable {
-            self.target = self.pos;
+            self.target = self.x;
+        }
+    }
+
+    /// Moves for a cycle, without the jerk limit; near the target, exactly there.
+    fn walk_exactly(&mut self, acc: f64, dt: f64) {
+        let max_dv = acc * dt;
+        let error = self.target - self.x;
+        let last = error / dt;
+        if self.enable
+            && fabs(error) <= tiny(max_dv, dt)
+            && fabs(last - self.v) <= max_dv
+            && fabs(last) <= self.max_vel
+        {
+            self.v = last;
+            self.x = self.target;
+            self.active = last != 0.0;
+        } else {
+            self.walk(acc, dt);
         }
     }
 
@@ -68,26 +150,13 @@ impl SimpleTp {
     pub(crate) fn slow_down(&mut self, from: f64, factor: f64) {
         self.pos = from + (self.pos - from) * factor;
         self.vel *= factor;
-        if !self.enable {
-            self.target = self.pos;
+        self.v *= factor;
+        self.x = self.pos;
+        if !self.smooth.is_off() {
+            self.x += self.smooth.slow_down(factor);
         }
-    }
-
-    /// Runs one cycle; near the target, it ends exactly there instead of within the deadband.
-    pub(crate) fn step_exactly(&mut self, dt: f64) {
-        let max_dv = self.max_acc * dt;
-        let error = self.target - self.pos;
-        let last = error / dt;
-        if self.enable
-            && fabs(error) <= tiny(max_dv, dt)
-            && fabs(last - self.vel) <= max_dv
-            && fabs(last) <= self.max_vel
-        {
-            self.vel = last;
-            self.pos = self.target;
-            self.active = last != 0.0;
-        } else {
-            self.step(dt);
+        if !self.enable {
+            self.target = self.x;
         }
     }
 }
@@ -110,11 +179,11 @@ mod tests {
     /// Runs until the planner is at rest, and checks both limits in every cycle; returns the number of cycles.
     fn run(tp: &mut SimpleTp, step: fn(&mut SimpleTp, f64)) -> usize {
         for n in 1..100_000 {
-            let before = *tp;
+            let before = (tp.pos, tp.vel);
             step(tp, DT);
             assert!(fabs(tp.vel) <= tp.max_vel * (1.0 + 1e-12));
-            assert!(fabs(tp.vel - before.vel) <= tp.max_acc * DT * (1.0 + 1e-12));
-            assert!(fabs(tp.pos - before.pos - tp.vel * DT) < 1e-12);
+            assert!(fabs(tp.vel - before.1) <= tp.max_acc * DT * (1.0 + 1e-12));
+            assert!(fabs(tp.pos - before.0 - tp.vel * DT) < 1e-12);
             if !tp.active {
                 return n;
             }
@@ -149,6 +218,41 @@ mod tests {
         let ideal = (100.0 / 90.0 + 90.0 / 1350.0) / DT;
         let cycles = n as f64;
         assert!(ideal <= cycles && cycles < ideal + 20.0, "{n} cycles, ideal {ideal}");
+    }
+
+    #[test]
+    fn jerk_stays_within_its_limit() {
+        for (jerk, exact) in [(20_000.0, false), (3_000.0, true), (1e6, false), (1_000.0, false)] {
+            let mut one = SimpleTp { max_jerk: jerk, ..SimpleTp::smooth() };
+            (one.target, one.max_vel, one.max_acc, one.enable) = (60.0, 90.0, 1350.0, true);
+            let (mut vel, mut acc, mut worst, mut top) = (0.0, 0.0, 0.0_f64, 0.0_f64);
+            for n in 0..6000 {
+                let from = one.pos;
+                match n {
+                    300 => one.target = -20.0,
+                    700 => one.target = 60.0,
+                    900 => one.enable = false,
+                    1500 => (one.enable, one.target) = (true, 10.0),
+                    1520 => one.slow_down(from, 1.0),
+                    _ => {}
+                }
+                if exact {
+                    one.step_exactly(DT);
+                } else {
+                    one.step(DT);
+                }
+                assert!(fabs(one.pos - from - one.vel * DT) < 1e-12);
+                let now = (one.vel - vel) / DT;
+                worst = worst.max(fabs(now - acc) / DT);
+                top = top.max(fabs(now));
+                (vel, acc) = (one.vel, now);
+                assert!(-20.01 <= one.pos && one.pos <= 60.01);
+            }
+            // What stays open at the end is less than the deadband.
+            assert!(worst <= jerk * 1.0001 + 2.0, "{worst} of {jerk}");
+            assert!(top <= 1350.0 * 1.0001 && worst > 0.4 * jerk.min(1.3e6), "{top} {worst}");
+            assert!(!one.active && fabs(one.pos - 10.0) < 1e-5, "{}", one.pos);
+        }
     }
 
     #[test]

@@ -125,7 +125,7 @@ impl State {
             say,
             joints: (0..setup.joints).map(joint).collect(),
             tables: Tables::default(),
-            axes: (0..9).map(|_| Axis::default()).collect(),
+            axes: (0..9).map(|_| Axis::new()).collect(),
             planning_fractions: [1.0; MAX_JOINTS],
             spindles: vec![Spindle::default(); setup.spindles],
             digital_out: vec![false; setup.digital_out.len()],
@@ -261,8 +261,16 @@ impl State {
         if let Some(axis) = self.axes.get(letter) {
             limits.max_vel *= 1.0 - axis.config.offset_fraction;
             limits.max_acc *= 1.0 - axis.config.offset_fraction;
+            limits.max_jerk *= 1.0 - axis.config.offset_fraction;
         }
         Ok(limits)
+    }
+
+    /// Returns the jerk limit of an axis: its own, and of an axis that is not rotary that of a path.
+    pub(crate) fn axis_jerk(&self, letter: usize) -> f64 {
+        let own = self.axes.get(letter).map_or(f64::INFINITY, |a| a.config.max_jerk);
+        let is_rotary = (3..6).contains(&letter);
+        if is_rotary || own < self.traj.max_jerk { own } else { self.traj.max_jerk }
     }
 
     /// Returns the limits of an axis: its own, narrowed by those of its joints.
@@ -276,6 +284,7 @@ impl State {
             max: c.max_limit,
             max_vel: c.max_velocity,
             max_acc: c.max_acceleration,
+            max_jerk: self.axis_jerk(letter),
         };
         let mut beside = self.pose;
         if let Some(place) = beside.get_mut(letter) {

@@ -7,6 +7,7 @@ mod fault;
 mod follow;
 mod home;
 mod interlock;
+mod jerk;
 mod jog;
 mod jump;
 mod line;

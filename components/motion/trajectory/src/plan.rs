@@ -55,8 +55,9 @@ pub struct Planner<K> {
     window: Window,
     /// Number of cells beyond which moves are refused.
     room: usize,
-    /// Highest acceleration along the path.
+    /// Highest acceleration and jerk along the path.
     acceleration: f64,
+    jerk: f64,
 }
 
 impl<K: Kinematics> Planner<K> {
@@ -88,6 +89,7 @@ impl<K: Kinematics> Planner<K> {
             window: Window::default(),
             room: CAPACITY,
             acceleration: f64::INFINITY,
+            jerk: f64::INFINITY,
         })
     }
 
@@ -99,6 +101,12 @@ impl<K: Kinematics> Planner<K> {
             self.finish();
             self.acceleration = acceleration;
         }
+    }
+
+    /// Limits the jerk along the path, in units per second cubed, of a machine whose axes have limits of jerk; infinity is
+    /// no limit. Call it before the first move.
+    pub const fn limit_jerk(&mut self, jerk: f64) {
+        self.jerk = if jerk >= 1e-6 { jerk } else { 1e-6 };
     }
 
     /// Adds a move. A refused move changes nothing.

@@ -179,6 +179,7 @@ const PATH: &[(&str, &str, &str)] = &[
     ("TRAJ", "MAX_VELOCITY", "max-velocity"),
     ("TRAJ", "MAX_LINEAR_ACCELERATION", "max-acceleration"),
     ("TRAJ", "MAX_ACCELERATION", "max-acceleration"),
+    ("TRAJ", "MAX_LINEAR_JERK", "max-jerk"),
     ("TRAJ", "DEFAULT_LINEAR_VELOCITY", "default-velocity"),
     ("TRAJ", "DEFAULT_VELOCITY", "default-velocity"),
     ("TRAJ", "LINEAR_UNITS", "linear-units"),
@@ -233,7 +234,7 @@ const SPINDLE: &[&str] = &[
 
 /// Arguments that are read from an axis's section.
 const AXIS: &[&str] =
-    &["min-limit", "max-limit", "max-velocity", "max-acceleration", "offset-av-ratio"];
+    &["min-limit", "max-limit", "max-velocity", "max-acceleration", "max-jerk", "offset-av-ratio"];
 
 /// Returns the number of joint sections to read: the machine's number of joints, or 100 if it is
 /// not given.

@@ -24,6 +24,11 @@ pub(crate) const ARGS: &[&ArgSpec] = &[
         "Highest acceleration, in units/s², above 0: of a joint (at first 1), of an axis or along \
          a path (at first whatever the joints allow).",
     ),
+    &Arg::float(
+        "max-jerk",
+        "Highest jerk, in units/s³, 0 for no limit, as at first: of a joint, of an axis, or along a path in \
+         x y z or u v w.",
+    ),
     &Arg::float("ferror", "Following error of a joint allowed at max-velocity, in units."),
     &Arg::float(
         "min-ferror",
@@ -128,6 +133,7 @@ pub(crate) const JOINT: &[&str] = &[
     "max-limit",
     "max-velocity",
     "max-acceleration",
+    "max-jerk",
     "ferror",
     "min-ferror",
     "home",
@@ -149,9 +155,15 @@ pub(crate) const JOINT: &[&str] = &[
     "comp-av-ratio",
 ];
 pub(crate) const AXIS: &[&str] =
-    &["min-limit", "max-limit", "max-velocity", "max-acceleration", "offset-av-ratio"];
-pub(crate) const TRAJ: &[&str] =
-    &["max-velocity", "max-acceleration", "default-velocity", "linear-units", "max-feed-override"];
+    &["min-limit", "max-limit", "max-velocity", "max-acceleration", "max-jerk", "offset-av-ratio"];
+pub(crate) const TRAJ: &[&str] = &[
+    "max-velocity",
+    "max-acceleration",
+    "max-jerk",
+    "default-velocity",
+    "linear-units",
+    "max-feed-override",
+];
 
 pub(crate) const SPINDLE: &[&str] = &[
     "min-forward-velocity",

@@ -10,6 +10,8 @@ pub(crate) struct JointConfig {
     pub(crate) max_limit: f64,
     pub(crate) max_velocity: f64,
     pub(crate) max_acceleration: f64,
+    /// Infinite if there is no limit.
+    pub(crate) max_jerk: f64,
     pub(crate) ferror: f64,
     /// Minimum following error; `ferror` if it was never set.
     pub(crate) min_ferror: Option<f64>,
@@ -68,6 +70,7 @@ impl Default for JointConfig {
             max_limit: f64::INFINITY,
             max_velocity: 1.0,
             max_acceleration: 1.0,
+            max_jerk: f64::INFINITY,
             ferror: 1.0,
             min_ferror: None,
             home: HomeConfig::default(),
@@ -97,6 +100,11 @@ impl JointConfig {
         self.max_acceleration * (1.0 - self.correction_share())
     }
 
+    /// Returns the jerk that the correction leaves to moves.
+    pub(crate) fn move_jerk(&self) -> f64 {
+        self.max_jerk * (1.0 - self.correction_share())
+    }
+
     /// Returns the following error allowed at a velocity.
     pub(crate) fn ferror_limit(&self, velocity: f64) -> f64 {
         let least = self.min_ferror.unwrap_or(self.ferror);
@@ -112,6 +120,8 @@ pub(crate) struct AxisConfig {
     pub(crate) max_limit: f64,
     pub(crate) max_velocity: f64,
     pub(crate) max_acceleration: f64,
+    /// Infinite if there is no limit.
+    pub(crate) max_jerk: f64,
     /// External offset's fraction of velocity and acceleration; 0 if there is no offset.
     pub(crate) offset_fraction: f64,
 }
@@ -123,6 +133,7 @@ impl Default for AxisConfig {
             max_limit: f64::INFINITY,
             max_velocity: f64::INFINITY,
             max_acceleration: f64::INFINITY,
+            max_jerk: f64::INFINITY,
             offset_fraction: 0.0,
         }
     }
@@ -133,6 +144,8 @@ impl Default for AxisConfig {
 pub(crate) struct TrajConfig {
     pub(crate) max_velocity: f64,
     pub(crate) max_acceleration: f64,
+    /// Jerk along a path in x y z or u v w; infinite if there is no limit.
+    pub(crate) max_jerk: f64,
     pub(crate) default_velocity: f64,
     /// Number of machine units per millimetre.
     pub(crate) units_per_mm: f64,
@@ -145,6 +158,7 @@ impl Default for TrajConfig {
         Self {
             max_velocity: f64::INFINITY,
             max_acceleration: f64::INFINITY,
+            max_jerk: f64::INFINITY,
             default_velocity: 1.0,
             units_per_mm: 1.0,
             max_feed_override: 1.0,
@@ -198,6 +212,11 @@ impl SpindleConfig {
 }
 
 impl TrajConfig {
+    /// Returns whether a path planned for the limits `old` may break these.
+    pub(crate) fn is_tighter(&self, old: &Self) -> bool {
+        self.max_acceleration < old.max_acceleration || self.max_jerk < old.max_jerk
+    }
+
     /// Returns the highest override for which moves are planned.
     pub(crate) fn planned_override(&self) -> f64 {
         let most = self.max_feed_override;
@@ -216,6 +235,7 @@ impl JointConfig {
     pub(crate) fn is_tighter(&self, old: &Self) -> bool {
         self.max_velocity < old.max_velocity
             || self.max_acceleration < old.max_acceleration
+            || self.max_jerk < old.max_jerk
             || self.max_limit < old.max_limit
             || self.min_limit > old.min_limit
             || self.correction_share() > old.correction_share()
@@ -227,6 +247,7 @@ impl AxisConfig {
     pub(crate) fn is_tighter(&self, old: &Self) -> bool {
         self.max_velocity < old.max_velocity
             || self.max_acceleration < old.max_acceleration
+            || self.max_jerk < old.max_jerk
             || self.max_limit < old.max_limit
             || self.min_limit > old.min_limit
             || self.offset_fraction > old.offset_fraction
@@ -248,6 +269,7 @@ impl JointConfig {
             "max-limit" => self.max_limit,
             "max-velocity" => self.max_velocity,
             "max-acceleration" => self.max_acceleration,
+            "max-jerk" => self.max_jerk,
             "ferror" => self.ferror,
             "min-ferror" => self.min_ferror.unwrap_or(self.ferror),
             "home" => self.home.place,
@@ -267,6 +289,7 @@ impl AxisConfig {
             "max-limit" => self.max_limit,
             "max-velocity" => self.max_velocity,
             "max-acceleration" => self.max_acceleration,
+            "max-jerk" => self.max_jerk,
             "offset-av-ratio" => self.offset_fraction,
             _ => return None,
         })
@@ -279,6 +302,7 @@ impl TrajConfig {
         Some(match name {
             "max-velocity" => self.max_velocity,
             "max-acceleration" => self.max_acceleration,
+            "max-jerk" => self.max_jerk,
             "default-velocity" => self.default_velocity,
             "max-feed-override" => self.max_feed_override,
             _ => return None,

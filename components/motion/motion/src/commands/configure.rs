@@ -95,6 +95,7 @@ impl ConfigCache {
         ordered(c.min_limit, c.max_limit)?;
         above(call, "max-velocity", &mut c.max_velocity)?;
         above(call, "max-acceleration", &mut c.max_acceleration)?;
+        jerk(call, &mut c.max_jerk)?;
         not_negative(call, "ferror", &mut c.ferror)?;
         not_negative(call, "min-ferror", &mut c.min_ferror)?;
         home(call, &mut c.home)?;
@@ -134,6 +135,7 @@ impl ConfigCache {
         ordered(c.min_limit, c.max_limit)?;
         above(call, "max-velocity", &mut c.max_velocity)?;
         above(call, "max-acceleration", &mut c.max_acceleration)?;
+        jerk(call, &mut c.max_jerk)?;
         let legal = |v: f64| (0.0..=0.9).contains(&v);
         take(call, "offset-av-ratio", &mut c.offset_fraction, legal, "0 to 0.9")?;
         Ok(Command::Axis(n, c))
@@ -161,6 +163,7 @@ impl ConfigCache {
         let mut c = self.traj;
         above(call, "max-velocity", &mut c.max_velocity)?;
         above(call, "max-acceleration", &mut c.max_acceleration)?;
+        jerk(call, &mut c.max_jerk)?;
         above(call, "default-velocity", &mut c.default_velocity)?;
         not_negative(call, "max-feed-override", &mut c.max_feed_override)?;
         if let Some(text) = call.text("linear-units") {
@@ -282,6 +285,13 @@ fn limit(call: &Call<'_>, name: &str, to: &mut f64) -> Result<(), Error> {
 
 fn finite(call: &Call<'_>, name: &str, to: &mut f64) -> Result<(), Error> {
     take(call, name, to, f64::is_finite, "a finite number")
+}
+
+/// Reads a jerk limit; 0 is no limit.
+fn jerk(call: &Call<'_>, to: &mut f64) -> Result<(), Error> {
+    not_negative(call, "max-jerk", to)?;
+    *to = if *to > 0.0 { *to } else { f64::INFINITY };
+    Ok(())
 }
 
 fn above(call: &Call<'_>, name: &str, to: &mut f64) -> Result<(), Error> {

@@ -55,7 +55,7 @@ impl State {
                 }
             }
             Command::Traj(config) => {
-                self.replan(config.max_acceleration < self.traj.max_acceleration);
+                self.replan(config.is_tighter(&self.traj));
                 self.traj = config;
             }
             Command::Request(request, source, ticket) => {
@@ -173,18 +173,18 @@ impl State {
         let Some(jogger) = self.jogger(jog.target) else {
             return Err(Refusal::new("cannot jog: no such joint or axis"));
         };
-        let tp = jogger.tp;
+        let (at, goal) = (jogger.tp.pos, jogger.tp.target);
         let target = match jog.distance {
             JogDistance::Continuous if jog.velocity > 0.0 => f64::INFINITY,
             JogDistance::Continuous => f64::NEG_INFINITY,
-            JogDistance::Incremental(by) => tp.target + by,
+            JogDistance::Incremental(by) => goal + by,
             JogDistance::Absolute(position) => position,
         };
         if let JogTarget::Joint(n) = jog.target
             && let Some(inputs) = self.joints.get(n).map(|j| j.inputs)
         {
-            let up = target > tp.pos;
-            if (up && inputs.at_max) || (target < tp.pos && inputs.at_min) {
+            let up = target > at;
+            if (up && inputs.at_max) || (target < at && inputs.at_min) {
                 return Err(past_switch(n, up));
             }
         }

@@ -55,7 +55,7 @@ impl JointWatch {
         self.configured = Limits {
             velocity: c.move_velocity(),
             acceleration: c.move_acceleration() * (1.0 + DEADBAND),
-            jerk: f64::INFINITY,
+            jerk: c.move_jerk(),
         };
         self.largest = finite(c.min_limit) + finite(c.max_limit);
     }
@@ -74,7 +74,9 @@ impl JointWatch {
         if limits != self.limits || size > self.size || dt.to_bits() != self.dt.to_bits() {
             (self.limits, self.dt) = (limits, dt);
             self.size = if size > self.size { size } else { self.size };
-            self.judge.set_limits([limits], dt, self.size);
+            let deadband = 4.0 * DEADBAND * limits.acceleration / dt;
+            let judged = Limits { jerk: limits.jerk + deadband, ..limits };
+            self.judge.set_limits([judged], dt, self.size);
         }
         if !self.is_on {
             self.judge.rest_at(&[at]);

@@ -50,12 +50,14 @@ impl State {
         let Some(joint) = self.joints.get_mut(n) else { return };
         if stops || !core::mem::replace(&mut self.watch.was_reported, true) {
             let r = joint.watch.report();
-            let numbers =
-                [n as f64, r.velocity.ratio, r.acceleration.ratio, f64::from(r.velocity.line)];
-            self.say.error(
-                "joint {}: {} times its velocity and {} times its acceleration, line {}",
-                &numbers,
-            );
+            let [n, line] = [n as f64, f64::from(r.velocity.line)];
+            if r.jerk.ratio > 1.0 {
+                let text = "joint {}: {} times its jerk and {} times its acceleration, line {}";
+                self.say.error(text, &[n, r.jerk.ratio, r.acceleration.ratio, line]);
+            } else {
+                let text = "joint {}: {} times its velocity and {} times its acceleration, line {}";
+                self.say.error(text, &[n, r.velocity.ratio, r.acceleration.ratio, line]);
+            }
         }
         if stops {
             joint.error = true;

@@ -346,6 +346,7 @@ fn move_to(joint: &mut Joint, target: f64, speed: f64) {
         max: f64::INFINITY,
         max_vel: joint.config.move_velocity(),
         max_acc: joint.config.move_acceleration(),
+        max_jerk: joint.config.move_jerk(),
     };
     joint.free.go(target, speed, &limits, By::Homing, None);
 }

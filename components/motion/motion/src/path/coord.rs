@@ -131,6 +131,7 @@ impl State {
             places: self.places(),
             max_override: self.traj.planned_override(),
             exact_tolerance: EXACT_MM * self.traj.units_per_mm,
+            path_jerk: self.traj.max_jerk,
             ..PathSetup::NONE
         };
         for (n, joint) in self.joints.iter().enumerate() {
@@ -146,6 +147,7 @@ impl State {
             }
             put(&mut setup.joint_velocity, n, c.max_velocity * fraction);
             put(&mut setup.joint_acceleration, n, c.max_acceleration * fraction);
+            put(&mut setup.joint_jerk, n, c.max_jerk * fraction);
         }
         for (n, axis) in self.axes.iter().enumerate() {
             let (c, fraction) = (&axis.config, 1.0 - axis.config.offset_fraction);
@@ -153,6 +155,7 @@ impl State {
             put(&mut setup.axis_max, n, c.max_limit);
             put(&mut setup.axis_velocity, n, c.max_velocity * fraction);
             put(&mut setup.axis_acceleration, n, c.max_acceleration * fraction);
+            put(&mut setup.axis_jerk, n, self.axis_jerk(n) * fraction);
         }
         setup
     }

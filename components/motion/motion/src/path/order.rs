@@ -233,6 +233,8 @@ pub(crate) struct PathSetup {
     pub(crate) joint_velocity: [f64; MAX_JOINTS],
     /// Highest accelerations of joints.
     pub(crate) joint_acceleration: [f64; MAX_JOINTS],
+    /// Highest jerks of joints.
+    pub(crate) joint_jerk: [f64; MAX_JOINTS],
     /// Lowest positions of axes.
     pub(crate) axis_min: Pose,
     /// Highest positions of axes.
@@ -241,6 +243,10 @@ pub(crate) struct PathSetup {
     pub(crate) axis_velocity: Pose,
     /// Highest accelerations of axes.
     pub(crate) axis_acceleration: Pose,
+    /// Highest jerks of axes.
+    pub(crate) axis_jerk: Pose,
+    /// Highest jerk along the path.
+    pub(crate) path_jerk: f64,
     /// Highest feed override for which the path is planned.
     pub(crate) max_override: f64,
     /// Length of the exact tolerance.
@@ -263,10 +269,13 @@ impl PathSetup {
         joint_max: [f64::INFINITY; MAX_JOINTS],
         joint_velocity: [f64::INFINITY; MAX_JOINTS],
         joint_acceleration: [f64::INFINITY; MAX_JOINTS],
+        joint_jerk: [f64::INFINITY; MAX_JOINTS],
         axis_min: [f64::NEG_INFINITY; 9],
         axis_max: [f64::INFINITY; 9],
         axis_velocity: [f64::INFINITY; 9],
         axis_acceleration: [f64::INFINITY; 9],
+        axis_jerk: [f64::INFINITY; 9],
+        path_jerk: f64::INFINITY,
         max_override: 1.0,
         exact_tolerance: 2e-3,
         is_bound: false,

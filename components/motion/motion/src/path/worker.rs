@@ -159,7 +159,8 @@ impl PlannerWorker {
             return;
         }
         let planning = Planner::new(machine(&setup), image.clone(), start).map_err(refusal);
-        let planning = planning.map(|planner| {
+        let planning = planning.map(|mut planner| {
+            planner.limit_jerk(setup.path_jerk);
             let (publisher, reader) = share(CELLS, HISTORY);
             let follower = Follower::new(setup.period, start);
             let way = Way::Shared(reader);
@@ -273,16 +274,25 @@ impl Planning {
 /// Returns the limits for the planner.
 pub(super) fn machine(setup: &PathSetup) -> Machine {
     let mut machine = Machine::uniform(Limits::NONE);
-    let axes = setup.axis_velocity.iter().zip(&setup.axis_acceleration);
-    for (slot, (velocity, acceleration)) in machine.axes.iter_mut().zip(axes) {
-        *slot = Limits { velocity: *velocity, acceleration: *acceleration, ..Limits::NONE };
+    let limits = |velocity: &f64, acceleration: &f64, jerk: &f64| {
+        let mut limits = Limits { velocity: *velocity, acceleration: *acceleration, jerk: *jerk };
+        if setup.is_bound {
+            // A filter would delay the axes against the spindle: the acceleration changes at once.
+            limits.acceleration = limits.acceleration.min(0.5 * limits.jerk * setup.period);
+            limits.jerk = f64::INFINITY;
+        }
+        limits
+    };
+    let axes = setup.axis_velocity.iter().zip(&setup.axis_acceleration).zip(&setup.axis_jerk);
+    for (slot, ((velocity, acceleration), jerk)) in machine.axes.iter_mut().zip(axes) {
+        *slot = limits(velocity, acceleration, jerk);
     }
-    let joints = setup.joint_velocity.iter().zip(&setup.joint_acceleration);
-    for (slot, ((velocity, acceleration), active)) in
+    let joints = setup.joint_velocity.iter().zip(&setup.joint_acceleration).zip(&setup.joint_jerk);
+    for (slot, (((velocity, acceleration), jerk), active)) in
         machine.joints.iter_mut().zip(joints.zip(&setup.joint_active))
     {
         if *active {
-            *slot = Limits { velocity: *velocity, acceleration: *acceleration, ..Limits::NONE };
+            *slot = limits(velocity, acceleration, jerk);
         }
     }
     machine.period = setup.period;

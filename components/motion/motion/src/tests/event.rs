@@ -171,7 +171,7 @@ fn begin(phase: &str) -> (Rig, Option<usize>, f64) {
         }
         "arc" => ("motion.arc center-x=30 x=60 velocity=45", 60.0),
         "threading" | "tapping" | "retracting" => {
-            rig.turner = Some(super::follow::Turner::new(80.0));
+            rig.turner = Some(follow::Turner::new(80.0));
             rig.say("motion.spindle speed=900");
             match phase {
                 "threading" => ("motion.move x=100 y=30 pitch=3", 100.0),

@@ -354,7 +354,7 @@ fn settings_read_as_given() {
             *count += usize::from(accepted);
         }
     }
-    assert_eq!((joint, axis, spindle, traj), (10, 5, 4, 4));
+    assert_eq!((joint, axis, spindle, traj), (11, 6, 4, 5));
     let missing = MotionCommand { index: 3, ..of(flags::JOINT, "ferror", 0.0) };
     assert_eq!(motion.setting(&missing), None);
 }

@@ -87,12 +87,15 @@ impl<K: Kinematics> Planner<K> {
         };
         let mut allowed =
             self.law.allowed(&bounds, joints.as_ref(), feed * self.machine.max_override, shares);
-        if allowed.rest > self.acceleration {
+        // Along the path, the filter changes the acceleration by all of it in its length.
+        let jerk = if self.law.has_jerk() { self.jerk * self.law.time() } else { f64::INFINITY };
+        let most = self.acceleration.min(jerk);
+        if allowed.rest > most {
             // The share that the curvature uses stays the same.
             if allowed.fade > 0.0 {
-                allowed.speed *= (self.acceleration / allowed.rest).sqrt();
+                allowed.speed *= (most / allowed.rest).sqrt();
             }
-            allowed.rest = self.acceleration;
+            allowed.rest = most;
         }
         if !self.direct && joints.is_none() {
             let speed = allowed.speed.min(1e-3);
