@@ -140,6 +140,9 @@ pub enum Error {
         path: Box<str>,
         why: Box<str>,
     },
+    TooManySourced {
+        path: Box<str>,
+    },
     TooDeep {
         path: Box<str>,
     },
@@ -265,6 +268,9 @@ impl core::fmt::Display for Error {
             Self::NotAProgram { name } => write!(f, "'{name}' is not a userspace component"),
             Self::NoFile { path, why } => write!(f, "Could not open hal file '{path}': {why}"),
             Self::NoCommandFile { path, .. } => write!(f, "Could not open command file '{path}'"),
+            Self::TooManySourced { path } => {
+                write!(f, "'{path}': more than 10000 files are sourced, one from the other")
+            }
             Self::TooDeep { path } => {
                 write!(f, "'{path}' is sourced within itself, or files are nested too deeply")
             }

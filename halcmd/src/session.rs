@@ -34,6 +34,8 @@ pub(crate) const INTERRUPTED: i32 = -4;
 const STDIN: &str = "<stdin>";
 /// Maximum nesting of sourced files.
 const MAX_DEPTH: u32 = 64;
+/// Maximum number of files that one file sources, with those that they source.
+const MAX_SOURCED: u32 = 10_000;
 
 /// Options of a session for output and error handling.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -82,6 +84,8 @@ pub struct Session<'a> {
     ini: Option<&'a Ini>,
     place: (String, u32),
     depth: u32,
+    /// Number of files that the present top-level file has sourced.
+    sourced: u32,
     ended: bool,
     before_start: Vec<Request>,
     /// Folder for relative file names, if it is not this process's folder.
@@ -124,6 +128,7 @@ impl<'a> Session<'a> {
             ini: None,
             place: ("<commandline>".to_owned(), 0),
             depth: 0,
+            sourced: 0,
             ended: false,
             before_start: Vec::new(),
             folder: None,
@@ -223,7 +228,14 @@ impl<'a> Session<'a> {
         if self.depth >= MAX_DEPTH {
             return Err(Error::TooDeep { path: path.into() });
         }
-        let text = std::fs::read(self.found_at(path))
+        if self.depth == 0 {
+            self.sourced = 0;
+        }
+        self.sourced += 1;
+        if self.sourced > MAX_SOURCED {
+            return Err(Error::TooManySourced { path: path.into() });
+        }
+        let text = hal_ini::file::whole(&self.found_at(path))
             .map_err(|e| Error::NoFile { path: path.into(), why: crate::ini::plain(&e) })?;
         let before = self.place.clone();
         self.depth += 1;

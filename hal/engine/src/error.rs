@@ -134,6 +134,8 @@ pub enum Error {
     },
     ModuleExists {
         name: Box<str>,
+        /// True if a second load with other names of instances is possible.
+        again: bool,
     },
     NoModule {
         name: Box<str>,
@@ -328,7 +330,7 @@ impl core::fmt::Display for Error {
             Self::BadPeriod { name, period } => {
                 write!(f, "thread '{name}' cannot have the period {period} ns")
             }
-            Self::ModuleExists { name } => write!(f, "{name}: already exists"),
+            Self::ModuleExists { name, .. } => write!(f, "{name}: already exists"),
             Self::NoModule { name, searched, .. } => {
                 write!(f, "{name}: no plugin library offers this component (searched {searched})")
             }

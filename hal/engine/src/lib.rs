@@ -61,6 +61,8 @@ pub struct Options {
     /// True if the instance is a machine from an INI file: motion then refuses to load without the
     /// interlock that stops it in e-stop.
     pub interlock: bool,
+    /// True if items begin with the values of LinuxCNC 2.9, where those of 2.10 are others.
+    pub earlier_values: bool,
     /// Folders with plugins, searched in order.
     pub path: Vec<PathBuf>,
     /// Settings of the realtime threads.
@@ -80,6 +82,7 @@ impl Options {
             simulate: true,
             old_names: false,
             interlock: false,
+            earlier_values: false,
             path: Vec::new(),
             realtime: RealtimeOptions::DEFAULT,
         }

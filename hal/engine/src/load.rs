@@ -4,6 +4,7 @@ pub(crate) mod args;
 pub(crate) mod callback;
 pub(crate) mod code;
 pub(crate) mod create;
+pub(crate) mod earlier;
 pub(crate) mod elf;
 pub(crate) mod foreign;
 pub(crate) mod loader;
@@ -38,10 +39,13 @@ impl Engine {
             return self.load_file(module, words, "", &found);
         }
         let name = Name::parse("component", module)?;
-        if self.model.graph().components.contains_key(&name) {
-            return Err(Error::ModuleExists { name: module.into() });
+        let exists = self.model.graph().components.contains_key(&name);
+        let refused_again = |again| Error::ModuleExists { name: module.into(), again };
+        let found = self.model.loader().find(module);
+        let found = found.map_err(|e| if exists { refused_again(false) } else { e })?;
+        if exists && found.is_once() {
+            return Err(refused_again(false));
         }
-        let found = self.model.loader().find(module)?;
         let mut declared = Vec::new();
         for i in 0..found.ty.args.len() {
             // SAFETY: a list of an open library's descriptor.
@@ -70,6 +74,10 @@ impl Engine {
             }
             instances
         };
+        if exists && instances.names.is_empty() {
+            return Err(refused_again(true));
+        }
+        let name = if exists { self.model.graph().further_load(module)? } else { name };
         let args = Args::parse(&declared, also, &instances.rest).map_err(refused)?;
         let component = self.model.new_component(name, None, Some(words.join(" ")), true)?;
         self.model.staged_mut().undo_by(Undo::Made(component));

@@ -124,20 +124,34 @@ pub(crate) fn end_with(status: i32) -> ! {
     unsafe { libc::_exit(status) }
 }
 
-/// Returns whether a process exists and has not ended. The status of an ended child process is left
-/// for the code that started it.
-pub(crate) fn alive(pid: i32) -> bool {
-    if pid <= 1 {
-        return false;
-    }
+/// State of a process.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Life {
+    /// A process that has not ended.
+    Runs,
+    /// A process that ended, or whose end is not known.
+    Ended,
+    /// A child of this process that a signal ended.
+    Killed(i32),
+}
+
+/// Returns the state of a process. The status of an ended child process is left for the code that started it.
+pub(crate) fn life(pid: i32) -> Life {
     use rustix::process::{Pid, WaitId, WaitIdOptions, test_kill_process, waitid};
-    let Some(pid) = Pid::from_raw(pid) else { return false };
+    let Some(pid) = Pid::from_raw(pid).filter(|_| pid > 1) else { return Life::Ended };
     let look = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
     match waitid(WaitId::Pid(pid), look) {
-        Ok(status) => status.is_none(),
+        Ok(None) => Life::Runs,
+        Ok(Some(status)) => status.terminating_signal().map_or(Life::Ended, Life::Killed),
         // Not a child of this process.
-        Err(_) => test_kill_process(pid).is_ok(),
+        Err(_) if test_kill_process(pid).is_ok() => Life::Runs,
+        Err(_) => Life::Ended,
     }
+}
+
+/// Returns whether a process exists and has not ended.
+pub(crate) fn alive(pid: i32) -> bool {
+    life(pid) == Life::Runs
 }
 
 /// Returns the number of this process.

@@ -3,8 +3,7 @@
 use crate::{Entry, Error, Ini, MAX_BYTES, MAX_DEPTH, MAX_FILES, syntax};
 use std::{
     collections::BTreeSet,
-    fs::File,
-    io::{self, Read},
+    io,
     path::{Path, PathBuf},
 };
 
@@ -47,10 +46,9 @@ impl Reader {
     /// Reads a file if it fits in the remaining byte limit. Returns `None` if it is larger.
     fn bytes_of(&mut self, path: &Path) -> io::Result<Option<Vec<u8>>> {
         let left = MAX_BYTES.saturating_sub(self.bytes);
-        let mut text = Vec::new();
-        let n = File::open(path)?.take(left + 1).read_to_end(&mut text)?;
-        self.bytes += u64::try_from(n).unwrap_or(u64::MAX);
-        Ok((self.bytes <= MAX_BYTES).then_some(text))
+        let text = crate::file::contents(path, left)?;
+        self.bytes += text.as_ref().map_or(left, |t| u64::try_from(t.len()).unwrap_or(u64::MAX));
+        Ok(text)
     }
 
     fn add(&mut self, path: &Path, text: &[u8], depth: u32) -> Result<(), Error> {

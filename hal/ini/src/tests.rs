@@ -172,7 +172,16 @@ fn the_number_of_files_is_bounded() {
 
 #[test]
 fn the_bytes_of_all_files_are_bounded() {
-    let refused = Ini::read(Path::new("/dev/zero")).unwrap_err();
-    let Error::File { why, .. } = refused else { panic!("{refused}") };
-    assert_eq!(&*why, "it is larger than 64 MiB");
+    let large = std::env::temp_dir().join(format!("hal-ini-large-{}.ini", std::process::id()));
+    std::fs::File::create(&large).unwrap().set_len(MAX_BYTES + 1).unwrap();
+    let of_large = Ini::read(&large);
+    std::fs::remove_file(&large).unwrap();
+    for (read, wanted) in [
+        (of_large, "it is larger than 64 MiB"),
+        (Ini::read(Path::new("/dev/zero")), "it is a device, not a file"),
+    ] {
+        let refused = read.unwrap_err();
+        let Error::File { why, .. } = refused else { panic!("{refused}") };
+        assert_eq!(&*why, wanted);
+    }
 }

@@ -96,6 +96,7 @@ codes! {
     SetThenWritten = "H405" Warning "a signal that is set and then written";
     ScaleZero = "H406" Warning "a scale of zero";
     BoundsCross = "H407" Warning "a lower bound above the upper one";
+    EarlierValue = "H408" Note "a value that LinuxCNC 2.9 has otherwise";
 
     NeverAdded = "H501" Warning "a function that no thread runs";
     AddedTwice = "H502" Error "a function in two threads";

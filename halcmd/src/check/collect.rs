@@ -130,7 +130,7 @@ fn finished(mut findings: Vec<Finding>, files: &[String]) -> Checked {
     let named = findings.iter().flat_map(|f| f.at.iter().chain(f.related.iter().map(|r| &r.at)));
     for name in named.map(|at| &at.file).chain(files) {
         if !texts.contains_key(name)
-            && let Ok(bytes) = std::fs::read(name)
+            && let Ok(bytes) = hal_ini::file::whole(name.as_ref())
         {
             let text = String::from_utf8_lossy(&bytes);
             texts.insert(name.clone(), text.lines().map(str::to_owned).collect());

@@ -91,7 +91,10 @@ fn code(error: &Error) -> Code {
         Error::UnknownCommand { .. } => Code::UnknownCommand,
         Error::NoEnvironment { .. } => Code::NoEnvironment,
         Error::NoIniVariable { .. } => Code::NoIniEntry,
-        Error::NoFile { .. } | Error::NoCommandFile { .. } | Error::TooDeep { .. } => Code::NoFile,
+        Error::NoFile { .. }
+        | Error::NoCommandFile { .. }
+        | Error::TooDeep { .. }
+        | Error::TooManySourced { .. } => Code::NoFile,
         Error::Ini(_) => Code::IniUnreadable,
         Error::IniNotFound { .. } => Code::NoHalfile,
         Error::NotYet { .. } => Code::NotSupported,

@@ -110,7 +110,7 @@ fn run(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
         Some(path) => {
             let unreadable =
                 |e| Error::NoCommandFile { path: path.as_str().into(), why: crate::ini::plain(&e) };
-            Some((path.as_str(), std::fs::read(path).map_err(unreadable)?))
+            Some((path.as_str(), hal_ini::file::whole(Path::new(path)).map_err(unreadable)?))
         }
         None => None,
     };

@@ -1,5 +1,6 @@
 //! The program halrun: it runs an engine in its process and executes the script of a machine.
 
+pub(crate) mod compat;
 mod detach;
 mod log;
 pub(crate) mod machine;
@@ -122,7 +123,7 @@ pub(crate) fn prepare(plan: &Plan) -> Result<Files, Error> {
     let mut script = Vec::new();
     let ini_path = match &plan.script {
         Script::Hal(path) => {
-            script = std::fs::read(path).map_err(|e| Error::NoCommandFile {
+            script = hal_ini::file::whole(Path::new(path)).map_err(|e| Error::NoCommandFile {
                 path: path.as_str().into(),
                 why: crate::ini::plain(&e),
             })?;
@@ -136,7 +137,10 @@ pub(crate) fn prepare(plan: &Plan) -> Result<Files, Error> {
     let ini = ini_path.map(|path| read(Path::new(path))).transpose()?;
     match (&plan.script, &ini) {
         (Script::Ini(_), Some(ini)) => machine::refuse(ini)?,
-        (_, Some(ini)) => realtime::of_ini(ini).map(|_| ())?,
+        (_, Some(ini)) => {
+            realtime::of_ini(ini)?;
+            compat::of_ini(ini)?;
+        }
         (_, None) => {}
     }
     Ok(Files { ini, script })
@@ -147,6 +151,8 @@ pub(crate) fn instance_options(plan: &Plan, files: &Files) -> Options {
     let mut options = plan.options.clone();
     options.old_names = files.ini.as_ref().is_some_and(Ini::is_old);
     options.interlock = matches!(plan.script, Script::Ini(_));
+    let asked = files.ini.as_ref().is_some_and(|ini| compat::of_ini(ini) == Ok(true));
+    options.earlier_values |= asked;
     let stuck_ns = files.ini.as_ref().and_then(|ini| realtime::of_ini(ini).ok().flatten());
     options.realtime.stuck_ns = options.realtime.stuck_ns.or(stuck_ns);
     options

@@ -102,6 +102,12 @@ const KEYS: &[Key] = &[
         help: "stop the machine when a function does not return for this long, such as `\"5ms\"`",
     },
     Key {
+        name: "compat",
+        form: Form::Text,
+        variable: "HAL_COMPAT",
+        help: "`\"2.9\"` for the first values of LinuxCNC 2.9, where 2.10 has others",
+    },
+    Key {
         name: "log",
         form: Form::Text,
         variable: "HAL_LOG",
@@ -270,7 +276,7 @@ mod tests {
             ),
             (
                 "x = 1\n",
-                ":1: no key 'x'; there are clock, simulate, hold, for, record, instance, rtmod-dir, linuxcnc-modules, cpu, dma-latency, stuck-time, log",
+                ":1: no key 'x'; there are clock, simulate, hold, for, record, instance, rtmod-dir, linuxcnc-modules, cpu, dma-latency, stuck-time, compat, log",
             ),
             ("clock = \"fast\"\n", ":1: 'clock' is \"real\" or \"virtual\""),
             ("\nhold = 1\n", ":2: 'hold' is true or false"),

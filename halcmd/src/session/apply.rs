@@ -76,7 +76,10 @@ impl Session<'_> {
     fn text_of(&self, apply: &Apply) -> Result<(String, Vec<u8>), Error> {
         if let Some(path) = &apply.file {
             let unreadable = |e| Error::NoFile { path: path.as_str().into(), why: plain(&e) };
-            return Ok((path.clone(), std::fs::read(self.found_at(path)).map_err(unreadable)?));
+            return Ok((
+                path.clone(),
+                hal_ini::file::whole(&self.found_at(path)).map_err(unreadable)?,
+            ));
         }
         let mut text = Vec::new();
         let read = std::io::stdin().lock().read_to_end(&mut text);

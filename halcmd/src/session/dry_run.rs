@@ -9,7 +9,7 @@ pub use unknown::Unknown;
 use crate::{
     Bytes, Captured, Error, Outcome, Session, Style,
     ini::{Ini, placed},
-    programs::halrun::{machine, plan::plugin_path},
+    programs::halrun::{compat, machine, plan::plugin_path},
     programs::profile::Profile,
 };
 use hal_engine::{ClockKind, Engine, Options};
@@ -96,7 +96,7 @@ impl DryRun {
         let ini = machine.or(ini).map(|path| Ini::read(Path::new(path))).transpose()?;
         let mut scripts = Vec::new();
         for file in files.iter().filter(|f| !is_ini(f)) {
-            let text = std::fs::read(file).map_err(|e| Error::NoCommandFile {
+            let text = hal_ini::file::whole(Path::new(file)).map_err(|e| Error::NoCommandFile {
                 path: file.as_str().into(),
                 why: crate::ini::plain(&e),
             })?;
@@ -120,6 +120,8 @@ impl DryRun {
         let mut engine = Engine::trial(Options {
             old_names: ini.as_ref().is_some_and(Ini::is_old),
             interlock: machine.is_some() || whole.is_some(),
+            earlier_values: std::env::var("HAL_COMPAT").is_ok_and(|v| v == "2.9")
+                || ini.as_ref().is_some_and(|ini| compat::of_ini(ini) == Ok(true)),
             path,
             ..Options::simulated(place, ClockKind::Virtual)
         })?;

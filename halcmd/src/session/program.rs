@@ -2,10 +2,13 @@
 
 use crate::{Error, Session, language::command::Launch};
 use hal_protocol::{ComponentInfo, ComponentState, Kind, Lock, Reply, Request};
-use rustix::fs::FileType;
+use rustix::{
+    fs::FileType,
+    process::{Pid, WaitId, WaitIdOptions, waitid},
+};
 use std::{
     os::fd::AsFd,
-    path::{Path, PathBuf},
+    path::PathBuf,
     process::{Child, Command, ExitStatus, Stdio},
 };
 
@@ -82,6 +85,9 @@ impl Session<'_> {
 
     /// Removes programs that have ended from the list.
     pub(crate) fn reap(&mut self) {
+        if self.programs.iter().any(has_ended) {
+            self.let_engine_see_ends();
+        }
         self.programs.retain_mut(|child| matches!(child.try_wait(), Ok(None)));
     }
 
@@ -130,7 +136,7 @@ impl Session<'_> {
                 self.note(&format!("Component '{component}' ready"));
                 break Ok(());
             }
-            if let Some(status) = ended(child) {
+            if let Some(status) = self.ended(child) {
                 break Err(Error::NotReady {
                     program: program.into(),
                     component: component.into(),
@@ -161,7 +167,7 @@ impl Session<'_> {
         let program = launch.program.as_str();
         let pid = i32::try_from(child.id()).unwrap_or(0);
         let status = loop {
-            match ended(child) {
+            match self.ended(child) {
                 Some(status) => break status,
                 None => self.ask(Request::Await { ms: POLL_MS, pid })?,
             };
@@ -172,6 +178,24 @@ impl Session<'_> {
             Some(0) => Ok(()),
             Some(status) => Err(Error::ProgramFailed { program: program.into(), status }),
             None => Err(Error::ProgramKilled { program: program.into() }),
+        }
+    }
+
+    /// Returns the exit status of a child that has ended (`None` if another part of the process has
+    /// collected it).
+    fn ended(&mut self, child: &mut Child) -> Option<Option<ExitStatus>> {
+        if !has_ended(child) {
+            return None;
+        }
+        self.let_engine_see_ends();
+        Some(child.try_wait().ok().flatten())
+    }
+
+    /// Lets an engine in this process report programs that a signal ended, before their exit status is collected.
+    fn let_engine_see_ends(&mut self) {
+        if self.link.is_local() {
+            // An engine that is ending reports nothing more.
+            drop(self.ask(Request::Idle { ms: 0, flow: false }));
         }
     }
 
@@ -191,14 +215,10 @@ impl Session<'_> {
     }
 }
 
-/// Returns the exit status of a child that has ended (`None` if another part of the process has
-/// collected it).
-fn ended(child: &mut Child) -> Option<Option<ExitStatus>> {
-    match child.try_wait() {
-        Ok(None) => None,
-        Ok(status) => Some(status),
-        Err(_) => Some(None),
-    }
+/// Returns whether a child has ended, without collecting its exit status.
+fn has_ended(child: &Child) -> bool {
+    let look = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
+    !matches!(waitid(WaitId::Pid(Pid::from_child(child)), look), Ok(None))
 }
 
 /// Returns whether output goes to a regular file, not to a terminal or to a pipe with a waiting
@@ -207,10 +227,11 @@ pub(crate) fn is_file(fd: impl AsFd) -> bool {
     rustix::fs::fstat(fd).is_ok_and(|s| FileType::from_raw_mode(s.st_mode) == FileType::RegularFile)
 }
 
-/// Returns whether a program exists: by its path, beside the running one, or in PATH.
-pub(crate) fn exists(program: &str) -> bool {
+/// Returns whether a program exists: by its path, beside the running one, or in PATH. `found_at` gives the file that a
+/// path means.
+pub(crate) fn exists(program: &str, found_at: impl FnOnce(&str) -> PathBuf) -> bool {
     if program.contains('/') {
-        return Path::new(program).is_file();
+        return found_at(program).is_file();
     }
     let path = std::env::var_os("PATH").unwrap_or_default();
     beside(program).is_some() || std::env::split_paths(&path).any(|f| f.join(program).is_file())

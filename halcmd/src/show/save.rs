@@ -76,7 +76,11 @@ fn components(text: &mut String, reply: &Reply) {
     text.push_str("# components\n");
     for c in list.iter().rev().filter(|c| c.realtime) {
         match &c.args {
-            Some(args) => text.push_str(&format!("loadrt {} {args}\n", c.name)),
+            // The second load of a module is component MODULE:2.
+            Some(args) => {
+                let module = c.name.split_once(':').map_or(c.name.as_str(), |(module, _)| module);
+                text.push_str(&format!("loadrt {module} {args}\n"));
+            }
             None => text
                 .push_str(&format!("#loadrt {}  (not loaded by loadrt, no args saved)\n", c.name)),
         }

@@ -65,7 +65,7 @@ fn instance(text: &mut String, status: &StatusInfo, threads: &[ThreadInfo]) {
     let running = if status.running { "running" } else { "stopped" };
     let hardware = if status.simulated { "simulated" } else { "real" };
     line("instance:", &format!("{} (process {})", status.instance, status.pid));
-    line("clock:", &format!("{}, at {}", status.clock, seconds(status.time)));
+    line("time:", &format!("{}, at {}", status.clock, seconds(status.time)));
     line("threads:", &format!("{running}; {}", status.scheduling));
     line("hardware:", hardware);
     if let Some(realtime) = &status.realtime {
@@ -148,7 +148,7 @@ fn locked((locked, present): (u64, u64)) -> String {
     let rest = present.saturating_sub(locked);
     let rest =
         if rest == 0 { String::new() } else { format!("; {:.1} MiB may be pushed out", mib(rest)) };
-    format!("{:.1} of {:.1} MiB locked{rest}", mib(locked), mib(present))
+    format!("{:.1} of {:.1} MiB stay in RAM{rest}", mib(locked), mib(present))
 }
 
 /// Describes how deeply processors may sleep.
@@ -251,6 +251,15 @@ mod tests {
         FaultInfo, ForeignPart, Lock, RealtimeInfo, ThreadInfo, WorkerInfo, WorkerState,
     };
 
+    /// Scripts search the output for `lock`: only the lines that LinuxCNC prints have it.
+    #[test]
+    fn added_lines_do_not_say_lock() {
+        let status = samples::status(Lock(0));
+        let mut text = String::new();
+        super::instance(&mut text, &status, &[]);
+        assert!(text.contains("virtual") && !text.to_lowercase().contains("lock"), "{text}");
+    }
+
     #[test]
     fn locks() {
         for (level, want) in [
@@ -314,7 +323,7 @@ mod tests {
         assert_eq!(
             lines(good.clone(), &bins, 307_040),
             [
-                "memory:     9.7 of 9.7 MiB locked",
+                "memory:     9.7 of 9.7 MiB stay in RAM",
                 "idle:       /dev/cpu_dma_latency is held: processors wake within 0 us",
                 "watchdog:   stops the machine when a function takes 2 ms in one cycle",
                 "wake-ups:   of thread 't': half within 1 us, 99 % within 32 us, 99.9 % within 32 \
@@ -331,7 +340,7 @@ mod tests {
         assert_eq!(
             lines(bad.clone(), &[0, 1], 1_200)[..2],
             [
-                "memory:     1.0 of 9.7 MiB locked; 8.7 MiB may be pushed out",
+                "memory:     1.0 of 9.7 MiB stay in RAM; 8.7 MiB may be pushed out",
                 "idle:       processors may sleep deeply: /dev/cpu_dma_latency: Permission denied",
             ]
         );
@@ -369,7 +378,7 @@ mod tests {
         };
         let want = "HAL instance status\n\
              \x20 instance:   default (process 77)\n\
-             \x20 clock:      virtual, at 2.5 s\n\
+             \x20 time:       virtual, at 2.5 s\n\
              \x20 threads:    running; all in one place\n\
              \x20 hardware:   simulated\n\
              \x20 overruns:   3 of thread 'fast', 1012 cycles missed, the last by 'adder'\n\

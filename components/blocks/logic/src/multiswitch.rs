@@ -37,7 +37,8 @@ impl Component for Multiswitch {
         ```";
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
     const ARGS: &'static [&'static ArgSpec] = &[
-        &Arg::ints("cfg", "Number of positions of each switch, 1 to 32.").at_most(INSTANCES),
+        &Arg::ints("cfg", "Number of positions of each switch, 1 to 32; 0 is 4.")
+            .at_most(INSTANCES),
         &Arg::ints("personality", "Accepted for compatibility and ignored: cfg= counts."),
     ];
 
@@ -46,8 +47,12 @@ impl Component for Multiswitch {
         if sizes.is_empty() {
             sizes.push(DEFAULT);
         }
+        for n in sizes.iter_mut().filter(|n| **n == 0) {
+            *n = DEFAULT;
+        }
         if let Some(n) = sizes.iter().find(|n| !(1..=MAX).contains(*n)) {
-            let text = format!("cfg={n} is not a number of positions, 1 to {MAX}");
+            let text =
+                format!("cfg={n} is not a number of positions, 1 to {MAX}, or 0 for {DEFAULT}");
             return Err(Error::new(text));
         }
         for (i, n) in sizes.into_iter().enumerate() {

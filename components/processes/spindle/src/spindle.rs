@@ -43,7 +43,7 @@ impl Component for Spindle {
         let all = b.arg_ints("numgears");
         let n = usize::try_from(b.index()).ok().and_then(|i| all.get(i).copied()).unwrap_or(1);
         let pins = Pins::make(b, "")?;
-        let gears = (0..n).map(|i| Gear::make_number(b, i)).collect::<Result<_, _>>()?;
+        let gears = (0..n).map(|i| Gear::make_number(b, i, n)).collect::<Result<_, _>>()?;
         b.function("", "Sets the speed.", Run { pins, gears, was_at_speed: false })
     }
 }
@@ -90,14 +90,14 @@ pins! {
 
 /// Declares the pins of a gear once: name, initial value, docs.
 macro_rules! gear {
-    ($i:ident: $($(#[doc = $doc:literal])+ $field:ident: $ty:ty = $name:literal, $initial:expr;)+) => {
+    ($i:ident, $n:ident: $($(#[doc = $doc:literal])+ $field:ident: $ty:ty = $name:literal, $initial:expr;)+) => {
         /// Pins of each gear.
         #[derive(Touch)]
         struct Gear {
             $($(#[doc = $doc])+ $field: $ty,)+
         }
         impl Gear {
-            fn make_number(b: &mut Builder<'_>, $i: i64) -> Result<Self, Error> {
+            fn make_number(b: &mut Builder<'_>, $i: i64, $n: i64) -> Result<Self, Error> {
                 Ok(Self {
                     $($field: b.item(
                         &format!("{}.{}", $name, $i),
@@ -110,7 +110,7 @@ macro_rules! gear {
     };
 }
 
-gear! { i:
+gear! { i, n:
     /// Drive units per turn per minute; a negative value reverses the sign.
     scale: In<f64> = "scale", 1.0;
     /// Minimum speed other than 0, in turns per minute; 0 or less: no minimum.
@@ -129,8 +129,8 @@ gear! { i:
     zero_tolerance: In<f64> = "zero-tolerance", 20.0;
     /// Offset added to the output, in turns per minute.
     offset: In<f64> = "offset", 0.0;
-    /// Selects this gear; if several are selected, the highest counts.
-    select: In<bool> = "select", i == 0;
+    /// Selects this gear; if several are selected, the highest counts. The only gear is selected at first.
+    select: In<bool> = "select", i == 0 && n == 1;
 }
 
 #[derive(Touch)]

@@ -1,6 +1,7 @@
 //! `check`: problems that the graph shows before the machine moves.
 
 mod components;
+mod earlier;
 mod estop;
 mod flow;
 mod functs;
@@ -32,6 +33,9 @@ impl Engine {
             Look { graph, items: items(graph), runs: self.runtime.is_running(), found: Vec::new() };
         look.signals();
         look.values();
+        if !self.options.earlier_values {
+            look.earlier();
+        }
         look.functs();
         look.threads();
         look.components();

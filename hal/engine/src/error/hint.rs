@@ -54,7 +54,7 @@ impl Error {
             | Self::SignalIsPin { name }
             | Self::NotWritable { name, .. }
             | Self::QueueAllocated { name }
-            | Self::ModuleExists { name }
+            | Self::ModuleExists { name, .. }
             | Self::NoModule { name, .. }
             | Self::TooManyItems { name, .. }
             | Self::InitFailed { name, .. }
@@ -129,6 +129,12 @@ impl Error {
             | Self::NoItem { near, .. }
             | Self::NoPin { near, .. }
             | Self::NoModule { near, .. } => near.as_ref().map(|n| format!("did you mean {n}?")),
+            Self::ModuleExists { name, again: true } => {
+                Some(format!("for more instances, give them names: loadrt {name} names=a,b"))
+            }
+            Self::ModuleExists { .. } => {
+                Some("it is loaded once: give all it shall make on one loadrt line".to_owned())
+            }
             Self::UnknownParameter { near: Some(near), .. } => {
                 Some(format!("did you mean {near}?"))
             }

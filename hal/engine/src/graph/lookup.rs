@@ -1,6 +1,7 @@
 //! Look-ups of nodes by name, and changes of the indices.
 
 use crate::{
+    Error,
     graph::names::{Index, Names, hash},
     graph::{Graph, Ix, Node},
     name::Name,
@@ -41,6 +42,25 @@ impl Graph {
     /// Returns the parameter with this name if `param` is true, otherwise the pin.
     pub(crate) fn item_named(&self, param: bool, name: &str) -> Option<Ix> {
         self.find_in(if param { &self.params } else { &self.pins }, name)
+    }
+
+    /// Returns the name for a second or later load of a module that is loaded: `MODULE:2`, `MODULE:3`, …
+    pub(crate) fn further_load(&self, module: &str) -> Result<Name, Error> {
+        let mut number = 2_u32;
+        loop {
+            let name = Name::parse("component", &format!("{module}:{number}"))?;
+            if !self.components.contains_key(&name) {
+                return Ok(name);
+            }
+            number += 1;
+        }
+    }
+
+    /// Returns the names of the second and later loads of a module.
+    pub(crate) fn further_loads(&self, module: &str) -> Vec<Name> {
+        let of =
+            |name: &&Name| name.as_str().strip_prefix(module).is_some_and(|n| n.starts_with(':'));
+        self.components.keys().filter(of).cloned().collect()
     }
 
     /// Returns the signal with this name.

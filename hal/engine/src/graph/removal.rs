@@ -27,6 +27,9 @@ impl Model {
             let user = user.name.as_str().into();
             return Err(Error::InUseBy { name: name.into(), user });
         }
+        for further in self.graph.further_loads(name) {
+            self.unload(further.as_str())?;
+        }
         self.detach(ix, true);
         Ok(())
     }

@@ -162,6 +162,11 @@ impl Args {
 }
 
 fn read(d: &Declared, value: &str, word: &str) -> Result<Given, Error> {
+    // An empty list is the usual one.
+    let value = match &d.default {
+        Some(default) if value.is_empty() && d.spec.kind == arg::TEXTS => default,
+        _ => value,
+    };
     let invalid = |text: &str, expects: &'static str| Error::InvalidArgument {
         value: text.into(),
         word: word.into(),
@@ -180,6 +185,10 @@ fn read(d: &Declared, value: &str, word: &str) -> Result<Given, Error> {
         })
     };
     let items = || -> Result<Vec<&str>, Error> {
+        // No names, as if the argument was not given.
+        if value.is_empty() && &*d.name == "names" {
+            return Ok(Vec::new());
+        }
         if value.is_empty() && d.spec.kind == arg::TEXTS {
             return Err(invalid(value, "expected texts separated by commas"));
         }
@@ -281,8 +290,11 @@ impl Instances {
                     let count = integer(n).and_then(|n| u32::try_from(n).ok());
                     let count = count.filter(|n| *n <= MAX_INSTANCES);
                     let expects = "expected a number from 0 to 1000000";
-                    out.count = Some(count.ok_or_else(|| invalid(n, &plain, expects))?);
+                    let count = count.ok_or_else(|| invalid(n, &plain, expects))?;
+                    // None asked for is the usual one, as without the argument.
+                    out.count = Some(count).filter(|n| *n > 0);
                 }
+                Some(("names", "")) => {}
                 Some(("names", list)) => {
                     out.names = list.split(',').map(str::to_owned).collect();
                     distinct(list.split(','))?;

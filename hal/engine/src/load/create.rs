@@ -7,6 +7,7 @@ use crate::{
     graph::{Command, Edge, Funct, Ix, Service},
     load::args::{Args, Declared},
     load::code::{Code, Keep},
+    load::earlier,
     name::Name,
     observe::ring::SharedRing,
     observe::snapshot::Snapshot,
@@ -141,12 +142,15 @@ impl<'e> Creating<'e> {
             _ => (Name::parse(what, name)?, None),
         };
         let doc = self.engine.model.doc(doc);
+        let owned_by = self.engine.model.graph().component(owner);
+        let asked = owned_by.filter(|c| self.engine.options.earlier_values && c.foreign.is_none());
+        let earlier = asked.and_then(|c| earlier::value(c.name.as_str(), name.as_str()));
         let item = NewItem {
             name,
             other,
             ty,
             direction,
-            initial: spec.initial,
+            initial: earlier.filter(|v| v.ty() == ty).map_or(spec.initial, |v| v.bits()),
             storage: NonNull::new(spec.storage),
             hidden: spec.flags & item_flags::HIDDEN != 0,
             times: false,

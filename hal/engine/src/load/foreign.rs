@@ -52,7 +52,7 @@ impl Engine {
     ) -> Result<(), Error> {
         let name = Name::parse("component", &format!("{prefix}{module}"))?;
         if self.model.graph().components.contains_key(&name) {
-            return Err(Error::ModuleExists { name: name.as_str().into() });
+            return Err(Error::ModuleExists { name: name.as_str().into(), again: false });
         }
         if self.model.staged().is_dry() {
             let why = "it touches its devices as it is loaded, so that cannot be tried".into();

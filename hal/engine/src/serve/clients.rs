@@ -26,7 +26,6 @@ const RESULTS: usize = 1000;
 #[derive(Debug)]
 pub(crate) struct Program {
     pub(in crate::serve) pid: i32,
-    #[expect(dead_code, reason = "shown when an instance is inspected")]
     pub(in crate::serve) name: String,
     pub(in crate::serve) since: i64,
     pub(in crate::serve) joined: bool,

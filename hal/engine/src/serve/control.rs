@@ -59,6 +59,7 @@ impl Engine {
         self.hear();
         // The guard writes as well: what it was refused is reported also while time stands still.
         self.drain_recording();
+        self.forget_ended_programs();
         let moved = self.advance();
         self.notice_fault();
         self.reap();

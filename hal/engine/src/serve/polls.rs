@@ -142,15 +142,29 @@ fn values(engine: &Engine, c: &Client) -> Reply {
 }
 
 impl Engine {
+    /// Forgets programs that have ended, and reports those that a signal ended.
+    pub(crate) fn forget_ended_programs(&mut self) {
+        let mut killed = Vec::new();
+        let before = self.clients.programs.len();
+        self.clients.programs.retain(|p| {
+            let life = os::life(p.pid);
+            if let os::Life::Killed(signal) = life {
+                let signal = os::process::signal_name(signal);
+                killed.push(format!("program '{}' was ended by {signal}", p.name));
+            }
+            life == os::Life::Runs
+        });
+        if self.clients.programs.len() != before {
+            self.clients.publish_programs(self.runtime.instance());
+        }
+        self.notices(killed);
+    }
+
     /// Returns whether the virtual clock must wait for a program, or for a ring that a program
     /// reads or writes.
     pub(crate) fn held_back(&mut self) -> bool {
         let now = os::monotonic_ns();
-        let before = self.clients.programs.len();
-        self.clients.programs.retain(|p| os::alive(p.pid));
-        if self.clients.programs.len() != before {
-            self.clients.publish_programs(self.runtime.instance());
-        }
+        self.forget_ended_programs();
         let starting =
             self.clients.programs.iter().any(|p| !p.joined && now - p.since < 1_000_000_000);
         // Evaluate every condition: each measures for how long it has held the clock.

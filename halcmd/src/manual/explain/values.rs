@@ -74,4 +74,15 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt limit1\naddf limit1.0 servo\n\
                 setp limit1.0.max 5\nsetp limit1.0.min -5\nstart\n",
     },
+    Row {
+        code: Code::EarlierValue,
+        means: "The item is neither set nor linked, and its first value is that of LinuxCNC 2.10, which is another \
+                one in 2.9.",
+        matters: "A machine from 2.9 behaves otherwise here: limit3 accelerates less, a switch counts later.",
+        remedy: "Set the item to what is meant. HAL_COMPAT=2.9, or COMPAT = 2.9 in section HAL of the INI file, gives \
+                 all values of 2.9.",
+        wrong: "loadrt threads name1=servo period1=1000000\nloadrt limit3 # <--\naddf limit3.0 servo\nstart\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt limit3\naddf limit3.0 servo\n\
+                setp limit3.0.maxa 1e20\nstart\n",
+    },
 ];

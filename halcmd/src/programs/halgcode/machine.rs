@@ -255,7 +255,7 @@ impl Machine {
 }
 
 fn text(path: &Path) -> Result<String, String> {
-    let bytes = std::fs::read(path);
+    let bytes = hal_ini::file::whole(path);
     let bytes = bytes.map_err(|e| format!("{}: {}", path.display(), hal_output::reason(&e)))?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }

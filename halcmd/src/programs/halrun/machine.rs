@@ -23,7 +23,8 @@ pub(crate) fn refuse(ini: &Ini) -> Result<(), Error> {
             return Err(Error::NotYet { what, instead: TCL });
         }
     }
-    super::realtime::of_ini(ini).map(|_| ())
+    super::realtime::of_ini(ini)?;
+    super::compat::of_ini(ini).map(|_| ())
 }
 
 /// Executes the INI file's requests in order.
@@ -121,7 +122,7 @@ impl Machine<'_, '_> {
         let found = self.folders.find(name);
         let searched = self.folders.searched(name);
         self.then(|session| match found {
-            Some((shown, path)) => match std::fs::read(&path) {
+            Some((shown, path)) => match hal_ini::file::whole(&path) {
                 Ok(text) => session.file(&shown, Bytes::new(text)),
                 Err(e) => {
                     let (path, why) = (shown.into(), crate::ini::plain(&e));

@@ -1,6 +1,6 @@
 //! Command line, environment and profile of halrun.
 
-use super::{log::Selection, realtime};
+use super::{compat, log::Selection, realtime};
 use crate::{
     Error, Style,
     language::flight,
@@ -87,6 +87,7 @@ enum Id {
     Flight,
     Linuxcnc,
     Cpu,
+    Compat,
     DmaLatency,
     StuckTime,
     Log,
@@ -145,6 +146,13 @@ const OPTIONS: &[Opt<Id>] = &[
         Some("TIME"),
         Some("HAL_STUCK_TIME"),
         "stop the machine when a function does not return within TIME",
+    ),
+    with(
+        "compat",
+        Id::Compat,
+        Some("VERSION"),
+        Some("HAL_COMPAT"),
+        "begin with the values of LinuxCNC 2.9 where 2.10 has others: 2.9 or 2.10",
     ),
     with(
         "log",
@@ -268,6 +276,7 @@ pub(crate) fn plan(
             simulate: has(Id::Simulate) || clock == ClockKind::Virtual,
             old_names: false,
             interlock: false,
+            earlier_values: compat::option(value(Id::Compat))?,
             path: plugin_path(&|name| match name {
                 LINUXCNC_MODULES if has(Id::Linuxcnc) => Some("1".to_owned()),
                 "HAL_RTMOD_DIR" => value(Id::Modules),

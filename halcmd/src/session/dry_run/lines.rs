@@ -157,7 +157,7 @@ impl Session<'_> {
         if base == hal_manualtoolchange::NAME {
             return Ok(hal_manualtoolchange::join(self.link)?);
         }
-        if !program::exists(&launch.program) {
+        if !program::exists(&launch.program, |path| self.found_at(path)) {
             let awaited = launch.until_ready || launch.until_end && !launch.ignore_status;
             let code = if awaited { Code::NoProgramAwaited } else { Code::NoProgram };
             let text = format!("program '{}' is not there", launch.program);

@@ -190,14 +190,16 @@ impl Trial<'_> {
                 "float" => ["x", "", "1e999", "nan", "-inf"].iter().for_each(|v| add(&a.name, v)),
                 "bit" => ["x", "", "7"].iter().for_each(|v| add(&a.name, v)),
                 "texts" if a.name == "names" => {
-                    for v in ["", "a,", "a,,b", "a,a", "a b", "a\tb"] {
+                    for v in ["a,", "a,,b", "a,a", "a b", "a\tb"] {
                         add("names", v);
                     }
                     add("names", &"n".repeat(54));
                     add("names", &"n".repeat(56));
                 }
                 _ => {
-                    for v in ["", "%", "?,?", "\u{e9}"] {
+                    // An empty list is that of the default.
+                    let empty = (a.ty != "texts" || a.default.is_none()).then_some("");
+                    for v in empty.into_iter().chain(["%", "?,?", "\u{e9}"]) {
                         add(&a.name, v);
                     }
                     add(&a.name, &"x".repeat(300));

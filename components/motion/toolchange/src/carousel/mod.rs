@@ -70,15 +70,16 @@ getp carousel.0.motor-rev # -> FALSE
         &Arg::ints("pockets", "Pockets of each magazine, 1 or more; 8 without it.").at_most(MAX),
         &Arg::texts(
             "encoding",
-            "One of `gray`, `binary`, `bcd`, `single`, `index`, `edge` or `counts`; `gray` without it.",
+            "One of `gray`, `binary`, `bcd`, `single`, `index`, `edge` or `counts`; `gray` without it, or if empty.",
         )
-        .at_most(MAX),
+        .at_most(MAX)
+        .or("gray"),
         &Arg::ints(
             "num_sense",
             "Sensors, 1 to 32; 4 without it. `single` has at least one for each pocket, `index` two.",
         )
         .at_most(MAX),
-        &Arg::ints("dir", "1: turns forwards alone, 2: both ways; 2 without it.").at_most(MAX),
+        &Arg::ints("dir", "1: turns forwards alone, 2 or 0: both ways; 2 without it.").at_most(MAX),
         &Arg::ints("parity", "What the parity of a code must be, 0 even or 1 odd.").at_most(MAX),
         &Arg::ints("personality", "Accepted for scripts that give it: the others are what counts."),
     ];
@@ -109,7 +110,7 @@ getp carousel.0.motor-rev # -> FALSE
                 Encoding::Edge => within("num_sense with encoding=edge", given, 2, MAX_SENSORS)?,
                 _ => within("num_sense", given, 1, MAX_SENSORS)?,
             };
-            let both = within("dir", at(&b.arg_ints("dir"), i, 2), 1, 2)? == 2;
+            let both = within("dir", at(&b.arg_ints("dir"), i, 2), 0, 2)? != 1;
             let odd = within("parity", at(&b.arg_ints("parity"), i, 0), 0, 1)? == 1;
             all.push((encoding, pockets, sensors, both, odd));
         }
