@@ -95,6 +95,9 @@ impl Session<'_> {
         let program = beside(&launch.program).unwrap_or_else(|| PathBuf::from(&launch.program));
         let mut command = Command::new(program);
         command.args(&launch.args).env("HAL_INSTANCE", &self.instance);
+        if let Some(path) = python_path() {
+            command.env("PYTHONPATH", path);
+        }
         if self.style.reads_input {
             command.stdin(Stdio::null());
         }
@@ -235,6 +238,16 @@ pub(crate) fn exists(program: &str, found_at: impl FnOnce(&str) -> PathBuf) -> b
     }
     let path = std::env::var_os("PATH").unwrap_or_default();
     beside(program).is_some() || std::env::split_paths(&path).any(|f| f.join(program).is_file())
+}
+
+/// Returns the path on which Python looks for modules, with the folder of Ferrule's own modules first; `None` if there
+/// is no such folder.
+fn python_path() -> Option<std::ffi::OsString> {
+    let here = std::env::current_exe().ok()?;
+    let own = here.parent()?.join("python");
+    let before = std::env::var_os("PYTHONPATH").filter(|path| !path.is_empty());
+    let paths = std::iter::once(own.clone()).chain(before.iter().flat_map(std::env::split_paths));
+    own.is_dir().then(|| std::env::join_paths(paths).ok()).flatten()
 }
 
 /// Returns the program of this name beside the running one.

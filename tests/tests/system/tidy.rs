@@ -93,6 +93,7 @@ fn arrows_point_only_downward() {
         ("robot", &["hal-arm", "hal-gcode", "hal-output"]),
         ("kinematics", &["hal-arm", "hal-component"]),
         ("ferrule-client", &["hal-protocol"]),
+        ("ferrule-python", &["hal-protocol"]),
         ("motion", &["hal-component", "hal-trajectory", "hal-watchman"]),
     ]);
     for (name, table) in &members {

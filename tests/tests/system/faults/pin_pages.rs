@@ -1,5 +1,6 @@
 //! Pages of pin values: values pass without requests, a client that writes anything there harms only itself, and on
 //! the virtual clock the clock waits for each client that does not sleep.
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_engine::ClockKind;
 use hal_protocol::{Client, Direction, Link, PinPage, PinPageInfo, Request, Type, Value};
@@ -109,8 +110,8 @@ fn a_client_that_writes_anything_to_its_page_harms_only_its_own_pins() {
     let info = page.info().clone();
     let all = words(&page, &info);
     for round in 0_u64..200 {
-        for (i, word) in all.iter().enumerate() {
-            let n = (round + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(i as u32 % 64);
+        for (i, word) in (0_u32..).zip(all) {
+            let n = (round + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(i % 64);
             // Every other round with an even sequence number, so that the values are taken.
             word.store(if round % 2 == 0 { n & !1 } else { n | 1 }, Relaxed);
         }

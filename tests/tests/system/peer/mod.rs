@@ -5,4 +5,5 @@ mod compat;
 mod judge;
 mod language;
 mod modules;
+mod python;
 mod traces;

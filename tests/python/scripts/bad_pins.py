@@ -1,0 +1,15 @@
+from common import *
+
+h = hal.component("c")
+show("type", lambda: h.newpin("a", 99, OUT))
+show("type 0", lambda: h.newpin("a", 0, OUT))
+show("direction", lambda: h.newpin("a", BIT, 99))
+show("direction of a parameter", lambda: h.newpin("a", BIT, RO))
+show("parameter type", lambda: h.newparam("a", 99, RO))
+show("parameter direction", lambda: h.newparam("a", BIT, IN))
+show("no arguments", lambda: h.newpin())
+show("one argument", lambda: h.newpin("a"))
+show("text as type", lambda: h.newpin("a", "bit", OUT))
+show("number as name", lambda: h.newpin(1, BIT, OUT))
+show("by keyword", lambda: h.newpin(name="a", type=BIT, dir=OUT))
+print(len(h))

@@ -1,0 +1,10 @@
+from common import *
+
+h = hal.component("c")
+for name, ty in ("b", BIT), ("f", FLOAT), ("s", S32), ("u", U32):
+    h.newpin(name, ty, OUT)
+h.ready()
+for name in "bfsu":
+    for v in (3, -3, 2.75, "7", None, 2**32):
+        show(f"{name}={v}", lambda: h.__setitem__(name, v))
+        show("  item", lambda: h[name])
