@@ -76,7 +76,7 @@ impl Volume {
     pub fn check(&self, point: [f64; 3]) -> Result<(), Outside> {
         let limits = self.min.iter().zip(&self.max);
         for ((axis, at), (low, high)) in ['X', 'Y', 'Z'].into_iter().zip(point).zip(limits) {
-            // A value that is no number is outside too.
+            // NaN is outside too.
             if !(*low <= at && at <= *high) {
                 let limit = if at > *high { *high } else { *low };
                 return Err(Outside::Box { axis, at, limit });
