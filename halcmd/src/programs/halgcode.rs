@@ -1,10 +1,7 @@
-//! The program halgcode: G-code without a machine.
+//! The program halgcode: G-code without a machine. `hal-job` reads the files of the machine that a program is for.
 //!
 //! | module | subject |
 //! |---|---|
-//! | `machine` | the machine: its INI file, tool table, parameter file |
-//! | `world` | the files, tools and values that programs see |
-//! | `run` | a program from its begin to its end, with the answers of a machine that stands still |
 //! | `filter` | programs of `[FILTER]`, which turn other files into G-code |
 //! | `canon`, `printer` | `canon`: the canonical calls, as `rs274` prints them |
 //! | `check` | `check`: errors, limits, tools, extents |
@@ -21,16 +18,13 @@ mod check;
 mod clock;
 mod filter;
 mod format;
-mod machine;
 mod metric;
 mod path;
 mod plot;
 mod printer;
-mod run;
 mod state;
 mod tokens;
 mod views;
-mod world;
 
 use crate::{
     Stdio, Terminal,

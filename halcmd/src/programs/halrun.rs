@@ -2,6 +2,7 @@
 
 pub(crate) mod compat;
 mod detach;
+mod job;
 mod log;
 pub(crate) mod machine;
 pub(crate) mod plan;
@@ -184,7 +185,10 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
         ends.be_quiet(log.as_deref());
         detach::tell();
     }
-    let goes_on = outcome == Outcome::Good && !plan.interactive && plan.script != Script::Terminal;
+    let goes_on = outcome == Outcome::Good
+        && plan.job.is_none()
+        && !plan.interactive
+        && plan.script != Script::Terminal;
     if goes_on {
         stay(plan, &mut engine);
     }
@@ -238,11 +242,17 @@ fn script(
     };
     let outcome = match (&plan.script, &files.ini) {
         (Script::Hal(path), _) => session.file(path, Bytes::new(files.script.clone())),
-        (Script::Ini(path), Some(ini)) => machine::start(&mut session, ini, Path::new(path)),
+        (Script::Ini(path), Some(ini)) => {
+            machine::start(&mut session, ini, Path::new(path), plan.headless)
+        }
         (Script::Terminal, _) => typed(&mut session),
         (Script::Nothing | Script::Ini(_), _) => Outcome::Good,
     };
     let outcome = if outcome == Outcome::Good { session.settle() } else { outcome };
+    let outcome = match &plan.job {
+        Some(file) if outcome == Outcome::Good => job::run(&mut session, file),
+        _ => outcome,
+    };
     if plan.interactive && outcome != Outcome::Ended && plan.script != Script::Terminal {
         typed(&mut session);
     }

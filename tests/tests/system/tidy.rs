@@ -82,6 +82,7 @@ fn arrows_point_only_downward() {
                 "hal-engine",
                 "hal-gcode",
                 "hal-ini",
+                "hal-job",
                 "hal-output",
                 "hal-protocol",
                 "hal-trace",
@@ -94,6 +95,8 @@ fn arrows_point_only_downward() {
         ("kinematics", &["hal-arm", "hal-component"]),
         ("ferrule-client", &["hal-protocol"]),
         ("ferrule-python", &["hal-protocol"]),
+        ("hal-job", &["hal-gcode", "hal-ini", "hal-output"]),
+        ("task", &["hal-component", "hal-gcode", "hal-ini", "hal-job", "hal-output"]),
         ("motion", &["hal-component", "hal-trajectory", "hal-watchman"]),
     ]);
     for (name, table) in &members {

@@ -1,13 +1,6 @@
 //! `halgcode canon`: the canonical calls, with the options and in the form of `rs274`.
 
-use super::{
-    filter,
-    machine::{Files, Machine},
-    printer::Printer,
-    run::{Answers, Stop, run, start, step},
-    usage_of,
-    world::World,
-};
+use super::{filter, printer::Printer, usage_of};
 use crate::{
     Stdio, Terminal,
     programs::options::{Opt, mixed, plain, usage},
@@ -15,6 +8,11 @@ use crate::{
 };
 use hal_gcode::{
     Call, Error, Interpreter, Settings, axis::AxisMask, canon::Unit, program::numbered_line,
+};
+use hal_job::{
+    machine::{Files, Machine},
+    run::{Answers, Stop, run, start, step},
+    world::World,
 };
 use std::{
     collections::BTreeMap,

@@ -3,11 +3,8 @@
 use super::{
     clock::Clock,
     filter,
-    machine::{Files, Machine},
     path::{Extents, Kind, Way},
-    run::{Answers, Stop, run, start},
     usage_of,
-    world::World,
 };
 use crate::{
     Stdio, Terminal,
@@ -20,6 +17,11 @@ use hal_gcode::{
     error::Problem,
     program::numbered_line,
     state::FeedMode,
+};
+use hal_job::{
+    machine::{Files, Machine},
+    run::{Answers, Stop, run, start},
+    world::World,
 };
 use std::{
     collections::BTreeMap,

@@ -1,15 +1,13 @@
 //! Duration of a program on its machine: the planner of motion plans the moves, and its follower follows the plan.
 
-use super::{
-    machine::Machine,
-    path::{Kind, Way},
-};
+use super::path::{Kind, Way};
 use hal_gcode::{
     Call, Interpreter, Issued,
     axis::{Axis, Position},
     canon::{Frame, PathMode, Plane},
     state::FeedMode,
 };
+use hal_job::machine::Machine;
 use hal_trajectory::{
     Error, Follower, Limits, Machine as Motion, Mode, Move, Planner, Pose, Shape, Trivial,
 };

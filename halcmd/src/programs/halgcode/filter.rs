@@ -1,8 +1,8 @@
 //! Filters: programs of `[FILTER]` that turn other files into G-code.
 
-use super::{machine::Machine, world};
 use crate::{Stdio, Terminal, terminal::print_error};
 use hal_gcode::Text;
+use hal_job::{machine::Machine, world};
 use std::{
     io::{BufRead, BufReader, Read},
     path::Path,

@@ -2,12 +2,9 @@
 
 use super::{
     filter,
-    machine::{Files, Machine},
     path::{Extents, Kind, Way},
-    run::{Answers, Stop, run, start},
     usage_of,
     views::{Move, Views},
-    world::World,
 };
 use crate::{
     Stdio, Terminal,
@@ -18,6 +15,11 @@ use crate::{
     terminal::print_error,
 };
 use hal_gcode::{Interpreter, axis::Axis};
+use hal_job::{
+    machine::{Files, Machine},
+    run::{Answers, Stop, run, start},
+    world::World,
+};
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},

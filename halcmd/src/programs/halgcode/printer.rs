@@ -1,8 +1,8 @@
 //! Canonical calls as `rs274` prints them: numbered, with the N number of their line.
 
-use super::run::Stop;
 use crate::{Stdio, Terminal};
 use hal_gcode::{Call, Interpreter, Issued};
+use hal_job::run::Stop;
 use hal_output::Whole;
 use std::{
     fmt::Write as _,

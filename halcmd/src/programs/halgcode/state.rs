@@ -1,12 +1,6 @@
 //! `halgcode state`: the interpreter's state before a line.
 
-use super::{
-    filter,
-    machine::{Files, Machine},
-    run::{Answers, start, step},
-    usage_of,
-    world::World,
-};
+use super::{filter, usage_of};
 use crate::{
     Stdio, Terminal,
     programs::options::{Opt, mixed, plain, usage},
@@ -17,6 +11,11 @@ use hal_gcode::{
     canon::{Direction, PathMode, Plane, Unit},
     interpret::codes::shown,
     state::{FeedMode, LevelKind, Side},
+};
+use hal_job::{
+    machine::{Files, Machine},
+    run::{Answers, start, step},
+    world::World,
 };
 use std::{
     collections::BTreeMap,

@@ -27,8 +27,8 @@ pub(crate) fn refuse(ini: &Ini) -> Result<(), Error> {
     super::compat::of_ini(ini).map(|_| ())
 }
 
-/// Executes the INI file's requests in order.
-pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path) -> Outcome {
+/// Executes the INI file's requests in order; without those for a user interface if `headless`.
+pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path, headless: bool) -> Outcome {
     let folders = Folders::of(path);
     // Relative file names in scripts are relative to the INI file's folder.
     if session.is_dry_run() {
@@ -44,11 +44,13 @@ pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path) -> Outcom
         machine.file(entry, true);
     }
     machine.configure();
+    machine.load_task(path);
     for entry in ini.all("HAL", "HALCMD") {
         machine.then(|session| session.line_at(&entry.file, entry.line, &entry.value));
     }
     machine.ask("HAL", Request::Start);
-    for entry in ini.all("HAL", "POSTGUI_HALFILE") {
+    let shown = if headless { None } else { Some(ini.all("HAL", "POSTGUI_HALFILE")) };
+    for entry in shown.into_iter().flatten() {
         machine.file(entry, false);
     }
     machine.outcome
@@ -62,7 +64,9 @@ pub(crate) fn before_files(session: &mut Session<'_>, ini: &Ini, path: &Path) {
 
 /// Executes the part of [`start`] that comes after the HAL files.
 pub(crate) fn after_files(session: &mut Session<'_>, ini: &Ini, path: &Path) {
-    Machine { session, ini, folders: Folders::of(path), outcome: Outcome::Good }.configure();
+    let mut machine = Machine { session, ini, folders: Folders::of(path), outcome: Outcome::Good };
+    machine.configure();
+    machine.load_task(path);
 }
 
 struct Machine<'a, 's> {
@@ -140,6 +144,23 @@ impl Machine<'_, '_> {
                 Outcome::Good
             }
         });
+    }
+
+    /// Loads the task, if the machine has motion and the INI file a section for the task.
+    fn load_task(&mut self, path: &Path) {
+        if self.ini.section("TASK").next().is_none() || !self.has_motion() {
+            return;
+        }
+        // The folder of the process is that of the INI file.
+        let file = path.file_name().map(Path::new).unwrap_or(path);
+        let args = vec![format!("ini={}", file.display())];
+        self.ask("TASK", Request::Load { module: "task".to_owned(), args });
+    }
+
+    fn has_motion(&mut self) -> bool {
+        let patterns = vec!["motion.configure".to_owned()];
+        let list = Request::List { kind: Kind::Commands, patterns, ty: None };
+        matches!(self.session.ask(list), Ok(Reply::Commands(list)) if !list.is_empty())
     }
 
     /// Configures motion with the machine's data, if motion is loaded.

@@ -67,6 +67,10 @@ pub(crate) struct Plan {
     /// Settings of the flight recorder, if it is to be switched on.
     pub(super) flight: Option<FlightSpec>,
     pub(super) detach: Detach,
+    /// The program to run on the machine; the instance ends with it.
+    pub(super) job: Option<String>,
+    /// Nothing of a user interface is started.
+    pub(super) headless: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,6 +97,8 @@ enum Id {
     Log,
     Instance,
     Profile,
+    Job,
+    Headless,
     Help,
 }
 
@@ -105,6 +111,20 @@ const OPTIONS: &[Opt<Id>] = &[
     flag('U', Id::Stop, "end the running instance"),
     with("detach", Id::Detach, None, None, "go on in the background once the script is done"),
     with("virtual", Id::Virtual, None, None, "run on the virtual clock: --clock virtual"),
+    with(
+        "run",
+        Id::Job,
+        Some("FILE"),
+        None,
+        "switch the machine on, home it, run this program, end",
+    ),
+    with(
+        "headless",
+        Id::Headless,
+        None,
+        Some("HAL_HEADLESS"),
+        "leave out what is for a user interface",
+    ),
     with("for", Id::For, Some("TIME"), Some("HAL_FOR"), "end after TIME of the machine"),
     with("clock", Id::Clock, Some("KIND"), Some("HAL_CLOCK"), "the clock: real or virtual"),
     with("hold", Id::Hold, None, Some("HAL_HOLD"), "move the virtual clock only in 'run TIME'"),
@@ -262,6 +282,15 @@ pub(crate) fn plan(
         (false, false) => Detach::No,
     };
     let script = script(&files, detach)?;
+    let job = value(Id::Job);
+    if let Some(file) = &job {
+        if !matches!(script, Script::Ini(_)) {
+            return Err(bad("--run", file, "it needs a machine from an INI file"));
+        }
+        if detach != Detach::No || has(Id::Hold) {
+            return Err(bad("--run", file, "it excludes --detach and --hold"));
+        }
+    }
     let realtime = realtime::options(value(Id::Cpu), value(Id::DmaLatency), value(Id::StuckTime))?;
     let interactive = has(Id::Interactive);
     style.background = detach == Detach::Child;
@@ -300,6 +329,9 @@ pub(crate) fn plan(
             })
             .transpose()?,
         detach,
+        // The start of a machine changes the folder.
+        job: job.map(|file| whole(file).display().to_string()),
+        headless: has(Id::Headless),
     })))
 }
 

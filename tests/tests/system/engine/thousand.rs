@@ -51,8 +51,10 @@ fn a_thousand_instances_of_any_component() {
     let before = usage(&status(&mut e));
     for offer in every::offers() {
         let name = &offer.component;
-        if *name == "motmod" {
-            script(&mut e, "loadrt trivkins");
+        match name.as_str() {
+            "motmod" => script(&mut e, "loadrt trivkins"),
+            "task" => script(&mut e, "loadrt iocontrol\nloadrt trivkins\nloadrt motmod"),
+            _ => {}
         }
         let said = says(&mut e, &format!("loadrt {name} {}", every::large(&offer, COUNT)));
         assert_eq!(said, "ok", "{name}");

@@ -115,6 +115,8 @@ impl Machine {
             scratch.write("programs.hal", programs.join("\n"));
             scratch.write("saved.hal", saved.replace("loadrt iocontrol interlock=1\n", ""));
             scratch.write("save.hal", "save all again\nshutdown\n");
+            // The task reads the machine's INI file again.
+            scratch.write("save.ini", &ini);
             let files = ["programs.hal", "saved.hal", "save.hal"];
             let files: String = files.iter().map(|f| format!("HALFILE = {f}\n")).collect();
             scratch.write("again.ini", format!("{kind}[HAL]\n{files}"));

@@ -3,6 +3,7 @@
 mod demos;
 mod haltest;
 mod haltest_rust;
+mod job;
 mod picture;
 mod printer;
 mod viewers;

@@ -15,47 +15,56 @@ use std::{
 };
 
 /// The end of an axis's travel in millimetres or degrees, either side if it is stated.
-pub(super) type Limit = (Option<f64>, Option<f64>);
+pub type Limit = (Option<f64>, Option<f64>);
 
 /// Highest speed, acceleration and jerk of an axis, in units per second, second squared and second cubed; `None` if not stated.
-pub(super) type Rates = [Option<f64>; 3];
+pub type Rates = [Option<f64>; 3];
 
 /// Facts of a machine.
-pub(super) struct Machine {
-    pub(super) settings: Settings,
-    pub(super) tools: ToolTable,
-    pub(super) numbered: Numbered,
+pub struct Machine {
+    /// The interpreter's settings.
+    pub settings: Settings,
+    /// The tool table.
+    pub tools: ToolTable,
+    /// The file of the tool table.
+    pub table: Option<PathBuf>,
+    /// The numbered parameters at the start.
+    pub numbered: Numbered,
     /// The parameter file and its values, to be written again after a run.
-    pub(super) parameters: Option<(PathBuf, ParameterFile)>,
+    pub parameters: Option<(PathBuf, ParameterFile)>,
     /// The folders of subroutines, in the order of the search.
-    pub(super) folders: Vec<PathBuf>,
+    pub folders: Vec<PathBuf>,
     /// The folders of user programs M100 to M199.
-    pub(super) codes: Vec<PathBuf>,
+    pub codes: Vec<PathBuf>,
     /// The ends of travel.
-    pub(super) limits: [Limit; 9],
+    pub limits: [Limit; 9],
     /// The lowest speeds, accelerations and jerks of the axes and of their joints.
-    pub(super) rates: [Rates; 9],
+    pub rates: [Rates; 9],
     /// The highest speeds along the path, in millimetres and in degrees per second; infinity if none is stated.
-    pub(super) top_speed: (f64, f64),
+    pub top_speed: (f64, f64),
     /// The servo period in seconds.
-    pub(super) period: f64,
+    pub period: f64,
     /// The code that is run before the first program.
-    pub(super) startup: Option<String>,
-    pub(super) ini: Option<Ini>,
+    pub startup: Option<String>,
+    /// The INI file.
+    pub ini: Option<Ini>,
     /// The folder of the INI file.
-    pub(super) folder: PathBuf,
+    pub folder: PathBuf,
     /// Remarks about the files: `file:line: text`.
-    pub(super) remarks: Vec<String>,
+    pub remarks: Vec<String>,
     /// The kinematics if joints are not axes: their limits are not those of a place.
-    pub(super) kinematics: Option<String>,
+    pub kinematics: Option<String>,
 }
 
 /// The files of a machine as the options name them.
 #[derive(Default)]
-pub(super) struct Files<'a> {
-    pub(super) ini: Option<&'a Path>,
-    pub(super) table: Option<&'a Path>,
-    pub(super) parameters: Option<&'a Path>,
+pub struct Files<'a> {
+    /// The INI file.
+    pub ini: Option<&'a Path>,
+    /// The tool table; that of the INI file if it is `None`.
+    pub table: Option<&'a Path>,
+    /// The parameter file; that of the INI file if it is `None`.
+    pub parameters: Option<&'a Path>,
 }
 
 impl Machine {
@@ -63,11 +72,12 @@ impl Machine {
     ///
     /// # Errors
     /// A file that an option names cannot be read, or the INI file has an error.
-    pub(super) fn read(files: &Files<'_>) -> Result<Self, String> {
+    pub fn read(files: &Files<'_>) -> Result<Self, String> {
         let here = PathBuf::from(".");
         let mut out = Self {
             settings: Settings::default(),
             tools: ToolTable::default(),
+            table: None,
             numbered: Numbered::default(),
             parameters: None,
             folders: vec![here.clone()],
@@ -93,8 +103,14 @@ impl Machine {
             out.ini = Some(ini);
         }
         let asked = files.table.map(Path::to_path_buf);
+        if let Some(path) = table.take_if(|path| asked.is_none() && !path.exists()) {
+            let shown = path.display();
+            out.remarks.push(format!("{shown}: the tool table is missing: there are no tools"));
+            out.table = Some(path);
+        }
         if let Some(path) = asked.or(table) {
             out.read_table(&path)?;
+            out.table = Some(path);
         }
         let asked = files.parameters.map(Path::to_path_buf);
         if let Some(path) = asked.or(parameters) {
@@ -202,6 +218,15 @@ impl Machine {
         self.top_speed.0 = linear.map_or(f64::INFINITY, |v| v * unit);
         self.top_speed.1 = number("TRAJ", "MAX_ANGULAR_VELOCITY").unwrap_or(f64::INFINITY);
         self.period = number("EMCMOT", "SERVO_PERIOD").map_or(1e-3, |ns| ns * 1e-9);
+    }
+
+    /// Reads the tool table again.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn reload_tools(&mut self) -> Result<(), String> {
+        let table = self.table.clone();
+        table.map_or(Ok(()), |path| self.read_table(&path))
     }
 
     fn read_table(&mut self, path: &Path) -> Result<(), String> {

@@ -1,18 +1,18 @@
 //! A program from its begin to its end, with the answers of a machine that stands still.
 
-use super::world::World;
+use crate::world::World;
 use hal_gcode::{Answer, Error, Interpreter, Issued, Request, Step};
 
 /// Answers of the machine that is not there.
 #[derive(Clone, Copy)]
-pub(super) struct Answers {
+pub struct Answers {
     /// Probes trip at the end of their move.
-    pub(super) probe_trips: bool,
+    pub probe_trips: bool,
 }
 
 impl Answers {
     /// Returns the answer to a question.
-    pub(super) fn answer(self, request: &Request, interpreter: &Interpreter) -> Answer {
+    pub fn answer(self, request: &Request, interpreter: &Interpreter) -> Answer {
         let state = &interpreter.state;
         match request {
             Request::Probe => {
@@ -27,7 +27,7 @@ impl Answers {
 }
 
 /// Runs one step; a question is answered in the same step.
-pub(super) fn step(
+pub fn step(
     interpreter: &mut Interpreter,
     world: &World,
     answers: Answers,
@@ -45,7 +45,7 @@ pub(super) fn step(
 ///
 /// # Errors
 /// The program has an error; or `each` returns one.
-pub(super) fn run(
+pub fn run(
     interpreter: &mut Interpreter,
     world: &World,
     answers: Answers,
@@ -65,7 +65,7 @@ pub(super) fn run(
 
 /// The reason why a run stopped before its end.
 #[derive(Debug)]
-pub(super) enum Stop {
+pub enum Stop {
     /// An error of the program.
     Program(Box<Error>),
     /// The output could not be written.
@@ -83,7 +83,7 @@ impl From<Error> for Stop {
 ///
 /// # Errors
 /// The code has an error.
-pub(super) fn start(interpreter: &mut Interpreter, world: &World) -> Result<(), String> {
+pub fn start(interpreter: &mut Interpreter, world: &World) -> Result<(), String> {
     let machine = &world.machine;
     let in_spindle = machine.tools.tools.iter().find(|t| t.pocket == 0);
     if let Some(tool) = in_spindle.filter(|_| machine.settings.random_changer) {

@@ -1,6 +1,6 @@
 //! The files, tools and values that a program sees.
 
-use super::machine::Machine;
+use crate::machine::Machine;
 use hal_gcode::{Environment, Source, Text, tool::Tool};
 use std::{
     collections::BTreeMap,
@@ -12,10 +12,11 @@ use std::{
 };
 
 /// The world of a program that runs without its machine.
-pub(super) struct World {
-    pub(super) machine: Machine,
+pub struct World {
+    /// The machine.
+    pub machine: Machine,
     /// Values of HAL items, as options give them.
-    pub(super) hal: BTreeMap<String, f64>,
+    pub hal: BTreeMap<String, f64>,
 }
 
 /// The most bytes that are read from a pipe.
@@ -34,7 +35,7 @@ type Version = (u64, i64, i64);
 ///
 /// # Errors
 /// The file cannot be opened.
-pub(super) fn program(path: &Path) -> Result<Text, String> {
+pub fn program(path: &Path) -> Result<Text, String> {
     let wrong = |e: &std::io::Error| format!("{}: {}", path.display(), hal_output::reason(e));
     let file = File::open(path).map_err(|e| wrong(&e))?;
     if !file.metadata().map_err(|e| wrong(&e))?.is_file() {

@@ -1,0 +1,194 @@
+//! Commands `task.*`.
+
+use crate::{
+    core::{Mode, user::Command},
+    worker::Shared,
+};
+use hal_component::{Arg, Builder, Call, Error, abi::ArgSpec};
+
+/// Largest number of commands that wait for the worker.
+const MAX_WAITING: usize = 64;
+
+/// A command that the worker executes.
+struct Row {
+    name: &'static str,
+    doc: &'static str,
+    args: &'static [&'static ArgSpec],
+    read: fn(&Call<'_>) -> Result<Command, Error>,
+}
+
+const ON: ArgSpec = Arg::bit("on", "TRUE or FALSE.").required();
+const SCALE: ArgSpec = Arg::float("scale", "Factor, 0 or more; 1 is as programmed.").required();
+
+const ROWS: &[Row] = &[
+    Row {
+        name: "task.estop",
+        doc: "Puts the machine into e-stop; the job ends.",
+        args: &[],
+        read: |_| Ok(Command::Estop),
+    },
+    Row {
+        name: "task.estop-reset",
+        doc: "Leaves e-stop, if nothing outside holds it.",
+        args: &[],
+        read: |_| Ok(Command::EstopReset),
+    },
+    Row { name: "task.on", doc: "Switches the machine on.", args: &[], read: |_| Ok(Command::On) },
+    Row {
+        name: "task.off",
+        doc: "Switches the machine off; the job ends.",
+        args: &[],
+        read: |_| Ok(Command::Off),
+    },
+    Row {
+        name: "task.mode",
+        doc: "Changes the mode, while no job runs.",
+        args: &[&Arg::text(
+            "mode",
+            "manual (jogs and homing), auto (programs) or mdi (single lines).",
+        )
+        .required()],
+        read: |call| {
+            let text = call.text("mode").unwrap_or_default();
+            let all = [Mode::Manual, Mode::Auto, Mode::Mdi];
+            let found = all.into_iter().find(|m| m.name() == text);
+            let why = || Error::new(format!("mode '{text}' is none of manual, auto and mdi"));
+            found.map(Command::Mode).ok_or_else(why)
+        },
+    },
+    Row {
+        name: "task.home",
+        doc: "Homes joints, in mode manual.",
+        args: &[&Arg::text("joint", "Number of the joint, from 0, or all.").required()],
+        read: |call| {
+            let text = call.text("joint").unwrap_or_default();
+            if text == "all" {
+                return Ok(Command::Home(None));
+            }
+            let number = text.parse::<u32>();
+            let why = |_| Error::new(format!("joint '{text}' is neither a number nor all"));
+            number.map(|n| Command::Home(Some(n))).map_err(why)
+        },
+    },
+    Row {
+        name: "task.open",
+        doc: "Opens a program; task.run runs it.",
+        args: &[&Arg::text("file", "The program's file.").required()],
+        read: |call| Ok(Command::Open(call.text("file").unwrap_or_default().into())),
+    },
+    Row {
+        name: "task.run",
+        doc: "\
+Runs the program that is open, from its first line, in mode auto.
+
+The command ends with the program. A refusal has every reason.",
+        args: &[],
+        read: |_| Ok(Command::Run),
+    },
+    Row {
+        name: "task.pause",
+        doc: "\
+Pauses the job: motion brakes along its path, and nothing of the job begins.
+
+Meanwhile axes can be jogged; task.resume first returns them to the path.",
+        args: &[],
+        read: |_| Ok(Command::Pause),
+    },
+    Row {
+        name: "task.resume",
+        doc: "Goes on after task.pause, single steps, M0, M1 and M60.",
+        args: &[],
+        read: |_| Ok(Command::Resume),
+    },
+    Row {
+        name: "task.step",
+        doc: "\
+Executes the next line of the job, and pauses at rest.
+
+Without a job it begins the program that is open.",
+        args: &[],
+        read: |_| Ok(Command::Step),
+    },
+    Row {
+        name: "task.abort",
+        doc: "\
+Ends the job at once: motion brakes, and spindles and coolant stop.
+
+Lines of MDI that wait are forgotten. The modal state is that of the line in execution. Nothing goes
+on by itself.",
+        args: &[],
+        read: |_| Ok(Command::Abort),
+    },
+    Row {
+        name: "task.mdi",
+        doc: "Executes a line of G-code, in mode mdi, after at most ten lines that wait already.",
+        args: &[&Arg::text("text", "The line.").required()],
+        read: |call| Ok(Command::Mdi(unquoted(&call.text("text").unwrap_or_default()).into())),
+    },
+    Row {
+        name: "task.optional-stop",
+        doc: "Sets whether M1 pauses the program; at first it does.",
+        args: &[&ON],
+        read: |call| Ok(Command::OptionalStop(call.bit("on").unwrap_or(true))),
+    },
+    Row {
+        name: "task.block-delete",
+        doc: "Sets whether lines that begin with / are left out; at first they are.",
+        args: &[&ON],
+        read: |call| Ok(Command::BlockDelete(call.bit("on").unwrap_or(true))),
+    },
+    Row {
+        name: "task.feed-override",
+        doc: "Changes the feed override. It counts unless the program forbids it (M48 to M50).",
+        args: &[&SCALE],
+        read: |call| Ok(Command::FeedOverride(scale(call)?)),
+    },
+    Row {
+        name: "task.spindle-override",
+        doc: "Changes a spindle's override. It counts unless the program forbids it (M48 to M51).",
+        args: &[&Arg::int("spindle", "Number of the spindle, from 0.").or("0"), &SCALE],
+        read: |call| {
+            let given = call.int("spindle").unwrap_or(0);
+            let why = |_| Error::new(format!("there is no spindle {given}"));
+            let spindle = u8::try_from(given).map_err(why)?;
+            Ok(Command::SpindleOverride { spindle, scale: scale(call)? })
+        },
+    },
+];
+
+/// Returns a text without the quotes around it, which a line of a script keeps.
+fn unquoted(text: &str) -> &str {
+    let inner = |quote| text.strip_prefix(quote).and_then(|t| t.strip_suffix(quote));
+    inner('\'').or_else(|| inner('"')).unwrap_or(text)
+}
+
+fn scale(call: &Call<'_>) -> Result<f64, Error> {
+    let scale = call.float("scale").unwrap_or(1.0);
+    if scale.is_finite() && 0.0 <= scale {
+        return Ok(scale);
+    }
+    Err(Error::new(format!("scale is {scale}, must be 0 or more")))
+}
+
+/// Declares all commands.
+pub(crate) fn open(b: &mut Builder<'_>, shared: &Shared) -> Result<(), Error> {
+    for row in ROWS {
+        let (shared, read) = (shared.clone(), row.read);
+        b.command(row.name, row.doc, row.args, move |call| {
+            let command = read(call)?;
+            let mut desk = shared.lock();
+            if desk.inbox.len() >= MAX_WAITING {
+                return Err(Error::new("too many commands wait for the task"));
+            }
+            desk.inbox.push_back((command, call.ticket()?));
+            Ok(())
+        })?;
+    }
+    let shared = shared.clone();
+    let doc = "Tells state, mode, line, tool, modal codes and the last message.";
+    b.command("task.status", doc, &[], move |call| {
+        let lines = shared.lock().report.lines();
+        lines.iter().for_each(|line| call.reply(line));
+        Ok(())
+    })
+}

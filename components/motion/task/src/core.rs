@@ -1,0 +1,400 @@
+//! The core of the task: states, modes and jobs, without HAL.
+//!
+//! ```text
+//!               open                run                    pause, M0, M1
+//!  no program ────────▶ program ──────────▶ running job ───────────────▶ paused job
+//!                          ▲   the end, M2, M30 │  ▲          resume, step   │
+//!                          ├────────────────────┘  └─────────────────────────┤
+//!                          │     at rest               abort, error, off     │
+//!                          └──────────────── ending ◀────────────────────────┘
+//! ```
+
+mod end;
+mod pump;
+mod read;
+pub(crate) mod user;
+mod wait;
+
+use crate::{
+    convert::{Action, Converter},
+    outside::{Outside, Progress, Ticket},
+};
+use hal_gcode::{
+    Interpreter, Request,
+    canon::Frame,
+    state::{Modal, modal::MAX_SPINDLES},
+};
+use hal_job::{World, run};
+use std::{
+    collections::VecDeque,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+/// Number of lines of MDI that can wait.
+pub(crate) const MDI_LEN: usize = 10;
+/// Number of steps that the interpreter may be ahead.
+const READ_AHEAD: usize = 256;
+/// Number of moves that motion may hold.
+const MAX_FLIGHT: usize = 1000;
+
+/// State of the machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Power {
+    /// In e-stop.
+    #[default]
+    Estop,
+    /// Out of e-stop, and off.
+    Off,
+    /// On.
+    On,
+}
+
+/// Mode of the task.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Mode {
+    /// Jogs and homing.
+    #[default]
+    Manual,
+    /// Programs.
+    Auto,
+    /// Single lines.
+    Mdi,
+}
+
+impl Mode {
+    /// Returns the name in commands and messages.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Manual => "manual",
+            Self::Auto => "auto",
+            Self::Mdi => "mdi",
+        }
+    }
+}
+
+/// State of the interpreter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Interpreting {
+    /// No job.
+    #[default]
+    Idle,
+    /// Reads a job.
+    Reading,
+    /// The job is paused.
+    Paused,
+    /// Waits for the machine: a probe, a tool, an input, the end of motion.
+    Waiting,
+}
+
+/// Progress of the interpreter in a job.
+#[derive(Clone, Debug, PartialEq)]
+enum Reading {
+    Lines,
+    /// The interpreter waits for an answer; its calls so far are in the queue.
+    Asked(Request),
+    Ended,
+}
+
+/// A program or a line of MDI in execution.
+#[derive(Clone, Debug)]
+struct Job {
+    is_program: bool,
+    reading: Reading,
+    ticket: Option<Ticket>,
+    paused: bool,
+    /// Pauses when a step of another line is next; the number of the line, once one has begun.
+    stepping: Option<Option<u64>>,
+    /// Pause was sent to motion.
+    held: bool,
+    /// Answer to the interpreter's question, if the machine's state does not have it.
+    input: f64,
+    user_code: Result<(), String>,
+    began: f64,
+}
+
+/// The modal state of a line, to which an abort returns.
+#[derive(Clone, Debug, PartialEq)]
+struct Tag {
+    file: Box<str>,
+    modal: Modal,
+    frame: Frame,
+}
+
+/// A step of the job with the line that it comes from.
+#[derive(Clone, Debug)]
+struct Entry {
+    action: Action,
+    line: u32,
+    /// Number of the line in the order of execution.
+    serial: u64,
+    tag: Arc<Tag>,
+}
+
+/// An order that motion has taken and not finished.
+#[derive(Clone, Debug)]
+struct Flight {
+    id: u64,
+    line: u32,
+    tag: Arc<Tag>,
+}
+
+/// The step in execution, which the following steps wait for.
+#[derive(Clone, Debug, PartialEq)]
+enum Waiting {
+    Order(u64),
+    Io(u64),
+    Dwell { until: f64 },
+    Input { index: u32, analog: bool, mode: u8, until: f64, before: bool },
+    Oriented { until: f64 },
+    Program,
+}
+
+/// An abort in progress.
+#[derive(Clone, Debug)]
+struct Ending {
+    order: Option<u64>,
+    sent: bool,
+    tag: Option<Arc<Tag>>,
+}
+
+/// A spindle at constant surface speed: machine units per minute, top speed, and the speed that was sent.
+#[derive(Clone, Copy, Debug)]
+struct Surface {
+    speed: f64,
+    top: f64,
+    sent: f64,
+}
+
+/// An order or request of a command, whose result the command reports.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Asked {
+    Order(u64),
+    Io(u64),
+}
+
+/// The facts of an INI file that only the task needs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rules {
+    /// Programs and MDI need homed joints.
+    pub(crate) needs_homing: bool,
+    /// Seconds that a spindle may take to reach its speed.
+    pub(crate) at_speed_timeout: f64,
+    /// The INI file states the top speed of a spindle.
+    pub(crate) has_top_speed: bool,
+    /// Place for tool changes in machine units.
+    pub(crate) change_position: Option<[f64; 9]>,
+}
+
+/// The core of the task.
+pub(crate) struct Core {
+    pub(crate) world: World,
+    pub(crate) interpreter: Interpreter,
+    pub(crate) converter: Converter,
+    pub(crate) mode: Mode,
+    pub(crate) power: Power,
+    pub(crate) program: Option<PathBuf>,
+    pub(crate) optional_stop: bool,
+    rules: Rules,
+    job: Option<Job>,
+    queue: VecDeque<Entry>,
+    flight: VecDeque<Flight>,
+    waiting: Option<Waiting>,
+    /// The line of the step in execution, for messages and the state after an abort.
+    current: Option<(u32, Arc<Tag>)>,
+    ending: Option<Ending>,
+    /// The request for the next tool.
+    preparing: Option<u64>,
+    mdi: VecDeque<(Box<str>, Ticket)>,
+    asked: Vec<(Asked, Ticket)>,
+    serial: u64,
+    last_tag: Option<Arc<Tag>>,
+    surface: [Option<Surface>; MAX_SPINDLES],
+    /// Time since which a move waits for the spindle.
+    at_speed_since: Option<f64>,
+    /// Feed override, and whether the program lets it count.
+    pub(crate) feed_scale: f64,
+    feed_counts: bool,
+    pub(crate) spindle_scale: [f64; MAX_SPINDLES],
+    spindle_counts: [bool; MAX_SPINDLES],
+    /// Number of jobs that have ended, and of those that have failed.
+    pub(crate) jobs: (u32, u32),
+    /// Machine time of the current or last job in seconds.
+    pub(crate) job_time: f64,
+    /// The last message for the operator.
+    pub(crate) message: Box<str>,
+    pub(crate) messages: u32,
+}
+
+impl Core {
+    /// Returns the task of a machine, with the startup code of its INI file in force.
+    ///
+    /// # Errors
+    /// The startup code has an error.
+    pub(crate) fn new(mut world: World, rules: Rules) -> Result<Self, String> {
+        world.machine.settings.task = true;
+        let settings = world.machine.settings.clone();
+        let mut interpreter = Interpreter::new(settings.clone(), world.machine.numbered.clone());
+        run::start(&mut interpreter, &world)?;
+        let mut converter = Converter::new(&settings, rules.change_position);
+        converter.restart(&interpreter.state, [0.0; 9]);
+        Ok(Self {
+            world,
+            interpreter,
+            converter,
+            mode: Mode::Manual,
+            power: Power::Estop,
+            program: None,
+            optional_stop: true,
+            rules,
+            job: None,
+            queue: VecDeque::new(),
+            flight: VecDeque::new(),
+            waiting: None,
+            current: None,
+            ending: None,
+            preparing: None,
+            mdi: VecDeque::new(),
+            asked: Vec::new(),
+            serial: 0,
+            last_tag: None,
+            surface: [None; MAX_SPINDLES],
+            at_speed_since: None,
+            feed_scale: 1.0,
+            feed_counts: true,
+            spindle_scale: [1.0; MAX_SPINDLES],
+            spindle_counts: [true; MAX_SPINDLES],
+            jobs: (0, 0),
+            job_time: 0.0,
+            message: Box::default(),
+            messages: 0,
+        })
+    }
+
+    /// Does at most `items` steps of work and returns their number.
+    pub(crate) fn step(&mut self, out: &mut impl Outside, items: u32) -> u32 {
+        if let Some(job) = &self.job {
+            self.job_time = out.now() - job.began;
+        }
+        self.watch(out);
+        self.report(out);
+        self.follow_surface(out);
+        if self.ending.is_some() {
+            self.finish_ending(out);
+            return 0;
+        }
+        self.begin_mdi(out);
+        for done in 0..items {
+            if !self.pump(out) {
+                return done;
+            }
+        }
+        items
+    }
+
+    /// Follows e-stop and the machine's state; a job ends when the machine goes off.
+    fn watch(&mut self, out: &mut impl Outside) {
+        let (io, motion) = (out.io(), out.motion());
+        let power = match (io.estop.is_released(), motion.enabled) {
+            (false, _) => Power::Estop,
+            (true, false) => Power::Off,
+            (true, true) => Power::On,
+        };
+        let was = core::mem::replace(&mut self.power, power);
+        if was == Power::On && power != Power::On {
+            let why = if power == Power::Estop {
+                "the machine is in e-stop"
+            } else {
+                "the machine was switched off"
+            };
+            self.mode = if self.job.is_some() { self.mode } else { Mode::Manual };
+            self.end_job(why, out);
+        }
+    }
+
+    /// Reports the results of orders and requests of commands.
+    fn report(&mut self, out: &mut impl Outside) {
+        let mut waiting = core::mem::take(&mut self.asked);
+        waiting.retain(|(asked, ticket)| {
+            let progress = match asked {
+                Asked::Order(id) => out.ordered(*id),
+                Asked::Io(id) => out.requested(*id),
+            };
+            match progress {
+                Progress::Pending => return true,
+                Progress::Done => out.finish(*ticket, Ok(())),
+                Progress::Failed(why) => out.finish(*ticket, Err(why)),
+            }
+            false
+        });
+        self.asked = waiting;
+    }
+
+    /// Returns whether a job is in execution or ending.
+    pub(crate) fn is_busy(&self) -> bool {
+        self.job.is_some() || self.ending.is_some()
+    }
+
+    /// Returns the state of the interpreter.
+    pub(crate) fn interpreting(&self) -> Interpreting {
+        match &self.job {
+            None if self.ending.is_some() => Interpreting::Waiting,
+            None => Interpreting::Idle,
+            Some(job) if job.paused => Interpreting::Paused,
+            Some(job) if job.reading == Reading::Lines && self.waiting.is_none() => {
+                Interpreting::Reading
+            }
+            Some(_) => Interpreting::Waiting,
+        }
+    }
+
+    /// Returns the line in execution; 0 without one.
+    pub(crate) fn line(&self) -> u32 {
+        if self.awaited_tool().is_some() {
+            return self.interpreter.state.line;
+        }
+        let flight = self.flight.front().map(|f| f.line);
+        match (&self.waiting, &self.current) {
+            (Some(_), Some((line, _))) => *line,
+            (_, Some((line, _))) => flight.unwrap_or(*line),
+            (_, None) => flight.unwrap_or(0),
+        }
+    }
+
+    /// Returns whether the job waits for a tool, and its number.
+    pub(crate) fn awaited_tool(&self) -> Option<i32> {
+        let waits = matches!(self.waiting, Some(Waiting::Io(_))) || self.preparing.is_some();
+        match self.job.as_ref()?.reading {
+            _ if !waits || !self.flight.is_empty() => None,
+            Reading::Asked(Request::ToolChange { tool }) => Some(tool),
+            Reading::Lines | Reading::Asked(_) | Reading::Ended => None,
+        }
+    }
+
+    /// Returns the number of lines of MDI that wait.
+    pub(crate) fn mdi_len(&self) -> usize {
+        self.mdi.len()
+    }
+
+    /// Returns the number of steps that wait in the task.
+    pub(crate) fn queue_len(&self) -> usize {
+        self.queue.len()
+    }
+
+    /// Returns whether single steps are in force.
+    pub(crate) fn is_stepping(&self) -> bool {
+        self.job.as_ref().is_some_and(|j| j.stepping.is_some())
+    }
+
+    /// Tells the operator something.
+    fn tell(&mut self, level: crate::outside::Level, text: &str, out: &mut impl Outside) {
+        self.message = text.into();
+        self.messages = self.messages.wrapping_add(1);
+        out.say(level, text);
+    }
+}
+
+/// Returns the name of a file without its folders.
+pub(crate) fn file_name(path: &Path) -> String {
+    path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default()
+}

@@ -1,0 +1,157 @@
+//! The end of a job: complete, failed or aborted.
+
+use super::{Core, Ending, Job, Reading, Tag};
+use crate::outside::{Level, Order, Outside, Progress, Refusal};
+use hal_component::IoRequest;
+use hal_gcode::{
+    canon::Direction,
+    parameters::number,
+    state::{Compensation, Cycle},
+};
+use std::sync::Arc;
+
+impl Core {
+    /// Begins a job, which the interpreter has loaded.
+    pub(super) fn begin_job(
+        &mut self,
+        is_program: bool,
+        ticket: Option<super::Ticket>,
+        stepping: bool,
+        out: &impl Outside,
+    ) {
+        self.job = Some(Job {
+            is_program,
+            reading: Reading::Lines,
+            ticket,
+            paused: false,
+            stepping: stepping.then_some(None),
+            held: false,
+            input: 0.0,
+            user_code: Ok(()),
+            began: out.now(),
+        });
+        self.current = None;
+        self.last_tag = None;
+    }
+
+    /// Ends a job whose last step is done.
+    pub(super) fn complete(&mut self, out: &mut impl Outside) {
+        self.save_parameters(out);
+        let Some(job) = self.job.take() else { return };
+        self.current = None;
+        self.jobs.0 = self.jobs.0.wrapping_add(1);
+        if let Some(ticket) = job.ticket {
+            out.finish(ticket, Ok(()));
+        }
+    }
+
+    /// Ends the job with an error, at the line of the step in execution.
+    pub(super) fn fail(&mut self, why: &str, out: &mut impl Outside) {
+        let is_program = self.job.as_ref().is_some_and(|j| j.is_program);
+        let text = match &self.current {
+            // Errors of the interpreter name their place.
+            Some((line, tag)) if is_program && !why.starts_with(&*tag.file) => {
+                format!("{}:{line}: {why}", tag.file)
+            }
+            _ => why.to_owned(),
+        };
+        self.tell(Level::Error, &text, out);
+        self.end_job(&text, out);
+    }
+
+    /// Stops everything: motion, the job, lines of MDI that wait, coolant and spindles.
+    pub(super) fn end_job(&mut self, why: &str, out: &mut impl Outside) {
+        let job = self.job.take();
+        if job.is_some() {
+            self.jobs.0 = self.jobs.0.wrapping_add(1);
+            self.jobs.1 = self.jobs.1.wrapping_add(1);
+        }
+        let tickets = job.and_then(|j| j.ticket).into_iter();
+        for ticket in tickets.chain(self.mdi.drain(..).map(|(_, ticket)| ticket)) {
+            out.finish(ticket, Err(why.to_owned()));
+        }
+        let flight = self.flight.front().map(|f| f.tag.clone());
+        let tag = flight.or_else(|| self.current.take().map(|(_, tag)| tag));
+        let tag = tag.or_else(|| self.ending.take().and_then(|e| e.tag));
+        self.current = None;
+        self.queue.clear();
+        self.flight.clear();
+        self.waiting = None;
+        self.preparing = None;
+        self.at_speed_since = None;
+        self.surface.fill(None);
+        out.end_program();
+        // The machine is in e-stop or iocontrol is full: then its outputs are off, or a later abort follows.
+        let sent = out.request(IoRequest::Abort).is_some();
+        self.ending = Some(Ending { order: None, sent, tag });
+        self.finish_ending(out);
+    }
+
+    /// Follows an abort, and brings the interpreter to the state of the machine once it is at rest.
+    pub(super) fn finish_ending(&mut self, out: &mut impl Outside) {
+        let Some(ending) = &mut self.ending else { return };
+        if !ending.sent {
+            ending.sent = out.request(IoRequest::Abort).is_some();
+        }
+        let ended = match ending.order {
+            Some(id) => out.ordered(id) != Progress::Pending,
+            None => match out.order(&Order::Abort) {
+                Ok(id) => {
+                    ending.order = Some(id);
+                    false
+                }
+                Err(Refusal::Full) => false,
+                // Motion is off.
+                Err(Refusal::Why(_)) => true,
+            },
+        };
+        let motion = out.motion();
+        let is_off = !motion.enabled;
+        if !(ended && ending.sent && (motion.in_position && motion.queue == 0 || is_off)) {
+            return;
+        }
+        let tag = self.ending.take().and_then(|e| e.tag);
+        self.reset(tag, out);
+        self.save_parameters(out);
+    }
+
+    /// Sets the interpreter to the modal state of the line that was in execution, at rest and without calls.
+    fn reset(&mut self, tag: Option<Arc<Tag>>, out: &mut impl Outside) {
+        let io = out.io();
+        let tools = &self.world.machine.tools;
+        let state = &mut self.interpreter.state;
+        if let Some(tag) = tag {
+            state.modal = tag.modal.clone();
+            state.frame = tag.frame;
+            state.numbered.put(number::SYSTEM, f64::from(state.modal.system));
+        }
+        state.levels.clear();
+        state.pending = None;
+        state.ended = true;
+        state.compensation = Compensation::default();
+        state.cycle = Cycle::default();
+        for spindle in &mut state.modal.spindles {
+            spindle.direction = Direction::Stopped;
+        }
+        (state.modal.mist, state.modal.flood) = (false, false);
+        if state.tool.number != io.tool {
+            state.tool = tools.find(io.tool).cloned().unwrap_or_default();
+        }
+        state.selected = (io.prepared != 0).then_some(io.prepared);
+        self.take_over(out);
+    }
+
+    /// Makes interpreter and converter go on from the place of the machine.
+    pub(super) fn take_over(&mut self, out: &impl Outside) {
+        let motion = out.motion();
+        self.synchronise(&motion);
+        self.converter.restart(&self.interpreter.state, motion.pose);
+    }
+
+    /// Writes the parameter file.
+    pub(super) fn save_parameters(&mut self, out: &mut impl Outside) {
+        if let Err(why) = out.save_parameters(&self.interpreter.state.numbered) {
+            self.tell(Level::Error, &why, out);
+        }
+    }
+}

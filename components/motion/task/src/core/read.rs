@@ -1,0 +1,121 @@
+//! Reading ahead: lines become steps, as far as the interpreter needs no answer.
+
+use super::{Core, Entry, READ_AHEAD, Reading, Tag};
+use crate::{
+    convert::Action,
+    outside::{MotionState, Outside},
+};
+use hal_gcode::{
+    Answer, Error, Request, Step,
+    axis::{Axis, Position},
+};
+use std::sync::Arc;
+
+impl Core {
+    /// Reads one line if there is room for its steps. Returns false if there is nothing to read now.
+    pub(super) fn read(&mut self) -> bool {
+        let reads = self.job.as_ref().is_some_and(|j| j.reading == Reading::Lines);
+        if !reads || self.queue.len() >= READ_AHEAD {
+            return false;
+        }
+        let mut calls = Vec::new();
+        let step = self.interpreter.next(&self.world, &mut calls);
+        self.take_line(step, calls);
+        true
+    }
+
+    /// Answers the interpreter's question from the state of the machine.
+    pub(super) fn answer(&mut self, request: &Request, out: &mut impl Outside) {
+        let motion = out.motion();
+        let Some(job) = self.job.as_ref() else { return };
+        let answer = match request {
+            Request::Probe => Answer::Probe {
+                tripped_at: self.millimetres(if motion.probe_found {
+                    motion.probe_measured
+                } else {
+                    motion.pose
+                }),
+                stopped_at: self.millimetres(motion.pose),
+                tripped: motion.probe_found,
+            },
+            Request::ToolChange { .. } => {
+                let moved = self.rules.change_position.is_some();
+                Answer::ToolChange { position: moved.then(|| self.millimetres(motion.pose)) }
+            }
+            Request::Input { .. } => Answer::Input(job.input),
+            Request::UserCode { .. } => match &job.user_code {
+                Ok(()) => Answer::Done,
+                Err(why) => Answer::Failed(why.as_str().into()),
+            },
+        };
+        let mut calls = Vec::new();
+        let step = self.interpreter.answer(&answer, &self.world, &mut calls);
+        self.take_line(step, calls);
+    }
+
+    fn take_line(&mut self, step: Result<Step, Error>, calls: Vec<hal_gcode::Issued>) {
+        self.serial += 1;
+        let tag = self.tag();
+        let mut actions = Vec::new();
+        for issued in calls {
+            self.converter.convert(issued.call, issued.line, &mut actions);
+            for action in actions.drain(..) {
+                let entry =
+                    Entry { action, line: issued.line, serial: self.serial, tag: tag.clone() };
+                self.queue.push_back(entry);
+            }
+        }
+        let reading = match step {
+            Ok(Step::Line) => Reading::Lines,
+            Ok(Step::Ask(request)) => Reading::Asked(request),
+            Ok(Step::Ended) => Reading::Ended,
+            Err(error) => {
+                // The lines before it are executed; the job then ends with the error.
+                let action = Action::Refuse(error.to_string().into());
+                let (line, serial) = (error.place.line, self.serial);
+                self.queue.push_back(Entry { action, line, serial, tag });
+                Reading::Ended
+            }
+        };
+        if let Some(job) = &mut self.job {
+            job.reading = reading;
+        }
+    }
+
+    /// Returns the modal state behind the line that was read last.
+    pub(super) fn tag(&mut self) -> Arc<Tag> {
+        let state = &self.interpreter.state;
+        let file = state.levels.last().map(|l| &*l.file).unwrap_or_default();
+        if let Some(last) = &self.last_tag
+            && last.modal == state.modal
+            && last.frame == state.frame
+            && &*last.file == file
+        {
+            return last.clone();
+        }
+        let tag =
+            Arc::new(Tag { file: file.into(), modal: state.modal.clone(), frame: state.frame });
+        self.last_tag = Some(tag.clone());
+        tag
+    }
+
+    /// Returns a pose of motion in millimetres and degrees.
+    fn millimetres(&self, pose: [f64; 9]) -> Position {
+        let k = self.world.machine.settings.unit.millimetres();
+        position(pose).scaled(k)
+    }
+
+    /// Sets the interpreter's position to that of the machine.
+    pub(super) fn synchronise(&mut self, motion: &MotionState) {
+        let at = self.millimetres(motion.pose);
+        self.interpreter.synchronise(at);
+    }
+}
+
+fn position(pose: [f64; 9]) -> Position {
+    let mut out = Position::default();
+    for (axis, value) in Axis::ALL.into_iter().zip(pose) {
+        out[axis] = value;
+    }
+    out
+}

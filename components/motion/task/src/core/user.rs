@@ -1,0 +1,292 @@
+//! Commands of operators.
+
+use super::{Asked, Core, MDI_LEN, Mode, Power, Ticket, file_name};
+use crate::outside::{Order, Outside, Refusal};
+use hal_component::IoRequest;
+use hal_job::world;
+use std::path::{Path, PathBuf};
+
+/// A command of an operator.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Command {
+    Estop,
+    EstopReset,
+    On,
+    Off,
+    Mode(Mode),
+    /// Homes a joint, or all.
+    Home(Option<u32>),
+    Open(PathBuf),
+    Run,
+    Pause,
+    Resume,
+    Step,
+    Abort,
+    Mdi(Box<str>),
+    OptionalStop(bool),
+    BlockDelete(bool),
+    FeedOverride(f64),
+    SpindleOverride {
+        spindle: u8,
+        scale: f64,
+    },
+}
+
+/// Time at which a command is reported.
+enum Report {
+    Now,
+    Later,
+}
+
+const STOPPING: &str = "the machine is still coming to a stop";
+const FULL: &str = "motion takes no commands now";
+
+impl Core {
+    /// Executes a command; its result is reported through the ticket.
+    pub(crate) fn command(&mut self, command: Command, ticket: Ticket, out: &mut impl Outside) {
+        match self.execute_command(command, ticket, out) {
+            Ok(Report::Now) => out.finish(ticket, Ok(())),
+            Ok(Report::Later) => {}
+            Err(why) => out.finish(ticket, Err(why)),
+        }
+    }
+
+    fn execute_command(
+        &mut self,
+        command: Command,
+        ticket: Ticket,
+        out: &mut impl Outside,
+    ) -> Result<Report, String> {
+        match command {
+            Command::Estop => self.request(IoRequest::Estop, ticket, out),
+            Command::EstopReset => self.request(IoRequest::EstopReset, ticket, out),
+            Command::On => {
+                if self.power == Power::Estop {
+                    return Err("the machine is in e-stop: task.estop-reset comes first".into());
+                }
+                self.order(&Order::Enable, ticket, out)
+            }
+            Command::Off => self.order(&Order::Disable, ticket, out),
+            Command::Mode(mode) => {
+                self.needs_no_job("the mode cannot change")?;
+                self.mode = mode;
+                Ok(Report::Now)
+            }
+            Command::Home(joint) => {
+                self.needs_on("homing")?;
+                self.needs_mode(Mode::Manual, "homing")?;
+                self.order(&Order::Home(joint), ticket, out)
+            }
+            Command::Open(path) => self.open(path),
+            Command::Run => self.run(ticket, false, out),
+            Command::Pause => self.pause(out),
+            Command::Resume => self.resume(out),
+            Command::Step => self.single_step(ticket, out),
+            Command::Abort => {
+                if self.ending.is_none() {
+                    self.end_job("aborted", out);
+                }
+                Ok(Report::Now)
+            }
+            Command::Mdi(text) => self.mdi(text, ticket),
+            Command::OptionalStop(on) => {
+                self.optional_stop = on;
+                Ok(Report::Now)
+            }
+            Command::BlockDelete(on) => {
+                self.interpreter.state.settings.block_delete = on;
+                self.world.machine.settings.block_delete = on;
+                Ok(Report::Now)
+            }
+            Command::FeedOverride(scale) => {
+                self.feed_scale = scale;
+                accepted(self.send_feed_scale(out)?)
+            }
+            Command::SpindleOverride { spindle, scale } => {
+                let count = self.interpreter.state.modal.spindles.len();
+                let slot = self.spindle_scale.get_mut(usize::from(spindle));
+                let slot = slot.filter(|_| usize::from(spindle) < count);
+                *slot.ok_or_else(|| format!("there is no spindle {spindle}"))? = scale;
+                accepted(self.send_spindle_scale(spindle, out)?)
+            }
+        }
+    }
+
+    fn request(
+        &mut self,
+        request: IoRequest,
+        ticket: Ticket,
+        out: &mut impl Outside,
+    ) -> Result<Report, String> {
+        let id = out.request(request).ok_or("too many requests wait for iocontrol")?;
+        self.asked.push((Asked::Io(id), ticket));
+        Ok(Report::Later)
+    }
+
+    fn order(
+        &mut self,
+        order: &Order,
+        ticket: Ticket,
+        out: &mut impl Outside,
+    ) -> Result<Report, String> {
+        match out.order(order) {
+            Ok(id) => {
+                self.asked.push((Asked::Order(id), ticket));
+                Ok(Report::Later)
+            }
+            Err(Refusal::Full) => Err(FULL.into()),
+            Err(Refusal::Why(why)) => Err(why.into()),
+        }
+    }
+
+    fn needs_no_job(&self, what: &str) -> Result<(), String> {
+        match (&self.job, &self.ending) {
+            (None, None) => Ok(()),
+            (_, Some(_)) => Err(STOPPING.into()),
+            (Some(job), None) if job.is_program => Err(format!("{what} while a program runs")),
+            (Some(_), None) => Err(format!("{what} while MDI runs")),
+        }
+    }
+
+    fn needs_on(&self, what: &str) -> Result<(), String> {
+        match self.power {
+            Power::On => Ok(()),
+            Power::Off => Err(format!("{what} needs a machine that is on: task.on comes first")),
+            Power::Estop => Err(format!("{what} is not possible in e-stop")),
+        }
+    }
+
+    fn needs_mode(&self, mode: Mode, what: &str) -> Result<(), String> {
+        if self.mode == mode {
+            return Ok(());
+        }
+        let (wanted, is) = (mode.name(), self.mode.name());
+        Err(format!("{what} needs mode {wanted}, the mode is {is}: task.mode mode={wanted}"))
+    }
+
+    /// Checks that a job may begin; the error has every reason.
+    fn may_begin(&self, mode: Mode, what: &str, out: &impl Outside) -> Result<(), String> {
+        let homed = !self.rules.needs_homing || out.motion().all_homed;
+        let not_homed = Err(format!("{what} needs homed joints: task.home joint=all"));
+        let no_program = Err("no program is open: task.open file=… comes first".to_owned());
+        let opened = mode != Mode::Auto || self.program.is_some();
+        let reasons: Vec<String> = [
+            self.needs_on(what),
+            self.needs_mode(mode, what),
+            if homed { Ok(()) } else { not_homed },
+            if opened { Ok(()) } else { no_program },
+        ]
+        .into_iter()
+        .filter_map(Result::err)
+        .collect();
+        if reasons.is_empty() { Ok(()) } else { Err(reasons.join("; ")) }
+    }
+
+    fn open(&mut self, path: PathBuf) -> Result<Report, String> {
+        self.needs_no_job("no program can be opened")?;
+        // A file that cannot be read is refused here, not when it runs.
+        world::program(&path)?;
+        self.program = Some(path);
+        Ok(Report::Now)
+    }
+
+    fn run(
+        &mut self,
+        ticket: Ticket,
+        stepping: bool,
+        out: &mut impl Outside,
+    ) -> Result<Report, String> {
+        self.needs_no_job("a program cannot begin")?;
+        self.may_begin(Mode::Auto, "a program", out)?;
+        let path = self.program.clone().unwrap_or_default();
+        let text = world::program(&path)?;
+        self.take_over(out);
+        self.interpreter.load(&shown(&path), text);
+        self.begin_job(true, Some(ticket), stepping, out);
+        Ok(Report::Later)
+    }
+
+    fn pause(&mut self, out: &mut impl Outside) -> Result<Report, String> {
+        let Some(job) = &mut self.job else { return Err("nothing runs".into()) };
+        if !self.flight.is_empty() && !job.held {
+            match out.order(&Order::Pause) {
+                Ok(_) => job.held = true,
+                Err(Refusal::Full) => return Err(FULL.into()),
+                Err(Refusal::Why(why)) => return Err(why.into()),
+            }
+        }
+        job.paused = true;
+        Ok(Report::Now)
+    }
+
+    fn resume(&mut self, out: &mut impl Outside) -> Result<Report, String> {
+        let Some(job) = &mut self.job else { return Err("nothing is paused".into()) };
+        if !job.paused {
+            return Err("nothing is paused".into());
+        }
+        if job.held {
+            match out.order(&Order::Resume) {
+                Ok(_) => job.held = false,
+                Err(Refusal::Full) => return Err(FULL.into()),
+                Err(Refusal::Why(why)) => return Err(why.into()),
+            }
+        }
+        (job.paused, job.stepping) = (false, None);
+        Ok(Report::Now)
+    }
+
+    /// Executes the next line and pauses; without a job, begins the program that way.
+    fn single_step(&mut self, ticket: Ticket, out: &mut impl Outside) -> Result<Report, String> {
+        let Some(job) = &mut self.job else { return self.run(ticket, true, out) };
+        if job.held && !self.flight.is_empty() {
+            // Motion is in the middle of a path: it goes on to its next move.
+            return self.order(&Order::Step, ticket, out);
+        }
+        if job.held {
+            match out.order(&Order::Resume) {
+                Ok(_) => job.held = false,
+                Err(Refusal::Full) => return Err(FULL.into()),
+                Err(Refusal::Why(why)) => return Err(why.into()),
+            }
+        }
+        (job.paused, job.stepping) = (false, Some(None));
+        Ok(Report::Now)
+    }
+
+    fn mdi(&mut self, text: Box<str>, ticket: Ticket) -> Result<Report, String> {
+        if self.ending.is_some() {
+            return Err(STOPPING.into());
+        }
+        self.needs_on("MDI")?;
+        self.needs_mode(Mode::Mdi, "MDI")?;
+        if self.mdi.len() >= MDI_LEN {
+            return Err(format!("{MDI_LEN} lines of MDI wait already"));
+        }
+        self.mdi.push_back((text, ticket));
+        Ok(Report::Later)
+    }
+
+    /// Begins the next line of MDI that waits.
+    pub(super) fn begin_mdi(&mut self, out: &mut impl Outside) {
+        if self.is_busy() {
+            return;
+        }
+        let Some((text, ticket)) = self.mdi.pop_front() else { return };
+        if let Err(why) = self.may_begin(Mode::Mdi, "MDI", out) {
+            return out.finish(ticket, Err(why));
+        }
+        self.take_over(out);
+        self.interpreter.mdi(&text);
+        self.begin_job(false, Some(ticket), false, out);
+    }
+}
+
+fn accepted(accepted: bool) -> Result<Report, String> {
+    if accepted { Ok(Report::Now) } else { Err(FULL.into()) }
+}
+
+/// Returns the name of a program in messages.
+fn shown(path: &Path) -> String {
+    let text = path.to_string_lossy();
+    if text.contains('/') { text.into_owned() } else { file_name(path) }
+}

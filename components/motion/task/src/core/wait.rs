@@ -1,0 +1,147 @@
+//! Waits: the ends of orders and requests, and of the step in execution.
+
+use super::{Core, Interpreting, Reading, Waiting};
+use crate::outside::{Outside, Progress};
+
+impl Core {
+    /// Removes the orders that motion has finished. Returns false if one has failed.
+    pub(super) fn land(&mut self, out: &mut impl Outside) -> bool {
+        while let Some(first) = self.flight.front() {
+            match out.ordered(first.id) {
+                Progress::Pending => return true,
+                Progress::Done => {
+                    self.current = Some((first.line, first.tag.clone()));
+                    self.flight.pop_front();
+                }
+                Progress::Failed(why) => {
+                    self.current = Some((first.line, first.tag.clone()));
+                    self.fail(&why, out);
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    /// Follows the request for the next tool. Returns false if it has failed.
+    pub(super) fn prepared(&mut self, out: &mut impl Outside) -> bool {
+        match self.preparing.map(|id| out.requested(id)) {
+            None | Some(Progress::Pending) => {}
+            Some(Progress::Done) => self.preparing = None,
+            Some(Progress::Failed(why)) => {
+                self.preparing = None;
+                self.fail(&format!("the tool was not prepared: {why}"), out);
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Ends the job if the spindle does not reach its speed while a move waits for it.
+    pub(super) fn watch_speed(&mut self, out: &mut impl Outside) {
+        let motion = out.motion();
+        let waits = !self.flight.is_empty() && !motion.at_speed && motion.velocity == 0.0;
+        if !waits || self.interpreting() == Interpreting::Paused {
+            self.at_speed_since = None;
+            return;
+        }
+        let now = out.now();
+        let since = *self.at_speed_since.get_or_insert(now);
+        if now - since > self.rules.at_speed_timeout {
+            self.at_speed_since = None;
+            let seconds = self.rules.at_speed_timeout;
+            self.fail(&format!("the spindle was not at speed within {seconds} s"), out);
+        }
+    }
+
+    /// Follows the step in execution. Returns false while it goes on.
+    pub(super) fn wait(&mut self, out: &mut impl Outside) -> bool {
+        let Some(waiting) = self.waiting.clone() else { return true };
+        let paused = self.job.as_ref().is_some_and(|j| j.paused);
+        let progress = match waiting {
+            Waiting::Order(id) => out.ordered(id),
+            Waiting::Io(id) => out.requested(id),
+            Waiting::Program => out.program(),
+            Waiting::Dwell { until } if out.now() >= until && !paused => Progress::Done,
+            Waiting::Input { index, analog, mode, until, before } => {
+                let mut seen = before;
+                let ended = self.input(index, analog, mode, until, &mut seen, out);
+                self.waiting = Some(Waiting::Input { index, analog, mode, until, before: seen });
+                if ended { Progress::Done } else { Progress::Pending }
+            }
+            Waiting::Oriented { until } => match self.orienting(out) {
+                Progress::Pending if out.now() >= until => {
+                    Progress::Failed("the spindle was not oriented in time".to_owned())
+                }
+                other => other,
+            },
+            Waiting::Dwell { .. } => Progress::Pending,
+        };
+        match progress {
+            Progress::Pending => false,
+            Progress::Done => {
+                if waiting == Waiting::Program
+                    && let Some(job) = &mut self.job
+                {
+                    job.user_code = Ok(());
+                }
+                self.waiting = None;
+                true
+            }
+            Progress::Failed(why) if waiting == Waiting::Program && self.is_asked() => {
+                if let Some(job) = &mut self.job {
+                    job.user_code = Err(why);
+                }
+                self.waiting = None;
+                true
+            }
+            Progress::Failed(why) => {
+                self.fail(&why, out);
+                false
+            }
+        }
+    }
+
+    fn is_asked(&self) -> bool {
+        self.job.as_ref().is_some_and(|j| matches!(j.reading, Reading::Asked(_)))
+    }
+
+    /// Follows the wait for an input; returns true at its end.
+    fn input(
+        &mut self,
+        index: u32,
+        analog: bool,
+        mode: u8,
+        until: f64,
+        before: &mut bool,
+        out: &mut impl Outside,
+    ) -> bool {
+        let motion = out.motion();
+        let n = index as usize;
+        let on = index < 64 && motion.digital_in >> index & 1 != 0;
+        let was = core::mem::replace(before, on);
+        let found = match mode {
+            1 => on && !was,
+            2 => !on && was,
+            3 => on,
+            4 => !on,
+            _ => true,
+        };
+        let value = match analog {
+            true => motion.analog_in.get(n).copied().unwrap_or(0.0),
+            false => f64::from(u8::from(on)),
+        };
+        let is_late = out.now() >= until;
+        if let Some(job) = &mut self.job
+            && (found || is_late)
+        {
+            job.input = if found { value } else { -1.0 };
+        }
+        found || is_late
+    }
+
+    /// Returns how far the last orientation has come: its order is in flight.
+    fn orienting(&self, out: &mut impl Outside) -> Progress {
+        self.flight.front().map_or(Progress::Done, |f| out.ordered(f.id))
+    }
+}

@@ -1,0 +1,127 @@
+//! The task controller: states, modes and jobs of a machine.
+//!
+//! | module | subject |
+//! |---|---|
+//! | `core` | the core, without HAL: states, modes, jobs, their steps and their end |
+//! | `convert` | from canonical calls to steps in machine coordinates |
+//! | `outside` | the interface of the core to everything outside |
+//! | `worker`, `command_record` | the worker; orders as records of the service `motion` |
+//! | `programs`, `texts` | programs of users; texts of messages |
+//! | `commands`, `status` | commands `task.*`; the snapshot `task.status` |
+#![forbid(unsafe_code)]
+
+mod command_record;
+mod commands;
+mod convert;
+mod core;
+mod outside;
+mod programs;
+mod setup;
+mod status;
+mod texts;
+mod worker;
+
+use ::core::time::Duration;
+use hal_component::{
+    Arg, Builder, Component, Error,
+    abi::{ArgSpec, component_flags},
+};
+use worker::{Shared, Worker};
+
+/// Largest number of steps of a job in one step of the worker.
+const ITEMS: u32 = 400;
+
+const ARGS: &[&ArgSpec] = &[
+    &Arg::text("ini", "INI file of the machine: units, axes, tool table, parameters, subroutines.")
+        .or(""),
+    &Arg::float("cycle_time", "Period of the worker in seconds: 0.0001 to 1.").or("0.005"),
+];
+
+/// `loadrt task`.
+#[derive(Debug)]
+pub struct Task;
+
+impl Component for Task {
+    const NAME: &'static str = "task";
+    const DOC: &'static str = "\
+The task controller: runs programs and lines of G-code.
+
+It is loaded after `iocontrol` and `motmod`, which then cannot be unloaded. A start from an INI file with
+a section TASK loads it, with the machine's `ini=`. Its commands switch the machine on, home it, open a
+program, run, pause, step and abort it, and execute single lines; `task.status` shows the state, as
+does the snapshot of this name.
+
+A program is read ahead of the motion, except where it depends on the machine: a probe, a tool change,
+an input, a user's program. Moves join as the program says (G61, G64). Spindle, coolant, dwells,
+outputs without motion and pauses wait until the moves before them have ended. A program ends at its
+first error, after the lines before it; the message has its place.
+
+An abort, an error, an e-stop and a machine that goes off end the job: the rest of the path is gone,
+spindles and coolant stop, lines of MDI that wait are forgotten, and the modal state is that of the
+line that was in execution. Only a new command begins anything.
+
+Only the task writes the tool table and the parameter file, each as a whole.
+
+# Example
+
+```hal
+loadrt iocontrol interlock=1
+loadrt trivkins coordinates=XYZ
+loadrt motmod num_joints=3
+loadrt task
+addf motion-command-handler servo-thread
+addf motion-controller servo-thread
+net x joint.0.motor-pos-cmd joint.0.motor-pos-fb
+net y joint.1.motor-pos-cmd joint.1.motor-pos-fb
+net z joint.2.motor-pos-cmd joint.2.motor-pos-fb
+net estop iocontrol.0.user-enable-out iocontrol.0.emc-enable-in
+motion.configure max-velocity=100 max-acceleration=1000
+motion.configure joint=0 max-velocity=100 max-acceleration=1000 min-limit=-500 max-limit=500 ferror=1 min-ferror=1
+motion.configure joint=1 max-velocity=100 max-acceleration=1000 min-limit=-500 max-limit=500 ferror=1 min-ferror=1
+motion.configure joint=2 max-velocity=100 max-acceleration=1000 min-limit=-500 max-limit=500 ferror=1 min-ferror=1
+start
+task.estop-reset --wait
+task.on --wait
+task.home joint=all --wait
+task.mode mode=mdi --wait
+task.mdi text='G0 X10 Y5' --wait
+getp joint.0.motor-pos-cmd # -> 10
+```";
+    const FLAGS: u32 = component_flags::ONCE;
+    const ARGS: &'static [&'static ArgSpec] = ARGS;
+
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        create(b)
+    }
+}
+
+fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+    let seconds = b.arg_float("cycle_time").unwrap_or(0.005);
+    let period = Duration::try_from_secs_f64(seconds).unwrap_or_default();
+    if !(Duration::from_micros(100)..=Duration::from_secs(1)).contains(&period) {
+        return Err(Error::new(format!("cycle_time is {seconds}, must be between 0.0001 and 1")));
+    }
+    let motion = b.motion()?;
+    let motion = motion.ok_or_else(|| Error::new("no motion is loaded: load motmod first"))?;
+    let io = b.iocontrol()?;
+    let io = io.ok_or_else(|| Error::new("no iocontrol is loaded: load it first"))?;
+    let shared = Shared::default();
+    commands::open(b, &shared)?;
+    let ini = b.arg_text("ini").filter(|ini| !ini.is_empty());
+    let opened = shared.clone();
+    b.on_open(move |_| {
+        let made = setup::read(ini.as_deref()).map_err(Error::new)?;
+        opened.lock().opened = Some(made);
+        Ok(())
+    })?;
+    let snapshot =
+        b.snapshot("task.status", status::VERSION, "State of the task at each change.")?;
+    let worker = Worker::new(shared, motion, io, b.clock(), b.messages(), snapshot);
+    let period_ns = i64::try_from(period.as_nanos()).unwrap_or(i64::MAX);
+    b.worker("task", "Reads programs and runs jobs.", period_ns, ITEMS, worker)
+}
+
+hal_component::export!(Task);
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,197 @@
+//! Everything outside the core: motion, iocontrol, files, the clock.
+
+use hal_component::{IoRequest, IoState};
+use hal_gcode::{Numbered, tool::ToolTable};
+
+/// Speed of a move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Speed {
+    /// As fast as the limits allow.
+    Rapid,
+    /// Machine units per second along the path.
+    Feed(f64),
+}
+
+/// Path control at the end of a move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum PathEnd {
+    /// Rests at the end.
+    Stop,
+    /// Stays on the path.
+    Exact,
+    /// Leaves the path by at most this distance; infinity without one.
+    Blend(f64),
+}
+
+/// Travel per turn of a spindle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pitch {
+    pub(crate) spindle: u8,
+    /// Machine units per turn.
+    pub(crate) travel: f64,
+    /// The velocity follows the spindle, without its phase.
+    pub(crate) velocity_mode: bool,
+}
+
+/// The shape of a move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Shape {
+    Line,
+    /// An arc counterclockwise around its normal, with additional full turns.
+    Arc {
+        center: [f64; 3],
+        normal: [f64; 3],
+        clockwise: bool,
+        turns: u32,
+    },
+    /// A probe move; it ends where the probe loses its contact if `away`.
+    Probe {
+        away: bool,
+        must: bool,
+    },
+    /// A rigid tap, with a factor for the speed of its way back.
+    Tap {
+        retract_scale: f64,
+    },
+    /// A spline of this order over the control points before it.
+    Spline {
+        order: u32,
+    },
+}
+
+/// A move to a pose in machine coordinates and units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Move {
+    pub(crate) to: [f64; 9],
+    pub(crate) shape: Shape,
+    pub(crate) speed: Speed,
+    pub(crate) end: PathEnd,
+    /// Distance within which short lines join.
+    pub(crate) cam_tolerance: f64,
+    pub(crate) pitch: Option<Pitch>,
+    pub(crate) line: u32,
+}
+
+/// An order to motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Order {
+    Enable,
+    Disable,
+    /// A joint, or all.
+    Home(Option<u32>),
+    Abort,
+    Pause,
+    Resume,
+    Step,
+    Move(Move),
+    /// A control point of the next spline, with its weight.
+    SplinePoint {
+        at: [f64; 3],
+        weight: f64,
+    },
+    /// Turns per minute, negative in reverse.
+    Spindle {
+        spindle: u8,
+        speed: f64,
+    },
+    SpindleScale {
+        spindle: u8,
+        scale: f64,
+    },
+    Orient {
+        spindle: u8,
+        degrees: f64,
+        mode: u8,
+    },
+    FeedScale(f64),
+    AdaptiveFeed(bool),
+    FeedHold(bool),
+    Digital {
+        index: u32,
+        on: bool,
+        with_motion: bool,
+    },
+    Analog {
+        index: u32,
+        value: f64,
+        with_motion: bool,
+    },
+    ToolOffset([f64; 9]),
+}
+
+/// Reason for which an order was not accepted.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Refusal {
+    /// There is no room now.
+    Full,
+    /// The reason.
+    Why(Box<str>),
+}
+
+/// Progress of an order or request.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Progress {
+    Pending,
+    Done,
+    Failed(String),
+}
+
+/// State of motion in a cycle. Positions are in machine units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct MotionState {
+    pub(crate) enabled: bool,
+    /// Nothing moves, and nothing waits to move.
+    pub(crate) in_position: bool,
+    pub(crate) all_homed: bool,
+    pub(crate) velocity: f64,
+    pub(crate) queue: u32,
+    pub(crate) pose: [f64; 9],
+    pub(crate) probe_found: bool,
+    pub(crate) probe_measured: [f64; 9],
+    pub(crate) digital_in: u64,
+    pub(crate) analog_in: [f64; 8],
+    pub(crate) at_speed: bool,
+}
+
+/// Importance of a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Level {
+    Error,
+    Info,
+}
+
+/// A user's command that waits for its result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Ticket(pub(crate) u64);
+
+/// Everything outside the core.
+pub(crate) trait Outside {
+    /// Returns machine time in seconds.
+    fn now(&self) -> f64;
+    /// Returns the state of motion in its latest cycle.
+    fn motion(&self) -> MotionState;
+    /// Returns the state of iocontrol.
+    fn io(&self) -> IoState;
+    /// Sends an order to motion and returns its number.
+    fn order(&mut self, order: &Order) -> Result<u64, Refusal>;
+    /// Returns how far an order has come.
+    fn ordered(&mut self, id: u64) -> Progress;
+    /// Sends a request to iocontrol; `None` if it takes none now.
+    fn request(&mut self, request: IoRequest) -> Option<u64>;
+    /// Returns how far a request has come.
+    fn requested(&mut self, id: u64) -> Progress;
+    /// Begins a user's program.
+    fn begin_program(&mut self, code: u16, p: f64, q: f64) -> Result<(), String>;
+    /// Returns how far the user's program has come.
+    fn program(&mut self) -> Progress;
+    /// Ends the user's program.
+    fn end_program(&mut self);
+    /// Tells the operator something.
+    fn say(&mut self, level: Level, text: &str);
+    /// Reports how a command ended.
+    fn finish(&mut self, ticket: Ticket, result: Result<(), String>);
+    /// Writes the parameter file.
+    fn save_parameters(&mut self, numbered: &Numbered) -> Result<(), String>;
+    /// Writes the tool table.
+    fn save_tools(&mut self, tools: &ToolTable) -> Result<(), String>;
+}

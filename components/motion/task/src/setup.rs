@@ -1,0 +1,81 @@
+//! The facts of a machine: what its INI file says for the task.
+
+use crate::{
+    command_record::Letters,
+    core::{Core, Rules},
+    worker::Files,
+};
+use hal_gcode::axis::AxisMask;
+use hal_job::{Machine, World, machine};
+use std::{collections::BTreeMap, path::Path};
+
+/// Seconds that a spindle may take to reach its speed, if the INI file says nothing.
+const AT_SPEED_TIMEOUT: f64 = 30.0;
+
+/// Axes of a machine without an INI file.
+const XYZ: AxisMask = AxisMask(7);
+
+/// Reads a machine's files.
+///
+/// # Errors
+/// A file cannot be read, or the startup code has an error.
+pub(crate) fn read(ini: Option<&str>) -> Result<(Box<Core>, Files), String> {
+    // Files of the machine stay those of its folder, wherever the process goes.
+    let whole = |file| std::path::absolute(file).unwrap_or_else(|_| Path::new(file).into());
+    let given = ini.unwrap_or_default();
+    let ini = ini.map(whole);
+    let files = machine::Files { ini: ini.as_deref(), ..machine::Files::default() };
+    let mut machine = Machine::read(&files).map_err(|why| match &ini {
+        // A message names the file as the user did.
+        Some(path) if !path.is_file() => {
+            let why = why.replace(&path.display().to_string(), given);
+            format!("{why}; expected an INI file such as machine.ini")
+        }
+        _ => why,
+    })?;
+    if ini.is_none() {
+        machine.settings.axes = XYZ;
+    }
+    let rules = rules(&machine)?;
+    let files = Files {
+        parameters: machine.parameters.take(),
+        table: machine.table.clone(),
+        codes: machine.codes.clone(),
+        letters: Letters::from(machine.settings.axes.0),
+    };
+    let world = World { machine, hal: BTreeMap::new() };
+    Ok((Box::new(Core::new(world, rules)?), files))
+}
+
+fn rules(machine: &Machine) -> Result<Rules, String> {
+    let value = |section: &str, name: &str| machine.ini.as_ref()?.get(section, name);
+    let number = |section: &str, name: &str| -> Result<Option<f64>, String> {
+        let Some(text) = value(section, name) else { return Ok(None) };
+        let number = text.trim().parse::<f64>().ok().filter(|n| n.is_finite());
+        number.map(Some).ok_or_else(|| format!("[{section}]{name} '{text}': not a number"))
+    };
+    let timeout = number("TASK", "AT_SPEED_TIMEOUT")?.filter(|t| *t > 0.0);
+    let change_position =
+        value("EMCIO", "TOOL_CHANGE_POSITION").map(change_position).transpose()?;
+    Ok(Rules {
+        needs_homing: number("TRAJ", "NO_FORCE_HOMING")?.is_none_or(|n| n == 0.0),
+        at_speed_timeout: timeout.unwrap_or(AT_SPEED_TIMEOUT),
+        has_top_speed: number("SPINDLE_0", "MAX_FORWARD_VELOCITY")?.is_some(),
+        change_position,
+    })
+}
+
+/// Parses three, six or nine coordinates.
+fn change_position(text: &str) -> Result<[f64; 9], String> {
+    let wrong = || format!("[EMCIO]TOOL_CHANGE_POSITION '{text}': three, six or nine numbers");
+    let all: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
+    let all = all.map_err(|_| wrong())?;
+    if ![3, 6, 9].contains(&all.len()) || all.iter().any(|n| !n.is_finite()) {
+        return Err(wrong());
+    }
+    let mut out = [0.0; 9];
+    for (place, value) in out.iter_mut().zip(all) {
+        *place = value;
+    }
+    Ok(out)
+}

@@ -1,0 +1,283 @@
+//! The snapshot `task.status`, and the lines of the command of this name.
+
+use crate::{
+    core::{Core, file_name},
+    outside::MotionState,
+};
+use hal_component::{IoState, Plain};
+use hal_gcode::{
+    axis::{Axis, Position},
+    canon::{Direction, PathMode, Plane, Unit},
+    state::{FeedMode, Modal, Side},
+};
+
+/// Version of [`TaskStatus`].
+pub(crate) const VERSION: u32 = 1;
+/// Number of words of a text.
+const TEXT: usize = 32;
+/// Number of spindles.
+const SPINDLES: usize = 8;
+/// Number of calls whose lines are in the record.
+const CALLS: usize = 10;
+/// Number of G codes in force.
+const G_CODES: usize = 13;
+
+/// State of the task. Lengths are in machine units.
+#[derive(Clone, Copy, Debug, PartialEq, Plain)]
+pub(crate) struct TaskStatus {
+    /// State of the machine: 0 e-stop, 1 off, 2 on.
+    pub(crate) state: u32,
+    /// Mode: 0 manual, 1 auto, 2 MDI.
+    pub(crate) mode: u32,
+    /// State of the interpreter: 0 idle, 1 reading, 2 paused, 3 waiting for the machine.
+    pub(crate) interpreter: u32,
+    /// True while single steps are in force.
+    pub(crate) stepping: bool,
+    /// True while M1 pauses.
+    pub(crate) optional_stop: bool,
+    /// True while lines that begin with / are left out.
+    pub(crate) block_delete: bool,
+    /// Number of jobs that have ended.
+    pub(crate) jobs: u32,
+    /// Number of jobs that have failed or were aborted.
+    pub(crate) jobs_failed: u32,
+    /// Machine time of the current or last job in seconds, at the last change.
+    pub(crate) job_time: f64,
+    /// Line in execution; 0 without one.
+    pub(crate) line: u32,
+    /// Line that was read last.
+    pub(crate) line_read: u32,
+    /// Number of calls in progress where the program is read.
+    pub(crate) calls: u32,
+    /// Lines of these calls, the outermost first.
+    pub(crate) call_lines: [u32; CALLS],
+    /// Number of steps that wait in the task.
+    pub(crate) queue: u32,
+    /// Number of lines of MDI that wait.
+    pub(crate) mdi_queue: u32,
+    /// Tool in the spindle; 0 for none.
+    pub(crate) tool: i32,
+    /// Tool that is prepared; 0 for none.
+    pub(crate) tool_prepared: i32,
+    /// Tool that the job waits for; -1 if it waits for none.
+    pub(crate) tool_awaited: i32,
+    /// True while mist coolant is on.
+    pub(crate) mist: bool,
+    /// True while flood coolant is on.
+    pub(crate) flood: bool,
+    /// True while lubrication is on.
+    pub(crate) lube: bool,
+    /// Programmed feed, in units of the program.
+    pub(crate) feed: f64,
+    /// Programmed speeds of the spindles.
+    pub(crate) speed: [f64; SPINDLES],
+    /// Directions of the spindles: 0 stopped, 1 clockwise, -1 counterclockwise.
+    pub(crate) direction: [i32; SPINDLES],
+    /// Feed override.
+    pub(crate) feed_override: f64,
+    /// Overrides of the spindles.
+    pub(crate) spindle_override: [f64; SPINDLES],
+    /// G codes in force, times ten.
+    pub(crate) g_codes: [u32; G_CODES],
+    /// Coordinate system: 1 for G54, 9 for G59.3.
+    pub(crate) system: u32,
+    /// Offset of the coordinate system.
+    pub(crate) g5x_offset: [f64; 9],
+    /// Rotation of the coordinate system about Z in degrees.
+    pub(crate) rotation: f64,
+    /// Offset of G92.
+    pub(crate) g92_offset: [f64; 9],
+    /// Offset of the tool.
+    pub(crate) tool_offset: [f64; 9],
+    /// Number of messages.
+    pub(crate) messages: u32,
+    /// Name of the program, eight bytes in each word, the first lowest.
+    pub(crate) file: [u64; TEXT],
+    /// Last message, as the name of the program.
+    pub(crate) message: [u64; TEXT],
+}
+
+/// The state of the task, with its texts.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Report {
+    pub(crate) status: Option<TaskStatus>,
+    pub(crate) message: String,
+    file: String,
+    velocity: f64,
+}
+
+impl Report {
+    pub(crate) fn of(core: &Core, motion: &MotionState, io: &IoState) -> Self {
+        let file = core.program.as_deref().map(file_name).unwrap_or_default();
+        Self {
+            status: Some(status(core, io, &file)),
+            message: core.message.to_string(),
+            file,
+            velocity: motion.velocity,
+        }
+    }
+
+    /// Returns the lines of the command `task.status`.
+    pub(crate) fn lines(&self) -> Vec<String> {
+        let Some(s) = &self.status else { return vec!["task state=unknown".to_owned()] };
+        let name = |names: &[&'static str], n: u32| *names.get(n as usize).unwrap_or(&"?");
+        let bit = |on: bool| if on { "TRUE" } else { "FALSE" };
+        let codes: Vec<String> = s.g_codes.iter().map(|code| code_text(*code)).collect();
+        vec![
+            format!(
+                "task state={} mode={} interpreter={} queue={} mdi-queue={} jobs={} failed={}",
+                name(&["estop", "off", "on"], s.state),
+                name(&["manual", "auto", "mdi"], s.mode),
+                name(&["idle", "reading", "paused", "waiting"], s.interpreter),
+                s.queue,
+                s.mdi_queue,
+                s.jobs,
+                s.jobs_failed,
+            ),
+            format!(
+                "program file={} line={} read={} time={:.3} velocity={:.3} optional-stop={} \
+                 block-delete={} stepping={}",
+                self.file,
+                s.line,
+                s.line_read,
+                s.job_time,
+                self.velocity,
+                bit(s.optional_stop),
+                bit(s.block_delete),
+                bit(s.stepping),
+            ),
+            format!(
+                "tool number={} prepared={} waits-for={} mist={} flood={} lube={}",
+                s.tool,
+                s.tool_prepared,
+                match s.tool_awaited {
+                    ..0 => "nothing".to_owned(),
+                    tool => tool.to_string(),
+                },
+                bit(s.mist),
+                bit(s.flood),
+                bit(s.lube),
+            ),
+            format!("modal {}", codes.join(" ")),
+            format!("message number={} {}", s.messages, self.message),
+        ]
+    }
+}
+
+fn status(core: &Core, io: &IoState, file: &str) -> TaskStatus {
+    let state = &core.interpreter.state;
+    let modal = &state.modal;
+    let frame = &state.frame;
+    let k = frame.unit.to(state.settings.unit);
+    let pose = |p: Position| Axis::ALL.map(|a| p.scaled(k)[a]);
+    let mut call_lines = [0; CALLS];
+    let calls = core.interpreter.places();
+    for (place, call) in call_lines.iter_mut().zip(&calls) {
+        *place = call.line;
+    }
+    let (mut speed, mut direction) = ([0.0; SPINDLES], [0; SPINDLES]);
+    for ((speed, direction), s) in speed.iter_mut().zip(&mut direction).zip(&modal.spindles) {
+        *speed = s.speed;
+        *direction = match s.direction {
+            Direction::Stopped => 0,
+            Direction::Clockwise => 1,
+            Direction::Counterclockwise => -1,
+        };
+    }
+    let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    TaskStatus {
+        state: core.power as u32,
+        mode: core.mode as u32,
+        interpreter: core.interpreting() as u32,
+        stepping: core.is_stepping(),
+        optional_stop: core.optional_stop,
+        block_delete: state.settings.block_delete,
+        jobs: core.jobs.0,
+        jobs_failed: core.jobs.1,
+        job_time: core.job_time,
+        line: core.line(),
+        line_read: state.line,
+        calls: count(calls.len().saturating_sub(1)),
+        call_lines,
+        queue: count(core.queue_len()),
+        mdi_queue: count(core.mdi_len()),
+        tool: io.tool,
+        tool_prepared: io.prepared,
+        tool_awaited: core.awaited_tool().unwrap_or(-1),
+        mist: io.mist,
+        flood: io.flood,
+        lube: io.lube,
+        feed: modal.feed,
+        speed,
+        direction,
+        feed_override: core.feed_scale,
+        spindle_override: core.spindle_scale,
+        g_codes: g_codes(modal, core),
+        system: modal.system.into(),
+        g5x_offset: pose(frame.g5x),
+        rotation: frame.rotation,
+        g92_offset: pose(frame.g92),
+        tool_offset: pose(frame.tool),
+        messages: core.messages,
+        file: packed(file),
+        message: packed(&core.message),
+    }
+}
+
+/// Returns the G codes in force, times ten, one for each modal group.
+fn g_codes(modal: &Modal, core: &Core) -> [u32; G_CODES] {
+    let system = u32::from(modal.system);
+    let css = modal.spindles.first().is_some_and(|s| s.css);
+    [
+        modal.motion.into(),
+        match modal.plane {
+            Plane::Xy => 170,
+            Plane::Xz => 180,
+            Plane::Yz => 190,
+            Plane::Uv => 171,
+            Plane::Uw => 181,
+            Plane::Vw => 191,
+        },
+        if modal.unit == Unit::Inch { 200 } else { 210 },
+        match core.interpreter.state.compensation.side() {
+            Side::Off => 400,
+            Side::Left => 410,
+            Side::Right => 420,
+        },
+        if modal.tool_offset { 430 } else { 490 },
+        if system <= 6 { 530 + 10 * system } else { 590 + system - 6 },
+        match modal.path {
+            PathMode::ExactPath => 610,
+            PathMode::ExactStop => 611,
+            PathMode::Continuous { .. } => 640,
+        },
+        if modal.diameter { 70 } else { 80 },
+        if modal.absolute { 900 } else { 910 },
+        if modal.ijk_absolute { 901 } else { 911 },
+        match modal.feed_mode {
+            FeedMode::InverseTime => 930,
+            FeedMode::PerMinute => 940,
+            FeedMode::PerRevolution => 950,
+        },
+        if css { 960 } else { 970 },
+        if modal.retract_old { 980 } else { 990 },
+    ]
+}
+
+fn code_text(code: u32) -> String {
+    match (code / 10, code % 10) {
+        (whole, 0) => format!("G{whole}"),
+        (whole, tenth) => format!("G{whole}.{tenth}"),
+    }
+}
+
+/// Returns a text as words of eight bytes each, cut where they end.
+fn packed(text: &str) -> [u64; TEXT] {
+    let end = text.floor_char_boundary(TEXT * 8);
+    let bytes = text.as_bytes().get(..end).unwrap_or_default();
+    let mut out = [0; TEXT];
+    for (word, chunk) in out.iter_mut().zip(bytes.chunks(8)) {
+        *word = (0u32..).zip(chunk).fold(0, |sum, (n, byte)| sum | u64::from(*byte) << (8 * n));
+    }
+    out
+}

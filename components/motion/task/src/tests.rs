@@ -1,0 +1,324 @@
+//! The core on a machine that notes what it is sent.
+
+mod job;
+mod stop;
+mod table;
+mod words;
+
+use crate::{
+    convert::Converter,
+    core::{Core, Interpreting, Mode, Power, Rules, user::Command},
+    outside::{Level, MotionState, Move, Order, Outside, Progress, Refusal, Shape, Ticket},
+};
+use hal_component::{Estop, IoRequest, IoState};
+use hal_gcode::{Numbered, tool::ToolTable};
+use hal_job::{Files, Machine, World};
+use std::{
+    collections::{BTreeMap, VecDeque},
+    path::PathBuf,
+};
+
+/// Seconds that a move takes on the fake machine.
+const MOVE_TIME: f64 = 0.1;
+
+/// A machine on which each move takes the same time.
+struct Fake {
+    now: f64,
+    motion: MotionState,
+    io: IoState,
+    /// Orders and requests, as text.
+    log: Vec<String>,
+    /// Moves in progress, with the time of their end.
+    moves: VecDeque<(u64, Move, f64)>,
+    paused: bool,
+    ends: BTreeMap<u64, Progress>,
+    next: u64,
+    /// Requests to the changer, which wait for a person.
+    changer: VecDeque<(u64, IoRequest)>,
+    results: BTreeMap<u64, Result<(), String>>,
+    messages: Vec<String>,
+    /// Refusal of the next order.
+    refuse: Option<Refusal>,
+    program: Progress,
+    saved: u32,
+    tables: Vec<String>,
+}
+
+impl Fake {
+    fn new() -> Self {
+        let estop = Estop { commanded: false, open: false };
+        Self {
+            now: 0.0,
+            motion: MotionState {
+                enabled: true,
+                in_position: true,
+                all_homed: true,
+                at_speed: true,
+                ..MotionState::default()
+            },
+            io: IoState {
+                estop,
+                mist: false,
+                flood: false,
+                lube: false,
+                tool: 0,
+                pocket: 0,
+                prepared: 0,
+            },
+            log: Vec::new(),
+            moves: VecDeque::new(),
+            paused: false,
+            ends: BTreeMap::new(),
+            next: 0,
+            changer: VecDeque::new(),
+            results: BTreeMap::new(),
+            messages: Vec::new(),
+            refuse: None,
+            program: Progress::Done,
+            saved: 0,
+            tables: Vec::new(),
+        }
+    }
+
+    /// Lets time pass: moves end, unless they are paused.
+    fn pass(&mut self, seconds: f64) {
+        self.now += seconds;
+        if self.paused {
+            for (_, _, end) in &mut self.moves {
+                *end += seconds;
+            }
+        }
+        while let Some((id, m, _)) = self.moves.pop_front_if(|(_, _, end)| *end <= self.now) {
+            self.motion.pose = m.to;
+            self.ends.insert(id, Progress::Done);
+        }
+        self.motion.queue = u32::try_from(self.moves.len()).unwrap();
+        self.motion.in_position = self.moves.is_empty();
+    }
+
+    /// A person answers what the changer was asked.
+    fn answer_changer(&mut self) {
+        while let Some((id, request)) = self.changer.pop_front() {
+            match request {
+                IoRequest::Prepare { tool, .. } => self.io.prepared = tool,
+                _ => (self.io.tool, self.io.prepared) = (self.io.prepared, 0),
+            }
+            self.ends.insert(id, Progress::Done);
+        }
+    }
+}
+
+impl Outside for Fake {
+    fn now(&self) -> f64 {
+        self.now
+    }
+    fn motion(&self) -> MotionState {
+        self.motion
+    }
+    fn io(&self) -> IoState {
+        self.io
+    }
+    fn order(&mut self, order: &Order) -> Result<u64, Refusal> {
+        if let Some(refusal) = self.refuse.take() {
+            return Err(refusal);
+        }
+        self.next += 1;
+        let id = self.next;
+        self.log.push(match order {
+            Order::Move(m) => {
+                let [x, y, z, ..] = m.to;
+                let kind = match m.shape {
+                    Shape::Line => "line",
+                    Shape::Arc { .. } => "arc",
+                    Shape::Probe { .. } => "probe",
+                    Shape::Tap { .. } => "tap",
+                    Shape::Spline { .. } => "spline",
+                };
+                format!("{}: {kind} {x} {y} {z}", m.line)
+            }
+            other => format!("{other:?}"),
+        });
+        match order {
+            Order::Move(m) => {
+                let from = self.moves.back().map_or(self.now, |(_, _, end)| *end);
+                self.moves.push_back((id, *m, from + MOVE_TIME));
+                self.ends.insert(id, Progress::Pending);
+                (self.motion.in_position, self.motion.queue) = (false, 1);
+            }
+            Order::Abort => {
+                for (id, ..) in self.moves.drain(..) {
+                    self.ends.insert(id, Progress::Failed("aborted".to_owned()));
+                }
+                self.paused = false;
+                (self.motion.in_position, self.motion.queue) = (true, 0);
+                self.ends.insert(id, Progress::Done);
+            }
+            other => {
+                match other {
+                    Order::Pause => self.paused = true,
+                    Order::Resume => self.paused = false,
+                    Order::Enable => self.motion.enabled = true,
+                    Order::Disable => self.motion.enabled = false,
+                    _ => {}
+                }
+                self.ends.insert(id, Progress::Done);
+            }
+        }
+        Ok(id)
+    }
+    fn ordered(&mut self, id: u64) -> Progress {
+        self.ends.get(&id).cloned().unwrap_or(Progress::Done)
+    }
+    fn request(&mut self, request: IoRequest) -> Option<u64> {
+        self.next += 1;
+        let id = self.next;
+        self.log.push(format!("{request:?}"));
+        match request {
+            IoRequest::Prepare { .. } | IoRequest::Change => {
+                self.ends.insert(id, Progress::Pending);
+                self.changer.push_back((id, request));
+                return Some(id);
+            }
+            IoRequest::Abort => {
+                for (id, _) in self.changer.drain(..) {
+                    self.ends.insert(id, Progress::Failed("aborted".to_owned()));
+                }
+            }
+            IoRequest::SetTool { tool, .. } => self.io.tool = tool,
+            IoRequest::Estop => self.io.estop.commanded = true,
+            _ => {}
+        }
+        self.ends.insert(id, Progress::Done);
+        Some(id)
+    }
+    fn requested(&mut self, id: u64) -> Progress {
+        self.ordered(id)
+    }
+    fn begin_program(&mut self, code: u16, p: f64, q: f64) -> Result<(), String> {
+        self.log.push(format!("M{code} {p} {q}"));
+        self.program = Progress::Pending;
+        Ok(())
+    }
+    fn program(&mut self) -> Progress {
+        self.program.clone()
+    }
+    fn end_program(&mut self) {
+        self.program = Progress::Done;
+    }
+    fn say(&mut self, _: Level, text: &str) {
+        self.messages.push(text.to_owned());
+    }
+    fn finish(&mut self, ticket: Ticket, result: Result<(), String>) {
+        assert!(self.results.insert(ticket.0, result).is_none(), "a ticket ends once");
+    }
+    fn save_parameters(&mut self, _: &Numbered) -> Result<(), String> {
+        self.saved += 1;
+        Ok(())
+    }
+    fn save_tools(&mut self, tools: &ToolTable) -> Result<(), String> {
+        self.tables.push(tools.print());
+        Ok(())
+    }
+}
+
+/// A task on the fake machine.
+struct Rig {
+    core: Core,
+    fake: Fake,
+    tickets: u64,
+    folder: PathBuf,
+}
+
+const TOOLS: &str = "T1 P1 Z10 D3\nT2 P2 Z20 D1\n";
+
+impl Rig {
+    /// A machine in millimetres with two tools, on, homed, and in mode auto, with this program open.
+    fn new(program: &str) -> Self {
+        Self::with(program, |_| {})
+    }
+
+    fn with(program: &str, change: impl FnOnce(&mut Rules)) -> Self {
+        static NEXT: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
+        let n = NEXT.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        let folder = std::env::temp_dir().join(format!("hal-task-{}-{n}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let mut machine = Machine::read(&Files::default()).unwrap();
+        machine.folders = vec![folder.clone()];
+        machine.codes = vec![folder.clone()];
+        machine.tools = ToolTable::parse(TOOLS).0;
+        let mut rules = Rules {
+            needs_homing: true,
+            at_speed_timeout: 5.0,
+            has_top_speed: false,
+            change_position: None,
+        };
+        change(&mut rules);
+        let core = Core::new(World { machine, hal: BTreeMap::new() }, rules).unwrap();
+        let mut rig = Self { core, fake: Fake::new(), tickets: 0, folder };
+        rig.step();
+        let path = rig.folder.join("job.ngc");
+        std::fs::write(&path, program).unwrap();
+        rig.good(Command::Open(path));
+        rig.good(Command::Mode(Mode::Auto));
+        rig
+    }
+
+    fn send(&mut self, command: Command) -> Ticket {
+        self.tickets += 1;
+        let ticket = Ticket(self.tickets);
+        self.core.command(command, ticket, &mut self.fake);
+        ticket
+    }
+
+    fn good(&mut self, command: Command) {
+        let ticket = self.send(command);
+        assert_eq!(self.result(ticket), Some(Ok(())));
+    }
+
+    fn refused(&mut self, command: Command) -> String {
+        let ticket = self.send(command);
+        self.result(ticket).unwrap().unwrap_err()
+    }
+
+    fn result(&self, ticket: Ticket) -> Option<Result<(), String>> {
+        self.fake.results.get(&ticket.0).cloned()
+    }
+
+    fn step(&mut self) {
+        self.core.step(&mut self.fake, 100);
+    }
+
+    /// Lets seconds pass, in steps of a hundredth.
+    fn pass(&mut self, seconds: f64) {
+        let end = self.fake.now + seconds - 0.005;
+        while self.fake.now < end {
+            self.fake.pass(0.01);
+            self.step();
+        }
+    }
+
+    /// Returns what was sent since the last look.
+    fn sent(&mut self) -> Vec<String> {
+        core::mem::take(&mut self.fake.log)
+    }
+
+    /// Runs the program to its end and returns what was sent.
+    fn run(&mut self) -> Vec<String> {
+        let ticket = self.send(Command::Run);
+        for _ in 0..200 {
+            self.pass(0.1);
+            self.fake.answer_changer();
+            if let Some(result) = self.result(ticket) {
+                assert_eq!(result, Ok(()));
+                return self.sent();
+            }
+        }
+        panic!("the program does not end: {:?}", self.fake.log);
+    }
+}
+
+impl Drop for Rig {
+    fn drop(&mut self) {
+        std::fs::remove_dir_all(&self.folder).unwrap_or_default();
+    }
+}

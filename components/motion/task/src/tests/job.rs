@@ -1,0 +1,243 @@
+//! Programs and lines of MDI.
+
+use super::*;
+
+#[test]
+fn a_program_runs_and_its_second_run_is_the_same() {
+    let mut rig = Rig::new("G21 G90 G0 X10 Y0\nG1 X20 Y5 F300\nG2 X30 Y5 I5 J0\nM2\n");
+    let first = rig.run();
+    assert_eq!(first[..3], ["1: line 10 0 0", "2: line 20 5 0", "3: arc 30 5 0"]);
+    assert_eq!(first.last().unwrap(), "Spindle { spindle: 0, speed: 0.0 }");
+    assert_eq!(rig.core.interpreting(), Interpreting::Idle);
+    assert_eq!(rig.core.jobs, (1, 0));
+    assert_eq!(rig.run(), first, "the second run");
+    assert!(rig.fake.saved >= 2, "the parameters are written at each end");
+}
+
+#[test]
+fn offsets_units_and_tools_make_machine_coordinates() {
+    let mut rig = Rig::new(
+        "G21 G10 L2 P1 X100 Y0 Z0\nG54 G92 X-1\nT1 M6\nG43 H1\nG20 G1 X1 Z0 F10\nG21 G92.1\nG49\n\
+         G53 G0 X0 Z0\nM2\n",
+    );
+    let ticket = rig.send(Command::Run);
+    rig.pass(0.1);
+    assert_eq!(rig.core.awaited_tool(), Some(1));
+    assert_eq!(
+        rig.sent(),
+        ["Prepare { tool: 1, pocket: 1, index: 1 }", "Spindle { spindle: 0, speed: 0.0 }"],
+        "the change waits for the tool"
+    );
+    rig.pass(1.0);
+    rig.fake.answer_changer();
+    rig.pass(0.1);
+    assert_eq!(rig.sent(), ["Change"]);
+    assert_eq!(rig.result(ticket), None, "it waits for the person");
+    rig.fake.answer_changer();
+    rig.pass(1.0);
+    assert_eq!(rig.result(ticket), Some(Ok(())));
+    let sent = rig.sent();
+    assert_eq!(sent[0], "ToolOffset([0.0, 0.0, 10.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])");
+    // G92 calls the place of X0 X-1: 25.4 mm in the program is 26.4 mm from the machine's zero.
+    let moved: Vec<&String> = sent.iter().filter(|s| s.contains("line")).collect();
+    let words: Vec<&str> = moved[0].split(' ').collect();
+    let near = |word: &str, value: f64| (word.parse::<f64>().unwrap() - value).abs() < 1e-9;
+    assert!(near(words[2], 26.4) && near(words[4], 10.0), "{words:?}");
+    assert_eq!(moved[1], "8: line 0 0 0");
+}
+
+#[test]
+fn feeds_and_path_modes_reach_motion() {
+    let mut rig = Rig::new("G21 G64 P0.1 G1 X1 F600\nG61 X2\nG61.1 X3\nG64 X4\nG0 X5\nM2\n");
+    let mut moves = Vec::new();
+    rig.send(Command::Run);
+    rig.step();
+    for (_, m, _) in &rig.fake.moves {
+        moves.push((m.speed, m.end));
+    }
+    use crate::outside::{PathEnd, Speed};
+    let feed = Speed::Feed(10.0);
+    let free = PathEnd::Blend(f64::INFINITY);
+    assert_eq!(
+        moves,
+        [
+            (feed, PathEnd::Blend(0.1)),
+            (feed, PathEnd::Exact),
+            (feed, PathEnd::Stop),
+            (feed, free),
+            (Speed::Rapid, free)
+        ]
+    );
+}
+
+#[test]
+fn what_needs_rest_waits_for_the_moves_before_it() {
+    let mut rig = Rig::new("G21 G0 X1\nM3 S1000\nG0 X2\nM8\nG4 P0.5\nG0 X3\nM62 P1\nM64 P2\nM2\n");
+    rig.send(Command::Run);
+    rig.pass(0.05);
+    assert_eq!(rig.sent(), ["1: line 1 0 0"]);
+    rig.pass(0.07);
+    let started = ["Spindle { spindle: 0, speed: 1000.0 }", "3: line 2 0 0"];
+    assert_eq!(rig.sent(), started);
+    rig.pass(0.13);
+    assert_eq!(rig.sent(), ["Coolant { mist: None, flood: Some(true), lube: None }"]);
+    rig.pass(0.4);
+    assert_eq!(rig.sent().len(), 0, "the pause");
+    rig.pass(0.1);
+    assert_eq!(rig.sent(), ["6: line 3 0 0", "Digital { index: 1, on: true, with_motion: true }"]);
+    rig.pass(0.1);
+    assert_eq!(rig.sent()[0], "Digital { index: 2, on: true, with_motion: false }");
+}
+
+#[test]
+fn a_probe_and_an_input_answer_the_interpreter() {
+    let mut rig = Rig::new(
+        "G21 G38.2 Z-10 F100\n#1=#5063\nM66 P3 L3 Q2\n#2=#5399\nM66 P4 L3 Q1\n#3=#5399\n\
+         G0 X#1 Y#2 Z#3\nM2\n",
+    );
+    let ticket = rig.send(Command::Run);
+    rig.step();
+    assert_eq!(rig.sent(), ["1: probe 0 0 -10"]);
+    rig.fake.motion.probe_found = true;
+    rig.fake.motion.probe_measured = [0.0, 0.0, -4.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    rig.pass(1.0);
+    assert_eq!(rig.core.interpreting(), Interpreting::Waiting);
+    rig.fake.motion.digital_in = 1 << 3;
+    rig.pass(2.5);
+    let moved = rig.sent();
+    assert_eq!(moved[0], "7: line -4.5 1 -1", "the second input timed out");
+    assert_eq!(rig.result(ticket), Some(Ok(())));
+}
+
+#[test]
+fn pauses_stops_and_single_steps() {
+    let mut rig = Rig::new("G21 G0 X1\nM0\nG0 X2\nM1\nG0 X3\nM2\n");
+    rig.send(Command::Run);
+    rig.pass(0.5);
+    assert_eq!(rig.sent(), ["1: line 1 0 0"]);
+    assert_eq!(rig.core.interpreting(), Interpreting::Paused);
+    rig.good(Command::OptionalStop(false));
+    rig.good(Command::Resume);
+    rig.pass(0.05);
+    assert_eq!(rig.sent(), ["3: line 2 0 0"]);
+    rig.good(Command::Pause);
+    rig.pass(1.0);
+    assert_eq!(rig.sent(), ["Pause"], "nothing goes on while it is paused");
+    assert_eq!(rig.refused(Command::Run), "a program cannot begin while a program runs");
+    rig.good(Command::Resume);
+    rig.pass(1.0);
+    assert_eq!(rig.sent()[..2], ["Resume", "5: line 3 0 0"]);
+    assert_eq!(rig.core.interpreting(), Interpreting::Idle);
+
+    let mut rig = Rig::new("G21 G0 X1\n#1=5\n(nothing)\nG0 X2\nG0 X3\nM2\n");
+    rig.send(Command::Step);
+    rig.pass(0.5);
+    assert_eq!(rig.sent(), ["1: line 1 0 0"]);
+    assert_eq!(rig.core.interpreting(), Interpreting::Paused);
+    rig.good(Command::Step);
+    rig.pass(0.5);
+    assert_eq!(rig.sent(), ["4: line 2 0 0"]);
+    rig.good(Command::Resume);
+    rig.pass(0.5);
+    assert_eq!(rig.sent()[0], "5: line 3 0 0");
+    assert_eq!(rig.refused(Command::Resume), "nothing is paused");
+}
+
+#[test]
+fn block_delete_leaves_lines_out() {
+    let mut rig = Rig::new("G21 G0 X1\n/ G0 X2\nM2\n");
+    assert_eq!(rig.run()[..1], ["1: line 1 0 0"]);
+    assert!(!rig.run().contains(&"2: line 2 0 0".to_owned()));
+    rig.good(Command::BlockDelete(false));
+    assert!(rig.run().contains(&"2: line 2 0 0".to_owned()));
+}
+
+#[test]
+fn mdi_has_a_queue_of_ten() {
+    let mut rig = Rig::new("M2\n");
+    assert!(rig.refused(Command::Mdi("G0 X1".into())).starts_with("MDI needs mode mdi"));
+    rig.good(Command::Mode(Mode::Mdi));
+    let tickets: Vec<Ticket> =
+        (1..=10).map(|n| rig.send(Command::Mdi(format!("G21 G0 X{n}").into()))).collect();
+    assert_eq!(rig.refused(Command::Mdi("G0".into())), "10 lines of MDI wait already");
+    rig.pass(0.15);
+    assert_eq!(rig.result(tickets[0]), Some(Ok(())));
+    assert_eq!(rig.result(tickets[1]), None);
+    rig.pass(3.0);
+    assert!(tickets.iter().all(|t| rig.result(*t) == Some(Ok(()))));
+    let sent = rig.sent();
+    assert_eq!((sent.len(), &*sent[9]), (10, "1: line 10 0 0"));
+    // What MDI sets stays for the next line.
+    rig.send(Command::Mdi("G91".into()));
+    rig.send(Command::Mdi("G0 X1".into()));
+    rig.pass(1.0);
+    assert_eq!(rig.sent(), ["1: line 11 0 0"]);
+}
+
+#[test]
+fn the_tool_table_is_written_when_its_line_is_executed() {
+    let mut rig = Rig::new("G21 G0 X1\nG10 L1 P2 Z33\nG43 H2\nM2\n");
+    rig.send(Command::Run);
+    rig.pass(0.05);
+    assert!(rig.fake.tables.is_empty(), "the move before it has not ended");
+    rig.pass(1.0);
+    assert_eq!(rig.fake.tables.len(), 1);
+    assert!(rig.fake.tables[0].contains("T2 P2 D+1.000000 X+0.000000 Y+0.000000 Z+33.000000"));
+    assert!(rig.sent().iter().any(|s| s.starts_with("ToolOffset([0.0, 0.0, 33.0")));
+}
+
+#[test]
+fn a_surface_speed_follows_the_radius() {
+    let mut rig = Rig::new("G21 G96 S100 D2000\nM3\nG0 X50\nG0 X0.1\nM5\nM2\n");
+    let sent = rig.run();
+    let speeds: Vec<&String> = sent.iter().filter(|s| s.starts_with("Spindle {")).collect();
+    assert_eq!(speeds[0], "Spindle { spindle: 0, speed: 2000.0 }", "on the axis, the top speed");
+    // 100 m/min at 50 mm.
+    assert!(speeds[1].starts_with("Spindle { spindle: 0, speed: 318.3"), "{speeds:?}");
+    assert_eq!(speeds[2], "Spindle { spindle: 0, speed: 2000.0 }");
+    let mut rig = Rig::new("G21 G96 S100\nM3\nM2\n");
+    let ticket = rig.send(Command::Run);
+    rig.pass(0.1);
+    let why = rig.result(ticket).unwrap().unwrap_err();
+    assert!(why.ends_with("job.ngc:2: G96 needs D, its top speed: the INI file has none"), "{why}");
+}
+
+#[test]
+fn overrides_count_unless_the_program_forbids_them() {
+    let mut rig = Rig::new("M49\nG4 P1\nM48\nM2\n");
+    rig.good(Command::FeedOverride(0.5));
+    assert_eq!(rig.sent(), ["FeedScale(0.5)"]);
+    rig.send(Command::Run);
+    rig.pass(0.5);
+    let off = ["FeedScale(1.0)", "SpindleScale { spindle: 0, scale: 1.0 }"];
+    assert_eq!(rig.sent(), off);
+    rig.good(Command::FeedOverride(0.25));
+    assert_eq!(rig.sent(), ["FeedScale(1.0)"]);
+    rig.pass(1.0);
+    assert_eq!(rig.sent()[0], "FeedScale(0.25)");
+    assert_eq!(
+        rig.refused(Command::SpindleOverride { spindle: 3, scale: 1.0 }),
+        "there is no spindle 3"
+    );
+}
+
+#[test]
+fn a_user_code_is_awaited_and_its_failure_ends_the_job() {
+    let mut rig = Rig::new("M101 P1 Q2.5\nG21 G0 X1\nM2\n");
+    let path = rig.folder.join("M101");
+    std::fs::write(&path, "#!/bin/sh\n").unwrap();
+    use std::os::unix::fs::PermissionsExt;
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+    rig.send(Command::Run);
+    rig.pass(1.0);
+    assert_eq!(rig.sent(), ["M101 1 2.5"]);
+    rig.fake.program = Progress::Done;
+    rig.pass(1.0);
+    assert_eq!(rig.sent()[0], "2: line 1 0 0");
+    let ticket = rig.send(Command::Run);
+    rig.pass(0.1);
+    rig.fake.program = Progress::Failed("M101 ended with exit status: 1".to_owned());
+    rig.pass(0.1);
+    let why = rig.result(ticket).unwrap().unwrap_err();
+    assert!(why.contains("job.ngc:1") && why.contains("exit status: 1"), "{why}");
+}

@@ -1,0 +1,322 @@
+//! The worker: the core between motion, iocontrol, files and users.
+
+use crate::{
+    command_record::{Letters, record},
+    core::{Core, Interpreting, user::Command},
+    outside::{Level, MotionState, Order, Outside, Progress, Refusal, Ticket},
+    programs::UserProgram,
+    status::{Report, TaskStatus},
+    texts::Texts,
+};
+use hal_component::{
+    Clock, IoControlRef, IoRequest, IoState, Messages, MotionEnd, MotionId, MotionRef,
+    MotionRefusal, MotionToken, Snapshot, TicketHandle, Touch, Uses, Work,
+};
+use hal_gcode::{Numbered, parameters::file::ParameterFile, tool::ToolTable};
+use std::{
+    collections::{BTreeMap, VecDeque},
+    path::PathBuf,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+};
+
+const NOT_OWNER: &str = "motion belongs to another controller";
+
+/// State that commands and the worker share.
+#[derive(Default)]
+pub(crate) struct Desk {
+    pub(crate) inbox: VecDeque<(Command, TicketHandle)>,
+    /// The core of a machine whose files have been read.
+    pub(crate) opened: Option<(Box<Core>, Files)>,
+    pub(crate) report: Report,
+}
+
+/// The files that the task writes, and the folders of user programs.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Files {
+    pub(crate) parameters: Option<(PathBuf, ParameterFile)>,
+    pub(crate) table: Option<PathBuf>,
+    pub(crate) codes: Vec<PathBuf>,
+    pub(crate) letters: Letters,
+}
+
+/// Commands and the worker have one desk.
+#[derive(Clone, Default)]
+pub(crate) struct Shared(Arc<Mutex<Desk>>);
+
+impl Shared {
+    pub(crate) fn lock(&self) -> MutexGuard<'_, Desk> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The worker.
+pub(crate) struct Worker {
+    shared: Shared,
+    core: Option<Box<Core>>,
+    world: Machine,
+    snapshot: Snapshot<TaskStatus>,
+    claimed: bool,
+}
+
+/// Everything outside the core.
+struct Machine {
+    motion: MotionRef,
+    token: Option<MotionToken>,
+    io: IoControlRef,
+    clock: Clock,
+    messages: Messages,
+    texts: Texts,
+    files: Files,
+    saved: String,
+    program: UserProgram,
+    /// Orders and requests in progress, with the numbers that the core has.
+    orders: BTreeMap<u64, MotionId>,
+    results: BTreeMap<u64, Progress>,
+    tickets: BTreeMap<u64, TicketHandle>,
+    next: u64,
+    status: MotionState,
+}
+
+impl Worker {
+    pub(crate) fn new(
+        shared: Shared,
+        motion: MotionRef,
+        io: IoControlRef,
+        clock: Clock,
+        messages: Messages,
+        snapshot: Snapshot<TaskStatus>,
+    ) -> Self {
+        let world = Machine {
+            motion,
+            token: None,
+            io,
+            clock,
+            messages,
+            texts: Texts::default(),
+            files: Files::default(),
+            saved: String::new(),
+            program: UserProgram::default(),
+            orders: BTreeMap::new(),
+            results: BTreeMap::new(),
+            tickets: BTreeMap::new(),
+            next: 0,
+            status: MotionState::default(),
+        };
+        Self { shared, core: None, world, snapshot, claimed: false }
+    }
+
+    /// Keeps others from moving while a job runs; a paused one lets an operator jog.
+    fn claim(&mut self, core: &Core) {
+        let wanted = core.is_busy() && core.interpreting() != Interpreting::Paused;
+        if wanted != self.claimed
+            && let Some(token) = self.world.token()
+            && self.world.motion.claim(token, wanted)
+        {
+            self.claimed = wanted;
+        }
+    }
+}
+
+impl Touch for Worker {
+    fn touch(&self, uses: &mut Uses) {
+        self.world.motion.touch(uses);
+        self.world.io.touch(uses);
+    }
+}
+
+impl Work for Worker {
+    fn work(&mut self, items: u32) -> u32 {
+        let commands = {
+            let mut desk = self.shared.lock();
+            if let Some((core, files)) = desk.opened.take() {
+                self.world.open(&core, files);
+                self.core = Some(core);
+            }
+            core::mem::take(&mut desk.inbox)
+        };
+        let Some(mut core) = self.core.take() else { return 0 };
+        self.world.refresh();
+        for (command, handle) in commands {
+            let ticket = self.world.ticket(handle);
+            core.command(command, ticket, &mut self.world);
+        }
+        self.claim(&core);
+        let done = core.step(&mut self.world, items);
+        self.claim(&core);
+        let report = Report::of(&core, &self.world.status, &self.world.io.state());
+        let mut desk = self.shared.lock();
+        if let Some(status) = report.status
+            && desk.report.status != report.status
+        {
+            self.snapshot.set(&status);
+        }
+        desk.report = report;
+        drop(desk);
+        self.core = Some(core);
+        done
+    }
+}
+
+impl Machine {
+    /// Takes the files of a machine, and tells what is wrong with them.
+    fn open(&mut self, core: &Core, files: Files) {
+        let machine = &core.world.machine;
+        for remark in &machine.remarks {
+            self.say(Level::Info, remark);
+        }
+        // Pocket 0 of a random changer is the spindle.
+        let in_spindle = machine.tools.tools.iter().find(|t| t.pocket == 0);
+        if let Some(tool) = in_spindle.filter(|_| machine.settings.random_changer) {
+            self.request(IoRequest::SetTool { tool: tool.number, pocket: 0 });
+        }
+        self.files = files;
+    }
+
+    /// Reads motion's status and the results of iocontrol.
+    fn refresh(&mut self) {
+        if let Some(s) = self.motion.status() {
+            self.status = MotionState {
+                enabled: s.enabled,
+                in_position: s.in_position,
+                all_homed: s.all_homed,
+                velocity: s.velocity,
+                queue: s.queue,
+                pose: s.pose,
+                probe_found: s.probe_found,
+                probe_measured: s.probe_measured,
+                digital_in: s.digital_in,
+                analog_in: s.analog_in,
+                at_speed: s.at_speed,
+            };
+        }
+        while let Some(result) = self.io.result() {
+            if let Some(place) = self.results.get_mut(&result.id) {
+                *place =
+                    result.failure.map_or(Progress::Done, |why| Progress::Failed(why.to_owned()));
+            }
+        }
+    }
+
+    fn ticket(&mut self, handle: TicketHandle) -> Ticket {
+        self.next += 1;
+        self.tickets.insert(self.next, handle);
+        Ticket(self.next)
+    }
+
+    /// Returns the proof of ownership; without one, asks for it.
+    fn token(&mut self) -> Option<MotionToken> {
+        if self.token.is_none() {
+            self.token = self.motion.acquire("task").ok();
+        }
+        self.token
+    }
+}
+
+impl Outside for Machine {
+    fn now(&self) -> f64 {
+        self.clock.now_ns() as f64 * 1e-9
+    }
+
+    fn motion(&self) -> MotionState {
+        self.status
+    }
+
+    fn io(&self) -> IoState {
+        self.io.state()
+    }
+
+    fn order(&mut self, order: &Order) -> Result<u64, Refusal> {
+        let Some(token) = self.token() else {
+            return Err(Refusal::Why(NOT_OWNER.into()));
+        };
+        match self.motion.push(token, &record(order, self.files.letters)) {
+            Ok(id) => {
+                self.next += 1;
+                self.orders.insert(self.next, id);
+                // At rest no longer, whatever the status of the last cycle says.
+                self.status.in_position &= !matches!(order, Order::Move(_));
+                Ok(self.next)
+            }
+            Err(MotionRefusal::Full) => Err(Refusal::Full),
+            Err(MotionRefusal::NotOwner) => {
+                self.token = None;
+                Err(Refusal::Why(NOT_OWNER.into()))
+            }
+            Err(MotionRefusal::Refused(why)) => Err(Refusal::Why(why.into())),
+        }
+    }
+
+    fn ordered(&mut self, id: u64) -> Progress {
+        let Some(motion) = self.orders.get(&id) else { return Progress::Done };
+        let progress = match self.motion.poll(*motion) {
+            MotionEnd::Pending => return Progress::Pending,
+            MotionEnd::Done | MotionEnd::Forgotten => Progress::Done,
+            MotionEnd::Failed(why) => Progress::Failed(why),
+        };
+        self.orders.remove(&id);
+        progress
+    }
+
+    fn request(&mut self, request: IoRequest) -> Option<u64> {
+        let id = self.io.request(request)?;
+        self.results.insert(id, Progress::Pending);
+        Some(id)
+    }
+
+    fn requested(&mut self, id: u64) -> Progress {
+        match self.results.get(&id) {
+            None => Progress::Done,
+            Some(Progress::Pending) => Progress::Pending,
+            Some(_) => self.results.remove(&id).unwrap_or(Progress::Done),
+        }
+    }
+
+    fn begin_program(&mut self, code: u16, p: f64, q: f64) -> Result<(), String> {
+        self.program.begin(&self.files.codes, code, p, q)
+    }
+
+    fn program(&mut self) -> Progress {
+        self.program.progress()
+    }
+
+    fn end_program(&mut self) {
+        self.program.end();
+    }
+
+    fn say(&mut self, level: Level, text: &str) {
+        let text = self.texts.keep(text);
+        match level {
+            Level::Error => self.messages.error(text, &[]),
+            Level::Info => self.messages.info(text, &[]),
+        }
+    }
+
+    fn finish(&mut self, ticket: Ticket, result: Result<(), String>) {
+        let Some(handle) = self.tickets.remove(&ticket.0) else { return };
+        match result {
+            Ok(()) => handle.done(),
+            Err(why) => handle.fail(self.texts.keep(&why)),
+        }
+    }
+
+    fn save_parameters(&mut self, numbered: &Numbered) -> Result<(), String> {
+        let Some((path, file)) = &self.files.parameters else { return Ok(()) };
+        let text = file.save(numbered);
+        if text == self.saved {
+            return Ok(());
+        }
+        written(path, &text)?;
+        self.saved = text;
+        Ok(())
+    }
+
+    fn save_tools(&mut self, tools: &ToolTable) -> Result<(), String> {
+        self.files.table.as_ref().map_or(Ok(()), |path| written(path, &tools.print()))
+    }
+}
+
+/// Replaces a file as a whole.
+fn written(path: &std::path::Path, text: &str) -> Result<(), String> {
+    hal_output::write(path, text.as_bytes())
+        .map_err(|e| format!("{}: {}", path.display(), hal_output::reason(&e)))
+}

@@ -1,0 +1,205 @@
+//! Jobs: a program on a whole machine, from `--run` to the step pulses.
+#![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
+
+use hal_tests::{programs::root, scratch::Scratch, vcd::Vcd};
+
+/// Steps of a millimetre of X, Y and Z.
+const SCALES: [f64; 3] = [4.0, 4.0, 285.714_285_714_285_7];
+/// Distance from the path that the program allows: G61, exact path.
+const TOLERANCE: f64 = 0.002;
+
+/// A person who changes the tool in two seconds, and lets go of the button.
+const PERSON: &str = "loadrt timedelay names=person\naddf person servo-thread\n\
+                      setp person.on-delay 2\nsetp person.off-delay 0\n\
+                      net tool-change => person.in\n\
+                      net button person.out => hal_manualtoolchange.change_button\n";
+
+/// A part with two tools: a square in two passes of 3 mm, and a round finish.
+const PART: &str = "\
+(roughing)
+G21 G90 G94 G61
+T1 M6
+G43 H1
+S10000 M3
+G0 X5 Y5
+#1=0
+o100 while [#1 LT 2]
+#1=[#1+1]
+G1 Z[-3*#1] F200
+G1 X35 F500
+Y25
+X5
+Y5
+o100 endwhile
+G0 Z1
+M5
+(finish)
+T2 M6
+G43 H2
+S10000 M3
+G0 X20 Y10
+G1 Z-6 F200
+G3 X20 Y10 I0 J10 F500
+G0 Z1
+M5
+G49 G0 X0 Y0 Z0
+M2
+";
+
+/// Programmed corners and points of the part, in their order.
+fn programmed() -> Vec<[f64; 3]> {
+    let mut path = vec![[0.0, 0.0, 0.0], [5.0, 5.0, 0.0]];
+    for pass in [-3.0, -6.0] {
+        path.push([5.0, 5.0, pass]);
+        for [x, y] in [[35.0, 5.0], [35.0, 25.0], [5.0, 25.0], [5.0, 5.0]] {
+            path.push([x, y, pass]);
+        }
+    }
+    path.extend([[5.0, 5.0, 1.0], [20.0, 10.0, 1.0], [20.0, 10.0, -6.0]]);
+    for n in 1..=720 {
+        let angle = f64::from(n) * core::f64::consts::PI / 360.0;
+        path.push([20.0 + 10.0 * angle.sin(), 20.0 - 10.0 * angle.cos(), -6.0]);
+    }
+    path.extend([[20.0, 10.0, 1.0], [0.0, 0.0, 0.0]]);
+    path
+}
+
+/// Returns the places of the machine after each step, from the pulses alone.
+fn stepped(vcd: &Vcd) -> Vec<[f64; 3]> {
+    let mut pulses = Vec::new();
+    for axis in 0..3 {
+        let direction = format!("stepgen.{axis}.dir");
+        for time in vcd.rises(&format!("stepgen.{axis}.step")) {
+            let sign = if vcd.at(&direction, time) == 0.0 { 1.0 } else { -1.0 };
+            pulses.push((time, axis, sign));
+        }
+    }
+    pulses.sort_by_key(|(time, axis, _)| (*time, *axis));
+    let mut at = [0.0; 3];
+    let mut out = Vec::new();
+    for (_, axis, sign) in pulses {
+        at[axis] += sign / SCALES[axis];
+        out.push(at);
+    }
+    out
+}
+
+/// Returns whether a place is within one step of each axis, and the tolerance, of a part of the path.
+fn is_near(at: &[f64; 3], from: &[f64; 3], to: &[f64; 3]) -> bool {
+    // The shares of the part for which each axis is near.
+    let (mut low, mut high) = (0.0_f64, 1.0_f64);
+    for axis in 0..3 {
+        let most = 1.0 / SCALES[axis] + TOLERANCE;
+        let (off, way) = (at[axis] - from[axis], to[axis] - from[axis]);
+        if way == 0.0 {
+            if off.abs() > most {
+                return false;
+            }
+            continue;
+        }
+        let (a, b) = ((off - most) / way, (off + most) / way);
+        low = low.max(a.min(b));
+        high = high.min(a.max(b));
+    }
+    low <= high
+}
+
+fn printer(person: &str, part: &str) -> Scratch {
+    let scratch = Scratch::copy_of(&root().join("configs/printer"));
+    scratch.write("custom.hal", person);
+    scratch.write("part.ngc", part);
+    scratch
+}
+
+#[test]
+fn a_part_with_two_tools_goes_from_its_program_to_the_pulses() {
+    let run = || {
+        let scratch = printer(PERSON, PART);
+        let words = ["--virtual", "--record", "out.vcd", "--run", "part.ngc", "printer.ini"];
+        let output = scratch.halrun(&words);
+        assert_eq!(output.status, Some(0), "{}", output.stderr);
+        (output.stderr, scratch.read("out.vcd"), scratch.read("linuxcnc.var"))
+    };
+    let (said, recorded, parameters) = run();
+    for part in [
+        "part.ngc: line 3: waits for tool 1\n",
+        "Insert tool 1 and set hal_manualtoolchange.change_button.\n",
+        "part.ngc: line 19: waits for tool 2\n",
+        "part.ngc: ended after ",
+    ] {
+        assert!(said.contains(part), "no {part:?} in\n{said}");
+    }
+    let vcd = Vcd::parse(&recorded);
+    // It stood still while the person changed a tool.
+    for change in vcd.rises("tool-change") {
+        let during = |t: &i64| (change..change + 2_000_000_000).contains(t);
+        let steps = vcd.rises("stepgen.0.step").iter().filter(|t| during(t)).count();
+        assert_eq!(steps, 0, "X moves while the tool is changed");
+    }
+    assert_eq!(vcd.rises("tool-change").len(), 2);
+    let path = programmed();
+    let mut part = 0;
+    let places = stepped(&vcd);
+    for at in &places {
+        // Along the path, never back.
+        let rest = path.windows(2).enumerate().skip(part);
+        let near = rest.take(40).find(|(_, w)| is_near(at, &w[0], &w[1]));
+        let Some((n, _)) = near else {
+            panic!("{at:?} is not near the path behind {:?}", path[part])
+        };
+        part = n;
+    }
+    assert!(part + 2 >= path.len(), "the path ends at part {part} of {}", path.len());
+    let last = places[places.len() - 1];
+    assert!((0..3).all(|axis| last[axis].abs() < 0.5 / SCALES[axis]), "{last:?}");
+    assert_eq!(parameters.lines().next(), Some("5161\t0.000000"));
+    assert_eq!(run(), (said, recorded, parameters), "the second run");
+}
+
+#[test]
+fn a_program_beyond_a_limit_fails_at_its_line() {
+    let scratch = printer("", "G21 G90\nG0 X10\nG0 X999\nM2\n");
+    let output = scratch.halrun(&["--virtual", "--run", "part.ngc", "printer.ini"]);
+    assert_eq!(output.status, Some(1));
+    assert!(output.stderr.contains("part.ngc:3: "), "{}", output.stderr);
+    assert!(output.stderr.contains("part.ngc: failed after "), "{}", output.stderr);
+}
+
+#[test]
+fn what_run_needs_is_said() {
+    let scratch = printer("", "M2\n");
+    for (words, wanted) in [
+        (&["--virtual", "--run", "none.ngc", "printer.ini"][..], "none.ngc: No such file"),
+        (&["--run", "part.ngc", "custom.hal"], "it needs a machine from an INI file"),
+        (&["--run", "part.ngc", "--detach", "printer.ini"], "it excludes --detach and --hold"),
+    ] {
+        let output = scratch.halrun(words);
+        assert_eq!(output.status, Some(1), "{words:?}");
+        assert!(output.stderr.contains(wanted), "{words:?}: {}", output.stderr);
+    }
+}
+
+#[test]
+fn the_task_switches_the_machine_on_and_runs_lines() {
+    let scratch = printer("", "M2\n");
+    scratch.write(
+        "custom_postgui.hal",
+        "task.mdi text='G0 X1' --wait\ntask.estop-reset --wait\ntask.on --wait\ntask.run --wait\n\
+         task.home joint=all --wait\ntask.mode mode=mdi --wait\ntask.mdi text='G21 G0 X1 Y2' --wait\n\
+         task.mdi text='G10 L20 P1 X0' --wait\ntask.mdi text='G0 X3' --wait\n\
+         getp joint.0.motor-pos-cmd\ntask.mdi text='G0 Y' --wait\ntask.status\n\
+         task.estop --wait\ngetp motion.motion-enabled\nshutdown\n",
+    );
+    let output = scratch.halrun(&["-k", "--virtual", "printer.ini"]);
+    for wanted in [
+        "MDI is not possible in e-stop",
+        "a program needs mode auto, the mode is manual: task.mode mode=auto; a program needs homed joints",
+    ] {
+        assert!(output.stderr.contains(wanted), "no {wanted:?} in\n{}", output.stderr);
+    }
+    let lines: Vec<&str> = output.stdout.lines().collect();
+    assert_eq!(lines[0], "4", "X3 in a system whose zero is at 1\n{}", output.stderr);
+    assert!(lines[1].starts_with("task state=on mode=mdi interpreter="), "{lines:?}");
+    assert_eq!(lines.last(), Some(&"FALSE"), "off in e-stop");
+    assert!(scratch.read("linuxcnc.var").contains("5221\t1.000000"), "the offset is on disk");
+}
