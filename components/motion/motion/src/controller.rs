@@ -146,6 +146,14 @@ fn write_pins(s: &mut State, pins: &Pins, status: &MotionStatus) {
     let (_, feed) = s.path.feeds();
     g.interp_iscircle.set(status.motion_type == 3);
     g.interp_feedrate.set(status.requested_velocity);
+    let ([x, y, z], radius) = s.path.circle();
+    g.interp_arc_center_x.set(x);
+    g.interp_arc_center_y.set(y);
+    g.interp_arc_center_z.set(z);
+    g.interp_arc_radius.set(radius);
+    let (heading, left) = s.path.headings();
+    g.interp_heading.set(heading);
+    g.interp_normal_heading.set(left);
     g.interp_line_number.set(status.line.cast_signed());
     g.interp_motion_type.set(status.motion_type.cast_signed());
     let tool = [

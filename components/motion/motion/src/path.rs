@@ -50,6 +50,8 @@ pub(crate) struct Known {
     /// Length of an arc and its angle in turns; 0 for lines.
     length: f64,
     turns: f64,
+    /// Centre and radius of an arc.
+    circle: ([f64; 3], f64),
     /// Spindle that the move follows.
     sync: Option<Sync>,
 }
@@ -146,6 +148,8 @@ pub(crate) struct Path {
     velocity: f64,
     /// Travel since the start of the current move.
     travelled: f64,
+    /// Direction in x and y, in degrees.
+    heading: f64,
     scale: f64,
     /// Reason of the last move that the planner refused, until it is taken.
     refused: Option<Refusal>,
@@ -194,6 +198,7 @@ impl Path {
             last: AT_REST,
             velocity: 0.0,
             travelled: 0.0,
+            heading: 0.0,
             scale: 1.0,
             refused: None,
             failed: None,
@@ -260,6 +265,7 @@ impl Path {
         self.velocity = fabs(step.travel) / drive.dt;
         self.travelled = if step.line == self.last.line { self.travelled } else { 0.0 };
         self.travelled += step.travel;
+        self.turn_heading(&step);
         self.last = step;
         if drive.pace.is_some_and(|p| !p.waits) {
             self.keep_pace(&step, brakes);

@@ -124,6 +124,7 @@ fn float(c: &MotionCommand, name: &str) -> Option<f64> {
         "time" => given(c.speed, c.speed_kind == 3 && !is_bound(c)),
         "pitch" => given(c.pitch, is_bound(c) && !has(c, flags::VELOCITY_MODE)),
         "per-turn" => given(c.pitch, is_bound(c) && has(c, flags::VELOCITY_MODE)),
+        "cam-tolerance" => given(c.cam_tolerance, c.mode == 2 && c.cam_tolerance != 0.0),
         "return" => given(c.scale, has(c, flags::HAS_SCALE) || c.scale != 0.0),
         "acceleration" => given(c.acceleration, c.acceleration != 0.0),
         "tolerance" => {

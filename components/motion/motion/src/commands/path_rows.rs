@@ -5,7 +5,7 @@ use crate::{
     commands::command::{
         Arc, Follows, Move, Output, PathMode, Probe, Request, Run, Speed, Sync as SpindleSync,
     },
-    commands::interface::{CommandInterface, Row, above, number, within},
+    commands::interface::{CommandInterface, Row, above, factor, number, within},
     pins::LETTERS,
 };
 use hal_component::{Arg, Error, abi::ArgSpec};
@@ -23,6 +23,11 @@ const MODE: ArgSpec = Arg::text(
 const TOLERANCE: ArgSpec = Arg::float(
     "tolerance",
     "Distance from the path in mode blend, in units, 0 or more; half of each move if missing.",
+);
+const CAM: ArgSpec = Arg::float(
+    "cam-tolerance",
+    "Distance from the path within which short lines in mode blend are joined, in units, as Q of G64; the larger of it \
+     and tolerance holds.",
 );
 const LINE: ArgSpec = Arg::int("line", "Line of the program, for messages and status.").or("0");
 const RAPID: ArgSpec =
@@ -77,6 +82,7 @@ and a hold takes effect after it. Several such moves in a row are one thread.",
             &TIME,
             &MODE,
             &TOLERANCE,
+            &CAM,
             &LINE,
         ],
         read: |interface, call| Ok(Request::Move(move_to(interface, call, None)?)),
@@ -137,6 +143,7 @@ full circle. All other axes move evenly along it.",
             &TIME,
             &MODE,
             &TOLERANCE,
+            &CAM,
             &LINE,
         ],
         read: |interface, call| {
@@ -316,7 +323,11 @@ fn mode(call: &Call<'_>) -> Result<PathMode, Error> {
         ("blend", Some(p)) if p < 0.0 => {
             Err(Error::new(format!("tolerance is {p}, must be 0 or more")))
         }
-        ("blend", p) => Ok(PathMode::Blend(p.unwrap_or(f64::INFINITY))),
+        ("blend", None) => Ok(PathMode::Blend(f64::INFINITY)),
+        ("blend", Some(p)) => {
+            let cam = factor(call, "cam-tolerance")?.unwrap_or(0.0);
+            Ok(PathMode::Blend(p.max(cam)))
+        }
         ("stop" | "exact", Some(_)) => {
             Err(Error::new(format!("tolerance= belongs to mode=blend, not to mode={text}")))
         }

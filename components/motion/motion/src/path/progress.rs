@@ -3,6 +3,7 @@
 use super::{Path, less};
 use hal_component::Pose;
 use hal_trajectory::{Group, Step};
+use libm::atan2;
 
 impl Path {
     /// Returns the distance travelled along the current move, and the velocity along the path, negative in reverse.
@@ -38,5 +39,25 @@ impl Path {
     pub(crate) fn axis_to_go(&self) -> Pose {
         let Some(known) = self.current() else { return [0.0; 9] };
         (hal_trajectory::Pose(known.end) - self.last.pose).0
+    }
+
+    /// Keeps the direction of this step in x and y.
+    pub(super) fn turn_heading(&mut self, step: &Step) {
+        let [x, y, ..] = (step.pose - self.last.pose).0;
+        // The first step of a path has no place before it.
+        if self.last.moving && step.moving && (x != 0.0 || y != 0.0) {
+            self.heading = atan2(y, x).to_degrees();
+        }
+    }
+
+    /// Returns the direction of the path in x and y, and the one to its left, in degrees.
+    pub(crate) fn headings(&self) -> (f64, f64) {
+        let left = self.heading + 90.0;
+        (self.heading, if left > 180.0 { left - 360.0 } else { left })
+    }
+
+    /// Returns centre and radius of the current arc; zeros without one.
+    pub(crate) fn circle(&self) -> ([f64; 3], f64) {
+        self.current().map_or(([0.0; 3], 0.0), |c| c.circle)
     }
 }

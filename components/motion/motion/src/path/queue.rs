@@ -57,12 +57,12 @@ impl Path {
         }
         // A tap ends where it begins.
         let end = if order.is_tap() { start } else { end };
-        let (length, turns) = match order.kind {
+        let (length, turns, circle) = match order.kind {
             Kind::Arc => {
                 let sweep = Sweep::new(&start, &order.shape);
-                (sweep.length(), sweep.turns())
+                (sweep.length(), sweep.turns(), sweep.circle())
             }
-            Kind::None | Kind::Rapid | Kind::Feed | Kind::Probe => (0.0, 0.0),
+            Kind::None | Kind::Rapid | Kind::Feed | Kind::Probe => (0.0, 0.0, Default::default()),
         };
         if self.live == Live::Rest {
             self.live = Live::Wanted;
@@ -77,6 +77,7 @@ impl Path {
                 end,
                 length,
                 turns,
+                circle,
                 sync: order.sync,
             };
         }

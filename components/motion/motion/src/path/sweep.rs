@@ -94,6 +94,11 @@ impl Sweep {
         }
     }
 
+    /// Returns the centre of the arc, and the radius of its start.
+    pub(crate) fn circle(&self) -> ([f64; 3], f64) {
+        self.arc.map_or(([0.0; 3], 0.0), |a| (a.center, norm(&a.arm)))
+    }
+
     /// Returns the angle of the arc in turns.
     pub(crate) fn turns(&self) -> f64 {
         self.arc.map_or(0.0, |a| a.angle / TAU)

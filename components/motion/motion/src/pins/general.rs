@@ -94,19 +94,20 @@ pins! {
         tooloffset_w: Out<f64> = 0.0, "tooloffset.w";
         /// TRUE while an arc is run.
         interp_iscircle: Out<bool> = false, "interp.iscircle";
-        /// Centre of the arc in x. Not used yet: always 0.
+        /// Centre of the arc in x, in units; 0 without an arc.
         interp_arc_center_x: Out<f64> = 0.0, "interp.arc-center-x";
-        /// Centre of the arc in y. Not used yet: always 0.
+        /// Centre of the arc in y, in units; 0 without an arc.
         interp_arc_center_y: Out<f64> = 0.0, "interp.arc-center-y";
-        /// Centre of the arc in z. Not used yet: always 0.
+        /// Centre of the arc in z, in units; 0 without an arc.
         interp_arc_center_z: Out<f64> = 0.0, "interp.arc-center-z";
-        /// Radius of the arc. Not used yet: always 0.
+        /// Radius of the arc at its start, in units; 0 without an arc.
         interp_arc_radius: Out<f64> = 0.0, "interp.arc-radius";
         /// Velocity that the current move requests, in machine units per second.
         interp_feedrate: Out<f64> = 0.0, "interp.feedrate";
-        /// Direction of the path in degrees. Not used yet: always 0.
+        /// Direction of the path in x and y, counter-clockwise from x, in degrees, -180 to 180; the last one while x and y
+        /// rest.
         interp_heading: Out<f64> = 0.0, "interp.heading";
-        /// Direction across the path in degrees. Not used yet: always 0.
+        /// Direction across the path, to its left: heading and 90 degrees, -180 to 180.
         interp_normal_heading: Out<f64> = 0.0, "interp.normal-heading";
         /// Line of the current move: as program-line.
         interp_line_number: Out<i32> = 0, "interp.line-number";

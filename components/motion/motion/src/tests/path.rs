@@ -33,6 +33,14 @@ fn pins_and_snapshot_tell_about_the_current_move() {
     assert_eq!(rig.bench.get::<i32>("motion.interp.line-number"), 7);
     assert_eq!(rig.bench.get::<i32>("motion.interp.motion-type"), 3);
     assert_eq!(rig.bench.get::<u32>("traj.active_tc"), 1);
+    let center = ["x", "y", "z"].map(|l| rig.float(&format!("motion.interp.arc-center-{l}")));
+    assert_eq!((center, rig.float("motion.interp.arc-radius")), ([20.0, 0.0, 0.0], 20.0));
+    let [x, y, _] = rig.places();
+    let along = (x - 20.0).atan2(-y).to_degrees();
+    let off = (rig.float("motion.interp.heading") - along).rem_euclid(360.0);
+    assert!(!(0.1..=359.9).contains(&off), "{off}");
+    let left = rig.float("motion.interp.normal-heading") - rig.float("motion.interp.heading");
+    assert!((left.rem_euclid(360.0) - 90.0).abs() < 1e-9 && along.abs() > 1.0);
     let (gone, left) = (rig.float("tc.0.pos"), rig.float("motion.distance-to-go"));
     assert!(gone > 10.0 && (gone + left - 40.0 * core::f64::consts::PI).abs() < 1e-6);
     assert_eq!(rig.float("traj.pos_out"), gone);
@@ -132,6 +140,25 @@ fn corners_are_blended_within_their_tolerance() {
         times.push(cycles);
     }
     assert!(times[2] < times[1] && times[1] < times[0], "{times:?}");
+}
+
+/// Q of G64: short lines are joined within the larger of both tolerances.
+#[test]
+fn a_cam_tolerance_widens_a_small_tolerance() {
+    let mut cycles = Vec::new();
+    for text in ["tolerance=0.01", "tolerance=0.01 cam-tolerance=0.2", "tolerance=0.2"] {
+        let mut rig = Rig::homed(&[]);
+        for n in 1..30 {
+            // A zigzag of 0.3 mm, which joins to a line.
+            let y = if n % 2 == 0 { 0.0 } else { 0.15 };
+            let x = f64::from(n);
+            rig.say(&format!("motion.move x={x} y={y} velocity=80 mode=blend {text}"));
+        }
+        cycles.push(rig.finish());
+    }
+    assert!(cycles[1] == cycles[2] && cycles[1] < cycles[0] * 9 / 10, "{cycles:?}");
+    let rig = Rig::homed(&[]);
+    assert!(rig.try_say("motion.move x=1 mode=blend tolerance=1 cam-tolerance=-1").is_err());
 }
 
 #[test]
