@@ -122,7 +122,8 @@ fn float(c: &MotionCommand, name: &str) -> Option<f64> {
             given(c.speed, c.kind == motion_kind::JOG || c.speed_kind == 2 && !is_bound(c))
         }
         "time" => given(c.speed, c.speed_kind == 3 && !is_bound(c)),
-        "pitch" => given(c.pitch, is_bound(c) && !has(c, flags::VELOCITY_MODE)),
+        // The target is the direction: the sign of K says nothing.
+        "pitch" => given(c.pitch.abs(), is_bound(c) && !has(c, flags::VELOCITY_MODE)),
         "per-turn" => given(c.pitch, is_bound(c) && has(c, flags::VELOCITY_MODE)),
         "cam-tolerance" => given(c.cam_tolerance, c.mode == 2 && c.cam_tolerance != 0.0),
         "return" => given(c.scale, has(c, flags::HAS_SCALE) || c.scale != 0.0),

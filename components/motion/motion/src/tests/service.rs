@@ -198,7 +198,7 @@ fn rows() -> Vec<Row> {
             {
                 MotionCommand {
                     kind: kind::TAP,
-                    pitch: 2.0,
+                    pitch: -2.0,
                     flags: flags::HAS_SCALE,
                     scale: 0.5,
                     ..line(4.0, 3.0, 0.0)
