@@ -27,6 +27,7 @@ impl Item {
 
     /// Sets the value.
     #[inline]
+    #[pyo3(signature = (value, /))]
     pub(crate) fn set(&self, value: &Bound<'_, PyAny>) -> PyResult<()> {
         self.core.set(self.index, value::bits(self.ty, value)?)
     }
