@@ -1,5 +1,5 @@
 //! Lines that load `iocontrol`, either as the program `io` of LinuxCNC, or again after a start from
-//! an INI file.
+//! an INI file; and the line that loads `motmod`, after which such a start loads `halui`.
 
 use crate::{Command, Error, Session};
 use hal_protocol::{At, Code, Finding, Request};
@@ -39,6 +39,24 @@ impl Session<'_> {
         }
         let note = Some(format!("Realtime module '{module}' loaded"));
         Ok(Some(Command::Ask(Request::Load { module: module.to_owned(), args }, note)))
+    }
+
+    /// Returns whether a command loads `motmod`, for which `halui` waits.
+    pub(crate) fn awaits_operator(&self, command: &Command) -> bool {
+        let Command::Ask(Request::Load { module, .. }, _) = command else { return false };
+        self.operator.is_some() && module == "motmod"
+    }
+
+    /// Loads `halui`, on the line of the INI file that names it.
+    pub(crate) fn load_operator(&mut self) -> Result<(), Error> {
+        let Some((at, args)) = self.operator.take() else { return Ok(()) };
+        let back = self.standing();
+        self.stand_at(&at.file, at.line);
+        let loaded = self.ask(Request::Load { module: "halui".to_owned(), args });
+        if loaded.is_ok() {
+            self.stand_at(&back.file, back.line);
+        }
+        loaded.map(|_| ())
     }
 
     fn say_that_it_is_there(&mut self, module: &str, args: &[String]) {

@@ -97,6 +97,8 @@ pub struct Session<'a> {
     pub(crate) dry_run: Option<DryRunResult>,
     /// Set when the lines are those of a machine started from an INI file.
     pub(crate) is_machine: bool,
+    /// Place and arguments of `halui`, which is loaded as soon as `motmod` is.
+    pub(crate) operator: Option<(At, Vec<String>)>,
 }
 
 impl core::fmt::Debug for Session<'_> {
@@ -136,6 +138,7 @@ impl<'a> Session<'a> {
             plan: None,
             dry_run: None,
             is_machine: false,
+            operator: None,
         }
     }
 
@@ -315,6 +318,7 @@ impl<'a> Session<'a> {
         }
         let command = statement.command()?;
         let trailer = Trailer::of(&command);
+        let brings_operator = self.awaits_operator(&command);
         let done = if self.plan.is_some() {
             self.plan(statement, command)
         } else {
@@ -325,6 +329,7 @@ impl<'a> Session<'a> {
                 Err(error) => Err(error),
             }
         };
+        let done = if brings_operator { done.and_then(|()| self.load_operator()) } else { done };
         // No reader is left for further output.
         self.ended |= done == Err(Error::Output(Unwritten::ReaderGone));
         done.map(|()| Step::On).map_err(|error| {

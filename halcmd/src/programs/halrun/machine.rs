@@ -4,7 +4,7 @@ use crate::{
     Bytes, Error, Outcome, Session,
     ini::{Entry, Ini},
 };
-use hal_protocol::{CommandInfo, Kind, Reply, Request};
+use hal_protocol::{At, CommandInfo, Kind, Reply, Request};
 use std::path::{Path, PathBuf};
 
 const TCL: &str = "write it as a .hal file";
@@ -39,6 +39,7 @@ pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path, headless:
     }
     let mut machine = Machine { session, ini, folders, outcome: Outcome::Good };
     machine.load();
+    machine.operator();
     machine.session.begin_machine();
     for entry in ini.all("HAL", "HALFILE") {
         machine.file(entry, true);
@@ -58,7 +59,9 @@ pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path, headless:
 
 /// Executes the part of [`start`] that comes before the HAL files.
 pub(crate) fn before_files(session: &mut Session<'_>, ini: &Ini, path: &Path) {
-    Machine { session, ini, folders: Folders::of(path), outcome: Outcome::Good }.load();
+    let mut machine = Machine { session, ini, folders: Folders::of(path), outcome: Outcome::Good };
+    machine.load();
+    machine.operator();
     session.begin_machine();
 }
 
@@ -97,6 +100,23 @@ impl Machine<'_, '_> {
         let module = "iocontrol".to_owned();
         let args = vec!["interlock=1".to_owned()];
         self.ask("EMCIO", Request::Load { module, args });
+    }
+
+    /// Has `halui` loaded as soon as `motmod` is, if the INI file names it.
+    fn operator(&mut self) {
+        let Some(entry) = self.ini.all("HAL", "HALUI").find(|e| !e.value.is_empty()) else {
+            return;
+        };
+        let mut args = Vec::new();
+        if let Some(axes) = self.ini.all("TRAJ", "COORDINATES").next() {
+            args.push(format!("coordinates={}", axes.value.replace(char::is_whitespace, "")));
+        }
+        let lines: Vec<&str> =
+            self.ini.all("HALUI", "MDI_COMMAND").map(|e| e.value.as_str()).collect();
+        if !lines.is_empty() {
+            args.push(format!("mdi_commands={}", lines.join("|")));
+        }
+        self.session.operator = Some((At::new(&entry.file, entry.line), args));
     }
 
     /// Sends a request; errors refer to the section's first line.

@@ -105,8 +105,9 @@ takes effect after it. motion.abort reverses the spindle at once, follows it out
         read: |interface, call| {
             let back = above(call, "return")?.unwrap_or(1.0);
             let line = move_to(interface, call, None)?;
-            let sync = line.sync.map(|s| SpindleSync { follows: Follows::Tap { back }, ..s });
-            Ok(Request::Move(Move { sync, ..line }))
+            let sync = line.sync.ok_or_else(|| Error::new("pitch= is missing"))?;
+            let sync = SpindleSync { follows: Follows::Tap { back }, ..sync };
+            Ok(Request::Move(Move { sync: Some(sync), ..line }))
         },
     },
     Row {

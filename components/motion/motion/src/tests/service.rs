@@ -291,6 +291,14 @@ fn refusals_are_those_of_the_text() {
         (line(0.0, f64::NAN, 1.0), "y is NaN, must be a finite number"),
         (line(0.0, 0.0, -1.0), "velocity is -1, must be above 0"),
         (
+            MotionCommand { kind: kind::TAP, ..line(0.0, 0.0, 0.0) },
+            "velocity is 0, must be above 0",
+        ),
+        (
+            MotionCommand { kind: kind::TAP, speed_kind: 0, ..line(0.0, 0.0, 0.0) },
+            "pitch= is missing",
+        ),
+        (
             MotionCommand { letters: 0, ..line(0.0, 0.0, 1.0) },
             "a move needs at least one of x= y= z= a= b= c= u= v= w=",
         ),

@@ -1,0 +1,144 @@
+//! Links of `halui` with motion, the e-stop, and the task.
+
+use hal_component::{
+    IoControlRef, IoRequest, IoState, Messages, MotionCommand, MotionRef, MotionRefusal,
+    MotionToken, Operator, OperatorRequest, OperatorView, Touch, Uses, motion_kind,
+};
+use std::{
+    collections::VecDeque,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+};
+
+/// Number of requests that wait for the task.
+const ROOM: usize = 64;
+/// Looks at the pins without a sign of the task, after which there is none.
+const SILENCE: u32 = 100;
+
+/// Requests for the task, and its state.
+#[derive(Debug, Default)]
+struct Desk {
+    requests: VecDeque<OperatorRequest>,
+    view: Option<OperatorView>,
+    /// Looks at the pins since the task has shown its state.
+    silent: u32,
+}
+
+/// The desk between `halui` and the worker of the task.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Task(Arc<Mutex<Desk>>);
+
+impl Task {
+    fn desk(&self) -> MutexGuard<'_, Desk> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Returns the state of the task, if there is one.
+    pub(crate) fn view(&self) -> Option<OperatorView> {
+        let mut desk = self.desk();
+        desk.silent = desk.silent.saturating_add(1);
+        if desk.silent > SILENCE {
+            desk.view = None;
+            desk.requests.clear();
+        }
+        desk.view
+    }
+
+    /// Sends a request; returns false if there is no task, or no room.
+    fn send(&self, request: OperatorRequest) -> bool {
+        let mut desk = self.desk();
+        let goes = desk.view.is_some() && desk.requests.len() < ROOM;
+        if goes {
+            desk.requests.push_back(request);
+        }
+        goes
+    }
+}
+
+impl Operator for Task {
+    fn take(&self) -> Option<OperatorRequest> {
+        self.desk().requests.pop_front()
+    }
+
+    fn show(&self, view: &OperatorView) {
+        let mut desk = self.desk();
+        desk.view = Some(*view);
+        desk.silent = 0;
+    }
+}
+
+impl Touch for Task {
+    fn touch(&self, _: &mut Uses) {}
+}
+
+/// Everything that `halui` commands.
+#[derive(Debug)]
+pub(crate) struct Machine {
+    pub(crate) motion: MotionRef,
+    pub(crate) io: Option<Mutex<IoControlRef>>,
+    pub(crate) task: Task,
+    pub(crate) say: Messages,
+}
+
+impl Touch for Machine {
+    fn touch(&self, uses: &mut Uses) {
+        self.motion.touch(uses);
+    }
+}
+
+impl Machine {
+    /// Sends a command to motion, as a local source.
+    pub(crate) fn motion(&self, command: &MotionCommand) {
+        match self.motion.push(MotionToken::LOCAL, command) {
+            Ok(_) => {}
+            Err(MotionRefusal::Full) => {
+                self.say.error("halui: motion takes no commands: its queue is full", &[]);
+            }
+            Err(MotionRefusal::NotOwner | MotionRefusal::Refused(_)) => self.say.error(
+                "halui: motion refused a command: a speed, increment, scale or joint is not possible",
+                &[],
+            ),
+        }
+    }
+
+    /// Sends a command without arguments to motion.
+    pub(crate) fn simple(&self, kind: u32) {
+        self.motion(&MotionCommand::new(kind));
+    }
+
+    /// Sends a request to the e-stop, coolant and lubrication.
+    pub(crate) fn io(&self, request: IoRequest) {
+        let Some(io) = &self.io else {
+            return self.say.error("halui: e-stop and coolant need iocontrol, loaded before", &[]);
+        };
+        let mut io = io.lock().unwrap_or_else(PoisonError::into_inner);
+        if self.task.view().is_none() {
+            // Without a task nobody else takes the results.
+            while io.result().is_some() {}
+        }
+        if io.request(request).is_none() {
+            self.say.error("halui: iocontrol takes no requests: too many wait", &[]);
+        }
+    }
+
+    /// Returns the state of e-stop, coolant and tool, if `iocontrol` is loaded.
+    pub(crate) fn io_state(&self) -> Option<IoState> {
+        self.io.as_ref().map(|io| io.lock().unwrap_or_else(PoisonError::into_inner).state())
+    }
+
+    /// Sends a request to the task.
+    pub(crate) fn task(&self, request: OperatorRequest) {
+        if !self.task.send(request) {
+            self.say.error("halui: modes, programs and MDI need a task, which is not loaded", &[]);
+        }
+    }
+
+    /// Ends everything that is in progress.
+    pub(crate) fn abort(&self) {
+        self.simple(motion_kind::ABORT);
+        if self.task.view().is_some() {
+            self.task(OperatorRequest::Stop);
+        } else if self.io.is_some() {
+            self.io(IoRequest::Abort);
+        }
+    }
+}
