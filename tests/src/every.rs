@@ -124,6 +124,20 @@ pub fn ways(component: &str) -> &'static [&'static str] {
     WAYS.iter().find(|(name, _)| *name == component).map_or(&[""], |(_, ways)| ways)
 }
 
+/// Returns whether the component needs a motion controller that is loaded before it.
+pub fn needs_motion(component: &str) -> bool {
+    ["halui", "inihal"].contains(&component)
+}
+
+/// Returns the place of a component in an order of loads: kinematics before motion, and motion before what needs it.
+pub fn order(component: &str) -> u32 {
+    match component {
+        "trivkins" => 0,
+        other if needs_motion(other) => 2,
+        _ => 1,
+    }
+}
+
 /// Returns whether the component creates one instance for each of `count=`.
 pub fn is_counted(offer: &Offer) -> bool {
     // The kinematics component has an unrelated argument of that name.

@@ -205,8 +205,7 @@ fn everything() {
         }
         wanted.extend(every::ways(&component).iter().map(|w| format!("{component} {w}")));
     }
-    // Kinematics are loaded before the components that need them.
-    wanted.sort_by_key(|w| !w.starts_with("trivkins"));
+    wanted.sort_by_key(|w| every::order(w.split(' ').next().unwrap_or_default()));
     while !wanted.is_empty() {
         let mut e = engine(&[programs()]);
         // The cycle takes about 60 us unoptimized; with a shorter period, no slower thread would ever run.

@@ -78,8 +78,9 @@ getp joint.0.in-position # -> TRUE
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let letters = letters(&b.arg_text("coordinates").unwrap_or_default())?;
         let lines = lines(&b.arg_text("mdi_commands").unwrap_or_default())?;
-        let motion =
-            b.motion()?.ok_or_else(|| Error::new("halui needs motmod, loaded before it"))?;
+        let motion = b.motion()?.ok_or_else(|| {
+            Error::new("there is no motion controller for it: loadrt motmod first")
+        })?;
         let io = b.iocontrol()?.map(Mutex::new);
         let task = Task::default();
         b.offer_operator(task.clone())?;
@@ -94,6 +95,9 @@ fn letters(text: &str) -> Result<Vec<char>, Error> {
     let found: Vec<char> = letters.collect();
     match found.iter().find(|c| !LETTERS.contains(c)) {
         Some(c) => Err(Error::new(format!("coordinates has {c}, which is none of XYZABCUVW"))),
+        None if found.is_empty() || found.len() > 16 => {
+            Err(Error::new(format!("coordinates has {} letters, must have 1 to 16", found.len())))
+        }
         None => Ok(found),
     }
 }
@@ -147,7 +151,7 @@ fn panel(
         offsets: LETTERS
             .iter()
             .map(|l| {
-                let doc = format!("Tool offset of {l} that is in force.");
+                let doc = format!("Tool offset of {l} in machine units or degrees.");
                 b.item(&format!("halui.tool.length_offset.{l}"), &doc, 0.0)
             })
             .collect::<Result<_, _>>()?,

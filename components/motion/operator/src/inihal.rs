@@ -41,7 +41,8 @@ const TRAJ: &[(&str, &str, &str)] = &[
     ),
 ];
 
-const WITHOUT_EFFECT: &str = "Accepted for files that set it; the planner has no such setting.";
+const WITHOUT_EFFECT: &str =
+    "Accepted for files that set it, without effect: the planner has no such setting.";
 
 /// `loadrt inihal`.
 #[derive(Debug)]
@@ -77,8 +78,9 @@ getp ini.0.max_velocity # -> 40
     const FLAGS: u32 = component_flags::ONCE;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let motion =
-            b.motion()?.ok_or_else(|| Error::new("inihal needs motmod, loaded before it"))?;
+        let motion = b.motion()?.ok_or_else(|| {
+            Error::new("there is no motion controller for it: loadrt motmod first")
+        })?;
         let mut settings = Vec::new();
         let mut sequences = Vec::new();
         for index in 0..count(&motion, motion_flags::JOINT, "ferror") {
@@ -233,15 +235,12 @@ fn send(motion: &MotionRef, say: &Messages, command: &MotionCommand) -> bool {
 fn refused(say: &Messages, command: &MotionCommand) {
     let (index, value) = (f64::from(command.index), command.value);
     match command.flags {
-        motion_flags::JOINT => say.error(
-            "inihal: {} is not possible for a pin of joint {}: the setting stays",
-            &[value, index],
-        ),
+        motion_flags::JOINT => say
+            .error("{} is not possible for a pin of joint {}: the setting stays", &[value, index]),
         motion_flags::AXIS => say.error(
-            "inihal: {} is not possible for a pin of axis {} (x is 0): the setting stays",
+            "{} is not possible for a pin of axis {} (x is 0): the setting stays",
             &[value, index],
         ),
-        _ => say
-            .error("inihal: {} is not possible for a pin ini.traj_*: the setting stays", &[value]),
+        _ => say.error("{} is not possible for a pin ini.traj_*: the setting stays", &[value]),
     }
 }

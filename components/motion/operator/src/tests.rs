@@ -121,13 +121,15 @@ impl Rig {
 fn it_needs_a_motion_controller() {
     let mut bench = Bench::new();
     for why in [bench.load::<Halui>(&[]), bench.load::<Inihal>(&[])] {
-        assert!(why.unwrap_err().contains("needs motmod, loaded before it"));
+        assert!(why.unwrap_err().contains("loadrt motmod first"));
     }
     let mut bench = Bench::new();
     bench.load::<Trivkins>(&[]).unwrap();
     bench.load::<Motmod>(&["num_joints=1"]).unwrap();
     let why = bench.load::<Halui>(&["coordinates=XQ"]).unwrap_err();
     assert_eq!(why, "coordinates has q, which is none of XYZABCUVW");
+    let why = bench.load::<Halui>(&["coordinates="]).unwrap_err();
+    assert_eq!(why, "coordinates has 0 letters, must have 1 to 16");
     let long = format!("mdi_commands={}", "X".repeat(300));
     assert_eq!(
         bench.load::<Halui>(&[&long]).unwrap_err(),
@@ -408,7 +410,7 @@ fn settings_change_live() {
     rig.0.set("ini.0.max_velocity", -1.0);
     rig.cycles(100);
     let said = rig.0.said();
-    assert_eq!(said, ["inihal: -1 is not possible for a pin of joint 0: the setting stays"]);
+    assert_eq!(said, ["-1 is not possible for a pin of joint 0: the setting stays"]);
     rig.0.set("ini.x.max_limit", f64::NAN);
     rig.0.set("ini.2.home_sequence", 3000_i32);
     rig.cycles(100);

@@ -54,6 +54,7 @@ fn a_thousand_instances_of_any_component() {
         match name.as_str() {
             "motmod" => script(&mut e, "loadrt trivkins"),
             "task" => script(&mut e, "loadrt iocontrol\nloadrt trivkins\nloadrt motmod"),
+            name if every::needs_motion(name) => script(&mut e, "loadrt trivkins\nloadrt motmod"),
             _ => {}
         }
         let said = says(&mut e, &format!("loadrt {name} {}", every::large(&offer, COUNT)));
@@ -81,8 +82,7 @@ fn all_components_of_all_libraries_in_one_engine() {
     let before = usage(&status(&mut e));
     let (mut refused, mut kinematics) = (Vec::new(), 0);
     let mut offers = every::offers();
-    // Motion needs kinematics.
-    offers.sort_by_key(|o| (o.component != "trivkins", o.component != "pid", o.component.clone()));
+    offers.sort_by_key(|o| (every::order(&o.component), o.component != "pid", o.component.clone()));
     for offer in &offers {
         let name = &offer.component;
         let said = says(&mut e, &format!("loadrt {name} {}", every::ways(name)[0]));

@@ -128,7 +128,7 @@ group! {
         increase: Button = false, "increase";
         /// Subtracts scale.
         decrease: Button = false, "decrease";
-        /// The value.
+        /// The value: a factor without unit, or machine units/s.
         value: Out<f64> = 1.0, "value";
     }
 }
@@ -202,7 +202,7 @@ group! {
     Speeds {
         /// Speed of jogs in machine units/s.
         speed: In<f64> = 0.0, "jog-speed";
-        /// Joystick values up to this one, without sign, do not count.
+        /// Part of the joystick's range, 0 to 1 without sign, that does not count.
         deadband: In<f64> = 0.2, "jog-deadband";
         /// Number of the selected one, from 0.
         selected: Out<u32> = 0, "selected";
@@ -244,11 +244,11 @@ group! {
 group! {
     /// Positions of an axis.
     Positions {
-        /// Commanded position in machine coordinates.
+        /// Commanded position in machine coordinates, in machine units or degrees.
         commanded: Out<f64> = 0.0, "pos-commanded";
-        /// Position according to the encoders, in machine coordinates.
+        /// Position according to the encoders in machine coordinates, in machine units or degrees.
         feedback: Out<f64> = 0.0, "pos-feedback";
-        /// Position according to the encoders, in the program's coordinates.
+        /// Position according to the encoders in coordinates of the program, in machine units or degrees.
         relative: Out<f64> = 0.0, "pos-relative";
     }
 }
@@ -301,7 +301,7 @@ impl Knob {
 fn scale(b: &mut Builder<'_>, prefix: &str, initial: f64) -> Result<In<f64>, Error> {
     b.item(
         &format!("{prefix}scale"),
-        "Step of the value: for each count, and of the buttons.",
+        "Step of the value for each of the counts and for the buttons, in its unit.",
         initial,
     )
 }

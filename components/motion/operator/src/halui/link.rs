@@ -91,10 +91,10 @@ impl Machine {
         match self.motion.push(MotionToken::LOCAL, command) {
             Ok(_) => {}
             Err(MotionRefusal::Full) => {
-                self.say.error("halui: motion takes no commands: its queue is full", &[]);
+                self.say.error("motion takes no commands: its queue is full", &[]);
             }
             Err(MotionRefusal::NotOwner | MotionRefusal::Refused(_)) => self.say.error(
-                "halui: motion refused a command: a speed, increment, scale or joint is not possible",
+                "motion refused a command: a speed, increment, scale or joint is not possible",
                 &[],
             ),
         }
@@ -108,7 +108,7 @@ impl Machine {
     /// Sends a request to the e-stop, coolant and lubrication.
     pub(crate) fn io(&self, request: IoRequest) {
         let Some(io) = &self.io else {
-            return self.say.error("halui: e-stop and coolant need iocontrol, loaded before", &[]);
+            return self.say.error("e-stop and coolant need iocontrol, loaded before", &[]);
         };
         let mut io = io.lock().unwrap_or_else(PoisonError::into_inner);
         if self.task.view().is_none() {
@@ -116,7 +116,7 @@ impl Machine {
             while io.result().is_some() {}
         }
         if io.request(request).is_none() {
-            self.say.error("halui: iocontrol takes no requests: too many wait", &[]);
+            self.say.error("iocontrol takes no requests: too many wait", &[]);
         }
     }
 
@@ -128,7 +128,7 @@ impl Machine {
     /// Sends a request to the task.
     pub(crate) fn task(&self, request: OperatorRequest) {
         if !self.task.send(request) {
-            self.say.error("halui: modes, programs and MDI need a task, which is not loaded", &[]);
+            self.say.error("modes, programs and MDI need a task, which is not loaded", &[]);
         }
     }
 

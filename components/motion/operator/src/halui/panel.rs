@@ -188,7 +188,7 @@ impl Panel {
             m.motion(&MotionCommand { flags: flags::HAS_SCALE, scale, ..feed });
         }
         if self.rapid.turn(1.0).is_some() {
-            m.say.error("halui: motion has no override of rapid moves alone", &[]);
+            m.say.error("motion has no override of rapid moves alone", &[]);
         }
         let now = status.max_velocity;
         let top = *self.top_velocity.get_or_insert(now);
@@ -221,7 +221,7 @@ impl Panel {
             if p.stop.is_pressed() {
                 turn_at(0.0);
             } else if (forward || reverse) && spindle.speed == 0.0 {
-                let text = "halui: spindle {} has no speed yet: motion.spindle or S gives one";
+                let text = "spindle {} has no speed yet: motion.spindle or S gives one";
                 m.say.error(text, &[n as f64]);
             } else if forward != reverse {
                 turn_at(if forward { spindle.speed } else { -spindle.speed });
