@@ -19,6 +19,8 @@ use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
+/// Number of orders and of requests that are known after their end.
+const MAX_KNOWN: usize = 2048;
 const NOT_OWNER: &str = "motion belongs to another controller";
 
 /// State that commands and the worker share.
@@ -203,6 +205,16 @@ impl Machine {
         Ticket(self.next)
     }
 
+    /// Forgets orders that have ended well and that the core does not ask for.
+    fn forget_orders(&mut self) {
+        if self.orders.len() > MAX_KNOWN {
+            let motion = &self.motion;
+            self.orders.retain(|_, id| {
+                !matches!(motion.poll(*id), MotionEnd::Done | MotionEnd::Forgotten)
+            });
+        }
+    }
+
     /// Returns the proof of ownership; without one, asks for it.
     fn token(&mut self) -> Option<MotionToken> {
         if self.token.is_none() {
@@ -233,6 +245,7 @@ impl Outside for Machine {
             Ok(id) => {
                 self.next += 1;
                 self.orders.insert(self.next, id);
+                self.forget_orders();
                 // At rest no longer, whatever the status of the last cycle says.
                 self.status.in_position &= !matches!(order, Order::Move(_));
                 Ok(self.next)
@@ -260,6 +273,10 @@ impl Outside for Machine {
     fn request(&mut self, request: IoRequest) -> Option<u64> {
         let id = self.io.request(request)?;
         self.results.insert(id, Progress::Pending);
+        // The core waits for two requests at the most, and commands for as many as iocontrol takes.
+        while self.results.len() > MAX_KNOWN {
+            self.results.pop_first();
+        }
         Some(id)
     }
 
