@@ -389,6 +389,32 @@ mod tests {
     use crate::{Limits, Machine, Mode, Move, Planner, Shape, Trivial};
     use hal_corpus::Rng;
 
+    /// A limit of speed that differs from the planned speed by rounding alone stops nothing.
+    #[test]
+    fn a_limit_within_rounding_of_the_curve() {
+        let limits = Limits { velocity: 1e3, acceleration: 500.0, jerk: f64::INFINITY };
+        let machine = Machine::uniform(limits);
+        for ulps in -4_i64..=4 {
+            let mut planner = Planner::new(machine.clone(), Trivial, Pose::ZERO).unwrap();
+            let shape = Shape::Line { end: Pose::from_xyz([-140.0, 240.0, 65.0]) };
+            planner.push(&Move { shape, feed: 100.0, mode: Mode::ExactStop, line: 1 }).unwrap();
+            planner.finish();
+            let mut follower = Follower::new(machine.period, Pose::ZERO);
+            follower.limit(f64::from_bits(100.0_f64.to_bits().wrapping_add_signed(ulps)));
+            let mut cycles = 0;
+            while follower.step(planner.track(), 1.0, false).moving || cycles == 0 {
+                cycles += 1;
+                assert!(
+                    cycles < 4000,
+                    "{ulps}: it stands at {:?}",
+                    follower.input(planner.track())
+                );
+            }
+            assert!(follower.is_done(planner.track()), "{ulps}");
+            assert!(follower.events() < MAX_EVENTS, "{ulps}: {} events", follower.events());
+        }
+    }
+
     /// After every period, at any override, the input is below the curve of highest speeds.
     #[test]
     fn the_input_stays_below_the_curve() {

@@ -40,6 +40,8 @@ impl Follower {
             self.speed = highest;
         }
         let v = self.speed;
+        // The same for the cap: the curve may be a rounding above it, and a change of speed that small takes no time.
+        let is_above = v > cap * (1.0 + 4e-13);
         // Distance on which the curve is level before it falls towards the end of the cell.
         let level = if braking > 0.0 { to_go - (top - floor) / (2.0 * braking) } else { to_go };
         let falling = level <= 1e-13 * to_go;
@@ -52,14 +54,14 @@ impl Follower {
         let over = pause - 1e-12;
         // Time until a wanted change of acceleration may begin.
         let mut wait = f64::INFINITY;
-        let a = if v > cap && (self.since_up >= over || on_curve && falling) {
+        let a = if is_above && (self.since_up >= over || on_curve && falling) {
             let own = if self.since_up >= over { allowed(v) } else { braking };
             -(if falling { own.max(braking) } else { own })
         } else if on_curve && falling {
             following = true;
             self.brakes = true;
             -braking
-        } else if v > cap {
+        } else if is_above {
             wait = pause - self.since_up;
             0.0
         } else if v < cap && !on_curve {
@@ -104,7 +106,7 @@ impl Follower {
         if !falling && level < to_go {
             offer(takes(level), level, f64::NAN);
         }
-        if v > cap && a < 0.0 {
+        if is_above && a < 0.0 {
             offer((cap - v) / a, f64::NAN, cap);
         } else if a > 0.0 && cap.min(goal) < highest {
             offer((cap.min(goal) - v) / a, f64::NAN, cap.min(goal));
