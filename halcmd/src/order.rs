@@ -42,6 +42,14 @@ pub fn script(info: &OrderInfo) -> String {
             count(t.moves.len(), "function moves", "functions move"),
             count(spared, "value is", "values are"),
         ));
+        for hop in &t.later {
+            out.push_str(&format!(
+                "# {}, from {} to {}, becomes a cycle late.\n",
+                carried(hop),
+                hop.from,
+                hop.to
+            ));
+        }
         t.moves.iter().for_each(|m| out.push_str(&format!("delf {} {}\n", m.funct, t.name)));
         for m in &t.moves {
             out.push_str(&format!("addf {} {} {}\n", m.funct, t.name, m.position));
@@ -81,12 +89,17 @@ fn thread(out: &mut String, t: &ThreadOrder) {
 /// Writes the values of a thread that are read late, and whether another order helps.
 fn late(out: &mut String, t: &ThreadOrder) {
     let (remain, spared): (Vec<&LateInfo>, Vec<&LateInfo>) = t.late.iter().partition(|l| l.remains);
+    let hops = |late: &[&LateInfo]| late.iter().map(|l| l.hop.clone()).collect::<Vec<_>>();
     if t.functs.len() > 1 && t.late.is_empty() {
         out.push_str("  Nothing is read a cycle late: no order is better.\n");
     }
-    let list = |out: &mut String, late: &[&LateInfo]| {
-        let place = |name: &str| t.functs.iter().position(|f| f.name == name).map_or(0, |p| p + 1);
-        for LateInfo { hop, .. } in late {
+    let list = |out: &mut String, hops: &[HopInfo], better: bool| {
+        let place = |name: &str| {
+            let of_user = || t.functs.iter().position(|f| f.name == name);
+            let of_better = || t.better.iter().position(|f| f == name);
+            (if better { of_better() } else { of_user() }).map_or(0, |p| p + 1)
+        };
+        for hop in hops {
             let (from, to) = (place(&hop.from), place(&hop.to));
             out.push_str(&format!(
                 "    {}: {} writes ({from}) after {} has read ({to})\n",
@@ -101,14 +114,21 @@ fn late(out: &mut String, t: &ThreadOrder) {
             "  Read a cycle ({}) late without need; 'order --script' prints the better order:\n",
             duration(t.period)
         ));
-        list(out, &spared);
+        list(out, &hops(&spared), false);
+    }
+    if !t.later.is_empty() {
+        out.push_str(&format!(
+            "  Read a cycle ({}) late in the better order, and not as added:\n",
+            duration(t.period)
+        ));
+        list(out, &t.later, true);
     }
     if !remain.is_empty() {
         out.push_str(&format!(
             "  Read a cycle ({}) late in any order, for values that go in a circle must wait once:\n",
             duration(t.period)
         ));
-        list(out, &remain);
+        list(out, &hops(&remain), false);
     }
 }
 

@@ -35,6 +35,9 @@ pub struct ThreadOrder {
     pub better: Vec<String>,
     /// Values that are read one cycle late.
     pub late: Vec<LateInfo>,
+    /// Values that are read one cycle late in the better order alone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub later: Vec<HopInfo>,
     /// Changes that lead to the better order: remove all of these functions first, then add them
     /// one after the other.
     pub moves: Vec<MoveInfo>,

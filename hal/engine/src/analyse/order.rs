@@ -65,7 +65,40 @@ impl Study {
     /// Analyses a machine.
     pub(crate) fn new(machine: Machine) -> Self {
         let better = (0..machine.threads.len()).map(|t| better(&machine, t)).collect();
-        Self { machine, better }
+        let mut study = Self { machine, better };
+        study.keep_loops_short();
+        study
+    }
+
+    /// Takes the better orders back that make a value of a feedback loop wait longer than it does in the user's order.
+    fn keep_loops_short(&mut self) {
+        let loops: Vec<Vec<usize>> =
+            self.as_added().loops().list.into_iter().map(|l| l.flows).collect();
+        loop {
+            let (user, better) = (self.as_added(), self.as_better());
+            let longer = loops.iter().find(|flows| better.along(flows) > user.along(flows));
+            let of = |i: &usize| Some(self.machine.thread_of(self.machine.flows.get(*i)?.from));
+            let threads: Vec<usize> = longer.into_iter().flatten().filter_map(of).collect();
+            let order = |t: &usize| Some((*t, self.machine.threads.get(*t)?.order.clone()));
+            let user_orders: Vec<(usize, Vec<usize>)> = threads.iter().filter_map(order).collect();
+            // With the user's orders in all of its threads, a loop is not longer.
+            if user_orders.is_empty() {
+                break;
+            }
+            for (thread, order) in user_orders {
+                if let Some(better) = self.better.get_mut(thread) {
+                    *better = order;
+                }
+            }
+        }
+    }
+
+    /// Returns the flows that are late in the better order alone.
+    pub(crate) fn later(&self) -> Vec<usize> {
+        let (user, better) = (self.as_added(), self.as_better());
+        let flows = self.machine.flows.iter().enumerate();
+        let later = flows.filter(|(_, flow)| better.is_late(flow) && !user.is_late(flow));
+        later.map(|(i, _)| i).collect()
     }
 
     /// Returns the delays in the user's order.

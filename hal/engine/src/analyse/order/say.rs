@@ -70,6 +70,13 @@ impl Say<'_> {
             late: here
                 .filter_map(|l| Some(LateInfo { hop: self.hop(l.flow)?, remains: l.remains }))
                 .collect(),
+            later: self
+                .study
+                .later()
+                .into_iter()
+                .filter_map(|i| self.hop(i))
+                .filter(|hop| hop.thread == self.thread_name(thread.ix))
+                .collect(),
             moves: self
                 .study
                 .moves(t)

@@ -474,3 +474,26 @@ fn random_machines() {
         }
     }
 }
+
+/// The heavy values go backwards through a, b and c: the order c b a saves them a cycle each.
+const BACKWARDS: &str =
+    "servo 1000: a b c\na s1 b\nb s2 c\nc h1 b\nc h2 b\nc h3 b\nb h4 a\nb h5 a\nb h6 a\n";
+
+#[test]
+fn a_better_order_names_what_becomes_late() {
+    let study = Study::new(draw(BACKWARDS).machine);
+    assert_eq!(study.better, [[2, 1, 0]]);
+    let flow = |i: &usize| (study.machine.flows[*i].from, study.machine.flows[*i].to);
+    assert_eq!(study.later().iter().map(flow).collect::<Vec<_>>(), [(0, 1), (1, 2)]);
+}
+
+/// With a value from c to a, the loop through all three takes one cycle as added, and two in the order c b a.
+#[test]
+fn a_better_order_makes_no_loop_longer() {
+    let study = Study::new(draw(&format!("{BACKWARDS}c s3 a\n")).machine);
+    assert_eq!(study.better, [[0, 1, 2]]);
+    assert!(study.later().is_empty());
+    for chain in study.as_added().loops().list {
+        assert!(study.as_better().along(&chain.flows) <= chain.wait);
+    }
+}
