@@ -206,6 +206,8 @@ pub(crate) struct Core {
     /// The request for the next tool.
     preparing: Option<u64>,
     mdi: VecDeque<(Box<str>, Ticket)>,
+    /// Mode that comes back after lines of MDI from another mode.
+    mode_before: Option<Mode>,
     asked: Vec<(Asked, Ticket)>,
     serial: u64,
     last_tag: Option<Arc<Tag>>,
@@ -255,6 +257,7 @@ impl Core {
             ending: None,
             preparing: None,
             mdi: VecDeque::new(),
+            mode_before: None,
             asked: Vec::new(),
             serial: 0,
             last_tag: None,
@@ -284,6 +287,7 @@ impl Core {
             return 0;
         }
         self.begin_mdi(out);
+        self.restore_mode();
         for done in 0..items {
             if !self.pump(out) {
                 return done;

@@ -46,7 +46,7 @@ impl Component for Task {
     const DOC: &'static str = "\
 The task controller: runs programs and lines of G-code.
 
-It is loaded after `iocontrol` and `motmod`, which then cannot be unloaded. A start from an INI file with
+It is loaded after `iocontrol`, `motmod` and, if there is one, `halui`, which then cannot be unloaded. A start from an INI file with
 a section TASK loads it, with the machine's `ini=`. Its commands switch the machine on, home it, open a
 program, run, pause, step and abort it, and execute single lines; `task.status` shows the state, as
 does the snapshot of this name.
@@ -105,6 +105,7 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
     let motion = motion.ok_or_else(|| Error::new("no motion is loaded: load motmod first"))?;
     let io = b.iocontrol()?;
     let io = io.ok_or_else(|| Error::new("no iocontrol is loaded: load it first"))?;
+    let operator = b.operator()?;
     let shared = Shared::default();
     commands::open(b, &shared)?;
     let ini = b.arg_text("ini").filter(|ini| !ini.is_empty());
@@ -116,7 +117,7 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
     })?;
     let snapshot =
         b.snapshot("task.status", status::VERSION, "State of the task at each change.")?;
-    let worker = Worker::new(shared, motion, io, b.clock(), b.messages(), snapshot);
+    let worker = Worker::new(shared, motion, io, operator, b.clock(), b.messages(), snapshot);
     let period_ns = i64::try_from(period.as_nanos()).unwrap_or(i64::MAX);
     b.worker("task", "Reads programs and runs jobs.", period_ns, ITEMS, worker)
 }

@@ -1,10 +1,10 @@
 //! The snapshot `task.status`, and the lines of the command of this name.
 
 use crate::{
-    core::{Core, file_name},
+    core::{Core, Interpreting, file_name},
     outside::MotionState,
 };
-use hal_component::{IoState, Plain};
+use hal_component::{IoState, Plain, abi::OperatorView};
 use hal_gcode::{
     axis::{Axis, Position},
     canon::{Direction, PathMode, Plane, Unit},
@@ -221,6 +221,28 @@ fn status(core: &Core, io: &IoState, file: &str) -> TaskStatus {
         messages: core.messages,
         file: packed(file),
         message: packed(&core.message),
+    }
+}
+
+/// Returns what an operator's lamps show.
+pub(crate) fn operator_view(core: &Core, io: &IoState) -> OperatorView {
+    let state = &core.interpreter.state;
+    let k = state.frame.unit.to(state.settings.unit);
+    let zero = state.frame.machine(Position::default()).scaled(k);
+    let in_spindle = core.world.machine.tools.tools.iter().find(|t| t.number == io.tool);
+    OperatorView {
+        mode: core.mode as u32,
+        program: match core.interpreting() {
+            Interpreting::Idle => 0,
+            Interpreting::Reading | Interpreting::Waiting => 1,
+            Interpreting::Paused => 2,
+        },
+        optional_stop: core.optional_stop.into(),
+        block_delete: state.settings.block_delete.into(),
+        tool_diameter: in_spindle.map_or(0.0, |tool| tool.diameter),
+        zero: Axis::ALL.map(|a| zero[a]),
+        rotation: state.frame.rotation,
+        ..OperatorView::IDLE
     }
 }
 

@@ -2,15 +2,16 @@
 
 use crate::{
     command_record::{Letters, record},
-    core::{Core, Interpreting, user::Command},
+    core::{Core, Interpreting, Mode, user::Command},
     outside::{Level, MotionState, Order, Outside, Progress, Refusal, Ticket},
     programs::UserProgram,
-    status::{Report, TaskStatus},
+    status::{Report, TaskStatus, operator_view},
     texts::Texts,
 };
 use hal_component::{
     Clock, IoControlRef, IoRequest, IoState, Messages, MotionEnd, MotionId, MotionRef,
-    MotionRefusal, MotionToken, Snapshot, TicketHandle, Touch, Uses, Work,
+    MotionRefusal, MotionToken, OperatorRef, OperatorRequest, Snapshot, TicketHandle, Touch, Uses,
+    Work,
 };
 use hal_gcode::{Numbered, parameters::file::ParameterFile, tool::ToolTable};
 use std::{
@@ -63,6 +64,7 @@ pub(crate) struct Worker {
 /// Everything outside the core.
 struct Machine {
     motion: MotionRef,
+    operator: Option<OperatorRef>,
     token: Option<MotionToken>,
     io: IoControlRef,
     clock: Clock,
@@ -75,6 +77,8 @@ struct Machine {
     orders: BTreeMap<u64, MotionId>,
     results: BTreeMap<u64, Progress>,
     tickets: BTreeMap<u64, TicketHandle>,
+    /// Last requests of the operator, whose refusals are messages.
+    buttons: VecDeque<u64>,
     next: u64,
     status: MotionState,
 }
@@ -84,12 +88,14 @@ impl Worker {
         shared: Shared,
         motion: MotionRef,
         io: IoControlRef,
+        operator: Option<OperatorRef>,
         clock: Clock,
         messages: Messages,
         snapshot: Snapshot<TaskStatus>,
     ) -> Self {
         let world = Machine {
             motion,
+            operator,
             token: None,
             io,
             clock,
@@ -101,6 +107,7 @@ impl Worker {
             orders: BTreeMap::new(),
             results: BTreeMap::new(),
             tickets: BTreeMap::new(),
+            buttons: VecDeque::new(),
             next: 0,
             status: MotionState::default(),
         };
@@ -123,6 +130,7 @@ impl Touch for Worker {
     fn touch(&self, uses: &mut Uses) {
         self.world.motion.touch(uses);
         self.world.io.touch(uses);
+        self.world.operator.iter().for_each(|operator| operator.touch(uses));
     }
 }
 
@@ -142,10 +150,19 @@ impl Work for Worker {
             let ticket = self.world.ticket(handle);
             core.command(command, ticket, &mut self.world);
         }
+        if let Some(operator) = self.world.operator.clone() {
+            while let Some(request) = operator.take() {
+                let ticket = self.world.button();
+                core.command(Command::from(request), ticket, &mut self.world);
+            }
+        }
         self.claim(&core);
         let done = core.step(&mut self.world, items);
         self.claim(&core);
         let report = Report::of(&core, &self.world.status, &self.world.io.state());
+        if let Some(operator) = &self.world.operator {
+            operator.show(&operator_view(&core, &self.world.io.state()));
+        }
         let mut desk = self.shared.lock();
         if let Some(status) = report.status
             && desk.report.status != report.status
@@ -202,6 +219,16 @@ impl Machine {
     fn ticket(&mut self, handle: TicketHandle) -> Ticket {
         self.next += 1;
         self.tickets.insert(self.next, handle);
+        Ticket(self.next)
+    }
+
+    /// Returns a ticket for a request of the operator, who waits for nothing.
+    fn button(&mut self) -> Ticket {
+        self.next += 1;
+        if self.buttons.len() >= MAX_KNOWN {
+            self.buttons.pop_front();
+        }
+        self.buttons.push_back(self.next);
         Ticket(self.next)
     }
 
@@ -309,6 +336,12 @@ impl Outside for Machine {
     }
 
     fn finish(&mut self, ticket: Ticket, result: Result<(), String>) {
+        if let Some(n) = self.buttons.iter().position(|b| *b == ticket.0) {
+            self.buttons.remove(n);
+            if let Err(why) = &result {
+                self.say(Level::Error, why);
+            }
+        }
         let Some(handle) = self.tickets.remove(&ticket.0) else { return };
         match result {
             Ok(()) => handle.done(),
@@ -329,6 +362,24 @@ impl Outside for Machine {
 
     fn save_tools(&mut self, tools: &ToolTable) -> Result<(), String> {
         self.files.table.as_ref().map_or(Ok(()), |path| written(path, &tools.print()))
+    }
+}
+
+impl From<OperatorRequest> for Command {
+    fn from(request: OperatorRequest) -> Self {
+        match request {
+            OperatorRequest::Mode(0) => Self::Mode(Mode::Manual),
+            OperatorRequest::Mode(1) => Self::Mode(Mode::Auto),
+            OperatorRequest::Mode(_) => Self::Mode(Mode::Mdi),
+            OperatorRequest::Run => Self::Run,
+            OperatorRequest::Pause => Self::Pause,
+            OperatorRequest::Resume => Self::Resume,
+            OperatorRequest::Step => Self::Step,
+            OperatorRequest::Stop => Self::Abort,
+            OperatorRequest::OptionalStop(on) => Self::OptionalStop(on),
+            OperatorRequest::BlockDelete(on) => Self::BlockDelete(on),
+            OperatorRequest::Mdi(line) => Self::BriefMdi(line.into()),
+        }
     }
 }
 

@@ -23,6 +23,8 @@ pub(crate) enum Command {
     Step,
     Abort,
     Mdi(Box<str>),
+    /// A line of MDI from whatever mode, which then comes back.
+    BriefMdi(Box<str>),
     OptionalStop(bool),
     BlockDelete(bool),
     FeedOverride(f64),
@@ -70,6 +72,7 @@ impl Core {
             Command::Mode(mode) => {
                 self.needs_no_job("the mode cannot change")?;
                 self.mode = mode;
+                self.mode_before = None;
                 Ok(Report::Now)
             }
             Command::Home(joint) => {
@@ -89,6 +92,16 @@ impl Core {
                 Ok(Report::Now)
             }
             Command::Mdi(text) => self.mdi(text, ticket),
+            Command::BriefMdi(text) => {
+                if self.mode == Mode::Mdi {
+                    return self.mdi(text, ticket);
+                }
+                self.needs_no_job("MDI is not possible")?;
+                let before = core::mem::replace(&mut self.mode, Mode::Mdi);
+                self.mode_before = Some(before);
+                // A line that is refused leaves the mode as it was; so does the next step after one that is not.
+                self.mdi(text, ticket).inspect_err(|_| self.restore_mode())
+            }
             Command::OptionalStop(on) => {
                 self.optional_stop = on;
                 Ok(Report::Now)
@@ -264,6 +277,16 @@ impl Core {
         }
         self.mdi.push_back((text, ticket));
         Ok(Report::Later)
+    }
+
+    /// Returns to the mode before a line of MDI, when no line is in execution or waits.
+    pub(super) fn restore_mode(&mut self) {
+        if !self.is_busy()
+            && self.mdi.is_empty()
+            && let Some(before) = self.mode_before.take()
+        {
+            self.mode = before;
+        }
     }
 
     /// Begins the next line of MDI that waits.

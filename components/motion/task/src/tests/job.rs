@@ -152,6 +152,34 @@ fn block_delete_leaves_lines_out() {
     assert!(rig.run().contains(&"2: line 2 0 0".to_owned()));
 }
 
+/// A button's line of MDI runs from any mode without a job, and the mode comes back after it.
+#[test]
+fn a_button_of_mdi_returns_to_the_mode_before_it() {
+    let mut rig = Rig::new("G1 F60 X1\nM2\n");
+    rig.good(Command::Mode(Mode::Auto));
+    let first = rig.send(Command::BriefMdi("G0 X1".into()));
+    let second = rig.send(Command::BriefMdi("G0 X2".into()));
+    assert_eq!(rig.core.mode, Mode::Mdi);
+    for _ in 0..10 {
+        rig.pass(0.1);
+    }
+    assert_eq!((rig.result(first), rig.result(second)), (Some(Ok(())), Some(Ok(()))));
+    assert_eq!(rig.core.mode, Mode::Auto);
+    // While a program runs, and off, nothing changes.
+    let program = rig.send(Command::Run);
+    rig.pass(0.01);
+    let why = rig.refused(Command::BriefMdi("G0 X1".into()));
+    assert_eq!(why, "MDI is not possible while a program runs");
+    rig.pass(1.0);
+    assert_eq!(rig.result(program), Some(Ok(())));
+    rig.good(Command::Mode(Mode::Manual));
+    rig.fake.motion.enabled = false;
+    rig.step();
+    let why = rig.refused(Command::BriefMdi("G0 X1".into()));
+    assert!(why.starts_with("MDI needs a machine that is on"), "{why}");
+    assert_eq!(rig.core.mode, Mode::Manual);
+}
+
 #[test]
 fn mdi_has_a_queue_of_ten() {
     let mut rig = Rig::new("M2\n");
