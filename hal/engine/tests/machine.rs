@@ -66,7 +66,10 @@ fn refusals_say_what_is_wrong_and_what_would_be_right() {
     run(&mut e, "loadrt and2 count=3").unwrap();
     run(&mut e, "net x and2.0.out").unwrap();
     for (line, want) in [
-        ("loadrt and2", "and2: already exists"),
+        (
+            "loadrt and2",
+            "and2: already exists; for more instances, give them names: loadrt and2 names=a,b",
+        ),
         (
             "net x and2.1.out",
             "Signal 'x' can not add OUT pin 'and2.1.out', it already has OUT pin 'and2.0.out'",
