@@ -72,6 +72,8 @@ struct Machine {
     texts: Texts,
     files: Files,
     saved: String,
+    /// The last message.
+    said: &'static str,
     program: UserProgram,
     /// Orders and requests in progress, with the numbers that the core has.
     orders: BTreeMap<u64, MotionId>,
@@ -103,6 +105,7 @@ impl Worker {
             texts: Texts::default(),
             files: Files::default(),
             saved: String::new(),
+            said: "",
             program: UserProgram::default(),
             orders: BTreeMap::new(),
             results: BTreeMap::new(),
@@ -329,6 +332,7 @@ impl Outside for Machine {
 
     fn say(&mut self, level: Level, text: &str) {
         let text = self.texts.keep(text);
+        self.said = text;
         match level {
             Level::Error => self.messages.error(text, &[]),
             Level::Info => self.messages.info(text, &[]),
@@ -338,7 +342,10 @@ impl Outside for Machine {
     fn finish(&mut self, ticket: Ticket, result: Result<(), String>) {
         if let Some(n) = self.buttons.iter().position(|b| *b == ticket.0) {
             self.buttons.remove(n);
-            if let Err(why) = &result {
+            // A job that has failed has said why.
+            if let Err(why) = result.as_ref()
+                && self.said != why
+            {
                 self.say(Level::Error, why);
             }
         }

@@ -202,7 +202,7 @@ fn all_memory_is_locked_and_what_is_loaded_later_too() {
     assert_eq!(unlocked(pid), 0, "{:#?}", mappings(pid));
     assert!(resident(pid) > 1024);
     let line = shown.lines().find(|l| l.contains("memory:")).unwrap();
-    assert!(line.ends_with(" MiB locked"), "{line}");
+    assert!(line.ends_with(" MiB stay in RAM"), "{line}");
     let lib = |name: &str| -> Vec<Mapping> {
         mappings(pid).into_iter().filter(|m| m.name.ends_with(name)).collect()
     };

@@ -12,7 +12,7 @@ use hal_protocol::Value;
 use hal_tests::{
     golden,
     plugins::plugins,
-    programs::root,
+    programs::{programs, root},
     scratch::{Running, Scratch, until},
 };
 use hal_trace::{Format, Trace};
@@ -505,13 +505,15 @@ fn a_signal_is_heeded_while_a_script_waits_for_a_pipe() {
     let lines = "loadrt threads name1=t period1=1000000\nloadrt hal_parport cfg=\"0x378 out\"\n\
                  loadrt last_words\nnet register parport.0.sim.data last-words.0.in\n\
                  setp parport.0.pin-02-out 1\naddf parport.0.write t\naddf last-words.0 t\n\
-                 start\nrun 10ms\nprint waiting\nsource pipe\n";
+                 start\nrun 10ms\nprint waiting\nsource /dev/fd/3\n";
     scratch.write("m.hal", lines);
     let made = scratch.run(scratch.command(&[], "mkfifo").arg("pipe"));
     assert_eq!(made.status, Some(0), "{}", made.stderr);
-    let mut halrun = scratch.command(&[], "halrun");
-    halrun.env("HAL_RTMOD_DIR", plugins());
-    let running = scratch.start(halrun.args(["--virtual", "m.hal"]));
+    // A pipe that the shell has opened, as `halcmd -f <(…)` passes it, and that nothing fills.
+    let mut shell = scratch.command(&[], "bash");
+    shell.env("HAL_RTMOD_DIR", plugins()).env("HALRUN", programs().join("halrun"));
+    let running =
+        scratch.start(shell.args(["-c", "exec 3<>pipe; exec \"$HALRUN\" --virtual m.hal"]));
     until("it waits", || running.said().1.contains("waiting"));
     running.signal(Signal::TERM);
     let output = running.wait();

@@ -271,14 +271,14 @@ impl Knob {
     /// Makes the knob of a value that has no programmed one.
     pub(crate) fn value(b: &mut Builder<'_>, prefix: &str, now: f64) -> Result<Self, Error> {
         let dial = Dial::make(b, prefix)?;
-        dial.value.set(now);
+        dial.value.set(shown(now));
         Ok(Self { dial, scale: scale(b, prefix, 0.0)?, reset: None })
     }
 
     /// Shows the value `now`. Returns a new value if the knob was turned; not below 0.
     pub(crate) fn turn(&mut self, now: f64) -> Option<f64> {
         let (dial, scale) = (&mut self.dial, self.scale.get());
-        dial.value.set(now);
+        dial.value.set(shown(now));
         let counts = dial.counts.change();
         let buttons = f64::from(dial.increase.is_pressed()) - f64::from(dial.decrease.is_pressed());
         let mut value = now;
@@ -304,4 +304,9 @@ fn scale(b: &mut Builder<'_>, prefix: &str, initial: f64) -> Result<In<f64>, Err
         "Step of the value for each of the counts and for the buttons, in its unit.",
         initial,
     )
+}
+
+/// Returns the value that a pin shows: without a limit, the largest number that there is.
+const fn shown(value: f64) -> f64 {
+    value.min(f64::MAX)
 }
