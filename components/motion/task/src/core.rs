@@ -375,11 +375,6 @@ impl Core {
         }
     }
 
-    /// Returns the number of lines of MDI that wait.
-    pub(crate) fn mdi_len(&self) -> usize {
-        self.mdi.len()
-    }
-
     /// Returns the number of steps that wait in the task.
     pub(crate) fn queue_len(&self) -> usize {
         self.queue.len()

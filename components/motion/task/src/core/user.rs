@@ -289,6 +289,11 @@ impl Core {
         }
     }
 
+    /// Returns the number of lines of MDI that wait.
+    pub(crate) fn mdi_len(&self) -> usize {
+        self.mdi.len()
+    }
+
     /// Begins the next line of MDI that waits.
     pub(super) fn begin_mdi(&mut self, out: &mut impl Outside) {
         if self.is_busy() {
