@@ -157,10 +157,15 @@ mod tests {
         let mut bench = Bench::new();
         bench.load::<Multiswitch>(&["cfg=1,32"]).unwrap();
         assert_eq!(bench.functs(), ["multiswitch.0", "multiswitch.1"]);
-        for wrong in ["cfg=0", "cfg=33", "cfg=4,-1"] {
+        // As in LinuxCNC, 0 is the default.
+        let mut bench = Bench::new();
+        bench.load::<Multiswitch>(&["cfg=0,2"]).unwrap();
+        let is_output = |name: &&String| name.contains(".bit-");
+        assert_eq!(bench.names().iter().filter(is_output).count(), 4 + 2);
+        for wrong in ["cfg=33", "cfg=4,-1"] {
             let mut bench = Bench::new();
             let said = bench.load::<Multiswitch>(&[wrong]).unwrap_err();
-            assert!(said.ends_with("is not a number of positions, 1 to 32"), "{said}");
+            assert!(said.ends_with("is not a number of positions, 1 to 32, or 0 for 4"), "{said}");
             assert!(bench.names().is_empty());
         }
     }

@@ -264,7 +264,7 @@ fn refusals() {
         (&["num_sense=33"], "num_sense is 33, and must be 1 to 32"),
         (&["encoding=edge", "num_sense=1"], "num_sense with encoding=edge is 1, and must be 2"),
         (&["encoding=single", "pockets=33"], "pockets with encoding=single is 33, and must be 1"),
-        (&["dir=3"], "dir is 3, and must be 1 to 2"),
+        (&["dir=3"], "dir is 3, and must be 0 to 2"),
         (&["parity=2"], "parity is 2, and must be 0 to 1"),
     ] {
         let mut b = Bench::new();
