@@ -395,7 +395,7 @@ mod tests {
         let limits = Limits { velocity: 1e3, acceleration: 500.0, jerk: f64::INFINITY };
         let machine = Machine::uniform(limits);
         for ulps in -4_i64..=4 {
-            let mut planner = Planner::new(machine.clone(), Trivial, Pose::ZERO).unwrap();
+            let mut planner = Planner::new(machine, Trivial, Pose::ZERO).unwrap();
             let shape = Shape::Line { end: Pose::from_xyz([-140.0, 240.0, 65.0]) };
             planner.push(&Move { shape, feed: 100.0, mode: Mode::ExactStop, line: 1 }).unwrap();
             planner.finish();
