@@ -179,7 +179,8 @@ unsafe extern "C" fn request<C: IoControl>(ctx: *const c_void, record: *const Io
     let control = unsafe { &*ctx.cast::<C>() };
     // SAFETY: guaranteed by the caller.
     let record = unsafe { IoCommand::read(record) };
-    record.and_then(|r| IoRequest::of(&r)).and_then(|r| control.request(r)).unwrap_or(0)
+    let request = record.and_then(|r| IoRequest::of(&r));
+    request.and_then(|r| shim::guarded(|| control.request(r)).ok().flatten()).unwrap_or(0)
 }
 
 /// # Safety
@@ -187,7 +188,7 @@ unsafe extern "C" fn request<C: IoControl>(ctx: *const c_void, record: *const Io
 unsafe extern "C" fn result<C: IoControl>(ctx: *const c_void, out: *mut IoOutcome) -> u32 {
     // SAFETY: this is the table's own context.
     let control = unsafe { &*ctx.cast::<C>() };
-    let Some(result) = control.result() else { return 0 };
+    let Ok(Some(result)) = shim::guarded(|| control.result()) else { return 0 };
     let why = Str::new(result.failure.unwrap_or_default());
     // SAFETY: guaranteed by the caller.
     unsafe { out.write(IoOutcome { id: result.id, why }) };
@@ -199,7 +200,8 @@ unsafe extern "C" fn result<C: IoControl>(ctx: *const c_void, out: *mut IoOutcom
 unsafe extern "C" fn state<C: IoControl>(ctx: *const c_void, out: *mut IoStatus) {
     // SAFETY: this is the table's own context.
     let control = unsafe { &*ctx.cast::<C>() };
-    let state = control.state();
+    // After a panic, the record stays as the caller made it: in e-stop.
+    let Ok(state) = shim::guarded(|| control.state()) else { return };
     let bit = |on: bool, bit: u32| if on { bit } else { 0 };
     let status = IoStatus {
         interlock: state.estop.bits(),
