@@ -293,13 +293,14 @@ pub enum Request {
         pins: u32,
     },
     /// Sleeps for this time of the machine. The clock waits for a client with a page whenever that client does
-    /// not sleep. Answer: [`crate::Reply::Done`].
+    /// not sleep. Answer: as that of [`Self::Poll`].
     Sleep {
         /// Machine time in nanoseconds, at most 1000000000000.
         ns: u64,
     },
     /// Writes pins of this client, which has joined with a period; then waits for its next poll and
-    /// reads all of its pins, in order of creation. Answer: [`crate::Reply::Values`].
+    /// reads all of its pins, in order of creation. Answer: [`crate::Reply::Values`], or
+    /// [`crate::Reply::Done`] if the client has a page.
     Poll {
         /// Values to write, each with the index of its pin (in order of creation).
         writes: Vec<(u32, Value)>,

@@ -14,7 +14,8 @@ use std::{os::fd::OwnedFd, sync::atomic::Ordering};
 
 /// Largest number of pins in a page.
 pub const MAX_PAGE_PINS: u32 = 1 << 15;
-/// Attempts to read a value while the engine writes its half; then the latest value is used.
+/// Attempts to read a value while the engine writes its half. Then the value that was read last is used: a word is
+/// never half written.
 const ATTEMPTS: usize = 1000;
 
 /// Description of a page.
@@ -141,17 +142,15 @@ impl PinPage {
         };
         // SAFETY: as above.
         let sequence = unsafe { &(*self.engine).sequence };
-        let (mut bits, mut count) = (0, 0);
+        let load = || (value.load(Ordering::Relaxed), number.load(Ordering::Relaxed));
+        let mut latest = load();
         for _ in 0..ATTEMPTS {
-            let copied = seqlock::read(sequence, || {
-                bits = value.load(Ordering::Relaxed);
-                count = number.load(Ordering::Relaxed);
-            });
-            if copied.is_some() {
+            if seqlock::read(sequence, || latest = load()).is_some() {
                 break;
             }
             core::hint::spin_loop();
         }
+        let (bits, count) = latest;
         if count == written.count { bits } else { written.bits }
     }
 
