@@ -6,7 +6,7 @@ use crate::{
     item::{Item, Param, Pin},
     sleep, value,
 };
-use hal_protocol::{Client, Failure, PinPage, Request};
+use hal_protocol::{Client, Failure, MAX_PAGE_PINS, PinPage, Request};
 use pyo3::{
     PyClassInitializer,
     exceptions::{PyAttributeError, PyRuntimeError, PyValueError},
@@ -83,7 +83,13 @@ impl Core {
         if locked(&self.page).as_ref().is_some_and(fits) {
             return Ok(());
         }
-        let space = u32::try_from(pins).unwrap_or(u32::MAX).saturating_mul(2).max(FIRST_PINS);
+        let pins = u32::try_from(pins).unwrap_or(u32::MAX);
+        if pins > MAX_PAGE_PINS {
+            let why = format!("a component in Python has at most {MAX_PAGE_PINS} pins");
+            return Err(refused(&Failure::new(-12, why)));
+        }
+        // The maximum is a power of two as well.
+        let space = pins.next_power_of_two().max(FIRST_PINS);
         let shared = py.detach(|| {
             let mut client = locked(&self.client);
             let client = client.as_mut().ok_or_else(closed)?;

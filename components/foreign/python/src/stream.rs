@@ -75,7 +75,7 @@ impl Stream {
         types: Option<&str>,
     ) -> PyResult<Self> {
         let _: &Bound<'_, Join> = component;
-        let name = match (key - SAMPLER_BASE, key - STREAMER_BASE) {
+        let name = match (key.wrapping_sub(SAMPLER_BASE), key.wrapping_sub(STREAMER_BASE)) {
             (n @ 0..KEYS, _) => format!("sampler.{n}"),
             (_, n @ 0..KEYS) => format!("streamer.{n}"),
             _ => return Err(invalid("Invalid argument".to_owned())),
