@@ -1,6 +1,7 @@
 /* Vectors, rotations, poses, and matrices of any size. Angles are in radians. Results may be an argument.
  *
- * A function returns GO_RESULT_OK, or the reason why there is no result, which is then left alone. */
+ * A function returns GO_RESULT_OK, or the reason why there is no result. Except in go_matrix_inv, the result is then
+ * left alone. */
 #ifndef GOMATH_H
 #define GOMATH_H
 #include "gotypes.h"
@@ -254,7 +255,8 @@ static inline go_result go_matrix_transpose(const go_matrix *a, go_matrix *out)
             GO_MATRIX_AT(out, c, r) = GO_MATRIX_AT(a, r, c);
     return GO_RESULT_OK;
 }
-/* Gauss and Jordan, with the largest pivot of each column. The result is another matrix than the argument. */
+/* Gauss and Jordan, with the largest pivot of each column. The result is another matrix than the argument. After
+ * GO_RESULT_SINGULAR its numbers are meaningless. */
 static inline go_result go_matrix_inv(const go_matrix *a, go_matrix *out)
 {
     const go_integer n = a->rows;
