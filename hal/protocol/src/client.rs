@@ -24,6 +24,8 @@ use std::{
 pub struct Client {
     socket: UnixStream,
     buffer: Vec<u8>,
+    /// Number of answers to interrupted requests, which come before that to the next one.
+    unread: u32,
     received: Option<OwnedFd>,
     id: u32,
     at: Option<At>,
@@ -78,8 +80,15 @@ impl Client {
             });
             f
         })?;
-        let mut client =
-            Self { socket, buffer: Vec::new(), received: None, id: 0, at: None, given_up };
+        let mut client = Self {
+            socket,
+            buffer: Vec::new(),
+            unread: 0,
+            received: None,
+            id: 0,
+            at: None,
+            given_up,
+        };
         let pid = rustix::process::getpid().as_raw_nonzero().get();
         let hello = Request::Hello { protocol: LATEST, name: name.to_owned(), pid };
         match client.call(hello)? {
@@ -218,10 +227,18 @@ impl Client {
             let new = self.buffer.get(searched..).unwrap_or_default();
             if let Some(at) = new.iter().position(|b| *b == b'\n') {
                 let rest = self.buffer.split_off(searched + at + 1);
-                return Ok(core::mem::replace(&mut self.buffer, rest));
+                let line = core::mem::replace(&mut self.buffer, rest);
+                if self.unread == 0 {
+                    return Ok(line);
+                }
+                (self.unread, searched) = (self.unread - 1, 0);
+                continue;
             }
             searched = self.buffer.len();
-            self.wait(&mut wanted)?;
+            if let Err(interrupted) = self.wait(&mut wanted) {
+                self.unread += 1;
+                return Err(interrupted);
+            }
             let mut space = [core::mem::MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
             let mut control = RecvAncillaryBuffer::new(&mut space);
             let got = rustix::net::recvmsg(
