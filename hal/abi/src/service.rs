@@ -128,8 +128,8 @@ unsafe impl Record for Interlock {
     const MIN: usize = size_of::<Self>();
 }
 
-/// Function table of the service `iocontrol`, version 1: e-stop, coolant and tool changer for the one
-/// worker that controls jobs. Not for realtime.
+/// Function table of the service `iocontrol`, version 1: e-stop, coolant and tool changer for
+/// workers. Its functions may be called from several threads at once, never from a realtime thread.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct IoControl {
@@ -141,7 +141,8 @@ pub struct IoControl {
     pub ctx: *const c_void,
     /// Begins a request and returns its number, or 0 if too many requests wait or it is unknown.
     pub request: Option<unsafe extern "C" fn(*const c_void, *const IoCommand) -> u64>,
-    /// Writes the oldest result that was not taken yet, and returns 1; 0 without one.
+    /// Writes the oldest result that was not taken yet, and returns 1; 0 without one. One user takes
+    /// the results of all.
     pub result: Option<unsafe extern "C" fn(*const c_void, *mut IoOutcome) -> u32>,
     /// Writes the current state.
     pub state: Option<unsafe extern "C" fn(*const c_void, *mut IoStatus)>,

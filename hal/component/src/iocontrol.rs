@@ -80,7 +80,7 @@ pub struct IoState {
     pub prepared: i32,
 }
 
-/// Controls that a component offers. One worker uses them.
+/// Controls that a component offers. Several workers may send requests at once; one of them takes the results.
 pub trait IoControl: Touch + Send + Sync + 'static {
     /// Begins a request and returns its number, above 0; `None` if too many requests wait.
     fn request(&self, request: IoRequest) -> Option<u64>;
@@ -221,8 +221,7 @@ pub struct IoControlRef {
     table: abi::IoControl,
 }
 
-// SAFETY: the functions may be called from any one thread at a time, and the provider stays loaded as long as its
-// user.
+// SAFETY: the functions may be called from several threads at once, and the provider stays loaded as long as its user.
 unsafe impl Send for IoControlRef {}
 
 /// # Safety

@@ -105,6 +105,8 @@ impl IoControl for Service {
     fn request(&self, request: IoRequest) -> Option<u64> {
         // The e-stop takes effect even if its result cannot be reported.
         let ask = self.ask(request);
+        // Several workers may ask at once: this lock lets each have its own number.
+        let results = self.results.lock().unwrap_or_else(PoisonError::into_inner);
         let last = self.last.load(Relaxed);
         if last - self.taken.load(Relaxed) >= RESULTS as u64 {
             return None;
@@ -112,6 +114,7 @@ impl IoControl for Service {
         let id = last + 1;
         self.to.send((ask, Reply::Service(id))).ok()?;
         self.last.store(id, Relaxed);
+        drop(results);
         Some(id)
     }
 
