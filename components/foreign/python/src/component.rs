@@ -93,11 +93,13 @@ impl Core {
         let shared = py.detach(|| {
             let mut client = locked(&self.client);
             let client = client.as_mut().ok_or_else(closed)?;
-            let before = locked(&self.page).take();
-            Ok::<_, PyErr>(client.share_pins(space, before))
+            // Locked until the new page is there, so that no other thread finds none.
+            let mut page = locked(&self.page);
+            let before = page.take();
+            let shared = client.share_pins(space, before).map(|new| *page = Some(new));
+            Ok::<_, PyErr>(shared)
         })?;
-        *locked(&self.page) = Some(shared.map_err(|e| refused(&e))?);
-        Ok(())
+        shared.map_err(|e| refused(&e))
     }
 
     fn close(&self, py: Python<'_>) {
