@@ -134,7 +134,8 @@ impl Path {
             self.sent = self.sent.min(self.pending.len());
             self.resume_due = true;
             self.refused = Some(report.why);
-            if self.course != Course::Free {
+            // Axes that move go on to the end of the moves before it.
+            if self.course != Course::Free && !self.last.moving {
                 // The next move begins a path of its own.
                 self.begin_anew();
                 if self.pending.is_empty() {
@@ -159,7 +160,9 @@ impl Path {
         for _ in 0..PER_CYCLE {
             let Some(next) = self.pending.get(self.sent) else { return };
             if let Item::Move(order) = next.item {
-                if Course::of(next.id, order.sync) != self.course {
+                // A thread that has ended does not go on: another one begins at the index.
+                let is_over = self.sent == 0 && self.is_bound();
+                if is_over || Course::of(next.id, order.sync) != self.course {
                     return self.end_course();
                 }
                 let order = Order::Move { generation: self.generation, id: next.id, order };

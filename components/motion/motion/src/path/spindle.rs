@@ -185,6 +185,10 @@ impl Path {
         ready: bool,
         dt: f64,
     ) -> Result<Pace, Refusal> {
+        if self.sent == 0 {
+            // The planner does not have the move yet.
+            return Ok(WAITS);
+        }
         let depth = self.tap_depth();
         let Some(session) = &self.session else { return Ok(WAITS) };
         let is_at_end = session.follower.is_done(&session.way);
@@ -214,6 +218,7 @@ impl Path {
                     Err(if turned.is_nan() { NO_PLACE } else { NO_INDEX })
                 };
             }
+            Stage::Index(_) if !inputs.revs.is_finite() => return Err(NO_PLACE),
             Stage::Index(_) => t.begin(spindle, sync.pitch, depth),
             Stage::In | Stage::Out | Stage::Above | Stage::Over => {
                 t.turn(inputs.revs, sync.pitch, dt)?;
