@@ -65,7 +65,7 @@ impl State {
         match self.moving_source(is_jog).filter(|mover| *mover != source) {
             None => {}
             Some(MotionSource::Remote) if source == MotionSource::Local => {
-                self.end_remote();
+                self.end_remote(is_jog);
                 return Err(ENDED);
             }
             Some(MotionSource::Task) => return Err(PROGRAM),
@@ -85,7 +85,7 @@ impl State {
     pub(crate) fn take_wheel(&mut self, blocked_by: Option<MotionSource>) {
         match blocked_by {
             Some(MotionSource::Remote) => {
-                self.end_remote();
+                self.end_remote(true);
                 self.say.warn(TAKEN, &[]);
             }
             Some(MotionSource::Local | MotionSource::Task) => {}
@@ -118,8 +118,9 @@ impl State {
         }
     }
 
-    fn end_remote(&mut self) {
-        if !self.rests_on_path() {
+    /// Ends remote motion. A jog beside a path that rests ends jogs alone, and leaves the path.
+    fn end_remote(&mut self, is_jog: bool) {
+        if !(is_jog && self.rests_on_path()) {
             self.path.abort_with(Refusal::new(TAKEN));
             self.end_homing(TAKEN);
         }
