@@ -1,6 +1,7 @@
 //! Commands: declared and read on the control side (`interface.rs`, `path_rows.rs`, `configure.rs` with `arguments.rs`,
-//! `config.rs` and `comp_file.rs`, `status.rs`; `service.rs` for other plugins, with `call.rs` for arguments of both kinds), passed as data (`command.rs`), and executed on the realtime side
-//! (`execute.rs`) or refused with a reason (`refusal.rs`).
+//! `config.rs` and `comp_file.rs`, `status.rs`; `service.rs` for other plugins, with `call.rs` for arguments of both
+//! kinds), passed as data (`command.rs`), and executed on the realtime side (`execute.rs`) or refused with a reason
+//! (`refusal.rs`).
 
 pub(crate) mod arguments;
 pub(crate) mod call;

@@ -50,7 +50,7 @@ impl Motion for Service {
 
     /// Returns the number of moves that the queue to the path and the path itself have room for.
     fn room(&self) -> u32 {
-        // The queues first: a move that goes on meanwhile counts twice, and never not at all.
+        // The queues are read before the path, so that a move between them counts twice and is never missed.
         let queued = self.interface.to.waiting();
         let handled = self.handled.waiting();
         let Some(status) = self.status.get() else { return 0 };
