@@ -130,7 +130,7 @@ impl Cell {
         })
     }
 
-    /// Returns the first failure of each configuration, or of those whose wrist may flip along the path.
+    /// Returns the first failure of each configuration.
     fn failures(&self, samples: &[Sample]) -> Vec<Failure> {
         let mut out = Vec::new();
         for configuration in 0..CONFIGURATIONS {

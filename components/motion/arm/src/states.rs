@@ -64,13 +64,12 @@ pub(crate) fn list(arm: &Arm, flange: &Frame, before: &[State], present: &Joints
             for joints in turned(arm, &joints) {
                 let same = |s: &State| travel(&s.joints, &joints, &[1.0; 6]) < 1e-9;
                 if !out.iter().any(same) {
-                    let none = (None, None);
                     out.push(State {
                         joints,
                         configuration,
                         work: None,
-                        before: none.0,
-                        changed_from: none.1,
+                        before: None,
+                        changed_from: None,
                     });
                 }
             }

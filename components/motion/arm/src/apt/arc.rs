@@ -36,7 +36,8 @@ impl Circle {
         let (start, end) = (across(from), across(to));
         for out in [&start, &end] {
             let off = fabs(out.norm() - self.radius);
-            if off > OFF {
+            // A point on the axis has no direction in which the arc could begin or end.
+            if off > OFF || out.norm() < 1e-9 {
                 return Err(fail(Problem::OffCircle(off)));
             }
         }
