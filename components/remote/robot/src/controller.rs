@@ -198,10 +198,15 @@ impl Controller {
     }
 
     fn line(&mut self, line: Option<&[u8]>, now: f64) {
+        if self.closing {
+            return;
+        }
         self.last_line = now;
         let command = line.map_or(Err(Refusal::Format), Command::parse);
         if command == Ok(Command::Exit) || self.waiting.len() >= WAITING {
             self.halt(now);
+            // Lines that wait would move the tool again.
+            self.waiting.clear();
             self.closing = true;
             return;
         }

@@ -193,7 +193,7 @@ impl Driver {
 
     /// Stops the move under way at once, and ends the connection.
     pub fn stop(&mut self) {
-        if matches!(self.state, State::Running | State::Paused | State::Ready) {
+        if matches!(self.state, State::Connected | State::Running | State::Paused | State::Ready) {
             self.send(&Command::Exit);
             self.phase = Phase::Idle;
             self.state = State::Stopped(Stopped::User(self.next));

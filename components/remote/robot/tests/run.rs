@@ -338,6 +338,27 @@ fn the_controller_answers_garbage_and_moves_nothing() {
 }
 
 #[test]
+fn stop_before_the_run_ends_the_connection() {
+    let mut driver = Driver::new(1.0);
+    driver.connected(0.0);
+    driver.stop();
+    assert_eq!(driver.output(), b"EXIT\r\n");
+    assert_eq!(driver.state(), State::Stopped(Stopped::User(0)));
+    driver.receive(b"-400 0 -30\r\nEsperando inicio\r\n", 1.0);
+    assert!(!driver.run(moves(5), 0, 1.0));
+}
+
+#[test]
+fn lines_beside_an_exit_move_nothing() {
+    let mut robot = Controller::new(Volume::default(), ZERO, Faults::default());
+    assert_eq!(robot.connect(0.0), None);
+    assert!(!robot.poll(6.0).is_empty());
+    robot.receive(b"inicio\r\nLMOVE,5,0,0\r\nEXIT\r\nLMOVE,10,0,0\r\n", 7.0);
+    assert!(!robot.is_moving());
+    assert_eq!(robot.poll(7.0), [Output::Close]);
+}
+
+#[test]
 fn the_driver_survives_any_answer() {
     let mut chance = 7_u64;
     for _ in 0..2000 {

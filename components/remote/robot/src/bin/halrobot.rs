@@ -90,6 +90,9 @@ fn records(options: &Options, zero: [f64; 3]) -> Result<Vec<Record>, String> {
     for warning in warnings {
         print(&format!("{file}: warning: {warning}\n"))?;
     }
+    if options.from > records.len() {
+        return Err(format!("--from {}: there are {} lines", options.from, records.len()));
+    }
     if let Some(path) = &options.lines {
         let lines: String =
             records.iter().map(|r| format!("{}\t{}\n", r.text, r.command)).collect();
@@ -117,6 +120,10 @@ fn words() -> Receiver<String> {
     reason = "a program at the edge: the robot lives in real time"
 )]
 fn run(options: &Options) -> Result<(), String> {
+    // NaN is refused too.
+    if !(0.0 < options.timeout && options.timeout < f64::INFINITY) {
+        return Err(format!("--timeout {}: must be a number above 0", options.timeout));
+    }
     let refused = |e: std::io::Error| format!("{}: {}", options.to, hal_output::reason(&e));
     let address = options.to.to_socket_addrs().map_err(refused)?.next();
     let address = address.ok_or_else(|| format!("{}: no such address", options.to))?;
@@ -130,6 +137,8 @@ fn run(options: &Options) -> Result<(), String> {
     let words = words();
     let mut records: Vec<Record> = Vec::new();
     let mut buffer = [0; 256];
+    // A pause that is asked for before the run begins.
+    let mut is_held = false;
     loop {
         match stream.read(&mut buffer) {
             Ok(0) => driver.disconnected(),
@@ -139,7 +148,7 @@ fn run(options: &Options) -> Result<(), String> {
             Err(_) => driver.disconnected(),
         }
         driver.poll(now());
-        if let (State::Ready, Some(zero)) = (driver.state(), driver.zero()) {
+        if !is_held && let (State::Ready, Some(zero)) = (driver.state(), driver.zero()) {
             records = match self::records(options, zero) {
                 Ok(records) => records,
                 Err(text) => {
@@ -154,8 +163,14 @@ fn run(options: &Options) -> Result<(), String> {
         }
         for word in words.try_iter() {
             match word.as_str() {
-                "pause" => driver.pause(),
-                "resume" => driver.resume(now()),
+                "pause" => {
+                    is_held = true;
+                    driver.pause();
+                }
+                "resume" => {
+                    is_held = false;
+                    driver.resume(now());
+                }
                 "stop" => driver.stop(),
                 other => print(&format!("'{other}' is none of pause, resume and stop\n"))?,
             }
@@ -168,7 +183,13 @@ fn run(options: &Options) -> Result<(), String> {
             driver.disconnected();
         }
         match driver.state() {
-            State::Ended => return print(&format!("{} lines executed\n", records.len())),
+            State::Ended => {
+                let count = records.len().saturating_sub(options.from);
+                return print(&format!("{count} lines executed\n"));
+            }
+            State::Stopped(Stopped::User(_)) if records.is_empty() => {
+                return Err("stopped before the first line was sent".to_owned());
+            }
             State::Stopped(why) => return Err(ended(&why)),
             State::Closed => {
                 return Err(format!("{}: the robot closed the connection", options.to));
