@@ -122,17 +122,16 @@ pub fn convert(
     let mut calls = Vec::new();
     let mut idle = 0_u32;
     loop {
-        let step = it.next(&Bare, &mut calls);
-        let made = calls.len();
-        for issued in calls.drain(..) {
-            converter.call(&issued.call, issued.line)?;
-        }
-        idle = if made == 0 { idle + 1 } else { 0 };
+        let mut step = it.next(&Bare, &mut calls);
+        idle = if calls.is_empty() { idle + 1 } else { 0 };
         if idle > 1_000_000 {
             return Err(Failed::Endless);
         }
-        let mut step = step;
         loop {
+            // An answer makes calls too, and may end the program.
+            for issued in calls.drain(..) {
+                converter.call(&issued.call, issued.line)?;
+            }
             match step {
                 Ok(Step::Line) => break,
                 Ok(Step::Ended) => return Ok((converter.records, converter.warnings)),
