@@ -43,13 +43,17 @@ impl Jogging {
         };
         let wanted = (wanted != 0.0 && wanted.is_finite()).then_some((n, wanted));
         if wanted != self.now {
+            // A command without room goes at the next look: until then the earlier jog is in progress.
             if let Some((old, _)) = self.now
                 && wanted.is_none_or(|(new, _)| new != old)
+                && !machine.motion(&command(kind, old, motion_kind::JOG_STOP))
             {
-                machine.motion(&command(kind, old, motion_kind::JOG_STOP));
+                return;
             }
-            if let Some((new, speed)) = wanted {
-                machine.motion(&MotionCommand { speed, ..command(kind, new, motion_kind::JOG) });
+            if let Some((new, speed)) = wanted
+                && !machine.motion(&MotionCommand { speed, ..command(kind, new, motion_kind::JOG) })
+            {
+                return;
             }
             self.now = wanted;
         }

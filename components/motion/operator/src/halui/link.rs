@@ -86,18 +86,20 @@ impl Touch for Machine {
 }
 
 impl Machine {
-    /// Sends a command to motion, as a local source.
-    pub(crate) fn motion(&self, command: &MotionCommand) {
+    /// Sends a command to motion, as a local source. Returns false if there was no room for it.
+    pub(crate) fn motion(&self, command: &MotionCommand) -> bool {
         match self.motion.push(MotionToken::LOCAL, command) {
             Ok(_) => {}
             Err(MotionRefusal::Full) => {
                 self.say.error("motion takes no commands: its queue is full", &[]);
+                return false;
             }
             Err(MotionRefusal::NotOwner | MotionRefusal::Refused(_)) => self.say.error(
                 "motion refused a command: a speed, increment, scale or joint is not possible",
                 &[],
             ),
         }
+        true
     }
 
     /// Sends a command without arguments to motion.
