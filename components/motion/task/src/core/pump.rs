@@ -266,7 +266,8 @@ impl Core {
         for (spindle, slot) in (0u8..).zip(&mut self.surface) {
             let Some(surface) = slot else { continue };
             let turns = surface.speed.abs() / (core::f64::consts::TAU * radius);
-            let turns = if turns < surface.top { turns } else { surface.top };
+            // S0 on the axis has no quotient: the spindle rests.
+            let turns = if turns.is_nan() { 0.0 } else { turns.min(surface.top) };
             let speed = turns.copysign(surface.speed);
             // NaN, before the first one, is always a change.
             let is_near = (speed - surface.sent).abs() <= SPEED_STEP * turns;
