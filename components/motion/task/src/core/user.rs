@@ -1,6 +1,6 @@
 //! Commands of operators.
 
-use super::{Asked, Core, MDI_LEN, Mode, Power, Ticket, file_name};
+use super::{Asked, Core, MDI_LEN, Mode, Power, Ticket, Waiting, file_name};
 use crate::outside::{Order, Outside, Refusal};
 use hal_component::IoRequest;
 use hal_job::world;
@@ -221,7 +221,9 @@ impl Core {
 
     fn pause(&mut self, out: &mut impl Outside) -> Result<Report, String> {
         let Some(job) = &mut self.job else { return Err("nothing runs".into()) };
-        if !self.flight.is_empty() && !job.held {
+        // A probe move is not in flight: it is the step that the others wait for.
+        let moves = !self.flight.is_empty() || matches!(self.waiting, Some(Waiting::Order(_)));
+        if moves && !job.held {
             match out.order(&Order::Pause) {
                 Ok(_) => job.held = true,
                 Err(Refusal::Full) => return Err(FULL.into()),

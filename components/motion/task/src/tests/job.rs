@@ -269,3 +269,15 @@ fn a_user_code_is_awaited_and_its_failure_ends_the_job() {
     let why = rig.result(ticket).unwrap().unwrap_err();
     assert!(why.contains("job.ngc:1") && why.contains("exit status: 1"), "{why}");
 }
+
+#[test]
+fn a_probe_move_pauses() {
+    let mut rig = Rig::new("G21 G38.2 Z-5 F100\nM2\n");
+    rig.send(Command::Run);
+    rig.pass(0.05);
+    rig.sent();
+    rig.good(Command::Pause);
+    assert_eq!(rig.sent(), ["Pause"]);
+    rig.good(Command::Resume);
+    assert_eq!(rig.sent(), ["Resume"]);
+}
