@@ -5,7 +5,7 @@ use hal_gcode::{
     Call, Settings, State,
     axis::{Axis, Position},
     canon::{Direction, Frame, PathMode, Plane, Unit},
-    state::modal::MAX_SPINDLES,
+    state::{FeedMode, modal::MAX_SPINDLES},
 };
 
 /// A step of a job.
@@ -78,12 +78,12 @@ pub(crate) struct Converter {
     at: [f64; 9],
     /// Coordinate system in force.
     pub(crate) system: u8,
-    change_position: Option<[f64; 9]>,
+    change_position: Option<[Option<f64>; 9]>,
 }
 
 impl Converter {
     /// Returns a converter for a machine with these settings, and the place for tool changes.
-    pub(crate) fn new(settings: &Settings, change_position: Option<[f64; 9]>) -> Self {
+    pub(crate) fn new(settings: &Settings, change_position: Option<[Option<f64>; 9]>) -> Self {
         Self {
             frame: Frame::new(settings.program_unit),
             unit: settings.unit,
@@ -104,7 +104,8 @@ impl Converter {
     pub(crate) fn restart(&mut self, state: &State, at: [f64; 9]) {
         self.frame = state.frame;
         self.feed = state.modal.feed;
-        self.feed_per_turn = None;
+        let per_turn = state.modal.feed_mode == FeedMode::PerRevolution;
+        self.feed_per_turn = per_turn.then(|| self.feed_per_turn.unwrap_or(0));
         self.path = state.modal.path;
         self.cam_tolerance = state.modal.naive_tolerance;
         self.system = state.modal.system;
@@ -287,7 +288,11 @@ fn other_action(call: Call, converter: &mut Converter, line: u32, out: &mut Vec<
     let action = match call {
         Call::SelectTool(tool) => Action::Prepare(tool),
         Call::ChangeTool(tool) => {
-            if let Some(to) = converter.change_position {
+            if let Some(place) = converter.change_position {
+                let mut to = converter.at;
+                for (value, stated) in to.iter_mut().zip(place) {
+                    *value = stated.unwrap_or(*value);
+                }
                 converter.at = to;
                 out.push(Action::Path(Order::Move(Move {
                     to,

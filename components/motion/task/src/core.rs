@@ -182,8 +182,8 @@ pub(crate) struct Rules {
     pub(crate) at_speed_timeout: f64,
     /// The INI file states the top speed of a spindle.
     pub(crate) has_top_speed: bool,
-    /// Place for tool changes in machine units.
-    pub(crate) change_position: Option<[f64; 9]>,
+    /// Place for tool changes in machine units; axes without a coordinate stay where they are.
+    pub(crate) change_position: Option<[Option<f64>; 9]>,
 }
 
 /// The core of the task.

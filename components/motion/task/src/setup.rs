@@ -66,16 +66,16 @@ fn rules(machine: &Machine) -> Result<Rules, String> {
 }
 
 /// Parses three, six or nine coordinates.
-fn change_position(text: &str) -> Result<[f64; 9], String> {
+fn change_position(text: &str) -> Result<[Option<f64>; 9], String> {
     let wrong = || format!("[EMCIO]TOOL_CHANGE_POSITION '{text}': three, six or nine numbers");
     let all: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
     let all = all.map_err(|_| wrong())?;
     if ![3, 6, 9].contains(&all.len()) || all.iter().any(|n| !n.is_finite()) {
         return Err(wrong());
     }
-    let mut out = [0.0; 9];
+    let mut out = [None; 9];
     for (place, value) in out.iter_mut().zip(all) {
-        *place = value;
+        *place = Some(value);
     }
     Ok(out)
 }

@@ -95,3 +95,20 @@ fn moves_bound_to_the_spindle_have_a_pitch() {
         [per_turn[0].clone(), per_turn[1].clone(), Call::StraightTraverse(at(1.0, 0.0, 0.0))];
     assert_eq!(only_move(&settings, &rapid).pitch, None);
 }
+
+#[test]
+fn a_tool_change_leaves_axes_without_a_coordinate() {
+    let settings = Settings { axes: AxisMask(15), ..Settings::default() };
+    let mut place = [None; 9];
+    place[2] = Some(50.0);
+    let mut converter = Converter::new(&settings, Some(place));
+    let mut out = Vec::new();
+    for call in [Call::StraightFeed(Position { a: 90.0, ..at(1.0, 2.0, 3.0) }), Call::ChangeTool(1)]
+    {
+        converter.convert(call, 1, &mut out);
+    }
+    let [_, Action::Path(Order::Move(m)), Action::Change(1)] = out.as_slice() else {
+        panic!("{out:?}")
+    };
+    assert_eq!(m.to, [1.0, 2.0, 50.0, 90.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+}
