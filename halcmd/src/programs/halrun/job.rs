@@ -35,6 +35,10 @@ fn run_program(session: &mut Session<'_>, file: &str) -> Result<(), Error> {
         let args = args.iter().map(|a| (*a).to_owned()).collect();
         let id = begin(session, name, args)?;
         follow(session, name, id, |_, _| {})?;
+        // An instance that ends takes no commands.
+        if session.link.is_ending() {
+            return Ok(());
+        }
     }
     let id = begin(session, "task.open", vec![format!("file={file}")])?;
     follow(session, "task.open", id, |_, _| {})?;
@@ -57,6 +61,10 @@ fn run_program(session: &mut Session<'_>, file: &str) -> Result<(), Error> {
         }
     });
     let clear = if session.terminal.is_person() { CLEAR } else { "" };
+    if session.link.is_ending() {
+        session.terminal.err(&format!("{clear}{name}: interrupted\n"));
+        return result;
+    }
     let time = Status::of(session)?.time().to_owned();
     let how = if result.is_ok() { "ended" } else { "failed" };
     session.terminal.err(&format!("{clear}{name}: {how} after {time} s of machine time\n"));
