@@ -142,17 +142,18 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
 
 /// Reads the file. Returns `None` after an error of its text.
 fn read(file: &str) -> Result<Option<Part>, String> {
-    let text = std::fs::read(Path::new(file));
+    let text = hal_ini::file::whole(Path::new(file));
     let text = text.map_err(|e| format!("{file}: {}", hal_output::reason(&e)))?;
     match Part::parse(&text) {
         Ok(part) => Ok(Some(part)),
         Err(error) => {
             print_error(&format!("{file}:{error}\n"));
             let mut lines = text.split(|b| *b == b'\n');
-            let line = usize::try_from(error.line).ok().and_then(|n| lines.nth(n - 1));
+            let line =
+                usize::try_from(error.line).ok().and_then(|n| lines.nth(n.saturating_sub(1)));
             if let Some(line) = line.filter(|l| l.len() < 200) {
                 let line = String::from_utf8_lossy(line);
-                let before = usize::try_from(error.column - 1).unwrap_or(0).min(200);
+                let before = usize::try_from(error.column.saturating_sub(1)).unwrap_or(0).min(200);
                 print_error(&format!("    {}\n    {}^\n", line.trim_end(), " ".repeat(before)));
             }
             Ok(None)
