@@ -5,7 +5,6 @@ use hal_gcode::{Environment, Source, Text, tool::Tool};
 use std::{
     collections::BTreeMap,
     fs::File,
-    io::Read,
     os::unix::fs::{FileExt, MetadataExt, PermissionsExt},
     path::Path,
     sync::Arc,
@@ -37,13 +36,13 @@ type Version = (u64, i64, i64);
 /// The file cannot be opened.
 pub fn program(path: &Path) -> Result<Text, String> {
     let wrong = |e: &std::io::Error| format!("{}: {}", path.display(), hal_output::reason(e));
-    let file = File::open(path).map_err(|e| wrong(&e))?;
-    if !file.metadata().map_err(|e| wrong(&e))?.is_file() {
-        // A pipe can be read only once, and a folder not at all.
-        let mut bytes = Vec::new();
-        file.take(MAX_PIPE).read_to_end(&mut bytes).map_err(|e| wrong(&e))?;
+    if !std::fs::metadata(path).map_err(|e| wrong(&e))?.is_file() {
+        // A pipe can be read only once, and a folder not at all. The open of a pipe that nothing fills never returns.
+        let bytes = hal_ini::file::contents(path, MAX_PIPE).map_err(|e| wrong(&e))?;
+        let bytes = bytes.ok_or_else(|| format!("{}: it is larger than 1 GiB", path.display()))?;
         return Ok(Arc::new(bytes));
     }
+    let file = File::open(path).map_err(|e| wrong(&e))?;
     let version = version(&file).map_err(|e| wrong(&e))?;
     Ok(Arc::new(Opened { file, version }))
 }
