@@ -17,7 +17,7 @@ mod wait;
 
 use crate::{
     convert::{Action, Converter},
-    outside::{Outside, Progress, Ticket},
+    outside::{Order, Outside, Progress, Ticket},
 };
 use hal_gcode::{
     Interpreter, Request,
@@ -304,6 +304,10 @@ impl Core {
             (true, false) => Power::Off,
             (true, true) => Power::On,
         };
+        // Nothing moves in e-stop, whatever is wired.
+        if power == Power::Estop && motion.enabled {
+            drop(out.order(&Order::Disable));
+        }
         let was = core::mem::replace(&mut self.power, power);
         if was == Power::On && power != Power::On {
             let why = if power == Power::Estop {
@@ -378,11 +382,6 @@ impl Core {
     /// Returns the number of steps that wait in the task.
     pub(crate) fn queue_len(&self) -> usize {
         self.queue.len()
-    }
-
-    /// Returns whether single steps are in force.
-    pub(crate) fn is_stepping(&self) -> bool {
-        self.job.as_ref().is_some_and(|j| j.stepping.is_some())
     }
 
     /// Tells the operator something.

@@ -139,15 +139,15 @@ impl Touch for Worker {
 
 impl Work for Worker {
     fn work(&mut self, items: u32) -> u32 {
-        let commands = {
+        let (mut core, commands) = {
             let mut desk = self.shared.lock();
             if let Some((core, files)) = desk.opened.take() {
                 self.world.open(&core, files);
                 self.core = Some(core);
             }
-            core::mem::take(&mut desk.inbox)
+            let Some(core) = self.core.take() else { return 0 };
+            (core, core::mem::take(&mut desk.inbox))
         };
-        let Some(mut core) = self.core.take() else { return 0 };
         self.world.refresh();
         for (command, handle) in commands {
             let ticket = self.world.ticket(handle);
@@ -343,8 +343,8 @@ impl Outside for Machine {
         if let Some(n) = self.buttons.iter().position(|b| *b == ticket.0) {
             self.buttons.remove(n);
             // A job that has failed has said why.
-            if let Err(why) = result.as_ref()
-                && self.said != why
+            if let Err(why) = &result
+                && self.said != self.texts.keep(why)
             {
                 self.say(Level::Error, why);
             }

@@ -291,6 +291,11 @@ impl Core {
         }
     }
 
+    /// Returns whether single steps are in force.
+    pub(crate) fn is_stepping(&self) -> bool {
+        self.job.as_ref().is_some_and(|j| j.stepping.is_some())
+    }
+
     /// Returns the number of lines of MDI that wait.
     pub(crate) fn mdi_len(&self) -> usize {
         self.mdi.len()

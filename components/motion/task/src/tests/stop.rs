@@ -187,3 +187,18 @@ fn a_refusal_has_every_reason() {
     rig.fake.motion.all_homed = false;
     assert_eq!(rig.run()[0], "1: line 1 0 0");
 }
+
+/// In e-stop the machine is switched off, also where nothing else does it.
+#[test]
+fn an_estop_switches_motion_off() {
+    let mut rig = Rig::new("M2\n");
+    rig.step();
+    assert!(rig.fake.motion.enabled);
+    rig.fake.io.estop = Estop { commanded: true, open: false };
+    rig.step();
+    assert!(!rig.fake.motion.enabled, "{:?}", rig.fake.log);
+    // After the e-stop it stays off.
+    rig.fake.io.estop = Estop { commanded: false, open: false };
+    rig.pass(1.0);
+    assert!(!rig.fake.motion.enabled);
+}
