@@ -162,7 +162,7 @@ impl Args {
 }
 
 fn read(d: &Declared, value: &str, word: &str) -> Result<Given, Error> {
-    // An empty list is the usual one.
+    // An empty list means the default.
     let value = match &d.default {
         Some(default) if value.is_empty() && d.spec.kind == arg::TEXTS => default,
         _ => value,
@@ -185,7 +185,7 @@ fn read(d: &Declared, value: &str, word: &str) -> Result<Given, Error> {
         })
     };
     let items = || -> Result<Vec<&str>, Error> {
-        // No names, as if the argument was not given.
+        // An empty list means that the argument is not given.
         if value.is_empty() && &*d.name == "names" {
             return Ok(Vec::new());
         }
@@ -291,7 +291,7 @@ impl Instances {
                     let count = count.filter(|n| *n <= MAX_INSTANCES);
                     let expects = "expected a number from 0 to 1000000";
                     let count = count.ok_or_else(|| invalid(n, &plain, expects))?;
-                    // None asked for is the usual one, as without the argument.
+                    // Zero means one instance, as without the argument.
                     out.count = Some(count).filter(|n| *n > 0);
                 }
                 Some(("names", "")) => {}

@@ -1,4 +1,4 @@
-//! Values with which items begin in LinuxCNC 2.9, where those of 2.10, and ours, are others.
+//! First values of items in LinuxCNC 2.9, where they differ from those of 2.10, which are ours.
 
 use hal_protocol::Value;
 
