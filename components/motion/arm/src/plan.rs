@@ -189,15 +189,11 @@ impl Cell {
         samples: &[Sample],
         layers: &[Vec<State>],
     ) -> Result<Plan, Refused> {
-        let mut chosen: Vec<(usize, State, Option<State>)> = Vec::new();
+        let mut chosen: Vec<(&Sample, State, Option<State>)> = Vec::new();
         let mut at: Option<usize> = None;
-        for (n, states) in layers.iter().enumerate().rev() {
-            let index = match at {
-                Some(index) => index,
-                None => {
-                    crate::states::best(states).ok_or(Refused::NoRoom { target: targets.len() })?
-                }
-            };
+        for (sample, states) in samples.iter().zip(layers).rev() {
+            let index = at.or_else(|| crate::states::best(states));
+            let index = index.ok_or(Refused::NoRoom { target: sample.target })?;
             let mut state = states.get(index).copied().ok_or(Refused::Empty)?;
             let mut after = None;
             if let Some(origin) = state.changed_from {
@@ -205,14 +201,13 @@ impl Cell {
                 state = states.get(origin).copied().ok_or(Refused::Empty)?;
             }
             at = state.before;
-            chosen.push((n, state, after));
+            chosen.push((sample, state, after));
         }
         chosen.reverse();
         let mut plan = Plan::default();
-        for (n, state, after) in &chosen {
-            let Some(sample) = samples.get(*n) else { continue };
+        for (sample, state, after) in &chosen {
             let target = targets.get(sample.target).ok_or(Refused::Empty)?;
-            let sample = &Sample { is_target: sample.is_target || after.is_some(), ..*sample };
+            let sample = &Sample { is_target: sample.is_target || after.is_some(), ..**sample };
             self.push(&mut plan, target.kind, sample, state, target.feed);
             if let Some(after) = after {
                 let change = changed(sample, state, after);

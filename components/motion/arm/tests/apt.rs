@@ -136,6 +136,11 @@ fn errors_name_line_and_column() {
             "FROM/0,0,0\nCIRCLE/5,0,0,3\nGOTO/10,0,0",
             "3:1: an end of the arc is 2.000 off its circle",
         ),
+        // Near enough to so small a circle, but there is no direction from its centre.
+        (
+            "FROM/0,0,0\nCIRCLE/0,0,0,0.04\nGOTO/0.04,0,0",
+            "3:1: an end of the arc is 0.040 off its circle",
+        ),
         ("FROM/0,0,0\nCIRCLE/5,0,0,5\nRAPID", "2:1: GOTO must follow CIRCLE"),
         (
             "FROM/5,0,0\nTLON,GOFWD/(CIRCLE/0,0,0,5),ON,(POINT/0,5,0)",

@@ -1,20 +1,16 @@
 //! Simulated controller of the robot: the server's end of the protocol, with its own motion, delays and faults.
 
-use crate::{Answer, Command, Framer, Refusal, Volume, Zero};
+use crate::{Answer, Command, FASTEST, Framer, Refusal, Volume, Zero, line::QUIET};
 use std::collections::VecDeque;
 
 /// Speed of rapid moves, in millimetres per second.
 const RAPID: f64 = 10.0;
 /// Cutting speed before any is set, in millimetres per second.
 const CUTTING: f64 = 5.0;
-/// Highest cutting speed, in millimetres per second.
-const FASTEST: f64 = 15.0;
 /// Length of the retract at the connection, in millimetres.
 const RETRACT: f64 = 50.0;
 /// Time without a line after which the connection ends, in seconds.
 const SILENCE: f64 = 60.0;
-/// Time after which a line without an end counts as whole, in seconds.
-const QUIET: f64 = 0.05;
 /// Time from a line to its answer, in seconds.
 const ANSWER: f64 = 0.001;
 /// Largest number of lines that wait.
@@ -119,7 +115,8 @@ impl Controller {
         self.motion.is_some()
     }
 
-    /// Accepts a client. A second one is told that the robot is busy, and its connection must be closed.
+    /// Accepts a client. While there is one, returns the answer for another, that the robot is busy; the caller sends it and
+    /// closes that connection.
     pub fn connect(&mut self, now: f64) -> Option<Vec<u8>> {
         if self.is_connected {
             return Some(format!("{}\r\n", Answer::Refused(Refusal::Busy)).into_bytes());

@@ -1,13 +1,11 @@
 //! Client's end of the protocol: one line at a time, each executed exactly once.
 
-use crate::{Answer, Command, Framer, Refusal, Zero};
+use crate::{Answer, Command, Framer, Refusal, Zero, line::QUIET};
 use std::{collections::VecDeque, fmt};
 
-/// Time after which an answer without an end counts as whole, in seconds.
-const QUIET: f64 = 0.05;
 /// Time after which a paused driver shows the robot that it is still there, in seconds.
 const ALIVE: f64 = 20.0;
-/// Largest number of probes for one line.
+/// Largest number of probes without an answer.
 const PROBES: u32 = 10;
 
 /// State of the driver.
@@ -87,8 +85,9 @@ enum Phase {
     Idle,
     /// A line waits for its answer.
     Answer { since: f64 },
-    /// A probe waits for its refusal.
-    Probe { since: f64, tries: u32, is_answered: bool },
+    /// A probe waits for its refusal. `answered` tells whether the line before was answered in its time; `None` if that
+    /// line is complete, and the probe only takes what is left of the answers to the probes before it.
+    Probe { since: f64, tries: u32, answered: Option<bool> },
 }
 
 /// Driver of one run. Times are in seconds from any origin and never decrease.
@@ -106,6 +105,8 @@ pub struct Driver {
     phase: Phase,
     /// Kind of the probe; it changes with every line, so that a late answer to the probe before is recognised.
     is_odd: bool,
+    /// Refusal of the line, or a late copy of the answer to the probe before: its `done` will tell.
+    doubt: Option<Refusal>,
     last_sent: f64,
     out: Vec<u8>,
     events: Vec<Event>,
@@ -126,6 +127,7 @@ impl Driver {
             next: 0,
             phase: Phase::Idle,
             is_odd: false,
+            doubt: None,
             last_sent: 0.0,
             out: Vec::new(),
             events: Vec::new(),
@@ -159,15 +161,20 @@ impl Driver {
         };
     }
 
-    /// Runs lines from an index on; a cutting speed that was set before it is set again. Returns false unless the robot is
+    /// Runs lines from an index on. What was before is made good first: the cutting speed, and the place of the tool, which
+    /// goes above the last point at the greatest height of the lines, and down to it. Returns false unless the robot is
     /// ready.
     pub fn run(&mut self, lines: Vec<Command>, from: usize, now: f64) -> bool {
         if self.state != State::Ready {
             return false;
         }
-        let speeds = lines.iter().take(from).rev();
-        let speed = speeds.copied().find(|c| matches!(c, Command::Speed(_)));
-        self.first = [Some(Command::Start), speed].into_iter().flatten().collect();
+        let before = |is: fn(&Command) -> bool| lines.iter().take(from).rev().copied().find(is);
+        let speed = before(|c| matches!(c, Command::Speed(_)));
+        let last = before(|c| c.target().is_some());
+        let top = lines.iter().filter_map(Command::target).map(|[.., z]| z).reduce(f64::max);
+        let above = last.and_then(|c| c.target()).zip(top);
+        let above = above.map(|([x, y, _], z)| Command::Rapid([x, y, z]));
+        self.first = [Some(Command::Start), speed, above, last].into_iter().flatten().collect();
         (self.lines, self.next) = (lines, from);
         self.state = State::Running;
         self.advance(now);
@@ -221,20 +228,18 @@ impl Driver {
         }
         match self.phase {
             Phase::Answer { since } if now >= since + self.timeout => {
-                self.probe(Phase::Probe { since: now, tries: 1, is_answered: false });
+                self.probe(now, 1, Some(false));
             }
-            Phase::Probe { since, tries, is_answered } if now >= since + self.timeout => {
+            Phase::Probe { since, tries, answered } if now >= since + self.timeout => {
                 if tries >= PROBES {
                     self.phase = Phase::Idle;
                     self.state = State::Stopped(Stopped::Silent(self.next));
                 } else {
-                    self.probe(Phase::Probe { since: now, tries: tries + 1, is_answered });
+                    self.probe(now, tries + 1, answered);
                 }
             }
-            // The probe of the line before: its answer is ignored wherever it comes.
             Phase::Idle if self.state == State::Paused && now >= self.last_sent + ALIVE => {
-                self.last_sent = now;
-                self.out.extend_from_slice(Self::words(!self.is_odd));
+                self.probe(now, 1, None);
             }
             Phase::Idle | Phase::Answer { .. } | Phase::Probe { .. } => {}
         }
@@ -274,23 +279,37 @@ impl Driver {
                 self.phase = Phase::Idle;
                 self.state = State::Stopped(Stopped::Busy);
             }
-            (Some(Answer::Done), Phase::Answer { .. }) => {
-                self.probe(Phase::Probe { since: now, tries: 1, is_answered: true });
+            (Some(Answer::Done), Phase::Answer { .. }) => self.probe(now, 1, Some(true)),
+            (Some(Answer::Done), Phase::Probe { since, tries, .. }) if self.doubt.is_some() => {
+                self.doubt = None;
+                self.phase = Phase::Probe { since, tries, answered: Some(true) };
             }
-            (Some(Answer::Refused(why)), Phase::Probe { is_answered, .. })
-                if why == self.expected() =>
+            (Some(Answer::Refused(why)), Phase::Probe { tries, answered, .. })
+                if why == Self::refusal(self.is_odd) =>
             {
-                self.executed(is_answered, now);
+                match (answered, self.doubt) {
+                    (Some(false), Some(why)) => self.refused(why),
+                    _ => self.probed(tries, answered, now),
+                }
             }
-            // The answer to the probe before, once more.
-            (Some(Answer::Refused(why)), Phase::Answer { .. } | Phase::Probe { .. })
-                if why == Self::refusal(!self.is_odd) => {}
+            // The answer to the probe before once more, or the line is refused with the same word.
+            (Some(Answer::Refused(why)), phase @ (Phase::Answer { .. } | Phase::Probe { .. }))
+                if why == Self::refusal(!self.is_odd) =>
+            {
+                // What comes before the line has left is no answer to it.
+                let is_awaited = matches!(phase, Phase::Answer { .. }) && self.out.is_empty();
+                if is_awaited {
+                    self.probe(now, 1, Some(false));
+                }
+                if is_awaited || matches!(phase, Phase::Probe { answered: Some(false), .. }) {
+                    self.doubt = Some(why);
+                }
+            }
             (Some(Answer::Refused(why)), Phase::Answer { .. } | Phase::Probe { .. }) => {
-                self.phase = Phase::Idle;
-                self.state = State::Stopped(Stopped::Refused(self.next, why));
-                self.send(&Command::Exit);
+                self.refused(why);
             }
-            (Some(Answer::Done), _) | (Some(Answer::Refused(_)), Phase::Idle) => {}
+            (Some(Answer::Done), Phase::Idle | Phase::Probe { .. })
+            | (Some(Answer::Refused(_)), Phase::Idle) => {}
             (Some(Answer::Zero(_) | Answer::Waiting) | None, _) => self.events.push(Event::Noise),
         }
     }
@@ -299,29 +318,34 @@ impl Driver {
         if is_odd { Refusal::Format } else { Refusal::Unknown }
     }
 
-    /// Returns the answer to the probe of this line.
-    const fn expected(&self) -> Refusal {
-        Self::refusal(self.is_odd)
+    fn refused(&mut self, why: Refusal) {
+        self.phase = Phase::Idle;
+        self.state = State::Stopped(Stopped::Refused(self.next, why));
+        self.send(&Command::Exit);
     }
 
-    fn probe(&mut self, phase: Phase) {
-        self.phase = phase;
-        self.out.extend_from_slice(Self::words(self.is_odd));
+    fn probe(&mut self, now: f64, tries: u32, answered: Option<bool>) {
+        self.phase = Phase::Probe { since: now, tries, answered };
+        let words: &[u8] = if self.is_odd { b"SPEED\r\n" } else { b"?\r\n" };
+        self.out.extend_from_slice(words);
     }
 
-    const fn words(is_odd: bool) -> &'static [u8] {
-        if is_odd { b"SPEED\r\n" } else { b"?\r\n" }
-    }
-
-    fn executed(&mut self, is_answered: bool, now: f64) {
+    /// Goes on after the answer to a probe. Where it was sent more than once, further answers may come: another probe takes
+    /// them, so that they are not held for the refusal of the next line.
+    fn probed(&mut self, tries: u32, answered: Option<bool>, now: f64) {
         self.is_odd = !self.is_odd;
         self.phase = Phase::Idle;
+        self.doubt = None;
         self.last_sent = now;
-        if self.first.pop_front().is_none() {
+        if let Some(is_answered) = answered
+            && self.first.pop_front().is_none()
+        {
             self.events.push(Event::Executed(self.next, is_answered));
             self.next += 1;
         }
-        if self.state == State::Running {
+        if tries > 1 {
+            self.probe(now, 1, None);
+        } else if self.state == State::Running {
             self.advance(now);
         }
     }

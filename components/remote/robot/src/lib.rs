@@ -10,5 +10,5 @@ mod volume;
 pub use controller::{Controller, Faults, Output};
 pub use convert::{Failed, Record, convert};
 pub use driver::{Driver, Event, State, Stopped};
-pub use line::{Answer, Command, Framer, MAX_LINE, Refusal};
-pub use volume::{Outside, Volume, Zero};
+pub use line::{Answer, Command, FASTEST, Framer, MAX_LINE, Refusal};
+pub use volume::{Outside, Volume, Zero, parse_zero};

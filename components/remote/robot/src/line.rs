@@ -4,6 +4,10 @@ use std::fmt;
 
 /// Longest line, as long as the robot's buffer.
 pub const MAX_LINE: usize = 255;
+/// Highest cutting speed, in millimetres per second.
+pub const FASTEST: f64 = 15.0;
+/// Time after which a line without an end counts as whole, in seconds.
+pub(crate) const QUIET: f64 = 0.05;
 
 /// Line to the robot.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -47,6 +51,15 @@ pub enum Answer {
 }
 
 impl Command {
+    /// Returns the point that a move goes to.
+    #[must_use]
+    pub const fn target(&self) -> Option<[f64; 3]> {
+        match self {
+            Self::Rapid(to) | Self::Cut(to) => Some(*to),
+            Self::Start | Self::Speed(_) | Self::Exit => None,
+        }
+    }
+
     /// Reads a line.
     ///
     /// # Errors
@@ -75,7 +88,7 @@ impl Command {
 }
 
 /// Reads a number: digits with a sign and a dot.
-fn number(word: &str) -> Option<f64> {
+pub(crate) fn number(word: &str) -> Option<f64> {
     let word = word.trim();
     let is_plain =
         !word.is_empty() && word.chars().all(|c| c.is_ascii_digit() || "+-.".contains(c));

@@ -1,5 +1,6 @@
 //! Places that the tool may go to.
 
+use crate::line::number;
 use hal_arm::{
     Arm, CONFIGURATIONS, Frame,
     rotation::{Vector, from_zyz},
@@ -8,6 +9,18 @@ use std::fmt;
 
 /// Part zero in robot coordinates.
 pub type Zero = [f64; 3];
+
+/// Reads a part zero: three numbers separated by commas.
+///
+/// # Errors
+/// The text says something else; the error names the first word that is no number.
+pub fn parse_zero(text: &str) -> Result<Zero, String> {
+    let mut numbers = Vec::new();
+    for word in text.split(',') {
+        numbers.push(number(word).ok_or_else(|| format!("'{}' is no number", word.trim()))?);
+    }
+    <Zero>::try_from(numbers).map_err(|_| "three numbers are needed, such as -400,0,-30".to_owned())
+}
 
 /// Box of the work, in robot coordinates, and the arm that must reach every point with its tool downwards.
 #[derive(Clone, Copy, PartialEq, Debug)]

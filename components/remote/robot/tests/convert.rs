@@ -10,8 +10,7 @@ fn lines(text: &str) -> Vec<Record> {
 }
 
 fn moves(text: &str) -> Vec<Command> {
-    let is_move = |c: &Command| matches!(c, Command::Cut(_) | Command::Rapid(_));
-    lines(text).iter().map(|r| r.command).filter(is_move).collect()
+    lines(text).iter().map(|r| r.command).filter(|c| c.target().is_some()).collect()
 }
 
 const DIALECTS: [&str; 3] = [
@@ -71,11 +70,14 @@ fn three_dialects_give_the_same_motion() {
     assert_eq!(capped.1, ["line 2: the spindle is turned on and off by hand"]);
 }
 
+/// The question about the tool comes before the move, and the answer to it makes the move and ends the program.
+#[test]
+fn what_stands_beside_a_tool_change_is_not_lost() {
+    assert_eq!(moves("F300\nT1 M6 G1 X9 M2\n"), [Command::Cut([9.0, 0.0, 10.0])]);
+}
+
 fn at(command: &Command) -> [f64; 3] {
-    match command {
-        Command::Cut(to) | Command::Rapid(to) => *to,
-        _ => [f64::NAN; 3],
-    }
+    command.target().unwrap()
 }
 
 #[test]

@@ -125,13 +125,8 @@ fn moves(count: u32) -> Vec<Command> {
 
 /// Returns the targets of lines.
 fn targets(lines: &[Command]) -> Vec<[f64; 3]> {
-    let target = |c: &Command| match c {
-        Command::Rapid(to) | Command::Cut(to) => {
-            Some(to.map(|x| format!("{x:.3}").parse().unwrap()))
-        }
-        _ => None,
-    };
-    lines.iter().filter_map(target).collect()
+    let sent = |to: [f64; 3]| to.map(|x| format!("{x:.3}").parse().unwrap());
+    lines.iter().filter_map(Command::target).map(sent).collect()
 }
 
 #[test]
@@ -215,14 +210,19 @@ fn a_lost_connection_stops_the_robot_and_resumes_with_the_unanswered_line() {
         let place = link.robot.place(link.now);
         link.now += 1000.0;
         assert_eq!(link.robot.place(link.now), place, "the robot stays");
+        let all = targets(&lines);
+        let done = targets(&lines[..line]).len();
+        let made = link.robot.moves().len();
+        // The line without an answer may have been executed before the cut.
+        assert!(made == done || made == done + 1, "{seed}: cut at line {line}");
+        assert_eq!(link.robot.moves(), &all[..made], "{seed}: cut at line {line}");
         link.connect();
         link.run(&lines, line);
         link.until(Link::is_over);
         assert_eq!(link.driver.state(), State::Ended);
-        let mut made = link.robot.moves().to_vec();
-        // The line without an answer may have been executed before the cut: then it goes to where the robot is.
-        made.dedup();
-        assert_eq!(made, targets(&lines), "{seed}: cut at line {line}");
+        let back = done.checked_sub(1).map(|n| [[all[n][0], all[n][1], all[59][2]], all[n]]);
+        let more = [&back.unwrap_or_default()[..2 * done.min(1)], &all[done..]].concat();
+        assert_eq!(link.robot.moves()[made..], more, "{seed}: cut at line {line}");
     }
 }
 
@@ -278,6 +278,20 @@ fn refusals_stop_the_run_and_name_the_line() {
     link.until(Link::is_over);
     assert_eq!(link.driver.state(), State::Stopped(Stopped::Refused(1, robot::Refusal::Range)));
     assert_eq!(link.robot.moves(), [[0., 0., 0.]]);
+    // A refusal with the word that answers the probe before: the probe before is SPEED, then ?.
+    for (line, text, why) in
+        [(1, "LMOVE,1,2\r\n", robot::Refusal::Format), (2, "X\r\n", robot::Refusal::Unknown)]
+    {
+        let mut link = Link::new(Faults::default(), 60.0);
+        let lines = moves(5);
+        link.run(&lines, 0);
+        link.until(|l| l.events.contains(&Event::Sent(line)));
+        drop(link.driver.output());
+        link.to_robot.extend_from_slice(text.as_bytes());
+        link.until(Link::is_over);
+        assert_eq!(link.driver.state(), State::Stopped(Stopped::Refused(line, why)));
+        assert_eq!(link.robot.moves(), targets(&lines[..line]));
+    }
     // A robot that says nothing any more.
     let mut link = Link::new(Faults { lost: 1.0, ..Faults::default() }, 5.0);
     link.run(&lines, 0);
@@ -293,48 +307,24 @@ fn refusals_stop_the_run_and_name_the_line() {
     assert_eq!(second.state(), State::Stopped(Stopped::Busy));
 }
 
+/// The tool was lifted since the last point: it goes above that, and down to it, before it cuts on.
 #[test]
-fn the_controller_answers_garbage_and_moves_nothing() {
-    let mut robot = Controller::new(Volume::default(), ZERO, Faults::default());
-    robot.connect(0.0);
-    let mut now = 6.0;
-    robot.poll(now);
-    let mut ask = |bytes: &[u8]| {
-        robot.receive(bytes, now);
-        now += 0.1;
-        let mut out = robot.poll(now);
-        now += 0.1;
-        out.extend(robot.poll(now));
-        let out = out.into_iter().map(|o| match o {
-            Output::Bytes(b) => String::from_utf8(b).unwrap().trim().to_owned(),
-            Output::Close => "closed".to_owned(),
-        });
-        let out = out.collect::<Vec<_>>().join(" ");
-        assert!(!robot.is_moving());
-        out
-    };
-    assert_eq!(ask(b"LMOVE,1,2,3\r\n"), "error unknown", "before inicio");
-    assert_eq!(ask(b"inicio\n"), "done");
-    for (line, answer) in [
-        (&b"MOVE,1,2,3\r"[..], "error unknown"),
-        (b"LMOVE,400,0,0\r\n", "error range"),
-        (b"LMOVE,1,2\r\n", "error format"),
-        (b"LMOVE,1,2,3,4\r\n", "error format"),
-        (b"LMOVE,1,2,nan\r\n", "error format"),
-        (b"LMOVE,1,2,1e9\r\n", "error format"),
-        (b"SPEED,0\r\n", "error range"),
-        (b"SPEED,15.1\r\n", "error range"),
-        (b"SPEED,5", "done"),
-        (b"\xff\xfe\r\n", "error unknown"),
-        (b"\r\n\r\n", ""),
-        (b"LMO", "error unknown"),
-    ] {
-        assert_eq!(ask(line), answer, "{:?}", String::from_utf8_lossy(line));
-    }
-    assert_eq!(ask(&[b'x'; 1000]), "error format");
-    assert_eq!(ask(b"SPEED,4\r\nSPEED,3\nSPEED,2\r\n"), "done done done");
-    assert_eq!(ask(b"EXIT\r\n"), "closed");
-    assert!(robot.moves().is_empty());
+fn a_run_from_the_middle_goes_to_the_last_point_from_above() {
+    let lines = [
+        Command::Rapid([0., 0., 10.]),
+        Command::Speed(5.0),
+        Command::Cut([0., 0., -1.]),
+        Command::Cut([20., 0., -1.]),
+        Command::Cut([20., 9., -1.]),
+    ];
+    let mut link = Link::new(Faults::default(), 60.0);
+    link.run(&lines, 4);
+    link.until(Link::is_over);
+    let sent: Vec<&str> = link.transcript.split('|').filter(|l| l.contains("MOVE")).collect();
+    let moves =
+        ["JMOVE,20.000,0.000,10.000", "LMOVE,20.000,0.000,-1.000", "LMOVE,20.000,9.000,-1.000"];
+    assert!(sent.iter().zip(moves).all(|(s, m)| s.ends_with(m)) && sent.len() == 3, "{sent:?}");
+    assert_eq!(link.events.iter().filter(|e| matches!(e, Event::Executed(4, true))).count(), 1);
 }
 
 #[test]
@@ -346,16 +336,6 @@ fn stop_before_the_run_ends_the_connection() {
     assert_eq!(driver.state(), State::Stopped(Stopped::User(0)));
     driver.receive(b"-400 0 -30\r\nEsperando inicio\r\n", 1.0);
     assert!(!driver.run(moves(5), 0, 1.0));
-}
-
-#[test]
-fn lines_beside_an_exit_move_nothing() {
-    let mut robot = Controller::new(Volume::default(), ZERO, Faults::default());
-    assert_eq!(robot.connect(0.0), None);
-    assert!(!robot.poll(6.0).is_empty());
-    robot.receive(b"inicio\r\nLMOVE,5,0,0\r\nEXIT\r\nLMOVE,10,0,0\r\n", 7.0);
-    assert!(!robot.is_moving());
-    assert_eq!(robot.poll(7.0), [Output::Close]);
 }
 
 #[test]
@@ -394,4 +374,21 @@ fn a_program_of_any_dialect_runs_to_its_end() {
     link.until(Link::is_over);
     assert_eq!(link.robot.moves(), targets(&lines));
     assert_eq!(link.robot.moves().len(), 2 + 180 + 2);
+}
+
+/// A copy that comes after the next line has left is no refusal of it, as its `done` tells.
+#[test]
+fn a_late_copy_stops_nothing() {
+    let mut driver = Driver::new(60.0);
+    driver.connected(0.0);
+    driver.receive(b"-400 0 -30\r\nEsperando inicio\r\n", 0.0);
+    assert!(driver.run(moves(2), 0, 0.0));
+    assert_eq!(driver.output(), b"inicio\r\n");
+    driver.receive(b"done\r\nerror unknown\r\n", 1.0);
+    assert_eq!(driver.output(), b"?\r\nSPEED,5.000\r\n");
+    driver.receive(b"error unknown\r\n", 2.0);
+    assert_eq!(driver.output(), b"SPEED\r\n", "asked at once");
+    driver.receive(b"done\r\nerror format\r\n", 3.0);
+    assert_eq!(driver.state(), State::Running);
+    assert_eq!(driver.events()[1..3], [Event::Sent(0), Event::Executed(0, true)]);
 }

@@ -2,7 +2,9 @@
 #![forbid(unsafe_code)]
 
 use clap::Parser;
-use robot::{Command, Driver, Event, Record, State, Stopped, Volume, convert};
+use robot::{
+    Command, Driver, Event, FASTEST, Record, State, Stopped, Volume, Zero, convert, parse_zero,
+};
 use std::{
     io::{BufRead as _, ErrorKind, Read as _, Write as _},
     net::{TcpStream, ToSocketAddrs as _},
@@ -21,7 +23,7 @@ struct Options {
     /// Address and port of the robot.
     #[arg(long, default_value = "127.0.0.1:55000")]
     to: String,
-    /// Highest cutting speed, in mm/s, at most 15.
+    /// Highest cutting speed, in mm/s.
     #[arg(long, default_value_t = 5.0)]
     speed: f64,
     /// Length of the tool beyond the flange, in mm.
@@ -34,8 +36,8 @@ struct Options {
     #[arg(long)]
     lines: Option<PathBuf>,
     /// Convert for this part zero, and run nothing.
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    zero: Option<String>,
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_zero, allow_hyphen_values = true)]
+    zero: Option<Zero>,
     /// Time for the answer to a line, in seconds; longer than any move.
     #[arg(long, default_value_t = 60.0)]
     timeout: f64,
@@ -49,7 +51,7 @@ const CONNECT: Duration = Duration::from_secs(60);
 fn main() -> ExitCode {
     hal_output::program(|_| {
         let options = Options::parse();
-        let done = match &options.zero {
+        let done = match options.zero {
             Some(zero) => only_convert(&options, zero),
             None => run(&options),
         };
@@ -67,19 +69,15 @@ fn print(text: &str) -> Result<(), String> {
     hal_output::print(text).map_err(|e| e.to_string())
 }
 
-fn only_convert(options: &Options, zero: &str) -> Result<(), String> {
-    let numbers: Option<Vec<f64>> = zero.split(',').map(|w| w.trim().parse().ok()).collect();
-    let Some([x, y, z]) = numbers.as_deref() else {
-        return Err(format!("--zero '{zero}': three numbers are needed, such as -400,0,-30"));
-    };
-    let records = records(options, [*x, *y, *z])?;
+fn only_convert(options: &Options, zero: Zero) -> Result<(), String> {
+    let records = records(options, zero)?;
     print(&format!("{} lines, all in the work volume\n", records.len()))
 }
 
 /// Converts the program, and writes the lines if they are wanted.
-fn records(options: &Options, zero: [f64; 3]) -> Result<Vec<Record>, String> {
-    if !(0.0 < options.speed && options.speed <= 15.0) {
-        return Err(format!("--speed {}: above 0 and at most 15", options.speed));
+fn records(options: &Options, zero: Zero) -> Result<Vec<Record>, String> {
+    if !(0.0 < options.speed && options.speed <= FASTEST) {
+        return Err(format!("--speed {}: above 0 and at most {FASTEST}", options.speed));
     }
     let file = options.file.display();
     let text =

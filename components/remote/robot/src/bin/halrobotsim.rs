@@ -2,7 +2,7 @@
 #![forbid(unsafe_code)]
 
 use clap::Parser;
-use robot::{Controller, Faults, Output, Volume};
+use robot::{Controller, Faults, Output, Volume, Zero, parse_zero};
 use std::{
     io::{ErrorKind, Read as _, Write as _},
     net::{SocketAddr, TcpListener, TcpStream},
@@ -18,8 +18,8 @@ struct Options {
     #[arg(long, default_value = "127.0.0.1:55000")]
     listen: SocketAddr,
     /// Part zero in robot coordinates.
-    #[arg(long, value_parser = three, default_value = "-400,0,-30", allow_hyphen_values = true)]
-    zero: [f64; 3],
+    #[arg(long, value_parser = parse_zero, default_value = "-400,0,-30", allow_hyphen_values = true)]
+    zero: Zero,
     /// Longest delay of an answer, in seconds.
     #[arg(long, default_value_t = 0.0)]
     delay: f64,
@@ -38,15 +38,6 @@ struct Options {
     /// End after the first connection.
     #[arg(long)]
     once: bool,
-}
-
-/// Reads three numbers separated by commas.
-fn three(text: &str) -> Result<[f64; 3], String> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|w| w.trim().parse().ok()).collect();
-    match numbers.as_deref() {
-        Some([x, y, z]) if [x, y, z].iter().all(|v| v.is_finite()) => Ok([*x, *y, *z]),
-        _ => Err("three numbers are needed, such as -400,0,-30".to_owned()),
-    }
 }
 
 /// Longest wait for bytes; the simulated motion advances at least so often.
