@@ -50,6 +50,12 @@ impl Ticket {
         }
     }
 
+    /// Makes the ticket of a command that has ended that of another one, which is still executing.
+    pub fn reopen(&self) {
+        self.count.store(0, Relaxed);
+        self.state.store(0, Release); // Pairs with `state`.
+    }
+
     /// Reports success. This must be the last access by the function that executes the command.
     pub fn done(&self) {
         self.state.store(1, Release); // Pairs with `state`.

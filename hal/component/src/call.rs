@@ -140,7 +140,7 @@ impl Call<'_> {
 /// Realtime. Handle through which a function reports the end of a command. Call exactly one of
 /// `done` and `fail`, once, as the last action.
 #[derive(Clone, Copy, Debug)]
-pub struct TicketHandle(&'static Ticket);
+pub struct TicketHandle(pub(crate) &'static Ticket);
 
 impl TicketHandle {
     pub(crate) const fn new(ticket: &'static Ticket) -> Self {

@@ -1,14 +1,10 @@
 //! The service `interlock`: the e-stop state for realtime threads.
 
 use crate::{
-    Touch, Uses,
-    abi::{self, Record, ServiceSpec, Str, Use},
-    shim,
+    Touch, Uses, abi,
+    service::{Found, Table},
 };
 use core::ffi::c_void;
-
-pub(crate) const NAME: &str = "interlock";
-pub(crate) const VERSION: u32 = 1;
 
 /// State of the e-stop. Motion is allowed only while it is released.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -53,31 +49,22 @@ pub trait Interlock: Touch + Send + Sync + 'static {
     fn state(&self) -> Estop;
 }
 
-struct Offered<I> {
-    interlock: I,
-    table: abi::Interlock,
+impl Table for abi::Interlock {
+    const NAME: &'static str = "interlock";
+    const VERSION: u32 = 1;
+
+    fn ctx(&mut self) -> &mut *const c_void {
+        &mut self.ctx
+    }
 }
 
-pub(crate) fn offer<I: Interlock>(interlock: I, uses: &[Use]) -> ServiceSpec {
-    let table = abi::Interlock {
+/// Returns the table for a value of this type.
+pub(crate) const fn table<I: Interlock>() -> abi::Interlock {
+    abi::Interlock {
         size: abi::size::<abi::Interlock>(),
         flags: 0,
         ctx: core::ptr::null(),
         state: Some(state::<I>),
-    };
-    let given = shim::give(Offered { interlock, table }).cast::<Offered<I>>();
-    // SAFETY: the value was just created and is not shared yet.
-    let offered = unsafe { &mut *given };
-    offered.table.ctx = (&raw const offered.interlock).cast();
-    ServiceSpec {
-        size: abi::size::<ServiceSpec>(),
-        version: VERSION,
-        name: Str::new(NAME),
-        table: (&raw const offered.table).cast(),
-        state: given.cast(),
-        free: Some(shim::free::<Offered<I>>),
-        uses: uses.as_ptr(),
-        n_uses: uses.len(),
     }
 }
 
@@ -92,45 +79,28 @@ unsafe extern "C" fn state<I: Interlock>(ctx: *const c_void) -> u32 {
 /// An interlock that another plugin offers. A function that holds it declares the pins that the
 /// interlock accesses.
 #[derive(Clone, Debug)]
-pub struct InterlockRef {
-    table: abi::Interlock,
-    uses: Vec<Use>,
-}
-
-// SAFETY: the function is reentrant, the provider stays loaded as long as its user, and the uses
-// are only compared.
-unsafe impl Send for InterlockRef {}
-// SAFETY: as for `Send`.
-unsafe impl Sync for InterlockRef {}
-
-/// # Safety
-/// `table` must be null or the live table of a service of this name and version.
-pub(crate) unsafe fn found(table: *const c_void, uses: Vec<Use>) -> Option<InterlockRef> {
-    // SAFETY: guaranteed by the caller.
-    let table = unsafe { abi::Interlock::read(table.cast()) }?;
-    Some(InterlockRef { table, uses })
-}
+pub struct InterlockRef(pub(crate) Found<abi::Interlock>);
 
 impl InterlockRef {
     /// Realtime. Returns the state of the e-stop. Without a valid answer, both conditions count as
     /// e-stop.
     #[must_use]
     pub fn state(&self) -> Estop {
-        let Some(state) = self.table.state else { return Estop::UNKNOWN };
+        let Some(state) = self.0.table.state else { return Estop::UNKNOWN };
         // SAFETY: this is the provider's function with its own context.
-        Estop::of(unsafe { state(self.table.ctx) })
+        Estop::of(unsafe { state(self.0.table.ctx) })
     }
 }
 
 impl Touch for InterlockRef {
     fn touch(&self, uses: &mut Uses) {
-        uses.0.extend_from_slice(&self.uses);
+        self.0.touch(uses);
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Estop, InterlockRef, abi};
+    use super::{Estop, Found, InterlockRef, abi};
 
     /// # Safety
     /// The function does not access its argument.
@@ -147,8 +117,10 @@ mod tests {
             state,
         };
         let released = |state| {
-            let interlock = InterlockRef { table: table(state), uses: Vec::new() };
-            interlock.state().is_released()
+            let table = table(state);
+            // SAFETY: the table lives during the call.
+            let found = unsafe { Found::read((&raw const table).cast(), Vec::new()) };
+            InterlockRef(found.unwrap()).state().is_released()
         };
         assert!(released(Some(answer::<{ abi::Interlock::RELEASED }>)));
         assert!(!released(None));

@@ -2,13 +2,11 @@
 
 use crate::{
     Estop, Touch, Uses,
-    abi::{self, IoCommand, IoOutcome, IoStatus, Record, ServiceSpec, Str, Use},
+    abi::{self, IoCommand, IoOutcome, IoStatus, Record, Str},
+    service::{Found, Table},
     shim,
 };
 use core::ffi::c_void;
-
-pub(crate) const NAME: &str = "iocontrol";
-pub(crate) const VERSION: u32 = 1;
 
 const MIST: u32 = 1;
 const FLOOD: u32 = 2;
@@ -142,33 +140,24 @@ impl IoRequest {
     }
 }
 
-struct Offered<C> {
-    control: C,
-    table: abi::IoControl,
+impl Table for abi::IoControl {
+    const NAME: &'static str = "iocontrol";
+    const VERSION: u32 = 1;
+
+    fn ctx(&mut self) -> &mut *const c_void {
+        &mut self.ctx
+    }
 }
 
-pub(crate) fn offer<C: IoControl>(control: C, uses: &[Use]) -> ServiceSpec {
-    let table = abi::IoControl {
+/// Returns the table for a value of this type.
+pub(crate) const fn table<C: IoControl>() -> abi::IoControl {
+    abi::IoControl {
         size: abi::size::<abi::IoControl>(),
         flags: 0,
         ctx: core::ptr::null(),
         request: Some(request::<C>),
         result: Some(result::<C>),
         state: Some(state::<C>),
-    };
-    let given = shim::give(Offered { control, table }).cast::<Offered<C>>();
-    // SAFETY: the value was just created and is not shared yet.
-    let offered = unsafe { &mut *given };
-    offered.table.ctx = (&raw const offered.control).cast();
-    ServiceSpec {
-        size: abi::size::<ServiceSpec>(),
-        version: VERSION,
-        name: Str::new(NAME),
-        table: (&raw const offered.table).cast(),
-        state: given.cast(),
-        free: Some(shim::free::<Offered<C>>),
-        uses: uses.as_ptr(),
-        n_uses: uses.len(),
     }
 }
 
@@ -216,38 +205,25 @@ unsafe extern "C" fn state<C: IoControl>(ctx: *const c_void, out: *mut IoStatus)
 }
 
 /// Controls that another plugin offers.
-#[derive(Clone, Copy, Debug)]
-pub struct IoControlRef {
-    table: abi::IoControl,
-}
-
-// SAFETY: the functions may be called from several threads at once, and the provider stays loaded as long as its user.
-unsafe impl Send for IoControlRef {}
-
-/// # Safety
-/// `table` must be null or the live table of a service of this name and version.
-pub(crate) unsafe fn found(table: *const c_void) -> Option<IoControlRef> {
-    // SAFETY: guaranteed by the caller.
-    let table = unsafe { abi::IoControl::read(table.cast()) }?;
-    Some(IoControlRef { table })
-}
+#[derive(Clone, Debug)]
+pub struct IoControlRef(pub(crate) Found<abi::IoControl>);
 
 impl IoControlRef {
     /// Begins a request and returns its number; `None` if too many requests wait.
     pub fn request(&mut self, request: IoRequest) -> Option<u64> {
         let record = request.record();
-        let begin = self.table.request?;
+        let begin = self.0.table.request?;
         // SAFETY: this is the provider's function with its own context; the record lives during the call.
-        let id = unsafe { begin(self.table.ctx, &raw const record) };
+        let id = unsafe { begin(self.0.table.ctx, &raw const record) };
         (id != 0).then_some(id)
     }
 
     /// Takes the oldest result.
     pub fn result(&mut self) -> Option<IoResult> {
         let mut out = IoOutcome { id: 0, why: Str::new("") };
-        let take = self.table.result?;
+        let take = self.0.table.result?;
         // SAFETY: this is the provider's function with its own context; the record lives during the call.
-        if unsafe { take(self.table.ctx, &raw mut out) } == 0 {
+        if unsafe { take(self.0.table.ctx, &raw mut out) } == 0 {
             return None;
         }
         // SAFETY: the provider's reasons are static.
@@ -260,9 +236,9 @@ impl IoControlRef {
     pub fn state(&self) -> IoState {
         let mut out =
             IoStatus { interlock: 0, outputs: 0, tool: 0, pocket: 0, prepared: 0, reserved: 0 };
-        if let Some(state) = self.table.state {
+        if let Some(state) = self.0.table.state {
             // SAFETY: this is the provider's function with its own context; the record lives during the call.
-            unsafe { state(self.table.ctx, &raw mut out) };
+            unsafe { state(self.0.table.ctx, &raw mut out) };
         }
         IoState {
             estop: Estop::of(out.interlock),
@@ -277,7 +253,9 @@ impl IoControlRef {
 }
 
 impl Touch for IoControlRef {
-    fn touch(&self, _: &mut Uses) {}
+    fn touch(&self, uses: &mut Uses) {
+        self.0.touch(uses);
+    }
 }
 
 #[cfg(test)]

@@ -2,14 +2,11 @@
 
 use crate::{
     Solution, Touch, Unsolved, Uses, Ways,
-    abi::{self, Record, ServiceSpec, Status, Str, Use},
-    shim,
+    abi::{self, Status, Use},
+    service::{Found, Table},
     solved::{solution, status},
 };
 use core::ffi::c_void;
-
-pub(crate) const NAME: &str = "kinematics";
-pub(crate) const VERSION: u32 = 1;
 
 /// Pose x y z a b c u v w, in the machine's units and degrees.
 pub type Pose = [f64; 9];
@@ -67,12 +64,17 @@ pub trait Kinematics: Touch + Send + Sync + 'static {
     }
 }
 
-struct Offered<K> {
-    k: K,
-    table: abi::Kinematics,
+impl Table for abi::Kinematics {
+    const NAME: &'static str = "kinematics";
+    const VERSION: u32 = 1;
+
+    fn ctx(&mut self) -> &mut *const c_void {
+        &mut self.ctx
+    }
 }
 
-pub(crate) fn offer<K: Kinematics>(k: K, uses: &[Use]) -> ServiceSpec {
+/// Returns the table for `k`.
+pub(crate) fn table<K: Kinematics>(k: &K) -> abi::Kinematics {
     let kind = match k.kind() {
         KinematicsKind::Identity => 1,
         KinematicsKind::ForwardOnly => 2,
@@ -83,7 +85,7 @@ pub(crate) fn offer<K: Kinematics>(k: K, uses: &[Use]) -> ServiceSpec {
     for (letter, place) in joint_of.iter_mut().enumerate().take(9) {
         *place = k.joint_of(letter).map_or(0, |j| u8::try_from(j + 1).unwrap_or(0));
     }
-    let table = abi::Kinematics {
+    abi::Kinematics {
         size: abi::size::<abi::Kinematics>(),
         joints: u32::try_from(k.joints()).unwrap_or(0),
         kind,
@@ -94,20 +96,6 @@ pub(crate) fn offer<K: Kinematics>(k: K, uses: &[Use]) -> ServiceSpec {
         types: k.types(),
         solutions: Some(solutions::<K>),
         switch: Some(switch::<K>),
-    };
-    let state = shim::give(Offered { k, table }).cast::<Offered<K>>();
-    // SAFETY: the value was just created and is not shared yet.
-    let offered = unsafe { &mut *state };
-    offered.table.ctx = (&raw const offered.k).cast();
-    ServiceSpec {
-        size: abi::size::<ServiceSpec>(),
-        version: VERSION,
-        name: Str::new(NAME),
-        table: (&raw const offered.table).cast(),
-        state: state.cast(),
-        free: Some(shim::free::<Offered<K>>),
-        uses: uses.as_ptr(),
-        n_uses: uses.len(),
     }
 }
 
@@ -186,31 +174,19 @@ unsafe extern "C" fn switch<K: Kinematics>(ctx: *const c_void, to: u32) -> Statu
 
 /// Kinematics that another plugin offers.
 #[derive(Clone, Copy, Debug)]
-pub struct KinematicsRef(abi::Kinematics);
-
-// SAFETY: the functions are reentrant, and the provider stays loaded as long as its user.
-unsafe impl Send for KinematicsRef {}
-// SAFETY: as for `Send`.
-unsafe impl Sync for KinematicsRef {}
-
-/// # Safety
-/// `table` must be null or the live table of a service of this name and version.
-pub(crate) unsafe fn found(table: *const c_void) -> Option<KinematicsRef> {
-    // SAFETY: guaranteed by the caller.
-    unsafe { abi::Kinematics::read(table.cast()) }.map(KinematicsRef)
-}
+pub struct KinematicsRef(pub(crate) Found<abi::Kinematics, [Use; 0]>);
 
 impl KinematicsRef {
     /// Returns the number of joints.
     #[must_use]
     pub const fn joints(&self) -> usize {
-        self.0.joints as usize
+        self.0.table.joints as usize
     }
 
     /// Returns the directions in which the kinematics can convert.
     #[must_use]
     pub const fn kind(&self) -> KinematicsKind {
-        match self.0.kind {
+        match self.0.table.kind {
             1 => KinematicsKind::Identity,
             2 => KinematicsKind::ForwardOnly,
             3 => KinematicsKind::InverseOnly,
@@ -221,7 +197,7 @@ impl KinematicsRef {
     /// Returns the first joint of a letter (x y z a b c u v w), if there is one.
     #[must_use]
     pub fn joint_of(&self, letter: usize) -> Option<usize> {
-        self.0.joint_of.get(letter).and_then(|j| usize::from(*j).checked_sub(1))
+        self.0.table.joint_of.get(letter).and_then(|j| usize::from(*j).checked_sub(1))
     }
 
     /// Realtime. Computes a pose from joint positions. Leaves `pose` unchanged if there is no
@@ -230,9 +206,11 @@ impl KinematicsRef {
     /// # Errors
     /// No pose has these joint positions, or none is found.
     pub fn forward(&self, joints: &[f64], pose: &mut Pose) -> Solution {
-        let forward = self.0.forward.ok_or(Unsolved::Unreachable)?;
+        let forward = self.0.table.forward.ok_or(Unsolved::Unreachable)?;
         // SAFETY: this is the provider's function; both arrays live for the duration of the call.
-        solution(unsafe { forward(self.0.ctx, joints.as_ptr(), joints.len(), pose.as_mut_ptr()) })
+        solution(unsafe {
+            forward(self.0.table.ctx, joints.as_ptr(), joints.len(), pose.as_mut_ptr())
+        })
     }
 
     /// Realtime. Computes joint positions from a pose. Leaves `joints` unchanged if there is no
@@ -241,9 +219,11 @@ impl KinematicsRef {
     /// # Errors
     /// The pose cannot be reached.
     pub fn inverse(&self, pose: &Pose, joints: &mut [f64]) -> Solution {
-        let inverse = self.0.inverse.ok_or(Unsolved::Unreachable)?;
+        let inverse = self.0.table.inverse.ok_or(Unsolved::Unreachable)?;
         // SAFETY: this is the provider's function; both arrays live for the duration of the call.
-        solution(unsafe { inverse(self.0.ctx, pose.as_ptr(), joints.as_mut_ptr(), joints.len()) })
+        solution(unsafe {
+            inverse(self.0.table.ctx, pose.as_ptr(), joints.as_mut_ptr(), joints.len())
+        })
     }
 
     /// Finds all solutions for a pose and returns their number. Stores as many as fit in `into`,
@@ -252,27 +232,30 @@ impl KinematicsRef {
     /// # Errors
     /// The pose cannot be reached.
     pub fn solutions(&self, pose: &Pose, into: &mut [f64]) -> Result<usize, Unsolved> {
-        let solutions = self.0.solutions.ok_or(Unsolved::Unreachable)?;
+        let solutions = self.0.table.solutions.ok_or(Unsolved::Unreachable)?;
         let n = self.joints();
         let room = into.len().checked_div(n).unwrap_or(0);
         // SAFETY: this is the provider's function; both arrays live for the duration of the call.
-        let found = unsafe { solutions(self.0.ctx, pose.as_ptr(), into.as_mut_ptr(), n, room) };
+        let found =
+            unsafe { solutions(self.0.table.ctx, pose.as_ptr(), into.as_mut_ptr(), n, room) };
         usize::try_from(found.0).map_err(|_| Unsolved::from_status(found))
     }
 
     /// Returns the number of kinematics types that can be selected, at least 1.
     #[must_use]
     pub const fn types(&self) -> u32 {
-        if self.0.types == 0 { 1 } else { self.0.types }
+        if self.0.table.types == 0 { 1 } else { self.0.table.types }
     }
 
     /// Realtime. Selects a kinematics type, from 0. Returns false if it does not exist.
     pub fn switch(&self, to: u32) -> bool {
         // SAFETY: this is the provider's function with its own context.
-        self.0.switch.is_some_and(|f| unsafe { f(self.0.ctx, to) }.is_ok())
+        self.0.table.switch.is_some_and(|f| unsafe { f(self.0.table.ctx, to) }.is_ok())
     }
 }
 
 impl Touch for KinematicsRef {
-    fn touch(&self, _: &mut Uses) {}
+    fn touch(&self, uses: &mut Uses) {
+        self.0.touch(uses);
+    }
 }

@@ -54,6 +54,7 @@ mod pins;
 mod plain;
 mod port;
 mod ring;
+mod service;
 mod share;
 mod shim;
 mod snapshot;

@@ -4,21 +4,15 @@ mod desk;
 mod user;
 
 use crate::{
-    Error, MotionStatus, Plain, TicketHandle, Touch,
-    abi::{
-        self, MOTION_TEXT, MotionAnswer, MotionCommand, Record, ServiceSpec, Status, Str, Use,
-        motion_source,
-    },
+    Error, MotionStatus, Plain, TicketHandle, Touch, Uses,
+    abi::{self, MOTION_TEXT, MotionAnswer, MotionCommand, Record, Status, Str, motion_source},
+    service::Table,
     shim,
 };
 use core::ffi::c_void;
 use desk::Desk;
 use std::sync::{Mutex, PoisonError};
-pub(crate) use user::found;
 pub use user::{MotionEnd, MotionId, MotionRef, MotionRefusal, MotionToken};
-
-pub(crate) const NAME: &str = "motion";
-pub(crate) const VERSION: u32 = 1;
 
 /// Origin of motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -59,14 +53,36 @@ pub trait Motion: Touch + Send + Sync + 'static {
     fn setting(&self, command: &MotionCommand) -> Result<f64, Error>;
 }
 
-struct Offered<M> {
+/// A motion controller, and the state of its service.
+pub(crate) struct Offered<M> {
     motion: M,
     desk: Mutex<Desk>,
-    table: abi::Motion,
 }
 
-pub(crate) fn offer<M: Motion>(motion: M, uses: &[Use]) -> ServiceSpec {
-    let table = abi::Motion {
+impl<M: Motion> Offered<M> {
+    pub(crate) fn new(motion: M) -> Self {
+        Self { motion, desk: Mutex::new(Desk::default()) }
+    }
+}
+
+impl<M: Motion> Touch for Offered<M> {
+    fn touch(&self, uses: &mut Uses) {
+        self.motion.touch(uses);
+    }
+}
+
+impl Table for abi::Motion {
+    const NAME: &'static str = "motion";
+    const VERSION: u32 = 1;
+
+    fn ctx(&mut self) -> &mut *const c_void {
+        &mut self.ctx
+    }
+}
+
+/// Returns the table for a value of this type.
+pub(crate) const fn table<M: Motion>() -> abi::Motion {
+    abi::Motion {
         size: abi::size::<abi::Motion>(),
         flags: 0,
         ctx: core::ptr::null(),
@@ -78,21 +94,6 @@ pub(crate) fn offer<M: Motion>(motion: M, uses: &[Use]) -> ServiceSpec {
         poll: Some(poll::<M>),
         status: Some(status::<M>),
         setting: Some(setting::<M>),
-    };
-    let desk = Mutex::new(Desk::default());
-    let given = shim::give(Offered { motion, desk, table }).cast::<Offered<M>>();
-    // SAFETY: the value was just created and is not shared yet.
-    let offered = unsafe { &mut *given };
-    offered.table.ctx = given.cast_const().cast();
-    ServiceSpec {
-        size: abi::size::<ServiceSpec>(),
-        version: VERSION,
-        name: Str::new(NAME),
-        table: (&raw const offered.table).cast(),
-        state: given.cast(),
-        free: Some(shim::free::<Offered<M>>),
-        uses: uses.as_ptr(),
-        n_uses: uses.len(),
     }
 }
 
@@ -234,13 +235,13 @@ fn send<M: Motion>(
     let Some((id, ticket)) = desk.open() else {
         return (Status::EAGAIN, 0, "too many commands are in progress".to_owned());
     };
-    // SAFETY: the desk keeps a ticket until its command has ended, and is freed with the component,
-    // when none of its functions runs any more.
+    // SAFETY: the desk frees its tickets with the component alone, when none of its functions runs
+    // any more.
     let ticket = unsafe { &*ticket };
     match offered.motion.push(source, command, TicketHandle::new(ticket)) {
         Ok(()) => (Status::OK, id, String::new()),
         Err(why) => {
-            desk.forget(id);
+            ticket.fail("refused");
             let status = if why.status == Status::EAGAIN { why.status } else { Status::EINVAL };
             (status, 0, why.text().unwrap_or("refused").to_owned())
         }

@@ -2,15 +2,11 @@
 
 use crate::{
     Touch, Uses,
-    abi::{
-        self, OPERATOR_TEXT, OperatorCommand, OperatorView, Record, ServiceSpec, Status, Str, Use,
-    },
+    abi::{self, OPERATOR_TEXT, OperatorCommand, OperatorView, Record, Status},
+    service::{Found, Table},
     shim,
 };
 use core::ffi::c_void;
-
-pub(crate) const NAME: &str = "operator";
-pub(crate) const VERSION: u32 = 1;
 
 /// A request of the operator to the task.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -85,32 +81,23 @@ impl OperatorRequest {
     }
 }
 
-struct Offered<O> {
-    operator: O,
-    table: abi::Operator,
+impl Table for abi::Operator {
+    const NAME: &'static str = "operator";
+    const VERSION: u32 = 1;
+
+    fn ctx(&mut self) -> &mut *const c_void {
+        &mut self.ctx
+    }
 }
 
-pub(crate) fn offer<O: Operator>(operator: O, uses: &[Use]) -> ServiceSpec {
-    let table = abi::Operator {
+/// Returns the table for a value of this type.
+pub(crate) const fn table<O: Operator>() -> abi::Operator {
+    abi::Operator {
         size: abi::size::<abi::Operator>(),
         flags: 0,
         ctx: core::ptr::null(),
         take: Some(take::<O>),
         show: Some(show::<O>),
-    };
-    let given = shim::give(Offered { operator, table }).cast::<Offered<O>>();
-    // SAFETY: the value was just created and is not shared yet.
-    let offered = unsafe { &mut *given };
-    offered.table.ctx = (&raw const offered.operator).cast();
-    ServiceSpec {
-        size: abi::size::<ServiceSpec>(),
-        version: VERSION,
-        name: Str::new(NAME),
-        table: (&raw const offered.table).cast(),
-        state: given.cast(),
-        free: Some(shim::free::<Offered<O>>),
-        uses: uses.as_ptr(),
-        n_uses: uses.len(),
     }
 }
 
@@ -143,49 +130,32 @@ unsafe extern "C" fn show<O: Operator>(ctx: *const c_void, view: *const Operator
 
 /// Buttons and lamps that another plugin offers, for the task.
 #[derive(Clone, Debug)]
-pub struct OperatorRef {
-    table: abi::Operator,
-    uses: Vec<Use>,
-}
-
-// SAFETY: the functions may be called from any thread, the provider stays loaded as long as its
-// user, and the uses are only compared.
-unsafe impl Send for OperatorRef {}
-// SAFETY: as for `Send`.
-unsafe impl Sync for OperatorRef {}
-
-/// # Safety
-/// `table` must be null or the live table of a service of this name and version.
-pub(crate) unsafe fn found(table: *const c_void, uses: Vec<Use>) -> Option<OperatorRef> {
-    // SAFETY: guaranteed by the caller.
-    let table = unsafe { abi::Operator::read(table.cast()) }?;
-    Some(OperatorRef { table, uses })
-}
+pub struct OperatorRef(pub(crate) Found<abi::Operator>);
 
 impl OperatorRef {
     /// Takes the oldest request of the operator. A record that is none ends the list for this time.
     #[must_use]
     pub fn take(&self) -> Option<OperatorRequest> {
-        let take = self.table.take?;
+        let take = self.0.table.take?;
         let mut out = OperatorCommand::EMPTY;
         // SAFETY: this is the provider's function with its own context; `out` lives for the call.
-        let status = unsafe { take(self.table.ctx, &raw mut out) };
+        let status = unsafe { take(self.0.table.ctx, &raw mut out) };
         if status.is_ok() { OperatorRequest::of(&out) } else { None }
     }
 
     /// Shows the state of the task.
     pub fn show(&self, view: &OperatorView) {
         let view = OperatorView { size: abi::size::<OperatorView>(), ..*view };
-        if let Some(show) = self.table.show {
+        if let Some(show) = self.0.table.show {
             // SAFETY: this is the provider's function with its own context.
-            unsafe { show(self.table.ctx, &raw const view) };
+            unsafe { show(self.0.table.ctx, &raw const view) };
         }
     }
 }
 
 impl Touch for OperatorRef {
     fn touch(&self, uses: &mut Uses) {
-        uses.0.extend_from_slice(&self.uses);
+        self.0.touch(uses);
     }
 }
 

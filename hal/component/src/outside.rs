@@ -4,18 +4,17 @@
 use crate::{
     Builder, Error, Gives, Interlock, InterlockRef, IoControl, IoControlRef, Kinematics,
     KinematicsRef, Motion, MotionRef, Operator, OperatorRef, Receiver, Sender, StreamIn, StreamOut,
-    Takes,
-    abi::{self, ServiceRef, ServiceSpec, Status, Str, StreamSpec, host_flags},
+    Takes, Touch,
+    abi::{self, ServiceRef, Status, Str, StreamSpec, host_flags},
     builder::check,
     interlock, iocontrol, kinematics, motion, operator,
+    service::{self, Found, Table},
 };
 use core::ffi::c_void;
 use crossbeam::queue::ArrayQueue;
 use std::sync::Arc;
 
 type Ring = abi::StreamRef;
-/// Table of a service, and what its functions access.
-type Bound = (*const c_void, Vec<abi::Use>);
 
 impl Builder<'_> {
     fn stream(
@@ -87,8 +86,8 @@ impl Builder<'_> {
     /// # Errors
     /// Other kinematics are already loaded.
     pub fn offer_kinematics<K: Kinematics>(&mut self, k: K) -> Result<(), Error> {
-        let uses = self.uses(&k);
-        self.offer(&kinematics::offer(k, &uses))
+        let table = kinematics::table(&k);
+        self.offer(k, table)
     }
 
     /// Offers the e-stop state to realtime functions of other plugins.
@@ -96,8 +95,7 @@ impl Builder<'_> {
     /// # Errors
     /// Another interlock is already loaded.
     pub fn offer_interlock<I: Interlock>(&mut self, interlock: I) -> Result<(), Error> {
-        let uses = self.uses(&interlock);
-        self.offer(&interlock::offer(interlock, &uses))
+        self.offer(interlock, interlock::table::<I>())
     }
 
     /// Offers the motion controller to other plugins.
@@ -105,14 +103,19 @@ impl Builder<'_> {
     /// # Errors
     /// Another motion controller is already loaded.
     pub fn offer_motion<M: Motion>(&mut self, motion: M) -> Result<(), Error> {
-        let uses = self.uses(&motion);
-        self.offer(&motion::offer(motion, &uses))
+        self.offer(motion::Offered::new(motion), motion::table::<M>())
     }
 
-    fn offer(&self, spec: &ServiceSpec) -> Result<(), Error> {
+    fn offer<T, F>(&self, value: T, table: F) -> Result<(), Error>
+    where
+        T: Touch + Send + Sync + 'static,
+        F: Table,
+    {
         let offer = self.host.offer.ok_or(Error::engine(Status::EINVAL))?;
+        let uses = self.uses(&value);
+        let spec = service::offer(value, table, &uses);
         // SAFETY: this is the engine's function; ownership of the state passes with the call.
-        check(unsafe { offer(self.host.ctx, std::ptr::from_ref(spec)) })
+        check(unsafe { offer(self.host.ctx, &raw const spec) })
     }
 
     /// Returns the loaded kinematics. Functions declared afterwards inherit the pins that they
@@ -125,10 +128,12 @@ impl Builder<'_> {
         let mut table: *const c_void = core::ptr::null();
         // SAFETY: this is the engine's function; `table` lives for the duration of the call.
         check(unsafe {
-            find(self.host.ctx, Str::new(kinematics::NAME), kinematics::VERSION, &raw mut table)
+            let (name, version) = (abi::Kinematics::NAME, abi::Kinematics::VERSION);
+            find(self.host.ctx, Str::new(name), version, &raw mut table)
         })?;
         // SAFETY: the engine found a table of this name and version.
-        unsafe { kinematics::found(table) }.ok_or(Error::engine(Status::EINVAL))
+        let found = unsafe { Found::read(table, []) };
+        found.map(KinematicsRef).ok_or(Error::engine(Status::EINVAL))
     }
 
     /// Returns the loaded interlock, if there is one. A function that holds it inherits the pins
@@ -137,13 +142,7 @@ impl Builder<'_> {
     /// # Errors
     /// The loaded interlock has another version.
     pub fn interlock(&mut self) -> Result<Option<InterlockRef>, Error> {
-        let Some((table, uses)) = self.bind(interlock::NAME, interlock::VERSION)? else {
-            return Ok(None);
-        };
-        // SAFETY: the engine found a table of this name and version.
-        let found = unsafe { interlock::found(table, uses) };
-        // An unreadable table is an error, so that a machine never runs without its interlock.
-        found.ok_or(Error::engine(Status::EINVAL)).map(Some)
+        Ok(self.bind()?.map(InterlockRef))
     }
 
     /// Returns the loaded motion controller, if there is one. It stays loaded as long as this
@@ -152,12 +151,7 @@ impl Builder<'_> {
     /// # Errors
     /// The loaded motion controller has another version.
     pub fn motion(&mut self) -> Result<Option<MotionRef>, Error> {
-        let Some((table, uses)) = self.bind(motion::NAME, motion::VERSION)? else {
-            return Ok(None);
-        };
-        // SAFETY: the engine found a table of this name and version.
-        let found = unsafe { motion::found(table, uses) };
-        found.ok_or(Error::engine(Status::EINVAL)).map(Some)
+        Ok(self.bind()?.map(MotionRef))
     }
 
     /// Offers buttons and lamps of an operator to the task.
@@ -165,8 +159,7 @@ impl Builder<'_> {
     /// # Errors
     /// Another component offers them already.
     pub fn offer_operator<O: Operator>(&mut self, operator: O) -> Result<(), Error> {
-        let uses = self.uses(&operator);
-        self.offer(&operator::offer(operator, &uses))
+        self.offer(operator, operator::table::<O>())
     }
 
     /// Returns the loaded buttons and lamps of an operator, if there are any. For the task.
@@ -174,20 +167,16 @@ impl Builder<'_> {
     /// # Errors
     /// They have another version.
     pub fn operator(&mut self) -> Result<Option<OperatorRef>, Error> {
-        let Some((table, uses)) = self.bind(operator::NAME, operator::VERSION)? else {
-            return Ok(None);
-        };
-        // SAFETY: the engine found a table of this name and version.
-        let found = unsafe { operator::found(table, uses) };
-        found.ok_or(Error::engine(Status::EINVAL)).map(Some)
+        Ok(self.bind()?.map(OperatorRef))
     }
 
-    /// Looks up a service. Returns its table, and what its functions access.
-    fn bind(&self, name: &'static str, version: u32) -> Result<Option<Bound>, Error> {
+    /// Looks up a service, with what its functions access. An unreadable table is an error, so that
+    /// a machine never runs without its interlock.
+    fn bind<F: Table>(&self) -> Result<Option<Found<F>>, Error> {
         let bind = self.host.bind.ok_or(Error::engine(Status::EINVAL))?;
         let mut found = ServiceRef { table: core::ptr::null(), uses: core::ptr::null(), n_uses: 0 };
         // SAFETY: this is the engine's function; `found` lives for the duration of the call.
-        check(unsafe { bind(self.host.ctx, Str::new(name), version, &raw mut found) })?;
+        check(unsafe { bind(self.host.ctx, Str::new(F::NAME), F::VERSION, &raw mut found) })?;
         if found.table.is_null() {
             return Ok(None);
         }
@@ -197,7 +186,9 @@ impl Builder<'_> {
             // SAFETY: this is the engine's list, valid until `create` returns.
             unsafe { core::slice::from_raw_parts(found.uses, found.n_uses) }.to_vec()
         };
-        Ok(Some((found.table, uses)))
+        // SAFETY: the engine found a table of this name and version.
+        let found = unsafe { Found::read(found.table, uses) };
+        found.ok_or(Error::engine(Status::EINVAL)).map(Some)
     }
 
     /// Offers e-stop, coolant and tool changer to the worker of another plugin that controls jobs.
@@ -205,8 +196,7 @@ impl Builder<'_> {
     /// # Errors
     /// Another component offers them already.
     pub fn offer_iocontrol<C: IoControl>(&mut self, control: C) -> Result<(), Error> {
-        let uses = self.uses(&control);
-        self.offer(&iocontrol::offer(control, &uses))
+        self.offer(control, iocontrol::table::<C>())
     }
 
     /// Returns the loaded controls of e-stop, coolant and tool changer, if there are any.
@@ -214,12 +204,7 @@ impl Builder<'_> {
     /// # Errors
     /// The loaded controls have another version.
     pub fn iocontrol(&mut self) -> Result<Option<IoControlRef>, Error> {
-        let Some((table, _)) = self.bind(iocontrol::NAME, iocontrol::VERSION)? else {
-            return Ok(None);
-        };
-        // SAFETY: the engine found a table of this name and version.
-        let found = unsafe { iocontrol::found(table) };
-        found.ok_or(Error::engine(Status::EINVAL)).map(Some)
+        Ok(self.bind()?.map(IoControlRef))
     }
 
     /// Returns whether the instance is a machine from an INI file. Motion then needs an interlock.

@@ -136,12 +136,13 @@ impl Client {
         }
     }
 
-    /// Maps a page with space for this number of pins of this client, in place of the page `before`.
+    /// Maps a page with space for this number of pins of this client. It replaces the page `before`, whose counts of
+    /// writes it continues; if this fails, that page stays in use.
     ///
     /// # Errors
     /// This client has not joined, the number is out of range, or the engine did not send a valid
     /// page.
-    pub fn share_pins(&mut self, pins: u32, before: Option<PinPage>) -> Result<PinPage, Failure> {
+    pub fn share_pins(&mut self, pins: u32, before: Option<&PinPage>) -> Result<PinPage, Failure> {
         let reply = self.call(Request::SharePins { pins })?;
         match (reply, self.received.take()) {
             (Reply::PinPage(info), Some(fd)) => {

@@ -69,7 +69,7 @@ impl PinPage {
     ///
     /// # Errors
     /// The file descriptor is not such a page.
-    pub fn map(fd: &OwnedFd, info: PinPageInfo, before: Option<Self>) -> Result<Self, String> {
+    pub fn map(fd: &OwnedFd, info: PinPageInfo, before: Option<&Self>) -> Result<Self, String> {
         if !(1..=MAX_PAGE_PINS).contains(&info.pins) {
             return Err(format!("a page has 1 to {MAX_PAGE_PINS} pins"));
         }
@@ -82,7 +82,7 @@ impl PinPage {
         }
         // SAFETY: the second half of the mapping; this client is its only writer.
         let own = unsafe { PageWriter::new(own.cast::<Page>(), info.pins * 2) };
-        let written = before.map(|page| page.written).unwrap_or_default();
+        let written = before.map(|page| page.written.clone()).unwrap_or_default();
         let mut page = Self { info, written, engine, own, mapping };
         page.written.resize(page.info.pins as usize, Written::default());
         page.put_all();

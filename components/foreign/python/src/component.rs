@@ -95,9 +95,8 @@ impl Core {
             let client = client.as_mut().ok_or_else(closed)?;
             // Locked until the new page is there, so that no other thread finds none.
             let mut page = locked(&self.page);
-            let before = page.take();
-            let shared = client.share_pins(space, before).map(|new| *page = Some(new));
-            Ok::<_, PyErr>(shared)
+            let new = client.share_pins(space, page.as_ref());
+            Ok::<_, PyErr>(new.map(|new| *page = Some(new)))
         })?;
         shared.map_err(|e| refused(&e))
     }

@@ -11,14 +11,16 @@ pub(super) struct Desk {
     owner: Option<(u64, String)>,
     last_token: u64,
     last_id: u64,
-    /// The command with the number `n` is at the place `n % SLOTS`.
-    slots: Vec<Option<(u64, Box<Ticket>)>>,
+    /// Numbers of the commands. The command with the number `n` is at the place `n % SLOTS`.
+    ids: Vec<Option<u64>>,
+    /// Their tickets. None is freed before the desk, because a provider may keep a handle.
+    tickets: Box<[Ticket]>,
 }
 
 impl Default for Desk {
     fn default() -> Self {
-        let slots = (0..SLOTS).map(|_| None).collect();
-        Self { owner: None, last_token: 0, last_id: 0, slots }
+        let (ids, tickets) = (0..SLOTS).map(|_| (None, Ticket::new())).unzip::<_, _, _, Vec<_>>();
+        Self { owner: None, last_token: 0, last_id: 0, ids, tickets: tickets.into() }
     }
 }
 
@@ -50,26 +52,19 @@ impl Desk {
     /// commands that have not ended.
     pub(super) fn open(&mut self) -> Option<(u64, *const Ticket)> {
         for id in (1..=SLOTS).map(|n| self.last_id.wrapping_add(n)) {
-            let slot = self.slots.get_mut(place(id))?;
-            if slot.as_ref().is_none_or(|(_, ticket)| ticket.state() != TicketState::Pending) {
-                self.last_id = id;
-                let (_, ticket) = slot.insert((id, Box::new(Ticket::new())));
-                return Some((id, &raw const **ticket));
+            let (at, ticket) = (self.ids.get_mut(place(id))?, self.tickets.get(place(id))?);
+            if at.is_none() || ticket.state() != TicketState::Pending {
+                ticket.reopen();
+                (*at, self.last_id) = (Some(id), id);
+                return Some((id, &raw const *ticket));
             }
         }
         None
     }
 
-    /// Forgets a command that nobody executes.
-    pub(super) fn forget(&mut self, id: u64) {
-        if let Some(slot) = self.slots.get_mut(place(id)) {
-            *slot = None;
-        }
-    }
-
     pub(super) fn end_of(&self, id: u64) -> MotionEnd {
-        let slot = self.slots.get(place(id)).and_then(Option::as_ref);
-        let Some((_, ticket)) = slot.filter(|(known, _)| *known == id) else {
+        let known = self.ids.get(place(id)) == Some(&Some(id));
+        let Some(ticket) = self.tickets.get(place(id)).filter(|_| known) else {
             return MotionEnd::Forgotten;
         };
         match ticket.state() {
@@ -137,9 +132,6 @@ mod tests {
         held.done();
         assert_eq!((desk.end_of(next), desk.end_of(first)), (MotionEnd::Done, MotionEnd::Done));
         assert!(desk.open().is_some());
-        let (refused, _) = desk.open().unwrap();
-        desk.forget(refused);
-        assert_eq!(desk.end_of(refused), MotionEnd::Forgotten);
         others.iter().for_each(|t| t.done());
     }
 }

@@ -1,9 +1,12 @@
 //! The service, from the side of its users.
 
-use super::{Motion, MotionEnd, MotionRef, MotionRefusal, MotionSource, MotionToken, found, offer};
+use super::{
+    Motion, MotionEnd, MotionRef, MotionRefusal, MotionSource, MotionToken, Offered, table,
+};
 use crate::{
     Error, MotionStatus, TicketHandle, Touch, Uses,
     abi::{self, MotionAnswer, MotionCommand, Record, Status, Str, motion_kind, motion_source},
+    service::{self, Found},
 };
 use std::sync::{
     Arc, Mutex,
@@ -16,6 +19,8 @@ struct Fake {
     got: Arc<Mutex<Vec<(MotionSource, u32, TicketHandle)>>>,
     room: Arc<AtomicU32>,
     claimed: Arc<AtomicBool>,
+    /// Handles of refused commands, which a controller need not keep, but may.
+    refused: Arc<Mutex<Vec<TicketHandle>>>,
 }
 
 impl Touch for Fake {
@@ -30,7 +35,10 @@ impl Motion for Fake {
         end: TicketHandle,
     ) -> Result<(), Error> {
         match c.kind {
-            motion_kind::JOG => return Err(Error::new(format!("velocity is {}", c.speed))),
+            motion_kind::JOG => {
+                self.refused.lock().unwrap().push(end);
+                return Err(Error::new(format!("velocity is {}", c.speed)));
+            }
             motion_kind::MOVE if self.room() == 0 => return Err(Error::again("full")),
             motion_kind::HOME => panic!("planted"),
             _ => {}
@@ -68,10 +76,10 @@ impl Service {
     fn new() -> Self {
         let fake = Fake::default();
         fake.room.store(10, Relaxed);
-        let spec = offer(fake.clone(), &[]);
+        let spec = service::offer(Offered::new(fake.clone()), table::<Fake>(), &[]);
         // SAFETY: the table lives until the service is dropped.
-        let motion = unsafe { found(spec.table, Vec::new()) }.unwrap();
-        Self { spec, table: motion.table, motion, fake }
+        let found = unsafe { Found::read(spec.table, Vec::new()) }.unwrap();
+        Self { spec, table: found.table, motion: MotionRef(found), fake }
     }
 }
 
@@ -148,6 +156,26 @@ fn a_full_controller_and_a_refusal_say_so() {
     };
     assert!(why.contains("planted"), "{why}");
     assert!(motion.push(MotionToken::LOCAL, &MotionCommand::new(motion_kind::ENABLE)).is_ok());
+}
+
+#[test]
+fn the_handle_of_a_refused_command_stays_valid() {
+    let service = Service::new();
+    let push = |kind| service.motion.push(MotionToken::LOCAL, &MotionCommand::new(kind));
+    // More refusals than there are places, so that each ticket is used again.
+    for _ in 0..5000 {
+        assert!(matches!(push(motion_kind::JOG), Err(MotionRefusal::Refused(_))));
+    }
+    let held = service.fake.refused.lock().unwrap();
+    held.iter().for_each(|end| end.fail_with("late {}", &[1.0]));
+    let id = push(motion_kind::ENABLE).unwrap();
+    assert_eq!(service.motion.poll(id), MotionEnd::Pending, "a ticket used again begins anew");
+    let own = service.fake.got.lock().unwrap()[0].2;
+    let address = |end: &TicketHandle| core::ptr::from_ref(end.0);
+    let again = held.iter().filter(|end| address(end) == address(&own)).count();
+    assert!(again > 0, "the ticket was one of a refused command, and was not freed");
+    own.fail("limit");
+    assert_eq!(service.motion.poll(id), MotionEnd::Failed("limit".to_owned()));
 }
 
 #[test]

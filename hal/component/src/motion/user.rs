@@ -2,16 +2,13 @@
 
 use crate::{
     MotionStatus, Plain, Touch, Uses,
-    abi::{self, MotionAnswer, MotionCommand, Record, Status, Str, Use},
+    abi::{self, MotionAnswer, MotionCommand, Status, Str},
+    service::Found,
 };
-use core::ffi::c_void;
 
 /// The motion controller that another plugin offers. For tasks, workers and commands.
 #[derive(Clone, Debug)]
-pub struct MotionRef {
-    pub(super) table: abi::Motion,
-    uses: Vec<Use>,
-}
+pub struct MotionRef(pub(crate) Found<abi::Motion>);
 
 /// Proof that a component owns motion. A later owner of the same name makes it void.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,20 +47,6 @@ pub enum MotionEnd {
     Forgotten,
 }
 
-// SAFETY: the functions may be called from several threads, the provider stays loaded as long as
-// its user, and the uses are only compared.
-unsafe impl Send for MotionRef {}
-// SAFETY: as for `Send`.
-unsafe impl Sync for MotionRef {}
-
-/// # Safety
-/// `table` must be null or the live table of a service of this name and version.
-pub(crate) unsafe fn found(table: *const c_void, uses: Vec<Use>) -> Option<MotionRef> {
-    // SAFETY: guaranteed by the caller.
-    let table = unsafe { abi::Motion::read(table.cast()) }?;
-    Some(MotionRef { table, uses })
-}
-
 impl MotionRef {
     /// Becomes the owner of motion. A component that asks again under its name gets a new token.
     ///
@@ -71,9 +54,9 @@ impl MotionRef {
     /// Another component owns motion.
     pub fn acquire(&self, name: &str) -> Result<MotionToken, MotionRefusal> {
         let mut out = MotionAnswer::EMPTY;
-        let acquire = self.table.acquire.ok_or_else(missing)?;
+        let acquire = self.0.table.acquire.ok_or_else(missing)?;
         // SAFETY: this is the provider's function with its own context; both live for the call.
-        let status = unsafe { acquire(self.table.ctx, Str::borrow(name), &raw mut out) };
+        let status = unsafe { acquire(self.0.table.ctx, Str::borrow(name), &raw mut out) };
         if status.is_ok() {
             Ok(MotionToken(out.id))
         } else {
@@ -83,9 +66,9 @@ impl MotionRef {
 
     /// Ends the ownership and the claim. A void token changes nothing.
     pub fn release(&self, token: MotionToken) {
-        if let Some(release) = self.table.release {
+        if let Some(release) = self.0.table.release {
             // SAFETY: this is the provider's function with its own context.
-            unsafe { release(self.table.ctx, token.0) };
+            unsafe { release(self.0.table.ctx, token.0) };
         }
     }
 
@@ -93,14 +76,17 @@ impl MotionRef {
     /// moves. An abort ends it too. Returns false if the token is void.
     pub fn claim(&self, token: MotionToken, on: bool) -> bool {
         // SAFETY: this is the provider's function with its own context.
-        self.table.claim.is_some_and(|f| unsafe { f(self.table.ctx, token.0, on.into()) }.is_ok())
+        self.0
+            .table
+            .claim
+            .is_some_and(|f| unsafe { f(self.0.table.ctx, token.0, on.into()) }.is_ok())
     }
 
     /// Returns the number of moves for which there is room.
     #[must_use]
     pub fn room(&self) -> u32 {
         // SAFETY: this is the provider's function with its own context.
-        self.table.room.map_or(0, |room| unsafe { room(self.table.ctx) })
+        self.0.table.room.map_or(0, |room| unsafe { room(self.0.table.ctx) })
     }
 
     /// Sends a command and returns its number. With [`MotionToken::LOCAL`] it is a local command.
@@ -113,11 +99,11 @@ impl MotionRef {
         command: &MotionCommand,
     ) -> Result<MotionId, MotionRefusal> {
         let mut out = MotionAnswer::EMPTY;
-        let push = self.table.push.ok_or_else(missing)?;
+        let push = self.0.table.push.ok_or_else(missing)?;
         // The record is this side's own, whatever the caller wrote into the field.
         let command = MotionCommand { size: abi::size::<MotionCommand>(), ..*command };
         // SAFETY: this is the provider's function with its own context; both live for the call.
-        let status = unsafe { push(self.table.ctx, token.0, &raw const command, &raw mut out) };
+        let status = unsafe { push(self.0.table.ctx, token.0, &raw const command, &raw mut out) };
         match status {
             Status::EAGAIN => Err(MotionRefusal::Full),
             Status::EBUSY => Err(MotionRefusal::NotOwner),
@@ -129,10 +115,10 @@ impl MotionRef {
     /// Returns the progress of a command. The ends of the last 4096 commands are known.
     #[must_use]
     pub fn poll(&self, id: MotionId) -> MotionEnd {
-        let Some(poll) = self.table.poll else { return MotionEnd::Forgotten };
+        let Some(poll) = self.0.table.poll else { return MotionEnd::Forgotten };
         let mut out = MotionAnswer::EMPTY;
         // SAFETY: this is the provider's function with its own context; `out` lives for the call.
-        match unsafe { poll(self.table.ctx, id.0, &raw mut out) } {
+        match unsafe { poll(self.0.table.ctx, id.0, &raw mut out) } {
             Status::OK => MotionEnd::Done,
             Status::EAGAIN => MotionEnd::Pending,
             Status::ENOENT => MotionEnd::Forgotten,
@@ -146,9 +132,9 @@ impl MotionRef {
     pub fn status(&self) -> Option<MotionStatus> {
         let mut words = vec![0_u64; MotionStatus::WORDS];
         let n = u32::try_from(words.len()).ok()?;
-        let status = self.table.status?;
+        let status = self.0.table.status?;
         // SAFETY: this is the provider's function with its own context; the words live for the call.
-        let has = unsafe { status(self.table.ctx, words.as_mut_ptr(), n) };
+        let has = unsafe { status(self.0.table.ctx, words.as_mut_ptr(), n) };
         let mut words = words.into_iter();
         (has > 0).then(|| MotionStatus::load(&mut || words.next().unwrap_or(0)))
     }
@@ -156,18 +142,18 @@ impl MotionRef {
     /// Returns the setting that a command of the kind CONFIGURE names, if it exists.
     #[must_use]
     pub fn setting(&self, command: &MotionCommand) -> Option<f64> {
-        let setting = self.table.setting?;
+        let setting = self.0.table.setting?;
         let command = MotionCommand { size: abi::size::<MotionCommand>(), ..*command };
         let mut value = 0.0;
         // SAFETY: this is the provider's function with its own context; both live for the call.
-        let status = unsafe { setting(self.table.ctx, &raw const command, &raw mut value) };
+        let status = unsafe { setting(self.0.table.ctx, &raw const command, &raw mut value) };
         status.is_ok().then_some(value)
     }
 }
 
 impl Touch for MotionRef {
     fn touch(&self, uses: &mut Uses) {
-        uses.0.extend_from_slice(&self.uses);
+        self.0.touch(uses);
     }
 }
 

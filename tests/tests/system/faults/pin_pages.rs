@@ -80,7 +80,7 @@ fn values_pass_in_both_directions_without_a_request() {
     let (name, ty, direction) = ("panel.more".to_owned(), Type::U64, Direction::Out);
     client.call(Request::NewPin { name, ty, direction }).unwrap();
     assert!(!page.set(6, 1));
-    let mut page = client.share_pins(64, Some(page)).unwrap();
+    let mut page = client.share_pins(64, Some(&page)).unwrap();
     page.set(6, u64::MAX);
     client.call(Request::Ready).unwrap();
     assert_eq!(says(&mut other, "getp panel.more"), u64::MAX.to_string());

@@ -1,6 +1,6 @@
 //! Results of the analysis, with names.
 
-use super::{By, Chain, Flow, Study, Timed, Wait};
+use super::{By, Chain, Flow, Late, Study, Timed, Wait};
 use crate::{
     Engine,
     graph::{Graph, Ix},
@@ -16,7 +16,8 @@ impl Engine {
     pub fn order(&self) -> OrderInfo {
         let study = Study::of(self.model.graph());
         let (user, better) = (study.as_added(), study.as_better());
-        let say = Say { graph: self.model.graph(), study: &study, user, better };
+        let (late, later) = (study.late(), study.later());
+        let say = Say { graph: self.model.graph(), study: &study, user, better, late, later };
         let (loops, paths) = (say.user.loops(), say.user.paths());
         OrderInfo {
             threads: (0..study.machine.threads.len()).filter_map(|t| say.thread(t)).collect(),
@@ -44,16 +45,17 @@ struct Say<'e> {
     study: &'e Study,
     user: Timed<'e>,
     better: Timed<'e>,
+    late: Vec<Late>,
+    later: Vec<usize>,
 }
 
 impl Say<'_> {
     fn thread(&self, t: usize) -> Option<ThreadOrder> {
         let thread = self.study.machine.threads.get(t)?;
-        let late = self.study.late();
-        let here = late.iter().filter(|late| {
-            let flow = self.study.machine.flows.get(late.flow);
+        let is_here = |flow: usize| {
+            let flow = self.study.machine.flows.get(flow);
             flow.is_some_and(|flow| self.study.machine.thread_of(flow.to) == t)
-        });
+        };
         Some(ThreadOrder {
             name: self.thread_name(thread.ix),
             period: thread.period,
@@ -67,15 +69,17 @@ impl Say<'_> {
                 })
                 .collect(),
             better: self.study.better.get(t)?.iter().map(|i| self.funct(*i)).collect(),
-            late: here
+            late: self
+                .late
+                .iter()
+                .filter(|l| is_here(l.flow))
                 .filter_map(|l| Some(LateInfo { hop: self.hop(l.flow)?, remains: l.remains }))
                 .collect(),
             later: self
-                .study
-                .later()
-                .into_iter()
-                .filter_map(|i| self.hop(i))
-                .filter(|hop| hop.thread == self.thread_name(thread.ix))
+                .later
+                .iter()
+                .filter(|i| is_here(**i))
+                .filter_map(|i| self.hop(*i))
                 .collect(),
             moves: self
                 .study

@@ -1,5 +1,8 @@
 //! Tests with machines as text: `THREAD PERIOD: FUNCTS...` and `FROM SIGNAL TO...`.
 
+mod loops;
+mod many;
+
 use super::{
     By, Flow, Machine, Study, Timed,
     machine::{Funct, Thread},
@@ -199,54 +202,6 @@ fn only_what_must_move_moves() {
 }
 
 #[test]
-fn a_loop_is_cut_where_the_user_cuts_it() {
-    for order in ["control drive plant", "drive plant control", "plant control drive"] {
-        let text = format!(
-            "t 1000: {order}
-            control x drive
-            drive y plant
-            plant z control"
-        );
-        let said = said(&text);
-        assert!(!said.contains("better"), "{said}");
-        assert_eq!(said.matches("remains").count(), 1, "{said}");
-        assert_eq!(said.matches("loop").count(), 1, "{said}");
-        assert!(said.contains(": 1000..1000"), "{said}");
-    }
-}
-
-#[test]
-fn a_loop_that_is_cut_twice_is_cut_once() {
-    check(
-        "t 1000: plant drive control
-           control x drive
-           drive y plant
-           plant z control",
-        "better drive plant control
-           move drive 1
-           late drive plant
-           late control drive, remains
-           loop plant control drive plant: 2000..2000",
-    );
-}
-
-#[test]
-fn a_loop_is_cut_where_it_costs_least() {
-    // Three values go forward and one back, so the one back is late.
-    check(
-        "t 1000: b a
-           a x b
-           a y b
-           a z b
-           b fb a",
-        "better a b
-           move a 1
-           late a b
-           loop b a b: 1000..1000",
-    );
-}
-
-#[test]
 fn values_wait_for_the_cycle_of_another_thread() {
     check(
         "base 50: read pulses@step write
@@ -329,19 +284,6 @@ fn a_function_that_takes_commands_begins_a_path() {
 }
 
 #[test]
-fn a_handshake_is_a_loop_and_no_path() {
-    check(
-        "t 1000: encoder control
-           encoder fb control
-           encoder <>index control",
-        "
-           late control encoder, remains
-           loop encoder control encoder: 1000..1000
-           path encoder control: 0..0",
-    );
-}
-
-#[test]
 fn what_nobody_knows_stays_where_it_is() {
     // Without the unknown function, the better order would be `a b`.
     check(
@@ -361,139 +303,4 @@ fn what_nobody_knows_stays_where_it_is() {
            late a b
            path a b: 1000..1000",
     );
-}
-
-#[test]
-fn ten_thousand_functions() {
-    let n = 10_000;
-    let mut machine = Machine::default();
-    let order: Vec<usize> = (0..n).collect();
-    for i in 0..n {
-        machine.functs.push(Funct {
-            ix: Ix::new(i),
-            edge: None,
-            owner: Some(Ix::new(i)),
-            thread: 0,
-            unknown: false,
-            drives: false,
-            told: false,
-        });
-    }
-    machine.threads.push(Thread { ix: Ix::new(n), period: 1000, order });
-    // A chain backwards through all functions, and from every seventh a flow a hundred functions
-    // forward.
-    for i in 0..n {
-        let by = vec![By::Signal(Ix::new(i))];
-        if i > 0 {
-            machine.flows.push(Flow { from: i, to: i - 1, by: by.clone(), numbers: true });
-        }
-        if i % 7 == 0 && i + 100 < n {
-            machine.flows.push(Flow { from: i, to: i + 100, by, numbers: true });
-        }
-    }
-    let study = Study::new(machine);
-    let before = study.late().len();
-    let better = study.as_better();
-    let after = study.machine.flows.iter().filter(|f| better.is_late(f)).count();
-    assert_eq!(before, n - 1);
-    assert!(after <= n / 7 + 1, "{after}");
-    assert!(!study.as_added().loops().list.is_empty());
-    study.as_added().paths();
-}
-
-/// For all flows, the better order contains the same functions and costs no more than the user's.
-/// Without loops it costs nothing.
-#[test]
-fn random_machines() {
-    let mut seed = 7_u64;
-    let mut next = |below: usize| {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        usize::try_from(seed >> 33).unwrap() % below
-    };
-    for round in 0..300 {
-        let n = 2 + next(30);
-        let threads = 1 + next(3);
-        let mut machine = Machine::default();
-        for t in 0..threads {
-            let period = 50 * (1 + next(5)) as u64 * (t as u64 + 1);
-            machine.threads.push(Thread { ix: Ix::new(t), period, order: Vec::new() });
-        }
-        for i in 0..n {
-            let thread = next(threads);
-            machine.threads[thread].order.push(i);
-            machine.functs.push(Funct {
-                ix: Ix::new(i),
-                edge: None,
-                owner: Some(Ix::new(next(n))),
-                thread,
-                unknown: false,
-                drives: next(5) == 0,
-                told: next(5) == 0,
-            });
-        }
-        let acyclic = round % 2 == 0;
-        let rank: Vec<usize> = (0..n).map(|_| next(1000)).collect();
-        let mut flows: Vec<(usize, usize)> = (0..next(3 * n)).map(|_| (next(n), next(n))).collect();
-        flows.sort_unstable();
-        flows.dedup();
-        flows.retain(|(a, b)| a != b && (!acyclic || (rank[*a], a) < (rank[*b], b)));
-        for (from, to) in flows {
-            let by = (0..=next(2)).map(|i| By::Signal(Ix::new(i))).collect();
-            machine.flows.push(Flow { from, to, by, numbers: true });
-        }
-        let study = Study::new(machine);
-        let late = |timed: &Timed<'_>| -> u64 {
-            study.machine.flows.iter().filter(|f| timed.is_late(f)).map(Flow::weight).sum()
-        };
-        let (user, better) = (late(&study.as_added()), late(&study.as_better()));
-        assert!(better <= user);
-        assert!(!acyclic || better == 0);
-        for (t, thread) in study.machine.threads.iter().enumerate() {
-            let sort = |list: &[usize]| {
-                let mut list = list.to_vec();
-                list.sort_unstable();
-                list
-            };
-            assert_eq!(sort(&study.better[t]), sort(&thread.order));
-            // The moves lead to the better order.
-            let moves = study.moves(t);
-            let mut order = thread.order.clone();
-            order.retain(|f| moves.iter().all(|m| m.funct != *f));
-            moves.iter().for_each(|m| order.insert(m.position - 1, m.funct));
-            assert_eq!(order, study.better[t]);
-        }
-        let timed = study.as_added();
-        let loops = timed.loops().list;
-        assert!(!acyclic || loops.is_empty());
-        for l in &loops {
-            assert_eq!(l.wait, timed.along(&l.flows));
-            assert!(l.wait.most > 0, "a loop without delay");
-        }
-        for p in timed.paths().list {
-            assert!(p.quickest.wait <= p.slowest.wait);
-        }
-    }
-}
-
-/// The heavy values go backwards through a, b and c: the order c b a saves them a cycle each.
-const BACKWARDS: &str =
-    "servo 1000: a b c\na s1 b\nb s2 c\nc h1 b\nc h2 b\nc h3 b\nb h4 a\nb h5 a\nb h6 a\n";
-
-#[test]
-fn a_better_order_names_what_becomes_late() {
-    let study = Study::new(draw(BACKWARDS).machine);
-    assert_eq!(study.better, [[2, 1, 0]]);
-    let flow = |i: &usize| (study.machine.flows[*i].from, study.machine.flows[*i].to);
-    assert_eq!(study.later().iter().map(flow).collect::<Vec<_>>(), [(0, 1), (1, 2)]);
-}
-
-/// With a value from c to a, the loop through all three takes one cycle as added, and two in the order c b a.
-#[test]
-fn a_better_order_makes_no_loop_longer() {
-    let study = Study::new(draw(&format!("{BACKWARDS}c s3 a\n")).machine);
-    assert_eq!(study.better, [[0, 1, 2]]);
-    assert!(study.later().is_empty());
-    for chain in study.as_added().loops().list {
-        assert!(study.as_better().along(&chain.flows) <= chain.wait);
-    }
 }
