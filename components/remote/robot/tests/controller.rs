@@ -1,5 +1,4 @@
 //! The simulated controller alone, and part zeros as text.
-#![expect(clippy::unwrap_used, reason = "tests")]
 
 use robot::{Controller, Faults, Output, Volume};
 

@@ -117,11 +117,17 @@ fn one(
             Err(e) if e.kind() == ErrorKind::Interrupted => {}
             Err(e) => return Err(e),
         }
+        // What is due goes out as a whole: an answer and its copy come together.
+        let (mut bytes, mut is_over) = (Vec::new(), false);
         for output in robot.poll(now()) {
             match output {
-                Output::Bytes(bytes) => client.write_all(&bytes)?,
-                Output::Close => return Ok(()),
+                Output::Bytes(more) => bytes.extend(more),
+                Output::Close => is_over = true,
             }
+        }
+        client.write_all(&bytes)?;
+        if is_over {
+            return Ok(());
         }
     }
 }
