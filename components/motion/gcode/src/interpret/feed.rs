@@ -29,6 +29,7 @@ impl Run<'_> {
             self.emit(Call::SetFeedRate(0.0))?;
         }
         self.state.modal.feed_mode = mode;
+        self.state.modal.feed_spindle = spindle;
         Ok(None)
     }
 
@@ -72,7 +73,7 @@ impl Run<'_> {
         let css_max = if css { libm::fabs(b.get(b'd').unwrap_or(1e30)) } else { 0.0 };
         for spindle in self.spindles(self.spindle(b, "G96 or G97")?) {
             if let Some(s) = self.state.modal.spindles.get_mut(usize::from(spindle)) {
-                s.css = css;
+                (s.css, s.css_max) = (css, css_max);
             }
             self.emit(Call::SetSpindleMode { spindle, css_max })?;
         }

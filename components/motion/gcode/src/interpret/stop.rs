@@ -47,6 +47,7 @@ impl Run<'_> {
         }
         self.state.modal.absolute = true;
         self.state.modal.feed_mode = FeedMode::PerMinute;
+        self.state.modal.feed_spindle = 0;
         self.state.modal.feed = 0.0;
         self.emit(Call::SetFeedMode { spindle: 0, per_revolution: false })?;
         self.emit(Call::SetFeedRate(0.0))?;
@@ -58,7 +59,7 @@ impl Run<'_> {
             self.turn(spindle, Direction::Stopped)?;
             self.emit(Call::SetSpindleMode { spindle, css_max: 0.0 })?;
             if let Some(s) = self.state.modal.spindles.get_mut(usize::from(spindle)) {
-                s.css = false;
+                (s.css, s.css_max) = (false, 0.0);
             }
         }
         if self.state.modal.mist {

@@ -28,7 +28,8 @@ impl Run<'_> {
 
     /// Checks that a move at feed has one.
     pub(crate) fn check_feed(&self, b: &Block, code: &'static str) -> Result<(), Problem> {
-        let still = self.state.modal.spindles.first().is_none_or(|s| s.speed == 0.0);
+        let spindle = self.state.modal.spindles.get(usize::from(self.state.modal.feed_spindle));
+        let still = spindle.is_none_or(|s| s.speed == 0.0);
         match self.state.modal.feed_mode {
             FeedMode::PerRevolution if still => Err(Problem::ZeroSpindleFeed),
             FeedMode::InverseTime if !b.has(b'f') => Err(Problem::InverseFeedMissing { code }),

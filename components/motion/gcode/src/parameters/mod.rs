@@ -45,13 +45,22 @@ pub mod number {
     pub const POSITION: i32 = 5420;
 }
 
+/// A numbered parameter and its value before a change.
+pub type Change = (i32, f64);
+
 /// The numbered parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Numbered(Vec<f64>);
+#[serde(transparent)]
+pub struct Numbered {
+    values: Vec<f64>,
+    /// Changes since [`Numbered::take_changes`], the oldest first, if they are recorded.
+    #[serde(skip)]
+    changes: Option<Vec<Change>>,
+}
 
 impl Default for Numbered {
     fn default() -> Self {
-        let mut out = Self(vec![0.0; COUNT]);
+        let mut out = Self { values: vec![0.0; COUNT], changes: None };
         out.put(number::SYSTEM, 1.0);
         out
     }
@@ -61,20 +70,33 @@ impl Numbered {
     /// Returns the parameter, or 0 where there is none.
     pub fn get(&self, index: i32) -> f64 {
         let index = usize::try_from(index).unwrap_or(0);
-        self.0.get(index).copied().unwrap_or(0.0)
+        self.values.get(index).copied().unwrap_or(0.0)
     }
 
     /// Sets the parameter, whether a program may or not.
     pub fn put(&mut self, index: i32, value: f64) {
-        let slot = usize::try_from(index).ok().and_then(|i| self.0.get_mut(i));
+        let slot = usize::try_from(index).ok().and_then(|i| self.values.get_mut(i));
         if let Some(slot) = slot {
-            *slot = value;
+            let before = core::mem::replace(slot, value);
+            if let Some(changes) = &mut self.changes {
+                changes.push((index, before));
+            }
         }
+    }
+
+    /// Records changes from now on, for [`Numbered::take_changes`].
+    pub fn record_changes(&mut self) {
+        self.changes.get_or_insert_default();
+    }
+
+    /// Returns the changes since the last call, the oldest first.
+    pub fn take_changes(&mut self) -> Vec<Change> {
+        self.changes.as_mut().map(core::mem::take).unwrap_or_default()
     }
 
     /// Returns the first thirty, which a call saves.
     pub fn locals(&self) -> Vec<f64> {
-        self.0.get(1..31).unwrap_or_default().to_vec()
+        self.values.get(1..31).unwrap_or_default().to_vec()
     }
 
     /// Sets the first thirty; missing ones are 0.

@@ -35,6 +35,8 @@ pub struct Spindle {
     pub direction: Direction,
     /// Constant surface speed (G96).
     pub css: bool,
+    /// Top speed of constant surface speed in turns per minute (D of G96).
+    pub css_max: f64,
     /// The speed override is enabled.
     pub speed_override: bool,
 }
@@ -55,6 +57,8 @@ pub struct Modal {
     pub ijk_absolute: bool,
     /// The meaning of F.
     pub feed_mode: FeedMode,
+    /// The spindle of G95.
+    pub feed_spindle: u8,
     /// F.
     pub feed: f64,
     /// The unit.
@@ -88,14 +92,20 @@ pub struct Modal {
 impl Modal {
     /// Returns the state at power-on.
     pub fn new(unit: Unit, spindles: u8) -> Self {
-        let spindle =
-            Spindle { speed: 0.0, direction: Direction::Stopped, css: false, speed_override: true };
+        let spindle = Spindle {
+            speed: 0.0,
+            direction: Direction::Stopped,
+            css: false,
+            css_max: 0.0,
+            speed_override: true,
+        };
         Self {
             motion: 800,
             plane: Plane::Xy,
             absolute: true,
             ijk_absolute: false,
             feed_mode: FeedMode::PerMinute,
+            feed_spindle: 0,
             feed: 0.0,
             unit,
             retract_old: false,
