@@ -16,7 +16,7 @@ pub(crate) fn record(order: &Order, letters: Letters) -> MotionCommand {
         Order::Enable => new(kind::ENABLE),
         Order::Disable => new(kind::DISABLE),
         Order::Home(None) => MotionCommand { flags: flag::ALL, ..new(kind::HOME) },
-        Order::Home(Some(index)) => MotionCommand { index, flags: flag::JOINT, ..new(kind::HOME) },
+        Order::Home(Some(index)) => MotionCommand { index, ..new(kind::HOME) },
         Order::Abort => new(kind::ABORT),
         Order::Pause => new(kind::PAUSE),
         Order::Resume => new(kind::RESUME),

@@ -114,8 +114,8 @@ Without a job it begins the program that is open.",
         doc: "\
 Ends the job at once: motion brakes, and spindles and coolant stop.
 
-Lines of MDI that wait are forgotten. The modal state is that of the line in execution. Nothing goes
-on by itself.",
+Lines of MDI that wait are forgotten. Modal state and numbered parameters are those of the line in
+execution. Nothing goes on by itself.",
         args: &[],
         read: |_| Ok(Command::Abort),
     },

@@ -105,7 +105,7 @@ impl Converter {
         self.frame = state.frame;
         self.feed = state.modal.feed;
         let per_turn = state.modal.feed_mode == FeedMode::PerRevolution;
-        self.feed_per_turn = per_turn.then(|| self.feed_per_turn.unwrap_or(0));
+        self.feed_per_turn = per_turn.then_some(state.modal.feed_spindle);
         self.path = state.modal.path;
         self.cam_tolerance = state.modal.naive_tolerance;
         self.system = state.modal.system;
@@ -114,9 +114,7 @@ impl Converter {
         for (spindle, modal) in self.spindles.iter_mut().zip(&state.modal.spindles) {
             spindle.speed = modal.speed;
             spindle.direction = sign(modal.direction);
-            if !modal.css {
-                spindle.css_max = None;
-            }
+            spindle.css_max = (modal.css_max > 0.0).then_some(modal.css_max);
         }
     }
 

@@ -10,6 +10,7 @@
 //! ```
 
 mod end;
+mod origin;
 mod pump;
 mod read;
 pub(crate) mod user;
@@ -19,12 +20,9 @@ use crate::{
     convert::{Action, Converter},
     outside::{Order, Outside, Progress, Ticket},
 };
-use hal_gcode::{
-    Interpreter, Request,
-    canon::Frame,
-    state::{Modal, modal::MAX_SPINDLES},
-};
+use hal_gcode::{Interpreter, Request, state::modal::MAX_SPINDLES};
 use hal_job::{World, run};
+use origin::{Origin, Tag, Undo};
 use std::{
     collections::VecDeque,
     path::{Path, PathBuf},
@@ -113,30 +111,18 @@ struct Job {
     began: f64,
 }
 
-/// The modal state of a line, to which an abort returns.
-#[derive(Clone, Debug, PartialEq)]
-struct Tag {
-    file: Box<str>,
-    modal: Modal,
-    frame: Frame,
-}
-
 /// A step of the job with the line that it comes from.
 #[derive(Clone, Debug)]
 struct Entry {
     action: Action,
-    line: u32,
-    /// Number of the line in the order of execution.
-    serial: u64,
-    tag: Arc<Tag>,
+    origin: Origin,
 }
 
 /// An order that motion has taken and not finished.
 #[derive(Clone, Debug)]
 struct Flight {
     id: u64,
-    line: u32,
-    tag: Arc<Tag>,
+    origin: Origin,
 }
 
 /// The step in execution, which the following steps wait for.
@@ -155,7 +141,7 @@ enum Waiting {
 struct Ending {
     order: Option<u64>,
     sent: bool,
-    tag: Option<Arc<Tag>>,
+    origin: Option<Origin>,
 }
 
 /// A spindle at constant surface speed: machine units per minute, top speed, and the speed that was sent.
@@ -180,8 +166,8 @@ pub(crate) struct Rules {
     pub(crate) needs_homing: bool,
     /// Seconds that a spindle may take to reach its speed.
     pub(crate) at_speed_timeout: f64,
-    /// The INI file states the top speed of a spindle.
-    pub(crate) has_top_speed: bool,
+    /// Spindles whose top speed the INI file states.
+    pub(crate) has_top_speed: [bool; MAX_SPINDLES],
     /// Place for tool changes in machine units; axes without a coordinate stay where they are.
     pub(crate) change_position: Option<[Option<f64>; 9]>,
 }
@@ -201,7 +187,7 @@ pub(crate) struct Core {
     flight: VecDeque<Flight>,
     waiting: Option<Waiting>,
     /// The line of the step in execution, for messages and the state after an abort.
-    current: Option<(u32, Arc<Tag>)>,
+    current: Option<Origin>,
     ending: Option<Ending>,
     /// The request for the next tool.
     preparing: Option<u64>,
@@ -211,6 +197,7 @@ pub(crate) struct Core {
     asked: Vec<(Asked, Ticket)>,
     serial: u64,
     last_tag: Option<Arc<Tag>>,
+    undo: Undo,
     surface: [Option<Surface>; MAX_SPINDLES],
     /// Time since which a move waits for the spindle.
     at_speed_since: Option<f64>,
@@ -238,6 +225,7 @@ impl Core {
         let settings = world.machine.settings.clone();
         let mut interpreter = Interpreter::new(settings.clone(), world.machine.numbered.clone());
         run::start(&mut interpreter, &world)?;
+        interpreter.state.numbered.record_changes();
         let mut converter = Converter::new(&settings, rules.change_position);
         converter.restart(&interpreter.state, [0.0; 9]);
         Ok(Self {
@@ -261,6 +249,7 @@ impl Core {
             asked: Vec::new(),
             serial: 0,
             last_tag: None,
+            undo: Undo::default(),
             surface: [None; MAX_SPINDLES],
             at_speed_since: None,
             feed_scale: 1.0,
@@ -361,10 +350,10 @@ impl Core {
         if self.awaited_tool().is_some() {
             return self.interpreter.state.line;
         }
-        let flight = self.flight.front().map(|f| f.line);
+        let flight = self.flight.front().map(|f| f.origin.line);
         match (&self.waiting, &self.current) {
-            (Some(_), Some((line, _))) => *line,
-            (_, Some((line, _))) => flight.unwrap_or(*line),
+            (Some(_), Some(origin)) => origin.line,
+            (_, Some(origin)) => flight.unwrap_or(origin.line),
             (_, None) => flight.unwrap_or(0),
         }
     }

@@ -57,8 +57,8 @@ outputs without motion and pauses wait until the moves before them have ended. A
 first error, after the lines before it; the message has its place.
 
 An abort, an error, an e-stop and a machine that goes off end the job: the rest of the path is gone,
-spindles and coolant stop, lines of MDI that wait are forgotten, and the modal state is that of the
-line that was in execution. Only a new command begins anything.
+spindles and coolant stop, lines of MDI that wait are forgotten, and modal state and numbered
+parameters are those of the line that was in execution. Only a new command begins anything.
 
 Only the task writes the tool table and the parameter file, each as a whole.
 

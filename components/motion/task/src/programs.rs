@@ -1,7 +1,9 @@
 //! Programs of users: M100 to M199.
 
 use crate::outside::Progress;
+use rustix::process::{Pid, Signal, kill_process_group};
 use std::{
+    os::unix::process::CommandExt,
     path::PathBuf,
     process::{Child, Command, Stdio},
 };
@@ -28,6 +30,7 @@ impl UserProgram {
         let child = Command::new(path)
             .args([format!("{p:.6}"), format!("{q:.6}")])
             .stdin(Stdio::null())
+            .process_group(0)
             .spawn()
             .map_err(|e| format!("{name}: {}", hal_output::reason(&e)))?;
         self.child = Some((code, child));
@@ -47,11 +50,13 @@ impl UserProgram {
         result
     }
 
-    /// Ends the program.
+    /// Ends the program, and the programs that it has begun.
     pub(crate) fn end(&mut self) {
         if let Some((_, mut child)) = self.child.take() {
-            // It may have ended by itself meanwhile.
-            child.kill().unwrap_or_default();
+            // The group exists until its leader was waited for; all of it may have ended by itself meanwhile.
+            if let Some(group) = i32::try_from(child.id()).ok().and_then(Pid::from_raw) {
+                kill_process_group(group, Signal::KILL).unwrap_or_default();
+            }
             child.wait().map(|_| ()).unwrap_or_default();
         }
     }
@@ -60,5 +65,33 @@ impl UserProgram {
 impl Drop for UserProgram {
     fn drop(&mut self) {
         self.end();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::{fs, io::Read, os::unix::fs::PermissionsExt};
+
+    #[test]
+    fn the_programs_of_a_program_end_with_it() {
+        let folder = std::env::temp_dir().join(format!("hal-task-group-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let fifo = folder.join("fifo");
+        assert!(Command::new("mkfifo").arg(&fifo).status().unwrap().success());
+        let code = folder.join("M101");
+        let text = format!("#!/bin/sh\n(sleep 9; echo alive) > '{}' &\nwait\n", fifo.display());
+        fs::write(&code, text).unwrap();
+        fs::set_permissions(&code, fs::Permissions::from_mode(0o755)).unwrap();
+        let mut program = UserProgram::default();
+        program.begin(core::slice::from_ref(&folder), 101, 0.0, 0.0).unwrap();
+        // The pipe opens when the second program does, and ends when nobody has it open.
+        let mut pipe = fs::File::open(&fifo).unwrap();
+        assert_eq!(program.progress(), Progress::Pending);
+        program.end();
+        let mut said = String::new();
+        pipe.read_to_string(&mut said).unwrap();
+        assert_eq!(said, "");
+        fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -5,7 +5,7 @@ use crate::{
     core::{Core, Rules},
     worker::Files,
 };
-use hal_gcode::axis::AxisMask;
+use hal_gcode::{axis::AxisMask, state::modal::MAX_SPINDLES};
 use hal_job::{Machine, World, machine};
 use std::{collections::BTreeMap, path::Path};
 
@@ -57,10 +57,14 @@ fn rules(machine: &Machine) -> Result<Rules, String> {
     let timeout = number("TASK", "AT_SPEED_TIMEOUT")?.filter(|t| *t > 0.0);
     let change_position =
         value("EMCIO", "TOOL_CHANGE_POSITION").map(change_position).transpose()?;
+    let mut has_top_speed = [false; MAX_SPINDLES];
+    for (n, has) in has_top_speed.iter_mut().enumerate() {
+        *has = number(&format!("SPINDLE_{n}"), "MAX_FORWARD_VELOCITY")?.is_some();
+    }
     Ok(Rules {
         needs_homing: number("TRAJ", "NO_FORCE_HOMING")?.is_none_or(|n| n == 0.0),
         at_speed_timeout: timeout.unwrap_or(AT_SPEED_TIMEOUT),
-        has_top_speed: number("SPINDLE_0", "MAX_FORWARD_VELOCITY")?.is_some(),
+        has_top_speed,
         change_position,
     })
 }

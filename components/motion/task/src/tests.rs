@@ -1,6 +1,8 @@
 //! The core on a machine that notes what it is sent.
 
 mod job;
+mod real;
+mod spindle;
 mod stop;
 mod table;
 mod words;
@@ -40,7 +42,9 @@ struct Fake {
     /// Refusal of the next order.
     refuse: Option<Refusal>,
     program: Progress,
-    saved: u32,
+    saves: u32,
+    /// X of G54 in the parameters that were saved last.
+    saved: Option<f64>,
     tables: Vec<String>,
 }
 
@@ -75,7 +79,8 @@ impl Fake {
             messages: Vec::new(),
             refuse: None,
             program: Progress::Done,
-            saved: 0,
+            saves: 0,
+            saved: None,
             tables: Vec::new(),
         }
     }
@@ -211,8 +216,9 @@ impl Outside for Fake {
     fn finish(&mut self, ticket: Ticket, result: Result<(), String>) {
         assert!(self.results.insert(ticket.0, result).is_none(), "a ticket ends once");
     }
-    fn save_parameters(&mut self, _: &Numbered) -> Result<(), String> {
-        self.saved += 1;
+    fn save_parameters(&mut self, numbered: &Numbered) -> Result<(), String> {
+        self.saves += 1;
+        self.saved = Some(numbered.get(5221));
         Ok(())
     }
     fn save_tools(&mut self, tools: &ToolTable) -> Result<(), String> {
@@ -238,6 +244,10 @@ impl Rig {
     }
 
     fn with(program: &str, change: impl FnOnce(&mut Rules)) -> Self {
+        Self::on_machine(program, |_, rules| change(rules))
+    }
+
+    fn on_machine(program: &str, change: impl FnOnce(&mut Machine, &mut Rules)) -> Self {
         static NEXT: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
         let n = NEXT.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let folder = std::env::temp_dir().join(format!("hal-task-{}-{n}", std::process::id()));
@@ -249,10 +259,10 @@ impl Rig {
         let mut rules = Rules {
             needs_homing: true,
             at_speed_timeout: 5.0,
-            has_top_speed: false,
+            has_top_speed: [false; 8],
             change_position: None,
         };
-        change(&mut rules);
+        change(&mut machine, &mut rules);
         let core = Core::new(World { machine, hal: BTreeMap::new() }, rules).unwrap();
         let mut rig = Self { core, fake: Fake::new(), tickets: 0, folder };
         rig.step();

@@ -1,28 +1,23 @@
 //! The worker: the core between motion, iocontrol, files and users.
 
+mod machine;
+
 use crate::{
-    command_record::{Letters, record},
-    core::{Core, Interpreting, Mode, user::Command},
-    outside::{Level, MotionState, Order, Outside, Progress, Refusal, Ticket},
-    programs::UserProgram,
+    command_record::Letters,
+    core::{Core, Mode, user::Command},
     status::{Report, TaskStatus, operator_view},
-    texts::Texts,
 };
 use hal_component::{
-    Clock, IoControlRef, IoRequest, IoState, Messages, MotionEnd, MotionId, MotionRef,
-    MotionRefusal, MotionToken, OperatorRef, OperatorRequest, Snapshot, TicketHandle, Touch, Uses,
-    Work,
+    Clock, IoControlRef, Messages, MotionRef, OperatorRef, OperatorRequest, Snapshot, TicketHandle,
+    Touch, Uses, Work,
 };
-use hal_gcode::{Numbered, parameters::file::ParameterFile, tool::ToolTable};
+use hal_gcode::parameters::file::ParameterFile;
+use machine::Machine;
 use std::{
-    collections::{BTreeMap, VecDeque},
+    collections::VecDeque,
     path::PathBuf,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
-
-/// Number of orders and of requests that are known after their end.
-const MAX_KNOWN: usize = 2048;
-const NOT_OWNER: &str = "motion belongs to another controller";
 
 /// State that commands and the worker share.
 #[derive(Default)]
@@ -58,31 +53,6 @@ pub(crate) struct Worker {
     core: Option<Box<Core>>,
     world: Machine,
     snapshot: Snapshot<TaskStatus>,
-    claimed: bool,
-}
-
-/// Everything outside the core.
-struct Machine {
-    motion: MotionRef,
-    operator: Option<OperatorRef>,
-    token: Option<MotionToken>,
-    io: IoControlRef,
-    clock: Clock,
-    messages: Messages,
-    texts: Texts,
-    files: Files,
-    saved: String,
-    /// The last message.
-    said: &'static str,
-    program: UserProgram,
-    /// Orders and requests in progress, with the numbers that the core has.
-    orders: BTreeMap<u64, MotionId>,
-    results: BTreeMap<u64, Progress>,
-    tickets: BTreeMap<u64, TicketHandle>,
-    /// Last requests of the operator, whose refusals are messages.
-    buttons: VecDeque<u64>,
-    next: u64,
-    status: MotionState,
 }
 
 impl Worker {
@@ -95,37 +65,8 @@ impl Worker {
         messages: Messages,
         snapshot: Snapshot<TaskStatus>,
     ) -> Self {
-        let world = Machine {
-            motion,
-            operator,
-            token: None,
-            io,
-            clock,
-            messages,
-            texts: Texts::default(),
-            files: Files::default(),
-            saved: String::new(),
-            said: "",
-            program: UserProgram::default(),
-            orders: BTreeMap::new(),
-            results: BTreeMap::new(),
-            tickets: BTreeMap::new(),
-            buttons: VecDeque::new(),
-            next: 0,
-            status: MotionState::default(),
-        };
-        Self { shared, core: None, world, snapshot, claimed: false }
-    }
-
-    /// Keeps others from moving while a job runs; a paused one lets an operator jog.
-    fn claim(&mut self, core: &Core) {
-        let wanted = core.is_busy() && core.interpreting() != Interpreting::Paused;
-        if wanted != self.claimed
-            && let Some(token) = self.world.token()
-            && self.world.motion.claim(token, wanted)
-        {
-            self.claimed = wanted;
-        }
+        let world = Machine::new(motion, io, operator, clock, messages);
+        Self { shared, core: None, world, snapshot }
     }
 }
 
@@ -159,9 +100,9 @@ impl Work for Worker {
                 core.command(Command::from(request), ticket, &mut self.world);
             }
         }
-        self.claim(&core);
+        self.world.claim(&core);
         let done = core.step(&mut self.world, items);
-        self.claim(&core);
+        self.world.claim(&core);
         let report = Report::of(&core, &self.world.status, &self.world.io.state());
         if let Some(operator) = &self.world.operator {
             operator.show(&operator_view(&core, &self.world.io.state()));
@@ -176,199 +117,6 @@ impl Work for Worker {
         drop(desk);
         self.core = Some(core);
         done
-    }
-}
-
-impl Machine {
-    /// Takes the files of a machine, and tells what is wrong with them.
-    fn open(&mut self, core: &Core, files: Files) {
-        let machine = &core.world.machine;
-        for remark in &machine.remarks {
-            self.say(Level::Info, remark);
-        }
-        // Pocket 0 of a random changer is the spindle.
-        let in_spindle = machine.tools.tools.iter().find(|t| t.pocket == 0);
-        if let Some(tool) = in_spindle.filter(|_| machine.settings.random_changer) {
-            self.request(IoRequest::SetTool { tool: tool.number, pocket: 0 });
-        }
-        self.files = files;
-    }
-
-    /// Reads motion's status and the results of iocontrol.
-    fn refresh(&mut self) {
-        if let Some(s) = self.motion.status() {
-            self.status = MotionState {
-                enabled: s.enabled,
-                in_position: s.in_position,
-                all_homed: s.all_homed,
-                velocity: s.velocity,
-                queue: s.queue,
-                pose: s.pose,
-                probe_found: s.probe_found,
-                probe_measured: s.probe_measured,
-                digital_in: s.digital_in,
-                analog_in: s.analog_in,
-                at_speed: s.at_speed,
-            };
-        }
-        while let Some(result) = self.io.result() {
-            if let Some(place) = self.results.get_mut(&result.id) {
-                *place =
-                    result.failure.map_or(Progress::Done, |why| Progress::Failed(why.to_owned()));
-            }
-        }
-    }
-
-    fn ticket(&mut self, handle: TicketHandle) -> Ticket {
-        self.next += 1;
-        self.tickets.insert(self.next, handle);
-        Ticket(self.next)
-    }
-
-    /// Returns a ticket for a request of the operator, who waits for nothing.
-    fn button(&mut self) -> Ticket {
-        self.next += 1;
-        if self.buttons.len() >= MAX_KNOWN {
-            self.buttons.pop_front();
-        }
-        self.buttons.push_back(self.next);
-        Ticket(self.next)
-    }
-
-    /// Forgets orders that have ended well and that the core does not ask for.
-    fn forget_orders(&mut self) {
-        if self.orders.len() > MAX_KNOWN {
-            let motion = &self.motion;
-            self.orders.retain(|_, id| {
-                !matches!(motion.poll(*id), MotionEnd::Done | MotionEnd::Forgotten)
-            });
-        }
-    }
-
-    /// Returns the proof of ownership; without one, asks for it.
-    fn token(&mut self) -> Option<MotionToken> {
-        if self.token.is_none() {
-            self.token = self.motion.acquire("task").ok();
-        }
-        self.token
-    }
-}
-
-impl Outside for Machine {
-    fn now(&self) -> f64 {
-        self.clock.now_ns() as f64 * 1e-9
-    }
-
-    fn motion(&self) -> MotionState {
-        self.status
-    }
-
-    fn io(&self) -> IoState {
-        self.io.state()
-    }
-
-    fn order(&mut self, order: &Order) -> Result<u64, Refusal> {
-        let Some(token) = self.token() else {
-            return Err(Refusal::Why(NOT_OWNER.into()));
-        };
-        match self.motion.push(token, &record(order, self.files.letters)) {
-            Ok(id) => {
-                self.next += 1;
-                self.orders.insert(self.next, id);
-                self.forget_orders();
-                // At rest no longer, whatever the status of the last cycle says.
-                self.status.in_position &= !matches!(order, Order::Move(_));
-                Ok(self.next)
-            }
-            Err(MotionRefusal::Full) => Err(Refusal::Full),
-            Err(MotionRefusal::NotOwner) => {
-                self.token = None;
-                Err(Refusal::Why(NOT_OWNER.into()))
-            }
-            Err(MotionRefusal::Refused(why)) => Err(Refusal::Why(why.into())),
-        }
-    }
-
-    fn ordered(&mut self, id: u64) -> Progress {
-        let Some(motion) = self.orders.get(&id) else { return Progress::Done };
-        let progress = match self.motion.poll(*motion) {
-            MotionEnd::Pending => return Progress::Pending,
-            MotionEnd::Done | MotionEnd::Forgotten => Progress::Done,
-            MotionEnd::Failed(why) => Progress::Failed(why),
-        };
-        self.orders.remove(&id);
-        progress
-    }
-
-    fn request(&mut self, request: IoRequest) -> Option<u64> {
-        let id = self.io.request(request)?;
-        self.results.insert(id, Progress::Pending);
-        // The core waits for two requests at the most, and commands for as many as iocontrol takes.
-        while self.results.len() > MAX_KNOWN {
-            self.results.pop_first();
-        }
-        Some(id)
-    }
-
-    fn requested(&mut self, id: u64) -> Progress {
-        match self.results.get(&id) {
-            None => Progress::Done,
-            Some(Progress::Pending) => Progress::Pending,
-            Some(_) => self.results.remove(&id).unwrap_or(Progress::Done),
-        }
-    }
-
-    fn begin_program(&mut self, code: u16, p: f64, q: f64) -> Result<(), String> {
-        self.program.begin(&self.files.codes, code, p, q)
-    }
-
-    fn program(&mut self) -> Progress {
-        self.program.progress()
-    }
-
-    fn end_program(&mut self) {
-        self.program.end();
-    }
-
-    fn say(&mut self, level: Level, text: &str) {
-        let text = self.texts.keep(text);
-        self.said = text;
-        match level {
-            Level::Error => self.messages.error(text, &[]),
-            Level::Info => self.messages.info(text, &[]),
-        }
-    }
-
-    fn finish(&mut self, ticket: Ticket, result: Result<(), String>) {
-        if let Some(n) = self.buttons.iter().position(|b| *b == ticket.0) {
-            self.buttons.remove(n);
-            // A job that has failed has said why.
-            if let Err(why) = &result
-                && self.said != self.texts.keep(why)
-            {
-                self.say(Level::Error, why);
-            }
-        }
-        let Some(handle) = self.tickets.remove(&ticket.0) else { return };
-        match result {
-            Ok(()) => handle.done(),
-            Err(why) => handle.fail(self.texts.keep(&why)),
-        }
-    }
-
-    fn save_parameters(&mut self, numbered: &Numbered) -> Result<(), String> {
-        let Some((path, file)) = &self.files.parameters else { return Ok(()) };
-        let text = file.save(numbered);
-        if text == self.saved {
-            return Ok(());
-        }
-        written(path, &text)?;
-        self.saved = text;
-        Ok(())
-    }
-
-    fn save_tools(&mut self, tools: &ToolTable) -> Result<(), String> {
-        self.files.table.as_ref().map_or(Ok(()), |path| written(path, &tools.print()))
     }
 }
 
@@ -388,10 +136,4 @@ impl From<OperatorRequest> for Command {
             OperatorRequest::Mdi(line) => Self::BriefMdi(line.into()),
         }
     }
-}
-
-/// Replaces a file as a whole.
-fn written(path: &std::path::Path, text: &str) -> Result<(), String> {
-    hal_output::write(path, text.as_bytes())
-        .map_err(|e| format!("{}: {}", path.display(), hal_output::reason(&e)))
 }

@@ -1,6 +1,6 @@
 //! The end of a job: complete, failed or aborted.
 
-use super::{Core, Ending, Job, Reading, Tag};
+use super::{Core, Ending, Job, Origin, Reading};
 use crate::outside::{Level, Order, Outside, Progress, Refusal};
 use hal_component::IoRequest;
 use hal_gcode::{
@@ -8,7 +8,6 @@ use hal_gcode::{
     parameters::number,
     state::{Compensation, Cycle},
 };
-use std::sync::Arc;
 
 impl Core {
     /// Begins a job, which the interpreter has loaded.
@@ -32,6 +31,8 @@ impl Core {
         });
         self.current = None;
         self.last_tag = None;
+        self.undo.clear();
+        drop(self.interpreter.state.numbered.take_changes());
     }
 
     /// Ends a job whose last step is done.
@@ -50,7 +51,7 @@ impl Core {
         let is_program = self.job.as_ref().is_some_and(|j| j.is_program);
         let text = match &self.current {
             // Errors of the interpreter name their place.
-            Some((line, tag)) if is_program && !why.starts_with(&*tag.file) => {
+            Some(Origin { line, tag, .. }) if is_program && !why.starts_with(&*tag.file) => {
                 format!("{}:{line}: {why}", tag.file)
             }
             _ => why.to_owned(),
@@ -70,9 +71,9 @@ impl Core {
         for ticket in tickets.chain(self.mdi.drain(..).map(|(_, ticket)| ticket)) {
             out.finish(ticket, Err(why.to_owned()));
         }
-        let flight = self.flight.front().map(|f| f.tag.clone());
-        let tag = flight.or_else(|| self.current.take().map(|(_, tag)| tag));
-        let tag = tag.or_else(|| self.ending.take().and_then(|e| e.tag));
+        let flight = self.flight.front().map(|f| f.origin.clone());
+        let origin = flight.or_else(|| self.current.take());
+        let origin = origin.or_else(|| self.ending.take().and_then(|e| e.origin));
         self.current = None;
         self.queue.clear();
         self.flight.clear();
@@ -83,7 +84,7 @@ impl Core {
         out.end_program();
         // The machine is in e-stop or iocontrol is full: then its outputs are off, or a later abort follows.
         let sent = out.request(IoRequest::Abort).is_some();
-        self.ending = Some(Ending { order: None, sent, tag });
+        self.ending = Some(Ending { order: None, sent, origin });
         self.finish_ending(out);
     }
 
@@ -110,21 +111,25 @@ impl Core {
         if !(ended && ending.sent && (motion.in_position && motion.queue == 0 || is_off)) {
             return;
         }
-        let tag = self.ending.take().and_then(|e| e.tag);
-        self.reset(tag, out);
+        let origin = self.ending.take().and_then(|e| e.origin);
+        self.reset(origin, out);
         self.save_parameters(out);
     }
 
-    /// Sets the interpreter to the modal state of the line that was in execution, at rest and without calls.
-    fn reset(&mut self, tag: Option<Arc<Tag>>, out: &mut impl Outside) {
+    /// Sets the interpreter to the modal state and the parameters of the line that was in execution, at rest and
+    /// without calls.
+    fn reset(&mut self, origin: Option<Origin>, out: &mut impl Outside) {
         let io = out.io();
         let tools = &self.world.machine.tools;
         let state = &mut self.interpreter.state;
-        if let Some(tag) = tag {
+        if let Some(Origin { tag, serial, .. }) = origin {
+            self.undo.restore(serial, &mut state.numbered);
             state.modal = tag.modal.clone();
             state.frame = tag.frame;
             state.numbered.put(number::SYSTEM, f64::from(state.modal.system));
         }
+        // The table has the entries that were executed.
+        state.changed_tools.clear();
         state.levels.clear();
         state.pending = None;
         state.ended = true;

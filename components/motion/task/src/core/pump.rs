@@ -44,10 +44,10 @@ impl Core {
         match job.stepping {
             None => true,
             Some(None) => {
-                job.stepping = Some(Some(entry.serial));
+                job.stepping = Some(Some(entry.origin.serial));
                 true
             }
-            Some(Some(serial)) if serial == entry.serial => true,
+            Some(Some(serial)) if serial == entry.origin.serial => true,
             Some(Some(_)) => {
                 if at_rest {
                     (job.stepping, job.paused) = (None, true);
@@ -89,13 +89,12 @@ impl Core {
             }
             return match out.order(order) {
                 Ok(id) => {
-                    let flight = Flight { id, line: entry.line, tag: entry.tag };
-                    self.flight.push_back(flight);
+                    self.flight.push_back(Flight { id, origin: entry.origin });
                     self.queue.pop_front();
                     true
                 }
                 Err(Refusal::Why(why)) if self.flight.is_empty() => {
-                    self.current = Some((entry.line, entry.tag));
+                    self.current = Some(entry.origin);
                     self.fail(&why, out);
                     false
                 }
@@ -116,10 +115,14 @@ impl Core {
         if needs_io && self.preparing.is_some() {
             return false;
         }
-        let before = self.current.replace((entry.line, entry.tag.clone()));
+        let serial = entry.origin.serial;
+        let before = self.current.replace(entry.origin);
         match self.begin(&entry.action, out) {
             Ok(true) => {
                 self.queue.pop_front();
+                if self.flight.is_empty() {
+                    self.undo.executed(serial);
+                }
                 true
             }
             Ok(false) => {
@@ -140,8 +143,8 @@ impl Core {
             Action::Rest(order) => match out.order(order) {
                 Ok(id) if matches!(order, Order::Orient { .. }) => {
                     // A following wait, and everything else at rest, waits for it.
-                    let (line, tag) = self.current.clone().ok_or("no line")?;
-                    self.flight.push_back(Flight { id, line, tag });
+                    let origin = self.current.clone().ok_or("no line")?;
+                    self.flight.push_back(Flight { id, origin });
                 }
                 Ok(id) => self.waiting = Some(Waiting::Order(id)),
                 Err(Refusal::Full) => return Ok(false),
@@ -180,7 +183,8 @@ impl Core {
             }
             Action::SurfaceSpeed { spindle, speed } => {
                 let unbounded = speed.is_some_and(|(_, top)| top >= NO_TOP_SPEED);
-                if unbounded && !self.rules.has_top_speed {
+                let has_top = self.rules.has_top_speed.get(usize::from(*spindle));
+                if unbounded && has_top != Some(&true) {
                     return Err("G96 needs D, its top speed: the INI file has none".into());
                 }
                 if let Some(slot) = self.surface.get_mut(usize::from(*spindle)) {

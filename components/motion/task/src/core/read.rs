@@ -1,6 +1,6 @@
 //! Reading ahead: lines become steps, as far as the interpreter needs no answer.
 
-use super::{Core, Entry, READ_AHEAD, Reading, Tag};
+use super::{Core, Entry, Origin, READ_AHEAD, Reading, Tag};
 use crate::{
     convert::Action,
     outside::{MotionState, Outside},
@@ -50,19 +50,23 @@ impl Core {
         };
         let mut calls = Vec::new();
         let step = self.interpreter.answer(&answer, &self.world, &mut calls);
+        // The lines before are executed, and the answer is a fact.
+        self.undo.clear();
+        drop(self.interpreter.state.numbered.take_changes());
         self.take_line(step, calls);
     }
 
     fn take_line(&mut self, step: Result<Step, Error>, calls: Vec<hal_gcode::Issued>) {
         self.serial += 1;
+        let serial = self.serial;
         let tag = self.tag();
+        let origin = |line| Origin { line, serial, tag: tag.clone() };
+        let before = self.queue.len();
         let mut actions = Vec::new();
         for issued in calls {
             self.converter.convert(issued.call, issued.line, &mut actions);
             for action in actions.drain(..) {
-                let entry =
-                    Entry { action, line: issued.line, serial: self.serial, tag: tag.clone() };
-                self.queue.push_back(entry);
+                self.queue.push_back(Entry { action, origin: origin(issued.line) });
             }
         }
         let reading = match step {
@@ -72,11 +76,12 @@ impl Core {
             Err(error) => {
                 // The lines before it are executed; the job then ends with the error.
                 let action = Action::Refuse(error.to_string().into());
-                let (line, serial) = (error.place.line, self.serial);
-                self.queue.push_back(Entry { action, line, serial, tag });
+                self.queue.push_back(Entry { action, origin: origin(error.place.line) });
                 Reading::Ended
             }
         };
+        let changes = self.interpreter.state.numbered.take_changes();
+        self.undo.add(serial, changes, self.queue.len() > before);
         if let Some(job) = &mut self.job {
             job.reading = reading;
         }

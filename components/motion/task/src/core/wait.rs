@@ -10,11 +10,12 @@ impl Core {
             match out.ordered(first.id) {
                 Progress::Pending => return true,
                 Progress::Done => {
-                    self.current = Some((first.line, first.tag.clone()));
+                    self.undo.executed(first.origin.serial);
+                    self.current = Some(first.origin.clone());
                     self.flight.pop_front();
                 }
                 Progress::Failed(why) => {
-                    self.current = Some((first.line, first.tag.clone()));
+                    self.current = Some(first.origin.clone());
                     self.fail(&why, out);
                     return false;
                 }

@@ -202,3 +202,38 @@ fn an_estop_switches_motion_off() {
     rig.pass(1.0);
     assert!(!rig.fake.motion.enabled);
 }
+
+#[test]
+fn the_parameters_after_an_abort_are_those_of_the_line_in_motion() {
+    let mut rig = Rig::new(
+        "G21 G10 L2 P1 X5\n#100=7\nG1 X1 F100\n#100=8\n#100=9\nG10 L2 P1 X50\nG92 X0\nG10 L1 P1 Z99\n\
+         G1 X2\n#101=3\nM2\n",
+    );
+    rig.send(Command::Run);
+    rig.pass(0.05);
+    let numbered = &rig.core.interpreter.state.numbered;
+    assert_eq!([5221, 100, 101].map(|n| numbered.get(n)), [50.0, 9.0, 3.0], "read ahead");
+    rig.good(Command::Abort);
+    rig.pass(0.1);
+    let state = &rig.core.interpreter.state;
+    assert_eq!([5221, 5211, 100, 101].map(|n| state.numbered.get(n)), [5.0, 0.0, 7.0, 0.0]);
+    assert_eq!((state.frame.g5x.x, state.frame.g92.x), (5.0, 0.0), "the active frame");
+    assert_eq!(rig.fake.saved, Some(5.0), "the parameter file");
+    // The tool table is unchanged, and so is what a program sees of it.
+    rig.good(Command::Mode(Mode::Mdi));
+    rig.send(Command::Mdi("G43 H1".into()));
+    rig.pass(0.5);
+    assert_eq!(rig.core.interpreter.state.frame.tool.z, 10.0);
+}
+
+#[test]
+fn a_result_of_the_machine_stays_after_an_abort() {
+    let mut rig = Rig::new("G21 M66 P3 L3 Q5\n#1=#5399\nG4 P1\n#1=7\nG4 P1\nM2\n");
+    rig.send(Command::Run);
+    rig.fake.motion.digital_in = 1 << 3;
+    rig.pass(0.5);
+    rig.good(Command::Abort);
+    rig.pass(0.1);
+    let numbered = &rig.core.interpreter.state.numbered;
+    assert_eq!([5399, 1].map(|n| numbered.get(n)), [1.0, 1.0]);
+}

@@ -1,0 +1,119 @@
+//! The task on a real motion controller.
+
+use super::{Rules, ToolTable};
+use crate::{
+    commands,
+    core::Core,
+    status,
+    worker::{Files, Shared, Worker},
+};
+use hal_component::{
+    Builder, Component, Error, MotionRef, MotionStatus, abi::component_flags, bench::Bench,
+};
+use hal_job::{Machine, World};
+use motion::Motmod;
+use std::{cell::RefCell, collections::BTreeMap};
+use toolchange::Iocontrol;
+use trivkins::Trivkins;
+
+const PERIOD: i64 = 1_000_000;
+
+thread_local! {
+    static MOTION: RefCell<Option<MotionRef>> = const { RefCell::new(None) };
+}
+
+/// A task whose machine needs no homing.
+struct Jobs;
+
+impl Component for Jobs {
+    const NAME: &'static str = "jobs";
+    const DOC: &'static str = "A task without an INI file.";
+    const FLAGS: u32 = component_flags::ONCE;
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        let (motion, io) = (b.motion()?.unwrap(), b.iocontrol()?.unwrap());
+        MOTION.with(|known| *known.borrow_mut() = Some(motion.clone()));
+        let shared = Shared::default();
+        commands::open(b, &shared)?;
+        let mut machine = Machine::read(&hal_job::Files::default()).unwrap();
+        machine.tools = ToolTable::default();
+        let rules = Rules {
+            needs_homing: false,
+            at_speed_timeout: 5.0,
+            has_top_speed: [false; 8],
+            change_position: None,
+        };
+        let core = Core::new(World { machine, hal: BTreeMap::new() }, rules).unwrap();
+        shared.lock().opened = Some((Box::new(core), Files::default()));
+        let snapshot = b.snapshot("task.status", status::VERSION, "")?;
+        let worker = Worker::new(shared, motion, io, None, b.clock(), b.messages(), snapshot);
+        b.worker("task", "Runs jobs.", PERIOD, 400, worker)
+    }
+}
+
+fn cycles(bench: &mut Bench, n: usize) {
+    for _ in 0..n {
+        bench.pass(PERIOD);
+        let estop: bool = bench.get("iocontrol.0.user-enable-out");
+        bench.set("iocontrol.0.emc-enable-in", estop);
+        bench.run("iocontrol", PERIOD);
+        bench.run("motion-command-handler", PERIOD);
+        bench.run("motion-controller", PERIOD);
+        for joint in 0..3 {
+            let cmd: f64 = bench.get(&format!("joint.{joint}.motor-pos-cmd"));
+            bench.set(&format!("joint.{joint}.motor-pos-fb"), cmd);
+        }
+        bench.work("task", 400).unwrap();
+    }
+}
+
+/// A machine that is on, in this mode.
+fn on(mode: &str) -> Bench {
+    let mut bench = Bench::new();
+    bench.load::<Iocontrol>(&["cycle_time=0.01"]).unwrap();
+    bench.load::<Trivkins>(&["coordinates=xyz"]).unwrap();
+    bench.load::<Motmod>(&["num_joints=3"]).unwrap();
+    for joint in ["joint=0", "joint=1", "joint=2"] {
+        let args = [joint, "max-velocity=100", "max-acceleration=1000", "ferror=1", "min-ferror=1"];
+        bench.command("motion.configure", &args).unwrap();
+    }
+    bench.load::<Jobs>(&[]).unwrap();
+    let mode = format!("mode={mode}");
+    let commands = [("task.estop-reset", &[][..]), ("task.on", &[]), ("task.mode", &[&*mode])];
+    for (command, args) in commands {
+        bench.command(command, args).unwrap();
+        cycles(&mut bench, 20);
+    }
+    bench
+}
+
+#[test]
+fn one_joint_homes_alone() {
+    let mut bench = on("manual");
+    bench.command("task.home", &["joint=1"]).unwrap();
+    cycles(&mut bench, 500);
+    let homed = bench.snapshot::<MotionStatus>("motion.status").joint_homed;
+    assert_eq!(homed[..3], [false, true, false], "{:?}", bench.said());
+}
+
+#[test]
+fn a_new_token_is_claimed_again() {
+    let mut bench = on("mdi");
+    let line = |bench: &mut Bench, text: &str| {
+        bench.command("task.mdi", &[text]).unwrap();
+        cycles(bench, 5);
+    };
+    let claimed = |bench: &Bench| bench.snapshot::<MotionStatus>("motion.status").claimed;
+    line(&mut bench, "text=G4 P1");
+    assert!(claimed(&bench));
+    // Another one of this name takes motion, and the claim ends.
+    let motion = MOTION.with(|known| known.borrow_mut().take()).unwrap();
+    let other = motion.acquire("task").unwrap();
+    cycles(&mut bench, 5);
+    assert!(!claimed(&bench) && motion.claim(other, false));
+    // The next order finds the token void. The job goes on, so the claim is due again.
+    bench.command("task.feed-override", &["scale=0.5"]).unwrap();
+    cycles(&mut bench, 5);
+    assert!(claimed(&bench));
+    cycles(&mut bench, 1100);
+    assert!(!claimed(&bench), "the job has ended");
+}
