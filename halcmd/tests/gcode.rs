@@ -226,6 +226,16 @@ fn a_formatted_program_makes_the_same_calls() {
 }
 
 #[test]
+fn an_endless_program_is_refused() {
+    let at = scratch("endless");
+    let refused = halgcode(&at, &["format", "/dev/zero"]);
+    let error = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!((refused.status.code(), refused.stdout.len()), (Some(2), 0), "{error}");
+    assert!(error.contains("/dev/zero: it is a device, not a file"), "{error}");
+    std::fs::remove_dir_all(&at).unwrap();
+}
+
+#[test]
 fn a_program_in_millimetres_moves_to_the_same_places() {
     let at = scratch("metric");
     let machine = |file: &str| {

@@ -78,7 +78,8 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
         (None, true) => Numbers::None,
         (None, false) => Numbers::Keep,
     };
-    let raw = std::fs::read(file).map_err(|e| format!("{file}: {}", hal_output::reason(&e)))?;
+    let raw = hal_ini::file::whole(Path::new(file))
+        .map_err(|e| format!("{file}: {}", hal_output::reason(&e)))?;
     let mut unread = Vec::new();
     let out = format(&raw, numbers, is_given(Id::Millimetres), &mut unread)
         .map_err(|(line, reason)| format!("{file}:{line}: {reason}"))?;
