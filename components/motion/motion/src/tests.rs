@@ -22,6 +22,7 @@ mod service;
 mod snapshot;
 mod speed;
 mod switch;
+mod tap;
 mod watch;
 mod world;
 

@@ -261,6 +261,11 @@ impl Encoder {
     }
 }
 
+/// Returns a limit of jerk as commands give it: 0 is no limit.
+const fn written(jerk: f64) -> f64 {
+    if jerk.is_finite() { jerk } else { 0.0 }
+}
+
 impl JointConfig {
     /// Returns a setting by the name of its argument.
     pub(crate) fn setting(&self, name: &str) -> Option<f64> {
@@ -269,7 +274,7 @@ impl JointConfig {
             "max-limit" => self.max_limit,
             "max-velocity" => self.max_velocity,
             "max-acceleration" => self.max_acceleration,
-            "max-jerk" => self.max_jerk,
+            "max-jerk" => written(self.max_jerk),
             "ferror" => self.ferror,
             "min-ferror" => self.min_ferror.unwrap_or(self.ferror),
             "home" => self.home.place,
@@ -289,7 +294,7 @@ impl AxisConfig {
             "max-limit" => self.max_limit,
             "max-velocity" => self.max_velocity,
             "max-acceleration" => self.max_acceleration,
-            "max-jerk" => self.max_jerk,
+            "max-jerk" => written(self.max_jerk),
             "offset-av-ratio" => self.offset_fraction,
             _ => return None,
         })
@@ -302,7 +307,7 @@ impl TrajConfig {
         Some(match name {
             "max-velocity" => self.max_velocity,
             "max-acceleration" => self.max_acceleration,
-            "max-jerk" => self.max_jerk,
+            "max-jerk" => written(self.max_jerk),
             "default-velocity" => self.default_velocity,
             "max-feed-override" => self.max_feed_override,
             _ => return None,

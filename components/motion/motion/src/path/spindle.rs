@@ -224,7 +224,8 @@ impl Path {
                 t.turn(inputs.revs, sync.pitch, dt)?;
             }
         }
-        if t.is_together && !t.brakes && fabs(t.error()) > spindle.config.sync_error {
+        let is_far = fabs(t.error()) > spindle.config.sync_error;
+        if is_far && t.is_together && !t.brakes && t.aborted.is_none() {
             return Err(FAR);
         }
         if let Follows::Tap { back } = sync.follows {
@@ -319,9 +320,13 @@ impl State {
             Ok(pace) => return Some(pace),
             Err(why) => why,
         };
-        spindle.stop(why.text());
         why.say(&self.say);
         self.coord_error = true;
+        // In its hole, a tap that is too far from its spindle still turns with it: both go out together.
+        if why.text() == FAR.text() && self.path.abort_tap(why).is_some() {
+            return self.path.pace(spindle, &sync, ready, dt).ok();
+        }
+        spindle.stop(why.text());
         self.path.abort_with(why);
         None
     }

@@ -1,4 +1,4 @@
-//! Moves that follow a spindle: threads, rigid taps and feeds per turn, with a spindle that turns as its motor can.
+//! Moves that follow a spindle: threads and feeds per turn, with a spindle that turns as its motor can.
 
 use super::{DT, Rig};
 use hal_component::abi::TicketState;
@@ -41,25 +41,25 @@ impl Turner {
         rig.bench.set("spindle.0.at-speed", off < 0.1);
     }
 
-    fn revs(&self) -> f64 {
+    pub(super) fn revs(&self) -> f64 {
         self.angle - self.zero
     }
 }
 
 /// A lathe: a machine with a spindle.
-struct Lathe {
-    rig: Rig,
-    turner: Turner,
+pub(super) struct Lathe {
+    pub(super) rig: Rig,
+    pub(super) turner: Turner,
     /// Largest distance of x from its place, in travels of a cycle at most `top`, since x was together with the spindle.
     worst: f64,
     is_together: bool,
 }
 
 /// Pitch of the tests.
-const PITCH: f64 = 1.5;
+pub(super) const PITCH: f64 = 1.5;
 
 impl Lathe {
-    fn new(speed: f64, acceleration: f64) -> Self {
+    pub(super) fn new(speed: f64, acceleration: f64) -> Self {
         let mut rig = Rig::homed(&[]);
         rig.say(&format!("motion.spindle speed={speed}"));
         rig.cycle();
@@ -67,20 +67,20 @@ impl Lathe {
         Self { rig, turner, worst: 0.0, is_together: false }
     }
 
-    fn x(&self) -> f64 {
+    pub(super) fn x(&self) -> f64 {
         self.rig.joint(0, "pos-cmd")
     }
 
-    fn cycle(&mut self) {
+    pub(super) fn cycle(&mut self) {
         self.turner.step(&self.rig);
         self.rig.cycle();
     }
 
-    fn cycles(&mut self, n: usize) {
+    pub(super) fn cycles(&mut self, n: usize) {
         (0..n).for_each(|_| self.cycle());
     }
 
-    fn until(&mut self, is: impl Fn(&Self) -> bool) {
+    pub(super) fn until(&mut self, is: impl Fn(&Self) -> bool) {
         for _ in 0..60_000 {
             if is(self) {
                 return;
@@ -108,12 +108,12 @@ impl Lathe {
         }
     }
 
-    fn ticket(&self) -> TicketState {
+    pub(super) fn ticket(&self) -> TicketState {
         self.rig.bench.ticket().unwrap()
     }
 
     /// Runs to the end of the last command.
-    fn end(&mut self) -> Result<(), &'static str> {
+    pub(super) fn end(&mut self) -> Result<(), &'static str> {
         self.until(|l| l.ticket() != TicketState::Pending);
         match self.ticket() {
             TicketState::Failed(why) => Err(why),
@@ -222,6 +222,62 @@ fn segments_in_a_row_are_one_thread() {
     assert_eq!((lathe.x(), lathe.rig.joint(1, "pos-cmd")), (0.0, 5.0));
     // What follows did not begin before the thread had ended, and a thread cannot be run backwards.
     assert!(lathe.rig.bench.said().is_empty());
+}
+
+/// A thread that is given while another one brakes goes on with it; one that is given later begins at the index.
+#[test]
+fn a_thread_that_is_given_later_begins_at_the_index() {
+    for is_late in [false, true] {
+        let mut lathe = Lathe::new(600.0, 400.0);
+        lathe.rig.say("motion.move x=40 pitch=1.5");
+        let start = if is_late {
+            assert_eq!(lathe.end(), Ok(()));
+            40.0
+        } else {
+            lathe.until(|l| l.x() >= 39.9);
+            0.0
+        };
+        lathe.rig.say("motion.move x=80 pitch=1.5");
+        let ticket = lathe.rig.bench.tickets().len() - 1;
+        let mut has_sought = false;
+        while lathe.rig.bench.tickets()[ticket] == TicketState::Pending {
+            lathe.cycle();
+            has_sought |= lathe.rig.is("spindle.0.index-enable");
+            if lathe.x() > 45.0 {
+                lathe.measure(start, 79.6);
+            }
+        }
+        assert_eq!(has_sought, is_late);
+        assert!(lathe.is_together && lathe.worst <= 1.0, "{}", lathe.worst);
+        assert_eq!((lathe.ticket(), lathe.x()), (TicketState::Done, 80.0));
+        assert!(lathe.rig.bench.said().is_empty());
+    }
+}
+
+/// A refused move behind a thread ends what comes after it, and the thread itself goes on.
+#[test]
+fn a_refused_move_of_a_thread_leaves_the_thread_before_it() {
+    let limit = "linear move on line {} would exceed joint {}'s positive limit, {}, by {}";
+    for is_late in [false, true] {
+        let mut lathe = Lathe::new(600.0, 400.0);
+        lathe.rig.say("motion.move x=40 pitch=1.5");
+        let first = lathe.rig.bench.tickets().len() - 1;
+        if is_late {
+            lathe.until(|l| l.x() > 20.0);
+        }
+        lathe.rig.say("motion.move y=300 pitch=1.5");
+        lathe.rig.say("motion.move y=5 pitch=1.5");
+        lathe.until(|l| l.rig.bench.tickets()[first + 2] != TicketState::Pending);
+        let states = lathe.rig.bench.tickets();
+        assert_eq!(states[first + 1], TicketState::Failed(limit));
+        assert_eq!(states[first + 2], TicketState::Failed("a move before this one was refused"));
+        lathe.until(|l| l.rig.bench.tickets()[first] != TicketState::Pending);
+        assert_eq!(lathe.rig.bench.tickets()[first], TicketState::Done);
+        assert_eq!(lathe.rig.places(), [40.0, 0.0, 0.0]);
+        lathe.rig.say("motion.move y=10 pitch=1.5");
+        assert_eq!(lathe.end(), Ok(()));
+        assert_eq!(lathe.rig.places(), [40.0, 10.0, 0.0]);
+    }
 }
 
 #[test]
@@ -333,117 +389,23 @@ fn a_spindle_that_stands_still_stops_the_thread_until_it_turns() {
 
 #[test]
 fn turns_that_are_no_number_end_the_thread() {
+    // At the index, before the axes move.
+    let mut lathe = Lathe::new(600.0, 400.0);
+    lathe.rig.say("motion.move x=40 pitch=1.5");
+    lathe.until(|l| l.rig.is("spindle.0.index-enable"));
+    lathe.rig.bench.set("spindle.0.revs", f64::NAN);
+    lathe.rig.bench.set("spindle.0.index-enable", false);
+    lathe.rig.cycles(2);
+    let why = "the pin revs of the spindle is not a number";
+    assert_eq!((lathe.ticket(), lathe.x()), (TicketState::Failed(why), 0.0));
+    assert!(lathe.rig.is("motion.motion-enabled"));
+    // In the thread.
     let mut lathe = Lathe::new(600.0, 400.0);
     lathe.rig.say("motion.move x=40 pitch=1.5");
     lathe.until(|l| l.x() > 10.0);
     lathe.turner.angle = f64::NAN;
     assert_eq!(lathe.end(), Err("the pin revs of the spindle is not a number"));
     assert!(lathe.x() < 12.0 && lathe.rig.is("motion.motion-enabled"));
-}
-
-/// Runs a tap to its end; returns the deepest x, and the worst distance from the spindle in travels at full speed.
-fn tap(lathe: &mut Lathe, speed: f64, mut at: impl FnMut(&mut Lathe)) -> (f64, f64) {
-    let (mut deepest, mut worst) = (0.0_f64, 0.0_f64);
-    let ticket = lathe.rig.bench.tickets().len() - 1;
-    let travel = PITCH * speed * DT;
-    let mut is_together = false;
-    while lathe.rig.bench.tickets()[ticket] == TicketState::Pending {
-        lathe.cycle();
-        let x = lathe.x() - 20.0;
-        let error = (x - PITCH * lathe.turner.revs()).abs();
-        is_together |= x > 1.0 && error < travel;
-        if is_together && x > 0.0 {
-            worst = worst.max(error / travel);
-        }
-        deepest = deepest.max(x);
-        at(lathe);
-    }
-    (deepest, worst)
-}
-
-#[test]
-fn a_tap_goes_in_and_out_with_the_spindle() {
-    for (speed, back) in [(10.0, 1.0), (3.0, 2.0)] {
-        let mut lathe = Lathe::new(60.0 * speed, 80.0);
-        lathe.rig.say("motion.move x=20 velocity=50");
-        lathe.rig.say(&format!("motion.tap x=35 pitch={PITCH} return={back}"));
-        lathe.until(|l| l.x() > 20.01);
-        let mut turned = Vec::new();
-        let (deepest, worst) = tap(&mut lathe, speed, |lathe| {
-            turned.push(lathe.rig.float("spindle.0.speed-out") / 60.0);
-        });
-        assert_eq!(lathe.ticket(), TicketState::Done);
-        assert_eq!(lathe.rig.places(), [20.0, 0.0, 0.0]);
-        turned.dedup();
-        assert_eq!(turned, [speed, -speed * back, speed]);
-        // The spindle needs v²/2a turns to come to rest.
-        let overrun = PITCH * speed * speed / 160.0;
-        assert!((deepest - 15.0 - overrun).abs() < 0.1, "{deepest}, {overrun}");
-        assert!(worst <= 1.0, "{worst} travels");
-        // A second one, and a move behind it.
-        lathe.rig.say(&format!("motion.tap x=30 pitch={PITCH}"));
-        lathe.rig.say("motion.move x=21 velocity=30");
-        assert_eq!(lathe.end(), Ok(()));
-        assert_eq!(lathe.x(), 21.0);
-        assert!(lathe.rig.bench.said().is_empty());
-    }
-}
-
-#[test]
-fn an_aborted_tap_leaves_its_hole() {
-    for depth in [3.0, 10.0, 15.1] {
-        let mut lathe = Lathe::new(600.0, 80.0);
-        lathe.rig.say("motion.move x=20 velocity=50");
-        lathe.rig.say("motion.tap x=35 pitch=1.5");
-        lathe.rig.say("motion.move x=50 velocity=50");
-        lathe.until(|l| l.x() > 20.0 + depth);
-        lathe.rig.say("motion.abort");
-        let tap = lathe.rig.bench.tickets().len() - 3;
-        let mut deepest = 0.0_f64;
-        while lathe.rig.bench.tickets()[tap] == TicketState::Pending {
-            lathe.cycle();
-            let x = lathe.x() - 20.0;
-            deepest = deepest.max(x);
-            if x > 0.0 {
-                let error = (x - PITCH * lathe.turner.revs()).abs();
-                assert!(error < 15.0 * DT, "{error} at {x}");
-            }
-        }
-        let states = lathe.rig.bench.tickets();
-        assert!(states[tap..tap + 2].iter().all(|t| *t == TicketState::Failed("aborted")));
-        assert!(deepest < 17.0 && lathe.x() <= 20.0 && lathe.x() > 17.0, "{}", lathe.x());
-        lathe.cycles(200);
-        assert_eq!((lathe.rig.float("spindle.0.speed-out"), lathe.turner.speed), (0.0, 0.0));
-        assert!(lathe.rig.is("motion.in-position") && lathe.rig.is("motion.motion-enabled"));
-        assert_eq!(lathe.ticket(), TicketState::Done, "the abort");
-        lathe.rig.say("motion.move x=0 velocity=50");
-        assert_eq!(lathe.end(), Ok(()));
-    }
-}
-
-#[test]
-fn a_tap_whose_spindle_does_not_reverse_ends_in_its_place() {
-    for (second, why) in [
-        (false, "the spindle still turned ten turns beyond the end of the tap, or at a limit"),
-        (true, "aborted"),
-    ] {
-        let mut lathe = Lathe::new(600.0, 80.0);
-        lathe.rig.say("motion.tap x=15 pitch=1.5");
-        lathe.until(|l| l.x() > 14.0);
-        // It goes on as it turns.
-        lathe.turner.acceleration = 0.0;
-        let tap = lathe.rig.bench.tickets().len() - 1;
-        if second {
-            lathe.rig.say("motion.abort");
-            lathe.cycles(50);
-            assert_eq!(lathe.rig.bench.tickets()[tap], TicketState::Pending);
-            lathe.rig.say("motion.abort");
-        }
-        lathe.until(|l| l.rig.bench.tickets()[tap] != TicketState::Pending);
-        assert_eq!(lathe.rig.bench.tickets()[tap], TicketState::Failed(why));
-        assert!(lathe.x() <= 30.0 && lathe.rig.is("motion.motion-enabled"), "{}", lathe.x());
-        assert_eq!(lathe.rig.float("spindle.0.speed-out"), 0.0);
-    }
 }
 
 #[test]

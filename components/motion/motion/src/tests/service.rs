@@ -354,6 +354,11 @@ fn settings_read_as_given() {
             (flags::SPINDLE, &mut spindle),
             (0, &mut traj),
         ] {
+            if *name == "max-jerk" {
+                // No limit reads as it is given.
+                let none = motion.setting(&of(flag, name, 0.0));
+                assert!(none.is_none_or(|jerk| jerk == 0.0), "{none:?} with {flag}");
+            }
             let command = of(flag, name, value);
             let accepted = motion.push(MotionToken::LOCAL, &command).is_ok();
             rig.cycle();
@@ -442,6 +447,33 @@ fn one_source_moves_at_a_time() {
     rig.cycles(300);
     assert!((rig.places()[0] - at - 0.5).abs() < 1e-6);
     assert_eq!(motion.status().unwrap().source, motion_source::LOCAL);
+}
+
+/// A remote path in a pause ends when a local source moves, except for jogs beside it.
+#[test]
+fn a_local_move_ends_a_remote_path_that_is_paused() {
+    let mut rig = Rig::homed(&[]);
+    let motion = motion_of(&mut rig);
+    let task = motion.acquire("task").unwrap();
+    let remote = MotionCommand { source: motion_source::REMOTE, ..line(30.0, 0.0, 30.0) };
+    let id = motion.push(task, &remote).unwrap();
+    rig.cycles(100);
+    rig.done("motion.pause");
+    rig.cycles(300);
+    rig.done("motion.jog axis=y velocity=5 distance=1");
+    rig.cycles(500);
+    assert_eq!(motion.poll(id), MotionEnd::Pending, "a jog leaves the path");
+    let at = rig.places();
+    assert_eq!(
+        rig.failed("motion.move y=3"),
+        "remote motion was ended: give the command again when the machine is at rest"
+    );
+    let taken = "a local source ended remote motion";
+    assert_eq!(end(&mut rig, &motion, id), MotionEnd::Failed(taken.to_owned()));
+    assert_eq!(rig.places(), at, "nothing has moved");
+    rig.done("motion.mode mode=coord");
+    rig.done("motion.move y=3");
+    assert_eq!(rig.places()[1], 3.0);
 }
 
 /// A queue that is full refuses moves, but an abort has room.

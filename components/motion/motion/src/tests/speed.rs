@@ -7,20 +7,25 @@ use std::time::Instant;
 use trivkins::Trivkins;
 
 const PERIOD: i64 = 1_000_000;
+const CYCLES: usize = 60_000;
 const LETTERS: [&str; 9] = ["x", "y", "z", "a", "b", "c", "u", "v", "w"];
+
+/// Cycles between two looks of the test at the machine, which take the caches from the controller.
+const BETWEEN: usize = 50;
+
+/// Names of the pins of each motor: command and feedback.
+type Motors = [(String, String); 9];
 
 /// Runs a cycle and returns the time of the controller, in nanoseconds.
 #[expect(clippy::disallowed_methods, reason = "the cost is a time of the processor")]
-fn cycle(bench: &Bench) -> u128 {
+fn cycle(bench: &Bench, motors: &Motors) -> u128 {
     bench.pass(PERIOD);
     bench.run("motion-command-handler", PERIOD);
     let start = Instant::now();
     bench.run("motion-controller", PERIOD);
     let took = start.elapsed().as_nanos();
-    drop(bench.work("motmod.planner", 64));
-    for n in 0..9 {
-        let at: f64 = bench.get(&format!("joint.{n}.motor-pos-cmd"));
-        bench.set(&format!("joint.{n}.motor-pos-fb"), at);
+    for (command, feedback) in motors {
+        bench.set(feedback, bench.get::<f64>(command));
     }
     took
 }
@@ -53,24 +58,30 @@ fn the_cost_of_a_cycle_of_nine_joints() {
     }
     say("motion.enable");
     say("motion.home joint=all");
+    let motors: Motors = core::array::from_fn(|n| {
+        (format!("joint.{n}.motor-pos-cmd"), format!("joint.{n}.motor-pos-fb"))
+    });
     for _ in 0..100 {
-        let _ = cycle(&bench);
+        let _ = cycle(&bench, &motors);
     }
     let mut random = Random::new(5);
     let mut times = |moves: bool| {
         let mut all = Vec::new();
         let mut reached = 0;
-        for _ in 0..60_000 {
-            let s: MotionStatus = bench.snapshot("motion.status");
-            reached = reached.max(s.segment);
-            if moves && s.queue < 100 {
-                let mut text = String::from("motion.move mode=blend tolerance=0.1 velocity=60");
-                for letter in LETTERS {
-                    text += &format!(" {letter}={}", random.between(-20.0, 20.0));
+        for n in 0..CYCLES {
+            if n % BETWEEN == 0 {
+                let s: MotionStatus = bench.snapshot("motion.status");
+                reached = reached.max(s.segment);
+                for _ in s.queue..if moves { 20 } else { 0 } {
+                    let mut text = String::from("motion.move mode=blend tolerance=0.1 velocity=60");
+                    for letter in LETTERS {
+                        text += &format!(" {letter}={}", random.between(-20.0, 20.0));
+                    }
+                    say(&text);
                 }
-                say(&text);
+                drop(bench.work("motmod.planner", 64));
             }
-            all.push(cycle(&bench));
+            all.push(cycle(&bench, &motors));
         }
         assert_eq!(reached > 0, moves, "{reached} segments");
         all.sort_unstable();
