@@ -5,11 +5,14 @@
 //! | [`machine`] | the machine: INI file, tool table, parameter file |
 //! | [`world`] | the interpreter's environment: programs, subroutines, tools, values |
 //! | [`run`] | a program without its machine, from its begin to its end |
+//! | [`dry_run`], [`refusal`] | a program as far as a line, and why it cannot begin there |
 //!
 //! `halgcode` and the task use it, so that a program that was checked runs with the same facts.
 #![forbid(unsafe_code)]
 
+pub mod dry_run;
 pub mod machine;
+pub mod refusal;
 pub mod run;
 pub mod world;
 
