@@ -3,6 +3,7 @@
 //! | module | subject |
 //! |---|---|
 //! | [`machine`] | the machine: INI file, tool table, parameter file |
+//! | [`number`] | numbers of an INI file, and their errors |
 //! | [`world`] | the interpreter's environment: programs, subroutines, tools, values |
 //! | [`run`] | a program without its machine, from its begin to its end |
 //! | [`dry_run`], [`refusal`] | a program as far as a line, and why it cannot begin there |
@@ -12,6 +13,7 @@
 
 pub mod dry_run;
 pub mod machine;
+pub mod number;
 pub mod refusal;
 pub mod run;
 pub mod world;

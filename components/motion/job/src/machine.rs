@@ -1,11 +1,13 @@
 //! The machine that a program is for: its INI file, tool table and parameter file.
 
+use crate::number::{self, count, number};
 use hal_gcode::{
     Numbered, Settings,
     axis::{Axis, AxisMask},
     canon::Unit,
     parameters::file::{Finding, ParameterFile},
     remap::{Hook, Remap},
+    state::modal::MAX_SPINDLES,
     tool::{self, ToolTable},
 };
 use hal_ini::Ini;
@@ -120,25 +122,28 @@ impl Machine {
     }
 
     fn apply(&mut self, ini: &Ini) -> Result<(), String> {
-        let unit = match ini.get("TRAJ", "LINEAR_UNITS").map(str::to_ascii_lowercase).as_deref() {
+        let entry = ini.all("TRAJ", "LINEAR_UNITS").next();
+        let unit = match entry.map(|e| e.value.to_ascii_lowercase()).as_deref() {
             Some("inch" | "in" | "imperial") => Unit::Inch,
             None | Some("mm" | "metric") => Unit::Millimetre,
-            Some(other) => return Err(format!("[TRAJ]LINEAR_UNITS '{other}': mm or inch")),
+            Some(_) => {
+                return Err(entry.map(|e| number::wrong(e, "mm or inch")).unwrap_or_default());
+            }
         };
         self.settings.unit = unit;
         self.settings.program_unit = unit;
         let letters = coordinates(ini);
         self.settings.axes = mask(&letters);
-        let spindles = ini.get("TRAJ", "SPINDLES").and_then(|v| v.trim().parse().ok());
-        self.settings.spindles = spindles.unwrap_or(1);
-        self.settings.arc_tolerance = tolerance(ini);
+        let most = u8::try_from(MAX_SPINDLES).unwrap_or(u8::MAX);
+        self.settings.spindles = count(ini, "TRAJ", "SPINDLES", most)?.unwrap_or(1);
+        self.settings.arc_tolerance = tolerance(ini)?;
         let kinematics = ini.get("KINS", "KINEMATICS").unwrap_or("trivkins");
         let name = kinematics.split_whitespace().next().unwrap_or("trivkins");
         self.kinematics = (name != "trivkins").then(|| name.to_owned());
         for axis in Axis::ALL {
-            self.axis(ini, axis, &letters);
+            self.axis(ini, axis, &letters)?;
         }
-        self.speeds(ini, &letters);
+        self.speeds(ini, &letters)?;
         let folder = |name: &str| self.folder.join(name);
         let list = |value: &str| value.split(':').map(folder).collect::<Vec<_>>();
         let prefix = ini.get("DISPLAY", "PROGRAM_PREFIX").unwrap_or("nc_files");
@@ -166,18 +171,16 @@ impl Machine {
     }
 
     /// Takes the travel of an axis from `[AXIS_X]`, or from `[AXIS_0]` of the old kind of file.
-    fn axis(&mut self, ini: &Ini, axis: Axis, letters: &[Axis]) {
+    fn axis(&mut self, ini: &Ini, axis: Axis, letters: &[Axis]) -> Result<(), String> {
         let letter = axis.letter().to_ascii_uppercase();
-        let number = letters.iter().position(|a| *a == axis);
-        let section = match number {
+        let joint = letters.iter().position(|a| *a == axis);
+        let section = match joint {
             Some(n) if ini.is_old() => format!("AXIS_{n}"),
             _ => format!("AXIS_{letter}"),
         };
         let k = if axis.is_rotary() { 1.0 } else { self.settings.unit.millimetres() };
-        let value = |name: &str| -> Option<f64> {
-            ini.get(&section, name)?.trim().parse::<f64>().ok().map(|v| v * k)
-        };
-        let limit = (value("MIN_LIMIT"), value("MAX_LIMIT"));
+        let value = |name: &str| number(ini, &section, name).map(|n| n.map(|n| n * k));
+        let limit = (value("MIN_LIMIT")?, value("MAX_LIMIT")?);
         if let Some(slot) = self.limits.get_mut(usize::from(axis.index())) {
             *slot = limit;
         }
@@ -185,14 +188,15 @@ impl Machine {
         {
             self.settings.wrapped.0 |= 1 << axis.index();
         }
+        Ok(())
     }
 
     /// Takes the speeds of the path, and the speeds, accelerations and jerks of axes and joints.
-    fn speeds(&mut self, ini: &Ini, letters: &[Axis]) {
+    fn speeds(&mut self, ini: &Ini, letters: &[Axis]) -> Result<(), String> {
         let unit = self.settings.unit.millimetres();
-        let number = |section: &str, name: &str| -> Option<f64> {
-            ini.get(section, name)?.trim().parse::<f64>().ok().filter(|v| *v > 0.0)
-        };
+        // Those that are not above 0 set no limit.
+        let positive =
+            |section: &str, name: &str| number(ini, section, name).map(|n| n.filter(|n| *n > 0.0));
         let lower = |a: Option<f64>, b: Option<f64>| match (a, b) {
             (Some(a), Some(b)) => Some(a.min(b)),
             _ => a.or(b),
@@ -209,15 +213,16 @@ impl Machine {
             for section in core::iter::once(own).chain(sections) {
                 let Some(rates) = self.rates.get_mut(usize::from(axis.index())) else { continue };
                 for (rate, name) in rates.iter_mut().zip(NAMES) {
-                    *rate = lower(*rate, number(&section, name).map(|v| v * k));
+                    *rate = lower(*rate, positive(&section, name)?.map(|v| v * k));
                 }
             }
         }
-        let top = |names: [&str; 2]| names.iter().find_map(|n| number("TRAJ", n));
-        let linear = top(["MAX_LINEAR_VELOCITY", "MAX_VELOCITY"]);
-        self.top_speed.0 = linear.map_or(f64::INFINITY, |v| v * unit);
-        self.top_speed.1 = number("TRAJ", "MAX_ANGULAR_VELOCITY").unwrap_or(f64::INFINITY);
-        self.period = number("EMCMOT", "SERVO_PERIOD").map_or(1e-3, |ns| ns * 1e-9);
+        let (first, second) =
+            (positive("TRAJ", "MAX_LINEAR_VELOCITY")?, positive("TRAJ", "MAX_VELOCITY")?);
+        self.top_speed.0 = first.or(second).map_or(f64::INFINITY, |v| v * unit);
+        self.top_speed.1 = positive("TRAJ", "MAX_ANGULAR_VELOCITY")?.unwrap_or(f64::INFINITY);
+        self.period = positive("EMCMOT", "SERVO_PERIOD")?.map_or(1e-3, |ns| ns * 1e-9);
+        Ok(())
     }
 
     /// Reads the tool table again.
@@ -297,9 +302,9 @@ fn mask(axes: &[Axis]) -> AxisMask {
 }
 
 /// Returns the tolerance of an arc's radii in millimetres.
-fn tolerance(ini: &Ini) -> f64 {
-    let value = |name: &str| ini.get("RS274NGC", name)?.trim().parse::<f64>().ok();
-    let inch = value("CENTER_ARC_RADIUS_TOLERANCE_INCH").map(|v| v * 25.4);
+fn tolerance(ini: &Ini) -> Result<f64, String> {
+    let value = |name: &str| number(ini, "RS274NGC", name);
+    let inch = value("CENTER_ARC_RADIUS_TOLERANCE_INCH")?.map(|v| v * 25.4);
     let default = Settings::default().arc_tolerance;
-    value("CENTER_ARC_RADIUS_TOLERANCE_MM").or(inch).unwrap_or(default)
+    Ok(value("CENTER_ARC_RADIUS_TOLERANCE_MM")?.or(inch).unwrap_or(default))
 }

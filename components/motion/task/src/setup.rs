@@ -6,7 +6,11 @@ use crate::{
     worker::Files,
 };
 use hal_gcode::{axis::AxisMask, state::modal::MAX_SPINDLES};
-use hal_job::{Machine, World, machine};
+use hal_ini::Entry;
+use hal_job::{
+    Machine, World, machine,
+    number::{number, wrong},
+};
 use std::{collections::BTreeMap, path::Path};
 
 /// Seconds that a spindle may take to reach its speed, if the INI file says nothing.
@@ -48,15 +52,13 @@ pub(crate) fn read(ini: Option<&str>) -> Result<(Box<Core>, Files), String> {
 }
 
 fn rules(machine: &Machine) -> Result<Rules, String> {
-    let value = |section: &str, name: &str| machine.ini.as_ref()?.get(section, name);
+    let ini = machine.ini.as_ref();
     let number = |section: &str, name: &str| -> Result<Option<f64>, String> {
-        let Some(text) = value(section, name) else { return Ok(None) };
-        let number = text.trim().parse::<f64>().ok().filter(|n| n.is_finite());
-        number.map(Some).ok_or_else(|| format!("[{section}]{name} '{text}': not a number"))
+        ini.map_or(Ok(None), |ini| number(ini, section, name))
     };
     let timeout = number("TASK", "AT_SPEED_TIMEOUT")?.filter(|t| *t > 0.0);
-    let change_position =
-        value("EMCIO", "TOOL_CHANGE_POSITION").map(change_position).transpose()?;
+    let position = ini.and_then(|ini| ini.all("EMCIO", "TOOL_CHANGE_POSITION").next());
+    let change_position = position.map(change_position).transpose()?;
     let mut has_top_speed = [false; MAX_SPINDLES];
     for (n, has) in has_top_speed.iter_mut().enumerate() {
         *has = number(&format!("SPINDLE_{n}"), "MAX_FORWARD_VELOCITY")?.is_some();
@@ -70,9 +72,9 @@ fn rules(machine: &Machine) -> Result<Rules, String> {
 }
 
 /// Parses three, six or nine coordinates.
-fn change_position(text: &str) -> Result<[Option<f64>; 9], String> {
-    let wrong = || format!("[EMCIO]TOOL_CHANGE_POSITION '{text}': three, six or nine numbers");
-    let all: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
+fn change_position(entry: &Entry) -> Result<[Option<f64>; 9], String> {
+    let wrong = || wrong(entry, "three, six or nine numbers");
+    let all: Result<Vec<f64>, _> = entry.value.split_whitespace().map(str::parse).collect();
     let all = all.map_err(|_| wrong())?;
     if ![3, 6, 9].contains(&all.len()) || all.iter().any(|n| !n.is_finite()) {
         return Err(wrong());

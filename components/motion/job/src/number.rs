@@ -1,0 +1,70 @@
+//! Numbers of an INI file. One that is none is an error, so that a limit is never left out by accident.
+
+use hal_ini::{Entry, Ini};
+
+/// Returns the number of an entry, if it is stated. Only the first word counts, as in a configuration of motion.
+///
+/// # Errors
+/// The value is not a number.
+pub fn number(ini: &Ini, section: &str, name: &str) -> Result<Option<f64>, String> {
+    let Some((entry, word)) = stated(ini, section, name) else { return Ok(None) };
+    let number = word.parse::<f64>().ok().filter(|n| !n.is_nan());
+    number.map(Some).ok_or_else(|| wrong(entry, "a number such as 100 or -2.5"))
+}
+
+/// Returns the whole number of an entry, from 0 to `most`, if it is stated.
+///
+/// # Errors
+/// The value is no such number.
+pub(crate) fn count(ini: &Ini, section: &str, name: &str, most: u8) -> Result<Option<u8>, String> {
+    let Some((entry, word)) = stated(ini, section, name) else { return Ok(None) };
+    let number = word.parse::<u8>().ok().filter(|n| *n <= most);
+    number.map(Some).ok_or_else(|| wrong(entry, &format!("a whole number from 0 to {most}")))
+}
+
+/// Returns the error of an entry, with what its value must be.
+pub fn wrong(entry: &Entry, wanted: &str) -> String {
+    let Entry { file, line, section, name, value, .. } = entry;
+    format!("{file}:{line}: [{section}]{name} '{value}': it must be {wanted}")
+}
+
+/// Returns the first entry of this name with its first word. An entry without a value states nothing.
+fn stated<'a>(ini: &'a Ini, section: &str, name: &str) -> Option<(&'a Entry, &'a str)> {
+    let entry = ini.all(section, name).next()?;
+    Some((entry, entry.value.split_whitespace().next()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Files, Machine};
+
+    #[test]
+    fn a_value_that_is_no_number_is_refused_at_its_place() {
+        let folder = std::env::temp_dir().join(format!("hal-job-number-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("m.ini");
+        let read = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            Machine::read(&Files { ini: Some(&path), ..Files::default() })
+        };
+        let kinds = "it must be a number such as 100 or -2.5";
+        for (text, wanted) in [
+            (
+                "[TRAJ]\nSPINDLES = two\n",
+                "[TRAJ]SPINDLES 'two': it must be a whole number from 0 to 8",
+            ),
+            ("[TRAJ]\nSPINDLES = 9\n", "[TRAJ]SPINDLES '9': it must be a whole number from 0 to 8"),
+            ("[TRAJ]\nMAX_VELOCITY = fast\n", &format!("[TRAJ]MAX_VELOCITY 'fast': {kinds}")),
+            ("[AXIS_X]\nMIN_LIMIT = -1O\n", &format!("[AXIS_X]MIN_LIMIT '-1O': {kinds}")),
+            ("[AXIS_Y]\nMAX_LIMIT = nan\n", &format!("[AXIS_Y]MAX_LIMIT 'nan': {kinds}")),
+            ("[JOINT_2]\nMAX_JERK = 1,5\n", &format!("[JOINT_2]MAX_JERK '1,5': {kinds}")),
+            ("[TRAJ]\nLINEAR_UNITS = cm\n", "[TRAJ]LINEAR_UNITS 'cm': it must be mm or inch"),
+        ] {
+            let why = read(text).err().unwrap_or_default();
+            assert_eq!(why, format!("{}:2: {wanted}", path.display()), "{text}");
+        }
+        let machine = read("[AXIS_X]\nMIN_LIMIT = -10 to the left\nMAX_LIMIT =\n").ok().unwrap();
+        assert_eq!(machine.limits[0], (Some(-10.0), None));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}
