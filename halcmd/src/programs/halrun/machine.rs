@@ -9,6 +9,8 @@ use std::path::{Path, PathBuf};
 
 const TCL: &str = "write it as a .hal file";
 const TWOPASS: &str = "name each module in one loadrt line and take TWOPASS out";
+const BAR: &str = "write what it does into a subroutine and call that: O<name> CALL";
+const NO_LINE: &str = "write a line of MDI, or take the entry out";
 
 /// Returns an error for entries that an INI start does not support, before anything is created.
 pub(crate) fn refuse(ini: &Ini) -> Result<(), Error> {
@@ -21,6 +23,19 @@ pub(crate) fn refuse(ini: &Ini) -> Result<(), Error> {
         if name.ends_with(".tcl") {
             let what = format!("{}:{}: Tcl file '{name}'", entry.file, entry.line).into();
             return Err(Error::NotYet { what, instead: TCL });
+        }
+    }
+    if operator_entry(ini).is_some() {
+        for entry in ini.all("HALUI", "MDI_COMMAND") {
+            let at = format!("{}:{}: [HALUI]MDI_COMMAND", entry.file, entry.line);
+            // `halui` takes all lines as one argument, with bars between them.
+            if entry.value.contains('|') {
+                return Err(Error::NotYet { what: format!("{at} with '|'").into(), instead: BAR });
+            }
+            if entry.value.trim().is_empty() {
+                let what = format!("{at} without a line").into();
+                return Err(Error::NotYet { what, instead: NO_LINE });
+            }
         }
     }
     super::realtime::of_ini(ini)?;
@@ -72,6 +87,11 @@ pub(crate) fn after_files(session: &mut Session<'_>, ini: &Ini, path: &Path) {
     machine.load_task(path);
 }
 
+/// Returns the entry that asks for `halui`.
+fn operator_entry(ini: &Ini) -> Option<&Entry> {
+    ini.all("HAL", "HALUI").find(|e| !e.value.is_empty())
+}
+
 struct Machine<'a, 's> {
     session: &'a mut Session<'s>,
     ini: &'a Ini,
@@ -104,9 +124,7 @@ impl Machine<'_, '_> {
 
     /// Has `halui` loaded as soon as `motmod` is, if the INI file names it.
     fn operator(&mut self) {
-        let Some(entry) = self.ini.all("HAL", "HALUI").find(|e| !e.value.is_empty()) else {
-            return;
-        };
+        let Some(entry) = operator_entry(self.ini) else { return };
         let mut args = Vec::new();
         if let Some(axes) = self.ini.all("TRAJ", "COORDINATES").next() {
             args.push(format!("coordinates={}", axes.value.replace(char::is_whitespace, "")));
@@ -443,15 +461,22 @@ mod tests {
             ("[HAL]\nHALFILE = a.tcl x y\n", "m.ini:2: Tcl file 'a.tcl' is not supported; "),
             ("[HAL]\nSTUCK_TIME = 5\n", "m.ini:2: [HAL]STUCK_TIME '5': it is a number and "),
             ("[HAL]\nPOSTGUI_HALFILE = b.tcl\n", "m.ini:2: Tcl file 'b.tcl' is not supported; "),
+            (
+                "[HALUI]\nMDI_COMMAND=M3\nMDI_COMMAND = (a|b) M3\n[HAL]\nHALUI = halui\n",
+                "m.ini:3: [HALUI]MDI_COMMAND with '|' is not supported; ",
+            ),
+            (
+                "[HALUI]\nMDI_COMMAND =\nMDI_COMMAND = M3\n[HAL]\nHALUI = halui\n",
+                "m.ini:2: [HALUI]MDI_COMMAND without a line is not supported; ",
+            ),
         ] {
             let ini = Ini::parse("m.ini", text.as_bytes()).unwrap();
             let error = refuse(&ini).unwrap_err().whole();
             assert!(error.starts_with(want), "{error}");
         }
-        assert_eq!(
-            refuse(&Ini::parse("m", b"[HAL]\nTWOPASS =\nHALFILE = a.hal\n").unwrap()),
-            Ok(())
-        );
+        for good in ["[HAL]\nTWOPASS =\nHALFILE = a.hal\n", "[HALUI]\nMDI_COMMAND = a|b\n"] {
+            assert_eq!(refuse(&Ini::parse("m", good.as_bytes()).unwrap()), Ok(()), "{good}");
+        }
     }
 
     #[test]
