@@ -41,7 +41,8 @@ at its pins every 10 ms.
 A button acts when its pin goes TRUE; one that is TRUE from the start was not pressed. Jog buttons and
 joysticks move as long as they are held, at the speed of jog-speed. A knob changes its value by scale
 for each count while count-enable is TRUE, or by its buttons. What `halui` commands is local: it is
-refused while a program moves the machine, except for abort, pause and overrides.
+refused while a program moves the machine, except for abort, pause and overrides. Overrides become
+those of the task.
 
 Modes, programs and MDI need a task. Without one, pause, resume, step and stop act on the path of
 commands, and requests for a task are reported as errors. Each line of `mdi_commands`, from [HALUI]
@@ -103,8 +104,14 @@ fn letters(text: &str) -> Result<Vec<char>, Error> {
 }
 
 fn lines(text: &str) -> Result<Vec<String>, Error> {
-    let lines: Vec<String> =
-        text.split('|').map(str::trim).filter(|l| !l.is_empty()).map(str::to_owned).collect();
+    if text.trim().is_empty() {
+        return Ok(Vec::new());
+    }
+    let lines: Vec<String> = text.split('|').map(str::trim).map(str::to_owned).collect();
+    // The numbers of the pins are those of the lines.
+    if let Some(n) = lines.iter().position(String::is_empty) {
+        return Err(Error::new(format!("line {n} of mdi_commands is empty, counted from 0")));
+    }
     if lines.len() > 64 {
         return Err(Error::new(format!("{} lines of MDI, at most 64", lines.len())));
     }

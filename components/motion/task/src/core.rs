@@ -11,6 +11,7 @@
 
 mod end;
 mod origin;
+mod overrides;
 mod pump;
 mod read;
 pub(crate) mod user;
@@ -206,6 +207,7 @@ pub(crate) struct Core {
     feed_counts: bool,
     pub(crate) spindle_scale: [f64; MAX_SPINDLES],
     spindle_counts: [bool; MAX_SPINDLES],
+    overriding: overrides::Orders,
     /// Number of jobs that have ended, and of those that have failed.
     pub(crate) jobs: (u32, u32),
     /// Machine time of the current or last job in seconds.
@@ -256,6 +258,7 @@ impl Core {
             feed_counts: true,
             spindle_scale: [1.0; MAX_SPINDLES],
             spindle_counts: [true; MAX_SPINDLES],
+            overriding: overrides::Orders::default(),
             jobs: (0, 0),
             job_time: 0.0,
             message: Box::default(),
@@ -271,6 +274,7 @@ impl Core {
         self.watch(out);
         self.report(out);
         self.follow_surface(out);
+        self.follow_overrides(out);
         if self.ending.is_some() {
             self.finish_ending(out);
             return 0;

@@ -60,6 +60,9 @@ An abort, an error, an e-stop and a machine that goes off end the job: the rest 
 spindles and coolant stop, lines of MDI that wait are forgotten, and modal state and numbered
 parameters are those of the line that was in execution. Only a new command begins anything.
 
+Overrides are those of motion, whoever changes them: a knob of `halui`, `motion.feed` or
+`task.feed-override`. While a program forbids them (M49, M50 P0, M51 P0) a change counts for later.
+
 Only the task writes the tool table and the parameter file, each as a whole.
 
 # Example

@@ -139,6 +139,8 @@ pub(crate) enum Progress {
 /// State of motion in a cycle. Positions are in machine units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct MotionState {
+    /// Number of the cycle; 0 before the first one.
+    pub(crate) cycle: u64,
     pub(crate) enabled: bool,
     /// Nothing moves, and nothing waits to move.
     pub(crate) in_position: bool,
@@ -151,6 +153,8 @@ pub(crate) struct MotionState {
     pub(crate) digital_in: u64,
     pub(crate) analog_in: [f64; 8],
     pub(crate) at_speed: bool,
+    pub(crate) feed_override: f64,
+    pub(crate) spindle_override: [f64; 8],
 }
 
 /// Importance of a message.

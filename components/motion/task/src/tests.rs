@@ -58,6 +58,8 @@ impl Fake {
                 in_position: true,
                 all_homed: true,
                 at_speed: true,
+                feed_override: 1.0,
+                spindle_override: [1.0; 8],
                 ..MotionState::default()
             },
             io: IoState {
@@ -88,6 +90,7 @@ impl Fake {
     /// Lets time pass: moves end, unless they are paused.
     fn pass(&mut self, seconds: f64) {
         self.now += seconds;
+        self.motion.cycle += 1;
         if self.paused {
             for (_, _, end) in &mut self.moves {
                 *end += seconds;
@@ -162,6 +165,10 @@ impl Outside for Fake {
                 match other {
                     Order::Pause => self.paused = true,
                     Order::Resume => self.paused = false,
+                    Order::FeedScale(scale) => self.motion.feed_override = *scale,
+                    Order::SpindleScale { spindle, scale } => {
+                        self.motion.spindle_override[usize::from(*spindle)] = *scale;
+                    }
                     Order::Enable => self.motion.enabled = true,
                     Order::Disable => self.motion.enabled = false,
                     _ => {}

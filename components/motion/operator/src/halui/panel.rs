@@ -125,7 +125,13 @@ impl Panel {
             m.simple(kind::DISABLE);
         }
         if g.on.is_pressed() {
-            m.simple(kind::ENABLE);
+            // A task switches motion off again in e-stop; without one, motion alone decides.
+            let is_held = m.io_state().is_some_and(|io| !io.estop.is_released());
+            if has_task && is_held {
+                m.say.error("the machine is in e-stop: estop.reset comes first", &[]);
+            } else {
+                m.simple(kind::ENABLE);
+            }
         }
         if g.home_all.is_pressed() {
             m.motion(&MotionCommand { flags: flags::ALL, ..MotionCommand::new(kind::HOME) });

@@ -280,30 +280,4 @@ impl Core {
             }
         }
     }
-
-    /// Sends the feed override in force.
-    pub(super) fn send_feed_scale(&mut self, out: &mut impl Outside) -> Result<bool, String> {
-        let scale = if self.feed_counts { self.feed_scale } else { 1.0 };
-        sent(out.order(&Order::FeedScale(scale)))
-    }
-
-    /// Sends the speed override of a spindle in force.
-    pub(super) fn send_spindle_scale(
-        &mut self,
-        spindle: u8,
-        out: &mut impl Outside,
-    ) -> Result<bool, String> {
-        let n = usize::from(spindle);
-        let counts = self.spindle_counts.get(n).copied().unwrap_or(true);
-        let scale = self.spindle_scale.get(n).copied().filter(|_| counts).unwrap_or(1.0);
-        sent(out.order(&Order::SpindleScale { spindle, scale }))
-    }
-}
-
-fn sent(result: Result<u64, Refusal>) -> Result<bool, String> {
-    match result {
-        Ok(_) => Ok(true),
-        Err(Refusal::Full) => Ok(false),
-        Err(Refusal::Why(why)) => Err(why.into()),
-    }
 }

@@ -96,6 +96,25 @@ fn one_joint_homes_alone() {
 }
 
 #[test]
+fn an_override_of_motion_is_that_of_the_task() {
+    let mut bench = on("manual");
+    let shown = |bench: &Bench| {
+        let task = bench.snapshot::<status::TaskStatus>("task.status");
+        let motion = bench.snapshot::<MotionStatus>("motion.status");
+        assert_eq!(task.feed_override, motion.feed_override);
+        assert_eq!(task.spindle_override[0], motion.spindle_override[0]);
+        (task.feed_override, task.spindle_override[0])
+    };
+    bench.command("motion.feed", &["override=0.5"]).unwrap();
+    bench.command("motion.spindle", &["spindle=0", "override=0.75"]).unwrap();
+    cycles(&mut bench, 10);
+    assert_eq!(shown(&bench), (0.5, 0.75));
+    bench.command("task.feed-override", &["scale=0.7"]).unwrap();
+    cycles(&mut bench, 10);
+    assert_eq!(shown(&bench), (0.7, 0.75));
+}
+
+#[test]
 fn a_new_token_is_claimed_again() {
     let mut bench = on("mdi");
     let line = |bench: &mut Bench, text: &str| {

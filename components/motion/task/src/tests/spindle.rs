@@ -38,6 +38,38 @@ fn overrides_count_unless_the_program_forbids_them() {
 }
 
 #[test]
+fn a_knob_of_the_operator_is_the_tasks_override() {
+    let mut rig = Rig::new("M49\nG4 P1\nM48\nG4 P1\nM49\nG4 P1\nM2\n");
+    rig.pass(0.1);
+    assert_eq!(rig.sent(), [""; 0]);
+    // The knob acts on motion alone.
+    (rig.fake.motion.feed_override, rig.fake.motion.spindle_override[0]) = (0.5, 0.75);
+    rig.pass(0.1);
+    assert_eq!((rig.core.feed_scale, rig.core.spindle_scale[0]), (0.5, 0.75));
+    assert_eq!(rig.sent(), [""; 0]);
+    rig.send(Command::Run);
+    rig.pass(0.5);
+    assert_eq!((rig.fake.motion.feed_override, rig.fake.motion.spindle_override[0]), (1.0, 1.0));
+    // While the program forbids it, it counts for later.
+    (rig.fake.motion.feed_override, rig.fake.motion.spindle_override[0]) = (0.25, 0.125);
+    rig.pass(0.1);
+    assert_eq!((rig.fake.motion.feed_override, rig.fake.motion.spindle_override[0]), (1.0, 1.0));
+    rig.pass(0.6);
+    assert_eq!((rig.fake.motion.feed_override, rig.fake.motion.spindle_override[0]), (0.25, 0.125));
+    // An override of the task that motion does not show yet stays.
+    rig.fake.motion.cycle = 1000;
+    rig.good(Command::FeedOverride(0.8));
+    rig.fake.motion.feed_override = 0.25;
+    rig.step();
+    rig.step();
+    rig.fake.motion.cycle = 1001;
+    rig.step();
+    rig.fake.motion.feed_override = 0.8;
+    rig.pass(0.1);
+    assert_eq!(rig.core.feed_scale, 0.8);
+}
+
+#[test]
 fn each_spindle_has_its_own_top_speed() {
     let job = |program| {
         Rig::on_machine(program, |machine, rules| {

@@ -100,6 +100,7 @@ impl Machine {
     pub(super) fn refresh(&mut self) {
         if let Some(s) = self.motion.status() {
             self.status = MotionState {
+                cycle: s.cycle,
                 enabled: s.enabled,
                 in_position: s.in_position,
                 all_homed: s.all_homed,
@@ -111,6 +112,8 @@ impl Machine {
                 digital_in: s.digital_in,
                 analog_in: s.analog_in,
                 at_speed: s.at_speed,
+                feed_override: s.feed_override,
+                spindle_override: s.spindle_override,
             };
         }
         while let Some(result) = self.io.result() {
