@@ -91,6 +91,7 @@ fn arrows_point_only_downward() {
         ),
         ("halcompile", &["hal-output"]),
         ("hal-arm", &[]),
+        ("halpanel", &["hal-gcode", "hal-ini", "hal-job", "hal-output", "hal-protocol"]),
         ("robot", &["hal-arm", "hal-gcode", "hal-output"]),
         ("kinematics", &["hal-arm", "hal-component"]),
         ("ferrule-client", &["hal-protocol"]),

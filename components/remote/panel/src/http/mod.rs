@@ -1,0 +1,48 @@
+//! Requests over HTTP.
+
+mod guard;
+mod lists;
+mod sign_in;
+
+use crate::error::{Code, Error};
+use crate::{page, server::Panel, socket};
+use axum::{
+    Router,
+    extract::{DefaultBodyLimit, Request, State},
+    middleware,
+    response::{IntoResponse as _, Response},
+    routing::{any, get},
+};
+use std::sync::Arc;
+
+/// Longest body of a request that is no upload.
+const MAX_BODY: usize = 64 << 10;
+
+/// Returns all routes.
+pub(crate) fn router(panel: &Arc<Panel>) -> Router {
+    let session = get(sign_in::who).post(sign_in::sign_in).delete(sign_in::sign_out);
+    let api = Router::new()
+        .route("/session", session)
+        .route("/info", get(lists::info))
+        .route("/status", get(lists::status))
+        .route("/check", get(lists::check))
+        .route("/order", get(lists::order))
+        .route("/flight", get(lists::flight))
+        .route("/socket", any(socket::open))
+        .route("/{kind}", get(lists::list))
+        .fallback(async || Error::new(Code::NotFound, "there is no such path").into_response());
+    Router::new()
+        .nest("/api/v1", api)
+        .fallback(file)
+        .layer(DefaultBodyLimit::max(MAX_BODY))
+        .layer(middleware::from_fn_with_state(panel.clone(), guard::guard))
+        .with_state(panel.clone())
+}
+
+async fn file(State(panel): State<Arc<Panel>>, request: Request) -> Response {
+    let path = request.uri().path().to_owned();
+    if path.starts_with("/api/") {
+        return Error::new(Code::NotFound, "there is no such path").into_response();
+    }
+    page::file(panel.options.page.as_deref(), &path, request.headers()).await
+}

@@ -1,0 +1,32 @@
+//! Options of the program.
+
+use crate::session::Role;
+use clap::Parser;
+use std::{net::SocketAddr, path::PathBuf};
+
+/// A machine in the browser: serves the running instance to this computer.
+#[derive(Clone, Debug, Parser)]
+#[command(name = "halpanel", version)]
+pub struct Options {
+    /// Address and port to listen at; port 0 takes a free one.
+    #[arg(long, default_value = "127.0.0.1:7776")]
+    pub listen: SocketAddr,
+    /// Name of the instance.
+    #[arg(long)]
+    pub instance: Option<String>,
+    /// INI file of the machine.
+    #[arg(long, visible_alias = "ini", env = "INI_FILE_NAME")]
+    pub ini_file: Option<PathBuf>,
+    /// Folder of programs; without it, `[DISPLAY]PROGRAM_PREFIX`.
+    #[arg(long)]
+    pub programs: Option<PathBuf>,
+    /// File for the address with the one-time token; without it, `panel-INSTANCE.url` beside the instance's socket.
+    #[arg(long)]
+    pub address_file: Option<PathBuf>,
+    /// Role of who opens the address with the token.
+    #[arg(long, value_enum, default_value_t = Role::Integrator)]
+    pub role: Role,
+    /// Folder with the page, in place of the one in the program.
+    #[arg(long)]
+    pub page: Option<PathBuf>,
+}

@@ -1,0 +1,147 @@
+//! The server: what it needs before it listens, and its connections.
+
+use crate::{engine::Engine, http, info, options::Options, session::Sessions, status};
+use axum::Router;
+use hal_ini::Ini;
+use hal_protocol::Place;
+use hyper::server::conn::http1;
+use hyper_util::{
+    rt::{TokioIo, TokioTimer},
+    service::TowerToHyperService,
+};
+use serde_json::{Map, Value as Json};
+use std::{
+    net::SocketAddr,
+    path::{Path, PathBuf},
+    sync::Arc,
+    time::Duration,
+};
+use tokio::{
+    net::{TcpListener, TcpStream},
+    runtime,
+    signal::unix::{SignalKind, signal},
+    sync::{Semaphore, watch},
+};
+
+/// Number of connections; more wait until one ends.
+const MAX_CONNECTIONS: usize = 1024;
+/// Longest time that a client may take for the head of a request.
+const HEAD_TIME: Duration = Duration::from_secs(10);
+/// Longest head of a request in bytes.
+const MAX_HEAD: usize = 32 << 10;
+/// Wait after the system has refused a connection.
+const REFUSED: Duration = Duration::from_millis(100);
+
+/// Everything that requests share.
+#[derive(Debug)]
+pub(crate) struct Panel {
+    /// Address of the server.
+    pub(crate) address: SocketAddr,
+    /// Options of the program.
+    pub(crate) options: Options,
+    /// The way to the engine.
+    pub(crate) engine: Engine,
+    /// State of the machine.
+    pub(crate) machine: watch::Receiver<Arc<status::Machine>>,
+    /// Sessions of all who have signed in.
+    pub(crate) sessions: Sessions,
+    /// Description of the machine.
+    pub(crate) info: Map<String, Json>,
+    /// File with the address and the one-time token.
+    address_file: PathBuf,
+}
+
+impl Panel {
+    /// Writes a new one-time token into the file with the address.
+    pub(crate) fn renew_token(&self) -> Result<(), String> {
+        let token = self.sessions.renew_token()?;
+        let text = format!("http://{}/#token={token}\n", self.address);
+        let written = hal_output::install(&self.address_file, text.as_bytes(), 0o600);
+        let file = self.address_file.display();
+        written.map_err(|e| format!("{file}: {}", hal_output::reason(&e)))
+    }
+}
+
+/// Serves the instance until it ends or a signal comes.
+///
+/// # Errors
+/// What is missing: an instance, a file, the address.
+pub fn run(options: &Options) -> Result<(), String> {
+    if !options.listen.ip().is_loopback() {
+        return Err(format!(
+            "{} is a network address: only loopback is served without TLS and accounts",
+            options.listen
+        ));
+    }
+    let ini = options.ini_file.as_deref().map(read_ini).transpose()?;
+    let place = Place::find(options.instance.as_deref())?;
+    let info = info::info(place.name(), ini.as_ref());
+    let runtime = runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build();
+    let runtime = runtime.map_err(|e| hal_output::reason(&e))?;
+    runtime.block_on(async {
+        let listener = TcpListener::bind(options.listen).await;
+        let listener =
+            listener.map_err(|e| format!("{}: {}", options.listen, hal_output::reason(&e)))?;
+        let address = listener.local_addr().map_err(|e| hal_output::reason(&e))?;
+        let beside = || place.folder().join(format!("panel-{}.url", place.name()));
+        let panel = Arc::new(Panel {
+            address,
+            options: options.clone(),
+            engine: Engine::join(place.clone())?,
+            machine: status::observe(&place)?,
+            sessions: Sessions::default(),
+            info,
+            address_file: options.address_file.clone().unwrap_or_else(beside),
+        });
+        panel.renew_token()?;
+        let file = panel.address_file.display();
+        hal_output::print(&format!("listening at {address}; the address to open is in {file}\n"))
+            .map_err(|e| e.to_string())?;
+        let router = http::router(&panel);
+        let served = serve(&listener, &router).await;
+        // Without the file nobody opens an address that is gone.
+        drop(std::fs::remove_file(&panel.address_file));
+        served
+    })
+}
+
+fn read_ini(path: &Path) -> Result<Ini, String> {
+    Ini::read(path).map_err(|e| e.to_string())
+}
+
+/// Accepts connections until a signal ends the program.
+async fn serve(listener: &TcpListener, router: &Router) -> Result<(), String> {
+    let fail = |e: std::io::Error| hal_output::reason(&e);
+    let mut end = signal(SignalKind::terminate()).map_err(fail)?;
+    let mut interrupt = signal(SignalKind::interrupt()).map_err(fail)?;
+    let room = Arc::new(Semaphore::new(MAX_CONNECTIONS));
+    loop {
+        let Ok(permit) = room.clone().acquire_owned().await else { return Ok(()) };
+        tokio::select! {
+            accepted = listener.accept() => match accepted {
+                Ok((stream, _)) => {
+                    let router = router.clone();
+                    tokio::spawn(async move {
+                        connection(stream, router).await;
+                        drop(permit);
+                    });
+                }
+                // Too many open files, or a client that has gone meanwhile.
+                Err(_) => tokio::time::sleep(REFUSED).await,
+            },
+            _ = end.recv() => return Ok(()),
+            _ = interrupt.recv() => return Ok(()),
+        }
+    }
+}
+
+async fn connection(stream: TcpStream, router: Router) {
+    // Without it, small messages wait for the answer to the one before.
+    drop(stream.set_nodelay(true));
+    let service = TowerToHyperService::new(router);
+    let mut http = http1::Builder::new();
+    http.timer(TokioTimer::new()).header_read_timeout(HEAD_TIME).max_buf_size(MAX_HEAD);
+    let served = http.serve_connection(TokioIo::new(stream), service).with_upgrades().await;
+    // A client that has gone needs no answer.
+    drop(served);
+}
