@@ -64,6 +64,7 @@ fn a_knob_of_the_operator_is_the_tasks_override() {
     rig.step();
     rig.fake.motion.cycle = 1001;
     rig.step();
+    assert_eq!(rig.core.feed_scale, 0.8);
     rig.fake.motion.feed_override = 0.8;
     rig.pass(0.1);
     assert_eq!(rig.core.feed_scale, 0.8);
