@@ -7,7 +7,7 @@ use std::{
     path::Path,
 };
 
-/// Folders of files that this process has open already, such as a pipe that a shell passes.
+/// Beginnings of the paths of files that this process has open already, such as a pipe that a shell passes.
 const OPEN: [&str; 3] = ["/dev/fd/", "/proc/self/fd/", "/dev/stdin"];
 
 /// Reads a file of at most `most` bytes. Returns `None` if it is larger.
@@ -16,7 +16,7 @@ const OPEN: [&str; 3] = ["/dev/fd/", "/proc/self/fd/", "/dev/stdin"];
 /// The file cannot be read, or it is a device, or a pipe in a folder, whose end may never come.
 pub fn contents(path: &Path, most: u64) -> io::Result<Option<Vec<u8>>> {
     let kind = fs::metadata(path)?.file_type();
-    let is_open = || OPEN.iter().any(|folder| path.to_str().is_some_and(|p| p.starts_with(folder)));
+    let is_open = || OPEN.iter().any(|begin| path.to_str().is_some_and(|p| p.starts_with(begin)));
     if kind.is_char_device() || kind.is_block_device() {
         return Err(io::Error::other("it is a device, not a file"));
     }

@@ -99,9 +99,9 @@ pub fn build(job: &Job<'_>) -> Result<(), Error> {
     let bytes = fs::read(&out).map_err(at(&out))?;
     // A module is loaded, not run.
     let wanted = if job.target == Target::Module { 0o644 } else { 0o755 };
-    let umask = fs::metadata(&out).map_err(at(&out))?.mode();
-    // Installed files are for all users, whatever the author's umask is.
-    let mode = if job.installed { wanted } else { umask & wanted };
+    let linked = fs::metadata(&out).map_err(at(&out))?.mode();
+    // The linker's file has the author's umask. Installed files are for all users, whatever that is.
+    let mode = if job.installed { wanted } else { linked & wanted };
     hal_output::install(job.out, &bytes, mode).map_err(at(job.out))
 }
 

@@ -1,12 +1,13 @@
 //! Components of this program.
 
 use crate::{
+    connection::{Core, Turn, closed, locked},
     error,
     instance::{self, report},
     item::{Item, Param, Pin},
     sleep, value,
 };
-use hal_protocol::{Client, Failure, MAX_PAGE_PINS, PinPage, Request};
+use hal_protocol::{Failure, Request};
 use pyo3::{
     PyClassInitializer,
     exceptions::{PyAttributeError, PyRuntimeError, PyValueError},
@@ -15,34 +16,13 @@ use pyo3::{
 };
 use std::{
     collections::BTreeMap,
-    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    sync::{Arc, Mutex, MutexGuard},
 };
 
 /// Default interval at which the engine exchanges values on the real clock, in milliseconds.
 const POLL_MS: u64 = 2;
-/// Number of pins for which the first page has space.
-const FIRST_PINS: u32 = 64;
 /// Largest length of a name in HAL.
 const NAME_LEN: usize = 55;
-
-/// State of a component that its pins share.
-#[derive(Debug)]
-pub(crate) struct Core {
-    /// Connection; `None` after `exit`. Locked only while this thread does not hold Python's lock, because a request
-    /// that waits takes that lock to look for signals.
-    client: Mutex<Option<Client>>,
-    /// Page of values; `None` before the first pin and after `exit`.
-    page: Mutex<Option<PinPage>>,
-}
-
-/// Locks a value whose holder never leaves it half changed.
-pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn closed() -> PyErr {
-    PyRuntimeError::new_err("Invalid operation on closed HAL component")
-}
 
 /// Returns the exception for a refusal. The refusal itself goes to standard error, as users of LinuxCNC know it.
 fn refused(failure: &Failure) -> PyErr {
@@ -50,73 +30,23 @@ fn refused(failure: &Failure) -> PyErr {
     error::new_err("Invalid argument")
 }
 
-impl Core {
-    #[inline]
-    pub(crate) fn get(&self, pin: usize) -> PyResult<u64> {
-        locked(&self.page).as_ref().map(|page| page.get(pin)).ok_or_else(closed)
-    }
-
-    #[inline]
-    pub(crate) fn set(&self, pin: usize, bits: u64) -> PyResult<()> {
-        let mut page = locked(&self.page);
-        let is_set = page.as_mut().is_some_and(|page| page.set(pin, bits));
-        if is_set { Ok(()) } else { Err(closed()) }
-    }
-
-    /// Sends a request while other threads of Python run.
-    pub(crate) fn ask(&self, py: Python<'_>, request: Request) -> PyResult<Result<(), Failure>> {
-        py.detach(|| {
-            let mut client = locked(&self.client);
-            let client = client.as_mut().ok_or_else(closed)?;
-            Ok(instance::call(client, request)?.map(drop))
-        })
-    }
-
-    /// Returns whether the instance runs on the virtual clock.
-    pub(crate) fn is_virtual(&self) -> bool {
-        locked(&self.page).as_ref().is_some_and(|page| page.info().is_virtual)
-    }
-
-    /// Ensures that the page has space for this number of pins.
-    fn share(&self, py: Python<'_>, pins: usize) -> PyResult<()> {
-        let fits = |page: &PinPage| page.info().pins as usize >= pins;
-        if locked(&self.page).as_ref().is_some_and(fits) {
-            return Ok(());
-        }
-        let pins = u32::try_from(pins).unwrap_or(u32::MAX);
-        if pins > MAX_PAGE_PINS {
-            let why = format!("a component in Python has at most {MAX_PAGE_PINS} pins");
-            return Err(refused(&Failure::new(-12, why)));
-        }
-        // The maximum is a power of two as well.
-        let space = pins.next_power_of_two().max(FIRST_PINS);
-        let shared = py.detach(|| {
-            let mut client = locked(&self.client);
-            let client = client.as_mut().ok_or_else(closed)?;
-            // Locked until the new page is there, so that no other thread finds none.
-            let mut page = locked(&self.page);
-            let new = client.share_pins(space, page.as_ref());
-            Ok::<_, PyErr>(new.map(|new| *page = Some(new)))
-        })?;
-        shared.map_err(|e| refused(&e))
-    }
-
-    fn close(&self, py: Python<'_>) {
-        py.detach(|| *locked(&self.client) = None);
-        *locked(&self.page) = None;
-    }
-}
-
-/// Component of this program: what the class `component` of `hal` is made of.
-#[pyclass(name = "component", module = "hal", subclass, dict)]
+/// Component of this program: what the class `component` of `hal` is made of. Several threads may use it at once.
+#[pyclass(name = "component", module = "hal", subclass, dict, frozen)]
 #[derive(Debug)]
 pub(crate) struct Join {
     core: Arc<Core>,
+    /// Pins and parameters by name; none after `exit`. Names are strings of Python, whose hashes are known.
+    items: Py<PyDict>,
+    /// Locked for short times, in which nothing of Python runs. It is changed by the thread that has the turn.
+    joined: Mutex<Joined>,
+}
+
+/// State of a component.
+#[derive(Debug)]
+struct Joined {
     name: String,
     prefix: String,
     id: u32,
-    /// Pins and parameters by name. Names are strings of Python, whose hashes are known.
-    items: Py<PyDict>,
     sorted: BTreeMap<Arc<str>, Item>,
     state: State,
 }
@@ -129,15 +59,17 @@ enum State {
 }
 
 impl Join {
-    fn open(&self) -> PyResult<()> {
-        if self.state == State::Closed { Err(closed()) } else { Ok(()) }
+    /// Returns the state of a component that has not left.
+    fn open(&self) -> PyResult<MutexGuard<'_, Joined>> {
+        let joined = locked(&self.joined);
+        if joined.state == State::Closed { Err(closed()) } else { Ok(joined) }
     }
 
     fn find<'py>(&self, name: &Bound<'py, PyString>) -> PyResult<Bound<'py, Item>> {
-        self.open()?;
-        let found = self.items.bind(name.py()).get_item(name)?;
-        let found = found
-            .ok_or_else(|| PyAttributeError::new_err(format!("Pin '{name}' does not exist")))?;
+        let Some(found) = self.items.bind(name.py()).get_item(name)? else {
+            drop(self.open()?);
+            return Err(PyAttributeError::new_err(format!("Pin '{name}' does not exist")));
+        };
         Ok(found.cast_into::<Item>()?)
     }
 
@@ -153,13 +85,19 @@ impl Join {
 
     /// Creates a pin or parameter; `what` is its name in messages.
     fn create(
-        &mut self,
+        &self,
         py: Python<'_>,
         what: &str,
         (name, ty, direction): (&str, i64, i64),
     ) -> PyResult<Item> {
-        self.open()?;
-        if self.sorted.contains_key(name) {
+        let turn = self.core.turn(py)?;
+        let (full, index, is_ready, is_known) = {
+            let joined = self.open()?;
+            let full = format!("{}.{name}", joined.prefix);
+            let is_ready = joined.state == State::Ready;
+            (full, joined.sorted.len(), is_ready, joined.sorted.contains_key(name))
+        };
+        if is_known {
             let what = if what == "pin" { "pin" } else { "parameter" };
             return Err(PyValueError::new_err(format!("Duplicate {what} name '{name}'")));
         }
@@ -171,22 +109,37 @@ impl Join {
                 if what == "pin" { "HAL_IN, HAL_OUT, or HAL_IO" } else { "HAL_RO, or HAL_RW" };
             refused(&Failure::new(-22, format!("{what} direction not one of {allowed}")))
         })?;
-        if self.state == State::Ready {
+        if is_ready {
             return Err(refused(&Failure::new(-22, format!("{what}_new called after hal_ready"))));
         }
-        let full = format!("{}.{name}", self.prefix);
         if what == "pin" && full.len() > NAME_LEN {
             let why = format!("Invalid pin name length \"{full}\": max = {NAME_LEN} characters");
             return Err(error::new_err(why));
         }
-        let index = self.sorted.len();
-        self.core.share(py, index + 1)?;
-        let done = self.core.ask(py, Request::NewPin { name: full, ty, direction })?;
+        self.share(py, &turn, index + 1)?;
+        let done = self.core.ask_in(py, &turn, Request::NewPin { name: full, ty, direction })?;
         done.map_err(|e| refused(&e))?;
         let item = Item { core: Arc::clone(&self.core), index, ty, direction, name: name.into() };
-        self.sorted.insert(Arc::clone(&item.name), item.clone());
+        locked(&self.joined).sorted.insert(Arc::clone(&item.name), item.clone());
         self.items.bind(py).set_item(name, item.clone())?;
         Ok(item)
+    }
+
+    /// Ensures that the component is in this state: neither gone nor in the other one.
+    fn must_be(&self, state: State) -> PyResult<()> {
+        let joined = self.open()?;
+        if joined.state == state {
+            return Ok(());
+        }
+        let other = if state == State::Begun { "ready" } else { "unready" };
+        let why = format!("Component '{}' already {other}", joined.name);
+        drop(joined);
+        Err(refused(&Failure::new(-22, why)))
+    }
+
+    /// Ensures that the page has space for this number of pins.
+    fn share(&self, py: Python<'_>, turn: &Turn<'_>, pins: usize) -> PyResult<()> {
+        self.core.share(py, turn, pins)?.map_err(|e| refused(&e))
     }
 }
 
@@ -199,15 +152,15 @@ impl Join {
     #[pyo3(signature = (*args))]
     fn new(class: &Bound<'_, PyType>, args: &Bound<'_, PyTuple>) -> PyResult<Self> {
         let py = class.py();
-        let mut this = Self {
-            core: Arc::new(Core { client: Mutex::new(None), page: Mutex::new(None) }),
+        let joined = Joined {
             name: String::new(),
             prefix: String::new(),
             id: 0,
-            items: PyDict::new(py).unbind(),
             sorted: BTreeMap::new(),
             state: State::Closed,
         };
+        let items = PyDict::new(py).unbind();
+        let this = Self { core: Arc::default(), items, joined: Mutex::new(joined) };
         if class.is(py.get_type::<Self>()) {
             let (name, prefix) = match args.len() {
                 1 => (args.extract::<(String,)>()?.0, None),
@@ -222,34 +175,30 @@ impl Join {
 
     /// Joins the instance as a component of this name. Names of pins begin with the prefix, or with the name.
     #[pyo3(name = "_join", signature = (name, prefix=None, /))]
-    fn join(&mut self, py: Python<'_>, name: &str, prefix: Option<&str>) -> PyResult<()> {
-        if self.state != State::Closed || self.id != 0 {
+    fn join(&self, py: Python<'_>, name: &str, prefix: Option<&str>) -> PyResult<()> {
+        let turn = self.core.turn(py)?;
+        if locked(&self.joined).id != 0 {
             return Err(PyRuntimeError::new_err("this component has joined before"));
         }
         let (client, id) = instance::join(py, name, poll_ns())?.map_err(|e| refused(&e))?;
-        self.core = Arc::new(Core { client: Mutex::new(Some(client)), page: Mutex::new(None) });
-        name.clone_into(&mut self.name);
-        prefix.unwrap_or(name).clone_into(&mut self.prefix);
-        (self.id, self.state) = (id, State::Begun);
+        self.core.open(&turn, client);
+        let mut joined = locked(&self.joined);
+        name.clone_into(&mut joined.name);
+        prefix.unwrap_or(name).clone_into(&mut joined.prefix);
+        (joined.id, joined.state) = (id, State::Begun);
         Ok(())
     }
 
     /// Creates a pin.
     #[pyo3(signature = (name, r#type, dir, /))]
-    fn newpin(&mut self, py: Python<'_>, name: &str, r#type: i64, dir: i64) -> PyResult<Py<Pin>> {
+    fn newpin(&self, py: Python<'_>, name: &str, r#type: i64, dir: i64) -> PyResult<Py<Pin>> {
         let item = self.create(py, "pin", (name, r#type, dir))?;
         Py::new(py, PyClassInitializer::from(item).add_subclass(Pin))
     }
 
     /// Creates a parameter.
     #[pyo3(signature = (name, r#type, dir, /))]
-    fn newparam(
-        &mut self,
-        py: Python<'_>,
-        name: &str,
-        r#type: i64,
-        dir: i64,
-    ) -> PyResult<Py<Param>> {
+    fn newparam(&self, py: Python<'_>, name: &str, r#type: i64, dir: i64) -> PyResult<Py<Param>> {
         let item = self.create(py, "param", (name, r#type, dir))?;
         Py::new(py, PyClassInitializer::from(item).add_subclass(Param))
     }
@@ -273,62 +222,51 @@ impl Join {
 
     /// Returns the values of all pins and parameters, by name.
     fn getpins<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.open()?;
+        let items = self.open()?.sorted.clone();
         let all = PyDict::new(py);
-        for (name, item) in &self.sorted {
+        for (name, item) in &items {
             all.set_item(name.as_ref(), item.get(py)?)?;
         }
         Ok(all)
     }
 
     /// Returns the prefix of the names of pins.
-    fn getprefix(&self) -> PyResult<&str> {
-        self.open()?;
-        Ok(&self.prefix)
+    fn getprefix(&self) -> PyResult<String> {
+        Ok(self.open()?.prefix.clone())
     }
 
     /// Sets the prefix of the pins created from now on.
-    fn setprefix(&mut self, prefix: &str) -> PyResult<()> {
-        self.open()?;
-        prefix.clone_into(&mut self.prefix);
+    fn setprefix(&self, prefix: &str) -> PyResult<()> {
+        prefix.clone_into(&mut self.open()?.prefix);
         Ok(())
     }
 
     /// Declares that all pins are there: `loadusr -W` waits for this.
-    fn ready(&mut self, py: Python<'_>) -> PyResult<()> {
-        self.open()?;
-        if self.state == State::Ready {
-            let why = format!("Component '{}' already ready", self.name);
-            return Err(refused(&Failure::new(-22, why)));
-        }
-        self.core.share(py, 1)?;
-        self.core.ask(py, Request::Ready)?.map_err(|e| refused(&e))?;
-        self.state = State::Ready;
+    fn ready(&self, py: Python<'_>) -> PyResult<()> {
+        let turn = self.core.turn(py)?;
+        self.must_be(State::Begun)?;
+        self.share(py, &turn, 1)?;
+        self.core.ask_in(py, &turn, Request::Ready)?.map_err(|e| refused(&e))?;
+        locked(&self.joined).state = State::Ready;
         sleep::begin(py, &self.core)
     }
 
     /// Declares that further pins will be created.
-    fn unready(&mut self, py: Python<'_>) -> PyResult<()> {
-        self.open()?;
-        if self.state == State::Begun {
-            let why = format!("Component '{}' already unready", self.name);
-            return Err(refused(&Failure::new(-22, why)));
-        }
-        self.core.ask(py, Request::Unready)?.map_err(|e| refused(&e))?;
-        self.state = State::Begun;
+    fn unready(&self, py: Python<'_>) -> PyResult<()> {
+        let turn = self.core.turn(py)?;
+        self.must_be(State::Ready)?;
+        self.core.ask_in(py, &turn, Request::Unready)?.map_err(|e| refused(&e))?;
+        locked(&self.joined).state = State::Begun;
         sleep::end(&self.core);
         Ok(())
     }
 
     /// Leaves the instance: the component and its pins are removed.
-    fn exit(&mut self, py: Python<'_>) -> PyResult<()> {
-        self.open()?;
-        self.state = State::Closed;
+    fn exit(&self, py: Python<'_>) -> PyResult<()> {
+        self.open()?.state = State::Closed;
         sleep::end(&self.core);
-        // If the instance has ended, there is nothing to leave.
-        let left = self.core.ask(py, Request::Leave);
-        self.core.close(py);
-        left.map(drop)
+        self.items.bind(py).clear();
+        self.core.leave(py)
     }
 
     #[inline]
@@ -342,13 +280,13 @@ impl Join {
     }
 
     fn __len__(&self) -> PyResult<usize> {
-        self.open()?;
-        Ok(self.sorted.len())
+        Ok(self.open()?.sorted.len())
     }
 
     fn __repr__(&self) -> String {
-        let count = self.sorted.len();
-        format!("<hal component {}({}) with {count} pins and params>", self.name, self.id)
+        let joined = locked(&self.joined);
+        let count = joined.sorted.len();
+        format!("<hal component {}({}) with {count} pins and params>", joined.name, joined.id)
     }
 }
 

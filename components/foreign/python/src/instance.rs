@@ -1,9 +1,11 @@
 //! Functions of the module that concern the whole instance.
 
-use crate::{component::locked, error, value};
+use crate::{
+    connection::{call, locked},
+    error, value,
+};
 use hal_protocol::{
-    Client, ComponentInfo, Direction, Failure, ItemInfo, Kind, Link, Place, Reply, Request, Type,
-    Value,
+    Client, ComponentInfo, Direction, Failure, ItemInfo, Kind, Place, Reply, Request, Type, Value,
 };
 use pyo3::{
     exceptions::{PyNameError, PyRuntimeError},
@@ -29,17 +31,6 @@ static MESSAGE_LEVEL: AtomicI32 = AtomicI32::new(1);
 pub(crate) fn report(failure: &Failure) {
     // A failed write to standard error cannot be reported.
     drop(writeln!(std::io::stderr(), "HAL: ERROR: {failure}"));
-}
-
-/// Sends a request, and looks for signals while it waits; the outer error is that of a signal's handler. The caller does not
-/// hold Python's lock.
-pub(crate) fn call(client: &mut Client, request: Request) -> PyResult<Result<Reply, Failure>> {
-    let mut signalled = None;
-    let reply = client.call_while(request, &mut || {
-        signalled = Python::attach(|py| py.check_signals().err());
-        signalled.is_none()
-    });
-    signalled.map_or(Ok(reply), Err)
 }
 
 fn connect() -> Result<Client, Failure> {

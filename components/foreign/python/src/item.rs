@@ -1,6 +1,6 @@
 //! Pins and parameters of this program's components.
 
-use crate::{component::Core, value};
+use crate::{connection::Core, value};
 use hal_protocol::{Direction, Type};
 use pyo3::{exceptions::PyTypeError, prelude::*};
 use std::sync::Arc;

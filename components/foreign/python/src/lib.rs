@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 mod component;
+mod connection;
 mod instance;
 mod item;
 mod sleep;

@@ -3,7 +3,7 @@
 //! On the virtual clock, time stands still while a program works, and moves while it sleeps. Programs sleep with
 //! `time.sleep`, so that function sleeps in machine time there, in the thread that made a component ready.
 
-use crate::component::{Core, locked};
+use crate::connection::{Core, locked};
 use hal_protocol::Request;
 use pyo3::{exceptions::PyValueError, prelude::*};
 use std::{
@@ -71,13 +71,15 @@ pub(crate) fn sleep(py: Python<'_>, seconds: &Bound<'_, PyAny>) -> PyResult<()> 
         left -= ns;
         // Other components of this thread exchange values, too: their sleeps end together with the first one's.
         py.detach(|| {
+            let asleep =
+                |core: &Core| Python::attach(|py| ended(core.ask(py, Request::Sleep { ns })?));
             thread::scope(|scope| {
-                for core in others {
-                    scope.spawn(move || {
-                        Python::attach(|py| core.ask(py, Request::Sleep { ns }).map(drop))
-                    });
-                }
-                Python::attach(|py| ended(first.ask(py, Request::Sleep { ns })?))
+                let others =
+                    others.iter().map(|core| scope.spawn(move || asleep(core))).collect::<Vec<_>>();
+                let first = asleep(first);
+                // A thread that panics has reported it on standard error.
+                let others = others.into_iter().filter_map(|other| other.join().ok());
+                others.fold(first, Result::and)
             })
         })?;
         if left == 0 {

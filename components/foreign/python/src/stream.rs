@@ -1,9 +1,6 @@
 //! Streams: the rings of `sampler` and `streamer`.
 
-use crate::{
-    component::{Join, locked},
-    value,
-};
+use crate::{component::Join, connection::locked, value};
 use hal_protocol::{Client, Place, Type};
 use pyo3::{
     exceptions::{PyOSError, PyTypeError, PyValueError},

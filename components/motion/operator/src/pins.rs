@@ -1,6 +1,6 @@
 //! Groups of pins, and inputs of which changes count.
 
-use hal_component::{In, Touch, Uses};
+use hal_component::{In, Out, Touch, Uses};
 
 /// Declares a group of pins: a struct with a function that makes it, from a prefix of the names.
 macro_rules! group {
@@ -41,27 +41,22 @@ pub(crate) trait Made<T>: Sized {
     ) -> Result<Self, hal_component::Error>;
 }
 
-impl<T: hal_component::Value> Made<T> for In<T> {
-    fn made(
-        b: &mut hal_component::Builder<'_>,
-        name: &str,
-        doc: &str,
-        initial: T,
-    ) -> Result<Self, hal_component::Error> {
-        b.item(name, doc, initial)
-    }
+/// Lets a pin be made, whatever its type.
+macro_rules! made {
+    ($($pin:ident)*) => {$(
+        impl<T: hal_component::Value> Made<T> for $pin<T> {
+            fn made(
+                b: &mut hal_component::Builder<'_>,
+                name: &str,
+                doc: &str,
+                initial: T,
+            ) -> Result<Self, hal_component::Error> {
+                b.item(name, doc, initial)
+            }
+        }
+    )*};
 }
-
-impl<T: hal_component::Value> Made<T> for hal_component::Out<T> {
-    fn made(
-        b: &mut hal_component::Builder<'_>,
-        name: &str,
-        doc: &str,
-        initial: T,
-    ) -> Result<Self, hal_component::Error> {
-        b.item(name, doc, initial)
-    }
-}
+made! { In Out }
 
 impl Made<bool> for Button {
     fn made(

@@ -13,7 +13,7 @@ pub type Zero = [f64; 3];
 /// Reads a part zero: three numbers separated by commas.
 ///
 /// # Errors
-/// The text says something else; the error names the first word that is no number.
+/// The text says something else; the error names the first word that is not a number.
 pub fn parse_zero(text: &str) -> Result<Zero, String> {
     let mut numbers = Vec::new();
     for word in text.split(',') {

@@ -2,7 +2,7 @@
 
 use super::Rig;
 use hal_component::{Builder, Component, Error, IoControlRef, IoRequest, IoResult};
-use std::cell::RefCell;
+use std::{cell::RefCell, thread};
 
 thread_local! {
     static FOUND: RefCell<Option<IoControlRef>> = const { RefCell::new(None) };
@@ -88,4 +88,25 @@ fn requests_without_space_for_their_results_are_refused() {
     assert!(io.request(IoRequest::Abort).is_some());
     assert_eq!(io.request(IoRequest::Estop), None);
     assert!(io.state().estop.commanded, "the e-stop itself is never refused");
+}
+
+#[test]
+fn requests_of_two_threads_have_different_numbers_and_each_has_a_result() {
+    let (rig, io) = rig();
+    for _ in 0..20 {
+        let begin = |half: usize| {
+            let mut io = io.clone();
+            move || (0..half).map(|_| io.request(IoRequest::Abort).unwrap()).collect::<Vec<_>>()
+        };
+        let half = crate::service::RESULTS / 2;
+        let (one, two) = (thread::spawn(begin(half)), thread::spawn(begin(half)));
+        let mut numbers = one.join().unwrap();
+        numbers.extend(two.join().unwrap());
+        numbers.sort_unstable();
+        rig.cycle();
+        let mut io = io.clone();
+        let results: Vec<u64> = core::iter::from_fn(|| io.result()).map(|r| r.id).collect();
+        assert_eq!(results, numbers);
+        assert!(results.is_sorted_by(|a, b| a < b) && results.len() == 2 * half);
+    }
 }
