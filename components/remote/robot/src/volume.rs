@@ -17,7 +17,7 @@ pub type Zero = [f64; 3];
 pub fn parse_zero(text: &str) -> Result<Zero, String> {
     let mut numbers = Vec::new();
     for word in text.split(',') {
-        numbers.push(number(word).ok_or_else(|| format!("'{}' is no number", word.trim()))?);
+        numbers.push(number(word).ok_or_else(|| format!("'{}' is not a number", word.trim()))?);
     }
     <Zero>::try_from(numbers).map_err(|_| "three numbers are needed, such as -400,0,-30".to_owned())
 }

@@ -62,9 +62,9 @@ fn lines_beside_an_exit_move_nothing() {
 fn a_part_zero_is_three_numbers() {
     assert_eq!(robot::parse_zero("-400, 0,-30.5"), Ok([-400.0, 0.0, -30.5]));
     for (text, why) in [
-        ("nan,0,0", "'nan' is no number"),
-        ("0,-inf,0", "'-inf' is no number"),
-        ("0,,0", "'' is no number"),
+        ("nan,0,0", "'nan' is not a number"),
+        ("0,-inf,0", "'-inf' is not a number"),
+        ("0,,0", "'' is not a number"),
         ("1,2", "three numbers are needed, such as -400,0,-30"),
         ("1,2,3,4", "three numbers are needed, such as -400,0,-30"),
     ] {

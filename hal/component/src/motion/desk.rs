@@ -13,7 +13,7 @@ pub(super) struct Desk {
     last_id: u64,
     /// Numbers of the commands. The command with the number `n` is at the place `n % SLOTS`.
     ids: Vec<Option<u64>>,
-    /// Their tickets. None is freed before the desk, because a provider may keep a handle.
+    /// Tickets of the commands. None is freed before the desk, because a provider may keep a handle.
     tickets: Box<[Ticket]>,
 }
 
