@@ -1,0 +1,83 @@
+// Requests to the server.
+
+const BASE = "/api/v1";
+const KEY = "ferrule-key";
+
+/** A refusal of the server, or of the network. */
+export class Refusal extends Error {
+  constructor({ code, text, hint }) {
+    super(hint ? `${text} (${hint})` : text);
+    this.code = code;
+  }
+}
+
+/** Returns the key of this tab's session. */
+export const sessionKey = () => sessionStorage.getItem(KEY);
+
+/** Sends a request; returns the response or throws a refusal. */
+export async function request(method, path, { body, json, signal } = {}) {
+  const headers = {};
+  if (sessionKey()) headers["X-Ferrule-Key"] = sessionKey();
+  if (json !== undefined) headers["Content-Type"] = "application/json";
+  let response;
+  try {
+    response = await fetch(BASE + path, {
+      method, headers, signal, body: json === undefined ? body : JSON.stringify(json), cache: "no-store",
+    });
+  } catch (error) {
+    if (error.name === "AbortError") throw error;
+    throw new Refusal({ code: "no-server", text: error.message });
+  }
+  if (response.ok) return response;
+  let found = null;
+  try {
+    found = (await response.json()).error;
+  } catch {
+    // Proxies answer with pages of their own.
+  }
+  throw new Refusal(found ?? { code: String(response.status), text: response.statusText });
+}
+
+/** Asks for something that is JSON. */
+export const getJson = async (path, options) => (await request("GET", path, options)).json();
+
+/** Returns a path with patterns that select names. */
+export function listPath(kind, patterns = []) {
+  const query = patterns.map((p) => `pattern=${encodeURIComponent(p)}`).join("&");
+  return `/${kind}${query ? `?${query}` : ""}`;
+}
+
+/** Returns the path of a program. */
+export const programPath = (name, tail = "") => `/programs/${encodeURIComponent(name)}${tail}`;
+
+/** Opens a session with the token of the address, or with a user and a password. */
+export async function signIn(how) {
+  const answer = await (await request("POST", "/session", { json: how })).json();
+  sessionStorage.setItem(KEY, answer.key);
+  return answer;
+}
+
+/** Returns the session of this tab, or null. */
+export async function currentSession() {
+  if (!sessionKey()) return null;
+  try {
+    return await getJson("/session");
+  } catch (error) {
+    if (error.code === "no-session") return null;
+    throw error;
+  }
+}
+
+/** Ends the session. */
+export async function signOut() {
+  await request("DELETE", "/session");
+  sessionStorage.removeItem(KEY);
+}
+
+/** Takes the one-time token out of the page's address. */
+export function takeToken() {
+  const found = /^#token=(.+)$/.exec(location.hash);
+  if (!found) return null;
+  history.replaceState(null, "", location.pathname + location.search);
+  return decodeURIComponent(found[1]);
+}

@@ -1,0 +1,132 @@
+// Findings of check, the order of functions, the graph, the flight recorder, times of threads, and the log.
+
+import { card, el, setText } from "../dom.js";
+import { getJson, listPath, request } from "../http.js";
+
+/** Makes a card that asks the server when its button is pressed, and when it is first seen. */
+function asked(ctx, id, title, ask, extra = []) {
+  const { t, signal } = ctx;
+  const body = el("div", { class: "answer" });
+  const state = el("p", { class: "note", role: "status" });
+  const refresh = async () => {
+    try {
+      body.replaceChildren(...(await ask()));
+      setText(state, "");
+    } catch (error) {
+      if (error.name !== "AbortError") setText(state, error.message);
+    }
+  };
+  const box = card(id, title, el("div", { class: "row" }, ...extra, el("button", { type: "button", onclick: refresh }, t("refresh"))), state, body);
+  const seen = new IntersectionObserver((entries) => {
+    if (!entries.some((e) => e.isIntersecting)) return;
+    seen.disconnect();
+    refresh();
+  });
+  seen.observe(box);
+  signal.addEventListener("abort", () => seen.disconnect());
+  return { box, refresh };
+}
+
+/** Makes the card of findings. */
+export function findingsCard(ctx) {
+  const { t, signal } = ctx;
+  return asked(ctx, "findings", t("findings"), async () => {
+    const all = await getJson("/check", { signal });
+    if (all.length === 0) return [el("p", {}, t("findings.none"))];
+    return [el("ul", { class: "findings" }, ...all.map((f) =>
+      el("li", { "data-level": f.level }, el("b", {}, `${t(`level.${f.level}`)} ${f.code ?? ""}`), " ",
+        f.at?.file ? el("span", { class: "code" }, `${f.at.file}:${f.at.line}`) : null, el("p", {}, f.text), f.fix ? el("p", { class: "note" }, f.fix) : null)))];
+  }).box;
+}
+
+/** Makes the card of the order of functions. */
+export function orderCard(ctx) {
+  const { t, signal } = ctx;
+  return asked(ctx, "order", t("order"), async () => [tree(await getJson("/order", { signal }))]).box;
+}
+
+/** Shows any answer of the server as nested lists. */
+function tree(value) {
+  if (value === null || typeof value !== "object") return el("span", { class: "code" }, String(value));
+  const entries = Object.entries(value);
+  if (entries.length === 0) return el("span", {}, "—");
+  return el("ul", { class: "nested" }, ...entries.map(([key, inner]) => {
+    const label = Array.isArray(value) ? `${Number(key) + 1}.` : key;
+    return el("li", {}, el("b", {}, label), " ", tree(inner));
+  }));
+}
+
+/** Makes the card of the graph: the machine's wiring as a picture, with live values. */
+export function graphCard(ctx) {
+  const { t, link, store, signal } = ctx;
+  const pattern = el("input", { type: "search", id: "graph-pattern", placeholder: "joint.0.*", "aria-label": t("tree.search") });
+  let texts = [];
+  const { box, refresh } = asked(ctx, "graph", t("graph"), async () => {
+    const patterns = pattern.value.trim().split(/\s+/).filter(Boolean);
+    const svg = await (await request("GET", listPath("graph", patterns), { signal })).text();
+    const parsed = new DOMParser().parseFromString(svg, "image/svg+xml");
+    if (parsed.querySelector("parsererror")) throw new Error(t("graph.broken"));
+    for (const script of parsed.querySelectorAll("script, foreignObject")) script.remove();
+    const picture = document.importNode(parsed.documentElement, true);
+    picture.setAttribute("role", "img");
+    picture.setAttribute("aria-label", t("graph"));
+    await live(picture);
+    return [el("div", { class: "scroll graph", tabIndex: 0, role: "region", "aria-label": t("graph") }, picture)];
+  }, [pattern]);
+  pattern.addEventListener("change", refresh);
+
+  // A text that is the name of a pin or signal gets its value below the pointer, and beside it.
+  async function live(picture) {
+    const known = new Set((await getJson("/signals", { signal })).map((s) => s.name));
+    texts = [...picture.querySelectorAll("text")].filter((node) => known.has(node.textContent.trim()))
+      .map((node) => ({ node, name: `sig:${node.textContent.trim()}`, first: node.textContent.trim() })).slice(0, 300);
+    link.watch("graph", texts.map((x) => x.name));
+  }
+  store.listen(() => {
+    const values = store.get("values");
+    for (const { node, name, first } of texts) {
+      if (!(name in values) || values[name] === null) continue;
+      const [[kind, value]] = Object.entries(values[name]);
+      const text = kind === "float" && typeof value === "number" ? value.toPrecision(4) : String(value);
+      setText(node, `${first} = ${text}`);
+      node.classList.toggle("live-true", value === true);
+    }
+  }, signal);
+  signal.addEventListener("abort", () => link.watch("graph", []));
+  return box;
+}
+
+/** Makes the card of the flight recorder. */
+export function flightCard(ctx) {
+  const { t, signal, session } = ctx;
+  const { box, refresh } = asked(ctx, "flight", t("flight"), async () => [tree(await getJson("/flight", { signal }))],
+    session.role === "integrator"
+      ? ["on", "off"].map((what) => el("button", { type: "button", onclick: async () => { await ctx.run(`flight-${what}`); refresh(); } }, t(`flight.${what}`)))
+      : []);
+  return box;
+}
+
+/** Makes the card of threads: times of functions, overruns, histogram of wake-ups. */
+export function threadsCard(ctx) {
+  const { t, signal } = ctx;
+  return asked(ctx, "threads", t("threads"), async () => {
+    const [threads, functs, status] = await Promise.all([getJson("/threads", { signal }), getJson("/functs", { signal }), getJson("/status", { signal })]);
+    return [
+      ...threads.map((thread) => el("details", { open: true }, el("summary", { class: "code" }, thread.name), tree(thread))),
+      el("details", {}, el("summary", {}, t("tree.functs")), tree(Object.fromEntries(functs.map((f) => [f.name, f])))),
+      el("details", {}, el("summary", {}, t("threads.instance")), tree(status)),
+    ];
+  }).box;
+}
+
+/** Makes the card of the log. */
+export function logCard(ctx) {
+  const { t, signal, messages } = ctx;
+  const { box, refresh } = asked(ctx, "log", t("log"), async () => {
+    const all = await getJson("/log", { signal });
+    return [el("ol", { class: "log", tabIndex: 0, "aria-label": t("log") }, ...all.toReversed().map((m) =>
+      el("li", { "data-level": m.level }, el("time", {}, typeof m.time === "number" ? `${m.time.toFixed(3)} s` : String(m.time ?? "")), el("b", {}, t(`level.${m.level}`)), " ", m.text)))];
+  });
+  messages.listen(() => !box.hidden && refresh(), signal);
+  return box;
+}

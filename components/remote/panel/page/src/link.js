@@ -1,0 +1,139 @@
+// The socket: status, messages, samples and commands.
+
+import { Refusal, sessionKey } from "./http.js";
+import { releaseAll } from "./hold.js";
+
+const RETRY_MS = 1000;
+
+/** The connection to the server. A lost one is opened again, as a new client without the lease. */
+export class Link {
+  /** `on` has functions by message type: `status`, `message`, `values`, and `state` for the connection itself. */
+  constructor(on) {
+    this.on = on;
+    this.nextId = 1;
+    this.pending = new Map();
+    this.captures = new Map();
+    this.watched = new Map();
+    this.isOpen = false;
+    this.isClosed = false;
+    this.open();
+  }
+
+  open() {
+    const scheme = location.protocol === "https:" ? "wss:" : "ws:";
+    const socket = new WebSocket(`${scheme}//${location.host}/api/v1/socket`);
+    this.socket = socket;
+    socket.onopen = () => socket.send(JSON.stringify({ type: "hello", key: sessionKey() }));
+    socket.onmessage = (event) => this.receive(JSON.parse(event.data));
+    socket.onclose = () => {
+      releaseAll();
+      this.isOpen = false;
+      for (const { reject } of this.pending.values()) reject(new Refusal({ code: "no-server", text: this.lostText ?? "" }));
+      this.pending.clear();
+      this.captures.clear();
+      this.on.state(false);
+      if (!this.isClosed) setTimeout(() => this.open(), RETRY_MS);
+    };
+  }
+
+  /** Ends the connection for good. */
+  close() {
+    this.isClosed = true;
+    this.socket.close();
+  }
+
+  receive(message) {
+    switch (message.type) {
+      case "pulse":
+        // A page that nobody sees holds no jog.
+        if (!document.hidden) this.post({ type: "beat", n: message.n });
+        break;
+      case "hello":
+        this.isOpen = true;
+        this.on.state(true, message);
+        this.sendWatch();
+        break;
+      case "reply":
+      case "done":
+        this.settle(message);
+        break;
+      case "samples":
+        this.captures.get(message.id)?.(message);
+        break;
+      case "error":
+        if (message.error?.code === "no-session") {
+          this.isClosed = true;
+          this.on.ended();
+        }
+        break;
+      default:
+        this.on[message.type]?.(message);
+    }
+  }
+
+  settle({ id, ok, error, pending }) {
+    const waiting = this.pending.get(id);
+    if (!waiting) return;
+    if (pending) {
+      waiting.accepted?.();
+      return;
+    }
+    this.pending.delete(id);
+    if (error) waiting.reject(new Refusal(error));
+    else waiting.resolve(ok ?? {});
+  }
+
+  post(message) {
+    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
+  }
+
+  /** Sends a message that is answered; resolves at its end. */
+  ask(message, accepted) {
+    return new Promise((resolve, reject) => {
+      if (!this.isOpen) {
+        reject(new Refusal({ code: "no-server", text: this.lostText ?? "" }));
+        return;
+      }
+      const id = this.nextId++;
+      this.pending.set(id, { resolve, reject, accepted });
+      this.post({ ...message, id });
+    });
+  }
+
+  /** Executes a command of the table in API.md. */
+  command(name, args = {}, accepted) {
+    return this.ask({ type: "command", name, args }, accepted);
+  }
+
+  /** Watches names for one part of the page; `[]` ends it. */
+  watch(part, names) {
+    if (names.length === 0) this.watched.delete(part);
+    else this.watched.set(part, names);
+    this.sendWatch();
+  }
+
+  sendWatch() {
+    const names = [...new Set([...this.watched.values()].flat())].slice(0, 1000);
+    if (this.isOpen) this.post({ type: "watch", names });
+  }
+
+  /** Starts a capture; `receive` gets its samples. Resolves to its period, names, types and `id`. */
+  async capture(options, receive) {
+    const id = this.nextId++;
+    this.captures.set(id, receive);
+    const answer = new Promise((resolve, reject) => this.pending.set(id, { resolve, reject }));
+    this.post({ type: "scope", id, ...options });
+    try {
+      return { ...(await answer), id };
+    } catch (error) {
+      this.captures.delete(id);
+      throw error;
+    }
+  }
+
+  /** Ends a capture. */
+  endCapture(id) {
+    this.captures.delete(id);
+    this.post({ type: "scope", id, names: [] });
+  }
+}

@@ -1,0 +1,70 @@
+// The start of the page: session, socket, and the two faces, the operator's and the integrator's.
+
+import { el } from "./dom.js";
+import { currentSession, getJson, signIn, takeToken } from "./http.js";
+import { Link } from "./link.js";
+import { Messages } from "./operator/messages.js";
+import { Prefs } from "./prefs.js";
+import { signInForm } from "./sign_in.js";
+import { Store } from "./store.js";
+import { translator } from "./texts.js";
+import { buildPage } from "./page.js";
+import { context } from "./context.js";
+
+const prefs = new Prefs();
+const store = new Store();
+const messages = new Messages();
+let built = new AbortController();
+
+async function start() {
+  applyLook();
+  const token = takeToken();
+  let session = null;
+  let refusal = null;
+  try {
+    session = token ? await signIn({ token }) : await currentSession();
+  } catch (error) {
+    // A token that was used is no reason to lose the session of this tab.
+    refusal = error;
+    session = await currentSession().catch(() => null);
+  }
+  if (session) await run(session);
+  else document.body.replaceChildren(signInForm(translator(prefs.get("language")), refusal, run));
+}
+
+async function run(session) {
+  let info;
+  try {
+    info = await getJson("/info");
+  } catch (error) {
+    document.body.replaceChildren(el("main", { class: "sign-in" }, el("p", { role: "alert" }, error.message),
+      el("button", { type: "button", onclick: () => location.reload() }, translator(prefs.get("language"))("refresh"))));
+    return;
+  }
+  const link = new Link({
+    state: (isOpen, hello) => store.replace("link", { isOpen, client: hello?.client ?? null }),
+    ended: () => location.reload(),
+    status: ({ type, ...parts }) => {
+      for (const [part, changes] of Object.entries(parts)) {
+        if (changes === null) store.replace(part, {});
+        else store.merge(part, changes);
+      }
+    },
+    values: ({ values }) => store.merge("values", values),
+    message: ({ level, text, time }) => messages.add(level, text, time),
+  });
+  const build = () => {
+    built.abort();
+    built = new AbortController();
+    applyLook();
+    buildPage(context({ info, session, link, store, messages, prefs, signal: built.signal, t: translator(prefs.get("language")) }));
+  };
+  prefs.listen((name) => ["language", "theme", "units", null].includes(name) && build(), new AbortController().signal);
+}
+
+function applyLook() {
+  document.documentElement.lang = prefs.get("language");
+  document.documentElement.dataset.theme = prefs.get("theme");
+}
+
+start();

@@ -1,0 +1,187 @@
+// Jogs: by holding a button, in steps, by keys and by a wheel.
+
+import { card, el, enable, field, mark, setText, show } from "../dom.js";
+import { isAngular, length } from "../format.js";
+import { JOG_HOLD_MS, watchHold } from "../hold.js";
+
+/** Number of the axis or joint that a key moves, and its direction. */
+const KEYS = {
+  ArrowLeft: [0, -1], ArrowRight: [0, 1], ArrowDown: [1, -1], ArrowUp: [1, 1], PageDown: [2, -1], PageUp: [2, 1],
+  "[": [3, -1], "]": [3, 1],
+};
+
+/** Makes the card of jogs. */
+export function jogCard(ctx) {
+  const { info, store, t, prefs, signal } = ctx;
+  const axes = [...info.axes.toLowerCase()].map((axis) => ({ name: axis.toUpperCase(), axis, target: { axis: axis.toUpperCase() } }));
+  const joints = Array.from({ length: info.joints }, (_, j) => jointOf(info, j));
+  const jogger = new Jogger(ctx);
+  const increments = ["0", ...(info.increments ?? [])];
+  const step = el(
+    "select", { id: "jog-step", onchange: () => prefs.set("step", step.value) },
+    ...increments.map((text) => el("option", { value: text }, text === "0" ? t("jog.continuous") : text)),
+  );
+  step.value = increments.includes(prefs.get("step")) ? prefs.get("step") : "0";
+  jogger.step = () => step.value;
+
+  const speed = slider(ctx, "jog-speed", info.default_linear_velocity, info.max_linear_velocity, false);
+  const hasTurning = [...axes, ...joints].some(({ axis }) => isAngular(axis));
+  const turning = hasTurning ? slider(ctx, "jog-turn-speed", info.default_angular_velocity, info.max_angular_velocity, true) : null;
+  jogger.speed = (item) => Number((isAngular(item.axis) ? turning : speed).input.value);
+
+  // Before homing only joints move; after it, axes.
+  const pads = [joints, axes].map((items, i) => padOf(items, i === 1, jogger, step, t));
+  const buttons = pads.flatMap((pad) => [...pad.querySelectorAll("button")]);
+  const items = () => (store.get("motion").all_homed ? axes : joints);
+  const keys = el("button", { type: "button", id: "jog-keys", "aria-pressed": "false", onclick: () => setKeys(!keysOn) }, t("jog.keys"));
+  const banner = el("p", { class: "banner", role: "status", hidden: true }, t("jog.keys.on"));
+  const why = el("p", { class: "note" });
+  let keysOn = false;
+
+  function setKeys(is) {
+    keysOn = is && ctx.mayMove();
+    mark(keys, "aria-pressed", keysOn);
+    show(banner, keysOn);
+    document.body.classList.toggle("keys-jog", keysOn);
+    jogger.stopKey();
+  }
+  watchKeys(jogger, items, { isOn: () => keysOn, end: () => setKeys(false), signal });
+
+  store.listen(() => {
+    const task = store.get("task");
+    const may = ctx.mayMove() && task.state === 2 && (!task.interpreter || task.interpreter === 2);
+    const isHomed = items() === axes;
+    show(pads[0], !isHomed);
+    show(pads[1], isHomed);
+    for (const button of buttons) enable(button, may);
+    enable(keys, may);
+    if (!may && keysOn) setKeys(false);
+    setText(why, may ? "" : ctx.whyNot());
+    show(why, !may);
+  }, signal);
+  signal.addEventListener("abort", () => setKeys(false));
+  return card(
+    "jog", t("jog"), banner, ...pads, why,
+    el("div", { class: "row" }, field(t("jog.step"), step), keys),
+    speed.label, turning?.label ?? null,
+  );
+}
+
+function jointOf(info, j) {
+  const isTurning = info.limits?.joints?.[j]?.type === "ANGULAR";
+  return { name: `J${j}`, axis: isTurning ? "a" : "x", target: { joint: j } };
+}
+
+function padOf(items, areAxes, jogger, step, t) {
+  const buttons = items.flatMap((item) => [-1, 1].map((way) => jogButton(item, way, jogger, t)));
+  const pad = el("div", { class: `pad${areAxes ? " axes" : ""}`, role: "group", "aria-label": t("jog") }, ...buttons);
+  // A wheel over the focused button of an axis makes steps, if a step is chosen.
+  pad.addEventListener("wheel", (event) => {
+    const button = event.target.closest("[data-jog]");
+    if (!button || button.disabled || step.value === "0" || document.activeElement !== button) return;
+    event.preventDefault();
+    jogger.begin(items.find((item) => item.name === button.dataset.jog), event.deltaY < 0 ? 1 : -1);
+  }, { passive: false });
+  return pad;
+}
+
+function jogButton(item, way, jogger, t) {
+  const sign = way < 0 ? "−" : "+";
+  const side = way < 0 ? "minus" : "plus";
+  const button = el(
+    "button",
+    { type: "button", class: `jog jog-${item.name}-${side}`, "data-jog": item.name, "data-way": way, "aria-label": `${t("jog")} ${item.name}${sign}` },
+    `${item.name}${sign}`,
+  );
+  watchHold(button, { delay: JOG_HOLD_MS, begin: () => jogger.begin(item, way), end: () => jogger.end(item) });
+  return button;
+}
+
+function slider(ctx, id, first, most, isTurning) {
+  const { t, prefs } = ctx;
+  const max = Number.isFinite(most) ? most : Math.max(1, (first ?? 1) * 10);
+  const input = el("input", { type: "range", id, min: String(max / 1000), max: String(max), step: "any" });
+  input.value = String(Math.min(max, prefs.get(id) ?? first ?? max / 10));
+  const output = el("output", { for: id });
+  const unit = ctx.units();
+  const draw = () => {
+    const value = Number(input.value);
+    setText(output, isTurning ? `${value.toFixed(1)} °/s` : `${unit.show(value).toFixed(1)} ${unit.unit("x")}/s`);
+  };
+  input.addEventListener("input", draw);
+  input.addEventListener("change", () => prefs.set(id, Number(input.value)));
+  draw();
+  return { input, label: el("label", { class: "slide" }, el("span", {}, t(isTurning ? "jog.turn" : "jog.speed")), input, output) };
+}
+
+/** Keys jog wherever the focus is, while the mode is on, which the page shows; typing, blur and Escape end it. */
+function watchKeys(jogger, items, { isOn, end, signal }) {
+  const isTyping = (node) => node instanceof Element && node.matches("input:not([type=range]), textarea, select, dialog, dialog *");
+  window.addEventListener("keydown", (event) => {
+    if (!isOn()) return;
+    if (event.key === "Escape") return end();
+    const [index, way] = KEYS[event.key] ?? [];
+    const item = items()[index];
+    if (!item || event.ctrlKey || event.altKey || event.metaKey) return;
+    event.preventDefault();
+    if (!event.repeat) jogger.beginKey(event.key, item, way);
+  }, { signal });
+  window.addEventListener("keyup", (event) => jogger.endKey(event.key), { signal });
+  document.addEventListener("focusin", (event) => isOn() && isTyping(event.target) && end(), { signal });
+  window.addEventListener("blur", () => isOn() && end(), { signal });
+  document.addEventListener("visibilitychange", () => isOn() && document.hidden && end(), { signal });
+}
+
+/** Jogs in progress. */
+class Jogger {
+  constructor(ctx) {
+    this.ctx = ctx;
+    this.active = new Map();
+    this.key = null;
+  }
+
+  async begin(item, way) {
+    if (this.active.has(item)) return;
+    const text = this.step();
+    const velocity = this.speed(item) * way;
+    const jog = { isStep: text !== "0" };
+    this.active.set(item, jog);
+    const isReady = await this.ctx.manual();
+    // A release during the change of mode ends the jog before it begins.
+    if (!isReady || this.active.get(item) !== jog) {
+      if (this.active.get(item) === jog) this.active.delete(item);
+      return;
+    }
+    if (!jog.isStep) {
+      await this.ctx.run("jog", { ...item.target, velocity });
+      return;
+    }
+    const distance = length(text, isAngular(item.axis) ? "mm" : this.ctx.info.linear_units);
+    if (distance !== null) await this.ctx.run("jog", { ...item.target, velocity: Math.abs(velocity), distance: distance * way });
+    this.active.delete(item);
+  }
+
+  end(item) {
+    const jog = this.active.get(item);
+    if (!jog || jog.isStep) return;
+    this.active.delete(item);
+    this.ctx.run("jog-stop");
+  }
+
+  beginKey(key, item, way) {
+    if (this.key !== null) return;
+    this.key = { key, item };
+    this.begin(item, way);
+  }
+
+  endKey(key) {
+    if (this.key?.key === key) this.stopKey();
+  }
+
+  stopKey() {
+    if (this.key === null) return;
+    const { item } = this.key;
+    this.key = null;
+    this.end(item);
+  }
+}

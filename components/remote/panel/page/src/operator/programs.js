@@ -1,0 +1,107 @@
+// The list of programs, uploads, and the program that is open.
+
+import { ask, card, el, enable, setText, show } from "../dom.js";
+import { bytes } from "../format.js";
+import { getJson, programPath, request } from "../http.js";
+import { Listing, Program } from "./listing.js";
+
+/** Makes the card of programs. */
+export function programsCard(ctx) {
+  const { store, t, signal } = ctx;
+  const list = el("ul", { class: "files", "aria-label": t("programs") });
+  const input = el("input", { type: "file", id: "upload", class: "unseen", multiple: true, accept: ".ngc,.nc,.gcode,.tap,.txt,.cnc" });
+  const name = el("h3", { class: "file" }, t("program.none"));
+  const note = el("p", { class: "note", role: "status" });
+  const listing = new Listing(t, (line) => {
+    listing.choose(line);
+    store.merge("program", { chosen: line });
+  });
+  const files = el("details", { open: true }, el("summary", {}, t("programs")), list);
+  let loading = null;
+
+  async function refresh() {
+    try {
+      const all = await getJson("/programs", { signal });
+      list.replaceChildren(...(all.length > 0 ? all.map(item) : [el("li", { class: "note" }, t("programs.empty"))]));
+    } catch (error) {
+      ctx.fail(error);
+    }
+  }
+
+  function item(file) {
+    const open = el("button", { type: "button", class: "plain", onclick: () => ctx.run("open", { program: file.name }) }, file.name);
+    const remove = el("button", { type: "button", class: "small", "aria-label": `${t("program.delete")} ${file.name}`, onclick: () => removeFile(file.name) }, "✕");
+    return el("li", { class: "row spread" }, open, el("span", { class: "note" }, bytes(file.bytes)), remove);
+  }
+
+  async function removeFile(file) {
+    if (!(await ask(`${t("program.delete")} ${file}?`, [], { confirm: t("program.delete"), cancel: t("cancel") }))) return;
+    try {
+      await request("DELETE", programPath(file));
+    } catch (error) {
+      ctx.fail(error);
+    }
+    refresh();
+  }
+
+  async function upload(chosen) {
+    for (const file of chosen) {
+      setText(note, t("program.uploading", file.name));
+      try {
+        await request("PUT", programPath(file.name), { body: file });
+        setText(note, t("program.uploaded", file.name));
+        // A program that is open is read again.
+        if (store.get("program").name === file.name) load(file.name);
+      } catch (error) {
+        setText(note, "");
+        ctx.fail(error);
+      }
+    }
+    refresh();
+  }
+  input.addEventListener("change", () => {
+    upload([...input.files]);
+    input.value = "";
+  });
+
+  async function load(file) {
+    loading?.abort();
+    loading = new AbortController();
+    const { signal: mine } = loading;
+    store.replace("program", { name: file, lines: 0 });
+    setText(name, file ?? t("program.none"));
+    listing.open(null);
+    if (!file) return;
+    try {
+      const text = await request("GET", programPath(file), { signal: mine });
+      const program = new Program(file, await text.arrayBuffer());
+      listing.open(program);
+      store.merge("program", { lines: program.lines });
+    } catch (error) {
+      if (error.name !== "AbortError") ctx.fail(error);
+    }
+  }
+
+  store.listen(() => {
+    const [motion, task] = [store.get("motion"), store.get("task")];
+    const file = (task.file ?? "").split("/").at(-1) || null;
+    if (file !== (store.get("program").name ?? null)) load(file);
+    listing.mark(task.interpreter ? motion.line || task.line || 0 : 0);
+    enable(input, ctx.session.role !== "viewer");
+  }, signal);
+  signal.addEventListener("abort", () => loading?.abort());
+  refresh();
+
+  const drop = card(
+    "programs", t("program"), name, note, listing.node, files,
+    el("div", { class: "row" }, el("label", { class: "button", for: "upload" }, t("program.upload")), input,
+      el("button", { type: "button", onclick: refresh }, t("refresh"))),
+  );
+  drop.addEventListener("dragover", (event) => event.preventDefault());
+  drop.addEventListener("drop", (event) => {
+    event.preventDefault();
+    upload([...event.dataTransfer.files]);
+  });
+  show(note, true);
+  return drop;
+}

@@ -1,0 +1,6 @@
+// Numbers of the snapshot `task.status`.
+
+export const STATE = { estop: 0, off: 1, on: 2 };
+export const MODES = ["manual", "auto", "mdi"];
+export const MODE_AUTO = 1;
+export const INTERPRETER = { idle: 0, reading: 1, paused: 2, waiting: 3 };

@@ -1,0 +1,163 @@
+// The frame of the page: the bar at the top, the cards, the bar at the bottom of a phone.
+
+import { ask, el, enable, mark, setText, show } from "./dom.js";
+import { holdButton } from "./hold.js";
+import { signOut } from "./http.js";
+import { findingsCard, flightCard, graphCard, logCard, orderCard, threadsCard } from "./integrator/diagnose.js";
+import { scopeCard } from "./integrator/scope.js";
+import { treeCard, watchCard } from "./integrator/tree.js";
+import { jogCard } from "./operator/jog.js";
+import { machineCard } from "./operator/machine.js";
+import { mdiCard } from "./operator/mdi.js";
+import { messagesCard, toasts, toolPrompt } from "./operator/messages.js";
+import { offsetsCard, toolsCard } from "./operator/offsets.js";
+import { overridesCard, spindleCard } from "./operator/overrides.js";
+import { positionsCard } from "./operator/positions.js";
+import { programsCard } from "./operator/programs.js";
+import { runCard } from "./operator/run.js";
+import { LANGUAGES } from "./texts.js";
+import { viewCard } from "./view/card.js";
+
+/** Cards of the operator: the place on a wide screen, the group on a phone. */
+const OPERATOR = [
+  ["left", "all", positionsCard], ["left", "move", machineCard], ["left", "move", jogCard],
+  ["centre", "view", viewCard], ["centre", "job", runCard], ["centre", "job", programsCard],
+  ["right", "job", overridesCard], ["right", "mdi", mdiCard], ["right", "more", spindleCard], ["right", "more", offsetsCard],
+  ["right", "more", toolsCard], ["right", "more", messagesCard],
+];
+const GROUPS = ["move", "view", "job", "mdi", "more"];
+const INTEGRATOR = [
+  ["left", treeCard], ["centre", watchCard], ["centre", scopeCard], ["centre", graphCard], ["right", findingsCard], ["right", orderCard],
+  ["right", threadsCard], ["right", flightCard], ["right", logCard],
+];
+
+/** Builds the page anew. */
+export function buildPage(ctx) {
+  const { prefs, t, signal } = ctx;
+  const main = el("main", { id: "main" });
+  const nav = el("nav", { class: "groups", "aria-label": t("groups") }, ...GROUPS.map((group) =>
+    el("button", { type: "button", "data-group": group, onclick: () => prefs.set("group", group) }, t(`group.${group}`))));
+  document.body.replaceChildren(
+    el("a", { class: "skip", href: "#main" }, t("skip")), topBar(ctx), linkBanner(ctx), toolPrompt(ctx), main, nav, toasts(ctx),
+  );
+  let face = new AbortController();
+  signal.addEventListener("abort", () => face.abort());
+  let shown = null;
+  prefs.listen(() => {
+    document.body.dataset.group = prefs.get("group");
+    for (const button of nav.children) mark(button, "aria-pressed", button.dataset.group === prefs.get("group"));
+    const page = prefs.get("page");
+    if (page === shown) return;
+    shown = page;
+    face.abort();
+    face = new AbortController();
+    document.body.dataset.page = page;
+    main.replaceChildren(...columns(page, { ...ctx, signal: face.signal }));
+  }, signal);
+  keepAwake(ctx);
+}
+
+function columns(page, ctx) {
+  const places = { left: [], centre: [], right: [] };
+  if (page === "integrate") for (const [place, make] of INTEGRATOR) places[place].push(make(ctx));
+  else {
+    for (const [place, group, make] of OPERATOR) {
+      const box = make(ctx);
+      box.dataset.group = group;
+      places[place].push(box);
+    }
+  }
+  return Object.entries(places).map(([place, boxes]) => el("div", { class: `column ${place}` }, ...boxes));
+}
+
+function topBar(ctx) {
+  const { info, session, store, prefs, t, run, signal } = ctx;
+  const pages = ["operate", "integrate"].map((page) =>
+    el("button", { type: "button", "data-page": page, onclick: () => prefs.set("page", page) }, t(`page.${page}`)));
+  const lease = el("button", { type: "button", id: "lease", onclick: changeLease });
+  const holder = el("span", { class: "note", id: "lease-holder" });
+  const stop = el("button", { type: "button", id: "estop", class: "estop", onclick: () => run("estop") }, t("estop"));
+  const abort = el("button", { type: "button", id: "abort", class: "danger", onclick: () => run("abort") }, t("abort"));
+  const language = el("select", { "aria-label": t("language"), id: "language", onchange: () => prefs.set("language", language.value) },
+    ...LANGUAGES.map(([code, name]) => el("option", { value: code, selected: code === prefs.get("language"), lang: code }, name)));
+  const theme = el("button", { type: "button", id: "theme", "aria-label": t("theme"), title: t("theme"),
+    onclick: () => prefs.set("theme", prefs.get("theme") === "dark" ? "light" : "dark") }, "◐");
+  const leave = el("button", { type: "button", id: "sign-out", onclick: endSession }, t("sign.out"));
+
+  async function changeLease() {
+    const panel = store.get("panel");
+    const isOther = panel.lease && !panel.lease.yours;
+    if (isOther && !(await ask(t("lease.force", panel.lease.user), [], { confirm: t("lease.take"), cancel: t("cancel") }))) return;
+    try {
+      await ctx.link.ask({ type: "lease", do: panel.lease?.yours ? "give" : "take", force: Boolean(isOther) });
+    } catch (error) {
+      ctx.fail(error);
+    }
+  }
+  async function endSession() {
+    await signOut().catch(ctx.fail);
+    location.reload();
+  }
+
+  prefs.listen(() => {
+    for (const button of pages) mark(button, "aria-pressed", button.dataset.page === prefs.get("page"));
+  }, signal);
+  store.listen(() => {
+    const [panel, link] = [store.get("panel"), store.get("link")];
+    const { lease: held } = panel;
+    setText(lease, held?.yours ? t("lease.give") : t("lease.take"));
+    mark(lease, "aria-pressed", held?.yours === true);
+    enable(lease, link.isOpen && session.role !== "viewer");
+    setText(holder, held ? (held.yours ? t("lease.yours") : t("lease.held", held.user)) : t("lease.free"));
+    enable(stop, link.isOpen && session.role !== "viewer");
+    enable(abort, link.isOpen);
+  }, signal);
+  return el("header", { class: "top" },
+    el("h1", {}, info.machine ?? info.instance), info.simulated ? el("span", { class: "chip" }, t("simulated")) : null,
+    el("div", { class: "row tabs", role: "group", "aria-label": t("pages") }, ...pages),
+    el("div", { class: "row" }, lease, holder), el("span", { class: "grow" }), language, theme,
+    el("span", { class: "note user" }, `${session.user ?? ""} · ${t(`role.${session.role}`)}`), leave, abort, stop);
+}
+
+/** Says at once that the server or the engine is gone; a new engine is joined only when a person says so. */
+function linkBanner(ctx) {
+  const { store, t, run, signal } = ctx;
+  const text = el("span");
+  const join = holdButton(t("engine.join"), t("hold.hint"), () => run("rejoin"), { id: "rejoin" });
+  const box = el("div", { class: "banner", role: "alert", hidden: true, id: "link-banner" }, text, join);
+  store.listen(() => {
+    const [link, panel] = [store.get("link"), store.get("panel")];
+    const isLost = link.isOpen === false;
+    const engine = panel.engine ?? "joined";
+    show(box, isLost || engine !== "joined");
+    show(join, !isLost && engine === "another");
+    setText(text, isLost ? t("link.lost") : engine === "another" ? t("engine.another") : t("engine.gone"));
+  }, signal);
+  return box;
+}
+
+/** Keeps the screen awake while a job runs. */
+function keepAwake({ store, signal }) {
+  let lock = null;
+  let isAsked = false;
+  const release = () => {
+    lock?.release();
+    lock = null;
+  };
+  const draw = async () => {
+    const isRunning = Boolean(store.get("task").interpreter);
+    if (!isRunning) release();
+    if (!isRunning || lock || isAsked || document.hidden || !navigator.wakeLock) return;
+    isAsked = true;
+    try {
+      lock = await navigator.wakeLock.request("screen");
+      lock.addEventListener("release", () => { lock = null; });
+    } catch {
+      // The browser may refuse (battery, no secure page): the screen follows its own settings.
+    }
+    isAsked = false;
+  };
+  store.listen(draw, signal);
+  document.addEventListener("visibilitychange", draw, { signal });
+  signal.addEventListener("abort", release);
+}

@@ -1,0 +1,159 @@
+// The card with the picture: path, limits, zeros, machine, tool.
+
+import { card, el, setText, show } from "../dom.js";
+import { AXES, workPose } from "../format.js";
+import { programPath, request } from "../http.js";
+import { Vector3 } from "../../vendor/three.module.min.js";
+import { Gantry, Lathe, Tool, Trail, lights } from "./bodies.js";
+import { Path } from "./path.js";
+import { View } from "./view.js";
+
+const COLOURS = {
+  dark: { limit: 0x5b7083, grid: 0x2a3846, rapid: 0xe6c34a, tool: 0xff8c42, trail: 0xff5fa2, frame: 0x7a8ea3, part: 0x9fb6cc },
+  light: { limit: 0x7b8c9c, grid: 0xd4dce4, rapid: 0xa87800, tool: 0xd85a00, trail: 0xc2185b, frame: 0x8fa0b0, part: 0x5d7892 },
+};
+
+/** Makes the card with the picture. */
+export function viewCard(ctx) {
+  const { info, store, t, prefs, signal } = ctx;
+  const colours = COLOURS[prefs.get("theme")];
+  const host = el("div", { class: "view", role: "img", "aria-label": t("view.label") });
+  const note = el("p", { class: "note", role: "status" });
+  const tools = el("div", { class: "row tabs" });
+  const box = card("view", t("view"), tools, host, note);
+  let view;
+  try {
+    view = new View(host, colours);
+  } catch (error) {
+    setText(note, t("view.none", error.message));
+    return box;
+  }
+  host.classList.add("drawn");
+  for (const name of ["iso", "top", "front", "side"]) {
+    tools.append(el("button", { type: "button", onclick: () => view.look(name) }, t(`view.${name}`)));
+  }
+  const colourBy = el("button", { type: "button", onclick: () => prefs.set("colourBy", prefs.get("colourBy") === "feed" ? "tool" : "feed") });
+  tools.append(
+    el("button", { type: "button", "aria-label": t("view.in"), onclick: () => view.zoom(1.4) }, "+"),
+    el("button", { type: "button", "aria-label": t("view.out"), onclick: () => view.zoom(1 / 1.4) }, "−"),
+    el("button", { type: "button", onclick: () => view.fit(true) }, t("view.machine")),
+    el("button", { type: "button", onclick: () => view.fit() }, t("view.path")),
+    colourBy,
+  );
+
+  const [low, high] = travel(info);
+  const machine = low ? bodyOf(info, new Vector3(...low), new Vector3(...high), colours) : null;
+  const size = low ? new Vector3(...high).sub(new Vector3(...low)).length() : 100;
+  const tool = new Tool(size / 25, colours.tool);
+  const trail = new Trail(colours.trail);
+  view.live.add(...lights(), tool.node, trail.node);
+  if (machine) view.live.add(machine.node);
+  if (low) view.setLimits(low, high);
+
+  const state = { file: undefined, path: null, zeros: "", pose: "" };
+  let loading = null;
+
+  async function load(file) {
+    loading?.abort();
+    loading = new AbortController();
+    const { signal: mine } = loading;
+    state.path = null;
+    view.setPath(null);
+    trail.clear();
+    setText(note, "");
+    if (!file) return;
+    setText(note, t("view.reading"));
+    const begun = performance.now();
+    try {
+      const response = await request("GET", programPath(file, "/path"), { signal: mine });
+      const path = new Path(await response.arrayBuffer());
+      state.path = path;
+      const rapid = 60 * (info.max_linear_velocity ?? 100);
+      store.merge("program", { share: (line) => path.share(line, rapid) });
+      host.addEventListener("complete", () => {
+        host.dataset.complete = String(Math.round(performance.now() - begun));
+        host.dataset.points = String(path.count);
+      }, { once: true });
+      draw();
+      const problem = response.headers.get("X-Ferrule-Error");
+      setText(note, problem ? decodeURIComponent(problem) : summary(path, low, high, ctx));
+    } catch (error) {
+      if (error.name !== "AbortError") setText(note, error.message);
+    }
+  }
+  function draw() {
+    view.setPath(state.path, { rapid: colours.rapid, colourBy: prefs.get("colourBy") });
+    if (state.path?.count > 1) host.setAttribute("aria-label", `${t("view.label")}: ${note.textContent}`);
+  }
+
+  prefs.listen((name) => {
+    setText(colourBy, t(`view.by.${prefs.get("colourBy")}`));
+    if (name === "colourBy" && state.path) draw();
+  }, signal);
+  store.listen(() => {
+    const [motion, task, program] = ["motion", "task", "program"].map((part) => store.get(part));
+    if (program.name !== state.file && (program.lines > 0 || !program.name)) {
+      state.file = program.name;
+      load(program.name);
+    }
+    if (!motion.pose) return;
+    const zeros = JSON.stringify([task.g5x_offset, task.g92_offset, task.rotation]);
+    if (zeros !== state.zeros) {
+      state.zeros = zeros;
+      view.setZeros([{ point: [0, 0, 0], angle: 0, isCurrent: false }, zero(task)]);
+    }
+    const pose = motion.pose.join();
+    if (pose === state.pose) return;
+    state.pose = pose;
+    const point = new Vector3(motion.pose[0], motion.pose[1], motion.pose[2]);
+    // The controlled point is the tip: the tool is longer than the machine's own point by its offset.
+    tool.move(point);
+    trail.add(point);
+    machine?.move(point, motion.joint_feedback);
+    const work = workPose(motion, task);
+    host.title = work.slice(0, 3).map((v, i) => `${AXES[i].toUpperCase()} ${ctx.units().text(v)}`).join("  ");
+    view.request();
+  }, signal);
+  signal.addEventListener("abort", () => {
+    loading?.abort();
+    view.dispose();
+  });
+  show(note, true);
+  return box;
+}
+
+/** Returns the travel of X, Y and Z as two points, if the INI file states that of any. */
+function travel(info) {
+  const limits = info.limits?.axes ?? [];
+  const of = (axis) => limits.find((l) => l.axis === axis) ?? {};
+  const known = ["X", "Y", "Z"].filter((axis) => Number.isFinite(of(axis).min) && Number.isFinite(of(axis).max));
+  if (known.length === 0) return [null, null];
+  const end = (key) => ["X", "Y", "Z"].map((axis) => (known.includes(axis) ? of(axis)[key] : 0));
+  return [end("min"), end("max")];
+}
+
+function bodyOf(info, low, high, colours) {
+  const axes = info.axes.toUpperCase();
+  if (!/^(trivkins|gantrykins|corexykins)?\b/.test(info.kinematics ?? "")) return null;
+  if (axes.includes("X") && axes.includes("Z") && !axes.includes("Y")) return new Lathe(low, high, colours);
+  return axes.startsWith("XYZ") ? new Gantry(low, high, colours) : null;
+}
+
+/** Returns the zero of the current coordinate system in machine coordinates. */
+function zero(task) {
+  const angle = ((task.rotation ?? 0) * Math.PI) / 180;
+  const [gx, gy, gz] = task.g92_offset ?? [0, 0, 0];
+  const [x, y, z] = task.g5x_offset ?? [0, 0, 0];
+  const turned = [gx * Math.cos(angle) - gy * Math.sin(angle), gx * Math.sin(angle) + gy * Math.cos(angle), gz];
+  return { point: [x + turned[0], y + turned[1], z + turned[2]], angle, isCurrent: true };
+}
+
+/** Returns the size of a path in words, and whether it leaves the travel. */
+function summary(path, low, high, ctx) {
+  if (path.count < 2) return ctx.t("view.empty");
+  const unit = ctx.units();
+  const size = path.high.map((v, i) => unit.text(v - path.low[i])).join(" × ");
+  const text = `${ctx.t("view.size")} ${size} ${unit.unit("x")}`;
+  const leaves = low && path.low.some((v, i) => v < low[i] - 1e-6 || path.high[i] > high[i] + 1e-6);
+  return leaves ? `${text} · ${ctx.t("view.leaves")}` : text;
+}
