@@ -7,6 +7,7 @@
 //! | [`world`] | the interpreter's environment: programs, subroutines, tools, values |
 //! | [`run`] | a program without its machine, from its begin to its end |
 //! | [`dry_run`], [`refusal`] | a program as far as a line, and why it cannot begin there |
+//! | [`spindle`] | the record of the tool in the spindle |
 //!
 //! `halgcode` and the task use it, so that a program that was checked runs with the same facts.
 #![forbid(unsafe_code)]
@@ -16,6 +17,7 @@ pub mod machine;
 pub mod number;
 pub mod refusal;
 pub mod run;
+pub mod spindle;
 pub mod world;
 
 pub use machine::{Files, Machine};

@@ -1,6 +1,7 @@
 //! The machine that a program is for: its INI file, tool table and parameter file.
 
 use crate::number::{self, count, number};
+use crate::spindle::{self, Spindle};
 use hal_gcode::{
     Numbered, Settings,
     axis::{Axis, AxisMask},
@@ -30,6 +31,10 @@ pub struct Machine {
     pub tools: ToolTable,
     /// The file of the tool table.
     pub table: Option<PathBuf>,
+    /// The tool in the spindle.
+    pub spindle: Spindle,
+    /// The file of the tool in the spindle.
+    pub spindle_file: Option<PathBuf>,
     /// The numbered parameters at the start.
     pub numbered: Numbered,
     /// The parameter file and its values, to be written again after a run.
@@ -80,6 +85,8 @@ impl Machine {
             settings: Settings::default(),
             tools: ToolTable::default(),
             table: None,
+            spindle: Spindle::Holds(0),
+            spindle_file: None,
             numbered: Numbered::default(),
             parameters: None,
             folders: vec![here.clone()],
@@ -101,6 +108,12 @@ impl Machine {
             out.apply(&ini)?;
             let beside = |name: &str| out.folder.join(name);
             table = ini.get("EMCIO", "TOOL_TABLE").map(beside);
+            out.spindle_file = ini.get("EMCIO", "SPINDLE_FILE").map(beside);
+            if let Some(table) = table.as_ref().filter(|_| out.spindle_file.is_none()) {
+                let mut name = table.clone().into_os_string();
+                name.push(".spindle");
+                out.spindle_file = Some(name.into());
+            }
             parameters = ini.get("RS274NGC", "PARAMETER_FILE").map(beside);
             out.ini = Some(ini);
         }
@@ -114,6 +127,7 @@ impl Machine {
             out.read_table(&path)?;
             out.table = Some(path);
         }
+        out.read_spindle();
         let asked = files.parameters.map(Path::to_path_buf);
         if let Some(path) = asked.or(parameters) {
             out.read_parameters(path)?;
@@ -232,6 +246,32 @@ impl Machine {
     pub fn reload_tools(&mut self) -> Result<(), String> {
         let table = self.table.clone();
         table.map_or(Ok(()), |path| self.read_table(&path))
+    }
+
+    /// Reads which tool is in the spindle. Without a record, a fixed changer starts without a tool.
+    fn read_spindle(&mut self) {
+        if self.settings.random_changer {
+            let tool = self.tools.tools.iter().find(|t| t.pocket == 0);
+            self.spindle = Spindle::Holds(tool.map_or(0, |t| t.number));
+        }
+        let Some(path) = self.spindle_file.as_ref().filter(|path| path.exists()) else { return };
+        let record = text(path).map(|text| spindle::parse(&text));
+        match record {
+            // The table of a random changer has the tool in the spindle, unless a change was cut off.
+            Ok(Some(Spindle::Holds(tool)))
+                if self.settings.random_changer && tool != spindle::UNKNOWN => {}
+            Ok(Some(record)) => self.spindle = record,
+            Ok(None) => {
+                self.spindle = Spindle::Holds(spindle::UNKNOWN);
+                let name = path.display();
+                self.remarks
+                    .push(format!("{name}: the record of the tool in the spindle is damaged"));
+            }
+            Err(why) => {
+                self.spindle = Spindle::Holds(spindle::UNKNOWN);
+                self.remarks.push(why);
+            }
+        }
     }
 
     fn read_table(&mut self, path: &Path) -> Result<(), String> {

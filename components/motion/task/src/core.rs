@@ -14,6 +14,7 @@ mod origin;
 mod overrides;
 mod pump;
 mod read;
+mod tool;
 pub(crate) mod user;
 mod wait;
 
@@ -29,6 +30,7 @@ use std::{
     path::{Path, PathBuf},
     sync::Arc,
 };
+use tool::Held;
 
 /// Number of lines of MDI that can wait.
 pub(crate) const MDI_LEN: usize = 10;
@@ -131,6 +133,7 @@ struct Flight {
 enum Waiting {
     Order(u64),
     Io(u64),
+    Change { id: u64, tool: i32 },
     Dwell { until: f64 },
     Input { index: u32, analog: bool, mode: u8, until: f64, before: bool },
     Oriented { until: f64 },
@@ -192,6 +195,7 @@ pub(crate) struct Core {
     ending: Option<Ending>,
     /// The request for the next tool.
     preparing: Option<u64>,
+    pub(crate) held: Held,
     mdi: VecDeque<(Box<str>, Ticket)>,
     /// Mode that comes back after lines of MDI from another mode.
     mode_before: Option<Mode>,
@@ -228,6 +232,7 @@ impl Core {
         let mut interpreter = Interpreter::new(settings.clone(), world.machine.numbered.clone());
         run::start(&mut interpreter, &world)?;
         interpreter.state.numbered.record_changes();
+        let held = Held::new(&world.machine, &mut interpreter);
         let mut converter = Converter::new(&settings, rules.change_position);
         converter.restart(&interpreter.state, [0.0; 9]);
         Ok(Self {
@@ -246,6 +251,7 @@ impl Core {
             current: None,
             ending: None,
             preparing: None,
+            held,
             mdi: VecDeque::new(),
             mode_before: None,
             asked: Vec::new(),
@@ -272,6 +278,7 @@ impl Core {
             self.job_time = out.now() - job.began;
         }
         self.watch(out);
+        self.watch_tool(out);
         self.report(out);
         self.follow_surface(out);
         self.follow_overrides(out);
@@ -364,7 +371,8 @@ impl Core {
 
     /// Returns whether the job waits for a tool, and its number.
     pub(crate) fn awaited_tool(&self) -> Option<i32> {
-        let waits = matches!(self.waiting, Some(Waiting::Io(_))) || self.preparing.is_some();
+        let waits = matches!(self.waiting, Some(Waiting::Io(_) | Waiting::Change { .. }))
+            || self.preparing.is_some();
         match self.job.as_ref()?.reading {
             _ if !waits || !self.flight.is_empty() => None,
             Reading::Asked(Request::ToolChange { tool }) => Some(tool),

@@ -2,6 +2,7 @@
 
 use hal_component::{IoRequest, IoState};
 use hal_gcode::{Numbered, tool::ToolTable};
+use hal_job::spindle::Spindle;
 
 /// Speed of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -198,4 +199,6 @@ pub(crate) trait Outside {
     fn save_parameters(&mut self, numbered: &Numbered) -> Result<(), String>;
     /// Writes the tool table.
     fn save_tools(&mut self, tools: &ToolTable) -> Result<(), String>;
+    /// Writes the record of the tool in the spindle, behind the record before.
+    fn save_spindle(&mut self, before: Spindle, now: Spindle) -> Result<(), String>;
 }

@@ -44,6 +44,7 @@ pub(crate) fn read(ini: Option<&str>) -> Result<(Box<Core>, Files), String> {
     let files = Files {
         parameters: machine.parameters.take(),
         table: machine.table.clone(),
+        spindle: machine.spindle_file.clone(),
         codes: machine.codes.clone(),
         letters: Letters::from(machine.settings.axes.0),
     };

@@ -5,6 +5,7 @@ mod real;
 mod spindle;
 mod stop;
 mod table;
+mod tool;
 mod words;
 
 use crate::{
@@ -14,7 +15,7 @@ use crate::{
 };
 use hal_component::{Estop, IoRequest, IoState};
 use hal_gcode::{Numbered, tool::ToolTable};
-use hal_job::{Files, Machine, World};
+use hal_job::{Files, Machine, World, spindle::Spindle};
 use std::{
     collections::{BTreeMap, VecDeque},
     path::PathBuf,
@@ -46,6 +47,8 @@ struct Fake {
     /// X of G54 in the parameters that were saved last.
     saved: Option<f64>,
     tables: Vec<String>,
+    /// Records of the tool in the spindle; `None` while the disk is full.
+    spindles: Option<Vec<Spindle>>,
 }
 
 impl Fake {
@@ -84,6 +87,7 @@ impl Fake {
             saves: 0,
             saved: None,
             tables: Vec::new(),
+            spindles: Some(Vec::new()),
         }
     }
 
@@ -187,12 +191,22 @@ impl Outside for Fake {
         self.log.push(format!("{request:?}"));
         match request {
             IoRequest::Prepare { .. } | IoRequest::Change => {
+                if request == IoRequest::Change && self.io.tool != self.io.prepared {
+                    let record = self.spindles.as_ref().unwrap().last();
+                    assert!(
+                        matches!(record, Some(Spindle::Changing { .. })),
+                        "asked before it is written"
+                    );
+                }
                 self.ends.insert(id, Progress::Pending);
                 self.changer.push_back((id, request));
                 return Some(id);
             }
             IoRequest::Abort => {
-                for (id, _) in self.changer.drain(..) {
+                for (id, request) in self.changer.drain(..) {
+                    if request == IoRequest::Change {
+                        self.io.tool = hal_job::spindle::UNKNOWN;
+                    }
                     self.ends.insert(id, Progress::Failed("aborted".to_owned()));
                 }
             }
@@ -230,6 +244,12 @@ impl Outside for Fake {
     }
     fn save_tools(&mut self, tools: &ToolTable) -> Result<(), String> {
         self.tables.push(tools.print());
+        Ok(())
+    }
+    fn save_spindle(&mut self, before: Spindle, now: Spindle) -> Result<(), String> {
+        assert_ne!(before, now, "each record is written once");
+        let records = self.spindles.as_mut().ok_or("no space left on device")?;
+        records.push(now);
         Ok(())
     }
 }

@@ -33,6 +33,8 @@ pub(crate) struct Desk {
 pub(crate) struct Files {
     pub(crate) parameters: Option<(PathBuf, ParameterFile)>,
     pub(crate) table: Option<PathBuf>,
+    /// The record of the tool in the spindle.
+    pub(crate) spindle: Option<PathBuf>,
     pub(crate) codes: Vec<PathBuf>,
     pub(crate) letters: Letters,
 }

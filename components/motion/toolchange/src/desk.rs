@@ -1,10 +1,11 @@
 //! Commands for users.
 
 use crate::{
+    changer::Tool,
     estop::{self, Shared},
     pins::Pins,
     service::Reply,
-    task::{Ask, Tool},
+    task::Ask,
 };
 use hal_component::{Arg, Builder, Call, Error, Gives, Sender, TicketHandle, abi::ArgSpec};
 

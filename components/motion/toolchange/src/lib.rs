@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod carousel;
+mod changer;
 mod desk;
 mod estop;
 mod pins;

@@ -57,8 +57,8 @@ pins! {
     tool_prep_pocket: Out<i32> = 0, "tool-prep-pocket";
     /// Index in the tool table of the tool being prepared or prepared; 0 for none, and after the change.
     tool_prep_index: Out<i32> = 0, "tool-prep-index";
-    /// Pocket that the tool in the spindle came from.
+    /// Pocket that the tool in the spindle came from; -1 if it is unknown.
     tool_from_pocket: Out<i32> = 0, "tool-from-pocket";
-    /// Number of the tool in the spindle; 0 for none.
+    /// Number of the tool in the spindle; 0 for none, -1 if it is unknown because a change was interrupted.
     tool_number: Out<i32> = 0, "tool-number";
 }

@@ -1,9 +1,10 @@
 //! The service `iocontrol`: the requests of the worker that controls jobs.
 
 use crate::{
+    changer::Tool,
     estop::{self, Shared},
     pins::Pins,
-    task::{Ask, Tool},
+    task::Ask,
 };
 use hal_component::{
     Gives, IoControl, IoRequest, IoResult, IoState, Receiver, Sender, TicketHandle, Touch, Uses,

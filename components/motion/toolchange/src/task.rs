@@ -1,26 +1,12 @@
-//! The background task: e-stop, and the handshakes with the tool changer.
-//!
-//! ```text
-//!          prepare              tool-prepared
-//! idle ───────────▶ preparing ───────────────▶ idle, with a tool prepared
-//! idle ───────────▶ changing  ───────────────▶ idle, with the tool in the spindle
-//!          change               tool-changed
-//! ```
+//! The background task: e-stop, coolant, and the pins of the tool changer.
 
 use crate::{
+    changer::{Answers, Changer, End, Tool},
     estop::{self, Shared},
     pins::Pins,
     service::{Reply, Results},
 };
 use hal_component::{Gives, Messages, Period, Receiver, Touch, Update};
-
-/// Requested tool.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Tool {
-    pub(crate) number: i32,
-    pub(crate) pocket: i32,
-    pub(crate) index: i32,
-}
 
 /// Requests of commands.
 #[derive(Clone, Copy, Debug)]
@@ -42,14 +28,6 @@ pub(crate) enum Ask {
         lube: Option<bool>,
     },
     Abort,
-}
-
-/// State of the tool changer.
-#[derive(Clone, Copy, Debug)]
-enum Changer {
-    Idle,
-    Preparing(Tool, Reply),
-    Changing(Tool, Reply),
 }
 
 /// Number of cycles for the external chain to follow user-enable-out, in both directions.
@@ -75,8 +53,9 @@ pub(crate) struct Task {
     results: Results,
     #[state]
     changer: Changer,
+    /// Receiver of the result of the changer's current request.
     #[state]
-    prepared: Option<Tool>,
+    requester: Option<Reply>,
     /// Ticket that waits for the end of e-stop, and the cycles left.
     #[state]
     resetting: Option<(Reply, u32)>,
@@ -119,8 +98,8 @@ impl Task {
             shared,
             messages,
             results,
-            changer: Changer::Idle,
-            prepared: None,
+            changer: Changer::new(),
+            requester: None,
             resetting: None,
             stopping: Vec::new(),
             was_enabled: false,
@@ -192,24 +171,39 @@ impl Task {
     }
 
     fn look_at_changer(&mut self) {
+        let end = self.changer.follow(self.answers());
+        self.show_changer();
+        let (Some(end), Some(requester)) = (end, self.requester) else { return };
+        self.requester = None;
+        match end {
+            End::Prepared | End::Changed => self.results.done(requester),
+            End::Failed(why) => {
+                self.messages.error(why, &[]);
+                self.results.fail(requester, why);
+            }
+        }
+    }
+
+    fn answers(&self) -> Answers {
         let p = &self.pins;
-        match self.changer {
-            Changer::Preparing(tool, ticket) if p.tool_prepared.get() => {
-                p.tool_prepare.set(false);
-                self.prepared = Some(tool);
-                self.changer = Changer::Idle;
-                self.results.done(ticket);
-            }
-            Changer::Changing(tool, ticket) if p.tool_changed.get() => {
-                p.tool_number.set(tool.number);
-                p.tool_from_pocket.set(tool.pocket);
-                self.show_prepared(Tool { number: 0, pocket: 0, index: 0 });
-                self.pins.tool_change.set(false);
-                self.prepared = None;
-                self.changer = Changer::Idle;
-                self.results.done(ticket);
-            }
-            Changer::Idle | Changer::Preparing(..) | Changer::Changing(..) => {}
+        Answers { prepared: p.tool_prepared.get(), changed: p.tool_changed.get() }
+    }
+
+    /// Writes the changer's state to its pins.
+    fn show_changer(&self) {
+        let (p, shown, spindle) = (&self.pins, self.changer.shown(), self.changer.spindle());
+        p.tool_number.set(spindle.number);
+        p.tool_from_pocket.set(spindle.pocket);
+        p.tool_prep_number.set(shown.number);
+        p.tool_prep_pocket.set(shown.pocket);
+        p.tool_prep_index.set(shown.index);
+        let (prepare, change) = self.changer.requests();
+        p.tool_prepare.set(prepare);
+        p.tool_change.set(change);
+        // An e-stop may have come from another thread in between.
+        if !self.is_released() {
+            p.tool_prepare.set(false);
+            p.tool_change.set(false);
         }
     }
 
@@ -239,17 +233,18 @@ impl Task {
                 return Ok(false);
             }
             Ask::Prepare(tool) => {
-                self.needs_rest()?;
-                self.show_prepared(tool);
-                p.tool_prepare.set(true);
-                self.prepared = None;
-                self.changer = Changer::Preparing(tool, ticket);
-                return Ok(false);
+                self.needs_enabled()?;
+                self.changer.prepare(tool, self.answers())?;
+                return Ok(self.wait_for_changer(ticket));
             }
-            Ask::Change => return self.change(ticket),
+            Ask::Change => {
+                self.needs_enabled()?;
+                let is_there = self.changer.change(self.answers())?;
+                return Ok(is_there || self.wait_for_changer(ticket));
+            }
             Ask::SetTool(tool) => {
-                p.tool_number.set(tool.number);
-                p.tool_from_pocket.set(tool.pocket);
+                self.changer.set_tool(tool)?;
+                self.show_changer();
             }
             Ask::Coolant { mist, flood, lube } => {
                 if [mist, flood, lube].contains(&Some(true)) {
@@ -268,53 +263,25 @@ impl Task {
         Ok(true)
     }
 
-    fn change(&mut self, ticket: Reply) -> Result<bool, &'static str> {
-        self.needs_rest()?;
-        let Some(tool) = self.prepared else {
-            return Err("no tool is prepared: iocontrol.prepare tool=N comes first");
-        };
-        if tool.number == self.pins.tool_number.get() {
-            return Ok(true);
-        }
-        self.pins.tool_change.set(true);
-        self.changer = Changer::Changing(tool, ticket);
-        Ok(false)
+    /// Leaves the result of a request to the changer's answer. Returns false: it is not complete.
+    fn wait_for_changer(&mut self, requester: Reply) -> bool {
+        self.requester = Some(requester);
+        self.show_changer();
+        false
     }
 
     fn needs_enabled(&self) -> Result<(), &'static str> {
         if self.is_released() { Ok(()) } else { Err("the machine is in e-stop") }
     }
 
-    fn needs_rest(&self) -> Result<(), &'static str> {
-        self.needs_enabled()?;
-        match self.changer {
-            Changer::Idle => Ok(()),
-            Changer::Preparing(..) => Err("a tool is being prepared"),
-            Changer::Changing(..) => Err("a tool is being changed"),
-        }
-    }
-
-    fn show_prepared(&self, tool: Tool) {
-        self.pins.tool_prep_number.set(tool.number);
-        self.pins.tool_prep_pocket.set(tool.pocket);
-        self.pins.tool_prep_index.set(tool.index);
-    }
-
     /// Switches coolant off and withdraws requests to the changer. A prepared tool stays prepared.
     fn quiet(&mut self, why: &'static str) {
-        for pin in [
-            self.pins.coolant_mist,
-            self.pins.coolant_flood,
-            self.pins.tool_prepare,
-            self.pins.tool_change,
-        ] {
-            pin.set(false);
-        }
-        match core::mem::replace(&mut self.changer, Changer::Idle) {
-            Changer::Preparing(_, ticket) | Changer::Changing(_, ticket) => {
-                self.results.fail(ticket, why);
-            }
-            Changer::Idle => {}
+        self.pins.coolant_mist.set(false);
+        self.pins.coolant_flood.set(false);
+        self.changer.withdraw();
+        self.show_changer();
+        if let Some(requester) = self.requester.take() {
+            self.results.fail(requester, why);
         }
     }
 }

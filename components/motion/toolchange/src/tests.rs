@@ -1,6 +1,7 @@
 //! E-stop and the handshakes, cycle by cycle.
 
 mod estop;
+mod explore;
 mod service;
 
 use crate::{Io, Iocontrol, Iov2};
@@ -205,10 +206,18 @@ fn a_tool_is_prepared_and_changed() {
     rig.cycle();
     assert_eq!((rig.on(), rig.numbers()), (vec![BITS[0]], [7, 17, 7, 17, 2]));
     assert_eq!(rig.ticket(), Some(TicketState::Done));
-    // No tool at all: an answer that is still TRUE counts at once.
+    // No tool at all. The answer before is still TRUE: it does not answer this request.
     rig.say("prepare tool=0 pocket=5");
     rig.cycle();
-    assert_eq!((rig.on(), rig.numbers()), (vec![BITS[0], "tool-prepare"], [7, 17, 0, 0, 0]));
+    rig.cycle();
+    assert_eq!((rig.on(), rig.numbers()), (vec![BITS[0]], [7, 17, 0, 0, 0]));
+    rig.set("tool-prepared", false);
+    rig.cycle();
+    assert_eq!(
+        (rig.on(), rig.ticket()),
+        (vec![BITS[0], "tool-prepare"], Some(TicketState::Pending))
+    );
+    rig.set("tool-prepared", true);
     rig.cycle();
     rig.say("change");
     rig.cycle();
@@ -233,20 +242,42 @@ fn abort_withdraws_the_request() {
     rig.cycle();
     let why = "no tool is prepared: iocontrol.prepare tool=N comes first";
     assert_eq!(rig.ticket(), Some(TicketState::Failed(why)));
-    rig.set("tool-prepared", true);
     rig.say("prepare tool=3");
     rig.cycle();
+    rig.set("tool-prepared", true);
     rig.cycle();
     rig.say("change");
     rig.cycle();
     assert_eq!(rig.ticket(), Some(TicketState::Pending));
     rig.say("abort");
     rig.cycle();
-    assert_eq!(rig.on(), [BITS[0]]);
+    // Nobody knows how far the changer came.
+    assert_eq!((rig.on(), rig.numbers()), (vec![BITS[0]], [-1, -1, 3, 3, 3]));
     // A prepared tool can be changed afterwards.
     rig.say("change");
     rig.cycle();
     assert_eq!(rig.on(), [BITS[0], "tool-change"]);
+}
+
+#[test]
+fn an_answer_that_stays_is_no_answer() {
+    let rig = Rig::enabled();
+    for (pin, request) in [("tool-prepared", "prepare tool=3"), ("tool-changed", "change")] {
+        rig.set(pin, true);
+        rig.say(request);
+        (0..11).for_each(|_| rig.cycle());
+        assert_eq!((rig.on(), rig.ticket()), (vec![BITS[0]], Some(TicketState::Pending)));
+        rig.cycle();
+        let why = format!("{{iocontrol.0.{pin}}} stays TRUE without a request");
+        let Some(TicketState::Failed(said)) = rig.ticket() else { panic!("{pin}: no failure") };
+        assert!(said.starts_with(&why), "{said}");
+        rig.set(pin, false);
+        rig.say("prepare tool=3");
+        rig.cycle();
+        rig.set("tool-prepared", true);
+        rig.cycle();
+        rig.set("tool-prepared", false);
+    }
 }
 
 #[test]

@@ -158,8 +158,9 @@ impl Core {
                 let Some(id) = out.request(request) else { return Ok(false) };
                 self.preparing = Some(id);
             }
-            Action::Change(_) => return Ok(self.ask_io(IoRequest::Change, out)),
+            Action::Change(tool) => return self.begin_change(*tool, out),
             Action::SetTool(tool) => {
+                self.take_tool(*tool, out)?;
                 let pocket = self.world.machine.tools.find(*tool).map_or(0, |t| t.pocket);
                 return Ok(self.ask_io(IoRequest::SetTool { tool: *tool, pocket }, out));
             }

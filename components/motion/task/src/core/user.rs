@@ -183,11 +183,13 @@ impl Core {
         let not_homed = Err(format!("{what} needs homed joints: task.home joint=all"));
         let no_program = Err("no program is open: task.open file=… comes first".to_owned());
         let opened = mode != Mode::Auto || self.program.is_some();
+        let tool = if mode == Mode::Auto { self.needs_known_tool() } else { Ok(()) };
         let reasons: Vec<String> = [
             self.needs_on(what),
             self.needs_mode(mode, what),
             if homed { Ok(()) } else { not_homed },
             if opened { Ok(()) } else { no_program },
+            tool,
         ]
         .into_iter()
         .filter_map(Result::err)

@@ -61,7 +61,7 @@ impl Core {
         let paused = self.job.as_ref().is_some_and(|j| j.paused);
         let progress = match waiting {
             Waiting::Order(id) => out.ordered(id),
-            Waiting::Io(id) => out.requested(id),
+            Waiting::Io(id) | Waiting::Change { id, .. } => out.requested(id),
             Waiting::Program => out.program(),
             Waiting::Dwell { until } if out.now() >= until && !paused => Progress::Done,
             Waiting::Input { index, analog, mode, until, before } => {
@@ -85,6 +85,12 @@ impl Core {
                     && let Some(job) = &mut self.job
                 {
                     job.user_code = Ok(());
+                }
+                if let Waiting::Change { tool, .. } = waiting
+                    && let Err(why) = self.take_tool(tool, out)
+                {
+                    self.fail(&why, out);
+                    return false;
                 }
                 self.waiting = None;
                 true

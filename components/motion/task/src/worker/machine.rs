@@ -13,6 +13,7 @@ use hal_component::{
     MotionRefusal, MotionToken, OperatorRef, TicketHandle,
 };
 use hal_gcode::{Numbered, tool::ToolTable};
+use hal_job::spindle::{self, Spindle};
 use std::collections::{BTreeMap, VecDeque};
 
 /// Number of orders and of requests that are known after their end.
@@ -88,10 +89,10 @@ impl Machine {
         for remark in &machine.remarks {
             self.say(Level::Info, remark);
         }
-        // Pocket 0 of a random changer is the spindle.
-        let in_spindle = machine.tools.tools.iter().find(|t| t.pocket == 0);
-        if let Some(tool) = in_spindle.filter(|_| machine.settings.random_changer) {
-            self.request(IoRequest::SetTool { tool: tool.number, pocket: 0 });
+        let tool = core.held.record.tool();
+        if tool != 0 {
+            let pocket = machine.tools.find(tool).map_or(tool, |t| t.pocket);
+            self.request(IoRequest::SetTool { tool, pocket });
         }
         self.files = files;
     }
@@ -297,6 +298,11 @@ impl Outside for Machine {
 
     fn save_tools(&mut self, tools: &ToolTable) -> Result<(), String> {
         self.files.table.as_ref().map_or(Ok(()), |path| written(path, &tools.print()))
+    }
+
+    fn save_spindle(&mut self, before: Spindle, now: Spindle) -> Result<(), String> {
+        let path = self.files.spindle.as_ref();
+        path.map_or(Ok(()), |path| written(path, &spindle::print(before, now)))
     }
 }
 

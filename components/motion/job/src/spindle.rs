@@ -1,0 +1,137 @@
+//! The record of the tool in the spindle, which survives a power cut.
+//!
+//! The file has two lines: the record before and the current one.
+//!
+//! ```text
+//! tool 1 #4d34a3b1
+//! change 1 2 #8f2b1c07
+//! ```
+//!
+//! `tool N`: tool N is in the spindle, 0 for none, -1 if it is unknown. `change A B`: A is being changed for B. The number
+//! behind `#` is the CRC-32 of the text before it. Each record is stored before it is acted upon: `change` before the
+//! changer is asked, `tool` before the machine goes on. A line that was cut off was therefore never acted upon, and the
+//! line before it counts.
+
+/// Number of the tool in the spindle if it is unknown.
+pub const UNKNOWN: i32 = -1;
+
+/// Knowledge about the tool in the spindle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Spindle {
+    /// This tool is in the spindle; 0 for none, [`UNKNOWN`].
+    Holds(i32),
+    /// A change is in progress.
+    Changing {
+        /// Tool before the change.
+        from: i32,
+        /// Tool after the change.
+        to: i32,
+    },
+}
+
+impl Spindle {
+    /// Returns the tool that is certainly in the spindle, or [`UNKNOWN`].
+    pub const fn tool(self) -> i32 {
+        match self {
+            Self::Holds(tool) => tool,
+            Self::Changing { .. } => UNKNOWN,
+        }
+    }
+
+    fn text(self) -> String {
+        match self {
+            Self::Holds(tool) => format!("tool {tool}"),
+            Self::Changing { from, to } => format!("change {from} {to}"),
+        }
+    }
+
+    fn line(self) -> String {
+        let text = self.text();
+        let sum = crc32(text.as_bytes());
+        format!("{text} #{sum:08x}\n")
+    }
+
+    fn parse(line: &str) -> Option<Self> {
+        // A line without its end may have been cut off.
+        let (text, sum) = line.strip_suffix('\n')?.split_once(" #")?;
+        if u32::from_str_radix(sum, 16).ok()? != crc32(text.as_bytes()) {
+            return None;
+        }
+        let words: Vec<&str> = text.split(' ').collect();
+        let number = |word: &str| word.parse::<i32>().ok();
+        match *words.as_slice() {
+            ["tool", tool] => Some(Self::Holds(number(tool)?)),
+            ["change", from, to] => Some(Self::Changing { from: number(from)?, to: number(to)? }),
+            _ => None,
+        }
+    }
+}
+
+/// Returns the text of the file.
+pub fn print(before: Spindle, now: Spindle) -> String {
+    before.line() + &now.line()
+}
+
+/// Returns the record of a file; `None` if no line is whole.
+pub fn parse(text: &str) -> Option<Spindle> {
+    text.split_inclusive('\n').rev().find_map(Spindle::parse)
+}
+
+/// Returns the CRC-32 (IEEE 802.3) of bytes.
+fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(!0, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
+            if crc & 1 == 0 { crc >> 1 } else { crc >> 1 ^ 0xedb8_8320 }
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RECORDS: [Spindle; 4] = [
+        Spindle::Holds(UNKNOWN),
+        Spindle::Holds(0),
+        Spindle::Holds(i32::MAX),
+        Spindle::Changing { from: 12, to: 7 },
+    ];
+
+    #[test]
+    fn the_check_sum_is_the_standard_one() {
+        assert_eq!(crc32(b"123456789"), 0xcbf4_3926);
+    }
+
+    /// A file that is cut off anywhere has one of its two records; without the first line nothing is known.
+    #[test]
+    fn a_file_that_was_cut_off_has_the_record_before() {
+        for before in RECORDS {
+            for now in RECORDS {
+                let text = print(before, now);
+                assert_eq!(parse(&text), Some(now));
+                let first = before.line().len();
+                for cut in 0..text.len() {
+                    let wanted = (cut >= first).then_some(before);
+                    assert_eq!(parse(&text[..cut]), wanted, "{text:?} cut at {cut}");
+                }
+            }
+        }
+    }
+
+    /// A changed byte never makes another record.
+    #[test]
+    fn a_damaged_line_does_not_count() {
+        for now in RECORDS {
+            let line = now.line();
+            for at in 0..line.len() {
+                for byte in (b' '..=b'~').chain([b'\n']) {
+                    let mut bytes = line.clone().into_bytes();
+                    bytes[at] = byte;
+                    let text = String::from_utf8(bytes).unwrap();
+                    assert!(parse(&text).is_none_or(|r| r == now), "{text:?}");
+                }
+            }
+        }
+        assert_eq!(parse("tool 1\ntool x #0\n"), None);
+    }
+}
