@@ -8,6 +8,7 @@
     reason = "whatever fails here fails a test; what is skipped is said"
 )]
 
+pub mod browser;
 pub mod case;
 pub mod counted;
 pub mod every;

@@ -37,6 +37,12 @@ const PROGRAMS: &[Tool] = &[
     Tool { name: "ssconvert", what: "ssconvert", remedy: "apt-get install gnumeric" },
     Tool { name: "unshare", what: "unshare, with the right to mount", remedy: "run it as root" },
     Tool { name: "taskset", what: "taskset", remedy: "apt-get install util-linux" },
+    Tool { name: "chromium", what: "Chromium", remedy: "apt-get install chromium" },
+    Tool {
+        name: "chromedriver",
+        what: "Chromium's driver",
+        remedy: "apt-get install chromium-driver",
+    },
     Tool { name: "prlimit", what: "prlimit", remedy: "apt-get install util-linux" },
     Tool { name: "setpriv", what: "setpriv", remedy: "apt-get install util-linux" },
     Tool { name: "setarch", what: "setarch", remedy: "apt-get install util-linux" },

@@ -51,7 +51,7 @@ export class Link {
       case "hello":
         this.isOpen = true;
         this.on.state(true, message);
-        this.sendWatch();
+        if (this.watched.size > 0) this.sendWatch();
         break;
       case "reply":
       case "done":
@@ -107,6 +107,7 @@ export class Link {
 
   /** Watches names for one part of the page; `[]` ends it. */
   watch(part, names) {
+    if (names.length === 0 && !this.watched.has(part)) return;
     if (names.length === 0) this.watched.delete(part);
     else this.watched.set(part, names);
     this.sendWatch();

@@ -35,7 +35,7 @@ export function findingsCard(ctx) {
     if (all.length === 0) return [el("p", {}, t("findings.none"))];
     return [el("ul", { class: "findings" }, ...all.map((f) =>
       el("li", { "data-level": f.level }, el("b", {}, `${t(`level.${f.level}`)} ${f.code ?? ""}`), " ",
-        f.at?.file ? el("span", { class: "code" }, `${f.at.file}:${f.at.line}`) : null, el("p", {}, f.text), f.fix ? el("p", { class: "note" }, f.fix) : null)))];
+        f.at?.file ? el("span", { class: "code" }, `${f.at.file}:${f.at.line}`) : null, el("p", {}, f.text), f.remedy ? el("p", { class: "note" }, f.remedy) : null)))];
   }).box;
 }
 
@@ -106,17 +106,38 @@ export function flightCard(ctx) {
   return box;
 }
 
-/** Makes the card of threads: times of functions, overruns, histogram of wake-ups. */
+/** Makes the card of threads: their times, those of their functions, overruns, and the histogram of wake-ups. */
 export function threadsCard(ctx) {
   const { t, signal } = ctx;
   return asked(ctx, "threads", t("threads"), async () => {
-    const [threads, functs, status] = await Promise.all([getJson("/threads", { signal }), getJson("/functs", { signal }), getJson("/status", { signal })]);
+    const [threads, longest, status] = await Promise.all([
+      getJson("/threads", { signal }), getJson(listPath("params", ["*.tmax"]), { signal }), getJson("/status", { signal }),
+    ]);
+    const most = new Map(longest.map((p) => [p.name.replace(/\.tmax$/, ""), Object.values(p.value)[0]]));
     return [
-      ...threads.map((thread) => el("details", { open: true }, el("summary", { class: "code" }, thread.name), tree(thread))),
-      el("details", {}, el("summary", {}, t("tree.functs")), tree(Object.fromEntries(functs.map((f) => [f.name, f])))),
+      ...threads.map((thread) => threadPart(thread, most, t)),
       el("details", {}, el("summary", {}, t("threads.instance")), tree(status)),
     ];
   }).box;
+}
+
+function threadPart(thread, most, t) {
+  const us = (ns) => `${(Number(ns) / 1000).toFixed(1)} µs`;
+  const rows = [
+    ["threads.period", us(thread.period)], ["threads.time", us(thread.time)], ["threads.tmax", us(thread.tmax)],
+    ["threads.cycles", thread.cycles], ["threads.overruns", `${thread.overruns}${thread.overrun_by ? ` (${thread.overrun_by})` : ""}`],
+    ["threads.missed", thread.missed], ["threads.late", us(thread.latency_max)],
+  ];
+  const row = (name, value) => el("tr", {}, el("th", { scope: "row" }, name), el("td", { class: "number" }, String(value)));
+  const all = thread.latency.reduce((sum, n) => sum + n, 0);
+  const wakes = thread.latency.map((n, i) => ({ n, name: i === thread.latency.length - 1 ? `≥ ${2 ** (i - 1)} µs` : `< ${2 ** i} µs` }));
+  return el("details", { open: true }, el("summary", { class: "code" }, thread.name),
+    el("table", { class: "grid", "aria-label": thread.name }, el("tbody", {}, ...rows.map(([key, value]) => row(t(key), value)))),
+    el("table", { class: "grid", "aria-label": t("threads.wakes") }, el("caption", {}, t("threads.wakes")),
+      el("tbody", {}, ...wakes.filter((w) => w.n > 0).map((w) =>
+        el("tr", {}, el("th", { scope: "row" }, w.name), el("td", {}, el("meter", { min: 0, max: Math.max(1, all), value: w.n, "aria-label": w.name })), el("td", { class: "number" }, String(w.n)))))),
+    el("table", { class: "grid", "aria-label": t("tree.functs") }, el("caption", {}, t("threads.functs")),
+      el("tbody", {}, ...thread.functs.map((name) => row(name, most.has(name) ? us(most.get(name)) : "—")))));
 }
 
 /** Makes the card of the log. */

@@ -55,24 +55,28 @@ function item(ctx, kind, record) {
   const detail = el("span", { class: "note" }, describe(kind, record));
   if (!["pins", "params", "signals"].includes(kind)) return el("li", { class: "row spread" }, name, detail);
   const watched = kind === "signals" ? `sig:${record.name}` : record.name;
-  const watch = el("button", { type: "button", class: "small", "aria-label": `${t("watch.add")} ${record.name}`, onclick: () => ctx.addWatch(watched) }, "👁");
+  const watch = el("button", { type: "button", class: "small", "aria-label": `${t("watch.add")} ${record.name}`, onclick: () => ctx.addWatch(watched) }, "+");
   return el("li", { class: "row spread" }, name, detail, watch);
 }
 
 function describe(kind, record) {
   switch (kind) {
     case "pins":
-      return [record.ty ?? record.type, record.dir, record.signal ? `⇔ ${record.signal}` : ""].filter(Boolean).join(" ");
     case "params":
-      return [record.ty ?? record.type, record.dir].filter(Boolean).join(" ");
+      return [kindOf(record.value), record.direction, record.signal ? `⇔ ${record.signal}` : ""].filter(Boolean).join(" ");
     case "signals":
-      return record.ty ?? record.type ?? "";
+      return `${kindOf(record.value)} · ${record.pins?.length ?? 0}`;
     case "threads":
-      return record.period_ns ? `${record.period_ns / 1000} µs` : "";
+      return `${record.period / 1000} µs · ${record.functs?.length ?? 0}`;
+    case "functs":
+      return record.owner_name ?? "";
     default:
-      return record.thread ?? record.owner ?? record.doc ?? "";
+      return record.doc ?? "";
   }
 }
+
+/** Returns the type of a value of the server. */
+const kindOf = (value) => Object.keys(value ?? {})[0] ?? "";
 
 /** Returns a value of the server as a text. */
 export function valueText(value) {

@@ -132,9 +132,12 @@ function travel(info) {
   return [end("min"), end("max")];
 }
 
+/** Returns the body of a machine whose axes are its joints; others have none yet. */
 function bodyOf(info, low, high, colours) {
   const axes = info.axes.toUpperCase();
-  if (!/^(trivkins|gantrykins|corexykins)?\b/.test(info.kinematics ?? "")) return null;
+  // Without an entry in the INI file the machine has no other kinematics than the trivial ones.
+  const [kinematics] = (info.kinematics ?? "trivkins").split(" ");
+  if (kinematics !== "trivkins") return null;
   if (axes.includes("X") && axes.includes("Z") && !axes.includes("Y")) return new Lathe(low, high, colours);
   return axes.startsWith("XYZ") ? new Gantry(low, high, colours) : null;
 }

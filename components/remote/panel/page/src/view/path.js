@@ -5,6 +5,8 @@ import { BufferAttribute, BufferGeometry, Color, LineBasicMaterial, LineSegments
 const MAGIC = "FERPATH1";
 const HEADER_BYTES = 64;
 const RAPID = 1;
+/** Segments of a part: so few that 16 bits count their points. */
+const PART = 30_000;
 /** Number of segments of the coarse picture, which is drawn while the camera moves. */
 const COARSE = 30_000;
 /** Most tools that have colours of their own. */
@@ -62,106 +64,107 @@ function times({ points, count, feeds }, rapid) {
   return all;
 }
 
-/** Lines of a path: all segments in parts, and a coarse picture. */
+/** Lines of a path: parts that are made when they are drawn first, and a coarse picture of the whole. */
 export class PathLines {
   constructor(path, { rapid, colourBy }) {
-    const { count, kinds } = path;
-    const positions = new BufferAttribute(path.points, 3);
-    let cuts = 0;
-    for (let i = 1; i < count; i++) if (kinds[i] > RAPID) cuts++;
-    const all = new Uint32Array(2 * Math.max(0, cuts));
-    const moves = new Uint32Array(2 * Math.max(0, count - cuts));
-    let [a, m] = [0, 0];
-    for (let i = 1; i < count; i++) {
-      if (kinds[i] > RAPID) {
-        all[a++] = i - 1;
-        all[a++] = i;
-      } else if (kinds[i] === RAPID) {
-        moves[m++] = i - 1;
-        moves[m++] = i;
-      }
-    }
-    const colours = new BufferAttribute(colourBy === "feed" ? byFeed(path) : byTool(path), 3, true);
-    const coloured = new LineBasicMaterial({ vertexColors: true });
-    const rapids = new LineBasicMaterial({ color: rapid, transparent: true, opacity: 0.55 });
-    this.fine = [lines(positions, all.subarray(0, a), coloured, colours), lines(positions, moves.subarray(0, m), rapids, null)];
-    this.coarse = [
-      lines(positions, thinned(all.subarray(0, a)), coloured, colours),
-      lines(positions, thinned(moves.subarray(0, m)), rapids, null),
+    this.path = path;
+    this.materials = [
+      new LineBasicMaterial({ vertexColors: true }), new LineBasicMaterial({ color: rapid, transparent: true, opacity: 0.55 }),
     ];
-    this.sizes = [a, m];
-    for (const object of [...this.fine, ...this.coarse]) object.position.set(...path.origin);
+    this.paint = colourBy === "feed" ? byFeed(path) : byTool(path);
+    this.parts = [];
+    this.coarse = this.join(thinned(path));
   }
 
-  /** Number of indices of all segments. */
-  get total() {
-    return this.sizes[0] + this.sizes[1];
+  /** Number of parts. */
+  get count() {
+    return Math.ceil((this.path.count - 1) / PART);
   }
 
-  /** Lets the fine lines draw `count` indices from `first` of all. */
-  range(first, count) {
-    let at = first;
-    let left = count;
-    this.fine.forEach((object, i) => {
-      const size = this.sizes[i];
-      const begin = Math.min(size, Math.max(0, at));
-      const take = Math.min(size - begin, left);
-      object.geometry.setDrawRange(begin, Math.max(0, take));
-      object.visible = take > 0;
-      left -= Math.max(0, take);
-      at -= size;
+  /** Returns the lines of a part. Each has buffers of its own: the browser takes them over one by one, and answers in between. */
+  part(index) {
+    this.parts[index] ??= this.join(slice(this.path, index * PART, Math.min(this.path.count, (index + 1) * PART + 1)));
+    return this.parts[index];
+  }
+
+  /** Makes the lines that join points: those of cuts, and those of rapids. */
+  join(some) {
+    const positions = new BufferAttribute(some.points, 3);
+    const made = [true, false].map((areCuts) => {
+      const pairs = segments(some.kinds, areCuts);
+      if (pairs.length === 0) return null;
+      const geometry = new BufferGeometry().setAttribute("position", positions).setIndex(new BufferAttribute(pairs, 1));
+      if (areCuts) geometry.setAttribute("color", new BufferAttribute(this.paint(some), 4, true));
+      const object = new LineSegments(geometry, this.materials[areCuts ? 0 : 1]);
+      object.frustumCulled = false;
+      object.position.set(...this.path.origin);
+      return object;
     });
+    return made.filter(Boolean);
   }
 
   dispose() {
-    for (const object of [...this.fine, ...this.coarse]) object.geometry.dispose();
+    for (const object of [...this.parts.flat(), ...this.coarse]) object?.geometry.dispose();
+    for (const material of this.materials) material.dispose();
   }
 }
 
-/** Joins the starts of every n-th segment, so that few lines follow the same way. */
-function thinned(index) {
-  const segments = index.length / 2;
-  const stride = Math.ceil(segments / COARSE);
-  if (stride <= 1) return index;
-  const out = new Uint32Array(2 * Math.ceil(segments / stride));
+/** Returns the points of a range. */
+function slice({ points, kinds, tools, feeds }, first, end) {
+  return {
+    points: points.subarray(3 * first, 3 * end), kinds: kinds.subarray(first, end), tools: tools.subarray(first, end), feeds: feeds.subarray(first, end),
+  };
+}
+
+/** Returns the pairs of neighbours that cuts, or rapids, join. */
+function segments(kinds, areCuts) {
+  const pairs = new Uint16Array(2 * kinds.length);
   let n = 0;
-  for (let s = 0; s < segments; s += stride) {
-    const last = Math.min(segments - 1, s + stride - 1);
-    // Pieces with a gap between them are not joined.
-    const isWhole = index[2 * last + 1] - index[2 * s] === last - s + 1;
-    out[n++] = index[2 * s];
-    out[n++] = isWhole ? index[2 * last + 1] : index[2 * s + 1];
+  for (let i = 1; i < kinds.length; i++) {
+    if (kinds[i] !== 0 && kinds[i] > RAPID === areCuts) {
+      pairs[n++] = i - 1;
+      pairs[n++] = i;
+    }
   }
-  return out.subarray(0, n);
+  return pairs.subarray(0, n);
 }
 
-function lines(positions, index, material, colours) {
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", positions);
-  if (colours) geometry.setAttribute("color", colours);
-  geometry.setIndex(new BufferAttribute(index, 1));
-  const object = new LineSegments(geometry, material);
-  object.frustumCulled = false;
-  return object;
+/** Returns every n-th point: few lines that follow the same way. */
+function thinned(path) {
+  const stride = Math.ceil(path.count / COARSE);
+  const count = Math.ceil(path.count / stride);
+  const thin = { points: new Float32Array(3 * count), kinds: new Uint8Array(count), tools: new Uint16Array(count), feeds: new Float32Array(count) };
+  for (let i = 0; i < count; i++) {
+    const at = i * stride;
+    for (let k = 0; k < 3; k++) thin.points[3 * i + k] = path.points[3 * at + k];
+    for (const name of ["kinds", "tools", "feeds"]) thin[name][i] = path[name][at];
+  }
+  return thin;
 }
 
-function byTool({ count, tools }) {
-  const table = TOOL_COLOURS.map(rgb);
-  const out = new Uint8Array(3 * count);
-  for (let i = 0; i < count; i++) out.set(table[tools[i] % table.length], 3 * i);
-  return out;
+/** Returns the function that paints points by their tool. */
+function byTool() {
+  const table = TOOL_COLOURS.map(rgba);
+  return ({ tools }) => paint(tools.length, (i) => table[tools[i] % table.length]);
 }
 
-function byFeed({ count, feeds }) {
-  let most = 0;
-  for (let i = 0; i < count; i++) most = Math.max(most, feeds[i]);
-  const table = Array.from({ length: 256 }, (_, i) => rgb(new Color().setHSL(0.66 - (0.66 * i) / 255, 0.9, 0.6)));
-  const out = new Uint8Array(3 * count);
-  for (let i = 0; i < count; i++) out.set(table[most > 0 ? Math.round((255 * Math.max(0, feeds[i])) / most) : 0], 3 * i);
-  return out;
+/** Returns the function that paints points by their feed: blue is slow, red is the fastest of the program. */
+function byFeed({ feeds: all }) {
+  let most = 1e-9;
+  for (const feed of all) most = Math.max(most, feed);
+  const table = Array.from({ length: 256 }, (_, i) => rgba(new Color().setHSL(0.66 - (0.66 * i) / 255, 0.9, 0.6)));
+  return ({ feeds }) => paint(feeds.length, (i) => table[Math.round((255 * Math.max(0, feeds[i])) / most)]);
 }
 
-function rgb(colour) {
+/** Returns the colours of points: four bytes each, because graphics processors read no three. */
+function paint(count, colour) {
+  const words = new Uint32Array(count);
+  for (let i = 0; i < count; i++) words[i] = colour(i);
+  return new Uint8Array(words.buffer);
+}
+
+/** Returns a colour as a word whose bytes are red, green, blue and 255 in memory. */
+function rgba(colour) {
   const { r, g, b } = new Color(colour);
-  return [r, g, b].map((v) => Math.round(255 * v));
+  return new Uint32Array(new Uint8Array([...[r, g, b].map((v) => Math.round(255 * v)), 255]).buffer)[0];
 }

@@ -9,8 +9,6 @@ import {
 import { OrbitControls } from "../../vendor/OrbitControls.js";
 import { PathLines } from "./path.js";
 
-/** Indices that one picture draws. */
-const PART = 60_000;
 const DIRECTIONS = {
   iso: [-1, -1.4, 1.1], top: [0, -1e-4, 1], front: [0, -1, 0], side: [1, 0, 0],
 };
@@ -24,8 +22,9 @@ export class View {
     this.live = new Scene();
     this.camera = new OrthographicCamera(-1, 1, 1, -1, -1e5, 1e5);
     this.camera.up.set(0, 0, 1);
-    this.below = renderer(host, { preserveDrawingBuffer: true, antialias: true, alpha: true });
-    this.above = renderer(host, { antialias: true, alpha: true });
+    const smooth = !isSoftware();
+    this.below = renderer(host, { preserveDrawingBuffer: true, antialias: smooth, alpha: true });
+    this.above = renderer(host, { antialias: smooth, alpha: true });
     this.below.autoClear = false;
     this.controls = new OrbitControls(this.camera, this.above.domElement);
     this.controls.zoomToCursor = true;
@@ -33,7 +32,8 @@ export class View {
     this.controls.addEventListener("end", () => this.refine());
     this.limits = new Group();
     this.zeros = new Group();
-    this.scene.add(this.limits, this.zeros);
+    this.lines = new Group();
+    this.scene.add(this.limits, this.zeros, this.lines);
     this.path = null;
     this.box = new Box3(new Vector3(-50, -50, 0), new Vector3(50, 50, 50));
     this.at = 0;
@@ -131,14 +131,13 @@ export class View {
   /** Shows a path, or none. */
   setPath(path, options) {
     if (this.path) {
-      this.scene.remove(...this.path.fine, ...this.path.coarse);
       this.path.dispose();
     }
+    this.only([]);
     this.path = null;
     this.pathBox = null;
     if (path && path.count > 1) {
       this.path = new PathLines(path, options);
-      this.scene.add(...this.path.fine, ...this.path.coarse);
       this.pathBox = new Box3(new Vector3(...path.low), new Vector3(...path.high));
     }
     this.fit();
@@ -179,32 +178,42 @@ export class View {
   drawBelow() {
     const { path, below } = this;
     if (this.isCoarse) {
-      this.only(path?.coarse);
+      this.only(path?.coarse ?? []);
       below.clear();
       below.render(this.scene, this.camera);
       clearTimeout(this.timer);
       this.timer = setTimeout(() => this.refine(), 150);
       return;
     }
-    const total = path?.total ?? 0;
+    const total = path?.count ?? 0;
     if (!this.mustClear && this.at >= total) return;
     if (this.mustClear) below.clear();
     this.limits.visible = this.mustClear;
     this.zeros.visible = this.mustClear;
     this.mustClear = false;
-    this.only(path?.fine);
-    path?.range(this.at, PART);
+    this.only(path && this.at < total ? path.part(this.at) : []);
     below.render(this.scene, this.camera);
-    this.at += PART;
+    this.at += 1;
     this.limits.visible = true;
     this.zeros.visible = true;
     if (this.at < total) this.request();
     else this.host.dispatchEvent(new CustomEvent("complete"));
   }
 
+  /** Lets the next picture have these lines of the path alone. */
   only(list) {
-    for (const object of [...(this.path?.fine ?? []), ...(this.path?.coarse ?? [])]) object.visible = list.includes(object);
+    this.lines.clear();
+    if (list.length > 0) this.lines.add(...list);
   }
+}
+
+/** Returns whether the processor itself draws: smooth edges would cost it four times the work. */
+function isSoftware() {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const info = gl?.getExtension("WEBGL_debug_renderer_info");
+  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
 }
 
 function renderer(host, options) {

@@ -1,0 +1,118 @@
+//! The page's files: texts, scripts of others, size.
+#![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
+
+use flate2::{Compression, write::GzEncoder};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs,
+    io::Write as _,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+/// Most bytes of the page, compressed file by file.
+const MAX_BYTES: usize = 1_500_000;
+
+fn page() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("page")
+}
+
+/// Returns all files below a folder.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let mut all = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() { all.extend(files(&path)) } else { all.push(path) }
+    }
+    all
+}
+
+/// Returns the rows of the table of texts: the key, and the texts in quotes.
+fn texts() -> BTreeMap<String, Vec<String>> {
+    let table = fs::read_to_string(page().join("src/texts.js")).unwrap();
+    let (_, rows) = table.split_once("const TEXTS = {").unwrap();
+    let (rows, _) = rows.split_once("\n};").unwrap();
+    let row = |line: &str| {
+        let (key, texts) = line.trim().split_once(": ").unwrap();
+        let texts = serde_json::from_str(texts.trim_end_matches(','))
+            .unwrap_or_else(|e| panic!("{line}: {e}"));
+        (key.trim_matches('"').to_owned(), texts)
+    };
+    rows.lines().filter(|l| !l.trim().is_empty()).map(row).collect()
+}
+
+#[test]
+fn each_text_is_there_in_each_language_and_is_used() {
+    let texts = texts();
+    for (key, row) in &texts {
+        assert_eq!(row.len(), 2, "{key}: one text for English and one for Spanish");
+        let places =
+            |text: &str| (0..9).filter(|n| text.contains(&format!("{{{n}}}"))).collect::<Vec<_>>();
+        assert!(
+            row.iter().all(|t| !t.is_empty() && places(t) == places(&row[0])),
+            "{key}: {row:?}"
+        );
+    }
+    // Keys in the sources: arguments of `t`, other texts in quotes, and beginnings that a value completes.
+    let (mut quoted, mut begun) = (BTreeSet::new(), BTreeSet::new());
+    let own = files(&page().join("src")).into_iter().filter(|p| !p.ends_with("texts.js"));
+    for path in own {
+        let source = fs::read_to_string(&path).unwrap();
+        quoted.extend(source.split('"').map(str::to_owned));
+        for (at, _) in source.match_indices("t(\"") {
+            let (key, _) = source[at + 3..].split_once('"').unwrap();
+            let is_call = !source[..at].ends_with(|c: char| c.is_alphanumeric() || c == '.');
+            assert!(!is_call || texts.contains_key(key), "{}: no text '{key}'", path.display());
+        }
+        for (at, _) in source.match_indices("t(`") {
+            let (key, _) = source[at + 3..].split_once("${").unwrap();
+            begun.insert(key.to_owned());
+        }
+    }
+    for key in texts.keys() {
+        let is_used = quoted.contains(key) || begun.iter().any(|b| key.starts_with(b.as_str()));
+        assert!(is_used, "nothing shows the text '{key}'");
+    }
+}
+
+#[test]
+fn scripts_of_others_are_those_that_are_listed() {
+    let script = page().join("vendor/renew.sh");
+    let checked = Command::new(script).arg("--check").output().unwrap();
+    assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stdout));
+    let sums = fs::read_to_string(page().join("vendor/SHA256SUMS")).unwrap();
+    let listed: BTreeSet<_> =
+        sums.lines().map(|l| l.split("  ").nth(1).unwrap().to_owned()).collect();
+    let own = ["renew.sh", "vendor.json", "SHA256SUMS"];
+    for path in files(&page().join("vendor")) {
+        let name = path.file_name().unwrap().to_str().unwrap();
+        assert!(own.contains(&name) || listed.contains(name), "{name} has no hash");
+    }
+}
+
+#[test]
+fn the_page_is_small() {
+    let size = |path: PathBuf| {
+        let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+        encoder.write_all(&fs::read(path).unwrap()).unwrap();
+        encoder.finish().unwrap().len()
+    };
+    let bytes: usize = files(&page()).into_iter().map(size).sum();
+    println!("the page has {bytes} bytes, compressed");
+    assert!(bytes < MAX_BYTES, "{bytes} bytes, compressed");
+}
+
+#[test]
+fn nothing_comes_from_elsewhere() {
+    for path in files(&page()) {
+        let Ok(text) = fs::read_to_string(&path) else { continue };
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+        let is_own = !path.starts_with(page().join("vendor"));
+        if !is_own || !["js", "html", "css"].contains(&extension) {
+            continue;
+        }
+        for foreign in ["http://", "https://", "//cdn", " style=\"", "innerHTML", "eval("] {
+            assert!(!text.contains(foreign), "{} has '{foreign}'", path.display());
+        }
+    }
+}

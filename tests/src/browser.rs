@@ -1,0 +1,257 @@
+//! A browser that tests drive: Chromium without a screen, by the `WebDriver` protocol of its driver program.
+
+use crate::{
+    scratch::{Running, Scratch, until},
+    tools::Tool,
+};
+use serde_json::{Value, json};
+use std::{
+    fs,
+    io::{Read as _, Write as _},
+    net::TcpStream,
+    process::Command,
+    time::Duration,
+};
+
+/// Key of an element in answers of the driver.
+const ELEMENT: &str = "element-6066-11e4-a52e-4f735466cecf";
+/// Longest time in which the driver answers.
+const TIMEOUT: Duration = Duration::from_secs(120);
+/// Chromium's arguments: no screen, and no traffic of its own.
+const ARGUMENTS: &[&str] = &[
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--disable-dev-shm-usage",
+    "--lang=en",
+];
+
+/// Size of a window, and whether it is that of a phone.
+#[derive(Clone, Copy, Debug)]
+pub struct Screen {
+    /// Width in pixels of the page.
+    pub width: u32,
+    /// Height in pixels of the page.
+    pub height: u32,
+    /// True for a screen that is touched, with two dots for each pixel.
+    pub is_phone: bool,
+}
+
+/// A screen of a desk.
+pub const DESKTOP: Screen = Screen { width: 1440, height: 1000, is_phone: false };
+/// A screen of a pocket.
+pub const PHONE: Screen = Screen { width: 390, height: 844, is_phone: true };
+
+/// A window of the browser with one page.
+#[derive(Debug)]
+pub struct Browser {
+    driver: Running,
+    port: u16,
+    session: String,
+}
+
+impl Browser {
+    /// Opens a window, or reports the running test as skipped where Chromium or its driver is not installed.
+    pub fn open(scratch: &Scratch, screen: Screen) -> Option<Self> {
+        let is_there = |program| {
+            Command::new(program).arg("--version").output().is_ok_and(|o| o.status.success())
+        };
+        for program in ["chromium", "chromedriver"] {
+            Tool::of(program).or_skip(is_there(program).then_some(()))?;
+        }
+        let mut command = Command::new("chromedriver");
+        command.arg("--port=0").current_dir(scratch.path());
+        let driver = scratch.start(&mut command);
+        let mut port = None;
+        until("chromedriver says its port", || {
+            port = driver.said().0.lines().find_map(|l| {
+                let (_, rest) = l.split_once("on port ")?;
+                rest.trim_end_matches('.').parse().ok()
+            });
+            port.is_some()
+        });
+        let mut browser = Self { driver, port: port.unwrap(), session: String::new() };
+        let profile = scratch.path().join(format!("profile-{}", browser.port));
+        let mut arguments: Vec<_> = ARGUMENTS.iter().map(|&a| a.to_owned()).collect();
+        arguments.push(format!("--user-data-dir={}", profile.display()));
+        arguments.push(format!("--window-size={},{}", screen.width, screen.height));
+        let mut options = json!({ "args": arguments });
+        if screen.is_phone {
+            options["mobileEmulation"] = json!({ "deviceMetrics": {
+                "width": screen.width, "height": screen.height, "pixelRatio": 2, "touch": true } });
+        }
+        let capabilities = json!({ "capabilities": { "alwaysMatch": {
+            "goog:chromeOptions": options, "goog:loggingPrefs": { "browser": "ALL" } } } });
+        let made = browser.ask("POST", "/session", Some(&capabilities));
+        browser.session = format!("/session/{}", made["sessionId"].as_str().unwrap());
+        Some(browser)
+    }
+
+    /// Opens an address.
+    pub fn go(&self, address: &str) {
+        self.post("/url", &json!({ "url": address }));
+    }
+
+    /// Runs a script in the page; `return` gives its value.
+    pub fn run(&self, script: &str) -> Value {
+        self.post("/execute/sync", &json!({ "script": script, "args": [] }))
+    }
+
+    /// Waits until an expression of the page is true.
+    ///
+    /// # Panics
+    /// It is not within a minute.
+    pub fn until(&self, expression: &str) {
+        until(expression, || self.run(&format!("return Boolean({expression})")) == json!(true));
+    }
+
+    /// Returns the text of the first element that the selector finds.
+    pub fn text(&self, selector: &str) -> String {
+        let script =
+            format!("return document.querySelector({})?.textContent ?? ''", quoted(selector));
+        self.run(&script).as_str().unwrap().to_owned()
+    }
+
+    /// Presses the first element that the selector finds for a while, with the mouse or a finger.
+    pub fn hold(&self, selector: &str, milliseconds: u32) {
+        self.press(selector);
+        self.act(&[
+            json!({ "type": "pause", "duration": milliseconds }),
+            json!({ "type": "pointerUp", "button": 0 }),
+        ]);
+    }
+
+    /// Presses an element, and leaves it pressed.
+    pub fn press(&self, selector: &str) {
+        self.until(&format!(
+            "document.querySelector({0}) && !document.querySelector({0}).disabled",
+            quoted(selector)
+        ));
+        self.run(&format!(
+            "document.querySelector({}).scrollIntoView({{ block: 'center' }})",
+            quoted(selector)
+        ));
+        let element = self.element(selector);
+        let to = json!({ "type": "pointerMove", "origin": { ELEMENT: element }, "x": 0, "y": 0, "duration": 0 });
+        self.act(&[to, json!({ "type": "pointerDown", "button": 0 })]);
+    }
+
+    /// Presses an element for a moment.
+    pub fn click(&self, selector: &str) {
+        self.hold(selector, 20);
+    }
+
+    /// Types a text into an element; a file chooser takes paths.
+    pub fn fill(&self, selector: &str, text: &str) {
+        let element = self.element(selector);
+        self.post(&format!("/element/{element}/value"), &json!({ "text": text }));
+    }
+
+    /// Presses or releases a key of the keyboard.
+    pub fn key(&self, key: &str, is_down: bool) {
+        let kind = if is_down { "keyDown" } else { "keyUp" };
+        let keys =
+            json!({ "type": "key", "id": "keys", "actions": [{ "type": kind, "value": key }] });
+        self.post("/actions", &json!({ "actions": [keys] }));
+    }
+
+    /// Writes a picture of the page.
+    pub fn picture(&self, path: &std::path::Path) {
+        let picture = self.ask("GET", &format!("{}/screenshot", self.session), None);
+        fs::write(path, unbase64(picture.as_str().unwrap())).unwrap();
+    }
+
+    /// Returns the errors in the page's console since the last call.
+    pub fn errors(&self) -> Vec<String> {
+        let log = self.post("/se/log", &json!({ "type": "browser" }));
+        let all = log.as_array().unwrap().iter();
+        let severe = all.filter(|entry| entry["level"] == "SEVERE");
+        severe.map(|entry| entry["message"].as_str().unwrap().to_owned()).collect()
+    }
+
+    fn element(&self, selector: &str) -> String {
+        let found = self.post("/element", &json!({ "using": "css selector", "value": selector }));
+        found[ELEMENT].as_str().unwrap().to_owned()
+    }
+
+    fn act(&self, actions: &[Value]) {
+        let pointer = json!({ "type": "pointer", "id": "pointer", "parameters": { "pointerType": "mouse" }, "actions": actions });
+        self.post("/actions", &json!({ "actions": [pointer] }));
+    }
+
+    fn post(&self, path: &str, body: &Value) -> Value {
+        self.ask("POST", &format!("{}{path}", self.session), Some(body))
+    }
+
+    /// Sends one request to the driver.
+    ///
+    /// # Panics
+    /// The driver refuses it.
+    fn ask(&self, method: &str, path: &str, body: Option<&Value>) -> Value {
+        let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
+        stream.set_read_timeout(Some(TIMEOUT)).unwrap();
+        let body = body.map(Value::to_string).unwrap_or_default();
+        let head = format!(
+            "{method} {path} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nConnection: close\r\nContent-Length: {}\r\n\r\n",
+            self.port,
+            body.len()
+        );
+        stream.write_all(head.as_bytes()).unwrap();
+        stream.write_all(body.as_bytes()).unwrap();
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).unwrap();
+        let answer = String::from_utf8(answer).unwrap();
+        let (_, json) = answer.split_once("\r\n\r\n").unwrap();
+        let answer: Value = serde_json::from_str(json).unwrap();
+        assert!(answer["value"]["error"].is_null(), "{method} {path}: {}", answer["value"]);
+        answer["value"].clone()
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        // The driver ends the browser with the session; a test that failed may have lost it.
+        let request = format!(
+            "DELETE {} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nConnection: close\r\n\r\n",
+            self.session, self.port
+        );
+        if let Ok(mut stream) = TcpStream::connect(("127.0.0.1", self.port)) {
+            drop(stream.write_all(request.as_bytes()));
+            drop(stream.read_to_end(&mut Vec::new()));
+        }
+        if self.driver.is_running() {
+            self.driver.signal(rustix::process::Signal::TERM);
+        }
+    }
+}
+
+/// Returns a text as a string of a script.
+fn quoted(text: &str) -> String {
+    Value::from(text).to_string()
+}
+
+/// Decodes base64.
+fn unbase64(text: &str) -> Vec<u8> {
+    let value = |c: u8| match c {
+        b'A'..=b'Z' => Some(c - b'A'),
+        b'a'..=b'z' => Some(c - b'a' + 26),
+        b'0'..=b'9' => Some(c - b'0' + 52),
+        b'+' => Some(62),
+        b'/' => Some(63),
+        _ => None,
+    };
+    let (mut bits, mut count, mut out) = (0_u32, 0_u32, Vec::new());
+    for digit in text.bytes().filter_map(value) {
+        bits = bits << 6 | u32::from(digit);
+        count += 6;
+        if 8 <= count {
+            count -= 8;
+            out.push((bits >> count & 0xff).try_into().unwrap());
+        }
+    }
+    out
+}
