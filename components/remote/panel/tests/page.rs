@@ -1,5 +1,5 @@
 //! The page's files: texts, scripts of others, size.
-#![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "tests; figures")]
 
 use flate2::{Compression, write::GzEncoder};
 use std::{
