@@ -4,7 +4,7 @@ use crate::{
     commands::config::AxisConfig,
     jogger::{By, Jogger, WheelPins},
     offset::{Offset, OffsetPins},
-    pins::AxisPins,
+    pins::{AxisPins, Shown, packed},
 };
 
 /// State of one axis.
@@ -13,6 +13,7 @@ pub(crate) struct Axis {
     pub(crate) config: AxisConfig,
     pub(crate) teleop: Jogger,
     pub(crate) offset: Offset,
+    shown: Shown<6>,
 }
 
 impl Axis {
@@ -21,16 +22,28 @@ impl Axis {
     }
 
     /// Writes the pins.
-    pub(crate) fn write_pins(&self, pins: &AxisPins, pos: f64) {
-        let tp = &self.teleop.tp;
+    pub(crate) fn write_pins(&mut self, pins: &AxisPins, pos: f64) {
+        let (tp, by) = (&self.teleop.tp, self.teleop.by);
+        let [request, now] = self.offset.values();
         pins.pos_cmd.set(pos);
-        pins.teleop_pos_cmd.set(tp.target);
-        pins.teleop_vel_cmd.set(tp.vel);
-        pins.teleop_vel_lim.set(tp.max_vel);
-        pins.teleop_tp_enable.set(tp.enable);
-        pins.kb_jog_active.set(self.teleop.by == By::Command);
-        pins.wheel_jog_active.set(self.teleop.by == By::Wheel);
-        self.offset.write_pins(&offset(pins));
+        let changed = self.shown.changes([
+            packed([tp.enable, by == By::Command, by == By::Wheel]),
+            tp.target.to_bits(),
+            tp.vel.to_bits(),
+            tp.max_vel.to_bits(),
+            request.to_bits(),
+            now.to_bits(),
+        ]);
+        if changed {
+            pins.teleop_pos_cmd.set(tp.target);
+            pins.teleop_vel_cmd.set(tp.vel);
+            pins.teleop_vel_lim.set(tp.max_vel);
+            pins.teleop_tp_enable.set(tp.enable);
+            pins.kb_jog_active.set(by == By::Command);
+            pins.wheel_jog_active.set(by == By::Wheel);
+            pins.eoffset_request.set(request);
+            pins.eoffset.set(now);
+        }
     }
 }
 
@@ -52,7 +65,5 @@ pub(crate) const fn offset(pins: &AxisPins) -> OffsetPins {
         clear: pins.eoffset_clear,
         counts: pins.eoffset_counts,
         scale: pins.eoffset_scale,
-        request: pins.eoffset_request,
-        now: pins.eoffset,
     }
 }

@@ -6,9 +6,9 @@ use crate::{
     guards::step::{MotorCommand, StepGuard},
     guards::watch::JointWatch,
     homing::one_joint::Homing,
-    jogger::{Jogger, TravelLimits, WheelPins},
+    jogger::{By, Jogger, TravelLimits, WheelPins},
     lock::Lock,
-    pins::JointPins,
+    pins::{JointPins, Shown, packed},
     simple_tp::SimpleTp,
 };
 use libm::fabs;
@@ -57,6 +57,7 @@ pub(crate) struct Joint {
     /// Guard through which every motor command passes.
     pub(crate) step_guard: StepGuard,
     pub(crate) watch: JointWatch,
+    shown: Shown<7>,
 }
 
 impl Joint {
@@ -205,6 +206,9 @@ impl Joint {
         } else if self.forward.is_some_and(|forward| forward == (by > 0.0)) {
             self.farthest = self.pos_cmd;
         }
+        if self.config.correction_share() == 0.0 && self.backlash_want == 0.0 && !self.is_corrected() {
+            return;
+        }
         let homed = self.homing.homed;
         self.backlash_want = tables.correction(&self.config, self.pos_cmd, homed, self.forward);
         if !enabled {
@@ -221,6 +225,11 @@ impl Joint {
         self.backlash.max_acc = share * self.config.max_acceleration;
         self.backlash.enable = true;
         self.backlash.step_exactly(dt);
+    }
+
+    /// Returns whether a correction is applied.
+    fn is_corrected(&self) -> bool {
+        self.backlash.pos != 0.0 || self.backlash.vel != 0.0
     }
 
     /// Returns whether a closed lock keeps the joint from a position.
@@ -283,12 +292,11 @@ impl Joint {
         }
     }
 
-    /// Writes the pins.
-    pub(crate) fn write_pins(&mut self, pins: &JointPins, enabled: bool) {
+    /// Writes the pins. Returns whether a state of the joint has changed: more than its motion.
+    pub(crate) fn write_pins(&mut self, pins: &JointPins, enabled: bool) -> bool {
         if let Some(value) = self.homing.take_index_enable() {
             pins.index_enable.set(value);
         }
-        let tp = &self.free.tp;
         pins.motor_pos_cmd.set(self.step_guard.last());
         pins.pos_cmd.set(self.pos_cmd);
         pins.pos_fb.set(self.pos_fb);
@@ -296,12 +304,47 @@ impl Joint {
         pins.acc_cmd.set(self.acc_cmd);
         pins.jerk_cmd.set(self.jerk_cmd);
         pins.coarse_pos_cmd.set(self.pos_cmd);
+        pins.f_error.set(self.ferror);
+        pins.f_error_lim.set(self.ferror_limit);
+        let (below, above) = self.at_soft_limits();
+        let (tp, inputs) = (&self.free.tp, &self.inputs);
+        let state = packed([
+            enabled,
+            self.active,
+            self.error,
+            self.was_ferrored,
+            inputs.amp_fault,
+            inputs.at_max,
+            inputs.at_min,
+            self.homing.homed,
+            tp.active,
+            tp.enable,
+            self.free.by == By::Command,
+            self.free.by == By::Wheel,
+            below,
+            above,
+        ]);
+        let changed = self.shown.changes([
+            state | u64::from(self.homing.code().cast_unsigned()) << 32,
+            self.motor_offset.to_bits(),
+            self.backlash_want.to_bits(),
+            self.backlash.pos.to_bits(),
+            self.backlash.vel.to_bits(),
+            tp.target.to_bits(),
+            tp.max_vel.to_bits(),
+        ]);
+        if changed {
+            self.write_state(pins, enabled);
+        }
+        changed
+    }
+
+    fn write_state(&self, pins: &JointPins, enabled: bool) {
+        let tp = &self.free.tp;
         pins.motor_offset.set(self.motor_offset);
         pins.backlash_corr.set(self.backlash_want);
         pins.backlash_filt.set(self.backlash.pos);
         pins.backlash_vel.set(self.backlash.vel);
-        pins.f_error.set(self.ferror);
-        pins.f_error_lim.set(self.ferror_limit);
         pins.free_pos_cmd.set(tp.target);
         pins.free_vel_lim.set(tp.max_vel);
         pins.free_tp_enable.set(tp.enable);
@@ -316,8 +359,8 @@ impl Joint {
         pins.in_position.set(!tp.active);
         pins.pos_hard_limit.set(self.active && self.inputs.at_max);
         pins.neg_hard_limit.set(self.active && self.inputs.at_min);
-        pins.kb_jog_active.set(self.free.by == crate::jogger::By::Command);
-        pins.wheel_jog_active.set(self.free.by == crate::jogger::By::Wheel);
+        pins.kb_jog_active.set(self.free.by == By::Command);
+        pins.wheel_jog_active.set(self.free.by == By::Wheel);
     }
 }
 

@@ -14,6 +14,7 @@ mod joint;
 mod lock;
 mod offset;
 mod offsets;
+mod outputs;
 mod path;
 mod pins;
 mod setup;
@@ -181,6 +182,8 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
         clock: b.clock(),
         last_ns: None,
         cycle: 0,
+        record: status::blank(),
+        outputs: outputs::Outputs::default(),
         status,
         hand,
         state,

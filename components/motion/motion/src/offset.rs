@@ -1,7 +1,7 @@
 //! Realtime. External offset of one axis, added by pins to its position within a fraction of its limits.
 
 use crate::{jogger::TravelLimits, simple_tp::SimpleTp};
-use hal_component::{In, Out};
+use hal_component::In;
 
 /// External offset of one axis.
 #[derive(Debug, Default)]
@@ -23,8 +23,6 @@ pub(crate) struct OffsetPins {
     pub(crate) clear: In<bool>,
     pub(crate) counts: In<i32>,
     pub(crate) scale: In<f64>,
-    pub(crate) request: Out<f64>,
-    pub(crate) now: Out<f64>,
 }
 
 impl Offset {
@@ -101,9 +99,8 @@ impl Offset {
         self.is_limited
     }
 
-    /// Writes the pins.
-    pub(crate) fn write_pins(&self, pins: &OffsetPins) {
-        pins.request.set(self.request);
-        pins.now.set(self.tp.pos);
+    /// Returns the offset that is requested and the one that is applied.
+    pub(crate) const fn values(&self) -> [f64; 2] {
+        [self.request, self.tp.pos]
     }
 }

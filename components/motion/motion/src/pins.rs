@@ -4,12 +4,14 @@ mod axis;
 mod general;
 mod joint;
 mod lists;
+mod shown;
 mod spindle;
 
 pub(crate) use axis::AxisPins;
 pub(crate) use general::{GeneralPins, Traces, WatchPins};
 pub(crate) use joint::JointPins;
 pub(crate) use lists::{ExtraPins, Lists, UnlockPins};
+pub(crate) use shown::{Shown, packed};
 pub(crate) use spindle::SpindlePins;
 
 use crate::{setup::Setup, switch::SwitchPins};

@@ -1,6 +1,9 @@
 //! Realtime. One spindle.
 
-use crate::{commands::config::SpindleConfig, pins::SpindlePins};
+use crate::{
+    commands::config::SpindleConfig,
+    pins::{Shown, SpindlePins, packed},
+};
 use hal_component::{Messages, TicketHandle};
 
 /// Commanded state of a spindle.
@@ -25,6 +28,7 @@ pub(crate) struct Spindle {
     index_enable: Option<bool>,
     /// Distance of the axes from their place at this spindle.
     pub(crate) sync_error: f64,
+    shown: Shown<4>,
 }
 
 /// Inputs of this cycle.
@@ -74,6 +78,7 @@ impl Default for Spindle {
             seeks: false,
             index_enable: None,
             sync_error: 0.0,
+            shown: Shown::default(),
         }
     }
 }
@@ -164,19 +169,30 @@ impl Spindle {
     pub(crate) fn write_pins(&mut self, pins: &SpindlePins) {
         let runs = self.on && !pins.inhibit.get();
         let speed = if runs { self.config.limited(self.speed * self.scale) } else { 0.0 };
-        pins.on.set(runs);
-        pins.forward.set(speed > 0.0);
-        pins.reverse.set(speed < 0.0);
-        pins.brake.set(self.brake);
-        pins.speed_out.set(speed);
-        pins.speed_out_abs.set(speed.abs());
-        pins.speed_out_rps.set(speed / 60.0);
-        pins.speed_out_rps_abs.set(speed.abs() / 60.0);
-        pins.speed_cmd_rps.set(self.speed / 60.0);
-        pins.orient.set(matches!(self.orient, Orient::Turning { is_again: false, .. }));
-        pins.locked.set(matches!(self.orient, Orient::Locked));
-        pins.orient_angle.set(self.angle);
-        pins.orient_mode.set(self.mode);
+        let orients = matches!(self.orient, Orient::Turning { is_again: false, .. });
+        let is_locked = matches!(self.orient, Orient::Locked);
+        let state = packed([runs, self.brake, orients, is_locked]);
+        let changed = self.shown.changes([
+            state | u64::from(self.mode.cast_unsigned()) << 32,
+            speed.to_bits(),
+            self.speed.to_bits(),
+            self.angle.to_bits(),
+        ]);
+        if changed {
+            pins.on.set(runs);
+            pins.forward.set(speed > 0.0);
+            pins.reverse.set(speed < 0.0);
+            pins.brake.set(self.brake);
+            pins.speed_out.set(speed);
+            pins.speed_out_abs.set(speed.abs());
+            pins.speed_out_rps.set(speed / 60.0);
+            pins.speed_out_rps_abs.set(speed.abs() / 60.0);
+            pins.speed_cmd_rps.set(self.speed / 60.0);
+            pins.orient.set(orients);
+            pins.locked.set(is_locked);
+            pins.orient_angle.set(self.angle);
+            pins.orient_mode.set(self.mode);
+        }
         pins.sync_error.set(self.sync_error);
         if let Some(value) = self.index_enable.take() {
             pins.index_enable.set(value);
