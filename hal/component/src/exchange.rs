@@ -17,11 +17,14 @@ fn words(n: usize) -> Box<[AtomicU64]> {
 }
 
 pub(crate) fn fill<T: Plain>(words: &[AtomicU64], value: &T) {
-    let mut words = words.iter();
+    // The compiler knows this length, and needs no check for each word.
+    let Some(words) = words.get(..T::WORDS) else { return };
+    let mut n = 0;
     value.store(&mut |bits| {
-        if let Some(word) = words.next() {
+        if let Some(word) = words.get(n) {
             word.store(bits, Ordering::Relaxed);
         }
+        n += 1;
     });
 }
 

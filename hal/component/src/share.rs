@@ -125,7 +125,8 @@ impl<T: Copy> Sender<T> {
 impl<T: Copy> Receiver<T> {
     /// Takes the oldest value. Lock-free.
     pub fn take(&mut self) -> Option<T> {
-        self.0.pop()
+        // An empty queue answers `pop` only after a fence.
+        if self.0.is_empty() { None } else { self.0.pop() }
     }
 }
 

@@ -150,6 +150,9 @@ impl State {
         let ready = ready && blocked_by.is_none();
         let allowed = ready && self.mode == Mode::Free;
         for (joint, pins) in self.joints.iter_mut().zip(&pins.joints) {
+            if joint.free.has_counted(pins.jog_counts) {
+                continue;
+            }
             let wheel = joint::wheel(pins);
             let allowed = allowed && joint.active && joint.refuses_jog().is_none();
             let turned = allowed && joint.free.is_turned(&wheel);
@@ -169,6 +172,9 @@ impl State {
         }
         let allowed = ready && self.mode == Mode::Teleop;
         for (n, pins) in pins.axes.iter().enumerate() {
+            if self.axes.get(n).is_none_or(|a| a.teleop.has_counted(pins.jog_counts)) {
+                continue;
+            }
             let wheel = axis::wheel(pins);
             let turned = self.axes.get(n).is_some_and(|a| a.teleop.is_turned(&wheel));
             let limits = if allowed && turned { self.jog_limits(n).ok() } else { None };

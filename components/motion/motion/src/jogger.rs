@@ -180,6 +180,11 @@ impl Jogger {
         self.old_counts.is_some_and(|old| old != pins.counts.get()) && pins.enable.get()
     }
 
+    /// Returns whether the wheel is where it was when it was last read.
+    pub(crate) fn has_counted(&self, counts: In<i32>) -> bool {
+        self.old_counts == Some(counts.get())
+    }
+
     /// Reads the wheel, and moves by its counts if that is allowed.
     pub(crate) fn wheel(
         &mut self,

@@ -206,7 +206,10 @@ impl Joint {
         } else if self.forward.is_some_and(|forward| forward == (by > 0.0)) {
             self.farthest = self.pos_cmd;
         }
-        if self.config.correction_share() == 0.0 && self.backlash_want == 0.0 && !self.is_corrected() {
+        if self.config.correction_share() == 0.0
+            && self.backlash_want == 0.0
+            && !self.is_corrected()
+        {
             return;
         }
         let homed = self.homing.homed;
@@ -324,8 +327,9 @@ impl Joint {
             below,
             above,
         ]);
+        let code = if self.homing.is_under_way() { self.homing.code() } else { 0 };
         let changed = self.shown.changes([
-            state | u64::from(self.homing.code().cast_unsigned()) << 32,
+            state | u64::from(code.cast_unsigned()) << 32,
             self.motor_offset.to_bits(),
             self.backlash_want.to_bits(),
             self.backlash.pos.to_bits(),

@@ -94,6 +94,12 @@ impl Offset {
         self.request == 0.0 && !self.is_there()
     }
 
+    /// Returns whether nothing has changed: no offset is there or was there, none is requested, and the counts are the same.
+    pub(crate) fn rests_at_zero(&self, counts: In<i32>) -> bool {
+        let is_zero = self.is_unused() && self.last == 0.0 && !self.is_limited && !self.tp.enable;
+        is_zero && self.counts == Some(counts.get())
+    }
+
     /// Returns whether a limit keeps the offset from its request.
     pub(crate) const fn is_limited(&self) -> bool {
         self.is_limited

@@ -13,9 +13,13 @@ impl State {
         let in_axes = self.enabled && self.mode != Mode::Free;
         let allowed = in_axes && self.is_all_homed();
         for n in 0..self.axes.len() {
-            let Some(pins) = pins.axes.get(n).map(axis::offset) else { continue };
+            let Some(pins) = pins.axes.get(n) else { continue };
             let Some(axis) = self.axes.get_mut(n) else { continue };
-            axis.offset.ask(&pins, allowed && axis.config.offset_fraction > 0.0);
+            let has_share = axis.config.offset_fraction > 0.0;
+            if !has_share && axis.offset.rests_at_zero(pins.eoffset_counts) {
+                continue;
+            }
+            axis.offset.ask(&axis::offset(pins), allowed && has_share);
             let limits = if in_axes { self.offset_limits(n) } else { None };
             let Some(axis) = self.axes.get_mut(n) else { continue };
             match limits {

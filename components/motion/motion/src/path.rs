@@ -287,7 +287,9 @@ impl Path {
     }
 
     fn take_session(&mut self) {
-        while let Some(session) = self.hand.made.pop() {
+        while !self.hand.made.is_empty()
+            && let Some(session) = self.hand.made.pop()
+        {
             if session.generation == self.generation && self.live == Live::Asked {
                 self.live = Live::Follows;
                 self.hand.set_input((0, 0.0));

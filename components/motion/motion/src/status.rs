@@ -1,12 +1,6 @@
 //! Realtime. The snapshot `motion.status`: the state of the machine in each cycle, as a whole.
 
-use crate::{
-    joint::Joint,
-    path::Parked,
-    pins::Lists,
-    setup::put,
-    state::State,
-};
+use crate::{joint::Joint, path::Parked, pins::Lists, setup::put, state::State};
 use hal_component::{
     Builder, Error, In, MotionSource, MotionStatus, Plain, Snapshot, motion_source,
 };

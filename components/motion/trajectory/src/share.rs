@@ -181,7 +181,7 @@ impl Path for Reader {
     }
 
     fn pose(&self, curve: u64, s: f64) -> Option<Pose> {
-        Some(curve_from(&self.0.curves.read(curve)).pose(s))
+        Some(curve_from(self.0.curves.words(curve)).pose(s))
     }
 
     fn may_turn(&self, reverse: bool) -> bool {
@@ -260,8 +260,7 @@ fn curve_words(curve: &Curve) -> [u64; CURVE] {
     out
 }
 
-fn curve_from(words: &[u64; CURVE]) -> Curve {
-    let mut rest = words.iter().copied();
+fn curve_from(mut rest: impl Iterator<Item = u64>) -> Curve {
     let kind = rest.next();
     let mut number = || rest.next().map_or(0.0, f64::from_bits);
     let mut pose = || Pose([0.0; AXES].map(|_: f64| number()));

@@ -96,7 +96,9 @@ pub(crate) struct Slots<const N: usize> {
 }
 
 impl<const N: usize> Slots<N> {
+    /// Makes at least this number of slots: a power of two, so that no division finds the slot of a number.
     pub(crate) fn new(count: usize) -> Self {
+        let count = count.next_power_of_two();
         Self { words: (0..count).map(|_| [0; N].map(AtomicU64::new)).collect() }
     }
 
@@ -106,7 +108,7 @@ impl<const N: usize> Slots<N> {
     }
 
     fn slot(&self, number: u64) -> Option<&[AtomicU64; N]> {
-        let k = number.checked_rem(self.len())?;
+        let k = number & self.len().wrapping_sub(1);
         self.words.get(usize::try_from(k).ok()?)
     }
 
@@ -132,10 +134,13 @@ impl<const N: usize> Slots<N> {
 
     /// Reader: returns the words of a published slot.
     pub(crate) fn read(&self, number: u64) -> [u64; N] {
-        let mut out = [0; N];
-        for (word, slot) in out.iter_mut().zip(self.slot(number).into_iter().flatten()) {
-            *word = slot.load(Ordering::Relaxed); // Ordered by `Order::count`.
-        }
-        out
+        let mut words = self.words(number);
+        [0; N].map(|_: u64| words.next().unwrap_or(0))
+    }
+
+    /// Reader: returns the words of a published slot, each loaded when it is taken.
+    pub(crate) fn words(&self, number: u64) -> impl Iterator<Item = u64> {
+        // Ordered by `Order::count`.
+        self.slot(number).into_iter().flatten().map(|word| word.load(Ordering::Relaxed))
     }
 }

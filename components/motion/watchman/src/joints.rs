@@ -47,10 +47,13 @@ pub struct Report {
 pub struct Watchman<const J: usize> {
     /// Limits of the differences of one cycle: of first, second and third order.
     limits: [[f64; 3]; J],
+    /// Differences up to which a limit is kept and the worst so far is no better: most of them, found without arithmetic.
+    calm: [[f64; 3]; J],
     size: f64,
     past: [Past; J],
     report: Report,
     started: bool,
+    is_calm: bool,
 }
 
 /// The last position of a joint, and the last differences.
@@ -69,7 +72,8 @@ impl<const J: usize> Watchman<J> {
     pub fn new(limits: [Limits; J], period: f64, size: f64) -> Self {
         let limits = limits.map(|l| l.of_a_cycle(period));
         let past = [Past::at_rest(0.0); J];
-        Self { limits, size, past, report: Report::default(), started: false }
+        let calm = [[0.0; 3]; J];
+        Self { limits, calm, size, past, report: Report::default(), started: false, is_calm: false }
     }
 
     /// Sets the position at which the joints are at rest, for example after a reset.
@@ -84,6 +88,24 @@ impl<const J: usize> Watchman<J> {
     pub fn set_limits(&mut self, limits: [Limits; J], period: f64, size: f64) {
         self.limits = limits.map(|l| l.of_a_cycle(period));
         self.size = size;
+        self.find_calm();
+    }
+
+    fn find_calm(&mut self) {
+        let Report { velocity, acceleration, jerk, .. } = &self.report;
+        let ratios = [velocity.ratio, acceleration.ratio, jerk.ratio];
+        for (calm, limits) in self.calm.iter_mut().zip(&self.limits) {
+            for ((calm, limit), ratio) in calm.iter_mut().zip(limits).zip(ratios) {
+                // Without a limit everything finite is calm; after a violation nothing is, so that each of them counts.
+                *calm = if *limit == f64::INFINITY {
+                    f64::MAX
+                } else if ratio <= 1.0 {
+                    limit * ratio
+                } else {
+                    0.0
+                };
+            }
+        }
     }
 
     /// Begins again at the next positions, because their zero changed in motion. A velocity is judged from the second of
@@ -97,6 +119,8 @@ impl<const J: usize> Watchman<J> {
     /// Forgets the worst of each value.
     pub fn forget(&mut self) {
         self.report = Report::default();
+        self.is_calm = false;
+        self.find_calm();
     }
 
     /// Judges the positions of one cycle; returns false if a limit is exceeded or a position is not finite.
@@ -106,13 +130,13 @@ impl<const J: usize> Watchman<J> {
         }
         let cycle = self.report.cycles;
         let mut good = true;
-        for (joint, ((past, position), limits)) in
-            self.past.iter_mut().zip(positions).zip(&self.limits).enumerate()
-        {
+        let mut is_calm = true;
+        let joints = self.past.iter_mut().zip(positions).zip(&self.limits).zip(&self.calm);
+        for (joint, (((past, position), limits), calm)) in joints.enumerate() {
             let at = |ratio: f64| Worst { ratio, cycle, joint, line };
             if !position.is_finite() {
                 self.report.velocity.raise(at(f64::INFINITY));
-                good = false;
+                (good, is_calm) = (false, false);
                 continue;
             }
             let known = past.known;
@@ -120,19 +144,34 @@ impl<const J: usize> Watchman<J> {
             let first = since(1, position - past.position);
             let second = since(2, first - past.first);
             let third = since(3, second - past.second);
-            let largest = self.size.max(position.abs()).max(past.position.abs());
-            let error = ROUNDINGS * (f64::EPSILON / 2.0) * largest;
+            let before = past.position;
             *past = Past { position: *position, first, second, known: 3.min(known + 1) };
+            let [v, a, j] = *calm;
+            if first.abs() <= v && second.abs() <= a && third.abs() <= j {
+                continue;
+            }
+            is_calm = false;
+            let largest = self.size.max(position.abs()).max(before.abs());
+            let error = ROUNDINGS * (f64::EPSILON / 2.0) * largest;
             let [v, a, j] = *limits;
             good &= self.report.velocity.judge(first, 2.0 * error, v, at);
             good &= self.report.acceleration.judge(second, 4.0 * error, a, at);
             good &= self.report.jerk.judge(third, 8.0 * error, j, at);
         }
         self.report.cycles = cycle.wrapping_add(1);
+        self.is_calm = is_calm;
+        if !is_calm {
+            self.find_calm();
+        }
         if !good {
             self.report.violations = self.report.violations.wrapping_add(1);
         }
         good
+    }
+
+    /// Returns true if the last positions are inside all limits, and left the worst of each value as it was.
+    pub const fn is_calm(&self) -> bool {
+        self.is_calm
     }
 
     /// Returns the worst of each value so far.

@@ -42,9 +42,9 @@ impl State {
     }
 
     /// Returns the largest of the joints' steps, relative to its permitted step; a joint above a limit that was lowered
-    /// may keep its velocity while it brakes.
+    /// may keep its velocity while it brakes. A part below 1 is 1.
     fn excess(&self, places: &Places, dt: f64) -> f64 {
-        let mut most = 0.0;
+        let mut most = 1.0;
         for (joint, place) in self.joints.iter().zip(places) {
             if !joint.active || joint.extra {
                 continue;
@@ -53,9 +53,9 @@ impl State {
             // Slightly less, so that rounding does not accumulate.
             let braking = now * (1.0 - ROUNDING);
             let velocity = if braking > limit * (1.0 + ROUNDING) { braking } else { limit };
-            let excess = fabs(place - joint.pos_cmd) / (velocity * dt);
-            if excess > most {
-                most = excess;
+            let (step, allowed) = (fabs(place - joint.pos_cmd), velocity * dt);
+            if step > most * allowed {
+                most = step / allowed;
             }
         }
         most

@@ -18,6 +18,8 @@ pub(crate) struct JointWatch {
     largest: f64,
     /// Limits in force. Lower ones wait until the joint is at rest, because it needs time to brake.
     limits: Limits,
+    /// True if these are the configured ones.
+    is_settled: bool,
     /// Largest coordinate in the computation of a command so far, and the period in seconds.
     size: f64,
     dt: f64,
@@ -38,6 +40,7 @@ impl Default for JointWatch {
             configured: limits,
             largest: 0.0,
             limits,
+            is_settled: false,
             size: 0.0,
             dt: 0.0,
             last: 0.0,
@@ -58,6 +61,7 @@ impl JointWatch {
             jerk: c.move_jerk(),
         };
         self.largest = finite(c.min_limit) + finite(c.max_limit);
+        self.is_settled = false;
     }
 
     /// Judges a command that was written; returns false if it breaks a limit.
@@ -68,11 +72,12 @@ impl JointWatch {
             self.moves = false;
             return true;
         }
-        let limits =
-            if self.moves { higher(self.limits, self.configured) } else { self.configured };
         let size = self.largest + c.offset.abs() + c.correction.abs();
-        if limits != self.limits || size > self.size || dt.to_bits() != self.dt.to_bits() {
+        if !self.is_settled || size > self.size || dt.to_bits() != self.dt.to_bits() {
+            let limits =
+                if self.moves { higher(self.limits, self.configured) } else { self.configured };
             (self.limits, self.dt) = (limits, dt);
+            self.is_settled = limits == self.configured;
             self.size = if size > self.size { size } else { self.size };
             let deadband = 4.0 * DEADBAND * limits.acceleration / dt;
             let judged = Limits { jerk: limits.jerk + deadband, ..limits };
@@ -96,6 +101,9 @@ impl JointWatch {
 
     /// Writes the ratios, if they have changed; returns the highest one then.
     pub(crate) fn write_pins(&mut self, pins: &JointPins) -> Option<Worst> {
+        if self.judge.is_calm() {
+            return None;
+        }
         let r = self.judge.report();
         let all = [r.velocity, r.acceleration, r.jerk];
         let sum = r.velocity.ratio + r.acceleration.ratio + r.jerk.ratio;

@@ -117,7 +117,9 @@ impl Path {
 
     /// Takes refusals of the planner: the refused move and all after it end.
     pub(super) fn take_reports(&mut self) {
-        while let Some(report) = self.hand.reports.pop() {
+        while !self.hand.reports.is_empty()
+            && let Some(report) = self.hand.reports.pop()
+        {
             if report.generation != self.generation {
                 continue;
             }
