@@ -1,7 +1,7 @@
 // The start of the page: session, socket, and the two faces, the operator's and the integrator's.
 
 import { el } from "./dom.js";
-import { currentSession, getJson, signIn, takeToken } from "./http.js";
+import { currentSession, getJson, listPath, signIn, takeToken } from "./http.js";
 import { Link } from "./link.js";
 import { Messages } from "./operator/messages.js";
 import { Prefs } from "./prefs.js";
@@ -36,6 +36,7 @@ async function run(session) {
   let info;
   try {
     info = await getJson("/info");
+    if (!info.joints) await addJoints(info);
   } catch (error) {
     document.body.replaceChildren(el("main", { class: "sign-in" }, el("p", { role: "alert" }, error.message),
       el("button", { type: "button", onclick: () => location.reload() }, translator(prefs.get("language"))("refresh"))));
@@ -60,6 +61,14 @@ async function run(session) {
     buildPage(context({ info, session, link, store, messages, prefs, signal: built.signal, t: translator(prefs.get("language")) }));
   };
   prefs.listen((name) => ["language", "theme", "units", null].includes(name) && build(), new AbortController().signal);
+}
+
+/** Adds the joints and axes that a machine without an INI file has. */
+async function addJoints(info) {
+  const names = async (pattern) => (await getJson(listPath("pins", [pattern]))).map((pin) => pin.name);
+  info.joints = (await names("joint.*.motor-pos-cmd")).length;
+  const axes = (await names("axis.?.pos-cmd")).map((name) => name[5].toUpperCase());
+  info.axes = [..."XYZABCUVW"].filter((axis) => axes.includes(axis)).slice(0, info.joints).join("");
 }
 
 function applyLook() {

@@ -160,6 +160,7 @@ const TEXTS = {
   "spindle.speed": ["Speed", "Velocidad"],
   "spindle.stop": ["Stop", "Parar"],
   "state.estop": ["E-stop", "Paro de emergencia"],
+  "state.none": ["No task runs", "No hay tarea en marcha"],
   "state.off": ["Off", "Apagada"],
   "state.on": ["On", "Encendida"],
   "system": ["System", "Sistema"],

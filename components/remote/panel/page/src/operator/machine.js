@@ -28,8 +28,9 @@ export function machineCard(ctx) {
     const isEstop = task.state === ESTOP;
     const isOn = task.state === ON;
     const homed = motion.all_homed ? t("homed") : motion.homing ? t("homing") : t("unhomed");
-    setText(state, isEstop ? t("state.estop") : isOn ? `${t("state.on")} · ${homed}` : t("state.off"));
-    state.dataset.state = isEstop ? "estop" : isOn ? "on" : "off";
+    const name = isEstop ? "estop" : isOn ? "on" : "off";
+    setText(state, task.state === undefined ? t("state.none") : isOn ? `${t("state.on")} · ${homed}` : t(`state.${name}`));
+    state.dataset.state = name;
     const may = ctx.mayControl();
     enable(reset, may && isEstop && info.remote?.estop_reset !== false);
     reset.title = info.remote?.estop_reset === false ? t("estop.local") : t("hold.hint");

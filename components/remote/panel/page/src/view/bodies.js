@@ -137,3 +137,26 @@ export class Lathe {
     this.slide.position.set(point.x + this.reach / 2 + this.reach / 8, 0, point.z);
   }
 }
+
+/** A machine of straight parts between points: arms, deltas. */
+export class Rods {
+  constructor(kinematics, size, colours) {
+    this.kinematics = kinematics;
+    this.material = solid(colours.part, 0.85);
+    this.radius = size / 90;
+    this.rods = [];
+    this.node = new Group();
+  }
+
+  move(point, joints) {
+    const parts = this.kinematics.parts(joints ?? [], point);
+    while (this.rods.length < parts.length) {
+      this.rods.push(rod(this.material, this.radius));
+      this.node.add(this.rods.at(-1));
+    }
+    this.rods.forEach((r, i) => {
+      r.visible = i < parts.length;
+      if (r.visible) r.join(...parts[i]);
+    });
+  }
+}

@@ -2,9 +2,10 @@
 
 import { card, el, setText, show } from "../dom.js";
 import { AXES, workPose } from "../format.js";
-import { programPath, request } from "../http.js";
+import { getJson, listPath, programPath, request } from "../http.js";
 import { Vector3 } from "../../vendor/three.module.min.js";
-import { Gantry, Lathe, Tool, Trail, lights } from "./bodies.js";
+import { Gantry, Lathe, Rods, Tool, Trail, lights } from "./bodies.js";
+import { kinematicsOf } from "./kinematics.js";
 import { Path } from "./path.js";
 import { View } from "./view.js";
 
@@ -41,16 +42,38 @@ export function viewCard(ctx) {
     colourBy,
   );
 
-  const [low, high] = travel(info);
-  const machine = low ? bodyOf(info, new Vector3(...low), new Vector3(...high), colours) : null;
-  const size = low ? new Vector3(...high).sub(new Vector3(...low)).length() : 100;
-  const tool = new Tool(size / 25, colours.tool);
-  const trail = new Trail(colours.trail);
-  view.live.add(...lights(), tool.node, trail.node);
-  if (machine) view.live.add(machine.node);
-  if (low) view.setLimits(low, high);
-
   const state = { file: undefined, path: null, zeros: "", pose: "" };
+  let [low, high] = travel(info);
+  let machine = null;
+  let tool = new Tool(1, colours.tool);
+  const trail = new Trail(colours.trail);
+  view.live.add(...lights(), trail.node);
+  if (low) view.setLimits(low, high);
+  build(null);
+  // Arms and deltas say by their pins what they are.
+  Promise.all(["pins", "params"].map((kind) => getJson(listPath(kind, ["*kins.*"]), { signal }))).then(([pins, params]) => {
+    const kinematics = kinematicsOf([...pins, ...params]);
+    if (!kinematics) return;
+    if (!low) view.setReach(...kinematics.reach);
+    [low, high] = low ? [low, high] : kinematics.reach;
+    build(kinematics);
+  }).catch(() => {
+    // The picture then has the tool alone.
+  });
+
+  function build(kinematics) {
+    const size = low ? new Vector3(...high).sub(new Vector3(...low)).length() : 100;
+    view.live.remove(tool.node);
+    if (machine) view.live.remove(machine.node);
+    tool = new Tool(size / 25, colours.tool);
+    if (kinematics) machine = new Rods(kinematics, size, colours);
+    else machine = low ? bodyOf(info, new Vector3(...low), new Vector3(...high), colours) : null;
+    view.live.add(tool.node);
+    if (machine) view.live.add(machine.node);
+    state.pose = "";
+    store.notify();
+  }
+
   let loading = null;
 
   async function load(file) {

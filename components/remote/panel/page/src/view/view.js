@@ -115,6 +115,12 @@ export class View {
     this.fit();
   }
 
+  /** Takes the space that a machine without limits may need. */
+  setReach(low, high) {
+    this.machineBox = new Box3(new Vector3(...low), new Vector3(...high));
+    this.fit();
+  }
+
   /** Shows the zeros of coordinate systems. */
   setZeros(points) {
     const size = 0.06 * this.box.getSize(new Vector3()).length();
