@@ -95,7 +95,7 @@ fn arrows_point_only_downward() {
         ("robot", &["hal-arm", "hal-gcode", "hal-output"]),
         ("kinematics", &["hal-arm", "hal-component"]),
         ("ferrule-client", &["hal-protocol"]),
-        ("ferrule-python", &["hal-protocol"]),
+        ("ferrule-python", &["hal-gcode", "hal-ini", "hal-job", "hal-protocol"]),
         ("hal-job", &["hal-gcode", "hal-ini", "hal-output"]),
         ("task", &["hal-component", "hal-gcode", "hal-ini", "hal-job", "hal-output"]),
         ("motion", &["hal-component", "hal-trajectory", "hal-watchman"]),

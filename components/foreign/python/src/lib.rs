@@ -6,8 +6,11 @@
 
 mod component;
 mod connection;
+mod drawing;
+mod gcode;
 mod instance;
 mod item;
+mod machine;
 mod sleep;
 mod stream;
 mod value;

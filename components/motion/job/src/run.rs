@@ -1,7 +1,7 @@
 //! A program from its begin to its end, with the answers of a machine that stands still.
 
 use crate::world::World;
-use hal_gcode::{Answer, Error, Interpreter, Issued, Request, Step};
+use hal_gcode::{Answer, Environment, Error, Interpreter, Issued, Request, Step};
 
 /// Answers of the machine that is not there.
 #[derive(Clone, Copy)]
@@ -29,7 +29,7 @@ impl Answers {
 /// Runs one step; a question is answered in the same step.
 pub fn step(
     interpreter: &mut Interpreter,
-    world: &World,
+    world: &dyn Environment,
     answers: Answers,
     out: &mut Vec<Issued>,
 ) -> Result<bool, Error> {

@@ -126,6 +126,12 @@ execution. Nothing goes on by itself.",
         read: |call| Ok(Command::Mdi(unquoted(&call.text("text").unwrap_or_default()).into())),
     },
     Row {
+        name: "task.mdi-brief",
+        doc: "Executes a line of G-code in whatever mode, while no job runs, and returns to that mode.",
+        args: &[&Arg::text("text", "The line.").required()],
+        read: |call| Ok(Command::BriefMdi(unquoted(&call.text("text").unwrap_or_default()).into())),
+    },
+    Row {
         name: "task.optional-stop",
         doc: "Sets whether M1 pauses the program; at first it does.",
         args: &[&ON],

@@ -219,6 +219,8 @@ pub(crate) struct Core {
     /// The last message for the operator.
     pub(crate) message: Box<str>,
     pub(crate) messages: u32,
+    /// Importance of the last message.
+    pub(crate) message_level: crate::outside::Level,
 }
 
 impl Core {
@@ -269,6 +271,7 @@ impl Core {
             job_time: 0.0,
             message: Box::default(),
             messages: 0,
+            message_level: crate::outside::Level::Info,
         })
     }
 
@@ -389,6 +392,7 @@ impl Core {
     fn tell(&mut self, level: crate::outside::Level, text: &str, out: &mut impl Outside) {
         self.message = text.into();
         self.messages = self.messages.wrapping_add(1);
+        self.message_level = level;
         out.say(level, text);
     }
 }

@@ -2,13 +2,13 @@
 
 use crate::{
     core::{Core, Interpreting, file_name},
-    outside::MotionState,
+    outside::{Level, MotionState},
 };
 use hal_component::{IoState, Plain, abi::OperatorView};
 use hal_gcode::{
     axis::{Axis, Position},
-    canon::{Direction, PathMode, Plane, Unit},
-    state::{FeedMode, Modal, Side},
+    canon::Direction,
+    state::codes::G_CODES,
 };
 
 /// Version of [`TaskStatus`].
@@ -19,8 +19,6 @@ const TEXT: usize = 32;
 const SPINDLES: usize = 8;
 /// Number of calls whose lines are in the record.
 const CALLS: usize = 10;
-/// Number of G codes in force.
-const G_CODES: usize = 13;
 
 /// State of the task. Lengths are in machine units.
 #[derive(Clone, Copy, Debug, PartialEq, Plain)]
@@ -91,10 +89,12 @@ pub(crate) struct TaskStatus {
     pub(crate) tool_offset: [f64; 9],
     /// Number of messages.
     pub(crate) messages: u32,
-    /// Name of the program, eight bytes in each word, the first lowest.
+    /// Path of the program, eight bytes in each word, the first lowest.
     pub(crate) file: [u64; TEXT],
-    /// Last message, as the name of the program.
+    /// Last message, as the path of the program.
     pub(crate) message: [u64; TEXT],
+    /// Importance of the last message: 0 a message of the program, 1 an error.
+    pub(crate) message_level: u32,
 }
 
 /// The state of the task, with its texts.
@@ -110,7 +110,7 @@ impl Report {
     pub(crate) fn of(core: &Core, motion: &MotionState, io: &IoState) -> Self {
         let file = core.program.as_deref().map(file_name).unwrap_or_default();
         Self {
-            status: Some(status(core, io, &file)),
+            status: Some(status(core, io)),
             message: core.message.to_string(),
             file,
             velocity: motion.velocity,
@@ -164,7 +164,7 @@ impl Report {
     }
 }
 
-fn status(core: &Core, io: &IoState, file: &str) -> TaskStatus {
+fn status(core: &Core, io: &IoState) -> TaskStatus {
     let state = &core.interpreter.state;
     let modal = &state.modal;
     let frame = &state.frame;
@@ -212,15 +212,16 @@ fn status(core: &Core, io: &IoState, file: &str) -> TaskStatus {
         direction,
         feed_override: core.feed_scale,
         spindle_override: core.spindle_scale,
-        g_codes: g_codes(modal, core),
+        g_codes: state.g_codes(),
         system: modal.system.into(),
         g5x_offset: pose(frame.g5x),
         rotation: frame.rotation,
         g92_offset: pose(frame.g92),
         tool_offset: pose(frame.tool),
         messages: core.messages,
-        file: packed(file),
+        file: packed(&core.program.as_ref().map(|p| p.to_string_lossy()).unwrap_or_default()),
         message: packed(&core.message),
+        message_level: u32::from(core.message_level == Level::Error),
     }
 }
 
@@ -244,46 +245,6 @@ pub(crate) fn operator_view(core: &Core, io: &IoState) -> OperatorView {
         rotation: state.frame.rotation,
         ..OperatorView::IDLE
     }
-}
-
-/// Returns the G codes in force, times ten, one for each modal group.
-fn g_codes(modal: &Modal, core: &Core) -> [u32; G_CODES] {
-    let system = u32::from(modal.system);
-    let css = modal.spindles.first().is_some_and(|s| s.css);
-    [
-        modal.motion.into(),
-        match modal.plane {
-            Plane::Xy => 170,
-            Plane::Xz => 180,
-            Plane::Yz => 190,
-            Plane::Uv => 171,
-            Plane::Uw => 181,
-            Plane::Vw => 191,
-        },
-        if modal.unit == Unit::Inch { 200 } else { 210 },
-        match core.interpreter.state.compensation.side() {
-            Side::Off => 400,
-            Side::Left => 410,
-            Side::Right => 420,
-        },
-        if modal.tool_offset { 430 } else { 490 },
-        if system <= 6 { 530 + 10 * system } else { 590 + system - 6 },
-        match modal.path {
-            PathMode::ExactPath => 610,
-            PathMode::ExactStop => 611,
-            PathMode::Continuous { .. } => 640,
-        },
-        if modal.diameter { 70 } else { 80 },
-        if modal.absolute { 900 } else { 910 },
-        if modal.ijk_absolute { 901 } else { 911 },
-        match modal.feed_mode {
-            FeedMode::InverseTime => 930,
-            FeedMode::PerMinute => 940,
-            FeedMode::PerRevolution => 950,
-        },
-        if css { 960 } else { 970 },
-        if modal.retract_old { 980 } else { 990 },
-    ]
 }
 
 fn code_text(code: u32) -> String {

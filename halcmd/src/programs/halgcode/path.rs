@@ -4,7 +4,7 @@ use core::f64::consts::{PI, TAU};
 use hal_gcode::{
     Call,
     axis::{Axis, Position},
-    canon::{ControlPoint, Frame, Plane},
+    canon::{ControlPoint, Frame, Plane, curve_point},
 };
 
 /// The kind of a move.
@@ -124,7 +124,7 @@ impl Way {
         let pieces = points.len().saturating_mul(CURVE_POINTS).min(100_000);
         for i in 1..pieces {
             let share = i as f64 / pieces as f64;
-            if let Some((x, y)) = nurbs(order, points, share) {
+            if let Some((x, y)) = curve_point(order, points, share) {
                 each(Kind::Feed, self.frame.machine_mm(Position { x, y, ..start }));
             }
         }
@@ -144,38 +144,6 @@ fn extremes(begin: f64, direction: f64, sweep: f64, turn: f64) -> Vec<f64> {
         }
     }
     out
-}
-
-/// Returns a point of a rational B-spline with clamped uniform knots, at `share` of its length of parameters.
-fn nurbs(order: u32, points: &[ControlPoint], share: f64) -> Option<(f64, f64)> {
-    let degree = usize::try_from(order).ok()?.checked_sub(1)?;
-    let spans = points.len().checked_sub(degree)?;
-    let knot = |i: usize| (i.saturating_sub(degree)).min(spans) as f64;
-    let u = share * spans as f64;
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "0 to the number of spans"
-    )]
-    let span = degree + (u as usize).min(spans.checked_sub(1)?);
-    let mut d: Vec<[f64; 3]> = points
-        .get(span - degree..=span)?
-        .iter()
-        .map(|p| [p.x * p.weight, p.y * p.weight, p.weight])
-        .collect();
-    for level in 1..=degree {
-        for j in (level..=degree).rev() {
-            let i = j + span - degree;
-            let (low, high) = (knot(i), knot(i + degree + 1 - level));
-            let a = if high > low { (u - low) / (high - low) } else { 0.0 };
-            let (before, here) = (*d.get(j - 1)?, d.get_mut(j)?);
-            for (h, b) in here.iter_mut().zip(before) {
-                *h = (1.0 - a) * b + a * *h;
-            }
-        }
-    }
-    let [x, y, w] = *d.last()?;
-    (w != 0.0).then(|| (x / w, y / w))
 }
 
 /// The smallest box that holds points.
@@ -245,11 +213,11 @@ mod tests {
         let half = std::f64::consts::FRAC_1_SQRT_2;
         let points = [point(1.0, 0.0, 1.0), point(1.0, 1.0, half), point(0.0, 1.0, 1.0)];
         for i in 0..=10 {
-            let (x, y) = nurbs(3, &points, f64::from(i) / 10.0).unwrap();
+            let (x, y) = curve_point(3, &points, f64::from(i) / 10.0).unwrap();
             assert!((x.hypot(y) - 1.0).abs() < 1e-12, "{i}: {x} {y}");
         }
         let line: Vec<ControlPoint> = (0..6).map(|i| point(f64::from(i), 2.0, 1.0)).collect();
-        assert_eq!(nurbs(2, &line, 0.5), Some((2.5, 2.0)));
-        assert_eq!(nurbs(9, &line, 0.5), None);
+        assert_eq!(curve_point(2, &line, 0.5), Some((2.5, 2.0)));
+        assert_eq!(curve_point(9, &line, 0.5), None);
     }
 }

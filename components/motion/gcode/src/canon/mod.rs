@@ -1,11 +1,13 @@
 //! Canonical calls: the typed output of the interpreter.
 
+mod curve;
 pub mod frame;
 mod print;
 
 use serde::{Deserialize, Serialize};
 
 use crate::axis::{Axis, Position};
+pub use curve::curve_point;
 pub use frame::Frame;
 
 /// The plane of arcs, cycles and compensation.

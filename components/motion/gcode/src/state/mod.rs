@@ -1,5 +1,6 @@
 //! The whole state of the interpreter as a value: cloned, compared, saved and loaded.
 
+pub mod codes;
 pub mod compensation;
 pub mod curve;
 pub mod level;

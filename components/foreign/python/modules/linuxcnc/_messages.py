@@ -1,0 +1,65 @@
+"""Messages for the operator."""
+
+import _machine
+
+from ._constants import OPERATOR_DISPLAY, OPERATOR_ERROR
+
+#: Messages of this program: refused commands, and what it has the operator told.
+own = []
+#: Largest number of messages that wait; the oldest ones give way.
+MAX_WAITING = 100
+#: Commands in progress whose failure nobody has seen yet: (channel, ticket).
+pending = []
+
+
+def add(kind, text):
+    """Adds a message of this program."""
+    own.append((kind, text))
+    del own[:-MAX_WAITING]
+
+
+def collect():
+    """Turns failures of commands that have ended into messages."""
+    for entry in list(pending):
+        channel, ticket = entry
+        try:
+            why = channel.ticket(ticket)
+        except _machine.error:
+            why = ""
+        if why is not None and entry in pending:
+            pending.remove(entry)
+            if why:
+                add(OPERATOR_ERROR, why)
+
+
+class error_channel:
+    """Messages since this object was made."""
+
+    def __init__(self):
+        self._page = None
+        self._seen = 0
+        self._last = None
+        try:
+            self._open()
+        except _machine.error:
+            pass
+
+    def _open(self):
+        self._page = _machine.Page("task.status")
+        self._seen = self._page["messages"]
+
+    def poll(self):
+        """Returns the oldest message that was not returned yet as (kind, text), or None."""
+        if self._page is None:
+            self._open()
+        self._page.poll()
+        collect()
+        count = self._page["messages"]
+        if count != self._seen:
+            self._seen = count
+            text = self._page.text("message")
+            failed = self._page["message_level"] > 0 if "message_level" in self._page else True
+            # The failure of a job is also that of the command that began it.
+            own[:] = [m for m in own if m[1] != text]
+            return OPERATOR_ERROR if failed else OPERATOR_DISPLAY, text
+        return own.pop(0) if own else None
