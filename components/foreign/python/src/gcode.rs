@@ -31,16 +31,34 @@ static LAST_ERROR: Mutex<String> = Mutex::new(String::new());
 /// Number of lines between two questions whether the preview is still wanted.
 const LINES_PER_CHECK: u32 = 50;
 
-/// `parse(FILE, CANON[, UNITCODE[, INITCODE[, INTERPRETER]]])`: runs two lines of G-code and then a file, and calls the
-/// methods of CANON. Returns the result and the last line.
+/// Lines of G-code that come before a file.
+#[derive(FromPyObject)]
+enum Codes {
+    /// One line.
+    Line(String),
+    /// Lines.
+    Lines(Vec<String>),
+}
+
+impl Codes {
+    fn lines(self) -> Vec<String> {
+        match self {
+            Self::Line(line) => vec![line],
+            Self::Lines(lines) => lines,
+        }
+    }
+}
+
+/// `parse(FILE, CANON[, UNITCODE[, INITCODE[, INTERPRETER]]])` or `parse(FILE, CANON, CODES[, INTERPRETER])`: runs lines of
+/// G-code and then a file, and calls the methods of CANON. Returns the result and the last line.
 #[pyfunction]
 #[pyo3(signature = (file, canon, unitcode=None, initcode=None, _interpreter=None, /))]
 fn parse<'py>(
     py: Python<'py>,
     file: &str,
     canon: Bound<'py, PyAny>,
-    unitcode: Option<&str>,
-    initcode: Option<&str>,
+    unitcode: Option<Codes>,
+    initcode: Option<Codes>,
     _interpreter: Option<&str>,
 ) -> PyResult<(i32, u32)> {
     let mut canon = Canon::new(canon)?;
@@ -65,8 +83,11 @@ fn parse<'py>(
     }
     let mut job = Job { canon, interpreter, world: Preview::new(machine), lines: 0 };
     job.preamble(py)?;
-    for code in [unitcode, initcode].into_iter().flatten().filter(|code| !code.is_empty()) {
-        job.interpreter.mdi(code);
+    // After a list comes the name of an interpreter.
+    let initcode = initcode.filter(|_| !matches!(unitcode, Some(Codes::Lines(_))));
+    let codes = [unitcode, initcode].into_iter().flatten().flat_map(Codes::lines);
+    for code in codes.filter(|code| !code.is_empty()) {
+        job.interpreter.mdi(&code);
         match job.run(py)? {
             (result::OK | result::END_OF_FILE, _) if !job.is_at_end() => {}
             other => return Ok(other),

@@ -31,6 +31,6 @@ from ._stat import stat
 #: Folders of the programs around a machine: interfaces, pictures, samples.
 PREFIX = _os.environ.get("LINUXCNC_HOME", "/usr")
 SHARE = _os.path.join(PREFIX, "share")
-#: Name of a file that programs pass on; Ferrule has none.
-nmlfile = ""
+#: File that programs check for before they look for a machine.
+nmlfile = _os.path.join(_os.path.dirname(__file__), "linuxcnc.nml")
 version = "2.9"

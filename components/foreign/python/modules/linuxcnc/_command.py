@@ -188,8 +188,11 @@ class command:
         self._send("task.feed-override", "scale=" + _number(scale))
 
     def rapidrate(self, scale):
-        """rapidrate(SCALE): sets the override of rapid moves."""
-        self._send("task.rapid-override", "scale=" + _number(scale))
+        """rapidrate(SCALE): accepts 1; there is no override of rapid moves alone."""
+        self._succeed()
+        if scale != 1.0:
+            self._status = RCS_ERROR
+            _messages.add(OPERATOR_ERROR, "the override of rapid moves alone cannot change: use the feed override")
 
     def maxvel(self, velocity):
         """maxvel(VELOCITY): sets the highest velocity of coordinated moves."""

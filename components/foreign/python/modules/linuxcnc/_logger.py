@@ -37,6 +37,8 @@ class positionlogger:
         self._stopped = threading.Event()
         self._lock = threading.Lock()
         self._points = []
+        #: Place of the newest point.
+        self._place = None
 
     @property
     def npts(self):
@@ -75,9 +77,14 @@ class positionlogger:
         return tuple(self._colors)
 
     def last(self, flag=1):
-        """Returns the newest point, or None."""
-        with self._lock:
-            return self._points[-1][0] if self._points else None
+        """last([FLAG]): returns the newest place that `start` has read, in machine units; the present one for 0."""
+        if flag and self._place is not None:
+            return self._place
+        try:
+            self._stat.poll()
+        except RuntimeError:
+            return None
+        return self._stat.actual_position
 
     def _add(self):
         stat = self._stat
@@ -90,6 +97,7 @@ class positionlogger:
         else:
             point = other = _drawing.vertex9(self._geometry, place)
         kind = stat.motion_type if 0 <= stat.motion_type < len(self._colors) else 0
+        self._place = stat.actual_position
         with self._lock:
             points = self._points
             if points and all(abs(p - q) < _NEAR for p, q in zip(points[-1][0] + points[-1][1], point + other)):

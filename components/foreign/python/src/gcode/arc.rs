@@ -10,6 +10,9 @@ const SEGMENTS: u32 = 128;
 const MIN_SEGMENTS: u32 = 3;
 /// The most segments of an arc.
 const MAX_SEGMENTS: f64 = 1e6;
+/// A place of nine axes, as a tuple of Python.
+type Place = (f64, f64, f64, f64, f64, f64, f64, f64, f64);
+
 const LETTERS: [&str; 9] = ["x", "y", "z", "a", "b", "c", "u", "v", "w"];
 
 fn offsets(canon: &Bound<'_, PyAny>, prefix: &str) -> PyResult<[f64; 9]> {
@@ -61,7 +64,7 @@ pub(super) fn arc_to_segments(
     v: f64,
     w: f64,
     max_segments: u32,
-) -> PyResult<Vec<[f64; 9]>> {
+) -> PyResult<Vec<Place>> {
     let start = canon.getattr("lo")?;
     let start: [f64; 9] = start
         .extract::<Vec<f64>>()?
@@ -82,7 +85,10 @@ pub(super) fn arc_to_segments(
     let steps = steps.min(MAX_SEGMENTS);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 1e6")]
     let steps = (steps as u32).max(MIN_SEGMENTS);
-    let machine = |at| sum(rotated(sum(at, g92, 1.0), cos, sin), g5x, 1.0);
+    let machine = |at| {
+        let [x, y, z, a, b, c, u, v, w] = sum(rotated(sum(at, g92, 1.0), cos, sin), g5x, 1.0);
+        (x, y, z, a, b, c, u, v, w)
+    };
     let mut out = Vec::with_capacity(steps as usize);
     for i in 1..steps {
         let share = f64::from(i) / f64::from(steps);
