@@ -79,7 +79,7 @@ class command:
                 if self._ticket in _messages.pending:
                     _messages.pending.remove(self._ticket)
                     if why:
-                        _messages.add(OPERATOR_ERROR, why)
+                        _messages.fail(why)
                 self._ticket, self._status = None, RCS_ERROR if why else RCS_DONE
             elif time.monotonic() >= end:
                 return -1

@@ -18,6 +18,12 @@ def add(kind, text):
     del own[:-MAX_WAITING]
 
 
+def fail(why):
+    """Adds the reason why a command failed. A jog or stop that gave way to the next one is no failure for an operator."""
+    if not why.startswith("superseded by "):
+        add(OPERATOR_ERROR, why)
+
+
 def collect():
     """Turns failures of commands that have ended into messages."""
     for entry in list(pending):
@@ -29,7 +35,7 @@ def collect():
         if why is not None and entry in pending:
             pending.remove(entry)
             if why:
-                add(OPERATOR_ERROR, why)
+                fail(why)
 
 
 class error_channel:
