@@ -6,7 +6,7 @@ import { getJson, listPath, request } from "../http.js";
 /** Makes a card that asks the server when its button is pressed, and when it is first seen. */
 function asked(ctx, id, title, ask, extra = []) {
   const { t, signal } = ctx;
-  const body = el("div", { class: "answer" });
+  const body = el("div", { class: "answer", tabIndex: 0, role: "region", "aria-label": title });
   const state = el("p", { class: "note", role: "status" });
   const refresh = async () => {
     try {

@@ -5,7 +5,7 @@ import { getJson, listPath } from "../http.js";
 
 const KINDS = ["pins", "params", "signals", "functs", "threads", "components"];
 /** Most names that one branch shows at once. */
-const MAX_SHOWN = 300;
+const MAX_SHOWN = 100;
 
 /** Makes the card of the tree. */
 export function treeCard(ctx) {

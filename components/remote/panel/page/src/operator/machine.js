@@ -15,7 +15,7 @@ export function machineCard(ctx) {
   const off = el("button", { type: "button", id: "power-off", onclick: () => run("off") }, t("power.off"));
   const home = holdButton(t("home.all"), t("hold.hint"), () => homeJoint("all"), { id: "home-all" });
   const joints = Array.from({ length: info.joints }, (_, j) =>
-    holdButton(`J${j}`, t("home.one", j), () => homeJoint(j), { "aria-label": t("home.one", j) }),
+    holdButton(`J${j}`, t("home.one", j), () => homeJoint(j), { "aria-label": `J${j}: ${t("home.one", j)}` }),
   );
   const unhome = holdButton(t("unhome"), t("hold.hint"), () => run("unhome", { joint: "all" }));
 
