@@ -23,6 +23,7 @@ use crate::{
 use hal_output::Unwritten;
 use hal_protocol::{At, Link, Reply, Request};
 use std::{
+    ffi::OsString,
     path::{Path, PathBuf},
     process::Child,
 };
@@ -80,6 +81,8 @@ pub struct Session<'a> {
     pub(crate) style: Style,
     pub(crate) instance: String,
     pub(crate) programs: Vec<Child>,
+    /// Variables of the environment of programs that the session starts, beside its own.
+    pub(crate) variables: Vec<(&'static str, OsString)>,
     environment: &'a dyn Fn(&str) -> Option<String>,
     ini: Option<&'a Ini>,
     place: (String, u32),
@@ -126,6 +129,7 @@ impl<'a> Session<'a> {
             style,
             instance: instance.to_owned(),
             programs: Vec::new(),
+            variables: Vec::new(),
             environment: &|name| std::env::var(name).ok(),
             ini: None,
             place: ("<commandline>".to_owned(), 0),

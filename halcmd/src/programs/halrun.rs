@@ -2,6 +2,7 @@
 
 pub(crate) mod compat;
 mod detach;
+mod display;
 mod job;
 mod log;
 pub(crate) mod machine;
@@ -243,7 +244,8 @@ fn script(
     let outcome = match (&plan.script, &files.ini) {
         (Script::Hal(path), _) => session.file(path, Bytes::new(files.script.clone())),
         (Script::Ini(path), Some(ini)) => {
-            machine::start(&mut session, ini, Path::new(path), plan.headless)
+            let reads = display::is_shown(plan, ini) && display::reads_postgui(ini);
+            machine::start(&mut session, ini, Path::new(path), !plan.headless && !reads)
         }
         (Script::Terminal, _) => typed(&mut session),
         (Script::Nothing | Script::Ini(_), _) => Outcome::Good,
@@ -251,6 +253,14 @@ fn script(
     let outcome = if outcome == Outcome::Good { session.settle() } else { outcome };
     let outcome = match &plan.job {
         Some(file) if outcome == Outcome::Good => job::run(&mut session, file),
+        _ => outcome,
+    };
+    let outcome = match (&plan.script, &files.ini) {
+        (Script::Ini(path), Some(ini))
+            if outcome == Outcome::Good && display::is_shown(plan, ini) =>
+        {
+            display::run(&mut session, ini, Path::new(path))
+        }
         _ => outcome,
     };
     if plan.interactive && outcome != Outcome::Ended && plan.script != Script::Terminal {

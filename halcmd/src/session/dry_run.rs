@@ -145,7 +145,7 @@ impl DryRun {
                     session.stand_at(path, 0);
                     session.report(&error);
                 }
-                let _: Outcome = machine::start(&mut session, ini, Path::new(path), false);
+                let _: Outcome = machine::start(&mut session, ini, Path::new(path), true);
             }
             _ => {
                 if let Some((ini, path)) = whole {

@@ -83,6 +83,21 @@ impl Session<'_> {
         }
     }
 
+    /// Lets the instance run until a program of this session has ended, or for a time.
+    pub(crate) fn await_program(&mut self, id: u32, seconds: Option<f64>) -> Result<(), Error> {
+        let pid = i32::try_from(id).unwrap_or(0);
+        let mut waited = 0.0;
+        while self.programs.iter().any(|child| child.id() == id && !has_ended(child)) {
+            if seconds.is_some_and(|most| waited >= most) {
+                return Ok(());
+            }
+            waited += f64::from(POLL_MS) / 1000.0;
+            self.ask(Request::Await { ms: POLL_MS, pid })?;
+        }
+        self.reap();
+        Ok(())
+    }
+
     /// Removes programs that have ended from the list.
     pub(crate) fn reap(&mut self) {
         if self.programs.iter().any(has_ended) {
@@ -98,6 +113,7 @@ impl Session<'_> {
         if let Some(path) = python_path() {
             command.env("PYTHONPATH", path);
         }
+        command.envs(self.variables.iter().map(|(name, value)| (name, value)));
         if self.style.reads_input {
             command.stdin(Stdio::null());
         }

@@ -5,7 +5,10 @@ use crate::{
     ini::{Entry, Ini},
 };
 use hal_protocol::{At, CommandInfo, Kind, Reply, Request};
-use std::path::{Path, PathBuf};
+use std::{
+    ffi::OsString,
+    path::{Path, PathBuf},
+};
 
 const TCL: &str = "write it as a .hal file";
 const TWOPASS: &str = "name each module in one loadrt line and take TWOPASS out";
@@ -42,9 +45,10 @@ pub(crate) fn refuse(ini: &Ini) -> Result<(), Error> {
     super::compat::of_ini(ini).map(|_| ())
 }
 
-/// Executes the INI file's requests in order; without those for a user interface if `headless`.
-pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path, headless: bool) -> Outcome {
+/// Executes the INI file's requests in order, and the files of `POSTGUI_HALFILE` if `postgui`.
+pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path, postgui: bool) -> Outcome {
     let folders = Folders::of(path);
+    session.variables = variables(path, &folders.here);
     // Relative file names in scripts are relative to the INI file's folder.
     if session.is_dry_run() {
         session.set_folder(&folders.named);
@@ -65,7 +69,7 @@ pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path, headless:
         machine.then(|session| session.line_at(&entry.file, entry.line, &entry.value));
     }
     machine.ask("HAL", Request::Start);
-    let shown = if headless { None } else { Some(ini.all("HAL", "POSTGUI_HALFILE")) };
+    let shown = postgui.then(|| ini.all("HAL", "POSTGUI_HALFILE"));
     for entry in shown.into_iter().flatten() {
         machine.file(entry, false);
     }
@@ -90,6 +94,26 @@ pub(crate) fn after_files(session: &mut Session<'_>, ini: &Ini, path: &Path) {
 /// Returns the entry that asks for `halui`.
 fn operator_entry(ini: &Ini) -> Option<&Entry> {
     ini.all("HAL", "HALUI").find(|e| !e.value.is_empty())
+}
+
+/// Executes the files of `SHUTDOWN`.
+pub(super) fn shut_down(session: &mut Session<'_>, ini: &Ini, path: &Path) {
+    let mut machine = Machine { session, ini, folders: Folders::of(path), outcome: Outcome::Good };
+    for entry in ini.all("HAL", "SHUTDOWN").filter(|entry| !entry.value.is_empty()) {
+        machine.file(entry, true);
+    }
+}
+
+/// Returns the variables that the programs of a machine look for: its INI file and folder, and a path with Ferrule's own
+/// programs first.
+fn variables(ini: &Path, folder: &Path) -> Vec<(&'static str, OsString)> {
+    let ini = std::path::absolute(ini).unwrap_or_else(|_| ini.to_path_buf());
+    let mut all = vec![("INI_FILE_NAME", ini.into()), ("CONFIG_DIR", folder.into())];
+    let here = std::env::current_exe().ok().and_then(|p| p.parent().map(Path::to_path_buf));
+    let before = std::env::var_os("PATH").unwrap_or_default();
+    let paths = here.into_iter().chain(std::env::split_paths(&before));
+    all.extend(std::env::join_paths(paths).ok().map(|path| ("PATH", path)));
+    all
 }
 
 struct Machine<'a, 's> {

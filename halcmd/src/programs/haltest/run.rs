@@ -210,7 +210,7 @@ impl Fixture<'_> {
         let mut outcome = match (&self.plan.script, &self.files.ini) {
             (Script::Hal(path), _) => session.file(path, Bytes::new(self.files.script.clone())),
             (Script::Ini(path), Some(ini)) => {
-                machine::start(&mut session, ini, Path::new(path), false)
+                machine::start(&mut session, ini, Path::new(path), true)
             }
             _ => Outcome::Good,
         };
