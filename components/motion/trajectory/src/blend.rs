@@ -149,7 +149,7 @@ fn between_curves(a: &Segment, b: &Segment, room: f64, t: &Tolerances, size: f64
 }
 
 fn curve(a: &Segment, b: &Segment, half: f64) -> Curve {
-    Curve::hermite(&a.curve.at(a.length - half), &b.curve.at(half), 2.0 * half)
+    Curve::hermite(&a.curve.twice(a.length - half), &b.curve.twice(half), 2.0 * half)
 }
 
 /// Bounds the largest ratio of a blend's distance from the path to the tolerance.
@@ -261,7 +261,7 @@ fn half_deviation(
     };
     let difference = |k: u8| {
         let x = h * f64::from(k);
-        let (p, q) = (blend.at(at + x), segment.curve.at(from + x));
+        let (p, q) = (blend.twice(at + x), segment.curve.twice(from + x));
         let d = Derivatives {
             pose: p.pose - q.pose,
             first: p.first - q.first,
@@ -291,10 +291,10 @@ fn half_deviation(
             slip = slip.max(along.abs());
             let across = *point - u * point.dot(&u, main);
             for (o, group) in off.iter_mut().zip(Group::ALL) {
-                *o = o.max(across.norm(group));
+                *o = o.max(across.dot(&across, group));
             }
         }
-        for (o, group) in off.iter().zip(Group::ALL) {
+        for (o, group) in off.map(f64::sqrt).iter().zip(Group::ALL) {
             // Only XYZ of an arc turns; a polynomial may turn in every group.
             let turns = group == Group::Xyz || matches!(segment.curve, Curve::Poly { .. });
             let bent = slip * turn + 0.5 * curvature * slip * slip + rest;

@@ -33,9 +33,10 @@ impl Curve {
                 let rows = out.first.0.iter_mut().zip(&mut out.second.0).zip(&mut out.third.0);
                 for (((first, second), third), (a, b)) in rows.zip(arm.iter().zip(side)) {
                     let (radial, along) = (a * cos + b * sin, b * cos - a * sin);
-                    let slope = half.largest(along, radial);
+                    let size = (radial * radial + along * along).sqrt();
+                    let slope = half.largest(along, radial, size);
                     *first += k1 * slope;
-                    *second = k2 * half.largest(radial, along);
+                    *second = k2 * half.largest(radial, along, size);
                     *third = k1 * k2 * slope;
                 }
                 let radius = arm.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -75,22 +76,40 @@ fn poly(c: &[Pose; 6], length: f64, from: f64, to: f64, lead: Group) -> Bounds {
     Bounds { first, second: largest(&second, k * k), third: largest(&third, k * k * k), speed }
 }
 
-/// Bounds the first derivative of a polynomial in `u` over `from <= u <= to`.
+/// Bounds the first derivative of a polynomial in `u` over `from <= u <= to`, by the hulls of both halves.
 pub(crate) fn poly_slope(c: &[Pose; 6], length: f64, from: f64, to: f64) -> Pose {
-    slope(&shifted(c, from, to - from), 1.0 / (length * (to - from)), Group::Xyz).0
+    let mut points = slopes(&shifted(c, from, to - from));
+    let k = 1.0 / (length * (to - from));
+    let mut worst = points[0].abs();
+    // De Casteljau's construction: after each round, the first point belongs to the first half.
+    for last in (0..4).rev() {
+        for i in 0..=last {
+            if let Some([a, b]) = points.get_mut(i..i + 2) {
+                *a = (*a + *b) * 0.5;
+            }
+        }
+        worst = worst.max(&points[0].abs());
+    }
+    // The points that are left are those of the second half.
+    points.iter().fold(worst, |m, p| m.max(&p.abs())) * (k * (1.0 + 1e-12))
 }
 
-/// Bounds the first derivative by its Bernstein coefficients, of degree 4.
-fn slope(c: &[Pose; 6], k: f64, lead: Group) -> (Pose, f64) {
+/// Returns the Bernstein coefficients of the first derivative, of degree 4, times the width of the interval.
+fn slopes(c: &[Pose; 6]) -> [Pose; 5] {
     let [_, c1, c2, c3, c4, c5] = *c;
     let d = [c1, c2 * 2.0, c3 * 3.0, c4 * 4.0, c5 * 5.0];
-    let first = [
+    [
         d[0],
         d[0] + d[1] * 0.25,
         d[0] + d[1] * 0.5 + d[2] * (1.0 / 6.0),
         d[0] + d[1] * 0.75 + d[2] * 0.5 + d[3] * 0.25,
         d[0] + d[1] + d[2] + d[3] + d[4],
-    ];
+    ]
+}
+
+/// Bounds the first derivative by its Bernstein coefficients.
+fn slope(c: &[Pose; 6], k: f64, lead: Group) -> (Pose, f64) {
+    let first = slopes(c);
     let square = first.iter().map(|p| p.dot(p, lead)).fold(0.0, f64::max);
     (largest(&first, k), square.sqrt() * k * (1.0 + 1e-12))
 }
@@ -136,10 +155,10 @@ impl Half {
         Self { sin, cos }
     }
 
-    /// Returns the largest |m·cos t + n·sin t| for t up to this angle to either side. The peak is at tan t = n/m.
-    fn largest(&self, m: f64, n: f64) -> f64 {
+    /// Returns the largest |m·cos t + n·sin t| for t up to this angle to either side; `size` is the root of m² + n². The
+    /// peak is at tan t = n/m.
+    fn largest(&self, m: f64, n: f64, size: f64) -> f64 {
         let (m, n) = (m.abs(), n.abs());
-        let size = (m * m + n * n).sqrt();
         let at = if n * self.cos <= m * self.sin { size } else { m * self.cos + n * self.sin };
         at * (1.0 + 1e-12) + size * 1e-12
     }

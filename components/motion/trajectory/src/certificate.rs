@@ -215,8 +215,6 @@ fn exact(curve: &Curve, from: f64, to: f64) -> Bounds {
         Curve::Poly { c, length } => (c, length),
     };
     let (u0, u1) = (from / length, to / length);
-    let middle = 0.5 * (u0 + u1);
-    let (a, b) = (poly_slope(c, *length, u0, middle), poly_slope(c, *length, middle, u1));
     let (k2, k3) = (1.0 / (length * length), 1.0 / (length * length * length));
     let (mut second, mut third) = (Pose::ZERO, Pose::ZERO);
     let [_, _, c2, c3, c4, c5] = *c;
@@ -245,7 +243,7 @@ fn exact(curve: &Curve, from: f64, to: f64) -> Bounds {
         *second = high * k2;
         *third = steep * k3;
     }
-    Bounds { first: a.max(&b), second, third, speed: 0.0 }
+    Bounds { first: poly_slope(c, *length, u0, u1), second, third, speed: 0.0 }
 }
 
 /// Bounds of the derivatives of a circle.

@@ -66,6 +66,15 @@ impl Curve {
 
     /// Returns the pose and its derivatives at `s`.
     pub fn at(&self, s: f64) -> Derivatives {
+        self.derive::<true>(s)
+    }
+
+    /// Returns the pose and its first two derivatives at `s`; the third is zero.
+    pub(crate) fn twice(&self, s: f64) -> Derivatives {
+        self.derive::<false>(s)
+    }
+
+    fn derive<const THIRD: bool>(&self, s: f64) -> Derivatives {
         match self {
             Self::Line { start, slope } => {
                 Derivatives { pose: *start + *slope * s, first: *slope, ..Derivatives::default() }
@@ -78,7 +87,7 @@ impl Curve {
                     pose: *center + *drift * s + radial,
                     first: *drift + along * *rate,
                     second: radial * (-rate * rate),
-                    third: along * (-rate * rate * rate),
+                    third: if THIRD { along * (-rate * rate * rate) } else { Pose::ZERO },
                 }
             }
             Self::Poly { c, length } => {
@@ -91,7 +100,11 @@ impl Curve {
                     first: ((((c5 * (5.0 * u) + c4 * 4.0) * u + c3 * 3.0) * u + c2 * 2.0) * u + c1)
                         * k1,
                     second: (((c5 * (20.0 * u) + c4 * 12.0) * u + c3 * 6.0) * u + c2 * 2.0) * k2,
-                    third: ((c5 * (60.0 * u) + c4 * 24.0) * u + c3 * 6.0) * k3,
+                    third: if THIRD {
+                        ((c5 * (60.0 * u) + c4 * 24.0) * u + c3 * 6.0) * k3
+                    } else {
+                        Pose::ZERO
+                    },
                 }
             }
         }

@@ -31,7 +31,7 @@ pub const CAPACITY: usize = 16384;
 pub(crate) const STAGED: usize = 2048;
 
 /// Largest angle of an arc in one cell, in radians.
-const ARC_CELL: f64 = 0.2;
+const ARC_CELL: f64 = 0.25;
 
 /// Length of the cells of a long blend.
 const BLEND_CELL: f64 = 0.5;

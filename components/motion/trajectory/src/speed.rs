@@ -285,7 +285,7 @@ impl Law {
     }
 }
 
-/// Limits with the bounds of the three derivatives.
+/// Limits with the bounds of the three derivatives, of axes or joints that move.
 fn rows<'a>(
     limits: &'a [Limits],
     first: &'a [f64],
@@ -293,5 +293,6 @@ fn rows<'a>(
     third: &'a [f64],
 ) -> impl Iterator<Item = (&'a Limits, f64, f64, f64)> + Clone {
     let bounds = first.iter().zip(second).zip(third);
-    limits.iter().zip(bounds).map(|(l, ((a, b), c))| (l, *a, *b, *c))
+    let rows = limits.iter().zip(bounds).map(|(l, ((a, b), c))| (l, *a, *b, *c));
+    rows.filter(|(_, a, b, c)| *a != 0.0 || *b != 0.0 || *c != 0.0)
 }

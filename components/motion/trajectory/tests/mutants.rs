@@ -95,7 +95,7 @@ const MUTANTS: [Mutant; 15] = [
     Mutant {
         mistake: "an arc is one cell",
         file: "plan.rs",
-        right: "const ARC_CELL: f64 = 0.2;",
+        right: "const ARC_CELL: f64 = 0.25;",
         wrong: "const ARC_CELL: f64 = 7.0;",
         fails: ["times", "a_feed_is_reached"],
     },
